@@ -68,7 +68,7 @@ def compile_into(folder: Path, root: Path, commands: tuple[tuple[str, ...], ...]
     sys.path.insert(0, str(root))
     from walkergen.core.numerics import kernels, shipped
 
-    own = shipped.kind(kernels.digest())
+    own = shipped.machine_kind(kernels.source_digest())
     if not own.cpu:
         raise SystemExit("this CPU is no x86-64-v3: wheels with kernels are made on one that is")
     with tempfile.TemporaryDirectory() as place:
@@ -97,11 +97,11 @@ def _gathered(cache: Path, folder: Path, package: Path) -> dict[str, str]:
     """Copy entries of the package's rooms out of a cache; their sums by their names."""
     from walkergen.core.numerics import shipped
 
-    rooms = {shipped.subpath(room): room for room in package.rglob("*") if room.is_dir()}
+    rooms = {shipped.cache_subpath(room): room for room in package.rglob("*") if room.is_dir()}
     sums = {}
     for path in sorted(cache.rglob("*.nb[ic]")):
         place = rooms[path.parent.name].relative_to(package) / path.name
         (folder / place).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(path, folder / place)
-        sums[place.as_posix()] = shipped.sum_of(path)
+        sums[place.as_posix()] = shipped.file_checksum(path)
     return sums

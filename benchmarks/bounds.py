@@ -124,7 +124,7 @@ def drawn(number: int, scene: Scene, seed: int) -> Hidden:
             continue
         plate = scene.variant(**shake)
         known = uncertain.inputs(plate, design, "space")
-        values = uncertain.draws(known, 1, int(rng.integers(2**31)))[0]
+        values = uncertain.sample_inputs(known, 1, int(rng.integers(2**31)))[0]
         names = [one.name for one in known]
         return Hidden(design, plate, dict(zip(names, values.tolist(), strict=True)), rng)
 
@@ -137,7 +137,7 @@ def speeds(hidden: Hidden, tilts: Sequence[float], seconds: float) -> list[float
     asked = []
     for tilt in tilts:
         design = hidden.design.variant(tilt_deg=tilt)
-        scene, printed, mass = uncertain.applied(hidden.scene, design, hidden.values)
+        scene, printed, mass = uncertain.apply_inputs(hidden.scene, design, hidden.values)
         keys = {"run.runs": 1, "run.seconds": seconds, "run.seed": int(hidden.rng.integers(2**31))}
         scene = scene.variant(**keys)
         step = prepare(scene, printed, mass).world.options.step

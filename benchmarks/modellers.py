@@ -61,7 +61,7 @@ def with_walkergen() -> Maker:
 
     def make(part: Part, folder: Path) -> Callable[[], Weighed]:
         member = design.variant(tilt_deg=part[0], kind=part[1])  # type: ignore[arg-type]
-        built, name = solids.build(member), names.part(member)
+        built, name = solids.build(member), names.part_name(member)
         solids.weigh(member, built)
         output.write(folder / f"{name}.stl", export.stl_bytes(built.walker, name))
 

@@ -33,7 +33,7 @@ def outline(mesh: Mesh) -> list[tuple[float, float]]:
 
 def strip(shape: list[tuple[float, float]], count: int, printer: Printer, seconds: int) -> float:
     """Length of the shortest strip found for `count` copies, mm."""
-    depth = printer.bed_depth_mm - 2.0 * plate.border(printer)
+    depth = printer.bed_depth_mm - 2.0 * plate.border_width(printer)
     item = spyrrow.Item("walker", shape, count, [0.0, 180.0])
     config = spyrrow.StripPackingConfig(
         total_computation_time=seconds, seed=1, num_workers=1, min_items_separation=plate.spacing(printer)
@@ -48,12 +48,12 @@ def main() -> None:
     words = parser.parse_args()
     design = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=words.tilt)
     mesh = solids.build(design).walker
-    part, shape = plate.Part.of("walker", mesh), outline(mesh)
+    part, shape = plate.Part.from_mesh("walker", mesh), outline(mesh)
     print(f"{'printer':14s}{'rows':>6s}{'nested':>8s}{'gain':>7s}   strip twice, same seed (mm)")
     for name in templates.names("printers"):
         printer = templates.load(name, "printers", Printer)
         rows, room = plate.capacity(part, printer), printer.bed_width_mm
-        room -= 2.0 * plate.border(printer)
+        room -= 2.0 * plate.border_width(printer)
         ladder = [int(rows * share) for share in np.arange(MOST, 1.0, -STEP)]
         nested = next((n for n in ladder if strip(shape, n, printer, words.seconds) <= room), rows)
         twice = [strip(shape, 40, printer, words.seconds) for _ in range(2)]

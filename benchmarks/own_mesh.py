@@ -57,13 +57,13 @@ def two_legs(body: joining.Body) -> list[Mesh]:
     middle = 0.5 * (body.mesh.vertices[:, 2].min() + body.mesh.vertices[:, 2].max())
     for x in (-5.0, 2.0):
         foot = np.array([x, -16.0, middle + 0.1])
-        reach = joining.footing(body, foot, upward, 0.4, 5.0).reach
-        found.append(joining.prism(foot, upward, 0.4, 5.0, reach + 0.7))
+        reach = joining.find_footing(body, foot, upward, 0.4, 5.0).reach
+        found.append(joining.leg_prism(foot, upward, 0.4, 5.0, reach + 0.7))
     return found
 
 
 def with_walkergen(body: joining.Body, legs: list[Mesh], path: Path) -> tuple[float, Any]:
-    whole = joining.union_with_legs(body, legs)
+    whole = joining.unite_with_legs(body, legs)
     weighed = mass.weigh(whole, DENSITY)
     output.write(path, export.stl_bytes(whole, "own"))
     return weighed.volume, weighed.tensor
@@ -96,7 +96,7 @@ def unite(body: Mesh, repeats: int, folder: Path) -> bool:
     """Print the times of union, weighing and writing; True when both agree within AGREEMENT."""
     import trimesh
 
-    made = joining.ready(body)
+    made = joining.prepare_body(body)
     legs = two_legs(made)
     taken: dict[str, list[tuple[float, float]]] = {"walkergen": [], "the same, with its conversion": [], "trimesh": []}
     apart = 0.0
@@ -106,7 +106,7 @@ def unite(body: Mesh, repeats: int, folder: Path) -> bool:
         path = folder / "own.stl"
         seconds, mine = timed_twice(lambda path=path: with_walkergen(made, legs, path))
         taken["walkergen"].append(seconds)
-        seconds, _ = timed_twice(lambda path=path: with_walkergen(joining.ready(body), legs, path))
+        seconds, _ = timed_twice(lambda path=path: with_walkergen(joining.prepare_body(body), legs, path))
         taken["the same, with its conversion"].append(seconds)
         seconds, other = timed_twice(lambda given=theirs: with_trimesh(given[0], given[1:], folder / "rival.stl"))
         taken["trimesh"].append(seconds)
@@ -133,7 +133,7 @@ def read(body: Mesh, folder: Path) -> None:
         "file to merged vertices": timed(lambda: meshes.load(path, "body"))[0],
         "edges": timed(lambda: faults.edges(mesh.triangles))[0],
         "closed pieces": timed(lambda: faults.shells(mesh))[0],
-        "conversion for the modeller": timed(lambda: joining.ready(mesh))[0],
+        "conversion for the modeller": timed(lambda: joining.prepare_body(mesh))[0],
         "crossings": timed(lambda: crossings.find(mesh.vertices, mesh.triangles, 1e-5))[0],
         "all of reading and checks": total,
     }
@@ -157,7 +157,7 @@ def million() -> None:
         after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         print(f"a million: {len(found.mesh.triangles)} triangles, {path.stat().st_size / 1e6:.0f} MB")
         print(f"  read and checked in {seconds:.2f} s, peak {after / 1e6:.2f} GB (before {before / 1e6:.2f} GB)")
-        made = joining.ready(found.mesh)
+        made = joining.prepare_body(found.mesh)
         legs = two_legs(made)
         seconds, _ = timed(lambda: with_walkergen(made, legs, folder / "own.stl"))
         after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss

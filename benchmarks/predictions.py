@@ -32,7 +32,7 @@ from walkergen.core.theory.impact import resolve
 from walkergen.core.theory.speed import MODES, Mode
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
-from walkergen.core.walker.mass import LegMass, MassProperties, scaled
+from walkergen.core.walker.mass import LegMass, MassProperties, scale_masses
 from walkergen.files import templates
 
 Array = npt.NDArray[np.float64]
@@ -70,7 +70,7 @@ def draw(rng: np.random.Generator, walkers: MassProperties, count: int) -> Tripl
     pick = rng.integers(len(walkers.legs[0].anchor), size=count)
     body, leg = rng.normal(1.0, 0.02, (2, count))
     e, mu = rng.uniform(0.0, 1.0, count), rng.uniform(0.01, 0.6, count)
-    return scaled(picked(walkers, pick), body, leg), e, mu
+    return scale_masses(picked(walkers, pick), body, leg), e, mu
 
 
 def chunks(walkers: MassProperties, total: int, size: int) -> Iterator[Triples]:
@@ -101,7 +101,7 @@ def with_roots(triples: Triples, mode: Mode) -> Array | None:
         return None  # eq. 15's reversal in any case is not what an impact does
     mass, e, mu = triples
     found = np.zeros((2, len(e)))
-    for foot, H in enumerate(tensors.feet(mass)):
+    for foot, H in enumerate(tensors.foot_tensors(mass)):
         entries = np.column_stack([H.xx, H.xy, H.yy, e, mu]).tolist()
         for k, (xx, xy, yy, restitution, friction) in enumerate(entries):
 

@@ -162,7 +162,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=3.0)
     parser.add_argument("--out", type=Path, default=Path("out/steps.csv"))
     options = parser.parse_args()
-    code = f"{kernels.digest()} {options.finer:g} {options.runs} {options.seconds:g}"
+    code = f"{kernels.source_digest()} {options.finer:g} {options.runs} {options.seconds:g}"
     rows = kept(options.out, code)
     options.out.parent.mkdir(parents=True, exist_ok=True)
     print(f"| setting | own step | step / {options.finer:g} | difference | stated |")

@@ -35,7 +35,7 @@ from walkergen.core.files import output  # noqa: E402
 from walkergen.core.numerics import kernels  # noqa: E402
 
 STYLE = ("walkergen/files/figures.py",)
-SIMULATION = tuple(f"walkergen/{pattern}" for pattern in kernels.SOURCES)
+SIMULATION = tuple(f"walkergen/{pattern}" for pattern in kernels.SOURCE_PATTERNS)
 MEASURES = tuple(f"walkergen/analysis/{name}.py" for name in ("curves", "landings"))
 SCENES = ("walkergen/core/scene.py", "templates/scenes/*.toml")
 PREDICTION = ("walkergen/core/theory/*.py", "walkergen/core/theory/*.npz", *SCENES)
@@ -137,7 +137,7 @@ def own_shapes(folder: Path) -> bytes:
             (folder / shape).write_bytes((drawings.every() | meshes.every())[shape])
         design = asked.design(str(folder / shape) if "." in shape else "koumakis2016").variant(tilt_deg=10.0)
         (member,) = predicting.predict(design, [design], scene, "coulomb").members
-        parts.append(Part(design, member.mesh, shape, low=True, speed=prediction.brief(member.row)))
+        parts.append(Part(design, member.mesh, shape, low=True, speed=prediction.describe_briefly(member.row)))
     return figures.png(preview_figure(parts, "A drawing, a mesh, a name: legs place themselves"), 150)
 
 

@@ -169,4 +169,4 @@ commands = typer.Typer(
     no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False, context_settings=HELP_OPTIONS
 )
 for _name, _request in REQUESTS.items():
-    commands.command(_name, cls=Command)(build.function(_name, _request))
+    commands.command(_name, cls=Command)(build.make_function(_name, _request))

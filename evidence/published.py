@@ -45,7 +45,7 @@ class Fact(NamedTuple):
 
     def verdict(self, ours: Quantity) -> Verdict:
         """How our number stands beside the statement: all of its bounds, of 95 %, within the range agree."""
-        return ours.within(self.low, self.high)
+        return ours.compare_with_range(self.low, self.high)
 
     def off(self, ours: Quantity) -> float | None:
         """Distance of our number from the stated value; from the bound, where the paper states a bound."""

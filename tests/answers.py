@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from walkergen.cli import show
-from walkergen.core.errors import WalkergenError, for_python
+from walkergen.core.errors import WalkergenError, spell_for_python
 from walkergen.files.report import Report
 
 
@@ -33,7 +33,7 @@ def assert_every_form(report, capsys):
     json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     show.report(report, json=False, quiet=False, width=80)
     assert "nan" not in capsys.readouterr().out.lower().split()
-    title = for_python(report.title)
+    title = spell_for_python(report.title)
     assert report.markdown().startswith(f"# {title}\n")
     assert repr(report).startswith(title)
     html = report._repr_html_()

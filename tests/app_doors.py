@@ -67,14 +67,14 @@ class Doors:
     def __init__(self, folder: Path, away: bool = False, own: str | None = None) -> None:
         self.folder = folder / "out" / "app"
         walker = own or PAPER["walker"]
-        first = Document(walker, PAPER["scene"], PAPER["printer"], served.START)
-        self.server = served.new(self.folder, frozenset([HOST]), first, own, away, own is not None)
+        first = Document(walker, PAPER["scene"], PAPER["printer"], served.START_VALUES)
+        self.server = served.make_server(self.folder, frozenset([HOST]), first, own, away, own is not None)
         self.app = server.application(self.server)
         Doors.begun.append(self.server)
         while len(Doors.begun) > 2:
             gone = Doors.begun.pop(0)
             for workers in (gone.steps, gone.workers):
-                workers.end()
+                workers.stop()
 
     def taken(self, message):
         """Answer with files, once they are made; the refusal where they cannot be."""
@@ -225,7 +225,7 @@ def files(folder):
 KEYS = [
     prefix + ".".join(path)
     for prefix, model in (("", Design), ("scene.", Scene), ("printer.", Printer))
-    for path in config.keys(model)
+    for path in config.key_paths(model)
 ] + ["legs[1].tilt_deg", "legs[2].along_mm", "legs[99].kind", "walker.mesh", "body.points_mm"]
 ODD = (
     None,

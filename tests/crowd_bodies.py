@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from walkergen.commands.selftest.scenes import STILL
+from walkergen.commands.selftest.scenes import STILL_DRIVE
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.effects.slope import Gravity
 from walkergen.core.simulation.space.pose import place
@@ -25,7 +25,7 @@ class Pair:
 
     def __init__(self, places, velocities, spins=(0.0, 0.0), shorter=1.0, **keys):
         design = Design().variant(tilt_deg=10.0, kind="braced")
-        data = {"drive": STILL, "arena": {"kind": "plane"}}
+        data = {"drive": STILL_DRIVE, "arena": {"kind": "plane"}}
         scene = Scene.model_validate(data | {"crowd": keys})
         mass = solids.mass_of(design)
         far = [(0.0, 0.0, places[0][2]), (APART, 0.0, places[1][2])]

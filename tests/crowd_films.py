@@ -16,12 +16,12 @@ def of(places, dish, outline=BOX, interval=0.1):
     times = interval * np.arange(len(places))
     outlines = {} if outline is None else {"walker": (outline,)}
     kinds = ["walker"] * np.shape(places)[1]
-    return film.of_places(times, np.asarray(places, float), kinds, outlines, dishes.parse(dish))
+    return film.of_places(times, np.asarray(places, float), kinds, outlines, dishes.parse_dish(dish))
 
 
 def gas(dish, walkers, frames, seed, outline=BOX):
     """Walkers anywhere in a dish and with any heading, anew in every frame."""
-    rng, own = np.random.default_rng(seed), dishes.parse(dish)
+    rng, own = np.random.default_rng(seed), dishes.parse_dish(dish)
     places = rng.uniform(-0.5, 0.5, (8 * frames * walkers, 2)) * own.box
     inside = ~(ground.wall_distance(*places.T, own) < 0)
     places = places[inside][: frames * walkers].reshape(frames, walkers, 2)

@@ -426,7 +426,7 @@ def _reading(name: str) -> tuple[str, ...]:
 
 def keys(rng: random.Random) -> Try:
     """A key of a file with a hostile value, in the file or by --set."""
-    from walkergen.core.files.config import keys as keys_of
+    from walkergen.core.files.config import key_paths as keys_of
     from walkergen.core.printing.printers import Printer
     from walkergen.core.scene import Scene
     from walkergen.core.walker.design import Design
@@ -475,8 +475,8 @@ def limits(rng: random.Random) -> Try:
     words: list[str] = []
     for _ in range(rng.choice((1, 1, 2, 4))):
         prefix, model = rng.choice((("", Design), ("scene.", Scene), ("scene.", Scene)))
-        path = rng.choice(config.keys(model))
-        told = config.allowed(path, model).split()
+        path = rng.choice(config.key_paths(model))
+        told = config.describe_allowed_values(path, model).split()
         ends = [word for sign, word in pairwise(told) if sign in (">=", "<=")]
         if ends:
             words += ["--set", f"{prefix}{'.'.join(path)}={rng.choice(ends)}"]

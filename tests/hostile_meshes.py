@@ -12,7 +12,7 @@ UP = np.array([0.0, 1.0, 0.0])
 def box(length=20.0, height=6.0, depth=8.0, middle=(0.0, 0.0, 0.0)):
     """Box with its middle at a place: x along, y up, z across."""
     foot = np.array(middle, float) - 0.5 * height * UP
-    return joining.prism(foot, UP, length, depth, height)
+    return joining.leg_prism(foot, UP, length, depth, height)
 
 
 def inverted(mesh):
@@ -35,7 +35,7 @@ def duck(segments=32):
         sphere.scale((3.0, 2.0, 1.0)).translate((12.5, 0.0, 6.5)),
         sphere.scale((3.0, 2.0, 1.5)).translate((-9.5, 0.0, 2.0)),
     ]
-    return modeller.mesh_of(manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add))
+    return modeller.to_mesh(manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add))
 
 
 def tube(path, radius=0.6, sides=12):

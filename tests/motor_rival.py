@@ -86,14 +86,14 @@ def rival(plan, radius, friction=0.0, step=4e-6):
 
 def fly(plan, seconds, phase):
     """State of a weightless walker that was let go high over the plate, so many seconds later."""
-    state = plan.start(500.0, 0.0, phase)
-    assert plan.advance(state, seconds, record.new()) == OK
+    state = plan.initial_state(500.0, 0.0, phase)
+    assert plan.advance(state, seconds, record.new_tally()) == OK
     return state
 
 
 def fly_there(plan, radius, seconds, phase, step=2e-6):
     """The same by the rival: place of O and quaternion (7 numbers), and the angles of its legs."""
-    start = plan.start(500.0, 0.0, phase)
+    start = plan.initial_state(500.0, 0.0, phase)
     work = work_for(plan.world.walker, start)
     place(plan.world, start, work)
     model = rival(plan, radius, step=step)

@@ -13,7 +13,7 @@ from walkergen.core.numerics.kernels import kernel
 from walkergen.core.simulation import record
 from walkergen.core.simulation.space.forces import guess, solve
 from walkergen.core.simulation.space.landings import settle
-from walkergen.core.simulation.space.state import NEAR, OPEN, ROW
+from walkergen.core.simulation.space.state import NEAR_DTYPE, OPEN, ROW_LENGTH
 
 
 class Corner(NamedTuple):
@@ -70,14 +70,14 @@ def _land(state, near, H, A, h, sums, path):
 def land(corner, velocity, h, part=0.5):
     """Land a corner at a velocity (normal, along, across), from the given part of a step of h seconds on."""
     velocity = np.array(velocity, float)
-    near, sums = np.zeros(1, NEAR), np.zeros_like(record.new(0).sums)
+    near, sums = np.zeros(1, NEAR_DTYPE), np.zeros_like(record.new_tally(0).sums)
     (contact,) = near
     contact.friction, contact.shear, contact.damper = corner.friction, corner.shear, corner.damper
     contact.spring, contact.tip = corner.spring, corner.tip
     contact.speed[:] = contact.free[:] = contact.middle[:] = velocity
     contact.gap[0] = -velocity[0] * h * part
     path = np.zeros((200_000, 3))
-    steps = _land(np.zeros(ROW), near, corner.mobility, np.zeros((3, 4)), h, sums, path)
+    steps = _land(np.zeros(ROW_LENGTH), near, corner.mobility, np.zeros((3, 4)), h, sums, path)
     assert 0 < steps < len(path)
     np.testing.assert_allclose(
         contact.speed - velocity, corner.mobility @ contact.impulse, atol=1e-10 * np.abs(velocity).max()

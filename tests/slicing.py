@@ -63,7 +63,7 @@ def laid_out(
 ) -> tuple[list[Placement], Path]:
     """A plate of designs that nothing has checked, with the printer's settings beside it."""
     meshes = [solids.build(design).walker for design in designs]
-    parts = [Part.of(f"part{index}", mesh) for index, mesh in enumerate(meshes)]
+    parts = [Part.from_mesh(f"part{index}", mesh) for index, mesh in enumerate(meshes)]
     if one is None:
         (one,) = plate.pack(parts, printer)
     model = folder / "unchecked.3mf"

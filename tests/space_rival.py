@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from walkergen.commands.selftest.scenes import STILL
+from walkergen.commands.selftest.scenes import STILL_DRIVE
 from walkergen.core.numerics.kernels import kernel
 from walkergen.core.scene import GRAVITY, Scene
 from walkergen.core.simulation import record
@@ -31,7 +31,7 @@ LEVEL = np.array([UP, ALONG, ACROSS])
 def plan_of(tilt, kind="flexible", **tables):
     """Plan of the paper's walker, with the masses of its mesh, over a still plane."""
     design = Design().variant(tilt_deg=float(tilt), kind=kind)
-    data = {"drive": STILL, "arena": {"kind": "plane"}} | tables
+    data = {"drive": STILL_DRIVE, "arena": {"kind": "plane"}} | tables
     return prepare(Scene.model_validate(data), design, solids.mass_of(design))
 
 
@@ -47,9 +47,9 @@ def land(plan, velocity, pitch=0.0, roll=0.0, clearance=1e-3, landings=1):
     Returns the state after so many landings have ended, the landings, and the impulse on the
     walker (normal, along x, across) until then.
     """
-    state = plan.start(clearance, pitch, 0.0, roll)
+    state = plan.initial_state(clearance, pitch, 0.0, roll)
     state[V_X : V_Z + 1] = velocity
-    tally = record.new(len(state), event_room=32)
+    tally = record.new_tally(len(state), event_room=32)
     while tally.events.cursor[0] < landings:
         plan.advance(state, 12.0 * plan.world.options.step, tally)
     given = plan.world.walker.mass * (state[V_X : V_Z + 1] - velocity)

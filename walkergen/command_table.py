@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from importlib import import_module
 from typing import Any, NamedTuple
 
-from walkergen.core.errors import FIELD, SOURCE, for_python
+from walkergen.core.errors import COMMAND_LINE_SOURCE, FIELD_PATTERN, spell_for_python
 
 
 class Command(NamedTuple):
@@ -146,7 +146,7 @@ def request_of(name: str) -> Any:
     return getattr(module, f"{name.capitalize()}Request")
 
 
-KEY = re.compile(rf"{SOURCE}: ([\w.]+) = ")
+KEY = re.compile(rf"{COMMAND_LINE_SOURCE}: ([\w.]+) = ")
 
 
 def for_shell(text: str, names: Mapping[str, str] | None = None) -> str:
@@ -158,9 +158,9 @@ def for_shell(text: str, names: Mapping[str, str] | None = None) -> str:
             return f"--no-{name.replace('_', '-')}"
         return (names or {}).get(name, f"--{name.replace('_', '-')}") + (" " if value else "")
 
-    return FIELD.sub(flag, text.replace(SOURCE, SOURCE[1:-1]))
+    return FIELD_PATTERN.sub(flag, text.replace(COMMAND_LINE_SOURCE, COMMAND_LINE_SOURCE[1:-1]))
 
 
 def for_call(text: str, sets: Mapping[str, str]) -> str:
     """Return a text whose fields are Python's arguments; `sets` are the arguments of a call that set keys of files."""
-    return for_python(KEY.sub(lambda found: f"‹{sets[found[1]]}=›" if found[1] in sets else found[0], text))
+    return spell_for_python(KEY.sub(lambda found: f"‹{sets[found[1]]}=›" if found[1] in sets else found[0], text))

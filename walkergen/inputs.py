@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from walkergen.core.errors import SOURCE, InputError
+from walkergen.core.errors import COMMAND_LINE_SOURCE, InputError
 from walkergen.files.key_names import KINDS, TILTS
 
 if TYPE_CHECKING:
@@ -53,13 +53,13 @@ class Inputs(NamedTuple):
         if not known and source not in templates.known("walkers"):
             _confirm(source, self.asks)
             own = {key: self.values[key] for key in self.of("design")}
-            design = assignments.changed(Design.of_text(source), own, SOURCE)
+            design = assignments.replace_values(Design.from_text(source), own, COMMAND_LINE_SOURCE)
         else:
             design = self._read(source, "walkers", Design, "design")
         if design.weighed.states:
             from walkergen.core.walker import weights
 
-            weights.check(design)
+            weights.check_stated_masses(design)
         self.notes.extend(note for note in design.notes if note not in self.notes)
         return design
 
@@ -97,14 +97,14 @@ class Inputs(NamedTuple):
         prefix = "" if thing == "design" else f"{thing}."
         own = {key.removeprefix(prefix): self.values[key] for key in self.of(thing)}
         if isinstance(source, model):
-            return assignments.changed(source, own, SOURCE, prefix)
+            return assignments.replace_values(source, own, COMMAND_LINE_SOURCE, prefix)
         if not isinstance(source, (str, Path)):
             raise InputError(
                 f"{thing}: {type(source).__name__} seen: must be a {model.__name__}, the name of a "
                 "template or the path of a TOML file",
                 thing,
             )
-        return assignments.read(templates.path_of(source, folder), model, own, SOURCE, prefix)
+        return assignments.read_with_values(templates.path_of(source, folder), model, own, COMMAND_LINE_SOURCE, prefix)
 
     def of(self, thing: str) -> list[str]:
         """Keys of a design, a scene or a printer that are set."""
@@ -239,27 +239,27 @@ def weighed(path: Path | None, members: "Sequence[Design]") -> "tuple[dict[str, 
         return {}, []
     from walkergen.core.walker import weights
 
-    weighings, unused = weights.read(path, members), weights.unused(path, members)
+    weighings, unused = weights.read_masses(path, members), weights.unused_parts(path, members)
     few = ", ".join(unused[:2]) + (" ..." if len(unused) > 2 else "")
     return weighings, [f"{path}: {len(unused)} walkers beside those asked for: {few}"] if unused else []
 
 
 def capped(members: "Sequence[Design]", markers: str | None) -> "list[Design]":
     """Walkers with caps of the markers that --caps asks for, where they have none yet."""
-    from walkergen.core.files.assignments import changed
+    from walkergen.core.files.assignments import replace_values
 
     if markers is None:
         return list(members)
     cap = {"cap.kind": "engraved"}
-    return [changed(design, cap, design.name) if design.cap is None else design for design in members]
+    return [replace_values(design, cap, design.name) if design.cap is None else design for design in members]
 
 
 def filled_forms(folder: Path, members: "Sequence[Design]") -> list[str]:
     """Return notes on mass forms that were not replaced, because a user has written in them."""
     from walkergen.core.walker import names, weights
 
-    paths = [folder / weights.form(members, name) for name in names.by_design(members)]
-    return [f"{path}: somebody has written in it: left as it is" for path in paths if weights.filled(path)]
+    paths = [folder / weights.form_name(members, name) for name in names.group_by_design(members)]
+    return [f"{path}: somebody has written in it: left as it is" for path in paths if weights.is_filled_in(path)]
 
 
 @contextmanager

@@ -18,7 +18,7 @@ from walkergen import inputs
 from walkergen.command_table import for_call, for_shell
 from walkergen.core.errors import InputError
 from walkergen.core.files import assignments, config, plain, reading, words
-from walkergen.core.files.progress import Expect, Progress, unheard
+from walkergen.core.files.progress import Expect, Progress, ignore_estimate
 
 if TYPE_CHECKING:
     from walkergen.analysis.track_files import Units
@@ -88,7 +88,7 @@ class Request(BaseModel):
     _shell: bool = PrivateAttr(False)
     """True where a command asks."""
 
-    _expect: Expect = PrivateAttr(default_factory=lambda: unheard)
+    _expect: Expect = PrivateAttr(default_factory=lambda: ignore_estimate)
 
     _notes: list[str] = PrivateAttr(default_factory=list)
     """What a person should know of what was read, a line each."""
@@ -162,7 +162,7 @@ class Request(BaseModel):
         for name in fields:
             value = getattr(self, name)
             if value != type(self).model_fields[name].get_default(call_default_factory=True):
-                seen = f"‹{name}›" if value is True else f"‹{name}=›{plain.line(str(value))[:60]}"
+                seen = f"‹{name}›" if value is True else f"‹{name}=›{plain.shorten_line(str(value))[:60]}"
                 raise InputError(f"{seen}: {why}; leave it out", name)
 
 
@@ -183,14 +183,14 @@ def _explained(request: type[Request], mistake: Any) -> str:
     if kind == "value_error":
         rule = mistake["msg"].removeprefix("Value error, ")
     else:
-        of_field = config.allowed((name,), request)  # type: ignore[arg-type]  # it reads the fields alone
-        rule = ((FORMS | config.FORMS).get(kind) or of_field or mistake["msg"]).replace("'", "")
-    shown = plain.line(repr(value) if isinstance(value, str) else str(value))[:60]
+        of_field = config.describe_allowed_values((name,), request)  # type: ignore[arg-type]  # it reads the fields alone
+        rule = ((FORMS | config.TYPE_RULES).get(kind) or of_field or mistake["msg"]).replace("'", "")
+    shown = plain.shorten_line(repr(value) if isinstance(value, str) else str(value))[:60]
     return f"‹{name}=›{shown}: {rule}"
 
 
 def _number(text: object) -> float:
-    value = words.value(text) if isinstance(text, str) else text
+    value = words.parse_number(text) if isinstance(text, str) else text
     if value is None or isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ValueError(f"{str(text)[:30]!r} is not a number")
     return float(value) + 0.0
@@ -271,7 +271,7 @@ def _count(value: Any) -> int:
     from walkergen.core.files import columns
 
     plain = value.item() if hasattr(value, "item") else value
-    count = columns.whole(plain, MOST_COPIES) if isinstance(plain, str) else plain
+    count = columns.parse_count(plain, MOST_COPIES) if isinstance(plain, str) else plain
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST_COPIES:
         raise ValueError(
             f"{str(value)[:30]!r} must be a whole number in 1..{MOST_COPIES}; write 8, or TILT:COPIES,TILT:COPIES"
@@ -285,8 +285,8 @@ def parse_settings(value: Any) -> dict[str, Any]:
         return dict(value)
     settings: dict[str, Any] = {}
     for text in parse_texts(value):
-        key, word = assignments.split(text)
-        new = assignments.value_of(word)
+        key, word = assignments.split_key_value(text)
+        new = assignments.parse_value(word)
         if key in settings and repr(settings[key]) != repr(new):
             raise InputError(f"‹set› {key[:60]}: given twice: leave one of them out", key)
         settings[key] = new
@@ -315,7 +315,7 @@ def parse_time(value: Any) -> float | None:
     seconds = value
     if isinstance(value, str):
         unit = next((unit for unit in units if value.endswith(unit)), "")
-        number = words.value(value.removesuffix(unit))
+        number = words.parse_number(value.removesuffix(unit))
         if not unit or number is None:
             raise ValueError("write a time with its unit: 60s, 5min, 1h")
         seconds = number * units[unit]
@@ -328,7 +328,7 @@ def parse_effects(value: Any) -> float | None:
     """Share of the speed of a text, auto:1%, or of a number."""
     if not isinstance(value, str):
         return value  # type: ignore[no-any-return]
-    share = words.value(value.removeprefix("auto:").removesuffix("%"))
+    share = words.parse_number(value.removeprefix("auto:").removesuffix("%"))
     if share is None or not (value.startswith("auto:") and value.endswith("%")) or not 1e-4 <= share <= 100.0:
         raise ValueError("write auto:1%, a share of the speed in 0.0001..100 %")
     return 0.01 * share
@@ -338,7 +338,7 @@ def parse_measured(entry: Any) -> Measured:
     """Parse a number above 0, with its standard error if it has one: 0.05, "0.05±0.001", "0.05+-0.001"."""
     if entry is None:
         return None
-    value, *errors = map(words.value, SIGN.split(str(entry)))
+    value, *errors = map(words.parse_number, SIGN.split(str(entry)))
     error = errors[0] if errors else 0.0
     if value is None or value <= 0 or len(errors) > 1 or error is None or not 0 <= error < value:
         raise ValueError(
@@ -364,7 +364,7 @@ def _writable(value: Any) -> Path | None:
     """Path to write to. Raises ValueError for a name that could not be read again, OutputError where others are."""
     path = _path(value)
     if isinstance(path, Path):
-        if not reading.named_soundly(path):
+        if not reading.has_safe_name(path):
             raise ValueError("holds control characters; give another name")
         _check_place(path)
     return path
@@ -379,7 +379,7 @@ def _check_place(path: Path) -> None:
     if place.is_dir() and not os.access(place, os.W_OK | os.X_OK):
         reason = errno.EACCES
     if reason:
-        raise output.refused(path, OSError(reason, os.strerror(reason)))
+        raise output.write_error(path, OSError(reason, os.strerror(reason)))
 
 
 File = BeforeValidator(_path)

@@ -15,10 +15,10 @@ from typing import NamedTuple
 from walkergen import __version__
 from walkergen.cli import show
 from walkergen.commands.accuracy import cells, pace
-from walkergen.commands.accuracy.cells import REFERENCE, Row
+from walkergen.commands.accuracy.cells import REFERENCE_STEP_SHARE, Row
 from walkergen.core.numerics import kernels
 from walkergen.core.scene import Scene
-from walkergen.core.simulation.ensemble import listed
+from walkergen.core.simulation.ensemble import format_outcomes
 from walkergen.core.simulation.run import ENDED_WELL, compile_kernels
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
@@ -37,7 +37,7 @@ CELLS = (
 )
 """Scenes, tilts and restitutions of the feet, of which the later ones were measured later."""
 
-SHARES = (REFERENCE, 0.5, 1.0, 1.25, 1.6)
+SHARES = (REFERENCE_STEP_SHARE, 0.5, 1.0, 1.25, 1.6)
 """Steps over that which resolves the feet; the first is the reference's."""
 
 RUNS, DISCARD_S, SECONDS, REFERENCE_S = 8, 0.4, 5.0, 1.5
@@ -83,7 +83,7 @@ def walker(setting: Setting, seed: int) -> Walker:
     design = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=setting.tilt_deg)
     scene = templates.load(setting.scene, "scenes", Scene)
     contact = scene.contact.model_copy(update={"restitution": setting.restitution})
-    seconds = REFERENCE_S if setting.share == REFERENCE else SECONDS
+    seconds = REFERENCE_S if setting.share == REFERENCE_STEP_SHARE else SECONDS
     seconds *= CALM_SHARE if setting.tilt_deg <= CALM_DEG else 1.0
     seconds *= 1.0 if setting.restitution == MAIN_RESTITUTION else ELSEWHERE_SHARE
     timing = {"runs": RUNS, "seconds": seconds, "discard_seconds": DISCARD_S, "seed": seed}
@@ -99,7 +99,7 @@ def measured(setting: Setting, seed: int) -> Row:
     step_us = one.scene.run.step_us
     assert step_us is not None
     compile_kernels(one.plan())
-    loop_s = pace.measured(LOOPS)
+    loop_s = pace.measure_cpu_per_s(LOOPS)
     results = walkers.simulate(one, threads=1)
     summary = results.summary
     well = set(summary.outcomes) <= {"on one periodic orbit", *(outcome.value for outcome in ENDED_WELL)}
@@ -113,13 +113,13 @@ def measured(setting: Setting, seed: int) -> Row:
         summary.runs,
         one.scene.run.seconds,
         summary.cpu_s / simulated_s / loop_s,
-        listed(summary.outcomes).replace(",", ";"),
+        format_outcomes(summary.outcomes).replace(",", ";"),
     )
 
 
 def missing(path: Path) -> Iterator[tuple[int, Setting]]:
     """Yield the settings without a row in a file, each after its seed."""
-    rows = cells.read(path) if path.exists() else ()
+    rows = cells.read_rows(path) if path.exists() else ()
     known = {(*row.cell, row.share) for row in rows}
     yield from ((seed, setting) for seed, setting in enumerate(settings(), 1) if setting not in known)
 
@@ -127,17 +127,17 @@ def missing(path: Path) -> Iterator[tuple[int, Setting]]:
 def main() -> None:
     """Measure what a file lacks, and add it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--out", type=Path, default=cells.FILE)
+    parser.add_argument("--out", type=Path, default=cells.CELLS_PATH)
     path = parser.parse_args().out
     todo = list(missing(path))
     if not path.exists():
-        stamp = f"# walkergen {__version__}, kernels {kernels.digest()}: python -m evidence.accuracy.measure\n"
-        path.write_text(stamp + cells.text([]), encoding="utf-8")
+        stamp = f"# walkergen {__version__}, kernels {kernels.source_digest()}: python -m evidence.accuracy.measure\n"
+        path.write_text(stamp + cells.to_csv([]), encoding="utf-8")
     with show.progress("cells", wanted=True) as progress:
         for number, (seed, setting) in enumerate(todo, 1):
             row = measured(setting, seed)
             with path.open("a", encoding="utf-8") as stream:
-                stream.write(cells.text([row]).split("\n", 1)[1])
+                stream.write(cells.to_csv([row]).split("\n", 1)[1])
             progress("cells", number, len(todo))
 
 

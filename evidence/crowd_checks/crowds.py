@@ -74,7 +74,7 @@ def _of(size: Size, card: Card, packing: float, number: int, simulate: Simulate)
 
 def places(size: Size, card: Card, packing: float, number: int) -> Array:
     """Places of all walkers of a run, shape (N, 3)."""
-    dish, outline = dishes.parse(DISH, "DISH"), _outline(card)
+    dish, outline = dishes.parse_dish(DISH, "DISH"), _outline(card)
     count = round(packing * dish.area / seen_above.area_of(outline))
     rng = np.random.default_rng(np.random.SeedSequence([size.seed, number, count], spawn_key=(1,)))
     return place([outline] * count, dish, rng, CLEARANCE_MM)
@@ -96,7 +96,7 @@ def film(size: Size, card: Card, run: Run) -> CrowdFilm:
     """Film of a run without its start."""
     kept = run.times >= size.crowd_discard_seconds - 1e-9
     times, count = run.times[kept] - run.times[kept][0], run.poses.shape[1]
-    dish = dishes.parse(DISH, "DISH")
+    dish = dishes.parse_dish(DISH, "DISH")
     return of_places(times, run.poses[kept], [card.name] * count, {card.name: _outline(card)}, dish)
 
 

@@ -78,12 +78,12 @@ class Row(NamedTuple):
     @property
     def apart(self) -> Quantity:
         """Plane less space."""
-        return self.plane.less(self.expected)
+        return self.plane.minus(self.expected)
 
     @property
     def verdict(self) -> Verdict:
         """Whether the plane has what space has."""
-        return self.plane.beside(self.expected, MARGIN, ALLOWED.get(self.space.unit, 0.0))
+        return self.plane.compare_with(self.expected, MARGIN, ALLOWED.get(self.space.unit, 0.0))
 
 
 class Checked(NamedTuple):
@@ -181,7 +181,7 @@ def _stationary(checked: Checked) -> Iterator[str]:
     """Whether crowds were stationary while they were watched."""
     for case, pair in checked.gained.items():
         told = [f"{100 * one.number:.2g} ± {100 * (one.se or 0.0):.2g} %" for one in pair]
-        still = [STILL[one.within(-MARGIN, MARGIN)] for one in pair]
+        still = [STILL[one.compare_with_range(-MARGIN, MARGIN)] for one in pair]
         yield (
             f"{case}: from the first half of the record to the second the speed changes by {told[0]} in space "
             f"({still[0]}), by {told[1]} in the plane ({still[1]})"
@@ -196,15 +196,15 @@ def _reasons(checked: Checked) -> Iterator[str]:
         yield f"{case}: the plane is faster by {_stated(row.apart)} mm/s, {_stated(row.plane)} for {_stated(row.space)}"
         for one in checked.changed:
             if one.space is None:
-                change = one.plane.less(row.plane)
+                change = one.plane.minus(row.plane)
                 yield f"{case}, {one.name}: the plane has {_stated(one.plane)} mm/s, {_stated(change)} more than it has"
                 continue
-            apart = one.plane.less(one.space)
-            closed = row.apart.less(apart)
+            apart = one.plane.minus(one.space)
+            closed = row.apart.minus(apart)
             yield (
                 f"{case}, {one.name}: {_stated(one.plane)} mm/s in the plane, {_stated(one.space)} in space, apart "
                 f"by {_stated(apart)}: {_stated(closed)} mm/s of the difference go with it"
-                f"{CLOSED[closed.within(PART * abs(row.apart.number), math.inf)]}"
+                f"{CLOSED[closed.compare_with_range(PART * abs(row.apart.number), math.inf)]}"
             )
 
 
@@ -214,7 +214,7 @@ def _region(rows: Sequence[Row]) -> Iterator[str]:
     for case in dict.fromkeys(row.case for row in own):
         named = {_name(row): row for row in own if row.case == case}
         shares = [
-            f"{name} {_stated(row.plane.over(row.space))}"
+            f"{name} {_stated(row.plane.ratio_to(row.space))}"
             for name, row in named.items()
             if row.space.key.startswith(SHARED)
         ]
@@ -231,9 +231,9 @@ def _name(row: Row) -> str:
 
 
 def _stated(number: Quantity) -> str:
-    return words.with_error(number.value or 0.0, number.se or 0.0)
+    return words.format_with_error(number.value or 0.0, number.se or 0.0)
 
 
 def _apart(row: Row) -> str:
     apart = row.apart
-    return " to ".join(words.to_digits_of(apart.se or 0.0, apart.interval() or ()))
+    return " to ".join(words.format_to_error(apart.se or 0.0, apart.interval() or ()))

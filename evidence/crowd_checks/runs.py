@@ -49,7 +49,7 @@ def in_space(
         poses = walker_motion.moved(run.poses[:, :, :3].reshape(-1, 3), shift)
         return Run(run.times, poses.reshape(len(run.times), count, 3), run.impulses)
 
-    return batch.every(one, len(places))
+    return batch.run_all(one, len(places))
 
 
 def in_plane(card: Card, dish: Dish, places: Sequence[Array], seconds: float, rate_hz: float, seed: int) -> list[Run]:
@@ -66,4 +66,4 @@ def in_plane(card: Card, dish: Dish, places: Sequence[Array], seconds: float, ra
         run = flat.simulate(asked, progress=ending)
         return Run(run.times, run.poses)
 
-    return batch.every(one, len(places))
+    return batch.run_all(one, len(places))

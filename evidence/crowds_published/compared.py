@@ -42,7 +42,7 @@ def compared(numbers: Numbers) -> Iterator[Compared]:
 def sign_of(change: Quantity, rises: bool) -> Verdict:
     """Verdict on a change whose sign is stated: no change at all is not one."""
     least = sys.float_info.min
-    return change.within(least, math.inf) if rises else change.within(-math.inf, -least)
+    return change.compare_with_range(least, math.inf) if rises else change.compare_with_range(-math.inf, -least)
 
 
 def points_of(numbers: Numbers, series: str, key: str) -> tuple[tuple[float, Quantity], ...]:
@@ -55,7 +55,7 @@ def points_of(numbers: Numbers, series: str, key: str) -> tuple[tuple[float, Qua
         place = alone[AXES[series]].value if series in AXES and AXES[series] in alone else setting
         assert place is not None
         if key == "speed over alone" and "speed" in alone:
-            points.append((place, crowd["speed"].over(alone["speed"])))
+            points.append((place, crowd["speed"].ratio_to(alone["speed"])))
         elif key in crowd:
             points.append((place, crowd[key]))
     return tuple(sorted(points, key=lambda point: point[0]))
@@ -65,7 +65,7 @@ def _of(finding: Finding, claim: Claim, numbers: Numbers) -> Compared:
     points = points_of(numbers, claim.series, claim.number)
     if len(points) < 2:
         return Compared(finding, claim.quantity, claim.setting, points, note="too few runs ended")
-    verdict = sign_of(points[-1][1].less(points[0][1]), claim.rises)
+    verdict = sign_of(points[-1][1].minus(points[0][1]), claim.rises)
     return Compared(finding, claim.quantity, claim.setting, points, verdict, claim.differs)
 
 

@@ -112,7 +112,8 @@ def _cells(row: Compared) -> tuple[Any, ...]:
 
 def _numbers(row: Compared) -> str:
     return "; ".join(
-        f"{words.number(at)}: {words.with_error(value.value or 0.0, value.se or 0.0)}" for at, value in row.points
+        f"{words.format_number(at)}: {words.format_with_error(value.value or 0.0, value.se or 0.0)}"
+        for at, value in row.points
     )
 
 

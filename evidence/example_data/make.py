@@ -181,10 +181,10 @@ def _page(size: Size, expected: Mapping[str, Any]) -> str:
     return text.format(
         version=__version__,
         runs=size.runs,
-        seconds=words.number(size.seconds),
-        record_s=words.number(size.record_s),
-        fps=words.number(FPS),
-        rate_hz=words.number(RATE_HZ),
+        seconds=words.format_number(size.seconds),
+        record_s=words.format_number(size.record_s),
+        fps=words.format_number(FPS),
+        rate_hz=words.format_number(RATE_HZ),
         mm_per_px=MM_PER_PX,
         noise_px=NOISE_PX,
         found="\n".join(lines),
@@ -194,7 +194,7 @@ def _page(size: Size, expected: Mapping[str, Any]) -> str:
 def _in_words(numbers: Mapping[str, Any]) -> str:
     def told(name: str, number: Any) -> str:
         value, error = number if isinstance(number, list) else (number, None)
-        shown = words.number(value, 4)
-        return f"{name} {shown}" + (f" ± {words.number(error, 2)}" if error else "")
+        shown = words.format_number(value, 4)
+        return f"{name} {shown}" + (f" ± {words.format_number(error, 2)}" if error else "")
 
     return ", ".join(told(name, number) for name, number in numbers.items())

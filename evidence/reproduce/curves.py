@@ -59,7 +59,7 @@ def ratio(series: Sequence[Point], over: float, under: float) -> Quantity:
     at = {point.tilt_deg: point.speed for point in series}
     if over not in at or under not in at or not at[under].value:
         return Quantity("ratio", "", None, refused="no speed at both tilts")
-    return at[over].over(at[under])
+    return at[over].ratio_to(at[under])
 
 
 def peak(series: Sequence[Point]) -> Top:

@@ -10,7 +10,7 @@ from evidence.reproduce.compare import FITTED, LOW, Findings
 from evidence.reproduce.runs import Assumption, Case, Point
 from walkergen.core.errors import InputError
 from walkergen.core.files.output import Folder, versions
-from walkergen.core.files.progress import Progress, stretch
+from walkergen.core.files.progress import Progress, range_progress
 from walkergen.core.scene import Scene
 from walkergen.core.theory.speed import MODES
 from walkergen.core.walker.design import Design
@@ -135,7 +135,7 @@ def _shares(counts: Mapping[str, int], progress: Progress) -> dict[str, Progress
     """Progress of each of several parts, which have so many ensembles, within the whole."""
     share = 1.0 / sum(counts.values())
     ends = zip(counts.items(), accumulate(counts.values()), strict=True)
-    return {name: stretch(progress, share * (end - count), share * end) for (name, count), end in ends}
+    return {name: range_progress(progress, share * (end - count), share * end) for (name, count), end in ends}
 
 
 def check(job: Job) -> Parts:

@@ -9,9 +9,9 @@ from typing import NamedTuple
 from evidence.reproduce.runs import Point
 from walkergen.core.numerics.quantity import Quantity, Verdict
 from walkergen.core.theory import uncertain
-from walkergen.core.theory.prediction import DRAWS, SEED, theory_speeds
+from walkergen.core.theory.prediction import DRAW_COUNT, SEED, theory_speeds
 from walkergen.core.theory.stationary import stationary
-from walkergen.core.theory.uncertain import PREDICTION
+from walkergen.core.theory.uncertain import PREDICTION_READER
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
@@ -44,12 +44,12 @@ class Mechanism(NamedTuple):
         """Simulated speed over the theory's, with the error of the simulation."""
         if not self.theory.value:
             return Quantity("ratio", "", None, refused="the theory has no speed")
-        return self.simulated.speed.over(self.theory._replace(se=0.0))
+        return self.simulated.speed.ratio_to(self.theory._replace(se=0.0))
 
     @property
     def direction(self) -> str:
         """Direction of the simulated walker against the theory's: undecided where its bounds hold zero."""
-        return DIRECTIONS.get(self.ratio.within(0.0, float("inf")), "undecided")
+        return DIRECTIONS.get(self.ratio.compare_with_range(0.0, float("inf")), "undecided")
 
 
 def designs(paper: Design) -> list[tuple[str, Design]]:
@@ -66,10 +66,10 @@ def beside(ways: Sequence[tuple[str, Design]], points: Sequence[Point]) -> list[
 
 def _beside(what: str, design: Design, point: Point) -> Mechanism:
     assumption = point.assumption
-    mass, inputs = solids.mass_of(design), uncertain.inputs(assumption.scene, design, PREDICTION)
-    contact, values = assumption.scene.contact, uncertain.draws(inputs, DRAWS, SEED)
+    mass, inputs = solids.mass_of(design), uncertain.inputs(assumption.scene, design, PREDICTION_READER)
+    contact, values = assumption.scene.contact, uncertain.sample_inputs(inputs, DRAW_COUNT, SEED)
     foot_speeds = stationary(design, mass, contact.restitution, contact.friction)
-    drawn = theory_speeds(design, mass, assumption.scene, "coulomb", uncertain.named(inputs, values))
+    drawn = theory_speeds(design, mass, assumption.scene, "coulomb", uncertain.label_columns(inputs, values))
     used = "mean of both feet" if design.alike else "balance of both feet"
     speed = float(foot_speeds.factor) * assumption.scene.impact_speed
     return Mechanism(what, design, Quantity("theory", "mm_s", speed, float(drawn.std())), used, point)

@@ -10,8 +10,8 @@ from walkergen.analysis import landings
 from walkergen.core.files.progress import Progress
 from walkergen.core.numerics.quantity import Quantity, mean
 from walkergen.core.scene import Scene
-from walkergen.core.simulation.ensemble import listed
-from walkergen.core.simulation.run import ENDED_WELL, impacts_of
+from walkergen.core.simulation.ensemble import format_outcomes
+from walkergen.core.simulation.run import ENDED_WELL, recorded_impacts
 from walkergen.core.theory import paper_simulation
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
@@ -140,7 +140,7 @@ def _by_paper(case: Case) -> Point:
 def _in_space(case: Case, results: Results) -> Point:
     """Return the point of a case from its runs in space."""
     good = [result for result in results.results if result.outcome in ENDED_WELL]
-    impacts = [impact_types.of_run(impacts_of(result), landings.CORNERS) for result in good]
+    impacts = [impact_types.of_run(recorded_impacts(result), landings.CORNERS) for result in good]
     speeds = [result.speed for result in good]
     return _point(case, speeds, impacts, len(results.results), results.summary.outcomes)
 
@@ -160,5 +160,5 @@ def _point(
         mean("impact_speed", "mm_s", landing_speeds if len(landing_speeds) > 1 else []),
         impact_types.shares(landed),
         runs - len(speeds),
-        listed(dict(sorted(outcomes.items()))),
+        format_outcomes(dict(sorted(outcomes.items()))),
     )

@@ -13,7 +13,7 @@ from walkergen.core.theory.impact import Kind, resolve
 from walkergen.core.theory.prediction import SEED
 from walkergen.core.theory.speed import Mode, factor
 from walkergen.core.theory.stationary import stationary
-from walkergen.core.theory.tensors import feet
+from walkergen.core.theory.tensors import foot_tensors
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 
@@ -63,8 +63,8 @@ def of(design: Design, assumption: Assumption, mode: Mode, tilts_deg: Sequence[f
 
 def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: float) -> Curve:
     """Speeds of a design's kind of legs over a fine range of tilts (91 points)."""
-    inputs = uncertain.inputs(scene, design, uncertain.PREDICTION)
-    drawn = uncertain.named(inputs, uncertain.draws(inputs, DRAWS, SEED))
+    inputs = uncertain.inputs(scene, design, uncertain.PREDICTION_READER)
+    drawn = uncertain.label_columns(inputs, uncertain.sample_inputs(inputs, DRAWS, SEED))
     contact = scene.contact
     tilts = np.linspace(low_deg, high_deg, 91)
     speed, sd, sticks = [], [], []
@@ -84,7 +84,7 @@ def type_three(design: Design, scene: Scene, tilts_deg: Sequence[float], mode: M
     kinds = []
     for tilt in tilts_deg:
         if tilt > 0.0:
-            for H in feet(solids.mass_of(design.variant(tilt_deg=tilt))):
+            for H in foot_tensors(solids.mass_of(design.variant(tilt_deg=tilt))):
                 v_x = float(factor(H, e, mu, mode))
                 kinds.append(resolve((float(H.xx), float(H.xy), float(H.yy)), (v_x, -1.0), e, mu).kind)
     return kinds.count(Kind.III) / len(kinds)

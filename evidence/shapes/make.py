@@ -109,7 +109,7 @@ def _row(kind: str, name: str, source: Path | str, keys: Mapping[str, Any]) -> R
     try:
         design = _design(source, keys).variant(tilt_deg=TILT_DEG)
         checked = checks.check([design], [1], templates.load(PRINTER, "printers", Printer))
-        findings.refuse(checked.findings, strict=False)
+        findings.check_printable(checked.findings, strict=False)
         warnings = sum(finding.level == "warning" for finding in checked.findings)
         asked = SimulateRequest.asked({"design": design, "scene": SCENE, "seconds": SECONDS, "runs": RUNS})
         speed, error = _speed(asked.run(silent))

@@ -21,8 +21,8 @@ from walkergen.cli import show
 from walkergen.core.errors import WalkergenError
 from walkergen.core.scene import Run
 from walkergen.core.theory import surrogate
-from walkergen.core.theory.prediction import STANDS_MM_S
-from walkergen.core.theory.surrogate import GOAL_MM_S, GOAL_SHARE, NORMAL_95, FallsError, UnknownError
+from walkergen.core.theory.prediction import STANDING_MM_S
+from walkergen.core.theory.surrogate import MAX_ERROR_MM_S, MAX_ERROR_SHARE, NORMAL_95, FallsError, UnknownError
 from walkergen.core.walker import solids
 from walkergen.files import figures
 from walkergen.points import walkers, worker_pool
@@ -60,7 +60,7 @@ def answered(rows: Iterator[Row], counts: list[int]) -> Iterator[Row]:
         case = settings.case(row)
         counts[0] += 1
         try:
-            surrogate.of(case.scene, case.design, solids.mass_of(case.design))
+            surrogate.case_in_domain(case.scene, case.design, solids.mass_of(case.design))
         except FallsError:
             pass
         except UnknownError:
@@ -74,7 +74,7 @@ def compared(row: Row) -> Compared | None:
     mass = solids.mass_of(case.design)
     speed, half = None, None
     with contextlib.suppress(FallsError):
-        speed, se = surrogate.of(case.scene, case.design, mass).nominal
+        speed, se = surrogate.case_in_domain(case.scene, case.design, mass).nominal
         half = NORMAL_95 * se
     scene = case.scene.model_copy(update={"run": DIRECT})
     try:
@@ -96,8 +96,8 @@ def right(row: Compared) -> bool:
     if row.surrogate_mm_s is None or row.half_95_mm_s is None or falls or row.direct_mm_s is None:
         return falls and row.surrogate_mm_s is None
     noise = NORMAL_95 * (row.direct_se_mm_s or 0.0)
-    if abs(row.surrogate_mm_s) < STANDS_MM_S and abs(row.surrogate_mm_s) <= row.half_95_mm_s:
-        return abs(row.direct_mm_s) < STANDS_MM_S + noise
+    if abs(row.surrogate_mm_s) < STANDING_MM_S and abs(row.surrogate_mm_s) <= row.half_95_mm_s:
+        return abs(row.direct_mm_s) < STANDING_MM_S + noise
     return row.surrogate_mm_s * row.direct_mm_s > 0.0 or abs(row.direct_mm_s) <= noise
 
 
@@ -111,7 +111,7 @@ def verdict(rows: Sequence[Compared], asked: int) -> list[str]:
     )
     off, noise = np.abs(said - direct), NORMAL_95 * se
     near = np.maximum(MEDIAN_SHARE * np.abs(direct), MEDIAN_MM_S)
-    goal = np.maximum(GOAL_SHARE * np.abs(direct), GOAL_MM_S)
+    goal = np.maximum(MAX_ERROR_SHARE * np.abs(direct), MAX_ERROR_MM_S)
     falls = np.mean([row.falls > 0.0 for row in speeds])
     fallen = [row.falls >= FALLS_ALL for row in rows if row.surrogate_mm_s is None]
     return [
@@ -145,7 +145,7 @@ def picture(rows: Sequence[Compared]) -> bytes:
     halves = np.array([row.half_95_mm_s for row in good])
     ends = 1.3 * max(np.abs(x).max(), np.abs(y).max())
     line = np.concatenate([-np.geomspace(ends, 0.01, 200), np.geomspace(0.01, ends, 200)])
-    goal = np.maximum(GOAL_SHARE * np.abs(line), GOAL_MM_S)
+    goal = np.maximum(MAX_ERROR_SHARE * np.abs(line), MAX_ERROR_MM_S)
     axes.fill_between(line, line - goal, line + goal, color="0.88", linewidth=0, label="10 % or 1 mm/s")
     axes.plot(line, line, color="0.4", linewidth=0.8)
     figures.points(axes, (x, y, halves), figures.MEASURED, label="a setting, 95 %")

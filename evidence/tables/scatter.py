@@ -25,8 +25,8 @@ class Scatter(NamedTuple):
 
         Their own scatter would pull speeds down, because the prints of slow rows agree by chance.
         """
-        between = uneven * networks.smooth(terms, self.between_prints)
-        return np.hypot(networks.smooth(terms, self.in_time), between)
+        between = uneven * networks.evaluate_smooth(terms, self.between_prints)
+        return np.hypot(networks.evaluate_smooth(terms, self.in_time), between)
 
 
 def scatter(terms: Array, uneven: Array, se: Array, runs: Array) -> Scatter:
@@ -40,8 +40,8 @@ def _likeliest(terms: Array, uneven: Array, observed: Array, half: Array) -> tup
 
     def loss(values: Array) -> tuple[float, Array]:
         in_time, between = values.reshape(2, -1)
-        first = networks.smooth(terms, in_time) ** 2
-        second = (uneven * networks.smooth(terms, between)) ** 2
+        first = networks.evaluate_smooth(terms, in_time) ** 2
+        second = (uneven * networks.evaluate_smooth(terms, between)) ** 2
         variance = first + second
         total = float(half @ (np.log(variance) + observed / variance))
         slope = 2.0 * half * (1.0 - observed / variance) / variance

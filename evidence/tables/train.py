@@ -20,7 +20,7 @@ from walkergen.core.files import output
 from walkergen.core.theory import networks, places
 from walkergen.core.theory.networks import LINEAR_BELOW, Layer
 from walkergen.core.theory.places import Place
-from walkergen.core.theory.surrogate import GOAL_MM_S, GOAL_SHARE, MOST_FALLS, NORMAL_95
+from walkergen.core.theory.surrogate import MAX_ERROR_MM_S, MAX_ERROR_SHARE, MAX_FALL_CHANCE, NORMAL_95
 from walkergen.core.walker import solids
 from walkergen.core.walker.limbs import Kind
 from walkergen.points import worker_pool
@@ -111,7 +111,7 @@ def rows(kind: Kind) -> Rows:
         if row["braced"] != (kind == "braced"):
             continue
         case = settings.case(row)
-        place = places.of(case.scene, case.design, solids.mass_of(case.design))
+        place = places.compute_place(case.scene, case.design, solids.mass_of(case.design))
         numbers = [row[name] for name in ("speed_mm_s", "se_mm_s", "runs", "toppled", "held_out")]
         speed, se, runs, toppled, held_out = (math.nan if value is None else value for value in numbers)
         parts.append((place, case.scene.drive.peak_speed, speed, se, runs, toppled / max(runs, 1.0), held_out))
@@ -164,7 +164,7 @@ def _slopes(numbers: Sequence[Array], task: Task, chosen: Array) -> list[Array]:
 
 def of_kind(kind: Kind, every: Rows, pool: worker_pool.WorkerPool) -> tuple[dict[str, Array], dict[str, Any]]:
     """Arrays of one kind of legs, and its ranges and errors."""
-    plain, factors = networks.coordinates(every.places)
+    plain, factors = networks.network_inputs(every.places)
     learnt = every.held_out == 0.0
     middle = plain[learnt].mean(axis=0)
     scale = np.maximum(plain[learnt].std(axis=0), np.ptp(plain[learnt], axis=0) / WIDEST)
@@ -229,7 +229,7 @@ def _error(arrays: Mapping[str, Array], kind: Kind, unseen: Unseen) -> Array:
 
     count = len(HIDDEN[kind]) + 1
     layers = [Layer(arrays[f"{kind}_weights{k}"], arrays[f"{kind}_bias{k}"]) for k in range(count)]
-    said = (networks.evaluated(layers, unseen.inputs) * unseen.factors).sum(axis=-1)
+    said = (networks.evaluate(layers, unseen.inputs) * unseen.factors).sum(axis=-1)
     off, odd = said.mean(axis=0) - unseen.values, np.minimum(np.abs(unseen.factors).sum(axis=1), 1.0)
     parts = np.stack([said.std(axis=0, ddof=1), unseen.scatter * odd, odd])
 
@@ -250,13 +250,13 @@ def errors(kind: Kind, every: Rows) -> dict[str, float]:
     speeds = networks.speeds_at(kind, unseen.places)
     speed = unseen.peak * LINEAR_BELOW * np.sinh(speeds.centre)
     error = unseen.peak * LINEAR_BELOW * np.cosh(speeds.centre) * speeds.error
-    goal = np.maximum(GOAL_SHARE * np.abs(speed), GOAL_MM_S)
-    sure = speeds.falls <= MOST_FALLS
+    goal = np.maximum(MAX_ERROR_SHARE * np.abs(speed), MAX_ERROR_MM_S)
+    sure = speeds.falls <= MAX_FALL_CHANCE
     answered = sure & (NORMAL_95 * error <= goal)
     fell = ~(unseen.falls <= 0.0)
     good = answered & np.isfinite(unseen.se)
     off = np.abs(speed - unseen.speed)[good]
-    within = np.maximum(GOAL_SHARE * np.abs(unseen.speed[good]), GOAL_MM_S)
+    within = np.maximum(MAX_ERROR_SHARE * np.abs(unseen.speed[good]), MAX_ERROR_MM_S)
     noise = NORMAL_95 * unseen.se[good]
     return {
         "rows": float(len(speed)),
@@ -290,9 +290,9 @@ def _write(arrays: Mapping[str, Array], facts: Mapping[str, Any]) -> None:
     """Write the file; equal arrays give equal bytes."""
     kept = {**arrays, "facts": np.array(json.dumps(facts))}
     stream = io.BytesIO()
-    np.savez(stream, allow_pickle=False, **kept, digest=np.array(networks.digest_of(kept)))
-    output.write(networks.FILE, stream.getvalue())
-    for remembered in (networks.arrays, networks.digest, networks.facts, networks.layers_of):
+    np.savez(stream, allow_pickle=False, **kept, digest=np.array(networks.hash_arrays(kept)))
+    output.write(networks.NETWORK_FILE, stream.getvalue())
+    for remembered in (networks.load_arrays, networks.digest, networks.training_facts, networks.load_layers):
         remembered.cache_clear()
 
 

@@ -66,7 +66,7 @@ class Claim(NamedTuple):
     @property
     def difference(self) -> Quantity:
         """Ours less theirs, with its error."""
-        return self.ours.less(self.theirs)
+        return self.ours.minus(self.theirs)
 
     @property
     def gap(self) -> float | None:
@@ -98,7 +98,7 @@ class Claim(NamedTuple):
         """Verdict by the one rule; what is no number disagrees."""
         if self.ours.value is not None and not math.isfinite(self.ours.value):
             return Verdict.DISAGREE
-        return self.difference.within(-self.below, self.above)
+        return self.difference.compare_with_range(-self.below, self.above)
 
     @property
     def word(self) -> str:

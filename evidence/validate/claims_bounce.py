@@ -16,9 +16,9 @@ import numpy as np
 import numpy.typing as npt
 
 from evidence.validate.claim import Claim, Effort, Outside
-from walkergen.core.scene import AT_REST, GRAVITY, Drive, Scene
+from walkergen.core.scene import GRAVITY, REST_GAMMA, Drive, Scene
 from walkergen.core.theory import paper_simulation
-from walkergen.core.theory.paper_simulation import CONTACT_S, OK, PHASE, PITCH, V_Y, World, Y, energy, start
+from walkergen.core.theory.paper_simulation import CONTACT_S, OK, PHASE, PITCH, V_Y, World, Y, energy, initial_state
 
 Array = npt.NDArray[np.float64]
 
@@ -74,7 +74,7 @@ def advance(own: World, state: Array, seconds: float) -> float:
 
 def level_energy(own: World) -> float:
     """Return the energy of a block at rest on a plate at rest, g mm^2/s^2."""
-    return energy(own, start(own, 0.0))
+    return energy(own, initial_state(own, 0.0))
 
 
 def bisect(holds: Callable[[float], bool], low: float, high: float, width: float) -> float:
@@ -90,7 +90,7 @@ def lift_off(effort: Effort) -> Iterator[Claim]:
 
     def leaves(gamma: float) -> bool:
         own = block(gamma, 0.0)
-        state = start(own, 0.0)
+        state = initial_state(own, 0.0)
         state[V_Y] = gamma * GRAVITY / OMEGA
         advance(own, state, PERIOD)
         return advance(own, state, PERIOD) < PERIOD * (1.0 - 1e-9)
@@ -103,7 +103,7 @@ def lift_off(effort: Effort) -> Iterator[Claim]:
 def _orbit(own: World, gamma: float, restitution: float) -> Array:
     """State on the orbit of one impact a period, at the top of its flight."""
     phase = math.acos(min(math.pi * (1 - restitution) / (1 + restitution) / gamma, 1.0))
-    state = start(own, 0.0, 0.0, math.fmod(phase + math.pi, 2.0 * math.pi))
+    state = initial_state(own, 0.0, 0.0, math.fmod(phase + math.pi, 2.0 * math.pi))
     # Level feet at the height of the impact, and the rise of half a period's free flight
     state[Y] = TALL + own.amplitude * math.sin(phase) + GRAVITY * PERIOD**2 / 8.0
     return state
@@ -173,10 +173,10 @@ def plastic_flight(effort: Effort) -> Iterator[Claim]:
 
     def flies_on(gamma: float) -> bool:
         own = block(gamma, 0.0)
-        state = start(own, 0.0)
+        state = initial_state(own, 0.0)
         state[V_Y] = gamma * GRAVITY / OMEGA
         advance(own, state, 20.0 * PERIOD)
-        return advance(own, state, PERIOD) < 1.5 * PERIOD / paper_simulation.STEPS
+        return advance(own, state, PERIOD) < 1.5 * PERIOD / paper_simulation.CONTACT_STEPS
 
     ours, theirs = bisect(flies_on, 3.0, 3.5, 1e-7), math.hypot(1.0, math.pi)
     outside = Outside(MEHTA, 1e-3, "a plastic foot stays for one step of lasting contact")
@@ -187,8 +187,8 @@ def zeno(effort: Effort) -> Iterator[Claim]:
     """Claim on the time in which a ball comes to rest on a plate at rest."""
     gap, outside = 1.0, Outside(BERNSTEIN, 1e-5, "bounces slower than a foot's speed of rest are left out")
     for e in (0.5, 0.8, 0.95):
-        own = block(AT_REST, e)
-        state = start(own, gap)
+        own = block(REST_GAMMA, e)
+        state = initial_state(own, gap)
         theirs = math.sqrt(2.0 * gap / GRAVITY) * (1 + e) / (1 - e)
         ours = theirs + 1.0 - advance(own, state, theirs + 1.0)
         yield outside.claim(f"end of all bounces from 1 mm, e = {e:g}", "s", ours, theirs)
@@ -196,8 +196,8 @@ def zeno(effort: Effort) -> Iterator[Claim]:
 
 def elastic(effort: Effort) -> Iterator[Claim]:
     """Claim on the energy of a ball that bounces with restitution 1."""
-    own, gap, bounces = block(AT_REST, 1.0), 0.1, 10_000
-    state, at_rest = start(own, gap), level_energy(own)
+    own, gap, bounces = block(REST_GAMMA, 1.0), 0.1, 10_000
+    state, at_rest = initial_state(own, gap), level_energy(own)
     before = energy(own, state) - at_rest
     advance(own, state, (2.0 * bounces + 1.0) * math.sqrt(2.0 * gap / GRAVITY))
     outside = Outside("conservation of energy", 1e-9, "rounding of a height, 1e-15 mm of 0.1 mm, in each bounce")
@@ -209,8 +209,8 @@ def rocking(slenderness: float) -> float:
 
     `slenderness`: height over width of the block.
     """
-    own = block(AT_REST, 0.0, 50.0, slenderness * HALF)
-    state, level = start(own, 0.0, 0.02), level_energy(own)
+    own = block(REST_GAMMA, 0.0, 50.0, slenderness * HALF)
+    state, level = initial_state(own, 0.0, 0.02), level_energy(own)
     before = energy(own, state) - level
     while state[PITCH] > 0.0:
         advance(own, state, 1e-3)

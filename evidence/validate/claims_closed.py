@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from evidence.validate.claim import Claim, Effort, Outside
 from evidence.validate.claims_bounce import bisect
-from walkergen.core.scene import GRAVITY, Scene, at_rest
+from walkergen.core.scene import GRAVITY, Scene, still_plate_drive
 from walkergen.core.simulation import record
 from walkergen.core.simulation.effects import compliance
 from walkergen.core.simulation.plan import prepare
@@ -68,7 +68,7 @@ def tensor(effort: Effort) -> Iterator[Claim]:
     outside = Outside(PAPER.format("8-12"), 1e-9, "the printed form subtracts numbers of order 1/m")
     for tilt in (10.0, 35.0):
         mass = solids.mass_of(Design().variant(tilt_deg=tilt))
-        ours, theirs = tensors.feet(mass)[0], published_tensor(mass, mass.legs[0])
+        ours, theirs = tensors.foot_tensors(mass)[0], published_tensor(mass, mass.legs[0])
         for name, value, place in (("xx", ours.xx, (0, 0)), ("xy", ours.xy, (0, 1)), ("yy", ours.yy, (1, 1))):
             quantity = f"inverse mass H_{name}, back foot, {tilt:g} deg"
             yield outside.claim(quantity, "1/g", float(value), float(theirs[place]))
@@ -92,7 +92,7 @@ def stationary(effort: Effort) -> Iterator[Claim]:
 def slid(slope_deg: float, speed: float = 0.0) -> float:
     """Return the way (mm) of an upright braced walker in 0.1 s, let go on an incline at rest with a speed along it."""
     tables = {
-        "drive": at_rest(90.0),
+        "drive": still_plate_drive(90.0),
         "arena": {"kind": "plane"},
         "contact": {"restitution": 0.5, "friction": FRICTION},
         "feet": {"rigid_tips": True},
@@ -100,10 +100,10 @@ def slid(slope_deg: float, speed: float = 0.0) -> float:
     }
     design = Design.model_validate({"legs": {"tilt_deg": 0.0, "kind": "braced"}})
     plan = prepare(Scene.model_validate(tables), design, solids.mass_of(design))
-    state = plan.start(0.0, 0.0, 0.0, 0.0)
+    state = plan.initial_state(0.0, 0.0, 0.0, 0.0)
     state[V_X] = speed
     began = float(state[SHOWN_X])
-    plan.advance(state, SLIDE_S, record.new(len(state)))
+    plan.advance(state, SLIDE_S, record.new_tally(len(state)))
     return float(state[SHOWN_X]) - began
 
 

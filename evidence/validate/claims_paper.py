@@ -122,8 +122,8 @@ def shape(effort: Effort) -> Iterator[Claim]:
     high, middle = curve[TILTS.index(10.0)], curve[-1]
     low = in_space(35.0, effort).speed
     yield _of_fact("peak tilt", CONTACT, curves.top(np.array(TILTS), curve).place)
-    yield _of_fact("15 below 10", CONTACT, middle.over(high))
-    yield _of_fact("35 below 15", CONTACT, low.over(middle))
+    yield _of_fact("15 below 10", CONTACT, middle.ratio_to(high))
+    yield _of_fact("35 below 15", CONTACT, low.ratio_to(middle))
 
 
 def braced(effort: Effort) -> Iterator[Claim]:
@@ -158,7 +158,7 @@ def proportional(effort: Effort) -> Iterator[Claim]:
 def _over_plate(speed: Quantity, frequency_hz: float, gamma: float) -> Quantity:
     """Return a speed over the plate's peak speed."""
     plate = gamma * GRAVITY / (2.0 * math.pi * frequency_hz)
-    return speed.over(exact("plate", "mm_s", plate))
+    return speed.ratio_to(exact("plate", "mm_s", plate))
 
 
 def _farthest(ratios: Sequence[Quantity]) -> Quantity:

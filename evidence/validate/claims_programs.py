@@ -99,7 +99,7 @@ def sliced(program: str, mesh: bytes, settings: bytes) -> float | None:
         except (OSError, subprocess.SubprocessError):
             return None
     used = re.search(r"; filament used \[mm\] = ([0-9.]+)", text)
-    return None if used is None else float(used[1]) * math.pi * slicer.FILAMENT_MM**2 / 4.0
+    return None if used is None else float(used[1]) * math.pi * slicer.FILAMENT_DIAMETER_MM**2 / 4.0
 
 
 TESTS = (displacement, plastic)

@@ -135,7 +135,7 @@ def impacts(effort: Effort) -> Iterator[Claim]:
 
 def _spin(lever: Pair, velocity: Pair, friction: float) -> float:
     M, J = BLOCK
-    H = tensors.rigid(M, J, np.array(lever))
+    H = tensors.rigid_tensor(M, J, np.array(lever))
     entries = float(H.xx), float(H.xy), float(H.yy)
     outcome = impact.resolve(entries, velocity, 0.0, friction)
     return (lever[0] * outcome.F_y - lever[1] * outcome.F_x) / J

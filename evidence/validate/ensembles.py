@@ -12,10 +12,10 @@ from evidence.validate.claim import Effort
 from walkergen.analysis import lagged, landings
 from walkergen.core.files.progress import silent
 from walkergen.core.numerics.quantity import Quantity, mean
-from walkergen.core.scene import GRAVITY, Scene, at_rest
+from walkergen.core.scene import GRAVITY, Scene, still_plate_drive
 from walkergen.core.simulation import record
 from walkergen.core.simulation.plan import prepare
-from walkergen.core.simulation.run import impacts_of
+from walkergen.core.simulation.run import recorded_impacts
 from walkergen.core.simulation.space.state import C_Y, SHOWN_X, SHOWN_Y
 from walkergen.core.theory import paper_simulation
 from walkergen.core.theory.impact import Kind
@@ -81,7 +81,7 @@ def _scene(name: str, effort: Effort, keys: Mapping[str, object]) -> Scene:
 
 def _measured(scene: Scene, design: Design) -> Measured:
     point = simulated(experiments.Walker(scene, design, solids.mass_of(design), impacts=True))
-    landed = [_landings(impacts_of(result), landings.CORNERS) for result in point.results]
+    landed = [_landings(recorded_impacts(result), landings.CORNERS) for result in point.results]
     approach = float(-np.concatenate([run.v_y for run in landed]).mean()) / scene.drive.peak_speed
     return Measured(speed_of(point), _types(landed), approach)
 
@@ -142,19 +142,19 @@ def rebound(tilt_deg: float, drops: int) -> Quantity:
 
     Mean, and its standard error over the drops, whose pitch and roll differ by up to TOUCH.
     """
-    tables = {"drive": at_rest(90.0), "arena": {"kind": "plane"}}
+    tables = {"drive": still_plate_drive(90.0), "arena": {"kind": "plane"}}
     design = paper_design(tilt_deg)
     plan = prepare(Scene.model_validate(tables), design, solids.mass_of(design))
     fall, rebounds = math.sqrt(2.0 / GRAVITY), []
     for number in range(drops):
         rng = np.random.default_rng([SEED, number])
         pitch, roll = rng.uniform(-TOUCH, TOUCH, 2)
-        state = plan.start(1.0, pitch, 0.0, roll)
+        state = plan.initial_state(1.0, pitch, 0.0, roll)
         ground = float(state[C_Y]) - 1.0
         heights = []
-        plan.advance(state, 1.05 * fall, record.new(len(state)))
+        plan.advance(state, 1.05 * fall, record.new_tally(len(state)))
         for _ in range(100):
-            plan.advance(state, fall / 50.0, record.new(len(state)))
+            plan.advance(state, fall / 50.0, record.new_tally(len(state)))
             heights.append(float(state[C_Y]) - ground)
         rebounds.append(math.sqrt(max(*heights, 0.0)))
     return mean("rebound", "", rebounds)

@@ -8,7 +8,7 @@ from evidence.walkers_published.predicted import Predicted, Speeds
 from evidence.walkers_published.published import SETS, STATEMENTS, Source, Statement
 from walkergen.core.errors import InputError
 from walkergen.core.files.output import Folder
-from walkergen.core.files.progress import Progress, part
+from walkergen.core.files.progress import Progress, part_progress
 from walkergen.files.report import Report
 from walkergen.guests.sweep import sweep_file
 from walkergen.guests.sweep.request import SweepRequest
@@ -34,7 +34,7 @@ def make(sets: Sequence[str], folder: Path, progress: Progress) -> Report:
     """
     speeds = {}
     for number, name in enumerate(sets):
-        speeds[name] = swept(_source(name), part(progress, number, len(sets), name))
+        speeds[name] = swept(_source(name), part_progress(progress, number, len(sets), name))
     rows = list(rows_of(STATEMENTS, speeds))
     note = (
         "Each draw is simulated in space, 4 runs of 1.5 s after 0.5 s, by `walkergen sweep --file "

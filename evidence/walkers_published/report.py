@@ -58,7 +58,7 @@ def bounds(row: Predicted) -> str:
     """Median and bounds in words; nothing where there are none."""
     if row.low is None or row.median is None or row.high is None:
         return ""
-    low, median, high = (words.number(value, 3) for value in (row.low, row.median, row.high))
+    low, median, high = (words.format_number(value, 3) for value in (row.low, row.median, row.high))
     return f"{median} [{low}, {high}]"
 
 

@@ -12,7 +12,7 @@ from walkergen.analysis.tracks import Track, Tracks
 from walkergen.core.errors import InputError
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.plan import prepare
-from walkergen.core.simulation.run import dropped
+from walkergen.core.simulation.run import drop_for_run
 from walkergen.core.simulation.space.model import pose
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
@@ -130,7 +130,7 @@ def test_a_walker_of_which_one_foot_rubs_turns_about_it(side):
 def heading_of(number, **keys):
     """Heading at which a run of a scene starts, deg."""
     plan = prepare(PLANE.variant(**keys), PAPER, solids.mass_of(PAPER))
-    plan, state = dropped(plan, number)
+    plan, state = drop_for_run(plan, number)
     assert plan.feet(state)[:, 1].min() >= 0.0
     return math.degrees(pose(state)[2])
 
@@ -145,9 +145,11 @@ def test_runs_start_at_the_headings_of_the_scene_in_turn():
 def test_a_start_at_heading_0_has_the_bits_that_it_had():
     mass = solids.mass_of(PAPER)
     plain, turned = (
-        dropped(prepare(PLANE.variant(**keys), PAPER, mass), 3)[1] for keys in ({}, {"run.heading_deg": "uniform"})
+        drop_for_run(prepare(PLANE.variant(**keys), PAPER, mass), 3)[1] for keys in ({}, {"run.heading_deg": "uniform"})
     )
-    assert dropped(prepare(PLANE.variant(**{"run.heading_deg": 0}), PAPER, mass), 3)[1].tobytes() == plain.tobytes()
+    assert (
+        drop_for_run(prepare(PLANE.variant(**{"run.heading_deg": 0}), PAPER, mass), 3)[1].tobytes() == plain.tobytes()
+    )
     assert plain[13:16] != pytest.approx(turned[13:16])
 
 

@@ -5,7 +5,7 @@ from boxed_tracks import Boxed, films
 from synthetic_tracks import Walker, film
 
 from walkergen.analysis import motion, walls
-from walkergen.core.dish import OPEN, Dish
+from walkergen.core.dish import OPEN_GROUND, Dish
 
 BUG = Boxed(290.0, 3.0, (800.0, 450.0), noise=0.5)
 """What two public films show: a bug in a box, px in place of mm."""
@@ -60,7 +60,7 @@ def test_walls_may_be_told():
     told = walls.of(BOX, Dish("rectangle", (170.0, 170.0)))
     assert told.closest == pytest.approx(10.0, abs=0.5)  # a walker is no point
     assert "of ‹arena=›rectangle:170x170" in told.said
-    assert walls.of(BOX, OPEN) is None
+    assert walls.of(BOX, OPEN_GROUND) is None
 
 
 @pytest.mark.parametrize(

@@ -52,7 +52,7 @@ def data_set(order=("time", "space", "keypoint", "individual"), plural="", **att
     for name, count in zip(full, PLACES.shape, strict=True):
         file.createDimension(named[name], count)
     for name, words in (("space", ("x", "y")), ("keypoint", ("body",)), ("individual", ("ann", "bob"))):
-        netcdf._words(file, named[name], words)
+        netcdf._write_names(file, named[name], words)
     values = {"time": np.arange(12) / FPS if file.time_unit == "seconds" else np.arange(12.0)}
     values["position"] = PLACES.transpose([full.index(name) for name in order])
     file.createVariable("time", "d", ("time",))[:] = values["time"]

@@ -459,7 +459,7 @@ def test_the_page_of_the_report_is_the_commands(page):
 
 @pytest.mark.nightly
 def test_on_a_plane_a_run_tells_how_the_walker_turns(page):
-    page.choose("#choose-scene", sentences.title("plane-90hz"))
+    page.choose("#choose-scene", sentences.format_title("plane-90hz"))
     page.type("scene.run.seconds", 4)
     page.click("#run")
     page.until(lambda: "rad/s" in page.text("#ran"))

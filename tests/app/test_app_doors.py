@@ -290,4 +290,4 @@ def test_a_page_starts_what_the_command_line_starts_and_no_more(doors, key, valu
     ]
     done = subprocess.run(words, capture_output=True, text=True)
     assert done.returncode == 2
-    assert sentences.plain(done.stderr.split(": ", 2)[-1].strip()) in line
+    assert sentences.to_plain_text(done.stderr.split(": ", 2)[-1].strip()) in line

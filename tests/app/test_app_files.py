@@ -38,7 +38,7 @@ def test_files_of_other_kinds_are_not_kept(doors, tmp_path, kind):
 
 
 def test_a_file_over_the_limit_is_refused_and_not_kept(doors, tmp_path, monkeypatch):
-    monkeypatch.setattr("walkergen.app.server.MOST_UPLOADED", 1000)
+    monkeypatch.setattr("walkergen.app.server.MAX_UPLOAD_BYTES", 1000)
     assert doors.ask("upload", b"x" * 1000, query="kind=stl").status == 200
     before = files(tmp_path)
     answer = doors.ask("upload", b"x" * 1001, query="kind=stl")
@@ -49,7 +49,7 @@ def test_a_file_over_the_limit_is_refused_and_not_kept(doors, tmp_path, monkeypa
 
 
 def test_the_oldest_of_the_files_that_were_dropped_go(doors, monkeypatch):
-    monkeypatch.setattr("walkergen.app.server.MOST_UPLOADS", 2500)
+    monkeypatch.setattr("walkergen.app.server.MAX_UPLOAD_FOLDER_BYTES", 2500)
     names = []
     for number in range(4):
         names.append(doors.ask("upload", bytes([number]) * 1000, query="kind=stl").json["file"])

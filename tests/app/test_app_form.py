@@ -41,7 +41,7 @@ def test_limits_are_those_that_a_refusal_names():
     tilt = controls(document())["legs.tilt_deg"]
     assert (tilt.low, tilt.high, tilt.unit) == (-85.0, 85.0, "°")
     with pytest.raises(WalkergenError, match=">= -85 and <= 85"):
-        document(**{"legs.tilt_deg": 89}).design()
+        document(**{"legs.tilt_deg": 89}).load_design()
 
 
 def test_the_tilt_comes_first_by_the_key_that_the_legs_share():
@@ -52,7 +52,7 @@ def test_the_tilt_comes_first_by_the_key_that_the_legs_share():
 
 
 def test_keys_that_say_nothing_of_a_shape_have_no_control():
-    plain, disc = (controls(document()), controls(document(**form.shapes(document())["disc"]["values"])))
+    plain, disc = (controls(document()), controls(document(**form.body_shapes(document())["disc"]["values"])))
     assert "body.depth_mm" in plain
     assert {"body.outline", "body.mesh", "body.up"}.isdisjoint(plain)
     assert "body.outline" in disc
@@ -65,26 +65,26 @@ def test_a_control_says_what_its_table_says():
 
 @pytest.mark.parametrize("walker", ["koumakis2016", "maker-large", "bristle", "name"])
 def test_every_other_shape_stands_on_the_legs_of_a_walker(walker):
-    for name, change in form.shapes(document(walker)).items():
+    for name, change in form.body_shapes(document(walker)).items():
         shaped = document(change.get("walker", walker), **change["values"])
-        assert shaped.design().limbs, name
+        assert shaped.load_design().limbs, name
 
 
 def test_two_equal_legs_can_be_listed():
-    legs = form.listed_legs(document())
-    listed = document(legs=legs, leg_tilt_deg=10.0).design()
-    pair = document().design()
+    legs = form.legs_as_list(document())
+    listed = document(legs=legs, leg_tilt_deg=10.0).load_design()
+    pair = document().load_design()
     assert [limb.along for limb in listed.limbs] == [limb.along for limb in pair.limbs]
     assert [limb.thickness for limb in listed.limbs] == [limb.thickness for limb in pair.limbs]
 
 
 def test_sliders_end_where_a_walker_can_no_longer_be_built():
     keys = ["legs.tilt_deg", "legs.contact_spacing_mm", "body.length_mm", "scene.contact.friction", "nosuch"]
-    ranges = spans.spans(document(), keys)
+    ranges = spans.slider_ranges(document(), keys)
     assert list(ranges) == keys[:3]
     assert ranges["legs.contact_spacing_mm"][1] < 28.0  # the body's length; the key's own range goes on
     for key, ends in ranges.items():
-        assert all(document(**{key: end}).design().limbs for end in ends)
+        assert all(document(**{key: end}).load_design().limbs for end in ends)
 
 
 def test_a_tilt_beyond_its_slider_makes_it_longer():
@@ -112,16 +112,16 @@ def test_what_helps_is_data_and_helps(tmp_path, mesh, words):
         mesh.export(tmp_path / "own.stl")
         values = {"body": {"mesh": str(tmp_path / "own.stl")}, "legs.place": "auto"}
     with pytest.raises(WalkergenError) as error:
-        document(**values).design()
-    elsewhere = pickle.loads(pickle.dumps(error.value.found_out()))
-    *_, last = answers.refusal(elsewhere)
+        document(**values).load_design()
+    elsewhere = pickle.loads(pickle.dumps(error.value.resolve_remedies()))
+    *_, last = answers.format_refusal(elsewhere)
     assert [remedy["words"] for remedy in last["helps"]] == words
     assert not re.search(r"_mm|= true|--|\.\w+_|what helps|own\.stl", last["text"])
-    assert answers.trouble(document(**values))["picture"].startswith("data:image/png;") is last["drawn"]
+    assert answers.trouble_picture(document(**values))["picture"].startswith("data:image/png;") is last["drawn"]
     assert last["drawn"] is isinstance(error.value, UnplacedError)
     for remedy in last["helps"]:
         assert all(key in str(error.value) for key, value in remedy["values"].items() if value is not None)
         body = {**values["body"], **{key[5:]: own for key, own in remedy["values"].items() if key.startswith("body.")}}
         rest = {key: own for key, own in remedy["values"].items() if not key.startswith("body.")}
         kept = {key: own for key, own in body.items() if own is not None}
-        solids.mass_of(document(**{**values, "body": kept, **rest}).design())
+        solids.mass_of(document(**{**values, "body": kept, **rest}).load_design())

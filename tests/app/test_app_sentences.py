@@ -42,19 +42,19 @@ def row(middle, low, high, by="surrogate", nominal=None, falls=0.0):
     ],
 )
 def test_a_speed_is_a_sentence(asked, kind, words):
-    speed = sentences.speed(asked)
+    speed = sentences.format_speed(asked)
     assert speed.kind == kind
     assert words in speed.text
 
 
 def test_a_walker_that_falls_is_said_to():
-    speed = sentences.speed(row(None, None, None, falls=0.75))
+    speed = sentences.format_speed(row(None, None, None, falls=0.75))
     assert speed == ("falls over in 75 % of its runs.", "falls", True)
 
 
 def test_a_speed_that_a_run_has_yet_to_tell_is_not_sure():
-    assert not sentences.speed(row(None, None, None, "theory")).sure
-    assert sentences.speed(row(57.0, 39.0, 78.0)).sure
+    assert not sentences.format_speed(row(None, None, None, "theory")).sure
+    assert sentences.format_speed(row(57.0, 39.0, 78.0)).sure
 
 
 @pytest.mark.parametrize(
@@ -75,10 +75,10 @@ def test_a_speed_that_a_run_has_yet_to_tell_is_not_sure():
     ],
 )
 def test_sentences_hold_no_key_and_no_flag(text, words):
-    assert sentences.plain(text) == words
+    assert sentences.to_plain_text(text) == words
 
 
 def test_every_walker_and_scene_has_a_plain_name():
     for kind in ("walkers", "scenes"):
         for name in templates.names(kind):
-            assert sentences.title(name).endswith(f" ({name})")
+            assert sentences.format_title(name).endswith(f" ({name})")

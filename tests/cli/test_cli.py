@@ -172,7 +172,7 @@ def test_every_walker_template_makes_its_family(run, tmp_path, name):
     assert run("family", name, "--no-pictures", "--quiet", "--model", "known").exit_code == 0
     members = templates.load(name, "walkers", Design).members()
     made = {path.stem for path in (tmp_path / "out" / name / "stl").iterdir()}
-    assert made == {names.part(member) for member in members}
+    assert made == {names.part_name(member) for member in members}
 
 
 def test_a_folder_that_cannot_be_written_is_one_clear_line(run, tmp_path):
@@ -278,7 +278,7 @@ def test_long_work_says_how_far_it_is_where_there_is_no_bar(monkeypatch, capsys)
     from walkergen.cli import show
     from walkergen.core.files.progress import Expected
 
-    monkeypatch.setattr(show, "FIRST_S", 0.01)
+    monkeypatch.setattr(show, "FIRST_LINE_S", 0.01)
     with show.progress("simulate", wanted=True) as update:
         update("runs", 1, 4)
         update("runs", 3, 4)

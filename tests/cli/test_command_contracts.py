@@ -63,8 +63,8 @@ def test_command_function_and_request_have_the_same_parameters(name):
     for field, option in options_of(name).items():
         assert field not in fields or option == spelled(request, field)
     assert all(flag(request, field).help.endswith(".") for field in fields)
-    if name in front.FUNCTIONS:
-        assert set(front.signature_of(name).parameters) == fields | {"progress"}
+    if name in front.FUNCTION_NAMES:
+        assert set(front.make_signature(name).parameters) == fields | {"progress"}
 
 
 class AskedError(Exception):
@@ -72,7 +72,7 @@ class AskedError(Exception):
 
 
 @pytest.mark.parametrize("example", ["example", "other"])
-@pytest.mark.parametrize("name", front.FUNCTIONS)
+@pytest.mark.parametrize("name", front.FUNCTION_NAMES)
 def test_a_function_asks_what_its_command_asks(run, monkeypatch, name, example):
     @functools.wraps(request_of(name).run)
     def asked(request, progress):
@@ -84,7 +84,7 @@ def test_a_function_asks_what_its_command_asks(run, monkeypatch, name, example):
     values = {field: getattr(by_command, field) for field in by_command.model_fields_set}
     given = {field: value[0] if isinstance(value, tuple) else value for field, value in values.items()}
     with pytest.raises(AskedError) as told:
-        front.function(name)(**given)
+        front.make_function(name)(**given)
     (by_function,) = told.value.args
     assert by_function.model_dump() == by_command.model_dump()
     assert (by_command._shell, by_function._shell) == (True, False)
@@ -132,7 +132,7 @@ def write_inputs(folder, name):
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(one, marks=[pytest.mark.slow] * (one in SLOW_CALLS)) for one in front.FUNCTIONS]
+    "name", [pytest.param(one, marks=[pytest.mark.slow] * (one in SLOW_CALLS)) for one in front.FUNCTION_NAMES]
 )
 def test_the_example_of_a_docstring_runs_and_its_report_is_sound(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

@@ -210,11 +210,11 @@ def test_what_is_not_ours_is_left_alone_and_all_else_is_written(tmp_path):
 def test_a_manifest_that_is_not_ours_stops_everything_before_it_begins(tmp_path, content):
     from walkergen.core.files import ledger
 
-    for data in (content, b'{"x": %s,\n  "sealed": "%s"\n}\n' % (content, ledger.BLANK)):
-        sealed = ledger.sealed(data) if data.endswith(b"}\n") else data
+    for data in (content, b'{"x": %s,\n  "sealed": "%s"\n}\n' % (content, ledger.BLANK_SEAL)):
+        sealed = ledger.add_seal(data) if data.endswith(b"}\n") else data
         (tmp_path / "manifest.json").write_bytes(sealed)
         before = tmp_path.joinpath("manifest.json").read_bytes()
-        if ledger.facts_of(before) is not None:
+        if ledger.decode_manifest(before) is not None:
             continue  # JSON after all, and sealed: a manifest without files
         with pytest.raises(OutputError, match="all files there are left alone") as caught:
             written(tmp_path)
@@ -395,7 +395,7 @@ def test_ctrl_c_while_a_library_loads_is_no_failure_of_it():
             raise ImportError("initialization failed") from cause
 
     code, _, told = forked(lambda: cli.main(stopped))
-    assert (code, told) == (130, "error: " + cli.TOLD_INTERRUPTED + "\n")
+    assert (code, told) == (130, "error: " + cli.INTERRUPTED_MESSAGE + "\n")
 
 
 @pytest.mark.parametrize("program", ["walkergen", "evidence"])
@@ -428,7 +428,7 @@ def test_ctrl_c_that_a_library_prints_while_it_loads_is_no_failure_of_it():
         cli.main(commands)
 
     code, _, told = forked(work)
-    assert (code, told) == (130, "error: " + cli.TOLD_INTERRUPTED + "\n")
+    assert (code, told) == (130, "error: " + cli.INTERRUPTED_MESSAGE + "\n")
 
 
 def test_ctrl_c_while_an_object_is_taken_apart_ends_the_command():
@@ -444,7 +444,7 @@ def test_ctrl_c_while_an_object_is_taken_apart_ends_the_command():
         time.sleep(20)
 
     code, _, told = forked(lambda: cli.main(stopped))
-    assert (code, told) == (130, "error: " + cli.TOLD_INTERRUPTED + "\n")
+    assert (code, told) == (130, "error: " + cli.INTERRUPTED_MESSAGE + "\n")
 
 
 def test_a_folder_that_is_gone_is_a_line(tmp_path):

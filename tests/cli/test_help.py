@@ -11,7 +11,7 @@ import typer
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
-from walkergen.cli.layout import OPTIONS
+from walkergen.cli.layout import OPTION_HEADINGS
 from walkergen.command_table import COMMANDS
 
 FOLDER = Path(__file__).parents[2]
@@ -156,7 +156,7 @@ def test_the_shell_completes_commands_and_names(words, found):
 def test_many_options_stand_under_headings_each_once(monkeypatch):
     text = told(monkeypatch, 80, "simulate")
     headings = re.findall(r"^([A-Z][\w ]+):$", text, re.MULTILINE)
-    assert headings == ["Arguments", "Options", *OPTIONS]
+    assert headings == ["Arguments", "Options", *OPTION_HEADINGS]
     command = dict(leaves())["simulate"]
     flags = [max(param.opts, key=len) for param in command.params if param.opts[0][0] == "-"]
     assert all(len(re.findall(rf"^  {flag}\b", text, re.MULTILINE)) == 1 for flag in flags)

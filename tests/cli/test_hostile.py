@@ -54,7 +54,7 @@ def test_hundreds_of_hostile_files_are_read_or_refused_in_lines(kind, tmp_path):
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("error")
-                config.read(path, model)
+                config.read_section(path, model)
         except InputError as error:
             for line in str(error).splitlines():
                 assert str(path) in line, one
@@ -66,9 +66,9 @@ def test_hundreds_of_hostile_files_are_read_or_refused_in_lines(kind, tmp_path):
 def test_what_is_no_file_is_not_read(kind, tmp_path):
     hostile.KINDS[kind](tmp_path / "x")
     with pytest.raises(InputError):
-        reading.content(tmp_path / "x", 1000)
+        reading.read_bytes(tmp_path / "x", 1000)
     with pytest.raises(InputError):
-        list(reading.lines(tmp_path / "x", "a CSV file", 1000))
+        list(reading.read_lines(tmp_path / "x", "a CSV file", 1000))
 
 
 @pytest.mark.nightly
@@ -138,15 +138,15 @@ def test_hidden_letters_are_written_as_json_writes_them():
     import json
 
     text = "a\x1b[31m\x9b\u202e\ud800\U000e0001\x00é\n"
-    seen = plain.plain(text)
+    seen = plain.escape_hidden(text)
     assert seen == "a\\u001b[31m\\u009b\\u202e\\ud800\\udb40\\udc01\\u0000é\n"
     told = json.dumps({"name": "b\u202e\x7fé"}, ensure_ascii=False)
-    assert json.loads(plain.plain(told)) == {"name": "b\u202e\x7fé"}
+    assert json.loads(plain.escape_hidden(told)) == {"name": "b\u202e\x7fé"}
 
 
 def test_a_line_keeps_its_beginning_and_its_end():
-    found = plain.line("file.toml: " + "x" * 5000 + "\ntry less")
-    assert len(found) == plain.WIDEST
+    found = plain.shorten_line("file.toml: " + "x" * 5000 + "\ntry less")
+    assert len(found) == plain.MAX_LINE_LENGTH
     assert found.startswith("file.toml: xx")
     assert found.endswith("x\\ntry less")
 
@@ -154,19 +154,19 @@ def test_a_line_keeps_its_beginning_and_its_end():
 def test_what_is_printed_is_plain_and_what_is_told_is_short(monkeypatch, capsys):
     monkeypatch.setattr(sys, "stdout", sys.stdout)
     monkeypatch.setattr(sys, "stderr", sys.stderr)
-    plain.guard()
+    plain.guard_output()
     print("name\x1b[31m" + "y" * 300)
     print("error: " + "y" * 300 + "\x07", "next", sep="\n", file=sys.stderr)
     seen = capsys.readouterr()
     assert seen.out == "name\\u001b[31m" + "y" * 300 + "\n"
-    assert [len(line) for line in seen.err.splitlines()] == [plain.WIDEST, 4]
+    assert [len(line) for line in seen.err.splitlines()] == [plain.MAX_LINE_LENGTH, 4]
     assert seen.err.endswith("y\\u0007\nnext\n")
 
 
 @pytest.mark.parametrize("text", ["a = 0x%s" % ("f" * 9000), "a = [{b = 0b1%s}]" % ("0" * 10_000)])
 def test_whole_numbers_that_nothing_could_print_are_not_read(text):
     with pytest.raises(ValueError, match=r"a whole number of .* bits"):
-        config.toml_of(text)
+        config.parse_toml(text)
 
 
 @pytest.mark.parametrize(

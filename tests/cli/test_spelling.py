@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 import walkergen as wg
 from walkergen.cli import command_line, show
 from walkergen.command_table import COMMANDS, for_call, for_shell, request_of
-from walkergen.core.errors import FIELD, InputError, for_python, spell, spell_all, spelled_by
+from walkergen.core.errors import FIELD_PATTERN, InputError, spell, spell_all, spell_for_python, use_spelling
 from walkergen.files.report import Report, Table, every
 
 PACKAGE = Path(wg.__file__).parent
@@ -34,25 +34,25 @@ TEXT = "‹mm_per_px›, ‹tilt=›12, ‹cost=False›"
 def test_a_text_is_spelled_as_its_reader_writes_fields():
     assert for_shell(TEXT) == "--mm-per-px, --tilt 12, --no-cost"
     assert for_shell("leave ‹design› out", {"design": "DESIGN"}) == "leave DESIGN out"
-    assert for_python(TEXT) == "mm_per_px, tilt=12, cost=False"
+    assert spell_for_python(TEXT) == "mm_per_px, tilt=12, cost=False"
     source = "‹command line›: scene.run.runs = 0: must be"
     assert for_shell(source) == "command line: scene.run.runs = 0: must be"
-    assert for_python(source) == "scene.run.runs = 0: must be"
+    assert spell_for_python(source) == "scene.run.runs = 0: must be"
     assert for_call(source, {"scene.run.runs": "runs"}) == "runs=0: must be"
     assert for_call(source, {"scene.run.seed": "seed"}) == "scene.run.runs = 0: must be"
 
 
 def test_what_a_person_wrote_in_the_same_quotes_stays():
-    assert for_python("‹Ärger›: ‹12›") == for_shell("‹Ärger›: ‹12›") == "‹Ärger›: ‹12›"
+    assert spell_for_python("‹Ärger›: ‹12›") == for_shell("‹Ärger›: ‹12›") == "‹Ärger›: ‹12›"
 
 
 def test_an_error_keeps_the_spelling_of_the_door_that_it_leaves_by():
     error = InputError(TEXT)
     assert str(error) == "mm_per_px, tilt=12, cost=False"
-    with spelled_by(for_shell):
+    with use_spelling(for_shell):
         assert str(error) == spell(TEXT) == "--mm-per-px, --tilt 12, --no-cost"
     assert str(error) == spell(TEXT) == "mm_per_px, tilt=12, cost=False"
-    with pytest.raises(InputError) as left, spelled_by(for_shell):
+    with pytest.raises(InputError) as left, use_spelling(for_shell):
         raise error
     assert str(left.value) == "--mm-per-px, --tilt 12, --no-cost"
     assert left.value.text == TEXT
@@ -68,7 +68,7 @@ def test_files_have_pythons_names_and_a_terminal_has_flags(capsys):
     assert list(report.table) == [{"speed": 1.5, "note": "tilt"}]
     page, rows = report.markdown(), report.table.csv()
     assert rows.split() == ["speed,note", "1.5,tilt"]
-    with spelled_by(for_shell):
+    with use_spelling(for_shell):
         assert (report.markdown(), report.table.csv()) == (page, rows)
         show.report(report, json=False, quiet=False)
         show.report(report, json=True, quiet=False)
@@ -151,6 +151,6 @@ def test_no_text_spells_a_flag():
 
 def test_every_field_that_a_text_names_is_one():
     fields = {field for name, own in COMMANDS.items() if own.folder for field in request_of(name).model_fields}
-    named = {found[1] for _, text in texts() for found in FIELD.finditer(text)}
+    named = {found[1] for _, text in texts() for found in FIELD_PATTERN.finditer(text)}
     assert named - fields - NO_FIELD == set()
     assert len(named) > 50

@@ -53,14 +53,14 @@ def test_a_home_that_cannot_be_written_is_no_obstacle(home):
 
 def test_what_old_versions_left_is_removed_and_what_is_in_use_stays(home):
     old, young, other = (caches.folder(name) for name in ("numba-a", "numba-b", "points"))
-    then = time.time() - (caches.FORGOTTEN_DAYS + 1) * 86400
+    then = time.time() - (caches.MAX_UNUSED_DAYS + 1) * 86400
     for path in (old, other):
         (path / "index").write_text("1")
         os.utime(path, (then, then))
-    found = caches.versioned("numba", "c")
+    found = caches.prepare_version_folder("numba", "c")
     assert [path.name for path in sorted(home.iterdir())] == ["numba-b", "numba-c", "points"]
     os.utime(found, (then, then))
-    assert caches.versioned("numba", "c").stat().st_mtime > then  # used again
+    assert caches.prepare_version_folder("numba", "c").stat().st_mtime > then  # used again
     assert young.is_dir()
 
 
@@ -95,7 +95,7 @@ def kernels(tmp_path):
         plain = caching.IndexDataCacheFile
         if plain.__name__ == "Checked":  # as in a process that has made kernels
             plain = plain.__mro__[1]
-        return caches.checked_files(plain)(str(tmp_path), "f-1.py311", stamp)
+        return caches.add_checksums(plain)(str(tmp_path), "f-1.py311", stamp)
 
     opened().save("int", {"code": b"\x01" * 1000})
     return opened
@@ -103,7 +103,7 @@ def kernels(tmp_path):
 
 SPOILT = {
     "emptied": lambda path: path.write_bytes(b""),
-    "cut short": lambda path: path.write_bytes(path.read_bytes()[: -caches.TAIL - 1]),
+    "cut short": lambda path: path.write_bytes(path.read_bytes()[: -caches.TRAILER_BYTES - 1]),
     "half": lambda path: path.write_bytes(path.read_bytes()[: path.stat().st_size // 2]),
     "a bit": lambda path: path.write_bytes(bytes(byte ^ (at == 40) for at, byte in enumerate(path.read_bytes()))),
     "text": lambda path: path.write_text("no pickle"),
@@ -131,20 +131,20 @@ def test_a_sound_entry_of_a_kernel_is_read_also_one_without_a_sum(kernels, tmp_p
     assert kernels().load("float") is None
     assert kernels((3.0, 2)).load("int") is None  # of another source
     for path in tmp_path.iterdir():
-        path.write_bytes(path.read_bytes()[: -caches.TAIL])
+        path.write_bytes(path.read_bytes()[: -caches.TRAILER_BYTES])
     assert kernels().load("int") == {"code": b"\x01" * 1000}
 
 
 @POSIX
 def test_compiling_is_said_once_with_the_time_it_takes_and_not_when_quiet(tmp_path, capsys, monkeypatch):
-    monkeypatch.setitem(caches.COMPILING_S, "another", 17)
+    monkeypatch.setitem(caches.COMPILE_TIMES_S, "another", 17)
     place = tmp_path / "another_0123"  # numba's name of a folder of the package
-    with caches.unannounced():
-        caches.announce(place)
-    caches.announce(tmp_path / "elsewhere_0123")  # no model: a second or two
+    with caches.suppress_compile_notice():
+        caches.announce_compilation(place)
+    caches.announce_compilation(tmp_path / "elsewhere_0123")  # no model: a second or two
     assert capsys.readouterr().err == ""
     for _ in range(2):
-        caches.announce(place)
+        caches.announce_compilation(place)
     (line,) = capsys.readouterr().err.splitlines()
     assert "about 17 s" in line
     assert "once" in line

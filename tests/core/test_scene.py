@@ -47,7 +47,7 @@ def test_mistakes_in_a_scene_are_one_line(tmp_path):
     path = tmp_path / "lane.toml"
     path.write_text("[drive]\nfrequency_hz = 90\namplitude_um = 55.2\ngamma = 3.0\n[contact]\nfriction = -1\n")
     with pytest.raises(InputError) as caught:
-        config.read(path, Scene)
+        config.read_section(path, Scene)
     lines = str(caught.value).splitlines()
     assert len(lines) == 2
     assert "lane.toml:1: drive" in lines[0]
@@ -127,6 +127,6 @@ def test_effects_are_forced_by_their_names(keys, told):
         Scene().variant(**keys)
     assert "\n" not in str(caught.value)
     off = Scene().variant(**{"effects.off": ["plate_noise", "leg_twist"]})
-    assert [off.effects.forced(name) for name in ("leg_twist", "air_drag")] == [False, None]
-    assert off.effects.force("leg_twist", True).forced("leg_twist")
+    assert [off.effects.forced_state(name) for name in ("leg_twist", "air_drag")] == [False, None]
+    assert off.effects.force("leg_twist", True).forced_state("leg_twist")
     assert off.effects.force("leg_twist", None).off == ["plate_noise"]

@@ -40,7 +40,7 @@ def rows(name, table):
     before = ""
     for key, field in table.model_fields.items():
         default = getattr(getattr(Scene(), name), key) if name != "drive" else field.default
-        allowed = config.allowed((name, key), Scene).removeprefix("must be ").removeprefix("a number ")
+        allowed = config.describe_allowed_values((name, key), Scene).removeprefix("must be ").removeprefix("a number ")
         allowed = allowed.removeprefix("one of ").replace("'", "").replace("|", "or")
         shown = "" if default is None else f"`{list(default) if isinstance(default, tuple) else default}`"
         allowed, before = ("as above" if len(allowed) > 80 and allowed == before else allowed), allowed

@@ -22,7 +22,7 @@ from walkergen.core.files.progress import silent
 from walkergen.core.numerics.quantity import Quantity, Verdict, mean
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import record
-from walkergen.core.simulation.run import Outcome, impacts_of
+from walkergen.core.simulation.run import Outcome, recorded_impacts
 from walkergen.core.theory import paper_simulation
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
@@ -243,7 +243,7 @@ def case(design, scene):
 
 def test_every_impact_of_the_tally_is_an_event_and_landings_are_fewer(case):
     for result in walkers.simulate(case.walker()).results:
-        rows = impacts_of(result)
+        rows = recorded_impacts(result)
         impacts = impact_types.of_run(rows, 2)
         assert len(impacts.kind) == result.tally.counts[record.IMPACTS] > 40
         assert 0 < impacts.landing.sum() < len(rows)
@@ -267,7 +267,7 @@ def test_the_papers_own_model_gives_its_speed_and_its_types(case, monkeypatch):
 
 def test_room_for_impacts_grows_until_it_holds_them_all(case, monkeypatch):
     (whole,) = runs.simulated([case], silent)
-    monkeypatch.setattr("walkergen.core.simulation.run.FIRST_ROOM", -8.5)  # 26 impacts' room at first
+    monkeypatch.setattr("walkergen.core.simulation.run.FIRST_EVENT_ROOM", -8.5)  # 26 impacts' room at first
     (grown,) = runs.simulated([case], silent)
     assert grown == whole
     assert whole.lost == 0

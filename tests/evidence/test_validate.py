@@ -129,13 +129,13 @@ def test_closed_forms_and_published_balls_agree_but_for_what_is_explained(room):
 
 
 def test_a_broken_tensor_flips_its_claims(monkeypatch):
-    right = tensors.flexible
+    right = tensors.flexible_tensor
 
     def wrong(*numbers):
         found = right(*numbers)
         return InverseMass(found.xx, found.xy * (1.0 + 1e-6), found.yy)
 
-    monkeypatch.setattr(tensors, "flexible", wrong)
+    monkeypatch.setattr(tensors, "flexible_tensor", wrong)
     found = verdicts([claims_closed.tensor, claims_closed.stationary])
     assert found["inverse mass H_xx, back foot, 10 deg"] == "agree"
     assert found["inverse mass H_xy, back foot, 10 deg"] == "disagree"

@@ -31,7 +31,7 @@ SHORT = {"scene.run.seconds": 0.5, "scene.run.discard_seconds": 0.1, "scene.run.
 
 
 def point_at(model="prediction", design=PAPER, keep=("speed",), error=None, printer=None, **values):
-    asked = tolerance.parse(error) if error else None
+    asked = tolerance.parse_tolerance(error) if error else None
     dotted = {name.replace("__", "."): value for name, value in values.items()}
     request = Request(design, LANE, Space(()), model, keep, asked, printer)
     request.check()
@@ -84,7 +84,7 @@ def test_runs_are_added_until_the_error_is_met(error):
     found = evaluate(point_at("space", error=error))
     assert found["status"] == "ok"
     half = 0.5 * (found["high_95_mm_s"] - found["low_95_mm_s"])
-    asked = tolerance.parse(error)
+    asked = tolerance.parse_tolerance(error)
     assert half <= (asked.value * abs(found["speed_mm_s"]) if asked.relative else asked.value)
     assert found["runs"] >= 8
     # An error ten times larger needs fewer runs, and the first that it tries are enough.
@@ -120,7 +120,7 @@ def test_printability_is_what_the_checks_find():
     found = evaluate(point_at(keep=("printability",), printer=ENDER, **design))
     point = point_at(**design)
     walker = solids.build(point.design).walker
-    findings = checks.of_part("x", point.design, solids.as_printed(point.design, walker), ENDER)
+    findings = checks.check_part("x", point.design, solids.orient_for_print(point.design, walker), ENDER)
     for level in ("error", "warning"):
         assert found[f"print_{level}s"] == sum(one.level == level for one in findings)
     assert found["print_errors"] + found["print_warnings"] > 0
@@ -223,7 +223,7 @@ def test_a_step_is_halved_down_to_the_finest():
 def test_an_error_of_the_time_in_contact_is_met():
     point = point_at("space")
     asked = simulated.Walker(point.scene, point.design, solids.mass_of(point.design))
-    found = walkers.to_error(asked, tolerance.parse("20%"), "contact_fraction")
+    found = walkers.to_error(asked, tolerance.parse_tolerance("20%"), "contact_fraction")
     assert found.error <= found.allowed == 0.2 * found.results.summary.contact_fraction
     assert found.error >= found.results.step_errors["contact_fraction"].error > 0.0
 

@@ -9,7 +9,7 @@ from walkergen.command_table import request_of
 from walkergen.core import tolerance
 from walkergen.core.files.progress import silent
 from walkergen.core.scene import Scene
-from walkergen.core.simulation.effects.resolve import changed
+from walkergen.core.simulation.effects.resolve import replace_without_validation
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
@@ -26,7 +26,7 @@ TIMES = {"run.seconds": 6.0, "run.runs": 2, "run.discard_seconds": 0.1}
 
 def walker(**keys):
     design = templates.load("koumakis2016", "walkers", Design)
-    scene = changed(templates.load("lane-90hz", "scenes", Scene), keys)
+    scene = replace_without_validation(templates.load("lane-90hz", "scenes", Scene), keys)
     return Walker(scene, design, solids.mass_of(design))
 
 
@@ -34,7 +34,7 @@ def walker(**keys):
     ("wanted", "cheaper"), [("1%", "2%"), ("2%", "5%"), ("3%", "5%"), ("5%", "10%"), ("0.5mm/s", "1mm/s")]
 )
 def test_the_next_cheaper_error_is_of_1_2_5_10(wanted, cheaper):
-    assert expected.next_cheaper(tolerance.parse(wanted)) == tolerance.parse(cheaper)
+    assert expected.next_cheaper(tolerance.parse_tolerance(wanted)) == tolerance.parse_tolerance(cheaper)
 
 
 def test_a_moment_tells_what_runs_cost():
@@ -48,7 +48,7 @@ def test_a_moment_tells_what_runs_cost():
 def test_an_error_says_once_its_first_runs_are_made_what_is_left_and_what_the_next_one_would_take():
     heard = []
     met = walkers.to_error(
-        walker(**{"run.seconds": 1.0}), tolerance.parse("2%"), expect=lambda find: heard.append(find())
+        walker(**{"run.seconds": 1.0}), tolerance.parse_tolerance("2%"), expect=lambda find: heard.append(find())
     )
     assert heard[0].seconds > 0.0
     assert heard[0].note.startswith("2 % ")
@@ -99,7 +99,9 @@ def test_what_a_job_does_beside_its_runs_is_counted(name, values, least_s, tmp_p
 
 def test_a_sweep_costs_what_its_points_do_and_nothing_of_it_is_found_out_where_it_is_short(monkeypatch):
     monkeypatch.setattr(expected, "MOMENT_S", 0.02)
-    scene = changed(templates.load("lane-90hz", "scenes", Scene), {"run.seconds": 1.0, "run.runs": 2})
+    scene = replace_without_validation(
+        templates.load("lane-90hz", "scenes", Scene), {"run.seconds": 1.0, "run.runs": 2}
+    )
     space = Space((axis("legs.tilt_deg", [float(tilt) for tilt in range(1, 61)], "test"),))
     request = Request(templates.load("koumakis2016", "walkers", Design), scene, space, "space")
     store = Store()

@@ -73,7 +73,7 @@ def test_a_key_names_every_input_and_no_name():
 
 def test_a_key_follows_the_kernels(monkeypatch):
     before = asked_of().key
-    monkeypatch.setattr("walkergen.core.numerics.kernels.digest", lambda: "another")
+    monkeypatch.setattr("walkergen.core.numerics.kernels.source_digest", lambda: "another")
     assert asked_of().key != before
 
 

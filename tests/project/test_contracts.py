@@ -27,7 +27,7 @@ from walkergen.core.printing.printers import Printer
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.effects import rules
 from walkergen.core.simulation.effects.effect import Case
-from walkergen.core.simulation.effects.resolve import changed
+from walkergen.core.simulation.effects.resolve import replace_without_validation
 from walkergen.core.walker import mass, solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
@@ -79,7 +79,7 @@ def test_a_walker_is_closed_and_weighs_what_its_stl_file_weighs(tmp_path, name):
     theirs = trimesh.load(tmp_path / "walker.stl")
     assert theirs.is_watertight
     assert theirs.is_winding_consistent
-    assert theirs.body_count == solids.bodies(walker) == 1
+    assert theirs.body_count == solids.count_bodies(walker) == 1
     # Numbers of 32 bits in the file: 1e-6 of some 30 mm, over legs of some 0.4 mm
     theirs.density = density
     assert theirs.mass == pytest.approx(ours.mass, rel=1e-4)
@@ -134,7 +134,7 @@ def walker_on(scene):
     for design in [PAPER, *(load("walkers", name) for name in WALKERS)]:
         case = Case(scene, design, solids.mass_of(design))
         try:
-            return case, [rule.judge(case) for rule in rules.every()]
+            return case, [rule.judge(case) for rule in rules.all_rules()]
         except InputError as refused:
             assert_one_line(refused)
     raise AssertionError(f"no walker runs on {scene.name}")
@@ -155,12 +155,12 @@ CASES = [
     Case(load("scenes", scene), design, solids.mass_of(design))
     for scene, design in (("plane-90hz", PAPER), ("table-motor", load("walkers", "coinbot")))
 ]
-EFFECTS = {rule.judge(CASES[0]).name: rule for rule in rules.every()}
+EFFECTS = {rule.judge(CASES[0]).name: rule for rule in rules.all_rules()}
 
 
 def judge(rule, values):
     """Return the effect where a scene has other values of keys, on a walker with a motor where one is needed."""
-    plain, driven = (case._replace(scene=changed(case.scene, values)) for case in CASES)
+    plain, driven = (case._replace(scene=replace_without_validation(case.scene, values)) for case in CASES)
     try:
         return rule.judge(plain)
     except InputError as refused:
@@ -187,7 +187,7 @@ def test_an_effect_is_switched_off_and_is_on_at_its_usual_size(name):
     if rule.switch and "." not in rule.switch:
         assert not judge(rule, {**rule.usual, f"effects.{rule.switch}": False}).on
     for values in (rule.off, rule.usual):
-        scene = changed(CASES[0].scene, values)
+        scene = replace_without_validation(CASES[0].scene, values)
         assert Scene.model_validate(scene.model_dump(exclude_unset=True)) == scene
 
 
@@ -199,11 +199,11 @@ def test_a_plate_of_two_lies_apart_on_the_bed_and_its_3mf_reads_back(name):
     printer, members = load("printers", name), [PAPER, PAPER.variant(kind="braced")]
     built = [solids.build(design) for design in members]
     layout = plates.arrange(members, built, [1, 1], printer)
-    files = dict(plates.files(layout, "plate", draw=None))
+    files = dict(plates.layout_files(layout, "plate", draw=None))
     (data,) = (data for file, data in files.items() if file.endswith(".3mf"))
     found = threemf.read(data)
     assert found.sound
-    (left, front), border = printer.bed_corner, packing.border(printer) - 2e-5  # 32 bits below 256 mm
+    (left, front), border = printer.bed_corner, packing.border_width(printer) - 2e-5  # 32 bits below 256 mm
     for item in found.items:
         assert left + border <= item.low[0] < item.high[0] <= left + printer.bed_width_mm - border
         assert front + border <= item.low[1] < item.high[1] <= front + printer.bed_depth_mm - border
@@ -213,4 +213,4 @@ def test_a_plate_of_two_lies_apart_on_the_bed_and_its_3mf_reads_back(name):
         assert max(gaps) >= packing.spacing(printer) - 2e-5
     scene = trimesh.load(io.BytesIO(data), file_type="3mf")
     assert all(mesh.is_watertight for mesh in scene.geometry.values())
-    assert len(scene.graph.nodes_geometry) == len(found.items) == len(plates.places(layout)) == 2
+    assert len(scene.graph.nodes_geometry) == len(found.items) == len(plates.list_places(layout)) == 2

@@ -181,7 +181,7 @@ def test_items_are_counted_and_must_exist(tmp_path):
         meshes.load(archive(tmp_path, shape, '<item objectid="7"/>'), "items")
     path = archive(tmp_path, shape, '<item objectid="1"/>' * 2000)
     with pytest.raises(InputError, match="places 24000 triangles, at most 20000"):
-        meshes.threemf.read(path.read_bytes(), "items", 20_000)
+        meshes.threemf.read_parts(path.read_bytes(), "items", 20_000)
 
 
 UTF16 = MODEL.replace("UTF-8", "UTF-16")
@@ -334,7 +334,7 @@ def test_a_size_of_no_walker_is_told_where_a_mesh_is_weighed(tmp_path):
 
 
 def test_too_many_triangles_are_refused_by_a_glance(tmp_path, monkeypatch):
-    monkeypatch.setattr(meshes, "MOST_TRIANGLES", 11)
+    monkeypatch.setattr(meshes, "MAX_TRIANGLES", 11)
     for kind in ("stl", "stl_ascii", "obj", "ply", "off", "glb"):
         path = tmp_path / f"box.{kind.removesuffix('_ascii')}"
         written = BOX.export(file_type=kind)

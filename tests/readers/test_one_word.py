@@ -14,7 +14,7 @@ from walkergen.cli import command_line
 from walkergen.core.errors import GeometryError, InputError
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
-from walkergen.core.walker.spec import named
+from walkergen.core.walker.spec import name_from_text
 from walkergen.files import templates
 from walkergen.readers.meshes import faults
 from walkergen.readers.walkers.placing import UnplacedError
@@ -28,7 +28,7 @@ def of(path, **keys):
 
 @pytest.mark.parametrize("text", ["ANNA", "Ünal", "Ωμέγα", "Иван", "سلام", "שלום", "Գոհար", "i"])
 def test_a_name_in_any_script_stands(text):
-    design = Design.of_text(text)
+    design = Design.from_text(text)
     solid = solids.build(design)
     faults.refuse(solid.walker, text)
     assert solids.mass_of(design).total > 0.1
@@ -36,20 +36,20 @@ def test_a_name_in_any_script_stands(text):
 
 
 def test_letters_are_as_long_as_wished():
-    joined = Design.of_text("ANNA").variant(**{"body.length_mm": 30.0})
+    joined = Design.from_text("ANNA").variant(**{"body.length_mm": 30.0})
     assert joined.size.length == pytest.approx(32.0, abs=0.01)  # with the plate's rim
     with pytest.raises(InputError, match="length_mm and depth_mm each"):
         joined.variant(**{"body.depth_mm": 8.0})
 
 
 def test_a_text_names_files_of_its_own():
-    assert named("Zoë Müller") == "Zoe-Muller"
-    assert named("王") != named("李")
+    assert name_from_text("Zoë Müller") == "Zoe-Muller"
+    assert name_from_text("王") != name_from_text("李")
 
 
 def test_a_character_that_the_font_lacks_is_told_with_what_helps():
     with pytest.raises(GeometryError, match=r"U\+738B .* is not in the font DejaVu Sans; name .*body\.font"):
-        Design.of_text("王")
+        Design.from_text("王")
 
 
 def picture(path, background, ink, **saved):
@@ -195,7 +195,7 @@ def test_one_letter_is_a_family(tmp_path):
 
 
 def test_a_long_body_has_more_rows_and_says_how_far_it_leans():
-    design = Design.of_text("A" * 30).variant(**{"body.rails_mm": 2.0})
+    design = Design.from_text("A" * 30).variant(**{"body.rails_mm": 2.0})
     assert design.size.length > 150.0
     assert len({limb.along for limb in design.limbs}) > 2
     assert "tips beyond" in design.notes[-1]

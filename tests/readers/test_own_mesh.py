@@ -172,7 +172,7 @@ def test_a_cavity_is_part_of_its_body_but_not_beside_it():
     hollow = hostile.together(BOX, hostile.inverted(hostile.box(2.0, 2.0, 2.0)))
     faults.refuse(hollow, "hollow")
     assert mass.weigh(hollow, 1.0).volume == pytest.approx(952.0)
-    assert solids.bodies(hollow) == 1  # as it is checked before the print
+    assert solids.count_bodies(hollow) == 1  # as it is checked before the print
     beside = hostile.inverted(hostile.box(2.0, 2.0, 2.0, middle=(30.0, 0.0, 0.0)))
     assert "second body, inside out" in _fault(hostile.together(BOX, beside))
 
@@ -327,14 +327,17 @@ def test_a_leg_on_a_flat_face_against_closed_forms(scale):
     """The modeller's tolerance is relative: the same digits at any scale."""
     foot = scale * np.array([1.23, -8.0, 0.1])
     body = hostile.box(scale * 20.0, scale * 6.0, scale * 8.0)
-    found = joining.footing(joining.ready(body), foot, UPWARD, scale * 0.4, scale * 7.0)
+    found = joining.find_footing(joining.prepare_body(body), foot, UPWARD, scale * 0.4, scale * 7.0)
     rise = scale * 5.0
     expected = foot + rise / math.cos(TILT) * UPWARD
     np.testing.assert_allclose(found.anchor, expected, rtol=1e-12, atol=1e-12 * scale)
     higher = rise / math.cos(TILT) + 0.5 * scale * 0.4 * math.tan(TILT)
     assert found.reach == pytest.approx(higher, rel=1e-12)
-    leg = joining.prism(foot, UPWARD, scale * 0.4, scale * 7.0, found.reach + scale)
-    outside, whole = (joining.flush(leg, joining.ready(body)), joining.union_with_legs(joining.ready(body), [leg]))
+    leg = joining.leg_prism(foot, UPWARD, scale * 0.4, scale * 7.0, found.reach + scale)
+    outside, whole = (
+        joining.cut_flush(leg, joining.prepare_body(body)),
+        joining.unite_with_legs(joining.prepare_body(body), [leg]),
+    )
     parts = [mass.weigh(mesh, 1.0).volume for mesh in (body, outside, whole)]
     assert parts[1] == pytest.approx(rise / math.cos(TILT) * 0.4 * 7.0 * scale**2, rel=1e-11)
     assert parts[2] == pytest.approx(parts[0] + parts[1], rel=1e-13)
@@ -347,13 +350,13 @@ def test_a_duck_on_legs():
     legs = []
     for x, z in ((-6.0, 0.0), (4.0, 0.5)):
         foot = np.array([x, -10.0, z])
-        found = joining.footing(joining.ready(body), foot, UPWARD, 0.8, 3.0)
-        legs.append(joining.prism(foot, UPWARD, 0.8, 3.0, found.reach + 0.5))
+        found = joining.find_footing(joining.prepare_body(body), foot, UPWARD, 0.8, 3.0)
+        legs.append(joining.leg_prism(foot, UPWARD, 0.8, 3.0, found.reach + 0.5))
         assert joining.first_hit(body, found.anchor + UPWARD, -UPWARD) is not None
-    whole = joining.union_with_legs(joining.ready(body), legs)
+    whole = joining.unite_with_legs(joining.prepare_body(body), legs)
     faults.refuse(whole, "walker")
     volume = [mass.weigh(mesh, 1.0).volume for mesh in (body, whole)]
-    outside = [joining.flush(leg, joining.ready(body)) for leg in legs]
+    outside = [joining.cut_flush(leg, joining.prepare_body(body)) for leg in legs]
     # Coordinates carry 16 digits; the volumes' sums lose two
     together = volume[0] + sum(mass.weigh(leg, 1.0).volume for leg in outside)
     assert volume[1] == pytest.approx(together, rel=1e-12)
@@ -365,11 +368,11 @@ def test_a_duck_on_legs():
 def test_a_leg_reaches_as_high_as_the_modeller_says(upward):
     """Rival of the clipped triangles: what the modeller leaves of a leg below the body."""
     turn = own_mesh.rotation("z", "x", "key")
-    body = joining.ready(Mesh(DUCK.vertices @ turn.T, DUCK.triangles))
+    body = joining.prepare_body(Mesh(DUCK.vertices @ turn.T, DUCK.triangles))
     foot = np.array([-3.0, -10.0, 0.3])
-    found = joining.footing(body, foot, upward, 0.8, 3.0)
-    leg = joining.prism(foot, upward, 0.8, 3.0, found.reach + 0.01)
-    heights = (joining.flush(leg, body).vertices - foot) @ upward
+    found = joining.find_footing(body, foot, upward, 0.8, 3.0)
+    leg = joining.leg_prism(foot, upward, 0.8, 3.0, found.reach + 0.01)
+    heights = (joining.cut_flush(leg, body).vertices - foot) @ upward
     assert heights.max() == pytest.approx(found.reach, abs=1e-9)
     assert math.isfinite(found.above)
     assert found.above > found.reach
@@ -377,22 +380,22 @@ def test_a_leg_reaches_as_high_as_the_modeller_says(upward):
 
 def test_legs_that_do_not_stand_under_the_body_are_refused():
     foot, up = np.array([0.0, -8.0, 0.0]), hostile.UP
-    ring = modeller.mesh_of(modeller.solid(BOX) - modeller.solid(hostile.box(3.0, 30.0, 3.0, (5.0, 0.0, 0.0))))
+    ring = modeller.to_mesh(modeller.to_solid(BOX) - modeller.to_solid(hostile.box(3.0, 30.0, 3.0, (5.0, 0.0, 0.0))))
     with pytest.raises(GeometryError, match="misses the body"):
-        joining.footing(joining.ready(ring), foot + 5.0 * ALONG, up, 1.0, 1.0)
+        joining.find_footing(joining.prepare_body(ring), foot + 5.0 * ALONG, up, 1.0, 1.0)
     with pytest.raises(GeometryError, match="under a hole or beyond an edge"):
-        joining.footing(joining.ready(ring), foot + 3.2 * ALONG, up, 1.0, 1.0)
+        joining.find_footing(joining.prepare_body(ring), foot + 3.2 * ALONG, up, 1.0, 1.0)
     with pytest.raises(GeometryError, match="under a hole or beyond an edge"):
-        joining.footing(joining.ready(ring), foot, up, 1.0, 9.0)
+        joining.find_footing(joining.prepare_body(ring), foot, up, 1.0, 9.0)
     with pytest.raises(GeometryError, match="begins within the body"):
-        joining.footing(joining.ready(BOX), np.array([0.0, -1.0, 0.0]), up, 1.0, 1.0)
+        joining.find_footing(joining.prepare_body(BOX), np.array([0.0, -1.0, 0.0]), up, 1.0, 1.0)
     apart = hostile.box(1.0, 4.0, 1.0, (0.0, -8.0, 0.0))
     with pytest.raises(GeometryError, match="are 2 pieces"):
-        joining.union_with_legs(joining.ready(BOX), [apart])
+        joining.unite_with_legs(joining.prepare_body(BOX), [apart])
     with pytest.raises(GeometryError, match="wholly within the body"):
-        joining.flush(hostile.box(1.0, 1.0, 1.0), joining.ready(BOX))
+        joining.cut_flush(hostile.box(1.0, 1.0, 1.0), joining.prepare_body(BOX))
     with pytest.raises(GeometryError, match=r"comes out of the body again by 4 mm\^3"):
-        joining.flush(hostile.box(1.0, 14.0, 1.0), joining.ready(BOX))
+        joining.cut_flush(hostile.box(1.0, 14.0, 1.0), joining.prepare_body(BOX))
 
 
 def test_the_first_hit_slips_through_no_edge():
@@ -426,7 +429,7 @@ def test_sound_unions_of_anything_stay_sound_in_32_bits(tmp_path):
             parts.append(shape.translate(tuple(np.round(rng.uniform(-2.0, 2.0, 3)))))
         whole = manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add)
         assert len(whole.decompose()) == 1  # they all hold the origin
-        found = own_mesh.read(hostile.to_stl(tmp_path / "union.stl", modeller.mesh_of(whole)))
+        found = own_mesh.read(hostile.to_stl(tmp_path / "union.stl", modeller.to_mesh(whole)))
         assert mass.weigh(found.mesh, 1.0).volume == pytest.approx(whole.volume(), rel=1e-6)
 
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from walkergen.core.errors import GeometryError
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
-from walkergen.core.walker.mass import from_centre
+from walkergen.core.walker.mass import to_centre_frame
 from walkergen.files import templates
 from walkergen.readers.walkers.placing import EDGE_MM, NARROWEST_MM, STEADY, Reach, rows
 
@@ -125,7 +125,7 @@ def test_a_drawing_is_a_walker_without_a_hand_on_its_legs(tmp_path, shape):
         solid = solids.build(walker)
         assert solid.walker.vertices[:, 1].min() < solid.body.vertices[:, 1].min() - 5.0  # it stands on its legs
         mass, feet = solids.mass_of(walker), [limb.along for limb in walker.limbs]
-        middle = float(from_centre(walker.limbs, mass, np.zeros((1, 2)))[0, 0])
+        middle = float(to_centre_frame(walker.limbs, mass, np.zeros((1, 2)))[0, 0])
         assert min(feet) < -middle < max(feet)
     assert design.variant(tilt_deg=20.0).tilt_deg == 20.0
 

@@ -10,7 +10,7 @@ from walkergen.core.shapes import stl
 from walkergen.core.simulation.plan import prepare
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
-from walkergen.core.walker.mass import from_centre
+from walkergen.core.walker.mass import to_centre_frame
 from walkergen.files import templates
 from walkergen.points import poses
 from walkergen.readers.drawings.outlines import area
@@ -41,7 +41,7 @@ def test_an_outline_lies_where_the_simulation_has_the_body_and_its_mirror_image_
     outline = polygon_of(seen_above.outline_of(TURNER, mass))
     mesh = landing.ready(TURNER.body.key).mesh
     body = mesh.vertices - np.array([0.0, 0.0, 0.5 * TURNER.size.depth])
-    body[:, :2] = from_centre(TURNER.limbs, mass, body[:, :2])
+    body[:, :2] = to_centre_frame(TURNER.limbs, mass, body[:, :2])
     for place, turn, heading in zip(found.places, found.rotations, found.heading, strict=True):
         x, _, z = (body @ turn.T + place).T
         faces = shapely.polygons(np.column_stack([x, -z])[mesh.triangles])
@@ -63,7 +63,7 @@ def test_outlines_are_counter_clockwise_and_no_point_moves_farther_than_promised
         outline = seen_above.outline_of(design)
         assert all(area(contour) > 0.0 for contour in outline)
         full = [ring for ring in seen_above.contours(design) if area(ring) > 0.0]
-        O = from_centre(design.limbs, solids.mass_of(design), np.zeros((1, 2)))[0, 0]  # noqa: E741
+        O = to_centre_frame(design.limbs, solids.mass_of(design), np.zeros((1, 2)))[0, 0]  # noqa: E741
         moved = shapely.hausdorff_distance(
             shapely.union_all([shapely.Polygon(np.add(ring, (O, 0.0))) for ring in full]).boundary,
             polygon_of(outline).boundary,

@@ -90,7 +90,7 @@ def test_a_table_has_four_legs_in_order():
     legs = [hostile.box(1.0, 5.0, 2.0, spot) for spot in spots]
     from walkergen.core.shapes import joining
 
-    found = whole_mesh.cut_legs(joining.union_with_legs(joining.ready(tops), legs), 4.0)
+    found = whole_mesh.cut_legs(joining.unite_with_legs(joining.prepare_body(tops), legs), 4.0)
     places = [(round(leg.foot[0], 9), round(leg.z, 9)) for leg in found.legs]
     assert places == [(x, z) for x, _, z in spots]
     for leg in found.legs:

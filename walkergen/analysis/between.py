@@ -217,7 +217,7 @@ def _error_if_correlated(blocks: Array, block: float, lasting: float) -> tuple[f
     """
     if not len(blocks):
         return None
-    values, fewest = blocks[~np.isnan(blocks)], statistics.FEWEST_VALUES
+    values, fewest = blocks[~np.isnan(blocks)], statistics.MIN_SERIES_LENGTH
     if len(values) < fewest:
         return math.nan, f"no track lasts {fewest * block:.2g} s: film for longer"
     time = statistics.correlation_time([values], block)
@@ -246,14 +246,14 @@ def compare(alone: Sequence[Alone]) -> Together | None:
     for name in walkers[0].means:
         values = [value for walker in walkers if (value := walker.of(name).value) is not None]
         if len(values) == len(walkers):
-            means[name] = quantity(name, *statistics.mean_of(np.array(values)))
+            means[name] = quantity(name, *statistics.weighted_mean(np.array(values)))
     speeds = [walker.of("speed") for walker in walkers]
     errors = [speed.se for speed in speeds if speed.se is not None]
     if len(errors) < len(speeds):
         reason = next(speed.refused for speed in speeds if speed.refused)
         return Together(len(walkers), means, refusal("speed_scatter", reason), "no error within a track is known")
     noise = float(np.mean(np.square(errors)))
-    inside = sum(min(speed.freedom, statistics.FEWEST_SAMPLES) for speed in speeds)
+    inside = sum(min(speed.freedom, statistics.MIN_SAMPLES) for speed in speeds)
     scatter = spread("speed_scatter", np.array([speed.value for speed in speeds]), noise, inside)
     return Together(len(walkers), means, scatter, _limit(scatter, noise))
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from walkergen.core.numerics import statistics
 from walkergen.core.numerics.quantity import Quantity
-from walkergen.core.numerics.tails import fisher_tail, student
+from walkergen.core.numerics.tails import fisher_tail, student_quantile
 
 UNLIKE = 0.05
 """Probability, for walkers that are alike, that an error over walkers replaces that over pieces."""
@@ -64,7 +64,7 @@ def _as_variance(number: Quantity, power: int) -> Quantity:
     ends = number.interval()
     if ends is None or not number.se or not (ends[0] > 0.0 or (number.key in SPREADING and number.number > 0.0)):
         return number
-    wider = student(math.inf, 0.975) / student(number.freedom, 0.975)
+    wider = student_quantile(math.inf, 0.975) / student_quantile(number.freedom, 0.975)
     freedom = max(2.0 * (wider * number.number / number.se) ** 2, 1.0)
     return number._replace(freedom=freedom, noise=0.0, power=power)
 

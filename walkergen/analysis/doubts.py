@@ -9,7 +9,7 @@ import numpy.typing as npt
 from walkergen.analysis import moments
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.core.files import words
-from walkergen.core.numerics.tails import student
+from walkergen.core.numerics.tails import student_quantile
 
 Array = npt.NDArray[np.float64]
 
@@ -44,7 +44,7 @@ def of_scale(share: float | None) -> str:
     if not share:
         return ""
     return (
-        f"the scale is off by {words.number(100.0 * share, 2)} % (standard error): all lengths and "
+        f"the scale is off by {words.format_number(100.0 * share, 2)} % (standard error): all lengths and "
         "speeds together, so that more walkers or time do not help; squares of them by twice that"
     )
 
@@ -79,7 +79,7 @@ def _turned(groups: Sequence[Sequence[Track]]) -> list[str]:
         return []
     error = np.sqrt(len(groups) * (np.abs(sums - sums.mean(axis=0)) ** 2).sum(axis=0))
     along, mirrored = sums.sum(axis=0)
-    least = student(len(groups) - 1, 1.0 - CHANCE) * error / math.sqrt(len(groups) - 1)
+    least = student_quantile(len(groups) - 1, 1.0 - CHANCE) * error / math.sqrt(len(groups) - 1)
     if abs(mirrored) > max(2.0 * abs(along), least[1]):
         return [
             "displacements fit the headings only when these are mirrored: theta has to count from "

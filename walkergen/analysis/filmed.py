@@ -49,7 +49,7 @@ class _Film(NamedTuple):
     @property
     def name(self) -> str:
         """Name of the file, safe to show."""
-        return plain.line(self.path.name)
+        return plain.shorten_line(self.path.name)
 
 
 class _Walker(NamedTuple):
@@ -103,16 +103,16 @@ def with_speeds(path: Path, table: Columns) -> tuple[Columns, tuple[str, ...]]:
         walkers += _of_row(films[name], at, _column(table, PARTICLE)[at], path, table)
     _refuse_twice(path, walkers)
     known = [walker for walker in walkers if walker.speed is not None]
-    joined = _joined(table.without(filmed, ""), table, known)
+    joined = _joined(table.reject_rows(filmed, ""), table, known)
     bad = table.bad | _unknown(table, walkers, known)
     notes = [note for film in films.values() for note in _notes(film, walkers)]
     joined = joined._replace(bad=bad)
-    return joined.without(np.isnan(joined.values[SPEED]), f"neither {SPEED} nor {TRACKS}"), tuple(notes)
+    return joined.reject_rows(np.isnan(joined.values[SPEED]), f"neither {SPEED} nor {TRACKS}"), tuple(notes)
 
 
 def _names(path: Path) -> dict[int, str]:
     """Names of files of tracks by the line on which each stands."""
-    records = columns.records(reading.lines(path, columns.FORMAT), str(path))
+    records = columns.parse_records(reading.read_lines(path, columns.FORMAT_NAME), str(path))
     cells = ((line, row[TRACKS].strip()) for line, row in records.rows)
     return {line: cell for line, cell in cells if cell}
 

@@ -33,7 +33,7 @@ from walkergen.analysis.moments import Moments
 from walkergen.analysis.spreads import Fitted
 from walkergen.core.numerics import statistics
 from walkergen.core.numerics.quantity import Quantity
-from walkergen.core.numerics.tails import student
+from walkergen.core.numerics.tails import student_quantile
 
 TOO_FEW = "too few data for its fit: film for longer"
 
@@ -59,7 +59,7 @@ def resolved(number: Quantity) -> bool:
     """Whether a number is larger than 0 beyond what chance makes of it."""
     if number.value is None or number.se is None:
         return False
-    return number.value > student(number.freedom, 1.0 - CHANCE) * number.se
+    return number.value > student_quantile(number.freedom, 1.0 - CHANCE) * number.se
 
 
 def _error(replicates: Sequence[Mapping[str, float]], name: str) -> float:
@@ -102,7 +102,7 @@ def _shorter(memory: Quantity, seconds: float) -> bool:
     """Whether a memory is shorter than `seconds` beyond what chance makes of it."""
     if memory.value is None or memory.se is None:
         return False
-    errors = student(memory.freedom, 1.0 - EXCLUDED)
+    errors = student_quantile(memory.freedom, 1.0 - EXCLUDED)
     return memory.value + errors * memory.se < seconds
 
 
@@ -195,7 +195,7 @@ def _told_from(numbers: _Numbers, frame: Frame, fitted: Fitted | None, longest_s
     decayed = frame.decayed / (rate * longest_s)
     if fitted.spreads[0].smooth_rate:
         return decayed
-    return max(decayed, student(numbers.freedom, 1.0 - CHANCE) * error / rate)
+    return max(decayed, student_quantile(numbers.freedom, 1.0 - CHANCE) * error / rate)
 
 
 def _meaningless(frame: Frame) -> dict[str, str]:

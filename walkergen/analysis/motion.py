@@ -25,7 +25,7 @@ from walkergen.analysis.walls import Walls
 from walkergen.core.errors import InputError
 from walkergen.core.numerics import statistics
 from walkergen.core.numerics.quantity import Quantity
-from walkergen.core.numerics.statistics import Line, line_through_origin
+from walkergen.core.numerics.statistics import Line, fit_through_origin
 
 Array = npt.NDArray[np.float64]
 
@@ -125,7 +125,7 @@ def analyse(
     analyses = [_analyse(tracks._replace(tracks=group), lag_s, found, descent) for group in groups]
     speeds = [(plate, own.estimates["speed"]) for plate, own in zip(plates, analyses, strict=True)]
     usable = [(plate, speed.value, speed.se) for plate, speed in speeds if speed.value is not None]
-    line = line_through_origin(*np.array(usable, dtype=float).T) if len(usable) > 1 else None
+    line = fit_through_origin(*np.array(usable, dtype=float).T) if len(usable) > 1 else None
     reason = f"tracks at {len(plates)} plate speeds: see speed against plate speed, or split"
     refused = {name: refusal(name, reason) for name in UNITS}
     return whole._replace(

@@ -44,8 +44,8 @@ def deeplabcut(path: Path) -> Source:
 
     Rows are of frames, or of pictures by whose names their frames are known.
     """
-    top = islice(reading.lines(path, columns.FORMAT), 5)
-    head = [columns.cells(line, str(path), at) for at, line in enumerate(top, 1)]
+    top = islice(reading.read_lines(path, columns.FORMAT_NAME), 5)
+    head = [columns.split_cells(line, str(path), at) for at, line in enumerate(top, 1)]
     titles = ("scorer", "individuals", "bodyparts", "coords")
     rows = {row[0].lower(): [cell.strip() for cell in row] for row in head if row and row[0].lower() in titles}
     if not {"bodyparts", "coords"} <= set(rows):
@@ -59,16 +59,16 @@ def deeplabcut(path: Path) -> Source:
     keys = [f"{person}/{part}/{coord}" for person, part, coord in zip(individuals, parts, coords, strict=True)]
     header = ",".join([*[""] * (first - 1), "frame", *(f'"{key}"' for key in keys)]) + "\n"
     below = ["\n"] * (len(rows) - 1)  # its other lines of names
-    body: Iterator[str] = islice(reading.lines(path, columns.FORMAT), len(rows), None)
+    body: Iterator[str] = islice(reading.read_lines(path, columns.FORMAT_NAME), len(rows), None)
     pictures = len(head) > len(rows) and bool(PICTURE.match(",".join(head[len(rows)][:first]) + ","))
     if pictures:
         body = (PICTURE.sub("," * (first - 1) + r"\1,", line, count=1) for line in body)
-    table = columns.read(path, ["frame"], keys, lines=chain([header], below, body))
+    table = columns.read_numbers(path, ["frame"], keys, lines=chain([header], below, body))
     owned: dict[str, dict[str, Part]] = {}
     for person, part in dict.fromkeys(zip(individuals, parts, strict=True)):
         x, y, likelihood = (table.values.get(f"{person}/{part}/{coord}") for coord in ("x", "y", "likelihood"))
         if x is None or y is None:
-            raise InputError(f"{path}: the part {plain.line(part)[:30]} has no x and y")
+            raise InputError(f"{path}: the part {plain.shorten_line(part)[:30]} has no x and y")
         owned.setdefault(person, {})[part] = _sure(x, y, likelihood)
     if len(owned) > 1:
         owned.pop("single", None)  # parts of no individual, as corners of a box
@@ -100,10 +100,14 @@ def sleap(path: Path, names: list[str]) -> Source:
     parts = [part for part in ends if f"{part}.y" in names]
     if not parts:
         raise InputError(f"{path}: no part has both columns .x and .y")
-    labels = columns.texts(reading.lines(path, columns.FORMAT), str(path), "track") if "track" in names else []
+    labels = (
+        columns.distinct_texts(reading.read_lines(path, columns.FORMAT_NAME), str(path), "track")
+        if "track" in names
+        else []
+    )
     wanted = [f"{part}.{coord}" for part in parts for coord in ("x", "y")]
     words = {"track": labels} if labels else {}
-    table = columns.read(path, ["frame_idx"], wanted, words, reading.lines(path, columns.FORMAT))
+    table = columns.read_numbers(path, ["frame_idx"], wanted, words, reading.read_lines(path, columns.FORMAT_NAME))
     own = {part: Part(table.values[f"{part}.x"], table.values[f"{part}.y"]) for part in parts}
     (x, y, *theta), said = _of_parts(own)
     values = {"frame": table.values["frame_idx"], "x": x, "y": y}
@@ -135,7 +139,7 @@ def _of_parts(parts: Mapping[str, Part]) -> tuple[tuple[Array, ...], str]:
     middle, front, back = (found[0] if found else "" for found in ends)
     if middle or len(parts) == 1:
         middle = middle or next(iter(parts))
-        place, said = parts[middle], f"places are those of the part {plain.line(middle)[:30]}"
+        place, said = parts[middle], f"places are those of the part {plain.shorten_line(middle)[:30]}"
     else:
         place = Part(*(np.mean([getattr(part, axis) for part in parts.values()], axis=0) for axis in "xy"))
         said = f"places are the mean of all {len(parts)} parts, in frames in which all are seen"
@@ -143,4 +147,4 @@ def _of_parts(parts: Mapping[str, Part]) -> tuple[tuple[Array, ...], str]:
         return place, f"{said}; no headings, for no two parts are called head and tail"
     ahead, behind = parts[front], parts[back]
     theta = np.arctan2(ahead.y - behind.y, ahead.x - behind.x)
-    return (*place, theta), f"{said}, headings from {plain.line(back)[:30]} to {plain.line(front)[:30]}"
+    return (*place, theta), f"{said}, headings from {plain.shorten_line(back)[:30]} to {plain.shorten_line(front)[:30]}"

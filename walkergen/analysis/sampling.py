@@ -57,9 +57,9 @@ def timed(path: Path, table: Columns, name: str) -> Tracks:
 def framed(path: Path, table: Columns, fps: float) -> Tracks:
     """Tracks of rows with a column `frame`, at a rate of `fps`. Raises InputError."""
     frames = table.values["frame"]
-    table = table.without(frames != np.rint(frames), "frame is not a whole number")
+    table = table.reject_rows(frames != np.rint(frames), "frame is not a whole number")
     if not len(table.lines):
-        raise InputError(f"{path}: nothing to read: {columns.summary(table.bad)}")
+        raise InputError(f"{path}: nothing to read: {columns.describe_bad_rows(table.bad)}")
     frames = table.values["frame"]
     return _assemble(path, table, frames - frames.min(), 1.0 / fps)
 
@@ -169,11 +169,11 @@ def _assemble(path: Path, table: Columns, steps: Array, tick: float) -> Tracks:
             f"{path}: line {table.lines[twice][0]} repeats a frame and there is no column "
             "particle; link the positions first (trackpy.link)"
         )
-    bad = table.without(twice, "its particle has been seen at this time before").bad
-    bad |= table.without(unnumbered, "particle is not a whole number").bad
+    bad = table.reject_rows(twice, "its particle has been seen at this time before").bad
+    bad |= table.reject_rows(unnumbered, "particle is not a whole number").bad
     order = order[~(twice | unnumbered)[order]]
     if not len(order):
-        raise InputError(f"{path}: nothing to read: {columns.summary(bad)}")
+        raise InputError(f"{path}: nothing to read: {columns.describe_bad_rows(bad)}")
     names, starts = np.unique(particle[order], return_index=True)
     if len(names) > MOST_PARTICLES:
         raise InputError(f"{path}: {len(names)} particles; at most {MOST_PARTICLES}: leave out short tracks")
@@ -192,7 +192,7 @@ def _assemble(path: Path, table: Columns, steps: Array, tick: float) -> Tracks:
         )
         for name, group in zip(names, groups, strict=True)
     )
-    return Tracks(tracks, stride * tick, len(bad), columns.summary(bad))
+    return Tracks(tracks, stride * tick, len(bad), columns.describe_bad_rows(bad))
 
 
 def _track(

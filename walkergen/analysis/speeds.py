@@ -60,14 +60,14 @@ def read(path: Path, kind: Kind, plate_speed: float) -> Measured:
     """
     optional = ("speed_se_mm_s", "plate_speed_mm_s")
     of_films: tuple[str, ...] = ()
-    if TRACKS in columns.header(path):
+    if TRACKS in columns.read_header(path):
         from walkergen.analysis import filmed
 
         more = (filmed.SPEED, filmed.PARTICLE)
-        table = columns.read(path, ("tilt_deg",), (*optional, *more), {"legs": KINDS})
+        table = columns.read_numbers(path, ("tilt_deg",), (*optional, *more), {"legs": KINDS})
         table, of_films = filmed.with_speeds(path, table)
     else:
-        table = columns.read(path, ("tilt_deg", "speed_mm_s"), optional, {"legs": KINDS})
+        table = columns.read_numbers(path, ("tilt_deg", "speed_mm_s"), optional, {"legs": KINDS})
     if len(table.lines) > MOST_SPEEDS:
         raise InputError(f"{path}: {len(table.lines)} speeds; at most {MOST_SPEEDS}: is it a film?")
     for name in optional:
@@ -75,13 +75,13 @@ def read(path: Path, kind: Kind, plate_speed: float) -> Measured:
     for name, most in LARGEST.items():
         if name in table.values:
             beyond = np.abs(table.values[name]) > most
-            table = table.without(beyond, f"{name} must lie within ±{most:g}")
+            table = table.reject_rows(beyond, f"{name} must lie within ±{most:g}")
     if "speed_se_mm_s" in table.values:
         blank = np.isnan(table.values["speed_se_mm_s"])
         if not blank.all():
-            table = table.without(blank, "speed_se_mm_s is blank, unlike in other rows")
+            table = table.reject_rows(blank, "speed_se_mm_s is blank, unlike in other rows")
     if not len(table.lines):
-        raise InputError(f"{path}: nothing to read: {columns.summary(table.bad)}")
+        raise InputError(f"{path}: nothing to read: {columns.describe_bad_rows(table.bad)}")
     unknown = np.full(len(table.lines), np.nan)
     plate = table.values.get("plate_speed_mm_s", unknown)
     se = table.values.get("speed_se_mm_s")
@@ -91,7 +91,7 @@ def read(path: Path, kind: Kind, plate_speed: float) -> Measured:
         table.values["speed_mm_s"],
         None if se is None or np.isnan(se).any() else se,
         np.where(np.isnan(plate), plate_speed, plate),
-        columns.summary(table.bad),
+        columns.describe_bad_rows(table.bad),
         of_films,
     )
 

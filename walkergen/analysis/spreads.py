@@ -14,7 +14,7 @@ import numpy.typing as npt
 from walkergen.analysis import walks
 from walkergen.analysis.walks import Spread
 from walkergen.core.numerics import statistics
-from walkergen.core.numerics.tails import fisher_tail, student
+from walkergen.core.numerics.tails import fisher_tail, student_quantile
 
 Array = npt.NDArray[np.float64]
 
@@ -116,7 +116,9 @@ def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> Fitted:
     lag, values = lag[use], values[:, use]
     errors = np.stack([smooth(lag, error) for error in _errors(values)])
     curvature = _curvature(lag, values, errors, turns)
-    run, suspected = (bool(curvature > student(len(values) - 2, 1.0 - chance)) for chance in (CURVED, SUSPECTED))
+    run, suspected = (
+        bool(curvature > student_quantile(len(values) - 2, 1.0 - chance)) for chance in (CURVED, SUSPECTED)
+    )
     fits = [_fit_run(lag, *row, run) for row in zip(values, errors, turns, strict=True)]
     if run and _negative([spread.diffusion for spread in fits]):
         first = _fit_smooth(lag, values[0], errors[0], turns[0], None)
@@ -177,7 +179,7 @@ def _curvature(lag: Array, values: Array, errors: Array, turns: Sequence[float])
 def _negative(numbers: Sequence[float]) -> bool:
     """Whether a number, of all samples and without each one, is below 0 beyond chance."""
     error = float(statistics.jackknife_error(np.array(numbers[1:])[:, None])[0])
-    return numbers[0] < -student(len(numbers) - 2, 1.0 - SMOOTH) * error
+    return numbers[0] < -student_quantile(len(numbers) - 2, 1.0 - SMOOTH) * error
 
 
 def _fit_run(lag: Array, values: Array, errors: Array, turn: float, run: bool) -> Spread:

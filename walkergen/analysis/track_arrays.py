@@ -68,18 +68,18 @@ class Held(NamedTuple):
 
 def read(path: Path, lane: bool) -> Source | None:
     """Rows of a file of arrays; None for a file of text, or of columns (`lines`). Raises InputError."""
-    begin = reading.begin(path, 16, columns.FORMAT)
+    begin = reading.read_start(path, 16, columns.FORMAT_NAME)
     for first, what in UNREAD.items():
         if begin.startswith(first):
             raise InputError(f"{path}: is {what}")
     if begin.startswith(ARCHIVE) and not _is_npz(path):
         raise InputError(f"{path}: is a spreadsheet or another archive: save the table as CSV")
     if begin.startswith(NETCDF):
-        with reading.by_library(str(path), "NetCDF"):
+        with reading.translate_library_errors(str(path), "NetCDF"):
             return _movement(path, _netcdf(path), lane)
     if begin.startswith(HDF5):
         extras.require("poses", f"{path}: HDF5")
-        with reading.by_library(str(path), "HDF5"):
+        with reading.translate_library_errors(str(path), "HDF5"):
             return _of_hdf5(path, lane)
     return None
 
@@ -89,16 +89,18 @@ def lines(path: Path) -> Iterator[str] | None:
 
     Columns are the arrays as long as that of frames or times; TRex names those of places without their unit.
     """
-    if not reading.begin(path, 4, columns.FORMAT).startswith(ARCHIVE):
+    if not reading.read_start(path, 4, columns.FORMAT_NAME).startswith(ARCHIVE):
         return None
-    with reading.by_library(str(path), "NPZ"), zipfile.ZipFile(path) as archive:
+    with reading.translate_library_errors(str(path), "NPZ"), zipfile.ZipFile(path) as archive:
         if sum(entry.file_size for entry in archive.infolist()) > MOST_BYTES:
             raise InputError(f"{path}: more than {MOST_BYTES} bytes when unpacked; is it the right file?")
         with np.load(path, allow_pickle=False) as held:
             values = {name: np.asarray(held[name]) for name in held.files}
     clock = next((name for name in ("frame", "time", "t_s") if name in values), None)
     if clock is None:
-        raise InputError(f"{path}: no array frame, time or t_s; arrays seen: {plain.line(', '.join(values))[:80]}")
+        raise InputError(
+            f"{path}: no array frame, time or t_s; arrays seen: {plain.shorten_line(', '.join(values))[:80]}"
+        )
     kept = {name: array for name, array in values.items() if array.ndim == 1 and len(array) == len(values[clock])}
     trex = "cm_per_pixel" in values
     names = (f"{name} (cm)" if trex and name.partition("#")[0] in ("X", "Y") else name for name in kept)
@@ -124,7 +126,7 @@ def _netcdf(path: Path) -> Held:
     """Contents of a file of NetCDF 3, in which text is of letters along a dimension of its own."""
     from scipy.io import netcdf_file
 
-    file = netcdf_file(io.BytesIO(reading.content(path)), mmap=False)
+    file = netcdf_file(io.BytesIO(reading.read_bytes(path)), mmap=False)
     attributes = {"": _texts(file._attributes)}
     values, dimensions, words = {}, {}, {}
     for name, variable in file.variables.items():
@@ -166,7 +168,7 @@ def _of_hdf5(path: Path, lane: bool) -> Source:
             told = "is SLEAP's project: give its analysis CSV or HDF5 (File, Export)"
         elif any("pandas_type" in file[name].attrs for name in names):
             told = "is a table of pandas: save it as CSV (DeepLabCut: save_as_csv, or analyze_videos_converth5_to_csv)"
-        raise InputError(f"{path}: {told}; it holds {plain.line(', '.join(sorted(names)))[:60]}")
+        raise InputError(f"{path}: {told}; it holds {plain.shorten_line(', '.join(sorted(names)))[:60]}")
 
 
 def _hdf5(path: Path, file: Any, names: set[str]) -> Held:
@@ -178,7 +180,7 @@ def _hdf5(path: Path, file: Any, names: set[str]) -> Held:
         if not hasattr(data, "shape") or not data.shape:
             continue
         if data.size > MOST_NUMBERS:
-            raise InputError(f"{path}: {plain.line(name)[:30]} has {data.size} numbers; at most {MOST_NUMBERS}")
+            raise InputError(f"{path}: {plain.shorten_line(name)[:30]} has {data.size} numbers; at most {MOST_NUMBERS}")
         dimensions[name] = _dimensions(file, data)
         attributes[name] = _texts({key: data.attrs[key] for key in (*UNITS, *PACKED) if key in data.attrs})
         if data.dtype.kind in "OS":

@@ -203,7 +203,7 @@ def pairs(names: Sequence[str]) -> dict[str, tuple[str, str]]:
 def missing(path: object, names: Sequence[str], what: str) -> InputError:
     """Refusal of a file that no column of a kind is found in: which one to rename, and how."""
     rename = {"x": "x_mm, x_cm or x_px", "y": "y_mm, y_cm or y_px", "time": "t_s, or frame where it counts frames"}
-    seen = plain.line(", ".join(name for name in names if name))
+    seen = plain.shorten_line(", ".join(name for name in names if name))
     more = "" if len(seen) < SHOWN else " ..."
     return InputError(
         f"{path}: no column {what!r}; rename the one that holds it to {rename[what]} (seen: {seen[:SHOWN]}{more}); "
@@ -215,7 +215,7 @@ def said(labels: Sequence[str]) -> tuple[str, ...]:
     """Numbers that walkers with labels have from here on."""
     if not labels:
         return ()
-    some = ", ".join(f"{number} {plain.line(label)[:30]}" for number, label in enumerate(labels[:LABELLED]))
+    some = ", ".join(f"{number} {plain.shorten_line(label)[:30]}" for number, label in enumerate(labels[:LABELLED]))
     return (f"walkers are numbered: {some}{', ...' if len(labels) > LABELLED else ''}",)
 
 

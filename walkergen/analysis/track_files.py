@@ -82,7 +82,7 @@ def read(path: Path, units: Units) -> Tracks:
     table = source.table._replace(values=values)
     if timed:
         values["time"] = clock * values["time"]
-        table = table.without(np.isnan(values["time"]), "has no time")
+        table = table.reject_rows(np.isnan(values["time"]), "has no time")
         tracks = sampling.timed(path, table, source.named["time"].name)
     else:
         values.setdefault("frame", values.get("time", np.zeros(0)))
@@ -103,7 +103,8 @@ def _given(text: str) -> _Given:
         kind = next((kind for kind, known in kinds if unit in known), "")
         if not kind or kind in held:
             raise InputError(
-                f"‹unit=›{plain.line(text)[:40]}: must be a unit of places ({', '.join((*LENGTHS, PIXEL))}), of times "
+                f"‹unit=›{plain.shorten_line(text)[:40]}: must be a unit of places "
+                f"({', '.join((*LENGTHS, PIXEL))}), of times "
                 f"({', '.join((*TIMES, 'frame'))}), of headings ({', '.join(ANGLES)}), or one of each, as cm,deg",
                 "unit",
             )
@@ -228,7 +229,8 @@ def _angle(path: Path, source: Source, given: _Given) -> tuple[float, str]:
     largest = float(np.nanmax(np.abs(source.table.values["theta"]), initial=0.0))
     if largest > TURN and _beyond_turns(source.table):
         raise InputError(
-            f"{path}: {named.name} has no unit and reaches {words.number(largest, 4)}, more than a turn in radians; "
+            f"{path}: {named.name} has no unit and reaches {words.format_number(largest, 4)}, more than a "
+            "turn in radians; "
             "give ‹unit=›deg or ‹unit=›rad (beside that of places: ‹unit=›mm,deg), or call it theta_deg or theta_rad"
         )
     if largest > TURN:

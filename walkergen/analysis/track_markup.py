@@ -21,7 +21,7 @@ def mtrackj(path: Path) -> Source:
     """Rows of MTrackJ's own file: lines Track ID, and Point ID x y z t channel below each."""
     rows: list[tuple[float, ...]] = []
     lines, bad, track = [], {}, -1.0
-    for at, line in enumerate(reading.lines(path, columns.FORMAT), 1):
+    for at, line in enumerate(reading.read_lines(path, columns.FORMAT_NAME), 1):
         word, *cells = line.split() or [""]
         if word == "Track":
             track += 1.0
@@ -54,13 +54,13 @@ def _of_rows(
     if second:
         values["time"], named["time"] = second * frame, Named("t", "s")
     table = Columns(values, np.array(lines, np.int64), bad)
-    beyond = ~(np.abs(np.array(rows)) <= columns.LARGEST).all(axis=1)
-    return Source(table.without(beyond, f"has no number within ±{columns.LARGEST:g}"), named, program, True)
+    beyond = ~(np.abs(np.array(rows)) <= columns.MAX_MAGNITUDE).all(axis=1)
+    return Source(table.reject_rows(beyond, f"has no number within ±{columns.MAX_MAGNITUDE:g}"), named, program, True)
 
 
 def markup(path: Path) -> Source:
     """Rows of an XML file: TrackMate's of its tracks alone or of all that it keeps, or a project of Tracker."""
-    text = reading.content(path, LARGEST_XML, "an XML file of tracks")
+    text = reading.read_bytes(path, LARGEST_XML, "an XML file of tracks")
     if b"<!DOCTYPE" in text or b"<!ENTITY" in text:
         raise InputError(f"{path}: declares entities, which files of tracks do not")
     try:
@@ -70,8 +70,8 @@ def markup(path: Path) -> Source:
         if root.get("class", "").endswith(".TrackerPanel"):
             return _tracker(path, root)
     except (ElementTree.ParseError, LookupError, ValueError) as error:
-        raise InputError(f"{path}: is no sound XML of tracks: {reading.reason(error)}") from None
-    seen = plain.line(root.tag)[:30]
+        raise InputError(f"{path}: is no sound XML of tracks: {reading.describe_error(error)}") from None
+    seen = plain.shorten_line(root.tag)[:30]
     raise InputError(f"{path}: <{seen}> seen: must be TrackMate's <Tracks> or <TrackMate>, or a project of Tracker")
 
 
@@ -125,7 +125,7 @@ def _number(element: ElementTree.Element | None, name: str) -> float:
     text = None if element is None else element.findtext(f"property[@name='{name}']")
     number = math.nan if text is None else float(text)
     if not math.isfinite(number) or (name.endswith("scale") and number == 0.0):
-        raise ValueError(f"{name} is {plain.line(text or 'missing')[:30]}")
+        raise ValueError(f"{name} is {plain.shorten_line(text or 'missing')[:30]}")
     return number
 
 

@@ -48,7 +48,7 @@ def read(path: Path, lane: bool) -> Source:
     if above := track_titled.above(head):
         return track_titled.tracker(path, above)
     titled = len(head) > 1 and not track_columns.mark_of(head[0]) and bool(track_columns.mark_of(head[1]))
-    names, _ = columns.top(_table(path, titled), str(path))
+    names, _ = columns.first_two_rows(_table(path, titled), str(path))
     if "frame_idx" in names:
         poses.refuse_other_tables(path, names)
         if any(name.endswith(".x") for name in names):
@@ -58,7 +58,7 @@ def read(path: Path, lane: bool) -> Source:
 
 def _lines(path: Path) -> Iterator[str]:
     """Lines of a table, whether its columns are text or arrays."""
-    return track_arrays.lines(path) or reading.lines(path, columns.FORMAT)
+    return track_arrays.lines(path) or reading.read_lines(path, columns.FORMAT_NAME)
 
 
 def _table(path: Path, titled: bool, more: int = 0) -> Iterator[str]:
@@ -83,7 +83,9 @@ def _table(path: Path, titled: bool, more: int = 0) -> Iterator[str]:
         return
     for at, line in enumerate(chain([header], blank, stream), 1):
         if "," in line:
-            raise InputError(f"{path}:{at}: a comma seen in {plain.line(line.strip())[:40]!r}: {columns.SEPARATE}")
+            raise InputError(
+                f"{path}:{at}: a comma seen in {plain.shorten_line(line.strip())[:40]!r}: {columns.SEPARATOR_HINT}"
+            )
         cells = line.split() if mark == " " else line.rstrip("\n").split(mark)
         if mark == " " and 0 < len(cells) < len(header.split()):
             words = f"{len(cells)} words, the header has {len(header.split())}"
@@ -101,7 +103,9 @@ def _of_columns(path: Path, names: list[str], lane: bool, titled: bool) -> Sourc
     if several and "x" not in named:
         if {*several} in track_columns.BOXES[("particle" not in named) :]:
             corners = ", ".join(name for pair in several.values() for name in pair)
-            raise InputError(f"{path}: {plain.line(corners)[:60]} are corners of boxes; give their middles as x and y")
+            raise InputError(
+                f"{path}: {plain.shorten_line(corners)[:60]} are corners of boxes; give their middles as x and y"
+            )
         return _of_pairs(path, named, several, titled)
     program, y_down = _program(names, named, titled)
     # A walker in a plane that is upright has a pitch, and y is its height
@@ -130,7 +134,7 @@ def _of_columns(path: Path, names: list[str], lane: bool, titled: bool) -> Sourc
         words_of = {optional.pop("particle"): labels}
     required = {what: named[what].name for what in wanted}
     lines = _table(path, titled, below)
-    table = columns.read(path, list(required.values()), list(optional.values()), words_of, lines)
+    table = columns.read_numbers(path, list(required.values()), list(optional.values()), words_of, lines)
     held = required | optional | dict.fromkeys(("particle",)[: len(words_of)], label)
     values = {what: table.values[name] for what, name in held.items() if name in table.values}
     said = (*_warnings(program), *track_columns.said(labels))
@@ -181,7 +185,7 @@ def _labels(path: Path, titled: bool, below: int, name: str) -> list[str]:
     """Labels of walkers in the column of this name, where they are no numbers."""
     if not name:
         return []
-    labels = columns.texts(_table(path, titled, below), str(path), name)
+    labels = columns.distinct_texts(_table(path, titled, below), str(path), name)
     return labels if any(map(_is_word, labels)) else []
 
 
@@ -195,8 +199,8 @@ def _is_word(label: str) -> bool:
 
 def _units_below(path: Path, names: list[str], named: dict[str, Named]) -> tuple[int, dict[str, Named]]:
     """TrackMate's lines below the header that are no rows, and its columns with the units of the last of these."""
-    lines = islice(reading.lines(path, columns.FORMAT), 1, 4)
-    rows = [columns.cells(line, str(path), at) for at, line in enumerate(lines, 2)]
+    lines = islice(reading.read_lines(path, columns.FORMAT_NAME), 1, 4)
+    rows = [columns.split_cells(line, str(path), at) for at, line in enumerate(lines, 2)]
     place = names.index("POSITION_X")
     count = next((at for at, row in enumerate(rows) if place < len(row) and _is_number(row[place])), len(rows))
     if not count:
@@ -212,14 +216,14 @@ def _units_below(path: Path, names: list[str], named: dict[str, Named]) -> tuple
 
 
 def _is_number(text: str) -> bool:
-    return words.value(text.strip()) is not None
+    return words.parse_number(text.strip()) is not None
 
 
 def _of_pairs(path: Path, named: Mapping[str, Named], several: Mapping[str, tuple[str, str]], titled: bool) -> Source:
     """Rows of a table with a row a frame, in which every walker has columns of x and y."""
     clock = next((what for what in ("frame", "time") if what in named), "")
     wide = [name for pair in several.values() for name in pair]
-    table = columns.read(path, [named[clock].name] if clock else (), wide, lines=_table(path, titled))
+    table = columns.read_numbers(path, [named[clock].name] if clock else (), wide, lines=_table(path, titled))
     times = table.values[named[clock].name] if clock else (table.lines - table.lines.min()).astype(float)
     by_program = all(label.isdigit() for label in several)
     said = track_columns.said(()) if by_program else track_columns.said(tuple(several))

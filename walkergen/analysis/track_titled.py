@@ -34,7 +34,7 @@ def _cells(line: str, mark: str) -> list[str]:
 
 def tracker(path: Path, count: int) -> Source:
     """Rows of Tracker's table, which has `count` lines above the names of its columns. Raises InputError."""
-    head = list(islice(reading.lines(path, columns.FORMAT), count + 1))
+    head = list(islice(reading.read_lines(path, columns.FORMAT_NAME), count + 1))
     mark = track_columns.mark_of(head[count])
     names = _cells(head[count], mark)
     wide = {axis: [at for at, name in enumerate(names) if name == axis] for axis in ("x", "y")}
@@ -47,7 +47,7 @@ def tracker(path: Path, count: int) -> Source:
         )
     keys = [f"{axis} of track {n}" for n in range(len(wide["x"])) for axis in ("x", "y")]
     places = [at for pair in zip(wide["x"], wide["y"], strict=True) for at in pair]
-    table = columns.read(path, [TIME], keys, lines=_taken(path, count, mark, [TIME, *keys], [0, *places]))
+    table = columns.read_numbers(path, [TIME], keys, lines=_taken(path, count, mark, [TIME, *keys], [0, *places]))
     walkers = [(table.values[x], table.values[y]) for x, y in zip(keys[::2], keys[1::2], strict=True)]
     long = track_columns.long(table, "time", table.values[TIME], walkers, range(len(walkers)))
     if not len(long.lines):
@@ -63,9 +63,9 @@ def tracker(path: Path, count: int) -> Source:
 def _taken(path: Path, count: int, mark: str, names: Sequence[str], places: Sequence[int]) -> Iterator[str]:
     """Lines of a CSV file with these columns alone; the names stand on the first, whatever was above."""
     yield ",".join(names) + "\n"
-    stream = reading.lines(path, columns.FORMAT)
+    stream = reading.read_lines(path, columns.FORMAT_NAME)
     for at, line in enumerate(chain(["\n"] * count, islice(stream, count + 1, None)), 2):
         if mark != "," and "," in line:
-            raise InputError(f"{path}:{at}: a comma seen in {line.strip()[:40]!r}: {columns.SEPARATE}")
+            raise InputError(f"{path}:{at}: a comma seen in {line.strip()[:40]!r}: {columns.SEPARATOR_HINT}")
         cells = _cells(line, mark)
         yield ",".join(cells[place] if place < len(cells) else "" for place in places if line.strip()) + "\n"

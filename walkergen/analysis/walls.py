@@ -88,11 +88,12 @@ class Walls(NamedTuple):
     @property
     def said(self) -> str:
         """Walls, and what is measured between them, in words."""
-        size = " x ".join(words.number(width, 3) for width in self.extent)
+        size = " x ".join(words.format_number(width, 3) for width in self.extent)
         source = f"of ‹arena=›{self.dish.words}" if self.dish else f"about {size} mm, by the hull of the tracks"
         return (
-            f"walls {source}: run into {words.with_error(*self.contacts.pair)} times a second, "
-            f"{words.number(100 * self.along, 2)} % of the time along them; numbers are of free motion, from places "
+            f"walls {source}: run into {words.format_with_error(*self.contacts.pair)} times a second, "
+            f"{words.format_number(100 * self.along, 2)} % of the time along them; numbers are of free "
+            "motion, from places "
             "from which no wall could be reached meanwhile"
         )
 

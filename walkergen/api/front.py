@@ -15,16 +15,16 @@ from typing import TYPE_CHECKING, Any, Union, get_args, get_origin
 
 import walkergen
 from walkergen.command_table import COMMANDS, request_of
-from walkergen.core.errors import spell_all, spelled_by
+from walkergen.core.errors import spell_all, use_spelling
 
 if TYPE_CHECKING:
     from walkergen.request import Request
-FUNCTIONS = tuple(name for name in COMMANDS if name in walkergen.__all__ and name != "templates")
+FUNCTION_NAMES = tuple(name for name in COMMANDS if name in walkergen.__all__ and name != "templates")
 """Commands that are functions of Python too."""
 
-TEXTS = ("title", "caption", "facts", "lines", "warnings", "errors")  # of a report, which name arguments
+TEXT_FIELDS = ("title", "caption", "facts", "lines", "warnings", "errors")  # of a report, which name arguments
 
-HEADER = """\
+STUB_HEADER = """\
 # Made of the requests by `python -m walkergen.api.front`
 import os
 from collections.abc import Iterable, Mapping
@@ -40,7 +40,7 @@ Ground = Scene | Name
 Machine = Printer | Name
 """
 
-TYPES = (
+TYPE_IMPORTS = (
     "from walkergen.api.loading import load, templates",
     "from walkergen.guests.crowd.cards.card import Card",
     "from walkergen.core.errors import WalkergenError",
@@ -54,33 +54,33 @@ TYPES = (
 
 
 @cache
-def function(name: str) -> Callable[..., Any]:
+def make_function(name: str) -> Callable[..., Any]:
     """Return the function of a command; unlike the command, it writes no folder unless one is given."""
-    request, signature = request_of(name), signature_of(name)
+    request, signature = request_of(name), make_signature(name)
 
     def call(*given: Any, **named: Any) -> Any:
         values = signature.bind(*given, **named).arguments
         progress = values.pop("progress", None)
         from walkergen.core.files.progress import silent
 
-        with spelled_by(partial(request.as_arguments, given=values)):
+        with use_spelling(partial(request.as_arguments, given=values)):
             report = request.asked(values).run(progress or silent)
-        return report and replace(report, **{name: spell_all(getattr(report, name)) for name in TEXTS})
+        return report and replace(report, **{name: spell_all(getattr(report, name)) for name in TEXT_FIELDS})
 
     call.__name__ = call.__qualname__ = name
     call.__module__ = "walkergen"
-    call.__doc__ = doc_of(name)
+    call.__doc__ = make_docstring(name)
     call.__signature__ = signature  # type: ignore[attr-defined]
     call.__annotations__ = {own.name: own.annotation for own in signature.parameters.values()}
     return call
 
 
-def doc_of(name: str) -> str:
+def make_docstring(name: str) -> str:
     """Docstring of a function: that of its command, and an example."""
     return f"{getdoc(request_of(name))}\n\nExample: `{COMMANDS[name].call}`"
 
 
-def signature_of(name: str) -> Signature:
+def make_signature(name: str) -> Signature:
     """Signature of a function: arguments by position, then all others by name; types are as an editor shows them."""
     request = request_of(name)
     fields = request.model_fields
@@ -91,49 +91,49 @@ def signature_of(name: str) -> Signature:
         own = fields[field]
         kind = Parameter.POSITIONAL_OR_KEYWORD if field in first else Parameter.KEYWORD_ONLY
         default = Parameter.empty if own.is_required() else own.get_default()
-        parameters.append(Parameter(field, kind, default=default, annotation=_type_of(request, field)))
+        parameters.append(Parameter(field, kind, default=default, annotation=_field_type(request, field)))
     told = Parameter("progress", Parameter.KEYWORD_ONLY, default=None, annotation="Progress | None")
     return Signature([*parameters, told], return_annotation=request.run.__annotations__["return"])
 
 
-def _type_of(request: "type[Request]", field: str) -> str:
+def _field_type(request: "type[Request]", field: str) -> str:
     """Type of what Python gives for a field."""
     from walkergen.request import flag
 
-    return flag(request, field).takes or _text(request.model_fields[field].annotation)
+    return flag(request, field).takes or _format_type(request.model_fields[field].annotation)
 
 
-def _text(kind: Any) -> str:
+def _format_type(kind: Any) -> str:
     """Type as it is written: a union by bars."""
     if get_origin(kind) in (Union, UnionType):
-        return " | ".join(map(_text, get_args(kind)))
+        return " | ".join(map(_format_type, get_args(kind)))
     if kind is type(None):
         return "None"
     return kind.__name__ if isinstance(kind, type) else str(kind).replace("typing.", "")
 
 
-def stub() -> str:
+def make_stub() -> str:
     """Types of all that walkergen offers: text of walkergen/__init__.pyi."""
-    imports = sorted({*TYPES, *(line for name in FUNCTIONS for line in _imports(name))})
-    parts = [HEADER.format(imports="\n".join(imports)), f"__all__ = {walkergen.__all__!r}\n"]
-    for name in FUNCTIONS:
-        own = signature_of(name)
-        lines = [f"    {_parameter(parameter)}," for parameter in own.parameters.values()]
+    imports = sorted({*TYPE_IMPORTS, *(line for name in FUNCTION_NAMES for line in _report_imports(name))})
+    parts = [STUB_HEADER.format(imports="\n".join(imports)), f"__all__ = {walkergen.__all__!r}\n"]
+    for name in FUNCTION_NAMES:
+        own = make_signature(name)
+        lines = [f"    {_format_parameter(parameter)}," for parameter in own.parameters.values()]
         at = next(place for place, one in enumerate(own.parameters.values()) if one.kind is Parameter.KEYWORD_ONLY)
         lines.insert(at, "    *,")
-        text = doc_of(name)
+        text = make_docstring(name)
         doc = indent(f'"""{text}\n"""' if "\n" in text else f'"""{text}"""', "    ")
         parts.append("\n".join([f"def {name}(", *lines, f") -> {own.return_annotation}:", doc, ""]))
     return "\n".join(parts)
 
 
-def _parameter(parameter: Parameter) -> str:
+def _format_parameter(parameter: Parameter) -> str:
     """Parameter as a stub has it."""
     default = "" if parameter.default is Parameter.empty else f" = {parameter.default!r}"
     return f"{parameter.name}: {parameter.annotation}{default}"
 
 
-def _imports(name: str) -> list[str]:
+def _report_imports(name: str) -> list[str]:
     """Lines that import the reports of a function, as the module of its request does for its types."""
     request = request_of(name)
     tree = ast.parse(Path(str(getsourcefile(request))).read_text(encoding="utf-8"))
@@ -148,4 +148,4 @@ def _imports(name: str) -> list[str]:
 
 
 if __name__ == "__main__":
-    print(stub(), end="")
+    print(make_stub(), end="")

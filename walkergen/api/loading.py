@@ -53,7 +53,7 @@ def load(name: Name, kind: str | None = None) -> Any:
     """
     name = name if isinstance(name, str) else Path(name)
     if kind is None:
-        kind = _kind_of(name)
+        kind = _find_kind(name)
     if kind not in KINDS:
         raise InputError(f"kind={kind!r}: must be one of {', '.join(map(repr, KINDS))}, or left out")
     folder, model = KINDS[kind]
@@ -68,7 +68,7 @@ def templates() -> Table:
     return shipped.listing().table
 
 
-def _kind_of(name: str | Path) -> str:
+def _find_kind(name: str | Path) -> str:
     """Kind that a template's name, or the keys of a file, tell. Raises InputError."""
     if isinstance(name, Path) or shipped.written_as_path(name):
         kinds = _kinds_by_keys(Path(name))
@@ -84,21 +84,21 @@ def _kind_of(name: str | Path) -> str:
 
 def _kinds_by_keys(path: Path) -> list[str]:
     """Kinds of files that have most of a file's keys. Raises InputError."""
-    if Design.of_file(path) is not None:
+    if Design.data_from_file(path) is not None:
         return ["walker"]
-    data, _ = config.load(path)
-    keys = [key for key in _paths(data) if key not in (("name",), ("description",))]
+    data, _ = config.read_toml(path)
+    keys = [key for key in _key_paths(data) if key not in (("name",), ("description",))]
     counts = dict.fromkeys(KINDS, 0)
     for key in keys:
         for kind, (_, model) in KINDS.items():
             own = key[0] == "walker" if kind == "walker" else False  # a table that becomes [body]
-            counts[kind] += own or not config.unknown(key, model)
+            counts[kind] += own or not config.describe_unknown_key(key, model)
     return [kind for kind, count in counts.items() if count == max(counts.values())]
 
 
-def _paths(data: Mapping[str, Any], before: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+def _key_paths(data: Mapping[str, Any], before: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
     """Paths of all keys in tables and those within them."""
     for key, value in data.items():
         yield (*before, key)
         if isinstance(value, Mapping):
-            yield from _paths(value, (*before, key))
+            yield from _key_paths(value, (*before, key))

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from walkergen.core.errors import WalkergenError
-from walkergen.core.files.tables import as_html
+from walkergen.core.files.tables import to_html
 from walkergen.core.walker import names, solids
 from walkergen.core.walker.design import Design
 from walkergen.files import viewer
@@ -17,12 +17,12 @@ def html(design: Design) -> str:
     rows, shown = list(_rows(design)), ""
     try:
         built = solids.build(design)
-        shown = viewer.frame([viewer.Part(names.part(design), design.kind, *built.seen)], design.name)
+        shown = viewer.frame([viewer.Part(names.part_name(design), design.kind, *built.seen)], design.name)
         mass = solids.weigh(design, built)
         rows.append(("mass (g)", f"{float(mass.total):.4g}"))
     except WalkergenError as error:
         rows.append(("cannot be shown" if not shown else "mass unknown", str(error)))
-    return shown + as_html(rows)
+    return shown + to_html(rows)
 
 
 def _rows(design: Design) -> Iterator[tuple[str, str]]:

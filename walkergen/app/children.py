@@ -18,27 +18,27 @@ from typing import Any, TypeVar
 from walkergen.app import sentences
 from walkergen.app.served import Running
 
-COMMANDS = "walkergen.cli.child"
+COMMAND_MODULE = "walkergen.cli.child"
 """Module that runs command lines as a child."""
 
-RUN = "walkergen.app.running"
+SIMULATION_MODULE = "walkergen.app.running"
 """Module that simulates a walker: a first number, a run to be played, then all that was asked for."""
 
-MOST = 4
+MAX_CHILDREN = 4
 """Most children at once: a browser opens six connections to a server, for all its tabs together,
 and their sliders need some."""
 
-PATIENCE_S = 1.0
+KILL_DELAY_S = 1.0
 """Time after which a child that was interrupted is ended by force."""
 
-LARGEST_LINE = 2**26
+MAX_LINE_BYTES = 2**26
 """Longest line of a child, bytes: a run that is played is one of 0.3 MB."""
 
 Event = dict[str, Any]
 Result = TypeVar("Result")
 
 
-async def run(running: Running, module: str, sent: Any) -> AsyncIterator[Event]:
+async def run_module(running: Running, module: str, sent: Any) -> AsyncIterator[Event]:
     """Run a module's main; `sent` reaches it as a line of JSON.
 
     Yields its events, each a line of JSON on its standard output, and where it fails {"refused": lines}.
@@ -46,29 +46,29 @@ async def run(running: Running, module: str, sent: Any) -> AsyncIterator[Event]:
     """
     task = asyncio.current_task()
     assert task is not None
-    if len(running - {task}) >= MOST:
+    if len(running - {task}) >= MAX_CHILDREN:
         yield {
             "refused": [
-                f"{MOST} runs, searches or files are being made for pages of this server, which is the "
+                f"{MAX_CHILDREN} runs, searches or files are being made for pages of this server, which is the "
                 "most at once: stop one, or wait until one is done"
             ]
         }
         return
     running.add(task)
     try:
-        async for event in _run(module, sent):
+        async for event in _run_process(module, sent):
             yield event
     finally:
         running.discard(task)
 
 
-async def _run(module: str, sent: Any) -> AsyncIterator[Event]:
+async def _run_process(module: str, sent: Any) -> AsyncIterator[Event]:
     try:
         child = await asyncio.create_subprocess_exec(
             sys.executable,
             "-m",
             module,
-            limit=LARGEST_LINE,
+            limit=MAX_LINE_BYTES,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -91,34 +91,34 @@ async def _run(module: str, sent: Any) -> AsyncIterator[Event]:
         said = (await errors).decode(errors="replace").splitlines()
     finally:
         errors.cancel()
-        await _end(child)
+        await _stop_child(child)
     if code:
-        yield {"refused": _mistakes(said, code)}
+        yield {"refused": _error_lines(said, code)}
 
 
-def _mistakes(said: Sequence[str], code: int) -> list[str]:
+def _error_lines(said: Sequence[str], code: int) -> list[str]:
     """Lines with which a child refused."""
-    lines = [sentences.plain(line.removeprefix("error: ")) for line in said if line.startswith("error: ")]
+    lines = [sentences.to_plain_text(line.removeprefix("error: ")) for line in said if line.startswith("error: ")]
     return lines or [*said[-1:], f"the command ended with exit code {code}"]
 
 
-def say(event: Event) -> None:
+def send_event(event: Event) -> None:
     """Say an event of this child to its server."""
     print(json.dumps(event), flush=True)
 
 
-async def _end(child: asyncio.subprocess.Process) -> None:
+async def _stop_child(child: asyncio.subprocess.Process) -> None:
     """End a child that may still run, and its workers: first by Ctrl-C, which leaves no file half written."""
     try:
-        _signal(child, "SIGINT")
+        _send_signal(child, "SIGINT")
         with contextlib.suppress(TimeoutError):
-            await asyncio.wait_for(child.wait(), PATIENCE_S)
+            await asyncio.wait_for(child.wait(), KILL_DELAY_S)
     finally:
-        _signal(child, "SIGKILL")
+        _send_signal(child, "SIGKILL")
     await child.wait()
 
 
-def _signal(child: asyncio.subprocess.Process, name: str) -> None:
+def _send_signal(child: asyncio.subprocess.Process, name: str) -> None:
     """Send a signal to a child and all that it started; Windows has none but the end."""
     with contextlib.suppress(ProcessLookupError, PermissionError):
         if hasattr(os, "killpg"):
@@ -127,12 +127,12 @@ def _signal(child: asyncio.subprocess.Process, name: str) -> None:
             child.terminate()
 
 
-async def while_heard(receive: Any, work: Coroutine[Any, Any, Result]) -> Result | None:
+async def run_until_disconnect(receive: Any, work: Coroutine[Any, Any, Result]) -> Result | None:
     """Run work and return its result; None if the page has gone or the server ends.
 
     `receive` gives a message of ASGI when a page has gone.
     """
-    working, gone = asyncio.ensure_future(work), asyncio.ensure_future(_gone(receive))
+    working, gone = asyncio.ensure_future(work), asyncio.ensure_future(_wait_for_disconnect(receive))
     try:
         await asyncio.wait({working, gone}, return_when=asyncio.FIRST_COMPLETED)
     finally:
@@ -142,12 +142,12 @@ async def while_heard(receive: Any, work: Coroutine[Any, Any, Result]) -> Result
     return None if working.cancelled() else working.result()
 
 
-async def _gone(receive: Any) -> None:
+async def _wait_for_disconnect(receive: Any) -> None:
     while (await receive())["type"] != "http.disconnect":
         pass
 
 
-async def end(running: Running) -> None:
+async def stop_all(running: Running) -> None:
     """End all children of a server, and what waits for them."""
     for task in running:
         task.cancel()
@@ -155,7 +155,7 @@ async def end(running: Running) -> None:
         await asyncio.wait(set(running))
 
 
-def listen() -> Any:
+def receive_and_watch() -> Any:
     """Return what a child's server sent, and end the child from then on when the server ends.
 
     The pipe closes with the process that holds it, no matter what the child is doing.
@@ -167,7 +167,7 @@ def listen() -> Any:
             pass
         if hasattr(os, "killpg"):
             os.kill(os.getpid(), signal.SIGINT)  # what is half written goes
-            time.sleep(PATIENCE_S)
+            time.sleep(KILL_DELAY_S)
             os.killpg(0, signal.SIGKILL)
         os._exit(1)
 

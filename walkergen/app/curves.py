@@ -11,50 +11,52 @@ from walkergen.core.theory import prediction
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 
-STEEPEST_DEG = 45.0
+MAX_CURVE_TILT_DEG = 45.0
 """Tilt up to which the curve is drawn, unless the walker's own is larger."""
 
-STEP_DEG = 0.2
+TILT_TOLERANCE_DEG = 0.2
 """Error of the tilt up to which a walker can be built, where that is less."""
 
-FEWER, ROUGH = 19, 13
+JOINED_POINTS, ROUGH_POINTS = 19, 13
 """Points of the curve where the modeller joins legs to a body, as long as that takes, and while sliders move."""
 
-MOST = 32
+MAX_CACHED_CURVES = 32
 """Curves that are kept."""
 
 Curve = dict[str, list[float | None]]
 
 
-def curve(document: Document, rough: bool) -> Curve | None:
+def speed_curve(document: Document, rough: bool) -> Curve | None:
     """Predict speed against tilt, as the figure of a family draws it, as far as it can be built.
 
     `rough` takes fewer points. Speeds are None at tilts that need a run. The curve is None if legs share no tilt or no
     other tilt can be built. It does not depend on the walker's own tilt, so dragging that needs no new curve. Raises
     InputError.
     """
-    design, scene = document.design(), document.ground()
+    design, scene = document.load_design(), document.load_scene()
     if not design.follows:
         return None
-    far = max(STEEPEST_DEG, abs(design.tilt_deg))
-    low = _end(design, -far if design.tilt_deg < 0.0 else 0.0)
+    far = max(MAX_CURVE_TILT_DEG, abs(design.tilt_deg))
+    low = _find_end(design, -far if design.tilt_deg < 0.0 else 0.0)
     things = (design.unmarked.variant(tilt_deg=low), scene)
     own, ground = (thing.model_dump_json(exclude_unset=True) for thing in things)
-    high = _end(design, far)
-    return _drawn(own, ground, design.body.key, low, high, rough) if low < high else None
+    high = _find_end(design, far)
+    return _compute_curve(own, ground, design.body.key, low, high, rough) if low < high else None
 
 
-def answer(document: Document, rough: bool) -> dict[str, Curve | None]:
+def speed_curve_table(document: Document, rough: bool) -> dict[str, Curve | None]:
     """Curve in a table: None alone would say that nobody waits for it."""
-    return {"curve": curve(document, rough)}
+    return {"curve": speed_curve(document, rough)}
 
 
-@lru_cache(maxsize=MOST)
-def _drawn(design: str, scene: str, body: str, low: float, high: float, rough: bool) -> Curve | None:
+@lru_cache(maxsize=MAX_CACHED_CURVES)
+def _compute_curve(design: str, scene: str, body: str, low: float, high: float, rough: bool) -> Curve | None:
     """Curve of a design and a scene by their JSON; `body` knows the contents of its files."""
     walker, ground = Design.model_validate_json(design), Scene.model_validate_json(scene)
-    count = ROUGH if rough else prediction.POINTS if walker.body.plain and not walker.parts else FEWER
-    drawn = prediction.curve(walker, ground, "coulomb", low, high, count)
+    count = (
+        ROUGH_POINTS if rough else prediction.CURVE_POINTS if walker.body.plain and not walker.parts else JOINED_POINTS
+    )
+    drawn = prediction.predict_curve(walker, ground, "coulomb", low, high, count)
     if np.isfinite(drawn.speed).sum() < 2:
         return None
     columns = dict(zip(("low_95", "low_68", "high_68", "high_95"), drawn.bounds, strict=True))
@@ -62,18 +64,18 @@ def _drawn(design: str, scene: str, body: str, low: float, high: float, rough: b
     return {name: [None if np.isnan(each) else each for each in values.tolist()] for name, values in columns.items()}
 
 
-def _end(design: Design, far: float) -> float:
+def _find_end(design: Design, far: float) -> float:
     """Tilt nearest to `far` at which a walker can be built, deg, from its own on."""
-    if _is_sound(design, far):
+    if _is_buildable(design, far):
         return far
     near = design.tilt_deg
-    while abs(far - near) > STEP_DEG:
+    while abs(far - near) > TILT_TOLERANCE_DEG:
         middle = 0.5 * (near + far)
-        near, far = (middle, far) if _is_sound(design, middle) else (near, middle)
+        near, far = (middle, far) if _is_buildable(design, middle) else (near, middle)
     return near
 
 
-def _is_sound(design: Design, tilt_deg: float) -> bool:
+def _is_buildable(design: Design, tilt_deg: float) -> bool:
     try:
         solids.mass_of(design.unmarked.variant(tilt_deg=tilt_deg))
     except WalkergenError:

@@ -21,17 +21,17 @@ from walkergen.core.files import assignments, config
 from walkergen.core.files.config import Model, Section
 from walkergen.core.printing.printers import Printer
 from walkergen.core.scene import Scene
-from walkergen.core.walker.body import DRAWN
+from walkergen.core.walker.body import BUILTIN_OUTLINES
 from walkergen.core.walker.design import Design
-from walkergen.core.walker.spec import MESHES, OUTLINES
+from walkergen.core.walker.spec import MESH_SUFFIXES, OUTLINE_SUFFIXES
 from walkergen.files import templates
 from walkergen.files.key_names import KINDS, TILTS
 from walkergen.readers.walkers.marks import digits_of
 
-MOST_KEYS = 500
+MAX_KEYS = 500
 """Most keys that a page sets."""
 
-MOST_READ = 64
+MAX_CACHED_TEMPLATES = 64
 """Templates with values of their own that are kept as they were read."""
 
 SOURCE = "page"
@@ -40,19 +40,19 @@ SOURCE = "page"
 FILE_KEYS = ("mesh", "outline")
 """Keys of a design that name files."""
 
-DRAWINGS = tuple(ending.removeprefix(".") for ending in OUTLINES)
-DROPPED = (*(ending.removeprefix(".") for ending in MESHES), *DRAWINGS)
+DRAWING_ENDINGS = tuple(ending.removeprefix(".") for ending in OUTLINE_SUFFIXES)
+UPLOAD_ENDINGS = (*(ending.removeprefix(".") for ending in MESH_SUFFIXES), *DRAWING_ENDINGS)
 """Kinds of files that may be dropped onto a page, as their names end; those of drawings and pictures are outlines."""
 
-UPLOADED = re.compile(rf"[0-9a-f]{{16}}\.({'|'.join(DROPPED)})")
+UPLOAD_NAME = re.compile(rf"[0-9a-f]{{16}}\.({'|'.join(UPLOAD_ENDINGS)})")
 """Name of a file that was dropped onto a page: the beginning of its hash, and its kind."""
 
-HALVES = re.compile("[\ud800-\udfff]")
+LONE_SURROGATE = re.compile("[\ud800-\udfff]")
 
-BARE = re.compile(r"[A-Za-z0-9_-]+")
+BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 """Key of TOML without quotes; such a word is also a value on a command line."""
 
-THINGS: Mapping[str, tuple[str, ...]] = {
+COMMAND_PREFIXES: Mapping[str, tuple[str, ...]] = {
     "export": (),
     "plate": ("printer.",),
     "family": ("scene.", "printer."),
@@ -64,7 +64,7 @@ THINGS: Mapping[str, tuple[str, ...]] = {
 }
 """Things beside a walker whose files and keys a command takes."""
 
-CHOSEN = (*TILTS, *KINDS)
+FLAG_KEYS = (*TILTS, *KINDS)
 """Keys that the flags --tilt and --legs stand for."""
 
 Word = Annotated[str, Field(min_length=1, max_length=4096)]
@@ -76,7 +76,7 @@ class Message(Section):
     walker: Word
     scene: Word
     printer: Word
-    values: Annotated[dict[str, Any], Field(max_length=MOST_KEYS)] = Field(default_factory=dict)
+    values: Annotated[dict[str, Any], Field(max_length=MAX_KEYS)] = Field(default_factory=dict)
 
 
 class Place(NamedTuple):
@@ -101,24 +101,24 @@ class Document(NamedTuple):
     values: Mapping[str, Any]
     """Values by dotted keys; those of a scene and a printer begin with these words."""
 
-    def design(self) -> Design:
+    def load_design(self) -> Design:
         """Walker of the page. Raises InputError, a line for every mistake."""
-        design = self._read(self.walker, "walkers", Design, "")
+        design = self._load_section(self.walker, "walkers", Design, "")
         if design.weighed.states:
             from walkergen.core.walker import weights
 
-            weights.check(design)
+            weights.check_stated_masses(design)
         return design
 
-    def ground(self) -> Scene:
+    def load_scene(self) -> Scene:
         """Scene of the page. Raises InputError, a line for every mistake."""
-        return self._read(self.scene, "scenes", Scene, "scene.")
+        return self._load_section(self.scene, "scenes", Scene, "scene.")
 
-    def machine(self) -> Printer:
+    def load_printer(self) -> Printer:
         """Printer of the page. Raises InputError, a line for every mistake."""
-        return self._read(self.printer, "printers", Printer, "printer.")
+        return self._load_section(self.printer, "printers", Printer, "printer.")
 
-    def own(self, prefix: str) -> dict[str, Any]:
+    def prefixed_values(self, prefix: str) -> dict[str, Any]:
         """Values of a scene or a printer by its own keys; of the walker for ""."""
         others = ("scene.", "printer.")
         return {
@@ -127,38 +127,38 @@ class Document(NamedTuple):
             if (key.startswith(prefix) if prefix else not key.startswith(others))
         }
 
-    def _read(self, name: str, kind: str, model: type[Model], prefix: str) -> Model:
-        own = self.own(prefix)
-        if name in _shipped(kind):
-            read: Model = _of_template(name, kind, model, json.dumps(own), prefix)
+    def _load_section(self, name: str, kind: str, model: type[Model], prefix: str) -> Model:
+        own = self.prefixed_values(prefix)
+        if name in _template_names(kind):
+            read: Model = _load_template(name, kind, model, json.dumps(own), prefix)
             return read
-        return assignments.read(templates.path_of(name, kind), model, own, SOURCE, prefix)
+        return assignments.read_with_values(templates.path_of(name, kind), model, own, SOURCE, prefix)
 
 
 @cache
-def _shipped(kind: str) -> frozenset[str]:
+def _template_names(kind: str) -> frozenset[str]:
     """Names of the templates of a kind, whose files do not change."""
     return frozenset(templates.names(kind))
 
 
-@lru_cache(maxsize=MOST_READ)
-def _of_template(name: str, kind: str, model: type[Model], own: str, prefix: str) -> Model:
+@lru_cache(maxsize=MAX_CACHED_TEMPLATES)
+def _load_template(name: str, kind: str, model: type[Model], own: str, prefix: str) -> Model:
     """Template in which keys have other values, by their JSON: a page asks several things of each document.
 
     What is kept names no file that changes: those of a page are called by what is in them.
     """
-    settings, data = _as_shipped(name, kind, model)
-    anew: Model = assignments.assigned(settings, copy.deepcopy(data), json.loads(own), SOURCE, prefix)
+    settings, data = _load_defaults(name, kind, model)
+    anew: Model = assignments.assign_values(settings, copy.deepcopy(data), json.loads(own), SOURCE, prefix)
     return anew
 
 
 @cache
-def _as_shipped(name: str, kind: str, model: type[Model]) -> tuple[Model, dict[str, Any]]:
+def _load_defaults(name: str, kind: str, model: type[Model]) -> tuple[Model, dict[str, Any]]:
     """Template, and the data in its file."""
-    return assignments.with_data(templates.path_of(name, kind), model, {})
+    return assignments.read_with_data(templates.path_of(name, kind), model, {})
 
 
-def read(data: Any, place: Place) -> Document:
+def from_message(data: Any, place: Place) -> Document:
     """Document that a page sends.
 
     Raises InputError for what is none, and for files that were not dropped onto a page.
@@ -167,13 +167,13 @@ def read(data: Any, place: Place) -> Document:
         raise InputError(f"{SOURCE}: document: must be a table")
     message = config.validate(data, Message, SOURCE)
     for kind, name in (("walkers", message.walker), ("scenes", message.scene), ("printers", message.printer)):
-        if name not in _shipped(kind) and not (kind == "walkers" and name == place.own):
+        if name not in _template_names(kind) and not (kind == "walkers" and name == place.own):
             raise InputError(f"{SOURCE}: {name[:60]!r} is none of the {kind} of this page")
-    values = _located("values", message.values, place.uploads)
+    values = _resolve_files("values", message.values, place.uploads)
     return Document(message.walker, message.scene, message.printer, values)
 
 
-def json_of(data: bytes) -> dict[str, Any]:
+def parse_message(data: bytes) -> dict[str, Any]:
     """Table of a page's message. Raises InputError, also for one that no TOML file could hold."""
     try:
         message = json.loads(data)
@@ -181,38 +181,38 @@ def json_of(data: bytes) -> dict[str, Any]:
         message = None
     if not isinstance(message, dict):
         raise InputError(f"{SOURCE}: the message is no table in JSON")
-    if config.depth(message) > config.DEEPEST:
-        raise InputError(f"{SOURCE}: nested too deeply: more than {config.DEEPEST} levels")
+    if config.nesting_depth(message) > config.MAX_DEPTH:
+        raise InputError(f"{SOURCE}: nested too deeply: more than {config.MAX_DEPTH} levels")
     return message
 
 
-def _located(key: str, value: Any, uploads: Path) -> Any:
+def _resolve_files(key: str, value: Any, uploads: Path) -> Any:
     """Value of a key in which files that were dropped are found; others are refused.
 
     Raises InputError for those, and for what TOML has not.
     """
     if isinstance(value, dict):
-        return {_whole(inner): _located(inner, own, uploads) for inner, own in value.items()}
+        return {_check_text(inner): _resolve_files(inner, own, uploads) for inner, own in value.items()}
     if isinstance(value, list):
-        return [_located(key, own, uploads) for own in value]
+        return [_resolve_files(key, own, uploads) for own in value]
     if value is None:
-        raise InputError(f"{SOURCE}: {_whole(key)[:60]}: no value: leave the key out", key)
+        raise InputError(f"{SOURCE}: {_check_text(key)[:60]}: no value: leave the key out", key)
     if isinstance(value, float) and not math.isfinite(value):
-        raise InputError(f"{SOURCE}: {_whole(key)[:60]} = {value}: must be a number", key)
+        raise InputError(f"{SOURCE}: {_check_text(key)[:60]} = {value}: must be a number", key)
     if not isinstance(value, str):
         return value
     name = key.rpartition(".")[2]
-    if name not in FILE_KEYS or (name == "outline" and value in DRAWN):
-        return _whole(value)
+    if name not in FILE_KEYS or (name == "outline" and value in BUILTIN_OUTLINES):
+        return _check_text(value)
     path = uploads / value
-    if not UPLOADED.fullmatch(value) or not path.is_file():
+    if not UPLOAD_NAME.fullmatch(value) or not path.is_file():
         raise InputError(f"{SOURCE}: {key[:60]} = {value[:60]!r}: drop the file onto the page first", key)
     return path.as_posix()
 
 
-def _whole(text: str) -> str:
+def _check_text(text: str) -> str:
     """Text of whole letters. Raises InputError for halves, which JSON alone has."""
-    if HALVES.search(text):
+    if LONE_SURROGATE.search(text):
         raise InputError(f"{SOURCE}: {text[:60]!r}: holds half a letter: write it again")
     return text
 
@@ -224,16 +224,16 @@ def arguments(document: Document, command: str, *options: str) -> list[str]:
     `sweep` has not. Raises InputError, as `Document.design` does, and for a value that is too long
     for a command line.
     """
-    flags = [] if command == "sweep" else _chosen(document.design())
-    words, things = [command, document.walker], THINGS[command]
+    flags = [] if command == "sweep" else _family_flags(document.load_design())
+    words, things = [command, document.walker], COMMAND_PREFIXES[command]
     words += ["--scene", document.scene] if "scene." in things else []
     words += ["--printer", document.printer] if "printer." in things else []
-    dropped = CHOSEN if flags else ()
+    dropped = FLAG_KEYS if flags else ()
     for prefix in ("", *things):
-        for key, value in document.own(prefix).items():
+        for key, value in document.prefixed_values(prefix).items():
             if prefix or key not in dropped:
-                setting = f"{prefix}{key}={text_of(value)}"
-                assignments.split(setting)
+                setting = f"{prefix}{key}={format_value(value)}"
+                assignments.split_key_value(setting)
                 words += ["--set", setting]
     return [*words, *flags, *options]
 
@@ -243,47 +243,47 @@ def tilt_key(design: Design) -> str | None:
     return TILTS[0] if design.pair else TILTS[1] if design.follows else None
 
 
-def _chosen(design: Design) -> list[str]:
+def _family_flags(design: Design) -> list[str]:
     """List the flags that choose this walker from the family of its design."""
     tilt = ["--tilt", digits_of(design.tilt_deg)] if design.follows else []
     return [*tilt, "--legs", design.kind] if design.pair else tilt
 
 
-def text_of(value: Any) -> str:
+def format_value(value: Any) -> str:
     """Value as a command line gives it to --set, which `assignments.value_of` reads back."""
-    if isinstance(value, str) and BARE.fullmatch(value) and assignments.value_of(value) == value:
+    if isinstance(value, str) and BARE_KEY.fullmatch(value) and assignments.parse_value(value) == value:
         return value
-    return "".join(_toml(value))
+    return "".join(_format_toml(value))
 
 
-def _toml(value: Any) -> Iterator[str]:
+def _format_toml(value: Any) -> Iterator[str]:
     """Inline TOML of a value of JSON, in pieces."""
     if isinstance(value, Mapping):
-        pairs = (f"{_key(key)} = {''.join(_toml(own))}" for key, own in value.items())
+        pairs = (f"{_format_key(key)} = {''.join(_format_toml(own))}" for key, own in value.items())
         yield "{" + ", ".join(pairs) + "}"
     elif isinstance(value, Sequence) and not isinstance(value, str):
-        yield "[" + ", ".join("".join(_toml(own)) for own in value) + "]"
+        yield "[" + ", ".join("".join(_format_toml(own)) for own in value) + "]"
     else:
-        yield _quoted(value)
+        yield _quote(value)
 
 
-def _key(key: str) -> str:
-    return key if BARE.fullmatch(key) else _quoted(key)
+def _format_key(key: str) -> str:
+    return key if BARE_KEY.fullmatch(key) else _quote(key)
 
 
-def _quoted(value: Any) -> str:
+def _quote(value: Any) -> str:
     """TOML of a text, a number or a yes; it takes all of JSON's escapes, but one letter bare."""
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
-def shell(words: Sequence[str]) -> str:
+def shell_command(words: Sequence[str]) -> str:
     """Line for a shell that runs walkergen with these words."""
     return shlex.join(["walkergen", *words])
 
 
-def python(document: Document) -> str:
+def python_code(document: Document) -> str:
     """Lines of Python that make and predict a page's walker."""
-    design, scene = document.own(""), document.own("scene.")
+    design, scene = document.prefixed_values(""), document.prefixed_values("scene.")
     changed = f".variant(**{design!r})" if design else ""
     ground = f"wg.load({document.scene!r})" + (f".variant(**{scene!r})" if scene else "")
     return (

@@ -8,20 +8,20 @@ from walkergen.app.document import Document
 from walkergen.core.errors import InputError
 from walkergen.files import web_page
 
-MOST_BYTES = 10_000_000
+MAX_BYTES = 10_000_000
 """Largest picture that is handed out."""
 
 
-def words(document: Document, folder: Path) -> list[str]:
+def explain_arguments(document: Document, folder: Path) -> list[str]:
     """Words after `walkergen` that measure each effect, and draw it below `folder`. Raises InputError."""
     return documents.arguments(document, "explain", "--measure", "--json", "--out", str(_folder(document, folder)))
 
 
-def picture(document: Document, folder: Path) -> dict[str, str]:
+def read_picture(document: Document, folder: Path) -> dict[str, str]:
     """Picture that was drawn, as an address of its own. Raises InputError where there is none."""
     path = _folder(document, folder) / "explain.png"
     try:
-        data = path.read_bytes()[:MOST_BYTES]
+        data = path.read_bytes()[:MAX_BYTES]
     except OSError:
         raise InputError(f"{documents.SOURCE}: no effects of this walker were measured") from None
     return {"picture": web_page.data_url("image/png", data)}

@@ -35,11 +35,11 @@ UNITS = {
 }
 """Units by the endings of keys, the longest first where one ends in another."""
 
-WIDEST, TIMES, STEEPEST_DEG = 400.0, 3.0, 45.0
+MAX_FULL_RANGE, SLIDER_FACTOR, MAX_SLIDER_TILT_DEG = 400.0, 3.0, 45.0
 """Widest range of numbers of either sign that a slider spans whole; beyond, and of numbers of one sign,
 it ends at a round number of TIMES the value. Tilt up to which that of the tilt goes."""
 
-LETTERED = "name"
+TEXT_TEMPLATE = "name"
 """Template of a walker whose body is letters, on legs that stand under them."""
 
 Kind = Literal["number", "whole", "choice", "yes", "text", "list"]
@@ -83,36 +83,36 @@ def groups(document: Document) -> list[Group]:
     The tilt comes first, for it decides more than all others. Raises InputError for a document that
     is not sound.
     """
-    design = document.design()
+    design = document.load_design()
     tables: list[Group] = []
     for prefix, title, section in (
         ("", "walker", design),
-        ("scene.", "scene", document.ground()),
-        ("printer.", "printer", document.machine()),
+        ("scene.", "scene", document.load_scene()),
+        ("printer.", "printer", document.load_printer()),
     ):
-        tables += _tables(section, prefix, title)
+        tables += _table_groups(section, prefix, title)
     tilts = [control for table in tables for control in table.controls if control.key in TILTS]
     for table in tables:
         table.controls[:] = [control for control in table.controls if control not in tilts]
     for control in tilts:
         if control.key == tilt_key(design):
-            steepest = max(STEEPEST_DEG, abs(design.tilt_deg))
+            steepest = max(MAX_SLIDER_TILT_DEG, abs(design.tilt_deg))
             tilt = control._replace(value=design.tilt_deg, slider=(-steepest, steepest), optional=False)
             return [Group("tilt", [tilt]), *tables]
     return tables
 
 
-def whole(document: Document) -> dict[str, Any]:
+def to_dict(document: Document) -> dict[str, Any]:
     """All that a page's form is made of. Raises InputError for a document that is not sound."""
     tables = [
         {"title": group.title, "controls": [control._asdict() for control in group.controls]}
         | {"absent": group.absent, "optional": group.optional}
         for group in groups(document)
     ]
-    return {"groups": tables, "legs": listed_legs(document), "shapes": shapes(document)}
+    return {"groups": tables, "legs": legs_as_list(document), "shapes": body_shapes(document)}
 
 
-def _tables(section: Section, prefix: str, title: str) -> Iterator[Group]:
+def _table_groups(section: Section, prefix: str, title: str) -> Iterator[Group]:
     """Group of a table, after those of the tables in it."""
     own, inner, absent = [], [], []
     idle = section.idle if isinstance(section, Body) else ()
@@ -128,12 +128,12 @@ def _tables(section: Section, prefix: str, title: str) -> Iterator[Group]:
             for number, entry in enumerate(value, start=1):
                 inner.append((entry, f"{prefix}{name}[{number}].", f"{heading} {number}", None))
         elif table:
-            absent.append(Group(heading.replace("_", " "), [], (f"{prefix}{name}", _smallest(table))))
+            absent.append(Group(heading.replace("_", " "), [], (f"{prefix}{name}", _minimal_table(table))))
         else:
-            control = _control(f"{prefix}{name}", field, value, _notes(type(section)).get(name, ""))
+            control = _control(f"{prefix}{name}", field, value, _key_docs(type(section)).get(name, ""))
             own += [control] if control else []
     for entry, place, heading, key in inner:
-        for group in _tables(entry, place, heading.replace("_", " ")):
+        for group in _table_groups(entry, place, heading.replace("_", " ")):
             yield group._replace(optional=key) if key else group
     yield from absent
     if own:
@@ -142,17 +142,17 @@ def _tables(section: Section, prefix: str, title: str) -> Iterator[Group]:
 
 def _optional_table(field: Any) -> type[Section] | None:
     """Class of a table that may be left out; None for other keys."""
-    types, _ = _parts(field)
+    types, _ = _types_and_limits(field)
     tables = [each for each in types if isinstance(each, type) and issubclass(each, Section)]
     return tables[0] if tables and type(None) in types else None
 
 
-def _smallest(table: type[Section]) -> dict[str, Any]:
+def _minimal_table(table: type[Section]) -> dict[str, Any]:
     """Table to begin with: empty or, where that is not sound, of one choice that makes it so."""
     choices = (
         {name: get_args(each)[0]}
         for name, field in table.model_fields.items()
-        for each in _parts(field)[0]
+        for each in _types_and_limits(field)[0]
         if get_origin(each) is Literal
     )
     for start in ({}, *choices):
@@ -166,10 +166,10 @@ def _smallest(table: type[Section]) -> dict[str, Any]:
 
 def _control(key: str, field: Any, value: Any, note: str) -> Control | None:
     """Control of a key by its type; None for what only files hold."""
-    name, unit = _named(key.rpartition(".")[2])
-    types, metadata = _parts(field)
+    name, unit = _split_unit(key.rpartition(".")[2])
+    types, metadata = _types_and_limits(field)
     choices = next((get_args(each) for each in types if get_origin(each) is Literal), ())
-    low, high = _limit(metadata, ("ge", "gt")), _limit(metadata, ("le", "lt"))
+    low, high = _find_limit(metadata, ("ge", "gt")), _find_limit(metadata, ("le", "lt"))
     optional = type(None) in types
     plain = Control(key, name, unit, "text", value, note, low, high, None, (), optional)
     if choices:
@@ -179,13 +179,13 @@ def _control(key: str, field: Any, value: Any, note: str) -> Control | None:
     if any(get_origin(each) is list for each in types):
         return plain._replace(kind="list")
     if float in types:
-        return plain._replace(kind="number", slider=_slider(low, high, value))
+        return plain._replace(kind="number", slider=_slider_range(low, high, value))
     if int in types:
         return plain._replace(kind="whole")
     return plain if str in types else None
 
 
-def _named(name: str) -> tuple[str, str]:
+def _split_unit(name: str) -> tuple[str, str]:
     """Key in words, and its unit."""
     for ending in sorted(UNITS, key=len, reverse=True):
         if name.endswith(f"_{ending}"):
@@ -193,7 +193,7 @@ def _named(name: str) -> tuple[str, str]:
     return name.replace("_", " "), ""
 
 
-def _parts(field: Any) -> tuple[list[Any], list[Any]]:
+def _types_and_limits(field: Any) -> tuple[list[Any], list[Any]]:
     """Types that a key may have, and the limits on them, out of unions and annotations."""
     types, metadata, rest = [], list(field.metadata), [field.annotation]
     while rest:
@@ -205,31 +205,31 @@ def _parts(field: Any) -> tuple[list[Any], list[Any]]:
     return types, [own for item in metadata for own in getattr(item, "metadata", None) or [item]]
 
 
-def _limit(metadata: list[Any], names: tuple[str, ...]) -> float | None:
+def _find_limit(metadata: list[Any], names: tuple[str, ...]) -> float | None:
     """Limit of a number by one of these names."""
     limits = [getattr(item, name, None) for item in metadata for name in names]
     return next((float(limit) for limit in limits if limit is not None), None)
 
 
-def _slider(low: float | None, high: float | None, value: float | None) -> tuple[float, float] | None:
+def _slider_range(low: float | None, high: float | None, value: float | None) -> tuple[float, float] | None:
     """Range of a slider, about its value where the key's own is too wide to move in."""
     if low is None or high is None or value is None:
         return None
     if low < 0.0:
-        reach = max(-low, high) if high - low <= WIDEST else _round(TIMES * max(abs(value), 1.0))
+        reach = max(-low, high) if high - low <= MAX_FULL_RANGE else _round_up(SLIDER_FACTOR * max(abs(value), 1.0))
         return max(low, -reach), min(high, reach)
-    top = min(high, _round(TIMES * value) if value > 0.0 else 10.0)
+    top = min(high, _round_up(SLIDER_FACTOR * value) if value > 0.0 else 10.0)
     return max(low, 0.01 * top) if low else 0.0, top
 
 
-def _round(value: float) -> float:
+def _round_up(value: float) -> float:
     """Round number, 1, 2 or 5 times a power of ten, at or above a positive value."""
     power = 10.0 ** math.floor(math.log10(value))
     return next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= 0.999 * value)
 
 
 @cache
-def _notes(table: type[Section]) -> Mapping[str, str]:
+def _key_docs(table: type[Section]) -> Mapping[str, str]:
     """Return the text below each key of a table, and of those that it extends, a sentence or two each."""
     tables = [each for each in table.__mro__ if issubclass(each, Section) and each is not Section]
     trees = [ast.parse(textwrap.dedent(inspect.getsource(each))) for each in tables]
@@ -246,13 +246,13 @@ def _notes(table: type[Section]) -> Mapping[str, str]:
     return notes
 
 
-def shapes(document: Document) -> dict[str, dict[str, Any]]:
+def body_shapes(document: Document) -> dict[str, dict[str, Any]]:
     """Other shapes of a walker's body, as large as it is now: values that make each of it.
 
     A drawing or a mesh is dropped onto the page; letters begin with a template of their own. Raises
     InputError for a document that is not sound.
     """
-    design = document.design()
+    design = document.load_design()
     length, thickness, depth = (round(extent, 1) for extent in design.size)
     x, y, z = 0.5 * length, 0.5 * thickness, 0.75 * depth
     bodies: dict[str, dict[str, Any]] = {
@@ -267,25 +267,25 @@ def shapes(document: Document) -> dict[str, dict[str, Any]]:
         },
     }
     legs = {"legs.width_mm": round(design.limbs[0].width, 1)} if design.pair else {}
-    found = {name: {"values": {"body": _rounded(body), **legs}} for name, body in bodies.items()}
-    return found | {"letters": {"walker": LETTERED, "values": {}}}
+    found = {name: {"values": {"body": _round_lengths(body), **legs}} for name, body in bodies.items()}
+    return found | {"letters": {"walker": TEXT_TEMPLATE, "values": {}}}
 
 
-def _rounded(value: Any) -> Any:
+def _round_lengths(value: Any) -> Any:
     """Lengths of a shape in tenths of a millimetre."""
     if isinstance(value, float):
         return round(value, 1)
     if isinstance(value, dict):
-        return {key: _rounded(own) for key, own in value.items()}
-    return [_rounded(own) for own in value] if isinstance(value, list) else value
+        return {key: _round_lengths(own) for key, own in value.items()}
+    return [_round_lengths(own) for own in value] if isinstance(value, list) else value
 
 
-def listed_legs(document: Document) -> list[dict[str, Any]]:
+def legs_as_list(document: Document) -> list[dict[str, Any]]:
     """Legs of the walker as a list [[legs]]: two equal legs as two entries, others as they are.
 
     A finished walker has none to change. Raises InputError for a document that is not sound.
     """
-    design = document.design()
+    design = document.load_design()
     if design.whole:
         return []
     if isinstance(design.legs, Legs):

@@ -12,7 +12,7 @@ from walkergen.files import templates
 WIDTH, HEIGHT, MARGIN = 120.0, 60.0, 6.0
 """Size of a picture and what is left free around the walker, pixels."""
 
-TURN = np.array([[0.87, 0.0, 0.5], [0.21, 0.91, -0.36]])
+VIEW_AXES = np.array([[0.87, 0.0, 0.5], [0.21, 0.91, -0.36]])
 """Axes of the picture, to the right and upward, in the frame of the walker: from the front, left
 and above."""
 
@@ -21,17 +21,17 @@ and above."""
 def side_view(name: str) -> str:
     """SVG of a template's walker, its triangles from the farthest to the nearest."""
     design = templates.load(name, "walkers", Design)
-    return _drawn(solids.build(design).walker)
+    return _draw_mesh(solids.build(design).walker)
 
 
-def _drawn(mesh: Mesh) -> str:
-    towards = np.cross(TURN[0], TURN[1])
+def _draw_mesh(mesh: Mesh) -> str:
+    towards = np.cross(VIEW_AXES[0], VIEW_AXES[1])
     corners = mesh.vertices[mesh.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     seen = normals @ towards > 0.0
     order = np.argsort((corners.mean(axis=1) @ towards)[seen], kind="stable")
-    flat = (corners @ TURN.T)[seen][order]
+    flat = (corners @ VIEW_AXES.T)[seen][order]
     low, high = flat.min(axis=(0, 1)), flat.max(axis=(0, 1))
     scale = min((WIDTH - 2 * MARGIN) / (high - low)[0], (HEIGHT - 2 * MARGIN) / (high - low)[1])
     places = (flat - 0.5 * (low + high)) * scale * [1.0, -1.0] + [0.5 * WIDTH, 0.5 * HEIGHT]

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from walkergen.app.document import Document, Place
 from walkergen.app.workers import Workers
 
-START = {"scene.run.seconds": 10.0, "scene.run.runs": 8}
+START_VALUES = {"scene.run.seconds": 10.0, "scene.run.runs": 8}
 """Values of a new document: a run that is done within seconds."""
 
 Running = set[asyncio.Future[Any]]
@@ -38,7 +38,7 @@ class Server(NamedTuple):
     """Word in the address that opens the page once, for a phone; None for this machine alone."""
 
 
-def new(
+def make_server(
     folder: Path, hosts: frozenset[str], first: Document, own: str | None, away: bool, anew: bool = False
 ) -> Server:
     """Server with fresh secrets; `away` if other machines can reach it."""

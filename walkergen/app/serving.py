@@ -34,16 +34,16 @@ class _Impatient(H11Protocol):
 
     def connection_made(self, transport: Any) -> None:
         super().connection_made(transport)
-        self.loop.call_later(IDLE_S, self._look, None)
+        self.loop.call_later(IDLE_S, self._close_if_idle, None)
 
-    def _look(self, before: Any) -> None:
+    def _close_if_idle(self, before: Any) -> None:
         """Close what has answered nothing since the last look, at the message `before`, and answers nothing now."""
         if self.transport.is_closing():
             return
         if self.cycle is None or (self.cycle is before and self.cycle.response_complete):
             self.transport.close()
         else:
-            self.loop.call_later(IDLE_S, self._look, self.cycle)
+            self.loop.call_later(IDLE_S, self._close_if_idle, self.cycle)
 
 
 class _Ending(uvicorn.Server):
@@ -57,9 +57,9 @@ class _Ending(uvicorn.Server):
         from walkergen.app import children
 
         logging.getLogger("uvicorn.error").disabled = True
-        await children.end(self._served.running)
+        await children.stop_all(self._served.running)
         for workers in (self._served.steps, self._served.workers):
-            workers.end()
+            workers.stop()
         await super().shutdown(sockets)
 
 
@@ -69,16 +69,16 @@ def serve(asked: Document, anew: bool, folder: Path, host: str, port: int, brows
     Raises InputError for addresses that are unusable.
     """
     own = None if asked.walker in templates.names("walkers") else asked.walker
-    first = asked._replace(values=servers.START | dict(asked.values))
-    away = _is_away(host)
-    listening = _listening(host, port)
+    first = asked._replace(values=servers.START_VALUES | dict(asked.values))
+    away = _is_remote(host)
+    listening = _open_socket(host, port)
     port = listening.getsockname()[1]
     names = (host,) if away else (host, *LOOPBACK)
-    served = servers.new(folder, _hosts(names, port), first, own, away, anew)
+    served = servers.make_server(folder, _allowed_hosts(names, port), first, own, away, anew)
     path = f"once/{served.once}" if served.once else f"{served.secret}/"
-    address = f"http://{_bracketed(host)}:{port}/{path}"
+    address = f"http://{_bracket_ipv6(host)}:{port}/{path}"
     for workers in (served.steps, served.workers):
-        workers.begin()
+        workers.start()
     print(f"the page: {address}", flush=True)
     print("Ctrl-C ends it" if not away else "for one device, once; Ctrl-C ends it", flush=True)
     if browser and not away:
@@ -100,19 +100,19 @@ def serve(asked: Document, anew: bool, folder: Path, host: str, port: int, brows
         _Ending(config, served).run(sockets=[listening])
 
 
-def _hosts(names: Sequence[str], port: int) -> frozenset[str]:
+def _allowed_hosts(names: Sequence[str], port: int) -> frozenset[str]:
     """Hosts as browsers name them who call a port of these."""
-    bracketed = [_bracketed(name).lower() for name in names]
+    bracketed = [_bracket_ipv6(name).lower() for name in names]
     plain = bracketed if port == PLAIN_PORT else []
     return frozenset([*(f"{name}:{port}" for name in bracketed), *plain])
 
 
-def _bracketed(host: str) -> str:
+def _bracket_ipv6(host: str) -> str:
     """Host as addresses of pages have it."""
     return f"[{host}]" if ":" in host else host
 
 
-def _is_away(host: str) -> bool:
+def _is_remote(host: str) -> bool:
     """Return whether other machines can reach a host. Raises InputError for one that pages cannot open."""
     if host in LOOPBACK:
         return False
@@ -128,7 +128,7 @@ def _is_away(host: str) -> bool:
     return not address.is_loopback
 
 
-def _listening(host: str, port: int) -> socket.socket:
+def _open_socket(host: str, port: int) -> socket.socket:
     """Socket that listens at an address. Raises InputError."""
     listening = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET)
     # Where others may take a port that is in use, Windows, it must be refused; elsewhere one that

@@ -14,14 +14,14 @@ from walkergen.core.errors import InputError
 from walkergen.core.files import reading
 from walkergen.core.files.config import Section
 from walkergen.core.files.output import Folder
-from walkergen.core.printing.packing import MOST_PARTS
-from walkergen.core.walker.body import DRAWN
+from walkergen.core.printing.packing import MAX_PARTS
+from walkergen.core.walker.body import BUILTIN_OUTLINES
 from walkergen.files import templates
 
 FORMATS = ("stl", "3mf", "plate", "page", "toml", "zip")
 """Files that a page hands out."""
 
-SEARCHED = {
+SWEEP_OPTIONS = {
     "legs.tilt_deg": ("--set", "legs.tilt_deg=2:40:1", "--set", "legs.length_mm=5:10:0.5"),
     "leg_tilt_deg": ("--set", "leg_tilt_deg=4:40:4", "--model", "space", "--error", "10%"),
 }
@@ -38,15 +38,15 @@ class Order(NamedTuple):
     """Words after `walkergen` of the commands that make them, in order."""
 
 
-def order(document: Document, what: Any, copies: Any, folder: Path) -> Order:
+def make_order(document: Document, what: Any, copies: Any, folder: Path) -> Order:
     """Order of files for a walker, in a folder of its own below `folder`.
 
     Raises InputError for files that are not known, and for a walker that is not sound.
     """
     if not isinstance(what, str) or what not in FORMATS:
         raise InputError(f"{documents.SOURCE}: what: must be one of {', '.join(FORMATS)}")
-    if isinstance(copies, bool) or not isinstance(copies, int) or not 1 <= copies <= MOST_PARTS:
-        raise InputError(f"{documents.SOURCE}: copies: must be a whole number in 1..{MOST_PARTS}")
+    if isinstance(copies, bool) or not isinstance(copies, int) or not 1 <= copies <= MAX_PARTS:
+        raise InputError(f"{documents.SOURCE}: copies: must be a whole number in 1..{MAX_PARTS}")
     digest = hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()[:8]
     target = folder / f"{answers.part_name(document)}-{digest}"
     out = ("--out", str(target))
@@ -59,7 +59,7 @@ def order(document: Document, what: Any, copies: Any, folder: Path) -> Order:
     return Order(document, what, target, [words for name, words in made.items() if what in (name, "zip")])
 
 
-def collected(asked: Order) -> tuple[str, bytes]:
+def collect_files(asked: Order) -> tuple[str, bytes]:
     """Name and contents of what the commands of an order made: a file, or several in an archive.
 
     Raises InputError where they have not run, OutputError for settings that cannot be written.
@@ -84,10 +84,10 @@ def collected(asked: Order) -> tuple[str, bytes]:
     if len(paths) == 1:
         return paths[0].name, paths[0].read_bytes()
     what = "" if asked.what == "zip" else f"-{asked.what}"
-    return f"{folder.name}{what}.zip", _archive(folder, paths)
+    return f"{folder.name}{what}.zip", _zip_files(folder, paths)
 
 
-def _archive(folder: Path, paths: list[Path]) -> bytes:
+def _zip_files(folder: Path, paths: list[Path]) -> bytes:
     """Archive of files whose bytes depend on nothing but theirs."""
     target = io.BytesIO()
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -99,36 +99,40 @@ def _archive(folder: Path, paths: list[Path]) -> bytes:
 
 def _write_settings(document: Document, folder: Path) -> None:
     """Write walker, scene and printer as TOML files, the file of a body beside them."""
-    design = document.design().with_numbered_legs()
+    design = document.load_design().with_numbered_legs()
     alone: dict[str, Any] = {"tilt_deg": [design.tilt_deg]}  # a family of this walker alone
     alone |= {"legs": [design.kind]} if design.pair else {}
     family = design.family.model_copy(update=alone)
     design = design.model_copy(update={"family": family})
     with Folder(folder, "") as target:
         for key, name in (("mesh", design.body.mesh), ("outline", design.body.outline)):
-            if name is not None and name not in DRAWN:
-                data = reading.content(Path(name))
+            if name is not None and name not in BUILTIN_OUTLINES:
+                data = reading.read_bytes(Path(name))
                 target.write(f"settings/{Path(name).name}", data)
                 body = design.body.model_copy(update={key: Path(name).name})
                 design = design.model_copy(update={"body": body})
-        things: dict[str, Section] = {"walker": design, "scene": document.ground(), "printer": document.machine()}
+        things: dict[str, Section] = {
+            "walker": design,
+            "scene": document.load_scene(),
+            "printer": document.load_printer(),
+        }
         for name, thing in things.items():
             text = templates.dump(thing, f"The {name} of {design.name}, by its page", every=False)
             target.write(f"settings/{name}.toml", text.encode())
 
 
-def search(document: Document, speed: Any, folder: Path) -> list[str]:
+def sweep_arguments(document: Document, speed: Any, folder: Path) -> list[str]:
     """Return the words after `walkergen` that sweep tilts, and list those nearest to a wished speed first.
 
     Raises InputError for what is no number, and for a walker whose legs share no tilt.
     """
     if isinstance(speed, bool) or not isinstance(speed, (int, float)):
         raise InputError(f"{documents.SOURCE}: speed: must be a number")
-    design = document.design()
+    design = document.load_design()
     key = documents.tilt_key(design)
     if key is None:
         raise InputError(f"{documents.SOURCE}: {design.name}: its legs share no tilt to search")
-    words = SEARCHED[key]
+    words = SWEEP_OPTIONS[key]
     varied = {word.partition("=")[0] for word in words}
     free = document._replace(values={name: own for name, own in document.values.items() if name not in varied})
     words += ("--keep", "speed,spread,printability", f"--wish={speed!r}")

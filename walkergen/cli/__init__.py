@@ -16,13 +16,13 @@ from walkergen import __version__
 from walkergen.cli import build, streams
 from walkergen.cli.layout import HELP_OPTIONS, Group
 from walkergen.command_table import COMMANDS, for_shell
-from walkergen.core.errors import OutputError, WalkergenError, spelled_by
+from walkergen.core.errors import OutputError, WalkergenError, use_spelling
 from walkergen.core.files import plain
 
-INTERRUPTED = 130
+INTERRUPTED_CODE = 130
 """Exit code after Ctrl-C."""
 
-TOLD_INTERRUPTED = "interrupted: finished files are whole; the same command completes"
+INTERRUPTED_MESSAGE = "interrupted: finished files are whole; the same command completes"
 
 
 class Root(Group):
@@ -34,7 +34,7 @@ class Root(Group):
     @cached_property
     def sentences(self) -> Mapping[str, tuple[str, str]]:  # type: ignore[override]
         """Headings and sentences of all commands."""
-        return {name: (own.heading, build.sentence(name)) for name, own in COMMANDS.items()}
+        return {name: (own.heading, build.command_summary(name)) for name, own in COMMANDS.items()}
 
 
 command_line = typer.Typer(
@@ -61,7 +61,7 @@ def _options(
     if version:
         typer.echo(f"walkergen {__version__}")
         if verbose:
-            _show_surroundings()
+            _show_versions()
         raise typer.Exit
     if verbose:
         context.fail("--verbose goes with --version")
@@ -69,7 +69,7 @@ def _options(
         context.fail("Missing command.")
 
 
-def _show_surroundings() -> None:
+def _show_versions() -> None:
     """Print the versions and the place that a report of a mistake needs."""
     import platform
     from importlib.metadata import version
@@ -91,23 +91,23 @@ def main(commands: typer.Typer | Callable[[], None] = command_line) -> None:
     unusable, or has no answer; 130: interrupted.
     """
     heard = streams.prepare()
-    lost = streams.hear_everywhere()
-    plain.guard()
+    lost = streams.catch_interrupts()
+    plain.guard_output()
     # Ours to decide: what is drawn depends on no setting of other programs
     os.environ["MPLBACKEND"] = "agg"
     os.environ.pop("SOURCE_DATE_EPOCH", None)
     os.environ["PYDANTIC_DISABLE_PLUGINS"] = "__all__"  # of others, found in every package
     # without a cache folder it makes one for this process, as `caches` does: nobody needs to know
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
-    with spelled_by(for_shell):
-        code = _run(commands, lost)
+    with use_spelling(for_shell):
+        code = _run_command(commands, lost)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is told; only Python's own end is left
-    if code == INTERRUPTED:
-        streams.leave(INTERRUPTED)
+    if code == INTERRUPTED_CODE:
+        streams.exit_now(INTERRUPTED_CODE)
     sys.exit(code or int(heard.lost))
 
 
-def _run(commands: typer.Typer | Callable[[], None], lost: threading.Event) -> int:
+def _run_command(commands: typer.Typer | Callable[[], None], lost: threading.Event) -> int:
     """Run a command and empty standard output; returns the exit code. `lost` knows of a Ctrl-C that was."""
     try:
         try:
@@ -119,33 +119,33 @@ def _run(commands: typer.Typer | Callable[[], None], lost: threading.Event) -> i
                 raise KeyboardInterrupt from None
             return done.code if isinstance(done.code, int) else int(done.code is not None)
     except KeyboardInterrupt:
-        return _failed(TOLD_INTERRUPTED, INTERRUPTED)
+        return _print_error(INTERRUPTED_MESSAGE, INTERRUPTED_CODE)
     except OutputError as error:
-        return _failed(str(error), 1)
+        return _print_error(str(error), 1)
     except WalkergenError as error:
-        return _failed(str(error), 2)
+        return _print_error(str(error), 2)
     except BrokenPipeError:  # the reader of our output has gone (walkergen ... | head)
-        streams.give_up()
+        streams.discard_output()
         return 1
     except MemoryError:
-        return _failed("the memory is full: ask for less", 1)
+        return _print_error("the memory is full: ask for less", 1)
     except ImportError as error:  # a Ctrl-C while a library loads may come as its failure
         if not (lost.is_set() or isinstance(error.__cause__, KeyboardInterrupt)):
             raise
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # it is sent again
-        return _failed(TOLD_INTERRUPTED, INTERRUPTED)
+        return _print_error(INTERRUPTED_MESSAGE, INTERRUPTED_CODE)
     except OSError as error:
         what = "" if error.filename is None else f"{str(error.filename)!r}: "
-        return _failed(f"{what}{error.strerror or error}", 1)
+        return _print_error(f"{what}{error.strerror or error}", 1)
     raise AssertionError("typer always exits")
 
 
-def _failed(message: str, code: int) -> int:
+def _print_error(message: str, code: int) -> int:
     """Print what was printed so far, then a mistake, a line for each of its lines."""
     try:
         sys.stdout.flush()
     except OSError:
-        streams.give_up()
+        streams.discard_output()
     for line in message.splitlines():
         print(f"error: {line}", file=sys.stderr)
     return code

@@ -14,7 +14,7 @@ from typer.main import get_command, get_group
 from walkergen import command_table as commands
 from walkergen.cli import show, streams
 from walkergen.cli.layout import Command, epilog
-from walkergen.core.errors import spelled_by
+from walkergen.core.errors import use_spelling
 from walkergen.core.files import words
 from walkergen.core.files.progress import silent
 
@@ -28,10 +28,10 @@ SHELL_TYPES = (bool, int, float, Path)
 """Types that the shell's own reading of words gives; of all others a request makes sense of the text."""
 
 
-def sentence(name: str) -> str:
+def command_summary(name: str) -> str:
     """First paragraph of what a command says of itself, read from the file of its request, which imports nothing."""
     if not commands.COMMANDS[name].folder:
-        return str(command(name).help)
+        return str(make_command(name).help)
     path = Path(commands.__file__).parent / commands.COMMANDS[name].folder.replace(".", "/") / "request.py"
     title = f"{name.capitalize()}Request"
     classes = (node for node in ast.parse(path.read_text(encoding="utf-8")).body if isinstance(node, ast.ClassDef))
@@ -43,7 +43,7 @@ class Commands(Mapping[str, Any]):
     """Commands by name: each is made when it is needed."""
 
     def __getitem__(self, name: str) -> Any:
-        return command(name)
+        return make_command(name)
 
     def __iter__(self) -> Iterator[str]:
         return iter(commands.COMMANDS)
@@ -53,25 +53,25 @@ class Commands(Mapping[str, Any]):
 
 
 @cache
-def command(name: str) -> Any:
+def make_command(name: str) -> Any:
     """Command, made of its request; `templates` has commands below it, which have none."""
     home, own = typer.Typer(rich_markup_mode=None, add_completion=False), commands.COMMANDS[name]
     if own.folder:
         home.command(name, cls=Command, epilog=epilog(own.example, own.other))(
-            function(name, commands.request_of(name))
+            make_function(name, commands.request_of(name))
         )
         return get_command(home)
     home.add_typer(import_module(f"walkergen.cli.{name}").commands)
     return get_group(home).commands[name]
 
 
-def function(name: str, request: "type[Request]") -> Callable[..., None]:
+def make_function(name: str, request: "type[Request]") -> Callable[..., None]:
     """Build the function of a command, as typer reads it: its parameters are the request's fields."""
 
     def command(json: bool = False, quiet: bool = False, **values: Any) -> None:
         given = {field: value for field, value in values.items() if value not in (None, [])}
-        with spelled_by(request.as_flags):
-            _run(name, request.asked(given, shell=True), json, quiet)
+        with use_spelling(request.as_flags):
+            _run_request(name, request.asked(given, shell=True), json, quiet)
 
     parameters = [_parameter(request, field) for field in request.model_fields]
     parameters += [
@@ -85,11 +85,11 @@ def function(name: str, request: "type[Request]") -> Callable[..., None]:
     return command
 
 
-def _run(name: str, asked: "Request", json: bool, quiet: bool) -> None:
+def _run_request(name: str, asked: "Request", json: bool, quiet: bool) -> None:
     """Run a request, show its report and exit with its code."""
     if not asked.reports:
         asked.run(silent)
-        streams.leave(0)  # what was being made for a page may take long, and nobody waits for it
+        streams.exit_now(0)  # what was being made for a page may take long, and nobody waits for it
     with show.progress(name, wanted=not quiet, hear=asked.hear) as progress:
         report = asked.run(progress)
     assert report is not None
@@ -105,11 +105,11 @@ def _parameter(request: "type[Request]", field: str) -> Parameter:
 
     own, info = flag(request, field), request.model_fields[field]
     kind = str if "str" in own.takes else _shell_type(info.annotation)
-    default, name = _shown(info.get_default()), spelled(request, field)
+    default, name = _shell_default(info.get_default()), spelled(request, field)
     default = default if isinstance(default, kind) else None
-    shown: dict[str, Any] = {"metavar": own.metavar or None, "help": _with_limits(own.help, info.metadata)}
+    shown: dict[str, Any] = {"metavar": own.metavar or None, "help": _help_with_limits(own.help, info.metadata)}
     if own.templates:
-        shown["autocompletion"] = names_of(own.templates)
+        shown["autocompletion"] = name_completion(own.templates)
     if kind is bool:
         name = f"{name}/--no-{name.removeprefix('--')}" if default else name
         shown["show_default"] = False
@@ -123,10 +123,10 @@ def _parameter(request: "type[Request]", field: str) -> Parameter:
     return Parameter(field, Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, meeting])
 
 
-def _with_limits(text: str, metadata: Sequence[Any]) -> str:
+def _help_with_limits(text: str, metadata: Sequence[Any]) -> str:
     """Help with what a number may be, which the request itself checks."""
     low, high = (
-        next((words.number(getattr(item, name), 6) for item in metadata if hasattr(item, name)), "")
+        next((words.format_number(getattr(item, name), 6) for item in metadata if hasattr(item, name)), "")
         for name in ("ge", "le")
     )
     limits = f"{low}..{high}" if high else f"at least {low}"
@@ -139,7 +139,7 @@ def _shell_type(annotation: Any) -> Any:
     return kinds[0] if len(kinds) == 1 and kinds[0] in SHELL_TYPES else str
 
 
-def _shown(default: Any) -> Any:
+def _shell_default(default: Any) -> Any:
     """Default as a shell would give it."""
     return ",".join(default) if isinstance(default, (list, tuple)) and all(map(_is_text, default)) else default
 
@@ -148,7 +148,7 @@ def _is_text(value: object) -> bool:
     return isinstance(value, str)
 
 
-def names_of(kinds: tuple[str, ...]) -> Callable[[str], list[str]]:
+def name_completion(kinds: tuple[str, ...]) -> Callable[[str], list[str]]:
     """Completion, for the shell, of names of shipped templates; where none fits it names files."""
 
     def complete(incomplete: str) -> list[str]:

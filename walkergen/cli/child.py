@@ -15,29 +15,29 @@ from typing import Any
 from walkergen import cli
 from walkergen.app import children
 from walkergen.cli import show
-from walkergen.core.files.progress import Progress, part
+from walkergen.core.files.progress import Progress, part_progress
 
-PAUSE_S = 0.2
+EVENT_INTERVAL_S = 0.2
 """Time (s) between two lines that say how far a job is."""
 
 
 def main() -> int:
     """Run the command lines that the server sent, one after another; returns the exit code."""
-    lines, stream = children.listen(), sys.stdout
-    tell = _teller(stream)
+    lines, stream = children.receive_and_watch(), sys.stdout
+    tell = _make_progress(stream)
     for number, words in enumerate(lines):
         signal.signal(signal.SIGINT, signal.default_int_handler)  # a command leaves it ignored at its end
-        show.lines = _told(part(tell, number, len(lines)))  # type: ignore[assignment]
+        show.line_progress = _make_lines(part_progress(tell, number, len(lines)))  # type: ignore[assignment]
         sys.argv = ["walkergen", *words]
         with redirect_stdout(io.StringIO()) as output:
-            code = _run()
+            code = _run_main()
         if code:
             return code
-        _say(stream, {"output": output.getvalue()})
+        _send_event(stream, {"output": output.getvalue()})
     return 0
 
 
-def _run() -> int:
+def _run_main() -> int:
     try:
         cli.main()
     except SystemExit as end:
@@ -45,23 +45,23 @@ def _run() -> int:
     return 0
 
 
-def _say(stream: Any, event: dict[str, Any]) -> None:
+def _send_event(stream: Any, event: dict[str, Any]) -> None:
     print(json.dumps(event), file=stream, flush=True)
 
 
-def _teller(stream: Any) -> Progress:
+def _make_progress(stream: Any) -> Progress:
     """Progress that is said as events, not too often."""
     said = [0.0]
 
     def tell(what: str, done: int, total: int) -> None:
-        if time.monotonic() - said[0] > PAUSE_S:
+        if time.monotonic() - said[0] > EVENT_INTERVAL_S:
             said[0] = time.monotonic()
-            _say(stream, {"progress": [what, done, total]})
+            _send_event(stream, {"progress": [what, done, total]})
 
     return tell
 
 
-def _told(tell: Progress) -> Callable[[str], Any]:
+def _make_lines(tell: Progress) -> Callable[[str], Any]:
     """Return what replaces the lines of progress on a terminal: it reports to `tell`."""
 
     @contextmanager

@@ -6,24 +6,24 @@ from typing import Any
 
 from typer.core import TyperCommand, TyperGroup
 
-OTHERS = "Commands"
+OTHER_HEADING = "Commands"
 """Heading over commands that belong to no group."""
 
 HELP_OPTIONS = {"help_option_names": ["-h", "--help"]}
 """Settings of the whole command line: what asks for help."""
 
 
-OPTIONS = {
+OPTION_HEADINGS = {
     "Contact and drive": ("restitution", "friction", "gamma", "frequency", "mode"),
     "Simulation": ("simulate", "model", "seconds", "runs", "step", "seed", "error", "of"),
     "Output": ("out", "trajectory", "rate-hz", "pictures", "all", "json", "quiet", "help"),
 }
 """Options under headings of their own, where a command has many; the others stand first."""
 
-MANY = 15
+MIN_GROUPED_OPTIONS = 15
 """Number of options from which on they stand under headings."""
 
-TYPE = re.compile(r" <[^>]*>$")
+TYPE_SUFFIX = re.compile(r" <[^>]*>$")
 """What the library adds to an argument's name."""
 
 
@@ -33,19 +33,19 @@ class Command(TyperCommand):
     def format_options(self, ctx: Any, formatter: Any) -> None:
         """Write the arguments, then the options."""
         sections: dict[str, list[tuple[str, str]]] = {"Arguments": [], "Options": []}
-        sections |= {heading: [] for heading in OPTIONS}
+        sections |= {heading: [] for heading in OPTION_HEADINGS}
         params = self.get_params(ctx)
-        headings = {name: heading for heading, names in OPTIONS.items() for name in names}
+        headings = {name: heading for heading, names in OPTION_HEADINGS.items() for name in names}
         for param in params:
             record = param.get_help_record(ctx)
             if record is None:
                 continue
             heading = "Arguments" if param.param_type_name == "argument" else "Options"
-            if heading == "Options" and len(params) >= MANY:
+            if heading == "Options" and len(params) >= MIN_GROUPED_OPTIONS:
                 long = next(name for name in param.opts if name.startswith("--"))
                 heading = headings.get(long.removeprefix("--"), heading)
             name, text = record
-            sections[heading].append((TYPE.sub("", name), text))
+            sections[heading].append((TYPE_SUFFIX.sub("", name), text))
         wide = max(len(name) for rows in sections.values() for name, _ in rows)
         for heading, rows in sections.items():
             if rows:
@@ -64,7 +64,7 @@ class Group(TyperGroup):
         groups: dict[str, list[tuple[str, str]]] = {}
         wide = max(map(len, self.commands), default=0)
         for name in self.commands:
-            heading, text = self.sentences.get(name) or (OTHERS, _sentence(self.commands[name]))
+            heading, text = self.sentences.get(name) or (OTHER_HEADING, _first_paragraph(self.commands[name]))
             groups.setdefault(heading, []).append((f"{name:{wide}s}", text))
         for heading, rows in groups.items():
             with formatter.section(heading):
@@ -76,6 +76,6 @@ def epilog(*examples: str) -> str:
     return "\n".join(["\b", "Examples:", *(f"  walkergen {words}" for words in examples)])  # \b: lines stay as they are
 
 
-def _sentence(command: Any) -> str:
+def _first_paragraph(command: Any) -> str:
     """First paragraph of a command's help as one line."""
     return " ".join(str(command.short_help or command.help or "").split("\n\n")[0].split())

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from walkergen.files.report import Report
 
 
-def _as_json(data: dict[str, Any]) -> None:
+def _print_json(data: dict[str, Any]) -> None:
     """Print JSON, refusing NaN and infinity, which JSON does not have.
 
     Letters that the stream's encoding has not are escaped, not replaced: no name is lost.
@@ -37,7 +37,7 @@ def table(content: "Table", width: int | None = None) -> None:
 
     from walkergen.core.files import tables
 
-    tables.show(content, Console(highlight=False, width=width))
+    tables.print_table(content, Console(highlight=False, width=width))
 
 
 def report(result: "Report", json: bool, quiet: bool, width: int | None = None) -> None:
@@ -50,7 +50,7 @@ def report(result: "Report", json: bool, quiet: bool, width: int | None = None) 
         print(f"warning: {spell(warning)}", file=sys.stderr)
     folder = {} if result.folder is None else {"folder": str(result.folder)}
     if json:
-        _as_json({**spell_all(result.facts), **folder})
+        _print_json({**spell_all(result.facts), **folder})
     elif not quiet:
         if result.caption:
             text(result.caption)
@@ -71,22 +71,22 @@ def report(result: "Report", json: bool, quiet: bool, width: int | None = None) 
 def notes(lines: Sequence[str]) -> None:
     """Print what was read, on the error stream, a line each."""
     for line in lines:
-        print(f"note: {plain.plain(spell(line))}", file=sys.stderr)
+        print(f"note: {plain.escape_hidden(spell(line))}", file=sys.stderr)
 
 
 def text(line: str) -> None:
     """Print a paragraph, broken between words where the terminal ends."""
     from rich.console import Console
 
-    Console(highlight=False).print(plain.plain(spell(line)), markup=False)
+    Console(highlight=False).print(plain.escape_hidden(spell(line)), markup=False)
 
 
-FIRST_S, NEXT_S = 5.0, 15.0
+FIRST_LINE_S, NEXT_LINE_S = 5.0, 15.0
 """Time (s) after which a job first says how far it is, and then again, where there is no bar."""
-WORTH_TELLING_S = 2.0
+MIN_ANNOUNCED_S = 2.0
 """Time (s) below which a job is over before anybody has read how long it will take."""
 
-HONEST = 0.05
+MIN_PACE_SHARE = 0.05
 """Share that must be done before the time left is told by the pace."""
 
 
@@ -99,28 +99,28 @@ class Clock:
         self._start: tuple[float, float] | None = None
         """Time when something was done first, and its share: before, the job got ready."""
 
-    def expect(self, find: "Callable[[], Expected | None]") -> None:
+    def print_expected(self, find: "Callable[[], Expected | None]") -> None:
         """Print how long a job will take, the first time that it knows."""
         if self._ends or (expected := find()) is None:
             return
         self._ends = time.monotonic() + expected.seconds
-        if expected.seconds >= WORTH_TELLING_S:
+        if expected.seconds >= MIN_ANNOUNCED_S:
             note = f"; {spell(expected.note)}" if expected.note else ""
-            print(f"{self.title}: {_about(expected.seconds)}{note}", file=sys.stderr, flush=True)
+            print(f"{self.title}: {_format_duration(expected.seconds)}{note}", file=sys.stderr, flush=True)
 
-    def note(self, done: int, total: int) -> None:
+    def record(self, done: int, total: int) -> None:
         """Note how many steps are done."""
         if done and self._start is None:
             self._start = time.monotonic(), done / total
 
-    def left(self, done: int, total: int) -> str:
+    def format_remaining(self, done: int, total: int) -> str:
         """Time that is left where so many steps are done, in words."""
         now, share = time.monotonic(), done / total
         if now < self._ends:
-            return f"{_about(self._ends - now)} left"
+            return f"{_format_duration(self._ends - now)} left"
         begun, before = self._start or (now, share)
-        if share - before > HONEST:
-            return f"{_about((now - begun) * (1.0 - share) / (share - before))} left"
+        if share - before > MIN_PACE_SHARE:
+            return f"{_format_duration((now - begun) * (1.0 - share) / (share - before))} left"
         return f"{now - self._begun:.0f} s so far"
 
 
@@ -135,39 +135,39 @@ def progress(
     if not wanted:
         from walkergen.core import caches
 
-        with caches.unannounced():
+        with caches.suppress_compile_notice():
             yield lambda what, done, total: None
     else:
         clock = Clock(title)
         if hear is not None:
-            hear(clock.expect)
-        with _bar(clock) if sys.stderr.isatty() else lines(clock) as update:
+            hear(clock.print_expected)
+        with _bar_progress(clock) if sys.stderr.isatty() else line_progress(clock) as update:
             yield update
 
 
 @contextmanager
-def lines(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
+def line_progress(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
     """Say how far a job is in a line now and then, also while it says nothing itself."""
     ended = threading.Event()
     state: list[tuple[str, int, int]] = []
 
     def tell() -> None:
-        pause = FIRST_S
+        pause = FIRST_LINE_S
         while not ended.wait(pause):
             if state:
-                pause = NEXT_S
+                pause = NEXT_LINE_S
                 what, done, total = state[0]
                 part = f"{done} %" if total == 100 else f"{done} of {total}"
                 share = f", {part}" if done else ""
                 try:
-                    line = plain.line(f"{clock.title}: {what}{share}, {clock.left(done, total)}")
+                    line = plain.shorten_line(f"{clock.title}: {what}{share}, {clock.format_remaining(done, total)}")
                     print(line, file=sys.stderr, flush=True)
                 except OSError:  # nobody reads it
                     return
 
     def update(what: str, done: int, total: int) -> None:
         state[:] = [(what, done, total)]
-        clock.note(done, total)
+        clock.record(done, total)
 
     thread = threading.Thread(target=tell, daemon=True)
     thread.start()
@@ -178,36 +178,36 @@ def lines(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
         thread.join()
 
 
-def _about(seconds: float) -> str:
+def _format_duration(seconds: float) -> str:
     return f"about {seconds:.0f} s" if seconds < 100.0 else f"about {seconds / 60.0:.0f} min"
 
 
 @contextmanager
-def _bar(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
+def _bar_progress(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
     """Show a bar from the first time on that a job says how far it is."""
     with ExitStack() as stack:
         shown: list[Callable[[str, int, int], None]] = []
 
         def update(what: str, done: int, total: int) -> None:
             if not shown:
-                shown.append(_drawn_bar(clock, stack))
+                shown.append(_start_bar(clock, stack))
             shown[0](what, done, total)
 
         yield update
 
 
-def _drawn_bar(clock: Clock, stack: ExitStack) -> Callable[[str, int, int], None]:
+def _start_bar(clock: Clock, stack: ExitStack) -> Callable[[str, int, int], None]:
     """Bar that is drawn until a stack ends."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[left]}"))
     bar = stack.enter_context(Progress(*columns, console=Console(stderr=True), transient=True))
-    task = bar.add_task(plain.line(clock.title), left="")
+    task = bar.add_task(plain.shorten_line(clock.title), left="")
 
     def update(what: str, done: int, total: int) -> None:
-        clock.note(done, total)
-        described = plain.line(f"{clock.title}: {what}")
-        bar.update(task, description=described, completed=done, total=total, left=clock.left(done, total))
+        clock.record(done, total)
+        described = plain.shorten_line(f"{clock.title}: {what}")
+        bar.update(task, description=described, completed=done, total=total, left=clock.format_remaining(done, total))
 
     return update

@@ -57,18 +57,18 @@ def prepare() -> _Heard:
         return heard
     encoding = next((stream.encoding for stream in (sys.stdout, sys.stderr, sys.stdin) if stream), "utf-8")
     if sys.stdout is sys.__stdout__:
-        sys.stdout = _text(_Named(1, "w", closefd=False), encoding, "replace")
+        sys.stdout = _text_stream(_Named(1, "w", closefd=False), encoding, "replace")
     if sys.stderr is sys.__stderr__:
-        sys.stderr = _text(heard, encoding, "backslashreplace", lines=True)
+        sys.stderr = _text_stream(heard, encoding, "backslashreplace", lines=True)
     return heard
 
 
-def _text(raw: io.FileIO, encoding: str, errors: str, lines: bool = False) -> io.TextIOWrapper:
+def _text_stream(raw: io.FileIO, encoding: str, errors: str, lines: bool = False) -> io.TextIOWrapper:
     buffered = io.BufferedWriter(raw)
     return io.TextIOWrapper(buffered, encoding, errors, line_buffering=lines or raw.isatty())
 
 
-def hear_everywhere() -> threading.Event:
+def catch_interrupts() -> threading.Event:
     """Let Ctrl-C end the command wherever it comes; returns what knows of one that was lost on its way.
 
     Python prints and forgets one that comes while an object is taken apart, or while a library calls back: the
@@ -76,50 +76,50 @@ def hear_everywhere() -> threading.Event:
     """
     before, told, lost = sys.unraisablehook, sys.excepthook, threading.Event()
 
-    def again() -> None:
+    def interrupt_again() -> None:
         lost.set()
         over = threading.Event()
         threading.Thread(target=_interrupt_after, args=(over,), daemon=True).start()
         over.set()
 
-    def forgotten(what: Any) -> None:
+    def handle_unraisable(what: Any) -> None:
         if isinstance(what.exc_value, KeyboardInterrupt):
-            again()
+            interrupt_again()
         else:
             before(what)
 
-    def printed(kind: type[BaseException], error: BaseException, trace: Any) -> None:
+    def handle_uncaught(kind: type[BaseException], error: BaseException, trace: Any) -> None:
         if issubclass(kind, KeyboardInterrupt):
-            again()
+            interrupt_again()
         else:
             told(kind, error, trace)
 
-    sys.unraisablehook, sys.excepthook = forgotten, printed
+    sys.unraisablehook, sys.excepthook = handle_unraisable, handle_uncaught
     return lost
 
 
-LEAVING_S = 0.02
+INTERRUPT_DELAY_S = 0.02
 """Time that the main thread has to leave what an interrupt is lost in, s."""
 
 
 def _interrupt_after(over: threading.Event) -> None:
     """Interrupt the main thread once something is over, where it can be also while it waits for the system."""
     over.wait()
-    time.sleep(LEAVING_S)
+    time.sleep(INTERRUPT_DELAY_S)
     if sys.platform == "win32":
         _thread.interrupt_main()
     else:
         signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
 
 
-def give_up() -> None:
+def discard_output() -> None:
     """Let what standard output still holds go nowhere, so that the end of Python is quiet."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
     os.close(nowhere)
 
 
-def leave(code: int) -> NoReturn:
+def exit_now(code: int) -> NoReturn:
     """End a process now; Python by itself waits for its threads, or may die of a signal, with no exit code."""
     atexit._run_exitfuncs()
     os._exit(code)

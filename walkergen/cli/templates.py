@@ -21,7 +21,9 @@ commands = typer.Typer(
 TemplateName = Annotated[
     str,
     typer.Argument(
-        metavar="NAME", help="Name of a template.", autocompletion=build.names_of(("walkers", "scenes", "printers"))
+        metavar="NAME",
+        help="Name of a template.",
+        autocompletion=build.name_completion(("walkers", "scenes", "printers")),
     ),
 ]
 
@@ -57,30 +59,30 @@ def copy_template(
     from walkergen.files import templates
 
     target = to or Path(f"{Path(name).stem}.toml")
-    if not reading.named_soundly(target) or target.suffix != ".toml":
+    if not reading.has_safe_name(target) or target.suffix != ".toml":
         raise InputError(f"{str(target)!r}: name a file that ends in .toml, without control letters")
-    text = _of_shape(Path(name), target) if templates.written_as_path(name) else _renamed(name, target)
+    text = _dump_shape(Path(name), target) if templates.written_as_path(name) else _rename_template(name, target)
     if os.path.lexists(target):
         raise InputError(f"{target}: exists already; give another name: templates copy {name} FILE")
     output.write(target, text.encode())
     print(target)
 
 
-def _renamed(name: str, target: Path) -> str:
+def _rename_template(name: str, target: Path) -> str:
     """Text of a template under the name of its copy."""
     from walkergen.core.files import output
     from walkergen.files import templates
 
-    return templates.renamed(templates.find(name), output.named_after(target).lstrip("_") or name)
+    return templates.renamed(templates.find(name), output.safe_folder_name(target).lstrip("_") or name)
 
 
-def _of_shape(path: Path, target: Path) -> str:
+def _dump_shape(path: Path, target: Path) -> str:
     """Text of the walker that a file of a shape stands for, in numbers. Raises InputError for other files."""
-    from walkergen.core.files.config import read
+    from walkergen.core.files.config import read_section
     from walkergen.core.walker.design import Design
     from walkergen.files import templates
 
-    if Design.of_file(path) is None:
+    if Design.data_from_file(path) is None:
         raise InputError(f"{path}: copies are made of templates, drawings, pictures and meshes")
-    design = read(path, Design).with_numbered_legs().with_paths_relative_to(target.parent)
+    design = read_section(path, Design).with_numbered_legs().with_paths_relative_to(target.parent)
     return templates.dump(design, f"Walker of {path.name}", every=False)

@@ -18,15 +18,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-FORGOTTEN_DAYS = 30
+MAX_UNUSED_DAYS = 30
 """Days after which what an edited walkergen, or an older one, has left is removed."""
 
-KERNELS = "numba"
+KERNEL_FOLDER = "numba"
 """Name of the folders of compiled kernels."""
 
-MARK = b"walkergen sha256"
-SUM = hashlib.sha256().digest_size
-TAIL = len(MARK) + SUM
+CHECKSUM_MARK = b"walkergen sha256"
+CHECKSUM_BYTES = hashlib.sha256().digest_size
+TRAILER_BYTES = len(CHECKSUM_MARK) + CHECKSUM_BYTES
 """End of a file of the kernels' cache: a mark, and the sum of what stands before it, which other
 readers of pickles do not see."""
 
@@ -52,7 +52,7 @@ def folder(name: str) -> Path:
         found.parent.parent.mkdir(parents=True, exist_ok=True)
         for one in (found.parent, found):
             one.mkdir(mode=0o700, exist_ok=True)
-            _check(one)
+            _check_private(one)
         with tempfile.TemporaryFile(dir=found):
             return found
     except OSError:
@@ -61,7 +61,7 @@ def folder(name: str) -> Path:
         return found
 
 
-def _check(path: Path) -> None:
+def _check_private(path: Path) -> None:
     """Raise OSError for a folder that is another's, or that others may write to."""
     if not hasattr(os, "getuid"):
         return  # Windows: a profile's folders are its user's
@@ -70,7 +70,7 @@ def _check(path: Path) -> None:
         raise OSError(f"{path} is not the user's alone")
 
 
-COMPILING_S = {"space": 40, "shapes": 6}
+COMPILE_TIMES_S = {"space": 40, "shapes": 6}
 """Time that the kernels of a folder of the package take to compile on an idle core, s: those of the
 model in space, or of crossings of triangles. Others take a second or two."""
 
@@ -78,17 +78,17 @@ _announced: set[str] = set()
 
 
 @contextlib.contextmanager
-def unannounced() -> Iterator[None]:
+def suppress_compile_notice() -> Iterator[None]:
     """Guard in which nothing is said of kernels that are compiled."""
     before = set(_announced)
-    _announced.update(COMPILING_S)
+    _announced.update(COMPILE_TIMES_S)
     try:
         yield
     finally:
         _announced.intersection_update(before)
 
 
-def announce(place: Path) -> None:
+def announce_compilation(place: Path) -> None:
     """Say once that kernels are compiled whose entries would lie in a folder of numba's cache.
 
     Processes of a pool leave it to the one that made them.
@@ -96,17 +96,17 @@ def announce(place: Path) -> None:
     from multiprocessing import parent_process
 
     name = place.name.rpartition("_")[0]  # numba's name of a package's folder, and a hash of it
-    if name in _announced or name not in COMPILING_S or parent_process():
+    if name in _announced or name not in COMPILE_TIMES_S or parent_process():
         return
     _announced.add(name)
     print(
-        f"compiling kernels ({name}), once, about {COMPILING_S[name]} s of a core: none of this version are kept",
+        f"compiling kernels ({name}), once, about {COMPILE_TIMES_S[name]} s of a core: none of this version are kept",
         file=sys.stderr,
         flush=True,
     )
 
 
-def checked_files(plain: Any) -> Any:
+def add_checksums(plain: Any) -> Any:
     """Class of numba's cache files that end in a sum of what they hold, made of its own, `plain`.
 
     An entry that does not fit its sum, or cannot be read, counts as absent: it is compiled anew,
@@ -118,7 +118,7 @@ def checked_files(plain: Any) -> Any:
         def load(self, key: Any) -> Any:
             entry = super().load(key)
             if entry is None:
-                announce(Path(self._cache_path))
+                announce_compilation(Path(self._cache_path))
             return entry
 
         def save(self, key: Any, data: Any) -> None:
@@ -127,12 +127,12 @@ def checked_files(plain: Any) -> Any:
 
         def _load_index(self) -> Any:
             try:
-                return super()._load_index() if _whole(Path(self._index_path)) else {}
+                return super()._load_index() if _is_intact(Path(self._index_path)) else {}
             except Exception:  # what is no pickle raises anything
                 return {}
 
         def _load_data(self, name: str) -> Any:
-            if _whole(Path(self._data_path(name))):
+            if _is_intact(Path(self._data_path(name))):
                 try:
                     return super()._load_data(name)
                 except Exception:
@@ -147,12 +147,12 @@ def checked_files(plain: Any) -> Any:
                 shutil.rmtree(filepath)
             with super()._open_for_write(filepath) as stream:
                 data = text.getvalue()
-                stream.write(data + MARK + hashlib.sha256(data).digest())
+                stream.write(data + CHECKSUM_MARK + hashlib.sha256(data).digest())
 
     return Checked
 
 
-def _whole(path: Path) -> bool:
+def _is_intact(path: Path) -> bool:
     """Return whether a path is a regular file that matches the checksum at its end, or has none."""
     try:
         if not stat.S_ISREG(path.stat().st_mode):
@@ -160,31 +160,31 @@ def _whole(path: Path) -> bool:
         data = path.read_bytes()
     except OSError:
         return False
-    text, mark, digest = data[:-TAIL], data[-TAIL:-SUM], data[-SUM:]
-    return mark != MARK or hashlib.sha256(text).digest() == digest
+    text, mark, digest = data[:-TRAILER_BYTES], data[-TRAILER_BYTES:-CHECKSUM_BYTES], data[-CHECKSUM_BYTES:]
+    return mark != CHECKSUM_MARK or hashlib.sha256(text).digest() == digest
 
 
-def _check_kernels(place: Path) -> None:
+def _configure_numba_cache(place: Path) -> None:
     """Import numba with its cache at `place`, where it reads whole entries only."""
     os.environ["NUMBA_CACHE_DIR"] = str(place)
     from numba.core import caching
 
-    caching.IndexDataCacheFile = checked_files(caching.IndexDataCacheFile)
+    caching.IndexDataCacheFile = add_checksums(caching.IndexDataCacheFile)
 
 
-def versioned(name: str, version: str) -> Path:
+def prepare_version_folder(name: str, version: str) -> Path:
     """Writable folder for one version of what is kept; those long unused are removed."""
     found = folder(f"{name}-{version}")
     try:
         os.utime(found)  # in use
-        oldest = time.time() - FORGOTTEN_DAYS * 86400
+        oldest = time.time() - MAX_UNUSED_DAYS * 86400
         for other in found.parent.glob(f"{name}-*"):
             if other.stat().st_mtime < oldest:
                 shutil.rmtree(other, ignore_errors=True)
     except OSError:
         pass  # another process has removed it, or the clock cannot be set: nothing depends on it
-    if name == KERNELS and "numba" not in sys.modules:
-        _check_kernels(found)
+    if name == KERNEL_FOLDER and "numba" not in sys.modules:
+        _configure_numba_cache(found)
     return found
 
 

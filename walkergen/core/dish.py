@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from walkergen.core.errors import InputError
 
-FORMS = {
+SIZE_SYNTAX = {
     "disc": ("disc:DIAMETER", 1),
     "ring": ("ring:OUTER,INNER", 2),
     "rectangle": ("rectangle:LENGTHxWIDTH", 2),
@@ -17,7 +17,7 @@ FORMS = {
 }
 """Kinds of dishes: how people write them, mm, and how many sizes they have."""
 
-SMALLEST, LARGEST = 1.0, 1e5
+MIN_SIZE_MM, MAX_SIZE_MM = 1.0, 1e5
 """Limits of the sizes of a dish, mm."""
 
 EXAMPLES = "disc:120, ring:160,60, rectangle:200x100 or periodic:150"
@@ -58,17 +58,17 @@ class Dish(NamedTuple):
         return f"{self.kind}:{mark.join(f'{size:g}' for size in self.sizes)}"
 
 
-OPEN = Dish("periodic", (LARGEST,))
+OPEN_GROUND = Dish("periodic", (MAX_SIZE_MM,))
 """Ground without walls."""
 
 
-def parse(text: str, source: str = "‹arena›") -> Dish:
+def parse_dish(text: str, source: str = "‹arena›") -> Dish:
     """Dish from a person's words, as in "disc:120". Raises InputError, beginning with `source`."""
     kind, _, rest = text.partition(":")
     said = f"{source} = {text[:80]!r}"
-    if kind not in FORMS:
+    if kind not in SIZE_SYNTAX:
         raise InputError(f"{said}: must be one of {EXAMPLES}, mm")
-    form, count = FORMS[kind]
+    form, count = SIZE_SYNTAX[kind]
     words = re.split(r"[,x]", rest)
     try:
         sizes = tuple(float(word) for word in words)
@@ -76,8 +76,8 @@ def parse(text: str, source: str = "‹arena›") -> Dish:
         sizes = ()
     if len(sizes) != count:
         raise InputError(f"{said}: must be {form}, mm, as in {EXAMPLES}")
-    if not all(SMALLEST <= size <= LARGEST for size in sizes):
-        raise InputError(f"{said}: its sizes must lie between {SMALLEST:g} and {LARGEST:g} mm")
+    if not all(MIN_SIZE_MM <= size <= MAX_SIZE_MM for size in sizes):
+        raise InputError(f"{said}: its sizes must lie between {MIN_SIZE_MM:g} and {MAX_SIZE_MM:g} mm")
     if kind == "ring" and not sizes[1] < sizes[0]:
         raise InputError(f"{said}: the inner diameter must be below the outer one; exchange them")
     return Dish(kind, sizes)

@@ -17,30 +17,30 @@ from walkergen.core.files.config import Section
 GRAVITY = 9806.65
 """Standard gravity, mm/s^2."""
 
-AGREEMENT = 5e-3
+RELATIVE_TOLERANCE = 5e-3
 """Relative tolerance between redundant drive numbers: people write them to three digits."""
 
-LARGEST_DRIVE = 1e12
+MAX_DERIVED_NUMBER = 1e12
 """Limit of the numbers of a drive that follow from others, each in its unit."""
 
 Positive = Annotated[float, Field(ge=1e-6, le=1e9)]
 
 
-MOTOR_HZ = (1.0, 1000.0)
+MOTOR_FREQUENCY_RANGE_HZ = (1.0, 1000.0)
 """Frequencies (Hz) of motors: small ones turn at 50 to 300 Hz; steps in space resolve 1000."""
 
 AXES = {"along": (1.0, 0.0, 0.0), "across": (0.0, -1.0, 0.0), "up": (0.0, 0.0, 1.0)}
 """Axes about which a rotor turns by the right hand, as components along, across (to the right) and
 up: across its top moves forward, up it turns counter-clockwise seen from above."""
 
-FOUR = ("frequency_hz", "amplitude_um", "peak_speed_mm_s", "gamma")
+VIBRATION_KEYS = ("frequency_hz", "amplitude_um", "peak_speed_mm_s", "gamma")
 """Keys of a plate's vibration, of which any two determine it."""
 
-OF_PLATE = (*FOUR[1:], "second_harmonic_ratio", "second_harmonic_phase_deg")
-OF_MOTOR = ("eccentric_g_mm", "eccentric_sd_g_mm", "frequency_sd_hz", "axis")
+PLATE_KEYS = (*VIBRATION_KEYS[1:], "second_harmonic_ratio", "second_harmonic_phase_deg")
+MOTOR_KEYS = ("eccentric_g_mm", "eccentric_sd_g_mm", "frequency_sd_hz", "axis")
 """Keys that only one kind of drive has."""
 
-RATING = "write eccentric_g_mm = 248.4 rated_g on_mass_g / rated_hz^2 in its place"
+RATING_HINT = "write eccentric_g_mm = 248.4 rated_g on_mass_g / rated_hz^2 in its place"
 
 Component = Annotated[float, Field(ge=-1e3, le=1e3)]
 
@@ -55,7 +55,7 @@ class Drive(Section):
     """
 
     gone: ClassVar[Mapping[str, str]] = {
-        **dict.fromkeys(("rated_g", "on_mass_g", "rated_hz"), RATING),
+        **dict.fromkeys(("rated_g", "on_mass_g", "rated_hz"), RATING_HINT),
         "reversed": "leave it out for false; for true give axis by its components, as [0, 1, 0] for across",
     }
 
@@ -84,8 +84,8 @@ class Drive(Section):
     design's motor."""
 
     @model_validator(mode="after")
-    def _determined(self) -> "Drive":
-        others = OF_MOTOR if self.kind == "plate" else OF_PLATE
+    def _check_keys(self) -> "Drive":
+        others = MOTOR_KEYS if self.kind == "plate" else PLATE_KEYS
         for key in others:
             value = getattr(self, key)
             if value != type(self).model_fields[key].default:
@@ -97,10 +97,10 @@ class Drive(Section):
                         else "plate, which a motor's is not: leave it out, or take a shaken plate: ‹scene=›lane-90hz"
                     )
                 )
-        return self._plate() if self.kind == "plate" else self._motor()
+        return self._check_plate() if self.kind == "plate" else self._check_motor()
 
-    def _motor(self) -> "Drive":
-        low, high = MOTOR_HZ
+    def _check_motor(self) -> "Drive":
+        low, high = MOTOR_FREQUENCY_RANGE_HZ
         words = "none" if self.frequency_hz is None else f"{self.frequency_hz:g}"
         if self.frequency_hz is None or not low <= self.frequency_hz <= high:
             raise ValueError(
@@ -112,8 +112,8 @@ class Drive(Section):
             raise ValueError("axis = [0, 0, 0] has no direction: give 'across' or three numbers")
         return self
 
-    def _plate(self) -> "Drive":
-        numbers = self.model_dump(include=set(FOUR), exclude_none=True)
+    def _check_plate(self) -> "Drive":
+        numbers = self.model_dump(include=set(VIBRATION_KEYS), exclude_none=True)
         if len(numbers) < 2:
             raise ValueError(
                 "give any two of frequency_hz, amplitude_um, peak_speed_mm_s, gamma; "
@@ -126,18 +126,18 @@ class Drive(Section):
             "gamma": self.peak_gamma,
         }
         for key, value in numbers.items():
-            if not math.isclose(value, implied[key], rel_tol=AGREEMENT):
+            if not math.isclose(value, implied[key], rel_tol=RELATIVE_TOLERANCE):
                 first, second = list(numbers)[:2]
                 raise ValueError(
                     f"{key} = {value:g} contradicts {first} and {second}, which give "
                     f"{implied[key]:.5g}; remove one of them"
                 )
         for key, value in implied.items():
-            if not value <= LARGEST_DRIVE:
-                raise ValueError(f"{' and '.join(numbers)} give {key} = {value:.3g}: must be <= {LARGEST_DRIVE:g}")
+            if not value <= MAX_DERIVED_NUMBER:
+                raise ValueError(f"{' and '.join(numbers)} give {key} = {value:.3g}: must be <= {MAX_DERIVED_NUMBER:g}")
         return self
 
-    def push(self, mass: float) -> float:
+    def push_ratio(self, mass: float) -> float:
         """Largest push of a motor over the weight of a walker of this mass, g."""
         return self.eccentric * self.omega**2 / (mass * GRAVITY)
 
@@ -189,7 +189,7 @@ class Drive(Section):
         """Eccentric moment of a motor's rotor, g mm; 0 of a plate."""
         return self.eccentric_g_mm or 0.0
 
-    def direction(self, own: str) -> tuple[float, float, float]:
+    def axis_vector(self, own: str) -> tuple[float, float, float]:
         """Return the unit vector (along, across to the right, up) of a rotor's axis, by the right-hand rule.
 
         `own` is the axis of the motor that the design carries.
@@ -199,7 +199,7 @@ class Drive(Section):
         size = math.hypot(x, y, z)
         return x / size, y / size, z / size
 
-    def beneath(self, mass: float) -> "Drive":
+    def equivalent_plate_drive(self, mass: float) -> "Drive":
         """Return the drive of a plate that would move under a walker of this mass (g) as its motor moves it.
 
         The drive of a plate is returned unchanged.
@@ -216,37 +216,37 @@ class Drive(Section):
         axis = f", axis {self.axis}" if self.axis else ""
         return f"motor, {self.frequency:g} Hz, {self.eccentric:.3g} g mm{axis}"
 
-    def set_anew(self, data: dict[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
+    def drop_contradicted_keys(self, data: dict[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
         """Return this drive's data after some keys were set, without those that contradict them.
 
         Setting one of a plate's four numbers keeps the frequency. Setting the frequency keeps the peak acceleration. A
         motor keeps its moment at another frequency.
         """
         if data.get("kind", "plate") == "motor":
-            return self._motor_anew(data, keys)
+            return self._drop_plate_keys(data, keys)
         if self.kind == "motor":
-            data = {k: v for k, v in data.items() if k not in OF_MOTOR or k in keys}
-        numbers = [key for key in FOUR if key in keys]
+            data = {k: v for k, v in data.items() if k not in MOTOR_KEYS or k in keys}
+        numbers = [key for key in VIBRATION_KEYS if key in keys]
         if numbers:
-            data = {k: v for k, v in data.items() if k not in FOUR or k in numbers}
+            data = {k: v for k, v in data.items() if k not in VIBRATION_KEYS or k in numbers}
             if numbers == ["frequency_hz"] and self.kind == "plate":
                 data["gamma"] = self.gamma or self.peak_gamma
             elif len(numbers) == 1:
                 data["frequency_hz"] = self.frequency_hz or self.frequency
         return data
 
-    def _motor_anew(self, data: dict[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
+    def _drop_plate_keys(self, data: dict[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
         if self.kind == "plate":
-            data = {k: v for k, v in data.items() if k not in OF_PLATE or k in keys}
+            data = {k: v for k, v in data.items() if k not in PLATE_KEYS or k in keys}
             return {"frequency_hz": self.frequency} | data
         return data
 
 
-AT_REST = 1e-30
+REST_GAMMA = 1e-30
 """Peak acceleration over g of a plate at rest: its amplitude vanishes in the rounding of heights.
 """
 
 
-def at_rest(frequency_hz: float) -> Drive:
+def still_plate_drive(frequency_hz: float) -> Drive:
     """Drive of a plate at rest; not validated, since no person may write so small a number."""
-    return Drive.model_construct(frequency_hz=frequency_hz, gamma=AT_REST)
+    return Drive.model_construct(frequency_hz=frequency_hz, gamma=REST_GAMMA)

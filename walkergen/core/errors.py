@@ -21,23 +21,23 @@ from typing import Any, NamedTuple, Self
 
 Spelling = Callable[[str], str]
 
-FIELD = re.compile(r"‹([a-z][a-z_]*)((?:=(?:False)?)?)›")
-SOURCE = "‹command line›"
+FIELD_PATTERN = re.compile(r"‹([a-z][a-z_]*)((?:=(?:False)?)?)›")
+COMMAND_LINE_SOURCE = "‹command line›"
 """Source of keys that a request sets, in errors about their values; Python has no word for it."""
 
 
-def for_python(text: str) -> str:
+def spell_for_python(text: str) -> str:
     """Return a text whose fields are Python's arguments."""
-    return FIELD.sub(r"\1\2", text.replace(f"{SOURCE}: ", ""))
+    return FIELD_PATTERN.sub(r"\1\2", text.replace(f"{COMMAND_LINE_SOURCE}: ", ""))
 
 
-DOORS: list[Spelling] = [for_python]
+SPELLINGS: list[Spelling] = [spell_for_python]
 """Spellings of the doors that are open; the last one is used."""
 
 
 def spell(text: str) -> str:
     """Return a text with its fields as the user of this process writes them: in Python, unless a command runs."""
-    return DOORS[-1](text) if "‹" in text else text
+    return SPELLINGS[-1](text) if "‹" in text else text
 
 
 def spell_all(data: Any) -> Any:
@@ -61,11 +61,11 @@ class Remedy(NamedTuple):
 
     def __str__(self) -> str:
         """Describe what the remedy does, and how to write it on a command line."""
-        keys = [f"{key} = {_written(value)}" for key, value in self.values.items() if value is not None]
+        keys = [f"{key} = {_format_value(value)}" for key, value in self.values.items() if value is not None]
         return ", ".join([self.words, *filter(None, [" and ".join(keys)])])
 
 
-def _written(value: bool | float | str) -> str:
+def _format_value(value: bool | float | str) -> str:
     return str(value).lower() if isinstance(value, bool) else f"{value:g}" if isinstance(value, float) else value
 
 
@@ -88,16 +88,16 @@ class WalkergenError(Exception):
 
 
 @contextmanager
-def spelled_by(spelling: Spelling) -> Iterator[None]:
+def use_spelling(spelling: Spelling) -> Iterator[None]:
     """Spell fields in another way while a block runs, in all threads, and in errors that leave it."""
-    DOORS.append(spelling)
+    SPELLINGS.append(spelling)
     try:
         yield
     except WalkergenError as error:
         error.spelling = spelling
         raise
     finally:
-        DOORS.remove(spelling)
+        SPELLINGS.remove(spelling)
 
 
 class InputError(WalkergenError):
@@ -117,7 +117,7 @@ class InputError(WalkergenError):
         """What would help, with which the text ends; a page has a button for each."""
         return tuple(self.helps())
 
-    def found_out(self) -> Self:
+    def resolve_remedies(self) -> Self:
         """Find the remedies now, and return the error in a form that another process can receive."""
         self.helps = partial(tuple, self.remedies)
         return self

@@ -11,21 +11,21 @@ import time
 from collections.abc import Mapping, Sequence
 from typing import Any, Generic, NamedTuple, Protocol, Self, TypeVar
 
-from walkergen.core.files.progress import Progress, silent, stretch
+from walkergen.core.files.progress import Progress, range_progress, silent
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.simulation import batch
 from walkergen.core.simulation.batch import OneRun
 from walkergen.core.tolerance import Tolerance
 
-FIRST_RUNS, MOST_RUNS = 8, 512
+FIRST_RUNS, MAX_RUNS = 8, 512
 """Numbers of runs with which an experiment that shall meet an error begins, and ends."""
 
-LEAST_MORE, MOST_MORE = 1.1, 1.5
+MIN_RUN_FACTOR, MAX_RUN_FACTOR = 1.1, 1.5
 """Factors by which runs are added, at least and at most, whatever the scatter of those made seems to need: it is known
 the better the more there are. Of normal runs, 5 to 9 % more are so made than the fewest that meet the error, whose
 bounds still hold 95 % (with 1.2 times what seems needed, and at least half as many again, 27 to 69 %)."""
 
-BIAS_PART = 0.7
+MAX_BIAS_SHARE = 0.7
 """Part of the error that a bias may take up, else the experiment is refined: what a bias that falls with the square of
 a step leaves for the scatter is then worth twice as many steps."""
 
@@ -71,7 +71,7 @@ class Measured(NamedTuple, Generic[AnExperiment]):
         """What the runs say, by the names of columns."""
         return {quantity.column: quantity for quantity in self.experiment.quantities(self.records)}
 
-    def more(self, runs: int) -> "Measured[AnExperiment]":
+    def with_runs(self, runs: int) -> "Measured[AnExperiment]":
         """Return the measurement with a request for `runs` in all."""
         return self._replace(runs=runs)
 
@@ -106,7 +106,7 @@ class Budget(NamedTuple):
     def further(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
         """Up to twice the runs, as many as there is time for."""
         affordable = int(self.seconds * measured.runs / max(measured.wall_s, 1e-9))
-        return None if affordable <= measured.runs else measured.more(min(2 * measured.runs, affordable))
+        return None if affordable <= measured.runs else measured.with_runs(min(2 * measured.runs, affordable))
 
 
 class Error(NamedTuple):
@@ -118,9 +118,9 @@ class Error(NamedTuple):
     floor: float = 0.0
     """Value of which a share counts where the quantity is smaller."""
     first: int = FIRST_RUNS
-    most: int = MOST_RUNS
+    most: int = MAX_RUNS
 
-    def allowed(self, value: float | None) -> float:
+    def max_error(self, value: float | None) -> float:
         """Error that the quantity may have, in its unit."""
         wanted, relative = self.tolerance
         return wanted * max(abs(value or 0.0), self.floor) if relative else wanted
@@ -128,24 +128,24 @@ class Error(NamedTuple):
     def further(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
         """More runs, or a finer experiment where its bias takes up more of the error than runs could make good."""
         quantity = measured.quantities[self.of]
-        error, allowed, bias = quantity.half_width(), self.allowed(quantity.value), quantity.bias
+        error, allowed, bias = quantity.half_width(), self.max_error(quantity.value), quantity.bias
         if error <= allowed or quantity.value is None or quantity.freedom == 0.0 or math.isinf(bias):
             return None
-        if bias > BIAS_PART * allowed:
-            finer = self.fine(measured)
+        if bias > MAX_BIAS_SHARE * allowed:
+            finer = self.select_resolution(measured)
             return None if finer is measured.experiment else Measured(finer, [], self.first, 0.0)
         if measured.runs >= self.most:
             return None
         short = (error**2 - bias**2) / (allowed**2 - bias**2)
-        more = math.ceil(measured.runs * min(max(short, LEAST_MORE), MOST_MORE))
-        return measured.more(min(self.most, more))
+        more = math.ceil(measured.runs * min(max(short, MIN_RUN_FACTOR), MAX_RUN_FACTOR))
+        return measured.with_runs(min(self.most, more))
 
-    def fine(self, measured: Measured[AnExperiment]) -> AnExperiment:
+    def select_resolution(self, measured: Measured[AnExperiment]) -> AnExperiment:
         """Experiment whose bias leaves room for the scatter, as the runs already made tell; else the finest."""
         experiment = measured.experiment
         while (finer := experiment.finer()) is not None:
             quantity = measured._replace(experiment=experiment).quantities[self.of]
-            if quantity.bias <= BIAS_PART * self.allowed(quantity.value):
+            if quantity.bias <= MAX_BIAS_SHARE * self.max_error(quantity.value):
                 break
             experiment = finer
         return experiment
@@ -168,8 +168,8 @@ def measure(
         started = time.perf_counter()
         try:
             done = len(measured.records)
-            tell = stretch(progress, done / measured.runs, 1.0)
-            fresh = batch.run(one, range(done, measured.runs), tell, threads)
+            tell = range_progress(progress, done / measured.runs, 1.0)
+            fresh = batch.run_parallel(one, range(done, measured.runs), tell, threads)
         except KeyboardInterrupt:
             if not measured.records:
                 raise

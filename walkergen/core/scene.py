@@ -5,18 +5,18 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple,
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from walkergen.core.drive import AT_REST as AT_REST
 from walkergen.core.drive import GRAVITY as GRAVITY
+from walkergen.core.drive import REST_GAMMA as REST_GAMMA
 from walkergen.core.drive import Drive as Drive
-from walkergen.core.drive import at_rest as at_rest
+from walkergen.core.drive import still_plate_drive as still_plate_drive
 from walkergen.core.errors import InputError
-from walkergen.core.files.assignments import changed
+from walkergen.core.files.assignments import replace_values
 from walkergen.core.files.config import Fraction, Friction, Name, Section
 
 if TYPE_CHECKING:
     from walkergen.core.dish import Dish
 
-LEAST_RESTITUTION = 0.02
+MIN_RESTITUTION = 0.02
 """Least restitution of elastic feet and walls, whose dampers need a damping ratio of 3.5 for it."""
 
 
@@ -64,7 +64,7 @@ class Contact(Section):
     """Standard deviation of the friction, for bounds."""
 
     @model_validator(mode="after")
-    def _supplied(self) -> "Contact":
+    def _fill_from_prior(self) -> "Contact":
         """Supply the prior's numbers, which remain "not given": another prior replaces them."""
         numbers = PRIORS[self.prior]._asdict()
         del numbers["words"], numbers["tip_radius_sd_factor"]
@@ -146,7 +146,7 @@ class Plate(Section):
     """Direction in which it is so far ahead, from x to the left."""
 
     @model_validator(mode="after")
-    def _band(self) -> "Plate":
+    def _check_noise_band(self) -> "Plate":
         low, high = self.noise_band_hz
         if not low < high:
             raise ValueError(f"noise_band_hz = [{low:g}, {high:g}]: the first must lie below the second: exchange them")
@@ -180,11 +180,11 @@ class Arena(Section):
     """Height over the plate of a lid that rides on it, mm, which touches bodies as walls do. None: open."""
     wall_friction: Friction = 0.25
     """Friction of the body on walls and lid."""
-    wall_restitution: Annotated[float, Field(ge=LEAST_RESTITUTION, le=1)] = 0.5
+    wall_restitution: Annotated[float, Field(ge=MIN_RESTITUTION, le=1)] = 0.5
     """Restitution of the body on walls and lid."""
 
     @model_validator(mode="after")
-    def _consistent(self) -> "Arena":
+    def _check_size_keys(self) -> "Arena":
         wrong = "width_mm" if self.kind == "lane" else "gap_mm"
         if getattr(self, wrong) is not None:
             raise ValueError(
@@ -205,20 +205,20 @@ class Crowd(Section):
     """Area of their outlines over that of the dish."""
     arena_mm: str = "disc:120"
     """The dish: disc:DIAMETER, ring:OUTER,INNER, rectangle:LENGTHxWIDTH or periodic:SIDE, mm."""
-    restitution: Annotated[float, Field(ge=LEAST_RESTITUTION, le=1)] = 0.5
+    restitution: Annotated[float, Field(ge=MIN_RESTITUTION, le=1)] = 0.5
     """Restitution of body on body; that of the walls is the arena's."""
     friction: Friction = 0.3
     """Friction of body on body; that of the walls is the arena's."""
 
     @model_validator(mode="after")
-    def _consistent(self) -> "Crowd":
+    def _check_count_and_dish(self) -> "Crowd":
         if self.count is not None and self.packing is not None:
             raise ValueError("count and packing each say how many: keep one of them")
         if "arena_mm" in self.model_fields_set:
             from walkergen.core import dish
 
             try:
-                dish.parse(self.arena_mm, "arena_mm")
+                dish.parse_dish(self.arena_mm, "arena_mm")
             except InputError as error:
                 raise ValueError(str(error)) from None
         return self
@@ -228,7 +228,7 @@ class Crowd(Section):
         """The ground, parsed."""
         from walkergen.core import dish
 
-        return dish.parse(self.arena_mm, "crowd.arena_mm")
+        return dish.parse_dish(self.arena_mm, "crowd.arena_mm")
 
 
 class LegModel(Section):
@@ -269,7 +269,7 @@ class Feet(Section):
     """Standard deviation of `unevenness_um` itself, of whose draws the magnitude counts."""
 
 
-def _headings(value: Any) -> Any:
+def _parse_headings(value: Any) -> Any:
     """Headings as a tuple, also a single one, or "uniform". Raises ValueError for anything else."""
     listed = value if isinstance(value, (list, tuple)) else (value,)
     fine = all(
@@ -298,7 +298,7 @@ class Run(Section):
     """Number of runs, each from its own drop and phase."""
     seed: Annotated[int, Field(ge=0, le=2**63)] = 1
     """Seed of all random numbers."""
-    heading_deg: Annotated[tuple[float, ...] | Literal["uniform"], BeforeValidator(_headings)] = (0.0,)
+    heading_deg: Annotated[tuple[float, ...] | Literal["uniform"], BeforeValidator(_parse_headings)] = (0.0,)
     """Headings at which runs start, from x to the left, which they take in turn; "uniform": any, drawn evenly."""
     step_us: Annotated[float, Field(ge=0.01, le=1000)] | None = None
     """Time step, us, while a foot is in contact. None: the one that resolves the feet."""
@@ -328,7 +328,7 @@ EffectName = Literal[
 """Effects that a scene may force on or off."""
 
 
-def forcing(name: str, on: bool) -> str:
+def forced_effect_line(name: str, on: bool) -> str:
     """Return the line of a scene that forces an effect on or off."""
     return f'effects.{"on" if on else "off"} = ["{name}"]'
 
@@ -337,7 +337,8 @@ class Effects(Section):
     """Effects that are forced on or off. The scene decides on all others."""
 
     gone: ClassVar[Mapping[str, str]] = {
-        name: f"write {forcing(name, False)} for false, {forcing(name, True)} for true" for name in get_args(EffectName)
+        name: f"write {forced_effect_line(name, False)} for false, {forced_effect_line(name, True)} for true"
+        for name in get_args(EffectName)
     }
 
     on: list[EffectName] = Field(default=[])
@@ -351,7 +352,7 @@ class Effects(Section):
             raise ValueError(f"{', '.join(both)}: in effects.on and in effects.off; remove it from one of them")
         return self
 
-    def forced(self, name: str) -> bool | None:
+    def forced_state(self, name: str) -> bool | None:
         """Return True for an effect that is forced on, False for one forced off, else None."""
         return True if name in self.on else False if name in self.off else None
 
@@ -378,7 +379,7 @@ class Prediction(Section):
     order"); 0.45 gives the paper's 60 mm/s at 10 degrees with the restitution that it measured."""
 
 
-SHAPES: Mapping[str, tuple[str, ...]] = {
+DEPENDENT_KEYS: Mapping[str, tuple[str, ...]] = {
     "drive.second_harmonic_ratio": ("drive.second_harmonic_phase_deg",),
     "plate.noise_ratio": ("plate.noise_band_hz",),
     "plate.roughness_um": ("plate.roughness_length_mm",),
@@ -412,7 +413,7 @@ class Scene(Section):
         """Return data of this scene after values were set, without keys of the drive that they exclude."""
         keys = {key.removeprefix("drive."): values[key] for key in values if key.startswith("drive.")}
         if keys and isinstance(data.get("drive"), dict):
-            data["drive"] = self.drive.set_anew(data["drive"], keys)
+            data["drive"] = self.drive.drop_contradicted_keys(data["drive"], keys)
         return data
 
     def variant(self, **keys: Any) -> "Scene":
@@ -421,7 +422,7 @@ class Scene(Section):
         Everything is validated together, as the file's lines are, unlike by pydantic's
         `model_copy`. Raises InputError, a line for every mistake.
         """
-        return changed(self, keys, self.name)
+        return replace_values(self, keys, self.name)
 
     def value(self, key: str) -> Any:
         """Value of a dotted key of its file."""

@@ -20,10 +20,10 @@ class Tolerance(NamedTuple):
         return f"{100 * self.value:g} %" if self.relative else f"{self.value:g} mm/s"
 
 
-def parse(text: str) -> Tolerance:
+def parse_tolerance(text: str) -> Tolerance:
     """Parse "5%" or "3mm/s". Raises InputError."""
     unit = next((unit for unit in UNITS if text.rstrip(" ").endswith(unit)), "")
-    value = words.value(text.rstrip(" ").removesuffix(unit))
+    value = words.parse_number(text.rstrip(" ").removesuffix(unit))
     if not unit or value is None or value <= 0.0:
         raise InputError(f"‹error=›{text[:30]!r}: write a positive share or speed, 5% or 3mm/s")
     relative = unit == "%"

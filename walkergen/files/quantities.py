@@ -30,15 +30,15 @@ def format_value(number: Quantity, unit: str = "") -> str:
     if number.value is None:
         return number.refused
     if number.se is not None:
-        return f"{words.with_error(number.value, number.se)} {unit}".rstrip()
+        return f"{words.format_with_error(number.value, number.se)} {unit}".rstrip()
     reason = f": {number.refused}" if number.refused else ""
-    return f"{words.number(number.value)} ± ? {unit}".rstrip() + reason
+    return f"{words.format_number(number.value)} ± ? {unit}".rstrip() + reason
 
 
 def format_bounds(number: Quantity) -> str:
     """Format the bounds of 95 % to two digits of the error; nothing without any."""
     ends = number.interval()
-    return " to ".join(words.to_digits_of(number.se, ends)) if ends and number.se else ""
+    return " to ".join(words.format_to_error(number.se, ends)) if ends and number.se else ""
 
 
 def columns(number_of: Callable[[Any], Quantity]) -> tuple[Column, Column, Column, Column]:

@@ -11,7 +11,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from walkergen.core.errors import InputError, for_python, spell, spell_all
+from walkergen.core.errors import InputError, spell, spell_all, spell_for_python
 from walkergen.core.files import tables, words
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def number(heading: str, key: str, digits: int = 4, scale: float = 1.0, wide: bo
 
     def cell(row: Any) -> str:
         value = getattr(row, key)
-        return "" if value is None else words.number(scale * value, digits)
+        return "" if value is None else words.format_number(scale * value, digits)
 
     return Column(heading, cell, True, wide)
 
@@ -61,7 +61,7 @@ def fixed(heading: str, key: str, digits: int, wide: bool = False) -> Column:
 
     def cell(row: Any) -> str:
         value = getattr(row, key)
-        return "" if value is None else words.fixed(value, digits)
+        return "" if value is None else words.format_fixed(value, digits)
 
     return Column(heading, cell, True, wide)
 
@@ -71,14 +71,14 @@ def with_error(heading: str, key: str, se: str) -> Column:
 
     def cell(row: Any) -> str:
         value = getattr(row, key)
-        return "" if value is None else words.with_error(value, getattr(row, se) or 0.0)
+        return "" if value is None else words.format_with_error(value, getattr(row, se) or 0.0)
 
     return Column(heading, cell)
 
 
 def span(heading: str, low: str, high: str, digits: int = 4) -> Column:
     """Column of intervals."""
-    return Column(heading, lambda row: words.span(getattr(row, low), getattr(row, high), digits))
+    return Column(heading, lambda row: words.format_range(getattr(row, low), getattr(row, high), digits))
 
 
 def every(keys: Sequence[str], texts: Sequence[str] = ()) -> tuple[Column, ...]:
@@ -196,7 +196,7 @@ class Table:
         notes = [*self.below(markdown=True), *([f"and {more} more rows"] if more > 0 else [])]
         title = f"<caption>{escape(self.title)}</caption>" if self.title else ""
         table = f"<table>{title}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-        return for_python(table + "".join(f"<p>{escape(note)}</p>" for note in notes))
+        return spell_for_python(table + "".join(f"<p>{escape(note)}</p>" for note in notes))
 
 
 def table(name: str, rows: Sequence[Any], columns: Sequence[Column] = (), title: str = "") -> Table:
@@ -209,7 +209,7 @@ def rounded(value: Any) -> str:
     if value is None:
         return ""
     if isinstance(value, float):
-        return "" if math.isnan(value) else words.number(value, 4)
+        return "" if math.isnan(value) else words.format_number(value, 4)
     return str(value)
 
 
@@ -277,10 +277,10 @@ class Report:
         parts = [f"# {self.title}", f"{self.caption}." if self.caption else ""]
         for each in self.shown():
             parts += [f"## {each.title}" if each.title else ""]
-            parts += [tables.as_markdown(each.rich(markdown=True))]
+            parts += [tables.to_markdown(each.rich(markdown=True))]
             parts += ["\n".join(f"- {line}" for line in each.below(markdown=True))]
         parts += ["\n".join(f"- {line}" for line in self.lines)]
-        return for_python("\n\n".join(part for part in parts if part) + "\n")
+        return spell_for_python("\n\n".join(part for part in parts if part) + "\n")
 
     def write(self, folder: "Folder", pictures: bool) -> None:
         """Write a CSV file a table, the page, and the figures as PNG and PDF."""
@@ -320,12 +320,12 @@ class Report:
 
     def __repr__(self) -> str:
         lines = [self.title, *(line for one in self.tables for line in one.in_short()), *self._said()]
-        return for_python("\n".join(lines))
+        return spell_for_python("\n".join(lines))
 
     def _repr_html_(self) -> str:
         parts = [f"<p>{escape(self.title)}</p>", f"<p>{escape(self.caption)}</p>"]
         parts += [each._repr_html_() for each in self.shown()]
-        return for_python("".join([*parts, *(f"<p>{escape(line)}</p>" for line in self._said())]))
+        return spell_for_python("".join([*parts, *(f"<p>{escape(line)}</p>" for line in self._said())]))
 
     def _said(self) -> Iterator[str]:
         """Lines and warnings."""

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import tomli_w
 
 from walkergen.core.errors import InputError
-from walkergen.core.files.config import Model, Section, read
+from walkergen.core.files.config import Model, Section, read_section
 from walkergen.files import report
 from walkergen.files.report import Report
 
@@ -77,7 +77,7 @@ def load(name_or_path: str | Path, kind: str, model: type[Model], near: Path = P
 
     Raises InputError that lists the known kinds or names, or every mistake in the file.
     """
-    return read(path_of(name_or_path, kind, near), model)
+    return read_section(path_of(name_or_path, kind, near), model)
 
 
 def path_of(name_or_path: str | Path, kind: str, near: Path = Path()) -> Path:

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from walkergen.analysis.estimates import ALIGNED, UNITS
 from walkergen.core.errors import InputError
 from walkergen.core.printing import checks
-from walkergen.core.printing.findings import listed as in_order
+from walkergen.core.printing.findings import group_findings as in_order
 from walkergen.core.printing.printers import Printer
 from walkergen.core.simulation import observables
-from walkergen.core.simulation.ensemble import Summary, listed
+from walkergen.core.simulation.ensemble import Summary, format_outcomes
 from walkergen.core.simulation.run import ENDED_WELL, Outcome
 from walkergen.core.walker import solids, weights
 from walkergen.core.walker.mass import MassProperties
@@ -99,7 +99,7 @@ def cost(point: Point) -> float:
 def evaluate(point: Point) -> Record:
     """Numbers of a point. Raises WalkergenError for one that cannot be built, or simulated."""
     design, scene, keep = point.design, point.scene, point.keep
-    weights.check(design)
+    weights.check_stated_masses(design)
     mass = solids.mass_of(design)
     record = _simulated(point, mass) if point.simulated else went(Went.OK)
     if point.predicted:
@@ -124,8 +124,8 @@ def evaluate(point: Point) -> Record:
         }
     if "printability" in keep:
         assert point.printer is not None
-        lying = solids.as_printed(design, solids.build(design).walker)
-        findings = checks.of_part(design.name, design, lying, point.printer)
+        lying = solids.orient_for_print(design, solids.build(design).walker)
+        findings = checks.check_part(design.name, design, lying, point.printer)
         record |= {
             f"print_{level}s": sum(finding.level == level for finding in findings) for level in ("error", "warning")
         }
@@ -182,9 +182,9 @@ def _went(summary: Summary, met: Met | None) -> Record:
     fine = [outcome.value for outcome in (*ENDED_WELL, Outcome.TOO_FEW, Outcome.ORBIT)]
     bad = {name: count for name, count in summary.outcomes.items() if name not in fine}
     if summary.speed_mm_s is None:
-        return went(Went.NO_SPEED, f"{Went.NO_SPEED}: {listed(summary.outcomes)}")
+        return went(Went.NO_SPEED, f"{Went.NO_SPEED}: {format_outcomes(summary.outcomes)}")
     if bad:
-        return went(Went.RUNS_ENDED_BADLY, f"{Went.RUNS_ENDED_BADLY}: {listed(bad)}")
+        return went(Went.RUNS_ENDED_BADLY, f"{Went.RUNS_ENDED_BADLY}: {format_outcomes(bad)}")
     if Outcome.TOO_FEW.value in summary.outcomes:
         return went(Went.NOT_MET, "error unknown: too few data; take more runs, or longer ones")
     if Outcome.ORBIT.value in summary.outcomes:

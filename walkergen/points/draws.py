@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.core.errors import InputError
-from walkergen.core.files.progress import Progress, part
+from walkergen.core.files.progress import Progress, part_progress
 from walkergen.core.numerics import statistics
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import observables
@@ -100,13 +100,13 @@ def simulated(scene: Scene, design: Design, draws: int, progress: Progress) -> D
     Raises InputError when nothing is uncertain, and when fewer than FEWEST_DRAWS runs end well.
     """
     plan = prepare(scene, design, solids.mass_of(design))
-    inputs = uncertain.inputs(scene, design, uncertain.SPACE)
+    inputs = uncertain.inputs(scene, design, uncertain.SPACE_READER)
     if not inputs:
         raise InputError(
             "‹uncertain›: design and scene have no standard deviation above 0 that a simulation "
             "reads; set one, for instance contact.restitution_sd"
         )
-    values = uncertain.draws(inputs, draws, scene.run.seed)
+    values = uncertain.sample_inputs(inputs, draws, scene.run.seed)
     experiments_of = [_asked(scene, design, inputs, row, number) for number, row in enumerate(values)]
     points = _simulated(experiments_of, progress)
     good = np.array([point.results[0].outcome in ENDED_WELL for point in points])
@@ -139,7 +139,7 @@ def added(ends: Bounds, mean: float, parts: Bounds) -> Bounds:
 def _asked(scene: Scene, design: Design, inputs: Sequence[Input], row: Array, number: int) -> Walker:
     """Results of one draw: a single run whose drop and corner heights are its own."""
     names = [quantity.name for quantity in inputs]
-    changed, printed, mass = uncertain.applied(scene, design, dict(zip(names, row, strict=True)))
+    changed, printed, mass = uncertain.apply_inputs(scene, design, dict(zip(names, row, strict=True)))
     run = changed.run.model_copy(update={"runs": 1, "seed": (scene.run.seed + number) % 2**63})
     return Walker(changed.model_copy(update={"run": run}), printed, mass)
 
@@ -148,7 +148,7 @@ def _simulated(wanted: Sequence[Walker], progress: Progress) -> list[Results]:
     """Points of all draws; the first is simulated alone, since it compiles for all."""
     progress("kernels", 0, len(wanted))
     first = walkers.simulate(wanted[0])
-    others = walkers.at_once(wanted[1:], part(progress, 0, 1, f"{len(wanted)} prints"))
+    others = walkers.at_once(wanted[1:], part_progress(progress, 0, 1, f"{len(wanted)} prints"))
     if first.partial or len(others) < len(wanted) - 1:
         raise KeyboardInterrupt
     return [first, *others.values()]
@@ -175,7 +175,7 @@ def analyse(inputs: tuple[Input, ...], values: Array, halves: Array, outcomes: d
     rest = rest_se = 0.0
     if between > 0.0:
         explained, errors = _explained(inputs, values, speeds, between, seed)
-        shares = uncertain.listed(inputs, explained[:2], errors[:2])
+        shares = uncertain.sort_shares(inputs, explained[:2], errors[:2])
         rest, rest_se = 1.0 - float(explained[2, 0]), float(errors[2, 0])
     return Uncertain(
         len(speeds),
@@ -209,7 +209,7 @@ def bounds(speeds: Array, statistical: float) -> Bounds:
     mean, variance = speeds.mean(), float(speeds.var(ddof=1))
     share = min(statistical**2 / variance, MOST_TAKEN) if variance else 0.0
     drawn = mean + (speeds - mean) * math.sqrt(1.0 - share)
-    ends = statistics.quantiles_of_another(drawn, uncertain.QUANTILES)
+    ends = statistics.prediction_quantiles(drawn, uncertain.QUANTILES)
     low2, low1, high1, high2 = ends.tolist()
     return low2, low1, high1, high2
 
@@ -228,8 +228,8 @@ def _explained(inputs: Sequence[Input], values: Array, speeds: Array, between: f
         def mean(x: Array) -> Array:
             return fitted(x)[0]
 
-        parts = uncertain.indices(inputs, mean, np.random.default_rng(seed))
-        sample = uncertain.draws(inputs, uncertain.SHARE_POINTS, seed)
+        parts = uncertain.sobol_indices(inputs, mean, np.random.default_rng(seed))
+        sample = uncertain.sample_inputs(inputs, uncertain.SHARE_POINTS, seed)
         explained = float(mean(sample).var())
         part = min(explained / between**2, 1.0)
         return np.vstack([part * parts, np.full(len(inputs), part)])

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from walkergen.core.files import words
-from walkergen.core.files.progress import Expect, Expected, unheard
+from walkergen.core.files.progress import Expect, Expected, ignore_estimate
 from walkergen.core.measure import Error, Measured
 from walkergen.core.numerics import statistics
 from walkergen.core.simulation.batch import Stopped
@@ -61,7 +61,7 @@ def rate(plan: Plan) -> float:
     if SETTLING_S * by_steps > LONGEST_START_S:
         return by_steps
     compile_kernels(plan)
-    result = simulate(plan.lasting(seconds=LONGEST_S, discard_seconds=SETTLING_S), 0, moment())
+    result = simulate(plan.with_run_settings(seconds=LONGEST_S, discard_seconds=SETTLING_S), 0, moment())
     return result.cpu_s / (SETTLING_S + result.measured_s)
 
 
@@ -88,7 +88,7 @@ class Told(NamedTuple):
     """Runs until an error is met, of which somebody is told how long they will take once the first ones are made."""
 
     until: Error
-    expect: Expect = unheard
+    expect: Expect = ignore_estimate
 
     @property
     def first(self) -> int:
@@ -108,7 +108,7 @@ def to_error(until: Error, measured: Measured[Walker]) -> Expected:
     cheaper = until._replace(tolerance=next_cheaper(until.tolerance))
     hands, left = worker_pool.cores(), cost_of_error(until, measured)
     whole, other = (
-        words.duration((spent(measured) + cost) / hands) for cost in (left, cost_of_error(cheaper, measured))
+        words.format_duration((spent(measured) + cost) / hands) for cost in (left, cost_of_error(cheaper, measured))
     )
     return Expected(
         left / hands, "" if whole == other else f"{until.tolerance} {whole} in all, {cheaper.tolerance} {other}"
@@ -119,7 +119,7 @@ def cost_of_error(until: Error, measured: Measured[Walker]) -> float:
     """CPU seconds that an error takes after the first runs; none where these do."""
     if until.further(measured) is None:
         return 0.0
-    finer = until.fine(measured)
+    finer = until.select_resolution(measured)
     runs = _runs(until, measured, finer)
     if finer is measured.experiment:
         return spent(measured) * max(runs - measured.runs, 0) / measured.runs
@@ -136,7 +136,7 @@ def _runs(until: Error, measured: Measured[Walker], finer: Walker) -> int:
     quantity = measured._replace(experiment=finer).quantities[until.of]
     scatter = _scatter(measured, until.of, quantity.se or 0.0)
     for runs in range(until.first, until.most):
-        if quantity._replace(se=scatter / math.sqrt(runs), freedom=runs - 1.0).half_width() <= until.allowed(
+        if quantity._replace(se=scatter / math.sqrt(runs), freedom=runs - 1.0).half_width() <= until.max_error(
             quantity.value
         ):
             return runs

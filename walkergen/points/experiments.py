@@ -44,7 +44,7 @@ class Walker(NamedTuple):
     @property
     def shaken(self) -> Drive:
         """Drive of the plate, or of one that would move under the walker as its motor moves it."""
-        return self.scene.drive.beneath(float(self.mass.total))
+        return self.scene.drive.equivalent_plate_drive(float(self.mass.total))
 
     @property
     def key(self) -> str:
@@ -122,7 +122,7 @@ def facts(scene: Scene, design: Design) -> list[Any]:
             exclude={"name": True, "description": True, "family": True, "material": {"nozzle_deg_c", "bed_deg_c"}},
         ),
         __version__,
-        kernels.digest(),
+        kernels.source_digest(),
     ]
 
 

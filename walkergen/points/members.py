@@ -6,7 +6,7 @@ from itertools import chain
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from walkergen.core.files.progress import Progress, part, silent
+from walkergen.core.files.progress import Progress, part_progress, silent
 from walkergen.core.scene import Scene
 from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.theory.prediction import Prediction
@@ -80,7 +80,7 @@ def predicted(
     With masses from a balance every member also has its mesh's mass and speed. Raises InputError,
     before the first member, when the masses are impossible.
     """
-    named = [names.part(design) for design in designs]
+    named = [names.part_name(design) for design in designs]
     final = [_applied(design, parts, weighed, name) for name, design, parts in zip(named, designs, built, strict=True)]
     masses = [solids.weigh(design, parts) for design, parts in zip(final, built, strict=True)]
     first: Model = "theory" if model == "theory" else "known"
@@ -90,7 +90,7 @@ def predicted(
     told = zip(named, final, built, masses, rows, strict=True)
     for number, (name, design, parts, mass, row) in enumerate(told):
         if model == "best" and row.speed_by == "theory":
-            row = speeds.predict(design, mass, scene, mode, model, part(progress, number, len(final), name))
+            row = speeds.predict(design, mass, scene, mode, model, part_progress(progress, number, len(final), name))
         member = Member(design, name, parts.walker, mass, row)
         if weighed:
             member = member._replace(weighing=_weighing(member, parts, scene, mode, weighed, model))
@@ -103,10 +103,10 @@ def _applied(design: Design, parts: Solids, weighed: "Mapping[str, Weighings]", 
         return design
     from walkergen.core.walker import weights
 
-    design = weights.loaded(design, weighed)
+    design = weights.apply_carried_masses(design, weighed)
     if name not in weighed:
         return design
-    return weights.applied(design, parts, weighed[name], name)
+    return weights.apply_masses(design, parts, weighed[name], name)
 
 
 def _weighing(
@@ -115,7 +115,7 @@ def _weighing(
     """Mass of a member, and its mesh's with the speed that would go with it."""
     from walkergen.core.walker import weights
 
-    plain = weights.meshed(member.design)
+    plain = weights.without_weighed_masses(member.design)
     mesh = solids.weigh(plain, parts)
     means = weighed.get(member.name, weights.Weighings())
     return Weighing(

@@ -22,7 +22,7 @@ from walkergen.core.simulation.space.state import (
     PHASE,
     Q_0,
     Q_Z,
-    ROW,
+    ROW_LENGTH,
     SHOWN_X,
     SHOWN_Y,
     first_row,
@@ -80,20 +80,20 @@ class Poses(NamedTuple):
 
 def sample(plan: Plan, interval: float, number: int = 0) -> Poses:
     """Simulate one run of a plan in space; its poses every `interval` seconds, every landing."""
-    result = run.with_impacts(plan, number, sample_interval=interval)
-    world = run.dropped(plan, number)[0].world
+    result = run.simulate_with_impacts(plan, number, sample_interval=interval)
+    world = run.drop_for_run(plan, number)[0].world
     samples = result.tally.samples
     rows = samples.rows[: samples.cursor[0]]
     states = np.ascontiguousarray(rows[:, 1:])
     walker = world.walker
     points, plate = np.empty((len(rows), len(walker.leg), 4)), np.empty(len(rows))
     _points(world, states, points, plate)
-    first, modes = first_row(walker), slice(MODE, None, ROW)
+    first, modes = first_row(walker), slice(MODE, None, ROW_LENGTH)
     on_plate = np.flatnonzero(walker.place == 0.0)
     # A run that ended before its first pose has none
     first_x, first_z = states[:1, SHOWN_X].sum(), -states[:1, SHOWN_Y].sum()
     start = np.array([first_x, 0.0, first_z if plan.scene.arena.kind == "plane" else 0.0])
-    landings = run.impacts_of(result)
+    landings = run.recorded_impacts(result)
     landings = landings[np.isin(landings[:, 1], on_plate)]
     return Poses(
         times=rows[:, 0],
@@ -107,7 +107,7 @@ def sample(plan: Plan, interval: float, number: int = 0) -> Poses:
         phase=states[:, PHASE],
         landings=landings[np.argsort(landings[:, 0], kind="stable")],
         outcome=result.outcome,
-        legs=names.legs(plan.case.design),
+        legs=names.leg_names(plan.case.design),
     )
 
 

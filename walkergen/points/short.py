@@ -11,10 +11,10 @@ from collections.abc import Iterator
 from walkergen.core.drive import Drive
 from walkergen.core.errors import InputError
 from walkergen.core.files import words
-from walkergen.core.files.progress import Progress, part
+from walkergen.core.files.progress import Progress, part_progress
 from walkergen.core.measure import FIRST_RUNS
 from walkergen.core.scene import Scene
-from walkergen.core.simulation.effects.resolve import changed
+from walkergen.core.simulation.effects.resolve import replace_without_validation
 from walkergen.core.simulation.run import Outcome
 from walkergen.core.theory import prediction
 from walkergen.core.theory.prediction import Spread
@@ -71,9 +71,9 @@ def simulated(walker: Walker, progress: Progress) -> Record:
     Raises InputError for one whose steps are so many that it takes minutes.
     """
     _refuse_long(walker)
-    simple = simplest(_few(walker), part(progress, 0, 3, "what can be left out"))
+    simple = simplest(_few(walker), part_progress(progress, 0, 3, "what can be left out"))
     few = simple.walker
-    results = walkers.short(few, ERROR, MOST_RUNS, part(progress, 1, 3, "as designed"))
+    results = walkers.short(few, ERROR, MOST_RUNS, part_progress(progress, 1, 3, "as designed"))
     if results.partial:
         raise KeyboardInterrupt
     summary = results.summary
@@ -114,7 +114,10 @@ def _refuse_long(walker: Walker) -> None:
         return
     usual = [(_cpu_s(walker._replace(scene=scene)), key, value) for key, value, scene in _usual(walker.scene)]
     least_s, key, value = min(usual)
-    takes = f"a prediction by runs takes {words.duration(cpu_s)} of CPU time, {words.duration(MOST_CPU_S)} at most"
+    takes = (
+        f"a prediction by runs takes {words.format_duration(cpu_s)} of CPU time, "
+        f"{words.format_duration(MOST_CPU_S)} at most"
+    )
     anyway = "`simulate --seconds 0.1 --runs 2`"
     if least_s > 0.5 * cpu_s:
         raise InputError(f"{walker.design.name}: {takes}, so stiff, light or small are its parts: {anyway}")
@@ -123,14 +126,18 @@ def _refuse_long(walker: Walker) -> None:
 
 def _usual(scene: Scene) -> Iterator[tuple[str, float, Scene]]:
     """Keys that decide on a scene's steps, with their values, and the scene with a usual one."""
-    yield "drive.frequency_hz", scene.drive.frequency, changed(scene, {"drive": Drive(frequency_hz=90.0, gamma=1.8)})
+    yield (
+        "drive.frequency_hz",
+        scene.drive.frequency,
+        replace_without_validation(scene, {"drive": Drive(frequency_hz=90.0, gamma=1.8)}),
+    )
     for table in ("feet", "contact", "run"):
         section = getattr(scene, table)
         for own, field in type(section).model_fields.items():
             value = getattr(section, own)
             if isinstance(value, float) and value != field.default:
                 key = f"{table}.{own}"
-                yield key, value, changed(scene, {key: field.default})
+                yield key, value, replace_without_validation(scene, {key: field.default})
 
 
 def _light(walker: Walker) -> float:
@@ -144,7 +151,7 @@ def _of_prints(walker: Walker, progress: Progress) -> Record:
     run = walker.scene.run.model_copy(update={"seconds": seconds, "discard_seconds": PRINT_DISCARD_S})
     scene = walker.scene.model_copy(update={"run": run})
     try:
-        drawn = draws.simulated(scene, walker.design, PRINTS, part(progress, 1, 2, "as you will get it"))
+        drawn = draws.simulated(scene, walker.design, PRINTS, part_progress(progress, 1, 2, "as you will get it"))
     except InputError:
         return {}
     speeds = drawn.halves.mean(axis=1)
@@ -172,7 +179,7 @@ def spread(record: Record, scene: Scene) -> Spread | None:
         sd = math.hypot(float(record["sd"] or 0.0), left_out / NORMAL_95)
         low2, low1, high1, high2 = (float(record[name] or 0.0) for name in ENDS)
         ends = draws.widened((low2, low1, high1, high2), mean, left_out)
-    own = float(prediction.with_model_sd(mean, scene))
+    own = float(prediction.model_error_sd(mean, scene))
     ends = draws.added(ends, mean, (NORMAL_95 * own, own, own, NORMAL_95 * own))
     return Spread(nominal, (first, last), mean, math.hypot(sd, own), ends, "runs")
 

@@ -9,7 +9,7 @@ from walkergen.core.measure import FIRST_RUNS, Measured, measure
 from walkergen.core.numerics.quantity import Verdict
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.effects import rules
-from walkergen.core.simulation.effects.resolve import changed
+from walkergen.core.simulation.effects.resolve import replace_without_validation
 from walkergen.core.tolerance import Tolerance
 from walkergen.points import variants
 from walkergen.points.experiments import Walker
@@ -34,7 +34,7 @@ class Decided(NamedTuple):
         """Twice the pairs."""
         change = measured.experiment.changes(measured.records)[0].speed
         told = self.verdict(measured) is not Verdict.UNDECIDED or change.se is None
-        return None if told or measured.runs >= MOST_PAIRS else measured.more(2 * measured.runs)
+        return None if told or measured.runs >= MOST_PAIRS else measured.with_runs(2 * measured.runs)
 
 
 class Simplest(NamedTuple):
@@ -91,7 +91,7 @@ def _in_words(change: Change) -> str:
     speed, named = change.speed, change.effect
     if speed.value is None:
         return f"{named} ({speed.refused})"
-    number = words.fixed(speed.value, 2) if speed.se is None else words.with_error(*speed.pair)
+    number = words.format_fixed(speed.value, 2) if speed.se is None else words.format_with_error(*speed.pair)
     return f"{named} ({number} mm/s)"
 
 
@@ -111,7 +111,7 @@ def simplest(walker: Walker, progress: Progress = silent, threads: int | None = 
     accepted = walker.scene.run.accepted_error
     if accepted is None:
         return Simplest(walker)
-    whole = walker._replace(scene=changed(walker.scene, {"run.accepted_error": None}))
+    whole = walker._replace(scene=replace_without_validation(walker.scene, {"run.accepted_error": None}))
     found = Simplest(whole, accepted)
 
     def tried(variant: Variant | None) -> Simplest:
@@ -128,7 +128,7 @@ def simplest(walker: Walker, progress: Progress = silent, threads: int | None = 
         return found._replace(kept=(*found.kept, change), cpu_s=spent)
 
     until = Decided(Tolerance(accepted, relative=True))
-    for rule in rules.every():
+    for rule in rules.all_rules():
         effect = rule.judge(found.walker.plan().case)
         if effect.on and rule.switch and rule.switch not in whole.scene.effects.on:
             variant = variants.off(found.walker, rule)

@@ -82,7 +82,7 @@ def lines(walkers: Sequence[Member]) -> list[str]:
         notes.append(
             f"braced legs, {min(tilts):g} to {max(tilts):g} deg: {len(standing)} walkers of "
             f"{min(grams):.3g} to {max(grams):.3g} g that stand, each at less than "
-            f"{prediction.STANDS_MM_S:g} mm/s with 0 inside its bounds"
+            f"{prediction.STANDING_MM_S:g} mm/s with 0 inside its bounds"
         )
     return [*notes, *((WEIGHED,) if _weighed(walkers) else ())]
 
@@ -99,13 +99,13 @@ def columns(walkers: Sequence[Member], why: bool = True) -> tuple[Column, ...]:
         return f" [{notes.index(note) + 1}]" if note in notes and why else ""
 
     def designed(row: Any) -> str:
-        return (_outcome(row) or words.fixed(row.nominal_mm_s, 1)) + mark(row.note)
+        return (_outcome(row) or words.format_fixed(row.nominal_mm_s, 1)) + mark(row.note)
 
     def theory(row: Any) -> str:
-        return words.fixed(row.theory_mm_s, 1) + mark(row.theory_note)
+        return words.format_fixed(row.theory_mm_s, 1) + mark(row.theory_note)
 
     def speed(row: Any) -> str:
-        return "" if row.speed_mm_s is None or prediction.stands(row) else words.fixed(row.speed_mm_s, 1)
+        return "" if row.speed_mm_s is None or prediction.is_standing(row) else words.format_fixed(row.speed_mm_s, 1)
 
     alone = _has_theory_alone(walkers)
     given = (report.number("tilt\n(deg)", "tilt_deg", 6), report.text("legs", "legs"))
@@ -139,7 +139,7 @@ def columns(walkers: Sequence[Member], why: bool = True) -> tuple[Column, ...]:
 
 def _outcome(row: Any) -> str:
     """Return the outcome of a walker without a speed worth a number; "" of others."""
-    if prediction.stands(row):
+    if prediction.is_standing(row):
         return "stands"
     if row.nominal_mm_s is None:
         return "falls over" if row.falls > 0.0 else "-"
@@ -167,7 +167,7 @@ def _standing(walkers: Sequence[Member]) -> list[Member]:
     standing = [
         member
         for member in walkers
-        if member.design.kind == "braced" and member.simulated is None and prediction.stands(member.row)
+        if member.design.kind == "braced" and member.simulated is None and prediction.is_standing(member.row)
     ]
     return standing if len(standing) >= FOLDED else []
 
@@ -195,14 +195,14 @@ def _range(low: float | None, high: float | None) -> str:
     """Bounds in whole numbers; "" where there are none."""
     if low is None or high is None:
         return ""
-    return f"{words.fixed(low, 0)} to {words.fixed(high, 0)}"
+    return f"{words.format_fixed(low, 0)} to {words.format_fixed(high, 0)}"
 
 
 def _of_runs(row: Any) -> str:
     if row.sim_speed_mm_s is None:
         return "-"
     bounds = _range(row.sim_low_95_mm_s, row.sim_high_95_mm_s)
-    return f"{words.fixed(row.sim_speed_mm_s, 1)}, {bounds}"
+    return f"{words.format_fixed(row.sim_speed_mm_s, 1)}, {bounds}"
 
 
 RUNS = (
@@ -214,14 +214,14 @@ RUNS = (
 
 
 def _mass(row: Any) -> str:
-    error = "" if row.mass_se_g is None else f" ± {words.number(row.mass_se_g, 2)}"
-    return f"{words.number(row.mass_g, 4)}{error}"
+    error = "" if row.mass_se_g is None else f" ± {words.format_number(row.mass_se_g, 2)}"
+    return f"{words.format_number(row.mass_g, 4)}{error}"
 
 
 def _change(row: Any) -> str:
     if row.speed_mm_s is None or row.speed_mesh_mm_s is None:
         return ""
-    return words.fixed(row.speed_mm_s - row.speed_mesh_mm_s, 2)
+    return words.format_fixed(row.speed_mm_s - row.speed_mesh_mm_s, 2)
 
 
 MASSES = (

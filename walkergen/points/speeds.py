@@ -32,7 +32,7 @@ def predict(
     TheoryError for an unknown mode.
     """
     if model == "theory":
-        return prediction.row_of(design, mass, scene, mode, None)
+        return prediction.make_row(design, mass, scene, mode, None)
     try:
         return prediction.predict(design, mass, scene, mode)
     except UnknownError as reason:
@@ -42,14 +42,14 @@ def predict(
         walker = Walker(scene, design, mass)
         record = short.kept(walker) or (None if model == "known" else short.simulated(walker, progress))
         if record is None:
-            return prediction.row_of(
+            return prediction.make_row(
                 design, mass, scene, mode, None, f"to be simulated by predict or ‹simulate›: {reason}"
             )
         left_out = f"; left out: {record['left_out']}" if record["left_out"] else ""
         falls, note = float(record["falls"] or 0.0), f"simulated, since {reason}{left_out}"
         if scene.drive.kind == "motor":
-            note += _of_push(scene.drive.push(float(mass.total)))
-        return prediction.row_of(design, mass, scene, mode, short.spread(record, scene), note, falls)
+            note += _of_push(scene.drive.push_ratio(float(mass.total)))
+        return prediction.make_row(design, mass, scene, mode, short.spread(record, scene), note, falls)
 
 
 def _of_push(weights: float) -> str:

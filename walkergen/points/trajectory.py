@@ -11,7 +11,7 @@ from walkergen.core.errors import InputError
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.plan import Plan
 from walkergen.core.simulation.run import RunResult, simulate
-from walkergen.core.simulation.space.state import COLUMNS
+from walkergen.core.simulation.space.state import TRAJECTORY_COLUMNS
 
 Array = npt.NDArray[np.float64]
 
@@ -39,8 +39,8 @@ def check(scene: Scene, interval: float, runs: int = 1) -> None:
 def sample(plan: Plan, interval: float, number: int = 0) -> Trajectory:
     """Simulate one run of the ensemble again and keep its state every `interval` seconds."""
     check(plan.scene, interval)
-    result = simulate(plan, number, sample_interval=interval, sample_size=len(COLUMNS))
-    return Trajectory(("t_s", *COLUMNS), sampled(result))
+    result = simulate(plan, number, sample_interval=interval, sample_size=len(TRAJECTORY_COLUMNS))
+    return Trajectory(("t_s", *TRAJECTORY_COLUMNS), sampled(result))
 
 
 def tracks(results: Sequence[RunResult]) -> Trajectory:
@@ -49,8 +49,8 @@ def tracks(results: Sequence[RunResult]) -> Trajectory:
     Runs come by their numbers, each with its own time from the end of its discarded start.
     """
     parts = [np.insert(sampled(result), 1, result.number, axis=1) for result in results]
-    rows = np.concatenate(parts) if parts else np.zeros((0, 2 + len(COLUMNS)))
-    return Trajectory(("t_s", "particle", *COLUMNS), rows)
+    rows = np.concatenate(parts) if parts else np.zeros((0, 2 + len(TRAJECTORY_COLUMNS)))
+    return Trajectory(("t_s", "particle", *TRAJECTORY_COLUMNS), rows)
 
 
 def sampled(result: RunResult) -> Array:

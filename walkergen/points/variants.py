@@ -16,7 +16,7 @@ from walkergen.core.simulation import orbits
 from walkergen.core.simulation.batch import OneRun
 from walkergen.core.simulation.effects import harmonic, rules
 from walkergen.core.simulation.effects.effect import Effect, Rule
-from walkergen.core.simulation.effects.resolve import changed
+from walkergen.core.simulation.effects.resolve import replace_without_validation
 from walkergen.core.simulation.plan import Plan
 from walkergen.core.simulation.run import ENDED_WELL, Outcome, RunResult, compile_kernels, simulate
 from walkergen.core.tolerance import Tolerance
@@ -102,8 +102,8 @@ class Pairs(NamedTuple):
 
 def verdict(walker: Walker, speed: Quantity, change: Change, tolerance: Tolerance) -> Verdict:
     """How a change lies within the error that a walker's speed may have, with 95 % confidence."""
-    error = error_of_speed(tolerance, walker.shaken).allowed(speed.value)
-    return change.speed.within(-error, error)
+    error = error_of_speed(tolerance, walker.shaken).max_error(speed.value)
+    return change.speed.compare_with_range(-error, error)
 
 
 def _difference(pairs: Sequence[tuple[RunResult, RunResult]], plate_speed: float, key: str) -> Quantity:
@@ -113,7 +113,7 @@ def _difference(pairs: Sequence[tuple[RunResult, RunResult]], plate_speed: float
         return Quantity(key, "mm_s", None, refused=f"{len(ended)} of {2 * len(pairs)} runs: {ended[0].outcome.value}")
     speeds = np.array([[own.speed, other.speed] for own, other in pairs])
     mean = quantity.mean(key, "mm_s", speeds[:, 1] - speeds[:, 0])
-    if orbits.ORBIT in (orbits.shared(speeds[:, 0], plate_speed), orbits.shared(speeds[:, 1], plate_speed)):
+    if orbits.ORBIT in (orbits.common_orbit(speeds[:, 0], plate_speed), orbits.common_orbit(speeds[:, 1], plate_speed)):
         return mean._replace(se=None, refused=Outcome.ORBIT.value)
     return mean
 
@@ -126,7 +126,7 @@ def _short(walker: Walker) -> Walker:
 
 def judged(plan: Plan) -> list[tuple[Rule, Effect]]:
     """Every rule with the effect of a plan, also of what its scene does not call for."""
-    return [(rule, rule.judge(plan.case)) for rule in rules.every()]
+    return [(rule, rule.judge(plan.case)) for rule in rules.all_rules()]
 
 
 def off(walker: Walker, rule: Rule) -> Variant | None:
@@ -161,7 +161,9 @@ def both(walker: Walker, first: Variant, second: Variant) -> Variant | None:
 
 
 def _variant(walker: Walker, effect: str, change: str, values: Mapping[str, Any]) -> Variant | None:
-    return _possible(Variant(effect, change, walker._replace(scene=changed(walker.scene, values)), values))
+    return _possible(
+        Variant(effect, change, walker._replace(scene=replace_without_validation(walker.scene, values)), values)
+    )
 
 
 def _possible(variant: Variant) -> Variant | None:

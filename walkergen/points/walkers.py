@@ -13,7 +13,7 @@ from walkergen.analysis.tracks import Tracks, of_places
 from walkergen.core.drive import Drive
 from walkergen.core.errors import InputError
 from walkergen.core.files import words
-from walkergen.core.files.progress import Expect, Progress, part, silent, unheard
+from walkergen.core.files.progress import Expect, Progress, ignore_estimate, part_progress, silent
 from walkergen.core.measure import FIRST_RUNS, Error, Measured, Runs, Until, measure
 from walkergen.core.numerics.statistics import Mean
 from walkergen.core.scene import Scene
@@ -43,7 +43,7 @@ def each(walkers: Sequence[Walker], titles: Sequence[str], progress: Progress) -
     Raises KeyboardInterrupt rather than yield a walker with runs missing.
     """
     for number, walker in enumerate(walkers):
-        results = simulate(walker, part(progress, number, len(walkers), titles[number]))
+        results = simulate(walker, part_progress(progress, number, len(walkers), titles[number]))
         if results.partial:
             raise KeyboardInterrupt
         yield results
@@ -54,7 +54,9 @@ def at_once(walkers: Sequence[Walker], progress: Progress = silent) -> dict[int,
 
     Ctrl-C leaves those out that are not done.
     """
-    return batch.run(lambda number, stopped, tell: simulate(walkers[number], silent, 1), range(len(walkers)), progress)
+    return batch.run_parallel(
+        lambda number, stopped, tell: simulate(walkers[number], silent, 1), range(len(walkers)), progress
+    )
 
 
 class Met(NamedTuple):
@@ -74,9 +76,11 @@ class Met(NamedTuple):
         summary, step, run = self.results.summary, self.results.step_us, self.results.walker.scene.run
         unit = "mm/s" if self.of == SPEED else f"of {self.of}"
         within = "within" if self.error <= self.allowed else "NOT within"
-        stepping = "" if step is None else f", step {words.number(step, 3)} us"
-        by_step = words.number(self.results.step_errors[self.of].error or 0.0, 2)
-        obtained = f"{words.number(self.error, 2)} {unit}, {within} the {words.number(self.allowed, 2)} asked"
+        stepping = "" if step is None else f", step {words.format_number(step, 3)} us"
+        by_step = words.format_number(self.results.step_errors[self.of].error or 0.0, 2)
+        obtained = (
+            f"{words.format_number(self.error, 2)} {unit}, {within} the {words.format_number(self.allowed, 2)} asked"
+        )
         return [
             ("chosen", f"{summary.runs} x {run.seconds:g} s{stepping}"),
             ("error, 95 %", f"{obtained} ({by_step} by the step)"),
@@ -102,7 +106,7 @@ def to_error(
     of: str = SPEED,
     progress: Progress = silent,
     threads: int | None = None,
-    expect: Expect = unheard,
+    expect: Expect = ignore_estimate,
 ) -> Met:
     """Simulate short runs of a walker, and more of them until an observable has an error.
 
@@ -110,8 +114,8 @@ def to_error(
     is left once the first runs are made. After Ctrl-C the runs that are done. Raises InputError where the scene
     contradicts itself or the design, and for an observable that no run gives, or that the step does not resolve.
     """
-    if of not in observables.NAMES:
-        raise InputError(f"‹of=›{of[:60]!r}: must be one of {', '.join(observables.NAMES)}")
+    if of not in observables.OBSERVABLE_NAMES:
+        raise InputError(f"‹of=›{of[:60]!r}: must be one of {', '.join(observables.OBSERVABLE_NAMES)}")
     if of != SPEED and not wanted.relative:
         raise InputError(f"‹error=›{wanted}: only a mean speed is in mm/s; write a share: 5%")
     until = error_of_speed(wanted, walker.shaken) if of == SPEED else Error(wanted, of)
@@ -119,7 +123,7 @@ def to_error(
     if results.step_errors[of].error is None:
         raise InputError(f"‹error=›{wanted}: {of} is {results.step_errors[of].reason}")
     value = results.summary.speed_mm_s if of == SPEED else results.values[of]
-    return Met(results, of, _half_width(results, of), until.allowed(value))
+    return Met(results, of, _half_width(results, of), until.max_error(value))
 
 
 def short(walker: Walker, wanted: Tolerance, most: int, progress: Progress = silent) -> Results:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from walkergen.core.errors import InputError
 from walkergen.core.files.tables import csv_text
 from walkergen.core.printing import packing
-from walkergen.core.printing.findings import About, Finding, at, new
+from walkergen.core.printing.findings import About, Finding, make_finding, with_place
 from walkergen.core.printing.packing import Part
 from walkergen.core.printing.printers import Printer
 from walkergen.core.walker import mass
@@ -74,7 +74,9 @@ def findings(capped: Sequence[Capped], printer: Printer) -> list[Finding]:
         finding
         for cap, entry in printed.items()
         if cap.cell < least
-        for finding in at(entry.item, [new(About.CAPS, "warning", what, cap.cell, least, "mm", change)])
+        for finding in with_place(
+            entry.item, [make_finding(About.CAPS, "warning", what, cap.cell, least, "mm", change)]
+        )
     ]
 
 
@@ -92,7 +94,7 @@ def files(capped: Sequence[Capped], printers: Sequence[Printer]) -> Iterator[tup
         yield f"caps_{number}.png", data
     printed = [entry.cap for entry in capped if entry.cap.kind != "paper"]
     meshes = [caps.mesh(cap) for cap in printed]
-    parts = [Part.of(f"cap_{cap.number:02d}", tile) for cap, tile in zip(printed, meshes, strict=True)]
+    parts = [Part.from_mesh(f"cap_{cap.number:02d}", tile) for cap, tile in zip(printed, meshes, strict=True)]
     for printer in printers if printed else ():
         for number, plate in enumerate(packing.pack(parts, printer), start=1):
             name = f"caps_{printer.name}_{number}"

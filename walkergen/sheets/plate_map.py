@@ -74,7 +74,7 @@ def png(printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], pla
 
     Where `members` are of several designs, labels begin with the design's letter.
     """
-    letters = names.letters(members)
+    letters = names.design_letters(members)
     used = [members[part].name for part in sorted({placed.part for placed in plate.placements})]
     named = _named({name: letters[name] for name in used if letters})
     figure = Figure()
@@ -194,7 +194,7 @@ class _View(NamedTuple):
 
 
 def _view(design: Design, mesh: Mesh) -> _View:
-    if solids.on_side(design):
+    if solids.is_printed_on_side(design):
         return _View(_underside(mesh), np.empty((0, 3, 2)))
     whole, legs = (triangles(section) for section in _silhouettes(design, mesh))
     return _View(whole, legs)
@@ -202,7 +202,7 @@ def _view(design: Design, mesh: Mesh) -> _View:
 
 def _silhouettes(design: Design, mesh: Mesh) -> tuple[manifold3d.CrossSection, manifold3d.CrossSection]:
     """Outline of a walker with its legs up, and that of what stands above the body."""
-    solid = modeller.solid(mesh._replace(vertices=mesh.vertices - mesh.vertices.min(axis=0)))
+    solid = modeller.to_solid(mesh._replace(vertices=mesh.vertices - mesh.vertices.min(axis=0)))
     legs = solid.trim_by_plane((0.0, 0.0, 1.0), design.size.thickness + CLEAR_MM)
     return solid.project(), legs.project()
 
@@ -232,14 +232,14 @@ def _named(letters: Mapping[str, str]) -> list[str]:
 
 def _label_parts(axes: Axes, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate, scale: float) -> None:
     """Write a label for each part, as large as fits: between two equal legs, else on the part."""
-    letters = names.letters(members)
+    letters = names.design_letters(members)
     rooms: dict[tuple[int, int], tuple[float, float, float]] = {}
     for placed in plate.placements:
         design = members[placed.part]
         label = f"{letters.get(design.name, '')}{design.tilt_deg:g}-{placed.copy}"
         key = placed.part, len(label)
         if key not in rooms:
-            on_side = design.pair and solids.on_side(design)
+            on_side = design.pair and solids.is_printed_on_side(design)
             room = _between_legs if on_side else _on_part
             rooms[key] = room(design, meshes[placed.part], len(label))
         x, y, height = rooms[key]
@@ -265,7 +265,7 @@ def _on_part(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, fl
     """
     import shapely
 
-    if solids.on_side(design):
+    if solids.is_printed_on_side(design):
         free = shapely.union_all([shapely.Polygon(corners) for corners in _underside(mesh)])
     else:
         whole, legs = (

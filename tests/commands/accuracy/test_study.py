@@ -9,7 +9,7 @@ import pytest
 
 from walkergen.commands.accuracy import answers, report, shape, statistics
 from walkergen.commands.accuracy import survey as surveys
-from walkergen.commands.accuracy.report import Answer, Ladder, Rung, order
+from walkergen.commands.accuracy.report import Answer, Ladder, Rung, convergence_order
 from walkergen.commands.accuracy.survey import Measured, Survey
 from walkergen.core import measure, tolerance
 from walkergen.core.errors import InputError
@@ -40,13 +40,13 @@ def known(survey, speeds, se=0.1, costs=(0.01,) * 5):
 
 
 def chosen(survey, share):
-    candidates = [survey.candidate(one) for one in survey.measured.values()]
+    candidates = [survey.to_candidate(one) for one in survey.measured.values()]
     return answers.choose_measured(candidates, share)
 
 
 def test_order_of_an_exact_power_is_its_exponent():
     values = np.array([1.0, 2.0, 5.0, 10.0])
-    slope, se = order(values, 3.0 * values**2)
+    slope, se = convergence_order(values, 3.0 * values**2)
     assert slope == pytest.approx(2.0, abs=1e-12)  # rounding of logarithms
     assert se < 1e-12
 
@@ -84,7 +84,7 @@ def made_runs(runs, blocks, rng):
     """Runs of independent block speeds with mean 10 and standard deviation 2."""
     speeds = rng.normal(10.0, 2.0, (runs, blocks))
     return [
-        RunResult(k, Outcome.OK, 0.1 * blocks, row.mean(), 0.1, row, np.zeros((0, 3)), 0.0, record.new(3), 0.0)
+        RunResult(k, Outcome.OK, 0.1 * blocks, row.mean(), 0.1, row, np.zeros((0, 3)), 0.0, record.new_tally(3), 0.0)
         for k, row in enumerate(speeds)
     ]
 
@@ -92,7 +92,7 @@ def made_runs(runs, blocks, rng):
 def test_parts_of_an_ensemble_use_no_block_twice_and_err_as_theory_says():
     results = made_runs(32, 500, np.random.default_rng(5))
     for runs, length in ((4, 5.0), (8, 10.0), (16, 10.0)):
-        parts = statistics._cut(results, runs, length)
+        parts = statistics._split_into_parts(results, runs, length)
         used = sum(len(result.block_speeds) for part in parts for result in part)
         assert used == 32 * 500
         rung = statistics._rung(parts, results, 1.0, 0.01, 1.0)
@@ -110,12 +110,12 @@ def test_parts_of_an_ensemble_use_no_block_twice_and_err_as_theory_says():
 )
 def test_runs_that_are_compared_are_fewer_before_they_are_too_short(granted_s, runs, seconds):
     own = Measured(23.0, {}, 4, 1.0, 1.0, 16.0, 8.0, "4 ok")  # a second by the clock for a simulated one
-    assert statistics._afford(granted_s, own) == (runs, seconds)
+    assert statistics._affordable_runs(granted_s, own) == (runs, seconds)
 
 
 @pytest.mark.parametrize(("text", "expected"), [("5%", Tolerance(0.05, True)), (" 0.5 mm/s", Tolerance(0.5, False))])
 def test_errors_are_read(text, expected):
-    assert tolerance.parse(text) == expected
+    assert tolerance.parse_tolerance(text) == expected
 
 
 def test_the_cheapest_step_within_the_error_is_chosen():
@@ -147,7 +147,7 @@ def test_no_step_is_chosen_beyond_one_that_fails():
     survey = known(survey_of(), (100.0,) * 5)
     failed = survey.steps[2]
     survey.measured[failed] = survey.measured[failed]._replace(quantities={}, outcomes="16 toppled")
-    bounds = [survey.bound(one) for one in survey.measured.values()]
+    bounds = [survey.bias_bound(one) for one in survey.measured.values()]
     assert [math.isinf(bound) for bound in bounds] == [False, False, True, True, True]
     assert chosen(survey, 0.2).candidate.step_us == survey.steps[0]
     survey = known(survey_of(), (100.0,) * 5, costs=(0.2, 0.1, 0.07, 0.05, 0.04))
@@ -158,7 +158,7 @@ def test_no_step_is_chosen_beyond_one_that_fails():
 
 def test_what_cannot_be_promised_says_what_would_help():
     survey = known(survey_of(60.0), (100.0,) * 5)
-    candidates = [survey.candidate(one) for one in survey.measured.values()]
+    candidates = [survey.to_candidate(one) for one in survey.measured.values()]
     assert chosen(survey, 1e-3) is None
     told = answers.advise_budget(candidates, Tolerance(1e-3, True), survey)
     assert "known to 0.2 mm/s only; measure longer: walkergen accuracy ... --only steps --budget" in told
@@ -166,16 +166,16 @@ def test_what_cannot_be_promised_says_what_would_help():
     dead = survey_of()
     dead.measured[dead.steps[0]] = Measured(dead.steps[0], {}, 16, 1.0, 1.0, 1.0, 1.0, "16 toppled")
     with pytest.raises(InputError, match="16 toppled"):
-        dead.reference(silent)
+        dead.measure_reference(silent)
 
 
 def test_few_runs_have_wider_bounds_of_a_bias():
     survey = known(survey_of(), (100.0, 99.0, 99.0, 97.0, 92.0))
-    many = survey.bound(survey.measured[survey.steps[1]])
+    many = survey.bias_bound(survey.measured[survey.steps[1]])
     for step_us, one in survey.measured.items():
         survey.measured[step_us] = one._replace(quantities={SPEED: one.speed._replace(freedom=3.0)})
     # Student's t of 6 degrees of freedom for the normal's
-    few = survey.bound(survey.measured[survey.steps[1]])
+    few = survey.bias_bound(survey.measured[survey.steps[1]])
     assert (few - 1.0) / (many - 1.0) == pytest.approx(2.447 / 1.960, rel=1e-3)
 
 
@@ -183,9 +183,9 @@ def test_few_runs_have_wider_bounds_of_a_bias():
 def test_a_study_spends_its_budget(budget_s, run_s, monkeypatch):
     """Made-up runs that take `run_s` by the clock each; what one leaves over the others get."""
     survey, ladders = survey_of(budget_s), ["steps", "statistics"]
-    survey.share_out(ladders)
+    survey.allot_budget(ladders)
     for what in [*survey.steps, surveys.STATISTICS]:
-        granted_s, runs = survey.grant(what), 4
+        granted_s, runs = survey.claim_budget(what), 4
         made = measure.Measured(None, [], runs, runs * run_s)
         while (more := measure.Budget(granted_s, 4).further(made)) is not None:
             made = more._replace(wall_s=more.runs * run_s)
@@ -196,12 +196,12 @@ def test_a_study_spends_its_budget(budget_s, run_s, monkeypatch):
 
 def test_one_ladder_alone_has_the_whole_budget():
     alone, both = survey_of(60.0), survey_of(60.0)
-    alone.share_out(["steps"])
-    both.share_out(["steps", "statistics"])
+    alone.allot_budget(["steps"])
+    both.allot_budget(["steps", "statistics"])
     step = alone.steps[0]
-    assert alone.grant(step) == pytest.approx(1.4 * both.grant(step)) == pytest.approx(60.0 * 0.3)
+    assert alone.claim_budget(step) == pytest.approx(1.4 * both.claim_budget(step)) == pytest.approx(60.0 * 0.3)
     few = survey_of(60.0)
-    few.share_out(["statistics"])
+    few.allot_budget(["statistics"])
     assert {*few.due} == {few.steps[0], few.own, surveys.STATISTICS}
 
 
@@ -222,7 +222,7 @@ def test_people_read_no_rows_of_a_long_ladder_and_the_table_has_all(rungs, shown
 
 def test_an_answer_that_the_budget_does_not_reach_stays_as_shipped():
     survey = known(survey_of(60.0), (100.0,) * 5, se=5.0)
-    candidates = [survey.candidate(one) for one in survey.measured.values()]
+    candidates = [survey.to_candidate(one) for one in survey.measured.values()]
     before = Answer(Tolerance(0.01, True), "own step", 8, 10.0, 2.0, "scaled", "as shipped")
     answer, choice = answers._refine(before, candidates, survey)
     assert choice is None
@@ -234,13 +234,13 @@ def test_an_answer_that_the_budget_does_not_reach_stays_as_shipped():
 
 def test_choices_that_cost_alike_are_one_point_and_none_is_below_the_floor():
     survey = known(survey_of(60.0), (100.0,) * 5, se=0.5, costs=(0.2, 0.1, 0.07, 0.05, 0.04))
-    candidates = [survey.candidate(one) for one in survey.measured.values()]
+    candidates = [survey.to_candidate(one) for one in survey.measured.values()]
     blank = Answer(Tolerance(0.2, True), "-", None, None, None, "scaled", "")
-    found = [answers._refine(blank._replace(error=wanted), candidates, survey) for wanted in answers.ERRORS]
+    found = [answers._refine(blank._replace(error=wanted), candidates, survey) for wanted in answers.ERROR_LEVELS]
     (axes,) = answers.draw_choice("walker", candidates, found, (), 0.005).axes
     told = [text.get_text() for text in axes.texts]
     assert any(text.startswith("20, 10 %: ") for text in told)
     costs = [line.get_xdata()[0] for line in axes.get_lines() if line.get_marker() == "o"]
-    assert all(later > answers.ALIKE * earlier for earlier, later in pairwise(costs))
+    assert all(later > answers.SAME_POINT_RATIO * earlier for earlier, later in pairwise(costs))
     (floored,) = answers.draw_choice("walker", candidates, found, (), 0.5).axes
     assert not [line for line in floored.get_lines() if line.get_marker() == "o"]

@@ -47,7 +47,7 @@ def test_a_variant_that_is_the_scene_changes_nothing():
     none, stiff = pairs.changes(done.records)
     assert none.speed.pair == (0.0, 0.0)
     assert stiff.speed.number != 0.0
-    assert none.cpu.within(0.5, 2.0) is not Verdict.DISAGREE
+    assert none.cpu.compare_with_range(0.5, 2.0) is not Verdict.DISAGREE
     again = measure(pairs, Runs(4), threads=1)
     assert [change.speed for change in pairs.changes(again.records)] == [none.speed, stiff.speed]
 

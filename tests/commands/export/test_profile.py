@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from soundness import to_trimesh
 
-from walkergen.commands.export.profile import profile_of, write_dxf, write_svg
+from walkergen.commands.export.profile import side_profile, write_dxf, write_svg
 from walkergen.core.errors import OutputError
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
@@ -17,7 +17,7 @@ WRITERS = {"dxf": write_dxf, "svg": write_svg}
 @pytest.mark.parametrize("tilt", [0.0, 1e-9, 10.0, -30.0])
 def test_a_profile_times_the_depth_is_the_solid(kind, tilt):
     design = Design().variant(kind=kind, tilt_deg=tilt)
-    profile = profile_of(design)
+    profile = side_profile(design)
     volume = to_trimesh(solids.build(design).walker).volume
     # Two unions of the same polygons: they differ by roundings, and slivers that are no windows.
     assert design.body.depth_mm * sum(map(area, profile)) == pytest.approx(volume, rel=1e-8)
@@ -27,7 +27,7 @@ def test_a_profile_times_the_depth_is_the_solid(kind, tilt):
 
 @pytest.mark.parametrize("ending", WRITERS)
 def test_what_is_written_is_read_again(tmp_path, ending):
-    profile = profile_of(Design().variant(kind="braced", tilt_deg=30.0))
+    profile = side_profile(Design().variant(kind="braced", tilt_deg=30.0))
     path = tmp_path / f"walker.{ending}"
     WRITERS[ending](path, profile)
     again = from_file(path).polygons
@@ -41,11 +41,11 @@ def test_what_is_written_is_read_again(tmp_path, ending):
 @pytest.mark.parametrize("ending", WRITERS)
 def test_equal_profiles_give_equal_bytes_without_a_date(tmp_path, ending):
     path, again = tmp_path / f"a.{ending}", tmp_path / f"b.{ending}"
-    WRITERS[ending](path, profile_of(Design()))
-    WRITERS[ending](again, profile_of(Design()))
+    WRITERS[ending](path, side_profile(Design()))
+    WRITERS[ending](again, side_profile(Design()))
     assert path.read_bytes() == again.read_bytes()
     assert {one.name for one in tmp_path.iterdir()} == {path.name, again.name}
     stated = {"dxf": b"$INSUNITS\n 70\n4\n", "svg": b'width="28.0mm"'}[ending]
     assert stated in path.read_bytes()
     with pytest.raises(OutputError, match="cannot be written"):
-        WRITERS[ending](path / "below" / "a.dxf", profile_of(Design()))
+        WRITERS[ending](path / "below" / "a.dxf", side_profile(Design()))

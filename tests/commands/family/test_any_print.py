@@ -67,11 +67,11 @@ def ball(tmp_path, **keys):
 
 
 def printed(design):
-    return solids.as_printed(design, solids.build(design).walker)
+    return solids.orient_for_print(design, solids.build(design).walker)
 
 
 def told(design, printer=MK3S):
-    return checks.of_part("it", design, printed(design), printer)
+    return checks.check_part("it", design, printed(design), printer)
 
 
 def lines(design, printer=MK3S):
@@ -81,12 +81,12 @@ def lines(design, printer=MK3S):
 @pytest.mark.parametrize("design", [DISC, NARROW, PROFILE, UNLIKE, PAPER])
 def test_as_printed_is_the_walker_turned_on_the_bed(design):
     standing = solids.build(design).walker
-    lying = solids.as_printed(design, standing)
+    lying = solids.orient_for_print(design, standing)
     before, after = (weigh(mesh, 1.0) for mesh in (standing, lying))
     assert after.volume == pytest.approx(before.volume, rel=1e-12)  # a mirror would change its sign
     assert np.linalg.eigvalsh(after.tensor) == pytest.approx(np.linalg.eigvalsh(before.tensor))
     assert lying.vertices[:, 2].min() == 0.0
-    if solids.on_side(design):
+    if solids.is_printed_on_side(design):
         assert lying is standing  # today's walkers keep their bytes
     else:  # feet on top, all at one height
         feet = lying.vertices[:, 2] > lying.vertices[:, 2].max() - 1e-9
@@ -94,18 +94,18 @@ def test_as_printed_is_the_walker_turned_on_the_bed(design):
 
 
 def test_legs_narrower_than_a_body_in_side_view_print_upright_unless_they_lie_on_the_bed():
-    assert not solids.on_side(NARROW)
+    assert not solids.is_printed_on_side(NARROW)
     flush = [leg(-5.0, across_mm=-2.0), leg(5.0, across_mm=-2.0)]
-    assert solids.on_side(design_of({"length_mm": 24.0}, flush))
+    assert solids.is_printed_on_side(design_of({"length_mm": 24.0}, flush))
     other_side = [leg(-5.0, across_mm=2.0), leg(5.0, across_mm=2.0)]
-    assert not solids.on_side(design_of({"length_mm": 24.0}, other_side))
-    assert (solids.on_side(PROFILE), solids.on_side(DISC)) == (True, False)
+    assert not solids.is_printed_on_side(design_of({"length_mm": 24.0}, other_side))
+    assert (solids.is_printed_on_side(PROFILE), solids.is_printed_on_side(DISC)) == (True, False)
 
 
 def test_the_sheet_says_how_each_design_lies():
-    (one,) = sheet.orientations([PAPER])
+    (one,) = sheet.orientation_settings([PAPER])
     assert (one.name, one.value) == ("orientation", "as in the file: on its side, no supports")
-    both = sheet.orientations([PAPER, DISC])
+    both = sheet.orientation_settings([PAPER, DISC])
     assert [row.name for row in both] == ["orientation of koumakis2016", "orientation of it"]
     assert "legs up; no supports up to 45 deg" in both[1].value
 
@@ -147,11 +147,11 @@ def test_overhang_of_a_ball_is_that_of_the_closed_form(tmp_path):
     design = ball(tmp_path)
     cap = 2.0 * math.pi * 64.0 * (1.0 - math.cos(math.pi / 4.0))
     # 5 %: whole triangles of 1.2 mm belong to the cap or not
-    assert legs_up.overhang(design, printed(design)) == pytest.approx(cap, rel=0.05)
+    assert legs_up.overhang_area(design, printed(design)) == pytest.approx(cap, rel=0.05)
     (warning,) = [one for one in told(design) if "over air" in one.what]
     assert "turn the mesh by body.up" in warning.change
     for flat in (DISC, NARROW):
-        assert legs_up.overhang(flat, printed(flat)) == 0.0
+        assert legs_up.overhang_area(flat, printed(flat)) == 0.0
 
 
 def test_the_first_layer_is_a_section_at_half_its_height(tmp_path):
@@ -164,7 +164,7 @@ def test_the_first_layer_is_a_section_at_half_its_height(tmp_path):
         mesh.section([0, 0, 1], [0, 0, 1e-3]).to_2D()[0].area, rel=1e-6
     )
     assert checks.section_area(lying, 17.0) == 0.0
-    area = shapely.Polygon(profile.profile_of(PROFILE)[0]).area
+    area = shapely.Polygon(profile.side_profile(PROFILE)[0]).area
     assert checks.section_area(printed(PROFILE), 0.1) == pytest.approx(area, rel=1e-9)
 
 
@@ -176,9 +176,9 @@ def test_findings_name_the_leg_where_legs_differ():
         legs=[{"along_mm": -6.0}, {"along_mm": 6.0, "kind": "braced", "tilt_deg": 8.0, "length_mm": 7.4586}]
     )
     assert any("window between leg and brace of legs[2] may fuse" in one for one in lines(braced))
-    names = [wall.name for wall in walls.of_design(UNLIKE)]
+    names = [wall.name for wall in walls.upright_walls(UNLIKE)]
     assert names == ["legs[1]", "legs[2]", "brace of legs[1]", "body"]
-    assert [wall.name for wall in walls.of_design(PAPER)] == ["leg", "body"]
+    assert [wall.name for wall in walls.upright_walls(PAPER)] == ["leg", "body"]
 
 
 def test_layers_lie_along_what_prints_upright():
@@ -225,7 +225,7 @@ def test_a_weighed_leg_is_the_mean_of_unlike_legs():
     meshed = solids.weigh(three, built)
     whole, body = (weights.Mean(1.1 * grams, error, 2) for grams, error in ((meshed.total, 0.002), (meshed.M, 0.001)))
     known = weights.Weighings(grams=whole, body_g=body)
-    found = solids.weigh(weights.applied(three, built, known, "it"), built)
+    found = solids.weigh(weights.apply_masses(three, built, known, "it"), built)
     assert found.total == pytest.approx(1.1 * meshed.total, rel=1e-12)
     each = [own.m / mesh.m for own, mesh in zip(found.legs, meshed.legs, strict=True)]
     assert each == pytest.approx([1.1] * 3, rel=1e-9)
@@ -236,7 +236,7 @@ def test_a_weighed_leg_is_the_mean_of_unlike_legs():
 @pytest.mark.parametrize("design", [DISC, NARROW, PAPER, UNLIKE, PROFILE, *PAPER.members([45.0, -40.0], ["flexible"])])
 def test_labels_lie_on_their_part_beside_its_legs(design):
     mesh = printed(design)
-    room = plate_map._between_legs if design.pair and solids.on_side(design) else plate_map._on_part
+    room = plate_map._between_legs if design.pair and solids.is_printed_on_side(design) else plate_map._on_part
     letters = 4
     x, y, height = room(design, mesh, letters)
     half = 0.5 * plate_map.LETTER * letters * height
@@ -264,7 +264,7 @@ def test_the_map_shows_the_outline_and_the_legs_on_it():
 
 def test_previews_show_bodies_in_plan_view_from_higher_above():
     parts = [preview.Part(design, solids.build(design).walker) for design in (DISC, PAPER)]
-    assert [part.view is preview.FROM_ABOVE for part in parts] == [True, False]
+    assert [part.view is preview.TOP_CAMERA for part in parts] == [True, False]
     assert [part.label for part in parts] == ["flexible", "10° flexible"]
     (faces,) = preview.preview_figure(parts, "both").axes[0].collections
     alone = [preview.preview_figure([part], "one").axes[0].collections[0] for part in parts]
@@ -285,7 +285,7 @@ def test_previews_keep_the_order_of_the_table_and_have_a_ruler(count):
     assert ruler.get_text() == "10 mm along the body, forward"
     (bar,) = axes.lines
     (x0, x1), (y0, y1) = bar.get_data()
-    along = preview.VIEW[:2, 0] * 10.0  # of the projection, not of the paper
+    along = preview.SIDE_CAMERA[:2, 0] * 10.0  # of the projection, not of the paper
     assert (x1 - x0, y1 - y0) == pytest.approx(tuple(along))
     assert min(label.get_fontsize() for label in axes.texts) >= 7.0
     width = figure.get_figwidth() * 150.0  # pixels: letters of 5 of them were too small to read
@@ -293,7 +293,7 @@ def test_previews_keep_the_order_of_the_table_and_have_a_ruler(count):
 
 
 def test_drawings_are_the_profile_or_the_outline(tmp_path):
-    (plan,) = profile.drawing_of(DISC)
+    (plan,) = profile.drawing_outlines(DISC)
     assert shapely.Polygon(plan).area == pytest.approx(math.pi * 100.0, rel=1e-4)
     paths = exports.make([PROFILE], ["dxf", "svg"], tmp_path, lambda *_: None).files
     area = weigh(solids.build(PROFILE).walker, 1.0).volume / PROFILE.size.depth
@@ -345,14 +345,14 @@ def test_curves_are_drawn_only_where_walkers_can_be_built(monkeypatch):
     job = families.Job(PAPER, members, SCENE, MK3S, "coulomb", pictures=True)
     built = [solids.build(one) for one in job.members]
     made = list(predictions.predicted(job.members, built, SCENE, "coulomb"))
-    monkeypatch.setattr(families.prediction, "curve", lambda *asked: asked[-2:])
+    monkeypatch.setattr(families.prediction, "predict_curve", lambda *asked: asked[-2:])
     assert families._curves(job, made) == {"flexible": (5.0, 10.0)}
     assert families._curves(job, made[:1]) == {"flexible": (-5.0, 15.0)}  # alone: and around it
 
     def refuse(*_):
         raise GeometryError("a hole in between")
 
-    monkeypatch.setattr(families.prediction, "curve", refuse)
+    monkeypatch.setattr(families.prediction, "predict_curve", refuse)
     assert families._curves(job, made) == {}
     figure = figures.speed_figure([one.row for one in made], ChartData({}), "points")
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
@@ -367,6 +367,6 @@ def test_check_tells_the_orientation(tmp_path):
     path.write_text('[body]\noutline = "disc"\nlength_mm = 20\n[legs]\nwidth_mm = 4\ncontact_spacing_mm = 10\n')
     result = CliRunner().invoke(command_line, ["check", str(path), "--tilt", "10", "--json"])
     assert result.exit_code == 0, result.exception
-    assert json.loads(result.stdout)["orientations"] == [sheet.LEGS_UP]
-    (place,) = plates.unplaced([DISC], [solids.build(DISC)], [1], MK3S).parts
+    assert json.loads(result.stdout)["orientations"] == [sheet.LEGS_UP_TEXT]
+    (place,) = plates.layout_without_plates([DISC], [solids.build(DISC)], [1], MK3S).parts
     assert place.height == pytest.approx(2.0 + 7.5 * math.cos(math.radians(10.0)))

@@ -141,7 +141,7 @@ def test_a_forged_manifest_removes_nothing_outside(tmp_path):
     digest = hashlib.sha256(b"precious").hexdigest()
     folder = tmp_path / "out"
     for forged in ({"../victim.txt": digest}, {str(victim): digest}):
-        for data in (json.dumps({"files": forged}).encode(), ledger.manifest({"files": forged})):
+        for data in (json.dumps({"files": forged}).encode(), ledger.encode_manifest({"files": forged})):
             output.write(folder / "manifest.json", data)
             with pytest.raises(OutputError, match="all files there are left alone"):
                 family.make(job_of((10.0,), ["flexible"]), folder, silent, unheard)
@@ -152,9 +152,9 @@ def test_a_forged_manifest_removes_nothing_outside(tmp_path):
 def test_names_are_unique_whatever_the_tilts():
     tilts = [0.0, 1e-12, 0.05, 0.1, 10.0, 10.05, -10.0, *np.linspace(20, 21, 50)]
     members = Design().members(tilts)
-    assert len({names.part(member) for member in members}) == len(members)
-    assert names.part(members[4]) == "walker_t10.0_flexible_s0.40"
-    assert all("e" not in names.part(m).split("_")[1] for m in members)
+    assert len({names.part_name(member) for member in members}) == len(members)
+    assert names.part_name(members[4]) == "walker_t10.0_flexible_s0.40"
+    assert all("e" not in names.part_name(m).split("_")[1] for m in members)
 
 
 def test_a_part_too_large_for_the_printer_is_refused_before_anything_is_written(tmp_path):

@@ -13,8 +13,8 @@ from synthetic_tracks import film
 from walkergen.analysis import motion
 from walkergen.analysis.speeds import Measured as Speeds
 from walkergen.analysis.tracks import Track
-from walkergen.commands.accuracy.choice import RUNS, Candidate
-from walkergen.commands.accuracy.figures import Mark, Point, Shown, choice_figure, front
+from walkergen.commands.accuracy.choice import RUN_COUNTS, Candidate
+from walkergen.commands.accuracy.figures import Mark, Point, Shown, choice_figure, compute_front
 from walkergen.commands.family import chart_data
 from walkergen.commands.family import figures as family
 from walkergen.core.theory.prediction import Curve, Prediction
@@ -66,7 +66,7 @@ def speed_of_one():
 BIASES = {1.2: 0.01, 2.3: 0.028, 4.6: 0.031, 5.8: 0.11, 7.4: 0.079}
 """Bounds of biases in space, as shares, by step."""
 
-CURVES = [Candidate(step, bias, 1e-3, 0.2 / step, 1.0 / RUNS[0]) for step, bias in BIASES.items()]
+CURVES = [Candidate(step, bias, 1e-3, 0.2 / step, 1.0 / RUN_COUNTS[0]) for step, bias in BIASES.items()]
 MARKS = [
     Mark("step 9 us", 0.05, 0.9, 0.01),
     Mark("step 8 us", 0.2, 0.2, 0.03),
@@ -145,9 +145,9 @@ def test_series_differ_in_line_and_marker_and_not_only_in_colour():
 
 
 def test_the_front_is_the_least_error_of_all_curves_for_a_time(drawn):
-    least = front(CURVES, 60.0)
+    least = compute_front(CURVES, 60.0)
     for curve in CURVES:
-        assert np.all(least.total <= np.hypot(curve.scatter(least.cpu_s), curve.bias) * (1 + 1e-12))
+        assert np.all(least.total <= np.hypot(curve.scatter_error(least.cpu_s), curve.bias) * (1 + 1e-12))
     assert least.total == pytest.approx(np.hypot(least.scatter, least.bias))
     assert np.all(np.diff(least.total) <= 1e-12)  # more time is never worse
     axes = drawn["choice"].axes[0]
@@ -238,7 +238,7 @@ def test_one_dashed_line_is_the_theory_of_flexible_legs_if_any(kinds):
     drawn_kind = "flexible" if "flexible" in kinds else "braced"
     for line in lines:
         assert line.get_ydata().tolist() == SHOWN.curves[drawn_kind].theory.tolist()
-    assert [text.get_text() for text in texts(figure)].count(family.THEORY) == bool(kinds)
+    assert [text.get_text() for text in texts(figure)].count(family.THEORY_LABEL) == bool(kinds)
 
 
 def test_measured_speeds_stand_at_the_walker_where_no_tilt_is_common():
@@ -246,7 +246,7 @@ def test_measured_speeds_stand_at_the_walker_where_no_tilt_is_common():
     axes = speed_figure(rows, SHOWN._replace(curves={}), (), named=True).axes[0]
     crosses = [line for line in axes.get_lines() if line.get_marker() in ("x", "+")]
     assert [line.get_xdata().tolist() for line in crosses] == [[0.0]]
-    found = chart_data.of_members(MEASURED, {"braced": 3.0})
+    found = chart_data.assign_member_tilts(MEASURED, {"braced": 3.0})
     assert (found.tilt.tolist(), found.legs, found.speed.tolist()) == ([3.0], ["braced"], [1.0])
     assert found.se.tolist() == [0.0]
 

@@ -182,7 +182,7 @@ def simulated_page(made, tmp_path_factory):
     runs = [Simulated(55.9, 0.5, 53.7, 58.1, f"{k} ok", "agree") for k in range(len(made.members))]
     walkers = [member._replace(simulated=one) for member, one in zip(made.members, runs, strict=True)]
     job, path = job_of(TILTS), tmp_path_factory.mktemp("simulated") / "report.html"
-    table = report.of(job.design, job.scene, job.mode, walkers, made.folder).markdown().encode()
+    table = report.make_report(job.design, job.scene, job.mode, walkers, made.folder).markdown().encode()
     path.write_text(rendered(made, files_of(made.folder) | {"family.md": table}), encoding="utf-8")
     return path
 

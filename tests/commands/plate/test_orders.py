@@ -62,7 +62,7 @@ def test_rows_name_walkers_by_template_or_path_and_equal_rows_add_up(lists):
         (PAPER, 3),  # blank cells: the design's own 10 deg on flexible legs
         (PAPER.variant(tilt_deg=0.0, kind="braced"), 7),
     ]
-    assert list(zip(*order_list.read(path), strict=True)) == wanted
+    assert list(zip(*order_list.read_orders(path), strict=True)) == wanted
 
 
 def test_a_list_of_one_design_makes_the_bytes_of_the_command_line(run, lists, tmp_path):
@@ -128,30 +128,30 @@ def test_a_design_reads_its_own_form_back(run, lists, tmp_path):
     filled = form.read_text().replace("-1,,,", "-1,0.5,,").replace("-2,,,", "-2,0.6,,")
     form.write_text(filled)
     duck = templates.load(str(tmp_path / "duck.toml"), "walkers", Design)
-    (weighings,) = weights.read(form, [duck]).values()
+    (weighings,) = weights.read_masses(form, [duck]).values()
     assert weighings.grams is not None
     assert weighings.grams.mean == pytest.approx(0.55)
     assert run(*words).exit_code == 0
     assert form.read_text() == filled  # what somebody weighed is kept
     with pytest.raises(InputError, match=r"part 'duck_t10\.0_flexible_s0\.40-1' is not among"):
-        weights.read(form, [PAPER])
+        weights.read_masses(form, [PAPER])
 
 
 def test_checks_of_a_mixed_plate_are_those_of_each_design_alone():
     members = [PAPER, LARGE.variant(kind="braced"), PAPER.variant(tilt_deg=30.0)]
     built = [solids.build(one) for one in members]
     mixed = plates.arrange(members, built, [3, 2, 4], PRINTER)
-    for design, one, name in zip(members, built, names.parts(members), strict=True):
-        alone = checks.of_part(name, design, one.walker, PRINTER)
+    for design, one, name in zip(members, built, names.part_names(members), strict=True):
+        alone = checks.check_part(name, design, one.walker, PRINTER)
         assert [found for found in mixed.findings if found.where == name] == alone
     assert any(found.where.startswith("maker-large") for found in mixed.findings)
 
 
 def test_letters_count_on_and_the_picture_names_those_of_its_plate(monkeypatch):
     members = [PAPER.model_copy(update={"name": f"d{k}"}) for k in range(28)]
-    letters = names.letters(members)
+    letters = names.design_letters(members)
     assert [letters[f"d{k}"] for k in (0, 1, 25, 26, 27)] == ["A", "B", "Z", "AA", "AB"]
-    assert names.letters(members[:1]) == {}
+    assert names.design_letters(members[:1]) == {}
     drawn = []
     monkeypatch.setattr(plate_map.figures, "png", lambda figure, dpi: drawn.append(figure) or b"")
     built = [solids.build(PAPER)] * 28
@@ -221,7 +221,7 @@ def test_how_many_of_each_walker_of_a_list_fit(run, lists, tmp_path):
     assert [(row["name"], row["fit"]) for row in rows] == [
         (
             "maker-large_t10.0_flexible_s0.80",
-            packing.capacity(packing.Part.of("x", solids.build(LARGE).walker), PRINTER),
+            packing.capacity(packing.Part.from_mesh("x", solids.build(LARGE).walker), PRINTER),
         ),
         ("koumakis2016_t10.0_flexible_s0.40", 105),
     ]
@@ -232,7 +232,7 @@ def test_every_mistake_is_told_at_its_line_up_to_a_number(lists):
     path = lists / "orders.csv"
     path.write_text(HEADER + "koumakis2016,10,,0\n" * 50)
     with pytest.raises(InputError) as caught:
-        order_list.read(path)
+        order_list.read_orders(path)
     lines = str(caught.value).splitlines()
     assert lines[-1] == f"{path}: and 30 more mistakes"
     assert [line.split(":")[1] for line in lines[:-1]] == [str(2 + k) for k in range(20)]
@@ -246,10 +246,10 @@ def test_two_designs_of_one_name_are_refused_unless_they_are_the_same(lists, nam
     shipped = (templates.folder() / "walkers" / "koumakis2016.toml").read_text()
     (lists / "mine.toml").write_text(f'name = "{name}"\n[body]\nlength_mm = 30.0\n')
     with pytest.raises(InputError, match=f":3: design 'mine.toml' is called {name}, and line 2 "):
-        order_list.read(path)
+        order_list.read_orders(path)
     (lists / "mine.toml").write_text(shipped)  # a copy of the template is the template
-    members, copies = order_list.read(path)
-    assert [names.part(one, one.name) for one in members] == [
+    members, copies = order_list.read_orders(path)
+    assert [names.part_name(one, one.name) for one in members] == [
         "koumakis2016_t10.0_flexible_s0.40",
         "koumakis2016_t15.0_flexible_s0.40",
     ]
@@ -288,4 +288,4 @@ def test_each_printer_has_a_manifest_that_sweeps_up_its_own_plates_alone(run, li
 def test_a_list_from_a_spreadsheet_has_a_byte_order_mark_and_its_own_line_ends(lists):
     path = lists / "orders.csv"
     path.write_bytes(b"\xef\xbb\xbf" + (HEADER + '"koumakis2016",5,,2\n').replace("\n", "\r\n").encode())
-    assert order_list.read(path) == ([PAPER.variant(tilt_deg=5.0)], [2])
+    assert order_list.read_orders(path) == ([PAPER.variant(tilt_deg=5.0)], [2])

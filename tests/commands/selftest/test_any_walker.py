@@ -10,8 +10,8 @@ from walkergen.core.scene import Scene
 from walkergen.core.simulation.effects import compliance
 from walkergen.core.simulation.effects.effect import Case
 from walkergen.core.simulation.plan import prepare
-from walkergen.core.simulation.space.model import start
-from walkergen.core.simulation.space.points import MOST
+from walkergen.core.simulation.space.model import initial_state
+from walkergen.core.simulation.space.points import MAX_HULL_POINTS
 from walkergen.core.simulation.space.state import C_Z
 from walkergen.core.theory import uncertain
 from walkergen.core.theory.stationary import stationary
@@ -38,9 +38,9 @@ def scene_of(**tables):
 
 
 def test_legs_are_named_by_where_they_stand():
-    assert names.legs(Design()) == ("back", "front")
-    assert names.legs(design_of(MIXED)) == ("front", "back")
-    assert names.legs(design_of(ROTATOR)) == ("leg 1", "leg 2", "leg 3", "leg 4")
+    assert names.leg_names(Design()) == ("back", "front")
+    assert names.leg_names(design_of(MIXED)) == ("front", "back")
+    assert names.leg_names(design_of(ROTATOR)) == ("leg 1", "leg 2", "leg 3", "leg 4")
 
 
 def test_a_body_whose_weight_is_aside_starts_between_a_lanes_walls():
@@ -48,7 +48,7 @@ def test_a_body_whose_weight_is_aside_starts_between_a_lanes_walls():
     design = design_of({"place": "auto"}, body={"outline": "polygon", "points_mm": corners})
     world = prepare(Scene(), design, solids.mass_of(design)).world
     walled = world.walker.place > 0.0
-    sides, state = world.walker.root[walled, 2], start(world, 0.1)
+    sides, state = world.walker.root[walled, 2], initial_state(world, 0.1)
     assert abs(sides.min() + sides.max()) > 1.0  # the centre of mass is off the middle
     assert np.abs(sides + state[C_Z]).max() == pytest.approx(world.walker.place.max() - 0.25)
 
@@ -82,7 +82,7 @@ def test_poses_and_outline_of_a_walker_seen_from_above():
 def test_a_disc_topples_by_its_rim_and_not_by_corners_of_its_box():
     design = design_of(TWO, body=DISC)
     walker = prepare(scene_of(), design, solids.mass_of(design)).world.walker
-    assert len(walker.corners) <= MOST
+    assert len(walker.corners) <= MAX_HULL_POINTS
     flat = np.hypot(walker.corners[:, 0], walker.corners[:, 2])
     # Legs of 0.02 g each lean back, so that C stands off the middle by 0.03 mm
     assert flat.max() == pytest.approx(11.0, abs=0.1)
@@ -120,7 +120,7 @@ def test_feet_of_another_material_change_as_the_scenes_contact_is_drawn():
     design, scene = design_of(legs), Scene.model_validate({"contact": {"restitution": 0.5}})
     nominal = scene.contact.friction
     drawn = {"contact.friction": 1.5 * nominal, "contact.restitution": 0.6}
-    _, changed, _ = uncertain.applied(scene, design, drawn)
+    _, changed, _ = uncertain.apply_inputs(scene, design, drawn)
     assert changed.limbs[0].friction == pytest.approx(0.15, rel=1e-12)
     assert changed.limbs[0].restitution == 1.0  # 0.9 x 1.2, capped
     assert changed.limbs[1].friction is None

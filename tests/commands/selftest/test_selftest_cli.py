@@ -106,6 +106,6 @@ def test_ctrl_c_shows_what_is_done(monkeypatch):
 
 
 def test_a_section_holds_those_below_it_and_no_others():
-    sections = [case.section for case in selftest.choose(None)]
-    assert {case.section for case in selftest.choose("6.1")} == {"6.1"}
-    assert len(selftest.choose("6")) == sum(section.startswith("6.") for section in sections)
+    sections = [case.section for case in selftest.select_cases(None)]
+    assert {case.section for case in selftest.select_cases("6.1")} == {"6.1"}
+    assert len(selftest.select_cases("6")) == sum(section.startswith("6.") for section in sections)

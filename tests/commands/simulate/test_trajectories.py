@@ -30,11 +30,11 @@ OVITO = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 def asked_of(arena, runs=2, seconds=0.06):
     run = {"runs": runs, "seconds": seconds, "discard_seconds": 0.0, "seed": 5}
     scene = Scene.model_validate({"arena": {"kind": arena}, "run": run})
-    return make.asked(scene, WALKER, solids.mass_of(WALKER), INTERVAL)
+    return make.make_walker(scene, WALKER, solids.mass_of(WALKER), INTERVAL)
 
 
 def simulated(one):
-    return trajectories.of(one, make.measure(one, silent).point, silent)
+    return trajectories.collect(one, make.measure(one, silent).point, silent)
 
 
 def frames_of(text):
@@ -122,10 +122,10 @@ def test_a_run_that_ended_early_is_absent_from_later_frames_and_no_run_is_no_fra
     columns = ("t_s", "particle", "x_mm", "y_mm", "theta_rad", "height_mm", "pitch_rad", "roll_rad")
     rows = np.zeros((3, len(columns)))
     rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 5] = (0.0, 0.01, 0.0), (0, 0, 1), (0.0, 1.0, 5.0), 9.0
-    found = trajectories.with_film(Trajectory(columns, rows), 0.01)
+    found = trajectories.with_film_columns(Trajectory(columns, rows), 0.01)
     frames = frames_of(trajectories.to_xyz(Written(found, WALKER)).decode())
     assert [values[:, 0].tolist() for _, values in frames] == [[0, 1], [0]]
-    none = trajectories.with_film(Trajectory(columns, rows[:0]), 0.01)
+    none = trajectories.with_film_columns(Trajectory(columns, rows[:0]), 0.01)
     assert trajectories.to_xyz(Written(none, WALKER)) == b""
     assert trajectories.to_csv(Written(none, WALKER)).count(b"\n") == 1
 
@@ -134,4 +134,4 @@ def test_samples_kept_are_not_simulated_again(monkeypatch):
     one = asked_of("lane")
     point = make.measure(one, silent).point
     monkeypatch.setattr(trajectories.walkers, "simulate", None)
-    assert len(trajectories.of(one, point, silent).rows) == 14
+    assert len(trajectories.collect(one, point, silent).rows) == 14

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from walkergen.cli import command_line
 from walkergen.commands.simulate import prints
-from walkergen.core.theory.uncertain import Input, draws
+from walkergen.core.theory.uncertain import Input, sample_inputs
 from walkergen.points import draws as uncertain
 
 KNOWN = (Input("contact.restitution", 0.5, 0.1, 0.0, 1.0), Input("contact.friction", 0.25, 0.02))
@@ -19,7 +19,7 @@ QUICK = ("simulate", "--uncertain", "--draws", "16", "--seconds", "0.3")
 def _synthetic(count, seed, statistical, print_sd=0.0):
     """Speeds 60 + 100 (e - 0.5), sd 10 by e; plus a print's own scatter and two noisy halves."""
     rng = np.random.default_rng(seed)
-    values = draws(KNOWN, count, seed)
+    values = sample_inputs(KNOWN, count, seed)
     true = 60.0 + 100.0 * (values[:, 0] - 0.5) + print_sd * rng.normal(size=count)
     halves = true[:, None] + statistical * np.sqrt(2.0) * rng.normal(size=(count, 2))
     return values, halves
@@ -97,11 +97,11 @@ def test_scatter_that_runs_do_not_resolve_is_not_shared_out():
     rng = np.random.default_rng(8)
     halves = 50.0 + rng.normal(0.0, [[4.0, 4.0]], (64, 2))
     halves[:, 1] += 4.0  # statistical errors just above the scatter of the means
-    found = _analysed(draws(KNOWN, 64, 1), halves)
+    found = _analysed(sample_inputs(KNOWN, 64, 1), halves)
     assert found.between_prints_mm_s == 0.0
     low, _, _, high = found.bounds_mm_s
     assert low < 52.0 < high
-    assert "not resolved" in dict(prints.rows(found))["deviation, print to print"].refused
+    assert "not resolved" in dict(prints.summary_rows(found))["deviation, print to print"].refused
     assert "half of the variance is taken out" in " ".join(prints.notes(found))
     assert found.shares == ()
 

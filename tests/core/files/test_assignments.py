@@ -31,10 +31,10 @@ UNEQUAL = templates.load("unequal-legs", "walkers", Design)
 )
 def test_key_and_value_are_told_apart(text, pair):
     if pair:
-        assert assignments.split(text) == pair
+        assert assignments.split_key_value(text) == pair
         return
     with pytest.raises(InputError, match=r"write KEY=VALUE|at most 10000"):
-        assignments.split(text)
+        assignments.split_key_value(text)
 
 
 @pytest.mark.parametrize(
@@ -53,7 +53,7 @@ def test_key_and_value_are_told_apart(text, pair):
     ],
 )
 def test_a_value_is_tomls_or_the_text(text, value):
-    found = assignments.value_of(text)
+    found = assignments.parse_value(text)
     assert found == value
     assert type(found) is type(value)
 
@@ -61,17 +61,17 @@ def test_a_value_is_tomls_or_the_text(text, value):
 @pytest.mark.parametrize("text", ["[" * 5000, "[braced]", "{a = }"])
 def test_lists_that_are_none_are_refused(text):
     with pytest.raises(InputError, match="no list or table of TOML"):
-        assignments.value_of(text)
+        assignments.parse_value(text)
 
 
 def test_an_unknown_key_names_the_one_that_is_most_like_it():
     with pytest.raises(InputError, match=r"^--set a: unknown key; did you mean legs\.tilt_deg\?$"):
-        assignments.check("legs.tlit_deg", Design, "--set a")
-    assignments.check("legs[2].tilt_deg", Design, "--set a")
+        assignments.check_key("legs.tlit_deg", Design, "--set a")
+    assignments.check_key("legs[2].tilt_deg", Design, "--set a")
 
 
 def test_a_changed_design_is_the_file_with_that_line():
-    found = assignments.changed(PAPER, {"legs.tilt_deg": 12, "marks.kind": "none"})
+    found = assignments.replace_values(PAPER, {"legs.tilt_deg": 12, "marks.kind": "none"})
     data = PAPER.model_dump(exclude_unset=True)
     data["legs"]["tilt_deg"] = 12
     data.setdefault("marks", {})["kind"] = "none"
@@ -80,7 +80,7 @@ def test_a_changed_design_is_the_file_with_that_line():
 
 
 def test_entries_are_numbered_from_one():
-    found = assignments.changed(UNEQUAL, {"legs[2].friction": 0.125})
+    found = assignments.replace_values(UNEQUAL, {"legs[2].friction": 0.125})
     frictions = [leg.friction for leg in UNEQUAL.legs]
     assert [leg.friction for leg in found.legs] == [frictions[0], 0.125, *frictions[2:]]
 
@@ -106,7 +106,7 @@ close = pytest.approx
 def test_one_number_of_the_drive_leaves_the_frequency(drive, key):
     scene = Scene.model_validate({"drive": drive})
     value = 1.7 * NUMBERS[key](scene.drive)
-    found = assignments.changed(scene, {f"drive.{key}": value}).drive
+    found = assignments.replace_values(scene, {f"drive.{key}": value}).drive
     assert NUMBERS[key](found) == close(value)
     assert found.frequency == close(scene.drive.frequency)
     # At one frequency the other two are proportional to it.
@@ -118,7 +118,7 @@ def test_one_number_of_the_drive_leaves_the_frequency(drive, key):
 @pytest.mark.parametrize("drive", DRIVES)
 def test_the_frequency_leaves_the_acceleration(drive):
     scene = Scene.model_validate({"drive": drive})
-    found = assignments.changed(scene, {"drive.frequency_hz": 45.0}).drive
+    found = assignments.replace_values(scene, {"drive.frequency_hz": 45.0}).drive
     assert found.frequency == 45.0
     assert found.peak_gamma == close(scene.drive.peak_gamma)
     assert found.amplitude == close(scene.drive.amplitude * (scene.drive.frequency / 45.0) ** 2)
@@ -133,20 +133,20 @@ def test_two_numbers_of_the_drive_are_both_set(drive, first, second):
     scene = Scene.model_validate({"drive": drive})
     wanted = Scene.model_validate({"drive": {"frequency_hz": 70.0, "gamma": 2.4}}).drive
     values = {f"drive.{key}": NUMBERS[key](wanted) for key in (first, second)}
-    found = assignments.changed(scene, values).drive
+    found = assignments.replace_values(scene, values).drive
     for number in NUMBERS.values():
         assert number(found) == close(number(wanted))
 
 
 def test_three_numbers_of_the_drive_must_agree():
     good = {"drive.frequency_hz": 90, "drive.gamma": 1.8, "drive.amplitude_um": 55.2}
-    assert assignments.changed(LANE, good).drive.amplitude == close(0.0552)
+    assert assignments.replace_values(LANE, good).drive.amplitude == close(0.0552)
     with pytest.raises(InputError, match="contradicts"):
-        assignments.changed(LANE, good | {"drive.amplitude_um": 70})
+        assignments.replace_values(LANE, good | {"drive.amplitude_um": 70})
 
 
 def test_nothing_else_of_the_scene_moves():
-    found = assignments.changed(LANE, {"drive.gamma": 2.2})
+    found = assignments.replace_values(LANE, {"drive.gamma": 2.2})
     assert found.model_copy(update={"drive": LANE.drive}) == LANE
 
 

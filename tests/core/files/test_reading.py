@@ -16,8 +16,8 @@ from walkergen.core.walker.design import Design
 def test_a_byte_order_mark_and_foreign_line_ends_are_forgiven(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_bytes(b"\xef\xbb\xbf[legs]\r\ntilt_deg = 12\r\n")
-    assert list(reading.lines(path, "a TOML file")) == ["[legs]\n", "tilt_deg = 12\n"]
-    assert config.read(path, Design).legs.tilt_deg == 12.0
+    assert list(reading.read_lines(path, "a TOML file")) == ["[legs]\n", "tilt_deg = 12\n"]
+    assert config.read_section(path, Design).legs.tilt_deg == 12.0
 
 
 @pytest.mark.parametrize(
@@ -37,7 +37,7 @@ def test_what_cannot_be_read_is_one_line_that_names_the_file(tmp_path, monkeypat
     (tmp_path / "large.csv").write_bytes(b"0123456789\n")
     monkeypatch.chdir(tmp_path)
     with pytest.raises(InputError) as caught:
-        list(reading.lines(Path(name), "a CSV file", 10))
+        list(reading.read_lines(Path(name), "a CSV file", 10))
     assert str(caught.value).endswith(told)
     assert name[:60] in str(caught.value).replace("\\x00", "\0").replace("\\udc80", "\udc80")
     assert "\n" not in str(caught.value)
@@ -53,17 +53,17 @@ def test_a_mistake_of_the_code_that_reads_is_not_blamed_on_the_file(tmp_path):
     path = tmp_path / "sound.csv"
     path.write_text("a\n1\n")
     with pytest.raises(ValueError, match="mine"):
-        [int(f"mine {line}") for line in reading.lines(path, "a CSV file")]
+        [int(f"mine {line}") for line in reading.read_lines(path, "a CSV file")]
 
 
 @given(st.text(alphabet="ab,'\"=- .\t\v\f\x1c\u2028é", max_size=12), st.sampled_from(["", "\n"]))
 def test_cells_are_those_of_the_csv_module_and_apostrophes_before_formulas_go(text, end):
-    by_module = [tables.unquoted(cell) for cell in next(csv.reader([text + end]), [])]
-    assert columns.cells(text + end, "some.csv", 1) == by_module
+    by_module = [tables.unquote_formula(cell) for cell in next(csv.reader([text + end]), [])]
+    assert columns.split_cells(text + end, "some.csv", 1) == by_module
 
 
 def test_records_are_cells_by_column_and_line():
-    found = columns.records(["a, b\n", '1,"x,y"\n', "\n", " , \n", '2,"open\n', "3,z\n"], "mine")
+    found = columns.parse_records(["a, b\n", '1,"x,y"\n', "\n", " , \n", '2,"open\n', "3,z\n"], "mine")
     assert found.names == ["a", "b"]
     assert found.rows == [(2, {"a": "1", "b": "x,y"}), (5, {"a": "2", "b": "open\n"}), (6, {"a": "3", "b": "z"})]
 
@@ -79,5 +79,5 @@ def test_records_are_cells_by_column_and_line():
 )
 def test_records_are_refused_by_their_line(lines, told):
     with pytest.raises(InputError) as caught:
-        columns.records(lines, "mine")
+        columns.parse_records(lines, "mine")
     assert str(caught.value).startswith(told)

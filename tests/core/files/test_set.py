@@ -190,8 +190,8 @@ def test_every_key_of_the_templates_can_be_set_to_its_own_value():
             section = templates.load(name, kind, model)
             for key, value in leaves(section.model_dump(exclude_unset=True)):
                 word = json.dumps(value, ensure_ascii=False)
-                one, text = assignments.split(f"{key}={word}")
-                assert assignments.changed(section, {one: assignments.value_of(text)}) == section
+                one, text = assignments.split_key_value(f"{key}={word}")
+                assert assignments.replace_values(section, {one: assignments.parse_value(text)}) == section
 
 
 def leaves(data, before=""):

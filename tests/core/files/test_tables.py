@@ -5,7 +5,7 @@ import io
 
 import pytest
 
-from walkergen.core.files.columns import records
+from walkergen.core.files.columns import parse_records
 from walkergen.core.files.tables import csv_text
 
 FORMULAS = ["=1+1", "@SUM(A1)", "+cmd|' /C calc'!A0", "-2+3", "\t=1", "'=1", "''@x", "=HYPERLINK(1)"]
@@ -15,7 +15,7 @@ PLAIN = ["walker", "-5", "+3.5", "-inf", "'quoted'", "", "é", 'a "b", c']
 @pytest.mark.parametrize("text", [*FORMULAS, *PLAIN])
 def test_what_was_written_is_read(text):
     written = csv_text(("name", text or "x"), [(text, 1.5)])
-    (line,) = records(written.splitlines(keepends=True), "x").rows
+    (line,) = parse_records(written.splitlines(keepends=True), "x").rows
     assert line[1]["name"] == text
     assert list(line[1])[1] == (text or "x").strip()
 

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 import walkergen
-from walkergen.core.numerics.kernels import SOURCES, borrowed, kernel, listed, uncounted
+from walkergen.core.numerics.kernels import SOURCE_PATTERNS, borrow_item, kernel, kernel_without_refcount, typed_list
 
 PACKAGE = Path(walkergen.__file__).parent
-COVERED = {path for pattern in SOURCES for path in PACKAGE.glob(pattern)}
+COVERED = {path for pattern in SOURCE_PATTERNS for path in PACKAGE.glob(pattern)}
 WITH_KERNELS = sorted(p for p in PACKAGE.rglob("*.py") if "@kernel" in p.read_text())
 
 
@@ -77,9 +77,9 @@ class Pair(NamedTuple):
     shared: np.ndarray
 
 
-@uncounted
+@kernel_without_refcount
 def _raise(pairs, i):
-    pair = borrowed(pairs, i)
+    pair = borrow_item(pairs, i)
     pair.own[0] += pair.shared[1]
 
 
@@ -93,7 +93,7 @@ def _raise_all(pairs):
 def test_items_of_a_list_are_read_without_counting_references_that_would_never_be_returned():
     shared = np.arange(2.0)
     items = [Pair(np.full(1, float(i)), shared) for i in range(3)]
-    pairs = listed(items)
+    pairs = typed_list(items)
     before = sys.getrefcount(shared)
     _raise_all(pairs)
     assert [item.own[0] for item in items] == [100.0, 101.0, 102.0]

@@ -50,7 +50,7 @@ def test_a_bias_widens_bounds_in_squares_and_stays_in_differences():
     half, biased = one.half_width(), one._replace(bias=3.0)
     assert biased.half_width() == pytest.approx(math.hypot(half, 3.0))
     assert biased.half_width(0.68) == pytest.approx(math.hypot(one.half_width(0.68), 1.5))
-    assert biased.less(biased).bias == pytest.approx(math.sqrt(18.0))
+    assert biased.minus(biased).bias == pytest.approx(math.sqrt(18.0))
     assert one._replace(bias=math.inf).interval() is None
 
 
@@ -64,21 +64,21 @@ def test_ninety_five_of_a_hundred_bounds_of_a_mean_hold_the_truth():
 def test_the_noisier_a_number_the_less_it_agrees():
     published = exact("speed", "mm_s", 60.0)
     for se, verdict in ((0.5, Verdict.AGREE), (4.0, Verdict.UNDECIDED), (100.0, Verdict.UNDECIDED)):
-        assert Quantity("speed", "mm_s", 61.0, se).beside(published, margin=0.1) == verdict
-    assert Quantity("speed", "mm_s", 80.0, 1.0).beside(published, margin=0.1) == Verdict.DISAGREE
-    assert Quantity("speed", "mm_s", 61.0, 0.0).beside(published) == Verdict.DISAGREE
-    assert Quantity("speed", "mm_s", 61.0).beside(published, margin=0.1) == Verdict.UNDECIDED
-    assert Quantity("speed", "mm_s", None, refused="fell").beside(published) == Verdict.MISSING
-    assert Quantity("order", "", 0.3, 0.01).within(-math.inf, 0.5) == Verdict.AGREE
+        assert Quantity("speed", "mm_s", 61.0, se).compare_with(published, margin=0.1) == verdict
+    assert Quantity("speed", "mm_s", 80.0, 1.0).compare_with(published, margin=0.1) == Verdict.DISAGREE
+    assert Quantity("speed", "mm_s", 61.0, 0.0).compare_with(published) == Verdict.DISAGREE
+    assert Quantity("speed", "mm_s", 61.0).compare_with(published, margin=0.1) == Verdict.UNDECIDED
+    assert Quantity("speed", "mm_s", None, refused="fell").compare_with(published) == Verdict.MISSING
+    assert Quantity("order", "", 0.3, 0.01).compare_with_range(-math.inf, 0.5) == Verdict.AGREE
 
 
 def test_differences_and_ratios_carry_both_errors():
     one, two = mean("a", "mm", [1.0, 2.0, 4.0]), mean("a", "mm", [7.0, 9.0, 8.0, 6.0])
     welch = stats.ttest_ind([1.0, 2.0, 4.0], [7.0, 9.0, 8.0, 6.0], equal_var=False)
-    gap = one.less(two)
+    gap = one.minus(two)
     assert gap.freedom == pytest.approx(welch.df)
     assert gap.value / gap.se == pytest.approx(welch.statistic)
-    ratio = Quantity("a", "mm", 10.0, 0.3).over(Quantity("b", "mm", 5.0, 0.1))
+    ratio = Quantity("a", "mm", 10.0, 0.3).ratio_to(Quantity("b", "mm", 5.0, 0.1))
     drawn = np.random.default_rng(2).normal([10.0, 5.0], [0.3, 0.1], (20000, 2))
     assert ratio.se == pytest.approx(
         np.std(drawn[:, 0] / drawn[:, 1]), rel=0.03

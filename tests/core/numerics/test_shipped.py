@@ -27,7 +27,7 @@ def folder(tmp_path, monkeypatch):
 
 
 def test_kernels_of_the_same_kind_are_used(folder):
-    assert shipped.refusal(shipped.manifest(folder), OWN, folder) == ""
+    assert shipped.mismatch_reason(shipped.read_manifest(folder), OWN, folder) == ""
 
 
 @pytest.mark.parametrize(
@@ -41,28 +41,28 @@ def test_kernels_of_the_same_kind_are_used(folder):
     ],
 )
 def test_kernels_of_another_kind_are_refused_by_name(folder, field, told):
-    made = shipped.manifest(folder) | {field: "other"}
-    assert told in shipped.refusal(made, OWN, folder)
+    made = shipped.read_manifest(folder) | {field: "other"}
+    assert told in shipped.mismatch_reason(made, OWN, folder)
 
 
 def test_a_cpu_that_is_asked_for_or_too_old_compiles_for_itself(folder, monkeypatch):
-    made = shipped.manifest(folder)
-    assert "another kind" in shipped.refusal(made, OWN._replace(cpu=""), folder)
+    made = shipped.read_manifest(folder)
+    assert "another kind" in shipped.mismatch_reason(made, OWN._replace(cpu=""), folder)
     monkeypatch.setenv("NUMBA_CPU_NAME", "skylake")
-    assert "another kind" in shipped.refusal(made, OWN, folder)
+    assert "another kind" in shipped.mismatch_reason(made, OWN, folder)
 
 
 @POSIX
 @pytest.mark.parametrize("mode", [0o757, 0o777])
 def test_a_folder_that_others_may_write_to_is_not_read(folder, mode):
     folder.chmod(mode)
-    assert "written by others" in shipped.refusal(shipped.manifest(folder), OWN, folder)
+    assert "written by others" in shipped.mismatch_reason(shipped.read_manifest(folder), OWN, folder)
 
 
 @POSIX
 def test_a_link_in_the_folder_is_not_followed(folder, tmp_path):
     (folder / "space").symlink_to(tmp_path)
-    assert "written by others" in shipped.refusal(shipped.manifest(folder), OWN, folder)
+    assert "written by others" in shipped.mismatch_reason(shipped.read_manifest(folder), OWN, folder)
 
 
 @pytest.mark.parametrize("text", [None, "", "{", "[1]", "\x00"])
@@ -71,12 +71,12 @@ def test_a_manifest_that_is_none_is_no_kernels(folder, text):
     path.unlink()
     if text is not None:
         path.write_text(text)
-    assert shipped.manifest(folder) is None
+    assert shipped.read_manifest(folder) is None
 
 
 def test_the_kind_of_this_machine_is_told_apart_by_its_sources():
-    here = shipped.kind(kernels.digest())
-    assert here.sources == kernels.digest()
+    here = shipped.machine_kind(kernels.source_digest())
+    assert here.sources == kernels.source_digest()
     assert here.cpu in ("x86-64-v3", "generic", "")
 
 
@@ -102,10 +102,10 @@ def test_shipped_entries_come_first_and_only_with_their_sums(folder, tmp_path):
     room.mkdir()
     (room / "f.nbi").write_text('{"int": "f.1.nbc"}')
     (room / "f.1.nbc").write_text("shipped")
-    sums = {f"theory/{path.name}": shipped.sum_of(path) for path in room.iterdir()}
-    own = tmp_path / shipped.subpath(shipped.PACKAGE / "theory")
+    sums = {f"theory/{path.name}": shipped.file_checksum(path) for path in room.iterdir()}
+    own = tmp_path / shipped.cache_subpath(shipped.PACKAGE_FOLDER / "theory")
     own.mkdir()
-    read = shipped.with_shipped(Plain, sums, folder)
+    read = shipped.add_shipped_files(Plain, sums, folder)
     assert read(str(own), "f", b"").load("int") == "shipped"
     assert read(str(own), "g", b"").load("int") is None  # none came: what is compiled here
     (own / "g.nbi").write_text('{"int": "g.1.nbc"}')

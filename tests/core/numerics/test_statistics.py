@@ -26,7 +26,7 @@ def test_error_of_a_correlated_mean_covers_it():
 
 def test_a_mean_of_equal_weights_has_the_textbook_error_and_interval():
     values = np.random.default_rng(3).normal(size=5)
-    mean = statistics.mean_of(values)
+    mean = statistics.weighted_mean(values)
     assert mean.value == pytest.approx(values.mean())
     assert mean.se == pytest.approx(values.std(ddof=1) / np.sqrt(5))
     assert mean.freedom == pytest.approx(4.0)
@@ -40,7 +40,7 @@ def test_a_mean_over_unequal_times_weighs_them_and_covers_the_truth():
     times = np.array([1.0, 1.0, 2.0, 4.0, 8.0, 8.0])
     errors, means, inside = [], [], []
     for _ in range(4000):
-        mean = statistics.mean_of(rng.normal(size=6) / np.sqrt(times), times)
+        mean = statistics.weighted_mean(rng.normal(size=6) / np.sqrt(times), times)
         low, high = mean.interval(0.95)
         means.append(mean.value)
         errors.append(mean.se**2)
@@ -97,7 +97,7 @@ def test_a_line_through_the_origin_covers_its_slope():
     for seed in range(300):
         errors = np.linspace(0.1, 0.5, 6)
         y = 2.0 * x + errors * np.random.default_rng(seed).normal(size=6)
-        line = statistics.line_through_origin(x, y, errors)
+        line = statistics.fit_through_origin(x, y, errors)
         scores.append((line.slope - 2.0) / line.slope_se)
     assert 0.60 < np.mean(np.abs(scores) < 1) < 0.76  # 68 % +- 2.7 %, 3 sigma
 
@@ -112,7 +112,7 @@ def test_bounds_from_few_values_hold_another_as_often_as_they_say(count, law):
     """2000 ensembles: the least and the largest of 16 and 24 hold 88 and 92 %, not 95."""
     rng = np.random.default_rng(count)
     ends = [
-        statistics.quantiles_of_another(values, (0.025, 0.16, 0.84, 0.975))
+        statistics.prediction_quantiles(values, (0.025, 0.16, 0.84, 0.975))
         for values in law.rvs((2000, count), random_state=rng)
     ]
     low2, low1, high1, high2 = law.cdf(np.array(ends)).mean(axis=0)
@@ -121,8 +121,8 @@ def test_bounds_from_few_values_hold_another_as_often_as_they_say(count, law):
 
 
 def test_from_39_values_on_bounds_of_95_percent_are_order_statistics():
-    values = np.random.default_rng(6).normal(size=statistics.ENOUGH_FOR_95)
-    ends = statistics.quantiles_of_another(values, (0.025, 0.5, 0.975))
+    values = np.random.default_rng(6).normal(size=statistics.MIN_VALUES_FOR_95)
+    ends = statistics.prediction_quantiles(values, (0.025, 0.5, 0.975))
     assert ends == pytest.approx([values.min(), np.median(values), values.max()])
-    fewer = statistics.quantiles_of_another(values[:38], (0.025, 0.975))
+    fewer = statistics.prediction_quantiles(values[:38], (0.025, 0.975))
     assert fewer[0] < values[:38].min() < values[:38].max() < fewer[1]

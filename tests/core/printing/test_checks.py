@@ -29,7 +29,7 @@ def design_of(**legs):
 
 def found(design, printer=MK3S, mesh=None):
     mesh = solids.build(design).walker if mesh is None else mesh
-    return checks.of_part("it", design, mesh, printer)
+    return checks.check_part("it", design, mesh, printer)
 
 
 def told(design, printer=MK3S):
@@ -47,11 +47,11 @@ def test_shipped_walkers_print_on_shipped_printers(walker, printer):
     members = templates.load(walker, "walkers", Design).members()
     machine = templates.load(printer, "printers", Printer)
     meshes = [solids.build(member).walker for member in members]
-    parts = [Part.of(f"part{index}", mesh, 3) for index, mesh in enumerate(meshes)]
+    parts = [Part.from_mesh(f"part{index}", mesh, 3) for index, mesh in enumerate(meshes)]
     plates = plate.pack(parts, machine)
-    every = checks.of_batch(members, meshes, parts, plates, machine)
+    every = checks.check_batch(members, meshes, parts, plates, machine)
     assert "error" not in levels(every)
-    findings.refuse(every, strict=False)
+    findings.check_printable(every, strict=False)
 
 
 @pytest.mark.parametrize(
@@ -99,11 +99,11 @@ CHANGES = st.fixed_dictionaries(
 @given(st.floats(0.01, 4.0), CHANGES)
 def test_what_a_finding_recommends_is_good(thickness, changes):
     printer = MK3S.model_copy(update=changes)
-    finding = checks.of_wall(walls.Wall("leg", thickness, 1.0, 8.0), printer, 0.02)
+    finding = checks.check_wall(walls.Wall("leg", thickness, 1.0, 8.0), printer, 0.02)
     if finding is None or " mm would do" not in finding.change:
         return
     better = float(finding.change.split(" mm would do")[0].split()[-1])
-    again = checks.of_wall(walls.Wall("leg", better, 1.0, 8.0), printer, 0.02)
+    again = checks.check_wall(walls.Wall("leg", better, 1.0, 8.0), printer, 0.02)
     assert again is None or again.level == "advice"
 
 
@@ -150,7 +150,7 @@ def test_window_and_clearance_are_those_of_the_solid():
     at_bottom = np.unique(np.round(vertices[np.abs(vertices[:, 1] + 1.5) < 1e-9, 0], 9))
     gaps = np.diff(at_bottom[np.abs(at_bottom) < 13.9])  # without the body's own corners
     assert np.isclose(gaps, solids.window_width(braced.limbs[0])).any()
-    assert np.isclose(gaps, solids.clearance(braced.limbs)).any()
+    assert np.isclose(gaps, solids.leg_clearance(braced.limbs)).any()
 
 
 @pytest.mark.parametrize(
@@ -164,7 +164,7 @@ def test_window_and_clearance_are_those_of_the_solid():
     ],
 )
 def test_layers_against_nozzle_and_line(changes, level):
-    seen = levels(checks.of_printer(MK3S.model_copy(update=changes)))
+    seen = levels(checks.check_printer(MK3S.model_copy(update=changes)))
     assert seen == ({level} if level else set())
 
 
@@ -199,7 +199,7 @@ def test_a_mesh_that_is_open_or_in_pieces_is_refused():
     for bad, bodies in ((opened, 0), (apart, 2), (inside_out, 0)):
         (error,) = [one for one in found(design, mesh=bad) if one.level == "error"]
         assert (error.what, error.seen) == ("the mesh is not one closed body", bodies)
-    assert solids.bodies(mesh) == 1
+    assert solids.count_bodies(mesh) == 1
 
 
 def test_a_part_larger_than_the_printer_is_an_error_in_every_direction():
@@ -215,7 +215,7 @@ BOX = [Part("box", 20.0, 10.0, 8.0, 2)]
 def on_plate(*places, **changes):
     one = Plate(tuple(Placement(0, copy, x, y) for copy, (x, y) in enumerate(places, start=1)))
     printer = MK3S.model_copy(update=changes)
-    return [(f.level, f.where, f.what) for f in checks.of_plate("p", one, BOX, printer)]
+    return [(f.level, f.where, f.what) for f in checks.check_plate("p", one, BOX, printer)]
 
 
 def test_parts_brims_and_skirts_off_the_bed_are_errors():
@@ -244,21 +244,21 @@ def test_parts_too_close_or_overlapping():
 def test_one_filament_prints_a_batch():
     """Settings that are loaded alone hold one density: that of the first part."""
     pla, petg = (Design.model_validate({"material": {"density_g_cm3": rho}}) for rho in (1.24, 1.27))
-    meshes = [solids.as_printed(pla, solids.build(pla).walker)] * 3
-    parts = [Part.of(name, mesh, 1) for name, mesh in zip("abc", meshes, strict=True)]
-    assert not checks.of_batch([pla] * 3, meshes, parts, [], MK3S)
-    (finding,) = checks.of_batch([pla, petg, petg], meshes, parts, [], MK3S)
+    meshes = [solids.orient_for_print(pla, solids.build(pla).walker)] * 3
+    parts = [Part.from_mesh(name, mesh, 1) for name, mesh in zip("abc", meshes, strict=True)]
+    assert not checks.check_batch([pla] * 3, meshes, parts, [], MK3S)
+    (finding,) = checks.check_batch([pla, petg, petg], meshes, parts, [], MK3S)
     assert (finding.level, finding.where) == ("warning", "b")
     assert (finding.seen, finding.limit, finding.unit) == (1.27, 1.24, "g/cm3")
 
 
 def test_equal_findings_are_told_once_and_errors_first():
-    one = findings.new(About.LEGS, "warning", "x", 1.0, 2.0, "mm", "y")._replace(where="a")
+    one = findings.make_finding(About.LEGS, "warning", "x", 1.0, 2.0, "mm", "y")._replace(where="a")
     every = [one, one._replace(where="b"), one._replace(level="error", where="c")]
-    merged = findings.listed(every)
+    merged = findings.group_findings(every)
     assert [(finding.level, finding.where) for finding in merged] == [("error", "c"), ("warning", "a and 1 more")]
     with pytest.raises(PrintabilityError) as caught:
-        findings.refuse(every, strict=True)
+        findings.check_printable(every, strict=True)
     assert str(caught.value).splitlines() == ["c: x: 1 mm, limit 2 mm: y", "a and 1 more: x: 1 mm, limit 2 mm: y"]
 
 

@@ -18,7 +18,7 @@ from walkergen.core.printing.printers import Printer
 
 TEMPLATES = Path(__file__).parents[3] / "templates" / "printers"
 PRINTERS = ["bambu-x1", "ender3", "prusa-mk3s", "replicator2x"]
-MK3S = config.read(TEMPLATES / "prusa-mk3s.toml", Printer)
+MK3S = config.read_section(TEMPLATES / "prusa-mk3s.toml", Printer)
 WALKER = (28.0, 12.0, 8.0)
 NANOMETRE = 1e-6  # what rounding to whole micrometres may leave of a sum of floats, mm
 
@@ -50,7 +50,7 @@ def check(plates: list[plate.Plate], parts: list[Part], printer: Printer) -> Non
 
 @pytest.mark.parametrize("name", PRINTERS)
 def test_shipped_printers_hold_a_walker(name: str) -> None:
-    printer = config.read(TEMPLATES / f"{name}.toml", Printer)
+    printer = config.read_section(TEMPLATES / f"{name}.toml", Printer)
     assert printer.name == name
     assert printer.description
     assert set(printer.model_fields_set) == set(Printer.model_fields)  # a template shows every key
@@ -143,9 +143,9 @@ def test_too_many_plates_are_refused_with_what_would_fit() -> None:
         plate.pack(parts, MK3S, max_plates=2)
 
 
-@pytest.mark.parametrize("copies", [plate.MOST_ARRANGED + 1, 10**15])
+@pytest.mark.parametrize("copies", [plate.MAX_ARRANGED_PARTS + 1, 10**15])
 def test_too_many_parts_are_refused_at_once(copies: int) -> None:
-    with pytest.raises(PlateError, match=rf"^{copies} parts: at most {plate.MOST_ARRANGED}"):
+    with pytest.raises(PlateError, match=rf"^{copies} parts: at most {plate.MAX_ARRANGED_PARTS}"):
         plate.pack([part("walker", copies=copies)], MK3S)
 
 

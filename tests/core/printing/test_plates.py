@@ -44,7 +44,7 @@ def table(path: Path) -> list[dict[str, str]]:
 
 @pytest.mark.parametrize("printer", PRINTERS, ids=lambda printer: printer.name)
 def test_the_map_says_where_the_3mf_file_has_every_part(printer):
-    files = dict(plates.files(layout_of(printer), "plate", draw=None))
+    files = dict(plates.layout_files(layout_of(printer), "plate", draw=None))
     rows = list(csv.DictReader(io.StringIO(files[f"plate_{printer.name}.csv"].decode())))
     assert list(rows[0]) == list(plates.Place._fields)
     centred = printer.origin == "centre"
@@ -69,7 +69,7 @@ def test_the_map_says_where_the_3mf_file_has_every_part(printer):
 
 def test_a_thumbnail_is_in_the_package_and_nowhere_without_pictures():
     layout = layout_of(PRINTERS[0], copies=(2, 2))
-    files = dict(plates.files(layout, "plate", draw=plate_map.pictures))
+    files = dict(plates.layout_files(layout, "plate", draw=plate_map.pictures))
     assert list(files) == [
         f"plate_prusa-mk3s{end}" for end in (".csv", ".md", ".ini", "_print.ini", "_orca.json", "_1.png", "_1.3mf")
     ]
@@ -77,7 +77,7 @@ def test_a_thumbnail_is_in_the_package_and_nowhere_without_pictures():
     assert png_size(archive.read("Metadata/thumbnail.png")) == (256, 215)
     assert b"metadata/thumbnail" in archive.read("_rels/.rels")
     threemf.read(files["plate_prusa-mk3s_1.3mf"])
-    plain = dict(plates.files(layout, "plate", draw=None))
+    plain = dict(plates.layout_files(layout, "plate", draw=None))
     assert len(plain) == 6
     bare = zipfile.ZipFile(io.BytesIO(plain["plate_prusa-mk3s_1.3mf"])).namelist()
     assert not any("thumbnail" in name for name in bare)
@@ -85,13 +85,17 @@ def test_a_thumbnail_is_in_the_package_and_nowhere_without_pictures():
 
 def test_equal_orders_give_equal_bytes():
     first, second = (
-        dict(plates.files(layout_of(PRINTERS[1], copies=(3, 3)), "plate", draw=plate_map.pictures)) for _ in range(2)
+        dict(plates.layout_files(layout_of(PRINTERS[1], copies=(3, 3)), "plate", draw=plate_map.pictures))
+        for _ in range(2)
     )
     assert first == second
 
 
 def test_one_mesh_serves_all_copies():
-    files = [dict(plates.files(layout_of(PRINTERS[0], copies=copies), "p", draw=None)) for copies in ((1, 1), (50, 50))]
+    files = [
+        dict(plates.layout_files(layout_of(PRINTERS[0], copies=copies), "p", draw=None))
+        for copies in ((1, 1), (50, 50))
+    ]
     one, two = (threemf.read(each["p_prusa-mk3s_1.3mf"]) for each in files)
     assert one.names == two.names
     assert len(two.items) > len(one.items) == 2
@@ -205,13 +209,13 @@ def test_weighed_masses_change_the_family_and_stay(run, tmp_path):
 def test_a_file_for_prusaslicer_holds_the_same_parts():
     layout = layout_of(PRINTERS[0], copies=(2, 3))
     plain, own = (
-        dict(plates.files(layout, "p", plate_map.pictures, prusaslicer))["p_prusa-mk3s_1.3mf"]
+        dict(plates.layout_files(layout, "p", plate_map.pictures, prusaslicer))["p_prusa-mk3s_1.3mf"]
         for prusaslicer in (False, True)
     )
     one, other = threemf.read(plain), threemf.read(own)
     assert other.metadata == one.metadata | {"Version3mf": "1"}
     assert (one.names, one.items, one.identifiers) == (other.names, other.items, other.identifiers)
-    assert own == dict(plates.files(layout, "p", plate_map.pictures, True))["p_prusa-mk3s_1.3mf"]
+    assert own == dict(plates.layout_files(layout, "p", plate_map.pictures, True))["p_prusa-mk3s_1.3mf"]
 
 
 @pytest.mark.slow
@@ -224,7 +228,7 @@ def test_prusaslicer_numbers_the_copies_as_the_map_does(tmp_path, printer):
         assert os.environ.get("CI") != "true", "CI installs PrusaSlicer"
         pytest.skip("prusa-slicer is not installed (Debian: apt-get install prusa-slicer)")
     layout = layout_of(printer, copies=(5, 4))
-    data = dict(plates.files(layout, "p", None, True))[f"p_{printer.name}_1.3mf"]
+    data = dict(plates.layout_files(layout, "p", None, True))[f"p_{printer.name}_1.3mf"]
     path = tmp_path / "p.3mf"
     path.write_bytes(data)
     bed = printer.bed_width_mm, printer.bed_depth_mm
@@ -251,7 +255,7 @@ def test_prusaslicer_numbers_the_copies_as_the_map_does(tmp_path, printer):
             label = None
         elif label and (move := re.match(r"G1 X([-\d.]+) Y([-\d.]+) E\d", line)):
             found.setdefault(label, []).append((float(move[1]), float(move[2])))
-    rows = plates.places(layout)
+    rows = plates.list_places(layout)
     names = list(dict.fromkeys(row.name for row in rows))
     wanted = {f"{row.name} id:{names.index(row.name)} copy {row.copy - 1}": row for row in rows}
     assert set(found) == set(wanted)

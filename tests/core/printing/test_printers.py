@@ -56,4 +56,4 @@ def test_a_slicers_profile_is_a_printer(tmp_path):
 def test_a_path_of_windows_in_double_quotes_is_explained(tmp_path, path):
     (tmp_path / "mine.toml").write_text(f'[body]\nfile = "{path}"\n')
     with pytest.raises(InputError, match=r"write a path between '\.\.\.'"):
-        config.load(tmp_path / "mine.toml")
+        config.read_toml(tmp_path / "mine.toml")

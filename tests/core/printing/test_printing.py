@@ -198,7 +198,7 @@ def test_a_mesh_that_lib3mf_refuses_is_named() -> None:
 def test_a_plate_file_holds_each_part_at_its_place_on_the_bed(origin: str) -> None:
     printer = MK3S.model_copy(update={"origin": origin})
     meshes = [prism(shift=(-3.0, 7.0, -2.0)), prism(shift=(100.0, 0.0, 5.0), height=4.0)]
-    parts = [Part.of("short", meshes[0], 3), Part.of("tall", meshes[1], 2)]
+    parts = [Part.from_mesh("short", meshes[0], 3), Part.from_mesh("tall", meshes[1], 2)]
     (one,) = plate.pack(parts, printer)
     read = threemf.read(plate.plate_3mf(one, parts, meshes, printer, "plate 1"))
     copies = ["short-1", "short-2", "short-3", "tall-1", "tall-2"]
@@ -216,7 +216,7 @@ def test_a_plate_file_holds_each_part_at_its_place_on_the_bed(origin: str) -> No
 
 def test_a_plate_file_holds_only_the_parts_on_that_plate() -> None:
     mesh = prism()
-    parts = [Part.of("first", mesh), Part.of("second", mesh)]
+    parts = [Part.from_mesh("first", mesh), Part.from_mesh("second", mesh)]
     (full,) = plate.pack(parts, MK3S)
     for placements, names in [(full.placements[1:], ["second"]), (full.placements, ["first", "second"])]:
         data = plate.plate_3mf(plate.Plate(placements), parts, [mesh, mesh], MK3S, "")

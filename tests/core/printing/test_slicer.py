@@ -57,7 +57,7 @@ def sliced_family(request, tmp_path_factory) -> Batch:
     (model,) = [path for path in files if path.suffix == ".3mf"]
     (model.parent / "yours.ini").write_text(maker.ini(printer))
     printed = print_of(model, model.with_name(f"plate_{printer.name}_print.ini"))
-    number = {names.part(member): index for index, member in enumerate(members)}
+    number = {names.part_name(member): index for index, member in enumerate(members)}
     where = [Placement(number[row.name], row.copy, row.x_mm, row.y_mm) for row in rows]
     walkers = walkers_of(printed, members, where, printer)
     text = model.with_suffix(".gcode").read_text()
@@ -216,8 +216,8 @@ def test_walls_get_the_plastic_of_the_flow_model(tmp_path, generator, thin, line
 
 def worst(design: Design, printer: Printer) -> str:
     mesh = solids.build(design).walker
-    found = [*checks.of_part("it", design, mesh, printer), *checks.of_printer(printer)]
-    return findings.listed(found)[0].level
+    found = [*checks.check_part("it", design, mesh, printer), *checks.check_printer(printer)]
+    return findings.group_findings(found)[0].level
 
 
 def test_legs_that_the_checks_refuse_vanish_there_without_a_word(tmp_path):
@@ -258,7 +258,7 @@ def test_depths_come_out_in_whole_layers(tmp_path, depth):
     layers = np.unique(print_of(model, model.with_suffix(".ini")).lines.z)
     (told,) = [
         finding
-        for finding in checks.of_part("", design, solids.build(design).walker, FLAT_BED)
+        for finding in checks.check_part("", design, solids.build(design).walker, FLAT_BED)
         if finding.unit == "layers"
     ]
     assert len(layers) == told.limit
@@ -270,8 +270,8 @@ def test_brim_and_skirt_reach_as_far_as_the_checks_say_and_no_slicer_stops_them(
     designs = [Design(), Design()]
     one = Plate((Placement(0, 1, 5.0, 5.0), Placement(1, 1, 45.0, 5.0)))
     _, model = laid_out(designs, printer, tmp_path, one)
-    parts = [Part.of("one", solids.build(design).walker) for design in designs]
-    (said,) = checks.of_plate("plate 1", one, parts, printer)
+    parts = [Part.from_mesh("one", solids.build(design).walker) for design in designs]
+    (said,) = checks.check_plate("plate 1", one, parts, printer)
     lines = print_of(model, model.with_suffix(".ini")).lines
     reach = 0.5 * printer.line_width_mm - np.minimum(lines.start, lines.end).min()
     assert (said.level, said.where) == ("error", "plate 1: one-1")
@@ -286,7 +286,7 @@ def test_one_kind_alone_on_its_plate_takes_the_name_of_the_file(tmp_path):
     printed = print_of(model, model.with_suffix(".ini"))
     assert [name for name, _ in printed.items] == ["unchecked"] * 2
     assert None not in walkers_of(printed, [Design()], where, FLAT_BED)
-    model.write_bytes(export.for_prusaslicer(model.read_bytes()))
+    model.write_bytes(export.declare_prusaslicer(model.read_bytes()))
     printed = print_of(model, model.with_suffix(".ini"))
     assert sorted(printed.items) == [("part0", "0.0"), ("part0", "0.1")]
     assert None not in walkers_of(printed, [Design()], where, FLAT_BED)

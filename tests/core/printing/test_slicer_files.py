@@ -32,7 +32,7 @@ def files_of(printer: Printer = MK3S, copies: tuple[int, int] = (2, 3), **more: 
     members = PAPER.members((5.0, 10.0), ["flexible"])
     built = [solids.build(design) for design in members]
     made = plates.arrange(members, built, copies, printer)
-    return made, dict(plates.files(made, "p", draw=None, **more))
+    return made, dict(plates.layout_files(made, "p", draw=None, **more))
 
 
 @every_printer
@@ -133,7 +133,7 @@ def pairs(element) -> dict[str, str]:
 def test_copies_and_plates_have_names_in_orca_slicer_and_bambu_studio():
     made, files = files_of()
     archive = archive_of(files["p_prusa-mk3s_1.3mf"])
-    wanted = [row.item for row in plates.places(made)]
+    wanted = [row.item for row in plates.list_places(made)]
     assert wanted[1] == "walker_t05.0_flexible_s0.40-2"
     told = ElementTree.fromstring(archive.read("Metadata/model_settings.config"))
     model = ElementTree.fromstring(archive.read("3D/3dmodel.model"))
@@ -161,7 +161,7 @@ def test_hostile_names_stay_text_in_the_settings_too(name):
     items = [export.Item(0, f"{name}-{copy}", 40.0 * copy, 0.0) for copy in (1, 2)]
     data = export.threemf_bytes([solid], items, name)
     told = ElementTree.fromstring(archive_of(data).read("Metadata/model_settings.config"))
-    meant = export.NOT_XML.sub("_", name)
+    meant = export.INVALID_XML.sub("_", name)
     assert [pairs(one)["name"] for one in told.findall("object")] == [f"{meant}-1", f"{meant}-2"]
     assert pairs(told.find("plate"))["plater_name"] == meant
     threemf.read(data)
@@ -199,7 +199,7 @@ def test_the_sheet_says_how_to_load_the_settings_and_what_a_plate_takes():
     assert all(name in files for name in re.findall(r"`(p_[\w-]+\.\w+)`", told) if ".gc" not in name)
     (one,) = made.plates
     weighed = [sheet.weigh("", design, built, MK3S) for design, built in zip(made.members, made.built, strict=True)]
-    found = estimate.of_plate(one, made.parts, [each.load for each in weighed], MK3S)
+    found = estimate.plate_totals(one, made.parts, [each.load for each in weighed], MK3S)
     grams = 2 * weighed[0].load.grams + 3 * weighed[1].load.grams
     assert found.grams == pytest.approx(grams)
     # 1.75 mm filament: 2.4053 mm^2
@@ -211,7 +211,7 @@ def test_the_sheet_says_how_to_load_the_settings_and_what_a_plate_takes():
 
 def test_sides_are_a_bodys_outline_times_its_height():
     box = mesh_of_box(28.0, 3.0, 8.0)
-    assert estimate.sides(box) == pytest.approx(2.0 * (28.0 + 3.0) * 8.0)
+    assert estimate.side_area(box) == pytest.approx(2.0 * (28.0 + 3.0) * 8.0)
 
 
 def mesh_of_box(*lengths: float) -> Mesh:
@@ -222,7 +222,7 @@ def mesh_of_box(*lengths: float) -> Mesh:
 def test_half_a_layer_prints_as_one():
     part = plate.Part("flat", 10.0, 10.0, 0.5, 1)
     (one,) = plate.pack([part], MK3S)
-    assert estimate.of_plate(one, [part], [estimate.Load(1.0, 1.24, 9.0)], MK3S).layers == 3
+    assert estimate.plate_totals(one, [part], [estimate.Load(1.0, 1.24, 9.0)], MK3S).layers == 3
 
 
 @pytest.mark.parametrize(
@@ -230,4 +230,4 @@ def test_half_a_layer_prints_as_one():
     [(4.94, "4.9 s"), (119.0, "120 s"), (121.0, "2 min"), (6900.0, "120 min"), (7200.0, "2 h"), (400000.0, "110 h")],
 )
 def test_times_have_two_digits_and_a_unit(seconds, words):
-    assert estimate.duration(seconds) == words
+    assert estimate.format_duration(seconds) == words

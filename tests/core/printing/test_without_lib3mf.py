@@ -22,7 +22,7 @@ PRINTER = templates.load("prusa-mk3s", "printers", Printer)
 
 @pytest.fixture
 def missing(monkeypatch):
-    monkeypatch.setattr(threemf, "available", lambda: False)
+    monkeypatch.setattr(threemf, "is_available", lambda: False)
 
 
 def arranged(copies):
@@ -40,7 +40,7 @@ def volume(mesh):
 @pytest.mark.usefixtures("missing")
 def test_plates_are_stl_files_with_every_copy_at_its_place(tmp_path):
     found = arranged([2, 1])
-    files = dict(plates.files(found, "plate", draw=None))
+    files = dict(plates.layout_files(found, "plate", draw=None))
     assert not [name for name in files if name.endswith(".3mf")]
     (name,) = [name for name in files if name.endswith(".stl")]
     assert f"`{name}`" in files[name.replace("_1.stl", ".md")].decode()
@@ -61,8 +61,8 @@ def test_plates_are_stl_files_with_every_copy_at_its_place(tmp_path):
 def test_the_stl_holds_what_the_3mf_holds():
     found = arranged([1, 2])
     view = found.plates[0], found.meshes, PRINTER
-    read = threemf.read(packing.plate_3mf(view[0], found.parts, *view[1:], "one"), "one")
-    ours = packing.placed(*view)
+    read = threemf.read_parts(packing.plate_3mf(view[0], found.parts, *view[1:], "one"), "one")
+    ours = packing.plate_mesh(*view)
     theirs = np.concatenate([part.vertices for part in read])
     assert np.sort(ours.vertices, axis=0) == pytest.approx(np.sort(theirs, axis=0), abs=2e-5)
     assert len(ours.triangles) == sum(len(part.triangles) for part in read)
@@ -71,15 +71,15 @@ def test_the_stl_holds_what_the_3mf_holds():
 def test_3mf_is_read_without_it(monkeypatch):
     found = arranged([1, 1])
     data = packing.plate_3mf(found.plates[0], found.parts, found.meshes, PRINTER, "one")
-    monkeypatch.setattr(threemf, "available", lambda: False)
-    assert len(threemf.read(data, "one")) == 2
+    monkeypatch.setattr(threemf, "is_available", lambda: False)
+    assert len(threemf.read_parts(data, "one")) == 2
 
 
 @pytest.mark.usefixtures("missing")
 def test_what_needs_3mf_is_refused_in_a_line(tmp_path):
     for ask in (
         lambda: wg.export(PAPER, tmp_path / "one.3mf"),
-        lambda: dict(plates.files(arranged([1, 1]), "plate", None, prusaslicer=True)),
+        lambda: dict(plates.layout_files(arranged([1, 1]), "plate", None, prusaslicer=True)),
     ):
         with pytest.raises(InputError, match=r"^3MF: lib3mf is not installed .* use STL") as told:
             ask()

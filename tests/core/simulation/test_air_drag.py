@@ -27,9 +27,9 @@ def plan_of(air=True, **tables):
 
 def fallen(plan, seconds, height=1e6, v_x=0.0):
     """A walker let go level, high over the plate: its state after a fall, and the tally."""
-    state = plan.start(height, 0.0, 0.5 * math.pi)
+    state = plan.initial_state(height, 0.0, 0.5 * math.pi)
     state[V_X] = v_x
-    tally = record.new(len(state))
+    tally = record.new_tally(len(state))
     assert plan.advance(state, seconds, tally) == OK
     return state, tally
 
@@ -47,7 +47,7 @@ def test_it_is_off_by_default_and_its_number_says_why():
 def test_a_fast_drive_is_told_that_drag_is_not_small():
     plan = plan_of(air=None, drive={"frequency_hz": 5.0, "gamma": 20.0})
     (drag,) = [effect for effect in plan.resolved.effects if effect.name == air_drag.NAME]
-    assert drag.number > air_drag.SMALL
+    assert drag.number > air_drag.SMALL_DRAG_RATIO
     assert "NOT small" in drag.reason
 
 
@@ -75,7 +75,7 @@ def test_flight_slows_along_the_plate_and_every_energy_is_accounted_for():
     slowed = plan.world.acting.air.ends * 5000.0**2 / plan.world.walker.mass * seconds
     assert free[V_X] - state[V_X] == pytest.approx(slowed, rel=0.02)  # the speed falls by 1 %
     assert state[C_X] < free[C_X]
-    start = plan.start(1e6, 0.0, 0.5 * math.pi)
+    start = plan.initial_state(1e6, 0.0, 0.5 * math.pi)
     start[V_X] = 5000.0
     gained = plan.energy(state) - plan.energy(start)
     lost = tally.sums[record.DAMPING_LOSS]

@@ -21,7 +21,7 @@ ENSEMBLES = 4000
 """Number of ensembles of a case: coverage of 95 % is then known to 0.34 %."""
 SIZES = [(4, 10.0), (8, 2.0), (16, 1.0)]
 """Number and length (s) of the runs of an ensemble."""
-EMPTY = record.new(4)
+EMPTY = record.new_tally(4)
 
 
 def result(number, seconds, speeds):
@@ -124,7 +124,7 @@ def pool(tilt, restitution, count, seconds):
         }
     )
     design = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=tilt)
-    results = ensemble.run(prepare(scene, design, solids.mass_of(design)), lambda *told: None, 1)
+    results = ensemble.simulate_runs(prepare(scene, design, solids.mass_of(design)), lambda *told: None, 1)
     assert {one.outcome for one in results} <= set(ENDED_WELL)
     return results
 

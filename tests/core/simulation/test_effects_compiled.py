@@ -30,8 +30,10 @@ EFFECTS = {
 def test_switching_effects_compiles_nothing():
     kernels = set()
     for tables in ({}, EFFECTS):
-        plan = prepare(Scene.model_validate(tables), DESIGN, solids.mass_of(DESIGN)).drawn(np.random.default_rng(0))
-        state = plan.start(0.05, 0.0, 0.0)
-        plan.advance(state, 1e-4, record.new(len(state)))
+        plan = prepare(Scene.model_validate(tables), DESIGN, solids.mass_of(DESIGN)).sample_print(
+            np.random.default_rng(0)
+        )
+        state = plan.initial_state(0.05, 0.0, 0.0)
+        plan.advance(state, 1e-4, record.new_tally(len(state)))
         kernels.add(len(advance.outer.signatures))
     assert len(kernels) == 1

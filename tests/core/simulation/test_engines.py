@@ -29,8 +29,8 @@ def test_energy_balances_and_the_outcome_is_ok():
 def test_threads_change_no_bit_and_few_runs_are_the_first_of_many():
     few = plan_of(run={"seconds": 0.2, "discard_seconds": 0.0, "runs": 2})
     many = plan_of(run={"seconds": 0.2, "discard_seconds": 0.0, "runs": 5})
-    one = ensemble.run(few, lambda *told: None, threads=1)
-    four = ensemble.run(many, lambda *told: None, threads=4)
+    one = ensemble.simulate_runs(few, lambda *told: None, threads=1)
+    four = ensemble.simulate_runs(many, lambda *told: None, threads=4)
     for a, b in zip(one, four, strict=False):
         np.testing.assert_array_equal(a.block_speeds, b.block_speeds)
         np.testing.assert_array_equal(a.tally.counts, b.tally.counts)
@@ -62,7 +62,7 @@ def test_frozen_joints_weigh_like_the_solid():
     design = Design()
     back, built = design.limbs[0], solids.build(design)
     loose = solids.weigh(design, built)
-    frozen = masses.as_rigid(loose)
+    frozen = masses.to_rigid(loose)
     whole = masses.weigh(built.walker, 1.24e-3)
     assert frozen.M == pytest.approx(whole.mass, rel=1e-12)
     assert frozen.J == pytest.approx(whole.inertia, rel=1e-12)
@@ -97,7 +97,7 @@ def test_effects_can_be_forced_on_and_off():
 
 def test_an_effect_that_does_not_exist_is_no_verdict():
     with pytest.raises(KeyError, match="plate_slope"):
-        plan_of().resolved.on("plate_slope")
+        plan_of().resolved.is_on("plate_slope")
 
 
 def test_the_frequency_of_a_leg_is_that_of_the_spring_simulated():

@@ -23,10 +23,10 @@ def scene_of(**run):
 class FakePlan(Plan):
     """A plan whose state is (x, y, heading, first drop); its motion is a plain function, in the world's options."""
 
-    def drawn(self, rng):
+    def sample_print(self, rng):
         return self
 
-    def start(self, clearance, pitch, phase, roll=0.0, heading=0.0):
+    def initial_state(self, clearance, pitch, phase, roll=0.0, heading=0.0):
         return np.array([0.0, 0.0, 0.0, clearance + phase])
 
     def advance(self, state, seconds, tally):
@@ -58,7 +58,7 @@ def silent(what, done, total):
 
 
 def noise_result(number, speeds, block_s=4 * PERIOD):
-    tally = record.new(4)
+    tally = record.new_tally(4)
     measured = block_s * len(speeds)
     return RunResult(
         number,

@@ -14,11 +14,11 @@ from walkergen.core.scene import Scene
 from walkergen.core.simulation import record
 from walkergen.core.simulation.effects import feet
 from walkergen.core.simulation.plan import prepare
-from walkergen.core.simulation.run import dropped, simulate
-from walkergen.core.simulation.space.model import energy, mirrored
+from walkergen.core.simulation.run import drop_for_run, simulate
+from walkergen.core.simulation.space.model import energy, mirror_state
 from walkergen.core.simulation.space.points import mirror_order
 from walkergen.core.simulation.space.pose import locate, place
-from walkergen.core.simulation.space.state import J_N, ROW, V_Y, W_X, first_row, work_for
+from walkergen.core.simulation.space.state import J_N, ROW_LENGTH, V_Y, W_X, first_row, work_for
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
@@ -49,7 +49,7 @@ def test_a_rigid_body_rebounds_by_the_closed_form_of_its_four_corners(label):
     lid = walker.place < 0.0
     damper = math.sqrt((walker.damper[lid] ** 2).sum())  # equal ones side by side: c adds up, its stiffness too
     assert lid.sum() == 4
-    state, tally = plan.start(1.0, 0.0, 0.0), record.new(len(plan.start(1.0, 0.0, 0.0)))
+    state, tally = plan.initial_state(1.0, 0.0, 0.0), record.new_tally(len(plan.initial_state(1.0, 0.0, 0.0)))
     state[V_Y], room = 500.0, 14.0 - height_of(plan)
     plan.advance(state, 0.012, tally)
     approach = math.sqrt(500.0**2 - 2.0 * 9806.65 * room)
@@ -67,8 +67,8 @@ def test_a_rigid_body_rebounds_by_the_closed_form_of_its_four_corners(label):
 def test_under_a_lid_energy_is_booked_and_no_corner_is_far_beyond_it(name):
     room = 0.3
     lid_mm = height_of(planned(WALKERS[name], None)) + room
-    plan, state = dropped(planned(WALKERS[name], lid_mm, **{"drive.gamma": 4.0}), 0)
-    walker, tally = plan.world.walker, record.new(len(state))
+    plan, state = drop_for_run(planned(WALKERS[name], lid_mm, **{"drive.gamma": 4.0}), 0)
+    walker, tally = plan.world.walker, record.new_tally(len(state))
     before, deepest, pressed = energy(plan.world, state), 0.0, False
     lid = np.flatnonzero(walker.place < 0.0)
     for _ in range(100):
@@ -77,7 +77,7 @@ def test_under_a_lid_energy_is_booked_and_no_corner_is_far_beyond_it(name):
         place(plan.world, state.copy(), work)
         locate(plan.world, state.copy(), work)
         deepest = min(deepest, float(work.points["gap"][lid].min()))
-        pressed |= bool((state[first_row(walker) + ROW * lid + J_N] > 0.0).any())
+        pressed |= bool((state[first_row(walker) + ROW_LENGTH * lid + J_N] > 0.0).any())
     assert pressed
     # all of a walker at 0.2 m/s on one corner, on a plate at 4 g
     assert -deepest < deepest_of(walker, int(lid[0]), 5.0 * 9806.65 * walker.mass, 200.0)
@@ -142,13 +142,13 @@ def test_the_mirror_image_has_mirrored_points_and_runs_the_mirrored_way(name):
     ends = []
     for sign, design in ((1.0, WALKERS[name]), (-1.0, turned(WALKERS[name]))):
         plan = planned(design, height_of(planned(design, None)) + 0.3, **{"drive.gamma": 4.0})
-        state = plan.start(0.05, sign * 1e-3, 0.3, 0.0)
-        plan.advance(state, 0.003, record.new(len(state)))
+        state = plan.initial_state(0.05, sign * 1e-3, 0.3, 0.0)
+        plan.advance(state, 0.003, record.new_tally(len(state)))
         ends.append((plan.world.walker, state))
     (walker, state), (image, other) = ends
     np.testing.assert_array_equal(walker.root[mirror_order(walker)] * (-1.0, 1.0, 1.0), image.root)
     # rounding, grown by landings: later a disc on many corners at once tells the order in which they are summed
-    np.testing.assert_allclose(mirrored(walker, state)[:9], other[:9], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(mirror_state(walker, state)[:9], other[:9], rtol=0, atol=1e-9)
 
 
 def test_mujoco_has_the_same_lid(tmp_path):

@@ -39,7 +39,7 @@ def simulated(design, seconds=0.5, runs=4):
 
 
 def by_theory(design):
-    return prediction.row_of(design, solids.mass_of(design), scene_of(1.0), "coulomb", None)
+    return prediction.make_row(design, solids.mass_of(design), scene_of(1.0), "coulomb", None)
 
 
 def changed(design, change):

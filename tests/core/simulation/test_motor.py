@@ -16,7 +16,7 @@ from walkergen.core.simulation.effects.effect import Case
 from walkergen.core.simulation.effects.resolve import resolve
 from walkergen.core.simulation.effects.rotor import spin
 from walkergen.core.simulation.run import simulate
-from walkergen.core.simulation.space.model import mirrored
+from walkergen.core.simulation.space.model import mirror_state
 from walkergen.core.simulation.space.pose import place
 from walkergen.core.simulation.space.state import HEIGHT, LEGS, PHASE, Q_X, Q_Z, SHOWN_X, SHOWN_Y, W_X, W_Z, work_for
 from walkergen.core.simulation.world import OK
@@ -49,9 +49,9 @@ def centred(axis):
 def test_a_free_walker_draws_a_circle_of_the_moment_over_the_mass(axis):
     plan = centred(axis)
     rotor, mass = plan.world.acting.motor, plan.world.walker.mass
-    state, places = plan.start(500.0, 0.0, 0.3), []
+    state, places = plan.initial_state(500.0, 0.0, 0.3), []
     for _ in range(16):
-        assert plan.advance(state, 2.0 * math.pi / rotor.omega / 16.0, record.new()) == OK
+        assert plan.advance(state, 2.0 * math.pi / rotor.omega / 16.0, record.new_tally()) == OK
         places.append([state[SHOWN_X], state[HEIGHT], -state[SHOWN_Y]])
     from_middle = np.array(places) - np.mean(places, axis=0)
     # Exact but for rounding of heights of 500 mm
@@ -91,7 +91,7 @@ def test_in_flight_it_moves_as_a_real_mass_on_a_hinge(axis):
     seconds, phase = 2.25 * 2.0 * math.pi / rotor.omega, 0.3
     ours = fly(plan, seconds, phase)
     theirs, legs = fly_there(plan, 1.0, seconds, phase)
-    begun = plan.start(500.0, 0.0, phase)
+    begun = plan.initial_state(500.0, 0.0, phase)
     at = np.array([ours[SHOWN_X], ours[HEIGHT], -ours[SHOWN_Y]])
     from_start = np.array([begun[SHOWN_X], begun[HEIGHT], -begun[SHOWN_Y]])
     moved = np.linalg.norm(theirs[:3] - from_start)
@@ -110,7 +110,7 @@ def test_spinning_it_keeps_the_angular_momentum_of_body_and_rotor():
     # What is left of 1e-9 at this step grows with its fourth power; feet that touch nothing would allow 56 us
     plan = weightless(carrying(keys, OFF, run={"step_us": 2.7}))
     walker, rotor = plan.world.walker, plan.world.acting.motor
-    state = plan.start(500.0, 0.0, 0.3)
+    state = plan.initial_state(500.0, 0.0, 0.3)
     state[W_X : W_Z + 1] += 2.0, -3.0, 5.0
     kept = []
     for _ in range(6):
@@ -118,7 +118,7 @@ def test_spinning_it_keeps_the_angular_momentum_of_body_and_rotor():
         place(plan.world, state, work)
         own = walker.inertia @ state[W_X : W_Z + 1]
         kept.append(work.R @ (own + spin(rotor, walker.centre, walker.mass, work.thrown)))
-        assert plan.advance(state, 0.05, record.new()) == OK
+        assert plan.advance(state, 0.05, record.new_tally()) == OK
     assert np.linalg.norm(rotor.spin) > 0.1 * np.linalg.norm(kept[0])
     # To rounding: the top keeps it exactly
     np.testing.assert_allclose(kept, np.tile(kept[0], (6, 1)), atol=1e-9 * np.linalg.norm(kept[0]))
@@ -145,12 +145,12 @@ def test_of_a_symmetric_walker_the_sense_of_rotation_is_the_direction():
     ends = []
     for turned in (False, True):
         plan = carrying(throwing(1.8, axis=[0.0, 1.0, 0.0] if turned else "across"), tilt=0.0)
-        state = plan.start(0.05, 0.002, 0.3, 0.001)
+        state = plan.initial_state(0.05, 0.002, 0.3, 0.001)
         if turned:
-            state = mirrored(plan.world.walker, ends[0][0])
+            state = mirror_state(plan.world.walker, ends[0][0])
             state[PHASE] = 0.3
         first = state.copy()
-        assert plan.advance(state, 0.05, record.new()) == OK
+        assert plan.advance(state, 0.05, record.new_tally()) == OK
         ends.append((first, state))
     # 50 ms hold some ten landings, over which rounding grows
     assert ends[0][1][SHOWN_X] == pytest.approx(-ends[1][1][SHOWN_X], abs=1e-6)
@@ -227,7 +227,7 @@ def test_the_gyroscopic_torque_is_judged_by_the_rotor_and_can_be_forced():
     for wanted, on in ((None, True), (False, False), (True, True)):
         effects = case.scene.effects.force("gyroscopic_torque", wanted)
         resolved = resolve(case._replace(scene=case.scene.model_copy(update={"effects": effects})))
-        assert resolved.on(motor.GYROSCOPIC) == on
+        assert resolved.is_on(motor.GYROSCOPIC) == on
         assert any(resolved.acting.motor.spin) == on
 
 
@@ -262,7 +262,7 @@ def test_on_the_plate_it_runs_as_with_a_real_mass_on_a_hinge(tilt, push, turned,
 
 def test_a_weak_motor_comes_with_what_is_not_known_of_it():
     plan = carrying(throwing(1.8))
-    assert plan.scene.drive.push(plan.case.mass.total) == pytest.approx(1.8)
+    assert plan.scene.drive.push_ratio(plan.case.mass.total) == pytest.approx(1.8)
     assert "pushes with 1.8 weights" in speeds._of_push(1.8)
     assert speeds._of_push(3.5) == ""
 

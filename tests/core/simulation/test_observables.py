@@ -9,7 +9,7 @@ import pytest
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import ensemble, observables, record
 from walkergen.core.simulation.plan import prepare
-from walkergen.core.simulation.run import impacts_of
+from walkergen.core.simulation.run import recorded_impacts
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.points import resolution
@@ -39,7 +39,7 @@ def test_error_of_a_quotient_is_the_scatter_of_its_replicates():
     rng = np.random.default_rng(3)
     below = rng.uniform(1.0, 2.0, (2000, 16))
     above = 3.0 * below + rng.normal(0.0, 0.5, below.shape)
-    found = [observables.quotient("x", a, b) for a, b in zip(above, below, strict=True)]
+    found = [observables.ratio_of_sums("x", a, b) for a, b in zip(above, below, strict=True)]
     scatter = np.std([one.value for one in found])
     stated = math.sqrt(np.mean([one.se**2 for one in found]))
     assert stated == pytest.approx(scatter, rel=0.05)  # 2000 replicates know it to 1.6 %
@@ -48,21 +48,21 @@ def test_error_of_a_quotient_is_the_scatter_of_its_replicates():
 
 def test_too_few_runs_have_a_value_but_no_error():
     few = np.array([1.0, 2.0, 3.0])
-    assert observables.quotient("x", few, few)[2:4] == (1.0, None)
-    assert observables.quotient("x", np.zeros(4), np.zeros(4))[2:4] == (0.0, 0.0)
+    assert observables.ratio_of_sums("x", few, few)[2:4] == (1.0, None)
+    assert observables.ratio_of_sums("x", np.zeros(4), np.zeros(4))[2:4] == (0.0, 0.0)
 
 
 def test_impulses_by_type_are_those_of_all_impacts_kept():
     plan = plan_of(seconds=0.2, runs=4)
     found, results = ensemble.measure(plan, silent, impacts=True)
-    rows = np.concatenate([impacts_of(result) for result in results])
+    rows = np.concatenate([recorded_impacts(result) for result in results])
     rows = rows[rows[:, 1] < 4]  # without touches of the lane's walls
     for name, kind in record.KINDS.items():
         share = rows[rows[:, 6] == kind, 3].sum() / rows[:, 3].sum()
         assert found.type_fractions_by_impulse[name] == pytest.approx(share, abs=1e-12)
     assert sum(found.type_fractions_by_impulse.values()) == pytest.approx(1.0)
-    assert set(resolution.values(found)) == set(observables.NAMES)
-    assert set(found.errors) == set(observables.NAMES) - {observables.SPEED}
+    assert set(resolution.values(found)) == set(observables.OBSERVABLE_NAMES)
+    assert set(found.errors) == set(observables.OBSERVABLE_NAMES) - {observables.SPEED}
 
 
 def test_errors_of_all_observables_cover_the_scatter_between_ensembles():
@@ -104,7 +104,7 @@ def test_a_step_five_times_finer_changes_nothing_by_more_than_its_error(tilt, la
     coarse = plan_of(tilt, kind, label, seconds=2.0)
     fine = coarse.world.options.step / 5.0
     told = plan_of(tilt, kind, label, seconds=1.0, step_us=1e6 * fine)
-    assert close(measured(coarse), measured(told), observables.NAMES) == []
+    assert close(measured(coarse), measured(told), observables.OBSERVABLE_NAMES) == []
 
 
 def test_finer_steps_have_smaller_errors_and_coarser_none():

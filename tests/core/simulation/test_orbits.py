@@ -16,7 +16,7 @@ LOCKED = ("simulate", "--scene", "lane-90hz", "--restitution", "0.8", "--seconds
 @pytest.fixture
 def locked(monkeypatch):
     """Runs that all end on one orbit."""
-    monkeypatch.setattr(orbits, "shared", lambda speeds, plate_speed: orbits.ORBIT)
+    monkeypatch.setattr(orbits, "common_orbit", lambda speeds, plate_speed: orbits.ORBIT)
 
 
 def simulate(*words):
@@ -27,11 +27,11 @@ def simulate(*words):
 
 def test_only_runs_that_agree_to_rounding_share_an_orbit():
     locked = 97.4 + 1e-6 * np.arange(4)
-    assert orbits.shared(locked, 31.2) == orbits.ORBIT
-    assert orbits.shared(np.zeros(4), 31.2) == orbits.REST
-    assert orbits.shared(locked[:3], 31.2) == ""  # three may agree by chance
-    assert orbits.shared(np.array([*locked, 97.5]), 31.2) == ""
-    assert orbits.shared(np.random.default_rng(1).normal(97.0, 0.1, 4), 31.2) == ""
+    assert orbits.common_orbit(locked, 31.2) == orbits.ORBIT
+    assert orbits.common_orbit(np.zeros(4), 31.2) == orbits.REST
+    assert orbits.common_orbit(locked[:3], 31.2) == ""  # three may agree by chance
+    assert orbits.common_orbit(np.array([*locked, 97.5]), 31.2) == ""
+    assert orbits.common_orbit(np.random.default_rng(1).normal(97.0, 0.1, 4), 31.2) == ""
 
 
 def test_runs_on_one_orbit_tell_no_error_and_prints_the_bounds(locked):

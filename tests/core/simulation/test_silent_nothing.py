@@ -10,7 +10,7 @@ from walkergen.core.errors import InputError
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import record
 from walkergen.core.simulation.plan import prepare
-from walkergen.core.simulation.run import dropped
+from walkergen.core.simulation.run import drop_for_run
 from walkergen.core.simulation.space.state import V_Z
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
@@ -95,9 +95,9 @@ OF_OTHERS = {
 def moved(scene, design=None, seconds=SECONDS):
     """State after a while, and the line on keys without a part."""
     plan = planned(scene, design)
-    plan, state = dropped(plan, 0)
+    plan, state = drop_for_run(plan, 0)
     state[V_Z] += 100.0  # toward a wall
-    plan.advance(state, seconds, record.new(len(state)))
+    plan.advance(state, seconds, record.new_tally(len(state)))
     return state, plan.resolved.idle
 
 

@@ -12,7 +12,7 @@ from space_rival import UP, Walker, land, plan_of, weightless
 
 from walkergen.core.simulation import record
 from walkergen.core.simulation.effects import feet
-from walkergen.core.simulation.space.frame import load, stiffen
+from walkergen.core.simulation.space.frame import fill_frame, stiffen
 from walkergen.core.simulation.space.pose import locate, place, point_velocity
 from walkergen.core.simulation.space.state import (
     C_X,
@@ -29,7 +29,7 @@ from walkergen.core.simulation.space.state import (
     W_X,
     work_for,
 )
-from walkergen.core.simulation.space.walker import exponential, mobility
+from walkergen.core.simulation.space.walker import matrix_exponential, mobility
 from walkergen.core.simulation.world import OK
 
 SLIP_FREE = {"damping_ratio": 0.0}
@@ -52,7 +52,7 @@ def test_exponential_is_that_of_scipy(size):
     expected = expm(matrix)
     # rounding, doubled at every square
     atol = 1e-15 * max(size, 1.0) * 8.0 * abs(expected).max()
-    np.testing.assert_allclose(exponential(matrix), expected, rtol=0, atol=atol)
+    np.testing.assert_allclose(matrix_exponential(matrix), expected, rtol=0, atol=atol)
 
 
 @pytest.mark.parametrize("label", [0.02, 0.1, 0.3, 0.5, 0.8, 0.99, 1.0])
@@ -118,8 +118,8 @@ def elastic_errors(step_us):
     plan = plan_of(10, contact={"restitution": 1.0, "friction": 0.0}, legs=SLIP_FREE, run={"step_us": step_us})
     errors, landings = [], 0
     for i in range(12):
-        state = plan.start(0.2 + 0.0013 * i, 1e-4, 0.0, 1e-4)
-        before, tally = plan.energy(state), record.new(len(state))
+        state = plan.initial_state(0.2 + 0.0013 * i, 1e-4, 0.0, 1e-4)
+        before, tally = plan.energy(state), record.new_tally(len(state))
         assert plan.advance(state, 0.04, tally) == OK
         landings += tally.counts[record.IMPACTS]
         errors.append(plan.energy(state) / before - 1.0)
@@ -143,11 +143,11 @@ def angular_momentum(plan, state):
 def spun(turns, steady, wobble):
     """Errors of angular momentum, energy and |q| after so many turns, and the heading."""
     plan = weightless(plan_of(10, "braced"))
-    state = plan.start(1e3, 0.0, 0.0, 0.0)
+    state = plan.initial_state(1e3, 0.0, 0.0, 0.0)
     state[W_X : W_X + 3] = wobble, steady, wobble
     L, E = angular_momentum(plan, state), plan.energy(state)
     duration = 2.0 * math.pi * turns / steady
-    assert plan.advance(state, duration, record.new(len(state))) == OK
+    assert plan.advance(state, duration, record.new_tally(len(state))) == OK
     change = np.abs(angular_momentum(plan, state) - L).max() / math.sqrt(L @ L)
     length = math.sqrt(state[Q_0 : Q_X + 3] @ state[Q_0 : Q_X + 3])
     return change, abs(plan.energy(state) / E - 1.0), abs(length - 1.0), state[HEADING]
@@ -193,11 +193,11 @@ def test_free_top_turns_as_by_eulers_equations():
 @pytest.mark.parametrize(("spin", "momentum"), [(400.0, 1e-6), (1000.0, 3e-5), (5000.0, 3e-5)])
 def test_a_body_that_spins_fast_flies_by_parts_of_its_own_step(spin, momentum):
     plan = plan_of(10, "braced")
-    state = plan.start(1e5, 0.0, 0.0, 0.0)
+    state = plan.initial_state(1e5, 0.0, 0.0, 0.0)
     state[W_X : W_X + 3] = 30.0, spin, 10.0
     before, turning = angular_momentum(plan, state), state[W_X : W_X + 3].copy()
     inertia = plan.world.walker.inertia
-    assert plan.advance(state, 200.0 * math.pi / spin, record.new(len(state))) == OK
+    assert plan.advance(state, 200.0 * math.pi / spin, record.new_tally(len(state))) == OK
     # A hundred turns in flights of 0.01 to 0.02 rad: second order in them, and bounded
     now = state[W_X : W_X + 3]
     assert now @ inertia @ now == pytest.approx(turning @ inertia @ turning, rel=1e-6)
@@ -217,7 +217,7 @@ def shown(plan, state):
 
 def anywhere(plan, rng):
     """A state at any pose, bent and twisted, everything moving."""
-    state = plan.start(20.0, 0.0, 0.0)
+    state = plan.initial_state(20.0, 0.0, 0.0)
     quaternion = rng.normal(size=4)
     state[Q_0 : Q_X + 3] = quaternion / math.sqrt(quaternion @ quaternion)
     state[C_X : C_X + 3] += rng.normal(size=3)
@@ -251,7 +251,7 @@ def frozen(world, state, work):
     work.near["number"] = np.arange(4)
     work.midway[:] = state
     stiffen(world.walker, work, 1e-12)
-    load(world, work, 0.0, 1e-12, 4)
+    fill_frame(world, work, 0.0, 1e-12, 4)
     forward = np.array([work.R[0, 0], 0.0, work.R[2, 0]])
     forward = forward / math.sqrt(forward @ forward)
     return np.array([UP, forward, np.cross(forward, UP)])

@@ -7,7 +7,7 @@ import pytest
 from one_corner import Corner, Rival, land
 
 from walkergen.core.simulation import record
-from walkergen.core.simulation.space.slider import dragged
+from walkergen.core.simulation.space.slider import stretch_directions
 
 MOBILITY = np.array([[2.31, 0.9, 0.4], [0.9, 2.3, 0.3], [0.4, 0.3, 2.0]])
 """Inverse mass of a corner: normal, along, across, 1/g."""
@@ -91,7 +91,7 @@ def test_stretch_lags_behind_a_turning_slip_as_its_equation_says(lag_deg):
         for _ in range(40 * steps):
             middle = angle + 0.5 * rate * h
             u = speed * math.cos(middle), speed * math.sin(middle)
-            n = dragged(radius * n[0], radius * n[1], *u, 0.5 * h, radius)[2:]
+            n = stretch_directions(radius * n[0], radius * n[1], *u, 0.5 * h, radius)[2:]
             angle += rate * h
         behind = math.remainder(angle - math.atan2(n[1], n[0]), 2.0 * math.pi)
         errors.append(abs(behind - math.radians(lag_deg)))
@@ -101,10 +101,10 @@ def test_stretch_lags_behind_a_turning_slip_as_its_equation_says(lag_deg):
 
 def test_stretch_inside_its_circle_moves_freely_and_then_along_its_edge():
     u, radius = (3.0, 4.0), 1.0
-    assert dragged(0.0, 0.0, *u, 0.1, radius) == pytest.approx((0.6, 0.8) * 2)
+    assert stretch_directions(0.0, 0.0, *u, 0.1, radius) == pytest.approx((0.6, 0.8) * 2)
     # half a radius back through the circle, then out of it at the other side
-    there = dragged(-1.0, 0.0, 1.0, 0.0, 1.5, radius)
+    there = stretch_directions(-1.0, 0.0, 1.0, 0.0, 1.5, radius)
     assert there == pytest.approx((1.0, 0.0, 1.0, 0.0))
-    assert dragged(-1.0, 0.0, 1.0, 0.0, 0.5, radius)[:2] == pytest.approx((-1.0, 0.0))
-    assert dragged(0.0, 1.0, 5.0, 0.0, 1e3, radius) == pytest.approx((1.0, 0.0) * 2)
-    assert dragged(0.0, 0.0, 0.0, 0.0, 1.0, radius) == (0.0, 0.0, 0.0, 0.0)
+    assert stretch_directions(-1.0, 0.0, 1.0, 0.0, 0.5, radius)[:2] == pytest.approx((-1.0, 0.0))
+    assert stretch_directions(0.0, 1.0, 5.0, 0.0, 1e3, radius) == pytest.approx((1.0, 0.0) * 2)
+    assert stretch_directions(0.0, 0.0, 0.0, 0.0, 1.0, radius) == (0.0, 0.0, 0.0, 0.0)

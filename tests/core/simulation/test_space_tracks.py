@@ -14,7 +14,7 @@ from walkergen.core.errors import InputError
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import ensemble, record
 from walkergen.core.simulation.plan import prepare
-from walkergen.core.simulation.run import impacts_of, simulate
+from walkergen.core.simulation.run import recorded_impacts, simulate
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.points import trajectory
@@ -88,7 +88,7 @@ def asked_of(runs=2, seconds=0.3, interval=None, **run):
     design = Design().variant(tilt_deg=10.0)
     given = {"runs": runs, "seconds": seconds, "discard_seconds": 0.05} | run
     scene = Scene.model_validate({"arena": {"kind": "plane"}, "run": given})
-    return make.asked(scene, design, solids.mass_of(design), interval)
+    return make.make_walker(scene, design, solids.mass_of(design), interval)
 
 
 @pytest.mark.slow
@@ -97,9 +97,9 @@ def test_tracks_are_the_same_bytes_on_any_number_of_threads():
     plan = prepare(one.scene, one.design, one.mass)
     written = []
     for threads in (1, 3):
-        results = ensemble.run(plan, silent, threads, one.impacts, one.sample_interval)
+        results = ensemble.simulate_runs(plan, silent, threads, one.impacts, one.sample_interval)
         found = trajectory.tracks(results)
-        written.append(trajectory.to_csv(trajectories.with_film(found, one.sample_interval)))
+        written.append(trajectory.to_csv(trajectories.with_film_columns(found, one.sample_interval)))
     assert written[0] == written[1]
     assert written[0].startswith(HEADER.encode())
     assert written[0].count(b"\n") == 1 + 3 * 151
@@ -111,7 +111,7 @@ def test_keeping_impacts_changes_no_bit_of_a_run():
     plan = prepare(one.scene, one.design, one.mass)
     plain, kept = simulate(plan, 0), simulate(plan, 0, event_room=10_000)
     np.testing.assert_array_equal(plain.places, kept.places)
-    assert len(impacts_of(kept)) == plain.tally.counts[record.IMPACTS] > 100
+    assert len(recorded_impacts(kept)) == plain.tally.counts[record.IMPACTS] > 100
 
 
 @pytest.mark.slow
@@ -119,7 +119,7 @@ def test_landings_kept_are_those_counted():
     found = make.measure(asked_of(), silent)
     counts = sum(result.tally.counts for result in found.point.results)
     assert sum(one.corners.sum() for one in found.landings) == counts[record.IMPACTS]
-    rows = np.concatenate([impacts_of(result) for result in found.point.results])
+    rows = np.concatenate([recorded_impacts(result) for result in found.point.results])
     impulses = sum(result.tally.sums[record.IMPULSES :] for result in found.point.results)
     for kind in record.KINDS.values():
         own = rows[rows[:, 6] == kind]
@@ -162,7 +162,7 @@ def test_analyse_finds_in_the_tracks_what_simulate_says(run):
 def test_places_every_44_ms_say_what_dense_samples_say():
     one = asked_of(runs=8, seconds=1.5, interval=0.002)
     dense = make.measure(one, silent)
-    coarse = make.measured(dense.point, one._replace(sample_interval=None))
+    coarse = make.analyse_point(dense.point, one._replace(sample_interval=None))
     for name in ("speed", "sideways_speed", "turning_bias"):
         fine, rough = (found.motion.estimates[name] for found in (dense, coarse))
         assert abs(fine.value - rough.value) < 0.3 * fine.se, name  # of one and the same motion

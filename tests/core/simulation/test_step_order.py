@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from walkergen.commands.accuracy.report import order
+from walkergen.commands.accuracy.report import convergence_order
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import record
 from walkergen.core.simulation.plan import prepare
-from walkergen.core.simulation.run import FIRST_TURN
+from walkergen.core.simulation.run import MAX_DROP_TURN_RAD
 from walkergen.core.simulation.space.state import HEIGHT, PITCH, SHOWN_X
 from walkergen.core.simulation.world import OK
 from walkergen.core.walker import solids
@@ -34,8 +34,8 @@ def sliding():
     slope = float(np.degrees(np.arctan(scene.contact.friction))) + 10.0
     drive = {"frequency_hz": scene.drive.frequency, "gamma": 0.3}
     plan = prepare(Scene.model_validate({"drive": drive, "plate": {"slope_deg": slope}}), DESIGN, MASS)
-    state = plan.start(0.0, 0.0, 1.0)
-    stepped(plan, 0.25).advance(state, 0.02, record.new(len(state)))
+    state = plan.initial_state(0.0, 0.0, 1.0)
+    stepped(plan, 0.25).advance(state, 0.02, record.new_tally(len(state)))
     return plan, [state], 0.005
 
 
@@ -44,11 +44,11 @@ def landings():
     plan = prepare(Scene(), DESIGN, MASS)
     drive, rng = plan.world.drive, np.random.default_rng(1)
     starts = [
-        plan.start(
+        plan.initial_state(
             drive.amplitude * rng.uniform(0.5, 1.5),
-            FIRST_TURN * rng.normal(),
+            MAX_DROP_TURN_RAD * rng.normal(),
             rng.uniform(3.5, 4.5),
-            FIRST_TURN * rng.normal(),
+            MAX_DROP_TURN_RAD * rng.normal(),
         )
         for _ in range(DROPS)
     ]
@@ -60,7 +60,7 @@ def ends(plan, starts, seconds):
     found = []
     for start in starts:
         state = start.copy()
-        assert plan.advance(state, seconds, record.new(len(state))) == OK
+        assert plan.advance(state, seconds, record.new_tally(len(state))) == OK
         found.append(state[[SHOWN_X, HEIGHT, PITCH]])
     return np.mean(np.array(found) * (1.0, 1.0, 0.5 * DESIGN.foot_span), axis=0)
 
@@ -76,5 +76,5 @@ def test_the_step_errs_by_the_order_that_is_claimed(scene, claimed, allowance):
     plan, starts, seconds = scene()
     true = ends(stepped(plan, EXACT_SHARE), starts, seconds)
     errors = [np.abs(ends(stepped(plan, share), starts, seconds) - true).max() for share in SHARES]
-    slope, _ = order(SHARES, errors)
+    slope, _ = convergence_order(SHARES, errors)
     assert slope == pytest.approx(claimed, abs=allowance)

@@ -10,7 +10,7 @@ from walkergen.core.errors import InputError
 from walkergen.core.scene import GRAVITY, Scene
 from walkergen.core.simulation import record
 from walkergen.core.simulation.plan import prepare
-from walkergen.core.simulation.run import dropped
+from walkergen.core.simulation.run import drop_for_run
 from walkergen.core.simulation.space.model import energy
 from walkergen.core.simulation.space.pose import locate, place
 from walkergen.core.simulation.space.state import C_X, C_Z, PHASE, V_X, V_Y, V_Z, work_for
@@ -56,9 +56,9 @@ def test_a_box_that_lands_is_pushed_as_the_plate_moves_by_friction_times_its_reb
     pushes = []
     for own, thrown in ((keys, 0.0), ({}, -fastest)):
         plan = planned(BOX, **RIGID | {"drive.gamma": 0.2, "contact.friction": 0.05}, **own)
-        state = plan.start(0.05, 0.0, 0.0)
+        state = plan.initial_state(0.05, 0.0, 0.0)
         state[V_Y], state[axis] = -100.0, thrown
-        plan.advance(state, 0.0012, record.new(len(state)))
+        plan.advance(state, 0.0012, record.new_tally(len(state)))
         assert abs(state[V_X + V_Z - axis]) < 1e-6
         pushes.append((state[axis] - thrown) / (state[V_Y] + 100.0 + GRAVITY * 0.0012))
     # a corner's tangential spring is stretched first: 4 % less; the plate turns over while they touch: 0.2 %
@@ -96,10 +96,10 @@ def test_a_block_drifts_as_on_a_vibrating_conveyor(phase):
             "contact.friction": friction,
         },
     )
-    state = plan.start(1e-4, 0.0, 0.0)
-    plan.advance(state, 8 * PERIOD, record.new(len(state)))
+    state = plan.initial_state(1e-4, 0.0, 0.0)
+    plan.advance(state, 8 * PERIOD, record.new_tally(len(state)))
     start = state[C_X]
-    plan.advance(state, 8 * PERIOD, record.new(len(state)))
+    plan.advance(state, 8 * PERIOD, record.new_tally(len(state)))
     expected = sliding(gamma, ratio, math.radians(phase), friction, 16)
     largest = ratio * gamma * GRAVITY / OMEGA
     assert (state[C_X] - start) / (8 * PERIOD) == pytest.approx(expected, abs=0.02 * largest)
@@ -109,12 +109,12 @@ def test_a_block_rides_along_until_friction_gives_way():
     ways = []
     for ratio in (0.4, 0.6):  # peak accelerations of 0.2 and 0.3 g along, friction holds 0.25 g less a half
         plan = planned(BOX, **RIGID | {"drive.gamma": 0.05, "plate.along_ratio": 10 * ratio, "contact.friction": 0.25})
-        state = plan.start(1e-4, 0.0, 0.0)
-        plan.advance(state, 4 * PERIOD, record.new(len(state)))
+        state = plan.initial_state(1e-4, 0.0, 0.0)
+        plan.advance(state, 4 * PERIOD, record.new_tally(len(state)))
         size = 10.0 * ratio * plan.world.drive.amplitude
         slips = []
         for _ in range(20):
-            plan.advance(state, PERIOD / 20, record.new(len(state)))
+            plan.advance(state, PERIOD / 20, record.new_tally(len(state)))
             slips.append(state[V_X] - size * OMEGA * math.cos(state[PHASE]))
         ways.append(np.abs(slips).max() / (size * OMEGA))
     assert ways[0] < 0.02
@@ -131,13 +131,13 @@ def test_far_from_the_start_it_is_a_plate_of_another_amplitude_and_phase(key, to
     ends = []
     for gamma, phase, own in ((1.8, 0.3, keys), (1.8 * size, 0.3 + ahead, {})):
         plan = planned(PAPER, **{"drive.gamma": gamma, "run.step_us": 0.2, **own})
-        state = plan.start(0.05, 1e-3, phase, 2e-3)
+        state = plan.initial_state(0.05, 1e-3, phase, 2e-3)
         shift = far * np.array([math.cos(math.radians(toward)), -math.sin(math.radians(toward))])
         if own:
             state[[C_X, C_Z]] += shift
             rise = plan.world.drive.amplitude * change
             state[C_X + 1] += rise * (math.sin(phase) if key == "gradient" else math.cos(phase))
-        plan.advance(state, 0.01, record.new(len(state)))
+        plan.advance(state, 0.01, record.new_tally(len(state)))
         if own:
             state[[C_X, C_Z]] -= shift
         ends.append(state[[C_X, C_X + 1, C_Z]])
@@ -157,8 +157,8 @@ def test_far_from_the_start_it_is_a_plate_of_another_amplitude_and_phase(key, to
     ids=["plane", "lid", "rough", "walls", "rigid tips"],
 )
 def test_energy_is_booked_and_no_corner_sinks_in(keys):
-    plan, state = dropped(planned(PAPER, **EVERYTHING | keys), 0)
-    walker, tally = plan.world.walker, record.new(len(state))
+    plan, state = drop_for_run(planned(PAPER, **EVERYTHING | keys), 0)
+    walker, tally = plan.world.walker, record.new_tally(len(state))
     before, deepest = energy(plan.world, state), 0.0
     state[[C_X]] += 8.0
     for _ in range(100):
@@ -182,8 +182,8 @@ def test_the_mirror_image_runs_the_mirrored_way():
         turned |= {"plate.rocking_toward_deg": 0.0, "plate.rocking_percent_per_mm": sign * 3.0}
         turned |= {"plate.along_phase_deg": 60.0 if sign > 0.0 else 240.0}
         plan = planned(design, **EVERYTHING | turned)
-        state = plan.start(0.05, sign * 1e-3, 0.3)
-        plan.advance(state, 0.006, record.new(len(state)))
+        state = plan.initial_state(0.05, sign * 1e-3, 0.3)
+        plan.advance(state, 0.006, record.new_tally(len(state)))
         ends.append(state[[C_X, C_X + 1, C_Z, V_X, V_Y, V_Z]] * (sign, 1.0, 1.0, sign, 1.0, 1.0))
     np.testing.assert_allclose(ends[0], ends[1], rtol=0, atol=1e-7)
 
@@ -192,8 +192,8 @@ def test_switched_off_it_is_as_if_it_were_not_there():
     off = {"effects.off": ["plate_along", "plate_gradient", "plate_rocking"]}
     ends = []
     for keys in (EVERYTHING | off, {}):
-        plan, state = dropped(planned(PAPER, **keys), 0)
-        plan.advance(state, 0.05, record.new(len(state)))
+        plan, state = drop_for_run(planned(PAPER, **keys), 0)
+        plan.advance(state, 0.05, record.new_tally(len(state)))
         ends.append(state)
     np.testing.assert_array_equal(*ends)
 
@@ -226,5 +226,5 @@ def test_a_motor_and_a_crowd_know_no_plate_that_sways():
 def test_a_plate_that_throws_nothing_up_may_still_convey():
     scene = PLANE.variant(**{"drive.gamma": 0.5})
     mass = solids.mass_of(PAPER)
-    assert standing.reason(scene, PAPER, mass)
-    assert not standing.reason(scene.variant(**{"plate.along_ratio": 1.0}), PAPER, mass)
+    assert standing.standing_reason(scene, PAPER, mass)
+    assert not standing.standing_reason(scene.variant(**{"plate.along_ratio": 1.0}), PAPER, mass)

@@ -193,7 +193,7 @@ def built(tables):
     scene = config.validate({key: tables[key] for key in keys} | {"legs": tables["scene_legs"]}, Scene, "sweep")
     plan = prepare(scene, design, solids.mass_of(design))
     seconds = min(scene.run.seconds, MOST_STEPS * plan.world.options.step)
-    return plan.lasting(seconds=seconds)
+    return plan.with_run_settings(seconds=seconds)
 
 
 def check_refusal(error, tables):
@@ -329,8 +329,8 @@ def test_a_call_for_less_than_a_billionth_of_a_step_stays_finite():
     tables = {"arena": {"kind": "plane"}}
     design = Design.model_validate({})
     plan = prepare(Scene.model_validate(tables), design, solids.mass_of(design))
-    state = plan.start(-1e-6, 0.0, 0.0)
-    tally = record.new(len(state))
+    state = plan.initial_state(-1e-6, 0.0, 0.0)
+    tally = record.new_tally(len(state))
     plan.advance(state, 1e-9 * plan.world.options.step / 2.0, tally)
     assert np.isfinite(state).all()
     assert np.isfinite(tally.sums).all()

@@ -77,9 +77,9 @@ def test_walker_presses_its_tips_as_hertz_says():
     plan = plan.coarser(1 / 64)
     walker, speed = plan.world.walker, 100.0
     depth, time = hertz(0.25 * walker.mass, speed, walker.tip[0])
-    state = plan.start(1e-3, 0.0, 0.0)
+    state = plan.initial_state(1e-3, 0.0, 0.0)
     state[V_Y] = -speed
-    begin, tally = plan.start(0.0, 0.0, 0.0)[C_Y], record.new(len(state))
+    begin, tally = plan.initial_state(0.0, 0.0, 0.0)[C_Y], record.new_tally(len(state))
     deepest, moment = 0.0, 0.002 * time
     while tally.counts[record.IMPACTS] < 4:
         assert plan.advance(state, moment, tally) == OK
@@ -159,9 +159,9 @@ def test_lengths_times_4_run_at_twice_the_speed_to_the_bit(power, step_us):
     assert lengthened(4.0**power).world.options.step == pytest.approx(2.0**power * own, rel=1e-14)
     for length, seconds in ((1.0, 1.0), (4.0**power, 2.0**power)):
         plan = lengthened(length, run={"step_us": (1e6 * own if step_us is None else step_us) * seconds})
-        state = plan.start(0.0625 * length, 4e-3, 1.0, 1e-3)
+        state = plan.initial_state(0.0625 * length, 4e-3, 1.0, 1e-3)
         state[[V_X, V_Z]] = 12.0 * seconds, 3.0 * seconds
-        tally = record.new(len(state))
+        tally = record.new_tally(len(state))
         assert plan.advance(state, 0.125 * seconds, tally) == OK
         assert tally.counts[record.IMPACTS] > 30
         n = len(plan.world.walker.stiffness)

@@ -9,10 +9,10 @@ from scipy.optimize import nnls
 from walkergen.commands.selftest.scenes import masses
 from walkergen.core.errors import TheoryError
 from walkergen.core.numerics.kernels import kernel
-from walkergen.core.theory.balance import Foot, balanced
+from walkergen.core.theory.balance import Foot, solve_balance
 from walkergen.core.theory.impact import impact
 from walkergen.core.theory.speed import factor, factors
-from walkergen.core.theory.tensors import InverseMass, feet, rigid
+from walkergen.core.theory.tensors import InverseMass, foot_tensors, rigid_tensor
 from walkergen.core.walker.design import Design
 
 M, J = 1.0, 68.0  # about the paper's braced walker
@@ -20,13 +20,13 @@ M, J = 1.0, 68.0  # about the paper's braced walker
 
 def stiff(x, y, friction=0.25, restitution=0.8):
     """Foot of a rigid walker at (x, y) from its centre of mass."""
-    return Foot(rigid(M, J, np.array((x, y))), (x, y), restitution, friction)
+    return Foot(rigid_tensor(M, J, np.array((x, y))), (x, y), restitution, friction)
 
 
 def walker_feet(tilt, e, mu):
     """Feet of the paper's walker, with levers from the body's centre of mass as in the paper."""
     mass = masses(Design().variant(tilt_deg=float(tilt)))
-    both = zip(feet(mass), mass.legs, strict=True)
+    both = zip(foot_tensors(mass), mass.legs, strict=True)
     return mass, [Foot(H, tuple(leg.foot), e, mu) for H, leg in both]
 
 
@@ -51,7 +51,7 @@ def struck(foot, speed):
 def test_both_momenta_balance(count, drop):
     for seed in range(25):
         every = random_feet(count, seed, drop)
-        found = balanced(every)
+        found = solve_balance(every)
         hits = [struck(foot, float(found.factor)) for foot in every]
         F_x, F_y = np.array([hit[:2] for hit in hits]).T
         x, y = np.array([foot.lever for foot in every]).T
@@ -80,7 +80,7 @@ def test_force_ratio_never_rises_with_speed():
 def test_equal_feet_have_the_speed_of_one():
     H = InverseMass(2.0, -0.5, 1.0)
     pair = [Foot(H, (x, -9.0), 0.7, 0.2) for x in (-4.0, 7.0)]
-    assert balanced(pair).factor == factor(H, 0.7, 0.2)
+    assert solve_balance(pair).factor == factor(H, 0.7, 0.2)
 
 
 @pytest.mark.parametrize(("e", "mu"), [(0.9, 0.1), (0.8, 0.25)])
@@ -89,8 +89,8 @@ def test_paper_walker_keeps_its_mean(e, mu):
     for tilt in (1, 3, 5, 8, 10, 15, 20, 30, 45):
         mass, pair = walker_feet(tilt, e, mu)
         mean = float(factors(mass, e, mu).mean)
-        assert float(balanced(pair).factor) == pytest.approx(mean, rel=0.011)
-    assert float(balanced(walker_feet(0, e, mu)[1]).factor) == pytest.approx(0, abs=1e-13)
+        assert float(solve_balance(pair).factor) == pytest.approx(mean, rel=0.011)
+    assert float(solve_balance(walker_feet(0, e, mu)[1]).factor) == pytest.approx(0, abs=1e-13)
 
 
 def test_mirror_image_runs_backwards_exactly():
@@ -99,7 +99,7 @@ def test_mirror_image_runs_backwards_exactly():
         image = [
             foot._replace(H=foot.H._replace(xy=-foot.H.xy), lever=(-foot.lever[0], foot.lever[1])) for foot in every
         ]
-        one, other = balanced(every), balanced(image)
+        one, other = solve_balance(every), solve_balance(image)
         assert other.factor == -one.factor
         np.testing.assert_array_equal(other.shares, one.shares)
 
@@ -108,23 +108,23 @@ def test_one_foot_without_friction_leaves_the_speed_to_the_other():
     """Its impulse is vertical whatever the shares, so the other's must vanish by itself."""
     back, front = stiff(-4.0, -9.0), stiff(9.0, -9.0, friction=0.0)
     own = float(factor(back.H, 0.8, 0.25))
-    found = balanced([back, front])
+    found = solve_balance([back, front])
     assert float(found.factor) == pytest.approx(own, rel=1e-10)
     assert found.loads == pytest.approx([9 / 13, 4 / 13], rel=1e-12)
 
 
 def test_friction_zero_is_the_limit():
     pairs = [[stiff(-5.0, -9.0, mu), stiff(8.0, -9.0, mu)] for mu in (0.0, 1e-9)]
-    assert float(balanced(pairs[0]).factor) == pytest.approx(float(balanced(pairs[1]).factor), 1e-7)
+    assert float(solve_balance(pairs[0]).factor) == pytest.approx(float(solve_balance(pairs[1]).factor), 1e-7)
 
 
 def test_two_materials_run_with_the_smoother_foot_ahead():
     """Each foot pulls the body to the other's side; at rest the rougher one pulls harder."""
-    assert balanced([stiff(-6.5, -9.0), stiff(6.5, -9.0)]).factor == 0.0
-    forward = balanced([stiff(-6.5, -9.0, 0.6), stiff(6.5, -9.0, 0.1)])
+    assert solve_balance([stiff(-6.5, -9.0), stiff(6.5, -9.0)]).factor == 0.0
+    forward = solve_balance([stiff(-6.5, -9.0, 0.6), stiff(6.5, -9.0, 0.1)])
     assert float(forward.factor) == pytest.approx(0.6646, abs=1e-4)
     # Where both can stick (|H_xy| / H_xx = 0.39) neither slides at rest, and the forces are equal.
-    assert abs(balanced([stiff(-6.5, -9.0, 0.8), stiff(6.5, -9.0, 0.5)]).factor) < 1e-15
+    assert abs(solve_balance([stiff(-6.5, -9.0, 0.8), stiff(6.5, -9.0, 0.5)]).factor) < 1e-15
 
 
 def net_at_rest(pair):
@@ -144,7 +144,7 @@ def test_unequal_lengths_act_in_second_order_of_friction():
     np.testing.assert_allclose(forces, frictions**2 * 2.0 / 13.0, rtol=0.02)
     assert np.polyfit(np.log(frictions), np.log(forces), 1)[0] == pytest.approx(2.0, abs=0.01)
     # What opposes the motion is of first order, so the speed is too.
-    speeds = np.array([float(balanced(pair).factor) for pair in pairs])
+    speeds = np.array([float(solve_balance(pair).factor) for pair in pairs])
     H = pairs[0][0].H
     expected = 2.0 / 13.0 * 1.8 * abs(H.xy) / H.yy
     np.testing.assert_allclose(speeds / frictions, expected, rtol=0.05)
@@ -158,7 +158,7 @@ def test_unequal_levers_act_in_first_order_and_the_shorter_one_pushes():
     # N_back - N_front = 5/13; the net force itself turns the walker in the next order.
     np.testing.assert_allclose(forces, frictions * 5.0 / 13.0, rtol=0.02)
     assert np.polyfit(np.log(frictions), np.log(forces), 1)[0] == pytest.approx(1.0, abs=0.01)
-    found = balanced(pairs[0])
+    found = solve_balance(pairs[0])
     assert found.shares[0] > 0.5
     # The back foot's force vanishes with the rest: p_1 / p = (N_b - N_f) / (2 N_b) = 5/18.
     H = pairs[0][0].H
@@ -167,17 +167,17 @@ def test_unequal_levers_act_in_first_order_and_the_shorter_one_pushes():
 
 def test_unequal_lengths_of_feet_on_the_plate_act_through_levers_alone():
     """With both feet down heights are equal: a leg twice as long matters by where it leaves O."""
-    assert balanced([stiff(-6.5, -7.0), stiff(6.5, -7.0)]).factor == 0.0
+    assert solve_balance([stiff(-6.5, -7.0), stiff(6.5, -7.0)]).factor == 0.0
     long, short = np.array((-6.5, -9.0)), np.array((6.5, -4.5))
     pitch = math.atan((long[1] - short[1]) / (short[0] - long[0]))
     turned = np.array(((math.cos(pitch), -math.sin(pitch)), (math.sin(pitch), math.cos(pitch))))
     back, front = turned @ long, turned @ short
     assert back[1] == pytest.approx(front[1])
     assert -back[0] > front[0]
-    found = balanced([stiff(*back), stiff(*front)])
+    found = solve_balance([stiff(*back), stiff(*front)])
     assert found.factor < 0.0
     # The body held level, as the paper has it, would run the other way and more slowly.
-    level = balanced([stiff(*long), stiff(*short)])
+    level = solve_balance([stiff(*long), stiff(*short)])
     assert 0.0 < level.factor < -found.factor
 
 
@@ -195,7 +195,7 @@ def test_a_walk_by_single_impacts_ends_at_the_balance():
         if step >= 3000:
             total += speed
             hits[i] += 1
-    found = balanced(pair)
+    found = solve_balance(pair)
     # Speeds swing by 0.01 over a few hundred impacts; 6000 of them leave a tenth of that.
     assert total / 6000 == pytest.approx(float(found.factor), abs=0.003)
     np.testing.assert_allclose(hits / 6000, found.shares, atol=0.003)
@@ -249,7 +249,7 @@ def test_shaken_rigid_walker_has_the_direction_and_the_loads(pair):
     """Spin, which the theory leaves out, brings the speed to half to two thirds (section 4b)."""
     numbers = np.array([(*foot.lever, foot.friction) for foot in pair])
     runs = [shaken(numbers, 6.0, 1e-5, seed) for seed in range(2)]
-    found = balanced(pair)
+    found = solve_balance(pair)
     loads = np.mean([normal / normal.sum() for *_, normal in runs], axis=0)
     np.testing.assert_allclose(loads, found.loads, atol=0.03)
     ratio = np.mean([speed / approach for speed, approach, _ in runs]) / float(found.factor)
@@ -263,7 +263,7 @@ def test_many_feet_bear_loads_as_springs_that_cannot_pull():
     for _ in range(60):
         x = rng.uniform(-3.0, 10.0, int(rng.integers(3, 9)))
         x[:2] = -abs(x[0]), abs(x[1])
-        found = balanced([stiff(place, -9.0) for place in x]).loads
+        found = solve_balance([stiff(place, -9.0) for place in x]).loads
         n, heavy = len(x), 1e5
         rows = np.vstack([np.eye(n), np.full(n, heavy), heavy * x])
         expected, _ = nnls(rows, np.concatenate([np.full(n, 1 / n), [heavy, 0.0]]))
@@ -273,8 +273,8 @@ def test_many_feet_bear_loads_as_springs_that_cannot_pull():
 
 
 def test_pairs_of_feet_side_by_side_count_as_one():
-    one = balanced([stiff(-4.0, -9.0), stiff(9.0, -9.0, 0.1)])
-    four = balanced([stiff(-4.0, -9.0), stiff(9.0, -9.0, 0.1)] * 2)
+    one = solve_balance([stiff(-4.0, -9.0), stiff(9.0, -9.0, 0.1)])
+    four = solve_balance([stiff(-4.0, -9.0), stiff(9.0, -9.0, 0.1)] * 2)
     assert float(four.factor) == pytest.approx(float(one.factor), rel=1e-13)
     np.testing.assert_allclose(four.shares, np.tile(one.shares, 2) / 2, rtol=1e-12)
     assert "both feet" in one.note
@@ -284,11 +284,11 @@ def test_pairs_of_feet_side_by_side_count_as_one():
 def test_arrays_equal_one_by_one():
     e, mu = np.meshgrid([0.0, 0.4, 1.0], [0.0, 0.1, 3.0])
     pair = [stiff(-4.0, -9.0, mu, e), stiff(9.0, -9.0, 0.2, 0.5)]
-    many = balanced(pair)
+    many = solve_balance(pair)
     assert many.shares.shape == many.loads.shape == (2, 3, 3)
     for place in np.ndindex(3, 3):
         single = [stiff(-4.0, -9.0, mu[place], e[place]), pair[1]]
-        one = balanced(single)
+        one = solve_balance(single)
         assert many.factor[place] == one.factor
         np.testing.assert_array_equal(many.shares[:, *place], one.shares)
 
@@ -317,9 +317,9 @@ def test_arrays_equal_one_by_one():
 )
 def test_what_has_no_answer_is_refused(every, mode, message):
     with pytest.raises(TheoryError, match=message):
-        balanced(every, mode)
+        solve_balance(every, mode)
 
 
 def test_no_feet_are_refused():
     with pytest.raises(TheoryError, match="without feet"):
-        balanced([])
+        solve_balance([])

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from walkergen.core.scene import GRAVITY, Scene, at_rest
+from walkergen.core.scene import GRAVITY, Scene, still_plate_drive
 from walkergen.core.theory import impact, paper_simulation
 from walkergen.core.theory.paper_simulation import (
     CONTACT_S,
@@ -18,8 +18,8 @@ from walkergen.core.theory.paper_simulation import (
     X,
     Y,
     advance,
+    initial_state,
     simulate,
-    start,
 )
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
@@ -43,7 +43,7 @@ TILTS, SCATTER = (5.0, 10.0, 15.0, 20.0, 35.0), 0.05
 
 def scene_of(gamma: float, restitution: float, friction: float = 0.0) -> Scene:
     """Return a scene of a plate of 90 Hz, at rest for gamma 0."""
-    drive = {"frequency_hz": 90.0, "gamma": gamma} if gamma else at_rest(90.0)
+    drive = {"frequency_hz": 90.0, "gamma": gamma} if gamma else still_plate_drive(90.0)
     return Scene.model_validate({"drive": drive, "contact": {"restitution": restitution, "friction": friction}})
 
 
@@ -67,7 +67,7 @@ def test_speeds_are_those_of_exact_contact(name: str, restitution: float) -> Non
 
 def test_one_impact_is_that_of_the_theory() -> None:
     own = block(scene_of(0.0, 0.8, 0.25))
-    state = start(own, 1e-9)
+    state = initial_state(own, 1e-9)
     state[X], state[V_X], state[V_Y], state[SPIN] = 3.0, 20.0, -30.0, -2.0
     velocity = 20.0 + TALL * -2.0, -30.0 + HALF * -2.0  # of the front foot, which lands first
     hit = impact.resolve(own.tensors[1], velocity, 0.8, 0.25)
@@ -83,7 +83,7 @@ def test_a_level_walker_takes_off_and_lands_as_a_ball_does() -> None:
     restitution, gamma = 0.5, 1.3
     own = block(scene_of(gamma, restitution))
     phase = math.acos(math.pi * (1 - restitution) / (1 + restitution) / gamma)
-    state = start(own, 0.0, 0.0, phase)
+    state = initial_state(own, 0.0, 0.0, phase)
     state[Y] = TALL + own.amplitude * math.sin(phase) + 1e-4
     state[V_Y] = 0.5 * GRAVITY * PERIOD
     _, rows = advance(own, state, 100.0 * PERIOD)
@@ -99,7 +99,7 @@ def test_the_orbit_of_one_bounce_doubles_its_period_where_it_must(factor: float,
     gamma = factor * math.hypot(math.pi * (1 - e) / (1 + e), 2.0 * (1 + e * e) / (1 + e) ** 2)
     own = block(scene_of(gamma, e))
     phase = math.acos(math.pi * (1 - e) / (1 + e) / gamma)
-    state = start(own, 0.0, 0.0, phase)
+    state = initial_state(own, 0.0, 0.0, phase)
     state[Y], state[V_Y] = state[Y] + 1e-6, 0.5 * GRAVITY * PERIOD
     _, rows = advance(own, state, 4000.0 * PERIOD)
     gaps = np.diff(rows[::2, 0])[-2:]
@@ -108,8 +108,8 @@ def test_the_orbit_of_one_bounce_doubles_its_period_where_it_must(factor: float,
 
 def test_without_friction_and_losses_energy_stays_on_a_plate_at_rest() -> None:
     own = block(scene_of(0.0, 1.0))
-    state = start(own, 0.5, 0.3)
-    level = paper_simulation.energy(own, start(own, 0.0))
+    state = initial_state(own, 0.5, 0.3)
+    level = paper_simulation.energy(own, initial_state(own, 0.0))
     before = paper_simulation.energy(own, state) - level
     for _ in range(20):
         status, rows = advance(own, state, 0.5)
@@ -122,7 +122,7 @@ def test_without_friction_and_losses_energy_stays_on_a_plate_at_rest() -> None:
 @pytest.mark.parametrize("restitution", [0.5, 0.8])
 def test_a_ball_comes_to_rest_in_the_known_time(restitution: float) -> None:
     own = block(scene_of(0.0, restitution))
-    state = start(own, 1.0)
+    state = initial_state(own, 1.0)
     end = math.sqrt(2.0 / GRAVITY) * (1 + restitution) / (1 - restitution)
     advance(own, state, end + 1.0)
     assert end + 1.0 - state[CONTACT_S] == pytest.approx(end, rel=1e-4)
@@ -132,7 +132,7 @@ def test_a_ball_comes_to_rest_in_the_known_time(restitution: float) -> None:
 @pytest.mark.parametrize(("gamma", "leaves"), [(0.999, False), (1.01, True)])
 def test_a_walker_at_rest_is_released_by_the_plate_beyond_one_g(gamma: float, leaves: bool) -> None:
     own = block(scene_of(gamma, 0.0, 0.25))
-    state = start(own, 0.0)
+    state = initial_state(own, 0.0)
     state[V_Y] = own.amplitude * own.omega
     advance(own, state, 2.0 * PERIOD)
     assert (state[CONTACT_S] < 1.999 * PERIOD) == leaves
@@ -140,7 +140,7 @@ def test_a_walker_at_rest_is_released_by_the_plate_beyond_one_g(gamma: float, le
 
 def test_a_sliding_walker_stops_where_friction_says() -> None:
     own = block(scene_of(0.0, 0.0, 0.25))
-    state = start(own, 0.0, 0.0, 0.5 * math.pi)
+    state = initial_state(own, 0.0, 0.0, 0.5 * math.pi)
     state[V_X] = 60.0
     advance(own, state, 0.1)
     assert state[X] == pytest.approx(60.0**2 / (2.0 * 0.25 * GRAVITY), rel=1e-4)
@@ -149,8 +149,8 @@ def test_a_sliding_walker_stops_where_friction_says() -> None:
 
 def test_a_rocking_block_keeps_the_spin_that_housner_says() -> None:
     own = block(scene_of(0.0, 0.0, 50.0))
-    state = start(own, 0.0, 0.02)
-    level = paper_simulation.energy(own, start(own, 0.0))
+    state = initial_state(own, 0.0, 0.02)
+    level = paper_simulation.energy(own, initial_state(own, 0.0))
     before = paper_simulation.energy(own, state) - level
     while state[PITCH] > 0.0:
         advance(own, state, 1e-3)
@@ -165,7 +165,7 @@ def test_the_mirror_image_runs_backwards() -> None:
         feet=tuple((-x, y) for x, y in reversed(walker.feet)),
         tensors=tuple((xx, -xy, yy) for xx, xy, yy in reversed(walker.tensors)),
     )
-    own, other = start(walker, 0.05, 1e-3, 1.0), start(image, 0.05, -1e-3, 1.0)
+    own, other = initial_state(walker, 0.05, 1e-3, 1.0), initial_state(image, 0.05, -1e-3, 1.0)
     advance(walker, own, 0.05)
     advance(image, other, 0.05)
     assert other[[X, PITCH, V_X, SPIN]] == pytest.approx(-own[[X, PITCH, V_X, SPIN]], abs=1e-9)

@@ -22,7 +22,7 @@ def row_of(design=None, mode="coulomb", **contact):
 
 def by_theory(design, mode="coulomb"):
     """Return the row of a walker in the default scene with the theory alone."""
-    return prediction.row_of(design, solids.mass_of(design), Scene(), mode, None)
+    return prediction.make_row(design, solids.mass_of(design), Scene(), mode, None)
 
 
 @pytest.mark.parametrize(
@@ -46,7 +46,7 @@ def test_the_theory_is_the_known_factor_times_the_impact_speed(tilt, mode, back,
     )
     impact_speed = 0.5 * 1.8 * 9806.65 / (2.0 * math.pi * 90.0)
     design = Design().variant(tilt_deg=tilt)
-    row = prediction.row_of(design, solids.mass_of(design), scene, mode, None)
+    row = prediction.make_row(design, solids.mass_of(design), scene, mode, None)
     # Factors are known to three decimals, for masses of three digits.
     assert row.factor_back == pytest.approx(back, abs=3e-3)
     assert row.factor_front == pytest.approx(front, abs=3e-3)
@@ -59,8 +59,8 @@ def test_a_curve_through_walkers_is_that_between_them():
     walkers = [design.variant(tilt_deg=tilt) for tilt in reversed(tilts)]
     masses = [solids.mass_of(walker) for walker in walkers]
     rows = [prediction.predict(walker, mass, scene) for walker, mass in zip(walkers, masses, strict=True)]
-    through = prediction.through(list(zip(walkers, masses, rows, strict=True)), scene, "coulomb")
-    for ours, theirs in zip(through, prediction.curve(design, scene, "coulomb", 0.0, 20.0, 3), strict=True):
+    through = prediction.curve_from_rows(list(zip(walkers, masses, rows, strict=True)), scene, "coulomb")
+    for ours, theirs in zip(through, prediction.predict_curve(design, scene, "coulomb", 0.0, 20.0, 3), strict=True):
         np.testing.assert_array_equal(ours, theirs)
 
 
@@ -100,7 +100,7 @@ def test_standard_deviation_of_the_theory_against_linear_propagation():
         changed = scene.model_copy(update={"contact": scene.contact.model_copy(update=contact)})
         legs = tuple(leg._replace(m=leg.m * scale_m, j=leg.j * scale_m) for leg in mass.legs)
         varied = mass._replace(M=mass.M * scale_M, J=mass.J * scale_M, legs=legs)
-        return prediction.row_of(design, varied, changed, "coulomb", None).theory_mm_s
+        return prediction.make_row(design, varied, changed, "coulomb", None).theory_mm_s
 
     step = 1e-4
     by_leg = speed(scale_m=1 + step) - speed(scale_m=1 - step)
@@ -112,7 +112,7 @@ def test_standard_deviation_of_the_theory_against_linear_propagation():
         by_leg * 0.01 / 0.4,  # a leg's mass goes with its thickness
     ]
     expected = np.linalg.norm(slopes) / (2 * step)
-    inputs = prediction.drawn_inputs(scene, design)
+    inputs = prediction.sample_prediction_inputs(scene, design)
     drawn = prediction.theory_speeds(design, mass, scene, "coulomb", inputs)
     # Points of a lattice know a deviation to a percent; the second order is as much.
     assert drawn.std() == pytest.approx(expected, rel=0.04)
@@ -122,7 +122,7 @@ def test_a_prediction_without_unknowns_is_the_nominal_speed():
     """Rival: the surrogate at the one place; its own error and the model's are in the bounds."""
     design, scene = exactly()
     mass = solids.mass_of(design)
-    speed, se = surrogate.of(scene, design, mass).nominal
+    speed, se = surrogate.case_in_domain(scene, design, mass).nominal
     for model_sd in (0.0, 0.3):
         row = prediction.predict(design, mass, scene.variant(**{"prediction.model_sd": model_sd}))
         sd = np.hypot(se, model_sd * speed)
@@ -135,16 +135,16 @@ def test_a_prediction_without_unknowns_is_the_nominal_speed():
 
 def test_words_for_walkers_that_run_stand_run_backward_and_fall():
     row = row_of(Design().variant(tilt_deg=20.0))[0]
-    assert "mm/s; your print: " in prediction.sentence(row)
-    assert "backward" not in prediction.sentence(row)
-    back = prediction.sentence(row_of(Design().variant(tilt_deg=-20.0))[0])
+    assert "mm/s; your print: " in prediction.describe_speed(row)
+    assert "backward" not in prediction.describe_speed(row)
+    back = prediction.describe_speed(row_of(Design().variant(tilt_deg=-20.0))[0])
     assert back.startswith("runs backward")
-    assert prediction.sentence(row_of(Design().variant(tilt_deg=0.0))[0]).startswith("stands")
-    assert prediction.sentence(row_of(friction=0.0, friction_sd=0.0)[0]) == "stands"
-    assert prediction.sentence(row._replace(speed_mm_s=None, falls=1.0)) == "falls over in 100 % of its runs"
+    assert prediction.describe_speed(row_of(Design().variant(tilt_deg=0.0))[0]).startswith("stands")
+    assert prediction.describe_speed(row_of(friction=0.0, friction_sd=0.0)[0]) == "stands"
+    assert prediction.describe_speed(row._replace(speed_mm_s=None, falls=1.0)) == "falls over in 100 % of its runs"
     apart = row._replace(nominal_mm_s=1.5 * (row.speed_mm_s or 0.0))
-    assert "as designed" in prediction.sentence(apart)
-    assert "as designed" not in prediction.sentence(row._replace(nominal_mm_s=row.speed_mm_s))
+    assert "as designed" in prediction.describe_speed(apart)
+    assert "as designed" not in prediction.describe_speed(row._replace(nominal_mm_s=row.speed_mm_s))
 
 
 def test_a_contact_of_which_less_is_known_has_wider_bounds():
@@ -162,8 +162,8 @@ def test_the_first_number_of_a_newcomer_holds_the_papers_speed():
 
 def test_draws_stay_in_the_physical_range_and_repeat():
     scene = Scene.model_validate({"contact": {"restitution": 1.0, "friction": 0.0, "friction_sd": 1.0}})
-    known = prediction.known_inputs(scene, Design())
-    one, two = (uncertain.draws(known, 64, prediction.SEED) for _ in range(2))
+    known = prediction.prediction_inputs(scene, Design())
+    one, two = (uncertain.sample_inputs(known, 64, prediction.SEED) for _ in range(2))
     np.testing.assert_array_equal(one, two)
     drawn = {each.name: one[:, place] for place, each in enumerate(known)}
     assert drawn["contact.restitution"].max() <= 1.0
@@ -174,7 +174,7 @@ def test_draws_stay_in_the_physical_range_and_repeat():
 def test_shares_name_what_to_measure_next():
     """With one input uncertain by far the most, it takes nearly all the variance."""
     design, scene = exactly(contact={"restitution_sd": 0.2, "friction_sd": 0.0})
-    first, second, *rest = prediction.shares(design, solids.mass_of(design), scene)
+    first, second, *rest = prediction.variance_shares(design, solids.mass_of(design), scene)
     assert {first.name, second.name} <= {"contact.restitution", "which print it is", "the surrogate's error"}
     assert "contact.restitution" in (first.name, second.name)
     assert all(abs(one.total) < 0.02 for one in rest)
@@ -208,7 +208,7 @@ def test_the_peak_of_the_theory_lies_below_ten_degrees():
 
 
 def test_a_curve_runs_through_its_members():
-    curve = prediction.curve(Design(), Scene(), "coulomb", 0.0, 45.0)
+    curve = prediction.predict_curve(Design(), Scene(), "coulomb", 0.0, 45.0)
     for tilt in (5.0, 10.0, 35.0):
         row, place = (row_of(Design().variant(tilt_deg=tilt))[0], np.argmin(abs(curve.tilt_deg - tilt)))
         assert curve.speed[place] == pytest.approx(row.speed_mm_s, rel=1e-9)

@@ -10,7 +10,7 @@ from walkergen.commands.selftest import scenes
 from walkergen.core.errors import TheoryError
 from walkergen.core.theory.impact import Kind, resolve
 from walkergen.core.theory.speed import factor, factors
-from walkergen.core.theory.tensors import InverseMass, feet
+from walkergen.core.theory.tensors import InverseMass, foot_tensors
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import LegMass, MassProperties
 
@@ -44,7 +44,7 @@ def test_known_values(tilt, mode, back, front):
 @pytest.mark.parametrize(("e", "friction", "value"), [(0.9, 0.1, 5.2), (0.8, 0.25, 12.0)])
 def test_equation_15_does_not_vanish_at_tilt_zero_but_coulomb_does(e, friction, value):
     """docs/physics.md section 4: eq. 15 gives 5.2 w (fitted) and 12 w (measured) there."""
-    feet_at_zero = feet(ideal(0.0))
+    feet_at_zero = foot_tensors(ideal(0.0))
     printed = [0.5 * (1 + e) * (friction * H.xx - H.xy) / (H.yy - e * friction * H.xy) for H in feet_at_zero]
     assert np.mean(printed) == pytest.approx(value, abs=0.05 * value)
     # Mode paper takes the sign from H_xy: each foot has that size, back and front cancel.

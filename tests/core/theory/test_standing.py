@@ -45,7 +45,7 @@ def test_a_plate_below_gravity_throws_nothing(tilt, gamma):
     ],
 )
 def test_what_may_run_is_not_said_to_stand(keys):
-    assert standing.reason(*asked(**keys)) == ""
+    assert standing.standing_reason(*asked(**keys)) == ""
 
 
 def test_without_friction_nothing_pushes():
@@ -64,7 +64,7 @@ def test_without_friction_nothing_pushes():
 )
 def test_the_model_in_space_stands_too(keys):
     scene, design, mass = asked(**keys)
-    assert standing.reason(scene, design, mass)
+    assert standing.standing_reason(scene, design, mass)
     short = scene.variant(**{"run.seconds": 1.0, "run.runs": 4})
     speed = measure(Walker(short, design, mass), Runs(short.run.runs)).quantities["speed_mm_s"]
     # feet creep by a hundredth of the plate's speed at most: they are elastic

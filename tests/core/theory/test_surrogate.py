@@ -37,7 +37,7 @@ DIRECT = {
 
 def known(design=TEN, scene=None, **keys):
     scene = (scene or Scene()).variant(**keys)
-    return surrogate.of(scene, design, solids.mass_of(design))
+    return surrogate.case_in_domain(scene, design, solids.mass_of(design))
 
 
 def nominal(design=TEN, **keys):
@@ -137,7 +137,7 @@ READ = {
 def test_every_key_that_it_reads_moves_its_speed(key):
     scene = Scene().variant(**{key: READ[key]})
     mass = solids.mass_of(TEN)
-    at = [surrogate.Known(TEN, one, places.of(one, TEN, mass)).nominal[0] for one in (Scene(), scene)]
+    at = [surrogate.Known(TEN, one, places.compute_place(one, TEN, mass)).nominal[0] for one in (Scene(), scene)]
     assert at[0] != at[1]
 
 
@@ -175,28 +175,28 @@ def test_places_of_draws_are_those_of_walkers_so_built():
         "feet.tip_radius_um": 7.0,
         "legs.thickness_mm": 0.42,
     }
-    scene, design, mass = uncertain.applied(Scene(), TEN, values)
-    built = places.of(scene, design, mass)
+    scene, design, mass = uncertain.apply_inputs(Scene(), TEN, values)
+    built = places.compute_place(scene, design, mass)
     drawn = uncertain.Drawn({name: np.array([value]) for name, value in values.items()}, 1)
-    place = places.of(Scene(), TEN, solids.mass_of(TEN)).drawn(TEN, Scene(), drawn)
+    place = places.compute_place(Scene(), TEN, solids.mass_of(TEN)).with_inputs(TEN, Scene(), drawn)
     for name, one, other in zip(places.Place._fields, place, built, strict=True):
         # A thicker leg moves the centre of mass a little, which draws leave out
         assert float(np.ravel(one)[0]) == pytest.approx(float(other), rel=1e-2, abs=1e-3), name
 
 
 def test_a_spoilt_file_is_refused(tmp_path, monkeypatch):
-    data = bytearray(networks.FILE.read_bytes())
+    data = bytearray(networks.NETWORK_FILE.read_bytes())
     data[len(data) // 2] ^= 1
     for number, content in enumerate((b"", bytes(data), bytes(data[:5000]))):
         path = tmp_path / f"{number}.npz"
         path.write_bytes(content)
-        monkeypatch.setattr(networks, "FILE", path)
+        monkeypatch.setattr(networks, "NETWORK_FILE", path)
         with pytest.raises(InputError, match="install walkergen again"):
-            networks.arrays.__wrapped__()
+            networks.load_arrays.__wrapped__()
 
 
 def test_errors_told_are_those_of_rows_that_no_network_has_seen():
-    errors = networks.facts()["errors"]["flexible"]
+    errors = networks.training_facts()["errors"]["flexible"]
     assert errors["rows"] > 500
     assert errors["within_goal"] > 0.95
     assert errors["within_95"] > 0.9  # of which a few rows of chance
@@ -226,5 +226,5 @@ def test_scatter_in_time_and_between_prints_are_told_apart():
     runs = np.hypot(0.05, uneven)[:, None] * rng.standard_normal((800, 6))
     terms = networks.features(inputs)
     found = scatter(terms, uneven, runs.std(axis=1, ddof=1) / math.sqrt(6.0), np.full(800, 6.0))
-    assert np.median(networks.smooth(terms, found.in_time)) == pytest.approx(0.05, rel=0.1)
-    assert np.median(networks.smooth(terms, found.between_prints)) == pytest.approx(1.0, rel=0.1)
+    assert np.median(networks.evaluate_smooth(terms, found.in_time)) == pytest.approx(0.05, rel=0.1)
+    assert np.median(networks.evaluate_smooth(terms, found.between_prints)) == pytest.approx(1.0, rel=0.1)

@@ -4,7 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from walkergen.core.theory.tensors import flexible, rigid
+from walkergen.core.theory.tensors import flexible_tensor, rigid_tensor
 
 mp.mp.dps = 50
 
@@ -61,7 +61,7 @@ def test_flexible_tensor_agrees_with_50_digits(ratio):
     rng = np.random.default_rng(3)
     for _ in range(50):
         walker = random_walker(rng, ratio)
-        H = flexible(*walker)
+        H = flexible_tensor(*walker)
         exact = published(*walker)
         # Entries may cancel against each other's terms: compare with the largest.
         size = float(max(abs(value) for value in exact))
@@ -74,7 +74,7 @@ def test_light_upright_leg_keeps_the_digits_of_its_small_entries():
     a, c = np.array([-6.5, -1.5]), np.array([0.0, -3.75])
     m = 1e-9
     walker = (0.833, 55.0, m, m * 7.5**2 / 12, a, c, c)
-    H, exact = flexible(*walker), published(*walker)
+    H, exact = flexible_tensor(*walker), published(*walker)
     assert H.yy == pytest.approx(float(exact[1, 1]), rel=1e-13)
     assert H.xy == pytest.approx(float(exact[0, 1]), rel=1e-12)
 
@@ -83,14 +83,14 @@ def test_light_upright_leg_keeps_the_digits_of_its_small_entries():
 def test_thin_light_leg_limit(tilt):
     phi, m, length = np.radians(tilt), 1e-7, 7.5
     c = 0.5 * length * np.array([-np.sin(phi), -np.cos(phi)])
-    H = flexible(0.8, 50.0, m, m * length**2 / 12, np.array([-5.0, -1.5]), c, c)
+    H = flexible_tensor(0.8, 50.0, m, m * length**2 / 12, np.array([-5.0, -1.5]), c, c)
     expected = 3 / m * np.array([np.cos(phi) ** 2, -np.sin(phi) * np.cos(phi), np.sin(phi) ** 2])
     # The next order is 1/M: smaller by m/M / sin^2(tilt).
     np.testing.assert_allclose([H.xx, H.xy, H.yy], expected, rtol=1e-4)
 
 
 def test_rigid_tensor_is_equation_4():
-    H = rigid(2.0, 8.0, np.array([-3.0, -5.0]))
+    H = rigid_tensor(2.0, 8.0, np.array([-3.0, -5.0]))
     assert H == (0.5 + 25 / 8, -15 / 8, 0.5 + 9 / 8)
 
 
@@ -100,7 +100,7 @@ def test_other_leg_changes_the_tensor_by_the_order_of_m_over_M():
     errors = []
     for ratio in (1e-2, 1e-3, 1e-4):
         M, J, m, j, a, c_A, c_T = random_walker(np.random.default_rng(8), ratio)
-        H = flexible(M, J, m, j, a, c_A, c_T)
+        H = flexible_tensor(M, J, m, j, a, c_A, c_T)
         chain = hinged_chain(M, J, m, j, a, b, c_A, c_T)
         errors.append(abs(H.yy - chain[1, 1]) * M)
     assert errors[0] > 0
@@ -109,12 +109,12 @@ def test_other_leg_changes_the_tensor_by_the_order_of_m_over_M():
     # And without the other leg the chain is the tensor itself.
     M, J, m, j, a, c_A, c_T = random_walker(rng, 0.04)
     alone = published(M, J, m, j, a, c_A, c_T)
-    assert flexible(M, J, m, j, a, c_A, c_T).xy == pytest.approx(float(alone[0, 1]), rel=1e-12)
+    assert flexible_tensor(M, J, m, j, a, c_A, c_T).xy == pytest.approx(float(alone[0, 1]), rel=1e-12)
 
 
 def test_one_call_serves_many_draws():
     rng = np.random.default_rng(0)
     walkers = [random_walker(rng, 0.05) for _ in range(20)]
-    stacked = flexible(*(np.array(column) for column in zip(*walkers, strict=True)))
-    single = np.array([flexible(*walker) for walker in walkers]).T
+    stacked = flexible_tensor(*(np.array(column) for column in zip(*walkers, strict=True)))
+    single = np.array([flexible_tensor(*walker) for walker in walkers]).T
     np.testing.assert_array_equal(np.array(stacked), single)

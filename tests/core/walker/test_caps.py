@@ -74,7 +74,7 @@ def test_a_cap_on_its_walker_is_read_from_above_with_its_front_ahead(kind, numbe
 @pytest.mark.parametrize("kind", ["engraved", "raised"])
 def test_every_cap_is_one_closed_body(kind):
     for number in range(100):
-        assert solids.bodies(caps.mesh(Cap(kind=kind, dictionary="4x4_100", number=number))) == 1
+        assert solids.count_bodies(caps.mesh(Cap(kind=kind, dictionary="4x4_100", number=number))) == 1
 
 
 def test_the_mass_of_a_tile_is_that_of_its_cells():
@@ -134,7 +134,7 @@ def test_a_walker_is_weighed_with_its_cap():
     design = capped()
     built = solids.build(design)
     heavier = weights.Weighings(grams=weights.Mean(1.1, None, 1))
-    scaled = weights.applied(design, built, heavier, "walker")
+    scaled = weights.apply_masses(design, built, heavier, "walker")
     assert float(solids.weigh(scaled, built).total) == pytest.approx(1.1, rel=1e-12)
 
 

@@ -40,7 +40,7 @@ def test_toml_round_trip(tmp_path):
     design = Design.model_validate(
         {"name": "a-b_1", "legs": {"tilt_deg": 12.25, "foot": "round"}, "weighed": {"body_mass_g": 0.8}}
     )
-    assert config.read(written(tmp_path, templates.dump(design, "mine")), Design) == design
+    assert config.read_section(written(tmp_path, templates.dump(design, "mine")), Design) == design
 
 
 @pytest.mark.parametrize("walker", ["koumakis2016", "bristle"])
@@ -62,11 +62,11 @@ def test_a_dump_runs_no_python_of_ours_in_which_a_ctrl_c_would_be_lost(walker):
 
 
 def test_whole_numbers_are_numbers(tmp_path):
-    assert config.read(written(tmp_path, "[legs]\ntilt_deg = 12"), Design).legs.tilt_deg == 12.0
+    assert config.read_section(written(tmp_path, "[legs]\ntilt_deg = 12"), Design).legs.tilt_deg == 12.0
 
 
 def test_name_defaults_to_the_files(tmp_path):
-    assert config.read(written(tmp_path, "[legs]\ntilt_deg = 12"), Design).name == "mine"
+    assert config.read_section(written(tmp_path, "[legs]\ntilt_deg = 12"), Design).name == "mine"
 
 
 def test_files_that_are_not_text(tmp_path):
@@ -84,7 +84,7 @@ def test_files_that_are_not_text(tmp_path):
         (tmp_path / "a\0b.toml", "control"),
     ]:
         with pytest.raises(InputError, match=word):
-            config.read(path, Design)
+            config.read_section(path, Design)
 
 
 def test_the_limit_named_is_the_limit():

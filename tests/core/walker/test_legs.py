@@ -11,7 +11,7 @@ from walkergen.core.simulation.plan import prepare
 from walkergen.core.theory.speed import factors
 from walkergen.core.walker import mass, solids
 from walkergen.core.walker.design import Design
-from walkergen.core.walker.planar import in_plane
+from walkergen.core.walker.planar import project_to_plane
 
 DENSITY = 1.24e-3
 
@@ -19,7 +19,7 @@ DENSITY = 1.24e-3
 def read(folder, text):
     path = folder / "mine.toml"
     path.write_text(text)
-    return config.read(path, Design)
+    return config.read_section(path, Design)
 
 
 def listed(*legs, **tables):
@@ -70,7 +70,7 @@ def test_legs_side_by_side_are_one_as_wide_in_the_plane():
         assert found.total == pytest.approx(whole.total, rel=1e-12)
         assert found.J == pytest.approx(whole.J, rel=1e-12)
         np.testing.assert_allclose(found.spatial.body, whole.spatial.body, rtol=1e-12, atol=1e-12)
-        flat, limbs = in_plane(four, found)
+        flat, limbs = project_to_plane(four, found)
         assert [limb.width for limb in limbs] == [limb.width for limb in pair.limbs]
         for leg, like in zip(flat.legs, whole.legs, strict=True):
             assert leg.m == pytest.approx(like.m, rel=1e-12)
@@ -104,7 +104,7 @@ def test_a_braced_leg_among_flexible_ones_belongs_to_the_body():
     np.testing.assert_allclose(feet, [(-6.5, back.foot_height), (6.5, front.foot_height)])
     united = mass.weigh(built.walker, DENSITY)
     assert found.total == pytest.approx(united.mass, rel=1e-12)
-    frozen = mass.as_rigid(found)
+    frozen = mass.to_rigid(found)
     assert frozen.J == pytest.approx(united.inertia, rel=1e-12)
     np.testing.assert_allclose(frozen.spatial.body, united.tensor, rtol=0.0, atol=1e-9)
 
@@ -159,10 +159,10 @@ def test_legs_cut_flush_with_a_round_body_keep_the_whole_walkers_centre_and_tens
     parts, whole = solids.weigh(design, built), mass.weigh(built.walker, 1.24e-3)
     centres = np.array([(0.0, 0.0), *(leg.anchor + leg.c_A for leg in parts.legs)])
     masses = np.array([parts.M, *(leg.m for leg in parts.legs)])
-    centre, tensor = mass.joined(parts.spatial, parts.legs, masses, centres)
+    centre, tensor = mass.centre_and_inertia(parts.spatial, parts.legs, masses, centres)
     # A leg's flat sides lie in the union's; sums of 2600 triangles round to 1e-12
     assert masses.sum() == pytest.approx(whole.mass, rel=1e-10)
-    middle = whole.centre - (*(-mass.from_centre(design.limbs, parts, np.zeros(2))), 0.5 * design.size.depth)
+    middle = whole.centre - (*(-mass.to_centre_frame(design.limbs, parts, np.zeros(2))), 0.5 * design.size.depth)
     np.testing.assert_allclose(centre, middle, atol=1e-8)
     np.testing.assert_allclose(tensor, whole.tensor, rtol=1e-8, atol=1e-7)
 

@@ -156,7 +156,7 @@ def test_a_refusal_names_the_line_of_the_file(tmp_path):
     path = tmp_path / "my.toml"
     path.write_text('[marks]\nkind = "digits"\nline_mm = 0.5\n[legs]\ntilt_deg = 80\n')
     with pytest.raises(GeometryError) as caught:
-        config.read(path, Design)
+        config.read_section(path, Design)
     lines = str(caught.value).splitlines()
     assert any(line.startswith(f"{path}:3: marks.line_mm = 0.5") for line in lines)
     assert any(line.startswith(f"{path}:5: legs.tilt_deg = 80") for line in lines)
@@ -166,6 +166,6 @@ def test_the_curve_between_a_family_s_tilts_is_that_of_unmarked_walkers():
     """Notches number the family's tilts; the figure's curve has others, 181 of them."""
     scene = templates.load("lane-90hz", "scenes", Scene)
     marked_curve, plain = (
-        prediction.curve(design, scene, "coulomb", 5.0, 15.0) for design in (marked("notches"), PAPER)
+        prediction.predict_curve(design, scene, "coulomb", 5.0, 15.0) for design in (marked("notches"), PAPER)
     )
     np.testing.assert_array_equal(marked_curve.speed, plain.speed)

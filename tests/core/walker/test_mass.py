@@ -48,7 +48,7 @@ def leg_polygon(design):
     ]
 
 
-@pytest.mark.parametrize("design", list(variants()), ids=names.part)
+@pytest.mark.parametrize("design", list(variants()), ids=names.part_name)
 def test_flexible_walker_against_closed_forms(design):
     found = solids.mass_of(design)
     depth = design.size.depth

@@ -12,7 +12,7 @@ from walkergen.commands.plate import make as batch
 from walkergen.core.errors import GeometryError, InputError
 from walkergen.core.files import config
 from walkergen.core.printing import checks
-from walkergen.core.printing.pocket_checks import ceiling, thinnest_wall
+from walkergen.core.printing.pocket_checks import ceiling_span, thinnest_wall
 from walkergen.core.printing.printers import Printer
 from walkergen.core.walker import names, pockets, solids, weights
 from walkergen.core.walker.design import Design
@@ -114,12 +114,12 @@ def test_parts_go_into_their_pockets_with_their_clearance(name):
     built = solids.build(design)
     printed = trimesh.Trimesh(*built.walker, process=False)
     assert printed.is_watertight
-    assert solids.bodies(built.walker) == 1
+    assert solids.count_bodies(built.walker) == 1
     sampled, _ = trimesh.sample.sample_surface(printed, 50_000, seed=1)
     points = np.concatenate([printed.vertices, sampled])
     for part in design.parts.values():
         own = part.cylinder
-        way = points - own.middle(design.size.depth)
+        way = points - own.centre_in_design(design.size.depth)
         beyond = np.abs(way[:, own.axis]) - 0.5 * own.height
         aside = np.linalg.norm(np.delete(way, own.axis, axis=1), axis=1) - own.radius
         outside = np.hypot(np.maximum(beyond, 0.0), np.maximum(aside, 0.0))
@@ -143,28 +143,28 @@ def test_wires_lead_from_pocket_to_pocket():
 @pytest.mark.parametrize("name", CARRIERS)
 def test_shipped_carriers_print_without_warnings(name, printer):
     design = shipped(name)
-    lying = solids.as_printed(design, solids.build(design).walker)
-    findings = checks.of_part(name, design, lying, printer_of(printer))
+    lying = solids.orient_for_print(design, solids.build(design).walker)
+    findings = checks.check_part(name, design, lying, printer_of(printer))
     assert not [finding for finding in findings if finding.level != "advice"]
 
 
 def test_a_pocket_is_judged_by_the_way_that_its_walker_prints():
     """On its side a pocket open to the side has no ceiling, upside down one open below."""
     side, upside = shipped("coinbot"), shipped("bristlebot")
-    assert solids.on_side(side)
-    assert not solids.on_side(upside)
+    assert solids.is_printed_on_side(side)
+    assert not solids.is_printed_on_side(upside)
     for design, free in ((side, "side"), (upside, "down")):
         for opens in ("up", "down", "side"):
             part = design.battery.model_copy(update={"opens": opens})
             span = 0.0 if opens == free else 20.4  # across the cell and its clearance
-            assert ceiling(part, design) == pytest.approx(span)
+            assert ceiling_span(part, design) == pytest.approx(span)
     # The motor's slot is bridged the short way
-    assert ceiling(upside.motor, upside) == pytest.approx(3.1)
+    assert ceiling_span(upside.motor, upside) == pytest.approx(3.1)
 
 
 def messages(design, printer):
-    lying = solids.as_printed(design, solids.build(design).walker)
-    findings = checks.of_part("it", design, lying, printer)
+    lying = solids.orient_for_print(design, solids.build(design).walker)
+    findings = checks.check_part("it", design, lying, printer)
     return [finding.line for finding in findings if finding.level == "warning"]
 
 
@@ -220,7 +220,7 @@ def test_a_side_wall_follows_the_outline_of_the_body():
         },
     }
     design = Design.model_validate(data)
-    middle = np.array(design.motor.cylinder.middle(22.0)[:2])
+    middle = np.array(design.motor.cylinder.centre_in_design(22.0)[:2])
     corners = solids.outline(design).body
     ends = np.roll(corners, -1, axis=0)
     share = np.linspace(0.0, 1.0, 2001)[:, None, None]
@@ -267,30 +267,30 @@ def test_designs_that_carry_nothing_are_written_as_before():
 
 def test_weights_have_rows_of_what_is_carried(tmp_path):
     design = shipped("coinbot").variant(tilt_deg=10.0)
-    part, path = names.part(design), tmp_path / weights.FILE
-    weights.write_template(tmp_path, [part, *weights.carried(design)])
+    part, path = names.part_name(design), tmp_path / weights.FILE_NAME
+    weights.write_template(tmp_path, [part, *weights.carried_rows(design)])
     rows = [line.split(",")[0] for line in path.read_text().splitlines()[1:]]
     assert rows == [part, "motor", "battery", "wires", "glue"]
-    assert not weights.filled(path)
+    assert not weights.is_filled_in(path)
     path.write_text("part,grams\nmotor,1.2\nmotor,1.4\nbattery,3.1\nglue,0.3\n")
-    assert weights.filled(path)
-    weighed = weights.loaded(design, weights.read(path, [design]))
-    assert weights.unused(path, [design]) == []
+    assert weights.is_filled_in(path)
+    weighed = weights.apply_carried_masses(design, weights.read_masses(path, [design]))
+    assert weights.unused_parts(path, [design]) == []
     gained = solids.mass_of(weighed).total - solids.mass_of(design).total
     assert gained == pytest.approx(0.3 + 0.2 + 0.2, rel=1e-9)
 
 
 def test_weights_of_what_is_carried_are_refused_when_wrong(tmp_path):
-    design, path = shipped("coinbot"), tmp_path / weights.FILE
+    design, path = shipped("coinbot"), tmp_path / weights.FILE_NAME
     path.write_text("part,grams,body_g\nmotor,,1.2\n")
     with pytest.raises(InputError, match="motor: body_g: has neither"):
-        weights.read(path, [design])
+        weights.read_masses(path, [design])
     path.write_text("part,grams\nmotor,1200\n")
     with pytest.raises(InputError, match="motor: 1200 g by the balance, 1 g by the design"):
-        weights.loaded(design, weights.read(path, [design]))
+        weights.apply_carried_masses(design, weights.read_masses(path, [design]))
     path.write_text("part,grams\nmotor,1.2\n")
     with pytest.raises(InputError, match="'motor' is not among"):
-        weights.read(path, [shipped("koumakis2016")])
+        weights.read_masses(path, [shipped("koumakis2016")])
 
 
 WIDE = {"length_mm": 40.0, "depth_mm": 24.0, "thickness_mm": 6.0}
@@ -311,13 +311,13 @@ def test_marks_that_pockets_take_away_are_refused():
     assert "marks.serial = 7" in line
     assert line.count("\n") == 0
     beside = shipped("spinner").variant(**{"marks.kind": "text", "marks.text": "A7"})
-    assert solids.bodies(solids.build(beside).walker) == 1
+    assert solids.count_bodies(solids.build(beside).walker) == 1
 
 
 def test_pockets_are_in_no_drawing_for_a_laser_cutter():
     for name in CARRIERS:
         with pytest.raises(InputError, match=r"no profile .* pockets \(motor, battery\)"):
-            profile.drawing_of(shipped(name))
+            profile.drawing_outlines(shipped(name))
 
 
 def test_a_body_of_ones_own_bears_pockets(tmp_path):

@@ -41,7 +41,7 @@ def test_a_number_stands_beside_the_mark_and_takes_plastic(keys, shown):
     assert own.mark == shown
     bare = own.variant(**{"marks.serial": None}) if keys else PAPER
     built, before = solids.build(own), solids.build(bare)
-    assert solids.bodies(built.walker) == 1
+    assert solids.count_bodies(built.walker) == 1
     assert solids.weigh(own, built).M < solids.weigh(bare, before).M
     other = solids.build(numbered(PAPER, 41, **keys))
     assert other.walker.vertices.shape != built.walker.vertices.shape or not np.array_equal(
@@ -60,7 +60,7 @@ def test_numbers_keep_below_notches():
 def test_a_body_in_plan_view_bears_it_in_letters():
     own = numbered(DISC, 7)
     assert own.letters == own.mark == "7"
-    assert solids.bodies(solids.build(own).walker) == 1
+    assert solids.count_bodies(solids.build(own).walker) == 1
 
 
 @pytest.mark.parametrize(
@@ -101,8 +101,8 @@ def test_numbers_count_over_all_copies_and_name_everything(tmp_path):
 
 def test_without_numbers_nothing_changes():
     order = batch.Order([PAPER], [3], [PRINTER])
-    assert batch.numbered(order) == ([PAPER], [3])
-    assert names.how_to_read(Marks()) == ""
+    assert batch.number_copies(order) == ([PAPER], [3])
+    assert names.reading_instructions(Marks()) == ""
 
 
 def test_the_command_says_which_numbers(tmp_path, monkeypatch):

@@ -31,7 +31,7 @@ def prism(sides, radius, height):
     angles = 2.0 * np.pi * np.arange(sides) / sides
     outline = radius * np.column_stack([np.cos(angles), np.sin(angles)])
     section = manifold3d.CrossSection([outline])
-    return modeller.mesh_of(manifold3d.Manifold.extrude(section, height))
+    return modeller.to_mesh(manifold3d.Manifold.extrude(section, height))
 
 
 def test_a_box_against_its_closed_form(tmp_path):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from crowd_bodies import Pair
 
-from walkergen.commands.selftest.scenes import STILL
+from walkergen.commands.selftest.scenes import STILL_DRIVE
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import plan as plans
 from walkergen.core.simulation.space.state import V_X, V_Z, W_X
@@ -193,7 +193,7 @@ def _inside(dish, row):
 
 
 def test_a_crowd_on_a_still_plate_comes_to_rest():
-    data = {"drive": STILL, "run": {"seconds": 0.5, "discard_seconds": 0.2}}
+    data = {"drive": STILL_DRIVE, "run": {"seconds": 0.5, "discard_seconds": 0.2}}
     scene = Scene.model_validate(data | {"crowd": {"arena_mm": "disc:100"}})
     plan = run.prepare(scene, [walkers("koumakis2016")], [0] * 4, lattice(4, 34.0, np.random.default_rng(1)))
     poses = run.simulate(plan, 0, 20.0).poses

@@ -45,7 +45,7 @@ def ground_of(ground):
 
 
 def placed(outlines, words, seed=1):
-    ground = dish.parse(words)
+    ground = dish.parse_dish(words)
     rng = np.random.default_rng(seed)
     return ground, placing.place(outlines, ground, rng, CLEARANCE)
 
@@ -121,7 +121,7 @@ def test_a_crowd_without_room_is_refused_by_its_packing(number, words, named):
 
 
 def test_walkers_that_start_inside_each_other_are_found_out():
-    ground = dish.parse("disc:200")
+    ground = dish.parse_dish("disc:200")
     small = [0.2 * ROUND[0]]
     inside = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 1.0)])
     assert placing.overlapping([ROUND, small], ground, inside) == 1
@@ -131,9 +131,9 @@ def test_walkers_that_start_inside_each_other_are_found_out():
     apart = np.array([(0.0, 0.0, 0.0), (0.0, 8.1, 0.0)])
     assert placing.overlapping([BAR, BAR], ground, apart) is None
     assert placing.overlapping([BAR], ground, np.array([(90.0, 0.0, 0.0)])) == 0
-    around = dish.parse("ring:200,10")
+    around = dish.parse_dish("ring:200,10")
     assert placing.overlapping([BAR], around, np.array([(0.0, 0.0, 0.0)])) == 0
-    edge = dish.parse("periodic:60")
+    edge = dish.parse_dish("periodic:60")
     across = np.array([(-25.0, 0.0, 0.0), (25.0, 0.0, 0.0)])
     assert placing.overlapping([BAR, BAR], edge, across) == 1
 

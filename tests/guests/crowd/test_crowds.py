@@ -35,13 +35,13 @@ def test_walkers_at_random_have_the_numbers_of_chance_in_every_dish(words):
         estimate = found.numbers[name]
         if estimate.value is not None:
             assert abs(estimate.value - chance) < 5.0 * estimate.se + 0.01 * chance, name
-    assert found.numbers["packing"].value == pytest.approx(150 * 3.0 / dishes.parse(words).area)
+    assert found.numbers["packing"].value == pytest.approx(150 * 3.0 / dishes.parse_dish(words).area)
     assert found.numbers["packing"].se == 0.0
 
 
 @pytest.mark.parametrize("words", DISHES[:3])
 def test_circles_are_cut_by_walls_as_polygons_are(words):
-    dish, rng = dishes.parse(words), np.random.default_rng(1)
+    dish, rng = dishes.parse_dish(words), np.random.default_rng(1)
     whole, angle = polygon_of(dish), np.linspace(0.0, 2.0 * np.pi, 4001)
     x, y = (rng.uniform(-0.5, 0.5, 400) * side for side in dish.box)
     inside = ground.wall_distance(x, y, dish) > 0
@@ -57,7 +57,7 @@ def test_circles_are_cut_by_walls_as_polygons_are(words):
 
 @pytest.mark.parametrize("words", DISHES[:3])
 def test_the_area_beyond_a_depth_is_that_of_the_dish_shrunk(words):
-    dish = dishes.parse(words)
+    dish = dishes.parse_dish(words)
     for depth in np.linspace(0.0, ground.deepest(dish), 7):
         shrunk = polygon_of(dish).buffer(-depth, quad_segs=500, join_style="mitre").area
         assert ground.area_beyond(np.array(depth), dish) == pytest.approx(shrunk, abs=1e-3 * dish.area)
@@ -66,7 +66,7 @@ def test_the_area_beyond_a_depth_is_that_of_the_dish_shrunk(words):
 @pytest.mark.parametrize("words", DISHES)
 @pytest.mark.parametrize("parts", [3, 7, 12])
 def test_boxes_are_those_that_lie_inside_the_dish(words, parts):
-    dish = dishes.parse(words)
+    dish = dishes.parse_dish(words)
     grid, ground_ = boxes.whole(dish, parts), polygon_of(dish)
     assert grid.used.any() or (words, parts) == ("ring:160,60", 3)
     for (column, row), used in np.ndenumerate(grid.used):

@@ -13,7 +13,7 @@ SIDE = 100.0
 
 def crowd(frames, walkers=300, seed=1):
     """Walkers of a periodic square that keep off each other and lean to one line."""
-    dish = dishes.parse(f"periodic:{SIDE:g}")
+    dish = dishes.parse_dish(f"periodic:{SIDE:g}")
     rng, places = np.random.default_rng(seed), np.empty((frames, walkers, 3))
     for frame in range(frames):
         kept = rng.uniform(0.0, SIDE, (8 * walkers, 2))

@@ -34,7 +34,7 @@ def test_the_nearest_wall_is_the_dish_s_boundary(words):
         placed = shapely.affinity.rotate(body, turn, (0, 0), use_radians=True)
         if GROUNDS[words].contains(shapely.affinity.translate(placed, x, y)):
             rows.append((x, y, turn))
-    gaps, outs = walls.nearest(np.array(rows), outline, dish.parse(words))
+    gaps, outs = walls.nearest(np.array(rows), outline, dish.parse_dish(words))
     for (x, y, turn), gap, out in zip(rows, gaps, outs, strict=True):
         placed = shapely.affinity.rotate(body, turn, (0, 0), use_radians=True)
         placed = shapely.affinity.translate(placed, x, y)
@@ -63,7 +63,7 @@ def leaning(seed, rate, runs=16, seconds=3.0):
 
 @pytest.mark.parametrize("rate", [2.0, -2.0])
 def test_turning_and_alignment_are_those_put_in(rate):
-    square = dish.parse("rectangle:200x200")
+    square = dish.parse_dish("rectangle:200x200")
     runs = leaning(3, rate)
     found = walls.measure(runs, INTERVAL, OUTLINE, square)
     assert found.share.value == 1.0
@@ -79,9 +79,9 @@ def test_turning_and_alignment_are_those_put_in(rate):
 
 def test_walkers_far_from_walls_tell_nothing_of_them():
     rows = [np.zeros((100, 3)) for _ in range(10)]
-    found = walls.measure(rows, INTERVAL, OUTLINE, dish.parse("disc:120"))
+    found = walls.measure(rows, INTERVAL, OUTLINE, dish.parse_dish("disc:120"))
     assert found.share.value == 0.0
     assert found.alignment.value is None
     assert "smaller dish" in found.alignment.refused
-    few = walls.measure(rows[:2], INTERVAL, OUTLINE, dish.parse("disc:120"))
+    few = walls.measure(rows[:2], INTERVAL, OUTLINE, dish.parse_dish("disc:120"))
     assert "at least" in few.turning.refused

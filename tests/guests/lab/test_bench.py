@@ -10,7 +10,7 @@ from walkergen.core.scene import GRAVITY, Scene
 from walkergen.core.simulation import record
 from walkergen.core.simulation.effects import feet
 from walkergen.core.simulation.plan import Release
-from walkergen.core.simulation.run import dropped
+from walkergen.core.simulation.run import drop_for_run
 from walkergen.core.simulation.space.state import HEIGHT, V_X
 from walkergen.core.simulation.space.walker import mobility
 from walkergen.core.walker.design import Design
@@ -76,9 +76,9 @@ def test_nothing_is_gained_by_undamped_feet_on_undamped_legs():
 
 def test_heights_and_speeds_give_one_rebound():
     plan = plan_of(restitution=0.5)
-    state = plan.start(10.0, 0.0, 0.0)
+    state = plan.initial_state(10.0, 0.0, 0.0)
     seconds = drops.seconds_of(10.0)
-    tally = record.new(V_X + 2, seconds, 1e-5)
+    tally = record.new_tally(V_X + 2, seconds, 1e-5)
     plan.advance(state, seconds, tally)
     rows = tally.samples.rows[: tally.samples.cursor[0]]
     speeds = rows[:, 1 + V_X + 1]
@@ -149,8 +149,8 @@ def test_what_counts_is_the_time_between_corners():
 
 def test_the_film_shows_the_drop_that_was_asked_for():
     plan = plan_of()._replace(release=Release(3.0, 0.01, 0.02))
-    _, state = dropped(plan, 0)
-    np.testing.assert_array_equal(state, plan_of().start(3.0, 0.01, 0.0, 0.02))
+    _, state = drop_for_run(plan, 0)
+    np.testing.assert_array_equal(state, plan_of().initial_state(3.0, 0.01, 0.0, 0.02))
 
 
 def test_a_still_plate_keeps_feet_and_gravity_and_loses_its_drive():
@@ -160,8 +160,8 @@ def test_a_still_plate_keeps_feet_and_gravity_and_loses_its_drive():
     plan = resting.plan_of(scene, PAPER)
     assert len(plan.world.acting.noise.heights) == 0
     assert plan.world.acting.gravity.into == GRAVITY
-    state = plan.start(0.0, 0.0, 0.0)
-    tally = record.new(HEIGHT + 1, 1.0, 0.9)
+    state = plan.initial_state(0.0, 0.0, 0.0)
+    tally = record.new_tally(HEIGHT + 1, 1.0, 0.9)
     plan.advance(state, 1.0, tally)
     # Of its weight times 1 mm, 8.7e3: what is left of its sway when it comes to rest
     assert tally.sums[record.PLATE_WORK] == pytest.approx(0.0, abs=0.1)

@@ -173,11 +173,11 @@ def test_creep_and_ridges_are_named(tmp_path):
         readings[name] = form.read(person.writes(tmp_path))
     strips, _ = specimens.read(readings["creep"])
     ring = modulus.ring_over_bend(strips, WEIGHED)
-    assert ring.within(0.0, 0.0) is Verdict.DISAGREE
+    assert ring.compare_with_range(0.0, 0.0) is Verdict.DISAGREE
     assert ring.value == pytest.approx(100.0 * (1.0 / 0.7 - 1.0), abs=3.0 * ring.se)
     assert not modulus.fit(strips, WEIGHED).agrees
     offset = modulus.offset(specimens.read(readings["ridges"])[0], WEIGHED)
-    assert offset.within(0.0, 0.0) is Verdict.DISAGREE
+    assert offset.compare_with_range(0.0, 0.0) is Verdict.DISAGREE
     assert offset.value == pytest.approx(-0.08, abs=3.0 * offset.se)
 
 

@@ -49,14 +49,14 @@ def test_meshes_are_closed_and_as_large_as_drawn():
     printer = PRINTERS["prusa-mk3s"]
     for one in parts.strips(PAPER, printer):
         mesh, strip = parts.strip_mesh(one), one.strip
-        assert solids.bodies(mesh) == 1
+        assert solids.count_bodies(mesh) == 1
         long, deep = parts.CLAMP_MM
         whole = (long * deep + strip.length * strip.thickness) * strip.width
         volume = mass.weigh(mesh, 1.0).mass
         assert 0.97 * whole < volume < whole  # less the number on it
         assert np.ptp(mesh.vertices, axis=0) == pytest.approx((long + strip.length, deep, strip.width))
     block = parts.block_mesh(printer)
-    assert solids.bodies(block) == 1
+    assert solids.count_bodies(block) == 1
     assert mass.weigh(block, 1.0).mass == pytest.approx(parts.block_volume(*parts.block_size(printer)), rel=1e-9)
 
 

@@ -30,7 +30,7 @@ def hidden(ground, rng):
     names = [one.prior.name for one in ground.unknown.simulated]
     found = dict(zip(names, x, strict=True))
     (uneven,) = (one for one in ground.unknown.printed if one.name == "feet.unevenness_um")
-    return found | {uneven.name: float(uncertain.quantiles(uneven, rng.uniform(size=1))[0])}
+    return found | {uneven.name: float(uncertain.input_quantiles(uneven, rng.uniform(size=1))[0])}
 
 
 def true_speeds(ground, settings, rng):
@@ -41,7 +41,7 @@ def true_speeds(ground, settings, rng):
         for setting in settings:
             run = {"seconds": TRUE_SECONDS, "discard_seconds": 0.5, "runs": 1, "seed": int(rng.integers(2**62))}
             scene = ground.scene.model_copy(update={"run": ground.scene.run.model_copy(update=run)})
-            asked.append(experiments.Walker(*uncertain.applied(scene, setting.design, values)))
+            asked.append(experiments.Walker(*uncertain.apply_inputs(scene, setting.design, values)))
     found = [one.summary.speed_mm_s for one in walkers.at_once(asked).values()]
     return np.array(found, dtype=float).reshape(REPETITIONS, len(settings))
 

@@ -7,7 +7,7 @@ from walkergen.core.errors import InputError
 from walkergen.core.files.tables import csv_text
 from walkergen.core.scene import Scene
 from walkergen.core.theory import places, prediction, surrogate, uncertain
-from walkergen.core.theory.prediction import MODEL, PRINT, SURROGATE
+from walkergen.core.theory.prediction import MODEL_INPUT, PRINT_INPUT, SURROGATE_INPUT
 from walkergen.core.theory.uncertain import Drawn
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
@@ -31,11 +31,11 @@ def silent(what, done, total):
 def speed(tilt, columns):
     """Speed (mm/s) of one walker at values of the inputs."""
     design = PAPER.variant(tilt_deg=tilt)
-    columns = {SURROGATE.name: 0.0} | columns
+    columns = {SURROGATE_INPUT.name: 0.0} | columns
     drawn = Drawn({name: np.array([value]) for name, value in columns.items()}, 1)
     mass = solids.mass_of(design)
-    known = surrogate.Known(design, LANE, places.of(LANE, design, mass))
-    return float(prediction.draws_of(known, drawn)[0])
+    known = surrogate.Known(design, LANE, places.compute_place(LANE, design, mass))
+    return float(prediction.sample_speeds(known, drawn)[0])
 
 
 def hidden(rng):
@@ -52,7 +52,8 @@ def hidden(rng):
 def filmed(rng, truth):
     """Speeds of a print a tilt, each with the errors of model, print and film."""
     return [
-        speed(tilt, truth | {PRINT.name: rng.normal(), MODEL.name: rng.normal()}) + FILM_NOISE * rng.normal()
+        speed(tilt, truth | {PRINT_INPUT.name: rng.normal(), MODEL_INPUT.name: rng.normal()})
+        + FILM_NOISE * rng.normal()
         for tilt in TILTS
     ]
 
@@ -113,11 +114,11 @@ def test_the_response_is_the_spread_of_the_prediction():
     truth.setdefault("feet.tip_radius_um", LANE.feet.tip_radius_um)
     x = np.array([[truth.get(name, 1.0) for name in names]])
     mean, shared, scatter = (float(one[0]) for one in response(x))
-    assert mean == pytest.approx(speed(10.0, truth | {PRINT.name: 0.0, MODEL.name: 0.0}))
+    assert mean == pytest.approx(speed(10.0, truth | {PRINT_INPUT.name: 0.0, MODEL_INPUT.name: 0.0}))
     small = 1e-4
     off = {
-        name: speed(10.0, truth | {PRINT.name: 0.0, MODEL.name: 0.0} | {name: small}) - mean
-        for name in (PRINT.name, MODEL.name, SURROGATE.name)
+        name: speed(10.0, truth | {PRINT_INPUT.name: 0.0, MODEL_INPUT.name: 0.0} | {name: small}) - mean
+        for name in (PRINT_INPUT.name, MODEL_INPUT.name, SURROGATE_INPUT.name)
     }
     both = np.linalg.norm(list(off.values())) / small
     assert np.hypot(shared, scatter) == pytest.approx(both, rel=1e-3)

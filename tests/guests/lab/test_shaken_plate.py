@@ -168,7 +168,7 @@ def test_the_command_writes_the_scene_of_the_plate(tmp_path):
     rows = np.column_stack([recording.times, 1e-3 * recording.felt, np.degrees(recording.turned)])
     np.savetxt(path, rows, delimiter=",", header=",".join(names), comments="")
     report = wg.calibrate(plate=path, out=out)
-    scene = config.read(report.folder / "scene.toml", Scene)
+    scene = config.read_section(report.folder / "scene.toml", Scene)
     assert scene == report.scene
     assert scene.drive.frequency == pytest.approx(88.37, abs=0.01)
     assert 1e3 * scene.drive.amplitude == pytest.approx(52.0, rel=0.01)

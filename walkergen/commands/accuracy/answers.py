@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from walkergen.commands.accuracy import pace, shipped, steps
-from walkergen.commands.accuracy.choice import BIAS_PART, Candidate, Choice, choose
+from walkergen.commands.accuracy.choice import MAX_BIAS_SHARE, Candidate, Choice, choose
 from walkergen.commands.accuracy.report import Answer, Answers, mark_accepted
 from walkergen.commands.accuracy.shipped import Estimate
 from walkergen.commands.accuracy.survey import Survey
@@ -17,22 +17,22 @@ from walkergen.core.tolerance import Tolerance
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-ERRORS = tuple(Tolerance(share, True) for share in (0.2, 0.1, 0.05, 0.02, 0.01))
+ERROR_LEVELS = tuple(Tolerance(share, True) for share in (0.2, 0.1, 0.05, 0.02, 0.01))
 """Errors for which the page answers what to run."""
 
-LAW = "law"
+SOURCE_LAW = "law"
 """Word for answers below what the reference is known to: they rest on the law by which the step's bias falls."""
 
-NOW = "now"
+SOURCE_BUDGET = "now"
 """Word for answers that this budget has measured."""
 
-MARGIN = 1.9
+DOUBLE_STEP_RATIO = 1.9
 """Ratio of steps on a ladder that counts as two."""
 
-ALIKE = 1.2
+SAME_POINT_RATIO = 1.2
 """Ratio of CPU times up to which choices are one point of the figure."""
 
-LONGEST_BUDGET_S = 86_400.0
+MAX_BUDGET_S = 86_400.0
 """Longest time, s, that is advised for a survey."""
 
 Found = tuple[Answer, Choice | None]
@@ -41,8 +41,8 @@ Found = tuple[Answer, Choice | None]
 
 def answer_from_cells(estimate: Estimate, title: str, accepted: float | None) -> Answers:
     """Return the answers for all ERRORS from what is shipped; the one within an `accepted` error is marked."""
-    candidates = estimate.candidates(pace.pace())
-    found = [find_in_cells(estimate, candidates, wanted) for wanted in ERRORS]
+    candidates = estimate.candidates(pace.cpu_per_s())
+    found = [find_in_cells(estimate, candidates, wanted) for wanted in ERROR_LEVELS]
     rows, unmet = mark_accepted([answer for answer, _ in found], accepted)
 
     def draw() -> "Figure":
@@ -55,17 +55,17 @@ def find_in_cells(estimate: Estimate, candidates: Sequence[Candidate], wanted: T
     """Return the answer for one error from what is shipped."""
     choice = choose(candidates, wanted.value)
     if choice is None:
-        least = words.number(100.0 * candidates[-1].bias / BIAS_PART, 2)
+        least = words.format_number(100.0 * candidates[-1].bias / MAX_BIAS_SHARE, 2)
         why = f"below {least} % the shipped cells know no step: simulate ‹error=›{wanted} finds its own"
         return Answer(wanted, "-", None, None, None, estimate.known, why), None
-    known = LAW if choice.error < estimate.law.floor else estimate.known
-    known_to = "" if estimate.cell else f", to a factor of {shipped.SCALED_WITHIN:g}"
-    return _state(wanted, choice, known, known_to), choice
+    known = SOURCE_LAW if choice.error < estimate.law.floor else estimate.known
+    known_to = "" if estimate.cell else f", to a factor of {shipped.SCALED_SCATTER_FACTOR:g}"
+    return _make_answer(wanted, choice, known, known_to), choice
 
 
-def _state(wanted: Tolerance, choice: Choice, known: str, known_to: str = "") -> Answer:
+def _make_answer(wanted: Tolerance, choice: Choice, known: str, known_to: str = "") -> Answer:
     """Return the answer that states a choice."""
-    takes_s = choice.takes_s(os.cpu_count() or 1)
+    takes_s = choice.wall_time_s(os.cpu_count() or 1)
     return Answer(wanted, choice.candidate.flags, choice.runs, choice.seconds, takes_s, known, choice.reason + known_to)
 
 
@@ -73,12 +73,13 @@ def describe(estimate: Estimate) -> list[str]:
     """Return where the numbers come from, and what an error is, in lines."""
     law, size = estimate.law, estimate.unit
     own = law.slopes[-1]
-    of = "the speed" if size == estimate.speed else f"{words.number(size, 3)} mm/s, a fifth of the plate's speed"
+    of = "the speed" if size == estimate.speed else f"{words.format_number(size, 3)} mm/s, a fifth of the plate's speed"
     known = {
         "measured": "this walker on this plate was measured: speed, scatter and cost are its own",
         "scaled": "scaled from the paper's walker on its plate at tilts of 1 to 30 deg and restitutions of 0.5 to 0.9, "
         "by the plate and what a second of this one gives: its scatter is known to a factor of "
-        f"{shipped.SCALED_WITHIN:g}, as cells are from neighbours; ‹budget› measures it, simulate ‹error› meets it",
+        f"{shipped.SCALED_SCATTER_FACTOR:g}, as cells are from neighbours; ‹budget› measures it, simulate "
+        "‹error› meets it",
     }[estimate.known]
     return [
         known,
@@ -91,21 +92,23 @@ def describe(estimate: Estimate) -> list[str]:
 
 def answer_from_survey(survey: Survey, title: str, progress: Progress) -> Answers:
     """Return the answers of a survey of all steps. Those that its budget does not reach are as shipped."""
-    reference = survey.reference(progress)
+    reference = survey.measure_reference(progress)
     measured = survey.measure(survey.steps, progress)
-    candidates = [survey.candidate(one) for one in measured]
+    candidates = [survey.to_candidate(one) for one in measured]
     estimate = shipped.estimate(survey.design, survey.scene)
-    shipped_candidates = estimate.candidates(pace.pace())
-    found = [_refine(find_in_cells(estimate, shipped_candidates, wanted)[0], candidates, survey) for wanted in ERRORS]
+    shipped_candidates = estimate.candidates(pace.cpu_per_s())
+    found = [
+        _refine(find_in_cells(estimate, shipped_candidates, wanted)[0], candidates, survey) for wanted in ERROR_LEVELS
+    ]
     rows, unmet = mark_accepted([answer for answer, _ in found], survey.scene.run.accepted_error)
-    refined = [str(row.error) for row in rows if row.known == NOW]
+    refined = [str(row.error) for row in rows if row.known == SOURCE_BUDGET]
     marks = [
         (one.label, one.cpu_s, abs(bias.number) / survey.unit, bias.half_width() / survey.unit)
         for one in measured
         if (bias := survey.bias(one)).known and one is not reference
     ]
     lines = [
-        f"truth: {steps.certify(survey)}",
+        f"truth: {steps.format_reference(survey)}",
         f"refined by this budget: {', '.join(refined) or 'no row'}; the others are as shipped",
         *describe(estimate),
         *unmet,
@@ -125,7 +128,7 @@ def _refine(before: Answer, candidates: Sequence[Candidate], survey: Survey) -> 
     choice = choose_measured(candidates, wanted.value)
     if choice is None:
         return before._replace(why=f"{before.why}; this budget: {advise_budget(candidates, wanted, survey)}"), None
-    return _state(wanted, choice, NOW), choice
+    return _make_answer(wanted, choice, SOURCE_BUDGET), choice
 
 
 def choose_measured(candidates: Sequence[Candidate], allowed: float) -> Choice | None:
@@ -134,28 +137,34 @@ def choose_measured(candidates: Sequence[Candidate], allowed: float) -> Choice |
     A step counts only if one twice as long (or the longest that is measured, beyond which steps
     are refused) has a bias within the error as well: beyond the next step there may be a cliff.
     """
-    return choose([one for one in candidates if _margin_of(one, candidates) <= BIAS_PART * allowed], allowed)
+    return choose(
+        [one for one in candidates if _double_step_bias(one, candidates) <= MAX_BIAS_SHARE * allowed], allowed
+    )
 
 
-def _margin_of(candidate: Candidate, candidates: Sequence[Candidate]) -> float:
+def _double_step_bias(candidate: Candidate, candidates: Sequence[Candidate]) -> float:
     """Return the bias of a step twice as long; infinite where there is no longer one."""
     step_us = candidate.step_us or 0.0
     longer = sorted((other.step_us or 0.0, other.bias) for other in candidates if (other.step_us or 0.0) > step_us)
-    twice = [bias for other_us, bias in longer if other_us >= MARGIN * step_us] or [bias for _, bias in longer[-1:]]
+    twice = [bias for other_us, bias in longer if other_us >= DOUBLE_STEP_RATIO * step_us] or [
+        bias for _, bias in longer[-1:]
+    ]
     return twice[0] if twice else math.inf
 
 
 def advise_budget(candidates: Sequence[Candidate], wanted: Tolerance, survey: Survey) -> str:
     """Return the reason why no measured step meets an error, with the budget that would make its bias known."""
     reference = survey.measured[survey.steps[0]].speed
-    known_to = f"the most accurate setting is itself known to {words.number(reference.half_width(), 2)} mm/s only"
-    least = min((max(one.bias, _margin_of(one, candidates)) for one in candidates), default=math.inf)
+    known_to = (
+        f"the most accurate setting is itself known to {words.format_number(reference.half_width(), 2)} mm/s only"
+    )
+    least = min((max(one.bias, _double_step_bias(one, candidates)) for one in candidates), default=math.inf)
     if math.isinf(least):
         return "no longer step gives a speed"
-    needed_s = survey.budget_s * max(least / (BIAS_PART * wanted.value), 1.0) ** 2
-    if needed_s > LONGEST_BUDGET_S:
+    needed_s = survey.budget_s * max(least / (MAX_BIAS_SHARE * wanted.value), 1.0) ** 2
+    if needed_s > MAX_BUDGET_S:
         return f"{known_to}; a day of simulations would not do"
-    return f"{known_to}; measure longer: walkergen accuracy ... --only steps --budget {words.budget(needed_s)}"
+    return f"{known_to}; measure longer: walkergen accuracy ... --only steps --budget {words.format_budget(needed_s)}"
 
 
 def draw_choice(
@@ -179,11 +188,11 @@ def _list_points(found: Sequence[Found], floor: float) -> Iterator[tuple[float, 
     groups: list[list[tuple[Answer, Choice]]] = []
     for answer, choice in found:
         if choice is not None:
-            if not groups or choice.cpu_s > ALIKE * groups[-1][0][1].cpu_s:
+            if not groups or choice.cpu_s > SAME_POINT_RATIO * groups[-1][0][1].cpu_s:
                 groups.append([])
             groups[-1].append((answer, choice))
     for same in groups:
         answer, choice = same[-1]
         if choice.error >= floor:
             errors = ", ".join(str(one.error).removesuffix(" %") for one, _ in same)
-            yield choice.error, choice.cpu_s, f"{errors} %: {words.duration(answer.expected_s or 0.0)}"
+            yield choice.error, choice.cpu_s, f"{errors} %: {words.format_duration(answer.expected_s or 0.0)}"

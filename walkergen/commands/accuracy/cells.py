@@ -10,9 +10,9 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-FILE = Path(__file__).with_suffix(".csv")
+CELLS_PATH = Path(__file__).with_suffix(".csv")
 
-REFERENCE = 0.05
+REFERENCE_STEP_SHARE = 0.05
 """Step of the reference over that which resolves the feet: a tenth of the finest other one."""
 
 
@@ -48,7 +48,7 @@ class Row(NamedTuple):
         return (self.se_mm_s or 0.0) ** 2 * self.runs * self.seconds
 
 
-def text(rows: Iterable[Row]) -> str:
+def to_csv(rows: Iterable[Row]) -> str:
     """Lines of the file, with numbers of five digits."""
     lines = [",".join(Row._fields)]
     for row in rows:
@@ -58,14 +58,14 @@ def text(rows: Iterable[Row]) -> str:
 
 
 @cache
-def read(path: Path = FILE) -> tuple[Row, ...]:
+def read_rows(path: Path = CELLS_PATH) -> tuple[Row, ...]:
     """Rows of a file."""
     with path.open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(line for line in stream if not line.startswith("#")))
-    return tuple(_row(row) for row in rows)
+    return tuple(_parse_row(row) for row in rows)
 
 
-def _row(cells: dict[str, str]) -> Row:
+def _parse_row(cells: dict[str, str]) -> Row:
     def number(name: str) -> float | None:
         return float(cells[name]) if cells[name] else None
 

@@ -12,24 +12,24 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.core.files import words
-from walkergen.core.numerics.tails import student
+from walkergen.core.numerics.tails import student_quantile
 from walkergen.core.theory.surrogate import NORMAL_95
 
 Array = npt.NDArray[np.float64]
 
-RUNS, SHORTEST_S = (8, 16, 32), 1.0
+RUN_COUNTS, MIN_RUN_S = (8, 16, 32), 1.0
 """Numbers of runs of which is chosen, and the shortest that a run is measured, s."""
 
-SLACK = 1.2
+TIME_SAFETY_FACTOR = 1.2
 """Factor by which more time is bought than the scatter needs, since it is itself estimated."""
 
-BIAS_PART = 0.7
+MAX_BIAS_SHARE = 0.7
 """Part of the error that a bias may take up."""
 
-START_S = 1.2
+STARTUP_S = 1.2
 """Time in which a command starts, on an idle machine, s: imports, and kernels read from the cache."""
 
-SHORTEST_CURVE_S = 0.5
+MIN_CURVE_S = 0.5
 """Measured time of all runs of a candidate from which its curve is drawn, s."""
 
 
@@ -52,12 +52,12 @@ class Candidate(NamedTuple):
         """Options of the command line that select the step."""
         return "own step" if self.step_us is None else f"‹step=›{self.step_us:g}"
 
-    def scatter(self, cpu_s: Array) -> Array:
+    def scatter_error(self, cpu_s: Array) -> Array:
         """Return the error from the scatter of the fewest runs in a time; infinite where the time is too short."""
-        measured_s = cpu_s / self.cpu_per_s - RUNS[0] * self.discard_s
+        measured_s = cpu_s / self.cpu_per_s - RUN_COUNTS[0] * self.discard_s
         with np.errstate(divide="ignore", invalid="ignore"):
             half = NORMAL_95 * np.sqrt(self.variance_time / measured_s)
-        return np.where(measured_s >= SHORTEST_CURVE_S, half, np.inf)
+        return np.where(measured_s >= MIN_CURVE_S, half, np.inf)
 
 
 class Choice(NamedTuple):
@@ -74,30 +74,30 @@ class Choice(NamedTuple):
     cpu_s: float
     """CPU time of all runs, s."""
 
-    def takes_s(self, cores: int) -> float:
+    def wall_time_s(self, cores: int) -> float:
         """Return the time by the clock that the command takes on an idle machine, s."""
-        return START_S + self.cpu_s / self.runs * math.ceil(self.runs / cores)
+        return STARTUP_S + self.cpu_s / self.runs * math.ceil(self.runs / cores)
 
     @property
     def reason(self) -> str:
         """Parts of the error, in words."""
-        bias, se = (words.number(100.0 * part, 2) for part in (self.candidate.bias, self.se))
+        bias, se = (words.format_number(100.0 * part, 2) for part in (self.candidate.bias, self.se))
         return f"bias at most {bias} %, ± {se} % for the runs"
 
 
 def choose(candidates: Iterable[Candidate], allowed: float) -> Choice | None:
     """Return the choice that meets an error in the least CPU time; None where no candidate does."""
-    good = [candidate for candidate in candidates if candidate.bias <= BIAS_PART * allowed]
-    choices = (_size_runs(candidate, allowed, runs) for candidate in good for runs in RUNS)
+    good = [candidate for candidate in candidates if candidate.bias <= MAX_BIAS_SHARE * allowed]
+    choices = (_size_runs(candidate, allowed, runs) for candidate in good for runs in RUN_COUNTS)
     return min(choices, key=lambda choice: choice.cpu_s, default=None)
 
 
 def _size_runs(candidate: Candidate, allowed: float, runs: int) -> Choice:
     """Return the length that runs need: half-widths of bias and scatter add in squares, as bounds do."""
     bias, variance_time = candidate.bias, candidate.variance_time
-    wide = student(runs - 1.0, 0.975)
+    wide = student_quantile(runs - 1.0, 0.975)
     variance = (allowed**2 - bias**2) / wide**2
-    seconds = _round_up(max(SLACK * variance_time / variance / runs, SHORTEST_S))
+    seconds = _round_up(max(TIME_SAFETY_FACTOR * variance_time / variance / runs, MIN_RUN_S))
     se = math.sqrt(variance_time / (runs * seconds))
     cpu_s = candidate.cpu_per_s * runs * (seconds + candidate.discard_s)
     return Choice(candidate, runs, seconds, se, math.hypot(bias, wide * se), cpu_s)

@@ -10,16 +10,16 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-from walkergen.commands.accuracy.choice import RUNS, SHORTEST_CURVE_S, Candidate
+from walkergen.commands.accuracy.choice import MIN_CURVE_S, RUN_COUNTS, Candidate
 from walkergen.files.figures import BLACK, BLUE, GREY, ORANGE, PALE, SMALLEST, grid_of, legend_below, name, style
 from walkergen.files.figures import wrapped as lines_of
 
 Array = npt.NDArray[np.float64]
 
-SHARES = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
+ERROR_TICKS = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
 """Errors that the axis names."""
 
-ROOM = 1.6
+AXIS_MARGIN_FACTOR = 1.6
 """Factor between the ends of an axis and what is nearest to them."""
 
 
@@ -60,11 +60,11 @@ class Front(NamedTuple):
     total: Array
 
 
-def front(candidates: Sequence[Candidate], longest_s: float) -> Front:
+def compute_front(candidates: Sequence[Candidate], longest_s: float) -> Front:
     """Return the least error of some candidates up to a time, from where the first of them has one."""
-    cheapest = min(one.cpu_per_s * (RUNS[0] * one.discard_s + SHORTEST_CURVE_S) for one in candidates)
+    cheapest = min(one.cpu_per_s * (RUN_COUNTS[0] * one.discard_s + MIN_CURVE_S) for one in candidates)
     cpu = np.geomspace(cheapest, max(longest_s, 3.0 * cheapest), 400)
-    scatter = np.array([one.scatter(cpu) for one in candidates])
+    scatter = np.array([one.scatter_error(cpu) for one in candidates])
     bias = np.array([one.bias for one in candidates])[:, None] * np.ones_like(scatter)
     total = np.hypot(scatter, bias)
     least, at = total.argmin(axis=0), np.arange(len(cpu))
@@ -82,17 +82,17 @@ def choice_figure(shown: Shown) -> Figure:
     times = [*(mark.cpu_s for mark in marks), *(point.cpu_s for point in shown.points)]
     errors = [*(mark.bias for mark in marks), *(point.error for point in shown.points)]
     if shown.candidates:
-        least = front(shown.candidates, 2.0 * longest)
+        least = compute_front(shown.candidates, 2.0 * longest)
         seen = least.total >= shown.floor
         times, errors = [*times, *least.cpu_s[seen]], [*errors, *least.total[seen]]
         _draw_front(axes, least, shown.floor)
-    _limit(axes, times, errors, shown.floor)
+    _set_limits(axes, times, errors, shown.floor)
     _draw_marks(axes, marks, shown.floor)
     for point in shown.points:
         axes.plot(point.cpu_s, point.error, "o", color=BLUE, markersize=5, zorder=4)
-        _say(axes, point.words, (point.cpu_s, point.error), (6, 6), BLUE)
+        _annotate_point(axes, point.words, (point.cpu_s, point.error), (6, 6), BLUE)
     _draw_floor(axes, shown)
-    _label(axes)
+    _label_axes(axes)
     legend_below(figure, 4)
     return figure
 
@@ -116,7 +116,7 @@ def _draw_marks(axes: Axes, marks: Sequence[Mark], floor: float) -> None:
         axes.errorbar(
             mark.cpu_s, mark.bias, bars, fmt="s", color=BLACK, markersize=4, capsize=2, elinewidth=0.8, label=label
         )
-        _say(axes, mark.name, (mark.cpu_s, mark.bias), (5, -9), BLACK)
+        _annotate_point(axes, mark.name, (mark.cpu_s, mark.bias), (5, -9), BLACK)
 
 
 def _draw_floor(axes: Axes, shown: Shown) -> None:
@@ -127,23 +127,23 @@ def _draw_floor(axes: Axes, shown: Shown) -> None:
     axes.text(0.01, 0.015, text, **place)  # type: ignore[arg-type]
 
 
-def _limit(axes: Axes, times: Sequence[float], errors: Sequence[float], floor: float) -> None:
+def _set_limits(axes: Axes, times: Sequence[float], errors: Sequence[float], floor: float) -> None:
     """Set the ends of the axes: where simulations are, with room for names on the right and words below."""
-    axes.set_xlim(min(times, default=0.1) / ROOM, 3.0 * ROOM * max(times, default=10.0))
-    axes.set_ylim(0.5 * floor, min(ROOM * max(errors, default=1.0), ROOM * SHARES[0]))
+    axes.set_xlim(min(times, default=0.1) / AXIS_MARGIN_FACTOR, 3.0 * AXIS_MARGIN_FACTOR * max(times, default=10.0))
+    axes.set_ylim(0.5 * floor, min(AXIS_MARGIN_FACTOR * max(errors, default=1.0), AXIS_MARGIN_FACTOR * ERROR_TICKS[0]))
 
 
-def _say(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], colour: str) -> None:
+def _annotate_point(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], colour: str) -> None:
     """Write words beside a point."""
     halo: Any = {"path_effects": [withStroke(linewidth=2.5, foreground="white")], "fontsize": SMALLEST, "zorder": 5}
     axes.annotate(text, at, offset, textcoords="offset points", va="center", color=colour, **halo)
 
 
-def _label(axes: Axes) -> None:
+def _label_axes(axes: Axes) -> None:
     """Name both axes; errors in per cent."""
     name(axes, "CPU time (s of one core)", lines_of("error of the mean speed, 95 % (%)", 2.9), log="xy")
     low, high = axes.get_ylim()
-    axes.yaxis.set_major_locator(FixedLocator([share for share in SHARES if low <= share <= high]))
+    axes.yaxis.set_major_locator(FixedLocator([share for share in ERROR_TICKS if low <= share <= high]))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda share, _: f"{100.0 * share:g}"))
     axes.yaxis.set_minor_locator(NullLocator())
     axes.grid(axis="y", color="0.92", linewidth=0.6, zorder=0)

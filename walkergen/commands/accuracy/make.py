@@ -7,13 +7,13 @@ from walkergen.commands.accuracy import answers, shape, shipped, statistics, ste
 from walkergen.commands.accuracy.report import Answers, Ladder, make_report
 from walkergen.commands.accuracy.survey import Survey
 from walkergen.core.files.output import Folder, versions
-from walkergen.core.files.progress import Progress, part
+from walkergen.core.files.progress import Progress, part_progress
 from walkergen.core.scene import Scene
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files.report import Report
 
-START_S, PICTURE_S, SHAPE_S = 1.2, 0.9, 1.5
+STARTUP_S, PICTURE_S, SHAPE_S = 1.2, 0.9, 1.5
 """Wall times on an idle core (s) of what is not simulated: imports and kernels read from the cache;
 the picture; the ladder of shape. Within a third."""
 
@@ -40,11 +40,11 @@ def study(
     Raises InputError where the scene contradicts itself or the walker, or there is no mean speed to study.
     """
     title = f"{design.name}, tilt {design.tilt_deg:g}°, on {scene.name}"
-    others_s = START_S + PICTURE_S * ("steps" in only) + SHAPE_S * ("shape" in only)
+    others_s = STARTUP_S + PICTURE_S * ("steps" in only) + SHAPE_S * ("shape" in only)
     survey = Survey(scene, design, solids.mass_of(design), max(budget_s - others_s, 0.0))
     found = None
     if only:
-        survey.share_out(only)
+        survey.allot_budget(only)
     else:
         found = answers.answer_from_cells(shipped.estimate(design, scene), title, scene.run.accepted_error)
     ladders: list[Ladder] = []
@@ -59,7 +59,7 @@ def study(
 
     with Folder(folder) as target:
         target.claim()
-        for ladder in _measure(survey, only, progress):
+        for ladder in _measure_ladders(survey, only, progress):
             ladders.append(ladder)
             made = write(None)
         if "steps" in only:
@@ -74,8 +74,8 @@ def study(
     return made
 
 
-def _measure(survey: Survey, only: Sequence[str], progress: Progress) -> Iterator[Ladder]:
+def _measure_ladders(survey: Survey, only: Sequence[str], progress: Progress) -> Iterator[Ladder]:
     """Yield the ladders of some names, each when it is measured."""
     for place, name in enumerate(only):
         for measure in LADDERS[name]:
-            yield measure(survey, part(progress, place, len(only)))
+            yield measure(survey, part_progress(progress, place, len(only)))

@@ -22,64 +22,66 @@ from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.points.experiments import Walker
 
-WALKER, SCENE, TILT_DEG = "koumakis2016", "lane-90hz", 10.0
+BENCHMARK_WALKER, BENCHMARK_SCENE, BENCHMARK_TILT_DEG = "koumakis2016", "lane-90hz", 10.0
 """Walker, scene and tilt of the loop: the paper's walker in space, at the step that its feet take by themselves."""
 
-LOOP_S, LOOPS = 1.0, 7
+LOOP_S, LOOP_COUNT = 1.0, 7
 """Simulated time of a loop, s, and loops of which the median counts: half a second of CPU time together."""
 
 
-def pace() -> float:
+def cpu_per_s() -> float:
     """CPU seconds of a simulated second of the loop on this machine, as kept, else measured and kept."""
-    path = _path()
+    path = _cache_path()
     try:
         kept = float(json.loads(path.read_text(encoding="utf-8"))["cpu_s_per_s"])
         if kept > 0.0:
             return kept
     except (OSError, ValueError, KeyError, TypeError):
         pass  # never measured, or what is kept cannot be read: it is measured anew
-    found = measured()
-    output.write(path, json.dumps({"cpu_s_per_s": found, "machine": machine()}).encode(), lasting=False)
+    found = measure_cpu_per_s()
+    output.write(path, json.dumps({"cpu_s_per_s": found, "machine": machine_description()}).encode(), lasting=False)
     return found
 
 
-def measured(loops: int = LOOPS) -> float:
+def measure_cpu_per_s(loops: int = LOOP_COUNT) -> float:
     """CPU seconds of a simulated second of the loop, now: the median of some loops, after one that is not timed."""
-    plan = _plan()
+    plan = _loop_plan()
     compile_kernels(plan)
-    return statistics.median(_loop(plan) for _ in range(loops)) / LOOP_S
+    return statistics.median(_time_loop(plan) for _ in range(loops)) / LOOP_S
 
 
-def _plan() -> Plan:
-    design = templates.load(WALKER, "walkers", Design).variant(tilt_deg=TILT_DEG)
-    scene = templates.load(SCENE, "scenes", Scene)
+def _loop_plan() -> Plan:
+    design = templates.load(BENCHMARK_WALKER, "walkers", Design).variant(tilt_deg=BENCHMARK_TILT_DEG)
+    scene = templates.load(BENCHMARK_SCENE, "scenes", Scene)
     walker = Walker(scene, design, solids.mass_of(design))
     return walker.with_run(runs=1, seconds=LOOP_S, discard_seconds=0.0).plan()
 
 
-def _loop(plan: Plan) -> float:
+def _time_loop(plan: Plan) -> float:
     started = time.thread_time()
     simulate(plan, 0)
     return time.thread_time() - started
 
 
-def _path() -> Path:
+def _cache_path() -> Path:
     """File that keeps the pace, named by the machine and the kernels' sources."""
-    name = hashlib.sha256(f"{machine()} {os.cpu_count()} {kernels.digest()}".encode()).hexdigest()[:16]
+    name = hashlib.sha256(f"{machine_description()} {os.cpu_count()} {kernels.source_digest()}".encode()).hexdigest()[
+        :16
+    ]
     return caches.folder("pace") / f"{name}.json"
 
 
-def machine() -> str:
+def machine_description() -> str:
     """Describe the machine on which times were measured."""
     import numba
 
     return (
-        f"{_processor()}, {os.cpu_count()} cores, {platform.system()}, "
+        f"{_processor_name()}, {os.cpu_count()} cores, {platform.system()}, "
         f"Python {platform.python_version()}, numba {numba.__version__}"
     )
 
 
-def _processor() -> str:
+def _processor_name() -> str:
     cpuinfo = Path("/proc/cpuinfo")
     lines = cpuinfo.read_text(encoding="utf-8").splitlines() if cpuinfo.exists() else []
     names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from walkergen.commands.accuracy.pace import machine
+from walkergen.commands.accuracy.pace import machine_description
 from walkergen.core.files import words
 from walkergen.core.tolerance import Tolerance
 from walkergen.files import report
@@ -53,13 +53,13 @@ class Ladder(NamedTuple):
     notes: Sequence[str] = ()
 
 
-def order_in_words(values: Sequence[float], errors: Sequence[float]) -> str:
+def format_order(values: Sequence[float], errors: Sequence[float]) -> str:
     """Return the measured order of errors in the values: "1.98 ± 0.05"."""
-    slope, se = order(values, errors)
+    slope, se = convergence_order(values, errors)
     return f"measured order {slope:.2f} ± {se:.2f}"
 
 
-def order(values: Sequence[float], errors: Sequence[float]) -> tuple[float, float]:
+def convergence_order(values: Sequence[float], errors: Sequence[float]) -> tuple[float, float]:
     """Return the slope of log(error) over log(value) by least squares, and its standard error.
 
     The standard error is that of the scatter about the line: NaN for fewer than three points.
@@ -72,13 +72,13 @@ def order(values: Sequence[float], errors: Sequence[float]) -> tuple[float, floa
     return float(slope), float(math.sqrt(scatter / np.sum((x - x.mean()) ** 2)))
 
 
-COMMON = ("series", "setting", "error", "error_sd", "cpu_s")
+COMMON_COLUMNS = ("series", "setting", "error", "error_sd", "cpu_s")
 """Columns of every ladder, before the details of its own."""
 
-MOST_ROWS = 60
+MAX_ROWS = 60
 """Rows of a ladder beyond which people read its notes alone: accuracy.csv has the rows."""
 
-ONE_COMMAND = "in one command: walkergen simulate ... --error 5%, by its own step or a finer"
+ONE_COMMAND_HINT = "in one command: walkergen simulate ... --error 5%, by its own step or a finer"
 
 
 class Answer(NamedTuple):
@@ -103,21 +103,21 @@ class Answer(NamedTuple):
         return self._asdict() | {"error": str(self.error)}
 
 
-ANSWER = (
+ANSWER_COLUMNS = (
     Column("error (95 %)", lambda row: f"{row.error}{', accepted' if row.accepted else ''}"),
     report.text("setting", "setting"),
     Column("runs x seconds", lambda row: "-" if row.runs is None else f"{row.runs} x {row.seconds:g} s"),
-    Column("takes", lambda row: "-" if row.expected_s is None else words.duration(row.expected_s)),
+    Column("takes", lambda row: "-" if row.expected_s is None else words.format_duration(row.expected_s)),
     report.text("known", "known"),
     report.text("why", "why"),
 )
 
-RUNG = (
+RUNG_COLUMNS = (
     report.text("series", "series"),
     report.text("setting", "setting"),
     report.number("error", "error"),
     report.number("error sd", "error_sd"),
-    Column("CPU time", lambda rung: words.duration(rung.cpu_s), right=True),
+    Column("CPU time", lambda rung: words.format_duration(rung.cpu_s), right=True),
 )
 
 
@@ -155,38 +155,38 @@ def make_report(
     where it was taken in place of a smaller one.
     """
     rows = answers.rows if answers else ()
-    tables = [Table("answers", rows, (), ANSWER, "What to run for which error")] if answers else []
-    lines = [*answers.lines, ONE_COMMAND] if answers else []
+    tables = [Table("answers", rows, (), ANSWER_COLUMNS, "What to run for which error")] if answers else []
+    lines = [*answers.lines, ONE_COMMAND_HINT] if answers else []
     for ladder in ladders:
         notes = [f"error: {ladder.error}", f"cost: {ladder.cost}", f"reference: {ladder.reference}", *ladder.notes]
-        if len(ladder.rungs) <= MOST_ROWS:
-            tables.append(Table(ladder.name, ladder.rungs, (), RUNG, ladder.title, notes))
+        if len(ladder.rungs) <= MAX_ROWS:
+            tables.append(Table(ladder.name, ladder.rungs, (), RUNG_COLUMNS, ladder.title, notes))
         else:
             lines += [f"{ladder.title}: {len(ladder.rungs)} rows in accuracy.csv", *notes]
     return Report(
         name="accuracy",
         title=title,
-        tables=[*tables, _every_rung(ladders) if ladders else _every_answer(rows)],
+        tables=[*tables, _rungs_table(ladders) if ladders else _answers_table(rows)],
         facts={
             "ladders": {ladder.name: [rung._asdict() for rung in ladder.rungs] for ladder in ladders},
             "answers": [row.plain for row in rows],
             "simulated_s": simulated_s,
             "least_budget_s": least_s,
         },
-        lines=[*lines, f"measured on: {machine()}"],
+        lines=[*lines, f"measured on: {machine_description()}"],
         figures={"accuracy": answers.draw} if answers else {},
         folder=folder,
     )
 
 
-def _every_rung(ladders: Sequence[Ladder]) -> Table:
+def _rungs_table(ladders: Sequence[Ladder]) -> Table:
     """Return the table of all rungs: COMMON columns, then the details of any ladder, blank in the others."""
     rungs: list[tuple[str, Rung]] = [(ladder.name, rung) for ladder in ladders for rung in ladder.rungs]
     details = list(dict.fromkeys(key for _, rung in rungs for key in rung.details))
-    rows = [(name, *rung[: len(COMMON)], *map(rung.details.get, details)) for name, rung in rungs]
-    return Table("accuracy", rows, ("ladder", *COMMON, *details))
+    rows = [(name, *rung[: len(COMMON_COLUMNS)], *map(rung.details.get, details)) for name, rung in rungs]
+    return Table("accuracy", rows, ("ladder", *COMMON_COLUMNS, *details))
 
 
-def _every_answer(answers: Sequence[Answer]) -> Table:
+def _answers_table(answers: Sequence[Answer]) -> Table:
     """Return the table of the answers alone, where nothing was measured."""
     return Table("accuracy", [tuple(answer.plain.values()) for answer in answers], Answer._fields)

@@ -17,17 +17,17 @@ if TYPE_CHECKING:
 Ladder = Literal["steps", "statistics", "shape"]
 LADDERS: tuple[Ladder, ...] = ("steps", "statistics", "shape")
 
-GONE = {"models": "one model of the walker is left; steps has its cost, predict what formulas give"}
+REMOVED_LADDERS = {"models": "one model of the walker is left; steps has its cost, predict what formulas give"}
 """Ladders that are gone, and what takes their place."""
 
-BUDGET_S = 60.0
+DEFAULT_BUDGET_S = 60.0
 """Time in which ladders are measured that are asked for without a budget, s."""
 
 
-def _refuse_gone(name: Any) -> Any:
+def _check_not_removed(name: Any) -> Any:
     """Return the name of a ladder as it is. Raises ValueError for one that is gone."""
-    if isinstance(name, str) and name in GONE:
-        raise ValueError(f"this ladder is gone: {GONE[name]}")
+    if isinstance(name, str) and name in REMOVED_LADDERS:
+        raise ValueError(f"this ladder is gone: {REMOVED_LADDERS[name]}")
     return name
 
 
@@ -42,7 +42,7 @@ class AccuracyRequest(request.Request):
     friction: request.Friction = None
     set: request.Settings = {}
     only: Annotated[
-        list[Annotated[Ladder, BeforeValidator(_refuse_gone)]] | None,
+        list[Annotated[Ladder, BeforeValidator(_check_not_removed)]] | None,
         request.Words,
         Flag("Comma-separated ladders to measure; all by default.", "LADDERS", takes="str | Iterable[str] | None"),
     ] = None
@@ -64,7 +64,7 @@ class AccuracyRequest(request.Request):
 
     @property
     def _budget_s(self) -> float:
-        return BUDGET_S if self.budget is None else self.budget
+        return DEFAULT_BUDGET_S if self.budget is None else self.budget
 
     def run(self, progress: Progress) -> "Report":
         """Answer, and measure the ladders that are asked for."""
@@ -75,7 +75,7 @@ class AccuracyRequest(request.Request):
         given = self.inputs()
         design = given.one(self.design, self.tilt, self.legs)
         scene = given.scene(request.ground(self.scene, [design]))
-        name = f"{design.name}_{names.tilt(design)}_{design.kind}_{scene.name}"
+        name = f"{design.name}_{names.tilt_name(design)}_{design.kind}_{scene.name}"
         folder = self.out or Path("out") / "accuracy" / name
         if not self._measures:
             return make.study(design, scene, (), 0.0, folder, progress)
@@ -91,7 +91,7 @@ class AccuracyRequest(request.Request):
         if least_s is None:
             return report
         warning = (
-            f"‹budget=›{words.budget(self._budget_s)}: too short for {','.join(only)}, which took "
-            f"{words.budget(least_s)}, the least that gives error bars here; ‹only› takes fewer"
+            f"‹budget=›{words.format_budget(self._budget_s)}: too short for {','.join(only)}, which took "
+            f"{words.format_budget(least_s)}, the least that gives error bars here; ‹only› takes fewer"
         )
         return replace(report, warnings=[warning, *report.warnings])

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.commands.accuracy.report import Ladder, Rung, order_in_words
+from walkergen.commands.accuracy.report import Ladder, Rung, format_order
 from walkergen.core.errors import GeometryError
 from walkergen.core.files.progress import Progress
 from walkergen.core.printing.export import stl_bytes
@@ -21,12 +21,12 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties, weigh
 
-SEGMENTS = (2, 4, 8, 16, 32, 64, 128, 256, 512)
+SEGMENT_COUNTS = (2, 4, 8, 16, 32, 64, 128, 256, 512)
 EXACT_SEGMENTS = 4096
 """Number of edges of a half circle that counts as round: its error, of second order, is
 (512/4096)^2 of the last rung's. tests/commands/accuracy/test_study.py compares it with the closed form."""
 
-DISTANCES = (0.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6)
+DISTANCES_MM = (0.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6)
 """Distances of the part from the coordinates' origin, mm."""
 
 
@@ -44,13 +44,13 @@ def measure_shapes(design: Design, scene: Scene, progress: Progress) -> Ladder:
     """Measure relative errors of M, J, m, j and of the predicted speed, with the time each shape takes."""
     progress("tessellated", 0, 2)
     try:
-        rungs = list(_tessellated(_rounded(design), scene))
-        measured = order_in_words([1.0 / count for count in SEGMENTS], [rung.error or math.nan for rung in rungs])
+        rungs = list(_tessellation_rungs(_with_round_feet(design), scene))
+        measured = format_order([1.0 / count for count in SEGMENT_COUNTS], [rung.error or math.nan for rung in rungs])
         note = f"round foot: {measured} in the number of edges, claimed 2"
     except GeometryError as refused:
         rungs, note = [], f"Left out: round feet, {refused}"
     progress("far", 1, 2)
-    rungs += _far(design, scene)
+    rungs += _distance_rungs(design, scene)
     return Ladder(
         "shape",
         "What tessellation, files and distance do to the masses and the predicted speed",
@@ -62,18 +62,18 @@ def measure_shapes(design: Design, scene: Scene, progress: Progress) -> Ladder:
     )
 
 
-def _tessellated(rounded: Design, scene: Scene) -> Iterator[Rung]:
-    def weighed(segments: int) -> MassProperties:
+def _tessellation_rungs(rounded: Design, scene: Scene) -> Iterator[Rung]:
+    def compute_mass(segments: int) -> MassProperties:
         return solids.weigh(rounded, solids.build(rounded, segments))
 
-    true = weighed(EXACT_SEGMENTS)
-    for segments in SEGMENTS:
-        seconds = cpu_time(partial(weighed, segments), repeats=3)
+    true = compute_mass(EXACT_SEGMENTS)
+    for segments in SEGMENT_COUNTS:
+        seconds = measure_cpu_time(partial(compute_mass, segments), repeats=3)
         setting = f"{segments} edges"
-        yield _rung("round foot", setting, weighed(segments), true, rounded, scene, seconds)
+        yield _rung("round foot", setting, compute_mass(segments), true, rounded, scene, seconds)
 
 
-def _rounded(design: Design) -> Design:
+def _with_round_feet(design: Design) -> Design:
     """Design on round feet. Raises GeometryError where it does not stand on them."""
     data = design.model_dump(exclude_unset=True)
     if design.pair:
@@ -82,19 +82,21 @@ def _rounded(design: Design) -> Design:
     return Design.model_validate(data | {"legs": legs})
 
 
-def _far(design: Design, scene: Scene) -> Iterator[Rung]:
+def _distance_rungs(design: Design, scene: Scene) -> Iterator[Rung]:
     """Rungs at growing distance, in double precision and through a binary STL file."""
     built = solids.build(design)
     true = solids.weigh(design, built)
-    for series, form in (("double precision", _as_is), ("through STL (float32)", _through_stl)):
-        for distance in DISTANCES:
-            weighed = partial(_weighed_far, design, built, distance, form)
-            seconds = cpu_time(weighed, repeats=3)
+    for series, form in (("double precision", _identity), ("through STL (float32)", _stl_round_trip)):
+        for distance in DISTANCES_MM:
+            weighed = partial(_mass_at_distance, design, built, distance, form)
+            seconds = measure_cpu_time(weighed, repeats=3)
             setting = f"{distance:g} mm away"
             yield _rung(series, setting, weighed(), true, design, scene, seconds)
 
 
-def _weighed_far(design: Design, built: solids.Solids, distance: float, form: Callable[[Mesh], Mesh]) -> MassProperties:
+def _mass_at_distance(
+    design: Design, built: solids.Solids, distance: float, form: Callable[[Mesh], Mesh]
+) -> MassProperties:
     shift = distance * np.array([0.6, 0.8, 0.0])
     body, *legs = (form(mesh._replace(vertices=mesh.vertices + shift)) for mesh in (built.body, *built.legs))
     weighed = solids.assemble(design, weigh(body, 1.0), legs)
@@ -105,11 +107,11 @@ def _weighed_far(design: Design, built: solids.Solids, distance: float, form: Ca
     )
 
 
-def _as_is(mesh: Mesh) -> Mesh:
+def _identity(mesh: Mesh) -> Mesh:
     return mesh
 
 
-def _through_stl(mesh: Mesh) -> Mesh:
+def _stl_round_trip(mesh: Mesh) -> Mesh:
     import trimesh
 
     data = io.BytesIO(stl_bytes(mesh, "part"))
@@ -120,12 +122,12 @@ def _through_stl(mesh: Mesh) -> Mesh:
 def _rung(
     series: str, setting: str, mass: MassProperties, true: MassProperties, design: Design, scene: Scene, seconds: float
 ) -> Rung:
-    errors = errors_of(mass, true, design, scene)
+    errors = relative_errors(mass, true, design, scene)
     largest = max(error for error in errors if error is not None)
     return Rung(series, setting, largest, None, seconds, errors._asdict())
 
 
-def errors_of(weighed: MassProperties, true: MassProperties, design: Design, scene: Scene) -> Errors:
+def relative_errors(weighed: MassProperties, true: MassProperties, design: Design, scene: Scene) -> Errors:
     """Relative errors of a walker's masses and of its predicted speed.
 
     The speed's error counts against the larger foot's factor: the mean of braced feet may vanish.
@@ -139,32 +141,32 @@ def errors_of(weighed: MassProperties, true: MassProperties, design: Design, sce
     def relative(name: str) -> float:
         return abs(float(getattr(weighed, name)) / float(getattr(true, name)) - 1.0)
 
-    def of_legs(name: str) -> float:
+    def largest_leg_error(name: str) -> float:
         pairs = ((getattr(a, name), getattr(b, name)) for a, b in zip(weighed.legs, true.legs, strict=True))
         return max(abs(float(own) / float(exact) - 1.0) for own, exact in pairs if exact)
 
     return Errors(
         relative("M"),
         relative("J"),
-        None if true.rigid else of_legs("m"),
-        None if true.rigid else of_legs("j"),
+        None if true.rigid else largest_leg_error("m"),
+        None if true.rigid else largest_leg_error("j"),
         abs(float(predicted.factor - true_prediction.factor)) / size,
     )
 
 
-def cpu_time(call: Callable[[], object], repeats: int = 5, at_least: float = 1e-2) -> float:
+def measure_cpu_time(call: Callable[[], object], repeats: int = 5, at_least: float = 1e-2) -> float:
     """CPU time of one call, s: the median of `repeats` batches of at least `at_least` s each.
 
     An untimed call goes first: it compiles, imports and fills caches.
     """
     call()
     count = 1
-    while (spent := _batch(call, count)) < at_least:
+    while (spent := _time_batch(call, count)) < at_least:
         count = max(2 * count, math.ceil(count * at_least / max(spent, 1e-6)))
-    return statistics.median(_batch(call, count) for _ in range(repeats)) / count
+    return statistics.median(_time_batch(call, count) for _ in range(repeats)) / count
 
 
-def _batch(call: Callable[[], object], count: int) -> float:
+def _time_batch(call: Callable[[], object], count: int) -> float:
     started = time.thread_time()
     for _ in range(count):
         call()

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.commands.accuracy import cells, pace, step_law
-from walkergen.commands.accuracy.cells import REFERENCE, Row
+from walkergen.commands.accuracy.cells import REFERENCE_STEP_SHARE, Row
 from walkergen.commands.accuracy.choice import Candidate
 from walkergen.commands.accuracy.step_law import Law
 from walkergen.core.scene import Scene
@@ -24,18 +24,18 @@ from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.points import expected, resolution
 
-STEPS = (1.25, 1.0, 0.5, 0.25, 0.1)
+STEP_SHARES = (1.25, 1.0, 0.5, 0.25, 0.1)
 """Steps over that which resolves the feet, of which is chosen: the next longer one was measured as well; those below
 0.5 are beyond what was measured, by the law."""
 
-LANE = "lane-90hz"
+LANE_SCENE = "lane-90hz"
 """Scene of the cells between which is read."""
 
-SCALED_WITHIN = 1.3
+SCALED_SCATTER_FACTOR = 1.3
 """Factor to which the scatter of what is scaled is known: the root mean square of that by which a tilt which is left
 out scatters otherwise, for its speed, than is read between its neighbours."""
 
-MEASURED_HZ = 90.0
+CELLS_FREQUENCY_HZ = 90.0
 """Frequency of the plate of the cells."""
 
 DISCARD_S = 0.4
@@ -63,12 +63,12 @@ class Estimate(NamedTuple):
     @property
     def unit(self) -> float:
         """Speed of which an error is a share, mm/s."""
-        return step_law.unit(self.speed, self.peak)
+        return step_law.speed_scale(self.speed, self.peak)
 
     @property
     def law(self) -> Law:
         """Biases of walkers as fast as this one."""
-        laws = step_law.laws(step_law.CELLS_PEAK)
+        laws = step_law.fit_laws(step_law.CELLS_PEAK_SPEED_MM_S)
         slow = step_law.is_slow(self.speed, self.peak)
         return laws[slow] if slow in laws else next(iter(laws.values()))
 
@@ -82,12 +82,12 @@ class Estimate(NamedTuple):
         return [
             Candidate(
                 None if step == 1.0 else float(f"{step * self.own_us:.3g}"),
-                self.law.bound(step),
+                self.law.bias_bound(step),
                 self.variance_time / self.unit**2,
                 self.work(step) * loop_s,
                 self.discard_s,
             )
-            for step in STEPS
+            for step in STEP_SHARES
         ]
 
 
@@ -98,11 +98,11 @@ def estimate(design: Design, scene: Scene) -> Estimate:
     """
     run = scene.run.model_copy(update={"step_us": None})
     plan = prepare(scene.model_copy(update={"run": run}), design, solids.mass_of(design))
-    found = _read_cells(plan)
-    return found if found.cell else _simulate_a_second(found, plan)
+    found = _estimate_from_cells(plan)
+    return found if found.cell else _refine_with_short_run(found, plan)
 
 
-def _simulate_a_second(found: Estimate, plan: Plan) -> Estimate:
+def _refine_with_short_run(found: Estimate, plan: Plan) -> Estimate:
     """Return the estimate with the walker's own speed and cost, its scatter a share of the speed as before.
 
     It is returned as it is where a second takes long or does not end well.
@@ -110,29 +110,29 @@ def _simulate_a_second(found: Estimate, plan: Plan) -> Estimate:
     if expected.counted(plan) > expected.LONGEST_START_S:
         return found
     compile_kernels(plan)
-    run = simulate(plan.lasting(seconds=pace.LOOP_S, discard_seconds=DISCARD_S), 0)
+    run = simulate(plan.with_run_settings(seconds=pace.LOOP_S, discard_seconds=DISCARD_S), 0)
     if run.outcome not in ENDED_WELL:
         return found
-    dearer = run.cpu_s / (pace.LOOP_S + DISCARD_S) / (pace.pace() * found.work(1.0))
-    larger = step_law.unit(run.speed, found.peak) / found.unit
+    dearer = run.cpu_s / (pace.LOOP_S + DISCARD_S) / (pace.cpu_per_s() * found.work(1.0))
+    larger = step_law.speed_scale(run.speed, found.peak) / found.unit
     return found._replace(
         speed=abs(run.speed), variance_time=larger**2 * found.variance_time, work=lambda step: dearer * found.work(step)
     )
 
 
-def _read_cells(plan: Plan) -> Estimate:
+def _estimate_from_cells(plan: Plan) -> Estimate:
     """Return what the cells say of a plan, without a simulation."""
     scene, design = plan.scene, plan.case.design
-    every, measured = cells.read(), _find_scene(plan)
+    every, measured = cells.read_rows(), _find_scene(plan)
     tilt, restitution = abs(design.tilt_deg), scene.contact.restitution
     own_s, drive = resolution.own_step(plan), plan.shaken
     cell = tuple(row for row in every if row.cell == (measured, tilt, restitution))
-    cell = cell if any(row.share == REFERENCE for row in cell) else ()
-    rows = [row for row in every if row.scene == (measured if cell else LANE)]
+    cell = cell if any(row.share == REFERENCE_STEP_SHARE for row in cell) else ()
+    rows = [row for row in every if row.scene == (measured if cell else LANE_SCENE)]
     measured_us = _interpolate(rows, lambda of: of[1.0].step_us, tilt, restitution)
     harder = 1.0 if cell else measured_us / (1e6 * own_s) * 0.5 * len(design.limbs)
-    scale = drive.peak_speed / step_law.CELLS_PEAK
-    slower = MEASURED_HZ / drive.frequency
+    scale = drive.peak_speed / step_law.CELLS_PEAK_SPEED_MM_S
+    slower = CELLS_FREQUENCY_HZ / drive.frequency
 
     def work(step: float) -> float:
         return harder * _interpolate(rows, lambda of: _fit_work(of, step), tilt, restitution, logarithmic=True)
@@ -163,10 +163,10 @@ def _mean_variance_time(steps: dict[float, Row]) -> float:
 
 def _find_scene(plan: Plan) -> str:
     """Return the scene of the cells that a plan has, but for its restitution; "" for others and another walker."""
-    paper = templates.load(pace.WALKER, "walkers", Design).variant(tilt_deg=plan.case.design.tilt_deg)
+    paper = templates.load(pace.BENCHMARK_WALKER, "walkers", Design).variant(tilt_deg=plan.case.design.tilt_deg)
     if plan.case.design != paper:
         return ""
-    for name in dict.fromkeys(row.scene for row in cells.read()):
+    for name in dict.fromkeys(row.scene for row in cells.read_rows()):
         scene = templates.load(name, "scenes", Scene)
         contact = scene.contact.model_copy(update={"restitution": plan.scene.contact.restitution})
         if plan.scene == scene.model_copy(update={"contact": contact, "legs": plan.scene.legs, "run": plan.scene.run}):
@@ -182,7 +182,7 @@ def _interpolate(
     logarithmic: bool = False,
 ) -> float:
     """Interpolate between cells, linearly in tilt and the logarithm of restitution; constant beyond them."""
-    by_cell = {cell[0][1:3]: {row.share: row for row in cell} for cell in step_law.known_rows(rows)}
+    by_cell = {cell[0][1:3]: {row.share: row for row in cell} for cell in step_law.rows_by_cell(rows)}
     tilts, restitutions = (sorted({key[at] for key in by_cell}) for at in (0, 1))
 
     def number(own_tilt: float, own_restitution: float) -> float:

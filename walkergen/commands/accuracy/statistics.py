@@ -14,14 +14,14 @@ from walkergen.core.measure import Runs
 from walkergen.core.simulation import ensemble
 from walkergen.core.simulation.run import RunResult
 
-KINDS = ((32, 4.0), (16, 2.0), (8, 1.0))
+ENSEMBLE_SIZES = ((32, 4.0), (16, 2.0), (8, 1.0))
 """Numbers of runs whose parts are compared, each with the measured time of a run, s, from which it is worth it."""
 
-LONGEST_S = 50.0
+MAX_RUN_S = 50.0
 """Longest run that is compared, s."""
 
 RUN_COUNTS = (4, 8, 16)
-LENGTHS = (0.5, 1.0, 2.0, 5.0, 10.0, 25.0, 50.0)
+LENGTHS_S = (0.5, 1.0, 2.0, 5.0, 10.0, 25.0, 50.0)
 """Lengths of the parts' runs, s."""
 
 
@@ -31,20 +31,20 @@ def compare_parts(survey: Survey, progress: Progress) -> Ladder:
     Every part's mean speed has its own error bar as `ensemble.mean_speed` states it; the root mean
     square of the parts' deviations from the whole is the actual error.
     """
-    survey.reference(progress)
+    survey.measure_reference(progress)
     (own,) = survey.measure([survey.own], progress)
-    unit, bias = survey.unit, survey.bound(own)
-    granted_s = survey.grant(STATISTICS)
-    runs_in_all, seconds = _afford(granted_s, own)
-    made = survey.run(survey.own, seconds, Runs(runs_in_all), progress)
-    survey.too_short |= (runs_in_all, seconds) == KINDS[-1] and made.summary.wall_s > granted_s
+    unit, bias = survey.unit, survey.bias_bound(own)
+    granted_s = survey.claim_budget(STATISTICS)
+    runs_in_all, seconds = _affordable_runs(granted_s, own)
+    made = survey.simulate(survey.own, seconds, Runs(runs_in_all), progress)
+    survey.too_short |= (runs_in_all, seconds) == ENSEMBLE_SIZES[-1] and made.summary.wall_s > granted_s
     results = made.results
     cpu_per_s = made.summary.cpu_s / (runs_in_all * (seconds + own.discard_s))
     correlation = ensemble.correlation_time(results)
     rungs = []
     for runs in (runs for runs in RUN_COUNTS if 2 * runs <= runs_in_all):
-        for length in (length for length in LENGTHS if 2.0 * length <= seconds):
-            parts = _cut(results, runs, length)
+        for length in (length for length in LENGTHS_S if 2.0 * length <= seconds):
+            parts = _split_into_parts(results, runs, length)
             rungs.append(_rung(parts, results, unit, cpu_per_s, own.discard_s))
     correlation_text = "longer than the runs tell" if correlation is None else f"{1e3 * correlation:.0f} ms"
     notes = [f"Correlation time of the speed: {correlation_text}."]
@@ -56,7 +56,7 @@ def compare_parts(survey: Survey, progress: Progress) -> Ladder:
     return Ladder(
         "statistics",
         "Standard error of the mean speed against simulated time",
-        f"standard error actually made, share of {words.number(unit)} mm/s",
+        f"standard error actually made, share of {words.format_number(unit)} mm/s",
         "CPU time, s",
         f"mean of the whole ensemble, {runs_in_all} runs of {seconds:g} s by {own.label}",
         rungs,
@@ -64,17 +64,17 @@ def compare_parts(survey: Survey, progress: Progress) -> Ladder:
     )
 
 
-def _afford(granted_s: float, own: Measured) -> tuple[int, float]:
+def _affordable_runs(granted_s: float, own: Measured) -> tuple[int, float]:
     """Return the number of runs that a wall time allows, and their length: fewer where they would be too short."""
     simulated_s = granted_s / own.wall_s * own.runs * (own.seconds + own.discard_s)
-    for runs, least_s in KINDS:
-        seconds = float(f"{min(max(simulated_s / runs - own.discard_s, 0.1), LONGEST_S):.2g}")
+    for runs, least_s in ENSEMBLE_SIZES:
+        seconds = float(f"{min(max(simulated_s / runs - own.discard_s, 0.1), MAX_RUN_S):.2g}")
         if seconds >= least_s:
             return runs, seconds
-    return KINDS[-1]
+    return ENSEMBLE_SIZES[-1]
 
 
-def _cut(results: Sequence[RunResult], runs: int, length: float) -> list[list[RunResult]]:
+def _split_into_parts(results: Sequence[RunResult], runs: int, length: float) -> list[list[RunResult]]:
     """Cut the ensemble into parts of `runs` runs of `length` s each, without overlap."""
     blocks = max(1, round(length / results[0].block_s))
     groups = [results[at : at + runs] for at in range(0, len(results) - runs + 1, runs)]

@@ -16,13 +16,13 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.commands.accuracy import cells
-from walkergen.commands.accuracy.cells import REFERENCE, Row
+from walkergen.commands.accuracy.cells import REFERENCE_STEP_SHARE, Row
 from walkergen.points.walkers import FEWEST_AT_ALL
 
-CELLS_PEAK = 31.2
+CELLS_PEAK_SPEED_MM_S = 31.2
 """Peak speed of the plate of the cells, mm/s: 90 Hz and 1.8 g."""
 
-POWERS = (1, 2)
+STEP_POWERS = (1, 2)
 """Powers of the step by which the bias may fall."""
 
 
@@ -37,7 +37,7 @@ class Slope(NamedTuple):
     misfit: float
     """Chi-square of the lines over its degrees of freedom: about 1 where the law holds."""
 
-    def bound(self, step: float) -> float:
+    def bias_bound(self, step: float) -> float:
         """Largest bias (95 %), as a share, by a step that is `step` of what resolves the feet."""
         se = self.se * math.sqrt(max(self.misfit, 1.0))  # what the line misses widens its error
         return float((abs(self.share) + 2.0 * math.hypot(se, self.between)) * step**self.power)
@@ -53,30 +53,34 @@ class Law(NamedTuple):
     cells: int
     """Number of cells behind it."""
 
-    def bound(self, step: float) -> float:
+    def bias_bound(self, step: float) -> float:
         """Largest bias (95 %), as a share, whichever power holds."""
-        return max(slope.bound(step) for slope in self.slopes)
+        return max(slope.bias_bound(step) for slope in self.slopes)
 
 
-def unit(speed: float, peak: float) -> float:
+def speed_scale(speed: float, peak: float) -> float:
     """Speed of which an error is a share: a walker's own, or a fifth of the plate's where it is slower."""
     return max(abs(speed), FEWEST_AT_ALL * peak)
 
 
-def known_rows(rows: Iterable[Row]) -> list[list[Row]]:
+def rows_by_cell(rows: Iterable[Row]) -> list[list[Row]]:
     """Rows with a speed and its error, cell by cell, finest step first."""
     known = [row for row in rows if row.speed_mm_s is not None and row.se_mm_s]
     return [list(cell) for _, cell in groupby(known, key=lambda row: row.cell)]
 
 
 @cache
-def laws(peak: float, rows: tuple[Row, ...] | None = None) -> dict[bool, Law]:
+def fit_laws(peak: float, rows: tuple[Row, ...] | None = None) -> dict[bool, Law]:
     """Law of slow walkers (True) and of the others, from cells whose plate has a peak speed, mm/s."""
-    every = [cell for cell in known_rows(cells.read() if rows is None else rows) if cell[0].share == REFERENCE]
+    every = [
+        cell
+        for cell in rows_by_cell(cells.read_rows() if rows is None else rows)
+        if cell[0].share == REFERENCE_STEP_SHARE
+    ]
     slow: dict[bool, list[list[Row]]] = {True: [], False: []}
     for cell in every:
         slow[is_slow(cell[0].speed_mm_s or 0.0, peak)].append(cell)
-    return {key: _law(group, peak) for key, group in slow.items() if group}
+    return {key: _fit_law(group, peak) for key, group in slow.items() if group}
 
 
 def is_slow(speed: float, peak: float) -> bool:
@@ -84,14 +88,14 @@ def is_slow(speed: float, peak: float) -> bool:
     return abs(speed) < FEWEST_AT_ALL * peak
 
 
-def _law(group: Sequence[Sequence[Row]], peak: float) -> Law:
-    finest = [(row.se_mm_s or 0.0) / unit(row.speed_mm_s or 0.0, peak) for row in (cell[0] for cell in group)]
+def _fit_law(group: Sequence[Sequence[Row]], peak: float) -> Law:
+    finest = [(row.se_mm_s or 0.0) / speed_scale(row.speed_mm_s or 0.0, peak) for row in (cell[0] for cell in group)]
     floor = 2.0 / math.sqrt(sum(se**-2 for se in finest))
-    return Law(tuple(_slope(group, peak, power) for power in POWERS), floor, len(group))
+    return Law(tuple(_fit_slope(group, peak, power) for power in STEP_POWERS), floor, len(group))
 
 
-def _slope(group: Sequence[Sequence[Row]], peak: float, power: int) -> Slope:
-    lines = [_line(cell, peak, power) for cell in group]
+def _fit_slope(group: Sequence[Sequence[Row]], peak: float, power: int) -> Slope:
+    lines = [_fit_line(cell, peak, power) for cell in group]
     share, se = (np.array(column) for column in zip(*(line[:2] for line in lines), strict=True))
     weights, freedom = se**-2.0, len(lines) - 1
     mean = float(np.sum(weights * share) / np.sum(weights))
@@ -104,7 +108,7 @@ def _slope(group: Sequence[Sequence[Row]], peak: float, power: int) -> Slope:
     return Slope(power, mean, float(np.sum(weights) ** -0.5), between, misfit)
 
 
-def _line(cell: Sequence[Row], peak: float, power: int) -> tuple[float, float, float, int]:
+def _fit_line(cell: Sequence[Row], peak: float, power: int) -> tuple[float, float, float, int]:
     """Slope of a cell's speeds over the step to a power, as a share, its error, chi-square and freedom."""
     steps = np.array([row.share for row in cell]) ** power
     speeds, errors = (np.array([getattr(row, name) for row in cell]) for name in ("speed_mm_s", "se_mm_s"))
@@ -112,5 +116,5 @@ def _line(cell: Sequence[Row], peak: float, power: int) -> tuple[float, float, f
     covariance = np.linalg.inv(design.T @ design)
     offset, slope = covariance @ design.T @ (speeds / errors)
     chi2 = float(np.sum(((speeds - offset - slope * steps) / errors) ** 2))
-    size = unit(float(offset), peak)
+    size = speed_scale(float(offset), peak)
     return float(slope) / size, math.sqrt(float(covariance[1, 1])) / size, chi2, len(cell) - 2

@@ -13,12 +13,12 @@ from walkergen.analysis.tracks import of_places
 from walkergen.commands.accuracy import step_law
 from walkergen.commands.accuracy.choice import Candidate
 from walkergen.core.errors import InputError
-from walkergen.core.files.progress import Progress, part
+from walkergen.core.files.progress import Progress, part_progress
 from walkergen.core.measure import Budget, Until, measure
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import observables
-from walkergen.core.simulation.ensemble import FEWEST_RUNS, listed
+from walkergen.core.simulation.ensemble import MIN_RUNS, format_outcomes
 from walkergen.core.simulation.observables import SPEED
 from walkergen.core.simulation.plan import Plan, prepare
 from walkergen.core.simulation.run import ENDED_WELL
@@ -27,10 +27,10 @@ from walkergen.core.walker.mass import MassProperties
 from walkergen.points import experiments, resolution
 from walkergen.points.experiments import Results
 
-STEPS = (0.25, 0.5, 1.0, 1.25, 1.6)
+STEP_SHARES = (0.25, 0.5, 1.0, 1.25, 1.6)
 """Steps over that which resolves the feet, which are measured."""
 
-WEIGHTS = (0.3, 0.15)
+BUDGET_WEIGHTS = (0.3, 0.15)
 """Parts of the budget of all steps for the finest step, and for the next finest, which certifies it; the others share
 the rest."""
 
@@ -40,14 +40,14 @@ STATISTICS = "statistics"
 STATISTICS_WEIGHT = 0.4
 """Part of the budget for it, where all steps together have 1."""
 
-SHORTEST_S, BUDGET_OF_SECOND_S = 2.0, 30.0
+MIN_RUN_S, BUDGET_PER_SECOND_S = 2.0, 30.0
 """Measured time of a run, s, at least, and the budget for which it is a second longer: more runs first, then longer
 ones, in which walkers spread."""
 
-MOTION = {"motion.rotational_diffusion_rad2_s": "rotational_diffusion", "motion.diffusivity_mm2_s": "diffusivity"}
+MOTION_KEYS = {"motion.rotational_diffusion_rad2_s": "rotational_diffusion", "motion.diffusivity_mm2_s": "diffusivity"}
 """Names of the statistics of motion that are studied: how headings turn, how walkers spread."""
 
-NAMES = (*observables.NAMES, *MOTION)
+OBSERVABLE_NAMES = (*observables.OBSERVABLE_NAMES, *MOTION_KEYS)
 """Names of all that is studied, as `simulate --json` has them."""
 
 
@@ -71,14 +71,14 @@ class Measured(NamedTuple):
         """Name of the step in tables and figures."""
         return f"step {self.step_us:g} us"
 
-    def of(self, name: str) -> Quantity:
+    def quantity(self, name: str) -> Quantity:
         """Return a quantity by its name."""
         return self.quantities.get(name, Quantity(name, "", None, refused=self.outcomes))
 
     @property
     def speed(self) -> Quantity:
         """Mean speed, mm/s."""
-        return self.of(SPEED)
+        return self.quantity(SPEED)
 
     @property
     def cpu_per_s(self) -> float:
@@ -87,9 +87,9 @@ class Measured(NamedTuple):
 
     def variance_time(self, name: str = SPEED) -> float:
         """Return the squared standard error of a quantity times the measured time, (its unit)^2 s."""
-        return (self.of(name).se or 0.0) ** 2 * self.runs * self.seconds
+        return (self.quantity(name).se or 0.0) ** 2 * self.runs * self.seconds
 
-    def cost_of(self, se: float, name: str = SPEED) -> float:
+    def cpu_time_for(self, se: float, name: str = SPEED) -> float:
         """Return the CPU time (s) for a quantity with a standard error, with discarded starts."""
         return self.cpu_per_s * (self.variance_time(name) / se**2 + self.runs * self.discard_s)
 
@@ -110,44 +110,44 @@ class Survey:
     @cached_property
     def plan(self) -> Plan:
         """Plan by the step that resolves the feet."""
-        return prepare(self._scene_of(None), self.design, self.mass)
+        return prepare(self._scene_with_step(None), self.design, self.mass)
 
     @cached_property
     def steps(self) -> list[float]:
         """All steps, us, the finest first, which is the reference."""
-        steps_us = [_round(share * 1e6 * self.plan.world.options.step) for share in STEPS]
+        steps_us = [_round_two_digits(share * 1e6 * self.plan.world.options.step) for share in STEP_SHARES]
         return list(dict.fromkeys(min(max(step, 0.01), 1000.0) for step in steps_us))
 
     @property
     def own(self) -> float:
         """The scene's own step, us."""
         step = self.scene.run.step_us
-        return _round(1e6 * self.plan.world.options.step) if step is None else step
+        return _round_two_digits(1e6 * self.plan.world.options.step) if step is None else step
 
-    def share_out(self, ladders: Sequence[str]) -> None:
+    def allot_budget(self, ladders: Sequence[str]) -> None:
         """Promise each step that these ladders need its part of the budget."""
-        others = (1.0 - sum(WEIGHTS)) / max(len(self.steps) - len(WEIGHTS), 1)
-        of_steps = [*WEIGHTS, *[others] * len(self.steps)]
+        others = (1.0 - sum(BUDGET_WEIGHTS)) / max(len(self.steps) - len(BUDGET_WEIGHTS), 1)
+        of_steps = [*BUDGET_WEIGHTS, *[others] * len(self.steps)]
         if "steps" in ladders:
             self.due.update(zip(self.steps, of_steps, strict=False))
         if STATISTICS in ladders:
-            self.due.setdefault(self.steps[0], WEIGHTS[0])
+            self.due.setdefault(self.steps[0], BUDGET_WEIGHTS[0])
             self.due.setdefault(self.own, others)
             self.due[STATISTICS] = STATISTICS_WEIGHT
 
-    def grant(self, what: float | str) -> float:
+    def claim_budget(self, what: float | str) -> float:
         """Return the wall time for a step or for what has a name, s: what others left over is shared out."""
-        weight, left_s = self.due.pop(what, WEIGHTS[1]), max(self.budget_s - self.simulated_s, 0.0)
+        weight, left_s = self.due.pop(what, BUDGET_WEIGHTS[1]), max(self.budget_s - self.simulated_s, 0.0)
         return left_s * weight / (weight + sum(self.due.values()))
 
     def measure(self, steps: Sequence[float], progress: Progress) -> list[Measured]:
         """Measure the steps that are not measured yet; return all of them in their order."""
         for place, step_us in enumerate(steps):
             if step_us not in self.measured:
-                self.measured[step_us] = self._measure_step(step_us, part(progress, place, len(steps)))
+                self.measured[step_us] = self._measure_step(step_us, part_progress(progress, place, len(steps)))
         return [self.measured[step_us] for step_us in steps]
 
-    def reference(self, progress: Progress) -> Measured:
+    def measure_reference(self, progress: Progress) -> Measured:
         """Measure the step that counts as true: the finest.
 
         Raises InputError when it gives no speed with an error bar.
@@ -160,9 +160,9 @@ class Survey:
             )
         return reference
 
-    def run(self, step_us: float, seconds: float, until: Until, progress: Progress) -> Results:
+    def simulate(self, step_us: float, seconds: float, until: Until, progress: Progress) -> Results:
         """Simulate runs by a step, until enough are made. Raises KeyboardInterrupt where Ctrl-C leaves some out."""
-        walker = experiments.Walker(self._scene_of(step_us, seconds=seconds), self.design, self.mass)
+        walker = experiments.Walker(self._scene_with_step(step_us, seconds=seconds), self.design, self.mass)
         made = measure(walker, until, progress)
         if made.partial:
             raise KeyboardInterrupt
@@ -172,16 +172,16 @@ class Survey:
     @property
     def unit(self) -> float:
         """Speed of which an error is a share, mm/s, once the reference is measured."""
-        return step_law.unit(self.measured[self.steps[0]].speed.number, self.plan.shaken.peak_speed)
+        return step_law.speed_scale(self.measured[self.steps[0]].speed.number, self.plan.shaken.peak_speed)
 
     def bias(self, measured: Measured) -> Quantity:
         """Return the difference of a step's speed from the reference's, mm/s; of the reference itself 0."""
         reference = self.measured[self.steps[0]]
         if measured is reference:
             return reference.speed._replace(value=0.0)
-        return measured.speed.less(reference.speed)
+        return measured.speed.minus(reference.speed)
 
-    def bound(self, measured: Measured) -> float:
+    def bias_bound(self, measured: Measured) -> float:
         """Return the upper limit of a step's bias with 95 % confidence, mm/s.
 
         It is infinite where the step, or a finer one, has no speed.
@@ -195,31 +195,34 @@ class Survey:
         certain = [abs(one.number) for one in finer if abs(one.number) > one.half_width()]
         return max(abs(bias.number), *certain, 0.0) + bias.half_width()
 
-    def candidate(self, measured: Measured) -> Candidate:
+    def to_candidate(self, measured: Measured) -> Candidate:
         """Return a measured step as one that may be chosen; its bias is infinite where it has no speed."""
         return Candidate(
             measured.step_us,
-            self.bound(measured) / self.unit,
+            self.bias_bound(measured) / self.unit,
             measured.variance_time() / self.unit**2,
             measured.cpu_per_s,
             measured.discard_s,
         )
 
-    def _scene_of(self, step_us: float | None, **run: float) -> Scene:
+    def _scene_with_step(self, step_us: float | None, **run: float) -> Scene:
         changed = self.scene.run.model_copy(update={"step_us": step_us, **run})
         return self.scene.model_copy(update={"run": changed})
 
     def _measure_step(self, step_us: float, progress: Progress) -> Measured:
         """Simulate for as long as the step's part of the budget allows."""
-        seconds, granted_s = max(SHORTEST_S, _round(self.budget_s / BUDGET_OF_SECOND_S)), self.grant(step_us)
-        results = self.run(step_us, seconds, Budget(granted_s, FEWEST_RUNS), progress)
+        seconds, granted_s = (
+            max(MIN_RUN_S, _round_two_digits(self.budget_s / BUDGET_PER_SECOND_S)),
+            self.claim_budget(step_us),
+        )
+        results = self.simulate(step_us, seconds, Budget(granted_s, MIN_RUNS), progress)
         summary = results.summary
-        self.too_short |= summary.runs == FEWEST_RUNS and summary.wall_s > granted_s
+        self.too_short |= summary.runs == MIN_RUNS and summary.wall_s > granted_s
         well = set(summary.outcomes) <= {outcome.value for outcome in ENDED_WELL} and summary.speed_mm_s is not None
-        outcomes = listed(summary.outcomes)
+        outcomes = format_outcomes(summary.outcomes)
         quantities = {
             name: Quantity(name, "", value if well else None, se, summary.runs - 1.0, outcomes)
-            for name, (value, se) in _observe(results, self.scene.arena.kind == "lane").items()
+            for name, (value, se) in _observable_values(results, self.scene.arena.kind == "lane").items()
         }
         run = self.scene.run
         return Measured(
@@ -227,7 +230,7 @@ class Survey:
         )
 
 
-def _observe(results: Results, lane: bool) -> dict[str, tuple[float | None, float | None]]:
+def _observable_values(results: Results, lane: bool) -> dict[str, tuple[float | None, float | None]]:
     """Return values and standard errors of all that is studied of runs, without what they refuse."""
     summary = results.summary
     errors = {**summary.errors, SPEED: summary.speed_se_mm_s}
@@ -237,11 +240,11 @@ def _observe(results: Results, lane: bool) -> dict[str, tuple[float | None, floa
     good = [result for result in results.results if result.outcome in ENDED_WELL]
     if good and len(good[0].places) >= 4:
         estimates = motion.analyse(of_places([result.places for result in good], good[0].block_s, lane)).estimates
-        named = ((name, estimates[key]) for name, key in MOTION.items())
+        named = ((name, estimates[key]) for name, key in MOTION_KEYS.items())
         quantities |= {name: (estimate.value, estimate.se) for name, estimate in named if estimate.value is not None}
     return quantities
 
 
-def _round(value: float) -> float:
+def _round_two_digits(value: float) -> float:
     """Round to two significant digits."""
     return float(f"{value:.2g}")

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from walkergen.core.printing import packing, plates, sheet, walls
-from walkergen.core.printing.findings import Finding, listed
+from walkergen.core.printing.findings import Finding, group_findings
 from walkergen.core.printing.printers import Printer
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
@@ -34,11 +34,11 @@ class CheckReport(Report):
 def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) -> CheckReport:
     """Run the printability checks on arranged copies of the members; writes nothing."""
     built = [solids.build(design) for design in members]
-    layout = plates.unplaced(members, built, copies, printer)
+    layout = plates.layout_without_plates(members, built, copies, printer)
     if all(packing.capacity(part, printer) for part in layout.parts):
         layout = plates.arrange(members, built, copies, printer)
     else:  # a part is too large for any plate: the findings name it
-        layout = plates.checked(layout)
+        layout = plates.add_findings(layout)
     unlike_walls = dict.fromkeys(
         Wall(
             wall.name,
@@ -47,16 +47,18 @@ def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) ->
             100.0 * walls.deviation(wall.section, printer),
         )
         for design in members
-        for wall in walls.of_design(design)
+        for wall in walls.upright_walls(design)
     )
-    attitudes = list(dict.fromkeys(sheet.lying(design) for design in members))
+    attitudes = list(dict.fromkeys(sheet.describe_orientation(design) for design in members))
     return _report(list(unlike_walls), layout, attitudes, sum(copies))
 
 
 def _report(unlike_walls: Sequence[Wall], layout: plates.Layout, attitudes: Sequence[str], parts: int) -> CheckReport:
     """Report of the walls, of how the walkers lie on the bed, and of all that the checks found."""
-    findings, printer = listed(layout.findings), layout.printer.name
-    counts = [_count(sum(finding.level == level for finding in findings), level) for level in ("error", "warning")]
+    findings, printer = group_findings(layout.findings), layout.printer.name
+    counts = [
+        _format_count(sum(finding.level == level for finding in findings), level) for level in ("error", "warning")
+    ]
     sheets = len(layout.plates)  # none when a part fits no plate
     return CheckReport(
         name="check",
@@ -70,7 +72,7 @@ def _report(unlike_walls: Sequence[Wall], layout: plates.Layout, attitudes: Sequ
                     report.text("wall", "wall"),
                     report.fixed("mm", "thickness_mm", 2),
                     report.fixed("lines", "lines", 2),
-                    report.Column("plastic, against the mesh", _plastic, True),
+                    report.Column("plastic, against the mesh", _format_plastic, True),
                 ),
             )
         ],
@@ -84,16 +86,16 @@ def _report(unlike_walls: Sequence[Wall], layout: plates.Layout, attitudes: Sequ
         lines=[
             *(f"printed {attitude}" for attitude in attitudes),
             *(f"{finding.level}: {finding.line}" for finding in findings if finding.level != "error"),
-            f"{_count(parts, 'part')} on {_count(sheets, 'plate')} of {printer}: {', '.join(counts)}",
+            f"{_format_count(parts, 'part')} on {_format_count(sheets, 'plate')} of {printer}: {', '.join(counts)}",
         ],
         findings=layout.findings,
     )
 
 
-def _plastic(wall: Wall) -> str:
+def _format_plastic(wall: Wall) -> str:
     percent = round(wall.plastic_percent)
     return f"{percent:+d} %" if percent else "as drawn"
 
 
-def _count(number: int, noun: str) -> str:
+def _format_count(number: int, noun: str) -> str:
     return f"{number} {noun}{'' if number == 1 else 's'}"

@@ -47,7 +47,7 @@ class CheckRequest(request.Request):
         members, counts = given.batch(given.design(self.design), self.tilt, self.legs, self.copies, whole=True)
         report = make.check(members, counts, given.printer(self.printer))
         try:
-            findings.refuse(report.findings, self.strict)
+            findings.check_printable(report.findings, self.strict)
         except PrintabilityError as error:
             return replace(report, errors=str(error).splitlines(), code=2)
         return report
@@ -55,9 +55,11 @@ class CheckRequest(request.Request):
     def _weigh(self, path: Path) -> "WeighReport":
         """Weigh a mesh file. Raises InputError."""
         from walkergen.commands.check import weigh_report, weighing
-        from walkergen.core.walker.spec import MESHES
+        from walkergen.core.walker.spec import MESH_SUFFIXES
 
-        if not isinstance(self.design, (str, Path)) or Path(self.design).suffix.lower() not in MESHES:
-            raise InputError(f"‹weigh›: {str(self.design)[:60]!r} is no mesh: give one, {', '.join(MESHES)}", "design")
+        if not isinstance(self.design, (str, Path)) or Path(self.design).suffix.lower() not in MESH_SUFFIXES:
+            raise InputError(
+                f"‹weigh›: {str(self.design)[:60]!r} is no mesh: give one, {', '.join(MESH_SUFFIXES)}", "design"
+            )
         self.refuse("not with ‹weigh›", "tilt", "legs", "printer", "text", "mirror", "set", "copies", "strict")
-        return weigh_report.of(weighing.weigh(path, self.density, self.scale), path, self.density, self.scale)
+        return weigh_report.make_report(weighing.weigh(path, self.density, self.scale), path, self.density, self.scale)

@@ -29,19 +29,19 @@ class Line(NamedTuple):
     unit: str
 
 
-def _column(at: int) -> Column:
+def _number_column(at: int) -> Column:
     return Column("", lambda line: line.numbers[at] if at < len(line.numbers) else "", right=True)
 
 
-LINES = (report.text("", "label"), *map(_column, range(3)), report.text("", "unit"))
+LINE_COLUMNS = (report.text("", "label"), *map(_number_column, range(3)), report.text("", "unit"))
 
 
-def of(weighing: Weighing, path: Path, density_g_cm3: float, scale_mm: float) -> WeighReport:
+def make_report(weighing: Weighing, path: Path, density_g_cm3: float, scale_mm: float) -> WeighReport:
     """Report of the objects of a file, weighed at a density, its unit so many mm long."""
     several = [weighing.total] if len(weighing.parts) > 1 else []
     parts = [*weighing.parts, *several]
     pages = [
-        Table(part.name, list(_lines(part)), Line._fields, LINES, f"{part.name}, {part.triangles} triangles")
+        Table(part.name, list(_lines(part)), Line._fields, LINE_COLUMNS, f"{part.name}, {part.triangles} triangles")
         for part in parts
     ]
     facts = {
@@ -81,9 +81,9 @@ def _lines(part: Weighed) -> Iterator[Line]:
         ("", part.axes[1], "of the second"),
         ("", part.axes[2], "of the third"),
     ):
-        yield Line(label, tuple(f"{value:.6g}" for value in _without_rounding(values)), unit)
+        yield Line(label, tuple(f"{value:.6g}" for value in _zero_rounding(values)), unit)
 
 
-def _without_rounding(row: Array) -> Array:
+def _zero_rounding(row: Array) -> Array:
     """Values of a row, those that are nothing but rounding as zeros."""
     return np.where(np.abs(row) < 1e-12 * np.abs(row).max(), 0.0, row)

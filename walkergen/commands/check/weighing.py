@@ -12,7 +12,7 @@ from walkergen.core.walker.mass import SolidMass
 from walkergen.readers.drawings import units
 from walkergen.readers.meshes import faults, meshes
 
-DENSITY = 1.24
+PLA_DENSITY_G_CM3 = 1.24
 """Density of PLA, g/cm3."""
 
 
@@ -65,21 +65,22 @@ def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
         solids.append(mass.weigh(mesh, 1e-3 * density_g_cm3))
     counts = [len(surface.triangles) for surface in surfaces]
     parts = tuple(
-        _weighed(surface.name, count, solid) for surface, count, solid in zip(surfaces, counts, solids, strict=True)
+        _mass_properties(surface.name, count, solid)
+        for surface, count, solid in zip(surfaces, counts, solids, strict=True)
     )
     side = max(float(np.ptp(surface.vertices, axis=0).max()) for surface in surfaces) * scale_mm
-    notes = (*loaded.notes, *_doubt(side))
-    return Weighing(parts, _weighed("total", sum(counts), mass.together(solids)), loaded.sha256, notes)
+    notes = (*loaded.notes, *_check_size(side))
+    return Weighing(parts, _mass_properties("total", sum(counts), mass.combine_solids(solids)), loaded.sha256, notes)
 
 
-def _doubt(side_mm: float) -> list[str]:
+def _check_size(side_mm: float) -> list[str]:
     """Return a note on a size that no walker has; none for any other."""
     if units.SMALLEST < side_mm <= units.LARGEST:
         return []
     return [f"the longest side is {side_mm:.4g} mm: in another unit? ‹scale› is its length, mm: 25.4 for inches"]
 
 
-def principal(tensor: Array) -> tuple[Array, Array]:
+def principal_axes(tensor: Array) -> tuple[Array, Array]:
     """Principal moments, ascending, and axes, a row each: right-handed, largest parts positive.
 
     The third axis follows from the first two; axes of equal moments are any of their plane.
@@ -92,7 +93,7 @@ def principal(tensor: Array) -> tuple[Array, Array]:
     return moments, axes + 0.0
 
 
-def _weighed(name: str, triangles: int, solid: SolidMass) -> Weighed:
+def _mass_properties(name: str, triangles: int, solid: SolidMass) -> Weighed:
     tensor = 0.5 * (solid.tensor + solid.tensor.T)  # rounding alone makes it unequal
     volume, mass_g = float(solid.volume), float(solid.mass)
-    return Weighed(name, triangles, volume, mass_g, solid.centre, tensor, *principal(tensor))
+    return Weighed(name, triangles, volume, mass_g, solid.centre, tensor, *principal_axes(tensor))

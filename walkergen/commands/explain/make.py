@@ -41,13 +41,13 @@ class Row(NamedTuple):
     cpu_ratio_se: float | None
 
 
-SHORT = (
+SHORT_COLUMNS = (
     report.text("effect", "effect"),
     report.number("size", "number", 3),
-    Column("without it\nmm/s", lambda row: measuring.in_words(row.change_mm_s, row.change_se_mm_s), True),
-    Column("CPU time\nwithout it", lambda row: measuring.factor(row.cpu_ratio, row.cpu_ratio_se), True),
+    Column("without it\nmm/s", lambda row: measuring.format_change(row.change_mm_s, row.change_se_mm_s), True),
+    Column("CPU time\nwithout it", lambda row: measuring.format_factor(row.cpu_ratio, row.cpu_ratio_se), True),
 )
-REASONS = (
+REASON_COLUMNS = (
     report.text("effect", "effect"),
     Column("", lambda row: "on" if row.on else "off"),
     report.number("size", "number", 3),
@@ -77,7 +77,7 @@ def explain(
     if measure:
         found = measuring.measure(walker, progress)
     elif cost:
-        found = measuring.priced(walker, progress)
+        found = measuring.measure_costs(walker, progress)
     simple = simplest.simplest(walker, progress) if cost or measure else Simplest(walker, scene.run.accepted_error)
     rows = _rows(effects, () if found is None else found.changes)
     on, off = ([row for row in rows if row.on == wanted] for wanted in (True, False))
@@ -85,7 +85,7 @@ def explain(
         "effects",
         rows,
         Row._fields,
-        REASONS if whole else SHORT,
+        REASON_COLUMNS if whole else SHORT_COLUMNS,
         read=None if whole else on,
         notes=[] if found is None else ["± is one standard error, by pairs of runs with common random numbers"],
     )
@@ -99,10 +99,10 @@ def explain(
         lines=[
             *([] if whole else [f"off: {', '.join(row.effect for row in off)}; ‹all›: why, and what sizes mean"]),
             *([] if found is None or not measure else [found.advice]),
-            *_accepted(simple, found is not None),
+            *_format_omissions(simple, found is not None),
         ],
         warnings=[plan.resolved.idle] if plan.resolved.idle else [],
-        figures={} if found is None or not measure else {"explain": partial(measuring.figure, found, caption)},
+        figures={} if found is None or not measure else {"explain": partial(measuring.draw_changes, found, caption)},
         folder=folder,
     )
     if folder is not None:
@@ -125,7 +125,7 @@ def _rows(effects: Sequence[Effect], changes: Sequence[Change]) -> list[Row]:
     return rows
 
 
-def _accepted(simple: Simplest, measured: bool) -> list[str]:
+def _format_omissions(simple: Simplest, measured: bool) -> list[str]:
     """List what runs leave out if an error is accepted."""
     if simple.accepted is None:
         return []

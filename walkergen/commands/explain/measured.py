@@ -18,20 +18,20 @@ from walkergen.points.variants import Change, Pairs, Variant
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-BUDGET_S, SINGLY = 10.0, 0.8
+BUDGET_S, SINGLE_EFFECT_SHARE = 10.0, 0.8
 """Time of all runs, s, and the part of it in which each effect is measured alone."""
 
-FEWEST, PRICED = 4, 4
+MIN_RUNS, COST_RUNS = 4, 4
 """Fewest runs of each scene, and those that tell prices alone."""
 
-LEVELS = (0.01, 0.02, 0.05, 0.1, 0.2)
+ADVICE_LEVELS = (0.01, 0.02, 0.05, 0.1, 0.2)
 """Changes, shares of the speed, of which the least is advised that leaves anything out."""
 
-SAVES = 0.95
+MAX_CPU_RATIO = 0.95
 """CPU time without an effect over that with it, above which nothing is said of leaving it out."""
 
 
-NOTHING = "leave nothing out: as far as these runs tell, whatever is on changes the speed, or costs no time"
+NO_ADVICE = "leave nothing out: as far as these runs tell, whatever is on changes the speed, or costs no time"
 
 
 class Measured(NamedTuple):
@@ -62,47 +62,49 @@ class Row(NamedTuple):
 COLUMNS = (
     text("effect", "effect"),
     text("how", "change"),
-    Column("change\nmm/s", lambda row: row.refused or in_words(row.change_mm_s, row.change_se_mm_s), True),
-    Column("CPU time", lambda row: factor(row.cpu_ratio, row.cpu_ratio_se), True),
+    Column("change\nmm/s", lambda row: row.refused or format_change(row.change_mm_s, row.change_se_mm_s), True),
+    Column("CPU time", lambda row: format_factor(row.cpu_ratio, row.cpu_ratio_se), True),
 )
 
 
-def factor(value: float | None, se: float | None) -> str:
+def format_factor(value: float | None, se: float | None) -> str:
     """Factor with its standard error, to hundredths."""
     if value is None:
         return "-"
-    return f"x {words.fixed(value, 2)}" + ("" if se is None else f" ± {words.fixed(se, 2)}")
+    return f"x {words.format_fixed(value, 2)}" + ("" if se is None else f" ± {words.format_fixed(se, 2)}")
 
 
-def in_words(value: float | None, se: float | None) -> str:
+def format_change(value: float | None, se: float | None) -> str:
     """Format a number with its standard error."""
     if value is None:
         return "-"
-    return words.fixed(value, 2) if se is None else words.with_error(value, se)
+    return words.format_fixed(value, 2) if se is None else words.format_with_error(value, se)
 
 
-def priced(walker: Walker, progress: Progress) -> Measured:
+def measure_costs(walker: Walker, progress: Progress) -> Measured:
     """Measure from a few runs what the scene changes without each effect that is on."""
-    return _measured(walker, tuple(variants.every(walker, also_on=False)), Runs(PRICED), progress)
+    return _measure_variants(walker, tuple(variants.every(walker, also_on=False)), Runs(COST_RUNS), progress)
 
 
 def measure(walker: Walker, progress: Progress) -> Measured:
     """Measure what each effect changes, off or on at its usual size, and what the two largest change together."""
-    told = _by_the_clock(progress)
+    told = _budget_progress(progress)
     every = tuple(variants.every(walker, also_on=True))
-    alone = _measured(walker, every, Budget(SINGLY * BUDGET_S, FEWEST), told)
-    spared, level = _spared(walker, every, alone)
-    changes, joint = list(alone.changes), [_both(walker, _largest(every, alone)), _both(walker, spared)]
+    alone = _measure_variants(walker, every, Budget(SINGLE_EFFECT_SHARE * BUDGET_S, MIN_RUNS), told)
+    spared, level = _select_omissions(walker, every, alone)
+    changes, joint = list(alone.changes), [_combine(walker, _largest_variants(every, alone)), _combine(walker, spared)]
     further = tuple({variant.effect: variant for variant in joint if variant is not None}.values())
     if further:
-        changes += _measured(walker, further, Budget((1.0 - SINGLY) * BUDGET_S, FEWEST), told).changes
+        changes += _measure_variants(
+            walker, further, Budget((1.0 - SINGLE_EFFECT_SHARE) * BUDGET_S, MIN_RUNS), told
+        ).changes
     names = {variant.effect for variant in (*spared, *joint[1:]) if variant is not None}
-    leaving = [change for change in changes if change.effect in names and _within(walker, alone, change, level)]
-    advice = _advice(min(leaving, key=lambda change: change.cpu.number), level) if leaving else NOTHING
-    return alone._replace(changes=tuple(sorted(changes, key=_size, reverse=True)), advice=advice)
+    leaving = [change for change in changes if change.effect in names and _is_within(walker, alone, change, level)]
+    advice = _format_advice(min(leaving, key=lambda change: change.cpu.number), level) if leaving else NO_ADVICE
+    return alone._replace(changes=tuple(sorted(changes, key=_change_size, reverse=True)), advice=advice)
 
 
-def _measured(walker: Walker, every: tuple[Variant, ...], until: Runs | Budget, progress: Progress) -> Measured:
+def _measure_variants(walker: Walker, every: tuple[Variant, ...], until: Runs | Budget, progress: Progress) -> Measured:
     measured = measuring.measure(Pairs(walker, every), until, progress)
     if measured.partial:
         raise KeyboardInterrupt
@@ -110,7 +112,7 @@ def _measured(walker: Walker, every: tuple[Variant, ...], until: Runs | Budget, 
     return Measured(pairs.speed(records), tuple(pairs.changes(records)), measured.runs)
 
 
-def _by_the_clock(progress: Progress) -> Progress:
+def _budget_progress(progress: Progress) -> Progress:
     """Progress in seconds of the budget, from the first runs on."""
     started: list[float] = []
 
@@ -123,30 +125,30 @@ def _by_the_clock(progress: Progress) -> Progress:
     return tell
 
 
-def _size(change: Change) -> float:
+def _change_size(change: Change) -> float:
     """Size of a change, mm/s; those that are not known come last."""
     return -1.0 if change.speed.value is None else abs(change.speed.value)
 
 
-def _largest(every: Sequence[Variant], alone: Measured) -> list[Variant]:
+def _largest_variants(every: Sequence[Variant], alone: Measured) -> list[Variant]:
     """Find the two variants of the model itself that change the speed most."""
-    sizes = {change.effect: _size(change) for change in alone.changes}
+    sizes = {change.effect: _change_size(change) for change in alone.changes}
     own = sorted((variant for variant in every if variant.values), key=lambda variant: -sizes[variant.effect])
     return own[:2]
 
 
-def _within(walker: Walker, alone: Measured, change: Change, level: float) -> bool:
+def _is_within(walker: Walker, alone: Measured, change: Change, level: float) -> bool:
     """Whether a change is within a share of the speed, with 95 % confidence."""
     return variants.verdict(walker, alone.speed, change, Tolerance(level, relative=True)) is Verdict.AGREE
 
 
-def _spared(walker: Walker, every: Sequence[Variant], alone: Measured) -> tuple[list[Variant], float]:
+def _select_omissions(walker: Walker, every: Sequence[Variant], alone: Measured) -> tuple[list[Variant], float]:
     """Variants without what changes little and costs time, and how little; of models the fastest alone."""
-    for level in LEVELS:
+    for level in ADVICE_LEVELS:
         fitting = [
             (change.cpu.number, variant)
             for variant, change in zip(every, alone.changes, strict=True)
-            if variant.leaves_out and change.cpu.number < SAVES and _within(walker, alone, change, level)
+            if variant.leaves_out and change.cpu.number < MAX_CPU_RATIO and _is_within(walker, alone, change, level)
         ]
         if fitting:
             models = [pair for pair in fitting if not pair[1].values]
@@ -155,7 +157,7 @@ def _spared(walker: Walker, every: Sequence[Variant], alone: Measured) -> tuple[
     return [], 0.0
 
 
-def _both(walker: Walker, chosen: Sequence[Variant]) -> Variant | None:
+def _combine(walker: Walker, chosen: Sequence[Variant]) -> Variant | None:
     """Variant with all changes of several; None of fewer than two, and where it cannot be made."""
     if len(chosen) < 2:
         return None
@@ -165,8 +167,8 @@ def _both(walker: Walker, chosen: Sequence[Variant]) -> Variant | None:
     return whole
 
 
-def _advice(change: Change, level: float) -> str:
-    share, faster = f"{100.0 * level:g} %", words.number(1.0 / change.cpu.number, 2)
+def _format_advice(change: Change, level: float) -> str:
+    share, faster = f"{100.0 * level:g} %", words.format_number(1.0 / change.cpu.number, 2)
     told = f"the speed changes by less than {share}, {faster} times as fast"
     return f"leave out {change.effect}: {told} (simulate ‹effects=›auto:{100.0 * level:g}%)"
 
@@ -189,13 +191,13 @@ def rows(measured: Measured) -> list[Row]:
 
 def table(measured: Measured) -> Table:
     """Table of all changes, the largest first."""
-    speed = in_words(measured.speed.value, measured.speed.se)
+    speed = format_change(measured.speed.value, measured.speed.se)
     title = f"What each effect changes: {measured.pairs} runs of each beside {speed} mm/s"
     note = "CPU time: over that of the scene; ± is one standard error"
     return Table("measured", rows(measured), Row._fields, COLUMNS, title, [note])
 
 
-def figure(measured: Measured, title: str) -> "Figure":
+def draw_changes(measured: Measured, title: str) -> "Figure":
     """Picture of the changes of the speed, with bars of 95 %, beside those of the CPU time."""
     from walkergen.files import figures
     from walkergen.files.figures import FITTED, MEASURED

@@ -41,6 +41,6 @@ class ExplainRequest(request.Request):
         given = self.inputs()
         design = given.one(self.design, self.tilt, self.legs)
         scene = given.scene(request.ground(self.scene, [design]))
-        place = Path("out") / "explain" / f"{design.name}_{names.tilt(design)}_{design.kind}_{scene.name}"
+        place = Path("out") / "explain" / f"{design.name}_{names.tilt_name(design)}_{design.kind}_{scene.name}"
         folder = self.folder(place) if self.measure else self.out
         return make.explain(scene, design, progress, self.cost, self.measure, self.all, folder)

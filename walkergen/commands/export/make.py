@@ -18,15 +18,15 @@ from walkergen.readers.drawings.outlines import Polygon
 from walkergen.readers.walkers import caps as tiles
 from walkergen.sheets import caps
 
-SOLID: dict[str, Callable[[Mesh, str], bytes]] = {"stl": export.stl_bytes, "3mf": export.part_3mf}
+SOLID_FORMATS: dict[str, Callable[[Mesh, str], bytes]] = {"stl": export.stl_bytes, "3mf": export.part_3mf}
 """Formats of meshes as they lie on the bed."""
 
-FORMATS = (*SOLID, *profile.FORMATS)
+FORMATS = (*SOLID_FORMATS, *profile.FORMATS)
 
 MJCF = "mjcf"
 """Format of MuJoCo, of a walker in a scene: several files."""
 
-MODEL = ".xml"
+MJCF_SUFFIX = ".xml"
 """Ending of the file that names the others."""
 
 
@@ -40,28 +40,29 @@ def make(
     in folder/caps. Raises InputError, before anything is written, for the drawing of a walker that
     has none, and for a scene that MJCF cannot hold.
     """
-    capped = caps.numbered(members, [names.part(design) for design in members])
+    capped = caps.numbered(members, [names.part_name(design) for design in members])
     of_caps = list(caps.files(capped, [])) if capped else []
-    models = [_model(design, scene) if MJCF in formats else [] for design in members]
+    models = [_mjcf_files(design, scene) if MJCF in formats else [] for design in members]
     drawings = [
-        profile.drawing_of(design) if any(form in profile.FORMATS for form in formats) else [] for design in members
+        profile.drawing_outlines(design) if any(form in profile.FORMATS for form in formats) else []
+        for design in members
     ]
     written = []
     with Folder(folder, "") as target:
         for number, design in enumerate(members):
-            name = names.part(design)
-            mesh = solids.as_printed(design, solids.build(design).walker)
+            name = names.part_name(design)
+            mesh = solids.orient_for_print(design, solids.build(design).walker)
             drawn, model = drawings[number], models[number]
             for form in formats:
-                for file, data in model if form == MJCF else [single(form, name, mesh, drawn)]:
+                for file, data in model if form == MJCF else [pack_walker(form, name, mesh, drawn)]:
                     target.write(f"{form}/{file}", data)
                     written.append(folder / form / file)
             progress(name, number + 1, len(members))
         for entry in capped:
             name = f"{entry.item}_cap{entry.cap.number:02d}"
-            for form in sorted(SOLID.keys() & set(formats)) if entry.cap.kind != "paper" else ():
+            for form in sorted(SOLID_FORMATS.keys() & set(formats)) if entry.cap.kind != "paper" else ():
                 file = f"{form}/{name}.{form}"
-                target.write(file, SOLID[form](tiles.mesh(entry.cap), name))
+                target.write(file, SOLID_FORMATS[form](tiles.mesh(entry.cap), name))
                 written.append(folder / file)
         for file, data in of_caps:
             target.write(f"caps/{file}", data)
@@ -75,13 +76,13 @@ def _report(files: Sequence[Path], lines: Sequence[str]) -> Report:
     return Report(name="export", title="Exported walkers", tables=[], facts=facts, files=files, lines=lines)
 
 
-def single(form: str, name: str, mesh: Mesh, drawing: Sequence[Polygon]) -> tuple[str, bytes]:
+def pack_walker(form: str, name: str, mesh: Mesh, drawing: Sequence[Polygon]) -> tuple[str, bytes]:
     """Name and bytes of the file of a walker, its mesh or its drawing, in one of FORMATS."""
-    data = SOLID[form](mesh, name) if form in SOLID else profile.FORMATS[form](drawing)
+    data = SOLID_FORMATS[form](mesh, name) if form in SOLID_FORMATS else profile.FORMATS[form](drawing)
     return f"{name}.{form}", data
 
 
-def _model(design: Design, scene: Scene | None) -> list[tuple[str, bytes]]:
+def _mjcf_files(design: Design, scene: Scene | None) -> list[tuple[str, bytes]]:
     """Names and bytes of the MJCF of a walker in a scene. Raises InputError."""
     from walkergen.commands.export import mjcf
 
@@ -89,7 +90,7 @@ def _model(design: Design, scene: Scene | None) -> list[tuple[str, bytes]]:
     return list(mjcf.files(design, scene))
 
 
-def one(design: Design, path: Path, scene: Scene | None = None) -> Report:
+def write_one(design: Design, path: Path, scene: Scene | None = None) -> Report:
     """Write one walker into the file `path`, whose ending is one of FORMATS, or .xml for MuJoCo.
 
     The bytes are those of `make`. A scene is of MJCF, whose STL files come beside it. Raises
@@ -97,17 +98,17 @@ def one(design: Design, path: Path, scene: Scene | None = None) -> Report:
     MJCF cannot hold.
     """
     form = path.suffix.removeprefix(".").lower()
-    if form in SOLID:
-        mesh = solids.as_printed(design, solids.build(design).walker)
-        output.write(path, SOLID[form](mesh, names.part(design)))
+    if form in SOLID_FORMATS:
+        mesh = solids.orient_for_print(design, solids.build(design).walker)
+        output.write(path, SOLID_FORMATS[form](mesh, names.part_name(design)))
     elif form in profile.FORMATS:
-        output.write(path, profile.FORMATS[form](profile.drawing_of(design)))
-    elif path.suffix.lower() == MODEL:
-        (_, model), *meshes = _model(design, scene)
+        output.write(path, profile.FORMATS[form](profile.drawing_outlines(design)))
+    elif path.suffix.lower() == MJCF_SUFFIX:
+        (_, model), *meshes = _mjcf_files(design, scene)
         for name, data in meshes:
             output.write(path.with_name(name), data)
         output.write(path, model)  # last: it names the others
     else:
-        endings = ", ".join(f".{ending}" for ending in FORMATS) + f", {MODEL}"
+        endings = ", ".join(f".{ending}" for ending in FORMATS) + f", {MJCF_SUFFIX}"
         raise InputError(f"{str(path)!r}: must end in one of {endings}")
     return _report([path], [])

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from walkergen.core.errors import InputError
 from walkergen.core.printing.export import stl_bytes
-from walkergen.core.scene import GRAVITY, Drive, Scene, forcing
+from walkergen.core.scene import GRAVITY, Drive, Scene, forced_effect_line
 from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.simulation.effects import compliance, feet, turning
 from walkergen.core.simulation.effects.effect import LID, WALLS
@@ -27,14 +27,14 @@ from walkergen.core.simulation.space.walker import mobility
 from walkergen.core.theory.hertz import landing_depth
 from walkergen.core.walker import names, solids
 from walkergen.core.walker.design import Design
-from walkergen.core.walker.mass import MassProperties, from_centre
+from walkergen.core.walker.mass import MassProperties, to_centre_frame
 
 Array = npt.NDArray[np.float64]
 
-UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+TO_MUJOCO = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Turns our frame (y up, z across) into MuJoCo's (z up)."""
 
-RADIUS = 1e-3
+SPHERE_RADIUS_MM = 1e-3
 """Radius (mm) of the spheres that stand for corners, which are their lowest points."""
 
 IMPEDANCE = 1e-4
@@ -44,17 +44,17 @@ IMPEDANCE = 1e-4
 IMPRATIO = 100.0
 """Impedance of friction over that of the normal; at 1 sliding would press feet on."""
 
-FINER = 4.0
+STEP_RATIO = 4.0
 """Our step over MuJoCo's, whose contacts are explicit: docs/mujoco.md says what that is worth."""
 
-PLATE = 1e9
+PLATE_MASS_G = 1e9
 """Mass of the plate, g: walkers do not move it."""
 
 
 HERTZ_TIME = 2.0 * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9)
 """Contact time of a landing on a Hertzian tip without damper, times speed over greatest depth."""
 
-ALLOWED = {compliance.NAME, feet.NAME, turning.NAME, WALLS, LID}
+SUPPORTED_EFFECTS = {compliance.NAME, feet.NAME, turning.NAME, WALLS, LID}
 """Effects that have a switch and that the file holds."""
 
 
@@ -63,11 +63,11 @@ def files(design: Design, scene: Scene) -> Iterator[tuple[str, bytes]]:
 
     Raises InputError for a scene with what the model leaves out.
     """
-    name, built = names.part(design), solids.build(design)
+    name, built = names.part_name(design), solids.build(design)
     mass = solids.weigh(design, built)
-    plan = _plan_of(design, scene, mass)
+    plan = _prepare_plan(design, scene, mass)
     walker = plan.world.walker
-    yield f"{name}.xml", _text(name, plan).encode()
+    yield f"{name}.xml", _format_model(name, plan).encode()
     for part, mesh in _meshes(design, mass, walker, built):
         yield f"{name}_{part}.stl", stl_bytes(mesh, f"{name} {part}")
 
@@ -80,23 +80,23 @@ def linear_springs(plan: Plan) -> Array:
     """
     walker = plan.world.walker
     share = walker.mass / np.count_nonzero(walker.place == 0.0)
-    speed = feet.LANDING_SPEED * plan.shaken.peak_speed
+    speed = feet.LANDING_SPEED_RATIO * plan.shaken.peak_speed
     depths = np.array([landing_depth(tip, share, speed, GRAVITY * share) for tip in walker.tip])
     depths[np.isinf(walker.tip)] = 1.0  # any: rigid tips are infinitely stiff
     tips = math.pi**2 / (1.25 * HERTZ_TIME**2) * walker.tip * np.sqrt(depths)
     return np.asarray(1.0 / (1.0 / walker.spring + 1.0 / tips))
 
 
-def _plan_of(design: Design, scene: Scene, mass: MassProperties) -> Plan:
+def _prepare_plan(design: Design, scene: Scene, mass: MassProperties) -> Plan:
     """Plan of a walker in space without twist. Raises InputError."""
     effects = scene.effects.force("leg_twist", False)
     plan = prepare(scene.model_copy(update={"effects": effects}), design, mass)
     resolved = plan.resolved
-    if not resolved.on(turning.NAME):
-        raise InputError(f"{forcing(turning.SWITCH, False)}: MJCF is of walkers that are free to turn")
+    if not resolved.is_on(turning.NAME):
+        raise InputError(f"{forced_effect_line(turning.SWITCH, False)}: MJCF is of walkers that are free to turn")
     for effect in resolved.effects:
-        if effect.on and effect.switch and effect.name not in ALLOWED:
-            away = f"‹set› 'scene.{forcing(effect.switch, False)}'"
+        if effect.on and effect.switch and effect.name not in SUPPORTED_EFFECTS:
+            away = f"‹set› 'scene.{forced_effect_line(effect.switch, False)}'"
             raise InputError(f"{effect.name} ({effect.reason}): MJCF leaves it out; write {away}")
     return plan
 
@@ -104,28 +104,28 @@ def _plan_of(design: Design, scene: Scene, mass: MassProperties) -> Plan:
 def _meshes(design: Design, mass: MassProperties, walker: Walker, built: solids.Solids) -> Iterator[tuple[str, Mesh]]:
     """Meshes by name: the body's from C, those of free legs from their anchors, others from C."""
     O, half = walker.centre, 0.5 * design.size.depth  # noqa: E741  (the paper's name)
-    middle = np.array([*from_centre(design.limbs, mass, np.zeros(2)), -half]) + O
-    yield "body", _turned(built._replace(walker=built.body).seen, middle)
-    for name, limb, leg, mesh in zip(names.legs(design), design.limbs, mass.legs, built.legs, strict=True):
+    middle = np.array([*to_centre_frame(design.limbs, mass, np.zeros(2)), -half]) + O
+    yield "body", _to_mujoco_frame(built._replace(walker=built.body).seen, middle)
+    for name, limb, leg, mesh in zip(names.leg_names(design), design.limbs, mass.legs, built.legs, strict=True):
         anchor = np.array([*leg.anchor, limb.across]) + O
         anchor = np.zeros(3) if leg.m > 0.0 else anchor
-        yield name, _turned(mesh, anchor - (0.0, 0.0, 0.5 * limb.width))
+        yield name, _to_mujoco_frame(mesh, anchor - (0.0, 0.0, 0.5 * limb.width))
 
 
-def _turned(mesh: Mesh, offset: Array) -> Mesh:
+def _to_mujoco_frame(mesh: Mesh, offset: Array) -> Mesh:
     """Mesh seen from elsewhere, in MuJoCo's frame."""
-    return mesh._replace(vertices=(mesh.vertices + offset) @ UP.T)
+    return mesh._replace(vertices=(mesh.vertices + offset) @ TO_MUJOCO.T)
 
 
-def _text(name: str, plan: Plan) -> str:
+def _format_model(name: str, plan: Plan) -> str:
     """MJCF of a walker, let go an amplitude over the plate, which is at its highest."""
     scene, design, mass, walker = plan.scene, plan.case.design, plan.case.mass, plan.world.walker
-    drive, called = scene.drive, names.legs(design)
+    drive, called = scene.drive, names.leg_names(design)
     period = 2.0 * math.pi / drive.omega
-    own = period / math.ceil(FINER * period / plan.world.options.step)
-    height = 2.0 * drive.amplitude - float((walker.root + _on_foot(walker))[:, 1].min())
+    own = period / math.ceil(STEP_RATIO * period / plan.world.options.step)
+    height = 2.0 * drive.amplitude - float((walker.root + _contact_offsets(walker))[:, 1].min())
     free = [k for k, leg in enumerate(mass.legs) if float(leg.m) > 0.0]
-    legs = "".join(_leg(number, called[k], mass, walker, k) for number, k in enumerate(free))
+    legs = "".join(_leg_body(number, called[k], mass, walker, k) for number, k in enumerate(free))
     shown = ["body", *(called[k] for k in range(len(called)) if k not in free)]
     assets = "".join(
         f'''
@@ -152,54 +152,54 @@ def _text(name: str, plan: Plan) -> str:
   <asset>{assets}
   </asset>
   <worldbody>
-    <light pos="0 -300 300" dir="0 1 -1"/>{_plate(scene.drive, walker, height)}
+    <light pos="0 -300 300" dir="0 1 -1"/>{_plate_body(scene.drive, walker, height)}
     <body name="walker" pos="0 0 {height!r}">
       <freejoint name="walker"/>
-      {_inertial(walker.centre, float(mass.M), mass.spatial.body)}{_shown(shown)}
-      {_corners(walker, -1)}{legs}
+      {_inertial(walker.centre, float(mass.M), mass.spatial.body)}{_visual_geoms(shown)}
+      {_corner_geoms(walker, -1)}{legs}
     </body>
   </worldbody>
-  <contact>{_pairs(mass, walker, free, linear_springs(plan))}
+  <contact>{_contact_pairs(mass, walker, free, linear_springs(plan))}
   </contact>
 </mujoco>
 """
 
 
-def _leg(number: int, called: str, mass: MassProperties, walker: Walker, place: int) -> str:
+def _leg_body(number: int, called: str, mass: MassProperties, walker: Walker, place: int) -> str:
     """Write the MJCF of a free leg on its hinge, with the corners of its foot."""
     leg, row = mass.legs[place], int(np.flatnonzero(walker.leg == number)[0])
     assert leg.tensor is not None
     centre = np.array([*leg.c_A, leg.across - walker.centre[2] - walker.root[row, 2]])
     return f"""
-      <body name="{called}" pos="{_point(walker.root[row])}">
-        <joint name="{called}" type="hinge" axis="{_point(np.array([0.0, 0.0, 1.0]))}"
+      <body name="{called}" pos="{_format_point(walker.root[row])}">
+        <joint name="{called}" type="hinge" axis="{_format_point(np.array([0.0, 0.0, 1.0]))}"
           stiffness="{float(walker.stiffness[number])!r}"
           damping="{float(walker.damping[number])!r}"/>
-        {_inertial(centre, float(leg.m), leg.tensor)}{_shown([called])}
-        {_corners(walker, number)}
+        {_inertial(centre, float(leg.m), leg.tensor)}{_visual_geoms([called])}
+        {_corner_geoms(walker, number)}
       </body>"""
 
 
-def _on_foot(walker: Walker) -> Array:
+def _contact_offsets(walker: Walker) -> Array:
     """Vectors from the anchors of contacts to the contacts, shape (k, 3), mm."""
     return np.column_stack([walker.reach, walker.side])
 
 
-def _corners(walker: Walker, leg: int) -> str:
+def _corner_geoms(walker: Walker, leg: int) -> str:
     """Spheres of the points of contact on a leg, or on the body (-1)."""
     spheres = []
     for k in np.flatnonzero(walker.leg == leg):
         on_body = walker.root[k] if leg < 0 else 0.0
-        inward = [0.0, 0.0, -math.copysign(RADIUS, walker.root[k, 2])]
-        inward = inward if walker.place[k] > 0.0 else [0.0, math.copysign(RADIUS, walker.place[k]), 0.0]
+        inward = [0.0, 0.0, -math.copysign(SPHERE_RADIUS_MM, walker.root[k, 2])]
+        inward = inward if walker.place[k] > 0.0 else [0.0, math.copysign(SPHERE_RADIUS_MM, walker.place[k]), 0.0]
         spheres.append(
-            f'<geom name="corner{k}" type="sphere" size="{RADIUS}" mass="0" contype="0" '
-            f'conaffinity="0" pos="{_point(on_body + _on_foot(walker)[k] + inward)}"/>'
+            f'<geom name="corner{k}" type="sphere" size="{SPHERE_RADIUS_MM}" mass="0" contype="0" '
+            f'conaffinity="0" pos="{_format_point(on_body + _contact_offsets(walker)[k] + inward)}"/>'
         )
     return "\n        ".join(spheres)
 
 
-def _plate(drive: Drive, walker: Walker, height: float) -> str:
+def _plate_body(drive: Drive, walker: Walker, height: float) -> str:
     """Write the MJCF of the plate on its spring, with walls twice as high as the body's middle, or a lid."""
     place, lid, walls = float(walker.place.max()), -float(walker.place.min()), ""
     for side in (-1, 1) if place > 0.0 else ():
@@ -212,15 +212,15 @@ def _plate(drive: Drive, walker: Walker, height: float) -> str:
         conaffinity="0"/>"""
     return f"""
     <body name="plate" pos="0 0 {drive.amplitude!r}" gravcomp="1">
-      <joint name="plate" type="slide" axis="0 0 1" stiffness="{PLATE * drive.omega**2!r}"
+      <joint name="plate" type="slide" axis="0 0 1" stiffness="{PLATE_MASS_G * drive.omega**2!r}"
         springref="{-drive.amplitude!r}"/>
-      <inertial pos="0 0 0" mass="{PLATE!r}" diaginertia="{PLATE!r} {PLATE!r} {PLATE!r}"/>
+      <inertial pos="0 0 0" mass="{PLATE_MASS_G!r}" diaginertia="{PLATE_MASS_G!r} {PLATE_MASS_G!r} {PLATE_MASS_G!r}"/>
       <geom name="plate" type="box" size="2000 2000 5" pos="0 0 -5" rgba=".6 .6 .6 1"
         contype="0" conaffinity="0"/>{walls}
     </body>"""
 
 
-def _pairs(mass: MassProperties, walker: Walker, free: Sequence[int], springs: Array) -> str:
+def _contact_pairs(mass: MassProperties, walker: Walker, free: Sequence[int], springs: Array) -> str:
     """Contacts of corners with the plate, and of the body's points with both walls, or with a lid, of these springs."""
     H, inverse = mobility(walker), _inverse_masses(mass, walker, free)
     pairs = ""
@@ -228,11 +228,11 @@ def _pairs(mass: MassProperties, walker: Walker, free: Sequence[int], springs: A
         unit = (1.0 - IMPEDANCE) * inverse[k]
         slip = max(H[3 * k + 1, 3 * k + 1], H[3 * k + 2, 3 * k + 2])
         sideways = 2.0 * math.sqrt(walker.shear[k] * springs[k] / slip) * unit / IMPRATIO
-        normal = _numbers(-unit * springs[k], -unit * walker.damper[k] * math.sqrt(springs[k]))
+        normal = _format_numbers(-unit * springs[k], -unit * walker.damper[k] * math.sqrt(springs[k]))
         for other in {1.0: ("wall-1", "wall+1"), 0.0: ("plate",), -1.0: ("lid",)}[np.sign(walker.place[k])]:
             pairs += f'''
     <pair geom1="{other}" geom2="corner{k}" condim="3" solref="{normal}"
-      solreffriction="{_numbers(-1.0, -sideways)}" friction="{_numbers(friction, friction)} 0 0 0"
+      solreffriction="{_format_numbers(-1.0, -sideways)}" friction="{_format_numbers(friction, friction)} 0 0 0"
       solimp="{IMPEDANCE} {IMPEDANCE} 1 0.5 1"/>'''
     return pairs
 
@@ -254,12 +254,12 @@ def _inverse_masses(mass: MassProperties, walker: Walker, free: Sequence[int]) -
 
 
 def _inertial(centre: Array, mass: float, tensor: Array) -> str:
-    tensor = UP @ tensor @ UP.T
-    entries = _numbers(*(tensor[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))))
-    return f'<inertial pos="{_point(centre)}" mass="{mass!r}"\n          fullinertia="{entries}"/>'
+    tensor = TO_MUJOCO @ tensor @ TO_MUJOCO.T
+    entries = _format_numbers(*(tensor[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))))
+    return f'<inertial pos="{_format_point(centre)}" mass="{mass!r}"\n          fullinertia="{entries}"/>'
 
 
-def _shown(parts: Sequence[str]) -> str:
+def _visual_geoms(parts: Sequence[str]) -> str:
     return "".join(
         f'''
         <geom type="mesh" mesh="{part}" mass="0" contype="0" conaffinity="0" group="1"/>'''
@@ -267,9 +267,9 @@ def _shown(parts: Sequence[str]) -> str:
     )
 
 
-def _point(place: Array) -> str:
-    return _numbers(*(UP @ place))
+def _format_point(place: Array) -> str:
+    return _format_numbers(*(TO_MUJOCO @ place))
 
 
-def _numbers(*values: float) -> str:
+def _format_numbers(*values: float) -> str:
     return " ".join(repr(float(value) + 0.0) for value in values)

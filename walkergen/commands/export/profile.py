@@ -11,7 +11,7 @@ import numpy as np
 
 from walkergen.core.errors import InputError, SolidError
 from walkergen.core.files import output
-from walkergen.core.shapes.extrusion import NARROWEST_WINDOW
+from walkergen.core.shapes.extrusion import MIN_WINDOW_RATIO
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.readers.drawings import dxf, svg
@@ -21,7 +21,7 @@ FORMATS: dict[str, Callable[[Sequence[Polygon]], bytes]] = {"dxf": dxf.pack, "sv
 """Formats of drawings."""
 
 
-def drawing_of(design: Design) -> list[Polygon]:
+def drawing_outlines(design: Design) -> list[Polygon]:
     """Polygons, mm, of which a walker or its body is the prism: outer contours first, then holes.
 
     Of a body in plan view its outline seen from above, else the profile of body and legs. Raises
@@ -34,14 +34,14 @@ def drawing_of(design: Design) -> list[Polygon]:
         why = "it stands on a base plate"
     elif design.body.flat:
         return list(design.shape.plan)
-    elif solids.on_side(design) and all(limb.width == depth for limb in design.limbs):
-        return profile_of(design)
+    elif solids.is_printed_on_side(design) and all(limb.width == depth for limb in design.limbs):
+        return side_profile(design)
     elif design.body.mesh:
         why = "its body is a mesh"
     raise InputError(f"{design.name}: no profile for {', '.join(FORMATS)}, because {why}: export it as stl or 3mf")
 
 
-def profile_of(design: Design) -> list[Polygon]:
+def side_profile(design: Design) -> list[Polygon]:
     """Profile of body and legs, in the design's frame, mm: outer contour first, then windows.
 
     Raises SolidError when it is not one piece.
@@ -53,7 +53,7 @@ def profile_of(design: Design) -> list[Polygon]:
     united = shapely.union_all([shapely.Polygon(part) for part in (body, *legs)])
     if not isinstance(united, shapely.Polygon):
         raise SolidError(f"the profile of {design.name} is not one piece: {united.geom_type}")
-    least = NARROWEST_WINDOW * united.area  # as in the solid: slivers are no windows
+    least = MIN_WINDOW_RATIO * united.area  # as in the solid: slivers are no windows
     holes = [ring for ring in united.interiors if shapely.Polygon(ring).area > least]
     oriented = shapely.orient_polygons(shapely.Polygon(united.exterior, holes))
     rings = (oriented.exterior, *oriented.interiors)

@@ -12,13 +12,13 @@ from walkergen.request import Flag
 if TYPE_CHECKING:
     from walkergen.files.report import Report
 
-HELP = (
+FORMAT_HELP = (
     "File formats, such as stl,3mf: solids as they print; dxf, svg: profiles in mm of walkers that "
     "are prisms, outlines of bodies in plan view; mjcf: the walker on its plate, for MuJoCo. STEP "
     "needs a heavy kernel and is not written."
 )
 
-ENDING = re.compile(r"\.(?!\d+$)[A-Za-z0-9]{1,4}")
+SUFFIX_PATTERN = re.compile(r"\.(?!\d+$)[A-Za-z0-9]{1,4}")
 """Ending of a file's name, by which it is none of a folder."""
 
 Format = Literal["stl", "3mf", "dxf", "svg", "mjcf"]
@@ -32,7 +32,7 @@ class ExportRequest(request.Request):
     design: request.Walker = request.PAPER
     tilt: request.Tilts = None
     legs: request.Kinds = None
-    format: Annotated[list[Format], request.Words, Flag(HELP, "FORMAT", takes="str | Iterable[str]")] = ["stl"]
+    format: Annotated[list[Format], request.Words, Flag(FORMAT_HELP, "FORMAT", takes="str | Iterable[str]")] = ["stl"]
     caps: request.Caps = None
     scene: Annotated[
         Any,
@@ -64,8 +64,8 @@ class ExportRequest(request.Request):
         """Write the walkers."""
         from walkergen.commands.export import make
 
-        single = self.out is not None and ENDING.fullmatch(self.out.suffix) is not None
-        moving = self.out.suffix.lower() == make.MODEL if self.out and single else make.MJCF in self.format
+        single = self.out is not None and SUFFIX_PATTERN.fullmatch(self.out.suffix) is not None
+        moving = self.out.suffix.lower() == make.MJCF_SUFFIX if self.out and single else make.MJCF in self.format
         if self.scene is not None and not moving:
             raise InputError(f"‹scene=›{str(self.scene)[:60]}: only ‹format=›{make.MJCF} has a scene", "scene")
         if self.sweep is not None:
@@ -85,5 +85,5 @@ class ExportRequest(request.Request):
             self.refuse(f"{self.out} says the format of one file", "format", "caps")
             if len(members) > 1:
                 raise InputError(f"‹out=›{self.out}: is one file, seen {len(members)} walkers: name a folder", "out")
-            return make.one(members[0], self.out, scene)
+            return make.write_one(members[0], self.out, scene)
         return make.make(members, self.format, self.out or Path("out") / design.name, progress, scene)

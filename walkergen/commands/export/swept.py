@@ -13,7 +13,7 @@ from walkergen.core.walker import solids
 from walkergen.files.report import Report
 from walkergen.guests.sweep import ask
 
-PARTS = "parts.csv"
+PARTS_FILE = "parts.csv"
 """Table of the walkers: number, values of the keys, and the reason of one that cannot be made."""
 
 
@@ -34,10 +34,10 @@ def write(path: Path, formats: Sequence[str], folder: Path | None, progress: Pro
             name, reason = f"{asked.design.name}_{number:0{width}}", ""
             try:
                 design = points.point(dict(zip(keys, values, strict=True))).design
-                mesh = solids.as_printed(design, solids.build(design).walker)
-                drawing = profile.drawing_of(design) if set(formats) & profile.FORMATS.keys() else []
+                mesh = solids.orient_for_print(design, solids.build(design).walker)
+                drawing = profile.drawing_outlines(design) if set(formats) & profile.FORMATS.keys() else []
                 for form in formats:
-                    file, data = make.single(form, name, mesh, drawing)
+                    file, data = make.pack_walker(form, name, mesh, drawing)
                     target.write(f"{form}/{file}", data)
             except OutputError:
                 raise
@@ -45,10 +45,10 @@ def write(path: Path, formats: Sequence[str], folder: Path | None, progress: Pro
                 reason, refused = " ".join(error.text.removeprefix("‹set›: ").split()), refused + 1
             rows.append((number, *values, reason))
             progress(name, number, count)
-        target.write(PARTS, csv_text(("number", *keys, "refused"), rows).encode())
+        target.write(PARTS_FILE, csv_text(("number", *keys, "refused"), rows).encode())
     facts = {"folder": str(folder), "made": count - refused, "refused": refused}
-    line = f"{count - refused} walkers, numbered as the rows of {PARTS}"
-    warning = f"{refused} of {count} walkers cannot be made: {PARTS} has the reasons"
+    line = f"{count - refused} walkers, numbered as the rows of {PARTS_FILE}"
+    warning = f"{refused} of {count} walkers cannot be made: {PARTS_FILE} has the reasons"
     return Report(
         name="export",
         title="Exported walkers",
@@ -56,6 +56,6 @@ def write(path: Path, formats: Sequence[str], folder: Path | None, progress: Pro
         facts=facts,
         lines=[line],
         warnings=[warning] if refused else [],
-        files=[folder / PARTS],
+        files=[folder / PARTS_FILE],
         folder=folder,
     )

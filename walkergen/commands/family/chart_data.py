@@ -29,7 +29,7 @@ class Speed(NamedTuple):
     """Whether a foot can stick, so that the paper's formula fails; None but with a predicted one."""
 
 
-SURE = 1.96
+NORMAL_95 = 1.96
 """Standard errors on either side that hold a normal number with 95 %."""
 
 
@@ -43,7 +43,7 @@ class ChartData(NamedTuple):
     """Tilt (deg) and speed (mm/s) that the paper states for this walker on this plate."""
 
 
-def of_members(measured: Measured, tilts: Mapping[str, float]) -> Measured:
+def assign_member_tilts(measured: Measured, tilts: Mapping[str, float]) -> Measured:
     """Measured speeds as those of members whose legs follow no common tilt, by their kind of legs.
 
     `tilts` are the members' own, deg; speeds of kinds without a member are left out.
@@ -58,7 +58,7 @@ def of_members(measured: Measured, tilts: Mapping[str, float]) -> Measured:
     )
 
 
-def speeds(chart_data: ChartData) -> list[Speed]:
+def speed_rows(chart_data: ChartData) -> list[Speed]:
     """Speeds beside the members, a row a point."""
     rows = []
     for kind, curve in chart_data.curves.items():
@@ -73,7 +73,7 @@ def speeds(chart_data: ChartData) -> list[Speed]:
         for kind, tilt, speed, se in zip(measured.legs, measured.tilt, measured.speed, errors, strict=True):
             row = Speed("measured", kind, float(tilt), float(speed))
             if not math.isnan(se):
-                low, high = float(speed - SURE * se), float(speed + SURE * se)
+                low, high = float(speed - NORMAL_95 * se), float(speed + NORMAL_95 * se)
                 row = Speed("measured", kind, *row[2:4], float(speed - se), float(speed + se), low, high)
             rows.append(row)
     if chart_data.stated is not None:
@@ -83,4 +83,4 @@ def speeds(chart_data: ChartData) -> list[Speed]:
 
 def table(chart_data: ChartData) -> Table:
     """Table of the speeds beside the members."""
-    return Table("speed", speeds(chart_data), Speed._fields)
+    return Table("speed", speed_rows(chart_data), Speed._fields)

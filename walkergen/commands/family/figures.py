@@ -8,22 +8,22 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from walkergen.analysis.speeds import Measured
-from walkergen.commands.family.chart_data import SURE, ChartData
+from walkergen.commands.family.chart_data import NORMAL_95, ChartData
 from walkergen.core.theory.prediction import Curve, Prediction
 from walkergen.core.walker.limbs import Kind
 from walkergen.files.figures import BLACK, COLUMN, INK, SMALLEST, STYLES, Look, grid_of, level, name, points, style
 from walkergen.points.members import Simulated
 
-BOUNDS = "68 and 95 %"
-THEORY = "theory (eq. 15): all landings alike"
+BOUNDS_LABEL = "68 and 95 %"
+THEORY_LABEL = "theory (eq. 15): all landings alike"
 
-BAND, CORE = 0.16, 0.3
+BAND_95_ALPHA, BAND_68_ALPHA = 0.16, 0.3
 """Shades of the bounds of 95 and 68 %."""
 
-CROSSES = {"flexible": Look(BLACK, "", "x"), "braced": Look(BLACK, "", "+")}
+MEASURED_LOOKS = {"flexible": Look(BLACK, "", "x"), "braced": Look(BLACK, "", "+")}
 """Looks of measured speeds by the kind of legs."""
 
-ALONE_DEG = 5.0
+SINGLE_TILT_MARGIN_DEG = 5.0
 """Tilts that are shown on either side of a single tilt that has no curve."""
 
 
@@ -75,20 +75,20 @@ def speed_figure(
     name(
         axes, "legs as designed" if named else "tilt of the legs (deg)", f"{'' if mixed else 'predicted '}speed (mm/s)"
     )
-    _limit(axes, walkers, named)
+    _set_limits(axes, walkers, named)
     figure.legend(legend.values(), legend.keys(), loc="outside lower center", ncols=2, columnspacing=1.2)
     return figure
 
 
-def _limit(axes: Axes, walkers: Sequence[Shown], named: bool) -> None:
+def _set_limits(axes: Axes, walkers: Sequence[Shown], named: bool) -> None:
     """Set the ends of the axis of tilts: of a single one without a curve some degrees to either side."""
     if named:
         axes.set_xticks([walker.x for walker in walkers], [walker.row.legs for walker in walkers])
         axes.set_xlim(-0.7, len(walkers) - 0.3)
         return
     low, high = axes.get_xlim()
-    if len({walker.x for walker in walkers}) == 1 and high - low < 2.0 * ALONE_DEG:
-        axes.set_xlim(walkers[0].x - ALONE_DEG, walkers[0].x + ALONE_DEG)
+    if len({walker.x for walker in walkers}) == 1 and high - low < 2.0 * SINGLE_TILT_MARGIN_DEG:
+        axes.set_xlim(walkers[0].x - SINGLE_TILT_MARGIN_DEG, walkers[0].x + SINGLE_TILT_MARGIN_DEG)
 
 
 def _draw_curve(axes: Axes, kind: Kind, curve: Curve) -> dict[str, Any]:
@@ -99,9 +99,9 @@ def _draw_curve(axes: Axes, kind: Kind, curve: Curve) -> dict[str, Any]:
         axes.fill_between(
             curve.tilt_deg, curve.bounds[low], curve.bounds[high], color=look.colour, alpha=a, linewidth=0
         )
-        for low, high, a in ((0, 3, BAND), (1, 2, CORE))
+        for low, high, a in ((0, 3, BAND_95_ALPHA), (1, 2, BAND_68_ALPHA))
     ]
-    return {f"{kind}, {BOUNDS}": (*bands, middle)}
+    return {f"{kind}, {BOUNDS_LABEL}": (*bands, middle)}
 
 
 def _draw_theory(axes: Axes, curves: Mapping[Kind, Curve]) -> dict[str, Any]:
@@ -109,7 +109,7 @@ def _draw_theory(axes: Axes, curves: Mapping[Kind, Curve]) -> dict[str, Any]:
     curve = curves.get("flexible", next(iter(curves.values()), None))
     if curve is None:
         return {}
-    return {THEORY: axes.plot(curve.tilt_deg, curve.theory, "--", color=INK, linewidth=0.9)[0]}
+    return {THEORY_LABEL: axes.plot(curve.tilt_deg, curve.theory, "--", color=INK, linewidth=0.9)[0]}
 
 
 def _draw_predicted(axes: Axes, walkers: Sequence[Shown], kind: str, curve: Curve | None) -> dict[str, Any]:
@@ -122,13 +122,13 @@ def _draw_predicted(axes: Axes, walkers: Sequence[Shown], kind: str, curve: Curv
         x = [walker.x for walker in walkers]
     if not walkers:
         return {}
-    for share, width, shade in ((95, 1.2, 0.5), (68, 5.0, CORE)):
+    for share, width, shade in ((95, 1.2, 0.5), (68, 5.0, BAND_68_ALPHA)):
         low, high = (
             np.array([getattr(one.row, f"speed_{end}_{share}_mm_s") for one in walkers], float)
             for end in ("low", "high")
         )
         axes.vlines(x, low, high, color=colour, linewidth=width, alpha=shade)
-    return {f"{kind}, {BOUNDS}": marks}
+    return {f"{kind}, {BOUNDS_LABEL}": marks}
 
 
 def _draw_simulated(axes: Axes, walkers: Sequence[Shown], kind: str) -> dict[str, Any]:
@@ -150,12 +150,12 @@ def _draw_measured(axes: Axes, measured: Measured, at: Mapping[str, float]) -> d
     They stand at their tilts, or at the places of walkers with such legs where these are given.
     """
     legend: dict[str, Any] = {}
-    for kind, look in CROSSES.items():
+    for kind, look in MEASURED_LOOKS.items():
         chosen = np.array([legs == kind for legs in measured.legs])
         if not chosen.any() or (at and kind not in at):
             continue
         x = np.full(chosen.sum(), at[kind]) if at else measured.tilt[chosen]
-        bars = None if measured.se is None else SURE * measured.se[chosen]
+        bars = None if measured.se is None else NORMAL_95 * measured.se[chosen]
         drawn = points(axes, (x, measured.speed[chosen], bars), look)
         drawn.lines[0].set(markersize=5.0, markeredgewidth=1.2, zorder=3.4)
         legend[f"{kind}, measured" + ("" if bars is None else ", 95 %")] = drawn

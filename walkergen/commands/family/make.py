@@ -18,7 +18,7 @@ from walkergen.core.files.output import Folder, versions
 from walkergen.core.files.progress import Progress
 from walkergen.core.printing import export, plates, sheet
 from walkergen.core.printing import packing as plate
-from walkergen.core.printing.findings import Finding, refuse
+from walkergen.core.printing.findings import Finding, check_printable
 from walkergen.core.printing.printers import Printer
 from walkergen.core.scene import Drive, Scene
 from walkergen.core.theory import networks, prediction
@@ -33,9 +33,9 @@ from walkergen.points import members
 from walkergen.points.members import Member
 from walkergen.points.speeds import Model
 
-AROUND_DEG = 10.0
+CURVE_MARGIN_DEG = 10.0
 """Tilts around a single one at which its theory is drawn as well."""
-STEEPEST_DEG = 85.0
+MAX_TILT_DEG = 85.0
 """Largest tilt of a design's legs."""
 
 
@@ -52,7 +52,7 @@ class Job(NamedTuple):
     simulate: bool = False
     copies: Sequence[int] = ()
     """Number of copies of each member on the plates; one of each by default."""
-    max_parts: int = plate.MOST_PARTS
+    max_parts: int = plate.MAX_PARTS
     """Largest number of parts on a plate."""
     prusaslicer: bool = False
     """True to declare the 3MF files PrusaSlicer's own."""
@@ -88,7 +88,7 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> FamilyReport:
         job.members, built, job.copies or [1] * len(job.members), job.printer, max_parts=job.max_parts
     )
     tell(layout.findings)
-    refuse(layout.findings, job.strict)
+    check_printable(layout.findings, job.strict)
     draw = None
     if job.pictures:
         from walkergen.sheets import plate_map  # brings matplotlib
@@ -101,22 +101,22 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> FamilyReport:
             folder.write(f"stl/{member.name}.stl", export.stl_bytes(mesh, member.name))
             walkers.append(member)
             progress(member.name, len(walkers), steps)
-        for name, data in plates.files(layout, "family", draw, job.prusaslicer):
+        for name, data in plates.layout_files(layout, "family", draw, job.prusaslicer):
             folder.write(f"plates/{name}", data)
-        parts = [*(member.name for member in walkers), *weights.carried(job.design)]
+        parts = [*(member.name for member in walkers), *weights.carried_rows(job.design)]
         weights.write_template(path, parts)  # people's: not in the manifest
         progress("plates", len(walkers) + 1, steps)
-        written = report.of(job.design, job.scene, job.mode, walkers, path)
+        written = report.make_report(job.design, job.scene, job.mode, walkers, path)
         written.write(folder, pictures=False)
         if job.simulate:  # takes long: everything else is already safe in the folder
-            walkers = runs.simulated(job.scene, walkers, progress)
-        shown = _beside(job, walkers) if job.pictures else None
+            walkers = runs.simulate_members(job.scene, walkers, progress)
+        shown = _chart_data(job, walkers) if job.pictures else None
         if job.simulate or job.pictures:
-            written = report.of(job.design, job.scene, job.mode, walkers, path, shown)
+            written = report.make_report(job.design, job.scene, job.mode, walkers, path, shown)
             written.write(folder, job.pictures)
         if job.pictures:
-            folder.write("preview.png", _preview(job, walkers))
-            if (picture := _taken(job.design)) is not None:
+            folder.write("preview.png", _preview_png(job, walkers))
+            if (picture := _trace_picture(job.design)) is not None:
                 folder.write("taken.png", picture)
         facts = _facts(job, layout.findings, time.perf_counter() - started)
         if job.page:
@@ -129,7 +129,7 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> FamilyReport:
     return written
 
 
-def drawn(error: GeometryError, path: Path | None) -> GeometryError:
+def attach_picture(error: GeometryError, path: Path | None) -> GeometryError:
     """Mistake of a design; of a body under which no legs stand with its picture, written into a folder.
 
     Raises OutputError.
@@ -142,35 +142,39 @@ def drawn(error: GeometryError, path: Path | None) -> GeometryError:
     from walkergen.files import figures
 
     with Folder(path, "") as folder:
-        folder.write("trouble.png", figures.png(trouble.figure(error), 100))
+        folder.write("trouble.png", figures.png(trouble.draw_unsupported_body(error), 100))
     return GeometryError(f"{error.text}; drawn in {path / 'trouble.png'}", *error.keys)
 
 
-def _taken(design: Design) -> bytes | None:
+def _trace_picture(design: Design) -> bytes | None:
     """Picture (PNG) of what was taken of a photograph; None for other bodies."""
     from walkergen.commands.family import taken
     from walkergen.files import figures
 
-    source = taken.source(design)
-    return None if source is None else figures.png(taken.figure(source), 100)
+    source = taken.find_picture(design)
+    return None if source is None else figures.png(taken.draw_outline(source), 100)
 
 
-def _preview(job: Job, walkers: Sequence[Member]) -> bytes:
+def _preview_png(job: Job, walkers: Sequence[Member]) -> bytes:
     """Picture (PNG) of all members, side by side."""
     from walkergen.commands.family import preview
     from walkergen.files import figures
 
-    said = [prediction.brief(member.row) if len(walkers) <= preview.FEW else "" for member in walkers]
+    said = [
+        prediction.describe_briefly(member.row) if len(walkers) <= preview.MAX_LARGE_PARTS else "" for member in walkers
+    ]
     parts = [preview.Part(member.design, member.mesh, speed=text) for member, text in zip(walkers, said, strict=True)]
     return figures.png(preview.preview_figure(parts, job.design.name), 150)
 
 
-def _beside(job: Job, walkers: Sequence[Member]) -> ChartData:
+def _chart_data(job: Job, walkers: Sequence[Member]) -> ChartData:
     """Speeds that speed.png shows beside the members."""
     measured = job.measured
     if measured is not None and not job.design.follows:
-        measured = chart_data.of_members(measured, {walker.row.legs: walker.row.tilt_deg for walker in walkers})
-    return ChartData(_curves(job, walkers), measured, _stated(job.design, job.scene))
+        measured = chart_data.assign_member_tilts(
+            measured, {walker.row.legs: walker.row.tilt_deg for walker in walkers}
+        )
+    return ChartData(_curves(job, walkers), measured, _paper_speed(job.design, job.scene))
 
 
 def _curves(job: Job, walkers: Sequence[Member]) -> dict[Kind, Curve]:
@@ -185,31 +189,33 @@ def _curves(job: Job, walkers: Sequence[Member]) -> dict[Kind, Curve]:
     tilts = [member.design.tilt_deg for member in walkers]
     low, high = min(tilts), max(tilts)
     if low == high:
-        low, high = max(low - AROUND_DEG, -STEEPEST_DEG), min(high + AROUND_DEG, STEEPEST_DEG)
+        low, high = max(low - CURVE_MARGIN_DEG, -MAX_TILT_DEG), min(high + CURVE_MARGIN_DEG, MAX_TILT_DEG)
     curves = {}
     for kind in dict.fromkeys(member.design.kind for member in walkers):
         design = job.design.variant(kind=kind)
         own = [member for member in walkers if member.design.kind == kind]
-        if _close(design, own, low, high) and not job.weighed:
-            curves[kind] = prediction.through([(one.design, one.mass, one.row) for one in own], job.scene, job.mode)
+        if _has_dense_tilts(design, own, low, high) and not job.weighed:
+            curves[kind] = prediction.curve_from_rows(
+                [(one.design, one.mass, one.row) for one in own], job.scene, job.mode
+            )
             continue
         try:
-            curves[kind] = prediction.curve(design, job.scene, job.mode, low, high)
+            curves[kind] = prediction.predict_curve(design, job.scene, job.mode, low, high)
         except GeometryError:  # at a tilt in between; of members it would have been told before
             return {}
     return curves
 
 
-def _close(design: Design, walkers: Sequence[Member], low: float, high: float) -> bool:
+def _has_dense_tilts(design: Design, walkers: Sequence[Member], low: float, high: float) -> bool:
     """Whether members are a design at tilts from `low` to `high` (deg), at least half as close as a curve's points."""
     tilts = np.sort([walker.design.tilt_deg for walker in walkers])
     gaps = np.diff(tilts, prepend=low, append=high)
-    if gaps.max() > 2.0 * (high - low) / (prediction.POINTS - 1) or (np.diff(tilts) == 0.0).any():
+    if gaps.max() > 2.0 * (high - low) / (prediction.CURVE_POINTS - 1) or (np.diff(tilts) == 0.0).any():
         return False
     return all(one.design.unmarked == design.unmarked.variant(tilt_deg=one.design.tilt_deg) for one in walkers)
 
 
-def _stated(design: Design, scene: Scene) -> tuple[float, float] | None:
+def _paper_speed(design: Design, scene: Scene) -> tuple[float, float] | None:
     """Tilt (deg) and speed (mm/s) that the paper states; None unless walker and plate are its."""
     if not isinstance(design.legs, Legs):
         return None
@@ -226,8 +232,8 @@ def _facts(job: Job, findings: Sequence[Finding], seconds: float) -> dict[str, A
     return {
         "design": job.design.model_dump(mode="json"),
         "body": sheet.body_facts(job.design),
-        "members": [names.part(member) for member in job.members],
-        "legs_up": [names.part(member) for member in job.members if not solids.on_side(member)],
+        "members": [names.part_name(member) for member in job.members],
+        "legs_up": [names.part_name(member) for member in job.members if not solids.is_printed_on_side(member)],
         "copies": list(job.copies),
         "weighed": {
             name: {what: fact and fact._asdict() for what, fact in facts_of._asdict().items()}
@@ -235,9 +241,9 @@ def _facts(job: Job, findings: Sequence[Finding], seconds: float) -> dict[str, A
         },
         "scene": job.scene.model_dump(mode="json"),
         "printer": job.printer.model_dump(mode="json"),
-        "print": sheet.facts(job.printer, findings),
+        "print": sheet.manifest_facts(job.printer, findings),
         "mode": job.mode,
-        "draws": prediction.DRAWS,
+        "draws": prediction.DRAW_COUNT,
         "seed": prediction.SEED,
         "surrogate": networks.digest(),
         "versions": versions(),

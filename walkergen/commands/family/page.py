@@ -13,7 +13,7 @@ TEMPLATE = Path(__file__).with_name("assets") / "page.html.jinja"
 
 TABLE_PAGE = "family.md"
 
-DOWNLOADS = {
+DOWNLOAD_TYPES = {
     ".3mf": "model/3mf",
     ".csv": "text/csv",
     ".ini": "text/plain",
@@ -50,12 +50,14 @@ def render(parts: Sequence[Part], files: Mapping[str, bytes], facts: Mapping[str
         name=name,
         description=str(design.get("description", "")),
         view=viewer.view(parts),
-        speed=_picture(files, "speed.png"),
-        preview=_picture(files, "preview.png"),
-        table=web_page.from_markdown(_text(files, TABLE_PAGE).partition("\n")[2]),
-        downloads=[_download(path, data) for path, data in files.items() if PurePosixPath(path).suffix in DOWNLOADS],
-        plates={file: _picture(files, file) for file in plates},
-        sheets=[web_page.from_markdown(_text(files, file), level=2) for file in sheets],
+        speed=_picture_url(files, "speed.png"),
+        preview=_picture_url(files, "preview.png"),
+        table=web_page.from_markdown(_decode(files, TABLE_PAGE).partition("\n")[2]),
+        downloads=[
+            _download(path, data) for path, data in files.items() if PurePosixPath(path).suffix in DOWNLOAD_TYPES
+        ],
+        plates={file: _picture_url(files, file) for file in plates},
+        sheets=[web_page.from_markdown(_decode(files, file), level=2) for file in sheets],
         settings=json.dumps(settings, indent=2, ensure_ascii=False),
         version=__version__,
     )
@@ -63,16 +65,16 @@ def render(parts: Sequence[Part], files: Mapping[str, bytes], facts: Mapping[str
     return web_page.render(f"{name} · walkergen", body, styles, viewer.scripts()).encode()
 
 
-def _text(files: Mapping[str, bytes], name: str) -> str:
+def _decode(files: Mapping[str, bytes], name: str) -> str:
     return files[name].decode("utf-8", "replace")
 
 
 def _download(path: str, data: bytes) -> Download:
     """Return a file of the folder, whole, as a link that needs nothing but the page."""
     file = PurePosixPath(path)
-    return Download(path, file.name, web_page.data_url(DOWNLOADS[file.suffix], data), f"{len(data) / 1e3:,.1f} kB")
+    return Download(path, file.name, web_page.data_url(DOWNLOAD_TYPES[file.suffix], data), f"{len(data) / 1e3:,.1f} kB")
 
 
-def _picture(files: Mapping[str, bytes], name: str) -> str | None:
+def _picture_url(files: Mapping[str, bytes], name: str) -> str | None:
     """Return the address that holds a picture (PNG); None when the folder has none."""
     return web_page.data_url("image/png", files[name]) if name in files else None

@@ -21,24 +21,24 @@ from walkergen.readers.walkers import caps
 
 Array = npt.NDArray[np.float64]
 
-COLUMNS, PART_INCHES, LABEL = 5, 2.4, 10.0
+ROW_PARTS, PART_INCHES, LABEL_SIZE_PT = 5, 2.4, 10.0
 """Parts in a row, inches for each, and the size of labels in points."""
 
-FEW, SHEET_INCHES, TALLEST = 40, 1.35, 3.0
+MAX_LARGE_PARTS, SMALL_PART_INCHES, MAX_ASPECT = 40, 1.35, 3.0
 """Parts beyond which they stand closer, as on a contact sheet; inches for each; and the height of
 the sheet over its width, at most."""
 
-RULER = 0.4
+MAX_SCALE_BAR_SHARE = 0.4
 """Length of the scale bar over the body's, at most."""
 
-SEAM = 0.8
+SEAM_WIDTH_PT = 0.8
 """Width of the edges of triangles, points, in their own colour: 1.7 pixels hide the seams."""
 
-FINE_MM = 2.0
+MAX_EDGE_MM = 2.0
 """Longest edge of the triangles of a body with pockets as it is drawn, mm: the painter's algorithm
 needs them small where one lies within the other."""
 
-CARRIED = {"motor": "#d55e00", "battery": "#999999"}
+POCKET_COLOURS = {"motor": "#d55e00", "battery": "#999999"}
 """Colours of what bodies carry, which is drawn as if they were of glass."""
 
 ROUNDING_MM = 1e-6
@@ -67,7 +67,7 @@ class Part(NamedTuple):
     @property
     def carried(self) -> dict[str, Mesh]:
         """Motor and battery where they stand, by name."""
-        return pockets.solids_of(self.design)
+        return pockets.part_meshes(self.design)
 
     @property
     def cap(self) -> tuple[Array, list[Array]] | None:
@@ -80,22 +80,22 @@ class Part(NamedTuple):
             return None
         bottom = float(self.mesh.vertices[:, 1].max())
 
-        def placed(corners: Array, up: float) -> Array:
+        def to_mesh_frame(corners: Array, up: float) -> Array:
             """Corners seen from above, to the front and to the left, at a height over the body."""
             x, y = corners.T
             return np.column_stack([x, np.full(len(x), bottom + up), 0.5 * depth - y])
 
         rim, top = caps.outline(cap), cap.thickness
-        tile = np.concatenate([placed(rim, 0.0), placed(rim, top)])
-        return tile, [placed(square, top) for square in caps.black(cap)]
+        tile = np.concatenate([to_mesh_frame(rim, 0.0), to_mesh_frame(rim, top)])
+        return tile, [to_mesh_frame(square, top) for square in caps.black(cap)]
 
     @property
     def view(self) -> Array:
         """Camera that shows the shape: bodies in plan view from higher above."""
-        return FROM_ABOVE if self.design.body.flat and not self.low else VIEW
+        return TOP_CAMERA if self.design.body.flat and not self.low else SIDE_CAMERA
 
 
-def _view(nod_deg: float) -> Array:
+def _camera_rotation(nod_deg: float) -> Array:
     """Rotation to the camera's frame (right, up, towards the viewer): from above, to the right."""
     turn, nod = np.radians(-28.0), np.radians(nod_deg)
     about_y = [[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]]
@@ -103,8 +103,8 @@ def _view(nod_deg: float) -> Array:
     return np.array(about_x) @ np.array(about_y)
 
 
-VIEW, FROM_ABOVE = _view(16.0), _view(32.0)
-LIGHT = np.array([-0.35, 0.75, 0.56])
+SIDE_CAMERA, TOP_CAMERA = _camera_rotation(16.0), _camera_rotation(32.0)
+LIGHT_DIRECTION = np.array([-0.35, 0.75, 0.56])
 
 
 @style()
@@ -116,47 +116,49 @@ def preview_figure(parts: Sequence[Part], title: str) -> Figure:
         for part in parts
     ]
     size = np.max([np.ptp(screen, axis=0) for screen in screens], axis=0)
-    inches = PART_INCHES if len(parts) <= FEW else SHEET_INCHES
+    inches = PART_INCHES if len(parts) <= MAX_LARGE_PARTS else SMALL_PART_INCHES
     scale = inches / (1.12 * size[0])
     lines = 2.0 + 1.2 * max(1 + part.label.count("\n") for part in parts)
-    pitch = np.array([1.12 * size[0], size[1] + lines * LABEL / 72.0 / scale])
-    rows = _rows(parts, pitch[1] / pitch[0])
+    pitch = np.array([1.12 * size[0], size[1] + lines * LABEL_SIZE_PT / 72.0 / scale])
+    rows = _arrange_rows(parts, pitch[1] / pitch[0])
     columns = max(len(row) for row in rows)
     middle, half = 0.5 * (columns - 1) * pitch[0], max(0.5 * columns * pitch[0], 1.7 / scale)
     low, high = middle - half, middle + half
-    top, line = 0.5 * pitch[1], LABEL / 72.0 / scale
+    top, line = 0.5 * pitch[1], LABEL_SIZE_PT / 72.0 / scale
     bottom = top - len(rows) * pitch[1] - 3.5 * line
     figure = Figure(figsize=(scale * (high - low), scale * (top - bottom) + 0.4))
     axes = figure.add_axes((0.0, 0.0, 1.0, scale * (top - bottom) / figure.get_figheight()))
     places = [(part, pitch * (x, -y)) for y, row in enumerate(rows) for x, part in enumerate(row)]
-    views = [_view_of(part, at) for part, at in places]
+    views = [_project_part(part, at) for part, at in places]
     triangles: Any = np.concatenate([view.triangles for view in views])
     colours = np.concatenate([view.colours for view in views])
-    faces = PolyCollection(triangles, facecolors=colours, edgecolors=colours, linewidths=SEAM, joinstyle="round")
+    faces = PolyCollection(
+        triangles, facecolors=colours, edgecolors=colours, linewidths=SEAM_WIDTH_PT, joinstyle="round"
+    )
     axes.add_collection(faces, autolim=False)  # limits are set once all is drawn
     for (part, at), view in zip(places, views, strict=True):
-        _draw_borne(axes, part, at - view.middle)
+        _draw_attachments(axes, part, at - view.middle)
         below = at[0], at[1] - 0.52 * size[1] - 0.5 * line
-        axes.annotate(part.label, below, ha="center", va="top", fontsize=LABEL)
+        axes.annotate(part.label, below, ha="center", va="top", fontsize=LABEL_SIZE_PT)
     axes.set_xlim(low, high)
     axes.set_ylim(bottom, top)
     axes.set_axis_off()
-    _rule(axes, parts[0], np.array([low + 1.5 * line, bottom + 2.0 * line]))
-    figure.suptitle(title, fontsize=LABEL + 2.0)
+    _draw_scale_bar(axes, parts[0], np.array([low + 1.5 * line, bottom + 2.0 * line]))
+    figure.suptitle(title, fontsize=LABEL_SIZE_PT + 2.0)
     return figure
 
 
-def _rows(parts: Sequence[Part], aspect: float) -> list[list[Part]]:
+def _arrange_rows(parts: Sequence[Part], aspect: float) -> list[list[Part]]:
     """Parts in rows, a new one for another kind of legs; `aspect`: of a part's room, high/wide."""
-    most = COLUMNS if len(parts) <= FEW else 2 * COLUMNS
-    most = max(most, math.ceil(math.sqrt(len(parts) * aspect / TALLEST)))
+    most = ROW_PARTS if len(parts) <= MAX_LARGE_PARTS else 2 * ROW_PARTS
+    most = max(most, math.ceil(math.sqrt(len(parts) * aspect / MAX_ASPECT)))
     kinds = [list(group) for _, group in groupby(parts, key=lambda part: part.design.kind)]
     return [kind[i : i + most] for kind in kinds for i in range(0, len(kind), most)]
 
 
-def _rule(axes: Axes, part: Part, at: Array) -> None:
+def _draw_scale_bar(axes: Axes, part: Part, at: Array) -> None:
     """Draw a scale bar from `at` along the bodies, as they are seen, with its length; it points forward."""
-    length = rounded_down(RULER * part.design.size.length)
+    length = rounded_down(MAX_SCALE_BAR_SHARE * part.design.size.length)
     end = at + length * part.view[:2, 0]
     axes.plot(*np.array([at, end]).T, "|-", color="black", linewidth=1.2, markersize=7)
     ends = (at[0], at[1]), (end[0], end[1])
@@ -167,7 +169,7 @@ def _rule(axes: Axes, part: Part, at: Array) -> None:
         xytext=(8, 0),
         textcoords="offset points",
         va="center",
-        fontsize=LABEL,
+        fontsize=LABEL_SIZE_PT,
     )
 
 
@@ -182,7 +184,7 @@ class _View(NamedTuple):
     """Middle of all that is drawn of the part, which stands at its place."""
 
 
-def _view_of(part: Part, at: Array) -> _View:
+def _project_part(part: Part, at: Array) -> _View:
     """View of a part, placed at a point, for the painter's algorithm without back faces: exact enough for a prism.
 
     Legs come before a body that is flat below, for from above they hide no part of it, and its
@@ -203,12 +205,12 @@ def _view_of(part: Part, at: Array) -> _View:
     borne = [*(mesh.vertices for mesh in part.carried.values()), *(part.cap or ())[:1]]
     seen = np.concatenate([corners.reshape(-1, 3), *(points @ part.view.T for points in borne)])
     middle = 0.5 * (seen.min(axis=0) + seen.max(axis=0))[:2]
-    shade = 0.45 + 0.6 * np.clip(normals @ LIGHT, 0.0, 1.0)
+    shade = 0.45 + 0.6 * np.clip(normals @ LIGHT_DIRECTION, 0.0, 1.0)
     colours = np.clip(shade[:, None] * np.array(COLOURS[part.design.kind]), 0.0, 1.0)[order]
     return _View(corners[order][:, :, :2] - middle + at, colours, middle)
 
 
-def _draw_borne(axes: Axes, part: Part, moved: Array) -> None:
+def _draw_attachments(axes: Axes, part: Part, moved: Array) -> None:
     """Draw what a part bears, its cap and what it carries, `moved` from where the camera sees it."""
     cap, carried = part.cap, {name: mesh.vertices @ part.view.T for name, mesh in part.carried.items()}
     if cap is None and not carried:
@@ -223,8 +225,8 @@ def _draw_borne(axes: Axes, part: Part, moved: Array) -> None:
         axes.add_collection(PolyCollection(marker, facecolors="black", edgecolors="black", lw=0.2))
     for name, outline in carried.items():
         hull = outline[ConvexHull(outline[:, :2]).vertices, :2] + moved
-        axes.fill(*hull.T, facecolor=CARRIED[name], edgecolor="black", linewidth=0.5, alpha=0.6)
-        axes.annotate(name, hull.mean(axis=0), ha="center", va="center", fontsize=0.6 * LABEL)
+        axes.fill(*hull.T, facecolor=POCKET_COLOURS[name], edgecolor="black", linewidth=0.5, alpha=0.6)
+        axes.annotate(name, hull.mean(axis=0), ha="center", va="center", fontsize=0.6 * LABEL_SIZE_PT)
 
 
 def _triangles(part: Part) -> Array:
@@ -233,5 +235,5 @@ def _triangles(part: Part) -> Array:
     if part.design.parts:
         from trimesh.remesh import subdivide_to_size
 
-        vertices, triangles = subdivide_to_size(vertices, triangles, FINE_MM)
+        vertices, triangles = subdivide_to_size(vertices, triangles, MAX_EDGE_MM)
     return np.asarray(vertices[triangles])

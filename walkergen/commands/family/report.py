@@ -42,10 +42,13 @@ def view_parts(walkers: Sequence[Member]) -> "list[Part]":
     """Return the walkers for a 3D view, each with its speed in words."""
     from walkergen.files.viewer import Part
 
-    return [Part(names.part(one.design), one.design.kind, *one.mesh, prediction.brief(one.row)) for one in walkers]
+    return [
+        Part(names.part_name(one.design), one.design.kind, *one.mesh, prediction.describe_briefly(one.row))
+        for one in walkers
+    ]
 
 
-def of(
+def make_report(
     design: Design, scene: Scene, mode: str, walkers: Sequence[Member], folder: Path, shown: ChartData | None = None
 ) -> FamilyReport:
     """Report of a design's walkers, and of what the figure shows beside them, if it is drawn."""

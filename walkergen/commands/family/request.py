@@ -63,11 +63,11 @@ class FamilyRequest(request.Request):
         try:
             design = given.design(self.design)
         except GeometryError as error:
-            raise make.drawn(error, self.folder(Path("out") / "trouble")) from None
+            raise make.attach_picture(error, self.folder(Path("out") / "trouble")) from None
         scene = given.scene(request.ground(self.scene, [design]))
         members, counts = given.batch(design, self.tilt, self.legs, self.copies, whole=True)
         masses, unused = inputs.weighed(self.weights, members)
-        measured, left_out = self._measured(design, scene)
+        measured, left_out = self._read_measured(design, scene)
         findings: list[Finding] = []
         job = make.Job(
             design=design,
@@ -88,10 +88,10 @@ class FamilyRequest(request.Request):
         )
         folder = self.out or Path("out") / design.name
         report = make.make(job, folder, progress, findings.extend)
-        warnings = [*printed.warnings(findings), *unused, *left_out, *inputs.filled_forms(folder, members)]
+        warnings = [*printed.warning_lines(findings), *unused, *left_out, *inputs.filled_forms(folder, members)]
         return replace(report, warnings=warnings)
 
-    def _measured(self, design: "Design", scene: "Scene") -> "tuple[Measured | None, list[str]]":
+    def _read_measured(self, design: "Design", scene: "Scene") -> "tuple[Measured | None, list[str]]":
         """Speeds measured on the scene's plate, and what is to be said of rows left out."""
         if self.measured is None:
             return None, []

@@ -12,13 +12,13 @@ from walkergen.points.members import Member, Simulated
 if TYPE_CHECKING:
     from walkergen.core.simulation.ensemble import Summary
 
-SMALL = 0.5
+AGREEMENT_MM_S = 0.5
 """Difference of speeds, mm/s, that verdicts in whole mm/s do not see."""
 
 
-def simulated(scene: Scene, members: Sequence[Member], progress: Progress) -> list[Member]:
+def simulate_members(scene: Scene, members: Sequence[Member], progress: Progress) -> list[Member]:
     """Simulate an ensemble of each member, as the scene's [run] sets, and return the members with these speeds."""
-    from walkergen.core.simulation.ensemble import listed
+    from walkergen.core.simulation.ensemble import format_outcomes
     from walkergen.points import walkers
     from walkergen.points.experiments import Walker
 
@@ -32,7 +32,7 @@ def simulated(scene: Scene, members: Sequence[Member], progress: Progress) -> li
             summary.speed_se_mm_s,
             summary.speed_low_95_mm_s,
             summary.speed_high_95_mm_s,
-            listed(summary.outcomes),
+            format_outcomes(summary.outcomes),
             verdict(member.row, summary),
         )
         with_speeds.append(member._replace(simulated=runs))
@@ -53,4 +53,4 @@ def verdict(row: Prediction, summary: "Summary") -> str:
         return "unknown"
     off = predicted - speed
     meet = low <= above and below <= high
-    return "agree" if meet or abs(off) <= SMALL else f"off by {off:+.0f}"
+    return "agree" if meet or abs(off) <= AGREEMENT_MM_S else f"off by {off:+.0f}"

@@ -10,14 +10,14 @@ from walkergen.files.figures import style
 from walkergen.readers.drawings import outlines, silhouette
 
 
-def source(design: Design) -> Path | None:
+def find_picture(design: Design) -> Path | None:
     """Picture that a body's outline is traced from; None for other bodies."""
     path = Path(design.body.outline or "")
     return path if outlines.READERS.get(path.suffix.lower()) is silhouette.read else None
 
 
 @style()
-def figure(path: Path) -> Figure:
+def draw_outline(path: Path) -> Figure:
     """Draw the outline over its picture. Raises InputError."""
     found = silhouette.trace(path, "body.outline")
     height, width = found.image.shape

@@ -7,24 +7,24 @@ from walkergen.files.figures import style
 from walkergen.readers.walkers import placing
 from walkergen.readers.walkers.placing import UnplacedError
 
-RED = "tab:red"
+FAULT_COLOUR = "tab:red"
 
 
 @style()
-def figure(error: UnplacedError) -> Figure:
+def draw_unsupported_body(error: UnplacedError) -> Figure:
     """Draw a body from above. Raises GeometryError for one that has no shape."""
     import shapely
 
     room = placing.room(error.body, error.legs)
     drawn = Figure(figsize=(6.0, 5.0), layout="constrained")
     axes = drawn.add_subplot()
-    for part, colour in ((room.ground, RED), (room.free, "0.75")):
+    for part, colour in ((room.ground, FAULT_COLOUR), (room.free, "0.75")):
         for polygon in shapely.get_parts(part):
             for ring, inside in ((polygon.exterior, colour), *((hole, "white") for hole in polygon.interiors)):
                 axes.fill(*np.asarray(ring.coords).T, color=inside)
     angles = np.linspace(0.0, 2.0 * np.pi, 91)
     circle = np.array(room.centre)[:, None] + room.radius * np.stack([np.cos(angles), np.sin(angles)])
-    axes.plot(*circle, "--", color=RED, label="feet must reach around this, or it tips")
+    axes.plot(*circle, "--", color=FAULT_COLOUR, label="feet must reach around this, or it tips")
     axes.plot(*room.centre, "+", color="black", label="centre of mass, from above")
     axes.set_aspect("equal")
     axes.set_xlabel("along the run, mm, forward to the right")

@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from walkergen.core.files import output
-from walkergen.core.files.assignments import changed
+from walkergen.core.files.assignments import replace_values
 from walkergen.core.files.output import Folder
 from walkergen.core.files.progress import Progress
 from walkergen.core.printing import packing, plates, sheet
-from walkergen.core.printing.findings import Finding, of_printers, refuse
+from walkergen.core.printing.findings import Finding, check_printable, combine_printers
 from walkergen.core.printing.plates import Place
 from walkergen.core.printing.printers import Printer
 from walkergen.core.walker import names, solids, weights
@@ -31,7 +31,7 @@ class Order(NamedTuple):
     """Printers to arrange for, each with all copies."""
     max_plates: int | None = None
     """Largest number of plates; None: no limit."""
-    max_parts: int = packing.MOST_PARTS
+    max_parts: int = packing.MAX_PARTS
     """Largest number of parts on a plate."""
     pictures: bool = True
     prusaslicer: bool = False
@@ -68,13 +68,13 @@ class PlateReport(Report):
     places: Sequence[Place]
 
 
-def how_many(members: Sequence[Design], printers: Sequence[Printer], max_parts: int) -> Report:
+def count_fitting(members: Sequence[Design], printers: Sequence[Printer], max_parts: int) -> Report:
     """Count the copies of each member that fit on one plate of each printer with no other parts."""
     built = [solids.build(design) for design in members]
     rows = [
         Room(printer.name, part.name, min(packing.capacity(part, printer), max_parts))
         for printer in printers
-        for part in plates.unplaced(members, built, [1] * len(built), printer).parts
+        for part in plates.layout_without_plates(members, built, [1] * len(built), printer).parts
     ]
     columns = (report.text("printer", "printer"), report.number("fit", "fit"), report.text("walker", "name"))
     return Report(
@@ -95,18 +95,18 @@ def make(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequenc
     PlateError when a part is too large for a printer or more plates are needed than allowed, and
     PrintabilityError when a part would not print (strict: would print otherwise than predicted).
     """
-    members, copies = numbered(order)
+    members, copies = number_copies(order)
     built = [solids.build(design) for design in members]
     layouts = [
         plates.arrange(members, built, copies, printer, order.max_plates, order.max_parts) for printer in order.printers
     ]
-    capped = _capped(layouts[0])
-    findings = of_printers(
+    capped = _list_caps(layouts[0])
+    findings = combine_printers(
         [(one.printer.name, [*one.findings, *caps.findings(capped, one.printer)]) for one in layouts]
     )
     tell(findings)
-    refuse(findings, order.strict)
-    steps = sum(plates.COMMON_FILES + len(layout.plates) * (1 + order.pictures) + 1 for layout in layouts)
+    check_printable(findings, order.strict)
+    steps = sum(plates.COMMON_FILE_COUNT + len(layout.plates) * (1 + order.pictures) + 1 for layout in layouts)
     draw = None
     if order.pictures:
         from walkergen.sheets import plate_map  # brings matplotlib
@@ -117,7 +117,7 @@ def make(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequenc
     for layout in layouts:
         # A manifest a printer, so that plates for one do not sweep away those for another.
         with Folder(folder / "plates", f"plate_{layout.printer.name}.json") as target:
-            for name, data in plates.files(layout, "plate", draw, order.prusaslicer):
+            for name, data in plates.layout_files(layout, "plate", draw, order.prusaslicer):
                 target.write(name, data)
                 paths.append(target.path / name)
                 progress(name, len(paths), steps)
@@ -131,12 +131,12 @@ def make(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequenc
                 paths.append(target.path / name)
             target.finish({"caps": [entry.cap.model_dump(mode="json") for entry in capped]})
             paths.append(target.path / target.manifest)
-    rows = [row for layout in layouts for row in plates.places(layout)]
+    rows = [row for layout in layouts for row in plates.list_places(layout)]
     paths += _write_forms(order.members, rows, folder)
     return _report(order, rows, paths, caps.advice(capped) if capped else [])
 
 
-def _capped(layout: plates.Layout) -> list[Capped]:
+def _list_caps(layout: plates.Layout) -> list[Capped]:
     """Caps of all copies in the order of the map. Raises InputError."""
     placed = [placement for plate in layout.plates for placement in plate.placements]
     items = [packing.item_name(layout.parts[place.part], place.copy) for place in placed]
@@ -158,7 +158,7 @@ def _report(order: Order, rows: Sequence[Place], files: Sequence[Path], of_caps:
         own = [row.plate for row in rows if row.printer == printer]
         count = max(own)
         lines.append(f"{printer}: {len(own)} parts on {count} plate{'s' if count > 1 else ''}")
-    advice = dict.fromkeys(names.how_to_read(design.marks) for design in order.members)
+    advice = dict.fromkeys(names.reading_instructions(design.marks) for design in order.members)
     lines += [text for text in advice if text]
     if order.serial is not None:
         last = order.serial + sum(order.copies) - 1
@@ -181,10 +181,10 @@ def _loads(rows: Sequence[Place]) -> Iterator[Load]:
     for row in rows:
         marks.setdefault((row.printer, row.plate, row.name), []).append(row.mark)
     for (printer, number, name), own in marks.items():
-        yield Load(printer, number, len(own), name, names.span(own))
+        yield Load(printer, number, len(own), name, names.mark_range(own))
 
 
-def numbered(order: Order) -> tuple[Sequence[Design], Sequence[int]]:
+def number_copies(order: Order) -> tuple[Sequence[Design], Sequence[int]]:
     """Members and copies of an order; with serial numbers every copy is a member of its own.
 
     Numbers count over all members, so that no two copies of an order share one. Raises
@@ -192,15 +192,16 @@ def numbered(order: Order) -> tuple[Sequence[Design], Sequence[int]]:
     """
     if order.serial is None:
         return order.members, order.copies
-    packing.check_number(sum(order.copies))
+    packing.check_part_count(sum(order.copies))
     every = [design for design, count in zip(order.members, order.copies, strict=True) for _ in range(count)]
     members = [
-        changed(design, _number(design, number), design.name) for number, design in enumerate(every, start=order.serial)
+        replace_values(design, _number_settings(design, number), design.name)
+        for number, design in enumerate(every, start=order.serial)
     ]
     return members, [1] * len(members)
 
 
-def _number(design: Design, number: int) -> dict[str, int]:
+def _number_settings(design: Design, number: int) -> dict[str, int]:
     """Keys that give a copy its number: on its body, and on its cap if it has one."""
     own = {} if design.cap is None else {"cap.number": number}
     return {"marks.serial": number, **own}
@@ -208,7 +209,7 @@ def _number(design: Design, number: int) -> dict[str, int]:
 
 def _facts(layout: plates.Layout) -> dict[str, Any]:
     """Facts for a printer's manifest: inputs resolved, findings, versions of the software."""
-    by_name = names.by_design(layout.members)
+    by_name = names.group_by_design(layout.members)
     return {
         # Of several members of a design the first: names tell the tilts and kinds of the others.
         "designs": {name: members[0].model_dump(mode="json") for name, members in by_name.items()},
@@ -217,19 +218,19 @@ def _facts(layout: plates.Layout) -> dict[str, Any]:
         "copies": [part.copies for part in layout.parts],
         "serial": [part.serial for part in layout.parts if part.serial is not None],
         "printer": layout.printer.model_dump(mode="json"),
-        "print": sheet.facts(layout.printer, layout.findings),
+        "print": sheet.manifest_facts(layout.printer, layout.findings),
         "versions": output.versions(),
     }
 
 
 def _write_forms(members: Sequence[Design], rows: Sequence[Place], folder: Path) -> list[Path]:
     """Write forms for the masses of each design's copies, but for those somebody filled in."""
-    design_of = dict(zip(names.parts(members), members, strict=True))
+    design_of = dict(zip(names.part_names(members), members, strict=True))
     items: dict[str, dict[str, None]] = {}
     for row in rows:  # with several printers a copy has several rows
         items.setdefault(design_of[row.name].name, {})[row.item] = None
     written = []
     for name, own in items.items():
-        rows_of = [*own, *weights.carried(names.by_design(members)[name][0])]
-        written.append(weights.write_template(folder, rows_of, weights.form(members, name)))
+        rows_of = [*own, *weights.carried_rows(names.group_by_design(members)[name][0])]
+        written.append(weights.write_template(folder, rows_of, weights.form_name(members, name)))
     return [path for path in written if path is not None]

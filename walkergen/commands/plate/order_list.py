@@ -11,43 +11,43 @@ from walkergen.core.walker.design import Design
 from walkergen.core.walker.limbs import KINDS, Kind
 from walkergen.files import templates
 
-REQUIRED, OPTIONAL = ("design", "tilt_deg", "copies"), ("legs",)
-MOST_BYTES = 1_000_000
-NAMED = 20
+REQUIRED_COLUMNS, OPTIONAL_COLUMNS = ("design", "tilt_deg", "copies"), ("legs",)
+MAX_BYTES = 1_000_000
+MAX_LISTED_FAULTS = 20
 """Most mistakes that are told; the others are counted."""
 
 
-def read(path: Path) -> tuple[list[Design], list[int]]:
+def read_orders(path: Path) -> tuple[list[Design], list[int]]:
     """Walkers that a list orders, in its order, with the copies of each; rows of one walker add up.
 
     A row has a design (a template, or the path of a TOML file from the list's own folder), tilt_deg
     and legs (blank: the design's own) and copies (1 to packing.MOST_PARTS). Raises InputError, a
     line for each mistake, and PlateError for more parts than are arranged at once.
     """
-    table = columns.records(reading.lines(path, columns.FORMAT, MOST_BYTES), str(path))
+    table = columns.parse_records(reading.read_lines(path, columns.FORMAT_NAME, MAX_BYTES), str(path))
     _check_columns(table.names, path)
     if not table.rows:
         raise InputError(f"{path}: no rows after the header; give a row for each walker to print")
-    if len(table.rows) > packing.MOST_PARTS:
-        raise InputError(f"{path}: {len(table.rows)} rows; at most {packing.MOST_PARTS}")
+    if len(table.rows) > packing.MAX_PARTS:
+        raise InputError(f"{path}: {len(table.rows)} rows; at most {packing.MAX_PARTS}")
     shelf = _Shelf(path.parent)
     members: dict[str, Design] = {}
     copies: dict[str, int] = {}
     problems: list[str] = []
     for line, row in table.rows:
         try:
-            count, member = _copies(row["copies"]), shelf.member(row, line)
+            count, member = _parse_copies(row["copies"]), shelf.member(row, line)
         except InputError as error:
             problems += [f"{path}:{line}: {text}" for text in error.text.splitlines()]
             continue
-        name = names.part(member, member.name)
+        name = names.part_name(member, member.name)
         members.setdefault(name, member)
         copies[name] = copies.get(name, 0) + count
     if problems:
-        more = len(problems) - NAMED
+        more = len(problems) - MAX_LISTED_FAULTS
         tail = [f"{path}: and {more} more mistakes"] if more > 0 else []
-        raise InputError("\n".join(problems[:NAMED] + tail))
-    packing.check_number(sum(copies.values()))
+        raise InputError("\n".join(problems[:MAX_LISTED_FAULTS] + tail))
+    packing.check_part_count(sum(copies.values()))
     return list(members.values()), list(copies.values())
 
 
@@ -63,13 +63,13 @@ class _Shelf:
 
     def member(self, row: Mapping[str, str], line: int) -> Design:
         """Walker of a row at a line. Raises InputError."""
-        design = self._design(row["design"].strip(), line)
-        tilt, kind = _tilt(row["tilt_deg"]), _kind(row.get("legs", ""))
+        design = self._load_design(row["design"].strip(), line)
+        tilt, kind = _parse_tilt(row["tilt_deg"]), _parse_kind(row.get("legs", ""))
         tilt = design.tilt_deg if tilt is None else tilt
         (member,) = design.members([tilt], [kind or design.kind])
         return member
 
-    def _design(self, word: str, line: int) -> Design:
+    def _load_design(self, word: str, line: int) -> Design:
         if not word:
             raise InputError("design is blank; give a template's name or the path of a TOML file, or leave out the row")
         if word not in self.read:
@@ -86,28 +86,28 @@ class _Shelf:
 
 def _check_columns(seen: list[str], path: Path) -> None:
     """Raise InputError for a column that is missing or unknown."""
-    missing = [name for name in REQUIRED if name not in seen]
-    unknown = [name for name in seen if name not in REQUIRED + OPTIONAL]
+    missing = [name for name in REQUIRED_COLUMNS if name not in seen]
+    unknown = [name for name in seen if name not in REQUIRED_COLUMNS + OPTIONAL_COLUMNS]
     if missing or unknown:
         what = f"no column {missing[0]!r}" if missing else f"unknown column {unknown[0][:60]!r}"
         raise InputError(
-            f"{path}:1: {what}; columns are {', '.join(REQUIRED)} and, if wanted, "
-            f"{', '.join(OPTIONAL)}, separated by commas; seen: {', '.join(seen)[:80]!r}"
+            f"{path}:1: {what}; columns are {', '.join(REQUIRED_COLUMNS)} and, if wanted, "
+            f"{', '.join(OPTIONAL_COLUMNS)}, separated by commas; seen: {', '.join(seen)[:80]!r}"
         )
 
 
-def _copies(cell: str) -> int:
-    count = columns.whole(cell, packing.MOST_PARTS)
+def _parse_copies(cell: str) -> int:
+    count = columns.parse_count(cell, packing.MAX_PARTS)
     if count is None:
-        raise InputError(f"copies = {cell.strip()[:30]!r}: must be a whole number in 1..{packing.MOST_PARTS}")
+        raise InputError(f"copies = {cell.strip()[:30]!r}: must be a whole number in 1..{packing.MAX_PARTS}")
     return count
 
 
-def _tilt(cell: str) -> float | None:
+def _parse_tilt(cell: str) -> float | None:
     """Tilt in a cell, deg, whose range the design checks; None in a blank one."""
     if not cell.strip():
         return None
-    value = words.value(cell)
+    value = words.parse_number(cell)
     if value is None:
         raise InputError(
             f"tilt_deg = {cell.strip()[:30]!r}: must be a number in -85..85, or blank for the design's own"
@@ -115,7 +115,7 @@ def _tilt(cell: str) -> float | None:
     return value + 0.0  # without the sign of a zero, which would make a second walker
 
 
-def _kind(cell: str) -> Kind | None:
+def _parse_kind(cell: str) -> Kind | None:
     """Kind of legs in a cell; None in a blank one."""
     word = cell.strip()
     kind = next((kind for kind in KINDS if kind == word), None)

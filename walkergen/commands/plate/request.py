@@ -68,8 +68,8 @@ class PlateRequest(request.Request):
             if "copies" in self.model_fields_set:  # 1, as by default, may not be what the list says
                 raise InputError(f"‹copies=›{self.copies}: {why}; leave it out", "copies")
             given.refuse(given.of("design"), "‹orders› names designs; leave it out")
-            members, counts = order_list.read(self.orders)
-            name = output.named_after(self.orders)
+            members, counts = order_list.read_orders(self.orders)
+            name = output.safe_folder_name(self.orders)
         else:
             design = given.design(self.design or request.PAPER)
             members, counts = given.batch(design, self.tilt, self.legs, self.copies, whole=False)
@@ -77,7 +77,7 @@ class PlateRequest(request.Request):
         members = inputs.capped(members, self.caps)
         printers = given.printers(self.printer)
         if self.how_many:
-            return make.how_many(members, printers, self.max_parts)
+            return make.count_fitting(members, printers, self.max_parts)
         order = make.Order(
             members,
             counts,
@@ -91,4 +91,4 @@ class PlateRequest(request.Request):
         )
         folder, findings = self.out or Path("out") / name, list["Finding"]()
         report = make.make(order, folder, progress, findings.extend)
-        return replace(report, warnings=[*printed.warnings(findings), *inputs.filled_forms(folder, members)])
+        return replace(report, warnings=[*printed.warning_lines(findings), *inputs.filled_forms(folder, members)])

@@ -43,7 +43,7 @@ def predict(
     built = [solids.build(walker, united=united) for walker in walkers]
     predicted = list(members.predicted(walkers, built, scene, mode, weighed, model, progress))
     shares = [_shares(member, scene) for member in (predicted if uncertain else ())]
-    return report.of(design, scene, mode, predicted, shares, why)
+    return report.make_report(design, scene, mode, predicted, shares, why)
 
 
 def _shares(member: Member, scene: Scene) -> tuple[Share, ...]:
@@ -51,7 +51,7 @@ def _shares(member: Member, scene: Scene) -> tuple[Share, ...]:
     if member.row.speed_mm_s is None:
         return ()
     try:
-        return prediction.shares(member.design, member.mass, scene)
+        return prediction.variance_shares(member.design, member.mass, scene)
     except UnknownError as reason:
         raise InputError(
             f"‹uncertain›: {member.name}: {reason}: `simulate --uncertain` tells of such walkers"

@@ -42,7 +42,7 @@ class PredictReport(Report):
         return self.row.speed
 
 
-def of(
+def make_report(
     design: Design,
     scene: Scene,
     mode: str,
@@ -64,7 +64,9 @@ def of(
     title = design.name
     if len(walkers) == 1:
         (walker,) = walkers
-        title += f", {walker.design.kind} legs, tilt {walker.design.tilt_deg:g} deg: {prediction.sentence(walker.row)}"
+        title += (
+            f", {walker.design.kind} legs, tilt {walker.design.tilt_deg:g} deg: {prediction.describe_speed(walker.row)}"
+        )
     said = [title] if len(walkers) == 1 else []
     if why:
         said.append(speed_table.caption(design, scene, mode))

@@ -7,39 +7,45 @@ from typing import Any
 
 import numpy as np
 
-from walkergen.commands.selftest.case import SPACE, Case, Check, exactly
-from walkergen.commands.selftest.scenes import Array, advance, shaken
-from walkergen.commands.selftest.space_scenes import apart, quarter_turned, survives, thrown, unslowed
+from walkergen.commands.selftest.case import SPACE, Case, Check, check_fact
+from walkergen.commands.selftest.scenes import Array, advance, paper_drive
+from walkergen.commands.selftest.space_scenes import (
+    check_constant_velocity,
+    check_space_motion,
+    max_pose_difference,
+    moving_start,
+    quarter_turn,
+)
 from walkergen.core.printing.export import stl_bytes
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.plan import Plan, prepare
-from walkergen.core.simulation.space.model import mirrored
+from walkergen.core.simulation.space.model import mirror_state
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties, Spatial
 
-IMAGED = 6e-3
+COMPARISON_S = 6e-3
 """Time (s) after which images are compared, as for the paper's walker."""
 
-RUN = 0.15
+RUN_S = 0.15
 """Duration, s: some hundred landings of corners."""
 
-BALANCE = 1e-2, "second order in the steps, of landings inside a step"
+ENERGY_LIMIT = 1e-2, "second order in the steps, of landings inside a step"
 
-GROWN = "rounding, grown six times by each landing of a corner"
+ROUNDING_REASON = "rounding, grown six times by each landing of a corner"
 
 MIRROR = np.diag([-1.0, 1.0, 1.0])
 
-THREE: tuple[dict[str, Any], ...] = (
+THREE_LEGS: tuple[dict[str, Any], ...] = (
     {"along_mm": -7.0, "tilt_deg": 10.0},
     {"along_mm": 1.0, "tilt_deg": 10.0, "thickness_mm": 0.6, "width_mm": 5.0, "friction": 0.05},
     {"along_mm": 6.0, "tilt_deg": -10.0, "kind": "braced"},
 )
 """Three legs that differ in all but their height."""
 
-DISC = {"outline": "disc", "length_mm": 22.0, "thickness_mm": 2.0}
+DISC_BODY = {"outline": "disc", "length_mm": 22.0, "thickness_mm": 2.0}
 
-ONE_BRACED: tuple[dict[str, Any], ...] = ({"along_mm": -6.5, "kind": "braced"}, {"along_mm": 6.5})
+ONE_BRACED_LEG: tuple[dict[str, Any], ...] = ({"along_mm": -6.5, "kind": "braced"}, {"along_mm": 6.5})
 
 
 def _design(legs: Any, **tables: Any) -> Design:
@@ -49,22 +55,22 @@ def _design(legs: Any, **tables: Any) -> Design:
 
 def _plan(design: Design, mass: MassProperties | None = None, arena: str = "plane") -> Plan:
     """Plan of a design in space, shaken at 1.8 g."""
-    scene = Scene.model_validate({"arena": {"kind": arena}, "drive": shaken(1.8)})
+    scene = Scene.model_validate({"arena": {"kind": arena}, "drive": paper_drive(1.8)})
     return prepare(scene, design, solids.mass_of(design) if mass is None else mass)
 
 
-def _images() -> Iterator[Check]:
+def _check_mirror_image() -> Iterator[Check]:
     """Check that the mirror image of a walker on three unlike legs runs exactly the other way."""
-    design = _design(list(THREE))
-    turned = [leg | {"along_mm": -leg["along_mm"], "tilt_deg": -leg["tilt_deg"]} for leg in THREE[::-1]]
+    design = _design(list(THREE_LEGS))
+    turned = [leg | {"along_mm": -leg["along_mm"], "tilt_deg": -leg["tilt_deg"]} for leg in THREE_LEGS[::-1]]
     mass = solids.mass_of(design)
     plan, mirror_plan = _plan(design, mass), _plan(_design(turned), _mirrored_mass(mass))
-    state = thrown(plan)
-    other = mirrored(plan.world.walker, state)
-    advance(plan, state, IMAGED)
-    advance(mirror_plan, other, IMAGED)
-    off = apart(mirrored(plan.world.walker, state), other)
-    yield Check(f"after {IMAGED:g} s, mm", off, 1e-9, GROWN)
+    state = moving_start(plan)
+    other = mirror_state(plan.world.walker, state)
+    advance(plan, state, COMPARISON_S)
+    advance(mirror_plan, other, COMPARISON_S)
+    off = max_pose_difference(mirror_state(plan.world.walker, state), other)
+    yield Check(f"after {COMPARISON_S:g} s, mm", off, 1e-9, ROUNDING_REASON)
 
 
 def _mirrored_mass(mass: MassProperties) -> MassProperties:
@@ -83,56 +89,56 @@ def _mirrored_mass(mass: MassProperties) -> MassProperties:
     return mass._replace(legs=legs, spatial=whole)
 
 
-def _listed() -> Iterator[Check]:
+def _check_listed_legs() -> Iterator[Check]:
     """Check that two equal legs run to the last bit alike, listed one by one or not."""
     ends: list[Array] = []
     for legs in ({"tilt_deg": 10.0}, [{"tilt_deg": 10.0, "along_mm": x} for x in (-6.5, 6.5)]):
         plan = _plan(_design(legs))
-        state = thrown(plan)
-        advance(plan, state, RUN)
+        state = moving_start(plan)
+        advance(plan, state, RUN_S)
         ends.append(state)
     same = bool(np.array_equal(ends[0], ends[1]))
-    yield exactly("[legs] against [[legs]]: the same bits", same)
+    yield check_fact("[legs] against [[legs]]: the same bits", same)
 
 
-def _smooth() -> Iterator[Check]:
+def _check_no_friction() -> Iterator[Check]:
     """Check that own frictions of 0 leave the scene's without effect."""
-    yield unslowed(_plan(_design([leg | {"friction": 0.0} for leg in THREE])), RUN)
+    yield check_constant_velocity(_plan(_design([leg | {"friction": 0.0} for leg in THREE_LEGS])), RUN_S)
 
 
-def _survivors() -> Iterator[Check]:
+def _check_motions() -> Iterator[Check]:
     """Check runs of walkers of every kind: a physical end, every energy accounted for."""
     for about, design, arena in (
-        ("three unlike legs", _design(list(THREE)), "plane"),
-        ("one leg braced, one free", _design(list(ONE_BRACED)), "plane"),
-        ("disc between walls", _design(_on_disc(), body=DISC), "lane"),
+        ("three unlike legs", _design(list(THREE_LEGS)), "plane"),
+        ("one leg braced, one free", _design(list(ONE_BRACED_LEG)), "plane"),
+        ("disc between walls", _design(_disc_legs(), body=DISC_BODY), "lane"),
     ):
         plan = _plan(design, arena=arena)
-        yield from survives(plan, thrown(plan), RUN, about, BALANCE)
+        yield from check_space_motion(plan, moving_start(plan), RUN_S, about, ENERGY_LIMIT)
 
 
-def _on_disc() -> list[dict[str, Any]]:
+def _disc_legs() -> list[dict[str, Any]]:
     return [{"along_mm": x, "width_mm": 6.0} for x in (-5.0, 5.0)]
 
 
-def _disc() -> Iterator[Check]:
+def _check_disc() -> Iterator[Check]:
     """Check that a disc has no corners: on an endless plane it runs alike in every direction."""
-    plan = _plan(_design(_on_disc(), body=DISC))
+    plan = _plan(_design(_disc_legs(), body=DISC_BODY))
     reach = float(np.abs(plan.world.walker.corners[:, [0, 2]]).max())
     wide = np.hypot(*plan.world.walker.corners[:, [0, 2]].T).max()
     off = float(np.hypot(*plan.world.walker.centre[[0, 2]]))
     yield Check(
         "farthest point of its hull from C beyond its radius, mm", wide - 11.0, 2.0 * off, "twice C's way off O"
     )
-    yield exactly("its hull is as wide as long", abs(reach / wide - 1.0) < 0.02)
-    state = thrown(plan)
-    turned = quarter_turned(state)
-    advance(plan, state, IMAGED)
-    advance(plan, turned, IMAGED)
-    yield Check("quarter turn, mm", apart(quarter_turned(state), turned), 1e-9, GROWN)
+    yield check_fact("its hull is as wide as long", abs(reach / wide - 1.0) < 0.02)
+    state = moving_start(plan)
+    turned = quarter_turn(state)
+    advance(plan, state, COMPARISON_S)
+    advance(plan, turned, COMPARISON_S)
+    yield Check("quarter turn, mm", max_pose_difference(quarter_turn(state), turned), 1e-9, ROUNDING_REASON)
 
 
-def _forty() -> Iterator[Check]:
+def _check_forty_legs() -> Iterator[Check]:
     """Check a walker on forty legs, which stands on all of them at once."""
     legs = [
         {"along_mm": -12.0 + 1.25 * k, "across_mm": z, "width_mm": 2.0, "length_mm": 3.0}
@@ -140,13 +146,13 @@ def _forty() -> Iterator[Check]:
         for z in (-3.0, 3.0)
     ]
     plan = _plan(_design(legs))
-    state = plan.start(0.0, 0.0, 0.0)
+    state = plan.initial_state(0.0, 0.0, 0.0)
     off = float(np.abs(plan.feet(state)[:, 1]).max())
     yield Check("heights of forty feet that stand, mm", off, 1e-9, "rounding of a mesh's masses")
-    yield from survives(plan, thrown(plan), 4e-3, "forty legs", BALANCE)
+    yield from check_space_motion(plan, moving_start(plan), 4e-3, "forty legs", ENERGY_LIMIT)
 
 
-def _mesh() -> Iterator[Check]:
+def _check_mesh_body() -> Iterator[Check]:
     """Check that a box read from a file runs as the same box given by its lengths."""
     box = solids.build(Design()).body
     with tempfile.TemporaryDirectory() as folder:
@@ -156,20 +162,26 @@ def _mesh() -> Iterator[Check]:
         ends: list[Array] = []
         for body in ({}, {"mesh": str(path)}):
             plan = _plan(_design({"tilt_deg": 10.0, "width_mm": 8.0}, body=body))
-            state = thrown(plan)
-            advance(plan, state, IMAGED)
+            state = moving_start(plan)
+            advance(plan, state, COMPARISON_S)
             ends.append(state)
-    yield Check("after 6 ms, mm", apart(*ends), 1e-7, "rounding of masses, grown by landings")
+    yield Check("after 6 ms, mm", max_pose_difference(*ends), 1e-7, "rounding of masses, grown by landings")
 
 
 CASES = [
-    Case("space: mirror image of three unlike legs", "7", "mirror symmetry", SPACE, _images),
-    Case("space: two equal legs, listed or not", "7", "identity: equal walkers move equally", SPACE, _listed),
+    Case("space: mirror image of three unlike legs", "7", "mirror symmetry", SPACE, _check_mirror_image),
     Case(
-        "space: feet of another material without friction", "7", "Newton: momentum along a smooth plate", SPACE, _smooth
+        "space: two equal legs, listed or not", "7", "identity: equal walkers move equally", SPACE, _check_listed_legs
     ),
-    Case("space: unlike legs, mixed legs, a disc between walls", "7", "first law: energy book", SPACE, _survivors),
-    Case("space: a disc has no corners", "7", "symmetry under rotation", SPACE, _disc),
-    Case("space: forty legs", "7", "geometry: feet in one plane; first law", SPACE, _forty),
-    Case("space: a box from a file", "7", "identity: equal bodies move equally", SPACE, _mesh),
+    Case(
+        "space: feet of another material without friction",
+        "7",
+        "Newton: momentum along a smooth plate",
+        SPACE,
+        _check_no_friction,
+    ),
+    Case("space: unlike legs, mixed legs, a disc between walls", "7", "first law: energy book", SPACE, _check_motions),
+    Case("space: a disc has no corners", "7", "symmetry under rotation", SPACE, _check_disc),
+    Case("space: forty legs", "7", "geometry: feet in one plane; first law", SPACE, _check_forty_legs),
+    Case("space: a box from a file", "7", "identity: equal bodies move equally", SPACE, _check_mesh_body),
 ]

@@ -61,7 +61,7 @@ class Result(NamedTuple):
         return not (self.error or self.failing)
 
 
-def result_of(case: Case, checks: Sequence[Check], error: str, seconds: float) -> Result:
+def make_result(case: Case, checks: Sequence[Check], error: str, seconds: float) -> Result:
     """Return the result of a case from its checks."""
     return Result(case.section, case.name, case.source, case.on, tuple(checks), error, seconds)
 
@@ -75,9 +75,9 @@ def run_case(case: Case) -> Result:
         error = f"{type(raised).__name__}: {' '.join(str(raised).split())}"
     if not (checks or error):
         error = "it checked nothing"
-    return result_of(case, checks, error, time.perf_counter() - started)
+    return make_result(case, checks, error, time.perf_counter() - started)
 
 
-def exactly(what: str, holds: bool, reason: str = "a matter of yes or no") -> Check:
+def check_fact(what: str, holds: bool, reason: str = "a matter of yes or no") -> Check:
     """Check of a fact: value 0 when it holds, else 1; limit 0."""
     return Check(what, 0.0 if holds else 1.0, 0.0, reason)

@@ -4,13 +4,13 @@ from walkergen.commands.selftest import any_walker, geometry, impacts, meshes, s
 from walkergen.commands.selftest.case import Case
 
 
-def _place(case: Case) -> tuple[int, ...]:
+def _sort_key(case: Case) -> tuple[int, ...]:
     """Sort key of a case: its section of docs/physics.md by numbers, geometry last."""
     numbers = case.section.split(".")
     return tuple(int(n) for n in numbers) if numbers[0].isdigit() else (99,)
 
 
-_MODULES = impacts, space, space_contact, space_rest, any_walker, geometry, meshes
+_CASE_MODULES = impacts, space, space_contact, space_rest, any_walker, geometry, meshes
 
-CASES: tuple[Case, ...] = tuple(sorted((case for module in _MODULES for case in module.CASES), key=_place))
+CASES: tuple[Case, ...] = tuple(sorted((case for module in _CASE_MODULES for case in module.CASES), key=_sort_key))
 """Every case, sorted by the section of docs/physics.md that it answers."""

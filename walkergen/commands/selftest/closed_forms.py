@@ -42,10 +42,10 @@ def leg(design: Design) -> Shape:
         area, along = area + disc, along + disc * side + 2.0 / 3.0 * r**3
         second += disc * (side**2 + 0.5 * r**2) + 4.0 / 3.0 * side * r**3
     u, v = along / area, across / area
-    return Shape(area, *_turned(design, u, v), second - area * (u**2 + v**2))
+    return Shape(area, *_to_walker_axes(design, u, v), second - area * (u**2 + v**2))
 
 
-def cut_off(design: Design, segments: int) -> Shape:
+def polygon_deficit(design: Design, segments: int) -> Shape:
     """Return what the polygon of a round foot lacks of its half circle, to leading order in its edges.
 
     It lacks the same all along the arc, whose mean lies 2 r / pi from the circle's middle. Zero for other feet.
@@ -54,10 +54,10 @@ def cut_off(design: Design, segments: int) -> Shape:
         return Shape(0.0, 0.0, 0.0, 0.0)
     r = 0.5 * design.limbs[0].thickness
     area, off = math.pi**3 * r**2 / (12.0 * segments**2), 2.0 * r / math.pi
-    return Shape(area, *_turned(design, design.limbs[0].length - r + off, 0.0), area * (r**2 - off**2))
+    return Shape(area, *_to_walker_axes(design, design.limbs[0].length - r + off, 0.0), area * (r**2 - off**2))
 
 
-def without(whole: Shape, part: Shape) -> Shape:
+def subtract_part(whole: Shape, part: Shape) -> Shape:
     """Subtract a part from a figure, by parallel axes."""
     area = whole.area - part.area
     x, y = whole.x - part.area * (part.x - whole.x) / area, whole.y - part.area * (part.y - whole.y) / area
@@ -66,13 +66,13 @@ def without(whole: Shape, part: Shape) -> Shape:
     return Shape(area, x, y, second)
 
 
-def _turned(design: Design, u: float, v: float) -> tuple[float, float]:
+def _to_walker_axes(design: Design, u: float, v: float) -> tuple[float, float]:
     """Place along and across a leg, in the walker's directions."""
     sin, cos = math.sin(design.limbs[0].tilt), math.cos(design.limbs[0].tilt)
     return cos * v - sin * u, -sin * v - cos * u
 
 
-def brace_outside(design: Design) -> float:
+def brace_area_outside(design: Design) -> float:
     """Area (mm^2) that a flat-footed leg's brace adds to the leg.
 
     Where their centre lines are d apart the brace is within the leg up to d = (w - b) / 2 and clear

@@ -9,7 +9,7 @@ from fractions import Fraction
 Tensor = tuple[float, float, float]
 
 
-def follow(
+def resolve_impact(
     H: Tensor, velocity: tuple[float, float], restitution: float, friction: float
 ) -> tuple[Fraction, Fraction, Fraction, Fraction]:
     """Impulse (F_x, F_y), and velocity (v_x, v_y) after, by Poisson's law."""
@@ -19,7 +19,7 @@ def follow(
     p = F_x = Fraction(0)
     p_end: Fraction | None = None
     while True:
-        ratio = _ratio(xx, xy, v_x, mu)
+        ratio = _impulse_ratio(xx, xy, v_x, mu)
         s_x, s_y = xy + ratio * xx, yy + ratio * xy
         steps = []
         if v_x != 0 and s_x * v_x < 0:
@@ -38,7 +38,7 @@ def follow(
             return F_x, p, v_x, v_y
 
 
-def _ratio(xx: Fraction, xy: Fraction, v_x: Fraction, mu: Fraction) -> Fraction:
+def _impulse_ratio(xx: Fraction, xy: Fraction, v_x: Fraction, mu: Fraction) -> Fraction:
     """Ratio F_x / F_y: friction against the slip; at rest as much as holds the foot, or all."""
     if v_x != 0:
         return -mu if v_x > 0 else mu

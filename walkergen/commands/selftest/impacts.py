@@ -8,13 +8,13 @@ from fractions import Fraction
 import numpy as np
 
 from walkergen.commands.selftest import exact
-from walkergen.commands.selftest.case import IMPACT_LAW, Case, Check, exactly
-from walkergen.commands.selftest.scenes import LEG, design_of, masses
+from walkergen.commands.selftest.case import IMPACT_LAW, Case, Check, check_fact
+from walkergen.commands.selftest.scenes import LEG_LENGTH_MM, masses, paper_design
 from walkergen.core.theory import speed
 from walkergen.core.theory.impact import Impact, Kind, determinant, energy_change, resolve
-from walkergen.core.theory.tensors import InverseMass, feet, rigid
+from walkergen.core.theory.tensors import InverseMass, foot_tensors, rigid_tensor
 
-ROUNDING = "rounding of some ten operations, times the tensor's condition (up to 1e4)"
+ROUNDING_REASON = "rounding of some ten operations, times the tensor's condition (up to 1e4)"
 
 
 def _random_impacts(count: int, seed: int) -> Iterator[tuple[exact.Tensor, tuple[float, float], float, float]]:
@@ -31,7 +31,7 @@ def _random_impacts(count: int, seed: int) -> Iterator[tuple[exact.Tensor, tuple
         yield H, (v_x, -float(rng.uniform(0.1, 1.0))), e, mu
 
 
-def _distance(impact: Impact, expected: tuple[Fraction, ...], speed_before: float) -> float:
+def _relative_error(impact: Impact, expected: tuple[Fraction, ...], speed_before: float) -> float:
     """Largest difference from the exact impact, relative to impulse and speed."""
     F_x, F_y, v_x, v_y = expected
     impulse = float(max(abs(F_x), F_y))
@@ -43,27 +43,27 @@ def _distance(impact: Impact, expected: tuple[Fraction, ...], speed_before: floa
     )
 
 
-def _agrees_with_exact() -> Iterator[Check]:
+def _check_against_exact() -> Iterator[Check]:
     worst, kinds = 0.0, set()
     for H, v, e, mu in _random_impacts(400, seed=1):
         impact = resolve(H, v, e, mu)
-        worst = max(worst, _distance(impact, exact.follow(H, v, e, mu), math.hypot(*v)))
+        worst = max(worst, _relative_error(impact, exact.resolve_impact(H, v, e, mu), math.hypot(*v)))
         kinds.add((impact.kind, impact.sticks))
-    yield Check("400 impacts in exact fractions", worst, 1e-9, ROUNDING)
-    yield exactly(
+    yield Check("400 impacts in exact fractions", worst, 1e-9, ROUNDING_REASON)
+    yield check_fact(
         "every type of impact met, stuck and slipping",
         {kind for kind, _ in kinds} >= {*Kind} - {Kind.NONE} and len(kinds) >= 10,
     )
 
 
-def _no_friction() -> Iterator[Check]:
+def _check_no_friction() -> Iterator[Check]:
     sideways = 0.0
     for H, v, e, _ in _random_impacts(200, seed=5):
         sideways = max(sideways, abs(resolve(H, v, e, 0.0).F_x))
     yield Check("horizontal impulse", sideways, 0.0, "exact: 0 times the normal impulse")
 
 
-def _jamming() -> Iterator[Check]:
+def _check_jamming() -> Iterator[Check]:
     """Check sliding that presses the foot ever harder down, until it stops and sticks."""
     H, mu, e = (1.0, -0.9, 1.0), 2.0, 0.5
     out = resolve(H, (-0.5, -1.0), e, mu)
@@ -71,36 +71,36 @@ def _jamming() -> Iterator[Check]:
     v_stop = -1.0 + (H[2] + mu * H[1]) * stop
     stuck = (H[0] * H[2] - H[1] ** 2) / H[0]
     expected = (1 + e) * (stop - v_stop / stuck)
-    yield exactly(
+    yield check_fact(
         "slip stops while pressed, then sticks", out.kind == Kind.III_MIRRORED and bool(out.sticks) and out.v_x == 0.0
     )
     yield Check(
         "normal impulse against the closed form", abs(out.F_y / expected - 1), 1e-13, "rounding of some ten operations"
     )
     just_out = resolve(H, (-0.5, -1.0), e, H[2] / -H[1] * (1 - 1e-12))
-    yield exactly("finite at the border of jamming", math.isfinite(just_out.F_y))
+    yield check_fact("finite at the border of jamming", math.isfinite(just_out.F_y))
 
 
-def _rod(angle: float) -> exact.Tensor:
+def _rod_tensor(angle: float) -> exact.Tensor:
     """Inverse mass at the lower end of a rod of 1 g and 2 mm, `angle` (rad) from the plate."""
-    H = rigid(1.0, 1.0 / 3.0, np.array([math.cos(angle), -math.sin(angle)]))
+    H = rigid_tensor(1.0, 1.0 / 3.0, np.array([math.cos(angle), -math.sin(angle)]))
     return float(H.xx), float(H.xy), float(H.yy)
 
 
-def _painleve() -> Iterator[Check]:
+def _check_painleve_rod() -> Iterator[Check]:
     """Check a rod whose slip presses its end ever harder down: the slip stops in a tangential impact.
 
     Forces alone have no solution there, or two; the impulse is unique, however slowly the end approaches.
     """
     angles = np.radians(np.linspace(20.0, 85.0, 6501))
-    least = [xx[2] / abs(xx[1]) for xx in map(_rod, angles)]
+    least = [xx[2] / abs(xx[1]) for xx in map(_rod_tensor, angles)]
     yield Check(
         "least friction that jams a rod, against 4/3", abs(min(least) - 4.0 / 3.0), 1e-7, "angles 0.01 deg apart"
     )
     there = math.degrees(angles[int(np.argmin(least))] - math.atan(2.0))
     yield Check("where: tan = 2, deg", abs(there), 0.01, "angles 0.01 deg apart")
     for mu, degrees in itertools.product((2.0, 10.0), (50.0, 63.4, 72.0, 80.0)):
-        xx, xy, yy = H = _rod(math.radians(degrees))
+        xx, xy, yy = H = _rod_tensor(math.radians(degrees))
         if mu * xy <= yy:
             continue
         worst = gain = 0.0
@@ -112,11 +112,11 @@ def _painleve() -> Iterator[Check]:
             gain = max(gain, energy_change((1.0, -w), out))
             worst = max(worst, abs(out.F_y / expected - 1.0), abs(out.v_x))
         title = f"mu = {mu:g}, {degrees:g} deg"
-        yield Check(f"{title}: normal impulse against the closed form", worst, 1e-12, ROUNDING)
+        yield Check(f"{title}: normal impulse against the closed form", worst, 1e-12, ROUNDING_REASON)
         yield Check(f"{title}: energy gained, of 0.5 at most", gain, 1e-14, "rounding of the works' sum")
 
 
-def _singular() -> Iterator[Check]:
+def _check_singular_tensor() -> Iterator[Check]:
     """Check tensors of condition 1e8 to 1e12, held by friction: the impulse that stops the foot."""
     worst = det = 0.0
     for condition in (1e8, 1e10, 1e12):
@@ -133,7 +133,7 @@ def _singular() -> Iterator[Check]:
     yield Check("speed left, over H F", worst, 1e-15, "rounding of the impulse itself")
 
 
-def _energy() -> Iterator[Check]:
+def _check_energy() -> Iterator[Check]:
     for e, count, seed in ((1.0, 600, 3), (0.0, 200, 4)):
         gain = 0.0
         for H, v, _, mu in _random_impacts(count, seed):
@@ -142,7 +142,7 @@ def _energy() -> Iterator[Check]:
         yield Check(f"energy gained at e = {e:g}", gain, 1e-12, "rounding of the works' sum")
 
 
-def _stationary() -> Iterator[Check]:
+def _check_stationary_speed() -> Iterator[Check]:
     """Check that an impact at the closed form's speed gives no horizontal impulse."""
     worst, third = 0.0, True
     for H, _, e, mu in _random_impacts(400, seed=9):
@@ -153,15 +153,15 @@ def _stationary() -> Iterator[Check]:
         # rounding of v_x alone moves F_x by mu F_y eps v_x / v_x
         worst = max(worst, abs(out.F_x) / (out.F_y * max(mu, 1.0)))
         third = third and (abs(out.kind) in (3, 5) or e == 1.0)  # e = 1: a tie with II
-    yield Check("horizontal over normal impulse", worst, 1e-10, ROUNDING)
-    yield exactly("always type III", third)
+    yield Check("horizontal over normal impulse", worst, 1e-10, ROUNDING_REASON)
+    yield check_fact("always type III", third)
 
 
-def _upright_factors() -> Iterator[Check]:
+def _check_upright_walker() -> Iterator[Check]:
     """Check by symmetry: the feet of an upright walker push in opposite directions."""
 
     def factors(tilt: float, e: float, mu: float) -> speed.Factors:
-        return speed.factors(masses(design_of(tilt)), e, mu)
+        return speed.factors(masses(paper_design(tilt)), e, mu)
 
     mean = odd = jump = 0.0
     for e in (0.0, 0.8, 1.0):
@@ -177,7 +177,7 @@ def _upright_factors() -> Iterator[Check]:
     yield Check("mean at 1e-12 deg, over w", jump, 1e-9, "speed grows by at most 1e3 per degree below 0.05 deg")
 
 
-def _mirror() -> Iterator[Check]:
+def _check_mirror_image() -> Iterator[Check]:
     worst = 0.0
     for (xx, xy, yy), (v_x, v_y), e, mu in _random_impacts(300, seed=6):
         out = resolve((xx, xy, yy), (v_x, v_y), e, mu)
@@ -192,19 +192,19 @@ def _mirror() -> Iterator[Check]:
     yield Check("impulse and velocity of the mirror image", worst, 0.0, "exact: only signs differ")
 
 
-def _light_and_heavy_legs() -> Iterator[Check]:
+def _check_leg_masses() -> Iterator[Check]:
     """Check legs: light, H m / 3 -> P(c) / |c|^2 (docs/physics.md section 2); heavy, H > 0."""
-    design = design_of(10.0)
+    design = paper_design(10.0)
     reach = np.array(design.limbs[0].anchor_to_foot)
     worst, least = 0.0, math.inf
     for ratio in (1e-9, 1e-6, 1e-3, 1.0, 1e3):
         loose = masses(design, leg_mass=0.833 * ratio)
-        H = feet(loose)[0]
+        H = foot_tensors(loose)[0]
         least = min(least, determinant(float(H.xx), float(H.xy), float(H.yy)))
         if ratio <= 1e-6:
             m, M = float(loose.legs[0].m), float(loose.M)
             scaled = np.array([H.xx, H.xy, H.yy]) * m / 3.0
-            limit = np.array([reach[1] ** 2, -reach[0] * reach[1], reach[0] ** 2]) / LEG**2
+            limit = np.array([reach[1] ** 2, -reach[0] * reach[1], reach[0] ** 2]) / LEG_LENGTH_MM**2
             worst = max(worst, float(abs(scaled - limit).max()) * M / m)
     yield Check(
         "distance from the light leg's limit, over m/M",
@@ -212,10 +212,10 @@ def _light_and_heavy_legs() -> Iterator[Check]:
         2.0,
         "the next order of the limit is m/M times the body's own mobility",
     )
-    yield exactly("positive definite for m/M of 1e-9 to 1e3", least > 0.0)
+    yield check_fact("positive definite for m/M of 1e-9 to 1e3", least > 0.0)
 
 
-def _any_speed() -> Iterator[Check]:
+def _check_speed_scaling() -> Iterator[Check]:
     """Check that an impact scales with its speed to the last digit."""
     same = 0
     for H, v, e, mu in _random_impacts(40, seed=8):
@@ -224,7 +224,7 @@ def _any_speed() -> Iterator[Check]:
             slow = resolve(H, (math.ldexp(v[0], n), math.ldexp(v[1], n)), e, mu)
             grown = (math.ldexp(component, -n) for component in slow[:4])
             same += (*grown, *slow[4:]) == tuple(out)
-    yield exactly("240 impacts of 1e-298 to 1e298 mm/s", same == 240)
+    yield check_fact("240 impacts of 1e-298 to 1e298 mm/s", same == 240)
 
 
 CASES = [
@@ -233,28 +233,34 @@ CASES = [
         "6.3",
         "dimensional analysis: an impact is homogeneous in speed",
         IMPACT_LAW,
-        _any_speed,
+        _check_speed_scaling,
     ),
-    Case("upright walker: closed-form speeds", "6.1", "mirror symmetry", IMPACT_LAW, _upright_factors),
-    Case("no friction: one impact", "6.2", "Coulomb at mu = 0", IMPACT_LAW, _no_friction),
-    Case("jamming: one impact", "6.2", "Painleve 1895: an impact stops the slip; Coulomb", IMPACT_LAW, _jamming),
-    Case("painleve: a rod that slides and jams", "6.2", "Painleve 1895: mu >= 4/3 at tan = 2", IMPACT_LAW, _painleve),
-    Case("impact law in exact fractions", "6.3", "exact rational arithmetic", IMPACT_LAW, _agrees_with_exact),
-    Case("nearly singular tensor", "6.3", "exact rational arithmetic", IMPACT_LAW, _singular),
+    Case("upright walker: closed-form speeds", "6.1", "mirror symmetry", IMPACT_LAW, _check_upright_walker),
+    Case("no friction: one impact", "6.2", "Coulomb at mu = 0", IMPACT_LAW, _check_no_friction),
+    Case("jamming: one impact", "6.2", "Painleve 1895: an impact stops the slip; Coulomb", IMPACT_LAW, _check_jamming),
+    Case(
+        "painleve: a rod that slides and jams",
+        "6.2",
+        "Painleve 1895: mu >= 4/3 at tan = 2",
+        IMPACT_LAW,
+        _check_painleve_rod,
+    ),
+    Case("impact law in exact fractions", "6.3", "exact rational arithmetic", IMPACT_LAW, _check_against_exact),
+    Case("nearly singular tensor", "6.3", "exact rational arithmetic", IMPACT_LAW, _check_singular_tensor),
     Case(
         "stationary speed at any e and friction",
         "6.3",
         "Koumakis et al. 2016, eq. 15: no horizontal impulse",
         IMPACT_LAW,
-        _stationary,
+        _check_stationary_speed,
     ),
-    Case("energy in one impact", "6.4", "Poisson: no gain at e <= 1", IMPACT_LAW, _energy),
+    Case("energy in one impact", "6.4", "Poisson: no gain at e <= 1", IMPACT_LAW, _check_energy),
     Case(
         "legs of any mass: tensor",
         "6.5",
         "Routh: a thin rod's inertia about its hinge, m l^2 / 3",
         IMPACT_LAW,
-        _light_and_heavy_legs,
+        _check_leg_masses,
     ),
-    Case("mirror image: one impact", "6.13", "mirror symmetry", IMPACT_LAW, _mirror),
+    Case("mirror image: one impact", "6.13", "mirror symmetry", IMPACT_LAW, _check_mirror_image),
 ]

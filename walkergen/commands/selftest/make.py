@@ -10,18 +10,18 @@ from concurrent.futures import as_completed
 from concurrent.futures.process import BrokenProcessPool
 
 from walkergen.commands.selftest import catalogue
-from walkergen.commands.selftest.case import Case, Result, result_of, run_case
+from walkergen.commands.selftest.case import Case, Result, make_result, run_case
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress
 from walkergen.points import worker_pool
 
 
-def choose(only: str | None) -> list[Case]:
+def select_cases(only: str | None) -> list[Case]:
     """Select the cases whose section is `only` or lies below it, or whose name contains it.
 
     All cases for None. Raises InputError when there is none.
     """
-    cases = [case for case in catalogue.CASES if only is None or _named(case, only)]
+    cases = [case for case in catalogue.CASES if only is None or _is_selected(case, only)]
     if not cases:
         sections = list(dict.fromkeys(case.section for case in catalogue.CASES))
         names = [case.name for case in catalogue.CASES]
@@ -31,13 +31,13 @@ def choose(only: str | None) -> list[Case]:
     return cases
 
 
-def _named(case: Case, only: str) -> bool:
+def _is_selected(case: Case, only: str) -> bool:
     word = only.strip().lower()
     below = case.section == word or case.section.startswith(f"{word}.")
     return bool(word) and (below or word in case.name.lower())
 
 
-def run(cases: Sequence[Case], progress: Progress) -> tuple[list[Result], bool]:
+def run_cases(cases: Sequence[Case], progress: Progress) -> tuple[list[Result], bool]:
     """Run cases; results in their order, and whether all were run: Ctrl-C keeps those finished."""
     results: dict[int, Result] = {}
     progress("kernels", 0, len(cases))
@@ -63,7 +63,7 @@ def _run_in_processes(cases: Sequence[Case], workers: int) -> Iterator[tuple[int
             try:
                 yield index, future.result()
             except BrokenProcessPool:
-                yield index, result_of(cases[index], (), "its process, or one beside it, died", 0.0)
+                yield index, make_result(cases[index], (), "its process, or one beside it, died", 0.0)
 
 
 def _run_named(name: str) -> Result:

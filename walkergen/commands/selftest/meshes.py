@@ -6,13 +6,13 @@ from fractions import Fraction
 
 import numpy as np
 
-from walkergen.commands.selftest.case import GEOMETRY, Case, Check, exactly
+from walkergen.commands.selftest.case import GEOMETRY, Case, Check, check_fact
 from walkergen.core.shapes import joining, modeller
 from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker import mass
 from walkergen.readers.meshes import faults
 
-SECTIONS = 250_000
+CYLINDER_SIDES = 250_000
 """Sides of the cylinder: four triangles each, a million."""
 
 UP = np.array([0.0, 1.0, 0.0])
@@ -31,12 +31,12 @@ def _cylinder(sections: int, radius: float, height: float) -> Mesh:
     return Mesh(np.vstack([rim, rim + up, np.zeros(3), up]), np.concatenate([np.column_stack(side) for side in sides]))
 
 
-def _slivers() -> Iterator[Check]:
+def _check_slivers() -> Iterator[Check]:
     radius, height = 11.0, 2.0
-    turn = 2.0 * math.pi / SECTIONS
-    area = 0.5 * SECTIONS * radius**2 * math.sin(turn)
+    turn = 2.0 * math.pi / CYLINDER_SIDES
+    area = 0.5 * CYLINDER_SIDES * radius**2 * math.sin(turn)
     second = area * radius**2 * (2.0 + math.cos(turn)) / 6.0
-    weighed = mass.weigh(_cylinder(SECTIONS, radius, height), 1.0)
+    weighed = mass.weigh(_cylinder(CYLINDER_SIDES, radius, height), 1.0)
     reason = "rounding of a sum over a million slivers"
     yield Check("volume, relative", abs(weighed.volume / (area * height) - 1.0), 1e-12, reason)
     along = abs(float(weighed.tensor[2, 2]) / (second * height) - 1.0)
@@ -50,7 +50,7 @@ def _slivers() -> Iterator[Check]:
 def _box(size: tuple[float, float, float], place: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Mesh:
     """Box of a length, height and depth (mm) with its middle at a place."""
     length, height, depth = size
-    return joining.prism(np.array(place) - 0.5 * height * UP, UP, length, depth, height)
+    return joining.leg_prism(np.array(place) - 0.5 * height * UP, UP, length, depth, height)
 
 
 def _extents(mesh: Mesh) -> list[Fraction]:
@@ -59,7 +59,7 @@ def _extents(mesh: Mesh) -> list[Fraction]:
     return [Fraction(float(b)) - Fraction(float(a)) for a, b in zip(low, high, strict=True)]
 
 
-def _thin_walls() -> Iterator[Check]:
+def _check_thin_walls() -> Iterator[Check]:
     """Check a box with a cavity that leaves walls of 1e-9 mm: its difference of two boxes' moments."""
     for wall in (1e-3, 1e-6, 1e-9):
         outer = _box((20.0, 6.0, 8.0))
@@ -78,7 +78,7 @@ def _thin_walls() -> Iterator[Check]:
         yield Check(f"walls of {wall:g} mm: inertia, relative", turned, limit, reason)
 
 
-def _coincident() -> Iterator[Check]:
+def _check_coincident_faces() -> Iterator[Check]:
     """Check unions whose faces lie in one plane: whole, in part, one inside the other, and but for an ulp."""
     size = (20.0, 6.0, 8.0)
     for name, place, volume in (
@@ -88,12 +88,12 @@ def _coincident() -> Iterator[Check]:
         ("the same box twice", (0.0, 0.0, 0.0), 1.0),
         ("an ulp inside", (math.nextafter(20.0, 0.0), 0.0, 0.0), 2.0),
     ):
-        both = modeller.solid(_box(size)) + modeller.solid(_box(size, place))
-        union = modeller.mesh_of(modeller.evaluated(both))
-        yield exactly(f"{name}: one body", len(modeller.bodies(both)) == 1)
+        both = modeller.to_solid(_box(size)) + modeller.to_solid(_box(size, place))
+        union = modeller.to_mesh(modeller.check_solid(both))
+        yield check_fact(f"{name}: one body", len(modeller.split_bodies(both)) == 1)
         edges = np.concatenate([union.triangles[:, [i, j]] for i, j in ((0, 1), (1, 2), (2, 0))])
         pairs = {(int(i), int(j)) for i, j in edges}
-        yield exactly(f"{name}: closed", len(pairs) == len(edges) and all((j, i) in pairs for i, j in pairs))
+        yield check_fact(f"{name}: closed", len(pairs) == len(edges) and all((j, i) in pairs for i, j in pairs))
         faults.refuse(union, name)  # crossings too
         weighed = mass.weigh(union, 1.0)
         off = abs(weighed.volume / (volume * math.prod(size)) - 1.0)
@@ -101,8 +101,14 @@ def _coincident() -> Iterator[Check]:
 
 
 CASES = [
-    Case("a million slivers", "geometry", "regular polygon: area, second moment", GEOMETRY, _slivers),
-    Case("walls of 1e-9 mm", "geometry", "two boxes, in exact rational arithmetic", GEOMETRY, _thin_walls),
-    Case("coincident faces in a union", "geometry", "volumes of boxes; every edge twice", GEOMETRY, _coincident),
+    Case("a million slivers", "geometry", "regular polygon: area, second moment", GEOMETRY, _check_slivers),
+    Case("walls of 1e-9 mm", "geometry", "two boxes, in exact rational arithmetic", GEOMETRY, _check_thin_walls),
+    Case(
+        "coincident faces in a union",
+        "geometry",
+        "volumes of boxes; every edge twice",
+        GEOMETRY,
+        _check_coincident_faces,
+    ),
 ]
 """Hard cases of meshes and of unions."""

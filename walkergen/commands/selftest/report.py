@@ -8,11 +8,11 @@ from walkergen.commands.selftest.case import Check, Result
 from walkergen.files import report
 from walkergen.files.report import Report, Table
 
-KEYS = ("section", "case", "on", "source", "checks", "tightest", "value", "limit", "margin")
-WORDS = ("section", "case", "on", "source", "tightest")
+COLUMN_KEYS = ("section", "case", "on", "source", "checks", "tightest", "value", "limit", "margin")
+TEXT_COLUMNS = ("section", "case", "on", "source", "tightest")
 
 
-def of(results: Sequence[Result], whole: bool) -> Report:
+def make_report(results: Sequence[Result], whole: bool) -> Report:
     """Report of the cases that ran; `whole` says whether these are all."""
     rows = [row for result in results for row in _rows(result)]
     held = sum(result.holds for result in results)
@@ -21,7 +21,7 @@ def of(results: Sequence[Result], whole: bool) -> Report:
     return Report(
         name="selftest",
         title="Hard cases",
-        tables=[Table("selftest", rows, KEYS, report.every(KEYS, WORDS))],
+        tables=[Table("selftest", rows, COLUMN_KEYS, report.every(COLUMN_KEYS, TEXT_COLUMNS))],
         facts={"rows": [_facts(result) for result in results], "held": held, "failed": failed, "partial": not whole},
         lines=["sections: docs/physics.md", f"{len(results)} hard cases, {checks} checks: {held} hold, {failed} fail"],
     )
@@ -33,12 +33,12 @@ def _rows(result: Result) -> Iterator[tuple[str, ...]]:
     if result.error:
         yield (*start, result.error, "", "", "FAILED")
         return
-    for check in result.failing or [min(result.checks, key=_room)]:
-        margin = "exact" if _room(check) == math.inf else f"x {_room(check):.2g}"
+    for check in result.failing or [min(result.checks, key=_margin_factor)]:
+        margin = "exact" if _margin_factor(check) == math.inf else f"x {_margin_factor(check):.2g}"
         yield (*start, check.what, f"{check.value:.2g}", f"{check.limit:.2g}", margin if check.holds else "FAILED")
 
 
-def _room(check: Check) -> float:
+def _margin_factor(check: Check) -> float:
     """Limit over value: the factor by which the value could grow; 0 when it is not finite."""
     if not math.isfinite(check.value):
         return 0.0
@@ -48,11 +48,12 @@ def _room(check: Check) -> float:
 def _facts(result: Result) -> dict[str, Any]:
     """Case for JSON; values that are not finite become null."""
     checks = [
-        check._asdict() | {"value": _finite(check.value), "limit": _finite(check.limit), "holds": check.holds}
+        check._asdict()
+        | {"value": _finite_or_none(check.value), "limit": _finite_or_none(check.limit), "holds": check.holds}
         for check in result.checks
     ]
     return result._asdict() | {"checks": checks, "holds": result.holds}
 
 
-def _finite(value: float) -> float | None:
+def _finite_or_none(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None

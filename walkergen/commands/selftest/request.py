@@ -24,9 +24,9 @@ class SelftestRequest(request.Request):
         """Run the cases."""
         from walkergen.commands.selftest import make, report
 
-        jobs = make.choose(self.only)
-        results, whole = make.run(jobs, progress)
-        found = report.of(results, whole)
+        jobs = make.select_cases(self.only)
+        results, whole = make.run_cases(jobs, progress)
+        found = report.make_report(results, whole)
         if not whole:
             return replace(found, warnings=[f"interrupted after {len(results)} of {len(jobs)}"], code=130)
         return replace(found, code=0 if all(result.holds for result in results) else 1)

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.commands.selftest.case import Check, exactly
-from walkergen.core.scene import Scene, at_rest
+from walkergen.commands.selftest.case import Check, check_fact
+from walkergen.core.scene import Scene, still_plate_drive
 from walkergen.core.simulation import record
 from walkergen.core.simulation.plan import Plan, prepare
-from walkergen.core.simulation.run import ENDS, Outcome
+from walkergen.core.simulation.run import STATUS_OUTCOMES, Outcome
 from walkergen.core.simulation.world import OK
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.limbs import Limb
@@ -23,21 +23,21 @@ from walkergen.core.walker.mass import LegMass, MassProperties, Spatial
 
 Array = npt.NDArray[np.float64]
 
-LEG, HALF, TALL = 7.5, 6.5, 9.0
+LEG_LENGTH_MM, HALF_SPACING_MM, HEIGHT_MM = 7.5, 6.5, 9.0
 """Lengths of the paper's walker, mm: of a leg; half between the feet; height of O at tilt 0."""
 
-ENDS_OF_PHYSICS = Outcome.OK, Outcome.TOPPLED, Outcome.FOLDED
+PHYSICAL_OUTCOMES = Outcome.OK, Outcome.TOPPLED, Outcome.FOLDED
 
-STILL = at_rest(90.0)
+STILL_DRIVE = still_plate_drive(90.0)
 """Drive of a plate at rest: its amplitude vanishes against the rounding of any height."""
 
 
-def shaken(gamma: float) -> dict[str, float]:
+def paper_drive(gamma: float) -> dict[str, float]:
     """Drive at the paper's 90 Hz with a peak acceleration over g."""
     return {"frequency_hz": 90.0, "gamma": gamma}
 
 
-def design_of(tilt_deg: float) -> Design:
+def paper_design(tilt_deg: float) -> Design:
     """Design of the paper's walker."""
     return Design.model_validate({"legs": {"tilt_deg": tilt_deg}})
 
@@ -53,11 +53,11 @@ def masses(design: Design, leg_mass: float | None = None) -> MassProperties:
     J = M * (length**2 + thickness**2) / 12.0
     size = np.array([length, thickness, depth])
     box = M / 12.0 * np.diag([size[1] ** 2 + size[2] ** 2, size[0] ** 2 + size[2] ** 2, 12 * J / M])
-    legs = tuple(_leg(limb, density, leg_mass) for limb in design.limbs)
+    legs = tuple(_uniform_leg(limb, density, leg_mass) for limb in design.limbs)
     return MassProperties(M, J, legs, design.rigid, Spatial(0.0, box))
 
 
-def _leg(limb: Limb, density: float, leg_mass: float | None) -> LegMass:
+def _uniform_leg(limb: Limb, density: float, leg_mass: float | None) -> LegMass:
     m = density * limb.length * limb.thickness * limb.width
     m = 0.0 if limb.rigid else (m if leg_mass is None else leg_mass)
     c = 0.5 * np.array(limb.anchor_to_foot)
@@ -69,15 +69,15 @@ def _leg(limb: Limb, density: float, leg_mass: float | None) -> LegMass:
     return LegMass(m, inertia, anchor, c, c, limb.across, strip)
 
 
-def plan_of(tilt_deg: float = 10.0, leg_mass: float | None = None, **tables: Any) -> Plan:
+def paper_plan(tilt_deg: float = 10.0, leg_mass: float | None = None, **tables: Any) -> Plan:
     """Prepare the plan of the paper's walker at a tilt, in a scene of the given tables."""
-    design = design_of(tilt_deg)
+    design = paper_design(tilt_deg)
     return prepare(Scene.model_validate(tables), design, masses(design, leg_mass))
 
 
-def scaled(scale: float, run: Mapping[str, float] | None = None, **tables: Any) -> Plan:
+def scaled_paper_plan(scale: float, run: Mapping[str, float] | None = None, **tables: Any) -> Plan:
     """Plan of the paper's walker at 1.8 g, lengths x s, times x sqrt(s); Young's moduli x s keep springs similar."""
-    one = design_of(10.0)
+    one = paper_design(10.0)
     lengths = {
         name: {k: v * scale if k.endswith("_mm") else v for k, v in section.items()}
         for name, section in one.model_dump(include={"body", "legs"}, exclude_none=True).items()
@@ -95,23 +95,25 @@ def scaled(scale: float, run: Mapping[str, float] | None = None, **tables: Any) 
 
 def advance(plan: Plan, state: Array, seconds: float) -> tuple[Outcome, record.Tally]:
     """Advance `state` in place; how it ended, and the record."""
-    tally = record.new(len(state))
+    tally = record.new_tally(len(state))
     status = plan.advance(state, seconds, tally)
-    return (Outcome.OK if status == OK else ENDS[status]), tally
+    return (Outcome.OK if status == OK else STATUS_OUTCOMES[status]), tally
 
 
 Limit = tuple[float, str]
 """Limit of a check, and the reason why it is not tighter."""
 
 
-def endures(plan: Plan, state: Array, seconds: float, about: str, tolerance: Limit, deepest: Limit) -> Iterator[Check]:
+def check_motion(
+    plan: Plan, state: Array, seconds: float, about: str, tolerance: Limit, deepest: Limit
+) -> Iterator[Check]:
     """Yield checks of any motion, however extreme: a physical end, finite, over the plate, its energy balanced.
 
     Failed convergence and energy from nowhere are not among the ends of ENDS_OF_PHYSICS. `tolerance`: share of the
     exchanged energy that may be unaccounted for; `deepest`: depth of a foot below the plate, mm.
     """
     before, outcome, lowest = plan.energy(state), Outcome.OK, 0.0
-    sums = np.zeros_like(record.new(0).sums)
+    sums = np.zeros_like(record.new_tally(0).sums)
     for _ in range(40):
         outcome, tally = advance(plan, state, seconds / 40)
         sums += tally.sums
@@ -119,8 +121,8 @@ def endures(plan: Plan, state: Array, seconds: float, about: str, tolerance: Lim
         if outcome is not Outcome.OK:
             break
     finite = bool(np.isfinite(state).all() and np.isfinite(sums).all())
-    physical = outcome in ENDS_OF_PHYSICS
-    yield exactly(f"{about}: a physical end ({outcome.value}), finite", physical and finite)
+    physical = outcome in PHYSICAL_OUTCOMES
+    yield check_fact(f"{about}: a physical end ({outcome.value}), finite", physical and finite)
     error = record.energy_error(sums, plan.energy(state) - before, before)
     yield Check(f"{about}: energy unaccounted for", error, *tolerance)
     yield Check(f"{about}: foot below the plate, mm", -lowest, *deepest)

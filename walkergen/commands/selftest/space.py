@@ -5,9 +5,23 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from walkergen.commands.selftest.case import SPACE, Case, Check, exactly
-from walkergen.commands.selftest.scenes import STILL, Array, advance, masses, plan_of, scaled, shaken
-from walkergen.commands.selftest.space_scenes import apart, in_space, quarter_turned, reflected, thrown
+from walkergen.commands.selftest.case import SPACE, Case, Check, check_fact
+from walkergen.commands.selftest.scenes import (
+    STILL_DRIVE,
+    Array,
+    advance,
+    masses,
+    paper_drive,
+    paper_plan,
+    scaled_paper_plan,
+)
+from walkergen.commands.selftest.space_scenes import (
+    max_pose_difference,
+    mirror_image,
+    moving_start,
+    quarter_turn,
+    space_plan,
+)
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import record
 from walkergen.core.simulation.plan import Plan, prepare
@@ -31,14 +45,14 @@ from walkergen.core.simulation.space.state import (
 )
 from walkergen.core.walker.design import Design
 
-LANDED = 5e-3
+FIRST_LANDING_S = 5e-3
 """Time (s) after which the first corners of a drop from 0.05 mm have landed, on the way down."""
 
-IMAGED = 6e-3
+COMPARISON_S = 6e-3
 """Time (s) after which images are compared: overdamped feet that change between sticking and
 sliding amplify rounding by nine powers of ten in one more millisecond."""
 
-GROWN = "rounding, grown six times by each landing of a corner"
+ROUNDING_REASON = "rounding, grown six times by each landing of a corner"
 
 CONTACTS = (
     {"restitution": 0.9, "friction": 0.1},
@@ -46,87 +60,89 @@ CONTACTS = (
     {"restitution": 0.02, "friction": 0.25},
 )
 
-SPUN, TURNS = 2000.0, 10_000
+SPIN_RATE_RAD_S, SPIN_TURNS = 2000.0, 10_000
 """Rate (rad/s) and number of turns of the free top."""
 
-SHORT_US = 3.0
+TOP_STEP_US = 3.0
 """Step (us) of the free top: it flies by twice that, and turns by 0.012 rad."""
 
-TALL = 1e8
+FALL_HEIGHT_MM = 1e8
 """Height (mm) from which it falls in the meantime."""
 
 
-def _images() -> Iterator[Check]:
+def _check_images() -> Iterator[Check]:
     for contact in CONTACTS:
-        plan = in_space(drive=shaken(1.8), contact=contact)
+        plan = space_plan(drive=paper_drive(1.8), contact=contact)
         title = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
-        for name, image_of in (("mirror image", reflected), ("quarter turn", quarter_turned)):
-            state = thrown(plan)
+        for name, image_of in (("mirror image", mirror_image), ("quarter turn", quarter_turn)):
+            state = moving_start(plan)
             image = image_of(state)
-            advance(plan, state, IMAGED)
-            advance(plan, image, IMAGED)
-            yield Check(f"{title}: {name}, mm", apart(image_of(state), image), 1e-9, GROWN)
+            advance(plan, state, COMPARISON_S)
+            advance(plan, image, COMPARISON_S)
+            yield Check(f"{title}: {name}, mm", max_pose_difference(image_of(state), image), 1e-9, ROUNDING_REASON)
 
 
-def _held() -> Iterator[Check]:
+def _check_planar_motion() -> Iterator[Check]:
     """Check that roll and yaw come from rounding alone, and not at all when they are off."""
     for contact in CONTACTS:
         title = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
         for free in (True, False):
-            plan = in_space(drive=shaken(1.8), contact=contact, effects={"on" if free else "off": ["roll_and_yaw"]})
-            state = plan.start(0.05, 4e-3, 1.0)
+            plan = space_plan(
+                drive=paper_drive(1.8), contact=contact, effects={"on" if free else "off": ["roll_and_yaw"]}
+            )
+            state = plan.initial_state(0.05, 4e-3, 1.0)
             state[[V_X, W_Z]] = 12.0, 0.7
-            advance(plan, state, LANDED if free else 0.2)
+            advance(plan, state, FIRST_LANDING_S if free else 0.2)
             out = float(np.abs(state[[SHOWN_Y, HEADING, ROLL, C_Z]]).max())
             yield Check(
                 f"{title}: out of its plane, {'free' if free else 'held'}",
                 out,
                 1e-9 if free else 0.0,
-                GROWN if free else "exact: nothing moves it across",
+                ROUNDING_REASON if free else "exact: nothing moves it across",
             )
 
 
-def _tiny_roll() -> Iterator[Check]:
+def _check_tiny_roll() -> Iterator[Check]:
     """Check that no rule for ties decides: the first landings answer in proportion to the roll."""
     for contact in CONTACTS:
-        plan = in_space(drive=shaken(1.8), contact=contact)
+        plan = space_plan(drive=paper_drive(1.8), contact=contact)
         ends = []
         for roll in (0.0, 1e-9, 2e-9):
-            state = thrown(plan, roll)
+            state = moving_start(plan, roll)
             state[W_X : W_Z + 1] = 0.0, 0.0, 0.7
-            advance(plan, state, LANDED)
+            advance(plan, state, FIRST_LANDING_S)
             ends.append(state)
         title = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
         yield Check(
             f"{title}: answer to a roll of 1e-9 rad, mm",
-            apart(ends[0], ends[1]),
+            max_pose_difference(ends[0], ends[1]),
             1e-6,
             "4e-9 mm of a corner's height, grown six times by each landing of a corner",
         )
         yield Check(
             f"{title}: twice the roll, twice the answer, relative",
-            abs(apart(ends[0], ends[2]) / apart(ends[0], ends[1]) - 2.0),
+            abs(max_pose_difference(ends[0], ends[2]) / max_pose_difference(ends[0], ends[1]) - 2.0),
             0.2,
             "modes of the contacts change a few steps earlier or later",
         )
 
 
-def _top() -> Iterator[Check]:
+def _check_free_top() -> Iterator[Check]:
     """Check a braced walker that spins in free fall, nearly about its axis of largest inertia."""
     design = Design.model_validate({"legs": {"kind": "braced"}})
-    scene = Scene.model_validate({"drive": STILL, "arena": {"kind": "plane"}, "run": {"step_us": SHORT_US}})
+    scene = Scene.model_validate({"drive": STILL_DRIVE, "arena": {"kind": "plane"}, "run": {"step_us": TOP_STEP_US}})
     plan = prepare(scene, design, masses(design))
-    state = plan.start(TALL, 0.0, 0.0)
-    state[W_X : W_Z + 1] = 30.0, SPUN, 10.0
+    state = plan.initial_state(FALL_HEIGHT_MM, 0.0, 0.0)
+    state[W_X : W_Z + 1] = 30.0, SPIN_RATE_RAD_S, 10.0
     inertia = plan.world.walker.inertia
-    spin, turning = _momentum(plan, state), state[W_X : W_Z + 1]
+    spin, turning = _angular_momentum(plan, state), state[W_X : W_Z + 1]
     energy = 0.5 * float(turning @ inertia @ turning)
-    outcome, _ = advance(plan, state, TURNS * 2.0 * math.pi / SPUN)
+    outcome, _ = advance(plan, state, SPIN_TURNS * 2.0 * math.pi / SPIN_RATE_RAD_S)
     turning = state[W_X : W_Z + 1]
-    yield exactly(f"it ends well ({outcome.value})", outcome is Outcome.OK)
+    yield check_fact(f"it ends well ({outcome.value})", outcome is Outcome.OK)
     size = float(np.linalg.norm(state[Q_0 : Q_Z + 1]))
     yield Check("|q| - 1", abs(size - 1.0), 1e-12, "rounding: it is scaled in every step")
-    lost = float(np.abs(_momentum(plan, state) - spin).max() / np.abs(spin).max())
+    lost = float(np.abs(_angular_momentum(plan, state) - spin).max() / np.abs(spin).max())
     yield Check(
         "angular momentum, relative", lost, 1e-7, "second order in turns of 0.012 rad, and rounding of five million"
     )
@@ -134,13 +150,13 @@ def _top() -> Iterator[Check]:
     yield Check("energy, relative", change, 1e-6, "second order in turns of 0.02 rad, and bounded")
     yield Check(
         "headings count turns, relative",
-        abs(state[HEADING] / (2.0 * math.pi * TURNS) - 1.0),
+        abs(state[HEADING] / (2.0 * math.pi * SPIN_TURNS) - 1.0),
         1e-3,
         "it nutates: the rate of the yaw is that of the spin to the second order of the tilt, 2e-4",
     )
 
 
-def _momentum(plan: Plan, state: Array) -> Array:
+def _angular_momentum(plan: Plan, state: Array) -> Array:
     """Angular momentum about C, in the world's axes, g mm^2/s."""
     q, v = state[Q_0], state[Q_0 + 1 : Q_Z + 1]
     body = plan.world.walker.inertia @ state[W_X : W_Z + 1]
@@ -148,36 +164,41 @@ def _momentum(plan: Plan, state: Array) -> Array:
     return np.asarray(body + q * twice + np.cross(v, twice))
 
 
-def _turned() -> Iterator[Check]:
+def _check_heading_turns() -> Iterator[Check]:
     """Check a million turns of the heading, in what is shown and in the rotation itself."""
     turns = 2.0 * math.pi * 1_000_000
     for contact in CONTACTS:
-        plan = in_space(drive=shaken(1.8), contact=contact)
-        state, counted, rotated = thrown(plan), thrown(plan), thrown(plan)
+        plan = space_plan(drive=paper_drive(1.8), contact=contact)
+        state, counted, rotated = moving_start(plan), moving_start(plan), moving_start(plan)
         counted[HEADING] += turns
         half = 0.5 * turns  # rounded to 4e-10 rad
         q, i, j, k = state[Q_0 : Q_Z + 1]
         cos, sin = math.cos(half), math.sin(half)
         rotated[Q_0 : Q_Z + 1] = cos * q - sin * j, cos * i + sin * k, cos * j + sin * q, cos * k - sin * i
         for each in (state, counted, rotated):
-            advance(plan, each, IMAGED)
+            advance(plan, each, COMPARISON_S)
         title = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
         counted[HEADING] -= turns
         off = abs(float(counted[HEADING] - state[HEADING]))
         yield Check(
-            f"{title}: heading after {IMAGED:g} s, rad", off, 1e-8, "rounding of a million turns, in each frame"
+            f"{title}: heading after {COMPARISON_S:g} s, rad", off, 1e-8, "rounding of a million turns, in each frame"
         )
         counted[HEADING] = state[HEADING]
         reason = "the heading's rounding, 1e-9 rad, turns what feet hold on to; chaos makes 1 % of it in 0.1 s"
-        yield Check(f"{title}: all but the heading, mm", apart(counted, state), 1e-10, reason)
-        yield Check(f"{title}: turned itself, mm", apart(rotated, state), 1e-6, f"4e-10 rad of start; {GROWN}")
+        yield Check(f"{title}: all but the heading, mm", max_pose_difference(counted, state), 1e-10, reason)
+        yield Check(
+            f"{title}: turned itself, mm",
+            max_pose_difference(rotated, state),
+            1e-6,
+            f"4e-10 rad of start; {ROUNDING_REASON}",
+        )
 
 
-def _far() -> Iterator[Check]:
+def _check_far_origin() -> Iterator[Check]:
     """Check a start 2^30 mm along the plate: only where it is may know of it."""
     for contact in CONTACTS:
-        plan = in_space(drive=shaken(1.8), contact=contact)
-        state, far = thrown(plan), thrown(plan)
+        plan = space_plan(drive=paper_drive(1.8), contact=contact)
+        state, far = moving_start(plan), moving_start(plan)
         far[[SHOWN_X, C_X]] += 2.0**30
         for each in (state, far):
             advance(plan, each, 0.02)
@@ -185,10 +206,10 @@ def _far() -> Iterator[Check]:
         off = float(np.abs(far[[SHOWN_X, C_X]] - 2.0**30 - state[[SHOWN_X, C_X]]).max())
         yield Check(f"{title}: way in 0.02 s, mm", off, 1e-3, "rounding of 1e9 mm, 1.2e-7 mm, in each of 2000 steps")
         far[[SHOWN_X, C_X]] = state[[SHOWN_X, C_X]]
-        yield exactly(f"{title}: all else to the bit", bool(np.array_equal(far, state)))
+        yield check_fact(f"{title}: all else to the bit", bool(np.array_equal(far, state)))
 
 
-def _powers_of_two() -> Iterator[Check]:
+def _check_scaling() -> Iterator[Check]:
     """Check lengths x 4^n and times x 2^n: the scaled problem has the scaled result to the last bit.
 
     Every length of the code, of steps and tolerances too, must then be in units of walker and plate.
@@ -197,8 +218,8 @@ def _powers_of_two() -> Iterator[Check]:
     for power in (0, -5, -4, -1, 1, 4, 5):
         length, seconds = 4.0**power, 2.0**power
         # A given step: its own follows from powers of 0.4 and 2/3, which scale to rounding only
-        plan = scaled(length, {"step_us": 16.0 * seconds}, arena={"kind": "plane"})
-        state = plan.start(0.0625 * length, 4e-3, 1.0, 1e-3)
+        plan = scaled_paper_plan(length, {"step_us": 16.0 * seconds}, arena={"kind": "plane"})
+        state = plan.initial_state(0.0625 * length, 4e-3, 1.0, 1e-3)
         state[[V_X, V_Z]] = 12.0 * seconds, 3.0 * seconds
         state[W_Y] = 0.25 / seconds
         outcome, tally = advance(plan, state, 0.25 * seconds)
@@ -209,17 +230,17 @@ def _powers_of_two() -> Iterator[Check]:
         state = state[: LEGS + 2 * legs]
         if start is None:
             start = state
-            yield exactly("it runs and lands", outcome is Outcome.OK and tally.counts[record.IMPACTS] > 25)
+            yield check_fact("it runs and lands", outcome is Outcome.OK and tally.counts[record.IMPACTS] > 25)
         else:
             off = float(np.abs(state - start).max())
             yield Check(f"lengths x 4^{power}: state after 0.25 s x 2^{power}", off, 0.0, "exact: powers of two")
 
 
-def _upright() -> Iterator[Check]:
+def _check_upright_walker() -> Iterator[Check]:
     runs = {"seconds": 2.0, "discard_seconds": 0.5}
-    plan = plan_of(0.0, drive=shaken(1.8), arena={"kind": "plane"}, contact={"friction": 0.25}, run=runs)
+    plan = paper_plan(0.0, drive=paper_drive(1.8), arena={"kind": "plane"}, contact={"friction": 0.25}, run=runs)
     results = [simulate(plan, number) for number in range(8)]
-    yield exactly("all runs end well", all(result.outcome is Outcome.OK for result in results))
+    yield check_fact("all runs end well", all(result.outcome is Outcome.OK for result in results))
     speeds = np.array([result.speed for result in results])
     error = float(speeds.std(ddof=1) / math.sqrt(len(speeds)))
     yield Check(
@@ -232,18 +253,18 @@ def _upright() -> Iterator[Check]:
 
 
 CASES = [
-    Case("space: mirror image and quarter turn", "7", "mirror symmetry; isotropy of the plane", SPACE, _images),
-    Case("space: a symmetric start stays in its plane", "7", "mirror symmetry", SPACE, _held),
+    Case("space: mirror image and quarter turn", "7", "mirror symmetry; isotropy of the plane", SPACE, _check_images),
+    Case("space: a symmetric start stays in its plane", "7", "mirror symmetry", SPACE, _check_planar_motion),
     Case(
         "space: a roll of 1e-9 rad changes nothing at once",
         "7",
         "Cauchy: a motion is continuous in its start",
         SPACE,
-        _tiny_roll,
+        _check_tiny_roll,
     ),
-    Case("space: free top over 1e4 turns", "7", "Euler's top: energy and angular momentum", SPACE, _top),
-    Case("space: a million turns of the heading", "7", "isotropy of the plane", SPACE, _turned),
-    Case("space: 1e9 mm from the origin", "7", "translation along the plate", SPACE, _far),
-    Case("space: lengths x 4^n, times x 2^n", "7", "dimensional analysis", SPACE, _powers_of_two),
-    Case("space: upright walker goes nowhere", "7", "mirror symmetry", SPACE, _upright),
+    Case("space: free top over 1e4 turns", "7", "Euler's top: energy and angular momentum", SPACE, _check_free_top),
+    Case("space: a million turns of the heading", "7", "isotropy of the plane", SPACE, _check_heading_turns),
+    Case("space: 1e9 mm from the origin", "7", "translation along the plate", SPACE, _check_far_origin),
+    Case("space: lengths x 4^n, times x 2^n", "7", "dimensional analysis", SPACE, _check_scaling),
+    Case("space: upright walker goes nowhere", "7", "mirror symmetry", SPACE, _check_upright_walker),
 ]

@@ -6,71 +6,84 @@ from typing import Any
 
 import numpy as np
 
-from walkergen.commands.selftest.case import SPACE, Case, Check, exactly
-from walkergen.commands.selftest.scenes import STILL, advance, design_of, masses, shaken
-from walkergen.commands.selftest.space_scenes import apart, deepest_of, in_space, reflected, survives, thrown, unslowed
+from walkergen.commands.selftest.case import SPACE, Case, Check, check_fact
+from walkergen.commands.selftest.scenes import STILL_DRIVE, advance, masses, paper_design, paper_drive
+from walkergen.commands.selftest.space_scenes import (
+    check_constant_velocity,
+    check_space_motion,
+    max_compression,
+    max_pose_difference,
+    mirror_image,
+    moving_start,
+    space_plan,
+)
 from walkergen.core.scene import GRAVITY, PAPER_CONTACT, Scene
 from walkergen.core.simulation import record
 from walkergen.core.simulation.plan import prepare
 from walkergen.core.simulation.space.state import C_X, C_Z, Q_Z, V_X, V_Y, V_Z
-from walkergen.core.simulation.space.walker import mobility, walker_of
-from walkergen.core.walker.mass import as_rigid
+from walkergen.core.simulation.space.walker import make_walker, mobility
+from walkergen.core.walker.mass import to_rigid
 
-RUN = 0.3
+RUN_S = 0.3
 """Duration, s: some hundred landings of corners."""
 
-TOUCHED, GAP = 2e-5, 8.5
+FIRST_TOUCH_S, LANE_GAP_MM = 2e-5, 8.5
 """Time (s) of the first touch of a wall and the plate, and the gap (mm) of the lane."""
 
-BOUNCED = 0.5
+BOUNCES_S = 0.5
 """Duration (s) of free bounces: a hundred landings of corners and more."""
 
-BALANCE = 1e-2, "second order in the steps, of landings inside a step; up to 2e-3 at the feet's own step"
+ENERGY_LIMIT = 1e-2, "second order in the steps, of landings inside a step; up to 2e-3 at the feet's own step"
 
-CUT = 0.1, "where no modes of the contacts agree in a step, forces are cut to the cone: some percent in one step"
-
-
-def _smooth() -> Iterator[Check]:
-    plan = in_space(drive=shaken(1.8), contact={"friction": 0.0, "restitution": 0.5})
-    yield unslowed(plan, RUN)
+CONE_CUT_LIMIT = (
+    0.1,
+    "where no modes of the contacts agree in a step, forces are cut to the cone: some percent in one step",
+)
 
 
-def _rough() -> Iterator[Check]:
+def _check_no_friction() -> Iterator[Check]:
+    plan = space_plan(drive=paper_drive(1.8), contact={"friction": 0.0, "restitution": 0.5})
+    yield check_constant_velocity(plan, RUN_S)
+
+
+def _check_friction() -> Iterator[Check]:
     for tilt, friction in ((10.0, 0.23), (10.0, 0.3), (10.0, 1e3), (20.0, 0.3), (35.0, 1.0)):
         for label in (0.02, 0.5, 1.0):
-            plan = in_space(tilt, drive=shaken(1.8), contact={"friction": friction, "restitution": label})
+            plan = space_plan(tilt, drive=paper_drive(1.8), contact={"friction": friction, "restitution": label})
             title = f"{tilt:g} deg, mu = {friction:g}, e = {label:g}"
-            yield from survives(plan, thrown(plan), RUN, title, CUT if friction > 1.0 else BALANCE)
+            yield from check_space_motion(
+                plan, moving_start(plan), RUN_S, title, CONE_CUT_LIMIT if friction > 1.0 else ENERGY_LIMIT
+            )
 
 
-def _without_slip() -> Iterator[Check]:
+def _check_zero_slip() -> Iterator[Check]:
     """Check a landing at a tangential velocity of exactly zero: the limit of slow slips."""
     for friction in (0.1, 0.25, 2.0):
-        plan = in_space(drive=STILL, contact={"friction": friction, "restitution": 0.5})
+        plan = space_plan(drive=STILL_DRIVE, contact={"friction": friction, "restitution": 0.5})
         ends = []
         for slip in (0.0, 1e-9, -1e-9):
-            state = plan.start(0.0, 4e-3, 0.0, 2e-3)
+            state = plan.initial_state(0.0, 4e-3, 0.0, 2e-3)
             state[[V_X, V_Y]] = slip, -20.0
             advance(plan, state, 2e-3)
             ends.append(state)
         finite = all(bool(np.isfinite(state).all()) for state in ends)
-        yield exactly(f"mu = {friction:g}: finite", finite)
+        yield check_fact(f"mu = {friction:g}: finite", finite)
         yield Check(
             f"mu = {friction:g}: end without slip against slips of +-1e-9 mm/s, mm",
-            max(apart(ends[0], ends[1]), apart(ends[0], ends[2])),
+            max(max_pose_difference(ends[0], ends[1]), max_pose_difference(ends[0], ends[2])),
             1e-9,
             "2e-12 mm of way, grown by a landing",
         )
 
 
-def _lossless() -> Iterator[Check]:
+def _check_lossless_bounces() -> Iterator[Check]:
     """Check that free bounces of undamped smooth feet gain no energy, and lose little of it by the step."""
     for tilt in (5.0, 10.0, 20.0, 35.0):
-        own = 1e6 * in_space(tilt, drive=shaken(1.8)).world.options.step
-        whole, fine = _changes(tilt, own), _changes(tilt, own / 16.0)
+        own = 1e6 * space_plan(tilt, drive=paper_drive(1.8)).world.options.step
+        whole, fine = _energy_changes(tilt, own), _energy_changes(tilt, own / 16.0)
         gained = max(max(change for change, _ in whole), 0.0)
         yield Check(
-            f"{tilt:g} deg: energy gained in {BOUNCED:g} s, relative", gained, 0.02, "steps of second order lose it"
+            f"{tilt:g} deg: energy gained in {BOUNCES_S:g} s, relative", gained, 0.02, "steps of second order lose it"
         )
         lost = max(-math.log1p(change) / landings for change, landings in whole)
         yield Check(
@@ -88,47 +101,47 @@ def _lossless() -> Iterator[Check]:
         )
 
 
-def _changes(tilt: float, step_us: float) -> list[tuple[float, int]]:
+def _energy_changes(tilt: float, step_us: float) -> list[tuple[float, int]]:
     """Relative change of energy over the bounces of ten drops that differ, and the landings of corners in each.
 
     Energies count from the walker that stands.
     """
-    plan = in_space(
+    plan = space_plan(
         tilt,
-        drive=STILL,
+        drive=STILL_DRIVE,
         contact={"friction": 0.0, "restitution": 1.0},
         legs={"damping_ratio": 0.0},
         run={"step_us": step_us},
     )
     changes = []
     for place in np.linspace(-1.0, 1.0, 10):
-        state = plan.start(0.5 + 0.1 * place, 4e-3 * place, 0.0, 3e-3 + 1e-3 * place)
-        at_rest = plan.energy(plan.start(0.0, 0.0, 0.0))
+        state = plan.initial_state(0.5 + 0.1 * place, 4e-3 * place, 0.0, 3e-3 + 1e-3 * place)
+        at_rest = plan.energy(plan.initial_state(0.0, 0.0, 0.0))
         before = plan.energy(state) - at_rest
-        _, tally = advance(plan, state, BOUNCED)
+        _, tally = advance(plan, state, BOUNCES_S)
         changes.append(((plan.energy(state) - at_rest) / before - 1.0, int(tally.counts[record.IMPACTS])))
     return changes
 
 
-def _stiffness() -> Iterator[Check]:
+def _check_stiffness() -> Iterator[Check]:
     tips: dict[str, dict[str, Any]] = {
         "tips a hundred times softer": {"plate": {"youngs_modulus_gpa": 0.0167}},
         "tips a hundred times stiffer": {"feet": {"tip_radius_um": 5e4}},
         "rigid tips": {"feet": {"rigid_tips": True}},
     }
     for title, tables in tips.items():
-        plan = in_space(drive=shaken(1.8), contact={"restitution": 0.5}, **tables)
-        yield from survives(plan, thrown(plan), RUN, title, BALANCE)
+        plan = space_plan(drive=paper_drive(1.8), contact={"restitution": 0.5}, **tables)
+        yield from check_space_motion(plan, moving_start(plan), RUN_S, title, ENERGY_LIMIT)
 
 
-def _frozen() -> Iterator[Check]:
+def _check_frozen_joints() -> Iterator[Check]:
     """Check joints without give: inverse mass and motion of the same walker without joints, on a soft plate."""
     tilt, modulus = 20.0, 9000.0
-    design = design_of(tilt)
+    design = paper_design(tilt)
     stiff = design.model_copy(update={"material": design.material.model_copy(update={"youngs_modulus_gpa": modulus})})
     scene = Scene.model_validate(
         {
-            "drive": STILL,
+            "drive": STILL_DRIVE,
             "arena": {"kind": "plane"},
             "contact": {"restitution": 0.5},
             "plate": {"youngs_modulus_gpa": 0.1},
@@ -136,8 +149,8 @@ def _frozen() -> Iterator[Check]:
         }
     )
     loose = prepare(scene, stiff, masses(stiff))
-    case = loose.case._replace(mass=as_rigid(masses(stiff)))
-    joined, _ = walker_of(case, loose.resolved)
+    case = loose.case._replace(mass=to_rigid(masses(stiff)))
+    joined, _ = make_walker(case, loose.resolved)
     joined = joined._replace(damper=loose.world.walker.damper)  # given for a corner of its own leg's mass
     braced = loose._replace(world=loose.world._replace(walker=joined))
     walker = loose.world.walker
@@ -151,7 +164,7 @@ def _frozen() -> Iterator[Check]:
     )
     ends = []
     for plan in (loose, braced):
-        state = plan.start(0.05, 4e-3, 0.0, 2e-3)
+        state = plan.initial_state(0.05, 4e-3, 0.0, 2e-3)
         advance(plan, state, 8e-3)
         ends.append(state[C_X : Q_Z + 1])
     yield Check(
@@ -162,55 +175,63 @@ def _frozen() -> Iterator[Check]:
     )
 
 
-def _corner_of_lane() -> Iterator[Check]:
+def _check_wall_and_plate() -> Iterator[Check]:
     """Check edges that touch a wall in the step in which feet touch the plate."""
     for label in (0.02, 0.5, 1.0):
-        plan = in_space(
-            drive=STILL,
-            arena={"kind": "lane", "gap_mm": GAP, "wall_restitution": label},
+        plan = space_plan(
+            drive=STILL_DRIVE,
+            arena={"kind": "lane", "gap_mm": LANE_GAP_MM, "wall_restitution": label},
             contact={"restitution": label},
         )
-        state = plan.start(0.0, 0.0, 0.0)
+        state = plan.initial_state(0.0, 0.0, 0.0)
         state[C_Z] = 0.25
         state[[V_X, V_Y, V_Z]] = 10.0, -20.0, 30.0
-        other = reflected(state)
+        other = mirror_image(state)
         touched = state.copy()
-        advance(plan, touched, TOUCHED)
-        pushed = bool(touched[V_Z] < 30.0 and touched[V_Y] > -20.0 - GRAVITY * TOUCHED)
-        yield exactly(f"e = {label:g}: wall and plate push at once", pushed)
+        advance(plan, touched, FIRST_TOUCH_S)
+        pushed = bool(touched[V_Z] < 30.0 and touched[V_Y] > -20.0 - GRAVITY * FIRST_TOUCH_S)
+        yield check_fact(f"e = {label:g}: wall and plate push at once", pushed)
         title = f"e = {label:g}: both walls, alike, mm"
         direct = state.copy()
         advance(plan, direct, 1e-3)
         advance(plan, other, 1e-3)
-        yield Check(title, apart(reflected(direct), other), 1e-9, "rounding, grown by landings")
-        yield from survives(plan, state, RUN, f"e = {label:g}", BALANCE)
-        play = 0.5 * (GAP - plan.case.design.size.depth)
+        yield Check(title, max_pose_difference(mirror_image(direct), other), 1e-9, "rounding, grown by landings")
+        yield from check_space_motion(plan, state, RUN_S, f"e = {label:g}", ENERGY_LIMIT)
+        play = 0.5 * (LANE_GAP_MM - plan.case.design.size.depth)
         yield Check(
             f"e = {label:g}: middle of the walker beyond its play between the walls, mm",
             max(abs(float(state[C_Z])) - play, 0.0),
-            deepest_of(plan, math.hypot(10.0, 20.0, 30.0)),
+            max_compression(plan, math.hypot(10.0, 20.0, 30.0)),
             "all of the walker on one corner against a wall, at the speed of its start",
         )
 
 
 CASES = [
-    Case("space: no friction, no push along the plate", "7", "Newton: momentum along a smooth plate", SPACE, _smooth),
-    Case("space: friction, jamming and beyond", "7", "first law: energy book; Coulomb's cone", SPACE, _rough),
-    Case("space: landing without slip", "7", "Coulomb: continuous in the slip", SPACE, _without_slip),
+    Case(
+        "space: no friction, no push along the plate",
+        "7",
+        "Newton: momentum along a smooth plate",
+        SPACE,
+        _check_no_friction,
+    ),
+    Case("space: friction, jamming and beyond", "7", "first law: energy book; Coulomb's cone", SPACE, _check_friction),
+    Case("space: landing without slip", "7", "Coulomb: continuous in the slip", SPACE, _check_zero_slip),
     Case(
         "space: undamped smooth feet keep their energy",
         "7",
         "first law: no loss without damper or slip",
         SPACE,
-        _lossless,
+        _check_lossless_bounces,
     ),
     Case(
         "space: feet a hundred times softer and stiffer",
         "7",
         "first law: energy book; static stiffness",
         SPACE,
-        _stiffness,
+        _check_stiffness,
     ),
-    Case("space: stiff hinges and twist are braced legs", "7", "rigid bodies: parallel axes", SPACE, _frozen),
-    Case("space: wall and plate in one step", "7", "mirror symmetry; first law", SPACE, _corner_of_lane),
+    Case(
+        "space: stiff hinges and twist are braced legs", "7", "rigid bodies: parallel axes", SPACE, _check_frozen_joints
+    ),
+    Case("space: wall and plate in one step", "7", "mirror symmetry; first law", SPACE, _check_wall_and_plate),
 ]

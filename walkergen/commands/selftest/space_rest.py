@@ -6,10 +6,16 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from walkergen.commands.selftest.case import SPACE, Case, Check, exactly
-from walkergen.commands.selftest.scenes import HALF, STILL, Array, advance, shaken
-from walkergen.commands.selftest.space_scenes import CALM, apart, in_space, settled, wound_up
-from walkergen.core.scene import AT_REST, GRAVITY
+from walkergen.commands.selftest.case import SPACE, Case, Check, check_fact
+from walkergen.commands.selftest.scenes import HALF_SPACING_MM, STILL_DRIVE, Array, advance, paper_drive
+from walkergen.commands.selftest.space_scenes import (
+    SETTLING_S,
+    friction_windup,
+    max_pose_difference,
+    resting_state,
+    space_plan,
+)
+from walkergen.core.scene import GRAVITY, REST_GAMMA
 from walkergen.core.simulation import record
 from walkergen.core.simulation.plan import Plan
 from walkergen.core.simulation.run import Outcome
@@ -30,35 +36,35 @@ from walkergen.core.simulation.space.state import (
     W_Z,
 )
 
-STOOD = 5.0
+STANDING_S = 5.0
 """Time (s) for which a walker that stands is watched."""
 
-AWAKE = 0.02
+AWAKE_STEP_S = 0.02
 """Time (s) for which a walker at rest is still followed step by step."""
 
-LONG = 1e5
+LONG_REST_S = 1e5
 """Duration of a long rest, s."""
 
-RAISED = 0.02
+RAISED_CORNER_MM = 0.02
 """Height (mm) of one uneven corner."""
 
-FIRST_RATE, FRICTION = 20.0, 0.25
+INITIAL_SPIN_RAD_S, FRICTION = 20.0, 0.25
 """Rate (rad/s) of the spin, and the friction that stops it."""
 
 
-def _spin() -> Iterator[Check]:
+def _check_spin() -> Iterator[Check]:
     """Check a spin on four corners against Coulomb friction on the circle through them."""
     for tilt in (0.0, 10.0, 20.0):
-        plan = in_space(tilt, drive=STILL, contact={"friction": FRICTION, "restitution": 0.3})
-        state = settled(plan)
-        state[[W_Y, QUIET]] = FIRST_RATE, 0.0
-        start, reach = state.copy(), math.hypot(HALF, 0.5 * plan.case.design.size.depth)
+        plan = space_plan(tilt, drive=STILL_DRIVE, contact={"friction": FRICTION, "restitution": 0.3})
+        state = resting_state(plan)
+        state[[W_Y, QUIET]] = INITIAL_SPIN_RAD_S, 0.0
+        start, reach = state.copy(), math.hypot(HALF_SPACING_MM, 0.5 * plan.case.design.size.depth)
         walker = plan.world.walker
         torque = FRICTION * walker.mass * GRAVITY * reach
-        turn = 0.5 * walker.inertia[1, 1] * FIRST_RATE**2 / torque
-        stops = 2.0 * turn / FIRST_RATE
+        turn = 0.5 * walker.inertia[1, 1] * INITIAL_SPIN_RAD_S**2 / torque
+        stops = 2.0 * turn / INITIAL_SPIN_RAD_S
         advance(plan, state, 1.2 * stops)
-        stopped, rings = state.copy(), 2.0 * wound_up(plan) / reach
+        stopped, rings = state.copy(), 2.0 * friction_windup(plan) / reach
         advance(plan, state, 0.5)
         title = f"{tilt:g} deg"
         yield Check(
@@ -84,7 +90,7 @@ def _spin() -> Iterator[Check]:
             yield Check(f"{title}: drift, mm", drift, 1e-9, "none by symmetry; rounding")
 
 
-def _raised(plan: Plan, height: float) -> Plan:
+def _raise_corner(plan: Plan, height: float) -> Plan:
     """Plan whose corner 1 is higher than the others by `height`, mm."""
     walker = plan.world.walker
     reach = walker.reach.copy()
@@ -92,45 +98,46 @@ def _raised(plan: Plan, height: float) -> Plan:
     return plan._replace(world=plan.world._replace(walker=walker._replace(reach=reach)))
 
 
-def _awake(plan: Plan, state: Array, seconds: float) -> None:
+def _advance_awake(plan: Plan, state: Array, seconds: float) -> None:
     """Advance a walker that would otherwise ride on the plate once it has come to rest."""
-    for _ in range(round(seconds / AWAKE)):
+    for _ in range(round(seconds / AWAKE_STEP_S)):
         state[QUIET] = 0.0
-        advance(plan, state, AWAKE)
+        advance(plan, state, AWAKE_STEP_S)
 
 
-def _stands() -> Iterator[Check]:
+def _check_standing() -> Iterator[Check]:
     for tilt in (0.0, 10.0, 20.0, 35.0):
-        for height in (0.0, RAISED):
-            plan = in_space(tilt, drive=STILL, contact={"friction": FRICTION, "restitution": 0.3})
-            plan = _raised(plan, height)
-            state = plan.start(0.0, 0.0, 0.0)
-            _awake(plan, state, CALM)
+        for height in (0.0, RAISED_CORNER_MM):
+            plan = space_plan(tilt, drive=STILL_DRIVE, contact={"friction": FRICTION, "restitution": 0.3})
+            plan = _raise_corner(plan, height)
+            state = plan.initial_state(0.0, 0.0, 0.0)
+            _advance_awake(plan, state, SETTLING_S)
             before = state.copy()
-            _awake(plan, state, STOOD)
+            _advance_awake(plan, state, STANDING_S)
             how = f"one corner {1e3 * height:g} um high" if height else "even"
             yield Check(
-                f"{tilt:g} deg, {how}: creep in {STOOD:g} s of a walker kept awake, mm or rad",
-                apart(state, before),
-                2.0 * wound_up(plan),
+                f"{tilt:g} deg, {how}: creep in {STANDING_S:g} s of a walker kept awake, mm or rad",
+                max_pose_difference(state, before),
+                2.0 * friction_windup(plan),
                 "what friction lets springs swing, however long",
             )
 
 
-def _long_rest() -> Iterator[Check]:
+def _check_long_rest() -> Iterator[Check]:
     """Check 1e5 s on a plate that moves but cannot throw the walker: no creep, at no cost."""
-    for gamma in (AT_REST, 0.5):
-        plan = in_space(
-            drive=STILL if gamma == AT_REST else shaken(gamma), contact={"friction": 0.6, "restitution": 0.3}
+    for gamma in (REST_GAMMA, 0.5):
+        plan = space_plan(
+            drive=STILL_DRIVE if gamma == REST_GAMMA else paper_drive(gamma),
+            contact={"friction": 0.6, "restitution": 0.3},
         )
-        state, legs = settled(plan), len(plan.world.walker.stiffness)
+        state, legs = resting_state(plan), len(plan.world.walker.stiffness)
         state[[V_X, V_Y, V_Z, W_X, W_Y, W_Z, LEGS + legs]] += 1e-3  # whose energy then is lost
         before, energy, started = state.copy(), plan.energy(state), time.process_time()
-        outcome, tally = advance(plan, state, LONG)
+        outcome, tally = advance(plan, state, LONG_REST_S)
         title = f"{gamma:g} g"
-        yield exactly(f"{title}: it ends well ({outcome.value})", outcome is Outcome.OK)
+        yield check_fact(f"{title}: it ends well ({outcome.value})", outcome is Outcome.OK)
         moved = float(np.abs(state - before)[[SHOWN_X, SHOWN_Y, HEADING, PITCH, ROLL]].max())
-        yield Check(f"{title}: way in {LONG:g} s, mm or rad", moved, 0.0, "exact: it rides on the plate")
+        yield Check(f"{title}: way in {LONG_REST_S:g} s, mm or rad", moved, 0.0, "exact: it rides on the plate")
         rates = float(np.abs(state[[V_X, V_Z, W_X, W_Y, W_Z, *range(LEGS + legs, LEGS + 2 * legs)]]).max())
         yield Check(f"{title}: rates, mm/s or rad/s", rates, 0.0, "exact: it rides on the plate")
         cost = time.process_time() - started
@@ -140,18 +147,18 @@ def _long_rest() -> Iterator[Check]:
         yield Check(f"{title}: energy from nowhere, relative", abs(gained) / whole, 1e-9, "rounding")
 
 
-def _rights_itself() -> Iterator[Check]:
+def _check_righting() -> Iterator[Check]:
     for tilt in (0.0, 10.0):
-        plan = in_space(tilt, drive=STILL, contact={"friction": FRICTION, "restitution": 0.3})
+        plan = space_plan(tilt, drive=STILL_DRIVE, contact={"friction": FRICTION, "restitution": 0.3})
         # It topples where C stands over the edge of its feet
-        level = plan.start(0.0, 0.0, 0.0)
+        level = plan.initial_state(0.0, 0.0, 0.0)
         edge = math.atan2(0.5 * plan.case.design.size.depth, float(level[C_Y]))
         for side in (1.0, -1.0):
             for beyond, wanted in ((-3e-3, Outcome.OK), (3e-3, Outcome.TOPPLED)):
-                state = plan.start(0.0, 0.0, 0.0, side * (edge + beyond))
+                state = plan.initial_state(0.0, 0.0, 0.0, side * (edge + beyond))
                 outcome, _ = advance(plan, state, 1.0)
                 title = f"{tilt:g} deg, let go at {side * (edge + beyond):.3f} rad"
-                yield exactly(f"{title}: {outcome.value}", outcome is wanted)
+                yield check_fact(f"{title}: {outcome.value}", outcome is wanted)
                 angle = 0.0 if wanted is Outcome.OK else 0.5 * math.pi
                 yield Check(
                     f"{title}: roll at the end from {angle:.2g}, rad",
@@ -162,8 +169,8 @@ def _rights_itself() -> Iterator[Check]:
 
 
 CASES = [
-    Case("space: a spin stops", "7", "Coulomb: torque mu m g r on a ring", SPACE, _spin),
-    Case("space: stands without creep", "7", "statics: a body at rest stays", SPACE, _stands),
-    Case("space: 1e5 s at rest", "7", "statics: below 1 g nothing lifts off", SPACE, _long_rest),
-    Case("space: rights itself, or topples", "7", "statics: C over the edge of its feet", SPACE, _rights_itself),
+    Case("space: a spin stops", "7", "Coulomb: torque mu m g r on a ring", SPACE, _check_spin),
+    Case("space: stands without creep", "7", "statics: a body at rest stays", SPACE, _check_standing),
+    Case("space: 1e5 s at rest", "7", "statics: below 1 g nothing lifts off", SPACE, _check_long_rest),
+    Case("space: rights itself, or topples", "7", "statics: C over the edge of its feet", SPACE, _check_righting),
 ]

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from walkergen.commands.selftest.case import Check
-from walkergen.commands.selftest.scenes import Array, Limit, advance, endures, plan_of
+from walkergen.commands.selftest.scenes import Array, Limit, advance, check_motion, paper_plan
 from walkergen.core.scene import GRAVITY
 from walkergen.core.simulation.plan import Plan
 from walkergen.core.simulation.space.state import (
@@ -29,33 +29,33 @@ from walkergen.core.simulation.space.state import (
     W_Z,
 )
 
-PLACE = slice(SHOWN_X, ROLL + 1)
+POSE_SLICE = slice(SHOWN_X, ROLL + 1)
 """Place of O (mm) and the three angles (rad) in a state."""
 
-CALM = 1.0
+SETTLING_S = 1.0
 """Start (s) after which a walker put down on a still plate has come to rest."""
 
 
-def in_space(tilt_deg: float = 10.0, **tables: Any) -> Plan:
+def space_plan(tilt_deg: float = 10.0, **tables: Any) -> Plan:
     """Plan of the paper's walker in space, on a plane unless the tables say otherwise."""
-    return plan_of(tilt_deg, **({"arena": {"kind": "plane"}} | tables))
+    return paper_plan(tilt_deg, **({"arena": {"kind": "plane"}} | tables))
 
 
-def thrown(plan: Plan, roll: float = 1e-3, gap: float = 0.05) -> Array:
+def moving_start(plan: Plan, roll: float = 1e-3, gap: float = 0.05) -> Array:
     """Return the state of a drop with everything moving."""
-    state = plan.start(gap, 4e-3, 1.0, roll)
+    state = plan.initial_state(gap, 4e-3, 1.0, roll)
     state[[V_X, V_Z, W_X, W_Y, W_Z]] = 12.0, 3.0, 0.5, 0.3, 0.7
     return state
 
 
-def settled(plan: Plan) -> Array:
+def resting_state(plan: Plan) -> Array:
     """Return the state of a walker that was put down on its feet and came to rest."""
-    state = plan.start(0.0, 0.0, 0.0)
-    advance(plan, state, CALM)
+    state = plan.initial_state(0.0, 0.0, 0.0)
+    advance(plan, state, SETTLING_S)
     return state
 
 
-def reflected(state: Array) -> Array:
+def mirror_image(state: Array) -> Array:
     """State of the mirror image z -> -z of a two-legged walker with twist, but for the contacts."""
     image = state.copy()
     twists = [LEGS + 1, LEGS + 3, LEGS + 5, LEGS + 7]
@@ -63,7 +63,7 @@ def reflected(state: Array) -> Array:
     return image
 
 
-def quarter_turned(state: Array) -> Array:
+def quarter_turn(state: Array) -> Array:
     """State after a quarter turn about the vertical, to the left."""
     image, half = state.copy(), math.sqrt(0.5)
     q, i, j, k = state[Q_0 : Q_Z + 1]
@@ -75,12 +75,12 @@ def quarter_turned(state: Array) -> Array:
     return image
 
 
-def apart(a: Array, b: Array) -> float:
+def max_pose_difference(a: Array, b: Array) -> float:
     """Largest difference of place (mm) and angles (rad)."""
-    return float(np.abs(a[PLACE] - b[PLACE]).max())
+    return float(np.abs(a[POSE_SLICE] - b[POSE_SLICE]).max())
 
 
-def deepest_of(plan: Plan, speed: float) -> float:
+def max_compression(plan: Plan, speed: float) -> float:
     """Upper bound (mm) of a foot's compression when the walker falls on it at `speed`, mm/s.
 
     All of the walker on one corner: its leg and its tip each take all of the energy, and the most that the weight gains
@@ -96,7 +96,7 @@ def deepest_of(plan: Plan, speed: float) -> float:
     return float(leg + pressed + (2.5 * weight / tip) ** (2.0 / 3.0))
 
 
-def wound_up(plan: Plan) -> float:
+def friction_windup(plan: Plan) -> float:
     """Return how far (mm) friction can wind up a corner on which the walker stands: its tip, hinge and twist."""
     walker = plan.world.walker
     load = walker.mass * GRAVITY / np.count_nonzero(walker.place == 0.0)
@@ -108,18 +108,18 @@ def wound_up(plan: Plan) -> float:
     return float(walker.friction[0] * load * gives)
 
 
-def unslowed(plan: Plan, seconds: float) -> Check:
+def check_constant_velocity(plan: Plan, seconds: float) -> Check:
     """Check that a walker thrown on a plate without friction keeps its velocity along it."""
-    state = thrown(plan)
+    state = moving_start(plan)
     before = state[[V_X, V_Z]]
     advance(plan, state, seconds)
     change = float(np.abs(state[[V_X, V_Z]] - before).max())
     return Check("change of the velocity of C along the plate, mm/s", change, 1e-11, "rounding")
 
 
-def survives(plan: Plan, state: Array, seconds: float, about: str, tolerance: Limit) -> Iterator[Check]:
+def check_space_motion(plan: Plan, state: Array, seconds: float, about: str, tolerance: Limit) -> Iterator[Check]:
     """Return the checks of `endures` for a motion in space, with the depth that its fall explains."""
-    fallen = max(plan.energy(state) - plan.energy(plan.start(0.0, 0.0, 0.0)), 0.0)
+    fallen = max(plan.energy(state) - plan.energy(plan.initial_state(0.0, 0.0, 0.0)), 0.0)
     speed = plan.scene.drive.peak_speed + math.sqrt(2.0 * fallen / plan.world.walker.mass)
     reason = "all of the walker on one corner's spring, at twice the speeds of plate and drop"
-    return endures(plan, state, seconds, about, tolerance, (deepest_of(plan, 2.0 * speed), reason))
+    return check_motion(plan, state, seconds, about, tolerance, (max_compression(plan, 2.0 * speed), reason))

@@ -10,10 +10,10 @@ from walkergen.analysis.landings import Landings
 from walkergen.analysis.motion import Motion
 from walkergen.commands.simulate import orbit
 from walkergen.commands.simulate.orbit import Orbit
-from walkergen.core.files.progress import Expect, Progress, silent, unheard
+from walkergen.core.files.progress import Expect, Progress, ignore_estimate, silent
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.observables import SPEED
-from walkergen.core.simulation.run import ENDED_WELL, RunResult, impacts_of
+from walkergen.core.simulation.run import ENDED_WELL, RunResult, recorded_impacts
 from walkergen.core.tolerance import Tolerance
 from walkergen.core.walker import names
 from walkergen.core.walker.design import Design
@@ -23,7 +23,7 @@ from walkergen.points.experiments import Results, Walker
 from walkergen.points.simplest import Simplest
 from walkergen.points.walkers import Met
 
-MOST_S = 500.0
+MAX_LANDINGS_S = 500.0
 """Time of all runs together (s) up to which every landing is kept: 0.3 MB a second."""
 
 
@@ -53,14 +53,18 @@ class Simulated(NamedTuple):
         return self.point.walker.scene
 
 
-def asked(scene: Scene, design: Design, mass: MassProperties, interval: float | None = None) -> Walker:
+def make_walker(scene: Scene, design: Design, mass: MassProperties, interval: float | None = None) -> Walker:
     """Walker in a scene: with landings of runs that are not too long, and samples `interval` s apart."""
-    few = scene.run.runs * scene.run.seconds <= MOST_S
+    few = scene.run.runs * scene.run.seconds <= MAX_LANDINGS_S
     return Walker(scene, design, mass, impacts=few, sample_interval=interval)
 
 
 def measure(
-    walker: Walker, progress: Progress, wanted: Tolerance | None = None, of: str = SPEED, expect: Expect = unheard
+    walker: Walker,
+    progress: Progress,
+    wanted: Tolerance | None = None,
+    of: str = SPEED,
+    expect: Expect = ignore_estimate,
 ) -> Simulated:
     """Simulate what is asked, and measure its motion and landings.
 
@@ -72,31 +76,31 @@ def measure(
     if walker.sample_interval is not None:
         trajectory.check(walker.scene, walker.sample_interval, walker.scene.run.runs)
     if wanted is None:
-        return measured(walkers.simulate(walker, progress), progress)
+        return analyse_point(walkers.simulate(walker, progress), progress)
     met = walkers.to_error(walker._replace(impacts=False, sample_interval=None), wanted, of, progress, expect=expect)
-    return measured(met.results, progress)._replace(chosen=met)
+    return analyse_point(met.results, progress)._replace(chosen=met)
 
 
-def measured(point: Results, progress: Progress = silent) -> Simulated:
+def analyse_point(point: Results, progress: Progress = silent) -> Simulated:
     """Find shared orbits, motion and landings in the runs of a simulated point."""
     walker = point.walker
     errors = resolution.errors(point.step_errors, point.summary)
-    shared = orbit.of(point, progress)
+    shared = orbit.find_shared_orbit(point, progress)
     if shared is not None:
-        point = point._replace(summary=orbit.of_prints(point.summary, shared))
+        point = point._replace(summary=orbit.with_print_bounds(point.summary, shared))
         errors = dict.fromkeys(errors)
     simulated = Simulated(point, errors, shared)
     good = [result for result in point.results if result.outcome in ENDED_WELL]
     if not good:
         return simulated._replace(untold="no run ended well")
     moved, untold = walkers.motion_of(good, walker.scene, walker.sample_interval)
-    legs = names.legs(walker.design)
-    landed = [_landings(result, len(legs)) for result in good] if walker.impacts else []
+    legs = names.leg_names(walker.design)
+    landed = [_count_landings(result, len(legs)) for result in good] if walker.impacts else []
     return simulated._replace(motion=moved, untold=untold, landings=landed, legs=legs)
 
 
-def _landings(result: RunResult, feet: int) -> Landings:
+def _count_landings(result: RunResult, feet: int) -> Landings:
     """Landings of a run on the plate; walls are touched by points beyond the corners' numbers."""
-    rows = impacts_of(result)
+    rows = recorded_impacts(result)
     rows = rows[rows[:, 1] < feet * landings.CORNERS]
     return landings.count(rows[:, 0], rows[:, 1].astype(np.int64), result.measured_s, feet)

@@ -16,7 +16,7 @@ from walkergen import __version__
 Array = npt.NDArray[np.float64]
 
 
-def poses(times: Array, places: Array, headings: Array, names: Sequence[str]) -> bytes:
+def pack_poses(times: Array, places: Array, headings: Array, names: Sequence[str]) -> bytes:
     """File of walkers' middles: times (s), shape (n,); places (mm), shape (n, 2, k); headings (rad), shape (n, k).
 
     NaN where a walker is not seen.
@@ -31,7 +31,7 @@ def poses(times: Array, places: Array, headings: Array, names: Sequence[str]) ->
     for name, count in (("time", len(times)), ("space", 2), ("keypoint", 1), ("individual", len(names))):
         file.createDimension(name, count)
     for name, words in (("space", ("x", "y")), ("keypoint", ("middle",)), ("individual", names)):
-        _words(file, name, words)
+        _write_names(file, name, words)
     dimensions = ("time", "space", "keypoint", "individual")
     for name, own, values in (
         ("time", ("time",), times),
@@ -45,7 +45,7 @@ def poses(times: Array, places: Array, headings: Array, names: Sequence[str]) ->
     return stream.getvalue()
 
 
-def _words(file: Any, name: str, words: Sequence[str]) -> None:
+def _write_names(file: Any, name: str, words: Sequence[str]) -> None:
     """Write the names along a dimension, as xarray writes text."""
     width = max(len(word.encode()) for word in words)
     file.createDimension(f"{name}_letters", width)

@@ -14,13 +14,13 @@ from walkergen.core.scene import Scene
 from walkergen.core.simulation import observables
 from walkergen.points import resolution
 
-MOVED = (
+MOTION_NAMES = (
     *("lane_speed", "sideways_speed", "turning_bias", "turning_scatter", *("self_alignment", "slope_turning")),
     *("rotational_diffusion", "persistence_time", "persistence_length", "diffusivity", "crossover_time"),
 )
 """Names of the estimates that a summary shows."""
 
-OBSERVED = {
+OBSERVABLE_UNITS = {
     observables.IMPACTS: ("impacts", "per_s", 1.0),
     observables.BY_IMPULSE: ("by impulse", "percent", 100.0),
     observables.BY_NUMBER: ("by number", "percent", 100.0),
@@ -29,18 +29,18 @@ OBSERVED = {
 }
 """Names, units and scales by which people read observables."""
 
-RARE = 1e-3
+MIN_SHARE = 1e-3
 """Share of a type below which a summary leaves it out; JSON has it."""
 
-MOST_LISTED = 6
+MAX_LISTED_LEGS = 6
 """Number of legs up to which a summary lists the landings of each; JSON has all."""
 
 
-BY_MOTOR = {"from_plate": "from_motor", f"{observables.POWERS}.from_plate": f"{observables.POWERS}.from_motor"}
+MOTOR_POWER_NAMES = {"from_plate": "from_motor", f"{observables.POWERS}.from_plate": f"{observables.POWERS}.from_motor"}
 """Names of the power that a motor gives, by those of a plate's."""
 
 
-def of_drive(data: Any, scene: Scene) -> Any:
+def rename_motor_power(data: Any, scene: Scene) -> Any:
     """Rename power as the motor's in data or a name, if a motor drives.
 
     The tally's row of the plate's work holds a motor's.
@@ -48,10 +48,10 @@ def of_drive(data: Any, scene: Scene) -> Any:
     if scene.drive.kind == "plate":
         return data
     if isinstance(data, Mapping):
-        return {of_drive(key, scene): of_drive(value, scene) for key, value in data.items()}
+        return {rename_motor_power(key, scene): rename_motor_power(value, scene) for key, value in data.items()}
     if isinstance(data, list):
-        return [of_drive(entry, scene) for entry in data]
-    return BY_MOTOR.get(data, data) if isinstance(data, str) else data
+        return [rename_motor_power(entry, scene) for entry in data]
+    return MOTOR_POWER_NAMES.get(data, data) if isinstance(data, str) else data
 
 
 def motion_numbers(simulated: Simulated) -> Iterator[Quantity]:
@@ -60,7 +60,7 @@ def motion_numbers(simulated: Simulated) -> Iterator[Quantity]:
         return
     before, found = "", simulated.motion.estimates
     in_lane = found["sideways_speed"].refused == IN_A_LANE
-    for number in map(found.__getitem__, MOVED):
+    for number in map(found.__getitem__, MOTION_NAMES):
         known = number.value is not None or number.refused != before
         is_mean_speed = in_lane and number.key == "lane_speed"
         if known and not is_mean_speed and number.refused not in (IN_A_LANE, LEVEL):
@@ -76,14 +76,14 @@ def motion_numbers(simulated: Simulated) -> Iterator[Quantity]:
 def observed_numbers(simulated: Simulated) -> Iterator[Quantity]:
     """Yield impacts, shares of their types, contact and powers; errors are of the runs and the step together."""
     point = simulated.point
-    for table, (title, unit, scale) in OBSERVED.items():
+    for table, (title, unit, scale) in OBSERVABLE_UNITS.items():
         for name, value in point.values.items():
-            if name.partition(".")[0] != table or (unit == "percent" and value < RARE and "." in name):
+            if name.partition(".")[0] != table or (unit == "percent" and value < MIN_SHARE and "." in name):
                 continue
             step, se = point.step_errors[name], simulated.errors[name]
             if simulated.orbit is not None and step.error is not None:
                 se = 0.0  # runs that share an orbit tell no error
-            key = f"{title} {of_drive(name.partition('.')[2], simulated.scene)}".strip()
+            key = f"{title} {rename_motor_power(name.partition('.')[2], simulated.scene)}".strip()
             yield Quantity(key, unit, scale * value, None if se is None else scale * se, refused=step.reason)
     yield Quantity("energy unaccounted", "percent", 100.0 * point.summary.energy_error, 0.0)
 
@@ -92,7 +92,7 @@ def landing_numbers(simulated: Simulated) -> Iterator[Quantity]:
     """Yield landings per second that people read: of many legs only those of all feet."""
     if not simulated.landings:
         return
-    first = 0 if len(simulated.legs) <= MOST_LISTED else 3 * len(simulated.legs)
+    first = 0 if len(simulated.legs) <= MAX_LISTED_LEGS else 3 * len(simulated.legs)
     for rate in landing_rates(simulated)[first:]:
         yield rate._replace(key=f"landings {rate.key}")
 
@@ -115,7 +115,7 @@ def landing_rates(simulated: Simulated) -> list[Quantity]:
     counts = np.array([count_landings(landings) for landings in simulated.landings], dtype=float)
     rates = []
     for at, name in enumerate(landing_names(simulated.legs)):
-        rate = observables.quotient(name, counts[:, at], time)
+        rate = observables.ratio_of_sums(name, counts[:, at], time)
         kind = resolution.LANDED if at < 2 * len(simulated.legs) else resolution.GROUPED
         step, value, error = simulated.point.step_errors[kind].error, rate.value or 0.0, None
         if rate.se is not None and step is not None:

@@ -14,7 +14,7 @@ from walkergen.points.experiments import Results
 if TYPE_CHECKING:
     from walkergen.points.draws import Bounds
 
-DRAWS, LONGEST_S = 24, 4.0
+PRINT_DRAWS, MAX_RUN_S = 24, 4.0
 """Number of prints drawn in place of runs, and measured time of a print's run at most, s."""
 
 
@@ -31,22 +31,22 @@ class Orbit(NamedTuple):
     """Reason why it is not known; "" where it is."""
 
 
-def of(point: Results, progress: Progress) -> Orbit | None:
+def find_shared_orbit(point: Results, progress: Progress) -> Orbit | None:
     """Orbit that all runs of a point share, with bounds by draws of the print; None for none.
 
     Nothing is drawn after Ctrl-C, which left runs out.
     """
     walker, scene = point.walker, point.walker.scene
     good = [result.speed for result in point.results if result.outcome in ENDED_WELL]
-    kind = orbits.shared(np.array(good), walker.shaken.peak_speed)
+    kind = orbits.common_orbit(np.array(good), walker.shaken.peak_speed)
     if not kind or len(good) < scene.run.runs:
         return None
     from walkergen.points import draws
 
-    run = scene.run.model_copy(update={"seconds": min(scene.run.seconds, LONGEST_S)})
+    run = scene.run.model_copy(update={"seconds": min(scene.run.seconds, MAX_RUN_S)})
     short = scene.model_copy(update={"run": run})
     try:
-        drawn = draws.simulated(short, walker.design, DRAWS, progress)
+        drawn = draws.simulated(short, walker.design, PRINT_DRAWS, progress)
     except InputError as error:
         return Orbit(kind, 0, None, error.text)
     ends = draws.bounds(drawn.halves.mean(axis=1), draws.statistical_error(drawn.halves))
@@ -54,7 +54,7 @@ def of(point: Results, progress: Progress) -> Orbit | None:
     return Orbit(kind, len(drawn.halves), draws.widened(ends, mean, drawn.by_step_mm_s))
 
 
-def of_prints(summary: Summary, orbit: Orbit) -> Summary:
+def with_print_bounds(summary: Summary, orbit: Orbit) -> Summary:
     """Summary of runs on one orbit: without errors by their scatter, its bounds those of prints."""
     low2, low1, high1, high2 = orbit.bounds_mm_s or (None, None, None, None)
     return summary._replace(

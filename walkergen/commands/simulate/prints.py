@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from walkergen.commands.simulate.report import LINES, Line
+from walkergen.commands.simulate.report import LINE_COLUMNS, Line
 from walkergen.core.files import words
 from walkergen.core.files.output import Folder
 from walkergen.core.numerics import statistics
@@ -23,13 +23,13 @@ UNEXPLAINED = "which print it is"
 """Name of the variance that no input explains: corner heights, and the emulator's error."""
 
 
-def of(spread: Uncertain, design: Design, scene: str, folder: Path | None = None) -> Report:
+def make_report(spread: Uncertain, design: Design, scene: str, folder: Path | None = None) -> Report:
     """Report of uncertain prints of a walker in a scene of this name; written where folder says."""
     title = f"{design.name}, {design.tilt_deg:g} deg, {scene}"
     unexplained = spread.unexplained, spread.unexplained_se
     lines = []
     if spread.shares:
-        share = " ± ".join(words.fixed(100.0 * value, 0) for value in unexplained)
+        share = " ± ".join(words.format_fixed(100.0 * value, 0) for value in unexplained)
         lines += [f"{UNEXPLAINED}: {share} % (heights of its corners, and what the fit misses)"]
     if folder is not None:
         lines += [f"draws.csv, shares.csv, uncertain.png and .pdf in {folder}/"]
@@ -41,7 +41,7 @@ def of(spread: Uncertain, design: Design, scene: str, folder: Path | None = None
         facts=_facts(spread),
         lines=lines,
         tables=[
-            Table("summary", [Line(*row) for row in rows(spread)], (), LINES, title),
+            Table("summary", [Line(*row) for row in summary_rows(spread)], (), LINE_COLUMNS, title),
             Table(
                 "shares",
                 shares,
@@ -52,7 +52,7 @@ def of(spread: Uncertain, design: Design, scene: str, folder: Path | None = None
             ),
             Table("draws", np.column_stack([spread.values, spread.speeds]).tolist(), [*inputs, "speed_mm_s"]),
         ],
-        figures={"uncertain": lambda: figure(spread, title)},
+        figures={"uncertain": lambda: draw_speeds(spread, title)},
     )
 
 
@@ -63,12 +63,12 @@ def write(report: Report, folder: Path) -> None:
         report.write_figures(target)
 
 
-def rows(spread: Uncertain) -> Iterator[tuple[str, str | Quantity]]:
+def summary_rows(spread: Uncertain) -> Iterator[tuple[str, str | Quantity]]:
     """Rows of a summary: mean, scatter between prints, and statistical error apart from it."""
     low2, low1, high1, high2 = spread.bounds_mm_s
     scatter, step = spread.between_prints_mm_s or None, spread.by_step_mm_s
     yield "mean over prints", Quantity("mean", "mm_s", spread.speed_mm_s, spread.speed_se_mm_s)
-    yield "a print", f"{words.span(low1, high1, 3)} mm/s (68 %), {words.span(low2, high2, 3)} (95 %)"
+    yield "a print", f"{words.format_range(low1, high1, 3)} mm/s (68 %), {words.format_range(low2, high2, 3)} (95 %)"
     short = "not resolved by runs so short; longer ‹seconds› would"
     yield "deviation, print to print", Quantity("deviation", "mm_s", scatter, 0.0, refused="" if scatter else short)
     unknown = "not known: see `simulate` without ‹uncertain›" if step is None else ""
@@ -82,11 +82,11 @@ def rows(spread: Uncertain) -> Iterator[tuple[str, str | Quantity]]:
 
 def notes(spread: Uncertain) -> Iterator[str]:
     """Statements on what the bounds hold, and on what was taken out of them."""
-    if spread.draws < statistics.ENOUGH_FOR_95:
+    if spread.draws < statistics.MIN_VALUES_FOR_95:
         yield (
             f"95 % of prints: {spread.draws} draws do not reach its ends, which are extrapolated "
             "by Student's t; they hold 93 to 98 %, by the shape of the scatter; "
-            f"{statistics.ENOUGH_FOR_95} draws need none"
+            f"{statistics.MIN_VALUES_FOR_95} draws need none"
         )
     if spread.statistical_mm_s > spread.between_prints_mm_s:
         yield (
@@ -119,7 +119,7 @@ def _facts(spread: Uncertain) -> dict[str, Any]:
     }
 
 
-def figure(spread: Uncertain, title: str) -> "Figure":
+def draw_speeds(spread: Uncertain, title: str) -> "Figure":
     """Draw the speeds of all prints with their bounds, and the shares of the variance."""
     from walkergen.files.figures import style
 

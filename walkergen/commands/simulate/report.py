@@ -16,7 +16,7 @@ from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.ensemble import Summary
 from walkergen.core.simulation.run import ENDED_WELL, Outcome
-from walkergen.core.theory.prediction import Speed, speed_of
+from walkergen.core.theory.prediction import Speed, make_speed
 from walkergen.core.walker.design import Design
 from walkergen.files import quantities, report
 from walkergen.files.report import Column, Report, Table
@@ -25,7 +25,7 @@ from walkergen.points.walkers import tracks_of
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-RATE_HZ = 1000.0
+DEFAULT_RATE_HZ = 1000.0
 """Samples per second of trajectories, as on the command line."""
 
 
@@ -36,15 +36,15 @@ class Line(NamedTuple):
     value: str | Quantity
 
 
-def _cell(line: Line) -> str:
+def _format_line(line: Line) -> str:
     """Return the text of a line; of a quantity with its unit."""
     number = line.value
     return number if isinstance(number, str) else quantities.format_value(number, quantities.unit_of(number))
 
 
-LINES = (report.text("", "name"), Column("", _cell))
+LINE_COLUMNS = (report.text("", "name"), Column("", _format_line))
 
-FIRST = (
+FIRST_LINE_NAMES = (
     "walker",
     "plate",
     "contact",
@@ -87,9 +87,9 @@ class SimulationReport(Report):
 
         Where all runs end on one orbit they tell no error, and bounds are those of prints.
         """
-        return _speed_of(self.simulated)
+        return _mean_speed(self.simulated)
 
-    def trajectory(self, rate_hz: float = RATE_HZ, progress: Progress | None = None) -> Table:
+    def trajectory(self, rate_hz: float = DEFAULT_RATE_HZ, progress: Progress | None = None) -> Table:
         """States of all runs, `rate_hz` a second, as `simulate --trajectory` writes them.
 
         What `analyse` and trackpy take: frame, particle (the number of the run), x, y (mm) and
@@ -99,23 +99,23 @@ class SimulationReport(Report):
         if not 1e-3 <= rate_hz <= 1e7:
             raise InputError(f"rate_hz={rate_hz:g}: must be a number >= 0.001 and <= 1e7")
         walker = self.simulated.point.walker._replace(sample_interval=1.0 / rate_hz)
-        states = trajectories.of(walker, self.simulated.point, progress or silent)
+        states = trajectories.collect(walker, self.simulated.point, progress or silent)
         title = f"trajectories of {self.summary.runs} runs"
         return Table("trajectory", list(states.rows), states.columns, title=title)
 
 
-def of(simulated: Simulated, whole: bool = False) -> SimulationReport:
+def make_report(simulated: Simulated, whole: bool = False) -> SimulationReport:
     """Report of the runs of a walker in a scene, and of what an error that was asked for took.
 
     People read the first lines of the summary, or the `whole` of it.
     """
     scene, design = simulated.scene, simulated.point.walker.design
     lines = [Line(*line) for line in _lines(simulated, scene, design)]
-    first = None if whole else _first(lines, simulated)
+    first = None if whole else _select_first_lines(lines, simulated)
     return SimulationReport(
         name="simulate",
         title=f"{design.name}, {design.tilt_deg:g} deg, on {scene.name}",
-        tables=[_row(simulated, design), Table("summary", lines, (), LINES, read=first)],
+        tables=[_summary_table(simulated, design), Table("summary", lines, (), LINE_COLUMNS, read=first)],
         lines=[] if whole else ["‹all›: how it turns and spreads, impacts, contact, power"],
         facts=_facts(simulated, scene),
         warnings=simulated.point.warnings,
@@ -124,35 +124,35 @@ def of(simulated: Simulated, whole: bool = False) -> SimulationReport:
     )
 
 
-def _first(lines: Sequence[Line], simulated: Simulated) -> list[Line]:
+def _select_first_lines(lines: Sequence[Line], simulated: Simulated) -> list[Line]:
     """Lines that people read first: without refused numbers; how runs ended if not well."""
     ended_well = set(simulated.point.summary.outcomes) == {Outcome.OK.value}
-    names = {*FIRST, *(() if ended_well else ("outcomes",))}
+    names = {*FIRST_LINE_NAMES, *(() if ended_well else ("outcomes",))}
     return [line for line in lines if line.name in names and (isinstance(line.value, str) or line.value.known)]
 
 
-def _row(simulated: Simulated, design: Design) -> Table:
+def _summary_table(simulated: Simulated, design: Design) -> Table:
     """Table of the summary in one row; tables within it become columns with a dot."""
     named = {"name": design.name, "tilt_deg": design.tilt_deg, "legs": design.kind, "scene": simulated.scene.name}
-    values = named | _flat(numbers.of_drive(simulated.point.summary._asdict(), simulated.scene))
+    values = named | _flatten(numbers.rename_motor_power(simulated.point.summary._asdict(), simulated.scene))
     return Table("simulation", [tuple(values.values())], tuple(values))
 
 
-def _flat(values: Mapping[str, Any], before: str = "") -> dict[str, Any]:
+def _flatten(values: Mapping[str, Any], before: str = "") -> dict[str, Any]:
     """Values of tables within tables, by names with dots."""
     flat: dict[str, Any] = {}
     for name, value in values.items():
         if isinstance(value, Mapping):
-            flat |= _flat(value, f"{before}{name}.")
+            flat |= _flatten(value, f"{before}{name}.")
         else:
             flat[f"{before}{name}"] = value
     return flat
 
 
-def _speed_of(simulated: Simulated) -> Speed:
+def _mean_speed(simulated: Simulated) -> Speed:
     summary = simulated.point.summary
     kind = "" if simulated.orbit is None else simulated.orbit.kind
-    return speed_of(
+    return make_speed(
         summary.speed_mm_s, summary.speed_se_mm_s, summary.speed_low_95_mm_s, summary.speed_high_95_mm_s, kind
     )
 
@@ -168,7 +168,7 @@ def _figures(simulated: Simulated, design: Design) -> "dict[str, Callable[[], Fi
         from walkergen.points.track_figure import tracks_figure
 
         tracks = tracks_of(good, simulated.scene.arena.kind == "lane", None)
-        title = f"{design.name}, {design.tilt_deg:g} deg: {_speed_of(simulated)}"
+        title = f"{design.name}, {design.tilt_deg:g} deg: {_mean_speed(simulated)}"
         return tracks_figure(tracks, title)
 
     return {"runs": draw} if good else {}
@@ -185,8 +185,8 @@ def _facts(simulated: Simulated, scene: Scene) -> dict[str, Any]:
         data["motion"] = {"refused": simulated.untold}
     if simulated.landings:
         data["landings"] = tables.landings_as_dict(simulated)
-    data["step"] = tables.step_as_dict(simulated)
-    data = numbers.of_drive(data, scene)
+    data["step"] = tables.step_errors_as_dict(simulated)
+    data = numbers.rename_motor_power(data, scene)
     orbit = simulated.orbit
     data["orbit"] = None if orbit is None else tables.orbit_as_dict(orbit)
     if simulated.simplest is not None:
@@ -198,11 +198,11 @@ def _facts(simulated: Simulated, scene: Scene) -> dict[str, Any]:
 def _lines(simulated: Simulated, scene: Scene, design: Design) -> Iterator[tuple[str, str | Quantity]]:
     summary = simulated.point.summary
     yield "walker", f"{design.name}, {design.kind} legs, tilt {design.tilt_deg:g} deg"
-    yield scene.drive.kind, tables.plate_in_words(scene)
-    yield "contact", tables.contact_in_words(scene)
+    yield scene.drive.kind, tables.format_drive(scene)
+    yield "contact", tables.format_contact(scene)
     if simulated.simplest is not None:
         yield from simulated.simplest.lines
-    yield "mean speed", _speed(simulated, scene)
+    yield "mean speed", _format_speed(simulated, scene)
     yield from tables.bound_rows(simulated)
     if simulated.chosen is not None:
         yield from simulated.chosen.lines
@@ -223,16 +223,16 @@ def _lines(simulated: Simulated, scene: Scene, design: Design) -> Iterator[tuple
     yield "time", f"{summary.wall_s:.1f} s, {rate:.0f} simulated s per CPU s"
 
 
-def _speed(simulated: Simulated, scene: Scene) -> str:
+def _format_speed(simulated: Simulated, scene: Scene) -> str:
     """Mean speed with the error of the runs and that of the step, or why it has none."""
     summary = simulated.point.summary
     se = summary.speed_se_mm_s
     if summary.speed_mm_s is None:
         return "none: no run ended well"
     mean = summary.speed_mm_s
-    speed = f"{words.fixed(mean, 2) if se is None else words.with_error(mean, se)} mm/s"
+    speed = f"{words.format_fixed(mean, 2) if se is None else words.format_with_error(mean, se)} mm/s"
     speed += " along the " + ("heading" if scene.arena.kind == "plane" else "lane")
-    speed += tables.speed_by_step(simulated)
+    speed += tables.format_step_error(simulated)
     if simulated.orbit is not None:
         return f"{speed}; {simulated.orbit.kind}: all runs end so, and tell no error"
     return speed if se is not None else f"{speed}; standard error unknown: needs 4 runs"

@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from walkergen.core.walker.design import Design
     from walkergen.files.report import Report
 
-UNCERTAIN_SECONDS = 4.0
+DEFAULT_UNCERTAIN_S = 4.0
 """Measured time of a run of --uncertain unless asked otherwise, s."""
 
-CHOSEN = ("scene.run.step_us", "scene.run.seconds", "scene.run.runs")
+ERROR_CHOSEN_KEYS = ("scene.run.step_us", "scene.run.seconds", "scene.run.runs")
 """Keys whose values --error chooses itself."""
 
 
@@ -79,25 +79,25 @@ class SimulateRequest(request.Request):
         else:
             self.refuse("only ‹uncertain› writes a folder", "out")
         if self.error is not None:
-            given.refuse(CHOSEN, "‹error› chooses it; leave one of them out")
+            given.refuse(ERROR_CHOSEN_KEYS, "‹error› chooses it; leave one of them out")
         else:
             self.refuse("names what ‹error› is about; give ‹error› as well, or", "of")
         design = given.design(self.design)
-        own = {"scene.run.seconds": UNCERTAIN_SECONDS} if self.uncertain else {}
+        own = {"scene.run.seconds": DEFAULT_UNCERTAIN_S} if self.uncertain else {}
         scene = given.scene(request.ground(self.scene, [design]), own)
         members = given.members(design, self.tilt, self.legs, whole=False)
         if len(members) > 1:
             why = f"means one walker, seen {len(members)}: give one ‹tilt› and one kind of ‹legs›, or"
             self.refuse(why, "trajectory", "error", "uncertain")
-            return self._several(scene, members, progress)  # type: ignore[return-value]
+            return self._simulate_several(scene, members, progress)  # type: ignore[return-value]
         if self.uncertain:
-            return self._uncertain(scene, members[0], progress)  # type: ignore[return-value]
-        return self._single(scene, members[0], progress)
+            return self._simulate_uncertain(scene, members[0], progress)  # type: ignore[return-value]
+        return self._simulate_one(scene, members[0], progress)
 
-    def _single(self, scene: "Scene", design: "Design", progress: Progress) -> "SimulationReport":
+    def _simulate_one(self, scene: "Scene", design: "Design", progress: Progress) -> "SimulationReport":
         """Simulate one walker, and write its tracks where they are asked for."""
         from walkergen.commands.simulate import make, report, trajectories
-        from walkergen.core.tolerance import parse
+        from walkergen.core.tolerance import parse_tolerance
         from walkergen.core.walker import solids
         from walkergen.points import expected
         from walkergen.points.experiments import Walker
@@ -105,12 +105,12 @@ class SimulateRequest(request.Request):
 
         interval = None if self.trajectory is None else 1.0 / self.rate_hz
         found = simplest(Walker(scene, design, solids.mass_of(design)), progress)
-        walker = make.asked(found.walker.scene, design, found.walker.mass, interval)
-        wanted = None if self.error is None else parse(self.error)
+        walker = make.make_walker(found.walker.scene, design, found.walker.mass, interval)
+        wanted = None if self.error is None else parse_tolerance(self.error)
         if wanted is None:
             self._expect(lambda: expected.of_runs([walker]))
         simulated = make.measure(walker, progress, wanted, self.of, self._expect)
-        result = report.of(simulated._replace(simplest=found), self.all)
+        result = report.make_report(simulated._replace(simplest=found), self.all)
         done, wished = simulated.point.summary.runs, simulated.scene.run.runs
         if done < wished:
             lost = [] if self.trajectory is None else [f"{self.trajectory}: not written"]
@@ -121,7 +121,7 @@ class SimulateRequest(request.Request):
             result = replace(result, files=[self.trajectory])
         return result
 
-    def _several(self, scene: "Scene", members: "Sequence[Design]", progress: Progress) -> "Report":
+    def _simulate_several(self, scene: "Scene", members: "Sequence[Design]", progress: Progress) -> "Report":
         """Simulate walkers one after the other, a row each; after Ctrl-C those that are done.
 
         Raises InputError for one that cannot be simulated, before any is.
@@ -129,18 +129,18 @@ class SimulateRequest(request.Request):
         from walkergen.commands.simulate import several
         from walkergen.points import expected
 
-        found, rows = several.asked(scene, members, progress), list[several.Row]()
+        found, rows = several.prepare_walkers(scene, members, progress), list[several.Row]()
         self._expect(lambda: expected.of_runs([simple.walker for simple in found]))
         try:
-            rows.extend(several.each(found, progress))
+            rows.extend(several.simulate_each(found, progress))
         except KeyboardInterrupt:
             missing = ", ".join(f"{member.tilt_deg:g} deg {member.kind}" for member in members[len(rows) :])
-            result = several.of(rows, scene, found)
+            result = several.make_report(rows, scene, found)
             told = f"interrupted after {len(rows)} of {len(found)} walkers; missing: {missing}"
             return replace(result, warnings=[told, *result.warnings], code=130)
-        return several.of(rows, scene, found)
+        return several.make_report(rows, scene, found)
 
-    def _uncertain(self, scene: "Scene", design: "Design", progress: Progress) -> "Report":
+    def _simulate_uncertain(self, scene: "Scene", design: "Design", progress: Progress) -> "Report":
         """Simulate uncertain prints: their speeds, with what to measure next."""
         from walkergen.commands.simulate import prints
         from walkergen.core.walker import solids
@@ -151,7 +151,7 @@ class SimulateRequest(request.Request):
         walker = Walker(scene, design, solids.mass_of(design)).with_run(runs=self.draws)
         self._expect(lambda: expected.of_runs([walker]))
         measured = draws.measure(scene, design, self.draws, progress)
-        result = prints.of(measured, design, scene.name, self.out)
+        result = prints.make_report(measured, design, scene.name, self.out)
         if self.out is not None:
             prints.write(result, self.out)
         return result

@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 
 from walkergen.commands.simulate import orbit, tables
 from walkergen.core.files import words
-from walkergen.core.files.progress import Progress, part
+from walkergen.core.files.progress import Progress, part_progress
 from walkergen.core.scene import Scene
-from walkergen.core.simulation.ensemble import listed
+from walkergen.core.simulation.ensemble import format_outcomes
 from walkergen.core.simulation.run import Outcome
 from walkergen.core.walker import names, solids
 from walkergen.core.walker.design import Design
@@ -17,7 +17,7 @@ from walkergen.points import speeds, walkers
 from walkergen.points.experiments import Walker
 from walkergen.points.simplest import Simplest, simplest
 
-ORBIT = "(o)"
+ORBIT_MARK = "(o)"
 """Mark of a speed whose runs all end on one orbit."""
 
 
@@ -44,7 +44,7 @@ class Row(NamedTuple):
     """What an accepted error left out; None where none was accepted."""
 
 
-def asked(scene: Scene, members: Sequence[Design], progress: Progress) -> list[Simplest]:
+def prepare_walkers(scene: Scene, members: Sequence[Design], progress: Progress) -> list[Simplest]:
     """Walkers in a scene, weighed, without what an accepted error allows to leave out.
 
     Raises InputError for one that cannot be simulated.
@@ -53,23 +53,23 @@ def asked(scene: Scene, members: Sequence[Design], progress: Progress) -> list[S
     for walker in whole:
         walker.plan()
     return [
-        simplest(walker, part(progress, number, len(whole), names.part(walker.design)))
+        simplest(walker, part_progress(progress, number, len(whole), names.part_name(walker.design)))
         for number, walker in enumerate(whole)
     ]
 
 
-def each(found: Sequence[Simplest], progress: Progress) -> Iterator[Row]:
+def simulate_each(found: Sequence[Simplest], progress: Progress) -> Iterator[Row]:
     """Simulate walkers in turn, all from the same random starts, and yield a row when one is done.
 
     Raises KeyboardInterrupt rather than yield a row with runs missing.
     """
     wanted = [simple.walker for simple in found]
-    titles = [names.part(walker.design) for walker in wanted]
+    titles = [names.part_name(walker.design) for walker in wanted]
     for simple, name, point in zip(found, titles, walkers.each(wanted, titles, progress), strict=True):
         walker, summary = simple.walker, point.summary
-        shared = orbit.of(point, progress)
+        shared = orbit.find_shared_orbit(point, progress)
         if shared is not None:
-            summary = orbit.of_prints(summary, shared)
+            summary = orbit.with_print_bounds(summary, shared)
         predicted = speeds.predict(walker.design, walker.mass, walker.scene, model="known")
         yield Row(
             name,
@@ -89,50 +89,50 @@ def each(found: Sequence[Simplest], progress: Progress) -> Iterator[Row]:
         )
 
 
-def of(rows: Sequence[Row], scene: Scene, found: Sequence[Simplest]) -> Report:
+def make_report(rows: Sequence[Row], scene: Scene, found: Sequence[Simplest]) -> Report:
     """Report of walkers that were simulated; it is partial when Ctrl-C left some out."""
-    title = f"{found[0].walker.design.name} on {scene.name}, {tables.plate_in_words(scene)}"
+    title = f"{found[0].walker.design.name} on {scene.name}, {tables.format_drive(scene)}"
     facts = {"rows": [row._asdict() for row in rows], "partial": len(rows) < len(found)}
     kinds = {row.orbit["kind"]: None for row in rows if row.orbit is not None}
-    note = f"{ORBIT}: all runs end so ({' or '.join(kinds)}) and tell no error; 95 % are of prints"
+    note = f"{ORBIT_MARK}: all runs end so ({' or '.join(kinds)}) and tell no error; 95 % are of prints"
     return Report(
         name="simulate",
         title=title,
         facts=facts,
-        lines=[*([note] if kinds else []), *_left_out(found[: len(rows)])],
+        lines=[*([note] if kinds else []), *_format_omissions(found[: len(rows)])],
         tables=[Table("simulate", rows, Row._fields, COLUMNS, title)] if rows else [],
         warnings=list(dict.fromkeys(warning for row in rows for warning in row.warnings)),
     )
 
 
-def _left_out(found: Sequence[Simplest]) -> Iterator[str]:
+def _format_omissions(found: Sequence[Simplest]) -> Iterator[str]:
     """Yield in words what was left out of each walker's scene, and what was kept."""
     for simple in found:
         for name, value in simple.lines:
-            yield f"{names.part(simple.walker.design)}, {name}: {value}"
+            yield f"{names.part_name(simple.walker.design)}, {name}: {value}"
 
 
-def _speed(row: Row) -> str:
+def _format_speed(row: Row) -> str:
     """Mean speed of the runs with its standard error."""
     if row.speed_mm_s is None:
         return "none"
     if row.orbit is not None:
-        return f"{words.fixed(row.speed_mm_s, 2)} {ORBIT}"
+        return f"{words.format_fixed(row.speed_mm_s, 2)} {ORBIT_MARK}"
     if row.speed_se_mm_s is None:
-        return f"{words.fixed(row.speed_mm_s, 2)} ± ?"
-    return words.with_error(row.speed_mm_s, row.speed_se_mm_s)
+        return f"{words.format_fixed(row.speed_mm_s, 2)} ± ?"
+    return words.format_with_error(row.speed_mm_s, row.speed_se_mm_s)
 
 
-def _bounds(row: Row) -> str:
+def _format_bounds(row: Row) -> str:
     low, high = row.speed_low_95_mm_s, row.speed_high_95_mm_s
     if low is None or high is None:
         return "unknown"
-    return f"{words.fixed(low, 1)} to {words.fixed(high, 1)}"
+    return f"{words.format_fixed(low, 1)} to {words.format_fixed(high, 1)}"
 
 
-def _ended(row: Row) -> str:
+def _format_outcomes(row: Row) -> str:
     """Outcomes of the runs, but for the orbit that the speed is marked by."""
-    return listed(
+    return format_outcomes(
         {
             outcome: count
             for outcome, count in row.outcomes.items()
@@ -145,9 +145,9 @@ COLUMNS = (
     Column("tilt\ndeg", lambda row: f"{row.tilt_deg:g}", right=True),
     report.text("legs", "legs"),
     report.fixed("predicted\nmm/s", "predicted_mm_s", 1),
-    Column("simulated\nmm/s", _speed, right=True),
-    Column("95 %\nmm/s", _bounds, right=True),
+    Column("simulated\nmm/s", _format_speed, right=True),
+    Column("95 %\nmm/s", _format_bounds, right=True),
     Column("runs", lambda row: str(row.runs), right=True),
-    Column("outcomes", _ended),
+    Column("outcomes", _format_outcomes),
 )
 """At most 80 letters while outcomes are few."""

@@ -12,13 +12,13 @@ from walkergen.core.simulation import observables
 from walkergen.points import speeds
 
 
-def plate_in_words(scene: Scene) -> str:
+def format_drive(scene: Scene) -> str:
     """Frequency, peak acceleration and peak speed of the plate, or the motor over a still one."""
     drive = scene.drive
     return drive.motor_in_words or f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"
 
 
-def contact_in_words(scene: Scene) -> str:
+def format_contact(scene: Scene) -> str:
     """Return what a simulation assumes of the contact."""
     tips = "rigid tips" if scene.feet.rigid_tips else f"tips of {scene.feet.tip_radius_um:g} um"
     return f"{tips}, restitution {scene.contact.restitution:g}, friction {scene.contact.friction:g}"
@@ -30,27 +30,27 @@ def contact_as_dict(scene: Scene) -> dict[str, Any]:
     return {"tip_radius_um": radius, "restitution": contact.restitution, "friction": contact.friction}
 
 
-def speed_by_step(simulated: Simulated) -> str:
+def format_step_error(simulated: Simulated) -> str:
     """Addition to the mean speed and its statistical error: what the step may do to it."""
     error, reason = simulated.point.step_errors[observables.SPEED]
     if error is None:
         return f"; {reason}"
-    return f" ± {words.number(error, 2)} by the step (95 %)" if error else ""
+    return f" ± {words.format_number(error, 2)} by the step (95 %)" if error else ""
 
 
 def bound_rows(simulated: Simulated) -> Iterator[tuple[str, str]]:
     """Row of a summary with the bounds of the mean speed; of prints where runs share an orbit."""
     if simulated.orbit is not None:
-        yield "prints", over_prints(simulated.orbit)
+        yield "prints", format_orbit_bounds(simulated.orbit)
         return
     summary = simulated.point.summary
     low, high = summary.speed_low_95_mm_s, summary.speed_high_95_mm_s
     if low is not None and high is not None:
         yield ("this simulation", f"{low:.1f} to {high:.1f} mm/s (95 %), by runs and step")
-    yield "your print", _of_prints(simulated)
+    yield "your print", _format_print_bounds(simulated)
 
 
-def _of_prints(simulated: Simulated) -> str:
+def _format_print_bounds(simulated: Simulated) -> str:
     """Bounds of the speed of a print, by what nobody knows of it, as `predict` has them."""
     walker = simulated.point.walker
     row = speeds.predict(walker.design, walker.mass, walker.scene, model="known")
@@ -60,7 +60,7 @@ def _of_prints(simulated: Simulated) -> str:
     return f"{low:.1f} to {high:.1f} mm/s (95 %), by what is not known of contact and print"
 
 
-def over_prints(orbit: Orbit) -> str:
+def format_orbit_bounds(orbit: Orbit) -> str:
     """Statement of how speeds differ from print to print, where runs share an orbit."""
     if orbit.bounds_mm_s is None:
         return f"unknown how they differ: {orbit.reason}"
@@ -77,9 +77,9 @@ def landings_as_dict(simulated: Simulated) -> dict[str, Any]:
     return {rate.column: rate.value for rate in rates} | {"errors": {rate.column: rate.se for rate in rates}}
 
 
-def step_as_dict(simulated: Simulated) -> dict[str, Any]:
+def step_errors_as_dict(simulated: Simulated) -> dict[str, Any]:
     """Return the step's error of each observable for JSON, or the reason why there is none."""
-    errors = {name: simulated.point.step_errors[name].error for name in observables.NAMES}
+    errors = {name: simulated.point.step_errors[name].error for name in observables.OBSERVABLE_NAMES}
     errors = {name: error for name, error in errors.items() if error is not None}
     reasons: dict[str, list[str]] = {}
     for name, step in simulated.point.step_errors.items():
@@ -91,4 +91,4 @@ def step_as_dict(simulated: Simulated) -> dict[str, Any]:
 
 def orbit_as_dict(orbit: Orbit) -> dict[str, Any]:
     """Orbit that all runs share, for JSON; bounds of prints stand in the speed's own."""
-    return {"kind": orbit.kind, "draws": orbit.draws, "note": over_prints(orbit)}
+    return {"kind": orbit.kind, "draws": orbit.draws, "note": format_orbit_bounds(orbit)}

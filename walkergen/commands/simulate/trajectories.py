@@ -27,10 +27,10 @@ from walkergen.points.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
 
-FILM = ("frame", "particle", "x", "y", "theta")
+FILM_COLUMNS = ("frame", "particle", "x", "y", "theta")
 """Columns by the names that trackpy gives them; x and y in mm, theta in rad."""
 
-MARGIN = 1.0
+BOX_MARGIN = 1.0
 """Room around all bodies in the box of extended XYZ, in half diagonals of a body."""
 
 
@@ -41,7 +41,7 @@ class Written(NamedTuple):
     design: Design
 
 
-def of(experiment: Walker, point: Results, progress: Progress) -> Trajectory:
+def collect(experiment: Walker, point: Results, progress: Progress) -> Trajectory:
     """Trajectories of all runs, again simulated where `point` kept no samples.
 
     Raises InputError when there would be too many samples to keep.
@@ -51,15 +51,15 @@ def of(experiment: Walker, point: Results, progress: Progress) -> Trajectory:
     if not kept:
         trajectory.check(experiment.scene, experiment.sample_interval, experiment.scene.run.runs)
         (point,) = walkers.each([experiment], ["samples"], progress)
-    return with_film(trajectory.tracks(point.results), experiment.sample_interval)
+    return with_film_columns(trajectory.tracks(point.results), experiment.sample_interval)
 
 
-def with_film(trajectory: Trajectory, interval: float) -> Trajectory:
+def with_film_columns(trajectory: Trajectory, interval: float) -> Trajectory:
     """Trajectories with the columns of `FILM` before their own; samples are `interval` s apart."""
     own = dict(zip(trajectory.columns, trajectory.rows.T, strict=True))
     film = (np.rint(own["t_s"] / interval), *(own[name] for name in ("particle", "x_mm", "y_mm", "theta_rad")))
     ours = {name: values for name, values in own.items() if name != "particle"}
-    return Trajectory((*FILM, *ours), np.column_stack([*film, *ours.values()]))
+    return Trajectory((*FILM_COLUMNS, *ours), np.column_stack([*film, *ours.values()]))
 
 
 def to_csv(written: Written) -> bytes:
@@ -79,15 +79,15 @@ def to_xyz(written: Written) -> bytes:
     half = 0.5 * np.array([size.length, size.depth, size.thickness])
     places = np.column_stack([own["x"], own["y"], own["height_mm"]])
     turns = extended_xyz.orientation(own["theta"], own["pitch_rad"], own["roll_rad"])
-    box = _box(places, float(np.linalg.norm(half)))
+    box = _bounding_box(places, float(np.linalg.norm(half)))
     none = np.zeros(len(places), np.int64)
     bodies = Bodies(own["frame"], own["t_s"], own["particle"], ["walker"], none, places, turns, half[None])
     return extended_xyz.text(bodies, box).encode()
 
 
-def _box(places: Array, reach: float) -> str:
+def _bounding_box(places: Array, reach: float) -> str:
     """Box that holds all bodies at all times, so that OVITO's view stays where it is."""
-    margin = (1.0 + MARGIN) * reach
+    margin = (1.0 + BOX_MARGIN) * reach
     low = places.min(axis=0, initial=np.inf) - margin
     return extended_xyz.box_of(low, places.max(axis=0, initial=-np.inf) + margin - low)
 
@@ -100,7 +100,7 @@ def to_nc(written: Written) -> bytes:
     table = np.full((len(frames), 4, len(names)), np.nan)
     table[at, :, who] = np.column_stack([own["t_s"], own["x"], own["y"], own["theta"]])
     times = np.nanmax(table[:, 0], axis=1)
-    return netcdf.poses(times, table[:, 1:3], table[:, 3], [f"run_{name}" for name in names])
+    return netcdf.pack_poses(times, table[:, 1:3], table[:, 3], [f"run_{name}" for name in names])
 
 
 FORMATS: dict[str, Callable[[Written], bytes]] = {".csv": to_csv, ".npz": to_npz, ".xyz": to_xyz, ".nc": to_nc}
@@ -117,5 +117,5 @@ def check(path: Path) -> None:
 
 def write(path: Path, experiment: Walker, point: Results, progress: Progress) -> None:
     """Write the trajectories of all runs in the format that the file's suffix names."""
-    written = Written(of(experiment, point, progress), experiment.design)
+    written = Written(collect(experiment, point, progress), experiment.design)
     output.write(path, FORMATS[path.suffix.lower()](written))

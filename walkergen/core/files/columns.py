@@ -20,24 +20,24 @@ import numpy.typing as npt
 from walkergen.core.errors import InputError
 from walkergen.core.files import plain, reading
 from walkergen.core.files import words as words_of
-from walkergen.core.files.tables import unquoted
+from walkergen.core.files.tables import unquote_formula
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
-FORMAT = "a CSV file"
-MOST_ROWS, MOST_COLUMNS, MOST_BAD = 20_000_000, 1000, 1_000_000
-LARGEST, SMALLEST = 1e12, 1e-12
+FORMAT_NAME = "a CSV file"
+MAX_ROWS, MAX_COLUMNS, MAX_BAD_ROWS = 20_000_000, 1000, 1_000_000
+MAX_MAGNITUDE, MIN_MAGNITUDE = 1e12, 1e-12
 """Size beyond which a number is a slip of the pen, whatever its unit; below the other it is 0."""
-CHUNK = 100_000
+CHUNK_LINES = 100_000
 """Lines that are parsed at once."""
 
-PLAIN = re.compile(r"""[^"'\r\n]{1,99999}\n?""").fullmatch
+MATCH_PLAIN_LINE = re.compile(r"""[^"'\r\n]{1,99999}\n?""").fullmatch
 """Lines whose cells are what stands between commas; a line may be longer than what the csv module reads of a cell."""
 
-SEPARATE = "separate cells by commas and write numbers with a decimal point"
+SEPARATOR_HINT = "separate cells by commas and write numbers with a decimal point"
 """What to do with tables of programs that speak other languages."""
-NAMED, FEW = 5, 2
+MAX_NAMED_ROWS, MAX_NAMED_IF_ALL_BAD = 5, 2
 """Most bad rows that are named beside good ones, and where all are bad; the others are counted."""
 
 
@@ -51,7 +51,7 @@ class Columns(NamedTuple):
     bad: dict[int, str]
     """Reason why each other row was left out, by its line in the file."""
 
-    def without(self, wrong: Mask, reason: str) -> "Columns":
+    def reject_rows(self, wrong: Mask, reason: str) -> "Columns":
         """Columns without the rows in `wrong` (shape (rows,)), which join the bad ones."""
         bad = self.bad | {int(line): reason for line in self.lines[wrong]}
         kept = {name: values[~wrong] for name, values in self.values.items()}
@@ -67,46 +67,46 @@ class Records(NamedTuple):
     """Line in the file of each row, and its cells by the names of their columns."""
 
 
-def header(path: Path) -> list[str]:
+def read_header(path: Path) -> list[str]:
     """Names in the first line of a file; raises InputError for no name and for equal names."""
-    return top(reading.lines(path, FORMAT), str(path))[0]
+    return first_two_rows(reading.read_lines(path, FORMAT_NAME), str(path))[0]
 
 
-def top(lines: Iterable[str], source: str) -> tuple[list[str], list[str]]:
+def first_two_rows(lines: Iterable[str], source: str) -> tuple[list[str], list[str]]:
     """Names in the first line of a CSV file, and cells of the first row; none where there is no row."""
-    names, stream = _names(iter(lines), source)
-    rows = (cells(line, source, at) for at, line in enumerate(stream, 2) if line.strip())
+    names, stream = _read_names(iter(lines), source)
+    rows = (split_cells(line, source, at) for at, line in enumerate(stream, 2) if line.strip())
     return names, next(rows, [])
 
 
-def texts(lines: Iterable[str], source: str, name: str) -> list[str]:
+def distinct_texts(lines: Iterable[str], source: str, name: str) -> list[str]:
     """Texts that a column holds, each once, in the order of the file; blank cells do not count."""
-    names, stream = _names(iter(lines), source)
+    names, stream = _read_names(iter(lines), source)
     place = names.index(name)
-    rows = (cells(line, source, at) for at, line in enumerate(stream, 2))
+    rows = (split_cells(line, source, at) for at, line in enumerate(stream, 2))
     found = dict.fromkeys(row[place].strip() for row in rows if place < len(row))
     return [text for text in found if text]
 
 
-def records(lines: Iterable[str], source: str) -> Records:
+def parse_records(lines: Iterable[str], source: str) -> Records:
     """Rows of the lines of a CSV file, whose first line names the columns; blank rows are left out.
 
     Raises InputError, which begins with `source` and the line, when a name is missing or occurs
     twice, when a row has not as many cells as the header, and when a line is not valid CSV.
     """
-    names, stream = _names(iter(lines), source)
+    names, stream = _read_names(iter(lines), source)
     rows = []
     for at, line in enumerate(stream, start=2):
-        row = cells(line, source, at)
+        row = split_cells(line, source, at)
         if not any(cell.strip() for cell in row):
             continue
         if len(row) != len(names):
-            raise InputError(f"{source}:{at}: {len(row)} cells, the header has {len(names)}: {SEPARATE}")
+            raise InputError(f"{source}:{at}: {len(row)} cells, the header has {len(names)}: {SEPARATOR_HINT}")
         rows.append((at, dict(zip(names, row, strict=True))))
     return Records(names, rows)
 
 
-def read(
+def read_numbers(
     path: Path,
     required: Sequence[str],
     optional: Sequence[str] = (),
@@ -122,10 +122,10 @@ def read(
     mass). Raises InputError when the file cannot be read, when a required column is missing, and
     when no row is usable.
     """
-    names, stream = _names(iter(reading.lines(path, FORMAT) if lines is None else lines), str(path))
+    names, stream = _read_names(iter(reading.read_lines(path, FORMAT_NAME) if lines is None else lines), str(path))
     missing = [name for name in required if name not in names]
     if missing:
-        seen = plain.line(", ".join(name for name in names if name))
+        seen = plain.shorten_line(", ".join(name for name in names if name))
         raise InputError(f"{path}: no column {missing[0]!r}; columns seen: {seen}")
     wanted = (*required, *optional, *words)
     places = {name: names.index(name) for name in wanted if name in names}
@@ -134,12 +134,12 @@ def read(
     bad: dict[int, str] = {}
     crowded: dict[int, str] = {}
     first = 2
-    while chunk := list(islice(stream, CHUNK)):
-        if first + len(chunk) > MOST_ROWS:
-            raise InputError(f"{path}: more than {MOST_ROWS} rows; split the file")
+    while chunk := list(islice(stream, CHUNK_LINES)):
+        if first + len(chunk) > MAX_ROWS:
+            raise InputError(f"{path}: more than {MAX_ROWS} rows; split the file")
         numbers = np.arange(first, first + len(chunk))
-        values, wrong = _parse(chunk, numbers, str(path), places, len(required), words)
-        over = _crowded(chunk, first, str(path), len(names))
+        values, wrong = _parse_chunk(chunk, numbers, str(path), places, len(required), words)
+        over = _find_long_rows(chunk, first, str(path), len(names))
         crowded |= over
         wrong |= over
         usable = np.array([bool(line.strip()) for line in chunk])
@@ -147,26 +147,26 @@ def read(
         chunks.append([column[usable] for column in values])
         kept.append(numbers[usable])
         bad |= wrong
-        if len(bad) > MOST_BAD:
-            raise InputError(f"{path}: more than {summary(bad)}: is it the right file?")
+        if len(bad) > MAX_BAD_ROWS:
+            raise InputError(f"{path}: more than {describe_bad_rows(bad)}: is it the right file?")
         first += len(chunk)
     if len(crowded) > sum(map(len, kept)):
         line = min(crowded)
-        raise InputError(f"{path}:{line}: {crowded[line]}: {SEPARATE}")
+        raise InputError(f"{path}:{line}: {crowded[line]}: {SEPARATOR_HINT}")
     if not any(map(len, kept)):
-        reason = summary(bad, FEW) or "no rows after the header"
+        reason = describe_bad_rows(bad, MAX_NAMED_IF_ALL_BAD) or "no rows after the header"
         raise InputError(f"{path}: nothing to read: {reason}")
     joined = map(np.concatenate, zip(*chunks, strict=True))
     return Columns(dict(zip(places, joined, strict=True)), np.concatenate(kept), bad)
 
 
-def whole(text: str, most: int) -> int | None:
+def parse_count(text: str, most: int) -> int | None:
     """Whole number in 1..most that a text stands for, in plain digits, or None."""
     value = int(text) if re.fullmatch(r"\s*[0-9]{1,9}\s*", text) else 0
     return value if 1 <= value <= most else None
 
 
-def summary(bad: dict[int, str], most: int = NAMED) -> str:
+def describe_bad_rows(bad: dict[int, str], most: int = MAX_NAMED_ROWS) -> str:
     """Describe how many rows were left out, with the reasons for the first few; '' without any."""
     if not bad:
         return ""
@@ -175,56 +175,56 @@ def summary(bad: dict[int, str], most: int = NAMED) -> str:
     return f"{len(bad)} bad row{'s' if len(bad) > 1 else ''} left out: {named}{more}"
 
 
-def _names(stream: Iterator[str], source: str) -> tuple[list[str], Iterator[str]]:
+def _read_names(stream: Iterator[str], source: str) -> tuple[list[str], Iterator[str]]:
     """Names in the first line of a stream, and the lines after it; raises InputError.
 
     R's write.table gives its row names no name: the first column then has "".
     """
-    names = [name.strip() for name in cells(next(stream, ""), source, 1)]
+    names = [name.strip() for name in split_cells(next(stream, ""), source, 1)]
     if not any(names):
-        raise InputError(f"{source}: is empty; give {FORMAT} whose first line names its columns")
+        raise InputError(f"{source}: is empty; give {FORMAT_NAME} whose first line names its columns")
     if len(names) == 1 and (other := next((mark for mark in ";\t|" if mark in names[0]), "")):
-        raise InputError(f"{source}:1: no comma, but {other!r} seen: {SEPARATE}")
-    if len(names) > MOST_COLUMNS:
-        raise InputError(f"{source}:1: {len(names)} columns; at most {MOST_COLUMNS}")
+        raise InputError(f"{source}:1: no comma, but {other!r} seen: {SEPARATOR_HINT}")
+    if len(names) > MAX_COLUMNS:
+        raise InputError(f"{source}:1: {len(names)} columns; at most {MAX_COLUMNS}")
     twice = sorted({name for name in names if name and names.count(name) > 1})
     if twice:
         raise InputError(f"{source}:1: column {twice[0]!r} occurs twice; keep one")
     first = next(stream, None)
     if first is None:
         return names, stream
-    row = cells(first, source, 2)
-    if len(row) == len(names) + 1 and row[-1].strip() and len(names) < MOST_COLUMNS:
+    row = split_cells(first, source, 2)
+    if len(row) == len(names) + 1 and row[-1].strip() and len(names) < MAX_COLUMNS:
         # Commas within numbers would make as many cells: R quotes row names, and has decimal points
         if not (first.lstrip().startswith('"') or any("." in cell for cell in row[1:])):
             told = f"{len(row)} cells, the header has {len(names)}: are the first ones names of rows, as R's? "
-            raise InputError(f"{source}:2: {told}Give them a name in the header; else {SEPARATE}")
+            raise InputError(f"{source}:2: {told}Give them a name in the header; else {SEPARATOR_HINT}")
         names = ["", *names]
     return names, chain([first], stream)
 
 
-def _crowded(chunk: Sequence[str], first: int, source: str, count: int) -> dict[int, str]:
+def _find_long_rows(chunk: Sequence[str], first: int, source: str, count: int) -> dict[int, str]:
     """Lines with more cells than the header's `count`, as commas within numbers make them, by number."""
     over = {}
     for at, line in enumerate(chunk, first):
         if line.count(",") >= count:
-            row = cells(line, source, at)
+            row = split_cells(line, source, at)
             if any(cell.strip() for cell in row[count:]):
                 over[at] = f"{len(row)} cells, the header has {count}"
     return over
 
 
-def cells(line: str, source: str, at: int) -> list[str]:
+def split_cells(line: str, source: str, at: int) -> list[str]:
     """Cells of a line, of which there are none in an empty one; raises InputError."""
-    if PLAIN(line):  # as below, in a third of the time
+    if MATCH_PLAIN_LINE(line):  # as below, in a third of the time
         return line.removesuffix("\n").split(",")
     try:
-        return [unquoted(cell) for cell in next(csv.reader([line]), [])]
+        return [unquote_formula(cell) for cell in next(csv.reader([line]), [])]
     except csv.Error as error:
         raise InputError(f"{source}:{at}: not valid CSV: {error}") from None
 
 
-def _parse(
+def _parse_chunk(
     chunk: list[str],
     numbers: npt.NDArray[np.int64],
     source: str,
@@ -245,22 +245,22 @@ def _parse(
             raise ValueError("an open quote, which joined lines")
         values = list(table.T)
     except ValueError:
-        rows = [cells(line, source, at) for line, at in zip(chunk, numbers, strict=True)]
+        rows = [split_cells(line, source, at) for line, at in zip(chunk, numbers, strict=True)]
         values = [
-            np.array([_number(row, place, n >= required, words.get(name, ())) for row in rows])
+            np.array([_parse_cell(row, place, n >= required, words.get(name, ())) for row in rows])
             for n, (name, place) in enumerate(places.items())
         ]
     wrong: dict[int, str] = {}
     for n, ((name, place), column) in enumerate(zip(places.items(), values, strict=True)):
-        column[np.abs(column) < SMALLEST] = 0.0
-        unusable = np.abs(column) > LARGEST
+        column[np.abs(column) < MIN_MAGNITUDE] = 0.0
+        unusable = np.abs(column) > MAX_MAGNITUDE
         if n < required:
             unusable |= np.isnan(column)
         for index in np.flatnonzero(unusable):
-            row = rows[index] if rows else cells(chunk[index], source, numbers[index])
+            row = rows[index] if rows else split_cells(chunk[index], source, numbers[index])
             if row:
                 seen = f"{row[place].strip()[:30]!r}" if place < len(row) else "missing"
-                within = f" within ±{LARGEST:g}" if abs(column[index]) < math.inf else ""
+                within = f" within ±{MAX_MAGNITUDE:g}" if abs(column[index]) < math.inf else ""
                 expected = f"one of {', '.join(words[name])}" if name in words else "a number"
                 expected += within
                 wrong.setdefault(int(numbers[index]), f"{name} is {seen}, not {expected}")
@@ -271,12 +271,12 @@ _UNREADABLE = -math.inf
 """Value of a cell that holds neither a number nor, where it may, nothing."""
 
 
-def _number(row: list[str], place: int, optional: bool, words: Sequence[str]) -> float:
+def _parse_cell(row: list[str], place: int, optional: bool, words: Sequence[str]) -> float:
     """Value of a cell: its number or its place among known words; NaN when blank and optional."""
     text = row[place].strip() if place < len(row) else ""
     if words and text:
         return float(words.index(text)) if text in words else _UNREADABLE
-    value = words_of.value(text)
+    value = words_of.parse_number(text)
     if value is not None:
         return value
     return math.nan if optional and text.lower() in ("", "nan") else _UNREADABLE

@@ -18,38 +18,40 @@ from pydantic.fields import FieldInfo
 from walkergen.core.errors import InputError
 from walkergen.core.files import plain, reading
 
-MOST_BYTES, DEEPEST, MOST_MISTAKES = 1_000_000, 32, 20
+MAX_BYTES, MAX_DEPTH, MAX_REPORTED_MISTAKES = 1_000_000, 32, 20
 """Largest file, most levels of lists and tables in it, and mistakes that are told, not counted."""
 
-SMALLEST, LARGEST_WHOLE = 1e-15, 2**63
+MIN_MAGNITUDE, MAX_INTEGER = 1e-15, 2**63
 """Size below which no number but 0 means anything in any unit here; largest whole number of TOML.
 """
 
-MOST_BITS = 10_000
+MAX_INTEGER_BITS = 10_000
 """Longest whole number that is read, to be refused by its key; decimals of as many are no TOML."""
 
-DOTTED = re.compile(r"""(?:(?:[\w-]{1,64}|"[^"\n]{0,64}"|'[^'\n]{0,64}')[ \t]*\.[ \t]*)""" + f"{{{DEEPEST}}}")
+DEEP_KEY_PATTERN = re.compile(
+    r"""(?:(?:[\w-]{1,64}|"[^"\n]{0,64}"|'[^'\n]{0,64}')[ \t]*\.[ \t]*)""" + f"{{{MAX_DEPTH}}}"
+)
 """Key of more parts than are read: the time that tomllib takes grows with their square."""
 
 NAME_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$"
-SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
+LIMIT_SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 """Signs of the limits of a number, by pydantic's names of them."""
-FORMS = {
+TYPE_RULES = {
     "string_type": "must be text, in quotes",
     "bool_type": "must be true or false",
     "list_type": "must be a list, in brackets",
 }
 """Forms of a value in words, by pydantic's names of the mistake of another."""
 
-MOST_CHOICES = 10  # words of which a message names all; of more it names the nearest three
-SHORT = reprlib.Repr()
-SHORT.maxstring = SHORT.maxother = SHORT.maxlong = 200
+MAX_LISTED_CHOICES = 10  # words of which a message names all; of more it names the nearest three
+VALUE_REPR = reprlib.Repr()
+VALUE_REPR.maxstring = VALUE_REPR.maxother = VALUE_REPR.maxlong = 200
 
 Name = Annotated[str, Field(pattern=NAME_PATTERN)]
 Fraction = Annotated[float, Field(ge=0, le=1)]
 Friction = Annotated[float, Field(ge=0, le=1e3)]
 
-PATHS = (
+WINDOWS_PATH_HINT = (
     ": between \"...\" a backslash begins a letter's code; write a path between '...', as 'C:\\prints\\body.svg', "
     "or with slashes"
 )
@@ -66,11 +68,11 @@ class Section(BaseModel):
 
     @field_validator("*", mode="before")
     @classmethod
-    def _sound(cls, value: Any) -> Any:
-        return sound(value)
+    def _normalize_numbers(cls, value: Any) -> Any:
+        return normalize_number(value)
 
     @classmethod
-    def of_file(cls, path: Path) -> dict[str, Any] | None:
+    def data_from_file(cls, path: Path) -> dict[str, Any] | None:
         """Return data that replace a file of another kind than TOML, such as a drawing; None for any other."""
         return None
 
@@ -87,19 +89,19 @@ class Section(BaseModel):
 Model = TypeVar("Model", bound=Section)
 
 
-def read(path: Path, model: type[Model]) -> Model:
+def read_section(path: Path, model: type[Model]) -> Model:
     """Read and validate a TOML file; its stem is the default of `name`.
 
     Raises InputError when the file cannot be read, or with every mistake in it and its line.
     """
-    data, text = contents(path, model)
+    data, text = read_data(path, model)
     return validate(data, model, str(path), text)
 
 
-def contents(path: Path, model: type[Section]) -> tuple[dict[str, Any], str]:
+def read_data(path: Path, model: type[Section]) -> tuple[dict[str, Any], str]:
     """Read the data of a TOML file, not validated yet, and its text. Raises InputError."""
-    own = model.of_file(path)
-    data, text = load(path) if own is None else (own, "")
+    own = model.data_from_file(path)
+    data, text = read_toml(path) if own is None else (own, "")
     if not data:
         raise InputError(f"{path}: the file sets nothing; start from a template: walkergen templates copy NAME")
     if "name" in model.model_fields:
@@ -107,72 +109,72 @@ def contents(path: Path, model: type[Section]) -> tuple[dict[str, Any], str]:
     return dict(model.with_paths_below(data, path.parent)), text
 
 
-def load(path: Path) -> tuple[dict[str, Any], str]:
+def read_toml(path: Path) -> tuple[dict[str, Any], str]:
     """Contents of a TOML file, and its text. Raises InputError when it cannot be read."""
-    text = "".join(reading.lines(path, "a TOML file", MOST_BYTES))
+    text = "".join(reading.read_lines(path, "a TOML file", MAX_BYTES))
     try:
-        return toml_of(text), text
+        return parse_toml(text), text
     except ValueError as error:
-        hint = PATHS if re.search(r"hex value|Unescaped", str(error)) and "\\" in text else ""
+        hint = WINDOWS_PATH_HINT if re.search(r"hex value|Unescaped", str(error)) and "\\" in text else ""
         raise InputError(f"{path}: not valid TOML: {error}{hint}") from None
 
 
-def toml_of(text: str) -> dict[str, Any]:
+def parse_toml(text: str) -> dict[str, Any]:
     """Contents of TOML text. Raises ValueError for other text, and where it is nested too deeply.
 
     So it does for a whole number of more digits than Python reads.
     """
-    if not DOTTED.search(text):
+    if not DEEP_KEY_PATTERN.search(text):
         try:
             data = tomllib.loads(text)
         except RecursionError:
             pass
         else:
-            if depth(data) <= DEEPEST:
-                _refuse_endless(data)
+            if nesting_depth(data) <= MAX_DEPTH:
+                _check_integer_size(data)
                 return data
-    raise ValueError(f"nested too deeply: more than {DEEPEST} levels")
+    raise ValueError(f"nested too deeply: more than {MAX_DEPTH} levels")
 
 
-def _refuse_endless(value: Any) -> None:
+def _check_integer_size(value: Any) -> None:
     """Raise ValueError for a whole number in hexadecimals of more digits than Python writes."""
     if isinstance(value, (dict, list)):
         for inner in value.values() if isinstance(value, dict) else value:
-            _refuse_endless(inner)
-    elif isinstance(value, int) and value.bit_length() > MOST_BITS:
-        raise ValueError(f"a whole number of {value.bit_length()} bits; at most {MOST_BITS}")
+            _check_integer_size(inner)
+    elif isinstance(value, int) and value.bit_length() > MAX_INTEGER_BITS:
+        raise ValueError(f"a whole number of {value.bit_length()} bits; at most {MAX_INTEGER_BITS}")
 
 
-def depth(value: Any) -> int:
+def nesting_depth(value: Any) -> int:
     """Levels of lists and tables in a value, counted no further than one beyond DEEPEST."""
     layer, levels = [value], 0
-    while layer and levels <= DEEPEST:
+    while layer and levels <= MAX_DEPTH:
         holders = [holder for holder in layer if isinstance(holder, (dict, list))]
         layer = [inner for holder in holders for inner in (holder.values() if isinstance(holder, dict) else holder)]
         levels += bool(holders)
     return levels
 
 
-def sound(value: Any) -> Any:
+def normalize_number(value: Any) -> Any:
     """Value of a key without the sign of a zero. Raises ValueError for numbers of no meaning.
 
     These are as small or as large as only a slip of the pen is, and would overflow where they are
     squared or divided by.
     """
     if isinstance(value, list):
-        return [sound(entry) for entry in value]
+        return [normalize_number(entry) for entry in value]
     if isinstance(value, float):
-        if 0.0 < abs(value) < SMALLEST:
-            raise ValueError(f"{value:g} is too small: must be 0, or at least {SMALLEST:g}")
+        if 0.0 < abs(value) < MIN_MAGNITUDE:
+            raise ValueError(f"{value:g} is too small: must be 0, or at least {MIN_MAGNITUDE:g}")
         return value + 0.0
-    if isinstance(value, int) and abs(value) > LARGEST_WHOLE:
-        raise ValueError(f"{_shown(value)} is too large: must be at most {LARGEST_WHOLE:.3g}")
+    if isinstance(value, int) and abs(value) > MAX_INTEGER:
+        raise ValueError(f"{_format_value(value)} is too large: must be at most {MAX_INTEGER:.3g}")
     return value
 
 
-def where(location: tuple[str, ...], source: str, text: str) -> str:
+def format_location(location: tuple[str, ...], source: str, text: str) -> str:
     """Source of a text, with the line of a key where that is found: "my.toml:12"."""
-    line = _line_of(location, text)
+    line = _find_line(location, text)
     return f"{source}:{line}" if line else source
 
 
@@ -186,24 +188,26 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
         return model.model_validate(data)
     except InputError as error:  # of parts that cannot be built, or of a file that a key names
         problems = error.fault.splitlines()
-        at_fault = error.keys or [_key_of(problem, model) for problem in problems]
+        at_fault = error.keys or [_leading_key(problem, model) for problem in problems]
         lines = [
-            problem if problem.startswith(f"{source}: ") else f"{where(_split_key(key), source, text)}: {problem}"
+            problem
+            if problem.startswith(f"{source}: ")
+            else f"{format_location(_split_key(key), source, text)}: {problem}"
             for key, problem in zip(at_fault, problems, strict=True)
         ]
         error.args, error.keys = ("\n".join(lines),), tuple(at_fault)  # the same error, with what it holds
         raise error from None
     except ValidationError as error:
         mistakes = error.errors()
-        told = mistakes[:MOST_MISTAKES]
+        told = mistakes[:MAX_REPORTED_MISTAKES]
         lines = [_explain(mistake, model, source, text, prefix) for mistake in told]
-        at_fault = [prefix + ".".join(_path_of(mistake["loc"], model)) for mistake in told]
-        if len(mistakes) > MOST_MISTAKES:
-            lines.append(f"{source}: and {len(mistakes) - MOST_MISTAKES} more mistakes")
+        at_fault = [prefix + ".".join(_key_path(mistake["loc"], model)) for mistake in told]
+        if len(mistakes) > MAX_REPORTED_MISTAKES:
+            lines.append(f"{source}: and {len(mistakes) - MAX_REPORTED_MISTAKES} more mistakes")
         raise InputError("\n".join(lines), *at_fault) from None
 
 
-def _key_of(problem: str, model: type[Section]) -> str:
+def _leading_key(problem: str, model: type[Section]) -> str:
     """Key with which a line on a mistake begins; "" where it begins with another word."""
     word = problem.split(" ", 1)[0].rstrip(":")
     return word if _field_at(_split_key(word), model) is not None else ""
@@ -211,35 +215,37 @@ def _key_of(problem: str, model: type[Section]) -> str:
 
 def _explain(mistake: Any, model: type[Section], source: str, text: str, prefix: str) -> str:
     """Line for a person on a mistake of pydantic's: place, key, value seen, what is allowed."""
-    location = _path_of(mistake["loc"], model)
-    place = where(location, source, text)
-    key = plain.line(prefix + ".".join(location) or "file")
+    location = _key_path(mistake["loc"], model)
+    place = format_location(location, source, text)
+    key = plain.shorten_line(prefix + ".".join(location) or "file")
     if mistake["type"] == "extra_forbidden":
-        return f"{place}: {_cut(key)}: {_unknown_key(location, model, prefix)}"
+        return f"{place}: {_shorten(key)}: {_suggest_known_keys(location, model, prefix)}"
     if mistake["type"] == "value_error":  # raised by a table's own check, in full words
         return f"{place}: {key}: {mistake['msg'].removeprefix('Value error, ')}"
     if mistake["type"] in ("too_short", "too_long"):
         words, limit = {"too_short": ("at least", "min_length"), "too_long": ("at most", "max_length")}[mistake["type"]]
         count = len(mistake["input"])
         return f"{place}: {key}: {count} entries: must be {words} {mistake['ctx'][limit]}"
-    seen = " is missing" if mistake["type"] == "missing" else f" = {_shown(mistake['input'])}"
-    rule = FORMS.get(mistake["type"]) or allowed(location, model, mistake["input"]) or mistake["msg"]
+    seen = " is missing" if mistake["type"] == "missing" else f" = {_format_value(mistake['input'])}"
+    rule = (
+        TYPE_RULES.get(mistake["type"]) or describe_allowed_values(location, model, mistake["input"]) or mistake["msg"]
+    )
     return f"{place}: {key}{seen}: {rule}"
 
 
-def _shown(value: Any) -> str:
+def _format_value(value: Any) -> str:
     if isinstance(value, dict):
         return "a table"
-    if isinstance(value, int) and abs(value) > LARGEST_WHOLE:
+    if isinstance(value, int) and abs(value) > MAX_INTEGER:
         return f"a whole number of about {value.bit_length() * 0.30103:.0f} digits"
-    return _cut(SHORT.repr(value))
+    return _shorten(VALUE_REPR.repr(value))
 
 
-def _cut(shown: str) -> str:
+def _shorten(shown: str) -> str:
     return shown if len(shown) <= 60 else shown[:57] + "..."
 
 
-def _path_of(places: Sequence[str | int], model: type[Section]) -> tuple[str, ...]:
+def _key_path(places: Sequence[str | int], model: type[Section]) -> tuple[str, ...]:
     """Keys that lead to a mistake of pydantic's: legs[2] is the second of a list of tables.
 
     The tag by which pydantic tells a table from a list of them is left out.
@@ -261,14 +267,14 @@ def _tags(location: tuple[str, ...], model: type[Section]) -> set[str]:
     return {item.tag for item in metadata if isinstance(item, Tag)}
 
 
-def _line_of(location: tuple[str, ...], text: str) -> int | None:
+def _find_line(location: tuple[str, ...], text: str) -> int | None:
     """Line of a key in TOML text: tables by header, dotted keys joined.
 
     Of a key that is not written, the line of its table; None when that is not found either.
     """
     table: tuple[str, ...] = ()
     tables: Counter[tuple[str, ...]] = Counter()
-    plain, own = (tuple(map(_unnumbered, part)) for part in (location, location[:-1]))
+    plain, own = (tuple(map(_without_index, part)) for part in (location, location[:-1]))
     fallback = None
     for number, line in enumerate(text.splitlines(), start=1):
         if header := re.match(r"\s*(\[+)\s*([\w.\s\"'-]+?)\s*\]+", line):
@@ -289,7 +295,7 @@ def _line_of(location: tuple[str, ...], text: str) -> int | None:
     return fallback
 
 
-def _unnumbered(key: str) -> str:
+def _without_index(key: str) -> str:
     """Key without the number of an entry of its list: legs of legs[2]."""
     return key.partition("[")[0]
 
@@ -298,22 +304,22 @@ def _split_key(dotted: str) -> tuple[str, ...]:
     return tuple(part.strip().strip("\"'") for part in dotted.split("."))
 
 
-def unknown(location: tuple[str, ...], model: type[Section], prefix: str = "") -> str:
+def describe_unknown_key(location: tuple[str, ...], model: type[Section], prefix: str = "") -> str:
     """Words on a key that a file has not, with the known key most like it; "" for a known one.
 
     Known keys are told after a prefix.
     """
     if _field_at(location, model) is not None:
         return ""
-    return _unknown_key(location, model, prefix)
+    return _suggest_known_keys(location, model, prefix)
 
 
-def _unknown_key(location: tuple[str, ...], model: type[Section], prefix: str) -> str:
+def _suggest_known_keys(location: tuple[str, ...], model: type[Section], prefix: str) -> str:
     """Words on a key that is gone, or unknown: the known key most like it, or all of its table."""
     table = _model_at(location[:-1], model)
     if table and location[-1] in table.gone:
         return f"this key is gone: {table.gone[location[-1]]}"
-    paths = [".".join(path) for path in keys(model)]
+    paths = [".".join(path) for path in key_paths(model)]
     if table and any("[" in key for key in location):
         paths = [".".join((*location[:-1], name)) for name in table.model_fields]
     close = difflib.get_close_matches(".".join(location), paths, n=1, cutoff=0.6)
@@ -323,31 +329,31 @@ def _unknown_key(location: tuple[str, ...], model: type[Section], prefix: str) -
     return f"unknown key; known here: {', '.join(names)}"
 
 
-def keys(model: type[Section], prefix: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
+def key_paths(model: type[Section], prefix: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
     """Keys of a table and of all tables in it, each as the path that leads to it."""
     paths: list[tuple[str, ...]] = []
     for name, field in model.model_fields.items():
         paths.append((*prefix, name))
-        inner = _section_of(field.annotation)
+        inner = _section_type(field.annotation)
         if inner:
-            paths += keys(inner, (*prefix, name))
+            paths += key_paths(inner, (*prefix, name))
     return paths
 
 
-def _section_of(annotation: Any, listed: bool = False) -> type[Section] | None:
+def _section_type(annotation: Any, listed: bool = False) -> type[Section] | None:
     """Table that a key of this annotation holds, or a list of which; None when it holds none."""
     if isinstance(annotation, type) and issubclass(annotation, Section):
         return None if listed else annotation
     if get_origin(annotation) is list:
-        return _section_of(get_args(annotation)[0]) if listed else None
-    sections = (_section_of(argument, listed) for argument in get_args(annotation))
+        return _section_type(get_args(annotation)[0]) if listed else None
+    sections = (_section_type(argument, listed) for argument in get_args(annotation))
     return next((section for section in sections if section), None)
 
 
 def _field_at(location: tuple[str, ...], model: type[Section]) -> FieldInfo | None:
     """Field at the end of a path of keys; None when the path leads to none."""
     table = _model_at(location[:-1], model) if location else None
-    return table.model_fields.get(_unnumbered(location[-1])) if table else None
+    return table.model_fields.get(_without_index(location[-1])) if table else None
 
 
 def _model_at(location: tuple[str, ...], model: type[Section]) -> type[Section] | None:
@@ -355,10 +361,10 @@ def _model_at(location: tuple[str, ...], model: type[Section]) -> type[Section] 
     if not location:
         return model
     field = _field_at(location, model)
-    return _section_of(field.annotation, listed="[" in location[-1]) if field else None
+    return _section_type(field.annotation, listed="[" in location[-1]) if field else None
 
 
-def allowed(location: tuple[str, ...], model: type[Section], seen: object = None) -> str:
+def describe_allowed_values(location: tuple[str, ...], model: type[Section], seen: object = None) -> str:
     """Values that a key may hold, in words, from the model's constraints; '' when it has none.
 
     Of many words it names those nearest to what was `seen`.
@@ -366,38 +372,38 @@ def allowed(location: tuple[str, ...], model: type[Section], seen: object = None
     field = _field_at(location, model)
     if field is None:
         return ""
-    if tables := _tables_in_words(_unnumbered(location[-1]), field.annotation):
+    if tables := _describe_tables(_without_index(location[-1]), field.annotation):
         return tables
     metadata, types = list(field.metadata), [field.annotation]
     while types:
         annotation = types.pop()
         if get_origin(annotation) is Literal:
             choices = get_args(annotation)
-            every = seen is None or len(choices) <= MOST_CHOICES
+            every = seen is None or len(choices) <= MAX_LISTED_CHOICES
             shown = choices if every else difflib.get_close_matches(str(seen), choices, 3, 0.0)
             return "must be one of " + ", ".join(map(repr, shown)) + ("" if every else ", ...")
         metadata += getattr(annotation, "__metadata__", ())
         types += get_args(annotation)
     if any(getattr(item, "pattern", None) == NAME_PATTERN for item in metadata):
         return "must be 1 to 64 letters, digits, - or _, the first a letter or digit"
-    if bounds := _bounds(metadata):
+    if bounds := _describe_bounds(metadata):
         described = f" ({field.description})" if field.description else ""
         return f"must be a number {bounds}{described}"
     return f"must be {field.description}" if field.description else ""
 
 
-def _tables_in_words(key: str, annotation: Any) -> str:
+def _describe_tables(key: str, annotation: Any) -> str:
     """Tables that a key may hold, in words; '' when it holds none."""
     forms = [
         f"{start}{key}{end}"
         for start, end, listed in (("a table [", "] of keys", False), ("tables [[", "]]", True))
-        if _section_of(annotation, listed)
+        if _section_type(annotation, listed)
     ]
     return "must be " + ", or ".join(forms) if forms else ""
 
 
-def _bounds(metadata: list[Any]) -> str:
+def _describe_bounds(metadata: list[Any]) -> str:
     """Limits of a number in words, from the constraints of its field; '' when it has none."""
     parts = [part for item in metadata for part in getattr(item, "metadata", None) or [item]]
-    limits = [(sign, getattr(part, key, None)) for part in parts for key, sign in SIGNS.items()]
+    limits = [(sign, getattr(part, key, None)) for part in parts for key, sign in LIMIT_SIGNS.items()]
     return " and ".join(f"{sign} {limit:g}" for sign, limit in limits if limit is not None)

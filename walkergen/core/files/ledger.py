@@ -17,19 +17,27 @@ from typing import Any
 
 from walkergen.core.errors import InputError
 
-MOST_BYTES = 50_000_000
+MAX_BYTES = 50_000_000
 """Largest ledger or manifest that is read: of a hundred thousand files."""
 
-MOST_HASHED = 4_000_000_000
+MAX_HASHED_BYTES = 4_000_000_000
 """Largest file that can be ours, bytes."""
 
-NEVER_OURS = {errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EACCES, errno.ELOOP, errno.ENXIO, errno.ENAMETOOLONG}
+NOT_OURS_ERRNOS = {
+    errno.ENOENT,
+    errno.ENOTDIR,
+    errno.EISDIR,
+    errno.EACCES,
+    errno.ELOOP,
+    errno.ENXIO,
+    errno.ENAMETOOLONG,
+}
 """Reasons why a file cannot be opened that tell that it is not there or not ours."""
 
-BLANK = b"0" * 64
+BLANK_SEAL = b"0" * 64
 """Seal that is to be made."""
 
-SEAL = re.compile(rb'[0-9a-f]{64}(?=(?:"\n}| -->)\n\Z)')
+SEAL_PATTERN = re.compile(rb'[0-9a-f]{64}(?=(?:"\n}| -->)\n\Z)')
 """Seal at the end of JSON or HTML."""
 
 Digests = dict[str, set[str]]
@@ -44,13 +52,13 @@ class Ledger:
 
     def __init__(self, path: Path, alone: bool) -> None:
         self.path, self.digests, self._alone = path, Digests(), alone
-        self._file = _locked(path) if alone else _opened(path, new=False)
+        self._file = _open_locked(path) if alone else _open_ledger(path, new=False)
         if self._file is not None:
-            self._read(self._file)
+            self._read_lines(self._file)
 
-    def _read(self, file: int) -> None:
+    def _read_lines(self, file: int) -> None:
         """Take in the lines; those that a kill cut short are left out."""
-        if os.fstat(file).st_size > MOST_BYTES:
+        if os.fstat(file).st_size > MAX_BYTES:
             return  # not written by us: nothing is known of any file
         data = b""
         while piece := os.read(file, 1 << 20):
@@ -63,12 +71,12 @@ class Ledger:
             if isinstance(name, str) and isinstance(digest, str):
                 self.digests.setdefault(name, set()).add(digest)
 
-    def note(self, name: str, digest: str) -> None:
+    def append_hash(self, name: str, digest: str) -> None:
         """Append that a file of this name and hash is about to be ours. Raises OSError."""
         if digest in self.digests.get(name, ()):
             return
         if self._file is None:
-            self._file = _opened(self.path, new=True)
+            self._file = _open_ledger(self.path, new=True)
             assert self._file is not None
         line = f"\n{json.dumps([name, digest])}\n".encode()  # after a line that was cut short
         if os.write(self._file, line) != len(line):
@@ -87,13 +95,13 @@ class Ledger:
             self._file = None
 
 
-def _locked(path: Path) -> int:
+def _open_locked(path: Path) -> int:
     """Descriptor of a ledger that no other process has. Raises OSError, InputError when taken."""
     while True:
-        file = _opened(path, new=True)
+        file = _open_ledger(path, new=True)
         assert file is not None
         try:
-            if not lock(file):
+            if not try_lock(file):
                 raise InputError(
                     f"{str(path.parent)!r}: another walkergen writes there; wait for it, or give "
                     "another folder by ‹out›"
@@ -107,10 +115,10 @@ def _locked(path: Path) -> int:
         os.close(file)
 
 
-def _opened(path: Path, new: bool) -> int | None:
+def _open_ledger(path: Path, new: bool) -> int | None:
     """Descriptor of a ledger; None where there is none, unless it may be `new`. Raises OSError."""
     try:
-        file = os.open(path, flags(os.O_RDWR | os.O_APPEND | (os.O_CREAT if new else 0)), 0o666)
+        file = os.open(path, open_flags(os.O_RDWR | os.O_APPEND | (os.O_CREAT if new else 0)), 0o666)
     except FileNotFoundError:
         if new:
             raise
@@ -121,20 +129,20 @@ def _opened(path: Path, new: bool) -> int | None:
     raise OSError(errno.EINVAL, "is no plain file")
 
 
-def flags(mode: int) -> int:
+def open_flags(mode: int) -> int:
     """Return flags to open a file without following links or waiting, and with bytes unchanged."""
     for name in ("O_NOFOLLOW", "O_NONBLOCK", "O_CLOEXEC", "O_BINARY"):
         mode |= getattr(os, name, 0)  # each system has some of them
     return mode
 
 
-def lock(file: int) -> bool:
+def try_lock(file: int) -> bool:
     """Lock an open file until it is closed, whatever ends the process; False when it is taken."""
     try:
         if sys.platform == "win32":
             import msvcrt
 
-            os.lseek(file, MOST_BYTES * 2, os.SEEK_SET)  # what is locked there cannot be read
+            os.lseek(file, MAX_BYTES * 2, os.SEEK_SET)  # what is locked there cannot be read
             msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
             os.lseek(file, 0, os.SEEK_SET)
         else:
@@ -148,22 +156,22 @@ def lock(file: int) -> bool:
     return True
 
 
-def hash_of(path: Path) -> str | None:
+def hash_file(path: Path) -> str | None:
     """Hash of a plain file that is no link; None of all else, which is never ours.
 
     Raises OSError for a file that cannot be read to its end.
     """
     try:
-        file = os.open(path, flags(os.O_RDONLY))
+        file = os.open(path, open_flags(os.O_RDONLY))
     except ValueError:  # a NUL in its name
         return None
     except OSError as error:
-        if error.errno in NEVER_OURS:
+        if error.errno in NOT_OURS_ERRNOS:
             return None
         raise
     try:
         status = os.fstat(file)
-        if not stat.S_ISREG(status.st_mode) or status.st_size > MOST_HASHED:
+        if not stat.S_ISREG(status.st_mode) or status.st_size > MAX_HASHED_BYTES:
             return None
         with open(file, "rb", closefd=False) as stream:
             return hashlib.file_digest(stream, "sha256").hexdigest()
@@ -171,31 +179,31 @@ def hash_of(path: Path) -> str | None:
         os.close(file)
 
 
-def sealed(data: bytes) -> bytes:
+def add_seal(data: bytes) -> bytes:
     """Put the data's own hash into their last value, or comment, which is BLANK, so that any change shows."""
-    match = SEAL.search(data)
+    match = SEAL_PATTERN.search(data)
     assert match is not None
-    assert match[0] == BLANK
+    assert match[0] == BLANK_SEAL
     seal = hashlib.sha256(data).hexdigest().encode()
     return data[: match.start()] + seal + data[match.end() :]
 
 
 def is_sealed(data: bytes) -> bool:
     """Return whether data are what `sealed` returned, byte for byte."""
-    match = SEAL.search(data)
+    match = SEAL_PATTERN.search(data)
     if match is None:
         return False
-    blank = data[: match.start()] + BLANK + data[match.end() :]
+    blank = data[: match.start()] + BLANK_SEAL + data[match.end() :]
     return hashlib.sha256(blank).hexdigest().encode() == match[0]
 
 
-def manifest(facts: dict[str, Any]) -> bytes:
+def encode_manifest(facts: dict[str, Any]) -> bytes:
     """JSON of facts, sealed."""
-    text = json.dumps({**facts, "sealed": BLANK.decode()}, indent=2, ensure_ascii=False, allow_nan=False)
-    return sealed(f"{text}\n".encode("utf-8", "backslashreplace"))  # what UTF-8 has not, as in JSON
+    text = json.dumps({**facts, "sealed": BLANK_SEAL.decode()}, indent=2, ensure_ascii=False, allow_nan=False)
+    return add_seal(f"{text}\n".encode("utf-8", "backslashreplace"))  # what UTF-8 has not, as in JSON
 
 
-def facts_of(data: bytes) -> dict[str, Any] | None:
+def decode_manifest(data: bytes) -> dict[str, Any] | None:
     """Facts of a manifest that nobody changed since it was sealed; None of all else."""
     if not is_sealed(data):
         return None

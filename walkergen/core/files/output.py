@@ -19,7 +19,7 @@ from typing import Any, Self
 from walkergen import __version__
 from walkergen.core.errors import OutputError
 from walkergen.core.files import ledger
-from walkergen.core.files.ledger import Ledger, flags, hash_of, lock
+from walkergen.core.files.ledger import Ledger, hash_file, open_flags, try_lock
 
 MANIFEST = "manifest.json"
 LEDGER = ".walkergen"
@@ -27,12 +27,12 @@ LEDGER = ".walkergen"
 
 LIBRARIES = ("numpy", "manifold3d", "lib3mf", "matplotlib", "pydantic")
 
-TEMPORARY = re.compile(r"\..*\.walkergen-[0-9a-f]{16}", re.DOTALL)
-NOT_OURS = "not as walkergen wrote it: left alone; move it away, or give another ‹out›"
-MOST_SEALED = 500_000_000
+TEMPORARY_NAME = re.compile(r"\..*\.walkergen-[0-9a-f]{16}", re.DOTALL)
+NOT_OURS_MESSAGE = "not as walkergen wrote it: left alone; move it away, or give another ‹out›"
+MAX_SEALED_BYTES = 500_000_000
 """Largest file that can be sealed, bytes."""
 
-NAMED = 5
+MAX_NAMED_FILES = 5
 """Most files that are named as left alone; the others are counted."""
 
 
@@ -58,7 +58,7 @@ def write(path: Path, data: bytes, lasting: bool = True) -> None:
                 temporary.unlink()
             raise
     except (OSError, ValueError) as error:  # ValueError: a path that holds NUL or has no name
-        raise refused(path, error) from None
+        raise write_error(path, error) from None
 
 
 def _create(path: Path, data: bytes, lasting: bool) -> None:
@@ -66,9 +66,9 @@ def _create(path: Path, data: bytes, lasting: bool) -> None:
 
     It stays locked meanwhile. A full disk may say so only when it is synchronized or closed.
     """
-    file = os.open(path, flags(os.O_WRONLY | os.O_CREAT | os.O_EXCL), 0o666)
+    file = os.open(path, open_flags(os.O_WRONLY | os.O_CREAT | os.O_EXCL), 0o666)
     try:
-        lock(file)
+        try_lock(file)
         rest = memoryview(data)
         while rest:
             rest = rest[os.write(file, rest) :]
@@ -78,32 +78,32 @@ def _create(path: Path, data: bytes, lasting: bool) -> None:
         os.close(file)
 
 
-def _tidy(folder: Path) -> None:
+def _remove_leftovers(folder: Path) -> None:
     """Remove what a killed run left half-written: temporary files that no process has locked."""
     try:
-        names = [entry.name for entry in os.scandir(folder) if TEMPORARY.fullmatch(entry.name)]
+        names = [entry.name for entry in os.scandir(folder) if TEMPORARY_NAME.fullmatch(entry.name)]
     except OSError:
         return  # there is no such folder yet
     for name in names:
         with contextlib.suppress(OSError):  # somebody else has removed it, or may alone
-            file = os.open(folder / name, flags(os.O_WRONLY))
+            file = os.open(folder / name, open_flags(os.O_WRONLY))
             try:
-                if lock(file):
+                if try_lock(file):
                     (folder / name).unlink()
             finally:
                 os.close(file)
 
 
-def renew(path: Path, data: bytes) -> None:
+def rewrite_sealed(path: Path, data: bytes) -> None:
     """Write sealed data (`ledger.sealed`) as `write` does, but over no file that is not sealed.
 
     Raises OutputError, as `check_ours` does.
     """
-    check_ours(path)
+    check_overwritable(path)
     write(path, data)
 
 
-def check_ours(path: Path) -> None:
+def check_overwritable(path: Path) -> None:
     """Raise OutputError where a file is that is neither empty nor sealed as we wrote it."""
     try:
         status = path.lstat()
@@ -111,11 +111,11 @@ def check_ours(path: Path) -> None:
         return
     if _is_empty(status):
         return
-    with contextlib.suppress(OSError), os.fdopen(os.open(path, flags(os.O_RDONLY)), "rb") as stream:
+    with contextlib.suppress(OSError), os.fdopen(os.open(path, open_flags(os.O_RDONLY)), "rb") as stream:
         plain = stat.S_ISREG(os.fstat(stream.fileno()).st_mode)
-        if plain and ledger.is_sealed(stream.read(MOST_SEALED)):
+        if plain and ledger.is_sealed(stream.read(MAX_SEALED_BYTES)):
             return
-    raise OutputError(f"{str(path)!r}: {NOT_OURS}")
+    raise OutputError(f"{str(path)!r}: {NOT_OURS_MESSAGE}")
 
 
 def _is_empty(status: os.stat_result) -> bool:
@@ -123,13 +123,13 @@ def _is_empty(status: os.stat_result) -> bool:
     return stat.S_ISREG(status.st_mode) and status.st_size == 0
 
 
-def refused(path: Path, error: Exception) -> OutputError:
+def write_error(path: Path, error: Exception) -> OutputError:
     """Error, in words, for a file or folder that the system does not let us write."""
     reason = getattr(error, "strerror", None) or str(error)
     return OutputError(f"{str(path)!r}: cannot be written: {reason}; try another ‹out›")
 
 
-GROWING = "growing"
+GROWING_HASH = "growing"
 """Stands in a ledger for the hash of a file that is written row by row."""
 
 
@@ -160,7 +160,7 @@ class Folder:
             with contextlib.suppress(OSError):  # a ledger may stay: it is of use to the next run
                 self._ledger.close()
         if kind is None:
-            self._tell_left()
+            self._report_left_files()
 
     def claim(self) -> None:
         """Keep others out from now on, as any writing does. What was half-written is removed."""
@@ -173,9 +173,9 @@ class Folder:
             place = self.path / hidden
             opened = Ledger(place, alone=bool(self.manifest))
         except (OSError, ValueError) as error:
-            raise refused(place, error) from None
+            raise write_error(place, error) from None
         try:
-            self._listed = _files_of(self.earlier())
+            self._listed = _listed_hashes(self.earlier_manifest())
         except BaseException:
             opened.close()
             raise
@@ -187,29 +187,29 @@ class Folder:
         assert self._ledger is not None
         path, digest = self.path / name, hashlib.sha256(data).hexdigest()
         if path.parent not in self._tidied:
-            _tidy(path.parent)
+            _remove_leftovers(path.parent)
             self._tidied.add(path.parent)
-        if not self._may(name, digest):
+        if not self._can_overwrite(name, digest):
             self.left.append(name)
             return False
         try:
-            self._ledger.note(name, digest)
+            self._ledger.append_hash(name, digest)
         except OSError as error:
-            raise refused(path, error) from None
+            raise write_error(path, error) from None
         write(path, data, lasting=False)  # of many: the manifest, which is last, lists those that are
         self.hashes[name] = digest
         return True
 
-    def grow(self, name: str) -> None:
+    def start_growing_file(self, name: str) -> None:
         """Note that a file of ours is about to be written by other means, as row by row."""
         self.claim()
         assert self._ledger is not None
         try:
-            self._ledger.note(name, GROWING)
+            self._ledger.append_hash(name, GROWING_HASH)
         except OSError as error:
-            raise refused(self.path / name, error) from None
+            raise write_error(self.path / name, error) from None
 
-    def add(self, name: str) -> None:
+    def add_grown_file(self, name: str) -> None:
         """Take in a file that has grown."""
         digest = self._hash(name)
         if digest is None:
@@ -225,21 +225,21 @@ class Folder:
         self.claim()
         assert self._ledger is not None
         for name in sorted({*self._ledger.digests, *self._listed} - {*self.hashes}):
-            if self._ours(name):
+            if self._is_ours(name):
                 try:
                     (self.path / name).unlink()
                 except OSError as error:
-                    raise refused(self.path / name, error) from None
+                    raise write_error(self.path / name, error) from None
         files = dict(sorted(self.hashes.items()))
-        write(self.path / self.manifest, ledger.manifest({**facts, "files": files}))
+        write(self.path / self.manifest, ledger.encode_manifest({**facts, "files": files}))
         try:
             self._ledger.close(remove=True)
         except OSError as error:
-            raise refused(self._ledger.path, error) from None
+            raise write_error(self._ledger.path, error) from None
         self._ledger = None
-        self._tell_left()
+        self._report_left_files()
 
-    def earlier(self) -> dict[str, Any]:
+    def earlier_manifest(self) -> dict[str, Any]:
         """Manifest of an earlier run; nothing where there is none.
 
         Raises OutputError for one that is not as we wrote it: nothing in its folder is touched.
@@ -248,71 +248,71 @@ class Folder:
             return {}
         path = self.path / self.manifest
         try:
-            with os.fdopen(os.open(path, flags(os.O_RDONLY)), "rb") as stream:
-                data = stream.read(ledger.MOST_BYTES)
+            with os.fdopen(os.open(path, open_flags(os.O_RDONLY)), "rb") as stream:
+                data = stream.read(ledger.MAX_BYTES)
         except FileNotFoundError:
             return {}
         except (OSError, ValueError) as error:
-            raise _distrusted(path, getattr(error, "strerror", None) or str(error)) from None
-        facts = ledger.facts_of(data)
+            raise _manifest_error(path, getattr(error, "strerror", None) or str(error)) from None
+        facts = ledger.decode_manifest(data)
         if facts is None:
-            raise _distrusted(path, "is not as walkergen wrote it")
-        for name in _files_of(facts):
+            raise _manifest_error(path, "is not as walkergen wrote it")
+        for name in _listed_hashes(facts):
             if not _is_inside(self.path, name):
-                raise _distrusted(path, "names files outside its folder")
+                raise _manifest_error(path, "names files outside its folder")
         return facts
 
-    def untouched(self) -> bool:
+    def is_unchanged(self) -> bool:
         """Return whether every file of an earlier run is unchanged; False without any."""
-        listed = _files_of(self.earlier())
+        listed = _listed_hashes(self.earlier_manifest())
         return bool(listed) and all(self._hash(name) == digest for name, digest in listed.items())
 
-    def as_left(self, name: str) -> bool:
+    def is_file_unchanged(self, name: str) -> bool:
         """Return whether a file is unchanged since an earlier run, or was growing when that run was ended."""
         self.claim()
         assert self._ledger is not None
-        growing = GROWING in self._ledger.digests.get(name, ())
+        growing = GROWING_HASH in self._ledger.digests.get(name, ())
         return growing or self._listed.get(name) == self._hash(name)
 
-    def _ours(self, name: str) -> bool:
+    def _is_ours(self, name: str) -> bool:
         """Return whether this program wrote a file in the folder, unchanged since."""
         assert self._ledger is not None
         digests = {*self._ledger.digests.get(name, ()), self._listed.get(name)} - {None}
         return bool(digests) and _is_inside(self.path, name) and self._hash(name) in digests
 
-    def _may(self, name: str, digest: str) -> bool:
+    def _can_overwrite(self, name: str, digest: str) -> bool:
         """Return whether writing a file of this hash loses nothing: there is none, an equal one, or one of ours."""
         path = self.path / name
         try:
             status = path.lstat()
         except (OSError, ValueError):  # whatever stops the writing will tell
             return True
-        return _is_empty(status) or self._hash(name) == digest or self._ours(name)
+        return _is_empty(status) or self._hash(name) == digest or self._is_ours(name)
 
     def _hash(self, name: str) -> str | None:
         """Hash of a plain file in the folder; None of all else."""
         try:
-            return hash_of(self.path / name)
+            return hash_file(self.path / name)
         except OSError as error:
-            raise refused(self.path / name, error) from None
+            raise write_error(self.path / name, error) from None
 
-    def _tell_left(self) -> None:
+    def _report_left_files(self) -> None:
         """Raise OutputError for the files that were left alone, a line each."""
         if not self.left:
             return
-        lines = [f"{str(self.path / name)!r}: {NOT_OURS}" for name in self.left[:NAMED]]
-        more = len(self.left) - NAMED
+        lines = [f"{str(self.path / name)!r}: {NOT_OURS_MESSAGE}" for name in self.left[:MAX_NAMED_FILES]]
+        more = len(self.left) - MAX_NAMED_FILES
         self.left = []
         raise OutputError("\n".join(lines + ([f"and {more} more files"] if more > 0 else [])))
 
 
-def _files_of(facts: dict[str, Any]) -> dict[str, str]:
+def _listed_hashes(facts: dict[str, Any]) -> dict[str, str]:
     """Hashes of the files that a manifest lists, by their names."""
     files = facts.get("files")
     return files if isinstance(files, dict) else {}
 
 
-def _distrusted(path: Path, why: str) -> OutputError:
+def _manifest_error(path: Path, why: str) -> OutputError:
     return OutputError(f"{str(path)!r}: {why}: all files there are left alone; move it away, or give another ‹out›")
 
 
@@ -335,14 +335,14 @@ def versions() -> dict[str, str]:
     return by_library
 
 
-def results(path: Path, out: Path | None, what: str) -> Path:
+def result_folder(path: Path, out: Path | None, what: str) -> Path:
     """Folder for what is made of a file: below `out`, or below out/ and the file's own name.
 
     A folder of its own within, so that what other commands wrote there stays.
     """
-    return (out or Path("out") / named_after(path)) / what
+    return (out or Path("out") / safe_folder_name(path)) / what
 
 
-def named_after(path: Path) -> str:
+def safe_folder_name(path: Path) -> str:
     """Name of a folder for what is made of a file: the file's own, in letters that are safe."""
     return re.sub(r"[^A-Za-z0-9_-]+", "-", path.stem).strip("-")[:64] or "results"

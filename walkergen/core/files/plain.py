@@ -8,27 +8,27 @@ import re
 import sys
 from typing import Any, TextIO, cast
 
-WIDEST = 200
+MAX_LINE_LENGTH = 200
 """Longest line of a message, letters; of a longer one the middle is left out."""
 
-HIDDEN = re.compile(
+HIDDEN_CHARACTERS = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\xad\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f\ud800-\udfff"
     "\ufeff\ufff9-\ufffb\U000e0000-\U000e0fff]"
 )
 """Letters that are not seen, or do something: controls, turns of direction, halves of letters."""
 
 
-def plain(text: str) -> str:
+def escape_hidden(text: str) -> str:
     r"""Text with hidden letters as JSON escapes them: \u001b; ends of lines and tabs stay."""
-    return HIDDEN.sub(_escaped, text)
+    return HIDDEN_CHARACTERS.sub(_escape, text)
 
 
-def line(text: str, widest: int = WIDEST) -> str:
+def shorten_line(text: str, widest: int = MAX_LINE_LENGTH) -> str:
     """Plain text in one line of at most `widest` letters; the middle of a longer one is left out.
 
     Its end stays, because there stands what to do.
     """
-    shown = plain(text.replace("\n", "\\n"))
+    shown = escape_hidden(text.replace("\n", "\\n"))
     if len(shown) <= widest:
         return shown
     end = widest // 3
@@ -51,18 +51,18 @@ class Plain:
     def write(self, text: str) -> int:
         """Write text, made plain; return the number of its letters."""
         if self.widest is not None:
-            text = "\n".join(line(row, self.widest) for row in text.split("\n"))
-        self.rich_proxied_file.write(plain(text))
+            text = "\n".join(shorten_line(row, self.widest) for row in text.split("\n"))
+        self.rich_proxied_file.write(escape_hidden(text))
         return len(text)
 
 
-def guard() -> None:
+def guard_output() -> None:
     """Make plain what this process prints from now on: each line that a person must read, short."""
     sys.stdout = cast("TextIO", Plain(sys.stdout))
-    sys.stderr = cast("TextIO", Plain(sys.stderr, WIDEST))
+    sys.stderr = cast("TextIO", Plain(sys.stderr, MAX_LINE_LENGTH))
 
 
-def _escaped(match: re.Match[str]) -> str:
+def _escape(match: re.Match[str]) -> str:
     code = ord(match[0])
     if code <= 0xFFFF:
         return f"\\u{code:04x}"

@@ -20,7 +20,7 @@ Expect = Callable[[Callable[[], Expected | None]], None]
 """Called by a job with what finds how long it will take, or None where that is short; done where somebody hears."""
 
 
-def unheard(find: Callable[[], Expected | None]) -> None:
+def ignore_estimate(find: Callable[[], Expected | None]) -> None:
     """Expect of whom nobody hears."""
 
 
@@ -28,7 +28,7 @@ def silent(what: str, done: int, total: int) -> None:
     """Progress that reports nothing."""
 
 
-def part(progress: Progress, number: int, count: int, title: str = "") -> Progress:
+def part_progress(progress: Progress, number: int, count: int, title: str = "") -> Progress:
     """Progress of a part, the `number`-th (from 0) of `count` equal ones, as a share of the whole.
 
     A title stands in place of what the part says it does.
@@ -36,6 +36,6 @@ def part(progress: Progress, number: int, count: int, title: str = "") -> Progre
     return lambda what, done, total: progress(title or what, number * total + done, count * total)
 
 
-def stretch(progress: Progress, begin: float, end: float) -> Progress:
+def range_progress(progress: Progress, begin: float, end: float) -> Progress:
     """Progress of a stretch of a job, from one share of the whole to another, in percent."""
     return lambda what, done, total: progress(what, int(100.0 * (begin + (end - begin) * done / max(total, 1))), 100)

@@ -19,13 +19,13 @@ from typing import Any, BinaryIO
 
 from walkergen.core.errors import InputError, WalkergenError
 
-MOST_BYTES = 1_000_000_000
+MAX_BYTES = 1_000_000_000
 """Largest file that is read, unless its reader allows less."""
 
-MOST_LETTERS = 1_000_000
+MAX_LINE_LENGTH = 1_000_000
 """Longest line of a file that is read line by line."""
 
-FLAGS = (
+OPEN_FLAGS = (
     os.O_RDONLY
     | getattr(os, "O_NONBLOCK", 0)
     | getattr(os, "O_NOCTTY", 0)
@@ -34,37 +34,37 @@ FLAGS = (
 )
 """Modes of opening: without waiting for a pipe's writer, which a name may have become meanwhile."""
 
-CONTROLS = re.compile("[\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
+CONTROL_CHARACTERS = re.compile("[\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
 """Letters that steer a terminal or turn the direction of writing, and halves of letters."""
 
 
-def begin(path: Path, count: int, format: str) -> bytes:
+def read_start(path: Path, count: int, format: str) -> bytes:
     """First bytes of a file, which tell what it is. Raises InputError when it cannot be read."""
-    with _opened(path, format, None) as stream:
+    with _open_regular_file(path, format, None) as stream:
         return stream.read(count) or b""
 
 
-def content(path: Path, most_bytes: int = MOST_BYTES, format: str = "a file") -> bytes:
+def read_bytes(path: Path, most_bytes: int = MAX_BYTES, format: str = "a file") -> bytes:
     """Bytes of a file, whatever its format.
 
     Raises InputError when it cannot be read or exceeds `most_bytes`.
     """
-    with _opened(path, format, most_bytes) as stream:
+    with _open_regular_file(path, format, most_bytes) as stream:
         data = stream.read(most_bytes + 1)
         if data is None:  # what the kernel shows as a file, and fills as it likes
             raise InputError(f"{path}: waits for more to come; give {format} that lies on a disk")
     if len(data) > most_bytes:  # it grew, or is of a system that tells no sizes
-        raise _too_large(path, len(data), most_bytes)
+        raise _size_error(path, len(data), most_bytes)
     return data
 
 
-def json_of(path: Path, most_bytes: int = MOST_BYTES) -> Any:
+def read_json(path: Path, most_bytes: int = MAX_BYTES) -> Any:
     """Contents of a JSON file.
 
     Raises InputError when it cannot be read, exceeds `most_bytes` or is not JSON.
     """
     try:
-        data = json.loads(content(path, most_bytes, "a JSON file"))
+        data = json.loads(read_bytes(path, most_bytes, "a JSON file"))
         json.dumps(data, ensure_ascii=False, allow_nan=False).encode()  # NaN, halves of letters
         return data
     except (ValueError, RecursionError) as error:
@@ -72,15 +72,15 @@ def json_of(path: Path, most_bytes: int = MOST_BYTES) -> Any:
         raise InputError(f"{path}: not valid JSON: {reason}") from None
 
 
-def check(path: Path, format: str) -> None:
+def check_readable(path: Path, format: str) -> None:
     """Raise InputError unless a file can be read and is not empty; for formats that others read."""
-    with _opened(path, format, None) as stream:
+    with _open_regular_file(path, format, None) as stream:
         if not stream.read(1):
             raise InputError(f"{path}: is empty; give {format}")
 
 
 @contextmanager
-def by_library(source: str, kind: str) -> Iterator[None]:
+def translate_library_errors(source: str, kind: str) -> Iterator[None]:
     """Guard of the reading of a stranger's file by somebody's library, which may raise anything.
 
     That is an InputError, which begins with `source`, that the file is no sound one of its kind;
@@ -95,19 +95,19 @@ def by_library(source: str, kind: str) -> Iterator[None]:
     except WalkergenError:
         raise
     except Exception as error:
-        raise InputError(f"{source}: is no sound {kind} file: {reason(error)}") from None
+        raise InputError(f"{source}: is no sound {kind} file: {describe_error(error)}") from None
     finally:
         logging.disable(disabled)
 
 
-def reason(error: Exception) -> str:
+def describe_error(error: Exception) -> str:
     """Describe a library's error on a file in a few words, without what concerns the library's insides."""
     inside = isinstance(error, (AttributeError, LookupError, NameError, TypeError)) or "unpack" in str(error)
     text = " ".join(str(error).split())[:100]
     return "its parts do not fit together, or it breaks off" if inside or not text else text
 
 
-def lines(path: Path, format: str, most_bytes: int = MOST_BYTES, newline: str | None = None) -> Iterator[str]:
+def read_lines(path: Path, format: str, most_bytes: int = MAX_BYTES, newline: str | None = None) -> Iterator[str]:
     r"""Lines of a UTF-8 file, each with its "\n", read as they are asked for.
 
     Every line end is "\n", unless `newline` is "", and a byte order mark is left out. Raises
@@ -115,38 +115,38 @@ def lines(path: Path, format: str, most_bytes: int = MOST_BYTES, newline: str | 
     UTF-8, exceeds `most_bytes` or has a line of more than MOST_LETTERS.
     """
     with (
-        _opened(path, format, most_bytes) as stream,
+        _open_regular_file(path, format, most_bytes) as stream,
         io.TextIOWrapper(stream, encoding="utf-8-sig", newline=newline) as text,
     ):
         read = 0
-        while line := text.readline(MOST_LETTERS + 1):
+        while line := text.readline(MAX_LINE_LENGTH + 1):
             if not read and "\0" in line:  # UTF-16 without its mark
                 raise UnicodeDecodeError("utf-8", b"\0", 0, 1, "no letter of a text")
             read += len(line)  # letters, of one byte at least each
-            if len(line) > MOST_LETTERS:
-                raise InputError(f"{path}: a line of more than {MOST_LETTERS} letters; is it the right file?")
+            if len(line) > MAX_LINE_LENGTH:
+                raise InputError(f"{path}: a line of more than {MAX_LINE_LENGTH} letters; is it the right file?")
             if read > most_bytes:
-                raise _too_large(path, read, most_bytes)
+                raise _size_error(path, read, most_bytes)
             yield line
 
 
-def named_soundly(path: Path) -> bool:
+def has_safe_name(path: Path) -> bool:
     """Return whether a path can be written in text files: it has no control characters or halves of letters."""
-    return not CONTROLS.search(str(path))
+    return not CONTROL_CHARACTERS.search(str(path))
 
 
 @contextmanager
-def _opened(path: Path, format: str, most_bytes: int | None) -> Iterator[BinaryIO]:
+def _open_regular_file(path: Path, format: str, most_bytes: int | None) -> Iterator[BinaryIO]:
     """Stream of a regular file; raises InputError, in words, for whatever stops its reading."""
-    if not named_soundly(path):
+    if not has_safe_name(path):
         raise InputError(
             f"{str(path)[-80:]!r}: its name holds control characters, or bytes that are not UTF-8: rename it"
         )
     try:
-        _check_kind(path, path.stat(), format, most_bytes)  # opening a device may move it
-        descriptor = os.open(path, FLAGS)
+        _check_regular_file(path, path.stat(), format, most_bytes)  # opening a device may move it
+        descriptor = os.open(path, OPEN_FLAGS)
         with os.fdopen(descriptor, "rb") as stream:
-            _check_kind(path, os.fstat(descriptor), format, most_bytes)
+            _check_regular_file(path, os.fstat(descriptor), format, most_bytes)
             yield stream
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
@@ -158,15 +158,15 @@ def _opened(path: Path, format: str, most_bytes: int | None) -> Iterator[BinaryI
         raise InputError(f"{str(path)[:80]!r}: cannot be read: {reason}") from None
 
 
-def _check_kind(path: Path, status: os.stat_result, format: str, most_bytes: int | None) -> None:
+def _check_regular_file(path: Path, status: os.stat_result, format: str, most_bytes: int | None) -> None:
     """Raise InputError for a folder, a device, a pipe or a socket, and for too large a file."""
     if stat.S_ISDIR(status.st_mode):
         raise InputError(f"{path}: is a folder; give {format}")
     if not stat.S_ISREG(status.st_mode):
         raise InputError(f"{path}: is a pipe or a device; give {format} that lies on a disk")
     if most_bytes is not None and status.st_size > most_bytes:
-        raise _too_large(path, status.st_size, most_bytes)
+        raise _size_error(path, status.st_size, most_bytes)
 
 
-def _too_large(path: Path, seen: int, most_bytes: int) -> InputError:
+def _size_error(path: Path, seen: int, most_bytes: int) -> InputError:
     return InputError(f"{path}: {seen} bytes, more than {most_bytes}: is it the right file?")

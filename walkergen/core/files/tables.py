@@ -8,20 +8,20 @@ from contextlib import contextmanager
 from html import escape
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from walkergen.core.errors import for_python
+from walkergen.core.errors import spell_for_python
 
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-MOST_WIDE = 10_000
+MAX_TABLE_WIDTH = 10_000
 """Letters in a line, more than any table needs."""
 
-EDGES = 2
+EDGE_WIDTH = 2
 """Letters of a table's edges, at most."""
 
 
-FORMULA = re.compile(r"'*[=+\-@\t\r]")
+FORMULA_START = re.compile(r"'*[=+\-@\t\r]")
 """Beginning of a text that a spreadsheet would run as a formula, quoted any number of times."""
 
 
@@ -32,20 +32,20 @@ def csv_text(header: Sequence[str], lines: Iterable[Sequence[Any]]) -> str:
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(map(quoted, header))
-    writer.writerows(map(quoted, line) for line in lines)
-    return for_python(text.getvalue())
+    writer.writerow(map(quote_formula, header))
+    writer.writerows(map(quote_formula, line) for line in lines)
+    return spell_for_python(text.getvalue())
 
 
-def quoted(cell: Any) -> Any:
+def quote_formula(cell: Any) -> Any:
     """Cell of a CSV file; text that would be a formula with an apostrophe before it."""
-    formula = isinstance(cell, str) and FORMULA.match(cell) and not _is_number(cell)
+    formula = isinstance(cell, str) and FORMULA_START.match(cell) and not _is_number(cell)
     return f"'{cell}" if formula else cell
 
 
-def unquoted(cell: str) -> str:
+def unquote_formula(cell: str) -> str:
     """Text of a cell as it was before `quoted`."""
-    return cell[1:] if cell.startswith("'") and FORMULA.match(cell) else cell
+    return cell[1:] if cell.startswith("'") and FORMULA_START.match(cell) else cell
 
 
 def _is_number(text: str) -> bool:
@@ -56,13 +56,13 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def as_html(rows: Iterable[tuple[str, str]]) -> str:
+def to_html(rows: Iterable[tuple[str, str]]) -> str:
     """Small table of names and values, both escaped, as a notebook shows them."""
     cells = (f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in rows)
     return f"<table><tbody>{''.join(cells)}</tbody></table>"
 
 
-def as_markdown(table: "Table") -> str:
+def to_markdown(table: "Table") -> str:
     """Table as Markdown, its columns in line, after its title if it has one.
 
     As Rich prints it with box.MARKDOWN, which takes ten times as long and breaks lines of 300.
@@ -71,18 +71,18 @@ def as_markdown(table: "Table") -> str:
 
     columns = []
     for column in table.columns:
-        cells = [_plain(column.header), *map(_plain, column.cells)]
+        cells = [_strip_markup(column.header), *map(_strip_markup, column.cells)]
         wide = max(map(cell_len, cells))
         right = column.justify == "right"
         spaces = [" " * (wide - cell_len(cell)) for cell in cells]
         columns.append([space + cell if right else cell + space for cell, space in zip(cells, spaces, strict=True)])
     header, *rows = [f"| {' | '.join(line)} |" for line in zip(*columns, strict=True)]
     rule = "".join(f"|{'-' * (cell_len(column[0]) + 2)}" for column in columns) + "|"
-    title = [_plain(table.title)] if table.title else []
+    title = [_strip_markup(table.title)] if table.title else []
     return "\n".join([*title, header, rule, *rows])
 
 
-def _plain(cell: Any) -> str:
+def _strip_markup(cell: Any) -> str:
     """Text of a cell, or of a heading, without its markup."""
     from rich.text import Text
 
@@ -90,7 +90,7 @@ def _plain(cell: Any) -> str:
     return " ".join(str(text).split("\n"))
 
 
-def show(table: "Table", console: "Console") -> None:
+def print_table(table: "Table", console: "Console") -> None:
     """Print a table so that no word or number of it is cut, at any width of the console.
 
     Columns that may wrap become narrower first. What still has no room comes in pieces, one below
@@ -98,26 +98,26 @@ def show(table: "Table", console: "Console") -> None:
     """
     from rich.measure import Measurement
 
-    sizes = [_sizes(table, index, console) for index in range(len(table.columns))]
-    wide = console.options.update(width=MOST_WIDE)
+    sizes = [_column_sizes(table, index, console) for index in range(len(table.columns))]
+    wide = console.options.update(width=MAX_TABLE_WIDTH)
     whole = Measurement.get(console, wide, table).maximum
     if whole <= console.width:
         console.print(table)
         return
-    frame = -(-(whole - EDGES - sum(size.natural for size in sizes)) // len(sizes))
+    frame = -(-(whole - EDGE_WIDTH - sum(size.natural for size in sizes)) // len(sizes))
     title: Any = table.title
-    for chosen in _pieces(table, sizes, frame, console.width - EDGES):
-        room = console.width - EDGES - frame * len(chosen)
-        widths = _widths([sizes[index] for index in chosen], room)
-        piece = _of_columns(table, chosen, widths)
+    for chosen in _split_columns(table, sizes, frame, console.width - EDGE_WIDTH):
+        room = console.width - EDGE_WIDTH - frame * len(chosen)
+        widths = _column_widths([sizes[index] for index in chosen], room)
+        piece = _select_columns(table, chosen, widths)
         piece.title, title = title, None
-        wide_enough = max(console.width, frame * len(chosen) + EDGES + sum(widths))
-        with _widened(console, wide_enough):
+        wide_enough = max(console.width, frame * len(chosen) + EDGE_WIDTH + sum(widths))
+        with _temporary_width(console, wide_enough):
             console.print(piece)
 
 
 @contextmanager
-def _widened(console: "Console", width: int) -> Iterator[None]:
+def _temporary_width(console: "Console", width: int) -> Iterator[None]:
     """Console of another width: lines too long for the terminal are the terminal's to break."""
     before = console.width
     console.width = width
@@ -135,7 +135,7 @@ class Sizes(NamedTuple):
     natural: int
 
 
-def _sizes(table: "Table", index: int, console: "Console") -> Sizes:
+def _column_sizes(table: "Table", index: int, console: "Console") -> Sizes:
     column = table.columns[index]
     cells = [column.header, *column.cells] if table.show_header else [*column.cells]
     texts = [console.render_str(cell).plain if isinstance(cell, str) else str(cell) for cell in cells]
@@ -145,7 +145,7 @@ def _sizes(table: "Table", index: int, console: "Console") -> Sizes:
     return Sizes(natural if column.no_wrap else max(words, default=0), natural)
 
 
-def _pieces(table: "Table", sizes: Sequence[Sizes], frame: int, width: int) -> Sequence[Sequence[int]]:
+def _split_columns(table: "Table", sizes: Sequence[Sizes], frame: int, width: int) -> Sequence[Sequence[int]]:
     """Columns of each piece: those that name the rows, and as many others as have room."""
     justify = [column.justify for column in table.columns[:2]]
     names = [0, 1] if justify == ["right", "left"] else [0]
@@ -160,7 +160,7 @@ def _pieces(table: "Table", sizes: Sequence[Sizes], frame: int, width: int) -> S
     return pieces or [names]
 
 
-def _widths(sizes: Sequence[Sizes], room: int) -> list[int]:
+def _column_widths(sizes: Sequence[Sizes], room: int) -> list[int]:
     """Widths of columns: at least what each needs, and shares of the room for those that wrap."""
     widths = [size.least for size in sizes]
     left = room - sum(widths)
@@ -172,7 +172,7 @@ def _widths(sizes: Sequence[Sizes], room: int) -> list[int]:
     return widths
 
 
-def _of_columns(table: "Table", chosen: Sequence[int], widths: Sequence[int]) -> "Table":
+def _select_columns(table: "Table", chosen: Sequence[int], widths: Sequence[int]) -> "Table":
     """Copy chosen columns of a table, with given widths, into a table without its title."""
     from rich.table import Table
 

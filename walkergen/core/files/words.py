@@ -4,87 +4,87 @@ import math
 import re
 from collections.abc import Sequence
 
-NOTHING = 1e-12
+ZERO_BELOW = 1e-12
 """Size below which a number is zero to people: rounding, in every unit that is printed."""
 
-PLAIN_LOW, PLAIN_HIGH = 1e-6, 1e7
+MIN_WITHOUT_EXPONENT, MAX_WITHOUT_EXPONENT = 1e-6, 1e7
 """Sizes between which a number is written without an exponent."""
 
-MOST_DIGITS = 6
+MAX_DECIMALS = 6
 """Largest number of decimals of a value with its error; beyond it has an exponent."""
 
-NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+NUMBER_PATTERN = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
 
-def number(value: float, digits: int = 3) -> str:
+def format_number(value: float, digits: int = 3) -> str:
     """Format a number with significant digits: 260, not 2.6e+02; an exponent only far from 1."""
-    if abs(value) < NOTHING:
+    if abs(value) < ZERO_BELOW:
         return "0"
     text = f"{value:.{digits}g}"
-    if "e" not in text or not PLAIN_LOW <= abs(value) < PLAIN_HIGH:
+    if "e" not in text or not MIN_WITHOUT_EXPONENT <= abs(value) < MAX_WITHOUT_EXPONENT:
         return text
     decimals = max(digits - 1 - math.floor(math.log10(abs(float(text)))), 0)
     return f"{float(text):.{decimals}f}"
 
 
-def fixed(value: float, digits: int) -> str:
+def format_fixed(value: float, digits: int) -> str:
     """Format a number with so many decimals, without a minus on zero."""
     return f"{round(value, digits) + 0.0:.{digits}f}"
 
 
-def count(number: int, one: str, many: str) -> str:
+def format_count(number: int, one: str, many: str) -> str:
     """Format a number of things with their name, in the singular for one."""
     return f"{number} {one if number == 1 else many}"
 
 
-def value(text: str) -> float | None:
+def parse_number(text: str) -> float | None:
     """Finite number that a text stands for, in plain digits, zero without a sign; None for others.
 
     Python takes more for one: 1_0, digits of other scripts, nan, ends of lines around it.
     """
-    parsed = float(text) if NUMBER.fullmatch(text.strip(" \t")) else math.nan
+    parsed = float(text) if NUMBER_PATTERN.fullmatch(text.strip(" \t")) else math.nan
     return parsed + 0.0 if math.isfinite(parsed) else None
 
 
-def with_error(value: float, se: float) -> str:
+def format_with_error(value: float, se: float) -> str:
     """Format a value with its standard error, to two digits of the error; without one of 0."""
-    return " ± ".join(to_digits_of(se, (value, se) if se > 0 else (value,)))
+    return " ± ".join(format_to_error(se, (value, se) if se > 0 else (value,)))
 
 
-def to_digits_of(error: float, values: Sequence[float]) -> list[str]:
+def format_to_error(error: float, values: Sequence[float]) -> list[str]:
     """Format values to two digits of an error; to four of their own without one."""
     if not error > 0:
-        return [number(value, 4) for value in values]
+        return [format_number(value, 4) for value in values]
     digits = max(1 - math.floor(math.log10(error)), 0)
-    if digits > MOST_DIGITS:
-        return [number(value, 3 if abs(value) > error else 2) for value in values]
+    if digits > MAX_DECIMALS:
+        return [format_number(value, 3 if abs(value) > error else 2) for value in values]
     return [f"{value:.{digits}f}" for value in values]
 
 
-def span(low: float | None, high: float | None, digits: int = 4) -> str:
+def format_range(low: float | None, high: float | None, digits: int = 4) -> str:
     """Format an interval; None is an end that is not known."""
     if low is None and high is None:
         return "any value"
     if low is None or high is None:
         end = low if high is None else high
         assert end is not None
-        return f"{'above' if high is None else 'below'} {number(end, digits)}"
-    return f"{number(low, digits)} to {number(high, digits)}"
+        return f"{'above' if high is None else 'below'} {format_number(end, digits)}"
+    return f"{format_number(low, digits)} to {format_number(high, digits)}"
 
 
-def duration(seconds: float, digits: int = 2) -> str:
+def format_duration(seconds: float, digits: int = 2) -> str:
     """Format a time in a unit that suits it, from us to years."""
     units = ((3.15576e7, "years"), (86_400.0, "days"), (3600.0, "h"), (60.0, "min"))
     for size, unit in units:
         if seconds >= 2.0 * size:
-            return f"{number(seconds / size, digits)} {unit}"
+            return f"{format_number(seconds / size, digits)} {unit}"
     for size, unit in ((1.0, "s"), (1e-3, "ms")):
         if seconds >= size:
-            return f"{number(seconds / size, digits)} {unit}"
-    return f"{number(seconds / 1e-6, digits)} us"
+            return f"{format_number(seconds / size, digits)} {unit}"
+    return f"{format_number(seconds / 1e-6, digits)} us"
 
 
-def budget(seconds: float) -> str:
+def format_budget(seconds: float) -> str:
     """Format a time as --budget reads it, rounded up: 45s, 12min, 3h."""
     for most, size, unit in ((120.0, 1.0, "s"), (7200.0, 60.0, "min")):
         if seconds <= most:

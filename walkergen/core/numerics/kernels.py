@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 from walkergen.core import caches
 from walkergen.core.numerics import shipped
 
-SOURCES = (
+SOURCE_PATTERNS = (
     "core/drive.py",
     "core/numerics/kernels.py",
     "core/numerics/shipped.py",
@@ -33,19 +33,19 @@ SOURCES = (
 
 
 @functools.cache
-def digest() -> str:
+def source_digest() -> str:
     """Hash of the sources that kernels are made of, 16 hexadecimal digits."""
     hasher = hashlib.sha256()
     package = Path(__file__).parents[2]
-    for source in sorted(path for pattern in SOURCES for path in package.glob(pattern)):
+    for source in sorted(path for pattern in SOURCE_PATTERNS for path in package.glob(pattern)):
         hasher.update(source.read_bytes())
     return hasher.hexdigest()[:16]
 
 
 _sums: dict[str, str] = {}
 if "numba" not in sys.modules and "NUMBA_CACHE_DIR" not in os.environ:
-    _sums, _unfit = shipped.prepare(digest())
-    _place = caches.versioned("numba", digest())
+    _sums, _unfit = shipped.find_fitting_kernels(source_digest())
+    _place = caches.prepare_version_folder("numba", source_digest())
     os.environ["NUMBA_CACHE_DIR"] = str(_place)
     if _unfit and not any(_place.iterdir()):
         print(f"compiling kernels, once: those that came are not used, {_unfit}", file=sys.stderr)
@@ -54,7 +54,7 @@ import numba  # noqa: E402  (the cache folder and the kind of CPU have to be set
 from numba.extending import intrinsic, typeof_impl  # noqa: E402
 
 if _sums:
-    shipped.serve(_sums)
+    shipped.install_in_cache(_sums)
 
 
 def _register_without_blas() -> None:
@@ -108,7 +108,7 @@ def _typeof_kernel(kernel: Kernel, context: Any) -> Any:
     return numba.typeof(kernel.inner)
 
 
-def _compiled(function: F, **options: Any) -> F:
+def _compile(function: F, **options: Any) -> F:
     """Kernel of a function; the function itself where the compiler is off."""
     if numba.config.DISABLE_JIT:
         return function
@@ -118,15 +118,15 @@ def _compiled(function: F, **options: Any) -> F:
 
 def kernel(function: F) -> F:
     """Compile `function` with numba on its first call; type checkers see the plain function."""
-    return _compiled(function)
+    return _compile(function)
 
 
-def inlined(function: F) -> F:
+def inline_kernel(function: F) -> F:
     """Compile `function` as `kernel` does, into the code of those that call it.
 
     For parts of a hot loop that take whole tuples: a call copies each of their numbers, 1 ns each.
     """
-    return _compiled(function, forceinline=True)
+    return _compile(function, forceinline=True)
 
 
 def lean(function: F) -> F:
@@ -136,18 +136,18 @@ def lean(function: F) -> F:
     walker in space, as much as one of its steps, and threads that share arrays wait for each other.
     Inlined, such calls take a quarter less of a step, and no longer to compile.
     """
-    return _compiled(function, _nrt=False, forceinline=True)
+    return _compile(function, _nrt=False, forceinline=True)
 
 
-def uncounted(function: F) -> F:
+def kernel_without_refcount(function: F) -> F:
     """Compile `function` as `kernel` does, without counting references: it must allocate nothing.
 
     For what is as large as a step, and called from several places. All that it inlines is `lean`.
     """
-    return _compiled(function, _nrt=False)
+    return _compile(function, _nrt=False)
 
 
-def entry(function: F, *arguments: Any) -> F:
+def entry_point(function: F, *arguments: Any) -> F:
     """Machine code of a kernel for arguments of these types, compiled if need be.
 
     A call through it does not look up the types, which for nested tuples takes 0.1 ms.
@@ -158,7 +158,7 @@ def entry(function: F, *arguments: Any) -> F:
     return code
 
 
-def listed(items: Iterable[Any]) -> Any:
+def typed_list(items: Iterable[Any]) -> Any:
     """List of tuples of one type, for kernels; a plain one where the compiler is off.
 
     Kernels of our own fill it: those of numba's list are compiled anew in every process, for 7 s of
@@ -167,14 +167,14 @@ def listed(items: Iterable[Any]) -> Any:
     if numba.config.DISABLE_JIT:
         return list(items)
     first, *others = items
-    made = _list_of(first)
+    made = _new_typed_list(first)
     for item in others:
         _append(made, item)
     return made
 
 
 @kernel
-def _list_of(item: Any) -> Any:
+def _new_typed_list(item: Any) -> Any:
     items = numba.typed.List()
     items.append(item)
     return items
@@ -186,7 +186,7 @@ def _append(items: Any, item: Any) -> None:
 
 
 @intrinsic  # type: ignore[untyped-decorator]
-def _borrowed(typing: Any, items: Any, i: Any) -> Any:
+def _borrow_item(typing: Any, items: Any, i: Any) -> Any:
     from numba.typed.listobject import _list_getitem_borrowed
 
     getter, load = _list_getitem_borrowed._defn(typing, items, i)
@@ -198,9 +198,9 @@ def _borrowed(typing: Any, items: Any, i: Any) -> Any:
     return items.item_type(items, i), code
 
 
-def _item(items: Any, i: int) -> Any:
+def _get_item(items: Any, i: int) -> Any:
     return items[i]
 
 
-borrowed = _item if numba.config.DISABLE_JIT else _borrowed
+borrow_item = _get_item if numba.config.DISABLE_JIT else _borrow_item
 """Item i of what `listed` made, for kernels that count no references (`lean`, `uncounted`)."""

@@ -18,7 +18,7 @@ CONFIDENCE = 0.95
 """Confidence of the bounds by which two quantities are compared."""
 
 
-ROUNDS = 50
+BOUND_ITERATIONS = 50
 """Number of rounds that find the lower bound of a variance which is told only where it is large."""
 
 
@@ -89,10 +89,10 @@ class Quantity(NamedTuple):
         """
         if self.value is None or self.se is None or math.isinf(self.bias):
             return None
-        ends = self._ends(self.value, self.se, confidence)
+        ends = self._bounds(self.value, self.se, confidence)
         return ends if all(map(math.isfinite, ends)) else None
 
-    def _ends(self, value: float, se: float, confidence: float) -> tuple[float, float]:
+    def _bounds(self, value: float, se: float, confidence: float) -> tuple[float, float]:
         """Lower and upper bound of a number with an error, which may be infinite or NaN."""
         if self.bias:
             half = self._replace(bias=0.0).half_width(confidence)
@@ -102,7 +102,7 @@ class Quantity(NamedTuple):
             return value, value
         if self.noise is not None:
             with np.errstate(all="ignore"):
-                return self._of_variance(value, self.noise, confidence)
+                return self._variance_bounds(value, self.noise, confidence)
         return statistics.Mean(value, se, self.freedom).interval(confidence)
 
     def half_width(self, confidence: float = CONFIDENCE) -> float:
@@ -110,7 +110,7 @@ class Quantity(NamedTuple):
         ends = self.interval(confidence)
         return math.inf if ends is None else 0.5 * (ends[1] - ends[0])
 
-    def _of_variance(self, value: float, noise: float, confidence: float) -> tuple[float, float]:
+    def _variance_bounds(self, value: float, noise: float, confidence: float) -> tuple[float, float]:
         """Bounds of a variance, or of a power of it, to which noise adds."""
         from scipy import special
 
@@ -119,7 +119,9 @@ class Quantity(NamedTuple):
         scales = [total / special.chdtri(free, tail), total / special.chdtri(free, 1.0 - tail)]
         if not np.isfinite(scales).all():  # hardly any freedom
             return math.nan, math.nan
-        for _ in range(ROUNDS if self.least else 0):  # so that a larger one, given that it is told, has this chance
+        for _ in range(
+            BOUND_ITERATIONS if self.least else 0
+        ):  # so that a larger one, given that it is told, has this chance
             if scales[0] > noise:
                 told = special.chdtrc(free, self.least * free / scales[0])
                 scales[0] = total / special.chdtri(free, tail * told)
@@ -127,7 +129,7 @@ class Quantity(NamedTuple):
         low, high = sorted(end ** (1.0 / self.power) if end or self.power > 0 else math.inf for end in ends)
         return low, high
 
-    def within(self, low: float, high: float, confidence: float = CONFIDENCE) -> Verdict:
+    def compare_with_range(self, low: float, high: float, confidence: float = CONFIDENCE) -> Verdict:
         """How its bounds lie in a range, whose ends may be infinite: agree inside, disagree outside.
 
         Without an error it is undecided: noise that is not known makes no agreement, nor the contrary.
@@ -141,7 +143,7 @@ class Quantity(NamedTuple):
             return Verdict.DISAGREE
         return Verdict.AGREE if low <= ends[0] and ends[1] <= high else Verdict.UNDECIDED
 
-    def less(self, other: "Quantity") -> "Quantity":
+    def minus(self, other: "Quantity") -> "Quantity":
         """Difference of two independent quantities, with Satterthwaite's degrees of freedom (1946)."""
         if self.value is None or other.value is None:
             return self._replace(value=None, se=None, refused=self.refused or other.refused or "no value")
@@ -153,7 +155,7 @@ class Quantity(NamedTuple):
         freedom, bias = se**4 / parts if parts > 0.0 else math.inf, math.hypot(self.bias, other.bias)
         return Quantity(self.key, self.unit, gap, se, freedom, bias=bias)
 
-    def over(self, other: "Quantity") -> "Quantity":
+    def ratio_to(self, other: "Quantity") -> "Quantity":
         """Ratio of two independent quantities, the second not 0, without a unit; errors to first order."""
         if self.value is None or other.value is None:
             return Quantity(self.key, "", None, None, refused=self.refused or other.refused or "no value")
@@ -164,16 +166,16 @@ class Quantity(NamedTuple):
         se, bias = (math.hypot(above, quotient * below) / abs(other.value) for above, below in pairs)
         return Quantity(self.key, "", quotient, se, bias=bias)
 
-    def beside(self, other: "Quantity", margin: float = 0.0, allowed: float = 0.0) -> Verdict:
+    def compare_with(self, other: "Quantity", margin: float = 0.0, allowed: float = 0.0) -> Verdict:
         """How it stands beside another: their difference within `margin` of the other, or `allowed` in the unit.
 
         The larger of both counts. It says agree when the whole interval of the difference lies within
         what is allowed, disagree when none of it does, undecided in between: the noisier a number, the
         less it agrees. So without a margin only numbers without errors agree.
         """
-        gap = self.less(other)
+        gap = self.minus(other)
         room = max(margin * abs(other.value or 0.0), allowed)
-        return gap.within(-room, room)
+        return gap.compare_with_range(-room, room)
 
 
 def mean(key: str, unit: str, values: "Sequence[float] | npt.NDArray[np.float64]") -> Quantity:
@@ -183,7 +185,7 @@ def mean(key: str, unit: str, values: "Sequence[float] | npt.NDArray[np.float64]
         return Quantity(key, unit, None, None, refused="no value")
     if len(array) == 1:
         return Quantity(key, unit, float(array[0]), None, refused="no error of one value")
-    value, se, freedom = statistics.mean_of(array)
+    value, se, freedom = statistics.weighted_mean(array)
     return Quantity(key, unit, value, se, freedom)
 
 

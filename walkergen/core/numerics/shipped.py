@@ -15,11 +15,11 @@ import sys
 from pathlib import Path
 from typing import Any, NamedTuple
 
-PACKAGE = Path(__file__).parents[2]
-FOLDER = PACKAGE / "kernels"
+PACKAGE_FOLDER = Path(__file__).parents[2]
+KERNEL_FOLDER = PACKAGE_FOLDER / "kernels"
 MANIFEST = "manifest.json"
 
-V3 = ("avx", "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe")
+X86_64_V3_FEATURES = ("avx", "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe")
 """Features of a CPU of the kind x86-64-v3, by LLVM's names."""
 
 
@@ -36,27 +36,27 @@ class Kind(NamedTuple):
     """LLVM's name of the CPU that the code is for."""
 
 
-def kind(sources: str) -> Kind:
+def machine_kind(sources: str) -> Kind:
     """Kind of this program on this machine."""
     from importlib.metadata import version
 
     return Kind(
-        sources, version("numba"), str(sys.implementation.cache_tag), f"{sys.platform}-{platform.machine()}", cpu()
+        sources, version("numba"), str(sys.implementation.cache_tag), f"{sys.platform}-{platform.machine()}", cpu_kind()
     )
 
 
 @functools.cache
-def cpu() -> str:
+def cpu_kind() -> str:
     """LLVM's name of the kind of CPU that kernels are shipped for; "" where this one is less."""
     if platform.machine().lower() not in ("x86_64", "amd64"):
         return "generic"
     from llvmlite import binding
 
     has = binding.get_host_cpu_features()
-    return "x86-64-v3" if all(has.get(name, False) for name in V3) else ""
+    return "x86-64-v3" if all(has.get(name, False) for name in X86_64_V3_FEATURES) else ""
 
 
-def manifest(folder: Path = FOLDER) -> dict[str, Any] | None:
+def read_manifest(folder: Path = KERNEL_FOLDER) -> dict[str, Any] | None:
     """Manifest of the kernels that came with the package; None without any, or unreadable."""
     try:
         return dict(json.loads((folder / MANIFEST).read_text()))
@@ -64,9 +64,9 @@ def manifest(folder: Path = FOLDER) -> dict[str, Any] | None:
         return None
 
 
-def refusal(made: dict[str, Any], own: Kind, folder: Path = FOLDER) -> str:
+def mismatch_reason(made: dict[str, Any], own: Kind, folder: Path = KERNEL_FOLDER) -> str:
     """Reason why kernels of a manifest are not for this machine; "" where they are."""
-    if not _safe(folder):
+    if not _is_trusted_folder(folder):
         return f"{folder} can be written by others"
     wished = os.environ.get("NUMBA_CPU_NAME", own.cpu), os.environ.get("NUMBA_CPU_FEATURES", "")
     if wished != (own.cpu, "") or not own.cpu:
@@ -78,7 +78,7 @@ def refusal(made: dict[str, Any], own: Kind, folder: Path = FOLDER) -> str:
     return ""
 
 
-def _safe(folder: Path) -> bool:
+def _is_trusted_folder(folder: Path) -> bool:
     """Whether only the user, or who installed the package, can write to a folder."""
     if not hasattr(os, "getuid"):
         return True  # Windows: a profile's folders are its user's
@@ -92,32 +92,32 @@ def _safe(folder: Path) -> bool:
     return True
 
 
-def prepare(sources: str) -> tuple[dict[str, str], str]:
+def find_fitting_kernels(sources: str) -> tuple[dict[str, str], str]:
     """Files of fitting kernels by their sums, or none and why those that came do not fit.
 
     With some numba, which is not yet imported, will compile for the same kind of CPU.
     """
-    made = manifest()
+    made = read_manifest()
     if made is None:
         return {}, ""
-    own = kind(sources)
-    reason = refusal(made, own)
+    own = machine_kind(sources)
+    reason = mismatch_reason(made, own)
     if reason:
         return {}, reason
     os.environ["NUMBA_CPU_NAME"], os.environ["NUMBA_CPU_FEATURES"] = own.cpu, ""
     return dict(made["files"]), ""
 
 
-def serve(sums: dict[str, str]) -> None:
+def install_in_cache(sums: dict[str, str]) -> None:
     """Make numba's cache, which is imported, look among the shipped files first."""
     from numba.core import caching
 
-    caching.IndexDataCacheFile = with_shipped(caching.IndexDataCacheFile, sums)
+    caching.IndexDataCacheFile = add_shipped_files(caching.IndexDataCacheFile, sums)
 
 
-def with_shipped(plain: Any, sums: dict[str, str], folder: Path = FOLDER) -> Any:
+def add_shipped_files(plain: Any, sums: dict[str, str], folder: Path = KERNEL_FOLDER) -> Any:
     """Class of numba's cache files that reads shipped entries first, made of its own, `plain`."""
-    rooms = {subpath(PACKAGE / room): room for room in {str(Path(name).parent) for name in sums}}
+    rooms = {cache_subpath(PACKAGE_FOLDER / room): room for room in {str(Path(name).parent) for name in sums}}
 
     class Read(plain):  # type: ignore[misc]
         """Shipped entries of one function, whose sums are those of the manifest."""
@@ -133,7 +133,7 @@ def with_shipped(plain: Any, sums: dict[str, str], folder: Path = FOLDER) -> Any
         def _whole(self, name: str) -> bool:
             path = Path(self._cache_path) / name
             expected = sums.get(path.relative_to(folder).as_posix())
-            return expected is not None and sum_of(path) == expected
+            return expected is not None and file_checksum(path) == expected
 
     class Both(plain):  # type: ignore[misc]
         """Entries of one function: shipped, or compiled here."""
@@ -151,7 +151,7 @@ def with_shipped(plain: Any, sums: dict[str, str], folder: Path = FOLDER) -> Any
     return Both
 
 
-def sum_of(path: Path) -> str:
+def file_checksum(path: Path) -> str:
     """SHA-256 of a file; "" for one that cannot be read."""
     try:
         return hashlib.sha256(path.read_bytes()).hexdigest()
@@ -159,7 +159,7 @@ def sum_of(path: Path) -> str:
         return ""
 
 
-def subpath(room: Path) -> str:
+def cache_subpath(room: Path) -> str:
     """Name of the folder in which numba caches the functions of a room."""
     from numba.core.caching import _CacheLocator
 

@@ -7,23 +7,23 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.core.numerics.tails import student
+from walkergen.core.numerics.tails import student_quantile
 
 Array = npt.NDArray[np.float64]
 
-FEWEST_VALUES = 32
+MIN_SERIES_LENGTH = 32
 """Length of a series below which its correlation time cannot be estimated."""
 
-FEWEST_SAMPLES = 30
+MIN_SAMPLES = 30
 """Number of independent samples (pairs of correlation times) below which the error of a mean is
 refused. Near it the correlation time, and the error with it, come out too small in those series
 that pass: by 30 % at 25 samples (4 of 10 series pass), 20 % at 30, 5 % at 50 and 2 % at 100,
 measured with Ornstein-Uhlenbeck processes."""
 
-ENOUGH_FOR_95 = 39
+MIN_VALUES_FOR_95 = 39
 """Number of values whose least and largest are the ends of bounds that hold another with 95 %."""
 
-WINDOW = 5.0
+WINDOW_CORRELATION_TIMES = 5.0
 """Number of correlation times over which products are summed (Sokal 1997, section 3)."""
 
 
@@ -39,11 +39,11 @@ class Mean(NamedTuple):
 
         By Student's t (Student 1908), exact for normally distributed values.
         """
-        half = student(self.freedom, 0.5 + 0.5 * confidence) * self.se
+        half = student_quantile(self.freedom, 0.5 + 0.5 * confidence) * self.se
         return self.value - half, self.value + half
 
 
-def mean_of(values: Array, weights: Array | None = None) -> Mean:
+def weighted_mean(values: Array, weights: Array | None = None) -> Mean:
     """Mean of n >= 2 independent values, shape (n,), weighted by `weights` (all 1 if None).
 
     Weights are the times measured: with w_i their shares, the squared error is the sum of
@@ -58,7 +58,7 @@ def mean_of(values: Array, weights: Array | None = None) -> Mean:
     return Mean(value, se, 1.0 / alike - 1.0)
 
 
-def quantiles_of_another(values: Array, shares: Sequence[float]) -> Array:
+def prediction_quantiles(values: Array, shares: Sequence[float]) -> Array:
     """Values below which one more of n >= 2 independent values falls with these probabilities.
 
     Between the least and the largest value by Weibull's plotting positions i / (n + 1), which hold
@@ -75,7 +75,7 @@ def quantiles_of_another(values: Array, shares: Sequence[float]) -> Array:
     middle = np.median(values)
     ends = np.quantile(values, within, method="weibull")
     beyond = wanted != within
-    further, outermost = ([student(count - 1, at) for at in places[beyond]] for places in (wanted, within))
+    further, outermost = ([student_quantile(count - 1, at) for at in places[beyond]] for places in (wanted, within))
     ends[beyond] = middle + np.divide(further, outermost) * (ends[beyond] - middle)
     return np.asarray(ends)
 
@@ -90,7 +90,7 @@ def correlation_time(series: Sequence[Array], interval: float) -> float | None:
     values, and when the window does not close within half of the longest series.
     """
     longest = max((len(values) for values in series), default=0)
-    if longest < FEWEST_VALUES:
+    if longest < MIN_SERIES_LENGTH:
         return None
     count = sum(len(values) for values in series)
     middle = sum(float(values.sum()) for values in series) / count
@@ -103,7 +103,7 @@ def correlation_time(series: Sequence[Array], interval: float) -> float | None:
         long = [values for values in centred if len(values) > lag]
         products = sum(float(values[:-lag] @ values[lag:]) for values in long)
         time += products / sum(len(values) - lag for values in long) / variance
-        if lag >= WINDOW * time:
+        if lag >= WINDOW_CORRELATION_TIMES * time:
             return max(time * (1.0 + (2 * lag + 1) / count), 0.5) * interval
     return None
 
@@ -116,7 +116,7 @@ def error_of_mean(series: Sequence[Array], interval: float, correlation: float) 
     """
     values = np.concatenate(list(series))
     independent = len(values) * interval / (2.0 * correlation)
-    if independent < FEWEST_SAMPLES:
+    if independent < MIN_SAMPLES:
         return None
     return float(values.std(ddof=1) / math.sqrt(independent))
 
@@ -144,7 +144,7 @@ class Line(NamedTuple):
     points: int
 
 
-def line_through_origin(x: Array, y: Array, errors: Array) -> Line:
+def fit_through_origin(x: Array, y: Array, errors: Array) -> Line:
     """Fit y = slope x by weighted least squares; shapes (n,) with n >= 2, errors > 0."""
     from scipy.stats import chi2 as chi2_law
 

@@ -7,20 +7,20 @@ scipy's for up to 10^4 degrees of freedom, 1e-11 beyond (tests/core/numerics/tes
 import math
 from statistics import NormalDist
 
-MANY = 1e4
+MIN_SERIES_FREEDOM = 1e4
 """Degrees of freedom from which on three terms of a quantile's series are exact (Abramowitz and Stegun 26.7.5)."""
 
-LARGE = 16.0
+MIN_STIRLING_ARGUMENT = 16.0
 """Argument from which on the five terms of Stirling's series are exact."""
 
-LARGEST = 1e150
+MAX_QUANTILE = 1e150
 """Quantile from which on its square is taken as infinite."""
 
-PASSES = 100
+MAX_ITERATIONS = 100
 """Steps of Newton and bisections after which a quantile is as exact as doubles are."""
 
 
-def student(freedom: float, probability: float) -> float:
+def student_quantile(freedom: float, probability: float) -> float:
     """Quantile of Student's t of so many degrees of freedom, at a probability between 0 and 1.
 
     Infinite where its square is no double, as of 97.5 % and 0.005 degrees of freedom.
@@ -30,19 +30,21 @@ def student(freedom: float, probability: float) -> float:
     z, tail = NormalDist().inv_cdf(probability), min(probability, 1.0 - probability)
     if tail == 0.5:
         return 0.0
-    if freedom >= MANY:
+    if freedom >= MIN_SERIES_FREEDOM:
         q, n = z * z, 4.0 * freedom
         third = ((3.0 * q + 19.0) * q + 17.0) * q - 15.0
         return z * (1.0 + (q + 1.0) / n + ((5.0 * q + 16.0) * q + 3.0) / (6.0 * n * n) + third / (6.0 * n**3))
     a, t, low, high = 0.5 * freedom, abs(z), 0.0, math.inf
-    for _ in range(PASSES):
-        if t > LARGEST:
+    for _ in range(MAX_ITERATIONS):
+        if t > MAX_QUANTILE:
             return math.copysign(math.inf, z)
         whole = freedom + t * t
         x, y = freedom / whole, t * t / whole
-        beyond = 0.5 * _beta(a, 0.5, x, y)
+        beyond = 0.5 * _incomplete_beta(a, 0.5, x, y)
         low, high = (t, high) if beyond > tail else (low, t)
-        step = beyond * math.log(beyond / tail) * t / _edge(a, 0.5, x, y)  # Newton's, for the tail's logarithm
+        step = (
+            beyond * math.log(beyond / tail) * t / _beta_prefactor(a, 0.5, x, y)
+        )  # Newton's, for the tail's logarithm
         t += step
         if abs(step) < 1e-15 * t:
             break
@@ -58,17 +60,17 @@ def fisher_tail(few: float, many: float, ratio: float) -> float:
     if ratio <= 0.0 or math.isinf(ratio):
         return float(ratio <= 0.0)
     whole = many + few * ratio
-    return _beta(0.5 * many, 0.5 * few, many / whole, few * ratio / whole)
+    return _incomplete_beta(0.5 * many, 0.5 * few, many / whole, few * ratio / whole)
 
 
-def _beta(a: float, b: float, x: float, y: float) -> float:
+def _incomplete_beta(a: float, b: float, x: float, y: float) -> float:
     """Regularized incomplete beta function I_x(a, b); y = 1 - x, each with all its digits."""
     if x > (a + 1.0) / (a + b + 2.0):
-        return 1.0 - _beta(b, a, y, x)
-    return _edge(a, b, x, y) * _fraction(a, b, x) / a if x > 0.0 else 0.0
+        return 1.0 - _incomplete_beta(b, a, y, x)
+    return _beta_prefactor(a, b, x, y) * _continued_fraction(a, b, x) / a if x > 0.0 else 0.0
 
 
-def _fraction(a: float, b: float, x: float) -> float:
+def _continued_fraction(a: float, b: float, x: float) -> float:
     """Continued fraction of the incomplete beta function (DLMF 8.17.22), by Lentz's method."""
     c, d = 1.0, 1.0 / (1.0 - (a + b) * x / (a + 1.0))
     value, change, m = d, 0.0, 0
@@ -81,7 +83,7 @@ def _fraction(a: float, b: float, x: float) -> float:
     return value
 
 
-def _edge(a: float, b: float, x: float, y: float) -> float:
+def _beta_prefactor(a: float, b: float, x: float, y: float) -> float:
     """Compute x^a y^b / B(a, b), with B the beta function, to full precision.
 
     Deviations from its largest value lose no digits (Loader 2000, "Fast and accurate computation of binomial
@@ -91,13 +93,13 @@ def _edge(a: float, b: float, x: float, y: float) -> float:
     for part, share, off in ((a, x, b * x - a * y), (b, y, a * y - b * x)):
         off /= part  # share over its likeliest, part / whole, less 1
         log += part * (math.log1p(off) if abs(off) < 0.5 else math.log(share * whole / part))
-    log += _remainder(whole) - _remainder(a) - _remainder(b)
+    log += _stirling_remainder(whole) - _stirling_remainder(a) - _stirling_remainder(b)
     return math.sqrt(a * b / (2.0 * math.pi * whole)) * math.exp(log)
 
 
-def _remainder(z: float) -> float:
+def _stirling_remainder(z: float) -> float:
     """Compute what Stirling's formula leaves of the logarithm of the gamma function."""
-    if z < LARGE:
+    if z < MIN_STIRLING_ARGUMENT:
         return math.lgamma(z) - (z - 0.5) * math.log(z) + z - 0.5 * math.log(2.0 * math.pi)
     w = 1.0 / (z * z)
     return (1 / 12 - w * (1 / 360 - w * (1 / 1260 - w * (1 / 1680 - w * (1 / 1188 - w * 691 / 360360))))) / z

@@ -11,275 +11,285 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from walkergen.core.printing import legs_up, pocket_checks, walls
-from walkergen.core.printing.findings import NOISE_MM, About, Finding, Level, Setting, at, new
-from walkergen.core.printing.packing import Part, Plate, border, spacing
+from walkergen.core.printing.findings import ROUNDING_MM, About, Finding, Level, Setting, make_finding, with_place
+from walkergen.core.printing.packing import Part, Plate, border_width, spacing
 from walkergen.core.printing.printers import Printer
 from walkergen.core.printing.walls import Wall
 from walkergen.core.shapes.mesh import Array, Mesh
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 
-ONE_LINE, TWO_LINES = (0.75, 1.45), (1.75, 1.95)
+ONE_LINE_RANGE, TWO_LINES_RANGE = (0.75, 1.45), (1.75, 1.95)
 """Ranges of thickness, in printed lines, that come out as one or two lines on all known slicers."""
 
-TOLERATED_DEVIATION = 0.10
+MAX_DEVIATION = 0.10
 """Relative deviation of the plastic in a leg from its mesh beyond which there is a warning."""
 
-THICKEST_LAYER = 0.8
+MAX_LAYER_RATIO = 0.8
 """Largest layer height in nozzles that slicers' makers advise; PrusaSlicer refuses more than 1."""
 
-SMALLEST_CONTACT_MM2, SLENDEREST_WALL = 50.0, 20.0
+MIN_CONTACT_MM2, MAX_SLENDERNESS = 50.0, 20.0
 """Area on the bed below which, and height over thickness above which, a brim is advised. Assumed:
 the paper's walker (about 90 mm2, 8 mm high on legs of 0.4 mm) was printed without mention of one.
 """
 
 
-def of_batch(
+def check_batch(
     designs: Sequence[Design], meshes: Sequence[Mesh], parts: Sequence[Part], plates: Sequence[Plate], printer: Printer
 ) -> list[Finding]:
     """Return the findings on a whole print; designs, meshes (as they lie on the bed) and parts are in one order."""
     return [
-        *of_printer(printer),
-        *_materials(designs, parts),
+        *check_printer(printer),
+        *_check_materials(designs, parts),
         *(
             finding
             for design, mesh, part in zip(designs, meshes, parts, strict=True)
-            for finding in of_part(part.name, design, mesh, printer)
+            for finding in check_part(part.name, design, mesh, printer)
         ),
         *(
             finding
             for number, plate in enumerate(plates, start=1)
-            for finding in of_plate(f"plate {number}", plate, parts, printer)
+            for finding in check_plate(f"plate {number}", plate, parts, printer)
         ),
     ]
 
 
-BRIM = ("set brim_width_mm, and cut it off every leg", Setting("printer.brim_width_mm", 5.0))
+BRIM_ADVICE = ("set brim_width_mm, and cut it off every leg", Setting("printer.brim_width_mm", 5.0))
 """What to do where little holds on to the bed, and a width that is common."""
 
 
-def of_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[Finding]:
+def check_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[Finding]:
     """Return the findings on one walker as `printer` would print it: walls, gaps, layers, size, mesh.
 
     The mesh is as it lies on the bed (solids.as_printed).
     """
     findings = [
-        *_walls(design, printer),
-        *_gaps(design, printer),
-        *_marks(design, printer),
-        *_layers(design, printer),
-        *_size(Part.of(name, mesh), printer),
-        *_mesh(mesh),
-        *_repairs(design),
-        *pocket_checks.of_part(design, printer),
+        *_check_walls(design, printer),
+        *_check_gaps(design, printer),
+        *_check_marks(design, printer),
+        *_check_layers(design, printer),
+        *_check_size(Part.from_mesh(name, mesh), printer),
+        *_check_mesh(mesh),
+        *_check_repairs(design),
+        *pocket_checks.check_part(design, printer),
     ]
-    if not solids.on_side(design):
-        findings += legs_up.of_part(design, mesh, printer)
+    if not solids.is_printed_on_side(design):
+        findings += legs_up.check_part(design, mesh, printer)
     if printer.brim_width_mm == 0.0:
-        findings += _standing(design, mesh, printer)
-    return at(name, findings)
+        findings += _check_adhesion(design, mesh, printer)
+    return with_place(name, findings)
 
 
-def of_piece(name: str, upright: Sequence[Wall], mesh: Mesh, printer: Printer) -> list[Finding]:
+def check_piece(name: str, upright: Sequence[Wall], mesh: Mesh, printer: Printer) -> list[Finding]:
     """Return the findings on a part that is no walker, as it lies on the bed: its walls, size and mesh.
 
     Its mass is not predicted, so that walls count only if they fail or print otherwise than drawn.
     """
-    of_walls = [of_wall(wall, printer, TOLERATED_DEVIATION) for wall in upright]
-    findings = [*_size(Part.of(name, mesh), printer), *_mesh(mesh)]
+    of_walls = [check_wall(wall, printer, MAX_DEVIATION) for wall in upright]
+    findings = [*_check_size(Part.from_mesh(name, mesh), printer), *_check_mesh(mesh)]
     if printer.brim_width_mm == 0.0:
-        findings += _upright(upright)
-    return at(name, [*filter(None, of_walls), *findings])
+        findings += _check_slenderness(upright)
+    return with_place(name, [*filter(None, of_walls), *findings])
 
 
-def of_printer(printer: Printer) -> list[Finding]:
+def check_printer(printer: Printer) -> list[Finding]:
     """Return the findings on a printer's settings, which hold for any print."""
     layer, nozzle, width = printer.layer_height_mm, printer.nozzle_mm, printer.line_width_mm
     findings = []
-    if layer > THICKEST_LAYER * nozzle + NOISE_MM:
+    if layer > MAX_LAYER_RATIO * nozzle + ROUNDING_MM:
         level: Level = "error" if layer > nozzle else "warning"
-        what, most = "layers are thick for the nozzle", THICKEST_LAYER * nozzle
-        findings.append(new(About.PRINTER, level, what, layer, most, "mm", "lower layer_height_mm"))
+        what, most = "layers are thick for the nozzle", MAX_LAYER_RATIO * nozzle
+        findings.append(make_finding(About.PRINTER, level, what, layer, most, "mm", "lower layer_height_mm"))
     if width <= layer:
         what, change = "lines are not wider than layers are high", "raise line_width_mm or lower layer_height_mm"
-        findings.append(new(About.PRINTER, "error", what, width, layer, "mm", change))
-    return at(printer.name, findings)
+        findings.append(make_finding(About.PRINTER, "error", what, width, layer, "mm", change))
+    return with_place(printer.name, findings)
 
 
-def of_plate(name: str, plate: Plate, parts: Sequence[Part], printer: Printer) -> list[Finding]:
+def check_plate(name: str, plate: Plate, parts: Sequence[Part], printer: Printer) -> list[Finding]:
     """Return the findings on the bounding boxes on one plate: off the bed, too close, overlapping."""
     boxes = np.array(
         [(p.x, p.y, p.x + parts[p.part].width, p.y + parts[p.part].depth) for p in plate.placements]
     ).reshape(-1, 4)
     labels = [f"{name}: {parts[p.part].name}-{p.copy}" for p in plate.placements]
-    return [*_off_the_bed(labels, boxes, printer), *_too_close(labels, boxes, printer)]
+    return [*_check_bed_limits(labels, boxes, printer), *_check_spacing(labels, boxes, printer)]
 
 
-def _walls(design: Design, printer: Printer) -> Iterator[Finding]:
+def _check_walls(design: Design, printer: Printer) -> Iterator[Finding]:
     mass_sd = 0.01 * design.weighed.mass_sd_percent
-    yield from filter(None, (of_wall(wall, printer, mass_sd) for wall in walls.of_design(design)))
+    yield from filter(None, (check_wall(wall, printer, mass_sd) for wall in walls.upright_walls(design)))
 
 
-def of_wall(wall: Wall, printer: Printer, mass_sd: float) -> Finding | None:
+def check_wall(wall: Wall, printer: Printer, mass_sd: float) -> Finding | None:
     """Return the finding on a wall; None if it is good.
 
     `mass_sd` is the relative deviation of masses that the prediction allows for.
     """
     width, section, slant = printer.line_width_mm, wall.section, wall.slant
     lines, expected = section / width, walls.deviation(section, printer)
-    better = _nearest_good(wall.thickness, printer, slant)
-    change, name = f"{better:g} mm would do", walls.the(wall.name)
+    better = _nearest_good_thickness(wall.thickness, printer, slant)
+    change, name = f"{better:g} mm would do", walls.with_article(wall.name)
 
     def finding(level: Level, what: str, seen: float, limit: float, unit: str, change: str) -> Finding:
         setting = Setting(wall.key, better) if wall.key and "would do" in change else None
-        return new(wall.part, level, what, seen, limit, unit, change, setting)
+        return make_finding(wall.part, level, what, seen, limit, unit, change, setting)
 
-    if lines < ONE_LINE[0]:
-        what = f"{name} is thinner than {ONE_LINE[0]:g} printed lines"
-        return finding("error", what, wall.thickness, ONE_LINE[0] * width * slant, "mm", change)
-    if section <= walls.vanishes_below(printer):
+    if lines < ONE_LINE_RANGE[0]:
+        what = f"{name} is thinner than {ONE_LINE_RANGE[0]:g} printed lines"
+        return finding("error", what, wall.thickness, ONE_LINE_RANGE[0] * width * slant, "mm", change)
+    if section <= walls.vanishing_thickness(printer):
         what = f"{name} gets no plastic, thin walls not being detected"
-        least = walls.vanishes_below(printer) * slant
+        least = walls.vanishing_thickness(printer) * slant
         return finding("error", what, wall.thickness, least, "mm", f"set thin_walls = true; or {change}")
     drawn = f"{name} ({wall.thickness:g} mm,"
-    if ONE_LINE[1] < lines < TWO_LINES[0]:
+    if ONE_LINE_RANGE[1] < lines < TWO_LINES_RANGE[0]:
         what = f"{drawn} plastic {expected:+.0%}) is more than one line and less than two"
-        return finding("warning", what, lines, ONE_LINE[1], "lines", change)
+        return finding("warning", what, lines, ONE_LINE_RANGE[1], "lines", change)
     what = f"plastic in {drawn} {lines:.2f} lines) differs from the mesh's"
-    weigh = f"weigh it after the print{_instead_of_arachne(lines, printer)}"
-    if abs(expected) > TOLERATED_DEVIATION:
-        return finding("warning", what, 100 * expected, 100 * TOLERATED_DEVIATION, "%", f"{change}, or {weigh}")
+    weigh = f"weigh it after the print{_classic_walls_hint(lines, printer)}"
+    if abs(expected) > MAX_DEVIATION:
+        return finding("warning", what, 100 * expected, 100 * MAX_DEVIATION, "%", f"{change}, or {weigh}")
     if abs(expected) > mass_sd:
         return finding("advice", what, 100 * expected, 100 * mass_sd, "%", weigh)
     return None
 
 
-def _good(thickness: float, printer: Printer) -> bool:
+def _is_good_thickness(thickness: float, printer: Printer) -> bool:
     """Return whether a wall neither fails nor prints another mass than predicted."""
     lines = thickness / printer.line_width_mm
     return (
-        thickness > walls.vanishes_below(printer)
-        and lines >= ONE_LINE[0]
-        and not ONE_LINE[1] < lines < TWO_LINES[0]
-        and abs(walls.deviation(thickness, printer)) <= TOLERATED_DEVIATION
+        thickness > walls.vanishing_thickness(printer)
+        and lines >= ONE_LINE_RANGE[0]
+        and not ONE_LINE_RANGE[1] < lines < TWO_LINES_RANGE[0]
+        and abs(walls.deviation(thickness, printer)) <= MAX_DEVIATION
     )
 
 
-def _nearest_good(thickness: float, printer: Printer, slant: float) -> float:
+def _nearest_good_thickness(thickness: float, printer: Printer, slant: float) -> float:
     """Closest good thickness in hundredths of a millimetre; all large thicknesses are good."""
     start, steps = round(100 * thickness), itertools.count()
     candidates = (max(0, start + sign * step) / 100 for step in steps for sign in (1, -1))
-    return next(candidate for candidate in candidates if candidate > 0 and _good(candidate / slant, printer))
+    return next(
+        candidate for candidate in candidates if candidate > 0 and _is_good_thickness(candidate / slant, printer)
+    )
 
 
-def _instead_of_arachne(lines: float, printer: Printer) -> str:
-    if printer.wall_generator == "classic" or lines > ONE_LINE[1]:
+def _classic_walls_hint(lines: float, printer: Printer) -> str:
+    if printer.wall_generator == "classic" or lines > ONE_LINE_RANGE[1]:
         return ""
     return '; wall_generator = "classic" with thin_walls = true prints it as drawn'
 
 
-def _gaps(design: Design, printer: Printer) -> Iterator[Finding]:
+def _check_gaps(design: Design, printer: Printer) -> Iterator[Finding]:
     width = printer.line_width_mm
-    for window, name in walls.alike(design, solids.window_width):
+    for window, name in walls.group_legs(design, solids.window_width):
         if 0.0 < window < width:
             what = f"the window between {'leg and brace' if name == 'leg' else f'leg and brace of {name}'} may fuse"
             change = "tilt the legs more, or less; the legs are braced either way"
-            yield new(About.LEGS, "warning", what, window, width, "mm", change)
-    clearance = solids.clearance(design.limbs)
+            yield make_finding(About.LEGS, "warning", what, window, width, "mm", change)
+    clearance = solids.leg_clearance(design.limbs)
     if clearance < width:
         what = f"{'the two' if len(design.limbs) == 2 else 'two'} legs may fuse"
         change = "raise legs.contact_spacing_mm" if design.pair else "move them apart"
-        yield new(About.LEGS, "warning", what, clearance, width, "mm", change)
+        yield make_finding(About.LEGS, "warning", what, clearance, width, "mm", change)
 
 
-def _marks(design: Design, printer: Printer) -> Iterator[Finding]:
+def _check_marks(design: Design, printer: Printer) -> Iterator[Finding]:
     marks, width = design.marks, printer.line_width_mm
-    if not marks.blank and marks.line_mm < width - NOISE_MM:
+    if not marks.blank and marks.line_mm < width - ROUNDING_MM:
         kind = "serial number" if marks.kind == "none" else marks.kind
         what = f"the {kind} may close up: their strokes against a line"
-        yield new(About.MARKS, "advice", what, marks.line_mm, width, "mm", "raise marks.line_mm")
+        yield make_finding(About.MARKS, "advice", what, marks.line_mm, width, "mm", "raise marks.line_mm")
 
 
-def _layers(design: Design, printer: Printer) -> Iterator[Finding]:
+def _check_layers(design: Design, printer: Printer) -> Iterator[Finding]:
     """Yield the findings on lengths that are cut into layers: depth and widths, or the thickness."""
     height, size = printer.layer_height_mm, design.size
-    if solids.on_side(design):
-        yield from _whole(About.BODY, "depth", size.depth, height, "body.depth_mm")
-        for width, name in walls.alike(design, lambda limb: limb.width):
+    if solids.is_printed_on_side(design):
+        yield from _check_whole_layers(About.BODY, "depth", size.depth, height, "body.depth_mm")
+        for width, name in walls.group_legs(design, lambda limb: limb.width):
             if width != size.depth:
-                yield from _whole(About.LEGS, f"width of {walls.the(name)}", width, height, "its width_mm")
+                yield from _check_whole_layers(
+                    About.LEGS, f"width of {walls.with_article(name)}", width, height, "its width_mm"
+                )
     elif design.body.mesh is None:
         key = "body.thickness_mm" if design.body.profile_mm is None else "the height of profile_mm"
-        yield from _whole(About.BODY, "body's thickness", size.thickness, height, key)
+        yield from _check_whole_layers(About.BODY, "body's thickness", size.thickness, height, key)
 
 
-def _whole(part: About, what: str, length: float, height: float, key: str) -> Iterator[Finding]:
+def _check_whole_layers(part: About, what: str, length: float, height: float, key: str) -> Iterator[Finding]:
     """Yield the findings on a length, mm, that prints as layers of `height`, mm."""
     layers = length / height
     # PrusaSlicer prints a layer if its middle is in the part.
-    whole = math.floor(layers + 0.5 + NOISE_MM)
+    whole = math.floor(layers + 0.5 + ROUNDING_MM)
     if layers <= 0.5:
         change = f"raise {key} or lower layer_height_mm"
-        yield new(part, "error", f"the {what} is less than half a layer", length, 0.5 * height, "mm", change)
-    elif abs(layers - whole) > NOISE_MM:
+        yield make_finding(part, "error", f"the {what} is less than half a layer", length, 0.5 * height, "mm", change)
+    elif abs(layers - whole) > ROUNDING_MM:
         printed = float(f"{max(1, whole) * height:.6g}")
         change = f"make {key} {printed:g}, which is what prints"
         setting = Setting(key, printed) if key.startswith("body.") else None
         what = f"the {what} is not a whole number of layers"
-        yield new(part, "warning", what, layers, whole, "layers", change, setting)
+        yield make_finding(part, "warning", what, layers, whole, "layers", change, setting)
 
 
-def _materials(designs: Sequence[Design], parts: Sequence[Part]) -> Iterator[Finding]:
+def _check_materials(designs: Sequence[Design], parts: Sequence[Part]) -> Iterator[Finding]:
     """Warning of the first part whose material is not that of the parts before it."""
     densities = [design.material.density_g_cm3 for design in designs]
     for density, part in zip(densities, parts, strict=True):
         if density != densities[0]:
             what = "one filament prints a plate, and the parts before it have another density"
             change = "print each material on plates of its own"
-            yield from at(part.name, [new(About.WALKER, "warning", what, density, densities[0], "g/cm3", change)])
+            yield from with_place(
+                part.name, [make_finding(About.WALKER, "warning", what, density, densities[0], "g/cm3", change)]
+            )
             return
 
 
-def _size(part: Part, printer: Printer) -> Iterator[Finding]:
-    around = 2.0 * border(printer)
+def _check_size(part: Part, printer: Printer) -> Iterator[Finding]:
+    around = 2.0 * border_width(printer)
     for what, seen, limit in (
         ("width", part.width, printer.bed_width_mm - around),
         ("depth", part.depth, printer.bed_depth_mm - around),
         ("height", part.height, printer.height_mm),
     ):
-        if seen > limit + NOISE_MM:
+        if seen > limit + ROUNDING_MM:
             change = "make it smaller or take a larger printer"
-            yield new(About.WALKER, "error", f"its {what} as printed exceeds the printer's", seen, limit, "mm", change)
+            yield make_finding(
+                About.WALKER, "error", f"its {what} as printed exceeds the printer's", seen, limit, "mm", change
+            )
 
 
-def _mesh(mesh: Mesh) -> Iterator[Finding]:
-    bodies = solids.bodies(mesh)
+def _check_mesh(mesh: Mesh) -> Iterator[Finding]:
+    bodies = solids.count_bodies(mesh)
     if bodies != 1:
         change = "enlarge details below about 1e-5 mm, which files do not hold"
-        yield new(About.WALKER, "error", "the mesh is not one closed body", bodies, 1, "bodies", change)
+        yield make_finding(About.WALKER, "error", "the mesh is not one closed body", bodies, 1, "bodies", change)
 
 
-def _repairs(design: Design) -> Iterator[Finding]:
+def _check_repairs(design: Design) -> Iterator[Finding]:
     if changes := design.shape.changes:
         what = f"the body's file was not taken as it is ({'; '.join(changes)})"
-        yield new(About.BODY, "warning", what, len(changes), 0, "changes", "look at its picture before the print")
+        yield make_finding(
+            About.BODY, "warning", what, len(changes), 0, "changes", "look at its picture before the print"
+        )
 
 
-def _standing(design: Design, mesh: Mesh, printer: Printer) -> Iterator[Finding]:
+def _check_adhesion(design: Design, mesh: Mesh, printer: Printer) -> Iterator[Finding]:
     area = section_area(mesh, 0.5 * printer.layer_height_mm)
-    if area < SMALLEST_CONTACT_MM2:
+    if area < MIN_CONTACT_MM2:
         what = "little of it holds on to the bed"
-        yield new(About.WALKER, "advice", what, area, SMALLEST_CONTACT_MM2, "mm2", *BRIM)
-    yield from _upright(walls.of_design(design))
+        yield make_finding(About.WALKER, "advice", what, area, MIN_CONTACT_MM2, "mm2", *BRIM_ADVICE)
+    yield from _check_slenderness(walls.upright_walls(design))
 
 
-def _upright(upright: Sequence[Wall]) -> Iterator[Finding]:
+def _check_slenderness(upright: Sequence[Wall]) -> Iterator[Finding]:
     """Advice on walls that print high and thin."""
     for wall in upright:
         slenderness = wall.height / wall.thickness
-        if slenderness > SLENDEREST_WALL * (1.0 + NOISE_MM):
-            what = f"{walls.the(wall.name)} prints high and thin: height over thickness"
-            yield new(wall.part, "advice", what, slenderness, SLENDEREST_WALL, "", *BRIM)
+        if slenderness > MAX_SLENDERNESS * (1.0 + ROUNDING_MM):
+            what = f"{walls.with_article(wall.name)} prints high and thin: height over thickness"
+            yield make_finding(wall.part, "advice", what, slenderness, MAX_SLENDERNESS, "", *BRIM_ADVICE)
 
 
 def section_area(mesh: Mesh, height: float) -> float:
@@ -298,18 +308,18 @@ def section_area(mesh: Mesh, height: float) -> float:
         for side, turn in ((True, 1), (False, -1)):
             cut = (tip_above == side) & (above[:, alone - 1] != side) & (above[:, alone - 2] != side)
             tip, left, right = (corners[cut, (alone + turn * k) % 3] for k in range(3))
-            lines.append(np.stack([_crossing(tip, left, level), _crossing(tip, right, level)], axis=1))
+            lines.append(np.stack([_crossing_points(tip, left, level), _crossing_points(tip, right, level)], axis=1))
     (ax, ay), (bx, by) = np.concatenate(lines).transpose(1, 2, 0)
     return 0.5 * abs(float((ax * by - ay * bx).sum()))
 
 
-def _crossing(tip: Array, other: Array, level: float) -> Array:
+def _crossing_points(tip: Array, other: Array, level: float) -> Array:
     """Points x and y, shape (n, 2), where edges cross a level, mm."""
     share = (level - tip[:, 2]) / (other[:, 2] - tip[:, 2])
     return np.asarray(tip[:, :2] + share[:, None] * (other[:, :2] - tip[:, :2]))
 
 
-def _off_the_bed(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:
+def _check_bed_limits(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:
     """Errors for parts, brims and the skirt beyond the bed: the first of each kind by name."""
     bed = np.array([printer.bed_width_mm, printer.bed_depth_mm])
     brim = printer.brim_width_mm
@@ -319,21 +329,21 @@ def _off_the_bed(labels: Sequence[str], boxes: Array, printer: Printer) -> Itera
         rings["the skirt around it"] = brim + skirt
     for what, reach in rings.items():
         over = np.maximum(reach - boxes[:, :2], boxes[:, 2:] + reach - bed).max(axis=1)
-        for index in np.flatnonzero(over > NOISE_MM)[:1]:
+        for index in np.flatnonzero(over > ROUNDING_MM)[:1]:
             change = "raise margin_mm, or make brim or skirt smaller"
-            leaves = new(About.PLATE, "error", f"{what} leaves the bed", over[index], 0.0, "mm", change)
-            yield from at(labels[index], [leaves])
+            leaves = make_finding(About.PLATE, "error", f"{what} leaves the bed", over[index], 0.0, "mm", change)
+            yield from with_place(labels[index], [leaves])
 
 
-def _too_close(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:
+def _check_spacing(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:
     brims, wanted = 2.0 * printer.brim_width_mm, spacing(printer)
     for first, box in enumerate(boxes):
         later = boxes[first + 1 :]
         gaps = np.maximum(later[:, :2] - box[2:], box[:2] - later[:, 2:]).max(axis=1)
-        for second in np.flatnonzero(gaps < wanted - NOISE_MM):
+        for second in np.flatnonzero(gaps < wanted - ROUNDING_MM):
             other = labels[first + 1 + int(second)].split(": ")[-1]
-            overlap = gaps[second] < brims - NOISE_MM
+            overlap = gaps[second] < brims - ROUNDING_MM
             level: Level = "error" if overlap else "warning"
             what = "with its brim, if any, overlaps" if overlap else "is closer than the gap to"
-            close = new(About.PLATE, level, f"{what} {other}", gaps[second], wanted, "mm", "move them apart")
-            yield from at(labels[first], [close])
+            close = make_finding(About.PLATE, level, f"{what} {other}", gaps[second], wanted, "mm", "move them apart")
+            yield from with_place(labels[first], [close])

@@ -7,12 +7,12 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.core.printing import slicer, walls
-from walkergen.core.printing.findings import NOISE_MM
+from walkergen.core.printing.findings import ROUNDING_MM
 from walkergen.core.printing.packing import Part, Plate
 from walkergen.core.printing.printers import Printer
 from walkergen.core.shapes.mesh import Mesh
 
-OUTLINE_MM_S, LINE_MM_S = 20.0, 43.0
+OUTLINE_SPEED_MM_S, LINE_SPEED_MM_S = 20.0, 43.0
 """Time of a layer: its outline at the first speed, all its lines at the second, mm/s. Fitted to
 PrusaSlicer 2.5's own times at its default speeds: the shipped walkers, 1 to 20 of them, on four
 printers, in layers of 0.1 to 0.3 mm."""
@@ -43,14 +43,14 @@ class Estimate(NamedTuple):
     """Time of the layers, s; see TIME_TOLERANCE."""
 
 
-def sides(mesh: Mesh) -> float:
+def side_area(mesh: Mesh) -> float:
     """Area of a mesh as it lies on the bed, seen from all round: of its faces' upright parts."""
     first, second, third = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)
     normals = 0.5 * np.cross(second - first, third - first)
     return float(np.hypot(normals[:, 0], normals[:, 1]).sum())
 
 
-def of_plate(plate: Plate, parts: Sequence[Part], loads: Sequence[Load], printer: Printer) -> Estimate:
+def plate_totals(plate: Plate, parts: Sequence[Part], loads: Sequence[Load], printer: Printer) -> Estimate:
     """Estimate of a plate; `loads` are those of one copy of each of the parts, in their order."""
     placed = [placement.part for placement in plate.placements]
     copies, height = [loads[part] for part in placed], printer.layer_height_mm
@@ -60,13 +60,13 @@ def of_plate(plate: Plate, parts: Sequence[Part], loads: Sequence[Load], printer
     tallest = max(parts[part].height for part in placed)
     return Estimate(
         grams=sum(load.grams for load in copies),
-        metres=1e-3 * volume / (0.25 * math.pi * slicer.FILAMENT_MM**2),
-        layers=max(1, math.floor(tallest / height + 0.5 + NOISE_MM)),
-        seconds=outlines / OUTLINE_MM_S + lines / LINE_MM_S,
+        metres=1e-3 * volume / (0.25 * math.pi * slicer.FILAMENT_DIAMETER_MM**2),
+        layers=max(1, math.floor(tallest / height + 0.5 + ROUNDING_MM)),
+        seconds=outlines / OUTLINE_SPEED_MM_S + lines / LINE_SPEED_MM_S,
     )
 
 
-def duration(seconds: float) -> str:
+def format_duration(seconds: float) -> str:
     """Time to two digits, in the largest unit of which there are at least two."""
     unit, length = next((pair for pair in (("h", 3600.0), ("min", 60.0)) if seconds >= 2.0 * pair[1]), ("s", 1.0))
     return f"{float(f'{seconds / length:.2g}'):g} {unit}"

@@ -25,13 +25,13 @@ APPLICATION = "walkergen"
 PRUSASLICER_NAMESPACE = b'<model xmlns:slic3rpe="http://schemas.slic3r.org/3mf/2017/06" '
 PRUSASLICER_VERSION = b'<metadata name="slic3rpe:Version3mf">1</metadata><resources>'
 
-MODEL, TYPES = "3D/3dmodel.model", "[Content_Types].xml"
-SETTINGS = "Metadata/model_settings.config"
+MODEL_FILE, CONTENT_TYPES_FILE = "3D/3dmodel.model", "[Content_Types].xml"
+SETTINGS_FILE = "Metadata/model_settings.config"
 """File of Bambu Studio and OrcaSlicer that names objects and plates."""
 CONFIG_TYPE = b'<Default Extension="config" ContentType="application/xml" />'
 
 # What XML 1.0 cannot hold, escaped or not; tabs and line ends too, which attributes turn to blanks.
-NOT_XML = re.compile("[^\x20-\x7e\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+INVALID_XML = re.compile("[^\x20-\x7e\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 class Solid(NamedTuple):
@@ -72,12 +72,12 @@ def threemf_bytes(solids: Sequence[Solid], items: Sequence[Item], title: str, th
     names and the order. `thumbnail` is a PNG of the whole. Raises SolidError when lib3mf refuses a
     mesh. Source: 3MF core specification 1.3 and production extension (UUIDs).
     """
-    wrapper = _wrapper()
+    wrapper = _lib3mf_wrapper()
     title = _xml_safe(title)
     model = wrapper.CreateModel()  # must outlive its objects and items: they point into it
-    model.SetUnit(threemf.library().ModelUnit.MilliMeter)
+    model.SetUnit(threemf.load_library().ModelUnit.MilliMeter)
     part_numbers = [_xml_safe(item.part_number) for item in items]
-    model.SetBuildUUID(_identifier(title, "build", *part_numbers))
+    model.SetBuildUUID(_make_uuid(title, "build", *part_numbers))
     metadata = model.GetMetaDataGroup()
     for key, value in (("Title", title), ("Application", APPLICATION)):
         metadata.AddMetaData("", key, value, "xs:string", True)
@@ -92,35 +92,35 @@ def threemf_bytes(solids: Sequence[Solid], items: Sequence[Item], title: str, th
         place = wrapper.GetTranslationTransform(item.x, item.y, 0.0)
         built = model.AddBuildItem(built_of, place)
         built.SetPartNumber(name)
-        built.SetUUID(_identifier(title, "item", number))
+        built.SetUUID(_make_uuid(title, "item", number))
     if thumbnail is not None:
         model.CreatePackageThumbnailAttachment().ReadFromBuffer(thumbnail)
-    files = _unzipped(bytes(model.QueryWriter("3mf").WriteToBuffer()))
+    files = _unzip_files(bytes(model.QueryWriter("3mf").WriteToBuffer()))
     if named:
-        files[SETTINGS] = _model_settings(named, title)
-        files[TYPES] = files[TYPES].replace(b"</Types>", CONFIG_TYPE + b"</Types>", 1)
-    return _zipped(files)
+        files[SETTINGS_FILE] = _model_settings(named, title)
+        files[CONTENT_TYPES_FILE] = files[CONTENT_TYPES_FILE].replace(b"</Types>", CONFIG_TYPE + b"</Types>", 1)
+    return _zip_files(files)
 
 
-def for_prusaslicer(data: bytes) -> bytes:
+def declare_prusaslicer(data: bytes) -> bytes:
     """3MF file of the same content, declared to be PrusaSlicer's own, so that copies stay copies.
 
     PrusaSlicer then lists each solid once with its copies, numbered from 0 in the order of the
     items, and slices it once; of other files it makes an object of every item. It looks for its
     namespace by the prefix, which lib3mf does not let us choose. Measured with PrusaSlicer 2.5.
     """
-    files = _unzipped(data)
-    model = files[MODEL].replace(b"<model ", PRUSASLICER_NAMESPACE, 1)
-    files[MODEL] = model.replace(b"<resources>", PRUSASLICER_VERSION, 1)
-    return _zipped(files)
+    files = _unzip_files(data)
+    model = files[MODEL_FILE].replace(b"<model ", PRUSASLICER_NAMESPACE, 1)
+    files[MODEL_FILE] = model.replace(b"<resources>", PRUSASLICER_VERSION, 1)
+    return _zip_files(files)
 
 
-def _unzipped(data: bytes) -> dict[str, bytes]:
+def _unzip_files(data: bytes) -> dict[str, bytes]:
     archive = zipfile.ZipFile(io.BytesIO(data))
     return {name: archive.read(name) for name in archive.namelist()}
 
 
-def _zipped(files: Mapping[str, bytes]) -> bytes:
+def _zip_files(files: Mapping[str, bytes]) -> bytes:
     """Archive whose files are of 1980-01-01: lib3mf's are of a month 0, which no calendar has."""
     target = io.BytesIO()
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -148,31 +148,34 @@ def _model_settings(named: Sequence[_Named], title: str) -> bytes:
     for item in named:
         lines += [
             f'  <object id="{item.number}">',
-            f"    {_setting('name', item.name)}",
+            f"    {_metadata_element('name', item.name)}",
             f'    <part id="{item.solid_number}" subtype="normal_part">',
-            f"      {_setting('name', item.solid)}",
+            f"      {_metadata_element('name', item.solid)}",
             "    </part>",
             "  </object>",
         ]
     lines += [
         "  <plate>",
-        *(f"    {_setting(*pair)}" for pair in (("plater_id", "1"), ("plater_name", title), ("locked", "false"))),
+        *(
+            f"    {_metadata_element(*pair)}"
+            for pair in (("plater_id", "1"), ("plater_name", title), ("locked", "false"))
+        ),
     ]
     for item in named:
         pairs = (("object_id", f"{item.number}"), ("instance_id", "0"))
-        settings = "".join(_setting(*pair) for pair in pairs)
+        settings = "".join(_metadata_element(*pair) for pair in pairs)
         lines.append(f"    <model_instance>{settings}</model_instance>")
     return "\n".join([*lines, "  </plate>", "</config>", ""]).encode()
 
 
-def _setting(key: str, value: str) -> str:
+def _metadata_element(key: str, value: str) -> str:
     return f"<metadata key={quoteattr(key)} value={quoteattr(value)}/>"
 
 
 @cache
-def _wrapper() -> Any:
+def _lib3mf_wrapper() -> Any:
     """Entry point of lib3mf, loaded once: it takes 10 ms."""
-    return threemf.library().get_wrapper()
+    return threemf.load_library().get_wrapper()
 
 
 def _add_solid(model: Any, solid: Solid, title: str, number: int) -> Any:
@@ -180,12 +183,12 @@ def _add_solid(model: Any, solid: Solid, title: str, number: int) -> Any:
     name = _xml_safe(solid.name)
     added = model.AddMeshObject()
     added.SetName(name)
-    added.SetUUID(_identifier(title, "object", number, name))
-    vertices, lib3mf = solid.mesh.vertices - solid.mesh.vertices.min(axis=0), threemf.library()
+    added.SetUUID(_make_uuid(title, "object", number, name))
+    vertices, lib3mf = solid.mesh.vertices - solid.mesh.vertices.min(axis=0), threemf.load_library()
     try:
         added.SetGeometry(
-            _as_structures(lib3mf.Position, vertices.astype("<f4")),
-            _as_structures(lib3mf.Triangle, solid.mesh.triangles.astype("<u4")),
+            _to_structures(lib3mf.Position, vertices.astype("<f4")),
+            _to_structures(lib3mf.Triangle, solid.mesh.triangles.astype("<u4")),
         )
     except lib3mf.ELib3MFException as error:
         raise SolidError(f"{name}: lib3mf refuses the mesh: {error}") from None
@@ -196,22 +199,22 @@ def _add_copy(model: Any, mesh: Any, name: str, title: str, number: int) -> Any:
     """Object of a model that shows a mesh's object under a name of its own."""
     added = model.AddComponentsObject()
     added.SetName(name)
-    added.SetUUID(_identifier(title, "copy", number, name))
-    component = added.AddComponent(mesh, _wrapper().GetIdentityTransform())
-    component.SetUUID(_identifier(title, "component", number, name))
+    added.SetUUID(_make_uuid(title, "copy", number, name))
+    component = added.AddComponent(mesh, _lib3mf_wrapper().GetIdentityTransform())
+    component.SetUUID(_make_uuid(title, "component", number, name))
     return added
 
 
-def _as_structures(structure: type[ctypes.Structure], rows: npt.NDArray[Any]) -> Any:
+def _to_structures(structure: type[ctypes.Structure], rows: npt.NDArray[Any]) -> Any:
     """C array of structures from a numpy array with a row for each, without a Python loop."""
     return (structure * len(rows)).from_buffer_copy(rows.tobytes())
 
 
-def _identifier(*words: str | int) -> str:
+def _make_uuid(*words: str | int) -> str:
     """UUID that depends on nothing but the words."""
     return str(uuid.uuid5(uuid.NAMESPACE_OID, "/".join(map(str, (APPLICATION, *words)))))
 
 
 def _xml_safe(text: str) -> str:
     """Text with "_" in place of what XML cannot hold."""
-    return NOT_XML.sub("_", text)
+    return INVALID_XML.sub("_", text)

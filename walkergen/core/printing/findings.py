@@ -13,7 +13,7 @@ from walkergen.core.errors import PrintabilityError
 Level = Literal["error", "warning", "advice"]
 LEVELS: tuple[Level, ...] = ("error", "warning", "advice")
 
-NOISE_MM = 1e-6
+ROUNDING_MM = 1e-6
 """Largest error, mm, that sums of floats and rounding to micrometres may leave."""
 
 
@@ -70,7 +70,7 @@ class Finding(NamedTuple):
         return f"{self.where}: {self.text}"
 
 
-def new(
+def make_finding(
     part: About,
     level: Level,
     what: str,
@@ -84,12 +84,12 @@ def new(
     return Finding(level, "", what, float(seen), float(limit), unit, change, part, setting)
 
 
-def at(where: str, findings: Iterable[Finding]) -> list[Finding]:
+def with_place(where: str, findings: Iterable[Finding]) -> list[Finding]:
     """Return findings with their place set."""
     return [finding._replace(where=where) for finding in findings]
 
 
-def of_printers(named: Sequence[tuple[str, Sequence[Finding]]]) -> list[Finding]:
+def combine_printers(named: Sequence[tuple[str, Sequence[Finding]]]) -> list[Finding]:
     """Join the findings of printers, by their names, in one list; those of several name their printer."""
     return [
         finding._replace(where=f"{printer}: {finding.where}") if len(named) > 1 else finding
@@ -98,7 +98,7 @@ def of_printers(named: Sequence[tuple[str, Sequence[Finding]]]) -> list[Finding]
     ]
 
 
-def listed(findings: Sequence[Finding], levels: Collection[Level] = LEVELS) -> list[Finding]:
+def group_findings(findings: Sequence[Finding], levels: Collection[Level] = LEVELS) -> list[Finding]:
     """Merge findings of a kind into the worst one, with the number of others, and list errors first.
 
     A kind has one limit and one remedy. Its worst finding is the farthest from the limit. Only `levels` are listed.
@@ -115,12 +115,12 @@ def listed(findings: Sequence[Finding], levels: Collection[Level] = LEVELS) -> l
     return sorted(chosen, key=lambda finding: LEVELS.index(finding.level))
 
 
-def warnings(findings: Sequence[Finding]) -> list[str]:
+def warning_lines(findings: Sequence[Finding]) -> list[str]:
     """Warnings, a line each."""
-    return [finding.line for finding in listed(findings, {"warning"})]
+    return [finding.line for finding in group_findings(findings, {"warning"})]
 
 
-def refuse(findings: Sequence[Finding], strict: bool) -> None:
+def check_printable(findings: Sequence[Finding], strict: bool) -> None:
     """Raise PrintabilityError, a line each, for errors and, if `strict`, for warnings too."""
-    if fatal := listed(findings, {"error", "warning"} if strict else {"error"}):
+    if fatal := group_findings(findings, {"error", "warning"} if strict else {"error"}):
         raise PrintabilityError("\n".join(finding.line for finding in fatal))

@@ -17,10 +17,10 @@ from walkergen.core.printing.printers import Printer
 from walkergen.core.shapes import threemf
 from walkergen.core.shapes.mesh import Mesh
 
-MOST_PARTS, MOST_ARRANGED = 5000, 50_000
+MAX_PARTS, MAX_ARRANGED_PARTS = 5000, 50_000
 """Most parts on a plate, which are also the most copies of a part; and on all plates of a batch."""
 
-THREEMF, STL = ".3mf", ".stl"
+THREEMF_SUFFIX, STL_SUFFIX = ".3mf", ".stl"
 """Suffixes of plates' files."""
 
 
@@ -39,7 +39,7 @@ class Part(NamedTuple):
     """Number that its one copy bears; None where copies are alike, and numbered from 1."""
 
     @classmethod
-    def of(cls, name: str, mesh: Mesh, copies: int = 1, serial: int | None = None) -> "Part":
+    def from_mesh(cls, name: str, mesh: Mesh, copies: int = 1, serial: int | None = None) -> "Part":
         """Bounding box of a mesh as a part."""
         width, depth, height = (mesh.vertices.max(axis=0) - mesh.vertices.min(axis=0)).tolist()
         return cls(name, width, depth, height, copies, serial)
@@ -69,7 +69,7 @@ class Plate(NamedTuple):
     placements: tuple[Placement, ...]
 
 
-def border(printer: Printer) -> float:
+def border_width(printer: Printer) -> float:
     """Distance from the edge of the bed to the first part, mm: its margin, brim and skirt."""
     # Half a line more than the loops: PrusaSlicer's skirts lie that far out.
     skirt = printer.skirt_distance_mm + (printer.skirt_loops + 0.5) * printer.line_width_mm
@@ -83,14 +83,14 @@ def spacing(printer: Printer) -> float:
 
 def capacity(part: Part, printer: Printer) -> int:
     """Count the copies of a part that fit on one plate in a plain grid; 0 when it is too large."""
-    if _micrometres(part.height) > _micrometres(printer.height_mm):
+    if _round_up_micrometres(part.height) > _round_up_micrometres(printer.height_mm):
         return 0
-    (bed_width, bed_depth), (width, depth) = _bed(printer), _cell(part, printer)
+    (bed_width, bed_depth), (width, depth) = _bed_micrometres(printer), _cell(part, printer)
     return max(0, bed_width // width) * max(0, bed_depth // depth)
 
 
 def pack(
-    parts: Sequence[Part], printer: Printer, max_plates: int | None = None, max_parts: int = MOST_PARTS
+    parts: Sequence[Part], printer: Printer, max_plates: int | None = None, max_parts: int = MAX_PARTS
 ) -> list[Plate]:
     """Place all copies in rows in the order of the parts, at most `max_parts` on a plate.
 
@@ -99,9 +99,9 @@ def pack(
     more than `max_plates` are needed, and for more than MOST_ARRANGED copies.
     """
     total = sum(part.copies for part in parts)
-    check_number(total)
+    check_part_count(total)
     _check_sizes(parts, printer)
-    plates = _packed(parts, printer, max_parts)
+    plates = _pack_rows(parts, printer, max_parts)
     if max_plates is not None and len(plates) > max_plates:
         placed = sum(len(plate.placements) for plate in plates[:max_plates])
         raise PlateError(
@@ -111,10 +111,10 @@ def pack(
     return plates
 
 
-def check_number(total: int) -> None:
+def check_part_count(total: int) -> None:
     """Raise PlateError for more parts than are arranged at once."""
-    if total > MOST_ARRANGED:
-        raise PlateError(f"{total} parts: at most {MOST_ARRANGED} are arranged at once; make fewer")
+    if total > MAX_ARRANGED_PARTS:
+        raise PlateError(f"{total} parts: at most {MAX_ARRANGED_PARTS} are arranged at once; make fewer")
 
 
 def plate_3mf(
@@ -153,13 +153,13 @@ def plate_file(
 
     `prusaslicer`: see `export.for_prusaslicer`; raises InputError without lib3mf.
     """
-    if prusaslicer or threemf.available():
+    if prusaslicer or threemf.is_available():
         data = plate_3mf(plate, parts, meshes, printer, title, thumbnail)
-        return THREEMF, export.for_prusaslicer(data) if prusaslicer else data
-    return STL, export.stl_bytes(placed(plate, meshes, printer), title)
+        return THREEMF_SUFFIX, export.declare_prusaslicer(data) if prusaslicer else data
+    return STL_SUFFIX, export.stl_bytes(plate_mesh(plate, meshes, printer), title)
 
 
-def placed(plate: Plate, meshes: Sequence[Mesh], printer: Printer) -> Mesh:
+def plate_mesh(plate: Plate, meshes: Sequence[Mesh], printer: Printer) -> Mesh:
     """Mesh of all copies of a plate, in the printer's coordinates, standing on z = 0."""
     corner = np.array([*printer.bed_corner, 0.0])
     vertices, triangles, before = [], [], 0
@@ -172,9 +172,9 @@ def placed(plate: Plate, meshes: Sequence[Mesh], printer: Printer) -> Mesh:
     return Mesh(np.concatenate(vertices), np.concatenate(triangles))
 
 
-def suffix() -> str:
+def plate_suffix() -> str:
     """Suffix of the files of plates on this machine."""
-    return THREEMF if threemf.available() else STL
+    return THREEMF_SUFFIX if threemf.is_available() else STL_SUFFIX
 
 
 def item_name(part: Part, copy: int) -> str:
@@ -182,9 +182,9 @@ def item_name(part: Part, copy: int) -> str:
     return f"{part.name}-{copy}"
 
 
-def _packed(parts: Sequence[Part], printer: Printer, max_parts: int) -> list[Plate]:
+def _pack_rows(parts: Sequence[Part], printer: Printer, max_parts: int) -> list[Plate]:
     """Place copies in rows, left to right and front to back, each as deep as its deepest part."""
-    bed_width, bed_depth = _bed(printer)
+    bed_width, bed_depth = _bed_micrometres(printer)
     plates: list[Plate] = []
     placed: list[tuple[int, int, int, int]] = []
     x = y = right = row_depth = 0
@@ -195,44 +195,44 @@ def _packed(parts: Sequence[Part], printer: Printer, max_parts: int) -> list[Pla
             if x + width > bed_width:
                 x, y, row_depth = 0, y + row_depth, 0
             if y + depth > bed_depth or len(placed) == max_parts:
-                plates.append(_centred(placed, (right, y + row_depth), printer))
+                plates.append(_center_on_bed(placed, (right, y + row_depth), printer))
                 placed, x, y, right, row_depth = [], 0, 0, 0, 0
             placed.append((index, copy, x, y))
             x, row_depth = x + width, max(row_depth, depth)
             right = max(right, x)
-    return [*plates, _centred(placed, (right, y + row_depth), printer)] if placed else plates
+    return [*plates, _center_on_bed(placed, (right, y + row_depth), printer)] if placed else plates
 
 
-def _centred(placed: Sequence[tuple[int, int, int, int]], used: tuple[int, int], printer: Printer) -> Plate:
+def _center_on_bed(placed: Sequence[tuple[int, int, int, int]], used: tuple[int, int], printer: Printer) -> Plate:
     """Plate of copies (part, copy, x, y) moved to the middle of the free bed by whole micrometres.
 
     `used` is the width and depth of all their cells, micrometres.
     """
-    edge, (bed_width, bed_depth) = border(printer), _bed(printer)
+    edge, (bed_width, bed_depth) = border_width(printer), _bed_micrometres(printer)
     right, back = (bed_width - used[0]) // 2, (bed_depth - used[1]) // 2
     return Plate(
         tuple(Placement(part, copy, edge + 1e-3 * (x + right), edge + 1e-3 * (y + back)) for part, copy, x, y in placed)
     )
 
 
-def _free(printer: Printer) -> tuple[float, float]:
+def _free_bed(printer: Printer) -> tuple[float, float]:
     """Width and depth of the bed inside its border, mm."""
-    return (printer.bed_width_mm - 2.0 * border(printer), printer.bed_depth_mm - 2.0 * border(printer))
+    return (printer.bed_width_mm - 2.0 * border_width(printer), printer.bed_depth_mm - 2.0 * border_width(printer))
 
 
-def _bed(printer: Printer) -> tuple[int, int]:
+def _bed_micrometres(printer: Printer) -> tuple[int, int]:
     """Size of the free bed in micrometres, plus the gap that the last cell of a row carries."""
-    width, depth = (math.floor(round(1e3 * length, 6)) for length in _free(printer))
-    gap = _micrometres(spacing(printer))
+    width, depth = (math.floor(round(1e3 * length, 6)) for length in _free_bed(printer))
+    gap = _round_up_micrometres(spacing(printer))
     return width + gap, depth + gap
 
 
 def _cell(part: Part, printer: Printer) -> tuple[int, int]:
-    gap = _micrometres(spacing(printer))
-    return _micrometres(part.width) + gap, _micrometres(part.depth) + gap
+    gap = _round_up_micrometres(spacing(printer))
+    return _round_up_micrometres(part.width) + gap, _round_up_micrometres(part.depth) + gap
 
 
-def _micrometres(length: float) -> int:
+def _round_up_micrometres(length: float) -> int:
     """Round up to micrometres; less than a picometre above one is noise of a sum and ignored."""
     return math.ceil(round(1e3 * length, 6))
 
@@ -242,9 +242,10 @@ def _check_sizes(parts: Sequence[Part], printer: Printer) -> None:
     if not too_large:
         return
     part, others = too_large[0], len(too_large) - 1
-    width, depth = _free(printer)
+    width, depth = _free_bed(printer)
     raise PlateError(
         f"{part.name}: {part.width:.7g} x {part.depth:.7g} x {part.height:.7g} mm (width x depth x "
         f"height) does not fit {printer.name}: {width:g} x {depth:g} mm inside margins of "
-        f"{border(printer):g} mm, {printer.height_mm:g} mm high" + (f"; neither do {others} more" if others else "")
+        f"{border_width(printer):g} mm, {printer.height_mm:g} mm high"
+        + (f"; neither do {others} more" if others else "")
     )

@@ -15,7 +15,7 @@ from walkergen.core.walker.solids import Solids
 DrawPlate = Callable[[Printer, Sequence[Design], Sequence[Mesh], packing.Plate, str], tuple[bytes, bytes]]
 """Function that draws a plate, of this title: its map and its thumbnail, PNG both."""
 
-COMMON_FILES = 5
+COMMON_FILE_COUNT = 5
 """Number of files of a layout apart from those of each plate."""
 
 
@@ -63,35 +63,40 @@ def arrange(
     copies: Sequence[int],
     printer: Printer,
     max_plates: int | None = None,
-    max_parts: int = packing.MOST_PARTS,
+    max_parts: int = packing.MAX_PARTS,
 ) -> Layout:
     """Arrange the wanted copies of each member. Raises PlateError when they do not fit."""
-    empty = unplaced(members, built, copies, printer)
-    return checked(empty._replace(plates=packing.pack(empty.parts, printer, max_plates, max_parts)))
+    empty = layout_without_plates(members, built, copies, printer)
+    return add_findings(empty._replace(plates=packing.pack(empty.parts, printer, max_plates, max_parts)))
 
 
-def unplaced(members: Sequence[Design], built: Sequence[Solids], copies: Sequence[int], printer: Printer) -> Layout:
+def layout_without_plates(
+    members: Sequence[Design], built: Sequence[Solids], copies: Sequence[int], printer: Printer
+) -> Layout:
     """Parts as they lie on the bed, on no plate yet and not checked."""
-    meshes = as_printed(members, built)
+    meshes = orient_for_print(members, built)
     parts = [
-        packing.Part.of(name, mesh, count, design.marks.serial if count == 1 else None)
-        for design, name, mesh, count in zip(members, names.parts(members), meshes, copies, strict=True)
+        packing.Part.from_mesh(name, mesh, count, design.marks.serial if count == 1 else None)
+        for design, name, mesh, count in zip(members, names.part_names(members), meshes, copies, strict=True)
     ]
     return Layout(printer, members, built, meshes, parts, [], [])
 
 
-def as_printed(members: Sequence[Design], built: Sequence[Solids]) -> list[Mesh]:
+def orient_for_print(members: Sequence[Design], built: Sequence[Solids]) -> list[Mesh]:
     """Meshes of walkers as they lie on the bed, in their order."""
-    return [solids.as_printed(design, built_solids.walker) for design, built_solids in zip(members, built, strict=True)]
+    return [
+        solids.orient_for_print(design, built_solids.walker)
+        for design, built_solids in zip(members, built, strict=True)
+    ]
 
 
-def checked(layout: Layout) -> Layout:
+def add_findings(layout: Layout) -> Layout:
     """Run the printability checks on an arrangement; returns it with their findings."""
-    findings = checks.of_batch(layout.members, layout.meshes, layout.parts, layout.plates, layout.printer)
+    findings = checks.check_batch(layout.members, layout.meshes, layout.parts, layout.plates, layout.printer)
     return layout._replace(findings=findings)
 
 
-def places(layout: Layout) -> list[Place]:
+def list_places(layout: Layout) -> list[Place]:
     """List the positions of all copies, plate by plate: the map."""
     rows = []
     for number, plate in enumerate(layout.plates, start=1):
@@ -114,7 +119,9 @@ def places(layout: Layout) -> list[Place]:
     return rows
 
 
-def files(layout: Layout, stem: str, draw: DrawPlate | None, prusaslicer: bool = False) -> Iterator[tuple[str, bytes]]:
+def layout_files(
+    layout: Layout, stem: str, draw: DrawPlate | None, prusaslicer: bool = False
+) -> Iterator[tuple[str, bytes]]:
     """Names and bytes of a layout's files: first COMMON_FILES with words, then plate by plate.
 
     STEM_PRINTER.csv, the map; STEM_PRINTER.md, the print sheet; STEM_PRINTER.ini, its settings for
@@ -126,9 +133,9 @@ def files(layout: Layout, stem: str, draw: DrawPlate | None, prusaslicer: bool =
     """
     start = f"{stem}_{layout.printer.name}"
     meshes = layout.meshes
-    yield f"{start}.csv", to_csv(places(layout)).encode()
+    yield f"{start}.csv", to_csv(list_places(layout)).encode()
     yield f"{start}.md", _print_sheet(layout, start).encode()
-    yield from slicer.files(layout.printer, layout.members[0].material, start)
+    yield from slicer.settings_files(layout.printer, layout.members[0].material, start)
     for number, plate in enumerate(layout.plates, start=1):
         name = f"{start}_{number}"
         thumbnail = None
@@ -144,7 +151,7 @@ def _print_sheet(layout: Layout, stem: str) -> str:
         sheet.weigh(part.name, design, built_solids, layout.printer)
         for part, design, built_solids in zip(layout.parts, layout.members, layout.built, strict=True)
     ]
-    form = weights.form(layout.members, "DESIGN")
+    form = weights.form_name(layout.members, "DESIGN")
     printed = sheet.Batch(stem, layout.printer, layout.members, layout.plates, layout.parts, form)
     legend = names.legend(layout.members)
     return sheet.to_markdown(printed, weighed, layout.findings, legend)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from walkergen.core.printing.findings import NOISE_MM, About, Finding, new
+from walkergen.core.printing.findings import ROUNDING_MM, About, Finding, make_finding
 from walkergen.core.printing.printers import Printer
 from walkergen.core.shapes import modeller
 from walkergen.core.walker import pockets, solids
@@ -17,23 +17,23 @@ from walkergen.core.walker.fittings import Part
 if TYPE_CHECKING:
     import shapely
 
-WIDEST_BRIDGE_MM = 10.0
+MAX_BRIDGE_MM = 10.0
 """Longest ceiling that is bridged from wall to wall without sagging into the pocket. Assumed, the
 usual rule of makers' test prints."""
 
-SLICES = 8
+SLICE_COUNT = 8
 """Number of slices in which the walls of a pocket that opens to the side are measured."""
 
 
-def of_part(design: Design, printer: Printer) -> Iterator[Finding]:
+def check_part(design: Design, printer: Printer) -> Iterator[Finding]:
     """Yield the findings on the pockets of one walker, whichever way it lies."""
 
     def warning(what: str, seen: float, limit: float, change: str) -> Finding:
-        return new(About.POCKETS, "warning", what, seen, limit, "mm", change)
+        return make_finding(About.POCKETS, "warning", what, seen, limit, "mm", change)
 
     line, parts = printer.line_width_mm, design.parts
     clearance, wanted = design.fit.clearance_mm, printer.pocket_clearance_mm
-    if parts and clearance < wanted - NOISE_MM:
+    if parts and clearance < wanted - ROUNDING_MM:
         what = f"{' and '.join(parts)} may not go into the pocket as this printer prints it"
         yield warning(what, clearance, wanted, f"set pockets.clearance_mm = {wanted:g}")
     channel = design.fit.channel_mm
@@ -41,28 +41,28 @@ def of_part(design: Design, printer: Printer) -> Iterator[Finding]:
         change = "raise pockets.channel_mm, or make it 0 and lead the wires outside"
         yield warning("the channel of the wires may fuse", channel, 2.0 * line, change)
     between = pockets.wall_between(design, line)
-    if between < line - NOISE_MM:
+    if between < line - ROUNDING_MM:
         what = "the wall between the pockets of motor and battery is thinner than a printed line, or open"
         yield warning(what, between, line, "move one of them (along_mm, across_mm, up_mm)")
     for name, part in parts.items():
-        wall, span = thinnest_wall(part, design), ceiling(part, design)
-        if wall < line - NOISE_MM:
+        wall, span = thinnest_wall(part, design), ceiling_span(part, design)
+        if wall < line - ROUNDING_MM:
             what = f"the wall around the pocket of the {name} is thinner than a printed line, or open"
             yield warning(what, wall, line, f"move the {name} inward, or make the body larger")
-        if span > WIDEST_BRIDGE_MM:
-            better = "side" if solids.on_side(design) else "down"
+        if span > MAX_BRIDGE_MM:
+            better = "side" if solids.is_printed_on_side(design) else "down"
             what = f"the pocket of the {name} prints with its floor over air"
             change = f"set {name}.opens = {better!r}, or print it with supports on the bed"
-            yield warning(what, span, WIDEST_BRIDGE_MM, change)
+            yield warning(what, span, MAX_BRIDGE_MM, change)
 
 
-def ceiling(part: Part, design: Design) -> float:
+def ceiling_span(part: Part, design: Design) -> float:
     """Span of the bridge that ends a pocket at the top, as the walker lies, mm; 0 without one.
 
     A pocket that opens to the top of the print has none. Else it is the shorter way between two
     walls: along, or the other level axis unless the pocket is open there.
     """
-    side = solids.on_side(design)
+    side = solids.is_printed_on_side(design)
     if part.opens == ("side" if side else "down"):
         return 0.0
     room = [2.0 * (half + design.fit.clearance_mm) for half in part.cylinder.half]
@@ -105,20 +105,20 @@ def _side_wall(part: Part, design: Design) -> float:
     import shapely
 
     own, clearance = part.cylinder, design.fit.clearance_mm
-    (x, y, z), half = own.middle(design.size.depth), own.half
+    (x, y, z), half = own.centre_in_design(design.size.depth), own.half
     if own.axis == 2:
         room = shapely.Point(x, y).buffer(own.radius + clearance, quad_segs=32)
     else:
         wide, high = half[0] + clearance, half[1] + clearance
         room = shapely.box(x - wide, y - high, x + wide, y + high)
-    body = modeller.solid(solids.build(pockets.without(design)).body)
+    body = modeller.to_solid(solids.build(pockets.without_pockets(design)).body)
     # A part that lies across narrows behind its middle, its room does not before it
     ends = z - (half[2] if own.axis == 2 else 0.0), min(z + half[2], design.size.depth)
-    places = ends[0] + (np.arange(SLICES) + 0.5) / SLICES * (ends[1] - ends[0])
-    return min(_wall(room, _polygon(body.slice(float(at)).to_polygons())) for at in places)
+    places = ends[0] + (np.arange(SLICE_COUNT) + 0.5) / SLICE_COUNT * (ends[1] - ends[0])
+    return min(_wall_thickness(room, _combine_contours(body.slice(float(at)).to_polygons())) for at in places)
 
 
-def _polygon(contours: list[np.ndarray]) -> "shapely.Geometry":
+def _combine_contours(contours: list[np.ndarray]) -> "shapely.Geometry":
     """Area of contours, in which those inside others are holes."""
     import shapely
 
@@ -126,7 +126,7 @@ def _polygon(contours: list[np.ndarray]) -> "shapely.Geometry":
     return reduce(shapely.symmetric_difference, areas, shapely.Polygon())
 
 
-def _wall(room: "shapely.Geometry", body: "shapely.Geometry") -> float:
+def _wall_thickness(room: "shapely.Geometry", body: "shapely.Geometry") -> float:
     """Least distance of a pocket's room from the edge of a slice of the body, y up, mm.
 
     Where the room stands out above, the lip there counts for no wall; 0 where it does elsewhere.
@@ -143,7 +143,7 @@ def _wall(room: "shapely.Geometry", body: "shapely.Geometry") -> float:
     lip = body.boundary.intersection(above)
     if lip.is_empty:
         return 0.0
-    height = lip.bounds[1] - NOISE_MM
+    height = lip.bounds[1] - ROUNDING_MM
     below = shapely.box(left - far, bottom - far, right + far, height)
     inside = room.intersection(below)
     filled = body.union(shapely.box(left, height, right, top + far))

@@ -12,10 +12,10 @@ from walkergen.core.errors import InputError
 from walkergen.core.files.config import Name, Section
 from walkergen.core.printing import profile_file
 
-CLEARANCE_MM = 0.2
+DEFAULT_CLEARANCE_MM = 0.2
 """Gap on every side between a printed wall and a part that goes in by hand. Assumed, as usual."""
 
-NARROWEST, WIDEST = 0.6, 2.5
+MIN_LINE_RATIO, MAX_LINE_RATIO = 0.6, 2.5
 """Widths of a line over that of the nozzle, between which a nozzle lays it down."""
 
 
@@ -46,7 +46,7 @@ class Printer(Section):
     thin_walls: bool = True
     """Printing of walls thinner than a line, which the classic generator else leaves out."""
     pocket_clearance_mm: Annotated[float, Field(ge=0, le=2)] = Field(
-        default=CLEARANCE_MM, exclude_if=partial(eq, CLEARANCE_MM)
+        default=DEFAULT_CLEARANCE_MM, exclude_if=partial(eq, DEFAULT_CLEARANCE_MM)
     )
     """Gap on every side that a part needs to go into its pocket, compared with a design's; left out
     of its data while it is the usual one."""
@@ -61,22 +61,22 @@ class Printer(Section):
         return 0.0, 0.0
 
     @classmethod
-    def of_file(cls, path: Path) -> dict[str, Any] | None:
+    def data_from_file(cls, path: Path) -> dict[str, Any] | None:
         """Read the printer of a slicer's profile; None for a TOML file."""
-        return profile_file.read(path) if path.suffix.lower() in profile_file.ENDINGS else None
+        return profile_file.read_printer(path) if path.suffix.lower() in profile_file.SUFFIXES else None
 
     @model_validator(mode="before")
     @classmethod
-    def _as_wide_as_the_nozzle(cls, data: Any) -> Any:
+    def _default_line_width(cls, data: Any) -> Any:
         if isinstance(data, dict) and "line_width_mm" not in data and isinstance(data.get("nozzle_mm"), (int, float)):
             return {**data, "line_width_mm": float(data["nozzle_mm"])}
         return data
 
     @model_validator(mode="after")
-    def _possible(self) -> Self:
+    def _check_line_width(self) -> Self:
         """Raise InputError for lines that the nozzle does not lay down."""
-        if not NARROWEST <= self.line_width_mm / self.nozzle_mm <= WIDEST:
-            low, high = NARROWEST * self.nozzle_mm, WIDEST * self.nozzle_mm
+        if not MIN_LINE_RATIO <= self.line_width_mm / self.nozzle_mm <= MAX_LINE_RATIO:
+            low, high = MIN_LINE_RATIO * self.nozzle_mm, MAX_LINE_RATIO * self.nozzle_mm
             raise InputError(
                 f"line_width_mm = {self.line_width_mm:g}: nozzle_mm = {self.nozzle_mm:g} lays down lines of "
                 f"{low:.3g} to {high:.3g}; change one of them",

@@ -10,12 +10,12 @@ from typing import Any
 from walkergen.core.errors import InputError
 from walkergen.core.files import plain, reading, words
 
-ENDINGS = (".ini", ".json")
+SUFFIXES = (".ini", ".json")
 """Endings of slicers' profiles; of these only PrusaSlicer's .ini is read."""
 
-MOST_BYTES = 10_000_000
+MAX_BYTES = 10_000_000
 
-NUMBERS = {
+NUMBER_KEYS = {
     "height_mm": "max_print_height",
     "nozzle_mm": "nozzle_diameter",
     "layer_height_mm": "layer_height",
@@ -24,14 +24,14 @@ NUMBERS = {
 }
 """Keys of a printer, and the names that PrusaSlicer has for them."""
 
-WIDTHS = ("perimeter_extrusion_width", "extrusion_width")
+WIDTH_KEYS = ("perimeter_extrusion_width", "extrusion_width")
 """Its names of the width of a line: mm, a share of the layer's height or of the nozzle, or 0 for its own."""
 
-OWN_WIDTH = 1.125
+DEFAULT_WIDTH_RATIO = 1.125
 """Width of a line over the nozzle's that it takes where none is given: that of its perimeters."""
 
 
-def read(path: Path) -> dict[str, Any]:
+def read_printer(path: Path) -> dict[str, Any]:
     """Keys of a printer that a profile tells. Raises InputError for a profile of another kind."""
     if path.suffix.lower() != ".ini":
         raise InputError(
@@ -39,7 +39,7 @@ def read(path: Path) -> dict[str, Any]:
             "exports as .ini: File > Export > Export Config",
             "printer",
         )
-    lines = [line.partition("=") for line in reading.lines(path, "a slicer's profile", MOST_BYTES)]
+    lines = [line.partition("=") for line in reading.read_lines(path, "a slicer's profile", MAX_BYTES)]
     values = {key.strip(): value.strip() for key, mark, value in lines if mark and not key.startswith(("#", ";"))}
     if "bed_shape" not in values or any(key.startswith("[printer:") for key, _, _ in lines):
         raise InputError(
@@ -47,12 +47,14 @@ def read(path: Path) -> dict[str, Any]:
             "File > Export > Export Config",
             "printer",
         )
-    data: dict[str, Any] = {"description": f"as {plain.line(path.name)[:60]}, a slicer's profile, says"}
-    data |= _bed(path, values["bed_shape"])
-    data |= {key: number for key, name in NUMBERS.items() if (number := _number(values.get(name, ""))) is not None}
+    data: dict[str, Any] = {"description": f"as {plain.shorten_line(path.name)[:60]}, a slicer's profile, says"}
+    data |= _parse_bed(path, values["bed_shape"])
+    data |= {
+        key: number for key, name in NUMBER_KEYS.items() if (number := _parse_number(values.get(name, ""))) is not None
+    }
     data.setdefault("height_mm", 200.0)
-    data["line_width_mm"] = _width(values, data.get("nozzle_mm", 0.4))
-    if (loops := _number(values.get("skirts", ""))) is not None:
+    data["line_width_mm"] = _line_width(values, data.get("nozzle_mm", 0.4))
+    if (loops := _parse_number(values.get("skirts", ""))) is not None:
         data["skirt_loops"] = int(loops)
     if values.get("perimeter_generator") in ("classic", "arachne"):
         data["wall_generator"] = values["perimeter_generator"]
@@ -61,30 +63,31 @@ def read(path: Path) -> dict[str, Any]:
     return data
 
 
-def _bed(path: Path, shape: str) -> dict[str, Any]:
+def _parse_bed(path: Path, shape: str) -> dict[str, Any]:
     """Size and origin of a bed by its corners, as 0x0,250x0,250x210,0x210."""
     corners = [re.split("x", corner) for corner in shape.split(",")]
-    numbers = [(_number(corner[0]), _number(corner[-1])) for corner in corners]
+    numbers = [(_parse_number(corner[0]), _parse_number(corner[-1])) for corner in corners]
     places = [(x, y) for x, y in numbers if x is not None and y is not None]
     if len(places) < 3 or len(places) < len(numbers):
         raise InputError(
-            f"{path}: bed_shape = {plain.line(shape)[:60]}: must be corners as 0x0,250x0,250x210,0x210", "printer"
+            f"{path}: bed_shape = {plain.shorten_line(shape)[:60]}: must be corners as 0x0,250x0,250x210,0x210",
+            "printer",
         )
     (left, right), (front, back) = ((min(values), max(values)) for values in zip(*places, strict=True))
     origin = "centre" if left < 0 else "corner"
     return {"bed_width_mm": right - left, "bed_depth_mm": back - front, "origin": origin}
 
 
-def _width(values: dict[str, str], nozzle: float) -> float:
+def _line_width(values: dict[str, str], nozzle: float) -> float:
     """Width of a line, mm."""
-    for name in WIDTHS:
+    for name in WIDTH_KEYS:
         text = values.get(name, "")
-        number = _number(text.removesuffix("%"))
+        number = _parse_number(text.removesuffix("%"))
         if number:
             return round(0.01 * number * nozzle, 3) if text.endswith("%") else number
-    return round(OWN_WIDTH * nozzle, 3)
+    return round(DEFAULT_WIDTH_RATIO * nozzle, 3)
 
 
-def _number(text: str) -> float | None:
+def _parse_number(text: str) -> float | None:
     """First of the numbers of a value, one for each extruder; None where it is none."""
-    return words.value(text.split(",")[0])
+    return words.parse_number(text.split(",")[0])

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from walkergen.core.printing import estimate, packing, slicer, walls
 from walkergen.core.printing.estimate import Load
-from walkergen.core.printing.findings import Finding, listed
+from walkergen.core.printing.findings import Finding, group_findings
 from walkergen.core.printing.packing import Part, Plate
 from walkergen.core.printing.printers import Printer
 from walkergen.core.walker import mass, names, solids
@@ -15,17 +15,17 @@ from walkergen.core.walker.design import Design
 from walkergen.core.walker.sections import section_of
 from walkergen.core.walker.solids import Solids
 
-ON_SIDE = "on its side, no supports"
+ON_SIDE_TEXT = "on its side, no supports"
 
-LEGS_UP = (
+LEGS_UP_TEXT = (
     "upside down, flat on its upper side, legs up; no supports up to 45 deg of tilt, unless the "
     "checks tell of a body over air"
 )
 
 
-def lying(design: Design) -> str:
+def describe_orientation(design: Design) -> str:
     """Say how a walker lies on the bed, and with which supports."""
-    return ON_SIDE if solids.on_side(design) else LEGS_UP
+    return ON_SIDE_TEXT if solids.is_printed_on_side(design) else LEGS_UP_TEXT
 
 
 class LegWeight(NamedTuple):
@@ -54,18 +54,18 @@ class Weight(NamedTuple):
 
 def weigh(name: str, design: Design, built: Solids, printer: Printer) -> Weight:
     """Weigh a walker by its meshes and the density of its material."""
-    density, side = 1e-3 * design.material.density_g_cm3, solids.on_side(design)
+    density, side = 1e-3 * design.material.density_g_cm3, solids.is_printed_on_side(design)
     distinct = {id(mesh): mesh for mesh in built.legs}  # equal legs share theirs
     grams = {key: round(mass.weigh(mesh, density).mass, 7) for key, mesh in distinct.items()}
     leg_weights = {}
     for limb, mesh in zip(design.limbs, built.legs, strict=True):
-        tolerance = section_of(limb).PLASTIC_TOLERANCE if side else walls.TOLERANCE_UPRIGHT
+        tolerance = section_of(limb).PLASTIC_TOLERANCE if side else walls.UPRIGHT_TOLERANCE
         leg_weights[limb] = LegWeight(grams[id(mesh)], walls.leg_plastic(limb, printer, side), tolerance)
     whole = mass.weigh(built.walker, density).mass
     sliced = whole + sum(leg_weights[limb].mesh_g * (leg_weights[limb].plastic - 1.0) for limb in design.limbs)
-    lying = solids.as_printed(design, built.walker)
-    load = Load(float(sliced), design.material.density_g_cm3, estimate.sides(lying))
-    return Weight(name, whole, walls.alike(design, leg_weights.__getitem__), load)
+    lying = solids.orient_for_print(design, built.walker)
+    load = Load(float(sliced), design.material.density_g_cm3, estimate.side_area(lying))
+    return Weight(name, whole, walls.group_legs(design, leg_weights.__getitem__), load)
 
 
 class Batch(NamedTuple):
@@ -82,32 +82,33 @@ class Batch(NamedTuple):
 
 def to_markdown(batch: Batch, weights: Sequence[Weight], findings: Sequence[Finding], legend: str) -> str:
     """Format the sheet as Markdown; `legend` tells printed parts apart, and may be empty."""
-    printing = of_print(batch, [weight.load for weight in weights], findings, legend)
+    printing = format_print_section(batch, [weight.load for weight in weights], findings, legend)
     paired = all(len(design.limbs) == 2 for design in batch.members)
     share = "half of that is a leg" if paired else "that over their number is leg_g, the mean leg"
-    return f"{printing}\n\n{_asset('weighing.md').format(form=batch.form, share=share, weights=_weights(weights))}"
+    weighing = _read_asset("weighing.md").format(form=batch.form, share=share, weights=_weights_table(weights))
+    return f"{printing}\n\n{weighing}"
 
 
-def of_print(batch: Batch, loads: Sequence[Load], findings: Sequence[Finding], legend: str) -> str:
+def format_print_section(batch: Batch, loads: Sequence[Load], findings: Sequence[Finding], legend: str) -> str:
     """Sheet up to the end of the print, its words in assets; `loads` are those of the parts."""
-    printer, stem, ending, material = batch.printer, batch.stem, packing.suffix(), batch.members[0].material
-    settings = slicer.sheet_settings(printer, orientations(batch.members))
-    lines = [f"- **{finding.level}** {finding.line}" for finding in listed(findings)]
+    printer, stem, ending, material = batch.printer, batch.stem, packing.plate_suffix(), batch.members[0].material
+    settings = slicer.sheet_settings(printer, orientation_settings(batch.members))
+    lines = [f"- **{finding.level}** {finding.line}" for finding in group_findings(findings)]
     return (
-        _asset("sheet.md")
+        _read_asset("sheet.md")
         .format(
             stem=stem,
             printer=printer.description or printer.name,
             preset=slicer.preset_name(printer),
             profile=printer.name,
             ENDING=ending[1:].upper(),
-            put_in=_put_in(batch),
+            put_in=_insertion_step(batch),
             slicing=f"--dont-arrange --export-gcode --output {stem}_1.gcode {stem}_1{ending}",
             nozzle=material.nozzle_deg_c,
             bed=material.bed_deg_c,
-            settings=table(("setting", "value", "because"), settings),
-            contents=_contents(batch),
-            plastic=_plastic(batch, loads),
+            settings=markdown_table(("setting", "value", "because"), settings),
+            contents=_contents_table(batch),
+            plastic=_plastic_table(batch, loads),
             legend=f"## Which part is which\n\n{legend.strip()}\n\n" if legend else "",
             findings="\n".join(lines) or "Nothing found.",
         )
@@ -115,19 +116,19 @@ def of_print(batch: Batch, loads: Sequence[Load], findings: Sequence[Finding], l
     )
 
 
-def _asset(name: str) -> str:
+def _read_asset(name: str) -> str:
     return Path(__file__).with_name("assets").joinpath(name).read_text(encoding="utf-8")
 
 
-def facts(printer: Printer, findings: Sequence[Finding]) -> dict[str, Any]:
+def manifest_facts(printer: Printer, findings: Sequence[Finding]) -> dict[str, Any]:
     """Facts of the sheet for the manifest: PrusaSlicer's settings and every finding."""
     return {
         "prusaslicer": slicer.prusaslicer_settings(printer),
-        "findings": [finding._asdict() for finding in listed(findings)],
+        "findings": [finding._asdict() for finding in group_findings(findings)],
     }
 
 
-def _put_in(batch: Batch) -> str:
+def _insertion_step(batch: Batch) -> str:
     """Step of walkers that carry something; "" without."""
     carried = dict.fromkeys(name for design in batch.members for name in design.parts)
     if not carried:
@@ -144,58 +145,58 @@ def body_facts(design: Design) -> dict[str, Any]:
     return {"sha256": shape.sha256, "changes": list(shape.changes)}
 
 
-def orientations(members: Sequence[Design]) -> list[slicer.Setting]:
+def orientation_settings(members: Sequence[Design]) -> list[slicer.Setting]:
     """Lines of a print sheet on how its walkers lie; where they differ, each names its designs."""
     ways: dict[str, list[str]] = {}
-    for name, own in names.by_design(members).items():
-        ways.setdefault(lying(own[0]), []).append(name)
+    for name, own in names.group_by_design(members).items():
+        ways.setdefault(describe_orientation(own[0]), []).append(name)
     return [
         slicer.Setting(
             "orientation" if len(ways) == 1 else f"orientation of {', '.join(designs)}",
             f"as in the file: {way}",
-            "layers run across the leg's width" if way == ON_SIDE else "layers lie across the leg: weaker, softer",
+            "layers run across the leg's width" if way == ON_SIDE_TEXT else "layers lie across the leg: weaker, softer",
         )
         for way, designs in ways.items()
     ]
 
 
-def _contents(batch: Batch) -> str:
+def _contents_table(batch: Batch) -> str:
     rows = []
     for number, plate in enumerate(batch.plates, start=1):
         # Copies with serial numbers are parts of their own, under one name
         counts = Counter(batch.parts[placement.part].name for placement in plate.placements)
         for name, copies in counts.items():
-            rows.append((f"`{batch.stem}_{number}{packing.suffix()}`", f"`{name}`", str(copies)))
-    return table(("file", "part", "copies"), rows)
+            rows.append((f"`{batch.stem}_{number}{packing.plate_suffix()}`", f"`{name}`", str(copies)))
+    return markdown_table(("file", "part", "copies"), rows)
 
 
-def _plastic(batch: Batch, loads: Sequence[Load]) -> str:
+def _plastic_table(batch: Batch, loads: Sequence[Load]) -> str:
     rows = []
     for number, plate in enumerate(batch.plates, start=1):
-        amounts = estimate.of_plate(plate, batch.parts, loads, batch.printer)
+        amounts = estimate.plate_totals(plate, batch.parts, loads, batch.printer)
         rows.append(
             (
-                f"`{batch.stem}_{number}{packing.suffix()}`",
+                f"`{batch.stem}_{number}{packing.plate_suffix()}`",
                 f"{amounts.grams:.2f}",
                 f"{amounts.metres:.2f}",
                 str(amounts.layers),
-                estimate.duration(amounts.seconds / amounts.layers),
-                estimate.duration(amounts.seconds),
+                estimate.format_duration(amounts.seconds / amounts.layers),
+                estimate.format_duration(amounts.seconds),
             )
         )
     error = f"{100 * estimate.TIME_TOLERANCE:g} %"
     headings = (
         "file",
         "plastic, g",
-        f"filament {slicer.FILAMENT_MM:g} mm, m",
+        f"filament {slicer.FILAMENT_DIAMETER_MM:g} mm, m",
         "layers",
         "mean layer",
         f"all, ± {error}",
     )
-    return table(headings, rows)
+    return markdown_table(headings, rows)
 
 
-def _weights(weights: Sequence[Weight]) -> str:
+def _weights_table(weights: Sequence[Weight]) -> str:
     rows = [
         (
             f"`{weight.name}`",
@@ -207,10 +208,10 @@ def _weights(weights: Sequence[Weight]) -> str:
         for weight in {weight.name: weight for weight in weights}.values()
         for leg, name in weight.legs
     ]
-    return table(("part", "whole by mesh, g", "leg by mesh, g", "leg as sliced, g", "weighed, g"), rows)
+    return markdown_table(("part", "whole by mesh, g", "leg by mesh, g", "leg as sliced, g", "weighed, g"), rows)
 
 
-def table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def markdown_table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Markdown table."""
     lines = [headings, ["---"] * len(headings), *rows]
     return "\n".join("| " + " | ".join(cells) + " |" for cells in lines)

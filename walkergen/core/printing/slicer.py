@@ -13,15 +13,15 @@ from walkergen.core.printing import walls
 from walkergen.core.printing.printers import Printer
 from walkergen.core.walker.spec import Material
 
-FILAMENT_MM = 1.75
+FILAMENT_DIAMETER_MM = 1.75
 
 INFILL_OVERLAP_PERCENT = 7
 """Overlap at which PrusaSlicer 2.5 puts as much plastic into a body as its mesh holds, within 1 %;
 its own 25 % puts 4 to 5 % more (28 x 3 mm body, lines of 0.40 and 0.45 mm)."""
 
-WIDTHS = ("", "external_perimeter_", "perimeter_", "infill_", "solid_infill_", "top_infill_", "first_layer_")
+WIDTH_PREFIXES = ("", "external_perimeter_", "perimeter_", "infill_", "solid_infill_", "top_infill_", "first_layer_")
 
-ORCA_WIDTHS = (
+ORCA_WIDTH_PREFIXES = (
     "",
     "outer_wall_",
     "inner_wall_",
@@ -59,7 +59,7 @@ def sheet_settings(printer: Printer, orientations: Sequence[Setting]) -> list[Se
         Setting("layer height", f"{height}, the first layer too", "whole layers make the depth"),
         Setting("line width", f"{printer.line_width_mm:g} mm, everywhere", "legs are few lines"),
         Setting("wall generator", printer.wall_generator + thin, "decides the leg's plastic"),
-        Setting("walls", f"{walls.PERIMETERS}", ""),
+        Setting("walls", f"{walls.PERIMETER_COUNT}", ""),
         Setting("infill", "100 %, rectilinear", "the masses M and m are those of solid parts"),
         Setting("infill overlap", f"{INFILL_OVERLAP_PERCENT} %", "more makes the body heavier"),
         Setting("flow", "100 %", "masses; extrusion multiplier of your own filament profile"),
@@ -69,7 +69,7 @@ def sheet_settings(printer: Printer, orientations: Sequence[Setting]) -> list[Se
     ]
 
 
-def files(printer: Printer, material: Material, start: str) -> Iterator[tuple[str, bytes]]:
+def settings_files(printer: Printer, material: Material, start: str) -> Iterator[tuple[str, bytes]]:
     """Names, all beginning with `start`, and bytes of the settings for slicers."""
     yield f"{start}.ini", prusaslicer_bundle(printer, material)
     yield f"{start}_print.ini", prusaslicer_print(printer)
@@ -86,13 +86,13 @@ def prusaslicer_settings(printer: Printer) -> dict[str, str]:
     return {
         "layer_height": f"{printer.layer_height_mm:g}",
         "first_layer_height": f"{printer.layer_height_mm:g}",
-        **{f"{part}extrusion_width": f"{printer.line_width_mm:g}" for part in WIDTHS},
+        **{f"{part}extrusion_width": f"{printer.line_width_mm:g}" for part in WIDTH_PREFIXES},
         "perimeter_generator": printer.wall_generator,
         "thin_walls": f"{printer.thin_walls:d}",
-        "min_bead_width": f"{100 * walls.LEAST_BEAD:g}%",
-        "min_feature_size": f"{100 * walls.LEAST_FEATURE:g}%",
+        "min_bead_width": f"{100 * walls.MIN_BEAD_RATIO:g}%",
+        "min_feature_size": f"{100 * walls.MIN_FEATURE_RATIO:g}%",
         "gap_fill_enabled": "1",
-        "perimeters": f"{walls.PERIMETERS}",
+        "perimeters": f"{walls.PERIMETER_COUNT}",
         "fill_density": "100%",
         "fill_pattern": "rectilinear",
         "infill_overlap": f"{INFILL_OVERLAP_PERCENT}%",
@@ -124,7 +124,7 @@ def owner_settings(printer: Printer, material: Material) -> dict[str, str]:
         "bed_shape": ",".join(f"{left + x:g}x{front + y:g}" for x, y in corners),
         "max_print_height": f"{printer.height_mm:g}",
         "nozzle_diameter": f"{printer.nozzle_mm:g}",
-        "filament_diameter": f"{FILAMENT_MM:g}",
+        "filament_diameter": f"{FILAMENT_DIAMETER_MM:g}",
         "filament_density": f"{material.density_g_cm3:g}",
         "first_layer_temperature": nozzle,
         "temperature": nozzle,
@@ -147,11 +147,11 @@ def prusaslicer_bundle(printer: Printer, material: Material) -> bytes:
         "# File > Import > Import Config Bundle (not Import Config, which changes the printer).",
         "# --load reads these first lines, and then needs no other file: bed and nozzle are those",
         "# of the printer, temperatures and density those of the design's material.",
-        *_lines(owner_settings(printer, material)),
-        *_lines(settings),
+        *_format_lines(owner_settings(printer, material)),
+        *_format_lines(settings),
         "",
         f"[print:{name}]",
-        *_lines(settings),
+        *_format_lines(settings),
     ]
     return ("\n".join(lines) + "\n").encode()
 
@@ -161,7 +161,7 @@ def prusaslicer_print(printer: Printer) -> bytes:
     lines = [
         f"# Print settings {preset_name(printer)}, for PrusaSlicer 2.5 and later.",
         "# With --load after your own printer and filament, which they leave alone.",
-        *_lines(prusaslicer_settings(printer)),
+        *_format_lines(prusaslicer_settings(printer)),
     ]
     return ("\n".join(lines) + "\n").encode()
 
@@ -178,12 +178,12 @@ def orca_settings(printer: Printer) -> dict[str, str]:
     return {
         "layer_height": height,
         "initial_layer_print_height": height,
-        **{f"{part}line_width": width for part in ORCA_WIDTHS},
+        **{f"{part}line_width": width for part in ORCA_WIDTH_PREFIXES},
         "wall_generator": printer.wall_generator,
         "detect_thin_wall": f"{printer.thin_walls:d}",
-        "min_bead_width": f"{100 * walls.LEAST_BEAD:g}%",
-        "min_feature_size": f"{100 * walls.LEAST_FEATURE:g}%",
-        "wall_loops": f"{walls.PERIMETERS}",
+        "min_bead_width": f"{100 * walls.MIN_BEAD_RATIO:g}%",
+        "min_feature_size": f"{100 * walls.MIN_FEATURE_RATIO:g}%",
+        "wall_loops": f"{walls.PERIMETER_COUNT}",
         "only_one_wall_top": "0",
         "top_one_wall_type": "not apply",
         "sparse_infill_density": "100%",
@@ -225,5 +225,5 @@ def orca_json(printer: Printer) -> bytes:
     return (json.dumps(preset, indent=4) + "\n").encode()
 
 
-def _lines(settings: Mapping[str, str]) -> list[str]:
+def _format_lines(settings: Mapping[str, str]) -> list[str]:
     return [f"{key} = {value}" for key, value in settings.items()]

@@ -40,23 +40,23 @@ from walkergen.core.walker.sections import section_of
 
 Key = TypeVar("Key", bound=Hashable)
 
-LEAST_BEAD = 0.85
+MIN_BEAD_RATIO = 0.85
 """Width of arachne's narrowest line, in nozzles (PrusaSlicer's default, on the sheet too)."""
 
-LEAST_FEATURE = 0.25
+MIN_FEATURE_RATIO = 0.25
 """Thickness of the thinnest wall that arachne prints, in nozzles (also PrusaSlicer's default)."""
 
-LEAST_THIN_WALL = 1.0 / 3.0
+MIN_THIN_WALL_RATIO = 1.0 / 3.0
 """Thickness of the thinnest wall that thin-wall detection prints, in nozzles."""
 
-KNIFE_EDGE = 1.02
+MAX_VANISHING_LINES = 1.02
 """Thickness in lines up to which walls may vanish by rounding (classic without thin walls)."""
 
-TOLERANCE_UPRIGHT = 0.15
+UPRIGHT_TOLERANCE = 0.15
 """Relative uncertainty of the plastic of a leg which prints upright, a short line in each layer.
 Assumed: not measured; that of a leg on its side is its section's `PLASTIC_TOLERANCE`."""
 
-PERIMETERS = 2
+PERIMETER_COUNT = 2
 """Number of lines on either side of a wall before its inside is infill."""
 
 
@@ -80,14 +80,14 @@ class Wall(NamedTuple):
         return self.thickness / self.slant
 
 
-def of_design(design: Design) -> list[Wall]:
+def upright_walls(design: Design) -> list[Wall]:
     """Walls of a design: of each distinct leg and brace, and of a body that prints on its side."""
-    side = solids.on_side(design)
+    side = solids.is_printed_on_side(design)
     key = f"legs.{design.kind}_thickness_mm" if design.pair else ""
-    legs = [Wall(name, *sizes, key=key) for sizes, name in alike(design, lambda limb: _sizes(limb, side))]
+    legs = [Wall(name, *sizes, key=key) for sizes, name in group_legs(design, lambda limb: _leg_sizes(limb, side))]
     braces = [
         Wall(name.replace("leg", "brace", 1) if name == "leg" else f"brace of {name}", *sizes)
-        for sizes, name in alike(design, lambda limb: _brace_sizes(limb, side))
+        for sizes, name in group_legs(design, lambda limb: _brace_sizes(limb, side))
         if sizes is not None
     ]
     if not side:
@@ -96,7 +96,7 @@ def of_design(design: Design) -> list[Wall]:
     return [*legs, *braces, Wall("body", min(size.thickness, size.length), 1.0, size.depth, About.BODY)]
 
 
-def alike(design: Design, key: Callable[[Limb], Key]) -> list[tuple[Key, str]]:
+def group_legs(design: Design, key: Callable[[Limb], Key]) -> list[tuple[Key, str]]:
     """Keys of a design's legs, each once, with the name of the legs that share it.
 
     It is "leg" where all do, else their numbers from 1, as in "legs[1], legs[3]".
@@ -107,12 +107,12 @@ def alike(design: Design, key: Callable[[Limb], Key]) -> list[tuple[Key, str]]:
     return [(shared, "leg" if len(sharing) == 1 else ", ".join(names)) for shared, names in sharing.items()]
 
 
-def the(name: str) -> str:
+def with_article(name: str) -> str:
     """Name of a wall or leg in a sentence: "the leg", but "legs[2]"."""
     return name if name.startswith("legs[") else f"the {name}"
 
 
-def _sizes(limb: Limb, side: bool) -> tuple[float, float, float]:
+def _leg_sizes(limb: Limb, side: bool) -> tuple[float, float, float]:
     """Thickness, slant and height of a leg as a wall."""
     if side:
         return limb.thickness, 1.0, limb.width
@@ -138,13 +138,13 @@ def printed_thickness(thickness: float, printer: Printer) -> float:
     thicker walls are filled by infill and assumed to be as drawn, which holds within 3.5 %.
     """
     width, rounding = printer.line_width_mm, line_rounding(printer)
-    if thickness > 2.0 * PERIMETERS * (width + rounding):
+    if thickness > 2.0 * PERIMETER_COUNT * (width + rounding):
         return thickness
     if printer.wall_generator == "arachne":
-        if thickness <= vanishes_below(printer):
+        if thickness <= vanishing_thickness(printer):
             return 0.0
-        return max(LEAST_BEAD * printer.nozzle_mm, thickness - rounding)
-    return _classic(thickness, printer)
+        return max(MIN_BEAD_RATIO * printer.nozzle_mm, thickness - rounding)
+    return _classic_thickness(thickness, printer)
 
 
 def deviation(thickness: float, printer: Printer) -> float:
@@ -164,13 +164,13 @@ def leg_plastic(limb: Limb, printer: Printer, side: bool = True) -> float:
     return sum(printed_thickness(thickness, printer) * length for thickness, length in pieces) / drawn
 
 
-def vanishes_below(printer: Printer) -> float:
+def vanishing_thickness(printer: Printer) -> float:
     """Thickness up to which a wall may get no plastic, mm."""
     if printer.wall_generator == "arachne":
-        return LEAST_FEATURE * printer.nozzle_mm + line_rounding(printer)
+        return MIN_FEATURE_RATIO * printer.nozzle_mm + line_rounding(printer)
     if printer.thin_walls:
-        return LEAST_THIN_WALL * printer.nozzle_mm
-    return KNIFE_EDGE * printer.line_width_mm
+        return MIN_THIN_WALL_RATIO * printer.nozzle_mm
+    return MAX_VANISHING_LINES * printer.line_width_mm
 
 
 def line_rounding(printer: Printer) -> float:
@@ -178,9 +178,9 @@ def line_rounding(printer: Printer) -> float:
     return (1.0 - 0.25 * math.pi) * printer.layer_height_mm
 
 
-def _classic(thickness: float, printer: Printer) -> float:
+def _classic_thickness(thickness: float, printer: Printer) -> float:
     """Plastic of lines of one width, in pairs from outside; a gap in the middle is filled."""
-    if thickness <= vanishes_below(printer):
+    if thickness <= vanishing_thickness(printer):
         return 0.0
     width, rounding = printer.line_width_mm, line_rounding(printer)
     spacing = width - rounding

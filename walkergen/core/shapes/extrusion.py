@@ -12,7 +12,7 @@ from walkergen.core.errors import SolidError
 from walkergen.core.shapes import modeller
 from walkergen.core.shapes.mesh import Mesh
 
-NARROWEST_WINDOW = 1e-9
+MIN_WINDOW_RATIO = 1e-9
 """Width of a window between leg and brace, over the leg's length, below which it does not count:
 such slivers (a hundred picometres) are lost, all or in part, to the rounding of coordinates."""
 
@@ -30,7 +30,7 @@ class Engraving(NamedTuple):
 NO_ENGRAVING = Engraving([], 0.0)
 
 
-def extruded(
+def extrude(
     profiles: Sequence[Polygon],
     depth: float,
     windows: int | None = None,
@@ -57,8 +57,8 @@ def extruded(
     if (not pieces and genus != holes) or (windows is not None and genus != windows):
         raise SolidError(f"the solid is not one body with {windows} windows: genus {genus}, {holes} holes")
     if engraving.profiles:
-        solid = _engraved(solid, engraving, depth, scale)
-    mesh = modeller.mesh_of(solid)
+        solid = _engrave(solid, engraving, depth, scale)
+    mesh = modeller.to_mesh(solid)
     return mesh._replace(vertices=mesh.vertices / scale)
 
 
@@ -67,7 +67,7 @@ def _without_slivers(section: manifold3d.CrossSection) -> manifold3d.CrossSectio
 
     Raises SolidError when a hole is larger than that.
     """
-    least = NARROWEST_WINDOW * section.area()
+    least = MIN_WINDOW_RATIO * section.area()
     outlines = [polygon for polygon in section.to_polygons() if _signed_area(polygon) > least]
     filled = manifold3d.CrossSection(outlines)
     if filled.area() - section.area() > least:
@@ -81,7 +81,7 @@ def _signed_area(polygon: Polygon) -> float:
     return 0.5 * float((polygon[:, 0] * following[:, 1] - polygon[:, 1] * following[:, 0]).sum())
 
 
-def _engraved(solid: manifold3d.Manifold, engraving: Engraving, depth: float, scale: float) -> manifold3d.Manifold:
+def _engrave(solid: manifold3d.Manifold, engraving: Engraving, depth: float, scale: float) -> manifold3d.Manifold:
     """Cut pockets into a scaled solid's upper side; they overshoot it, so that no sides touch."""
     section = manifold3d.CrossSection([scale * profile for profile in engraving.profiles], manifold3d.FillRule.Positive)
     tool = manifold3d.Manifold.extrude(section, scale * 2.0 * engraving.depth)

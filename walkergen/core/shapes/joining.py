@@ -18,7 +18,7 @@ from walkergen.core.shapes.mesh import Array, Mesh
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
 
-CRUMB = 1e-9
+ROUNDING_SHARE = 1e-9
 """Volume of a piece, over that of the leg, below which it is the modeller's rounding."""
 
 
@@ -29,12 +29,12 @@ class Body(NamedTuple):
     solid: manifold3d.Manifold
 
 
-def ready(mesh: Mesh) -> Body:
+def prepare_body(mesh: Mesh) -> Body:
     """Body of a sound mesh, for the functions below. Raises SolidError when it is refused."""
-    return Body(mesh, modeller.solid(mesh))
+    return Body(mesh, modeller.to_solid(mesh))
 
 
-def shadow(solid: manifold3d.Manifold) -> "BaseGeometry":
+def plan_projection(solid: manifold3d.Manifold) -> "BaseGeometry":
     """Return the region that a solid covers, (x, z), seen from above."""
     import shapely
 
@@ -57,7 +57,9 @@ class Footing(NamedTuple):
     """Distance to where, beyond that, a part of the section comes out of the body again, mm."""
 
 
-def footing(body: Body, foot: Array, direction: Array, thickness: float, width: float, key: str = "legs") -> Footing:
+def find_footing(
+    body: Body, foot: Array, direction: Array, thickness: float, width: float, key: str = "legs"
+) -> Footing:
     """Find where a leg of rectangular section meets the body.
 
     The foot, shape (3,), mm, is the middle of the leg's lower end; the unit direction, shape (3,),
@@ -68,27 +70,28 @@ def footing(body: Body, foot: Array, direction: Array, thickness: float, width: 
     place = f"{key}: the leg with its foot at x = {foot[0]:.4g}, z = {foot[2]:.4g} mm"
     axes = np.array([[0.0, 0.0, 1.0], [direction[1], -direction[0], 0.0], direction])
     half = 0.5 * np.array([width, thickness])
-    near = body.mesh.triangles[_by_line(body.mesh, foot, axes[:2], half)]
-    distance = _first(body.mesh.vertices[near], foot, direction)
+    near = body.mesh.triangles[_is_near_line(body.mesh, foot, axes[:2], half)]
+    distance = _first_hit_distance(body.mesh.vertices[near], foot, direction)
     if distance is None:
         raise GeometryError(f"{place} misses the body; move it under the body")
     anchor = foot + distance * direction
-    over = _over((body.mesh.vertices[near] - foot) @ axes.T, half)
+    over = _height_bounds((body.mesh.vertices[near] - foot) @ axes.T, half)
     if over is not None:
         return Footing(anchor, *over)
     corners = np.array(body.solid.bounding_box()).reshape(2, 3)
     far = float(np.linalg.norm(np.abs(corners - foot).max(axis=0))) + thickness + width
-    leg = prism(foot, direction, thickness, width, far)
+    leg = leg_prism(foot, direction, thickness, width, far)
     outside = [
-        modeller.mesh_of(piece).vertices for piece in modeller.evaluated(modeller.solid(leg) - body.solid).decompose()
+        modeller.to_mesh(piece).vertices
+        for piece in modeller.check_solid(modeller.to_solid(leg) - body.solid).decompose()
     ]
     heights = [(points - foot) @ direction for points in outside]
-    lower = [height for height in heights if height.min() < CRUMB * far]
+    lower = [height for height in heights if height.min() < ROUNDING_SHARE * far]
     if len(lower) != 1:
         raise GeometryError(f"{place} begins within the body; make the leg longer")
     reach = float(lower[0].max())
-    above = min((float(height.min()) for height in heights if height.min() >= CRUMB * far), default=math.inf)
-    if reach > far * (1.0 - CRUMB):
+    above = min((float(height.min()) for height in heights if height.min() >= ROUNDING_SHARE * far), default=math.inf)
+    if reach > far * (1.0 - ROUNDING_SHARE):
         raise GeometryError(
             f"{place}, {thickness:g} mm thick and {width:g} mm wide, is not wholly under the body: "
             "it lies under a hole or beyond an edge; move it or make it smaller"
@@ -96,7 +99,7 @@ def footing(body: Body, foot: Array, direction: Array, thickness: float, width: 
     return Footing(anchor, reach, above)
 
 
-def _over(corners: Array, half: Array) -> tuple[float, float] | None:
+def _height_bounds(corners: Array, half: Array) -> tuple[float, float] | None:
     """Highest point of a lower side over a section, and lowest of the upper one, where these alone are over it.
 
     Corners of triangles, shape (k, 3, 3), lie in the section's frame, the third axis up. None where more is over it,
@@ -105,17 +108,17 @@ def _over(corners: Array, half: Array) -> tuple[float, float] | None:
     if corners[:, :, 2].min() <= 0.0:
         return None
     for axis, far in enumerate(half.tolist()):
-        corners = _cut(_cut(corners, axis, far), axis, far, -1.0)
+        corners = _clip_polygons(_clip_polygons(corners, axis, far), axis, far, -1.0)
     x, y, heights = corners.transpose(2, 0, 1)
     areas = 0.5 * (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1)
     lower, upper, whole = areas < 0.0, areas > 0.0, 4.0 * half.prod()
-    if any(abs(np.abs(areas[side]).sum() - whole) > CRUMB * whole for side in (lower, upper)):
+    if any(abs(np.abs(areas[side]).sum() - whole) > ROUNDING_SHARE * whole for side in (lower, upper)):
         return None
     reach, above = float(heights[lower].max()), float(heights[upper].min())
     return (reach, above) if reach < above else None
 
 
-def _cut(polygons: Array, axis: int, far: float, side: float = 1.0) -> Array:
+def _clip_polygons(polygons: Array, axis: int, far: float, side: float = 1.0) -> Array:
     """Clip convex polygons, shape (k, n, 3), beyond `far` along an axis; their first point is repeated at the end.
 
     Source: Sutherland and Hodgman (1974).
@@ -133,7 +136,7 @@ def _cut(polygons: Array, axis: int, far: float, side: float = 1.0) -> Array:
     return np.where(kept[:, :, None], points, points[:, :1])
 
 
-def prism(foot: Array, direction: Array, thickness: float, width: float, length: float) -> Mesh:
+def leg_prism(foot: Array, direction: Array, thickness: float, width: float, length: float) -> Mesh:
     """Straight leg of rectangular section, square at both ends, from its foot upward."""
     side = 0.5 * thickness * np.array([direction[1], -direction[0], 0.0])
     across, along = np.array([0.0, 0.0, 0.5 * width]), length * direction
@@ -150,10 +153,12 @@ def first_hit(mesh: Mesh, start: Array, direction: Array) -> float | None:
     A ray through an edge or a vertex hits. Source: Moeller and Trumbore (1997).
     """
     sides = np.linalg.svd(direction[None, :])[2][1:]
-    return _first(mesh.vertices[mesh.triangles[_by_line(mesh, start, sides, np.zeros(2))]], start, direction)
+    return _first_hit_distance(
+        mesh.vertices[mesh.triangles[_is_near_line(mesh, start, sides, np.zeros(2))]], start, direction
+    )
 
 
-def _first(corners: Array, start: Array, direction: Array) -> float | None:
+def _first_hit_distance(corners: Array, start: Array, direction: Array) -> float | None:
     """Distance from a point along a unit direction to the first of some triangles, shape (k, 3, 3), mm."""
     a, b, c = corners.transpose(1, 0, 2)
     first, second = b - a, c - a
@@ -173,7 +178,7 @@ def _first(corners: Array, start: Array, direction: Array) -> float | None:
     return float(distance[hit].min()) if hit.any() else None
 
 
-def _by_line(mesh: Mesh, start: Array, sides: Array, half: Array) -> npt.NDArray[np.bool_]:
+def _is_near_line(mesh: Mesh, start: Array, sides: Array, half: Array) -> npt.NDArray[np.bool_]:
     """Return which triangles have a box that comes as near to a line as `half`, shape (k,), in k directions."""
     slack = 1e-6 * float(np.ptp(mesh.vertices, axis=0).max())
     met = np.ones(len(mesh.triangles), bool)
@@ -184,15 +189,15 @@ def _by_line(mesh: Mesh, start: Array, sides: Array, half: Array) -> npt.NDArray
     return met
 
 
-def flush(leg: Mesh, body: Body, key: str = "legs") -> Mesh:
+def cut_flush(leg: Mesh, body: Body, key: str = "legs") -> Mesh:
     """Part of a leg outside the body, from its foot to the body's surface: cut flush.
 
     Raises GeometryError, beginning with `key`, when the leg lies within the body, or comes out of
     it again.
     """
-    whole = modeller.solid(leg)
-    left = modeller.evaluated(whole - body.solid).decompose()
-    pieces = [piece for piece in left if piece.volume() > CRUMB * whole.volume()]
+    whole = modeller.to_solid(leg)
+    left = modeller.check_solid(whole - body.solid).decompose()
+    pieces = [piece for piece in left if piece.volume() > ROUNDING_SHARE * whole.volume()]
     if not pieces:
         raise GeometryError(f"{key}: a leg lies wholly within the body; make it longer")
     # (x, y, z) of the low corner come first in a bounding box
@@ -200,23 +205,23 @@ def flush(leg: Mesh, body: Body, key: str = "legs") -> Mesh:
     if len(pieces) > 1:
         loose = sum(piece.volume() for piece in pieces) - lowest.volume()
         raise GeometryError(f"{key}: a leg comes out of the body again by {loose:.3g} mm^3: end it within the body")
-    return modeller.mesh_of(lowest)
+    return modeller.to_mesh(lowest)
 
 
-def union_with_legs(body: Body, legs: Sequence[Mesh], key: str = "legs") -> Mesh:
+def unite_with_legs(body: Body, legs: Sequence[Mesh], key: str = "legs") -> Mesh:
     """One closed mesh of a body and the legs that reach into it.
 
     Raises GeometryError, beginning with `key`, when a leg stays apart, and SolidError when the
     modeller loses or doubles something.
     """
-    parts = [body.solid, *(modeller.solid(leg) for leg in legs)]
-    whole = modeller.evaluated(manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add))
-    pieces = modeller.bodies(whole)
+    parts = [body.solid, *(modeller.to_solid(leg) for leg in legs)]
+    whole = modeller.check_solid(manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add))
+    pieces = modeller.split_bodies(whole)
     if len(pieces) != 1:
         raise GeometryError(
             f"{key}: body and {len(legs)} legs are {len(pieces)} pieces, must be one; let every leg reach into the body"
         )
     volumes = [part.volume() for part in parts]
-    if not max(volumes) * (1.0 - CRUMB) <= whole.volume() <= sum(volumes) * (1.0 + CRUMB):
+    if not max(volumes) * (1.0 - ROUNDING_SHARE) <= whole.volume() <= sum(volumes) * (1.0 + ROUNDING_SHARE):
         raise SolidError(f"the union of {max(volumes):.6g} mm^3 and its legs has {whole.volume():.6g} mm^3")
-    return modeller.mesh_of(whole)
+    return modeller.to_mesh(whole)

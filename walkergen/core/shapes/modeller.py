@@ -11,29 +11,29 @@ from walkergen.core.errors import SolidError
 from walkergen.core.shapes.mesh import Mesh
 
 
-def solid(mesh: Mesh) -> manifold3d.Manifold:
+def to_solid(mesh: Mesh) -> manifold3d.Manifold:
     """Solid of a closed mesh. Raises SolidError when manifold3d refuses it."""
     # The modeller takes no read-only arrays, which its own results are
     vertices = np.require(mesh.vertices, np.float64, ["C", "W"])
     triangles = np.require(mesh.triangles, np.uint64, ["C", "W"])
-    return evaluated(manifold3d.Manifold(manifold3d.Mesh64(vertices, triangles)))
+    return check_solid(manifold3d.Manifold(manifold3d.Mesh64(vertices, triangles)))
 
 
-def evaluated(manifold: manifold3d.Manifold) -> manifold3d.Manifold:
+def check_solid(manifold: manifold3d.Manifold) -> manifold3d.Manifold:
     """Carry out the operations of a solid and return it. Raises SolidError if one of them failed."""
     if manifold.status() != manifold3d.Error.NoError:
         raise SolidError(f"the solid modeller gave no body: {manifold.status().name}")
     return manifold
 
 
-def mesh_of(manifold: manifold3d.Manifold) -> Mesh:
+def to_mesh(manifold: manifold3d.Manifold) -> Mesh:
     """Return the closed mesh of a solid, vertices as float64."""
     raw = manifold.to_mesh64()
     vertices = np.asarray(raw.vert_properties, dtype=np.float64)[:, :3]
     return Mesh(vertices, np.asarray(raw.tri_verts, dtype=np.int64))
 
 
-def bodies(manifold: manifold3d.Manifold) -> list[manifold3d.Manifold]:
+def split_bodies(manifold: manifold3d.Manifold) -> list[manifold3d.Manifold]:
     """Bodies of a solid, largest first; the closed cavities of a body are none of their own."""
     outward = [piece for piece in manifold.decompose() if piece.volume() > 0.0]
     return sorted(outward, key=lambda piece: -piece.volume())

@@ -21,23 +21,23 @@ import numpy.typing as npt
 
 from walkergen.core.errors import InputError
 
-MM = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
+UNITS_MM = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
 """Millimetres of the units that a model may have."""
 
-CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02 "
+CORE_NAMESPACE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02 "
 """Begins the names of the elements that are read; those of extensions are left out."""
 
-DEEPEST = 16
+MAX_DEPTH = 16
 """Most levels of components within components."""
 
-MOST_PARTS = 10_000
+MAX_PARTS = 10_000
 """Most meshes that a file may place, most components and most objects: components within components multiply."""
 
-MOST_TRIANGLES = 2_000_000
+MAX_TRIANGLES = 2_000_000
 """Largest number of triangles of a file of meshes: a million took 10 s and 0.7 GB to read and check,
 on two busy cores (benchmarks/own_mesh.py)."""
 
-ELEMENTS = 8
+MAX_ELEMENTS_PER_TRIANGLE = 8
 """Most elements of XML for every triangle that is allowed: corners, colours, textures."""
 
 Array = npt.NDArray[np.float64]
@@ -56,19 +56,19 @@ ROLES: dict[str, Role] = {
 """Roles of volumes in the words of PrusaSlicer, and of BambuStudio and OrcaSlicer; modifiers and
 supports of all kinds are others, which no printer lays down."""
 
-UNPRINTED = ("anti_overhang_mesh", "cutting_mesh", "infill_mesh", "support_mesh")
+UNPRINTED_SETTINGS = ("anti_overhang_mesh", "cutting_mesh", "infill_mesh", "support_mesh")
 """Settings of Cura by which an object says where others print otherwise, and is not printed itself."""
 
-EXTENSIONS = ("/material/", "/production/", "/slice/", "/trianglesets/")
+HARMLESS_EXTENSIONS = ("/material/", "/production/", "/slice/", "/trianglesets/")
 """Extensions, by parts of their addresses, that a file may require: they change no plain mesh."""
 
-NOTES = ("metadata/slic3r_pe_model.config", "metadata/model_settings.config")
+SLICER_NOTE_FILES = ("metadata/slic3r_pe_model.config", "metadata/model_settings.config")
 """Files in which slicers note the roles."""
 
 Volumes = dict[int, list[tuple[int, int, Role]]]
 """Roles of triangles by the number of their object: the first and the last of each volume."""
 
-UNREADABLE = (
+READ_ERRORS = (
     zipfile.BadZipFile,
     zlib.error,
     EOFError,
@@ -98,14 +98,14 @@ class Part(NamedTuple):
 
 
 @cache
-def available() -> bool:
+def is_available() -> bool:
     """Return whether lib3mf is installed; it does not exist for Linux or Windows on ARM."""
     return importlib.util.find_spec("lib3mf") is not None
 
 
-def library() -> Any:
+def load_library() -> Any:
     """Import lib3mf. Raises InputError if it is not installed."""
-    if not available():
+    if not is_available():
         raise InputError(
             "3MF: lib3mf is not installed (it is made for x86-64 and Macs, this is "
             f"{platform.system()} on {platform.machine()}): use STL; plates are STL files too"
@@ -115,7 +115,7 @@ def library() -> Any:
     return lib3mf
 
 
-def read(data: bytes, source: str, most_triangles: int = MOST_TRIANGLES) -> list[Part]:
+def read_parts(data: bytes, source: str, most_triangles: int = MAX_TRIANGLES) -> list[Part]:
     """Meshes of all items, in the file's order, a part for each role that volumes of an item have.
 
     Raises InputError, beginning with `source`, for what is no 3MF, and before it is placed for a file
@@ -124,12 +124,12 @@ def read(data: bytes, source: str, most_triangles: int = MOST_TRIANGLES) -> list
     package = _Package(most_triangles)
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            package.read(archive)
-        package.check()
+            package.read_archive(archive)
+        package.check_limits()
         return list(package.parts())
     except InputError as error:
         raise InputError(f"{source}: {error}") from None
-    except UNREADABLE as error:
+    except READ_ERRORS as error:
         raise InputError(f"{source}: not a readable 3mf mesh: {str(error)[:120]}") from None
 
 
@@ -167,7 +167,7 @@ class _Package:
         self._elements = 0
         self._counts: dict[Place, tuple[int, int]] = {}
 
-    def read(self, archive: zipfile.ZipFile) -> None:
+    def read_archive(self, archive: zipfile.ZipFile) -> None:
         """Take in the model that the archive names, and those that this one refers to."""
         names = {name.lstrip("/").lower(): name for name in archive.namelist()}
         targets = ["3d/3dmodel.model"]
@@ -177,24 +177,24 @@ class _Package:
                 targets[0] = attributes.get("Target", "").lstrip("/").lower()
 
         if "_rels/.rels" in names:
-            self._parse(archive, names["_rels/.rels"], relate)
+            self._parse_xml(archive, names["_rels/.rels"], relate)
         root = targets[0]
         for path in targets:  # grows while it is read
             if path not in names:
                 raise InputError(f"refers to {path[:60]!r}, which it does not hold; export it anew")
-            self._parse(archive, names[path], *self._model(path, path == root))
+            self._parse_xml(archive, names[path], *self._model_handlers(path, path == root))
             own = [place for place, made in self.objects.items() if place[0] == path]
             placed = [part for place in own for part in self.objects[place].components]
             others = {part.object[0] for part in [*placed, *(self.items if path == root else [])]}
             targets += sorted(others - {*targets})
-        for path in NOTES:
+        for path in SLICER_NOTE_FILES:
             if path in names:
                 try:
-                    self._parse(archive, names[path], self._notes())
+                    self._parse_xml(archive, names[path], self._note_handler())
                 except expat.ExpatError:  # notes that cannot be read say nothing
                     self.volumes.clear()
 
-    def _parse(
+    def _parse_xml(
         self,
         archive: zipfile.ZipFile,
         name: str,
@@ -205,7 +205,7 @@ class _Package:
 
         Raises ExpatError, and InputError for too many elements.
         """
-        most = ELEMENTS * self.most_triangles + MOST_PARTS
+        most = MAX_ELEMENTS_PER_TRIANGLE * self.most_triangles + MAX_PARTS
 
         def count(tag: str, attributes: Attributes) -> None:
             self._elements += 1
@@ -224,10 +224,10 @@ class _Package:
         with archive.open(name) as stream:
             parser.ParseFile(stream)
 
-    def _model(self, path: str, root: bool) -> tuple[Callable[[str, Attributes], None], Callable[[str], None]]:
+    def _model_handlers(self, path: str, root: bool) -> tuple[Callable[[str, Attributes], None], Callable[[str], None]]:
         """Functions that take in the elements of a model and their text."""
-        vertex, triangle = CORE + "vertex", CORE + "triangle"
-        own, setting, place = _object({}), "", (path, 0)
+        vertex, triangle = CORE_NAMESPACE + "vertex", CORE_NAMESPACE + "triangle"
+        own, setting, place = _new_object({}), "", (path, 0)
 
         def begin(tag: str, attributes: Attributes) -> None:
             nonlocal own, setting, place
@@ -238,33 +238,33 @@ class _Package:
                     raise InputError(f"holds more than {self.most_triangles} triangles; simplify the mesh")
             elif tag == vertex:
                 own.corners.extend([float(attributes[key]) for key in "xyz"])
-            elif tag == CORE + "object":
-                own, place = _object(attributes), (path, int(attributes["id"]))
-                if place in self.objects or len(self.objects) >= MOST_PARTS:
+            elif tag == CORE_NAMESPACE + "object":
+                own, place = _new_object(attributes), (path, int(attributes["id"]))
+                if place in self.objects or len(self.objects) >= MAX_PARTS:
                     raise InputError(
                         f"holds two objects {place[1]}; export it anew"
                         if place in self.objects
-                        else f"holds more than {MOST_PARTS} objects; join them into fewer"
+                        else f"holds more than {MAX_PARTS} objects; join them into fewer"
                     )
                 self.objects[place] = own
-            elif tag == CORE + "component":
-                own.components.append(_placed(attributes, path))
-            elif tag == CORE + "item" and root:
-                self.items.append(_placed(attributes, path))
-            elif tag == CORE + "model":
-                self._settle(attributes, path, root)
+            elif tag == CORE_NAMESPACE + "component":
+                own.components.append(_parse_placement(attributes, path))
+            elif tag == CORE_NAMESPACE + "item" and root:
+                self.items.append(_parse_placement(attributes, path))
+            elif tag == CORE_NAMESPACE + "model":
+                self._read_model_settings(attributes, path, root)
             elif tag.endswith((" metadata", " setting")):
                 setting = attributes.get("name", attributes.get("key", "")).rpartition(":")[2]
             elif tag.endswith(" beam"):
                 raise InputError("holds a lattice of beams, which is no mesh; export it as triangles")
 
         def text(words: str) -> None:
-            if setting in UNPRINTED and words.strip().lower() == "true" and place in self.objects:
+            if setting in UNPRINTED_SETTINGS and words.strip().lower() == "true" and place in self.objects:
                 self.objects[place] = self.objects[place]._replace(printed=False)
 
         return begin, text
 
-    def _settle(self, attributes: Attributes, path: str, root: bool) -> None:
+    def _read_model_settings(self, attributes: Attributes, path: str, root: bool) -> None:
         """Take in what a model says of itself. Raises InputError for what would change its meshes."""
         unit = attributes.get("unit", "millimeter" if root else self.unit)
         if root:
@@ -273,10 +273,10 @@ class _Package:
             raise InputError(f"{path[:60]!r} is in {unit[:20]}, the model that places it in {self.unit[:20]}")
         for prefix in attributes.get("requiredextensions", "").split():
             space = self._prefixes.get(prefix, prefix)
-            if not any(known in space for known in EXTENSIONS):
+            if not any(known in space for known in HARMLESS_EXTENSIONS):
                 raise InputError(f"requires {space[:90]!r}, which walkergen does not read; export plain meshes")
 
-    def _notes(self) -> Callable[[str, Attributes], None]:
+    def _note_handler(self) -> Callable[[str, Attributes], None]:
         """Return a function that reads the elements of a slicer's notes."""
         number = 0
 
@@ -299,25 +299,25 @@ class _Package:
 
         return begin
 
-    def check(self) -> None:
+    def check_limits(self) -> None:
         """Raise InputError for a package that places too much, or what it does not hold."""
-        if self.unit not in MM:
-            raise InputError(f"has the unit {self.unit[:20]!r}: must be one of {', '.join(MM)}")
-        counts = [self._count(item.object, 0) for item in self.items]
-        if sum(parts for parts, _ in counts) > MOST_PARTS:
-            raise InputError(f"places more than {MOST_PARTS} meshes; join them into fewer")
+        if self.unit not in UNITS_MM:
+            raise InputError(f"has the unit {self.unit[:20]!r}: must be one of {', '.join(UNITS_MM)}")
+        counts = [self._count_meshes(item.object, 0) for item in self.items]
+        if sum(parts for parts, _ in counts) > MAX_PARTS:
+            raise InputError(f"places more than {MAX_PARTS} meshes; join them into fewer")
         if (triangles := sum(triangles for _, triangles in counts)) > self.most_triangles:
             raise InputError(f"places {triangles} triangles, at most {self.most_triangles}; simplify the mesh")
 
-    def _count(self, place: Place, depth: int) -> tuple[int, int]:
+    def _count_meshes(self, place: Place, depth: int) -> tuple[int, int]:
         """Count the meshes and triangles of an object. Raises InputError if it is nested too deeply, or has none."""
-        if depth > DEEPEST:
-            raise InputError(f"components lie more than {DEEPEST} deep; join them")
+        if depth > MAX_DEPTH:
+            raise InputError(f"components lie more than {MAX_DEPTH} deep; join them")
         if place not in self.objects:
             raise InputError(f"places an object {place[1]} that it does not hold; export it anew")
         if place not in self._counts:
             own = self.objects[place]
-            inner = [self._count(part.object, depth + 1) for part in own.components]
+            inner = [self._count_meshes(part.object, depth + 1) for part in own.components]
             if not (inner or len(own.triangles)):
                 raise InputError(f"object {place[1]} {own.name[:40]!r} is no mesh; give triangles")
             parts = sum(parts for parts, _ in inner) or 1
@@ -328,18 +328,20 @@ class _Package:
         """Surfaces of all items, in their order, mm."""
         for number, item in enumerate(self.items):
             name = item.name or self.objects[item.object].name or f"item {number + 1}"
-            for whole, volumes in self._meshes(item.object, [item.transform]):
+            for whole, volumes in self._place_meshes(item.object, [item.transform]):
                 # BambuStudio gives what it cuts away the type of what does not print
                 typed: Role = "model" if any(own == "negative" for *_, own in volumes) else whole.role
                 role = typed if item.printed else "other"
-                placed = whole._replace(name=name, role=role, item=number, vertices=MM[self.unit] * whole.vertices)
-                yield from _by_role(placed, volumes) if role == "model" else [placed]
+                placed = whole._replace(
+                    name=name, role=role, item=number, vertices=UNITS_MM[self.unit] * whole.vertices
+                )
+                yield from _split_by_role(placed, volumes) if role == "model" else [placed]
 
-    def _meshes(self, place: Place, chain: list[Array]) -> Iterator[tuple[Part, list[tuple[int, int, Role]]]]:
+    def _place_meshes(self, place: Place, chain: list[Array]) -> Iterator[tuple[Part, list[tuple[int, int, Role]]]]:
         """Meshes of an object, or of its components, moved by all the transforms that lead to it."""
         own = self.objects[place]
         for part in own.components:
-            yield from self._meshes(part.object, [*chain, part.transform])
+            yield from self._place_meshes(part.object, [*chain, part.transform])
         if not len(own.triangles):
             return
         vertices = np.array(own.corners).reshape(-1, 3)
@@ -351,12 +353,12 @@ class _Package:
         yield Part("", vertices, triangles, "model" if own.printed else "other"), self.volumes.get(place[1], [])
 
 
-def _object(attributes: Attributes) -> _Object:
+def _new_object(attributes: Attributes) -> _Object:
     printed = attributes.get("type", "model") == "model"
     return _Object(attributes.get("name", ""), printed, array("d"), array("q"), [])
 
 
-def _placed(attributes: Attributes, path: str) -> _Placed:
+def _parse_placement(attributes: Attributes, path: str) -> _Placed:
     """Read what an item or a component places: an object of this model, or of another whose path it gives."""
     paths = [value for name, value in attributes.items() if name.endswith(" path")]
     place = (paths[0].lstrip("/").lower() if paths else path), int(attributes["objectid"])
@@ -365,7 +367,7 @@ def _placed(attributes: Attributes, path: str) -> _Placed:
     return _Placed(place, attributes.get("partnumber", ""), np.array(numbers).reshape(4, 3), printed)
 
 
-def _by_role(whole: Part, volumes: list[tuple[int, int, Role]]) -> Iterator[Part]:
+def _split_by_role(whole: Part, volumes: list[tuple[int, int, Role]]) -> Iterator[Part]:
     """Part of each role that triangles have; those that no volume names are of the model.
 
     Raises InputError for volumes that share triangles.

@@ -21,11 +21,11 @@ Tell = Callable[[float], None]
 OneRun = Callable[[int, Stopped, Tell], Made]
 """What makes the run of a number."""
 
-LOOK_S = 0.2
+POLL_INTERVAL_S = 0.2
 """Time between two looks at the runs under way, s."""
 
 
-def run(
+def run_parallel(
     one: OneRun[Made], numbers: Iterable[int], progress: Progress = silent, threads: int | None = None
 ) -> dict[int, Made]:
     """Make runs by their numbers, and return them in order, on `threads` threads (None: every core).
@@ -44,7 +44,7 @@ def run(
         pending: dict[Future[Made], int] = {pool.submit(made, number): number for number in shares}
         try:
             while pending:
-                for future in wait(pending, timeout=LOOK_S, return_when=FIRST_COMPLETED).done:
+                for future in wait(pending, timeout=POLL_INTERVAL_S, return_when=FIRST_COMPLETED).done:
                     number = pending.pop(future)
                     finished[number], shares[number] = future.result(), 1.0
                 progress("runs", int(100.0 * sum(shares.values()) / len(shares)), 100)
@@ -56,9 +56,9 @@ def run(
     return dict(sorted(finished.items()))
 
 
-def every(one: OneRun[Made], count: int, progress: Progress = silent, threads: int | None = None) -> list[Made]:
+def run_all(one: OneRun[Made], count: int, progress: Progress = silent, threads: int | None = None) -> list[Made]:
     """All `count` runs, as `run` makes them. Raises KeyboardInterrupt rather than leave some out."""
-    finished = run(one, range(count), progress, threads)
+    finished = run_parallel(one, range(count), progress, threads)
     if len(finished) < count:
         raise KeyboardInterrupt
     return list(finished.values())

@@ -32,7 +32,7 @@ class Drive(NamedTuple):
 
 
 @kernel
-def moved_on(drive: Drive, phase: float, t: float) -> float:
+def advance_phase(drive: Drive, phase: float, t: float) -> float:
     """Phase (rad) after t seconds; it stays in 0..2 pi."""
     return (phase + drive.omega * t) % TWO_PI
 

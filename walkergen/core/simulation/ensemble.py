@@ -18,10 +18,17 @@ from walkergen.core.numerics import statistics
 from walkergen.core.simulation import batch, observables, orbits, record
 from walkergen.core.simulation.batch import OneRun
 from walkergen.core.simulation.plan import Plan
-from walkergen.core.simulation.run import ENDED_WELL, Outcome, RunResult, compile_kernels, simulate, with_impacts
-from walkergen.core.simulation.space.state import COLUMNS
+from walkergen.core.simulation.run import (
+    ENDED_WELL,
+    Outcome,
+    RunResult,
+    compile_kernels,
+    simulate,
+    simulate_with_impacts,
+)
+from walkergen.core.simulation.space.state import TRAJECTORY_COLUMNS
 
-FEWEST_RUNS = 4
+MIN_RUNS = 4
 """Number of runs that ended well below which a mean has no error bar (see `mean_speed`)."""
 
 
@@ -59,7 +66,7 @@ class Summary(NamedTuple):
     outcomes: dict[str, int]
 
 
-def run(
+def simulate_runs(
     plan: Plan,
     progress: Progress,
     threads: int | None = None,
@@ -68,7 +75,7 @@ def run(
 ) -> list[RunResult]:
     """Simulate scene.run.runs runs (see `runner`), sorted by number, as `batch.run` does."""
     one = runner(plan, impacts, sample_interval)
-    return list(batch.run(one, range(plan.scene.run.runs), progress, threads).values())
+    return list(batch.run_parallel(one, range(plan.scene.run.runs), progress, threads).values())
 
 
 def runner(plan: Plan, impacts: bool = False, sample_interval: float | None = None) -> OneRun[RunResult]:
@@ -77,8 +84,8 @@ def runner(plan: Plan, impacts: bool = False, sample_interval: float | None = No
     With `impacts` each run keeps all its impacts. With a `sample_interval` (s) it also keeps samples of the entries of
     its state that a trajectory shows, `space.state.COLUMNS`.
     """
-    simulate_one = with_impacts if impacts else simulate
-    return lambda number, stopped, tell: simulate_one(plan, number, stopped, sample_interval, len(COLUMNS))
+    simulate_one = simulate_with_impacts if impacts else simulate
+    return lambda number, stopped, tell: simulate_one(plan, number, stopped, sample_interval, len(TRAJECTORY_COLUMNS))
 
 
 def summarise(results: Sequence[RunResult], plate_speed: float, wall_s: float) -> Summary:
@@ -92,13 +99,13 @@ def summarise(results: Sequence[RunResult], plate_speed: float, wall_s: float) -
     mean = mean_speed(good)
     if good and mean is None:
         outcomes[Outcome.TOO_FEW.value] = len(good)
-    locked = orbits.shared(speeds, plate_speed) == orbits.ORBIT
+    locked = orbits.common_orbit(speeds, plate_speed) == orbits.ORBIT
     if locked:
         mean, outcomes[Outcome.ORBIT.value] = None, len(good)
     ends = () if mean is None else (*mean.interval(0.68), *mean.interval(0.95))
     bounds = [*ends] if ends and all(map(math.isfinite, ends)) else [None] * 4
     observed = observables.observe(results)
-    table = functools.partial(observables.of_table, observed)
+    table = functools.partial(observables.table_values, observed)
     pitch = max((result.tally.sums[record.LARGEST_PITCH] for result in results), default=0.0)
     energy_error = max((result.energy_error for result in results), default=0.0)
     simulated = sum(float(result.tally.sums[record.ELAPSED]) for result in results)
@@ -114,10 +121,10 @@ def summarise(results: Sequence[RunResult], plate_speed: float, wall_s: float) -
         speed_low_95_mm_s=bounds[2],
         speed_high_95_mm_s=bounds[3],
         correlation_time_s=correlation_time(good),
-        impacts_per_s=observables.value_of(observed, observables.IMPACTS),
+        impacts_per_s=observables.observed_value(observed, observables.IMPACTS),
         type_fractions=table(observables.BY_NUMBER),
         type_fractions_by_impulse=table(observables.BY_IMPULSE),
-        contact_fraction=observables.value_of(observed, observables.CONTACT),
+        contact_fraction=observables.observed_value(observed, observables.CONTACT),
         max_pitch_deg=math.degrees(pitch),
         energy_error=energy_error,
         energies_per_s=table(observables.POWERS),
@@ -144,10 +151,10 @@ def mean_speed(results: Sequence[RunResult]) -> statistics.Mean | None:
     turn every t seconds all agree with a probability of 2^(1-n) exp(-n T/t), 12.5 % of 4 runs that
     never turn: hence FEWEST_RUNS, and 8 runs or more where directions may last longer than a run.
     """
-    if len(results) < FEWEST_RUNS:
+    if len(results) < MIN_RUNS:
         return None
     speeds = np.array([result.speed for result in results])
-    return statistics.mean_of(speeds, np.array([result.measured_s for result in results]))
+    return statistics.weighted_mean(speeds, np.array([result.measured_s for result in results]))
 
 
 def measure(
@@ -161,11 +168,11 @@ def measure(
     progress("kernels", 0, plan.scene.run.runs)
     compile_kernels(plan)
     started = time.perf_counter()
-    results = run(plan, progress, threads, impacts, sample_interval)
+    results = simulate_runs(plan, progress, threads, impacts, sample_interval)
     wall_s = time.perf_counter() - started
     return summarise(results, plan.shaken.peak_speed, wall_s), results
 
 
-def listed(outcomes: Mapping[str, int]) -> str:
+def format_outcomes(outcomes: Mapping[str, int]) -> str:
     """Outcomes of an ensemble in words: "7 ok, 1 toppled"."""
     return ", ".join(f"{count} {name}" for name, count in outcomes.items())

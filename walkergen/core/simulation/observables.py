@@ -28,20 +28,20 @@ POWER_ROWS = {
 }
 """Names of the powers and their rows in `Tally.sums`."""
 
-COUNTS = (*record.KINDS, "sticking")
+COUNT_NAMES = (*record.KINDS, "sticking")
 """Names of shares of impacts by number, in the order of `Tally.counts` after all impacts."""
 
-NAMES = (
+OBSERVABLE_NAMES = (
     SPEED,
     IMPACTS,
     CONTACT,
     *(f"{POWERS}.{name}" for name in POWER_ROWS),
     *(f"{BY_IMPULSE}.{name}" for name in record.KINDS),
-    *(f"{BY_NUMBER}.{name}" for name in COUNTS),
+    *(f"{BY_NUMBER}.{name}" for name in COUNT_NAMES),
 )
 """Names of the observables."""
 
-FEWEST_RUNS = 4
+MIN_RUNS = 4
 """Number of runs from which their scatter is an error: of fewer it is itself off by half."""
 
 
@@ -59,32 +59,32 @@ def observe(results: Sequence[RunResult]) -> dict[str, Quantity]:
     per |= {f"{POWERS}.{name}": (sums[:, row], elapsed) for name, row in POWER_ROWS.items()}
     whole = impulses.sum(axis=1)
     per |= {f"{BY_IMPULSE}.{name}": (impulses[:, place], whole) for place, name in enumerate(record.KINDS)}
-    per |= {f"{BY_NUMBER}.{name}": (counts[:, 1 + place], impacts) for place, name in enumerate(COUNTS)}
-    return {name: quotient(name, above, below) for name, (above, below) in per.items()}
+    per |= {f"{BY_NUMBER}.{name}": (counts[:, 1 + place], impacts) for place, name in enumerate(COUNT_NAMES)}
+    return {name: ratio_of_sums(name, above, below) for name, (above, below) in per.items()}
 
 
-def quotient(key: str, above: Array, below: Array) -> Quantity:
+def ratio_of_sums(key: str, above: Array, below: Array) -> Quantity:
     """Sum of `above` over the sum of `below`, shape (runs,), with the error of a ratio of means.
 
     The error is that of the residuals above - value below between independent runs.
     """
     whole, runs = float(below.sum()), len(below)
     value = float(above.sum()) / whole if whole else 0.0
-    if runs < FEWEST_RUNS:
-        return Quantity(key, "", value, None, runs - 1.0, f"fewer than {FEWEST_RUNS} runs tell no error")
+    if runs < MIN_RUNS:
+        return Quantity(key, "", value, None, runs - 1.0, f"fewer than {MIN_RUNS} runs tell no error")
     if not whole:
         return Quantity(key, "", value, 0.0)
     scatter = float(np.sum((above - value * below) ** 2)) * runs / (runs - 1)
     return Quantity(key, "", value, math.sqrt(scatter) / abs(whole), runs - 1.0)
 
 
-def of_table(observed: Mapping[str, Quantity], table: str) -> dict[str, float]:
+def table_values(observed: Mapping[str, Quantity], table: str) -> dict[str, float]:
     """Values of the observables of one table (BY_IMPULSE, BY_NUMBER or POWERS) by their names."""
     start = f"{table}."
-    return {name.removeprefix(start): value_of(observed, name) for name in observed if name.startswith(start)}
+    return {name.removeprefix(start): observed_value(observed, name) for name in observed if name.startswith(start)}
 
 
-def value_of(observed: Mapping[str, Quantity], name: str) -> float:
+def observed_value(observed: Mapping[str, Quantity], name: str) -> float:
     """Value of an observable, which all runs have."""
     value = observed[name].value
     assert value is not None

@@ -15,7 +15,7 @@ from walkergen.core.simulation.effects.effect import Case
 from walkergen.core.simulation.effects.resolve import Resolved, resolve
 from walkergen.core.simulation.record import Tally
 from walkergen.core.simulation.space import model, steps
-from walkergen.core.simulation.space.walker import coarser, walker_of
+from walkergen.core.simulation.space.walker import coarser, make_walker
 from walkergen.core.simulation.world import State, World
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
@@ -50,7 +50,7 @@ class Plan(NamedTuple):
         """Drive of the plate, or of one that would move under the walker as its motor moves it."""
         return self.case.shaken
 
-    def lasting(self, **run: float) -> "Plan":
+    def with_run_settings(self, **run: float) -> "Plan":
         """Plan with other seconds, discard_seconds, runs or seed in the scene's [run]."""
         changed = self.scene.run.model_copy(update=run)
         scene = self.scene.model_copy(update={"run": changed})
@@ -60,13 +60,15 @@ class Plan(NamedTuple):
         """Plan with steps `factor` times longer."""
         return self._replace(world=coarser(self.world, factor))
 
-    def drawn(self, rng: np.random.Generator) -> "Plan":
+    def sample_print(self, rng: np.random.Generator) -> "Plan":
         """Plan of one run, whose print and plate are drawn where the scene calls for it."""
-        return self._replace(world=model.drawn(self.case, self.resolved, self.world, rng))
+        return self._replace(world=model.sample_world(self.case, self.resolved, self.world, rng))
 
-    def start(self, clearance: float, pitch: float, phase: float, roll: float = 0.0, heading: float = 0.0) -> State:
+    def initial_state(
+        self, clearance: float, pitch: float, phase: float, roll: float = 0.0, heading: float = 0.0
+    ) -> State:
         """Create a state at rest, its lowest corner `clearance` (mm) over the plate; angles in rad."""
-        return model.start(self.world, clearance, pitch, phase, roll, heading)
+        return model.initial_state(self.world, clearance, pitch, phase, roll, heading)
 
     def advance(self, state: State, seconds: float, tally: Tally) -> int:
         """Advance a state in place by `seconds`; returns a status of `world`."""
@@ -74,7 +76,7 @@ class Plan(NamedTuple):
 
     def advancer(self, state: State, tally: Tally) -> Callable[[float], int]:
         """Return a function that advances a state by seconds, as `advance`; its machine code is looked up once."""
-        code = kernels.entry(steps.advance, self.world, state, 1.0, tally)
+        code = kernels.entry_point(steps.advance, self.world, state, 1.0, tally)
         return lambda seconds: int(code(self.world, state, seconds, tally))
 
     def energy(self, state: State) -> float:
@@ -93,8 +95,8 @@ def prepare(scene: Scene, design: Design, mass: MassProperties) -> Plan:
     """
     case = Case(scene, design, mass)
     resolved = resolve(case)
-    harmonics = harmonic.parameters(case) if resolved.on(harmonic.NAME) else harmonic.OFF
+    harmonics = harmonic.parameters(case) if resolved.is_on(harmonic.NAME) else harmonic.OFF
     motor = scene.drive.kind == "motor"  # an effect on the walker, over a plate that is still
     drive = Drive(0.0 if motor else scene.drive.amplitude, scene.drive.omega, harmonics)
-    walker, options = walker_of(case, resolved)
+    walker, options = make_walker(case, resolved)
     return Plan(case, resolved, World(walker, drive, resolved.acting, options))

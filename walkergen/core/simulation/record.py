@@ -64,7 +64,7 @@ class Tally(NamedTuple):
     events: Events
 
 
-def new(
+def new_tally(
     sample_size: int = 0, duration: float = 0.0, sample_interval: float | None = None, event_room: int = 0
 ) -> Tally:
     """Empty record; `duration` (s) sizes the samples, which are kept if they have an interval (s).

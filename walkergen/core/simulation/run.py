@@ -16,16 +16,16 @@ from walkergen.core.simulation.world import FAILED, FOLDED, OK, TOPPLED
 
 Array = npt.NDArray[np.float64]
 
-MOST_BLOCKS = 100_000
+MAX_BLOCKS = 100_000
 """Largest number of blocks: longer runs have longer blocks, which bounds the memory."""
 
-FIRST_TURN = 1e-3
+MAX_DROP_TURN_RAD = 1e-3
 """Largest pitch and roll of the first drop, rad: enough to leave the unstable level motion."""
 
 PERIODS_PER_BLOCK = 4
 """Length of a block in periods of the drive: the time resolution of the speed's statistics."""
 
-FIRST_ROOM, MOST_ROOM = 1024, 2_000_000
+FIRST_EVENT_ROOM, MAX_EVENT_ROOM = 1024, 2_000_000
 """Impacts for which there is room at first, when all are kept: per period of the drive, in all. A run without room for
 all of them is made again."""
 
@@ -54,10 +54,10 @@ class Outcome(Enum):
 ENDED_WELL = (Outcome.OK, Outcome.STUCK)
 """Outcomes of runs whose speed counts."""
 
-ENDS = {TOPPLED: Outcome.TOPPLED, FAILED: Outcome.FAILED, FOLDED: Outcome.FOLDED}
+STATUS_OUTCOMES = {TOPPLED: Outcome.TOPPLED, FAILED: Outcome.FAILED, FOLDED: Outcome.FOLDED}
 """Outcome of each status of `world` other than OK."""
 
-UNFINISHED = {Outcome.FAILED, Outcome.STOPPED}
+UNBALANCED_OUTCOMES = {Outcome.FAILED, Outcome.STOPPED}
 """Outcomes whose energy need not balance; that of a fall or a folded leg must."""
 
 
@@ -83,13 +83,13 @@ class RunResult(NamedTuple):
 def compile_kernels(plan: Plan) -> float:
     """Compile (or load from the disk cache) what the plan needs; returns the seconds it took."""
     started = time.perf_counter()
-    plan, state = dropped(plan, 0)  # the noise and bumps that a run draws are types of its kernels
-    plan.advance(state, 1e-9, record.new())
+    plan, state = drop_for_run(plan, 0)  # the noise and bumps that a run draws are types of its kernels
+    plan.advance(state, 1e-9, record.new_tally())
     plan.energy(state)
     return time.perf_counter() - started
 
 
-def dropped(plan: Plan, number: int) -> tuple[Plan, Array]:
+def drop_for_run(plan: Plan, number: int) -> tuple[Plan, Array]:
     """Plan of one run, with its own print and its own plate, and the state in which it is let go.
 
     The walker drops from 0.5 to 1.5 amplitudes at a random phase, pitch and roll, at a heading of the scene; or as the
@@ -101,21 +101,21 @@ def dropped(plan: Plan, number: int) -> tuple[Plan, Array]:
         heading = rng.spawn(1)[0].uniform(0.0, 2.0 * math.pi)  # a stream of its own: all else is drawn as without
     else:
         heading = math.radians(run.heading_deg[number % len(run.heading_deg)])
-    return drop(plan, rng, heading=heading)
+    return sample_drop(plan, rng, heading=heading)
 
 
-def drop(
+def sample_drop(
     plan: Plan, rng: np.random.Generator, common_phase: float | None = None, heading: float = 0.0
 ) -> tuple[Plan, Array]:
     """Plan and state as in `dropped`, drawn by `rng`; with others on one plate at their phase."""
     low, high = (0.5, -1.0, 0.0, -1.0), (1.5, 1.0, 2.0 * np.pi, 1.0)
     clearance, pitch, phase, roll = rng.uniform(low, high)
-    plan = plan.drawn(rng)
+    plan = plan.sample_print(rng)
     if plan.release is not None:
-        return plan, plan.start(plan.release.height, plan.release.pitch, 0.0, plan.release.roll, heading)
+        return plan, plan.initial_state(plan.release.height, plan.release.pitch, 0.0, plan.release.roll, heading)
     height = plan.shaken.amplitude * clearance
     phase = phase if common_phase is None else common_phase
-    return plan, plan.start(height, FIRST_TURN * pitch, phase, FIRST_TURN * roll, heading)
+    return plan, plan.initial_state(height, MAX_DROP_TURN_RAD * pitch, phase, MAX_DROP_TURN_RAD * roll, heading)
 
 
 def simulate(
@@ -132,16 +132,16 @@ def simulate(
     """
     started = time.thread_time()
     run = plan.scene.run
-    plan, state = dropped(plan, number)
+    plan, state = drop_for_run(plan, number)
     size = len(state) if sample_size is None else sample_size
-    tally = record.new(size, run.seconds, sample_interval, event_room)
+    tally = record.new_tally(size, run.seconds, sample_interval, event_room)
     outcome = Outcome.OK
     if run.discard_seconds > 0:
-        outcome = _advancer(plan, state, record.new())(run.discard_seconds)
+        outcome = _make_advancer(plan, state, record.new_tally())(run.discard_seconds)
 
-    advance = _advancer(plan, state, tally)
+    advance = _make_advancer(plan, state, tally)
     blocks = round(run.seconds / (PERIODS_PER_BLOCK * plan.world.drive.period))
-    blocks = min(max(blocks, 1), MOST_BLOCKS)
+    blocks = min(max(blocks, 1), MAX_BLOCKS)
     block = run.seconds / blocks
     places = np.empty((blocks + 1, 3))
     places[0], energy = pose(state), plan.energy(state)
@@ -155,17 +155,17 @@ def simulate(
         places[done] = pose(state)
 
     error = record.energy_error(tally.sums, plan.energy(state) - energy, energy)
-    if outcome not in UNFINISHED and error > ENERGY_TOLERANCE:
+    if outcome not in UNBALANCED_OUTCOMES and error > ENERGY_TOLERANCE:
         outcome = Outcome.ENERGY
     if outcome is Outcome.OK and tally.counts[record.IMPACTS] == 0 and places[done, 0] == places[0, 0]:
         outcome = Outcome.STUCK
-    speeds = _advances(places[: done + 1], plan.scene.arena.kind == "plane") / block
+    speeds = _block_distances(places[: done + 1], plan.scene.arena.kind == "plane") / block
     speed = float(speeds.mean()) if done else 0.0
     cpu = time.thread_time() - started
     return RunResult(number, outcome, done * block, speed, block, speeds, error, tally, cpu, places[: done + 1])
 
 
-def _advances(places: Array, on_plane: bool) -> Array:
+def _block_distances(places: Array, on_plane: bool) -> Array:
     """Distances run in blocks, mm: along x, or along the mean heading of each block on a plane."""
     moved = np.diff(places, axis=0)
     if not on_plane:
@@ -174,7 +174,7 @@ def _advances(places: Array, on_plane: bool) -> Array:
     return np.asarray(moved[:, 0] * np.cos(heading) + moved[:, 1] * np.sin(heading))
 
 
-def with_impacts(
+def simulate_with_impacts(
     plan: Plan,
     number: int,
     stopped: Callable[[], bool] = lambda: False,
@@ -182,23 +182,23 @@ def with_impacts(
     sample_size: int | None = None,
 ) -> RunResult:
     """Simulate one run with every impact kept: again, with more room, until all have room."""
-    wanted = FIRST_ROOM * plan.scene.run.seconds / plan.world.drive.period
-    room = 256 + int(min(wanted, MOST_ROOM))
+    wanted = FIRST_EVENT_ROOM * plan.scene.run.seconds / plan.world.drive.period
+    room = 256 + int(min(wanted, MAX_EVENT_ROOM))
     while True:
         result = simulate(plan, number, stopped, sample_interval, sample_size, room)
-        impacts, tally = impacts_of(result), result.tally
+        impacts, tally = recorded_impacts(result), result.tally
         if len(impacts) < room:  # of which the rest goes
             return result._replace(tally=tally._replace(events=tally.events._replace(rows=impacts.copy())))
         room *= 4
 
 
-def impacts_of(result: RunResult) -> Array:
+def recorded_impacts(result: RunResult) -> Array:
     """Impacts of a run that kept them: rows as in `record.Events`."""
     events = result.tally.events
     return np.asarray(events.rows[: events.cursor[0]])
 
 
-def _advancer(plan: Plan, state: Array, tally: record.Tally) -> Callable[[float], Outcome]:
+def _make_advancer(plan: Plan, state: Array, tally: record.Tally) -> Callable[[float], Outcome]:
     """Return a function that advances a state by some seconds and returns its outcome."""
     move = plan.advancer(state, tally)
     arena = plan.scene.arena
@@ -207,7 +207,7 @@ def _advancer(plan: Plan, state: Array, tally: record.Tally) -> Callable[[float]
     def advance(seconds: float) -> Outcome:
         status = move(seconds)
         if status != OK:
-            return ENDS[status]
+            return STATUS_OUTCOMES[status]
         x, y, _ = pose(state)
         left = abs(x) > half[0] or abs(y) > half[1]
         return Outcome.LEFT if left else Outcome.OK

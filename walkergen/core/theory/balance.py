@@ -22,7 +22,7 @@ from walkergen.core.walker.mass import Values
 
 Array = npt.NDArray[np.float64]
 
-LEAST_FRICTION = 1e-12
+MIN_FRICTION = 1e-12
 """Friction that a smaller one counts as: where all are 0 and every speed is stationary, this gives
 the limit of equal, vanishing frictions; elsewhere it changes the speed by about this ratio."""
 
@@ -57,7 +57,7 @@ class Balance(NamedTuple):
     """What was balanced, and what was assumed for it."""
 
 
-def balanced(feet: Sequence[Foot], mode: Mode = "coulomb") -> Balance:
+def solve_balance(feet: Sequence[Foot], mode: Mode = "coulomb") -> Balance:
     """Speed and shares of impacts at which a walker gains neither momentum nor spin on average.
 
     With F_i(v) the impulse at foot i and loads N_i = s_i F_y,i / sum, the force ratios rho_i =
@@ -87,14 +87,14 @@ def balanced(feet: Sequence[Foot], mode: Mode = "coulomb") -> Balance:
     shape, count = every[0].shape, len(feet)
     stationary = np.reshape(every[:count], (count, -1))
     numbers = np.reshape(every[count:], (count, 7, -1))
-    _check(numbers)
-    numbers[:, FRICTION] = np.maximum(numbers[:, FRICTION], LEAST_FRICTION)
+    _check_numbers(numbers)
+    numbers[:, FRICTION] = np.maximum(numbers[:, FRICTION], MIN_FRICTION)
     speeds, loads, impulses = _solve(
         np.ascontiguousarray(numbers.transpose(2, 0, 1)), stationary.min(axis=0), stationary.max(axis=0)
     )
     if np.isnan(speeds).any():
         raise TheoryError(
-            f"feet at {_places(numbers)} mm (x, y) from the centre of mass differ so much in height"
+            f"feet at {_format_levers(numbers)} mm (x, y) from the centre of mass differ so much in height"
             " that friction tips the walker: there is no stationary speed; level the feet"
         )
     impacts = (loads / impulses).T
@@ -107,7 +107,7 @@ def balanced(feet: Sequence[Foot], mode: Mode = "coulomb") -> Balance:
     )
 
 
-def _check(numbers: Array) -> None:
+def _check_numbers(numbers: Array) -> None:
     """Raise TheoryError unless tensors are positive definite and O lies between the feet."""
     xx, xy, yy, x = (numbers[:, column] for column in (XX, XY, YY, LEVER_X))
     if not np.isfinite(numbers).all():
@@ -116,12 +116,12 @@ def _check(numbers: Array) -> None:
         raise TheoryError("balance: the inverse-mass tensor of every foot must be positive definite")
     if not ((x.min(axis=0) < 0) & (x.max(axis=0) > 0)).all():
         raise TheoryError(
-            f"feet at {_places(numbers)} mm (x, y) from the centre of mass: the walker tips unless "
+            f"feet at {_format_levers(numbers)} mm (x, y) from the centre of mass: the walker tips unless "
             "one stands behind it and one in front (x < 0 < x); move a leg or the centre of mass"
         )
 
 
-def _places(numbers: Array) -> str:
+def _format_levers(numbers: Array) -> str:
     """Levers of the feet in the first draw, as people read them."""
     return ", ".join(f"({x:.4g}, {y:.4g})" for x, y in numbers[:, (LEVER_X, LEVER_Y), 0])
 
@@ -142,12 +142,12 @@ def _solve(feet: Array, low: Array, high: Array) -> tuple[Array, Array, Array]:
         resolved = EPSILON * max(abs(below), abs(above))
         while True:
             speed = 0.5 * (below + above)
-            _strike(feet[k], speed, ratios, impulses[k])
-            _act(feet[k], ratios, levers)
+            _fill_impulses(feet[k], speed, ratios, impulses[k])
+            _fill_levers(feet[k], ratios, levers)
             if not levers.min() < 0.0 < levers.max():
                 speed = np.nan
                 break
-            _load(levers, loads[k])
+            _fill_loads(levers, loads[k])
             net = 0.0  # eq. 4.3: sum N_i rho_i
             for i in range(count):
                 net += loads[k, i] * ratios[i]
@@ -162,7 +162,7 @@ def _solve(feet: Array, low: Array, high: Array) -> tuple[Array, Array, Array]:
 
 
 @kernel
-def _strike(feet: Array, speed: float, ratios: Array, impulses: Array) -> None:
+def _fill_impulses(feet: Array, speed: float, ratios: Array, impulses: Array) -> None:
     """Fill force ratios F_x / F_y and normal impulses of feet that slide at a speed, for w = 1."""
     for i, foot in enumerate(feet):
         hit = impact(foot[XX], foot[XY], foot[YY], speed, -1.0, foot[RESTITUTION], foot[FRICTION])
@@ -171,7 +171,7 @@ def _strike(feet: Array, speed: float, ratios: Array, impulses: Array) -> None:
 
 
 @kernel
-def _act(feet: Array, ratios: Array, levers: Array) -> None:
+def _fill_levers(feet: Array, ratios: Array, levers: Array) -> None:
     """Fill the levers of the impulses' lines of action, x - y rho, at the feet's mean height.
 
     Where the net force vanishes, the height at which levers are taken does not matter.
@@ -185,7 +185,7 @@ def _act(feet: Array, ratios: Array, levers: Array) -> None:
 
 
 @kernel
-def _load(levers: Array, loads: Array) -> None:
+def _fill_loads(levers: Array, loads: Array) -> None:
     """Fill the loads that are nearest to equal ones, sum to 1, balance the levers and never pull.
 
     Least squares over the n feet that stay: N_i = (S_2 - S_1 x_i) / (n S_2 - S_1^2), with S_1 and

@@ -19,7 +19,7 @@ NONE, TYPE_I, TYPE_II, TYPE_III, TYPE_IV, FROM_REST = range(6)
 II_MIRRORED, III_MIRRORED = -TYPE_II, -TYPE_III
 
 # Speed (mm/s) below which, and above whose inverse, an impact is scaled, so that it loses no digits.
-SMALL = 1e-100
+MIN_SAFE_SPEED = 1e-100
 
 
 class Kind(IntEnum):
@@ -99,7 +99,7 @@ def impact(
     if v_y >= 0.0:
         return Impact(0.0, 0.0, v_x, v_y, NONE, False)
     size = max(abs(v_x), -v_y)
-    if SMALL < size < 1.0 / SMALL:
+    if MIN_SAFE_SPEED < size < 1.0 / MIN_SAFE_SPEED:
         return _follow(H_xx, H_xy, H_yy, v_x, v_y, restitution, friction)
     _, n = math.frexp(size)  # a power of two: scaling by it loses no digit
     v_x, v_y = math.ldexp(v_x, -n), math.ldexp(v_y, -n)

@@ -22,25 +22,25 @@ from walkergen.core.walker.limbs import Kind
 
 Array = npt.NDArray[np.float64]
 
-FILE = Path(__file__).with_name("surrogate.npz")
+NETWORK_FILE = Path(__file__).with_name("surrogate.npz")
 
 LINEAR_BELOW = 0.25
 """Speed over the plate's peak speed below which the networks' scale, asinh, is about linear: slow walkers
 scatter by an amount, fast ones by a share."""
 
-FAR_OFF = 2.5
+MAX_LOG_FRICTION_RATIO = 2.5
 """Logarithm of tan(tilt) over friction beyond which feet stick, or slide, as they do at it."""
 
-SLIGHT_DEG = 1.0
+SMALL_TILT_DEG = 1.0
 """Tilt at which speeds of small tilts, which are in proportion to it, begin to level off."""
 
-FARTHEST = 3.0
+MAX_FEATURE_SD = 3.0
 """Standard deviations beyond which a feature of a smooth function stays as it is there."""
 
-EXPONENTS = (-6.0, 1.0)
+EXPONENT_RANGE = (-6.0, 1.0)
 """Exponents of a smooth function: beyond these it is as there."""
 
-BLOCK = 96
+BLOCK_SIZE = 96
 """Inputs that are evaluated together: products so small that no library shares them out to threads."""
 
 
@@ -55,7 +55,7 @@ class Speeds(NamedTuple):
     falls: Array
     """Chance that a run ends in a fall."""
 
-    def at(self, deviation: Array | float) -> Array:
+    def speed_ratios(self, deviation: Array | float) -> Array:
         """Speeds over the plate's peak speed, so far from the middle on the scale of the networks."""
         return np.asarray(LINEAR_BELOW * np.sinh(self.centre + deviation))
 
@@ -70,20 +70,20 @@ class Layer(NamedTuple):
 
 
 @cache
-def arrays() -> Mapping[str, Any]:
+def load_arrays() -> Mapping[str, Any]:
     """Arrays of the surrogate's file. Raises InputError for a file that was spoilt."""
     try:
-        with np.load(io.BytesIO(FILE.read_bytes())) as stored:
+        with np.load(io.BytesIO(NETWORK_FILE.read_bytes())) as stored:
             kept = {name: stored[name] for name in stored.files}
-        whole = str(kept.pop("digest")) == digest_of(kept)
+        whole = str(kept.pop("digest")) == hash_arrays(kept)
     except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
-        raise InputError(f"{FILE}: the surrogate cannot be read: {error}; install walkergen again") from None
+        raise InputError(f"{NETWORK_FILE}: the surrogate cannot be read: {error}; install walkergen again") from None
     if not whole:
-        raise InputError(f"{FILE}: the surrogate was changed or cut: install walkergen again")
+        raise InputError(f"{NETWORK_FILE}: the surrogate was changed or cut: install walkergen again")
     return kept
 
 
-def digest_of(kept: Mapping[str, Any]) -> str:
+def hash_arrays(kept: Mapping[str, Any]) -> str:
     """Hash of arrays by their names, 32 hexadecimal digits."""
     hasher = hashlib.sha256()
     for name in sorted(kept):
@@ -95,33 +95,33 @@ def digest_of(kept: Mapping[str, Any]) -> str:
 @cache
 def digest() -> str:
     """Hash of the surrogate: bounds of two families with equal ones compare."""
-    return digest_of(arrays())
+    return hash_arrays(load_arrays())
 
 
 @cache
-def facts() -> dict[str, Any]:
+def training_facts() -> dict[str, Any]:
     """Read the surrogate's facts: ranges of its numbers, and errors at rows outside its training set."""
-    stored: dict[str, Any] = json.loads(str(arrays()["facts"]))
+    stored: dict[str, Any] = json.loads(str(load_arrays()["facts"]))
     return stored
 
 
 @cache
-def layers_of(name: str) -> tuple[Layer, ...]:
+def load_layers(name: str) -> tuple[Layer, ...]:
     """Layers of the networks of this name."""
-    kept = arrays()
+    kept = load_arrays()
     layers: list[Layer] = []
     while f"{name}_weights{len(layers)}" in kept:
         layers.append(Layer(kept[f"{name}_weights{len(layers)}"], kept[f"{name}_bias{len(layers)}"]))
     return tuple(layers)
 
 
-def evaluated(layers: Sequence[Layer], inputs: Array) -> Array:
+def evaluate(layers: Sequence[Layer], inputs: Array) -> Array:
     """Compute outputs, shape (networks, n, outputs), at inputs of shape (n, d), in single precision."""
-    starts = range(0, len(inputs), BLOCK)
-    return np.concatenate([_passed(layers, inputs[k : k + BLOCK]) for k in starts], axis=-2)
+    starts = range(0, len(inputs), BLOCK_SIZE)
+    return np.concatenate([_forward_pass(layers, inputs[k : k + BLOCK_SIZE]) for k in starts], axis=-2)
 
 
-def _passed(layers: Sequence[Layer], inputs: Array) -> Array:
+def _forward_pass(layers: Sequence[Layer], inputs: Array) -> Array:
     values = inputs.astype(np.float32)
     for layer in layers[:-1]:
         values = np.matmul(values, layer.weights)
@@ -130,7 +130,7 @@ def _passed(layers: Sequence[Layer], inputs: Array) -> Array:
     return np.asarray(np.matmul(values, layers[-1].weights) + layers[-1].bias)
 
 
-def coordinates(places: Array) -> tuple[Array, Array]:
+def network_inputs(places: Array) -> tuple[Array, Array]:
     """Compute inputs of the networks, shape (n, d), and the odd factors of their outputs, shape (n, 2).
 
     Speeds change most where the tilt passes the angle of friction, where feet stick. Tilt and slope change sign when
@@ -139,7 +139,7 @@ def coordinates(places: Array) -> tuple[Array, Array]:
     """
     of = Place(*places.T)
     tilt = of.root_tilt**2
-    odd = tilt / (tilt + SLIGHT_DEG)
+    odd = tilt / (tilt + SMALL_TILT_DEG)
     against = np.log(np.tan(np.radians(np.maximum(tilt, 1e-3)))) - of.log_friction
     plain = of._replace(
         slope_ratio=odd * of.slope_ratio,
@@ -151,7 +151,7 @@ def coordinates(places: Array) -> tuple[Array, Array]:
     )
     more = (
         tilt,
-        np.clip(against, -FAR_OFF, FAR_OFF),
+        np.clip(against, -MAX_LOG_FRICTION_RATIO, MAX_LOG_FRICTION_RATIO),
         np.log(of.gamma),
         of.slope_ratio**2,
         np.hypot(of.harmonic_cos, of.harmonic_sin),
@@ -162,26 +162,26 @@ def coordinates(places: Array) -> tuple[Array, Array]:
 
 def features(inputs: Array) -> Array:
     """One, the inputs and their squares, of what a smooth function is made; shape (n, 1 + 2 d)."""
-    near = np.clip(inputs, -FARTHEST, FARTHEST)
+    near = np.clip(inputs, -MAX_FEATURE_SD, MAX_FEATURE_SD)
     return np.column_stack([np.ones(len(inputs)), near, near**2])
 
 
-def smooth(terms: Array, weights: Array) -> Array:
+def evaluate_smooth(terms: Array, weights: Array) -> Array:
     """Positive function of features: the exponential of their weighted sum, shape (n,)."""
-    return np.asarray(np.exp(np.clip(terms @ weights, *EXPONENTS)))
+    return np.asarray(np.exp(np.clip(terms @ weights, *EXPONENT_RANGE)))
 
 
 def speeds_at(kind: Kind, places: Array) -> Speeds:
     """Speeds at places, shape (n, numbers), of walkers with legs of a kind."""
-    kept = arrays()
-    plain, odd = coordinates(places)
+    kept = load_arrays()
+    plain, odd = network_inputs(places)
     inputs = (plain - kept[f"{kind}_middle"]) / kept[f"{kind}_scale"]
-    values = (evaluated(layers_of(kind), inputs) * odd).sum(axis=-1)
+    values = (evaluate(load_layers(kind), inputs) * odd).sum(axis=-1)
     terms, uneven = features(inputs), places[:, Place._fields.index("unevenness_ratio")]
-    prints = uneven * smooth(terms, kept[f"{kind}_prints"])
-    run_sd = np.hypot(smooth(terms, kept[f"{kind}_in_time"]), prints)
+    prints = uneven * evaluate_smooth(terms, kept[f"{kind}_prints"])
+    run_sd = np.hypot(evaluate_smooth(terms, kept[f"{kind}_in_time"]), prints)
     level = np.minimum(np.abs(odd).sum(axis=1), 1.0)  # none without tilt on a level plate, by symmetry
     parts = np.stack([values.std(axis=0, ddof=1), run_sd * level, level])
     error = np.sqrt(kept[f"{kind}_error"] ** 2 @ parts**2)
-    falls = 1.0 / (1.0 + np.exp(-evaluated(layers_of(f"{kind}_falls"), inputs)[..., 0].mean(axis=0)))
+    falls = 1.0 / (1.0 + np.exp(-evaluate(load_layers(f"{kind}_falls"), inputs)[..., 0].mean(axis=0)))
     return Speeds(values.mean(axis=0), error, prints, falls)

@@ -23,8 +23,8 @@ from walkergen.core.scene import Scene
 from walkergen.core.theory import tensors as inverse_mass
 from walkergen.core.theory.impact import impact
 from walkergen.core.walker.design import Design
-from walkergen.core.walker.mass import MassProperties, from_centre
-from walkergen.core.walker.planar import in_plane
+from walkergen.core.walker.mass import MassProperties, to_centre_frame
+from walkergen.core.walker.planar import project_to_plane
 
 Array = npt.NDArray[np.float64]
 Point = tuple[float, float]
@@ -36,11 +36,14 @@ each closed foot; time with one."""
 OK, FALLEN, ENDLESS = range(3)
 """Statuses of `advance`: ran to the end; pitched beyond `World.steepest`; impacts without end or bound."""
 
-STEPS = 4000
+CONTACT_STEPS = 4000
 """Steps of lasting contact in a period of the plate."""
 
-MOST_IMPACTS, MOST_STEPS, MOST_TRIALS = 1_000_000, 1_000_000, 60
-MOST_AT_ONCE, INSTANT = 1000, 1e-12  # landings in a row that lie so close (rad of the plate) that no time passes
+MAX_IMPACTS, MAX_STEPS, MAX_TRIALS = 1_000_000, 1_000_000, 60
+MAX_SIMULTANEOUS_LANDINGS, INSTANT = (
+    1000,
+    1e-12,
+)  # landings in a row that lie so close (rad of the plate) that no time passes
 # Height, in tolerances, below which a foot takes part in a landing; speed of a runaway over that of plate and fall.
 NEAR, RUNAWAY = 16.0, 1e3
 
@@ -92,26 +95,26 @@ def body_world(
     """
     amplitude, omega = scene.drive.amplitude, scene.drive.omega
     if tensors is None:
-        tensors = tuple(inverse_mass.rigid(mass, inertia, np.asarray(foot)) for foot in feet)
+        tensors = tuple(inverse_mass.rigid_tensor(mass, inertia, np.asarray(foot)) for foot in feet)
     back, front = ((float(H.xx), float(H.xy), float(H.yy)) for H in tensors)
     tolerance = 64 * np.finfo(float).eps * (max(math.hypot(*point) for point in (*feet, *corners)) + amplitude)
     snap = 4.0 * math.sqrt(2.0 * (GRAVITY + amplitude * omega**2) * tolerance)
     contact = scene.contact.restitution, scene.contact.friction
     return World(
-        mass, inertia, feet, (back, front), _steepest(feet, corners), amplitude, omega, *contact, tolerance, snap
+        mass, inertia, feet, (back, front), _max_pitch(feet, corners), amplitude, omega, *contact, tolerance, snap
     )
 
 
 def walker_world(scene: Scene, design: Design, mass: MassProperties) -> World:
     """Return the world of a walker on two feet in its plane, with its legs' own tensors."""
-    flat, size = in_plane(design, mass), design.size
+    flat, size = project_to_plane(design, mass), design.size
     ends = np.array([(x, y) for x in (-0.5, 0.5) for y in (-0.5, 0.5)]) * (size.length, size.thickness)
-    corners = tuple((float(x), float(y)) for x, y in from_centre(design.limbs, mass, ends))
+    corners = tuple((float(x), float(y)) for x, y in to_centre_frame(design.limbs, mass, ends))
     back, front = ((float(x), float(y)) for x, y in (leg.foot for leg in flat.mass.legs))
-    return body_world(float(mass.M), float(mass.J), (back, front), scene, inverse_mass.feet(flat.mass), corners)
+    return body_world(float(mass.M), float(mass.J), (back, front), scene, inverse_mass.foot_tensors(flat.mass), corners)
 
 
-def start(world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0) -> Array:
+def initial_state(world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0) -> Array:
     """Return a state at rest in the laboratory, its lower foot `clearance` (mm) over the plate."""
     state = np.zeros(CONTACT_S + 1)
     state[PITCH], state[PHASE] = pitch, phase
@@ -132,7 +135,7 @@ def simulate(scene: Scene, design: Design, mass: MassProperties) -> list[Run]:
     for number in range(run.runs):
         random = np.random.default_rng([run.seed, number])
         clearance, pitch, phase = random.uniform((0.5, -1e-3, 0.0), (1.5, 1e-3, 2.0 * math.pi))
-        state = start(world, clearance * world.amplitude, pitch, phase)
+        state = initial_state(world, clearance * world.amplitude, pitch, phase)
         status, _ = advance(world, state, run.discard_seconds)
         began, impacts = state[X], np.zeros((0, 7))
         if status == OK:
@@ -152,7 +155,7 @@ def advance(world: World, state: Array, seconds: float) -> tuple[int, Array]:
         state[:], room = began, count
 
 
-def _steepest(feet: tuple[Point, Point], corners: tuple[Point, ...]) -> float:
+def _max_pitch(feet: tuple[Point, Point], corners: tuple[Point, ...]) -> float:
     """Return the smallest |pitch| (rad) at which a corner is as low as the lower foot; infinite without corners."""
     pitches = (
         max(math.atan2(y - foot[1], sign * (foot[0] - x)) for foot in feet) for x, y in corners for sign in (1.0, -1.0)
@@ -167,7 +170,7 @@ def _advance(world: World, state: Array, seconds: float, rows: Array) -> tuple[i
     while t < seconds:
         landing = np.zeros(2, np.bool_)
         if state[BACK] + state[FRONT] > 0.0:
-            dt = _hold(world, state, min(2.0 * math.pi / world.omega / STEPS, seconds - t), before, landing)
+            dt = _hold(world, state, min(2.0 * math.pi / world.omega / CONTACT_STEPS, seconds - t), before, landing)
             state[CONTACT_S] += dt
         else:
             dt = _fly(world, state, seconds - t, landing)
@@ -177,7 +180,7 @@ def _advance(world: World, state: Array, seconds: float, rows: Array) -> tuple[i
             return FALLEN, count
         if landing[0] or landing[1]:
             ended, count = _land(world, state, t, landing, rows, count)
-            if not ended or at_once > MOST_AT_ONCE:
+            if not ended or at_once > MAX_SIMULTANEOUS_LANDINGS:
                 return ENDLESS, count
     return OK, count
 
@@ -190,13 +193,13 @@ def _lever(world, foot, pitch):
 
 
 @kernel
-def _rigid(mass, inertia, r):
+def _rigid_tensor(mass, inertia, r):
     """Entries xx, xy, yy of the rigid tensor at r (paper, eq. 4), 1/g."""
     return 1.0 / mass + r[1] * r[1] / inertia, -r[0] * r[1] / inertia, 1.0 / mass + r[0] * r[0] / inertia
 
 
 @kernel
-def _turned(own, pitch):
+def _rotate_tensor(own, pitch):
     """Entries of a tensor at pitch 0 turned into the plate's frame, R own R^T."""
     sin, cos = math.sin(pitch), math.cos(pitch)
     xx, xy, yy = own
@@ -235,7 +238,7 @@ def _fly(world, state, limit, landing):
     cannot jump over a landing, and approach it to second order.
     """
     t = 0.0
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         wait = limit - t
         for foot in range(2):
             gap, rate = _gap(world, state, foot, t)
@@ -259,7 +262,7 @@ def _land(world, state, t, landing, rows, count):
     noted, ended = np.zeros((2, 7)), False
     for foot in range(2):
         landing[foot] = landing[foot] or _gap(world, state, foot)[0] <= NEAR * world.tolerance
-    for _ in range(MOST_IMPACTS):
+    for _ in range(MAX_IMPACTS):
         ended = not _strike(world, state, landing, noted)
         if ended or abs(state[V_X]) + abs(state[V_Y]) > RUNAWAY * usual:
             break
@@ -277,7 +280,7 @@ def _land(world, state, t, landing, rows, count):
 def _close(world, state, landing):
     """Close the landed feet that neither approach nor leave; beside a closed one also what falls back in a step."""
     back, front = abs(_gap(world, state, 0)[1]), abs(_gap(world, state, 1)[1])
-    slow = 2.0 * math.pi / world.omega / STEPS * (GRAVITY + world.amplitude * world.omega**2)
+    slow = 2.0 * math.pi / world.omega / CONTACT_STEPS * (GRAVITY + world.amplitude * world.omega**2)
     least = slow if landing[0] and landing[1] and min(back, front) <= world.snap else world.snap
     state[BACK] = 1.0 if landing[0] and back <= least else 0.0
     state[FRONT] = 1.0 if landing[1] and front <= least else 0.0
@@ -323,9 +326,9 @@ def _sequence(world, foot, r, pitch, v_x, v_y):
 
     The flexible tensor sets each impulse, the rigid tensor the velocity after it.
     """
-    own, rigid = _turned(world.tensors[foot], pitch), _rigid(world.mass, world.inertia, r)
+    own, rigid = _rotate_tensor(world.tensors[foot], pitch), _rigid_tensor(world.mass, world.inertia, r)
     F_x, F_y, kind = 0.0, 0.0, 0
-    for _ in range(MOST_IMPACTS):
+    for _ in range(MAX_IMPACTS):
         hit = impact(own[0], own[1], own[2], v_x, v_y, world.restitution, world.friction)
         kind = hit.kind if kind == 0 else kind
         F_x, F_y = F_x + hit.F_x, F_y + hit.F_y
@@ -345,7 +348,7 @@ def _hold(world, state, step, before, landing):
         landing[other] = True
         return 0.0
     before[:], dt = state, step
-    for _ in range(MOST_TRIALS):
+    for _ in range(MAX_TRIALS):
         _press(world, state, dt)
         gap, rate = _gap(world, state, other)
         landing[other] = not both and gap < 0.0 and rate < 0.0
@@ -390,7 +393,7 @@ def _stand(world, state):
 def _pivot(world, state, foot):
     """Keep one foot on the plate, held or sliding, by a plastic impact of the rigid body; open it if it rises."""
     r_x, r_y = _lever(world, foot, state[PITCH])
-    H = _rigid(world.mass, world.inertia, (r_x, r_y))
+    H = _rigid_tensor(world.mass, world.inertia, (r_x, r_y))
     slip, rate = state[V_X] - state[SPIN] * r_y, _gap(world, state, foot)[1]
     hit = impact(H[0], H[1], H[2], slip, rate, 0.0, world.friction)
     state[BACK + foot] = 1.0 if hit.kind != 0 else 0.0

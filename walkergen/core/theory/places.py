@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.core.scene import LEAST_RESTITUTION, Scene
+from walkergen.core.scene import MIN_RESTITUTION, Scene
 from walkergen.core.theory.hertz import contact_modulus
 from walkergen.core.theory.uncertain import Drawn
 from walkergen.core.walker.design import Design
@@ -14,7 +14,7 @@ from walkergen.core.walker.mass import MassProperties
 
 Array = npt.NDArray[np.float64]
 
-TURN = 0.018
+HALF_WEIGHT_TURN_RAD = 0.018
 """Turn (rad) that a lane allows at which its walls count for half: 0.5 mm of play of a body of 28 mm."""
 
 DEFAULT_PLAY_MM = 0.5
@@ -79,22 +79,26 @@ class Place(NamedTuple):
     """Logarithms of the body's length and depth, which meet the walls."""
     log_depth_ratio: float | Array
 
-    def drawn(self, design: Design, scene: Scene, drawn: Drawn) -> "Place":
+    def with_inputs(self, design: Design, scene: Scene, drawn: Drawn) -> "Place":
         """Places at drawn values of the inputs of a prediction."""
         contact, material = scene.contact, design.material
         modulus = material.youngs_modulus_gpa
-        friction = np.maximum(drawn.of("contact.friction", contact.friction), 1e-9)
-        stiffness = drawn.of("material.youngs_modulus_gpa", modulus) / modulus
-        radius = drawn.of("feet.tip_radius_um", scene.feet.tip_radius_um) / scene.feet.tip_radius_um
+        friction = np.maximum(drawn.input_values("contact.friction", contact.friction), 1e-9)
+        stiffness = drawn.input_values("material.youngs_modulus_gpa", modulus) / modulus
+        radius = drawn.input_values("feet.tip_radius_um", scene.feet.tip_radius_um) / scene.feet.tip_radius_um
         part = contact_modulus(scene, material) * (1.0 - material.poisson_ratio**2) / material.youngs_modulus
         harder = 1.0 / (1.0 - part + part / stiffness)  # E* over the nominal one
-        thickness, leg, body = leg_thickness(design, drawn), leg_masses(design, drawn), drawn.of("body mass", 1.0)
-        unevenness = drawn.of("feet.unevenness_um", scene.feet.unevenness_um)
+        thickness, leg, body = (
+            leg_thickness_ratios(design, drawn),
+            leg_mass_ratios(design, drawn),
+            drawn.input_values("body mass", 1.0),
+        )
+        unevenness = drawn.input_values("feet.unevenness_um", scene.feet.unevenness_um)
         hinge = self.log_hinge_ratio + np.log(thickness * np.sqrt(stiffness * thickness / leg))
         if design.rigid:
             hinge = np.full(drawn.number, self.log_hinge_ratio)
         return self._replace(
-            restitution=drawn.of("contact.restitution", float(self.restitution)),
+            restitution=drawn.input_values("contact.restitution", float(self.restitution)),
             log_friction=np.log(friction),
             log_hinge_ratio=hinge,
             log_mass_ratio=self.log_mass_ratio + np.log(leg / body),
@@ -106,7 +110,7 @@ class Place(NamedTuple):
         )
 
 
-def of(scene: Scene, design: Design, mass: MassProperties) -> Place:
+def compute_place(scene: Scene, design: Design, mass: MassProperties) -> Place:
     """Place of a walker with two equal legs on a shaken plate. Braced legs have neither hinges nor own masses."""
     limb, leg, span, drive = design.limbs[0], mass.legs[0], design.foot_span, scene.drive
     hinge = mass_ratio = 1.0
@@ -126,10 +130,10 @@ def of(scene: Scene, design: Design, mass: MassProperties) -> Place:
     closeness = 0.0
     if arena.kind == "lane":
         play = DEFAULT_PLAY_MM if arena.gap_mm is None else arena.gap_mm - size.depth
-        closeness = 1.0 / (1.0 + max(play, 0.0) / size.length / TURN)
+        closeness = 1.0 / (1.0 + max(play, 0.0) / size.length / HALF_WEIGHT_TURN_RAD)
     return Place(
         root_tilt=math.sqrt(abs(design.tilt_deg)),
-        restitution=max(scene.contact.restitution, LEAST_RESTITUTION),
+        restitution=max(scene.contact.restitution, MIN_RESTITUTION),
         log_friction=math.log(friction),
         gamma=drive.peak_gamma,
         log_hinge_ratio=math.log(hinge),
@@ -173,24 +177,24 @@ def _inertias(mass: MassProperties) -> tuple[float, float, float]:
     return roll, yaw, float(mass.J)
 
 
-def leg_thickness(design: Design, drawn: Drawn) -> Array:
+def leg_thickness_ratios(design: Design, drawn: Drawn) -> Array:
     """Ratios of a leg's drawn thickness to its nominal one."""
     nominal = design.limbs[0].thickness
-    return drawn.of("legs.thickness_mm", nominal) / nominal
+    return drawn.input_values("legs.thickness_mm", nominal) / nominal
 
 
-def leg_masses(design: Design, drawn: Drawn) -> Array:
+def leg_mass_ratios(design: Design, drawn: Drawn) -> Array:
     """Ratios of a leg's drawn mass to its nominal one, which go with its thickness unless a balance told the mass."""
     weighed = design.weighed.leg_mass_g is not None
-    return drawn.of("leg mass", 1.0) * (1.0 if weighed else leg_thickness(design, drawn))
+    return drawn.input_values("leg mass", 1.0) * (1.0 if weighed else leg_thickness_ratios(design, drawn))
 
 
-def columns(place: Place) -> Array:
+def to_matrix(place: Place) -> Array:
     """Numbers of places, shape (n, numbers)."""
     return np.column_stack(np.broadcast_arrays(*(np.atleast_1d(number) for number in place)))
 
 
-def in_words(name: str, low: float, high: float) -> tuple[str, str]:
+def describe_number(name: str, low: float, high: float) -> tuple[str, str]:
     """Name and range of a number as people write them."""
     words = name.removeprefix("log_").removeprefix("root_").replace("_", " ")
     if name == "root_tilt":

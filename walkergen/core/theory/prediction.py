@@ -19,26 +19,26 @@ from walkergen.core.theory import places, standing, surrogate, uncertain
 from walkergen.core.theory.speed import Mode
 from walkergen.core.theory.stationary import Stationary, stationary
 from walkergen.core.theory.surrogate import NORMAL_95, FallsError, Known, UnknownError
-from walkergen.core.theory.uncertain import PREDICTION, QUANTILES, Drawn, Input, Share
+from walkergen.core.theory.uncertain import PREDICTION_READER, QUANTILES, Drawn, Input, Share
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
-from walkergen.core.walker.mass import MassProperties, scaled
+from walkergen.core.walker.mass import MassProperties, scale_masses
 
 Array = npt.NDArray[np.float64]
 
-DRAWS = 256
+DRAW_COUNT = 256
 """Number of draws behind a speed and its bounds: on a lattice the ends of 95 % err by 0.07 to 0.19
 of a standard deviation, those of 68 % by 0.06 at most."""
 
 SEED = 2016
 
-PRINT = Input("which print it is", 0.0, 1.0, -np.inf)
+PRINT_INPUT = Input("which print it is", 0.0, 1.0, -np.inf)
 """Deviation of one print from the mean over its standard one."""
 
-SURROGATE = Input("the surrogate's error", 0.0, 1.0, -np.inf)
+SURROGATE_INPUT = Input("the surrogate's error", 0.0, 1.0, -np.inf)
 """Error of the surrogate over its standard one."""
 
-MODEL = Input("the model itself", 0.0, 1.0, -np.inf)
+MODEL_INPUT = Input("the model itself", 0.0, 1.0, -np.inf)
 """Structural error of the model in space, over its standard deviation."""
 
 By = Literal["surrogate", "runs", "statics", "theory"]
@@ -62,22 +62,22 @@ class Speed(NamedTuple):
         if math.isnan(self.value):
             return "none"
         if self.orbit:
-            return f"{self.value:.2f} mm/s, {self.orbit}{self._of_prints()}"
+            return f"{self.value:.2f} mm/s, {self.orbit}{self._format_print_bounds()}"
         if math.isnan(self.se):
             return f"{self.value:.2f} mm/s, standard error unknown"
-        text = f"{words.with_error(self.value, self.se)} mm/s"
+        text = f"{words.format_with_error(self.value, self.se)} mm/s"
         if math.isnan(self.low_95) or math.isnan(self.high_95):
             return f"{text}, bounds unknown"
         return f"{text}, with 95 % {self.low_95:.1f} to {self.high_95:.1f}"
 
-    def _of_prints(self) -> str:
+    def _format_print_bounds(self) -> str:
         """Bounds of prints in words; "" where they are unknown."""
         if math.isnan(self.low_95):
             return ""
         return f"; 95 % of prints {self.low_95:.1f} to {self.high_95:.1f}"
 
 
-def speed_of(
+def make_speed(
     value: float | None, se: float | None, low_95: float | None, high_95: float | None, orbit: str = ""
 ) -> Speed:
     """Speed of numbers of which None is unknown, all in mm/s."""
@@ -131,7 +131,7 @@ class Prediction(NamedTuple):
     @property
     def speed(self) -> Speed:
         """Speed with its bounds; its `se` is the standard deviation of the distribution."""
-        return speed_of(self.speed_mm_s, self.speed_sd_mm_s, self.speed_low_95_mm_s, self.speed_high_95_mm_s)
+        return make_speed(self.speed_mm_s, self.speed_sd_mm_s, self.speed_low_95_mm_s, self.speed_high_95_mm_s)
 
     @property
     def has_theory_alone(self) -> bool:
@@ -139,56 +139,57 @@ class Prediction(NamedTuple):
         return self.speed_by == "theory" and not self.note and self.falls == 0.0
 
 
-STANDS_MM_S = 1.0
+STANDING_MM_S = 1.0
 """Speed below which a walker stands, where zero lies within the error of its speed as designed."""
 
-FAR = 0.1
+REPORTED_DIFFERENCE = 0.1
 """Share of a speed by which another one of the walker differs, beyond which both are reported."""
 
 
-def stands(row: Prediction) -> bool:
+def is_standing(row: Prediction) -> bool:
     """Whether a walker stands: by statics, or within the error of its speed."""
     nominal, low, high = row.nominal_mm_s, row.nominal_low_95_mm_s, row.nominal_high_95_mm_s
     if nominal is None or low is None or high is None:
         return False
-    slow = abs(nominal) < STANDS_MM_S and abs(row.speed_mm_s or 0.0) < STANDS_MM_S
+    slow = abs(nominal) < STANDING_MM_S and abs(row.speed_mm_s or 0.0) < STANDING_MM_S
     return row.speed_by == "statics" or (slow and low <= 0.0 <= high)
 
 
-def brief(row: Prediction) -> str:
+def describe_briefly(row: Prediction) -> str:
     """Describe in a few words what a walker does: its speed, or that it stands, falls over or has no speed yet."""
     speed = row.speed_mm_s
     if row.has_theory_alone:
-        return f"{words.fixed(row.theory_mm_s, 1)} mm/s (theory)"
+        return f"{words.format_fixed(row.theory_mm_s, 1)} mm/s (theory)"
     if speed is None:
         return "falls over" if row.falls > 0.0 else "no speed yet"
-    if stands(row):
+    if is_standing(row):
         return "stands"
-    return f"{words.with_error(abs(speed), row.speed_sd_mm_s or 0.0)} mm/s{' back' if speed < 0.0 else ''}"
+    return f"{words.format_with_error(abs(speed), row.speed_sd_mm_s or 0.0)} mm/s{' back' if speed < 0.0 else ''}"
 
 
-def sentence(row: Prediction) -> str:
+def describe_speed(row: Prediction) -> str:
     """Describe a walker's predicted speed for the person who prints it."""
     speed, nominal = row.speed_mm_s, row.nominal_mm_s
     if row.falls > 0.0:
         falls = f"falls over in {100.0 * row.falls:.0f} % of its runs"
     if row.has_theory_alone:
-        return f"{words.fixed(row.theory_mm_s, 1)} mm/s in the paper's theory (eq. 15)"
+        return f"{words.format_fixed(row.theory_mm_s, 1)} mm/s in the paper's theory (eq. 15)"
     if speed is None or nominal is None:
         return falls if row.falls > 0.0 else f"no speed: {row.note}"
-    if stands(row):
-        return "stands" if row.speed_by == "statics" else f"stands: {_as_designed(row)}"
-    text = f"{'runs backward, ' if speed < 0.0 else ''}{words.with_error(abs(speed), row.speed_sd_mm_s or 0.0)} mm/s"
+    if is_standing(row):
+        return "stands" if row.speed_by == "statics" else f"stands: {_format_nominal(row)}"
+    way = "runs backward, " if speed < 0.0 else ""
+    text = f"{way}{words.format_with_error(abs(speed), row.speed_sd_mm_s or 0.0)} mm/s"
     text += f"; your print: {row.speed_low_95_mm_s:.1f} to {row.speed_high_95_mm_s:.1f} (95 %)"
-    if abs(nominal - speed) > FAR * abs(speed):
-        text += f"; as designed {_as_designed(row)}"
+    if abs(nominal - speed) > REPORTED_DIFFERENCE * abs(speed):
+        text += f"; as designed {_format_nominal(row)}"
     return f"{text}; {falls}" if row.falls > 0.0 else text
 
 
-def _as_designed(row: Prediction) -> str:
+def _format_nominal(row: Prediction) -> str:
     """Speed as designed with its bounds of 95 %."""
     half = 0.5 * ((row.nominal_high_95_mm_s or 0.0) - (row.nominal_low_95_mm_s or 0.0))
-    return f"{words.with_error(row.nominal_mm_s or 0.0, half)} mm/s"
+    return f"{words.format_with_error(row.nominal_mm_s or 0.0, half)} mm/s"
 
 
 class Spread(NamedTuple):
@@ -205,32 +206,32 @@ class Spread(NamedTuple):
     note: str = ""
 
 
-def known_inputs(scene: Scene, design: Design) -> tuple[Input, ...]:
+def prediction_inputs(scene: Scene, design: Design) -> tuple[Input, ...]:
     """Return the inputs of a surrogate prediction: uncertain values, the print, and both models' errors."""
-    return (*uncertain.inputs(scene, design, PREDICTION), PRINT, SURROGATE, MODEL)
+    return (*uncertain.inputs(scene, design, PREDICTION_READER), PRINT_INPUT, SURROGATE_INPUT, MODEL_INPUT)
 
 
-def draws_of(known: Known, drawn: Drawn) -> Array:
+def sample_speeds(known: Known, drawn: Drawn) -> Array:
     """Speeds of a walker that the surrogate knows at values of `known_inputs`, mm/s, shape (n,)."""
-    speeds, columns = known.drawn(drawn), drawn.columns
+    speeds, columns = known.sample_speeds(drawn), drawn.columns
     mirrored = known.sign  # a mirror image has mirrored errors
-    off = speeds.between_prints * columns[PRINT.name] + speeds.error * columns[SURROGATE.name]
-    share = known.peak_speed * speeds.at(mirrored * off)
-    return np.asarray(share + mirrored * with_model_sd(share, known.scene) * columns[MODEL.name])
+    off = speeds.between_prints * columns[PRINT_INPUT.name] + speeds.error * columns[SURROGATE_INPUT.name]
+    share = known.peak_speed * speeds.speed_ratios(mirrored * off)
+    return np.asarray(share + mirrored * model_error_sd(share, known.scene) * columns[MODEL_INPUT.name])
 
 
-def with_model_sd(speed: Array | float, scene: Scene) -> Array:
+def model_error_sd(speed: Array | float, scene: Scene) -> Array:
     """Structural error of the model in space at speeds, one standard deviation, mm/s."""
     return np.asarray(scene.prediction.model_sd * np.abs(speed))
 
 
-def spread(design: Design, mass: MassProperties, scene: Scene, drawn: Drawn | None = None) -> Spread:
+def compute_spread(design: Design, mass: MassProperties, scene: Scene, drawn: Drawn | None = None) -> Spread:
     """Speeds of a walker by statics or the surrogate. Raises UnknownError for one that neither knows."""
-    if stands := standing.reason(scene, design, mass):
+    if stands := standing.standing_reason(scene, design, mass):
         return Spread(0.0, (0.0, 0.0), 0.0, 0.0, (0.0, 0.0, 0.0, 0.0), "statics", stands)
-    known = surrogate.of(scene, design, mass)
+    known = surrogate.case_in_domain(scene, design, mass)
     speed, se = known.nominal
-    draws = draws_of(known, drawn or drawn_inputs(scene, design))
+    draws = sample_speeds(known, drawn or sample_prediction_inputs(scene, design))
     low2, low1, high1, high2 = np.quantile(draws, QUANTILES).tolist()
     ends = speed - NORMAL_95 * se, speed + NORMAL_95 * se
     return Spread(speed, ends, float(np.median(draws)), float(np.std(draws)), (low2, low1, high1, high2), "surrogate")
@@ -239,12 +240,12 @@ def spread(design: Design, mass: MassProperties, scene: Scene, drawn: Drawn | No
 def theory_speeds(design: Design, mass: MassProperties, scene: Scene, mode: Mode, drawn: Drawn) -> Array:
     """Speeds by the theory at values of the inputs, mm/s, shape (count,)."""
     contact = scene.contact
-    masses = scaled(mass, drawn.of("body mass", 1.0), places.leg_masses(design, drawn))
+    masses = scale_masses(mass, drawn.input_values("body mass", 1.0), places.leg_mass_ratios(design, drawn))
     by_foot = stationary(
         design,
         masses,
-        drawn.of("contact.restitution", contact.restitution),
-        drawn.of("contact.friction", contact.friction),
+        drawn.input_values("contact.restitution", contact.restitution),
+        drawn.input_values("contact.friction", contact.friction),
         mode,
         (contact.restitution, contact.friction),
     )
@@ -253,26 +254,26 @@ def theory_speeds(design: Design, mass: MassProperties, scene: Scene, mode: Mode
 
 def _impact_speed(scene: Scene, mass: MassProperties) -> float:
     """Compute the normal speed w at which the theory's feet meet the plate, mm/s; a motor counts as a moving plate."""
-    return scene.prediction.impact_speed_factor * scene.drive.beneath(float(mass.total)).peak_speed
+    return scene.prediction.impact_speed_factor * scene.drive.equivalent_plate_drive(float(mass.total)).peak_speed
 
 
-def shares(design: Design, mass: MassProperties, scene: Scene) -> tuple[Share, ...]:
+def variance_shares(design: Design, mass: MassProperties, scene: Scene) -> tuple[Share, ...]:
     """Shares of the inputs in the variance behind a walker's bounds, largest total first.
 
     Raises UnknownError for a walker that the surrogate does not know.
     """
-    inputs, known = known_inputs(scene, design), surrogate.of(scene, design, mass)
+    inputs, known = prediction_inputs(scene, design), surrogate.case_in_domain(scene, design, mass)
 
     def speeds(values: Array) -> Array:
-        return draws_of(known, uncertain.named(inputs, values))
+        return sample_speeds(known, uncertain.label_columns(inputs, values))
 
-    return uncertain.shares(inputs, speeds, SEED)
+    return uncertain.variance_shares(inputs, speeds, SEED)
 
 
-def drawn_inputs(scene: Scene, design: Design) -> Drawn:
+def sample_prediction_inputs(scene: Scene, design: Design) -> Drawn:
     """Draws of `known_inputs` behind a speed and its bounds."""
-    inputs = known_inputs(scene, design)
-    return uncertain.named(inputs, uncertain.draws(inputs, DRAWS, SEED))
+    inputs = prediction_inputs(scene, design)
+    return uncertain.label_columns(inputs, uncertain.sample_inputs(inputs, DRAW_COUNT, SEED))
 
 
 def predict(design: Design, mass: MassProperties, scene: Scene, mode: Mode = "coulomb") -> Prediction:
@@ -282,12 +283,12 @@ def predict(design: Design, mass: MassProperties, scene: Scene, mode: Mode = "co
     is to be simulated, TheoryError for an unknown mode.
     """
     try:
-        return row_of(design, mass, scene, mode, spread(design, mass, scene))
+        return make_row(design, mass, scene, mode, compute_spread(design, mass, scene))
     except FallsError as falling:
-        return row_of(design, mass, scene, mode, None, falls=falling.chance)
+        return make_row(design, mass, scene, mode, None, falls=falling.chance)
 
 
-def row_of(
+def make_row(
     design: Design,
     mass: MassProperties,
     scene: Scene,
@@ -339,13 +340,13 @@ def _theory_note(design: Design, mass: MassProperties, scene: Scene, mode: Mode,
         return ""
     other = stationary(design, mass, contact.restitution, contact.friction, "coulomb" if mode == "paper" else "paper")
     own, others = float(by_foot.factor), float(other.factor)
-    if abs(own - others) <= FAR * abs(own):
+    if abs(own - others) <= REPORTED_DIFFERENCE * abs(own):
         return ""
     which = "sticking feet (mode coulomb) give" if mode == "paper" else "eq. 15, in which feet always slide, gives"
-    return f"friction can hold the feet: {which} {words.fixed(others * _impact_speed(scene, mass), 1)} mm/s"
+    return f"friction can hold the feet: {which} {words.format_fixed(others * _impact_speed(scene, mass), 1)} mm/s"
 
 
-POINTS = 91
+CURVE_POINTS = 91
 """Points of a curve against tilt: of one from 0 to 45 deg, every half of a degree."""
 
 
@@ -365,12 +366,14 @@ class Curve(NamedTuple):
     """True where a foot can stick, so that the paper's eq. 15 fails."""
 
 
-def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: float, count: int = POINTS) -> Curve:
+def predict_curve(
+    design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: float, count: int = CURVE_POINTS
+) -> Curve:
     """Predict the speeds of a design's kind of legs over a fine range of `count` tilts.
 
     The walkers bear no marks, because these number a family's tilts only, not those in between.
     """
-    drawn, contact = drawn_inputs(scene, design), scene.contact
+    drawn, contact = sample_prediction_inputs(scene, design), scene.contact
     tilts = np.linspace(low_deg, high_deg, count)
     speeds, theory, sticks = [], [], []
     for tilt in tilts:
@@ -378,7 +381,7 @@ def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: fl
         mass = solids.mass_of(variant)
         by_foot = stationary(variant, mass, contact.restitution, contact.friction, mode)
         try:
-            of_tilt = spread(variant, mass, scene, drawn)
+            of_tilt = compute_spread(variant, mass, scene, drawn)
             speeds.append((of_tilt.nominal_mm_s, of_tilt.median, *of_tilt.bounds))
         except UnknownError:
             speeds.append((math.nan,) * 6)
@@ -388,7 +391,7 @@ def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: fl
     return Curve(tilts, middle, np.array(bounds), nominal, np.array(theory), np.array(sticks))
 
 
-def through(walkers: Sequence[tuple[Design, MassProperties, Prediction]], scene: Scene, mode: Mode) -> Curve:
+def curve_from_rows(walkers: Sequence[tuple[Design, MassProperties, Prediction]], scene: Scene, mode: Mode) -> Curve:
     """Curve through walkers that stand close to each other, by their own rows, in the order of their tilts."""
     speeds, sticks, contact = [], [], scene.contact
     for design, mass, row in sorted(walkers, key=lambda walker: walker[2].tilt_deg):

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.core.errors import TheoryError
-from walkergen.core.theory.tensors import InverseMass, feet
+from walkergen.core.theory.tensors import InverseMass, foot_tensors
 from walkergen.core.walker.mass import MassProperties
 
 Array = npt.NDArray[np.float64]
@@ -69,7 +69,7 @@ def factors(
     mass: MassProperties, restitution: float | Array, friction: float | Array, mode: Mode = "coulomb"
 ) -> Factors:
     """Stationary factors of feet of one material from mass properties. Raises TheoryError."""
-    tensors = feet(mass)
+    tensors = foot_tensors(mass)
     return Factors(
         tuple(factor(H, restitution, friction, mode) for H in tensors),
         tuple(np.asarray(friction * H.xx < np.abs(H.xy)) for H in tensors),

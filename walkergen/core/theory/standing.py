@@ -15,7 +15,7 @@ from walkergen.core.walker.mass import MassProperties
 from walkergen.core.walker.sections import section_of
 
 
-def reason(scene: Scene, design: Design, mass: MassProperties) -> str:
+def standing_reason(scene: Scene, design: Design, mass: MassProperties) -> str:
     """Why a walker stands, in words; "" where it may run.
 
     Source: statics; the amplification is that of an undamped mass on a spring. Its rival are the runs of
@@ -49,13 +49,13 @@ def _amplification(scene: Scene, design: Design, mass: MassProperties) -> float:
     load = float(mass.total) * GRAVITY / (2 * len(design.limbs))
     tip = tip_stiffness(scene, design.material)
     softer = 0.5 / (1.5 * tip ** (2.0 / 3.0) * load ** (1.0 / 3.0))  # of both tips of a foot at rest
-    stiffness = sum(1.0 / (_upright_softness(limb, modulus) + softer) for limb in design.limbs)
+    stiffness = sum(1.0 / (_vertical_compliance(limb, modulus) + softer) for limb in design.limbs)
     fastest = scene.drive.omega * (2.0 if scene.drive.second_harmonic_ratio else 1.0)
     ratio = fastest**2 * float(mass.total) / stiffness
     return 1.0 / (1.0 - ratio) if ratio < 1.0 else math.inf
 
 
-def _upright_softness(limb: Limb, modulus: float) -> float:
+def _vertical_compliance(limb: Limb, modulus: float) -> float:
     """Vertical compliance of a leg, s^2/g, whose foot slides: it bends as a cantilever and is pressed."""
     softness = math.cos(limb.tilt) ** 2 / (modulus * limb.width * section_of(limb).axial(limb))
     if not limb.rigid:

@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.core.theory.speed import Array, Factors, Mode, factor, factors
-from walkergen.core.theory.tensors import feet
-from walkergen.core.theory.uncertain import in_proportion
+from walkergen.core.theory.tensors import foot_tensors
+from walkergen.core.theory.uncertain import scale_proportionally
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
 
@@ -48,40 +48,42 @@ def stationary(
     mode `paper` of unlike feet.
     """
     if design.pair:
-        return _of_equal(factors(mass, restitution, friction, mode))
-    from walkergen.core.walker.planar import in_plane
+        return _average_equal_feet(factors(mass, restitution, friction, mode))
+    from walkergen.core.walker.planar import project_to_plane
 
-    flat = in_plane(design, mass)
+    flat = project_to_plane(design, mass)
     if design.alike:
-        return _of_equal(factors(flat.mass, restitution, friction, mode))
-    from walkergen.core.theory.balance import Foot, balanced  # compiles
+        return _average_equal_feet(factors(flat.mass, restitution, friction, mode))
+    from walkergen.core.theory.balance import Foot, solve_balance  # compiles
 
     centre = flat.mass.centre
     by_foot = []
-    for limb, leg, H in zip(flat.limbs, flat.mass.legs, feet(flat.mass), strict=True):
-        e = _own(limb.restitution, restitution, nominal[0] if nominal else None, 1.0)
-        mu = _own(limb.friction, friction, nominal[1] if nominal else None)
+    for limb, leg, H in zip(flat.limbs, flat.mass.legs, foot_tensors(flat.mass), strict=True):
+        e = _foot_value(limb.restitution, restitution, nominal[0] if nominal else None, 1.0)
+        mu = _foot_value(limb.friction, friction, nominal[1] if nominal else None)
         lever = leg.foot - centre
         by_foot.append(Foot(H, (lever[..., 0], lever[..., 1]), e, mu))
-    balance = balanced(by_foot, mode)
+    balance = solve_balance(by_foot, mode)
     own = tuple(factor(foot.H, foot.restitution, foot.friction, mode) for foot in by_foot)
     reverses = tuple(np.asarray(foot.friction * foot.H.xx < np.abs(foot.H.xy)) for foot in by_foot)
-    return Stationary(balance.factor, own, reverses, _told(design, balance.note, balance.shares))
+    return Stationary(balance.factor, own, reverses, _format_note(design, balance.note, balance.shares))
 
 
-def _of_equal(feet: Factors) -> Stationary:
+def _average_equal_feet(feet: Factors) -> Stationary:
     """Paper's mean of two equal feet."""
     return Stationary(feet.mean, feet.feet, feet.reverses, "")
 
 
-def _own(written: float | None, scenes: float | Array, nominal: float | None, most: float = math.inf) -> float | Array:
+def _foot_value(
+    written: float | None, scenes: float | Array, nominal: float | None, most: float = math.inf
+) -> float | Array:
     """Friction or restitution of a foot: its own in the scene's proportion, or the scene's."""
     if written is None:
         return scenes
-    return written if nominal is None else in_proportion(written, scenes, nominal, most)
+    return written if nominal is None else scale_proportionally(written, scenes, nominal, most)
 
 
-def _told(design: Design, note: str, shares: Array) -> str:
+def _format_note(design: Design, note: str, shares: Array) -> str:
     if shares.ndim == 1:
         percent = " : ".join(f"{100 * share:.0f}" for share in shares)
         note += f" (impacts from back to front {percent} %)"

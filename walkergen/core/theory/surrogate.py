@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.core.errors import WalkergenError
-from walkergen.core.scene import SHAPES, Scene
+from walkergen.core.scene import DEPENDENT_KEYS, Scene
 from walkergen.core.theory import networks, places
 from walkergen.core.theory.networks import LINEAR_BELOW, Speeds
 from walkergen.core.theory.places import Place
@@ -30,14 +30,14 @@ Array = npt.NDArray[np.float64]
 NORMAL_95 = NormalDist().inv_cdf(0.975)
 """Standard deviations on either side of the middle that hold 95 % of a normal distribution."""
 
-GOAL_SHARE, GOAL_MM_S = 0.10, 1.0
+MAX_ERROR_SHARE, MAX_ERROR_MM_S = 0.10, 1.0
 """Error (95 %) up to which the surrogate answers: the larger of a share of the speed and a speed."""
 
-MOST_FALLS, SURE_FALLS = 0.04, 0.9
+MAX_FALL_CHANCE, SURE_FALL_CHANCE = 0.04, 0.9
 """Chance that a run ends in a fall, by the networks, up to which the surrogate answers with a speed; and from which it
 answers that the walker falls over. Walkers between are simulated."""
 
-EDGE = 0.02
+RANGE_MARGIN = 0.02
 """Share of a number's range by which a walker may lie outside it: samples leave out the ends."""
 
 
@@ -70,50 +70,52 @@ class Known(NamedTuple):
         """Peak speed of the plate, mm/s, over which the surrogate has speeds."""
         return self.scene.drive.peak_speed
 
-    def at(self, place: Place) -> Speeds:
+    def speeds_at(self, place: Place) -> Speeds:
         """Speeds at a place, or at places, beyond the sampled numbers as at their ends."""
         kind = self.design.kind
-        speeds = networks.speeds_at(kind, np.clip(places.columns(place), *_ends(kind)))
+        speeds = networks.speeds_at(kind, np.clip(places.to_matrix(place), *_input_bounds(kind)))
         return speeds._replace(centre=self.sign * speeds.centre)
 
     @property
     def nominal(self) -> tuple[float, float]:
         """Speed of the walker as designed and its standard error, mm/s."""
-        return self.in_mm_s(self.at(self.place))
+        return self.to_mm_s(self.speeds_at(self.place))
 
-    def in_mm_s(self, speeds: Speeds) -> tuple[float, float]:
+    def to_mm_s(self, speeds: Speeds) -> tuple[float, float]:
         """First of some speeds and its standard error, mm/s."""
         slope = LINEAR_BELOW * math.cosh(speeds.centre[0])
-        return self.peak_speed * float(speeds.at(0.0)[0]), self.peak_speed * slope * float(speeds.error[0])
+        return self.peak_speed * float(speeds.speed_ratios(0.0)[0]), self.peak_speed * slope * float(speeds.error[0])
 
-    def drawn(self, drawn: Drawn) -> Speeds:
+    def sample_speeds(self, drawn: Drawn) -> Speeds:
         """Speeds at drawn values of the inputs of a prediction."""
-        return self.at(self.place.drawn(self.design, self.scene, drawn))
+        return self.speeds_at(self.place.with_inputs(self.design, self.scene, drawn))
 
 
-def of(scene: Scene, design: Design, mass: MassProperties, within_goal: bool = True) -> Known:
+def case_in_domain(scene: Scene, design: Design, mass: MassProperties, within_goal: bool = True) -> Known:
     """Return a walker that the surrogate knows.
 
     Pass `within_goal=False` if the caller accounts for the surrogate's error, as `fit` does. Raises UnknownError, with
     the reason, for a walker that has to be simulated, and FallsError for one that falls over.
     """
-    for reason in _reasons(scene, design):
+    for reason in _domain_violations(scene, design):
         raise UnknownError(reason)
-    known = Known(design, scene, places.of(scene, design, mass))
+    known = Known(design, scene, places.compute_place(scene, design, mass))
     _check_ranges(design.kind, known.place)
-    speeds = known.at(known.place)
-    if speeds.falls[0] >= SURE_FALLS:
+    speeds = known.speeds_at(known.place)
+    if speeds.falls[0] >= SURE_FALL_CHANCE:
         raise FallsError(float(speeds.falls[0]))
-    if speeds.falls[0] > MOST_FALLS:
+    if speeds.falls[0] > MAX_FALL_CHANCE:
         raise UnknownError("such walkers may fall over")
-    speed, se = known.in_mm_s(speeds)
-    goal = max(GOAL_SHARE * abs(speed), GOAL_MM_S)
+    speed, se = known.to_mm_s(speeds)
+    goal = max(MAX_ERROR_SHARE * abs(speed), MAX_ERROR_MM_S)
     if within_goal and NORMAL_95 * se > goal:
-        raise UnknownError(f"the surrogate does not know it to {100.0 * GOAL_SHARE:g} % or {GOAL_MM_S:g} mm/s")
+        raise UnknownError(
+            f"the surrogate does not know it to {100.0 * MAX_ERROR_SHARE:g} % or {MAX_ERROR_MM_S:g} mm/s"
+        )
     return known
 
 
-def _reasons(scene: Scene, design: Design) -> Iterator[str]:
+def _domain_violations(scene: Scene, design: Design) -> Iterator[str]:
     """Yield the reasons why a walker or its scene lies outside the surrogate's training set."""
     if scene.drive.kind == "motor":
         yield "walkers with a motor are simulated"
@@ -126,13 +128,13 @@ def _reasons(scene: Scene, design: Design) -> Iterator[str]:
         yield "walkers on feet of another shape or material are simulated"
     if scene.plate.slope_deg and scene.run.heading_deg != type(scene.run).model_fields["heading_deg"].default:
         yield "walkers that start across a slope are simulated"
-    yield from beyond(scene)
+    yield from scene_violations(scene)
 
 
-BESIDE = frozenset({"name", "description", "prediction", "run", "crowd", "contact", "drive"})
+COVERED_TABLES = frozenset({"name", "description", "prediction", "run", "crowd", "contact", "drive"})
 """Tables of a scene that the surrogate reads, or that change no mean speed."""
 
-READ = {
+COVERED_KEYS = {
     "arena": {"kind", "length_mm", "width_mm", "gap_mm", "wall_friction", "wall_restitution"},
     "plate": {"slope_deg", "noise_ratio", "material", "youngs_modulus_gpa"},
     "feet": {"unevenness_um", "unevenness_sd_um", "tip_radius_um", "tip_radius_sd_factor"},
@@ -141,40 +143,40 @@ READ = {
 """Keys of other tables that the surrogate reads, or that it draws."""
 
 
-NUMBER_OF = {key: number for number, keys in SHAPES.items() for key in (number, *keys)}
+GOVERNING_KEY = {key: number for number, keys in DEPENDENT_KEYS.items() for key in (number, *keys)}
 """Numbers without which keys say nothing."""
 
 
-def beyond(scene: Scene) -> list[str]:
+def scene_violations(scene: Scene) -> list[str]:
     """Keys and values of a scene, as people write them, that the surrogate has never met.
 
     What shapes a number counts only where there is some.
     """
     reasons = []
     for name in type(scene).model_fields:
-        if name in BESIDE:
+        if name in COVERED_TABLES:
             continue
         table = getattr(scene, name)
         for key, field in type(table).model_fields.items():
-            number = NUMBER_OF.get(f"{name}.{key}")
+            number = GOVERNING_KEY.get(f"{name}.{key}")
             idle = number is not None and not scene.value(number)
             value = getattr(table, key)
-            if key not in READ.get(name, ()) and not idle and value != field.default:
+            if key not in COVERED_KEYS.get(name, ()) and not idle and value != field.default:
                 reasons.append(f"{name}.{key} = {value} is simulated")
     return reasons
 
 
-def _ends(kind: Kind) -> Array:
+def _input_bounds(kind: Kind) -> Array:
     """Lower and upper ends of the sampled numbers for a kind of legs, shape (2, numbers)."""
-    ranges = networks.facts()["ranges"][kind]
+    ranges = networks.training_facts()["ranges"][kind]
     return np.array([ranges[name] for name in Place._fields]).T
 
 
 def _check_ranges(kind: Kind, place: Place) -> None:
     """Raise UnknownError for a walker with a number that was not sampled."""
-    for name, value, low, high in zip(Place._fields, place, *_ends(kind), strict=True):
-        margin = EDGE * (high - low) + 1e-9
+    for name, value, low, high in zip(Place._fields, place, *_input_bounds(kind), strict=True):
+        margin = RANGE_MARGIN * (high - low) + 1e-9
         if not low - margin <= float(value) <= high + margin:
-            words, ends = places.in_words(name, low, high)
+            words, ends = places.describe_number(name, low, high)
             side = "less" if float(value) < low else "more"
             raise UnknownError(f"the surrogate knows a {words} of {ends}, and here it is {side}")

@@ -29,7 +29,7 @@ def _mobility_to_mass(mass: Values, inertia: Values, lever: Array) -> InverseMas
     return InverseMass(scale * (inertia + mass * x * x), scale * mass * x * y, scale * (inertia + mass * y * y))
 
 
-def rigid(M: Values, J: Values, d: Array) -> InverseMass:
+def rigid_tensor(M: Values, J: Values, d: Array) -> InverseMass:
     """Tensor at a foot of a rigid walker: I/M + P(d)/J, in 1/g (paper eq. 4).
 
     M (g) and J (g mm^2) of the whole walker, shape (...); d = O -> foot (mm), shape (..., 2).
@@ -38,7 +38,7 @@ def rigid(M: Values, J: Values, d: Array) -> InverseMass:
     return InverseMass(1.0 / M + y * y / J, -x * y / J, 1.0 / M + x * x / J)
 
 
-def flexible(M: Values, J: Values, m: Values, j: Values, a: Array, c_A: Array, c_T: Array) -> InverseMass:
+def flexible_tensor(M: Values, J: Values, m: Values, j: Values, a: Array, c_A: Array, c_T: Array) -> InverseMass:
     """Tensor at the tip of a leg whose joint carries force but no torque, in 1/g (paper eqs 8-12).
 
     The body has M, J and anchor a; the leg has m, j (about its own centre), c_A = anchor -> centre
@@ -73,14 +73,14 @@ def flexible(M: Values, J: Values, m: Values, j: Values, a: Array, c_A: Array, c
     )
 
 
-def feet(mass: MassProperties) -> tuple[InverseMass, ...]:
+def foot_tensors(mass: MassProperties) -> tuple[InverseMass, ...]:
     """Tensors at the feet; the other legs' masses are neglected, as in the paper.
 
     The error of this is of the order of m/M (the tests compare it with the chain of hinged legs).
     """
     return tuple(
-        rigid(mass.M, mass.J, leg.foot)
+        rigid_tensor(mass.M, mass.J, leg.foot)
         if np.all(np.asarray(leg.m) == 0.0)
-        else flexible(mass.M, mass.J, leg.m, leg.j, leg.anchor, leg.c_A, leg.c_T)
+        else flexible_tensor(mass.M, mass.J, leg.m, leg.j, leg.anchor, leg.c_A, leg.c_T)
         for leg in mass.legs
     )

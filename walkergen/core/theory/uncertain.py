@@ -13,19 +13,19 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.core.drive import MOTOR_HZ, Drive
-from walkergen.core.scene import LEAST_RESTITUTION, PRIORS, Scene
+from walkergen.core.drive import MOTOR_FREQUENCY_RANGE_HZ, Drive
+from walkergen.core.scene import MIN_RESTITUTION, PRIORS, Scene
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
-from walkergen.core.walker.limbs import LONGEST_MM, SHORTEST_MM
-from walkergen.core.walker.mass import MassProperties, scaled
+from walkergen.core.walker.limbs import MAX_LENGTH_MM, MIN_LENGTH_MM
+from walkergen.core.walker.mass import MassProperties, scale_masses
 
 Array = npt.NDArray[np.float64]
 
-PREDICTION, SPACE = "prediction", "space"
+PREDICTION_READER, SPACE_READER = "prediction", "space"
 """Who reads uncertain inputs: the prediction, and the model in space in its runs."""
 
-FREQUENCY, MOMENT = "drive.frequency_hz", "drive.eccentric_g_mm"
+FREQUENCY_KEY, MOMENT_KEY = "drive.frequency_hz", "drive.eccentric_g_mm"
 """Names of what is uncertain of a motor."""
 
 QUANTILES = (0.025, 0.16, 0.84, 0.975)
@@ -56,7 +56,7 @@ def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
     contact, feet = scene.contact, scene.feet
     mass_sd = 0.01 * design.weighed.mass_sd_percent
     known = (
-        Input("contact.restitution", contact.restitution, contact.restitution_sd, LEAST_RESTITUTION, 1.0),
+        Input("contact.restitution", contact.restitution, contact.restitution_sd, MIN_RESTITUTION, 1.0),
         Input("contact.friction", contact.friction, contact.friction_sd),
         Input(
             "legs.thickness_mm",
@@ -76,9 +76,9 @@ def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
         Input("leg mass", 1.0, mass_sd, 0.01),
         Input("feet.unevenness_um", feet.unevenness_um, feet.unevenness_sd_um, folded=True),
         _tip_radius(scene),
-        *_of_motor(scene.drive),
+        *_motor_inputs(scene.drive),
     )
-    off = {"legs.damping_ratio"} if reader == PREDICTION else set()
+    off = {"legs.damping_ratio"} if reader == PREDICTION_READER else set()
     if design.rigid:
         off.add("leg mass")
     if scene.feet.rigid_tips:
@@ -96,14 +96,20 @@ def _tip_radius(scene: Scene) -> Input:
     return Input("feet.tip_radius_um", radius, math.log(factor), *ends, factor=True)
 
 
-def _of_motor(drive: Drive) -> tuple[Input, ...]:
+def _motor_inputs(drive: Drive) -> tuple[Input, ...]:
     """Return the inputs of a motor, cut off at half and twice their values; none of a plate."""
     if drive.kind == "plate":
         return ()
     pace, moment = drive.frequency, drive.eccentric
     return (
-        Input(FREQUENCY, pace, drive.frequency_sd_hz, max(0.5 * pace, MOTOR_HZ[0]), min(2.0 * pace, MOTOR_HZ[1])),
-        Input(MOMENT, moment, drive.eccentric_sd_g_mm, 0.5 * moment, 2.0 * moment),
+        Input(
+            FREQUENCY_KEY,
+            pace,
+            drive.frequency_sd_hz,
+            max(0.5 * pace, MOTOR_FREQUENCY_RANGE_HZ[0]),
+            min(2.0 * pace, MOTOR_FREQUENCY_RANGE_HZ[1]),
+        ),
+        Input(MOMENT_KEY, moment, drive.eccentric_sd_g_mm, 0.5 * moment, 2.0 * moment),
     )
 
 
@@ -114,35 +120,35 @@ class Drawn(NamedTuple):
     """Values of each input, shape (number,)."""
     number: int
 
-    def of(self, name: str, nominal: float) -> Array:
+    def input_values(self, name: str, nominal: float) -> Array:
         """Values of an input, shape (number,): the nominal one where it is not drawn."""
         return self.columns.get(name, np.full(self.number, nominal))
 
 
-def named(quantities: Sequence[Input], values: Array) -> Drawn:
+def label_columns(quantities: Sequence[Input], values: Array) -> Drawn:
     """Values of inputs, shape (count, inputs), by their names."""
     columns = {quantity.name: values[:, place] for place, quantity in enumerate(quantities)}
     return Drawn(columns, len(values))
 
 
-def draws(quantities: Sequence[Input], count: int, seed: int) -> Array:
+def sample_inputs(quantities: Sequence[Input], count: int, seed: int) -> Array:
     """Draws of the inputs, shape (count, inputs), evenly spread (see `even`); not writable.
 
     They are kept, since members of a family share them.
     """
-    return _draws(tuple(quantities), count, seed)
+    return _sample_inputs(tuple(quantities), count, seed)
 
 
 @lru_cache(maxsize=8)
-def _draws(quantities: tuple[Input, ...], count: int, seed: int) -> Array:
-    cube = even(len(quantities), count, seed)
-    columns = [quantiles(quantity, cube[:, place]) for place, quantity in enumerate(quantities)]
+def _sample_inputs(quantities: tuple[Input, ...], count: int, seed: int) -> Array:
+    cube = lattice_points(len(quantities), count, seed)
+    columns = [input_quantiles(quantity, cube[:, place]) for place, quantity in enumerate(quantities)]
     drawn = np.column_stack(columns) if columns else np.empty((count, 0))
     drawn.flags.writeable = False
     return drawn
 
 
-LATTICE = (
+LATTICE_VECTOR = (
     1,
     182667,
     469891,
@@ -180,7 +186,7 @@ LATTICE = (
 (R. Cools, F. Y. Kuo and D. Nuyens, SIAM J. Sci. Comput. 28, 2162, 2006)."""
 
 
-def even(wide: int, count: int, seed: int) -> Array:
+def lattice_points(wide: int, count: int, seed: int) -> Array:
     """Points of a lattice with a random shift in the unit cube, shape (count, wide), wide <= 32.
 
     Its first 2^m points are evenly spread. Ends of bounds over 512 of them err by 0.4 to 0.8 of
@@ -191,29 +197,29 @@ def even(wide: int, count: int, seed: int) -> Array:
     numbers, turned = np.arange(2**bits), np.zeros(2**bits, np.int64)
     for bit in range(bits):
         turned |= (numbers >> bit & 1) << (bits - 1 - bit)
-    places = turned[:count, None] * np.array(LATTICE[:wide]) % 2**bits / 2**bits
+    places = turned[:count, None] * np.array(LATTICE_VECTOR[:wide]) % 2**bits / 2**bits
     return np.asarray((places + np.random.default_rng(seed).random(wide)) % 1.0)
 
 
-STANDARD = NormalDist()
-_of_standard = np.vectorize(STANDARD.inv_cdf, otypes=[float])
+STANDARD_NORMAL = NormalDist()
+_normal_quantiles = np.vectorize(STANDARD_NORMAL.inv_cdf, otypes=[float])
 
 
-def quantiles(law: Input, shares: Array) -> Array:
+def input_quantiles(law: Input, shares: Array) -> Array:
     """Quantiles of an input's distribution; shares in (0, 1), any shape."""
     if law.factor:
         normal = Input(law.name, math.log(law.mean), law.sd, math.log(law.low), math.log(law.high))
-        return np.asarray(np.exp(quantiles(normal, shares)))
+        return np.asarray(np.exp(input_quantiles(normal, shares)))
     low = -math.inf if law.folded else (law.low - law.mean) / law.sd
     high = math.inf if law.folded else (law.high - law.mean) / law.sd
-    bottom, top = STANDARD.cdf(low), STANDARD.cdf(high)
+    bottom, top = STANDARD_NORMAL.cdf(low), STANDARD_NORMAL.cdf(high)
     tiny = np.finfo(float).tiny
     within = np.clip(bottom + shares * (top - bottom), tiny, 1.0 - np.finfo(float).eps)
-    values = np.asarray(law.mean + law.sd * _of_standard(within))
+    values = np.asarray(law.mean + law.sd * _normal_quantiles(within))
     return np.asarray(np.abs(values) if law.folded else np.clip(values, law.low, law.high))
 
 
-def applied(scene: Scene, design: Design, values: Mapping[str, float]) -> tuple[Scene, Design, MassProperties]:
+def apply_inputs(scene: Scene, design: Design, values: Mapping[str, float]) -> tuple[Scene, Design, MassProperties]:
     """Scene, design and masses with the inputs set to `values`; others keep their means.
 
     Feet of another material change in the proportion in which the scene's contact does.
@@ -233,12 +239,12 @@ def applied(scene: Scene, design: Design, values: Mapping[str, float]) -> tuple[
     drawn = scene.model_copy(
         update={name: getattr(scene, name).model_copy(update=new) for name, new in changes.items()}
     )
-    design = _as_drawn(_as_printed(design, thick, material), scene, drawn)
+    design = _scale_foot_contacts(_with_leg_thickness(design, thick, material), scene, drawn)
     body, leg = values.get("body mass", 1.0), values.get("leg mass", 1.0)
-    return drawn, design, scaled(solids.mass_of(design), float(body), float(leg))
+    return drawn, design, scale_masses(solids.mass_of(design), float(body), float(leg))
 
 
-def in_proportion(own: float, drawn: Any, nominal: float, most: float = math.inf) -> Any:
+def scale_proportionally(own: float, drawn: Any, nominal: float, most: float = math.inf) -> Any:
     """Friction or restitution of a foot of another material, as a draw of the scene's changes it.
 
     It changes in the same proportion, up to `most`; where the scene's `nominal` value is 0 it
@@ -247,7 +253,7 @@ def in_proportion(own: float, drawn: Any, nominal: float, most: float = math.inf
     return own + 0.0 * drawn if nominal == 0.0 else np.minimum(own * (drawn / nominal), most)
 
 
-def _as_drawn(design: Design, scene: Scene, drawn: Scene) -> Design:
+def _scale_foot_contacts(design: Design, scene: Scene, drawn: Scene) -> Design:
     """Design whose feet of another material change as the scene's contact does; validated."""
     if all(limb.friction is None and limb.restitution is None for limb in design.limbs):
         return design
@@ -256,25 +262,25 @@ def _as_drawn(design: Design, scene: Scene, drawn: Scene) -> Design:
         for key, most in (("friction", math.inf), ("restitution", 1.0)):
             if leg.get(key) is not None:
                 now, nominal = (getattr(one.contact, key) for one in (drawn, scene))
-                leg[key] = float(in_proportion(leg[key], now, nominal, most))
+                leg[key] = float(scale_proportionally(leg[key], now, nominal, most))
     return Design.model_validate(data)
 
 
-def _buildable(thickness: float) -> float:
+def _clip_thickness(thickness: float) -> float:
     """Drawn thickness of a leg, mm, within what a design may have."""
-    return min(max(thickness, SHORTEST_MM), LONGEST_MM)
+    return min(max(thickness, MIN_LENGTH_MM), MAX_LENGTH_MM)
 
 
-def _as_printed(design: Design, thickness: float | None, material: dict[str, Any]) -> Design:
+def _with_leg_thickness(design: Design, thickness: float | None, material: dict[str, Any]) -> Design:
     """Design with another thickness of its first leg, and of others in proportion; validated."""
     if thickness is not None:
         data = design.model_dump(exclude_unset=True)
         if design.pair:
-            data.setdefault("legs", {})[f"{design.kind}_thickness_mm"] = _buildable(thickness)
+            data.setdefault("legs", {})[f"{design.kind}_thickness_mm"] = _clip_thickness(thickness)
         else:
             ratio = thickness / design.limbs[0].thickness
             for leg, limb in zip(data["legs"], design.limbs, strict=True):
-                leg["thickness_mm"] = _buildable(ratio * limb.thickness)
+                leg["thickness_mm"] = _clip_thickness(ratio * limb.thickness)
         design = Design.model_validate(data)
     if material:
         changed = design.material.model_copy(update=material)
@@ -294,18 +300,18 @@ class Share(NamedTuple):
     total_se: float
 
 
-def shares(quantities: Sequence[Input], function: Callable[[Array], Array], seed: int) -> tuple[Share, ...]:
+def variance_shares(quantities: Sequence[Input], function: Callable[[Array], Array], seed: int) -> tuple[Share, ...]:
     """First-order and total shares of a function's variance, largest total first.
 
     The function takes values of the inputs, shape (n, inputs), and returns shape (n,). Standard
     errors come from `SHARE_SETS` independent sets of points.
     """
     generators = np.random.default_rng(seed).spawn(SHARE_SETS)
-    repeats = np.array([indices(quantities, function, generator) for generator in generators])
-    return listed(quantities, repeats.mean(axis=0), repeats.std(axis=0, ddof=1) / math.sqrt(SHARE_SETS))
+    repeats = np.array([sobol_indices(quantities, function, generator) for generator in generators])
+    return sort_shares(quantities, repeats.mean(axis=0), repeats.std(axis=0, ddof=1) / math.sqrt(SHARE_SETS))
 
 
-def indices(quantities: Sequence[Input], function: Callable[[Array], Array], rng: np.random.Generator) -> Array:
+def sobol_indices(quantities: Sequence[Input], function: Callable[[Array], Array], rng: np.random.Generator) -> Array:
     """First-order (row 0) and total (row 1) shares of a function's variance, shape (2, inputs)."""
     from scipy.stats import sobol_indices
 
@@ -316,7 +322,7 @@ def indices(quantities: Sequence[Input], function: Callable[[Array], Array], rng
     return np.array([np.ravel(sobol.first_order), np.ravel(sobol.total_order)])
 
 
-def listed(quantities: Sequence[Input], values: Array, errors: Array) -> tuple[Share, ...]:
+def sort_shares(quantities: Sequence[Input], values: Array, errors: Array) -> tuple[Share, ...]:
     """Shares by name, largest total first; values and standard errors of shape (2, inputs)."""
     rows = [
         Share(quantity.name, *map(float, (values[0, k], errors[0, k], values[1, k], errors[1, k])))
@@ -332,4 +338,4 @@ class _Law(NamedTuple):
 
     def ppf(self, shares: Array) -> Array:
         """Quantiles."""
-        return quantiles(self.one, shares)
+        return input_quantiles(self.one, shares)

@@ -22,16 +22,16 @@ Points = Annotated[
     list[Annotated[list[float], Field(min_length=2, max_length=2)]], Field(min_length=3, max_length=100_000)
 ]
 
-DRAWN = ("disc", "ellipse", "polygon")
+BUILTIN_OUTLINES = ("disc", "ellipse", "polygon")
 """Outlines that need no file."""
 
-FILES = ("outline", "mesh", "font")
+FILE_KEYS = ("outline", "mesh", "font")
 """Keys that may name a file."""
 
-SOURCES = ("profile_mm", "outline", "text", "mesh")
+SOURCE_KEYS = ("profile_mm", "outline", "text", "mesh")
 """Keys that give a body another shape than a rectangle; one of them at most."""
 
-WITH_SOURCE = ("points_mm", "font", "rails_mm", "scale_mm", "up", "forward", "legs_below_mm", "base", "mirror")
+SOURCE_DETAIL_KEYS = ("points_mm", "font", "rails_mm", "scale_mm", "up", "forward", "legs_below_mm", "base", "mirror")
 """Keys that say more of a source."""
 
 
@@ -73,8 +73,8 @@ class Body(Section):
     """True to turn what points forward backward, as a mirror does."""
 
     @model_validator(mode="after")
-    def _one_source(self) -> "Body":
-        sources = [key for key in SOURCES if getattr(self, key) is not None]
+    def _check_one_source(self) -> "Body":
+        sources = [key for key in SOURCE_KEYS if getattr(self, key) is not None]
         if len(sources) > 1:
             raise ValueError(f"{' and '.join(sources)} each give the body a shape: keep one of them")
         if (self.points_mm is not None) != (self.outline == "polygon"):
@@ -98,11 +98,11 @@ class Body(Section):
         if self.legs_below_mm is not None and self.mesh is None:
             raise ValueError("legs_below_mm is for a mesh of a whole walker")
         for key in sources:
-            if wrong := sorted(self._follows(key) & self.model_fields_set):
+            if wrong := sorted(self._derived_keys(key) & self.model_fields_set):
                 raise ValueError(f"{wrong[0]} follows from {key}: leave it out")
         return self
 
-    def _follows(self, source: str) -> set[str]:
+    def _derived_keys(self, source: str) -> set[str]:
         """Sizes that follow from a source of the shape."""
         flat: dict[str, set[str]] = {"ellipse": set(), "polygon": {"length_mm", "depth_mm"}}
         return {
@@ -113,7 +113,7 @@ class Body(Section):
         }[source]
 
     @classmethod
-    def reshaped(
+    def replace_source(
         cls, table: Mapping[str, Any], source: str, former: "Body", values: Mapping[str, Any]
     ) -> dict[str, Any]:
         """Table of a body that got another source of its shape, without what followed from the former one.
@@ -121,10 +121,10 @@ class Body(Section):
         Where that was of another kind sizes and all that was said of it go too, unless `values`, by dotted keys of
         the design, set them anew.
         """
-        gone = set(SOURCES) - {source}
+        gone = set(SOURCE_KEYS) - {source}
         if getattr(former, source) is None:
-            gone |= {*WITH_SOURCE, "length_mm", "depth_mm"}
-        gone |= cls.model_construct(**{source: table[source]})._follows(source)
+            gone |= {*SOURCE_DETAIL_KEYS, "length_mm", "depth_mm"}
+        gone |= cls.model_construct(**{source: table[source]})._derived_keys(source)
         if source == "outline" and table[source] != "polygon":
             gone.add("points_mm")
         return {key: value for key, value in table.items() if key not in gone or f"body.{key}" in values}
@@ -155,9 +155,9 @@ class Body(Section):
     @property
     def idle(self) -> set[str]:
         """Keys that say nothing of a body of this shape; other sources of one are among them."""
-        keys = {key for key in SOURCES if getattr(self, key) is None}
-        for key in set(SOURCES) - keys:
-            keys |= self._follows(key)
+        keys = {key for key in SOURCE_KEYS if getattr(self, key) is None}
+        for key in set(SOURCE_KEYS) - keys:
+            keys |= self._derived_keys(key)
         needs = {
             "points_mm": self.outline == "polygon",
             **dict.fromkeys(("font", "rails_mm"), self.text is not None),
@@ -169,7 +169,7 @@ class Body(Section):
 
     @property
     def _drawing(self) -> bool:
-        return self.outline is not None and self.outline not in DRAWN
+        return self.outline is not None and self.outline not in BUILTIN_OUTLINES
 
     @property
     def plain(self) -> bool:
@@ -229,11 +229,11 @@ class Shape(NamedTuple):
         """Return the closed mesh of the body, in the design's frame. Raises SolidError."""
         if self.mesh is not None:
             return self.mesh
-        from walkergen.core.shapes.extrusion import extruded  # heavy: the modeller
+        from walkergen.core.shapes.extrusion import extrude  # heavy: the modeller
 
         if self.side is not None:
-            return extruded([self.side], self.size.depth)
-        return lay_down(extruded(self.plan, self.size.thickness), self.size)
+            return extrude([self.side], self.size.depth)
+        return lay_down(extrude(self.plan, self.size.thickness), self.size)
 
 
 def lay_down(plan: Mesh, size: Size) -> Mesh:
@@ -243,7 +243,7 @@ def lay_down(plan: Mesh, size: Size) -> Mesh:
 
 
 @lru_cache(maxsize=64)
-def rectangle(length: float, thickness: float, depth: float) -> Shape:
+def rectangle_shape(length: float, thickness: float, depth: float) -> Shape:
     """Return the shape of a rectangle in side view."""
     x, y = 0.5 * length, 0.5 * thickness
     side = np.array([(-x, -y), (x, -y), (x, y), (-x, y)])

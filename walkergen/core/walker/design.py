@@ -14,16 +14,16 @@ from typing import Any, Self
 from pydantic import model_validator
 
 from walkergen.core.errors import GeometryError, InputError
-from walkergen.core.files.assignments import changed
+from walkergen.core.files.assignments import replace_values
 from walkergen.core.files.config import validate
 from walkergen.core.walker import resolve
 from walkergen.core.walker.body import Shape, Size
 from walkergen.core.walker.fittings import Marks
 from walkergen.core.walker.limbs import Kind, Legs, Limb
 from walkergen.core.walker.readers import load_readers
-from walkergen.core.walker.spec import DEFAULT_TILT_DEG, WalkerSpec, with_one_body
+from walkergen.core.walker.spec import DEFAULT_TILT_DEG, WalkerSpec, merge_walker_table
 
-SHORT = {"tilt": "tilt_deg", "text": "body.text", "mirror": "body.mirror"}
+SHORT_KEYS = {"tilt": "tilt_deg", "text": "body.text", "mirror": "body.mirror"}
 """Keys, by the words of commands for them."""
 
 
@@ -35,15 +35,15 @@ class Design(WalkerSpec):
     def _level_stance(cls, data: Any) -> Any:
         if not isinstance(data, Mapping):
             return data
-        data = with_one_body(data)
+        data = merge_walker_table(data)
         if data.get("stance") != "as built":
             return data
         follow = data.get("leg_tilt_deg")
         return load_readers().stand_level(data, DEFAULT_TILT_DEG if follow is None else follow)
 
     @model_validator(mode="after")
-    def _buildable(self) -> Self:
-        resolve.refuse_unbuildable(self)
+    def _check_buildable(self) -> Self:
+        resolve.check_buildable(self)
         return self
 
     @property
@@ -72,7 +72,7 @@ class Design(WalkerSpec):
     @property
     def tilt_deg(self) -> float:
         """Tilt that identifies a member of a family, deg: of all legs that follow it, or of the first leg."""
-        return resolve.tilt_deg_of(self)
+        return resolve.family_tilt_deg(self)
 
     @property
     def rigid(self) -> bool:
@@ -138,16 +138,16 @@ class Design(WalkerSpec):
 
         Example: `wg.load("koumakis2016").variant(tilt=12, **{"legs.flexible_thickness_mm": 0.3})`
         """
-        words = {SHORT[key]: keys.pop(key) for key in [*keys] if key in SHORT}
+        words = {SHORT_KEYS[key]: keys.pop(key) for key in [*keys] if key in SHORT_KEYS}
         if isinstance(keys.get("legs"), str):  # a table or a list are the file's
             words["kind"] = keys.pop("legs")
         for key, value in (("tilt_deg", tilt_deg), ("kind", kind)):
             if value is not None and words.setdefault(key, value) is not value:
                 raise InputError(f"{self.name}: {key}: given twice, by its short name too")
-        own = self._named(words.pop("tilt_deg", None), words.pop("kind", None)) | words
+        own = self._tilt_and_kind_keys(words.pop("tilt_deg", None), words.pop("kind", None)) | words
         for key in own.keys() & keys.keys():
             raise InputError(f"{self.name}: {key}: given twice, by its short name too")
-        return changed(self, own | keys, self.name)
+        return replace_values(self, own | keys, self.name)
 
     def __repr__(self) -> str:
         length, thickness, depth = self.size
@@ -156,7 +156,7 @@ class Design(WalkerSpec):
 
     __str__ = __repr__
 
-    def _named(self, tilt_deg: float | None, kind: Kind | None) -> dict[str, Any]:
+    def _tilt_and_kind_keys(self, tilt_deg: float | None, kind: Kind | None) -> dict[str, Any]:
         """Keys that a tilt and a kind of legs stand for. Raises GeometryError where there is none.
 
         None leaves the design's own.

@@ -15,16 +15,16 @@ from walkergen.core.files.config import Section
 from walkergen.core.walker.body import Size
 from walkergen.core.walker.limbs import Place
 
-MOST_SERIAL = 99_999
+MAX_SERIAL = 99_999
 """Largest serial number."""
 
-PLACES = ("along_mm", "up_mm", "across_mm")
+PLACE_KEYS = ("along_mm", "up_mm", "across_mm")
 """Keys of a place, in the order of the design's axes x, y and z."""
 
-FLOOR_MM = 0.4
+MIN_FLOOR_MM = 0.4
 """Thinnest floor or wall of a pocket against the body's box, mm: two layers, or a printed line."""
 
-ABOVE_PLATE_MM = 0.5
+MIN_PLATE_DISTANCE_MM = 0.5
 """Least distance of a part under the body from the plate, mm: what legs give way, assumed."""
 
 
@@ -38,7 +38,7 @@ class Marks(Section):
     """Height of its capitals. None: half the body's, as seen on the side that bears them."""
     line_mm: Annotated[float, Field(ge=0.05, le=5)] = 0.4
     depth_mm: Annotated[float, Field(ge=1e-3, le=1e4)] = 0.4
-    serial: Annotated[int, Field(ge=1, le=MOST_SERIAL)] | None = None
+    serial: Annotated[int, Field(ge=1, le=MAX_SERIAL)] | None = None
     """Number of one copy, engraved beside its mark. None: copies are not told apart."""
 
     @property
@@ -53,7 +53,7 @@ class Marks(Section):
         return " ".join(part for part in parts if part)
 
     @model_validator(mode="after")
-    def _lettered(self) -> "Marks":
+    def _check_text(self) -> "Marks":
         if (self.kind == "text") != (self.text is not None):
             other = "needs text" if self.text is None else "has no text; give it kind = 'text'"
             raise ValueError(f'marks.kind = {self.kind!r} {other}: text and kind = "text" go together')
@@ -63,7 +63,7 @@ class Marks(Section):
 MARKER_CELLS, TILE_CELLS = 6, 8
 """Cells along the side of a marker, its black frame included, and of the tile that bears it."""
 
-THICKNESS = {"engraved": 1.0, "raised": 1.0, "paper": 0.1}
+TILE_THICKNESS_MM = {"engraved": 1.0, "raised": 1.0, "paper": 0.1}
 """Thickness of a tile, unless a design gives it, mm; of a raised one below the cells that stand."""
 PAPER_G_CM3 = 0.8
 """Density of paper: 80 g/m^2 of 0.1 mm."""
@@ -84,7 +84,7 @@ class Cap(Section):
     """Depth of engraved cells, or height of raised ones; paper has none."""
 
     @model_validator(mode="after")
-    def _whole(self) -> "Cap":
+    def _check_number_and_relief(self) -> "Cap":
         if self.number >= self.count:
             raise ValueError(
                 f"number = {self.number}: the markers of {self.dictionary!r} are numbered "
@@ -115,7 +115,7 @@ class Cap(Section):
     @property
     def thickness(self) -> float:
         """Thickness of the tile, mm, without raised cells."""
-        return THICKNESS[self.kind] if self.thickness_mm is None else self.thickness_mm
+        return TILE_THICKNESS_MM[self.kind] if self.thickness_mm is None else self.thickness_mm
 
     def density(self, material_g_cm3: float) -> float:
         """Density of the cap, g/cm^3: paper's, or that of the walker's material; ink has no mass.
@@ -139,7 +139,7 @@ class Cell(NamedTuple):
     mass_g: float
 
 
-CELLS = {"CR2032": Cell(20.0, 3.2, 2.9), "LR44": Cell(11.6, 5.4, 2.0)}
+COIN_CELLS = {"CR2032": Cell(20.0, 3.2, 2.9), "LR44": Cell(11.6, 5.4, 2.0)}
 """Coin cells by their names in IEC 60086, whose largest sizes these are. Masses: Panasonic's data
 sheet of its CR2032 (other makers state 2.8 to 3.2 g), makers' of LR44 and A76 (1.8 to 2.1 g)."""
 
@@ -164,7 +164,7 @@ class Cylinder(NamedTuple):
         x, y, z = (0.5 * self.height if i == self.axis else self.radius for i in range(3))
         return x, y, z
 
-    def middle(self, depth: float) -> tuple[float, float, float]:
+    def centre_in_design(self, depth: float) -> tuple[float, float, float]:
         """Its middle in the design's frame, in which the body's depth, mm, begins at z = 0."""
         x, y, z = self.centre
         return x, y, z + 0.5 * depth
@@ -224,18 +224,20 @@ class Battery(Part):
     axis: Direction = "up"
 
     @model_validator(mode="after")
-    def _one_size(self) -> "Battery":
+    def _check_size(self) -> "Battery":
         own = [key for key in ("diameter_mm", "height_mm") if getattr(self, key) is not None]
         if self.shape is not None and own:
             raise ValueError(f"{own[0]} follows from shape = {self.shape!r}: keep one of them")
         if self.shape is None and (len(own) < 2 or self.mass_g is None):
-            raise ValueError(f"a battery needs shape, one of {', '.join(CELLS)}, or diameter_mm, height_mm and mass_g")
+            raise ValueError(
+                f"a battery needs shape, one of {', '.join(COIN_CELLS)}, or diameter_mm, height_mm and mass_g"
+            )
         return self
 
     @property
     def cylinder(self) -> Cylinder:
         """Cylinder that the battery is."""
-        standard = CELLS.get(self.shape or "", Cell(0.0, 0.0, 0.0))
+        standard = COIN_CELLS.get(self.shape or "", Cell(0.0, 0.0, 0.0))
         return self._cylinder(
             self.diameter_mm or standard.diameter_mm,
             self.height_mm or standard.height_mm,
@@ -266,19 +268,19 @@ def place_problems(parts: Mapping[str, Part], pockets: Pockets, size: Size, foot
     return [
         f"{name}.{problem}"
         for name, part in parts.items()
-        for problem in _problems_of(name, part, pockets.clearance_mm, size, foot)
+        for problem in _part_problems(name, part, pockets.clearance_mm, size, foot)
     ]
 
 
-def _problems_of(name: str, part: Part, clearance: float, size: Size, foot: float) -> Iterator[str]:
+def _part_problems(name: str, part: Part, clearance: float, size: Size, foot: float) -> Iterator[str]:
     """Problems of one part, each from its key on."""
     cylinder = part.cylinder
-    for i, key in enumerate(PLACES):
+    for i, key in enumerate(PLACE_KEYS):
         value, half = cylinder.centre[i], cylinder.half[i] + clearance
-        low, high = _limits(part.opens, i, half, size[i])
+        low, high = _place_limits(part.opens, i, half, size[i])
         if low > high:
             wide = "height_mm" if i == cylinder.axis else "diameter_mm"
-            needed = 2.0 * (half + FLOOR_MM)
+            needed = 2.0 * (half + MIN_FLOOR_MM)
             yield (
                 f"{wide} = {2.0 * (half - clearance):g}: its pocket needs a body of "
                 f"{needed:.4g} mm {key.removesuffix('_mm')}, this one has {size[i]:.4g} mm: make "
@@ -292,25 +294,25 @@ def _problems_of(name: str, part: Part, clearance: float, size: Size, foot: floa
                 what = "its pocket is deeper than the body"
             yield (
                 f"{key} = {value:g}: {what}: must lie in {low:.4g}..{high:.4g} mm, which "
-                f"leaves floor and walls of {FLOOR_MM:g} mm: move it, or make the body larger"
+                f"leaves floor and walls of {MIN_FLOOR_MM:g} mm: move it, or make the body larger"
             )
     gap = cylinder.centre[1] - cylinder.half[1] - foot
-    low, _ = _limits(part.opens, 1, cylinder.half[1] + clearance, size.thickness)
-    if gap < ABOVE_PLATE_MM and cylinder.centre[1] >= low:
+    low, _ = _place_limits(part.opens, 1, cylinder.half[1] + clearance, size.thickness)
+    if gap < MIN_PLATE_DISTANCE_MM and cylinder.centre[1] >= low:
         yield (
             f"up_mm = {cylinder.centre[1]:g}: the {name} ends {gap:.3g} mm above the plate, must "
-            f"be at least {ABOVE_PLATE_MM:g} mm: move it up, or make the legs longer"
+            f"be at least {MIN_PLATE_DISTANCE_MM:g} mm: move it up, or make the legs longer"
         )
 
 
-def _limits(opens: Opening, i: int, half: float, size: float) -> tuple[float, float]:
+def _place_limits(opens: Opening, i: int, half: float, size: float) -> tuple[float, float]:
     """Least and greatest place along axis i of a pocket that reaches `half` to either side, mm."""
-    room = 0.5 * size - FLOOR_MM - half
+    room = 0.5 * size - MIN_FLOOR_MM - half
     low, high = -room, room
     if i == 1 and opens == "down":
-        low = FLOOR_MM - 0.5 * size - half
+        low = MIN_FLOOR_MM - 0.5 * size - half
     elif i == 1:
-        high = 0.5 * size + half - FLOOR_MM
+        high = 0.5 * size + half - MIN_FLOOR_MM
     elif i == 2 and opens == "side":
         high = 0.5 * size - half
     return low, high

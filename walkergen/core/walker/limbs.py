@@ -16,8 +16,8 @@ from pydantic import Field
 
 from walkergen.core.files.config import Fraction, Friction, Section
 
-SHORTEST_MM, LONGEST_MM = 1e-6, 1e6
-Length = Annotated[float, Field(ge=SHORTEST_MM, le=LONGEST_MM)]
+MIN_LENGTH_MM, MAX_LENGTH_MM = 1e-6, 1e6
+Length = Annotated[float, Field(ge=MIN_LENGTH_MM, le=MAX_LENGTH_MM)]
 Place = Annotated[float, Field(ge=-1e6, le=1e6)]
 Tilt = Annotated[float, Field(ge=-85, le=85)]
 Kind = Literal["flexible", "braced"]
@@ -27,7 +27,7 @@ RIGID_KINDS: tuple[Kind, ...] = ("braced",)
 
 FootKind = Literal["square", "flat", "round"]
 
-MOST_LEGS = 64
+MAX_LEGS = 64
 """Largest number of legs of a walker."""
 
 Point = tuple[float, float]
@@ -159,7 +159,7 @@ class Strut(NamedTuple):
     """Thickness along the run, mm."""
 
 
-def embedding_in(bottom: float) -> float:
+def embedding_height(bottom: float) -> float:
     """Height by which legs reach into a body with a flat underside at `bottom`, mm.
 
     A quarter of its thickness, so that the parts of the union overlap rather than touch.
@@ -167,7 +167,7 @@ def embedding_in(bottom: float) -> float:
     return -0.5 * bottom
 
 
-def pair_of(legs: Legs, depth: float, bottom: float) -> tuple[Limb, ...]:
+def resolve_pair(legs: Legs, depth: float, bottom: float) -> tuple[Limb, ...]:
     """Two equal legs, back and front, on a body `depth` mm deep with its underside at `bottom`."""
     half = 0.5 * legs.contact_spacing_mm
     return tuple(
@@ -183,7 +183,7 @@ def pair_of(legs: Legs, depth: float, bottom: float) -> tuple[Limb, ...]:
             0.0,
             legs.width_mm or depth,
             bottom,
-            embedding_in(bottom),
+            embedding_height(bottom),
             None,
             None,
         )
@@ -191,7 +191,7 @@ def pair_of(legs: Legs, depth: float, bottom: float) -> tuple[Limb, ...]:
     )
 
 
-def limb_of(leg: Leg, follow_deg: float, depth: float, bottom: float) -> Limb:
+def resolve_leg(leg: Leg, follow_deg: float, depth: float, bottom: float) -> Limb:
     """Leg of a list; without a tilt of its own it has `follow_deg`."""
     tilt = follow_deg if leg.tilt_deg is None else leg.tilt_deg
     thickness = leg.thickness_mm or Legs(kind=leg.kind).thickness_mm
@@ -207,7 +207,7 @@ def limb_of(leg: Leg, follow_deg: float, depth: float, bottom: float) -> Limb:
         leg.across_mm,
         leg.width_mm or depth,
         bottom,
-        embedding_in(bottom),
+        embedding_height(bottom),
         leg.friction,
         leg.restitution,
     )

@@ -17,7 +17,7 @@ from walkergen.core.walker.limbs import Limb
 
 Values = float | Array
 
-SUPPORT_ROUNDING = 1e-6
+SUPPORT_TOLERANCE_RAD = 1e-6
 """Largest error, rad, of the directions to a walker's feet."""
 
 
@@ -38,7 +38,7 @@ class SolidMass(NamedTuple):
         """Moment of inertia about the z axis through the centre of mass, g mm^2."""
         return float(self.tensor[2, 2])
 
-    def times(self, factor: float) -> "SolidMass":
+    def scale_density(self, factor: float) -> "SolidMass":
         """Return the same shape, `factor` times as dense."""
         return self._replace(mass=factor * self.mass, tensor=factor * self.tensor)
 
@@ -138,7 +138,7 @@ def weigh(mesh: Mesh, density: float) -> SolidMass:
     return SolidMass(density * volume, origin + centre, tensor, volume)
 
 
-def together(solids: Sequence[SolidMass]) -> SolidMass:
+def combine_solids(solids: Sequence[SolidMass]) -> SolidMass:
     """Mass properties of several solids as one rigid body, by Steiner's theorem."""
     masses = np.array([solid.mass for solid in solids])
     centres = np.array([solid.centre for solid in solids])
@@ -150,12 +150,12 @@ def together(solids: Sequence[SolidMass]) -> SolidMass:
     return SolidMass(float(masses.sum()), centre, tensor, float(volume))
 
 
-def as_rigid(mass: MassProperties) -> MassProperties:
+def to_rigid(mass: MassProperties) -> MassProperties:
     """Mass properties with the joints frozen: body and all legs as one rigid solid."""
-    return mass if mass.rigid else frozen(mass, [True] * len(mass.legs))
+    return mass if mass.rigid else freeze_joints(mass, [True] * len(mass.legs))
 
 
-def frozen(mass: MassProperties, rigid: Sequence[bool]) -> MassProperties:
+def freeze_joints(mass: MassProperties, rigid: Sequence[bool]) -> MassProperties:
     """Mass properties with those joints frozen whose legs are `rigid`: they belong to the body."""
     chosen = [leg for leg, is_rigid in zip(mass.legs, rigid, strict=True) if is_rigid]
     if not chosen:
@@ -168,7 +168,7 @@ def frozen(mass: MassProperties, rigid: Sequence[bool]) -> MassProperties:
     J = J + float(masses @ np.sum((centres - O) ** 2, axis=1))
     whole = None
     if mass.spatial is not None:
-        middle, tensor = joined(mass.spatial, chosen, masses, centres)
+        middle, tensor = centre_and_inertia(mass.spatial, chosen, masses, centres)
         whole = Spatial(float(middle[2]), tensor)
     legs = [
         leg._replace(
@@ -182,7 +182,7 @@ def frozen(mass: MassProperties, rigid: Sequence[bool]) -> MassProperties:
     return MassProperties(M, J, tuple(legs), all(rigid), whole)
 
 
-def scaled(mass: MassProperties, body: Values, leg: Values) -> MassProperties:
+def scale_masses(mass: MassProperties, body: Values, leg: Values) -> MassProperties:
     """Mass properties with the masses and inertias of body and legs times ratios, any shape."""
     whole, sides = mass.spatial, (..., None, None)
     body, leg = np.asarray(body), np.asarray(leg)
@@ -195,7 +195,7 @@ def scaled(mass: MassProperties, body: Values, leg: Values) -> MassProperties:
     return mass._replace(M=mass.M * body, J=mass.J * body, legs=legs, spatial=whole)
 
 
-def joined(body: Spatial, legs: Sequence[LegMass], masses: Array, centres: Array) -> tuple[Array, Array]:
+def centre_and_inertia(body: Spatial, legs: Sequence[LegMass], masses: Array, centres: Array) -> tuple[Array, Array]:
     """Centre of mass (mm, from O at half depth) and inertia tensor about it (g mm^2) of the whole.
 
     Masses of the body and these legs, shape (1 + legs,), g; their centres from O, shape
@@ -209,7 +209,7 @@ def joined(body: Spatial, legs: Sequence[LegMass], masses: Array, centres: Array
     return middle, tensor
 
 
-def from_centre(limbs: Sequence[Limb], mass: MassProperties, points: Array) -> Array:
+def to_centre_frame(limbs: Sequence[Limb], mass: MassProperties, points: Array) -> Array:
     """Points of the design's frame, shape (n, 2), seen from O, mm; `limbs` are the walker's legs in that frame."""
     O = np.array(limbs[0].anchor) - mass.legs[0].anchor  # noqa: E741  (the paper's name)
     return np.asarray(points) - O
@@ -222,9 +222,9 @@ def rescale(part: SolidMass, weighed_mass: float | None) -> SolidMass:
     return part._replace(mass=weighed_mass, tensor=part.tensor * weighed_mass / part.mass)
 
 
-def refuse_falling(limbs: Sequence[Limb], mass: MassProperties) -> None:
+def check_support(limbs: Sequence[Limb], mass: MassProperties) -> None:
     """Raise GeometryError unless the centre of mass is above the feet."""
-    centre = _centre_above(mass)
+    centre = _centre_in_plan(mass)
     corners = np.array(
         [
             (leg.foot[0], limb.across + side * 0.5 * limb.width)
@@ -234,7 +234,7 @@ def refuse_falling(limbs: Sequence[Limb], mass: MassProperties) -> None:
     )
     around = np.sort(np.arctan2(*(corners - centre).T[::-1]))
     gaps = np.diff(np.append(around, around[0] + 2.0 * math.pi))
-    if gaps.max() < math.pi - SUPPORT_ROUNDING:
+    if gaps.max() < math.pi - SUPPORT_TOLERANCE_RAD:
         return
     x, z = centre - (mass.legs[0].foot[0] - limbs[0].along, 0.0)
     places = ", ".join(f"{limb.along:g}" for limb in limbs[:6])
@@ -246,7 +246,7 @@ def refuse_falling(limbs: Sequence[Limb], mass: MassProperties) -> None:
     )
 
 
-def _centre_above(mass: MassProperties) -> Array:
+def _centre_in_plan(mass: MassProperties) -> Array:
     """Centre of mass of the whole, (along, across), from O and from half the depth, mm."""
     z = mass.spatial.z if mass.spatial is not None else 0.0
     across = mass.M * z + sum(leg.m * leg.across for leg in mass.legs)

@@ -9,34 +9,34 @@ import numpy as np
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.fittings import Marks
 
-STEM = "walker"
+DEFAULT_STEM = "walker"
 """Beginning of the names of walkers of a single design."""
 
 
-def part(design: Design, stem: str = STEM) -> str:
+def part_name(design: Design, stem: str = DEFAULT_STEM) -> str:
     """Name of a walker, such as walker_t05.0_flexible_s0.40; unique within a family."""
-    return f"{stem}_{tilt(design)}_{design.kind}_s{_decimal(design.limbs[0].thickness, 2)}"
+    return f"{stem}_{tilt_name(design)}_{design.kind}_s{_decimal(design.limbs[0].thickness, 2)}"
 
 
-def is_part(name: str) -> bool:
+def is_part_name(name: str) -> bool:
     """Whether a name may be one of `part`, of any design, or of one of its copies (NAME-3)."""
     return bool(re.fullmatch(r".+_t-?\d+\.\d+_[a-z-]+_s\d+\.\d+(-[1-9]\d*)?", name))
 
 
-def tilt(design: Design) -> str:
+def tilt_name(design: Design) -> str:
     """Tilt of a walker in names of files, such as t05.0: as wide as others, so that they sort."""
     whole, point, digits = _decimal(design.tilt_deg, 1).partition(".")
     return f"t{whole.zfill(3 if whole.startswith('-') else 2)}{point}{digits}"
 
 
-def race(members: Sequence[Design]) -> str:
+def race_name(members: Sequence[Design]) -> str:
     """Name of several walkers of a design together, such as race_t05.0-t10.0_flexible."""
-    tilts = dict.fromkeys(tilt(design) for design in members)
+    tilts = dict.fromkeys(tilt_name(design) for design in members)
     kinds = dict.fromkeys(design.kind for design in members)
     return f"race_{'-'.join(tilts)}_{'-'.join(kinds)}"
 
 
-def legs(design: Design) -> tuple[str, ...]:
+def leg_names(design: Design) -> tuple[str, ...]:
     """Names of a walker's legs in their order: back and front of two, of others their numbers.
 
     Two legs side by side have numbers as well.
@@ -47,13 +47,13 @@ def legs(design: Design) -> tuple[str, ...]:
     return tuple(f"leg {number}" for number in range(1, len(along) + 1))
 
 
-def parts(members: Sequence[Design]) -> list[str]:
+def part_names(members: Sequence[Design]) -> list[str]:
     """Names of walkers that are printed together: those of several designs begin with its name."""
-    several = len(by_design(members)) > 1
-    return [part(design, design.name if several else STEM) for design in members]
+    several = len(group_by_design(members)) > 1
+    return [part_name(design, design.name if several else DEFAULT_STEM) for design in members]
 
 
-def by_design(members: Sequence[Design]) -> dict[str, list[Design]]:
+def group_by_design(members: Sequence[Design]) -> dict[str, list[Design]]:
     """Walkers by the names of their designs, in their order."""
     groups: dict[str, list[Design]] = {}
     for design in members:
@@ -61,26 +61,26 @@ def by_design(members: Sequence[Design]) -> dict[str, list[Design]]:
     return groups
 
 
-def letters(members: Sequence[Design]) -> dict[str, str]:
+def design_letters(members: Sequence[Design]) -> dict[str, str]:
     """Letters that stand for the names of several designs in pictures: A, ... Z, AA; or none."""
-    designs = list(by_design(members))
+    designs = list(group_by_design(members))
     return {} if len(designs) == 1 else {name: _letter(at) for at, name in enumerate(designs)}
 
 
 def legend(members: Sequence[Design]) -> str:
     """Markdown that tells printed parts apart: letters of several designs, marks of each tilt."""
-    short = letters(members)
+    short = design_letters(members)
     if not short:
-        return _legend_of_marks(members)
+        return _mark_legend(members)
     lines = [f"| {letter} | {name} |" for name, letter in short.items()]
     sections = ["| on the map | design |\n|---|---|\n" + "\n".join(lines) + "\n"]
-    for name, own in by_design(members).items():
-        if marks := _legend_of_marks(own):
+    for name, own in group_by_design(members).items():
+        if marks := _mark_legend(own):
             sections.append(f"Marks of {name}. {marks}")
     return "\n".join(sections)
 
 
-def _legend_of_marks(members: Sequence[Design]) -> str:
+def _mark_legend(members: Sequence[Design]) -> str:
     """Markdown table of the mark for each tilt of one design; "" without marks."""
     marks: dict[float, dict[str, list[str]]] = {}
     for design in members:
@@ -91,19 +91,19 @@ def _legend_of_marks(members: Sequence[Design]) -> str:
         return ""
     lines = []
     for tilt, kinds in sorted(marks.items()):
-        spans = dict.fromkeys(span(own, "`") for own in kinds.values())
+        spans = dict.fromkeys(mark_range(own, "`") for own in kinds.values())
         lines.append(f"| {tilt:g} | {', '.join(spans)} |")
     head = "| tilt (deg) | mark |\n|-----------:|:-----|"
-    return f"{how_to_read(members[0].marks)}\n\n{head}\n" + "\n".join(lines) + "\n"
+    return f"{reading_instructions(members[0].marks)}\n\n{head}\n" + "\n".join(lines) + "\n"
 
 
-def span(marks: Sequence[str], quote: str = "") -> str:
+def mark_range(marks: Sequence[str], quote: str = "") -> str:
     """Format the marks of copies: one, or the first to the last of serial numbers."""
     ends = dict.fromkeys((marks[0], marks[-1]))
     return " to ".join(f"{quote}{mark}{quote}" for mark in ends)
 
 
-def how_to_read(marks: Marks) -> str:
+def reading_instructions(marks: Marks) -> str:
     """Instructions for reading the marks of a printed part; "" without marks."""
     number = "" if marks.serial is None else " The last number is the copy's own."
     if marks.kind == "none":

@@ -20,7 +20,7 @@ class Planar(NamedTuple):
     """Legs of the plane, as wide as those that they stand for together."""
 
 
-def in_plane(design: Design, mass: MassProperties) -> Planar:
+def project_to_plane(design: Design, mass: MassProperties) -> Planar:
     """Walker seen from the side; two equal legs are as they were."""
     if design.pair:
         return Planar(mass, design.limbs)
@@ -28,11 +28,11 @@ def in_plane(design: Design, mass: MassProperties) -> Planar:
     for limb, leg in zip(design.limbs, mass.legs, strict=True):
         key = limb._replace(width=0.0, across=0.0, thickness_sd=0.0)
         groups.setdefault(key, []).append((limb, leg))
-    merged = sorted((_merged(group) for group in groups.values()), key=lambda pair: pair[0].along)
+    merged = sorted((_merge_legs(group) for group in groups.values()), key=lambda pair: pair[0].along)
     return Planar(mass._replace(legs=tuple(leg for _, leg in merged)), tuple(limb for limb, _ in merged))
 
 
-def _merged(group: list[tuple[Limb, LegMass]]) -> tuple[Limb, LegMass]:
+def _merge_legs(group: list[tuple[Limb, LegMass]]) -> tuple[Limb, LegMass]:
     (limb, leg), legs = group[0], [leg for _, leg in group]
     return (
         limb._replace(width=sum(limb.width for limb, _ in group)),

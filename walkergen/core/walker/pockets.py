@@ -14,53 +14,53 @@ from walkergen.core.errors import GeometryError
 from walkergen.core.shapes import modeller
 from walkergen.core.shapes.mesh import Array, Mesh
 from walkergen.core.walker.design import Design
-from walkergen.core.walker.fittings import FLOOR_MM, Cylinder, Part
+from walkergen.core.walker.fittings import MIN_FLOOR_MM, Cylinder, Part
 from walkergen.core.walker.mass import SolidMass
 
-SEGMENTS = 128
+CIRCLE_SEGMENTS = 128
 """Edges of a round pocket: on a coin cell they lie within 3 um of the circle."""
 
-ROUNDING = 1e-6
+ROUNDING_SHARE = 1e-6
 """Share of a volume that counts as rounding."""
 
-OUT = {"up": (0.0, 1.0, 0.0), "down": (0.0, -1.0, 0.0), "side": (0.0, 0.0, 1.0)}
+OPENING_DIRECTIONS = {"up": (0.0, 1.0, 0.0), "down": (0.0, -1.0, 0.0), "side": (0.0, 0.0, 1.0)}
 """Directions in which pockets open, in the design's frame."""
 
 
-def cut(design: Design, walker: Mesh, body: Mesh, roots: Sequence[Mesh]) -> tuple[Mesh, Mesh]:
+def cut_pockets(design: Design, walker: Mesh, body: Mesh, roots: Sequence[Mesh]) -> tuple[Mesh, Mesh]:
     """Walker and body with the pockets of a design's parts cut into them.
 
     `roots` are the legs with what of them reaches into the body. Raises GeometryError, beginning
     with the key, for parts that take the same place, stand in a leg, or have no floor.
     """
-    solid, legs = modeller.solid(body), [modeller.solid(root) for root in roots]
-    tools = _tools(design)
+    solid, legs = modeller.to_solid(body), [modeller.to_solid(root) for root in roots]
+    tools = _pocket_solids(design)
     if design.motor and design.battery:
-        _refuse_shared(design)
+        _check_overlap(design)
     for name, tool in tools.items():
-        _refuse_leg(name, tool, legs, design)
+        _check_leg_clear(name, tool, legs, design)
     for name, part in design.parts.items():
         others = [tool for other, tool in tools.items() if other not in (name, "channel")]
-        _refuse_floor(name, part, solid - _union(others), design)
+        _check_floor(name, part, solid - _union(others), design)
     cavity = _cavity(design)
-    rest = [modeller.evaluated(modeller.solid(mesh) - cavity) for mesh in (walker, body)]
-    if any(len(modeller.bodies(piece)) != 1 for piece in rest):
+    rest = [modeller.check_solid(modeller.to_solid(mesh) - cavity) for mesh in (walker, body)]
+    if any(len(modeller.split_bodies(piece)) != 1 for piece in rest):
         raise GeometryError(
-            f"{_place(next(iter(design.parts)), design)}: the pockets cut the body into pieces: "
+            f"{_format_place(next(iter(design.parts)), design)}: the pockets cut the body into pieces: "
             "move them, or make the body larger",
-            _key(next(iter(design.parts))),
+            _place_key(next(iter(design.parts))),
         )
-    return modeller.mesh_of(rest[0]), modeller.mesh_of(rest[1])
+    return modeller.to_mesh(rest[0]), modeller.to_mesh(rest[1])
 
 
-def refuse_marks(design: Design, marked: Mesh, plain: Mesh) -> None:
+def check_marks_intact(design: Design, marked: Mesh, plain: Mesh) -> None:
     """Raise GeometryError where the pockets of a body take its marks away.
 
     `marked` is the body without pockets, `plain` without marks too.
     """
-    strokes = modeller.solid(plain) - modeller.solid(marked)
-    lost = modeller.evaluated(strokes ^ _cavity(design)).volume() / strokes.volume()
-    if lost > ROUNDING:
+    strokes = modeller.to_solid(plain) - modeller.to_solid(marked)
+    lost = modeller.check_solid(strokes ^ _cavity(design)).volume() / strokes.volume()
+    if lost > ROUNDING_SHARE:
         key = "kind" if design.marks.kind != "none" else "serial"
         raise GeometryError(
             f"marks.{key} = {getattr(design.marks, key)!r}: the pockets take {100.0 * lost:.2g} % "
@@ -69,18 +69,21 @@ def refuse_marks(design: Design, marked: Mesh, plain: Mesh) -> None:
         )
 
 
-def without(design: Design) -> Design:
+def without_pockets(design: Design) -> Design:
     """Design of the same walker without pockets, for it carries nothing."""
     empty = {"motor": None, "battery": None, "pockets": None}
     return design.model_copy(update=empty)
 
 
-def solids_of(design: Design) -> dict[str, Mesh]:
+def part_meshes(design: Design) -> dict[str, Mesh]:
     """Meshes of a design's parts themselves, without clearance, in the design's frame."""
-    return {name: modeller.mesh_of(_hull(_points(part.cylinder, design, 0.0))) for name, part in design.parts.items()}
+    return {
+        name: modeller.to_mesh(_hull(_cylinder_points(part.cylinder, design, 0.0)))
+        for name, part in design.parts.items()
+    }
 
 
-def weigh_carried(design: Design) -> list[SolidMass]:
+def weigh_contents(design: Design) -> list[SolidMass]:
     """Compute the mass properties of a body's parts, each with its share of the glue, and of the wires.
 
     The wires are a thin rod between the middles of both parts, or within the only one. Centres are in the design's
@@ -90,7 +93,7 @@ def weigh_carried(design: Design) -> list[SolidMass]:
     extra = design.fit.glue_g / len(cylinders)
     if len(cylinders) == 1:
         extra += design.fit.wires_g
-    parts = [_of_cylinder(own, own.mass + extra, depth) for own in cylinders]
+    parts = [_cylinder_mass(own, own.mass + extra, depth) for own in cylinders]
     if len(parts) > 1 and design.fit.wires_g > 0.0:
         first, second = (part.centre for part in parts)
         way, wires = second - first, design.fit.wires_g
@@ -99,13 +102,13 @@ def weigh_carried(design: Design) -> list[SolidMass]:
     return parts
 
 
-def _of_cylinder(cylinder: Cylinder, mass: float, depth: float) -> SolidMass:
+def _cylinder_mass(cylinder: Cylinder, mass: float, depth: float) -> SolidMass:
     """Mass properties of a solid cylinder of that mass, g, in a body of that depth, mm."""
     aside = mass * (3.0 * cylinder.radius**2 + cylinder.height**2) / 12.0
     tensor = aside * np.eye(3)
     tensor[cylinder.axis, cylinder.axis] = 0.5 * mass * cylinder.radius**2
     volume = np.pi * cylinder.radius**2 * cylinder.height
-    return SolidMass(mass, np.array(cylinder.middle(depth)), tensor, volume)
+    return SolidMass(mass, np.array(cylinder.centre_in_design(depth)), tensor, volume)
 
 
 def wall_between(design: Design, most: float) -> float:
@@ -119,22 +122,22 @@ def wall_between(design: Design, most: float) -> float:
     size = design.size
     box = manifold3d.Manifold.cube((size.length, size.thickness, size.depth))
     box = box.translate((-0.5 * size.length, -0.5 * size.thickness, 0.0))
-    rooms = [_swept(part, design) ^ box for part in design.parts.values()]
-    if not modeller.evaluated(rooms[0] ^ rooms[1]).is_empty():
+    rooms = [_swept_volume(part, design) ^ box for part in design.parts.values()]
+    if not modeller.check_solid(rooms[0] ^ rooms[1]).is_empty():
         return 0.0
     return float(rooms[0].min_gap(rooms[1], most))
 
 
-def _tools(design: Design) -> dict[str, manifold3d.Manifold]:
+def _pocket_solids(design: Design) -> dict[str, manifold3d.Manifold]:
     """Rooms of pockets and channel, by the names of their tables and "channel"."""
-    tools = {name: _swept(part, design) for name, part in design.parts.items()}
+    tools = {name: _swept_volume(part, design) for name, part in design.parts.items()}
     if len(tools) > 1 and design.fit.channel_mm > 0.0:
         tools["channel"] = _channel(design)
     return tools
 
 
 def _cavity(design: Design) -> manifold3d.Manifold:
-    return _union(list(_tools(design).values()))
+    return _union(list(_pocket_solids(design).values()))
 
 
 def _union(tools: Sequence[manifold3d.Manifold]) -> manifold3d.Manifold:
@@ -142,29 +145,31 @@ def _union(tools: Sequence[manifold3d.Manifold]) -> manifold3d.Manifold:
 
 
 def _hull(points: Array) -> manifold3d.Manifold:
-    return modeller.evaluated(manifold3d.Manifold.hull_points(points))
+    return modeller.check_solid(manifold3d.Manifold.hull_points(points))
 
 
-def _points(cylinder: Cylinder, design: Design, clearance: float) -> Array:
+def _cylinder_points(cylinder: Cylinder, design: Design, clearance: float) -> Array:
     """Corners of a cylinder with clearance on every side, shape (2 SEGMENTS, 3), mm."""
-    angles = 2.0 * np.pi * np.arange(SEGMENTS) / SEGMENTS
+    angles = 2.0 * np.pi * np.arange(CIRCLE_SEGMENTS) / CIRCLE_SEGMENTS
     radius, half = cylinder.radius + clearance, 0.5 * cylinder.height + clearance
-    ring = np.zeros((SEGMENTS, 3))
+    ring = np.zeros((CIRCLE_SEGMENTS, 3))
     ring[:, cylinder.axis - 2] = radius * np.cos(angles)
     ring[:, cylinder.axis - 1] = radius * np.sin(angles)
     end = np.zeros(3)
     end[cylinder.axis] = half
-    middle: Array = np.array(cylinder.middle(design.size.depth))
+    middle: Array = np.array(cylinder.centre_in_design(design.size.depth))
     return np.concatenate([middle + ring - end, middle + ring + end])
 
 
-def _swept(part: Part, design: Design) -> manifold3d.Manifold:
+def _swept_volume(part: Part, design: Design) -> manifold3d.Manifold:
     """Room that a part takes and passes on its way in."""
-    points = _points(part.cylinder, design, design.fit.clearance_mm)
-    return _hull(np.concatenate([points, points + _far(points, design) * np.array(OUT[part.opens])]))
+    points = _cylinder_points(part.cylinder, design, design.fit.clearance_mm)
+    return _hull(
+        np.concatenate([points, points + _exit_distance(points, design) * np.array(OPENING_DIRECTIONS[part.opens])])
+    )
 
 
-def _far(points: Array, design: Design) -> float:
+def _exit_distance(points: Array, design: Design) -> float:
     """Length of a way that leads out of the body from any of the points, mm."""
     return float(2.0 * sum(design.size) + np.ptp(points, axis=0).sum())
 
@@ -174,74 +179,74 @@ def _channel(design: Design) -> manifold3d.Manifold:
     parts = list(design.parts.values())
     half = 0.5 * design.fit.channel_mm
     corners = half * np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
-    points = np.concatenate([_end(part, design) + corners for part in parts])
+    points = np.concatenate([_channel_end(part, design) + corners for part in parts])
     if parts[0].opens == parts[1].opens:
-        out = _far(points, design) * np.array(OUT[parts[0].opens])
+        out = _exit_distance(points, design) * np.array(OPENING_DIRECTIONS[parts[0].opens])
         points = np.concatenate([points, points + out])
     return _hull(points)
 
 
-def _end(part: Part, design: Design) -> Array:
+def _channel_end(part: Part, design: Design) -> Array:
     """Middle of the end of the channel in a part's pocket: on its floor, within the body."""
-    half, out = 0.5 * design.fit.channel_mm, np.array(OUT[part.opens])
+    half, out = 0.5 * design.fit.channel_mm, np.array(OPENING_DIRECTIONS[part.opens])
     cylinder = part.cylinder
-    place = np.array(cylinder.middle(design.size.depth))
+    place = np.array(cylinder.centre_in_design(design.size.depth))
     place -= out * (np.array(cylinder.half) + design.fit.clearance_mm - half)
-    room = max(0.5 * design.size.thickness - FLOOR_MM - half, 0.0)
+    room = max(0.5 * design.size.thickness - MIN_FLOOR_MM - half, 0.0)
     place[1] = min(max(place[1], -room), room)
     return place
 
 
-def _refuse_shared(design: Design) -> None:
+def _check_overlap(design: Design) -> None:
     """Raise GeometryError where motor and battery take the same place."""
-    motor, battery = (_hull(_points(part.cylinder, design, 0.0)) for part in design.parts.values())
-    shared = modeller.evaluated(motor ^ battery).volume()
-    if shared > ROUNDING * motor.volume():
+    motor, battery = (_hull(_cylinder_points(part.cylinder, design, 0.0)) for part in design.parts.values())
+    shared = modeller.check_solid(motor ^ battery).volume()
+    if shared > ROUNDING_SHARE * motor.volume():
         raise GeometryError(
-            f"{_place('motor', design)}: the motor stands in the battery (they share {shared:.3g} "
+            f"{_format_place('motor', design)}: the motor stands in the battery (they share {shared:.3g} "
             "mm3): move one of them (along_mm, across_mm, up_mm)",
-            _key("motor"),
+            _place_key("motor"),
         )
 
 
-def _refuse_leg(name: str, tool: manifold3d.Manifold, legs: Sequence[manifold3d.Manifold], design: Design) -> None:
+def _check_leg_clear(name: str, tool: manifold3d.Manifold, legs: Sequence[manifold3d.Manifold], design: Design) -> None:
     """Raise GeometryError where a pocket cuts a leg, or its root in the body."""
     for number, leg in enumerate(legs, start=1):
-        lost = modeller.evaluated(leg ^ tool).volume()
-        if lost > ROUNDING * leg.volume():
+        lost = modeller.check_solid(leg ^ tool).volume()
+        if lost > ROUNDING_SHARE * leg.volume():
             what, remedy = f"the pocket of the {name}", "move it, or the leg"
             if name == "channel":
                 what, remedy = "the channel", "make it narrower, 0 for none, or move the motor"
             raise GeometryError(
-                f"{_place(name, design)}: {what} cuts leg {number}, or its root in the body (by "
+                f"{_format_place(name, design)}: {what} cuts leg {number}, or its root in the body (by "
                 f"{lost:.3g} mm3): {remedy}",
-                _key(name),
+                _place_key(name),
             )
 
 
-def _refuse_floor(name: str, part: Part, body: manifold3d.Manifold, design: Design) -> None:
+def _check_floor(name: str, part: Part, body: manifold3d.Manifold, design: Design) -> None:
     """Raise GeometryError unless a layer of the body lies below a part, or above one put in from below."""
-    points = _points(part.cylinder, design, design.fit.clearance_mm)
-    below = np.array(OUT["up" if part.opens == "down" else "down"])
-    layer = _hull(points + FLOOR_MM * below) - _hull(points)
+    points = _cylinder_points(part.cylinder, design, design.fit.clearance_mm)
+    below = np.array(OPENING_DIRECTIONS["up" if part.opens == "down" else "down"])
+    layer = _hull(points + MIN_FLOOR_MM * below) - _hull(points)
     # A round part need not sink in to its middle: only the lowest of its floor counts
-    floor = modeller.evaluated(layer.trim_by_plane(below.tolist(), float((points @ below).max()) - FLOOR_MM))
-    solid = modeller.evaluated(floor ^ body).volume() / floor.volume()
-    if solid < 1.0 - ROUNDING:
+    floor = modeller.check_solid(layer.trim_by_plane(below.tolist(), float((points @ below).max()) - MIN_FLOOR_MM))
+    solid = modeller.check_solid(floor ^ body).volume() / floor.volume()
+    if solid < 1.0 - ROUNDING_SHARE:
         raise GeometryError(
-            f"{_place(name, design)}: {100.0 * (1.0 - solid):.2g} % of the floor of its pocket, "
-            f"{FLOOR_MM:g} mm thick, is outside the body, over a hole or in the other pocket: move "
+            f"{_format_place(name, design)}: {100.0 * (1.0 - solid):.2g} % of the floor of its pocket, "
+            f"{MIN_FLOOR_MM:g} mm thick, is outside the body, over a hole or in the other pocket: move "
             "it (along_mm, across_mm, up_mm), or make the body larger",
-            _key(name),
+            _place_key(name),
         )
 
 
-def _place(name: str, design: Design) -> str:
+def _format_place(name: str, design: Design) -> str:
     """Key of the place of a part, or of the channel's width, with its value."""
     value = design.fit.channel_mm if name == "channel" else design.parts[name].along_mm
-    return f"{_key(name)} = {value:g}"
+    return f"{_place_key(name)} = {value:g}"
 
 
-def _key(name: str) -> str:
+def _place_key(name: str) -> str:
     """Key of the place of a part, or of the channel's width."""
     return "pockets.channel_mm" if name == "channel" else f"{name}.along_mm"

@@ -12,14 +12,14 @@ from functools import partial
 import numpy as np
 
 from walkergen.core.errors import GeometryError, Remedy
-from walkergen.core.walker.body import Body, Shape, Size, rectangle
+from walkergen.core.walker.body import Body, Shape, Size, rectangle_shape
 from walkergen.core.walker.fittings import place_problems
-from walkergen.core.walker.limbs import Legs, Limb, limb_of, pair_of
+from walkergen.core.walker.limbs import Legs, Limb, resolve_leg, resolve_pair
 from walkergen.core.walker.readers import load_readers
 from walkergen.core.walker.sections import section_of
 from walkergen.core.walker.spec import WalkerSpec
 
-LEVEL_MM = 0.005
+MAX_HEIGHT_DIFFERENCE_MM = 0.005
 """Largest difference of the feet's heights of a walker that stands level, mm: as much as prints
 differ anyway (feet.unevenness_sd_um)."""
 
@@ -30,7 +30,7 @@ ROUNDING_MM = 1e-9
 def shape_of(body: Body) -> Shape:
     """Return the shape of a body. Raises GeometryError, and InputError for files."""
     if body.plain:
-        return rectangle(body.length_mm, body.thickness_mm, body.depth_mm)
+        return rectangle_shape(body.length_mm, body.thickness_mm, body.depth_mm)
     return load_readers().shape_of(body)
 
 
@@ -48,9 +48,9 @@ def place_legs(spec: WalkerSpec) -> tuple[Limb, ...]:
         return load_readers().place_legs(spec.body.key, legs.model_dump_json())
     depth, bottom = shape.size.depth, -0.5 * shape.size.thickness
     if isinstance(legs, Legs):
-        limbs = pair_of(legs, depth, bottom)
+        limbs = resolve_pair(legs, depth, bottom)
     else:
-        limbs = tuple(limb_of(leg, spec.followed_tilt_deg, depth, bottom) for leg in legs)
+        limbs = tuple(resolve_leg(leg, spec.followed_tilt_deg, depth, bottom) for leg in legs)
     if spec.body.plain or spec.body.flat:
         return limbs
     return load_readers().meet_body(spec.body.key, limbs)
@@ -62,25 +62,25 @@ def describe_placement(spec: WalkerSpec) -> str:
     return load_readers().describe_placement(spec.body.key, spec.legs.model_dump_json())
 
 
-def tilt_deg_of(spec: WalkerSpec) -> float:
+def family_tilt_deg(spec: WalkerSpec) -> float:
     """Return the tilt by which members of a family are told apart, deg: of a cut mesh that of its first leg."""
     if spec.whole:
         return round(math.degrees(place_legs(spec)[0].tilt), 2) + 0.0
     return spec.written_tilt_deg
 
 
-def refuse_unbuildable(spec: WalkerSpec) -> None:
+def check_buildable(spec: WalkerSpec) -> None:
     """Raise GeometryError for parts that cannot be built, a line for each fault."""
     shape, legs = shape_of(spec.body), spec.legs
     if isinstance(legs, Legs) and not spec.placed:
-        faults = [] if spec.whole else _faults_of_pair(legs, shape.size)
+        faults = [] if spec.whole else _pair_faults(legs, shape.size)
     else:
-        faults = _faults_of_list(place_legs(spec), shape.size)
+        faults = _list_faults(place_legs(spec), shape.size)
     if not faults and spec.body.flat:
-        faults = _off_outline(place_legs(spec), shape)
-    helps = partial(_legs_elsewhere, spec) if faults else tuple
+        faults = _outline_faults(place_legs(spec), shape)
+    helps = partial(_suggest_placement, spec) if faults else tuple
     if not spec.marks.blank:
-        faults += _unmarkable(spec, shape.size)
+        faults += _mark_faults(spec, shape.size)
     if not faults and spec.parts:
         foot = min(limb.foot_height for limb in place_legs(spec))
         faults = place_problems(spec.parts, spec.fit, shape.size, foot)
@@ -90,19 +90,19 @@ def refuse_unbuildable(spec: WalkerSpec) -> None:
         raise GeometryError("\n".join(faults), helps=helps)
 
 
-def _legs_elsewhere(spec: WalkerSpec) -> Sequence[Remedy]:
+def _suggest_placement(spec: WalkerSpec) -> Sequence[Remedy]:
     """Suggest automatic placement if two equal legs do not stand where they were put."""
     if not isinstance(spec.legs, Legs) or spec.placed or spec.whole:
         return []
     return load_readers().suggest_placement(spec.body, spec.legs)
 
 
-def _unmarkable(spec: WalkerSpec, size: Size) -> list[str]:
+def _mark_faults(spec: WalkerSpec, size: Size) -> list[str]:
     """Reasons why the body cannot bear its marks, one line each."""
     marks, (length, thickness, depth) = spec.marks, size
     if spec.letters and spec.body.flat:  # letters on a body in plan view go into its upper side
         marks, thickness, depth = marks.model_copy(update={"kind": "text"}), depth, thickness
-    unfit = load_readers().mark_problems(marks, spec.family.tilt_deg, tilt_deg_of(spec), (length, thickness, depth))
+    unfit = load_readers().mark_problems(marks, spec.family.tilt_deg, family_tilt_deg(spec), (length, thickness, depth))
     if spec.body.plain or (spec.letters and spec.body.flat):
         return unfit
     key = f"marks.serial = {marks.serial}" if marks.kind == "none" else f"marks.kind = {marks.kind!r}"
@@ -110,32 +110,32 @@ def _unmarkable(spec: WalkerSpec, size: Size) -> list[str]:
     return [f"{key}: {rule}", *unfit]
 
 
-def _faults_of_pair(legs: Legs, size: Size) -> list[str]:
+def _pair_faults(legs: Legs, size: Size) -> list[str]:
     """Problems of two equal legs, with the largest tilt that is possible."""
     problems = []
-    for text in _impossible_pair(legs, size, legs.tilt_deg):
+    for text in _pair_faults_at(legs, size, legs.tilt_deg):
         limit = _largest_tilt(legs, size)
         hint = f"; tilt up to {limit:.2f} deg is possible" if limit is not None else ""
         problems.append(f"legs.tilt_deg = {legs.tilt_deg:g} ({legs.kind}): {text}{hint}")
     return problems
 
 
-def _faults_of_list(limbs: Sequence[Limb], size: Size) -> list[str]:
+def _list_faults(limbs: Sequence[Limb], size: Size) -> list[str]:
     """Problems of a list of legs: of each, of pairs that cross, and of how they stand."""
     problems = []
     for number, limb in enumerate(limbs, start=1):
-        texts = [*_too_short(limb), *_off_body(limb, size.length), *_off_side(limb, size.depth)]
-        texts += [*section_of(limb).problems(limb), *_struts_off_body([limb], size.length)]
+        texts = [*_length_faults(limb), *_end_faults(limb, size.length), *_side_faults(limb, size.depth)]
+        texts += [*section_of(limb).problems(limb), *_strut_faults([limb], size.length)]
         problems += [f"legs[{number}].along_mm = {limb.along:g}: {text}" for text in texts]
-    return problems or [*_crossing(limbs), *_uneven(limbs), *_falling(limbs)]
+    return problems or [*_crossing_faults(limbs), *_height_faults(limbs), *_stability_faults(limbs)]
 
 
-def _impossible_pair(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
+def _pair_faults_at(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
     """Problems of two equal legs at a tilt in deg, whatever their own tilt is."""
     length, thickness, depth = size
     trial = legs.model_copy(update={"tilt_deg": tilt_deg})
-    back, front = pair_of(trial, depth, -0.5 * thickness)
-    problems = [*_too_short(back), *_off_body(_farther(back, front), length), *_off_side(back, depth)]
+    back, front = resolve_pair(trial, depth, -0.5 * thickness)
+    problems = [*_length_faults(back), *_end_faults(_farther_leg(back, front), length), *_side_faults(back, depth)]
     spacing = legs.contact_spacing_mm
     if 2.0 * back.half_width >= spacing:
         problems.append(
@@ -149,14 +149,14 @@ def _impossible_pair(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
             problems.append(
                 f"a leg crosses the other leg's brace: it spans {span:.3f} mm, the contact spacing is {spacing:g} mm"
             )
-    return problems + _struts_off_body((back, front), length)
+    return problems + _strut_faults((back, front), length)
 
 
-def _farther(back: Limb, front: Limb) -> Limb:
+def _farther_leg(back: Limb, front: Limb) -> Limb:
     return max(back, front, key=lambda limb: abs(limb.anchor[0]))
 
 
-def _too_short(limb: Limb) -> list[str]:
+def _length_faults(limb: Limb) -> list[str]:
     end = {"flat": 0.0, "square": 0.0, "round": 0.5 * limb.thickness}[limb.foot]
     shortest_side = limb.length - end
     if limb.foot != "flat":
@@ -169,7 +169,7 @@ def _too_short(limb: Limb) -> list[str]:
     ]
 
 
-def _off_body(limb: Limb, length: float) -> list[str]:
+def _end_faults(limb: Limb, length: float) -> list[str]:
     half_body, reach = 0.5 * length, abs(limb.anchor[0]) + limb.half_width
     if reach <= half_body:
         return []
@@ -179,7 +179,7 @@ def _off_body(limb: Limb, length: float) -> list[str]:
     ]
 
 
-def _off_side(limb: Limb, depth: float) -> list[str]:
+def _side_faults(limb: Limb, depth: float) -> list[str]:
     reach = abs(limb.across) + 0.5 * limb.width
     if reach <= 0.5 * depth + ROUNDING_MM:
         return []
@@ -189,7 +189,7 @@ def _off_side(limb: Limb, depth: float) -> list[str]:
     ]
 
 
-def _struts_off_body(limbs: Sequence[Limb], length: float) -> list[str]:
+def _strut_faults(limbs: Sequence[Limb], length: float) -> list[str]:
     half_body = 0.5 * length
     struts = [(limb.anchor[0], strut) for limb in limbs for strut in section_of(limb).struts(limb)]
     reach = max((abs(x + strut.offset) + 0.5 * strut.thickness for x, strut in struts), default=0.0)
@@ -200,16 +200,16 @@ def _struts_off_body(limbs: Sequence[Limb], length: float) -> list[str]:
 
 def _largest_tilt(legs: Legs, size: Size) -> float | None:
     """Largest tilt (deg, same sign) without any problem, by bisection; None when tilt 0 has one."""
-    if _impossible_pair(legs, size, 0.0):
+    if _pair_faults_at(legs, size, 0.0):
         return None
     good, bad = 0.0, legs.tilt_deg
     for _ in range(40):
         middle = 0.5 * (good + bad)
-        good, bad = (good, middle) if _impossible_pair(legs, size, middle) else (middle, bad)
+        good, bad = (good, middle) if _pair_faults_at(legs, size, middle) else (middle, bad)
     return math.copysign(math.floor(abs(good) * 100) / 100, good)
 
 
-def _crossing(limbs: Sequence[Limb]) -> list[str]:
+def _crossing_faults(limbs: Sequence[Limb]) -> list[str]:
     """Pairs of legs that take the same place."""
     import shapely
 
@@ -233,13 +233,13 @@ def _crossing(limbs: Sequence[Limb]) -> list[str]:
     return problems
 
 
-def _uneven(limbs: Sequence[Limb]) -> list[str]:
+def _height_faults(limbs: Sequence[Limb]) -> list[str]:
     """Feet that do not reach the plate while the body stands level."""
     lowest = min(limb.foot_height for limb in limbs)
     problems = []
     for number, limb in enumerate(limbs, start=1):
         short = limb.foot_height - lowest
-        if short > LEVEL_MM:
+        if short > MAX_HEIGHT_DIFFERENCE_MM:
             longer = limb.length + short / math.cos(limb.tilt)
             problems.append(
                 f"legs[{number}].length_mm = {limb.length:g}: the foot ends {short:.3f} mm above "
@@ -249,7 +249,7 @@ def _uneven(limbs: Sequence[Limb]) -> list[str]:
     return problems
 
 
-def _falling(limbs: Sequence[Limb]) -> list[str]:
+def _stability_faults(limbs: Sequence[Limb]) -> list[str]:
     """Feet all on one line across, on which nothing stands."""
     places = [limb.along for limb in limbs]
     if max(places) - min(places) > max(limb.thickness for limb in limbs):
@@ -260,7 +260,7 @@ def _falling(limbs: Sequence[Limb]) -> list[str]:
     ]
 
 
-def _off_outline(limbs: Sequence[Limb], shape: Shape) -> list[str]:
+def _outline_faults(limbs: Sequence[Limb], shape: Shape) -> list[str]:
     """Legs that do not stand wholly under an outline seen from above."""
     import shapely
 

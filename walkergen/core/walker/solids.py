@@ -15,8 +15,8 @@ import numpy as np
 
 from walkergen.core.errors import GeometryError
 from walkergen.core.shapes import modeller
-from walkergen.core.shapes.extrusion import NARROWEST_WINDOW as NARROWEST_WINDOW
-from walkergen.core.shapes.extrusion import Engraving, extruded
+from walkergen.core.shapes.extrusion import MIN_WINDOW_RATIO as MIN_WINDOW_RATIO
+from walkergen.core.shapes.extrusion import Engraving, extrude
 from walkergen.core.shapes.mesh import Array, Mesh
 from walkergen.core.walker import mass
 from walkergen.core.walker.body import FinishedWalker
@@ -54,7 +54,7 @@ class Solids(NamedTuple):
     @property
     def seen(self) -> Mesh:
         """Walker with its cap, as it runs; not one closed body."""
-        return self.walker if self.cap is None else _beside([self.walker, self.cap])
+        return self.walker if self.cap is None else _concatenate_meshes([self.walker, self.cap])
 
 
 class Outline(NamedTuple):
@@ -66,7 +66,7 @@ class Outline(NamedTuple):
     """Each leg, and its brace if it has one, reaching into the body; its anchor at the origin."""
 
 
-def _beside(meshes: Sequence[Mesh]) -> Mesh:
+def _concatenate_meshes(meshes: Sequence[Mesh]) -> Mesh:
     """Meshes as one, not united."""
     starts = itertools.accumulate([0, *(len(mesh.vertices) for mesh in meshes)])
     triangles = [mesh.triangles + start for mesh, start in zip(meshes, starts, strict=False)]
@@ -79,44 +79,47 @@ def build(design: Design, foot_segments: int = FOOT_SEGMENTS, united: bool = Tru
     Raises SolidError when the modeller's result is not sound, GeometryError for a leg that does not
     meet the body, for pockets that do not go into it, and for a cap that it does not hold.
     """
-    solid = _solid(design, foot_segments, united or bool(design.parts))
-    solid = _with_pockets(design, solid, foot_segments) if design.parts else solid
-    return solid._replace(cap=_cap(design, solid.body))
+    solid = _build_plain_solids(design, foot_segments, united or bool(design.parts))
+    solid = _add_pockets(design, solid, foot_segments) if design.parts else solid
+    return solid._replace(cap=_build_cap(design, solid.body))
 
 
-def _cap(design: Design, body: Mesh) -> Mesh | None:
+def _build_cap(design: Design, body: Mesh) -> Mesh | None:
     """Cap on a body; None without. Raises GeometryError."""
     if design.cap is None:
         return None
     return load_readers().put_cap(design.cap, body, design.size.depth)
 
 
-def _with_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
+def _add_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
     """Solids with the pockets of what the design carries. Raises GeometryError."""
     from walkergen.core.walker import pockets
 
     if design.whole:
         roots = [
-            _shifted(leg, _corner(limb, design.size.depth)) for limb, leg in zip(design.limbs, solid.legs, strict=True)
+            _shift_mesh(leg, _anchor_corner(limb, design.size.depth))
+            for limb, leg in zip(design.limbs, solid.legs, strict=True)
         ]
     else:
-        roots = _bars(design.limbs, _sections(design.limbs, foot_segments), design.size.depth)
-    walker, body = pockets.cut(design, solid.walker, solid.body, roots)
+        roots = _build_bars(design.limbs, _leg_profiles(design.limbs, foot_segments), design.size.depth)
+    walker, body = pockets.cut_pockets(design, solid.walker, solid.body, roots)
     if not design.marks.blank:
-        pockets.refuse_marks(design, solid.body, _solid(design.unmarked, foot_segments, united=False).body)
+        pockets.check_marks_intact(
+            design, solid.body, _build_plain_solids(design.unmarked, foot_segments, united=False).body
+        )
     return solid._replace(walker=walker, body=body, weighed=None)
 
 
-def _solid(design: Design, foot_segments: int, united: bool) -> Solids:
+def _build_plain_solids(design: Design, foot_segments: int, united: bool) -> Solids:
     """Solids of a walker without pockets and cap."""
     if design.shape.whole is not None:
-        return _cut(design.shape.whole, design)
+        return _finished_solids(design.shape.whole, design)
     if not design.body.plain:
-        return _on_any_body(design, foot_segments, united)
+        return _build_any_body(design, foot_segments, united)
     body, depth, limbs = _body_profile(design), design.size.depth, design.limbs
-    sections = _sections(limbs, foot_segments)
-    digits = Engraving(_engraved(design), design.marks.depth_mm)
-    top, legs = extruded([body], depth, 0, digits), _legs(limbs, sections)
+    sections = _leg_profiles(limbs, foot_segments)
+    digits = Engraving(_engraving_profiles(design), design.marks.depth_mm)
+    top, legs = extrude([body], depth, 0, digits), _build_legs(limbs, sections)
     if all(limb.width == depth and limb.across == 0.0 for limb in limbs):
         windows = sum(has_window(limb) for limb in limbs)
         placed = [
@@ -124,21 +127,23 @@ def _solid(design: Design, foot_segments: int, united: bool) -> Solids:
             for limb, section in zip(limbs, sections, strict=True)
             for part in section.raised
         ]
-        return Solids(extruded([body, *placed], depth, windows, digits), top, legs)
+        return Solids(extrude([body, *placed], depth, windows, digits), top, legs)
     from walkergen.core.shapes import joining
 
-    bars = _bars(limbs, sections, depth)
-    return Solids(joining.union_with_legs(joining.ready(top), bars), top, legs)
+    bars = _build_bars(limbs, sections, depth)
+    return Solids(joining.unite_with_legs(joining.prepare_body(top), bars), top, legs)
 
 
-def _cut(finished: FinishedWalker, design: Design) -> Solids:
+def _finished_solids(finished: FinishedWalker, design: Design) -> Solids:
     """Solids of a finished walker, cut into body and legs."""
     depth = design.size.depth
-    legs = [_shifted(leg, -_corner(limb, depth)) for limb, leg in zip(design.limbs, finished.legs, strict=True)]
+    legs = [
+        _shift_mesh(leg, -_anchor_corner(limb, depth)) for limb, leg in zip(design.limbs, finished.legs, strict=True)
+    ]
     return Solids(finished.whole, finished.body, tuple(legs))
 
 
-def _on_any_body(design: Design, foot_segments: int, united: bool) -> Solids:
+def _build_any_body(design: Design, foot_segments: int, united: bool) -> Solids:
     """Solids of a walker whose body is no rectangle in side view."""
     from walkergen.core.shapes import joining
 
@@ -146,27 +151,29 @@ def _on_any_body(design: Design, foot_segments: int, united: bool) -> Solids:
     ground, limbs, depth = readers.solid_of(design.body.key), design.limbs, design.size.depth
     weighed = None if design.letters else readers.mass_of(design.body.key)
     if design.letters:
-        ground = joining.ready(readers.cut_letters(ground.mesh, design))
-    sections = _sections(limbs, foot_segments)
-    bars = _bars(limbs, sections, depth)
-    legs = _legs(limbs, sections) if design.body.flat else _flush_legs(limbs, bars, ground, depth)
+        ground = joining.prepare_body(readers.cut_letters(ground.mesh, design))
+    sections = _leg_profiles(limbs, foot_segments)
+    bars = _build_bars(limbs, sections, depth)
+    legs = _build_legs(limbs, sections) if design.body.flat else _build_flush_legs(limbs, bars, ground, depth)
     if united:
-        return Solids(joining.union_with_legs(ground, bars), ground.mesh, legs, weighed=weighed)
-    placed = [_shifted(leg, _corner(limb, depth)) for limb, leg in zip(limbs, legs, strict=True)]
-    return Solids(_beside([ground.mesh, *placed]), ground.mesh, legs, weighed=weighed)
+        return Solids(joining.unite_with_legs(ground, bars), ground.mesh, legs, weighed=weighed)
+    placed = [_shift_mesh(leg, _anchor_corner(limb, depth)) for limb, leg in zip(limbs, legs, strict=True)]
+    return Solids(_concatenate_meshes([ground.mesh, *placed]), ground.mesh, legs, weighed=weighed)
 
 
-def _flush_legs(limbs: Sequence[Limb], bars: Sequence[Mesh], ground: "joining.Body", depth: float) -> tuple[Mesh, ...]:
+def _build_flush_legs(
+    limbs: Sequence[Limb], bars: Sequence[Mesh], ground: "joining.Body", depth: float
+) -> tuple[Mesh, ...]:
     """Legs outside a body whose underside is not flat, anchors at the origin. Raises GeometryError."""
     from walkergen.core.shapes import joining
 
     legs = []
     for number, (limb, bar) in enumerate(zip(limbs, bars, strict=True), start=1):
         key = f"legs[{number}].along_mm = {limb.along:g}"
-        outside = joining.flush(bar, ground, key)
+        outside = joining.cut_flush(bar, ground, key)
         if outside.vertices[:, 1].max() > bar.vertices[:, 1].max() - ROUNDING_MM:
             raise GeometryError(f"{key}: the leg is not wholly under the body: move it", f"legs[{number}].along_mm")
-        legs.append(_shifted(outside, -_corner(limb, depth)))
+        legs.append(_shift_mesh(outside, -_anchor_corner(limb, depth)))
     return tuple(legs)
 
 
@@ -179,7 +186,7 @@ class _Section(NamedTuple):
     """Reaching into the body."""
 
 
-def _sections(limbs: Sequence[Limb], foot_segments: int) -> list[_Section]:
+def _leg_profiles(limbs: Sequence[Limb], foot_segments: int) -> list[_Section]:
     """Profiles of legs; legs of one shape share theirs, the same object."""
     by_shape: dict[Limb, _Section] = {}
     sections = []
@@ -187,42 +194,42 @@ def _sections(limbs: Sequence[Limb], foot_segments: int) -> list[_Section]:
         shape = limb._replace(along=0.0, across=0.0, bottom=0.0, friction=None, restitution=None)
         if shape not in by_shape:
             below = section_of(limb).profile(limb, foot_segments)
-            raised = tuple(_raised(part, limb.embedding) for part in below)
+            raised = tuple(_extend_into_body(part, limb.embedding) for part in below)
             by_shape[shape] = _Section(below, raised)
         sections.append(by_shape[shape])
     return sections
 
 
-def _raised(profile: Polygon, embedding: float) -> Polygon:
+def _extend_into_body(profile: Polygon, embedding: float) -> Polygon:
     """Profile that reaches `embedding` mm higher, into the body."""
     left, right = profile[0], profile[-1]
     up = np.array([0.0, embedding])
     return np.concatenate([profile, [right + up, left + up]])
 
 
-def _bars(limbs: Sequence[Limb], sections: Sequence[_Section], depth: float) -> list[Mesh]:
+def _build_bars(limbs: Sequence[Limb], sections: Sequence[_Section], depth: float) -> list[Mesh]:
     """Legs that reach into the body, where they stand in the design's frame."""
     bars = []
     for limb, section in zip(limbs, sections, strict=True):
-        mesh = extruded([part + np.array(limb.anchor) for part in section.raised], limb.width)
-        bars.append(_shifted(mesh, np.array([0.0, 0.0, _left_side(limb, depth)])))
+        mesh = extrude([part + np.array(limb.anchor) for part in section.raised], limb.width)
+        bars.append(_shift_mesh(mesh, np.array([0.0, 0.0, _left_side(limb, depth)])))
     return bars
 
 
-def _legs(limbs: Sequence[Limb], sections: Sequence[_Section]) -> tuple[Mesh, ...]:
+def _build_legs(limbs: Sequence[Limb], sections: Sequence[_Section]) -> tuple[Mesh, ...]:
     """Meshes of the legs outside the body, anchors at the origin; equal legs share theirs."""
     meshes: dict[int, Mesh] = {}
     for limb, section in zip(limbs, sections, strict=True):
         if id(section) not in meshes:
-            meshes[id(section)] = extruded(section.below, limb.width)
+            meshes[id(section)] = extrude(section.below, limb.width)
     return tuple(meshes[id(section)] for section in sections)
 
 
-def _shifted(mesh: Mesh, shift: Array) -> Mesh:
+def _shift_mesh(mesh: Mesh, shift: Array) -> Mesh:
     return mesh._replace(vertices=mesh.vertices + shift)
 
 
-def _corner(limb: Limb, depth: float) -> Array:
+def _anchor_corner(limb: Limb, depth: float) -> Array:
     """Where a leg's anchor and flat side stand, shape (3,), mm."""
     return np.array([*limb.anchor, _left_side(limb, depth)])
 
@@ -232,7 +239,7 @@ def _left_side(limb: Limb, depth: float) -> float:
     return 0.5 * depth + limb.across - 0.5 * limb.width
 
 
-def on_side(design: Design) -> bool:
+def is_printed_on_side(design: Design) -> bool:
     """Return whether a walker prints lying on its side: a prism whose legs all begin at that side.
 
     All others print upside down with their legs up: legs narrower than the body would hang over the bed.
@@ -243,13 +250,13 @@ def on_side(design: Design) -> bool:
     return all(_left_side(limb, depth) <= ROUNDING_MM for limb in design.limbs)
 
 
-def as_printed(design: Design, mesh: Mesh) -> Mesh:
+def orient_for_print(design: Design, mesh: Mesh) -> Mesh:
     """Mesh as it lies on the bed, z up from 0: on its side, or upside down with its legs up.
 
     Upside down needs no supports while legs tilt by 45 deg at most and the body's upper side is
     flat.
     """
-    if on_side(design):
+    if is_printed_on_side(design):
         return mesh
     x, y, z = mesh.vertices.T
     turned = np.column_stack([x, z, -y])
@@ -262,14 +269,14 @@ def outline(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Outline:
 
     Of a body that is no prism in side view the polygon is its box.
     """
-    sections = _sections(design.limbs, foot_segments)
+    sections = _leg_profiles(design.limbs, foot_segments)
     return Outline(_body_profile(design), tuple(section.raised for section in sections))
 
 
 def weigh(design: Design, solids: Solids) -> MassProperties:
     """Mass properties of a walker from its solids. Raises GeometryError when it cannot stand."""
     body = mass.weigh(solids.body, 1.0) if solids.weighed is None else solids.weighed
-    return _weighed(design, body, solids.legs, solids.cap)
+    return _assemble_and_check(design, body, solids.legs, solids.cap)
 
 
 def mass_of(design: Design) -> MassProperties:
@@ -279,16 +286,16 @@ def mass_of(design: Design) -> MassProperties:
     """
     if design.parts or not design.body.plain:
         return weigh(design, build(design, united=False))
-    digits = Engraving(_engraved(design), design.marks.depth_mm)
-    top = extruded([_body_profile(design)], design.size.depth, 0, digits)
-    legs = _legs(design.limbs, _sections(design.limbs, FOOT_SEGMENTS))
-    return _weighed(design, mass.weigh(top, 1.0), legs, _cap(design, top))
+    digits = Engraving(_engraving_profiles(design), design.marks.depth_mm)
+    top = extrude([_body_profile(design)], design.size.depth, 0, digits)
+    legs = _build_legs(design.limbs, _leg_profiles(design.limbs, FOOT_SEGMENTS))
+    return _assemble_and_check(design, mass.weigh(top, 1.0), legs, _build_cap(design, top))
 
 
-def _weighed(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | None) -> MassProperties:
+def _assemble_and_check(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | None) -> MassProperties:
     whole = assemble(design, body, legs, cap)
     if not design.pair:
-        mass.refuse_falling(design.limbs, whole)
+        mass.check_support(design.limbs, whole)
     return whole
 
 
@@ -301,15 +308,15 @@ def assemble(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | 
     the density is not.
     """
     density, limbs = 1e-3 * design.material.density_g_cm3, design.limbs
-    whole = body.times(density)
+    whole = body.scale_density(density)
     if cap is not None and design.cap is not None:
         of_cap = mass.weigh(cap, 1e-3 * design.cap.density(design.material.density_g_cm3))
-        whole = mass.together([whole, of_cap])
+        whole = mass.combine_solids([whole, of_cap])
     top = mass.rescale(whole, design.weighed.body_mass_g)
     if design.parts:
         from walkergen.core.walker import pockets
 
-        top = mass.together([top, *pockets.weigh_carried(design)])
+        top = mass.combine_solids([top, *pockets.weigh_contents(design)])
     O = top.centre[:2]  # noqa: E741  (the paper's name)
     distinct = {id(mesh): mesh for mesh in legs}  # equal legs share theirs
     weighed_once = {key: mass.weigh(mesh, density) for key, mesh in distinct.items()}
@@ -335,12 +342,12 @@ def assemble(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | 
         )
     across = float(top.centre[2]) - 0.5 * design.size.depth
     loose = MassProperties(top.mass, top.inertia, tuple(placed), False, Spatial(across, top.tensor))
-    return mass.frozen(loose, [limb.rigid for limb in limbs])
+    return mass.freeze_joints(loose, [limb.rigid for limb in limbs])
 
 
 def has_window(limb: Limb) -> bool:
     """Return whether there is air between a braced leg and its brace, as at all but small tilts."""
-    return window_width(limb) > NARROWEST_WINDOW * limb.length
+    return window_width(limb) > MIN_WINDOW_RATIO * limb.length
 
 
 def window_width(limb: Limb) -> float:
@@ -352,7 +359,7 @@ def window_width(limb: Limb) -> float:
     return min((abs(strut.offset) - (limb.half_width + 0.5 * strut.thickness) for strut in struts), default=0.0)
 
 
-def clearance(limbs: Sequence[Limb]) -> float:
+def leg_clearance(limbs: Sequence[Limb]) -> float:
     """Least distance along the run between two legs (or their braces) that stand in line, mm."""
     apart = [math.inf]
     for first, second in itertools.combinations(limbs, 2):
@@ -371,7 +378,7 @@ def clearance(limbs: Sequence[Limb]) -> float:
     return min(apart)
 
 
-def bodies(mesh: Mesh) -> int:
+def count_bodies(mesh: Mesh) -> int:
     """Count the closed bodies of a mesh with coordinates as 32-bit floats, as in a file; cavities are none.
 
     Zero if it is not closed and oriented, or encloses nothing. Vertices that coincide are merged.
@@ -382,7 +389,7 @@ def bodies(mesh: Mesh) -> int:
     solid = manifold3d.Manifold(manifold3d.Mesh(vertices, triangles))
     if solid.status() != manifold3d.Error.NoError or solid.volume() <= 0.0:
         return 0
-    return len(modeller.bodies(solid))
+    return len(modeller.split_bodies(solid))
 
 
 def _body_profile(design: Design) -> Polygon:
@@ -398,7 +405,7 @@ def _body_profile(design: Design) -> Polygon:
     return load_readers().add_notches(design, corners)
 
 
-def _engraved(design: Design) -> list[Polygon]:
+def _engraving_profiles(design: Design) -> list[Polygon]:
     """Pockets in the side of a body, about its middle: its digits or its text."""
     if design.marks.blank:
         return []

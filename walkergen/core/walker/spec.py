@@ -17,9 +17,9 @@ from pydantic import Discriminator, Field, SerializeAsAny, Tag, ValidationInfo, 
 
 from walkergen.core.errors import GeometryError, InputError
 from walkergen.core.files.config import Name, Section, validate
-from walkergen.core.walker.body import DRAWN, FILES, SOURCES, Body
+from walkergen.core.walker.body import BUILTIN_OUTLINES, FILE_KEYS, SOURCE_KEYS, Body
 from walkergen.core.walker.fittings import Battery, Cap, Marks, Motor, Part, Pockets
-from walkergen.core.walker.limbs import KINDS, MOST_LEGS, RIGID_KINDS, Kind, Leg, Legs, Tilt
+from walkergen.core.walker.limbs import KINDS, MAX_LEGS, RIGID_KINDS, Kind, Leg, Legs, Tilt
 
 MassGram = Annotated[float, Field(ge=1e-15, le=1e12)]
 
@@ -69,20 +69,23 @@ class Family(Section):
 
     @field_validator("tilt_deg", "legs")
     @classmethod
-    def _no_repeats(cls, values: list[Any]) -> list[Any]:
+    def _drop_repeats(cls, values: list[Any]) -> list[Any]:
         return list(dict.fromkeys(values))
 
 
-OUTLINES, MESHES = (".svg", ".dxf", ".png", ".jpg", ".jpeg"), (".stl", ".obj", ".ply", ".off", ".3mf", ".glb")
+OUTLINE_SUFFIXES, MESH_SUFFIXES = (
+    (".svg", ".dxf", ".png", ".jpg", ".jpeg"),
+    (".stl", ".obj", ".ply", ".off", ".3mf", ".glb"),
+)
 """Endings of files that stand for a walker by themselves, as the shape of its body."""
 
-CAD = (".step", ".stp", ".iges", ".igs", ".f3d", ".scad", ".fcstd", ".blend")
+CAD_SUFFIXES = (".step", ".stp", ".iges", ".igs", ".f3d", ".scad", ".fcstd", ".blend")
 """Endings of files of programs that save meshes too."""
 
 DEFAULT_FAMILY = {"tilt_deg": [0.0, 5.0, 10.0, 15.0, 20.0], "legs": ["flexible"]}
 """Family of a shape that says nothing of its own."""
 
-PLACES = ("contact_spacing_mm", "width_mm")
+PLACEMENT_KEYS = ("contact_spacing_mm", "width_mm")
 """Keys that say where two equal legs stand."""
 
 DEFAULT_TILT_DEG = 10.0
@@ -99,7 +102,7 @@ class WalkerSpec(Section):
     body: Body = Body()
     legs: Annotated[
         Annotated[Legs, Tag("table")]
-        | Annotated[Annotated[list[Leg], Field(min_length=1, max_length=MOST_LEGS)], Tag("list")],
+        | Annotated[Annotated[list[Leg], Field(min_length=1, max_length=MAX_LEGS)], Tag("list")],
         Discriminator(lambda legs: "list" if isinstance(legs, list) else "table"),
         SerializeAsAny(),  # a Ctrl-C that arrives while the discriminator serializes is lost
     ] = Legs()
@@ -119,30 +122,30 @@ class WalkerSpec(Section):
 
     @field_validator("leg_tilt_deg")
     @classmethod
-    def _of_a_list(cls, value: float | None, info: ValidationInfo) -> float | None:
+    def _check_leg_tilt(cls, value: float | None, info: ValidationInfo) -> float | None:
         if value is not None and isinstance(info.data.get("legs"), Legs):
             raise ValueError("it is for a list [[legs]]; two equal legs have legs.tilt_deg")
         return value
 
     @model_validator(mode="before")
     @classmethod
-    def _whole_walker(cls, data: Any) -> Any:
-        return with_one_body(data) if isinstance(data, Mapping) else data
+    def _merge_walker(cls, data: Any) -> Any:
+        return merge_walker_table(data) if isinstance(data, Mapping) else data
 
     @classmethod
-    def of_file(cls, path: Path) -> dict[str, Any] | None:
+    def data_from_file(cls, path: Path) -> dict[str, Any] | None:
         """Return data of a walker from a drawing, picture or mesh; None for others. Raises InputError for CAD files."""
-        ending, endings = path.suffix.lower(), {"outline": OUTLINES, "mesh": MESHES}
-        if ending in CAD:
+        ending, endings = path.suffix.lower(), {"outline": OUTLINE_SUFFIXES, "mesh": MESH_SUFFIXES}
+        if ending in CAD_SUFFIXES:
             raise InputError(f"{path}: save it as a mesh in the program that made it: Export, STL (or 3MF), in mm")
         source = next((key for key in endings if ending in endings[key]), None)
-        data = {"name": named(path.stem), "body": {source: path.name}, "family": DEFAULT_FAMILY}
+        data = {"name": name_from_text(path.stem), "body": {source: path.name}, "family": DEFAULT_FAMILY}
         return None if source is None else data
 
     @classmethod
-    def of_text(cls, text: str) -> Self:
+    def from_text(cls, text: str) -> Self:
         """Walker whose body is a text. Raises GeometryError for letters that cannot be drawn."""
-        data = {"name": named(text), "body": {"text": text}, "family": DEFAULT_FAMILY}
+        data = {"name": name_from_text(text), "body": {"text": text}, "family": DEFAULT_FAMILY}
         return validate(data, cls, f"text {text[:40]!r}")
 
     @classmethod
@@ -150,8 +153,8 @@ class WalkerSpec(Section):
         """Return the data of a file, the files that it names found from its folder."""
         tables = {name: dict(data[name]) for name in ("body", "walker") if isinstance(data.get(name), Mapping)}
         for table in tables.values():
-            files = [key for key in FILES if isinstance(table.get(key), str)]
-            table |= {key: str(folder / table[key]) for key in files if table[key] not in ("", *DRAWN)}
+            files = [key for key in FILE_KEYS if isinstance(table.get(key), str)]
+            table |= {key: str(folder / table[key]) for key in files if table[key] not in ("", *BUILTIN_OUTLINES)}
         return {**data, **tables}
 
     def without_stale_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
@@ -161,19 +164,21 @@ class WalkerSpec(Section):
         former one, and the family: legs that were found do not stand at every tilt. What `values` set stays.
         """
         body = data.get("body")
-        former = {key: getattr(self.body, key) for key in SOURCES}
-        source = next((key for key in SOURCES if values.get(f"body.{key}", former[key]) != former[key]), None)
+        former = {key: getattr(self.body, key) for key in SOURCE_KEYS}
+        source = next((key for key in SOURCE_KEYS if values.get(f"body.{key}", former[key]) != former[key]), None)
         if not isinstance(body, dict) or (source is None and "body" not in values):
             return data
         if source is not None:
-            data["body"] = Body.reshaped(body, source, self.body, values)
+            data["body"] = Body.replace_source(body, source, self.body, values)
             if source != "profile_mm" and not any(key.partition(".")[0] == "family" for key in values):
                 data["family"] = copy.deepcopy(DEFAULT_FAMILY)
             if "name" not in values:
-                data["name"] = named(Path(str(values[f"body.{source}"])).stem)
+                data["name"] = name_from_text(Path(str(values[f"body.{source}"])).stem)
                 data.pop("description", None)
         if source != "profile_mm" and not any(key.partition("[")[0] == "legs" for key in values):
-            data["legs"] = self._without_places(data.get("legs", {}), data["body"].get("outline") in DRAWN, values)
+            data["legs"] = self._without_places(
+                data.get("legs", {}), data["body"].get("outline") in BUILTIN_OUTLINES, values
+            )
             if isinstance(data["legs"], dict):
                 data.pop("leg_tilt_deg", None)
         for table in ("weighed", *(["marks"] if self.body.plain else [])):
@@ -187,7 +192,7 @@ class WalkerSpec(Section):
         Under outlines that need no file, `drawn`, a list stays.
         """
         if isinstance(legs, Mapping):
-            return {key: value for key, value in legs.items() if key not in PLACES or f"legs.{key}" in values}
+            return {key: value for key, value in legs.items() if key not in PLACEMENT_KEYS or f"legs.{key}" in values}
         first = self.legs if isinstance(self.legs, Legs) else self.legs[0]
         own = {
             "kind": self.kind,
@@ -200,11 +205,11 @@ class WalkerSpec(Section):
 
     def with_paths_relative_to(self, folder: Path) -> Self:
         """Return the walker as a file in a folder has it: files of the body by their way from there."""
-        files = {key: getattr(self.body, key) for key in FILES}
+        files = {key: getattr(self.body, key) for key in FILE_KEYS}
         ways = {
             key: Path(os.path.relpath(name, folder)).as_posix()
             for key, name in files.items()
-            if name is not None and name not in DRAWN
+            if name is not None and name not in BUILTIN_OUTLINES
         }
         return self.model_copy(update={"body": self.body.model_copy(update=ways)})
 
@@ -272,7 +277,7 @@ class WalkerSpec(Section):
         if not isinstance(self.legs, Legs) or self.whole:
             return False
         shaped = self.body.flat or self.body.mesh is not None
-        written = self.legs.model_fields_set & set(PLACES)
+        written = self.legs.model_fields_set & set(PLACEMENT_KEYS)
         return self.legs.place == "auto" or (self.legs.place is None and shaped and not written)
 
     @property
@@ -282,14 +287,14 @@ class WalkerSpec(Section):
         return self.marks.letters if number or self.marks.kind == "text" else ""
 
 
-def named(text: str) -> str:
+def name_from_text(text: str) -> str:
     """Name that file names may hold, of a text in any script."""
     plain = unicodedata.normalize("NFKD", text.replace("ß", "ss")).encode("ascii", "ignore").decode()
     name = re.sub(r"[^A-Za-z0-9_-]+", "-", plain).strip("-_")[:64]
     return name or f"walker-{hashlib.sha256(text.encode(errors='surrogatepass')).hexdigest()[:6]}"
 
 
-def with_one_body(data: Mapping[str, Any]) -> Mapping[str, Any]:
+def merge_walker_table(data: Mapping[str, Any]) -> Mapping[str, Any]:
     """Return data in which a finished walker, [walker], is the body that is cut. Raises GeometryError."""
     if "walker" not in data:
         return data

@@ -26,21 +26,21 @@ from walkergen.core.walker.design import Design
 from walkergen.core.walker.solids import Solids
 from walkergen.core.walker.spec import Weighed
 
-FILE = "weights.csv"
+FILE_NAME = "weights.csv"
 QUANTITIES = ("grams", "body_g", "leg_g")
-MOST_BYTES = 10_000_000
-LIGHTEST, HEAVIEST = 1e-6, 1e6
+MAX_BYTES = 10_000_000
+MIN_MASS_G, MAX_MASS_G = 1e-6, 1e6
 """Limits of masses that were weighed, g."""
-FACTOR = 10.0
+MAX_MASS_RATIO = 10.0
 """Ratio of weighed and meshed masses, either way, beyond which a unit or part is wrong."""
 
-CARRIED = ("motor", "battery", "wires", "glue")
+CARRIED_ROWS = ("motor", "battery", "wires", "glue")
 """Rows of what a walker carries."""
 
-PART = re.compile(r"(?P<stem>.+)_t(?P<tilt>-?[0-9.]{1,20})_(?P<kind>[a-z]+)_s[0-9.]+")
+PART_NAME_PATTERN = re.compile(r"(?P<stem>.+)_t(?P<tilt>-?[0-9.]{1,20})_(?P<kind>[a-z]+)_s[0-9.]+")
 """Name of a walker, as `names.part` writes it."""
 
-COPY = re.compile(r"-[1-9][0-9]*$")
+COPY_SUFFIX = re.compile(r"-[1-9][0-9]*$")
 
 
 class Mean(NamedTuple):
@@ -61,43 +61,43 @@ class Weighings(NamedTuple):
     leg_g: Mean | None = None
 
 
-def form(members: Sequence[Design], name: str) -> str:
+def form_name(members: Sequence[Design], name: str) -> str:
     """Name of the file for the masses of a design's walkers, by the design's name, among others'.
 
     Of one design alone it is FILE; several have a form each, since `read` takes those of one.
     """
-    return FILE if len(names.by_design(members)) == 1 else f"weights_{name}.csv"
+    return FILE_NAME if len(names.group_by_design(members)) == 1 else f"weights_{name}.csv"
 
 
-def carried(design: Design) -> tuple[str, ...]:
+def carried_rows(design: Design) -> tuple[str, ...]:
     """Rows of what a design's walkers carry; none where it has neither motor nor battery."""
-    return tuple(name for name in CARRIED if design.parts and name in (*design.parts, *CARRIED[2:]))
+    return tuple(name for name in CARRIED_ROWS if design.parts and name in (*design.parts, *CARRIED_ROWS[2:]))
 
 
-def template(parts: Iterable[str]) -> str:
+def format_template(parts: Iterable[str]) -> str:
     """Text of a weights.csv to fill in: a line for every part, without numbers."""
     return csv_text(("part", *QUANTITIES), ((part, *[""] * len(QUANTITIES)) for part in parts))
 
 
-def filled(path: Path) -> bool:
+def is_filled_in(path: Path) -> bool:
     """Return whether a file holds a user's work: it is no `template` of walkers. Raises InputError."""
-    parts = _blank(path)
-    return parts is None or not all(names.is_part(part) or part in CARRIED for part in parts)
+    parts = _read_blank_form(path)
+    return parts is None or not all(names.is_part_name(part) or part in CARRIED_ROWS for part in parts)
 
 
-def _blank(path: Path) -> list[str] | None:
+def _read_blank_form(path: Path) -> list[str] | None:
     """Parts of a form as `template` writes it; none where there is no file, None of a file that says more.
 
     Raises InputError.
     """
     if not os.path.lexists(path):
         return []
-    data = reading.content(path, MOST_BYTES)
+    data = reading.read_bytes(path, MAX_BYTES)
     parts = [row.partition(",")[0] for row in data.decode("utf-8", "replace").splitlines()[1:]]
-    return parts if data == template(parts).encode() else None
+    return parts if data == format_template(parts).encode() else None
 
 
-def read(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
+def read_masses(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
     """Mean masses by the names of members, copies (NAME-3) taken together, and of what they carry.
 
     Names may begin with the design's name, as on plates of several designs. Walkers of the same
@@ -105,14 +105,14 @@ def read(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
     Raises InputError when the file is no table of masses, or with every line of a wrong mass and
     every unknown part with its near matches.
     """
-    rows = _rows(path)
-    parts, others = _parts(members), False
+    rows = _read_rows(path)
+    parts, others = _names_to_parts(members), False
     masses: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
     problems = []
     for line, row in rows:
         try:
-            if values := _values(row):
-                part = _row_of(row["part"].strip(), values, parts, members)
+            if values := _parse_masses(row):
+                part = _match_row(row["part"].strip(), values, parts, members)
                 if part is None:
                     others = True
                     continue
@@ -127,28 +127,30 @@ def read(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
     if not masses:
         raise InputError(f"{path}: no masses; fill in {', '.join(QUANTITIES)} of some part")
     return {
-        part: Weighings(**{quantity: _mean(values) for quantity, values in quantities.items()})
+        part: Weighings(**{quantity: _mean_mass(values) for quantity, values in quantities.items()})
         for part, quantities in masses.items()
     }
 
 
-def unused(path: Path, members: Sequence[Design]) -> list[str]:
+def unused_parts(path: Path, members: Sequence[Design]) -> list[str]:
     """Parts with masses in a file that `read` leaves out: walkers of the same designs, not asked.
 
     Raises InputError as `read` does.
     """
-    own = _parts(members)
-    masses = (row["part"].strip() for _, row in _rows(path) if _values(row))
-    known = {*own, *CARRIED}
-    return list(dict.fromkeys(COPY.sub("", name) for name in masses if not known & {name, COPY.sub("", name)}))
+    own = _names_to_parts(members)
+    masses = (row["part"].strip() for _, row in _read_rows(path) if _parse_masses(row))
+    known = {*own, *CARRIED_ROWS}
+    return list(
+        dict.fromkeys(COPY_SUFFIX.sub("", name) for name in masses if not known & {name, COPY_SUFFIX.sub("", name)})
+    )
 
 
-def applied(design: Design, parts: Solids, weighed: Weighings, name: str) -> Design:
+def apply_masses(design: Design, parts: Solids, weighed: Weighings, name: str) -> Design:
     """Design with weighed masses in place of the mesh's.
 
     Raises InputError when the masses contradict each other or are far from the mesh's.
     """
-    count, (body, leg) = len(parts.legs), _drawn(design, parts)
+    count, (body, leg) = len(parts.legs), _mesh_masses(design, parts)
     grams, body_g, leg_g = (None if weighing is None else weighing.mean for weighing in weighed)
     if grams is not None and body_g is not None and leg_g is not None:
         raise InputError(f"{name}: grams, body_g and leg_g are one too many: leave one empty")
@@ -161,32 +163,33 @@ def applied(design: Design, parts: Solids, weighed: Weighings, name: str) -> Des
             scale = grams / (body + count * leg)
             body_g, leg_g = scale * body, scale * leg
     for what, value, meshed in (("body", body_g, body), ("leg", leg_g, leg)):
-        if value is not None and _far(value, meshed):
+        if value is not None and _is_implausible(value, meshed):
             raise InputError(
                 f"{name}: a {what} of {value:.4g} g by the balance, {meshed:.4g} g by the mesh: "
-                f"more than {FACTOR:g} times apart; are these grams, and of this part?"
+                f"more than {MAX_MASS_RATIO:g} times apart; are these grams, and of this part?"
             )
     masses = {"body_mass_g": body_g, "leg_mass_g": leg_g}
     own = {key: value for key, value in masses.items() if value is not None}
     return design.model_copy(update={"weighed": design.weighed.model_copy(update=own)})
 
 
-def check(design: Design) -> None:
+def check_stated_masses(design: Design) -> None:
     """Raise InputError for masses that a design states of itself and that are far from what it draws."""
     if not design.weighed.states:
         return
     stated = {"body_mass_g": design.weighed.body_mass_g, "leg_mass_g": design.weighed.leg_mass_g}
-    meshed = _drawn(design, solids.build(design, united=False))
+    meshed = _mesh_masses(design, solids.build(design, united=False))
     for (key, value), drawn in zip(stated.items(), meshed, strict=True):
-        if value is not None and _far(value, drawn):
+        if value is not None and _is_implausible(value, drawn):
             raise InputError(
-                f"{design.name}: weighed.{key} = {value:.4g}: {drawn:.4g} g as it is drawn, more than {FACTOR:g} times "
+                f"{design.name}: weighed.{key} = {value:.4g}: {drawn:.4g} g as it is drawn, more than "
+                f"{MAX_MASS_RATIO:g} times "
                 "apart; are these grams? Of another plastic set material.density_g_cm3",
                 f"weighed.{key}",
             )
 
 
-def _drawn(design: Design, parts: Solids) -> tuple[float, float]:
+def _mesh_masses(design: Design, parts: Solids) -> tuple[float, float]:
     """Masses of the body with its cap, and of a leg (of unlike legs their mean), g, as they are drawn."""
     density = 1e-3 * design.material.density_g_cm3
     body = mass.weigh(parts.body, density).mass
@@ -195,26 +198,26 @@ def _drawn(design: Design, parts: Solids) -> tuple[float, float]:
     return body, sum(mass.weigh(mesh, density).mass for mesh in parts.legs) / len(parts.legs)
 
 
-def _far(weighed: float, drawn: float) -> bool:
+def _is_implausible(weighed: float, drawn: float) -> bool:
     """Return whether masses differ by more than FACTOR, either way."""
-    return not drawn / FACTOR <= weighed <= drawn * FACTOR
+    return not drawn / MAX_MASS_RATIO <= weighed <= drawn * MAX_MASS_RATIO
 
 
-def loaded(design: Design, weighed: Mapping[str, Weighings]) -> Design:
+def apply_carried_masses(design: Design, weighed: Mapping[str, Weighings]) -> Design:
     """Design with the weighed masses, by their rows, of what it carries.
 
     Raises InputError when they are far from the design's.
     """
     tables: dict[str, dict[str, float]] = defaultdict(dict)
-    for name in carried(design):
+    for name in carried_rows(design):
         if name not in weighed or (grams := weighed[name].grams) is None:
             continue
         if part := design.parts.get(name):
             stated = part.cylinder.mass
-            if _far(grams.mean, stated):
+            if _is_implausible(grams.mean, stated):
                 raise InputError(
                     f"{name}: {grams.mean:.4g} g by the balance, {stated:.4g} g by the design: "
-                    f"more than {FACTOR:g} times apart; are these grams, and of this part?"
+                    f"more than {MAX_MASS_RATIO:g} times apart; are these grams, and of this part?"
                 )
             tables[name]["mass_g"] = grams.mean
         else:
@@ -226,7 +229,7 @@ def loaded(design: Design, weighed: Mapping[str, Weighings]) -> Design:
     return design.model_copy(update=own)
 
 
-def meshed(design: Design) -> Design:
+def without_weighed_masses(design: Design) -> Design:
     """Design with its mesh's masses, whatever was weighed."""
     plain = Weighed(mass_sd_percent=design.weighed.mass_sd_percent)
     return design.model_copy(update={"weighed": plain})
@@ -240,9 +243,9 @@ def total_error(weighed: Weighings, legs: int) -> float | None:
     return None if body is None or leg is None else math.hypot(body, legs * leg)
 
 
-def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
+def _read_rows(path: Path) -> list[tuple[int, dict[str, str]]]:
     """Rows of a weights.csv by their lines, cells by column; raises InputError."""
-    table = columns.records(reading.lines(path, columns.FORMAT, MOST_BYTES), str(path))
+    table = columns.parse_records(reading.read_lines(path, columns.FORMAT_NAME, MAX_BYTES), str(path))
     wrong = [name for name in table.names if name not in ("part", *QUANTITIES)]
     if wrong or "part" not in table.names or len(table.names) < 2:
         raise InputError(
@@ -252,42 +255,48 @@ def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
     return table.rows
 
 
-def _row_of(name: str, values: Mapping[str, float], parts: Mapping[str, str], members: Sequence[Design]) -> str | None:
+def _match_row(
+    name: str, values: Mapping[str, float], parts: Mapping[str, str], members: Sequence[Design]
+) -> str | None:
     """Part of a row, or what walkers carry; None for another walker. Raises InputError."""
-    if not any(name in carried(design) for design in members):
-        return _part_of(name, parts, members)
+    if not any(name in carried_rows(design) for design in members):
+        return _match_part(name, parts, members)
     if wrong := [quantity for quantity in values if quantity != "grams"]:
         raise InputError(f"{name}: {wrong[0]}: has neither body nor legs: write its mass as grams")
     return name
 
 
-def _values(row: Mapping[str, str]) -> dict[str, float]:
+def _parse_masses(row: Mapping[str, str]) -> dict[str, float]:
     """Masses of a row in g by quantity, without blank cells; raises InputError."""
     values = {}
     for quantity in QUANTITIES:
         if cell := row.get(quantity, "").strip():
-            value = words.value(cell)
-            if value is None or not LIGHTEST <= value <= HEAVIEST:
+            value = words.parse_number(cell)
+            if value is None or not MIN_MASS_G <= value <= MAX_MASS_G:
                 raise InputError(
-                    f"{quantity} = {cell[:30]!r}: must be a number in {LIGHTEST:g}..{HEAVIEST:g}, in grams"
+                    f"{quantity} = {cell[:30]!r}: must be a number in {MIN_MASS_G:g}..{MAX_MASS_G:g}, in grams"
                 )
             values[quantity] = value
     return values
 
 
-def _parts(members: Sequence[Design]) -> dict[str, str]:
+def _names_to_parts(members: Sequence[Design]) -> dict[str, str]:
     """Names of members by the names that files may have for them."""
-    return {names.part(design, stem): names.part(design) for design in members for stem in (design.name, names.STEM)}
+    return {
+        names.part_name(design, stem): names.part_name(design)
+        for design in members
+        for stem in (design.name, names.DEFAULT_STEM)
+    }
 
 
-def _named(name: str, parts: Mapping[str, str]) -> str | None:
+def _find_part(name: str, parts: Mapping[str, str]) -> str | None:
     """Part of a name as in stl/ or, with the number of its copy, as on a plate map."""
-    return parts.get(name) or parts.get(COPY.sub("", name))
+    return parts.get(name) or parts.get(COPY_SUFFIX.sub("", name))
 
 
-def _part_of(name: str, parts: Mapping[str, str], members: Sequence[Design]) -> str | None:
+def _match_part(name: str, parts: Mapping[str, str], members: Sequence[Design]) -> str | None:
     """Part of a name; None for another walker of the members' designs. Raises InputError."""
-    if (part := _named(name, parts)) or _another(COPY.sub("", name), members):
+    if (part := _find_part(name, parts)) or _is_other_member(COPY_SUFFIX.sub("", name), members):
         return part
     listed = list(dict.fromkeys(parts.values()))
     near = difflib.get_close_matches(name, listed, n=3, cutoff=0.6)
@@ -295,39 +304,39 @@ def _part_of(name: str, parts: Mapping[str, str], members: Sequence[Design]) -> 
     raise InputError(f"part {name[:60]!r} is not among those of ‹tilt› and ‹legs›; {hint}")
 
 
-def _another(name: str, members: Sequence[Design]) -> bool:
+def _is_other_member(name: str, members: Sequence[Design]) -> bool:
     """Return whether a member's design gives this name to its walker of another tilt or kind."""
-    match = PART.fullmatch(name)
+    match = PART_NAME_PATTERN.fullmatch(name)
     if match is None:
         return False
-    for own in names.by_design(members).values():
+    for own in names.group_by_design(members).values():
         kind: Any = match["kind"]
         try:
             variant = own[0].variant(tilt_deg=float(match["tilt"]), kind=kind)
         except (InputError, GeometryError, ValueError):  # the design has no such walker
             continue
         stem = match["stem"]
-        if stem in (variant.name, names.STEM) and names.part(variant, stem) == name:
+        if stem in (variant.name, names.DEFAULT_STEM) and names.part_name(variant, stem) == name:
             return True
     return False
 
 
-def _mean(values: Sequence[float]) -> Mean:
+def _mean_mass(values: Sequence[float]) -> Mean:
     """Mean of masses in g, with its standard error from their spread."""
     count = len(values)
     error = float(np.std(values, ddof=1)) / math.sqrt(count) if count > 1 else None
     return Mean(float(np.mean(values)), error, count)
 
 
-def write_template(folder: Path, parts: Iterable[str], name: str = FILE) -> Path | None:
+def write_template(folder: Path, parts: Iterable[str], name: str = FILE_NAME) -> Path | None:
     """Write the form folder/NAME, and return its path, unless somebody changed it: then None.
 
     A form of the same parts in another order stays as it is: somebody may have sorted it. Raises InputError and
     OutputError.
     """
     path, rows = folder / name, list(parts)
-    if filled(path):
+    if is_filled_in(path):
         return None
-    if sorted(_blank(path) or ()) != sorted(rows):
-        output.write(path, template(rows).encode())
+    if sorted(_read_blank_form(path) or ()) != sorted(rows):
+        output.write(path, format_template(rows).encode())
     return path

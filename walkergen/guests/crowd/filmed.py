@@ -51,7 +51,7 @@ class Asked(NamedTuple):
 
 def asked(dish: str, body: str | None, middle: str | None, others: Sequence[Path]) -> Asked:
     """Crowd from a person's words, as in "disc:120", "24x8", "60,60". Raises InputError."""
-    ground = dishes.parse(dish, "‹dish›")
+    ground = dishes.parse_dish(dish, "‹dish›")
     return Asked(ground, _contours(body), _middle(middle), tuple(others))
 
 
@@ -114,12 +114,12 @@ def _contours(body: str | None) -> tuple[Array, ...]:
     """Outline of a body from its length and width, from its diameter, or from a walker's file."""
     if body is None:
         return ()
-    sizes = [words.value(word) for word in body.split("x")]
+    sizes = [words.parse_number(word) for word in body.split("x")]
     if sizes[0] is None:
         return tuple(seen_above.outline_of(templates.load(body, "walkers", Design)))
     if len(sizes) > 2 or not all(size is not None and LEAST <= size <= LARGEST for size in sizes):
         raise InputError(
-            f"‹body=›{plain.line(body)[:40]}: must be LENGTHxWIDTH, as 24x8, or the DIAMETER of a "
+            f"‹body=›{plain.shorten_line(body)[:40]}: must be LENGTHxWIDTH, as 24x8, or the DIAMETER of a "
             f"disc, as 20, or a walker, mm, in {LEAST:g}..{LARGEST:g}"
         )
     half = 0.5 * np.array([size for size in sizes if size is not None])
@@ -133,8 +133,10 @@ def _middle(middle: str | None) -> tuple[float, float]:
     """Place of the dish's middle; the origin where none is given."""
     if middle is None:
         return 0.0, 0.0
-    numbers = [words.value(word) for word in middle.split(",")]
+    numbers = [words.parse_number(word) for word in middle.split(",")]
     if len(numbers) != 2 or any(n is None or abs(n) > LARGEST for n in numbers):
-        raise InputError(f"‹middle=›{plain.line(middle)[:40]}: must be X,Y in mm, as 60,55, within ±{LARGEST:g}")
+        raise InputError(
+            f"‹middle=›{plain.shorten_line(middle)[:40]}: must be X,Y in mm, as 60,55, within ±{LARGEST:g}"
+        )
     x, y = (float(number or 0.0) for number in numbers)
     return x, y

@@ -21,7 +21,7 @@ def parse(value: int | str | Mapping[str, int]) -> int | dict[str, int]:
 
     Raises ValueError, InputError for none or too many.
     """
-    whole = columns.whole(value, MOST) if isinstance(value, str) else value
+    whole = columns.parse_count(value, MOST) if isinstance(value, str) else value
     if isinstance(whole, int) and not isinstance(whole, bool):
         return check(whole, f"‹count=›{whole}")
     pairs: list[tuple[str, Any]] = []
@@ -30,7 +30,7 @@ def parse(value: int | str | Mapping[str, int]) -> int | dict[str, int]:
     elif isinstance(value, str) and ":" in value:
         for part in value.split(","):
             name, _, number = part.strip().rpartition(":")
-            pairs.append((name, columns.whole(number, MOST)))
+            pairs.append((name, columns.parse_count(number, MOST)))
     for name, count in pairs:
         if not name or isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST:
             raise ValueError(f"{name[:40]!r} must be DESIGN:N, N in 1..{MOST}")

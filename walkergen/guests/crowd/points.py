@@ -84,7 +84,7 @@ def _went(simulated: Simulated) -> Record:
         how = Went.WALKERS_ENDED_BADLY
         return went(how, f"{how}: {which}, of {count} in all runs")
     if simulated.energy_error > ENERGY_TOLERANCE:
-        share = words.number(100.0 * simulated.energy_error, 2)
+        share = words.format_number(100.0 * simulated.energy_error, 2)
         return went(Went.UNBALANCED, f"{Went.UNBALANCED}: {share} % unaccounted for; take a smaller run.step_us")
     for name, number in simulated.statistics.numbers.items():
         if name not in TIMELESS and number.value is not None and number.se is None:

@@ -137,7 +137,7 @@ def _warnings(simulated: Simulated) -> Iterator[str]:
     worst = simulated.energy_error
     if worst > ENERGY_TOLERANCE:
         yield (
-            f"{Outcome.ENERGY.value}: {words.number(100.0 * worst, 2)} % of the energy exchanged "
+            f"{Outcome.ENERGY.value}: {words.format_number(100.0 * worst, 2)} % of the energy exchanged "
             f"is unaccounted for, more than {100.0 * ENERGY_TOLERANCE:g} %"
         )
 

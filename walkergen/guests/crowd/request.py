@@ -203,7 +203,7 @@ class CrowdRequest(request.Request):
                 "a card is read as it is", *(set(type(self).model_fields) - {"design", "card", "pictures", "out"})
             )
             result, path = make.of_file(Path(source)), Path(source)
-            folder = output.results(path, self.out, "card")
+            folder = output.result_folder(path, self.out, "card")
             return make.write(result, {"card": path.name}, folder, self.pictures)
         walker = given.one(source, self.tilt, self.legs)
         scene = given.scene(request.ground(self.scene, [walker], request.PLANE))
@@ -215,7 +215,7 @@ class CrowdRequest(request.Request):
         self.refuse("a film tells nothing of walls", "arena")
         self.refuse("tracks of a film are as long as they are", "seconds", "runs", "seed")
         units = request.units(self.fps, self.mm_per_px, self.y_down, self.unit)
-        folder = output.results(self.tracks, self.out, "card")
+        folder = output.result_folder(self.tracks, self.out, "card")
         result = make.of_film(self.tracks, units, scene, walker)
         return make.write(result, {"file": self.tracks.name, **units._asdict(), **asked}, folder, self.pictures)
 

@@ -66,7 +66,8 @@ def line(statistics: CrowdStatistics) -> str:
     """Describe in a sentence what was measured."""
     runs = "one run" if statistics.runs == 1 else f"{statistics.runs} independent runs"
     return (
-        f"{runs} of {words.duration(statistics.seconds)} each, {statistics.frames} frames, of {_walkers(statistics)}."
+        f"{runs} of {words.format_duration(statistics.seconds)} each, {statistics.frames} frames, of "
+        f"{_walkers(statistics)}."
     )
 
 
@@ -89,7 +90,7 @@ def _columns(statistics: CrowdStatistics) -> tuple[Column, ...]:
     def chance(row: Sequence[Any]) -> str:
         number = numbers[row[0]]
         value = statistics.by_chance.get(number.key)
-        return "" if value is None or number.value is None else words.number(value)
+        return "" if value is None or number.value is None else words.format_number(value)
 
     return (*quantities.columns(lambda row: numbers[row[0]]), Column("at random", chance, right=True))
 

@@ -65,12 +65,12 @@ class Rebounds(NamedTuple):
 
 def rebound(plan: Plan, let: Let) -> Rebound:
     """Rebound of a drop, from the height of the body's middle."""
-    plan = plan.drawn(np.random.default_rng([plan.scene.run.seed, let.number]))
-    standing = plan.start(0.0, 0.0, 0.0)[HEIGHT]
-    state = plan.start(let.height, let.pitch, 0.0, let.roll)
+    plan = plan.sample_print(np.random.default_rng([plan.scene.run.seed, let.number]))
+    standing = plan.initial_state(0.0, 0.0, 0.0)[HEIGHT]
+    state = plan.initial_state(let.height, let.pitch, 0.0, let.roll)
     first = state[HEIGHT] - standing
     seconds = seconds_of(first)
-    tally = record.new(HEIGHT + 1, seconds, seconds / SAMPLES)
+    tally = record.new_tally(HEIGHT + 1, seconds, seconds / SAMPLES)
     fell = plan.advance(state, seconds, tally) != OK
     samples = tally.samples
     heights = samples.rows[: samples.cursor[0], 1 + HEIGHT] - standing
@@ -97,7 +97,7 @@ def rebounds(plan: Plan, hand: Sequence[Let]) -> Rebounds:
     """Rebounds of a plan's walker from one height, flat and from the hand."""
     flat = Let(hand[0].height)
     lets = [flat, *hand]
-    level, *others = batch.every(lambda number, stopped, tell: rebound(plan, lets[number]), len(lets))
+    level, *others = batch.run_all(lambda number, stopped, tell: rebound(plan, lets[number]), len(lets))
     ratios = np.array([bounce.ratio for bounce in others if bounce.ratio is not None])
     sd = float(ratios.std(ddof=1)) if len(ratios) > 1 else 0.0
     mean = float(ratios.mean()) if len(ratios) else None

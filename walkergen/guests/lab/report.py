@@ -48,4 +48,4 @@ def written(report: R, job: Any, asked: Mapping[str, Any], comment: str = "", ev
 
 def named(original: str, path: Path, word: str = "") -> str:
     """Name of a design or scene after the file that it was measured by: never that of a shipped one."""
-    return f"{original[:30]}-{word}{output.named_after(path)[:28]}"
+    return f"{original[:30]}-{word}{output.safe_folder_name(path)[:28]}"

@@ -3,8 +3,8 @@
 import math
 
 from walkergen.core.errors import InputError
-from walkergen.core.scene import Scene, at_rest
-from walkergen.core.simulation.effects.resolve import on_still_plate
+from walkergen.core.scene import Scene, still_plate_drive
+from walkergen.core.simulation.effects.resolve import without_plate_effects
 from walkergen.core.simulation.plan import Plan, prepare
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
@@ -16,7 +16,7 @@ by 0.02 of it with steps of that length, by 0.004 with a quarter (10 deg, drops 
 
 def resting(scene: Scene) -> Scene:
     """Scene on an endless level plate at rest, with the contact and feet of `scene`."""
-    return on_still_plate(scene).model_copy(update={"drive": at_rest(scene.drive.frequency)})
+    return without_plate_effects(scene).model_copy(update={"drive": still_plate_drive(scene.drive.frequency)})
 
 
 def filmed(scene: Scene) -> Scene:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from walkergen.core.errors import InputError
 from walkergen.core.files import output
-from walkergen.core.files.progress import Expect, Expected, Progress, unheard
+from walkergen.core.files.progress import Expect, Expected, Progress, ignore_estimate
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.effects import walls
 from walkergen.core.simulation.effects.effect import Case
@@ -81,7 +81,7 @@ def file_name(job: Job, values: Mapping[str, Any]) -> str:
 
     Then come values of dotted keys that were set, in letters that are safe, as far as a name goes.
     """
-    what = names.part(job.members[0]) if len(job.members) == 1 else names.race(job.members)
+    what = names.part_name(job.members[0]) if len(job.members) == 1 else names.race_name(job.members)
     seen = "_perspective" if job.view == "perspective" else ""
     settings = "".join(f"_{key.rpartition('.')[2]}-{value}" for key, value in values.items())
     return f"{what}_{job.scene.name}{seen}{re.sub(r'[^A-Za-z0-9_.-]+', '-', settings)[:80]}.gif"
@@ -148,7 +148,7 @@ def _view(members: Sequence[Design], scene: Scene, wanted: str | None) -> View:
     return chosen
 
 
-def make(job: Job, path: Path, progress: Progress, named: bool = True, expect: Expect = unheard) -> Made:
+def make(job: Job, path: Path, progress: Progress, named: bool = True, expect: Expect = ignore_estimate) -> Made:
     """Simulate and film; writes `path` (a GIF) and, with ffmpeg, an MP4 beside it.
 
     Both files are written whole at the end; over one that is not ours only the GIF is, and only

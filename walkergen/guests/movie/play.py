@@ -29,7 +29,7 @@ def run(design: Design, scene: Scene, seconds: float) -> dict[str, Any]:
     motion = poses.sample(prepare(scene.model_copy(update={"run": short}), design, mass), 1.0 / RATE)
     if len(motion.times) < 2:
         raise InputError(f"{scene.name}: the run ended at once ({motion.outcome.value})")
-    return _packed(motion, point_in_mesh(design, mass)) | {"words": _words(motion, scene, names.part(design))}
+    return _packed(motion, point_in_mesh(design, mass)) | {"words": _words(motion, scene, names.part_name(design))}
 
 
 def _packed(motion: poses.Poses, O: npt.NDArray[np.float64]) -> dict[str, Any]:  # noqa: E741

@@ -10,7 +10,7 @@ from walkergen.core.simulation.run import ENDED_WELL
 from walkergen.core.theory.impact import Kind
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
-from walkergen.core.walker.mass import MassProperties, from_centre
+from walkergen.core.walker.mass import MassProperties, to_centre_frame
 from walkergen.points.poses import Poses
 from walkergen.readers.walkers import seen_above
 
@@ -130,7 +130,7 @@ def shot_of(title: Title, design: Design, mass: MassProperties, poses: Poses) ->
 
 def point_in_mesh(design: Design, mass: MassProperties) -> Array:
     """Point O of a walker, which poses follow, in the frame of its mesh, shape (3,), mm."""
-    return np.array([*-from_centre(design.limbs, mass, np.zeros(2)), 0.5 * design.size.depth])
+    return np.array([*-to_centre_frame(design.limbs, mass, np.zeros(2)), 0.5 * design.size.depth])
 
 
 def outline(shot: Shot, at: int) -> list[Array]:

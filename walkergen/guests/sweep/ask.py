@@ -8,7 +8,7 @@ from walkergen.core.errors import InputError
 from walkergen.core.files import assignments, columns
 from walkergen.core.printing.printers import Printer
 from walkergen.core.scene import Scene
-from walkergen.core.tolerance import Tolerance, parse
+from walkergen.core.tolerance import Tolerance, parse_tolerance
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.guests.sweep import axes, nearest, sweep_file
@@ -20,7 +20,7 @@ from walkergen.points import kinds
 from walkergen.points.point import ALONE, PREDICTION
 from walkergen.request import PAPER, ground
 
-ERROR = parse("5%")
+ERROR = parse_tolerance("5%")
 """Error of simulated speeds unless asked otherwise."""
 
 
@@ -109,14 +109,16 @@ def of(
     scenes = {key.removeprefix(SCENES): constants[key] for key in constants if key not in own}
     model = model_of(model, (*space.keys, *constants))
     if isinstance(design, Design):
-        walker, data = assignments.changed(design, own, source), None
+        walker, data = assignments.replace_values(design, own, source), None
     else:
-        walker, data = assignments.with_data(templates.path_of(design or PAPER, "walkers", near), Design, own, source)
+        walker, data = assignments.read_with_data(
+            templates.path_of(design or PAPER, "walkers", near), Design, own, source
+        )
     place = ground(scene, [walker], scene_for(model))
     if isinstance(place, Scene):
-        place = assignments.changed(place, scenes, source, SCENES)
+        place = assignments.replace_values(place, scenes, source, SCENES)
     else:
-        place = assignments.read(templates.path_of(place, "scenes", near), Scene, scenes, source, SCENES)
+        place = assignments.read_with_values(templates.path_of(place, "scenes", near), Scene, scenes, source, SCENES)
     if not isinstance(printer, Printer | None):
         printer = templates.load(printer, "printers", Printer, near)
     return Ask(walker, data, place, printer, space, tuple(constants), model, error, keep)
@@ -170,7 +172,7 @@ def space_of(entries: Sequence[Axis | Span], sample: str | None, seed: int) -> t
 def sample_of(text: str, spans: tuple[Span, ...], seed: int, source: str) -> Sample:
     """Parse samples of spans from sobol:N or latin:N. Raises InputError."""
     method, _, count = text.partition(":")
-    samples = columns.whole(count, axes.MOST_VALUES)
+    samples = columns.parse_count(count, axes.MOST_VALUES)
     if method not in get_args(Method) or samples is None:
         raise InputError(f"{source}: write sobol:N or latin:N, N a whole number in 1..{axes.MOST_VALUES}")
     sequence: Method = "sobol" if method == "sobol" else "latin"

@@ -11,7 +11,7 @@ import numpy as np
 
 from walkergen.core.errors import InputError
 from walkergen.core.files import assignments
-from walkergen.core.files.config import LARGEST_WHOLE, SMALLEST
+from walkergen.core.files.config import MAX_INTEGER, MIN_MAGNITUDE
 
 MOST_VALUES = 1_000_000
 """Largest number of values of an axis, and of samples."""
@@ -77,7 +77,7 @@ class Space(NamedTuple):
 
 def parse(text: str) -> Axis | Span:
     """Axis of KEY=1,2,3 or KEY=FIRST:LAST:STEP or KEY=VALUE, span of KEY=LOW:HIGH. InputError."""
-    key, value = assignments.split(text)
+    key, value = assignments.split_key_value(text)
     return of_text(key, value, f"‹set› {text[:60]!r}")
 
 
@@ -97,7 +97,7 @@ def of_text(key: str, value: str, source: str) -> Axis | Span:
         elif not piece.strip():
             raise InputError(f"{source}: an empty value in the list: remove a comma")
         else:
-            values.append(assignments.value_of(piece.strip()))
+            values.append(assignments.parse_value(piece.strip()))
         if len(values) > MOST_VALUES:
             break
     return axis(key, values, source)
@@ -174,10 +174,10 @@ def _finite(word: str, source: str) -> float:
     value = float(word)
     if not math.isfinite(value):
         raise InputError(f"{source}: {word.strip()} is no end of a range: write finite numbers")
-    if value != 0.0 and not SMALLEST <= abs(value) <= LARGEST_WHOLE:
+    if value != 0.0 and not MIN_MAGNITUDE <= abs(value) <= MAX_INTEGER:
         raise InputError(
             f"{source}: {word.strip()[:30]} is no end of a range: write 0, or numbers in "
-            f"±({SMALLEST:g}..{LARGEST_WHOLE:.3g})"
+            f"±({MIN_MAGNITUDE:g}..{MAX_INTEGER:.3g})"
         )
     return value + 0.0
 

@@ -52,7 +52,7 @@ def spend(request: Request, seconds: float, store: Store, pool: WorkerPool | Non
         worst = sorted(open_, key=lambda n: (-half[n], n))[:batch]
         if not worst:
             break
-        progress(f"widest bars, ± {words.number(half[worst[0]], 2)} mm/s", round(seconds - left), round(seconds))
+        progress(f"widest bars, ± {words.format_number(half[worst[0]], 2)} mm/s", round(seconds - left), round(seconds))
         more = [_doubled(points[n], 1) for n in worst]
         for n, point, done in zip(worst, more, run.each(more, store, pool), strict=True):
             points[n], half[n] = point, _half(done.record)

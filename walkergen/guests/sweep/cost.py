@@ -74,9 +74,9 @@ def _cost(point: Point) -> float:
 def in_words(cost: Cost | None, points: int) -> str:
     """Cost of so many points as a line for a person."""
     if cost is None:
-        return f"{words.number(points, 4)} points"
-    needed = f"about {words.duration(cost.seconds)} and {_room(cost.bytes)} on the disk"
-    return f"{words.number(cost.points, 4)} points: {needed}"
+        return f"{words.format_number(points, 4)} points"
+    needed = f"about {words.format_duration(cost.seconds)} and {_room(cost.bytes)} on the disk"
+    return f"{words.format_number(cost.points, 4)} points: {needed}"
 
 
 def _room(size: float) -> str:

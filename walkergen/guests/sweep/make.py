@@ -64,7 +64,7 @@ def make(job: Job, path: Path, store: Store, pool: WorkerPool | None, progress: 
         if job.budget_s is not None:
             stream = iter(budget.spend(job.request, job.budget_s, store, pool, progress))
         points = Points(_names(job), job.kept or job.drawn or job.wish is not None)
-        folder.grow(table.NAME)
+        folder.start_growing_file(table.NAME)
         with Table(path / table.NAME, job.request.space.keys, points.names) as rows:
             for values, done in _evaluated(job, stream, store, pool, progress):
                 rows.add(values, done.record, done.key)
@@ -105,10 +105,10 @@ def _finished(job: Job, folder: Folder) -> SweepReport | None:
 
     None where the rows are wanted, which the manifest has not.
     """
-    facts, again = folder.earlier(), job.kept or job.budget_s is not None or job.wish is not None
+    facts, again = folder.earlier_manifest(), job.kept or job.budget_s is not None or job.wish is not None
     if again or facts.get("request") != _hash_of(job.request):
         return None
-    if not folder.untouched() or (job.pictures and not _pictured(facts["files"])):
+    if not folder.is_unchanged() or (job.pictures and not _pictured(facts["files"])):
         return None
     count = job.request.space.points
     points = Points(_names(job), False, count, count, facts["bad"])
@@ -154,13 +154,13 @@ def _set_aside(folder: Folder) -> list[str]:
     if not place.exists():
         return []
     lines = table.changed(place)
-    if not lines and folder.as_left(table.NAME):
+    if not lines and folder.is_file_unchanged(table.NAME):
         return []
     kept = _free(folder.path / "table.edited.csv")
     try:
         place.replace(kept)
     except OSError as error:
-        raise output.refused(kept, error) from None
+        raise output.write_error(kept, error) from None
     where = ", ".join(map(str, lines[:5])) + (", ..." if len(lines) > 5 else "")
     which = f" in line {where}" if lines else ""
     return [f"{place}: changed by hand{which}: evaluated anew; the changed table is kept as {kept.name}"]
@@ -179,7 +179,7 @@ def _free(path: Path) -> Path:
 def _write_rest(job: Job, folder: Folder, result: SweepReport, seconds: float) -> None:
     """Write Parquet, pictures and the manifest of a finished table."""
     request = job.request
-    folder.add(table.NAME)
+    folder.add_grown_file(table.NAME)
     numeric = {axis.key: all(map(_is_number, axis.values)) for axis in request.space.axes}
     keys = {key: numeric.get(key, True) for key in request.space.keys}
     if (data := table.to_parquet(folder.path / table.NAME, keys, _names(job))) is not None:

@@ -57,4 +57,4 @@ def _column(heading: str, places: Sequence[int], text: Callable[..., str]) -> Co
 
 def _span(low: float | None, high: float | None) -> str:
     """Bounds in words, nothing where they are unknown."""
-    return "" if low is None or high is None else words.span(low, high)
+    return "" if low is None or high is None else words.format_range(low, high)

@@ -103,9 +103,9 @@ def check(key: str, source: str) -> None:
     """Raise InputError, which begins with `source`, for a key that neither design nor scene has."""
     bare_key = key.removeprefix(SCENE)
     if bare_key == key:
-        assignments.check(bare_key, Design, source)
+        assignments.check_key(bare_key, Design, source)
     else:
-        assignments.check(bare_key, Scene, source, SCENE)
+        assignments.check_key(bare_key, Scene, source, SCENE)
 
 
 def check_alone(key: str, source: str) -> None:
@@ -132,7 +132,7 @@ def changed(
     of_design = {key: value for key, value in values.items() if not key.startswith(SCENE)}
     of_scene = {key.removeprefix(SCENE): value for key, value in values.items() if key.startswith(SCENE)}
     if data is None or not of_design:
-        varied = assignments.changed(design, of_design, source)
+        varied = assignments.replace_values(design, of_design, source)
     else:
-        varied = assignments.assigned(design, copy.deepcopy(dict(data)), of_design, source)
-    return varied, assignments.changed(scene, of_scene, source, SCENE)
+        varied = assignments.assign_values(design, copy.deepcopy(dict(data)), of_design, source)
+    return varied, assignments.replace_values(scene, of_scene, source, SCENE)

@@ -113,7 +113,7 @@ class SweepRequest(request.Request):
 
     def _ask(self) -> "Ask":
         """Sweep that is asked for here, or by a file. Raises InputError."""
-        from walkergen.core.tolerance import parse
+        from walkergen.core.tolerance import parse_tolerance
         from walkergen.guests.sweep import ask, axes
 
         if self.file is not None:
@@ -122,7 +122,7 @@ class SweepRequest(request.Request):
         pairs = self.set.items() if isinstance(self.set, Mapping) else ()
         entries = [_entry(key, values) for key, values in pairs] or [axes.parse(text) for text in self.set]
         space, constants = ask.space_of(entries, self.sample, self.seed)
-        wanted = None if self.error is None else parse(self.error)
+        wanted = None if self.error is None else parse_tolerance(self.error)
         sources = self.design, self.scene, self.printer
         return ask.of(sources, Path(), space, constants, self.model, wanted, self.keep, "‹set›")
 

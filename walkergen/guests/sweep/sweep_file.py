@@ -97,7 +97,7 @@ class SweepFile(NamedTuple):
 
 def read(path: Path) -> SweepFile:
     """Read and validate a sweep.toml. Raises InputError with a line for every mistake."""
-    data, text = config.load(path)
+    data, text = config.read_toml(path)
     if not data:
         raise InputError(f'{path}: the file sets nothing; write [grid] and "legs.tilt_deg" = "0:45:5"')
     flat = _flattened(data, str(path), text)
@@ -114,14 +114,14 @@ def read(path: Path) -> SweepFile:
             except InputError as mistake:
                 mistakes.append(mistake.text)
     try:
-        error = tolerance.parse(contents.error) if contents.error is not None else None
+        error = tolerance.parse_tolerance(contents.error) if contents.error is not None else None
     except InputError as mistake:
-        place = config.where(("error",), str(path), text)
+        place = config.format_location(("error",), str(path), text)
         mistakes.append(f"{place}: error: {mistake.text.removeprefix('‹error=›')}")
     if mistakes:
-        more = len(mistakes) - config.MOST_MISTAKES
+        more = len(mistakes) - config.MAX_REPORTED_MISTAKES
         tail = [f"{path}: and {more} more mistakes"] if more > 0 else []
-        raise InputError("\n".join([*mistakes[: config.MOST_MISTAKES], *tail]))
+        raise InputError("\n".join([*mistakes[: config.MAX_REPORTED_MISTAKES], *tail]))
     spans = tuple(entry for entry in varied if isinstance(entry, Span))
     sample = None
     if contents.sample is not None:
@@ -143,7 +143,7 @@ def read(path: Path) -> SweepFile:
 def _place(table: str, key: str, source: str, text: str) -> str:
     """Beginning of a line on a key of a table: file, line and key."""
     location = (*table.split("."), *key.split("."))
-    return f"{config.where(location, source, text)}: {plain.line(f'{table}.{key}')}"
+    return f"{config.format_location(location, source, text)}: {plain.shorten_line(f'{table}.{key}')}"
 
 
 def _flattened(data: Mapping[str, Any], source: str, text: str) -> dict[str, Any]:

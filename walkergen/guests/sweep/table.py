@@ -12,8 +12,8 @@ from typing import Any, Self
 
 from walkergen.core.errors import InputError, OutputError
 from walkergen.core.files import reading
-from walkergen.core.files.columns import cells as cells_of
-from walkergen.core.files.ledger import flags
+from walkergen.core.files.columns import split_cells as cells_of
+from walkergen.core.files.ledger import open_flags
 from walkergen.core.files.tables import csv_text
 from walkergen.points.point import STATUS, Record
 
@@ -34,7 +34,7 @@ class Table:
         header = csv_text((*keys, *names, POINT, CHECK), [])
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            new = flags(os.O_WRONLY | os.O_CREAT | os.O_TRUNC)  # never through a link
+            new = open_flags(os.O_WRONLY | os.O_CREAT | os.O_TRUNC)  # never through a link
             self._file = os.open(path, new, 0o666)
         except OSError as error:
             raise self._failure(error) from None
@@ -81,7 +81,7 @@ def changed(path: Path) -> list[int]:
     A last line that was cut short is as written, the header too. Raises InputError
     for a file that is no table of a sweep.
     """
-    lines = reading.lines(path, "a table of `walkergen sweep`", newline="")
+    lines = reading.read_lines(path, "a table of `walkergen sweep`", newline="")
     header = next(lines, "")
     if header.endswith("\n") and cells_of(header, str(path), 1)[-2:] != [POINT, CHECK]:
         raise InputError(

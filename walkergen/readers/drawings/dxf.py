@@ -128,8 +128,8 @@ def read(path: Path, scale_mm: float | None, source: str) -> Drawing:
     `source`, for a file that is no DXF, states no unit while `scale_mm` is None, or holds open or branching lines, or
     anything else than plane curves.
     """
-    data = reading.content(path, MOST_BYTES)
-    with reading.by_library(source, "DXF"):
+    data = reading.read_bytes(path, MOST_BYTES)
+    with reading.translate_library_errors(source, "DXF"):
         return _drawing(data, scale_mm, source)
 
 
@@ -148,7 +148,7 @@ def _drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
     contours, closed = _joined(curves, size, source)
     contours, frames = _without_frames([scale * contour for contour in contours])
     if doubles:
-        notes.append(f"left out {words.count(doubles, 'line that is', 'lines that are')} drawn twice")
+        notes.append(f"left out {words.format_count(doubles, 'line that is', 'lines that are')} drawn twice")
     if (wide := max(map(_width, entities))) > WIDE * size:
         notes.append(f"took lines without their width, up to {wide * scale:.3g} mm: their middle is the outline")
     return Drawing([Shape(contours, nonzero=False)], (*notes, *closed, *frames))

@@ -161,7 +161,7 @@ def _font(own: Path | None, where: str) -> str:
     if own is None:
         return str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
     try:
-        reading.content(own)
+        reading.read_bytes(own)
         FT2Font(str(own))
     except (RuntimeError, TypeError):
         raise InputError(f"{where}: {own.name!r} is no font: give a .ttf, .otf or .ttc") from None

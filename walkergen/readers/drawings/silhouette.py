@@ -57,8 +57,8 @@ def read(path: Path, scale_mm: float | None, source: str) -> Drawing:
 
 def trace(path: Path, source: str) -> Silhouette:
     """Shape in a picture. Raises InputError, which begins with `source`."""
-    data = reading.content(path, MOST_BYTES)
-    with reading.by_library(source, "picture"):
+    data = reading.read_bytes(path, MOST_BYTES)
+    with reading.translate_library_errors(source, "picture"):
         image, by = _brightness(data, source)
     threshold = _threshold(image)
     rim = np.concatenate([image[0], image[-1], image[:, 0], image[:, -1]])
@@ -72,7 +72,7 @@ def trace(path: Path, source: str) -> Silhouette:
     what = "what is opaque" if by == "opacity" else f"what is {'lighter' if light else 'darker'} than its background"
     notes = [f"traced {path.name}: {what}, divided at {100 * threshold:.0f} % of full {by}"]
     if specks:
-        notes.append(f"left out {words.count(specks, 'speck', 'specks')}")
+        notes.append(f"left out {words.format_count(specks, 'speck', 'specks')}")
     return Silhouette(image, rings, tuple(notes))
 
 

@@ -85,8 +85,8 @@ def read(path: Path, scale_mm: float | None, source: str) -> Drawing:
     for a file that is no SVG, states no size in mm, cm, in, pt or pc while `scale_mm` is None, shows a picture or text,
     or an open path.
     """
-    data = reading.content(path, MOST_BYTES)
-    with reading.by_library(source, "SVG"):
+    data = reading.read_bytes(path, MOST_BYTES)
+    with reading.translate_library_errors(source, "SVG"):
         return _drawing(data, scale_mm, source)
 
 
@@ -116,7 +116,9 @@ def _drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
     shapes, notes = _without_page(drawn, shapes, page)
     notes = [*_notes(tree), *notes]
     if beyond := sum(_beyond(shape, page) for shape in shapes):
-        notes.append(f"took {words.count(beyond, 'shape', 'shapes')} whole that the page's edge cuts in a browser")
+        notes.append(
+            f"took {words.format_count(beyond, 'shape', 'shapes')} whole that the page's edge cuts in a browser"
+        )
     if (line := max((one.line for one in drawn), default=0.0)) > LINE * size:
         notes.append(f"took lines without their width, up to {line * scale[0]:.3g} mm: their middle is the outline")
     turned = np.array([scale[0], -scale[1]])  # people see y down; the shape has it up
@@ -125,9 +127,11 @@ def _drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
 
 def _notes(tree: "Tree") -> list[str]:
     """Return notes on elements that were left out."""
-    notes = [f"left out {words.count(tree.unseen, 'shape', 'shapes')} that nobody sees"] if tree.unseen else []
+    notes = [f"left out {words.format_count(tree.unseen, 'shape', 'shapes')} that nobody sees"] if tree.unseen else []
     if tree.filtered:
-        notes.append(f"left out {words.count(tree.filtered, 'filter', 'filters')}: shadows and blurs have no edge")
+        notes.append(
+            f"left out {words.format_count(tree.filtered, 'filter', 'filters')}: shadows and blurs have no edge"
+        )
     return notes
 
 

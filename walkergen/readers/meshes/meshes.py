@@ -22,7 +22,7 @@ from walkergen.core.errors import InputError
 from walkergen.core.files import reading, words
 from walkergen.core.shapes import modeller, stl, threemf
 from walkergen.core.shapes.mesh import Mesh
-from walkergen.core.shapes.threemf import MOST_TRIANGLES, Part
+from walkergen.core.shapes.threemf import MAX_TRIANGLES, Part
 from walkergen.readers.meshes import faults, glb, obj, repairs
 
 FORMATS = ("stl", "obj", "ply", "off", "3mf", "glb")
@@ -57,29 +57,30 @@ def load(path: Path, source: str) -> Loaded:
     kind = path.suffix.lower().removeprefix(".")
     if kind not in FORMATS:
         raise InputError(f"{source}: ends in {path.suffix[:20]!r}; give a mesh: {', '.join(FORMATS)}")
-    data = reading.content(path, MOST_BYTES)
-    if (count := _promised(data, kind)) > MOST_TRIANGLES:
+    data = reading.read_bytes(path, MOST_BYTES)
+    if (count := _promised(data, kind)) > MAX_TRIANGLES:
         raise _too_many(count, source)
-    with reading.by_library(source, kind.upper()):
+    with reading.translate_library_errors(source, kind.upper()):
         raw, notes = _raw(data, kind, source)
         welded = [_welded(_part(source, part)) for part in raw]
     parts = _printed([part for part, _ in welded], source)
     notes += _left_out([part for part, _ in welded])
     if merged_corners := sum(count for _, count in welded):
         notes.append(
-            f"merged {words.count(merged_corners, 'corner that differs', 'corners that differ')} by rounding alone"
+            f"merged {words.format_count(merged_corners, 'corner that differs', 'corners that differ')} by "
+            "rounding alone"
         )
     count = sum(len(part.triangles) for part in parts)
     if count == 0:
         raise InputError(f"{source}: holds no triangles; export the body as a mesh")
-    if count > MOST_TRIANGLES:
+    if count > MAX_TRIANGLES:
         raise _too_many(count, source)
     return Loaded(tuple(parts), hashlib.sha256(data).hexdigest(), tuple(notes))
 
 
 def _too_many(count: int, source: str) -> InputError:
     return InputError(
-        f"{source}: {count} triangles, at most {MOST_TRIANGLES}; simplify the mesh: 100000 are enough for any print"
+        f"{source}: {count} triangles, at most {MAX_TRIANGLES}; simplify the mesh: 100000 are enough for any print"
     )
 
 
@@ -105,7 +106,7 @@ def _raw(data: bytes, kind: str, source: str) -> tuple[list[Part], list[str]]:
     """Parts of a file as they stand there, and notes; the libraries that read it raise whatever they like."""
     if kind == "3mf":
         _refuse_bombs(data, source)
-        return threemf.read(data, source), []
+        return threemf.read_parts(data, source), []
     if kind == "glb":
         glb.check(data, source)
     else:
@@ -132,10 +133,10 @@ def _printed(parts: list[Part], source: str) -> list[Part]:
             faults.refuse(Mesh(part.vertices, part.triangles), f"{source}: {part.name}")
         if not own:
             continue
-        whole = modeller.solid(Mesh(*joined(tuple(own))[1:3]))
+        whole = modeller.to_solid(Mesh(*joined(tuple(own))[1:3]))
         for part in away:
-            whole = modeller.evaluated(whole - modeller.solid(Mesh(part.vertices, part.triangles)))
-        mesh = modeller.mesh_of(whole)
+            whole = modeller.check_solid(whole - modeller.to_solid(Mesh(part.vertices, part.triangles)))
+        mesh = modeller.to_mesh(whole)
         left = own[0]._replace(vertices=mesh.vertices, triangles=mesh.triangles)
         printed = [part for part in printed if part.item != number] + [left]
     return sorted(printed, key=lambda part: part.item)
@@ -146,7 +147,7 @@ def _left_out(parts: list[Part]) -> list[str]:
     roles = Counter(part.role for part in parts)
     notes = [f"cut {roles['negative']} negative volumes away"] if roles["negative"] else []
     if roles["other"]:
-        notes.append(f"left out {words.count(roles['other'], 'part that does not', 'parts that do not')} print")
+        notes.append(f"left out {words.format_count(roles['other'], 'part that does not', 'parts that do not')} print")
     return notes
 
 
@@ -213,7 +214,7 @@ def _by_trimesh(data: bytes, kind: str, source: str) -> list[Part]:
             scene: Any = trimesh.load_scene(io.BytesIO(data), file_type=kind, process=False)
             placed = [(name, *scene.graph[name]) for name in scene.graph.nodes_geometry]
     except Exception as error:  # trimesh raises anything: every kind means that it cannot be read
-        raise InputError(f"{source}: not a readable {kind} mesh: {reading.reason(error)}") from None
+        raise InputError(f"{source}: not a readable {kind} mesh: {reading.describe_error(error)}") from None
     parts = []
     for name, matrix, geometry in placed:
         mesh = scene.geometry[geometry]

@@ -123,7 +123,7 @@ def _filled(mesh: Mesh) -> tuple[Mesh, str]:
     if not fans:
         return mesh, ""
     filled = Mesh(vertices, np.concatenate([mesh.triangles, np.array(fans, np.int64)]))
-    return filled, f"filled holes of {len(rim)} open edges by {words.count(len(fans), 'triangle', 'triangles')}"
+    return filled, f"filled holes of {len(rim)} open edges by {words.format_count(len(fans), 'triangle', 'triangles')}"
 
 
 def _holes(vertices: Array, edges: Sequence[tuple[int, int]]) -> list[list[int]]:
@@ -193,12 +193,12 @@ def _united(mesh: Mesh) -> tuple[Mesh, str]:
     outward = np.flatnonzero(pieces.volumes > 0.0)
     if len(outward) < 2 or len(outward) < pieces.number:
         return mesh, ""
-    solids = [modeller.solid(Mesh(mesh.vertices, mesh.triangles[pieces.label == number])) for number in outward]
-    whole = modeller.evaluated(manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add))
+    solids = [modeller.to_solid(Mesh(mesh.vertices, mesh.triangles[pieces.label == number])) for number in outward]
+    whole = modeller.check_solid(manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add))
     bodies = sorted(whole.decompose(), key=lambda body: -body.volume())
     rest = sum(abs(body.volume()) for body in bodies[1:])
     change = f"united {len(solids)} bodies to {len(bodies)}" if len(bodies) < len(solids) else ""
     if len(bodies) > 1 and rest <= CRUMBS * bodies[0].volume():
-        dropped = f"dropped {words.count(len(bodies) - 1, 'body', 'bodies')} of {rest:.3g} mm^3 together"
-        return modeller.mesh_of(bodies[0]), "; ".join(filter(None, (change, dropped)))
-    return (modeller.mesh_of(whole), change) if change else (mesh, "")
+        dropped = f"dropped {words.format_count(len(bodies) - 1, 'body', 'bodies')} of {rest:.3g} mm^3 together"
+        return modeller.to_mesh(bodies[0]), "; ".join(filter(None, (change, dropped)))
+    return (modeller.to_mesh(whole), change) if change else (mesh, "")

@@ -8,7 +8,7 @@ import numpy as np
 
 from walkergen.core.errors import GeometryError
 from walkergen.core.shapes import joining, modeller
-from walkergen.core.shapes.extrusion import extruded
+from walkergen.core.shapes.extrusion import extrude
 from walkergen.core.shapes.mesh import Array, Mesh
 from walkergen.readers.drawings import overlaps
 
@@ -32,8 +32,8 @@ def under_outline(outline: Sequence[Array], thickness: float) -> tuple[list[Arra
 
     (contour,) = overlaps.contours(_plate(shapely.union_all(overlaps.pieces(outline)), thickness))
     middle = 0.5 * (contour.min(axis=0) + contour.max(axis=0))
-    stood = extruded([ring - middle for ring in outline], thickness, pieces=True)
-    plate = extruded([contour - middle], min(THICKNESS_MM, 0.5 * thickness))
+    stood = extrude([ring - middle for ring in outline], thickness, pieces=True)
+    plate = extrude([contour - middle], min(THICKNESS_MM, 0.5 * thickness))
     return [contour - middle], _united([stood, plate])
 
 
@@ -42,9 +42,9 @@ def under_mesh(mesh: Mesh) -> Mesh:
     import shapely
 
     low, high = mesh.vertices[:, 1].min(), mesh.vertices[:, 1].max()
-    plate = _plate(joining.shadow(modeller.solid(mesh)), float(high - low))
+    plate = _plate(joining.plan_projection(modeller.to_solid(mesh)), float(high - low))
     turned = shapely.affinity.scale(plate, 1.0, -1.0, origin=(0.0, 0.0))  # z to -y
-    x, v, w = (flat := extruded(overlaps.contours(turned), THICKNESS_MM)).vertices.T
+    x, v, w = (flat := extrude(overlaps.contours(turned), THICKNESS_MM)).vertices.T
     return _united([mesh, Mesh(np.column_stack([x, low + w, -v]), flat.triangles)])
 
 
@@ -63,8 +63,8 @@ def _plate(shadow: "BaseGeometry", height: float) -> "BaseGeometry":
 
 def _united(parts: Sequence[Mesh]) -> Mesh:
     """One closed mesh of a plate and what stands on it. Raises GeometryError."""
-    solids = [modeller.solid(part) for part in parts]
-    whole = modeller.evaluated(manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add))
-    if apart := len(modeller.bodies(whole)) - 1:
+    solids = [modeller.to_solid(part) for part in parts]
+    whole = modeller.check_solid(manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add))
+    if apart := len(modeller.split_bodies(whole)) - 1:
         raise GeometryError(f"body.base = true: {apart} pieces float above the plate: lower them onto the others")
-    return modeller.mesh_of(whole)
+    return modeller.to_mesh(whole)

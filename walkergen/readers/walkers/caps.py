@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from walkergen.core.errors import GeometryError
 from walkergen.core.shapes import modeller
-from walkergen.core.shapes.extrusion import Engraving, extruded
+from walkergen.core.shapes.extrusion import Engraving, extrude
 from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker.fittings import MARKER_CELLS, TILE_CELLS, Cap
 
@@ -97,12 +97,12 @@ def mesh(cap: Cap) -> Mesh:
     """Build the closed mesh of a tile as it prints, face up. Raises SolidError."""
     cells = Engraving(black(cap, OVERLAP), cap.relief_mm)
     if cap.kind == "engraved":
-        return extruded([outline(cap)], cap.thickness, 0, cells)
-    tile = extruded([outline(cap)], cap.thickness, 0)
+        return extrude([outline(cap)], cap.thickness, 0, cells)
+    tile = extrude([outline(cap)], cap.thickness, 0)
     if cap.kind == "paper":
         return tile
-    raised = extruded(cells.profiles, cap.thickness + cap.relief_mm, pieces=True)
-    return modeller.mesh_of(modeller.evaluated(modeller.solid(tile) + modeller.solid(raised)))
+    raised = extrude(cells.profiles, cap.thickness + cap.relief_mm, pieces=True)
+    return modeller.to_mesh(modeller.check_solid(modeller.to_solid(tile) + modeller.to_solid(raised)))
 
 
 def on_body(cap: Cap, body: Mesh, depth: float) -> Mesh:

@@ -4,7 +4,7 @@ import numpy as np
 
 from walkergen.core.errors import GeometryError
 from walkergen.core.shapes import modeller
-from walkergen.core.shapes.extrusion import extruded
+from walkergen.core.shapes.extrusion import extrude
 from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker.body import lay_down
 from walkergen.core.walker.design import Design
@@ -37,17 +37,17 @@ def cut_letters(ground: Mesh, design: Design) -> Mesh:
     """Return a body in plan view with its text cut into the upper side. Raises GeometryError."""
     text = _lettering(design, design.size.length, design.size.depth)
     depth, size = design.marks.depth_mm, design.size
-    tool = lay_down(extruded(text, 2.0 * depth, pieces=True), size)
+    tool = lay_down(extrude(text, 2.0 * depth, pieces=True), size)
     raised = tool.vertices + np.array([0.0, size.thickness - depth, 0.0])
-    solid, drawn = modeller.solid(ground), modeller.solid(Mesh(raised, tool.triangles))
-    cut = modeller.evaluated(solid - drawn)
+    solid, drawn = modeller.to_solid(ground), modeller.to_solid(Mesh(raised, tool.triangles))
+    cut = modeller.check_solid(solid - drawn)
     # Half of the tool stands above the body, the other half makes the pockets
     lost = 2.0 * (solid.volume() - cut.volume())
-    if lost < drawn.volume() * (1.0 - 1e-6) or len(modeller.bodies(cut)) != 1:
+    if lost < drawn.volume() * (1.0 - 1e-6) or len(modeller.split_bodies(cut)) != 1:
         raise GeometryError(
             f"{_key(design)}: the letters leave the outline: make text_height_mm smaller", _mark_key(design)
         )
-    return modeller.mesh_of(cut)
+    return modeller.to_mesh(cut)
 
 
 def _lettering(design: Design, length: float, height: float) -> list[Polygon]:

@@ -11,7 +11,7 @@ import numpy as np
 from walkergen.core.errors import GeometryError
 from walkergen.core.files import reading, words
 from walkergen.core.shapes.mesh import Mesh
-from walkergen.core.walker.body import DRAWN, Body, FinishedWalker, Shape, Size, lay_down, rectangle
+from walkergen.core.walker.body import BUILTIN_OUTLINES, Body, FinishedWalker, Shape, Size, lay_down, rectangle_shape
 from walkergen.readers.drawings import outlines, overlaps, units
 from walkergen.readers.drawings.contours import Array, NoUnitError
 from walkergen.readers.drawings.lettering import letters
@@ -33,7 +33,7 @@ class Plan(NamedTuple):
 def shape_of(body: Body) -> Shape:
     """Return the shape of a body. Raises GeometryError, and InputError for files."""
     if body.plain:
-        return rectangle(body.length_mm, body.thickness_mm, body.depth_mm)
+        return rectangle_shape(body.length_mm, body.thickness_mm, body.depth_mm)
     return shape_by_key(body.key)
 
 
@@ -59,7 +59,7 @@ def shape_by_key(keys: str) -> Shape:
         mesh = lay_down(raised, _size(contours, body.thickness_mm))
     size = _size(contours, body.thickness_mm)
     named = body.outline if body.text is None else body.font
-    sha256 = "" if named is None or named in DRAWN else _hash(Path(named))
+    sha256 = "" if named is None or named in BUILTIN_OUTLINES else _hash(Path(named))
     return Shape(size, None, tuple(contours), mesh, sha256, notes)
 
 
@@ -69,7 +69,7 @@ def _size(contours: Sequence[Array], thickness: float) -> Size:
 
 
 def _hash(path: Path) -> str:
-    return hashlib.sha256(reading.content(path)).hexdigest()
+    return hashlib.sha256(reading.read_bytes(path)).hexdigest()
 
 
 def _of_mesh(body: Body) -> Shape:
@@ -120,7 +120,7 @@ def _file(body: Body, path: Path) -> Plan:
 
     if path.suffix.lower() not in outlines.READERS:
         raise GeometryError(
-            f"body.outline = {body.outline!r}: must be one of {', '.join(DRAWN)}, or a file "
+            f"body.outline = {body.outline!r}: must be one of {', '.join(BUILTIN_OUTLINES)}, or a file "
             f"{', '.join(outlines.READERS)}"
         )
     read = partial(outlines.from_file, path, mend=body.repair, connected=not body.repair and body.base is None)
@@ -137,9 +137,9 @@ def _file(body: Body, path: Path) -> Plan:
     kept = [piece for piece in pieces if piece.area > SPECK * pieces[0].area]
     notes = drawn.notes
     if specks := len(pieces) - len(kept):
-        notes += (f"left out {words.count(specks, 'speck', 'specks')}",)
+        notes += (f"left out {words.format_count(specks, 'speck', 'specks')}",)
     if len(kept) > 1 and body.base is False:
-        notes += (f"left out {words.count(len(kept) - 1, 'piece', 'pieces')} beside the largest",)
+        notes += (f"left out {words.format_count(len(kept) - 1, 'piece', 'pieces')} beside the largest",)
         kept = kept[:1]
     if len(kept) == len(pieces):
         return Plan(drawn.polygons, notes, len(pieces))

@@ -35,7 +35,7 @@ def meet_body(body: str, limbs: tuple[Limb, ...]) -> tuple[Limb, ...]:
 @lru_cache(maxsize=16)
 def ready(body: str) -> joining.Body:
     """Body of its JSON, made ready for the modeller."""
-    return joining.ready(shape_of(Body.model_validate_json(body)).solid())
+    return joining.prepare_body(shape_of(Body.model_validate_json(body)).solid())
 
 
 atexit.register(ready.cache_clear)  # else the modeller tells of leaks at the end of the program
@@ -55,7 +55,7 @@ def _meet(ground: joining.Body, limb: Limb, number: int) -> Limb:
     direction = np.array([sin, cos, 0.0])
     end = anchor - limb.length * direction
     key = f"legs[{number}].along_mm"
-    footing = joining.footing(ground, end, direction, limb.thickness, limb.width, key)
+    footing = joining.find_footing(ground, end, direction, limb.thickness, limb.width, key)
     length = float(np.linalg.norm(footing.anchor - end))
     over = max(footing.reach - length, 0.0) * cos + 0.5 * limb.thickness * abs(sin)
     met = limb._replace(length=length, bottom=float(footing.anchor[1]))
@@ -65,7 +65,7 @@ def _meet(ground: joining.Body, limb: Limb, number: int) -> Limb:
     above = math.inf if sin else footing.above - length
     for offset, thickness in upright:
         foot = np.array([met.anchor[0] + offset, end[1], anchor[2]])
-        straight = joining.footing(ground, foot, UP, thickness, limb.width, key)
+        straight = joining.find_footing(ground, foot, UP, thickness, limb.width, key)
         over = max(over, float(foot[1]) + straight.reach - met.bottom)
         above = min(above, float(foot[1]) + straight.above - met.bottom)
     if over + MARGIN_MM > above:

@@ -101,13 +101,13 @@ def _one(mesh: Mesh, plate: bool | None) -> tuple[Mesh, tuple[str, ...]]:
     """One body of closed ones: on a plate, unless there shall be none, else the largest; and what was done."""
     if any(map(len, faults.edges(mesh.triangles))):
         return mesh, ()
-    bodies = modeller.bodies(modeller.solid(mesh))
+    bodies = modeller.split_bodies(modeller.to_solid(mesh))
     if plate or (plate is None and len(bodies) > 1):
         return base.under_mesh(mesh), (f"joined {len(bodies)} bodies by a base plate",) if len(bodies) > 1 else ()
     if len(bodies) < 2:
         return mesh, ()
-    return modeller.mesh_of(bodies[0]), (
-        f"left out {words.count(len(bodies) - 1, 'body', 'bodies')} beside the largest",
+    return modeller.to_mesh(bodies[0]), (
+        f"left out {words.format_count(len(bodies) - 1, 'body', 'bodies')} beside the largest",
     )
 
 

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from walkergen.core.errors import GeometryError, InputError, Remedy, SolidError
 from walkergen.core.shapes import joining
 from walkergen.core.walker.body import Body
-from walkergen.core.walker.limbs import Legs, Limb, pair_of
+from walkergen.core.walker.limbs import Legs, Limb, resolve_pair
 from walkergen.core.walker.sections import section_of
 from walkergen.readers.drawings import units
 from walkergen.readers.walkers import landing
@@ -174,7 +174,7 @@ def _placed(body: Body, legs: Legs) -> Placement:
     import shapely
 
     size = shape_of(body).size
-    leg = pair_of(legs, size.depth, -0.5 * size.thickness)[0]
+    leg = resolve_pair(legs, size.depth, -0.5 * size.thickness)[0]
     ground, (along, up, across) = _ground(body.key)
     centre, height, reach = (along, across), up - leg.foot_height, _reach(leg)
     if body.flat:
@@ -196,7 +196,7 @@ def room(body: Body, legs: Legs) -> Room:
     import shapely
 
     size = shape_of(body).size
-    leg = pair_of(legs, size.depth, -0.5 * size.thickness)[0]
+    leg = resolve_pair(legs, size.depth, -0.5 * size.thickness)[0]
     ground, (along, up, across) = _ground(body.key)
     reach = _reach(leg)
     left, _, right, _ = ground.bounds
@@ -285,7 +285,7 @@ def _ground(body_key: str) -> "tuple[BaseGeometry, tuple[float, float, float]]":
     along, up, across = landing.weighed(body_key).centre.tolist()
     middle = 0.5 * shape.size.depth
     if not shape.plan:
-        ground = shapely.affinity.translate(joining.shadow(ready.solid), 0.0, -middle)
+        ground = shapely.affinity.translate(joining.plan_projection(ready.solid), 0.0, -middle)
     return ground, (along, up, across - middle)
 
 

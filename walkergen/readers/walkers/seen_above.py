@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
-from walkergen.core.walker.mass import MassProperties, from_centre
+from walkergen.core.walker.mass import MassProperties, to_centre_frame
 from walkergen.readers.drawings.outlines import area
 from walkergen.readers.walkers import landing
 
@@ -44,7 +44,7 @@ def outline_of(design: Design, mass: MassProperties | None = None) -> list[Array
     is known saves its making. Raises GeometryError for a body that cannot be made.
     """
     mass = solids.mass_of(design) if mass is None else mass
-    shift = from_centre(design.limbs, mass, np.zeros((1, 2)))[0, 0], 0.0
+    shift = to_centre_frame(design.limbs, mass, np.zeros((1, 2)))[0, 0], 0.0
     round_one = design.body.outline in ("disc", "ellipse")
     thinned = _evenly if round_one else _simplified
     return [np.add(thinned(ring), shift) for ring in contours(design) if area(ring) > 0.0]

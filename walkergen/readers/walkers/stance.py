@@ -16,7 +16,7 @@ from walkergen.core.errors import GeometryError
 from walkergen.core.files.config import Section
 from walkergen.core.shapes.mesh import Array
 from walkergen.core.walker.body import Body
-from walkergen.core.walker.limbs import Leg, Limb, limb_of
+from walkergen.core.walker.limbs import Leg, Limb, resolve_leg
 from walkergen.readers.walkers.forming import shape_of
 
 STEEPEST = math.radians(60.0)
@@ -49,7 +49,7 @@ def level(data: Mapping[str, Any], follow_deg: float) -> dict[str, Any]:
         raise GeometryError(
             "stance = 'as built': a flat foot is cut for a level stance; use foot = 'square' or 'round'"
         )
-    built = [limb_of(leg, follow_deg, shape.size.depth, -0.5 * shape.size.thickness) for leg in legs]
+    built = [resolve_leg(leg, follow_deg, shape.size.depth, -0.5 * shape.size.thickness) for leg in legs]
     back = min(built, key=lambda limb: limb.along)
     front = max(built, key=lambda limb: limb.along)
     lean = _lean(back, front)

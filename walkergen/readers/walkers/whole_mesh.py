@@ -73,8 +73,8 @@ def cut_legs(mesh: Mesh, below_mm: float, key: str = "walker.legs_below_mm") -> 
     if not 0.0 < below_mm < top - bottom:
         raise GeometryError(f"{key} = {below_mm:g}: must lie in 0..{top - bottom:.4g} mm, the walker's height")
     height = bottom + below_mm
-    upper, lower = modeller.solid(mesh).split_by_plane((0.0, 1.0, 0.0), height)
-    tops, pieces = (modeller.bodies(modeller.evaluated(half)) for half in (upper, lower))
+    upper, lower = modeller.to_solid(mesh).split_by_plane((0.0, 1.0, 0.0), height)
+    tops, pieces = (modeller.split_bodies(modeller.check_solid(half)) for half in (upper, lower))
     if len(tops) != 1:
         raise GeometryError(
             f"{key} = {below_mm:g}: above it are {len(tops)} pieces, must be one body; cut lower or higher"
@@ -85,7 +85,7 @@ def cut_legs(mesh: Mesh, below_mm: float, key: str = "walker.legs_below_mm") -> 
         )
     legs = [_measured(piece, height, f"{key} = {below_mm:g}") for piece in pieces]
     ordered = sorted(legs, key=lambda leg: (round(float(leg.anchor[0]), 6), leg.z))
-    return CutWalker(modeller.mesh_of(tops[0]), tuple(ordered), mesh)
+    return CutWalker(modeller.to_mesh(tops[0]), tuple(ordered), mesh)
 
 
 def centred(cut: CutWalker) -> CutWalker:
@@ -143,7 +143,7 @@ def _limb_of(leg: CutLeg, kind: Kind, number: int, depth: float) -> Limb:
 
 def _measured(piece: manifold3d.Manifold, height: float, source: str) -> CutLeg:
     """Leg of a piece below the cut. Raises GeometryError when it is not a leg that reaches up."""
-    mesh = modeller.mesh_of(piece)
+    mesh = modeller.to_mesh(piece)
     struts = _struts(mesh, height)
     if not struts:
         raise GeometryError(f"{source}: a piece below it has no section there; cut elsewhere")

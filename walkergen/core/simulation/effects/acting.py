@@ -38,16 +38,19 @@ class Acting(NamedTuple):
     motor: Rotor = rotor.OFF
 
 
-def acting(case: Case, on: Callable[[str], bool]) -> Acting:
+def acting_parameters(case: Case, on: Callable[[str], bool]) -> Acting:
     """Parameters of those effects of a case whose names are `on`."""
     descent = math.radians(case.scene.plate.slope_deg) if on(slope.NAME) else 0.0
     air = air_drag.parameters(case) if on(air_drag.NAME) else air_drag.OFF
     return Acting(
-        slope.gravity_of(descent), air, sway=_sway(case, on), motor=_rotor(case, on) if on(MOTOR) else rotor.OFF
+        slope.gravity_of(descent),
+        air,
+        sway=_sway_parameters(case, on),
+        motor=_rotor_parameters(case, on) if on(MOTOR) else rotor.OFF,
     )
 
 
-def _sway(case: Case, on: Callable[[str], bool]) -> Sway:
+def _sway_parameters(case: Case, on: Callable[[str], bool]) -> Sway:
     """Sway of a case's plate."""
     if not (on(ALONG) or on(GRADIENT) or on(ROCKING)):
         return sway.OFF
@@ -56,22 +59,22 @@ def _sway(case: Case, on: Callable[[str], bool]) -> Sway:
     return swaying_plate.parameters(case, on(ALONG), on(GRADIENT), on(ROCKING))
 
 
-def _rotor(case: Case, on: Callable[[str], bool]) -> Rotor:
+def _rotor_parameters(case: Case, on: Callable[[str], bool]) -> Rotor:
     """Rotor of a case with a motor."""
     from walkergen.core.simulation.effects import motor
 
     turned = motor.parameters(case, on(GYROSCOPIC))
-    return turned if on(turning.NAME) else motor.held(turned)
+    return turned if on(turning.NAME) else motor.restrict_to_plane(turned)
 
 
 @kernel
-def along(acting: Acting) -> float:
+def gravity_along(acting: Acting) -> float:
     """Gravity along the plate, toward +x, mm/s^2."""
     return acting.gravity.along
 
 
 @kernel
-def across(acting: Acting) -> float:
+def gravity_into(acting: Acting) -> float:
     """Gravity into the plate, mm/s^2, positive."""
     return acting.gravity.into
 

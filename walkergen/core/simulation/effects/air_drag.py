@@ -9,8 +9,8 @@ import math
 from typing import NamedTuple
 
 from walkergen.core.numerics.kernels import kernel
-from walkergen.core.scene import GRAVITY, forcing
-from walkergen.core.simulation.effects.effect import Case, Effect, Rule, forced
+from walkergen.core.scene import GRAVITY, forced_effect_line
+from walkergen.core.simulation.effects.effect import Case, Effect, Rule, apply_switch
 
 NAME, SWITCH = "air drag", "air_drag"
 
@@ -20,10 +20,10 @@ DENSITY = 1.2e-6
 COEFFICIENT = 1.2
 """Drag coefficient C of a face."""
 
-SMALL = 0.1
+SMALL_DRAG_RATIO = 0.1
 """Drag over friction below which it is small."""
 
-FASTEST = 3.0
+FAST_SPEED_RATIO = 3.0
 """Speed of a fast walker over the plate's peak speed."""
 
 
@@ -52,11 +52,11 @@ def parameters(case: Case) -> Air:
 def judge(case: Case) -> Effect:
     """Rule: off unless forced. The number is drag over friction, for a fast walker."""
     scene, air = case.scene, parameters(case)
-    wanted, speed = scene.effects.forced(SWITCH), case.shaken.peak_speed
+    wanted, speed = scene.effects.forced_state(SWITCH), case.shaken.peak_speed
     friction = max(scene.contact.friction, 1e-3) * float(case.mass.M) * GRAVITY
-    number = math.hypot(air.ends * (FASTEST * speed) ** 2, air.sides * speed**2) / friction
-    reason = "small" if number < SMALL else f"NOT small: force it with {forcing(SWITCH, True)}"
-    on, reason = forced(wanted, False, reason)
+    number = math.hypot(air.ends * (FAST_SPEED_RATIO * speed) ** 2, air.sides * speed**2) / friction
+    reason = "small" if number < SMALL_DRAG_RATIO else f"NOT small: force it with {forced_effect_line(SWITCH, True)}"
+    on, reason = apply_switch(wanted, False, reason)
     return Effect(NAME, on, number, "drag over friction, for a fast walker", reason, SWITCH)
 
 

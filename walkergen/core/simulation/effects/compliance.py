@@ -13,10 +13,10 @@ from walkergen.core.walker.sections import section_of
 
 NAME = "leg compliance"
 
-ALIKE = 1.0 + 1e-6
+EQUAL_FREQUENCY_RATIO = 1.0 + 1e-6
 """Ratio of frequencies up to which legs swing alike: meshes weigh them to rounding."""
 
-CANTILEVER = 3.0
+CANTILEVER_FACTOR = 3.0
 """Torsional stiffness times length over E I that gives a cantilever's static tip stiffness (physics.md, 5)."""
 
 
@@ -27,29 +27,29 @@ def judge(case: Case) -> Effect:
         return Effect(NAME, False, 0.0, f"legs are {design.kind}", "no free leg", "")
     frequencies = {
         name: natural_frequency(stiffness(limb, design.material.youngs_modulus), float(leg.inertia))
-        for name, limb, leg in zip(names.legs(design), design.limbs, case.mass.legs, strict=True)
+        for name, limb, leg in zip(names.leg_names(design), design.limbs, case.mass.legs, strict=True)
         if leg.m > 0.0
     }
     ratio = min(frequencies.values(), default=0.0) / scene.drive.frequency
-    meaning = f"frequency of a free leg over the drive's{_slowest(frequencies)}"
+    meaning = f"frequency of a free leg over the drive's{_describe_slowest(frequencies)}"
     return Effect(NAME, True, ratio, meaning, "legs swing", "")
 
 
 RULE = Rule(judge)
 
 
-def _slowest(frequencies: Mapping[str, float]) -> str:
+def _describe_slowest(frequencies: Mapping[str, float]) -> str:
     """Names of the slowest and the fastest leg; "" of legs that swing alike."""
     if len(frequencies) < 2:
         return ""
     slow, fast = (pick(frequencies, key=frequencies.__getitem__) for pick in (min, max))
     ratio = frequencies[fast] / frequencies[slow]
-    return f", slowest {slow}; fastest {fast}, {ratio:.3g} times that" if ratio > ALIKE else ""
+    return f", slowest {slow}; fastest {fast}, {ratio:.3g} times that" if ratio > EQUAL_FREQUENCY_RATIO else ""
 
 
 def stiffness(limb: Limb, modulus: float) -> float:
     """Torsional stiffness of a flexible leg's hinge, g mm^2/s^2 per rad; modulus in Pa."""
-    return CANTILEVER * modulus * section_of(limb).second_moment(limb) / limb.length
+    return CANTILEVER_FACTOR * modulus * section_of(limb).second_moment(limb) / limb.length
 
 
 def natural_frequency(stiffness: float, inertia: float) -> float:

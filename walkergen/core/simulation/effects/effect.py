@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from walkergen.core.drive import Drive
 from walkergen.core.errors import InputError
-from walkergen.core.scene import Scene, forcing
+from walkergen.core.scene import Scene, forced_effect_line
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
 
@@ -25,7 +25,7 @@ class Case(NamedTuple):
     @property
     def shaken(self) -> Drive:
         """Drive of the plate, or of one that would move under the walker as its motor moves it."""
-        return self.scene.drive.beneath(float(self.mass.total))
+        return self.scene.drive.equivalent_plate_drive(float(self.mass.total))
 
 
 class Effect(NamedTuple):
@@ -64,7 +64,7 @@ class Rule(NamedTuple):
         return self.without or ({f"effects.{self.switch}": False} if self.switch else {})
 
 
-def called_for(case: Case, key: str, switch: str) -> tuple[bool, str]:
+def decide_from_key(case: Case, key: str, switch: str) -> tuple[bool, str]:
     """Decision and reason of an effect that a number of the scene calls for: that of a key.
 
     Raises InputError where its switch forces an effect on that has no number.
@@ -72,18 +72,18 @@ def called_for(case: Case, key: str, switch: str) -> tuple[bool, str]:
     number = case.scene.value(key)
     reason = f"{key} is not given" if number is None else f"{key} = {number:g}"
     if not number:
-        absent(case, switch, f"{reason}, so that nothing would act: set it")
-    return forced(case.scene.effects.forced(switch), bool(number), reason)
+        absence_reason(case, switch, f"{reason}, so that nothing would act: set it")
+    return apply_switch(case.scene.effects.forced_state(switch), bool(number), reason)
 
 
-def absent(case: Case, switch: str, why: str) -> str:
+def absence_reason(case: Case, switch: str, why: str) -> str:
     """Reason for which an effect is no part of a case. Raises InputError where its switch is forced on."""
-    if case.scene.effects.forced(switch):
-        raise InputError(f"{forcing(switch, True)}: {why}, or leave {switch} out of effects.on")
+    if case.scene.effects.forced_state(switch):
+        raise InputError(f"{forced_effect_line(switch, True)}: {why}, or leave {switch} out of effects.on")
     return why
 
 
-def forced(wanted: bool | None, decided: bool, reason: str) -> tuple[bool, str]:
+def apply_switch(wanted: bool | None, decided: bool, reason: str) -> tuple[bool, str]:
     """Decision and reason after the scene's switch `wanted`, which overrules them unless None."""
     if wanted is None:
         return decided, reason

@@ -11,7 +11,7 @@ import math
 from typing import NamedTuple
 
 from walkergen.core.errors import InputError
-from walkergen.core.scene import GRAVITY, LEAST_RESTITUTION, Scene
+from walkergen.core.scene import GRAVITY, MIN_RESTITUTION, Scene
 from walkergen.core.simulation.effects.effect import Case, Effect, Rule
 from walkergen.core.theory.hertz import landing_depth, tip_stiffness
 from walkergen.core.walker.limbs import Limb
@@ -20,7 +20,7 @@ from walkergen.core.walker.spec import Material
 
 NAME, KEY = "compliant tips", "feet.rigid_tips"
 
-LANDING_SPEED = 2.0
+LANDING_SPEED_RATIO = 2.0
 """Speed at which a corner lands, as the step and the surrogate take it, over the plate's peak speed."""
 
 
@@ -74,9 +74,9 @@ def damping_ratio(wanted: float) -> float:
 def foot_of(scene: Scene, limb: Limb, material: Material) -> Foot:
     """Elastic contact of a corner of a leg's foot. Raises InputError."""
     e = scene.contact.restitution if limb.restitution is None else limb.restitution
-    if e < LEAST_RESTITUTION:
+    if e < MIN_RESTITUTION:
         raise InputError(
-            f"contact.restitution = {e:g}: an elastic foot always rebounds a little; give {LEAST_RESTITUTION:g}..1"
+            f"contact.restitution = {e:g}: an elastic foot always rebounds a little; give {MIN_RESTITUTION:g}..1"
         )
     return Foot(axial_stiffness(limb, material.youngs_modulus), tip_stiffness(scene, material), damping_ratio(e))
 
@@ -92,7 +92,7 @@ def judge(case: Case) -> Effect:
     rigid, material, ratio = case.scene.feet.rigid_tips, case.design.material, 0.0
     if not rigid:
         tip, mass = tip_stiffness(case.scene, material), float(case.mass.total) / (2 * len(case.design.limbs))
-        pressed = landing_stiffness(tip, mass, LANDING_SPEED * case.shaken.peak_speed)
+        pressed = landing_stiffness(tip, mass, LANDING_SPEED_RATIO * case.shaken.peak_speed)
         ratio = axial_stiffness(case.design.limbs[0], material.youngs_modulus) / pressed
     return Effect(NAME, not rigid, ratio, meaning, f"{KEY} = {str(rigid).lower()}", KEY)
 

@@ -8,7 +8,7 @@ import math
 from typing import NamedTuple
 
 from walkergen.core.numerics.kernels import kernel
-from walkergen.core.simulation.effects.effect import Case, Effect, Rule, called_for
+from walkergen.core.simulation.effects.effect import Case, Effect, Rule, decide_from_key
 
 NAME, SWITCH, KEY = "second harmonic", "second_harmonic", "drive.second_harmonic_ratio"
 
@@ -29,7 +29,7 @@ OFF = Harmonic(0.0, 0.0)
 def judge(case: Case) -> Effect:
     """Rule: on when the scene's drive has a second harmonic."""
     ratio = case.scene.drive.second_harmonic_ratio
-    on, reason = called_for(case, KEY, SWITCH)
+    on, reason = decide_from_key(case, KEY, SWITCH)
     return Effect(NAME, on, ratio, "amplitude over the fundamental's", reason, SWITCH)
 
 

@@ -2,21 +2,21 @@
 
 from collections.abc import Callable, Iterator
 
-from walkergen.core.scene import SHAPES
+from walkergen.core.scene import DEPENDENT_KEYS
 from walkergen.core.simulation.effects.effect import LID, WALLS, Case
 
-OF_WALLS = ("arena.wall_friction", "arena.wall_restitution")
-OF_FEET = ("contact.restitution", "contact.friction")
+WALL_KEYS = ("arena.wall_friction", "arena.wall_restitution")
+FOOT_KEYS = ("contact.restitution", "contact.friction")
 
 
-def line(case: Case, on: Callable[[str], bool]) -> str:
+def describe_idle_keys(case: Case, on: Callable[[str], bool]) -> str:
     """Line on the keys of a scene that are not as by default and have no part in a case; "" for none.
 
     Of an effect that its switch leaves out nothing is said. Keys of other jobs, and standard
     deviations, are no matter of one simulation.
     """
     given: dict[str, list[str]] = {}
-    for key, why in _idle(case, on):
+    for key, why in _find_idle_keys(case, on):
         table, _, own = key.partition(".")
         section = getattr(case.scene, table)
         if own in section.model_fields_set and getattr(section, own) != type(section).model_fields[own].default:
@@ -25,18 +25,18 @@ def line(case: Case, on: Callable[[str], bool]) -> str:
     return f"no part here: {told}" if told else ""
 
 
-def _idle(case: Case, on: Callable[[str], bool]) -> Iterator[tuple[str, str]]:
+def _find_idle_keys(case: Case, on: Callable[[str], bool]) -> Iterator[tuple[str, str]]:
     """Keys that a case does not read, each with the reason, whether the scene gives them or not."""
     scene, limbs = case.scene, case.design.limbs
     if case.design.rigid:
         yield "legs.damping_ratio", "no leg swings"
-    for number, keys in SHAPES.items():
+    for number, keys in DEPENDENT_KEYS.items():
         if not scene.value(number):
             yield from ((key, f"{number} = 0") for key in keys)
     if not on(WALLS) and "lane_walls" not in scene.effects.off:
         yield "arena.gap_mm", "no walls"
         if not on(LID):
-            yield from ((key, "no walls") for key in OF_WALLS)
-    for key in OF_FEET:
+            yield from ((key, "no walls") for key in WALL_KEYS)
+    for key in FOOT_KEYS:
         if all(getattr(limb, key.partition(".")[2]) is not None for limb in limbs):
             yield key, "every leg has its own"

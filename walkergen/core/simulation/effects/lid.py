@@ -6,11 +6,11 @@ feet). Limits: legs, caps and mounted parts pass through it; a lid above every h
 
 from walkergen.core.errors import InputError
 from walkergen.core.scene import GRAVITY
-from walkergen.core.simulation.effects.effect import LID, Case, Effect, Rule, called_for
+from walkergen.core.simulation.effects.effect import LID, Case, Effect, Rule, decide_from_key
 
 NAME, SWITCH, KEY = LID, "lid", "arena.lid_mm"
 
-DROP, TILT = 1.5, 2e-3
+DROP_AMPLITUDES, TILT_ALLOWANCE_RAD = 1.5, 2e-3
 """Room over a walker that is let go: amplitudes that it drops, and twice what it is tilted by then, rad."""
 
 
@@ -20,13 +20,13 @@ def judge(case: Case) -> Effect:
     Raises InputError where the walker does not fit.
     """
     meaning = "height of a hop over the room above the walker"
-    on, reason = called_for(case, KEY, SWITCH)
+    on, reason = decide_from_key(case, KEY, SWITCH)
     wanted = case.scene.arena.lid_mm
     if wanted is None:
         return Effect(NAME, on, 0.0, meaning, reason, SWITCH)
     size, shaken = case.design.size, case.shaken
     height = 0.5 * size.thickness - min(limb.foot_height for limb in case.design.limbs)
-    least = height + DROP * shaken.amplitude + TILT * max(size.length, size.depth)
+    least = height + DROP_AMPLITUDES * shaken.amplitude + TILT_ALLOWANCE_RAD * max(size.length, size.depth)
     if on and wanted < least:
         raise InputError(
             f"{KEY} = {wanted:g}: the walker is {height:g} mm high and needs {least:.6g} mm to be let go; "

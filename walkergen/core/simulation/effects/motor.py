@@ -15,19 +15,19 @@ import math
 import numpy as np
 
 from walkergen.core.errors import InputError
-from walkergen.core.simulation.effects.effect import GYROSCOPIC, MOTOR, Case, Effect, Rule, absent, forced
+from walkergen.core.simulation.effects.effect import GYROSCOPIC, MOTOR, Case, Effect, Rule, absence_reason, apply_switch
 from walkergen.core.simulation.effects.rotor import Rotor, Vector
-from walkergen.core.walker.mass import from_centre
+from walkergen.core.walker.mass import to_centre_frame
 
 NAME, SWITCH = MOTOR, "gyroscopic_torque"
 
-ROTOR_SHARE = 0.5
+ROTOR_MASS_SHARE = 0.5
 """Share of a motor's mass that turns, as a disc of its diameter: of a coin motor about half."""
 
-LEAST_SPIN = 1e-3
+MIN_SPIN_RATIO = 1e-3
 """Inertia of the rotor over the walker's least from which its gyroscopic torque acts."""
 
-LARGEST_THROW = 200.0
+MAX_PUSH_RATIO = 200.0
 """Largest push of a motor over the walker's weight: coin motors reach some 30."""
 
 
@@ -47,38 +47,38 @@ def judge(case: Case) -> Effect:
             f"drive.eccentric_g_mm = {drive.eccentric:.3g}: must lie below the walker's mass times "
             f"its length, {total * length:.3g}; coin motors have about 1"
         )
-    number = drive.push(total)
-    if number > LARGEST_THROW:
+    number = drive.push_ratio(total)
+    if number > MAX_PUSH_RATIO:
         raise InputError(
             f"drive.eccentric_g_mm = {drive.eccentric:.3g} at {drive.frequency:g} Hz: pushes with "
-            f"{number:.3g} times the walker's weight; at most {LARGEST_THROW:g}: lower either"
+            f"{number:.3g} times the walker's weight; at most {MAX_PUSH_RATIO:g}: lower either"
         )
     return Effect(NAME, True, number, meaning, "drive.kind = 'motor'", "")
 
 
-def gyroscopic(case: Case) -> Effect:
+def judge_gyroscopic(case: Case) -> Effect:
     """Effect of the rotor's angular momentum. The number is its inertia over the walker's least."""
-    wanted, meaning = case.scene.effects.forced(SWITCH), "inertia of the rotor over the walker's"
+    wanted, meaning = case.scene.effects.forced_state(SWITCH), "inertia of the rotor over the walker's"
     if case.scene.drive.kind == "plate" or case.design.motor is None:
-        why = absent(case, SWITCH, "there is no motor: set drive.kind = 'motor' and give the design one")
+        why = absence_reason(case, SWITCH, "there is no motor: set drive.kind = 'motor' and give the design one")
         return Effect(GYROSCOPIC, False, 0.0, meaning, why.partition(":")[0], "")
-    number = _inertia(case) / _least_inertia(case)
-    reason = f"{'at least' if number >= LEAST_SPIN else 'below'} {LEAST_SPIN:g}"
-    on, reason = forced(wanted, number >= LEAST_SPIN, reason)
+    number = _rotor_inertia(case) / _least_inertia(case)
+    reason = f"{'at least' if number >= MIN_SPIN_RATIO else 'below'} {MIN_SPIN_RATIO:g}"
+    on, reason = apply_switch(wanted, number >= MIN_SPIN_RATIO, reason)
     return Effect(GYROSCOPIC, on, number, meaning, reason, SWITCH)
 
 
 RULE = Rule(judge)
-SPIN_RULE = Rule(gyroscopic, SWITCH, usual={f"effects.{SWITCH}": True})
+SPIN_RULE = Rule(judge_gyroscopic, SWITCH, usual={f"effects.{SWITCH}": True})
 
 
-def _inertia(case: Case) -> float:
+def _rotor_inertia(case: Case) -> float:
     """Inertia of the rotor about its axis as the walker feels it, g mm^2.
 
     A part of its unbalanced mass's turns the walker's centre about, not about the axis.
     """
     motor = case.design.driving_motor()
-    disc = ROTOR_SHARE * motor.mass_g * motor.diameter_mm**2 / 8.0
+    disc = ROTOR_MASS_SHARE * motor.mass_g * motor.diameter_mm**2 / 8.0
     return float(max(disc - case.scene.drive.eccentric**2 / case.mass.total, 0.0))
 
 
@@ -89,24 +89,31 @@ def _least_inertia(case: Case) -> float:
     return float(np.linalg.eigvalsh(case.mass.spatial.body)[0])
 
 
-def place(case: Case) -> Vector:
+def motor_position(case: Case) -> Vector:
     """Middle of the motor from O at half depth, body axes, mm."""
     motor = case.design.driving_motor()
-    x, y = from_centre(case.design.limbs, case.mass, np.array([motor.along_mm, motor.up_mm]))
+    x, y = to_centre_frame(case.design.limbs, case.mass, np.array([motor.along_mm, motor.up_mm]))
     return float(x), float(y), motor.across_mm
 
 
 def parameters(case: Case, spins: bool) -> Rotor:
     """Rotor of a case; `spins`: with its gyroscopic torque."""
     drive, motor = case.scene.drive, case.design.driving_motor()
-    along, across, up = drive.direction(motor.axis)
+    along, across, up = drive.axis_vector(motor.axis)
     n = along, up, across
-    first = _across(n)
-    h = _inertia(case) * drive.omega if spins else 0.0
-    return Rotor(drive.eccentric, drive.omega, first, cross(n, first), place(case), (h * n[0], h * n[1], h * n[2]))
+    first = _perpendicular(n)
+    h = _rotor_inertia(case) * drive.omega if spins else 0.0
+    return Rotor(
+        drive.eccentric,
+        drive.omega,
+        first,
+        cross_product(n, first),
+        motor_position(case),
+        (h * n[0], h * n[1], h * n[2]),
+    )
 
 
-def held(rotor: Rotor) -> Rotor:
+def restrict_to_plane(rotor: Rotor) -> Rotor:
     """Rotor as a walker that is held in its plane feels it: what would move it across is gone."""
     first, second, place, spin = rotor.first, rotor.second, rotor.place, rotor.spin
     return rotor._replace(
@@ -117,12 +124,12 @@ def held(rotor: Rotor) -> Rotor:
     )
 
 
-def cross(a: Vector, b: Vector) -> Vector:
+def cross_product(a: Vector, b: Vector) -> Vector:
     """Vector product."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-def _across(n: Vector) -> Vector:
+def _perpendicular(n: Vector) -> Vector:
     """Return a unit vector across a unit vector: upright if possible, otherwise forward."""
     up = (-n[1] * n[0], 1.0 - n[1] * n[1], -n[1] * n[2])
     ahead = (1.0 - n[0] * n[0], -n[0] * n[1], -n[0] * n[2])

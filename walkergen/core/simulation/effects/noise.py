@@ -31,7 +31,7 @@ OFF = Noise(np.zeros(0), np.zeros(0), 0.0, 0.0, 0.0)
 
 
 @lean
-def moved_on(noise, time, t):
+def advance_time(noise, time, t):
     """Time (s, within the noise's period) after t seconds."""
     if len(noise.heights) == 0:
         return time

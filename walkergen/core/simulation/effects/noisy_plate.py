@@ -11,43 +11,43 @@ import math
 import numpy as np
 
 from walkergen.core.errors import InputError
-from walkergen.core.simulation.effects.effect import NOISE, Case, Effect, Rule, called_for
+from walkergen.core.simulation.effects.effect import NOISE, Case, Effect, Rule, decide_from_key
 from walkergen.core.simulation.effects.noise import Noise
 
 NAME, SWITCH, KEY = NOISE, "plate_noise", "plate.noise_ratio"
 
-PER_PERIOD = 16.0
+SAMPLES_PER_PERIOD = 16.0
 """Samples in a period of the highest frequency: cubics between them err by 1e-3 of the velocity."""
 
 PERIOD_S = 30.0
 """Longest period of the noise, s."""
 
-MOST_SAMPLES = 2**20
+MAX_SAMPLES = 2**20
 """Largest number of samples: higher bands repeat sooner."""
 
-FEWEST_LINES = 32
+MIN_LINES = 32
 """Fewest frequencies in the band: with fewer the noise is a beat."""
 
 
 def judge(case: Case) -> Effect:
     """Rule: on when the scene's plate is noisy."""
     ratio = case.scene.plate.noise_ratio
-    on, reason = called_for(case, KEY, SWITCH)
+    on, reason = decide_from_key(case, KEY, SWITCH)
     if on:
-        _grid(case)
+        _frequency_grid(case)
     return Effect(NAME, on, ratio, "rms velocity over the drive's peak speed", reason, SWITCH)
 
 
 RULE = Rule(judge, SWITCH, away={KEY: 0.0}, usual={KEY: 0.3})
 
 
-def _grid(case: Case) -> tuple[int, float, int, int]:
+def _frequency_grid(case: Case) -> tuple[int, float, int, int]:
     """Return the number of samples, their interval (s), and the first and last line of the band."""
     low, high = case.scene.plate.noise_band_hz
-    interval = 1.0 / (PER_PERIOD * high)
-    count = int(min(PERIOD_S / interval, MOST_SAMPLES))
+    interval = 1.0 / (SAMPLES_PER_PERIOD * high)
+    count = int(min(PERIOD_S / interval, MAX_SAMPLES))
     first, last = math.ceil(low * count * interval), math.floor(high * count * interval)
-    if last - first < FEWEST_LINES:
+    if last - first < MIN_LINES:
         raise InputError(
             f"plate.noise_band_hz = [{low:g}, {high:g}]: the band has {last - first} "
             f"frequencies of its period of {count * interval:.3g} s; widen it"
@@ -55,9 +55,9 @@ def _grid(case: Case) -> tuple[int, float, int, int]:
     return count, interval, max(first, 1), last
 
 
-def draw(case: Case, rng: np.random.Generator) -> Noise:
+def sample_noise(case: Case, rng: np.random.Generator) -> Noise:
     """Noise of a run of the scene. Raises InputError for a band too narrow."""
-    count, interval, first, last = _grid(case)
+    count, interval, first, last = _frequency_grid(case)
     lines = np.zeros(count // 2 + 1, complex)
     lines[first : last + 1] = rng.normal(size=(last + 1 - first, 2)) @ (1.0, 1.0j)
     wanted = case.scene.plate.noise_ratio * case.shaken.peak_speed

@@ -3,20 +3,20 @@
 import math
 
 from walkergen.core.simulation.effects.effect import Case, Effect
-from walkergen.core.theory.tensors import feet
+from walkergen.core.theory.tensors import foot_tensors
 
-RARE = 50.0
+RARE_CONTACT_GAMMA = 50.0
 """Peak acceleration over g from which feet hardly rest on the plate."""
 
 
-def sticking(case: Case) -> Effect:
+def judge_sticking(case: Case) -> Effect:
     """Rule of sticking of a foot within an impact (docs/physics.md section 3)."""
     scenes = case.scene.contact.friction
     ratios = [
         (scenes if limb.friction is None else limb.friction) * float(H.xx) / abs(float(H.xy))
         if H.xy != 0.0
         else math.inf
-        for limb, H in zip(case.design.limbs, feet(case.mass), strict=True)
+        for limb, H in zip(case.design.limbs, foot_tensors(case.mass), strict=True)
     ]
     on = max(ratios) >= 1.0
     reason = "friction can hold a foot" if on else "feet always slide on in single impacts"
@@ -25,26 +25,26 @@ def sticking(case: Case) -> Effect:
     return Effect("sticking in impacts", on, number, meaning, reason, "")
 
 
-def sustained(case: Case) -> Effect:
+def judge_sustained_contact(case: Case) -> Effect:
     """Rule of contact that lasts: always on."""
     gamma = case.shaken.peak_gamma
-    reason = "bounces die out and feet rest on the plate" if gamma < RARE else "rare at this drive"
+    reason = "bounces die out and feet rest on the plate" if gamma < RARE_CONTACT_GAMMA else "rare at this drive"
     return Effect("sustained contact", True, gamma, "peak acceleration over g", reason, "")
 
 
-def pitch(case: Case) -> Effect:
+def judge_pitch(case: Case) -> Effect:
     """Rule of turning in the plane: always on."""
     number = case.design.foot_span / case.design.size.length
-    return Effect("pitch", True, number, "contact spacing over body length", _number(case), "")
+    return Effect("pitch", True, number, "contact spacing over body length", _format_foot_count(case), "")
 
 
-def _number(case: Case) -> str:
+def _format_foot_count(case: Case) -> str:
     """Return the number of feet in words."""
     count = len(case.design.limbs)
     return {1: "one foot", 2: "two feet"}.get(count, f"{count} feet")
 
 
-def neighbours(case: Case) -> Effect:
+def judge_neighbours(case: Case) -> Effect:
     """Rule of other walkers: bodies of a crowd meet, legs never, which its number judges."""
     size, beyond = case.design.size, 0.0
     for limb in case.design.limbs:

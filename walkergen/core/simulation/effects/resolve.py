@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from walkergen.core.errors import InputError
-from walkergen.core.scene import Scene, forcing
+from walkergen.core.scene import Scene, forced_effect_line
 from walkergen.core.simulation.effects import idle, rules, turning
-from walkergen.core.simulation.effects.acting import Acting, acting
+from walkergen.core.simulation.effects.acting import Acting, acting_parameters
 from walkergen.core.simulation.effects.effect import Case, Effect
 from walkergen.core.walker.design import Design
 
@@ -19,14 +19,14 @@ class Resolved(NamedTuple):
     idle: str = ""
     """Line on keys that the scene gives and that have no part in it; "" where all have."""
 
-    def on(self, name: str) -> bool:
+    def is_on(self, name: str) -> bool:
         """Return whether the effect `name` is simulated. Raises KeyError for an unknown name."""
-        return _verdicts(self.effects)[name]
+        return _effect_states(self.effects)[name]
 
 
-def _verdicts(effects: Sequence[Effect]) -> dict[str, bool]:
+def _effect_states(effects: Sequence[Effect]) -> dict[str, bool]:
     """Whether each effect is on, by name; those that the scene does not call for are off."""
-    return dict.fromkeys(rules.RARE, False) | {effect.name: effect.on for effect in effects}
+    return dict.fromkeys(rules.RARE_EFFECTS, False) | {effect.name: effect.on for effect in effects}
 
 
 def resolve(case: Case) -> Resolved:
@@ -35,21 +35,21 @@ def resolve(case: Case) -> Resolved:
     Raises InputError where the scene's choices contradict each other or the design.
     """
     _check_room(case.scene, case.design)
-    effects = tuple(rule.judge(case) for rule in rules.of(case))
-    on = _verdicts(effects).__getitem__
+    effects = tuple(rule.judge(case) for rule in rules.applicable_rules(case))
+    on = _effect_states(effects).__getitem__
     _check_headings(case.scene, on(turning.NAME))
-    return Resolved(effects, acting(case, on), idle.line(case, on))
+    return Resolved(effects, acting_parameters(case, on), idle.describe_idle_keys(case, on))
 
 
-def on_still_plate(scene: Scene) -> Scene:
+def without_plate_effects(scene: Scene) -> Scene:
     """Scene without the effects that are no part of a still plate."""
-    for rule in rules.every():
+    for rule in rules.all_rules():
         if rule.away:
-            scene = changed(scene, {**rule.away, f"effects.{rule.switch}": None})
+            scene = replace_without_validation(scene, {**rule.away, f"effects.{rule.switch}": None})
     return scene
 
 
-def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
+def replace_without_validation(scene: Scene, values: Mapping[str, Any]) -> Scene:
     """Return the scene with other values of tables or keys, which were validated before.
 
     The key effects.NAME forces the effect NAME on (True) or off (False), or leaves it to the scene (None).
@@ -84,6 +84,7 @@ def _check_headings(scene: Scene, turns: bool) -> None:
     words = wanted if wanted == "uniform" else list(wanted)
     if (wanted == "uniform" or any(wanted)) and not turns:
         raise InputError(
-            f"run.heading_deg = {words}: {forcing(turning.SWITCH, False)} holds the walker in its plane along x; "
+            f"run.heading_deg = {words}: {forced_effect_line(turning.SWITCH, False)} holds the walker in its "
+            "plane along x; "
             "leave one of them out"
         )

@@ -82,7 +82,7 @@ def push(rotor, mass):
 
 
 @lean
-def _at(rotor, way, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z):
+def _push_acceleration(rotor, way, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z):
     """Acceleration along d of a point r of a rigid body, from C, by the rotor's push along `way`.
 
     Over that of C; `inverse` is the inverse inertia of the body.
@@ -104,6 +104,6 @@ def strongest(rotor, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z):
 
     Both are in body axes, from C, mm.
     """
-    c = _at(rotor, rotor.first, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z)
-    s = _at(rotor, rotor.second, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z)
+    c = _push_acceleration(rotor, rotor.first, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z)
+    s = _push_acceleration(rotor, rotor.second, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z)
     return push(rotor, mass) * math.sqrt(c * c + s * s)

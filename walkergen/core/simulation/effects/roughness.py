@@ -13,14 +13,14 @@ import numpy.typing as npt
 
 from walkergen.core.errors import InputError
 from walkergen.core.numerics.kernels import lean
-from walkergen.core.simulation.effects.effect import Case, Effect, Rule, called_for
+from walkergen.core.simulation.effects.effect import Case, Effect, Rule, decide_from_key
 
 NAME, SWITCH, KEY = "plate roughness", "plate_roughness", "plate.roughness_um"
 
-WAVES = 12
+WAVE_COUNT = 12
 """Number of waves: heights are normal within a few percent."""
 
-STEEPEST = 0.2
+MAX_RMS_SLOPE = 0.2
 """Largest rms slope for which the tilted normal is a small correction."""
 
 
@@ -39,11 +39,11 @@ def judge(case: Case) -> Effect:
     """Rule: on when the scene's plate is rough."""
     plate = case.scene.plate
     slope = math.sqrt(2.0) * math.pi * 1e-3 * plate.roughness_um / plate.roughness_length_mm
-    on, reason = called_for(case, KEY, SWITCH)
-    if on and slope > STEEPEST:
+    on, reason = decide_from_key(case, KEY, SWITCH)
+    if on and slope > MAX_RMS_SLOPE:
         raise InputError(
             f"plate.roughness_um = {plate.roughness_um:g} on {plate.roughness_length_mm:g} mm: "
-            f"slopes of {slope:.2g}; at most {STEEPEST:g}: smaller bumps, or longer ones"
+            f"slopes of {slope:.2g}; at most {MAX_RMS_SLOPE:g}: smaller bumps, or longer ones"
         )
     return Effect(NAME, on, slope, "rms slope", reason, SWITCH)
 
@@ -51,12 +51,12 @@ def judge(case: Case) -> Effect:
 RULE = Rule(judge, SWITCH, usual={KEY: 5.0})
 
 
-def draw(case: Case, rng: np.random.Generator) -> Roughness:
+def sample_surface(case: Case, rng: np.random.Generator) -> Roughness:
     """Surface of a run of the scene."""
     plate = case.scene.plate
-    direction, phase = rng.uniform(0.0, 2.0 * math.pi, (2, WAVES))
+    direction, phase = rng.uniform(0.0, 2.0 * math.pi, (2, WAVE_COUNT))
     k = 2.0 * math.pi / plate.roughness_length_mm
-    size = np.full(WAVES, 1e-3 * plate.roughness_um * math.sqrt(2.0 / WAVES))
+    size = np.full(WAVE_COUNT, 1e-3 * plate.roughness_um * math.sqrt(2.0 / WAVE_COUNT))
     return Roughness(np.column_stack([k * np.cos(direction), k * np.sin(direction), size, phase]))
 
 

@@ -29,12 +29,12 @@ from walkergen.core.simulation.effects.effect import (
     Rule,
 )
 
-COMMON: tuple[Rule, ...] = (
+COMMON_RULES: tuple[Rule, ...] = (
     tensor.RULE,
     compliance.RULE,
-    Rule(parts.sticking),
-    Rule(parts.sustained),
-    Rule(parts.pitch),
+    Rule(parts.judge_sticking),
+    Rule(parts.judge_sustained_contact),
+    Rule(parts.judge_pitch),
     harmonic.RULE,
     slope.RULE,
     turning.RULE,
@@ -42,18 +42,18 @@ COMMON: tuple[Rule, ...] = (
     feet.RULE,
     unevenness.RULE,
     roughness.RULE,
-    Rule(parts.neighbours),
+    Rule(parts.judge_neighbours),
     air_drag.RULE,
 )
 """Rules that are judged in every scene, in the order in which `explain` shows them."""
 
-RARE = (WALLS, LID, NOISE, ALONG, GRADIENT, ROCKING, MOTOR, GYROSCOPIC)
+RARE_EFFECTS = (WALLS, LID, NOISE, ALONG, GRADIENT, ROCKING, MOTOR, GYROSCOPIC)
 """Names of the effects of all other rules."""
 
 
-def of(case: Case) -> tuple[Rule, ...]:
+def applicable_rules(case: Case) -> tuple[Rule, ...]:
     """Rules that are judged in a case."""
-    scene, rules, on = case.scene, list(COMMON), set(case.scene.effects.on)
+    scene, rules, on = case.scene, list(COMMON_RULES), set(case.scene.effects.on)
     if scene.arena.kind == "lane" or "lane_walls" in on:
         from walkergen.core.simulation.effects import walls
 
@@ -77,8 +77,8 @@ def of(case: Case) -> tuple[Rule, ...]:
     return tuple(rules)
 
 
-def every() -> tuple[Rule, ...]:
+def all_rules() -> tuple[Rule, ...]:
     """All rules, also of effects that a scene has not."""
     from walkergen.core.simulation.effects import lid, motor, noisy_plate, swaying_plate, walls
 
-    return (*COMMON, walls.RULE, lid.RULE, noisy_plate.RULE, *swaying_plate.RULES, motor.RULE, motor.SPIN_RULE)
+    return (*COMMON_RULES, walls.RULE, lid.RULE, noisy_plate.RULE, *swaying_plate.RULES, motor.RULE, motor.SPIN_RULE)

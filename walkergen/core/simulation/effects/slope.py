@@ -7,7 +7,7 @@ import math
 from typing import NamedTuple
 
 from walkergen.core.scene import GRAVITY
-from walkergen.core.simulation.effects.effect import Case, Effect, Rule, called_for
+from walkergen.core.simulation.effects.effect import Case, Effect, Rule, decide_from_key
 
 NAME, SWITCH, KEY = "plate slope", "plate_slope", "plate.slope_deg"
 
@@ -28,7 +28,7 @@ def judge(case: Case) -> Effect:
     slope = math.radians(case.scene.plate.slope_deg)
     friction = case.scene.contact.friction
     number = math.tan(slope) / friction if friction > 0 else math.tan(slope)
-    on, reason = called_for(case, KEY, SWITCH)
+    on, reason = decide_from_key(case, KEY, SWITCH)
     return Effect(NAME, on, number, "slope over friction", reason, SWITCH)
 
 

@@ -33,7 +33,7 @@ def moves(sway):
 
 
 @lean
-def at(sway, phase):
+def displacements_and_slopes(sway, phase):
     """Displacements (mm) and slopes along x and z at a phase (rad) of the drive."""
     p, q, s, c = sway.with_sine, sway.with_cosine, math.sin(phase), math.cos(phase)
     return s * p[0] + c * q[0], s * p[1] + c * q[1], s * p[2] + c * q[2], s * p[3] + c * q[3]
@@ -47,7 +47,7 @@ def motion(sway, omega, phase, x, z):
     """
     p, q, s, c = sway.with_sine, sway.with_cosine, math.sin(phase), math.cos(phase)
     v_x, v_z, t_x, t_z = c * p[0] - s * q[0], c * p[1] - s * q[1], c * p[2] - s * q[2], c * p[3] - s * q[3]
-    a_x, a_z, b_x, b_z = at(sway, phase)
+    a_x, a_z, b_x, b_z = displacements_and_slopes(sway, phase)
     square = -omega * omega
     return (
         omega * v_x,

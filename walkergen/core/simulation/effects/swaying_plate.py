@@ -11,25 +11,25 @@ import math
 
 from walkergen.core.errors import InputError
 from walkergen.core.scene import Scene
-from walkergen.core.simulation.effects.effect import ALONG, GRADIENT, ROCKING, Case, Effect, Rule, called_for
+from walkergen.core.simulation.effects.effect import ALONG, GRADIENT, ROCKING, Case, Effect, Rule, decide_from_key
 from walkergen.core.simulation.effects.sway import Sway
 
-ALONG_X, TO_THE_LEFT = "plate.along_ratio", "plate.across_ratio"
-STEEPER, ROCKS = "plate.gradient_percent_per_mm", "plate.rocking_percent_per_mm"
-KEYS = (ALONG_X, TO_THE_LEFT, STEEPER, ROCKS)
+ALONG_KEY, ACROSS_KEY = "plate.along_ratio", "plate.across_ratio"
+GRADIENT_KEY, ROCKING_KEY = "plate.gradient_percent_per_mm", "plate.rocking_percent_per_mm"
+KEYS = (ALONG_KEY, ACROSS_KEY, GRADIENT_KEY, ROCKING_KEY)
 
-MOST = 1.0
+MAX_AMPLITUDE_CHANGE = 1.0
 """Largest change of the amplitude where a walker may get: beyond, a gradient is none of a plate."""
 
-FASTEST = 2.0
+MAX_SPEED_RATIO = 2.0
 """Speed of walkers over the plate's, at most: those that run farther than this lets them are rare."""
 
 
 def judge_along(case: Case) -> Effect:
     """Rule: on where the plate moves along itself. The number says when friction lets a resting body slide."""
     plate, friction = case.scene.plate, case.scene.contact.friction
-    key = ALONG_X if plate.along_ratio or not plate.across_ratio else TO_THE_LEFT
-    on, reason = _called_for(case, key, "plate_along")
+    key = ALONG_KEY if plate.along_ratio or not plate.across_ratio else ACROSS_KEY
+    on, reason = _decide_from_key(case, key, "plate_along")
     shaken = math.hypot(plate.along_ratio, plate.across_ratio) * case.shaken.peak_gamma
     meaning = "peak acceleration along the plate over what friction holds"
     return Effect(ALONG, on, shaken / max(friction, 1e-9), meaning, reason, "plate_along")
@@ -37,38 +37,39 @@ def judge_along(case: Case) -> Effect:
 
 def judge_gradient(case: Case) -> Effect:
     """Rule: on where the amplitude differs from place to place."""
-    return _judge_linear(case, GRADIENT, STEEPER, "plate_gradient", "change of the amplitude between the feet")
+    return _judge_linear(case, GRADIENT, GRADIENT_KEY, "plate_gradient", "change of the amplitude between the feet")
 
 
 def judge_rocking(case: Case) -> Effect:
     """Rule: on where the plate rocks."""
-    return _judge_linear(case, ROCKING, ROCKS, "plate_rocking", "rocking between the feet over the amplitude")
+    return _judge_linear(case, ROCKING, ROCKING_KEY, "plate_rocking", "rocking between the feet over the amplitude")
 
 
 def _judge_linear(case: Case, name: str, key: str, switch: str, meaning: str) -> Effect:
-    on, reason = _called_for(case, key, switch)
+    on, reason = _decide_from_key(case, key, switch)
     percent = float(case.scene.value(key))
-    per_mm, way = 0.01 * abs(percent), _farthest(case)
-    if on and per_mm * way > MOST:
+    per_mm, way = 0.01 * abs(percent), _max_distance(case)
+    if on and per_mm * way > MAX_AMPLITUDE_CHANGE:
         raise InputError(
             f"{key} = {percent:g}: a walker may get {way:.3g} mm far, where the amplitude would change by "
-            f"{100.0 * per_mm * way:.3g} %, and {100.0 * MOST:g} is most; give the ground ends (arena.length_mm, on a "
+            f"{100.0 * per_mm * way:.3g} %, and {100.0 * MAX_AMPLITUDE_CHANGE:g} is most; give the ground "
+            "ends (arena.length_mm, on a "
             "plane arena.width_mm too), or less of run.seconds"
         )
     return Effect(name, on, per_mm * case.design.foot_span, meaning, reason, switch)
 
 
-def _farthest(case: Case) -> float:
+def _max_distance(case: Case) -> float:
     """Distance (mm) from the start that walkers may reach: to the ends of the ground, or as fast as they run."""
     arena, run = case.scene.arena, case.scene.run
-    way = FASTEST * case.shaken.peak_speed * (run.seconds + run.discard_seconds)
+    way = MAX_SPEED_RATIO * case.shaken.peak_speed * (run.seconds + run.discard_seconds)
     ends = [math.inf if size is None else 0.5 * size for size in (arena.length_mm, arena.width_mm)]
     return min(way, ends[0] if arena.kind == "lane" else math.hypot(*ends))
 
 
-def _called_for(case: Case, key: str, switch: str) -> tuple[bool, str]:
+def _decide_from_key(case: Case, key: str, switch: str) -> tuple[bool, str]:
     """As `called_for`. Raises InputError for still plates."""
-    on, reason = called_for(case, key, switch)
+    on, reason = decide_from_key(case, key, switch)
     if on and case.scene.drive.kind == "motor":
         raise InputError(
             f"{key} = {case.scene.value(key):g}: the plate under a motor is still; leave the key out, or take "
@@ -78,13 +79,13 @@ def _called_for(case: Case, key: str, switch: str) -> tuple[bool, str]:
 
 
 RULES = (
-    Rule(judge_along, "plate_along", away={ALONG_X: 0.0, TO_THE_LEFT: 0.0}, usual={ALONG_X: 0.1}),
-    Rule(judge_gradient, "plate_gradient", away={STEEPER: 0.0}, usual={STEEPER: 0.1}),
-    Rule(judge_rocking, "plate_rocking", away={ROCKS: 0.0}, usual={ROCKS: 0.1}),
+    Rule(judge_along, "plate_along", away={ALONG_KEY: 0.0, ACROSS_KEY: 0.0}, usual={ALONG_KEY: 0.1}),
+    Rule(judge_gradient, "plate_gradient", away={GRADIENT_KEY: 0.0}, usual={GRADIENT_KEY: 0.1}),
+    Rule(judge_rocking, "plate_rocking", away={ROCKING_KEY: 0.0}, usual={ROCKING_KEY: 0.1}),
 )
 
 
-def refuse(scene: Scene, whom: str) -> None:
+def check_still_plate(scene: Scene, whom: str) -> None:
     """Raise InputError where a scene's plate sways, which `whom` does not know."""
     for key in KEYS:
         if scene.value(key):
@@ -101,13 +102,13 @@ def parameters(case: Case, along: bool, gradient: bool, rocking: bool) -> Sway:
             sines[axis] = size * ratio * math.cos(math.radians(phase))
             cosines[axis] = size * ratio * math.sin(math.radians(phase))
     if gradient:
-        sines[2:] = _slopes(size * 0.01 * plate.gradient_percent_per_mm, plate.gradient_toward_deg)
+        sines[2:] = _slope_components(size * 0.01 * plate.gradient_percent_per_mm, plate.gradient_toward_deg)
     if rocking:
-        cosines[2:] = _slopes(size * 0.01 * plate.rocking_percent_per_mm, plate.rocking_toward_deg)
+        cosines[2:] = _slope_components(size * 0.01 * plate.rocking_percent_per_mm, plate.rocking_toward_deg)
     return Sway(True, (sines[0], sines[1], sines[2], sines[3]), (cosines[0], cosines[1], cosines[2], cosines[3]))
 
 
-def _slopes(size: float, toward_deg: float) -> tuple[float, float]:
+def _slope_components(size: float, toward_deg: float) -> tuple[float, float]:
     """Slopes along x and z of one of this size that rises toward a direction, from x to the left."""
     toward = math.radians(toward_deg)
     return size * math.cos(toward), -size * math.sin(toward)

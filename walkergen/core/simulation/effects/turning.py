@@ -4,7 +4,7 @@ Limit: a walker held in its plane lands on both corners of a foot at once (docs/
 section 7, which shows that the plane is not the limit of small roll).
 """
 
-from walkergen.core.simulation.effects.effect import Case, Effect, Rule, forced
+from walkergen.core.simulation.effects.effect import Case, Effect, Rule, apply_switch
 
 NAME, SWITCH = "yaw and roll", "roll_and_yaw"
 
@@ -14,7 +14,7 @@ def judge(case: Case) -> Effect:
     depth = case.design.size.depth / case.design.foot_span
     meaning = "depth over contact spacing"
     reason = "a foot is an edge: one of its corners lands first"
-    on, reason = forced(case.scene.effects.forced(SWITCH), True, reason)
+    on, reason = apply_switch(case.scene.effects.forced_state(SWITCH), True, reason)
     return Effect(NAME, on, depth, meaning, reason, SWITCH)
 
 

@@ -6,7 +6,7 @@ Limits: without twist the foot is rigid along its edge; at infinite stiffness th
 """
 
 from walkergen.core.simulation.effects.compliance import natural_frequency
-from walkergen.core.simulation.effects.effect import Case, Effect, Rule, absent, forced
+from walkergen.core.simulation.effects.effect import Case, Effect, Rule, absence_reason, apply_switch
 from walkergen.core.walker.limbs import Limb
 from walkergen.core.walker.sections import section_of
 from walkergen.core.walker.spec import Material
@@ -20,7 +20,7 @@ def judge(case: Case) -> Effect:
     The number is the least frequency of a leg's twist over the drive's.
     """
     if case.design.rigid:
-        return Effect(NAME, False, 0.0, f"legs are {case.design.kind}", absent(case, SWITCH, "no free leg"), "")
+        return Effect(NAME, False, 0.0, f"legs are {case.design.kind}", absence_reason(case, SWITCH, "no free leg"), "")
     material = case.design.material
     frequencies = [
         natural_frequency(stiffness(limb, material), float(leg.m) * limb.width**2 / 36.0)
@@ -29,7 +29,7 @@ def judge(case: Case) -> Effect:
     ]
     ratio = min(frequencies, default=0.0) / case.scene.drive.frequency
     meaning = "frequency of a leg's twist over the drive's"
-    on, reason = forced(case.scene.effects.forced(SWITCH), True, "corners land one by one")
+    on, reason = apply_switch(case.scene.effects.forced_state(SWITCH), True, "corners land one by one")
     return Effect(NAME, on, ratio, meaning, reason, SWITCH)
 
 

@@ -8,11 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.core.errors import InputError
-from walkergen.core.simulation.effects.effect import Case, Effect, Rule, called_for
+from walkergen.core.simulation.effects.effect import Case, Effect, Rule, decide_from_key
 
 NAME, SWITCH, KEY = "unevenness", "unevenness", "feet.unevenness_um"
 
-TALLEST = 0.1
+MAX_SD_RATIO = 0.1
 """Largest standard deviation over the length of a leg."""
 
 
@@ -22,9 +22,9 @@ def judge(case: Case) -> Effect:
     Raises InputError for corners that differ as much as legs are long.
     """
     height = case.scene.feet.unevenness_um
-    on, reason = called_for(case, KEY, SWITCH)
+    on, reason = decide_from_key(case, KEY, SWITCH)
     shortest = min(limb.length for limb in case.design.limbs)
-    most = 1e3 * TALLEST * shortest
+    most = 1e3 * MAX_SD_RATIO * shortest
     if on and height > most:
         raise InputError(
             f"feet.unevenness_um = {height:g}: must lie in 0..{most:g} for legs of "
@@ -38,7 +38,7 @@ def judge(case: Case) -> Effect:
 RULE = Rule(judge, SWITCH, usual={KEY: 10.0})
 
 
-def draw(case: Case, corners: int, rng: np.random.Generator) -> npt.NDArray[np.float64]:
+def sample_heights(case: Case, corners: int, rng: np.random.Generator) -> npt.NDArray[np.float64]:
     """Heights of the corners of one print, mm, with mean zero."""
     heights = 1e-3 * case.scene.feet.unevenness_um * rng.normal(size=corners)
     return np.asarray(heights - heights.mean())

@@ -9,14 +9,14 @@ import math
 from walkergen.core.errors import InputError
 from walkergen.core.scene import Arena
 from walkergen.core.simulation.effects import turning
-from walkergen.core.simulation.effects.effect import WALLS, Case, Effect, Rule, absent, forced
+from walkergen.core.simulation.effects.effect import WALLS, Case, Effect, Rule, absence_reason, apply_switch
 
 NAME, SWITCH = WALLS, "lane_walls"
 
-DEFAULT_PLAY = 0.5
+DEFAULT_PLAY_MM = 0.5
 """Gap of a lane over the depth of the body, mm, unless the scene says."""
 
-LEAST_PLAY = 4e-3
+MIN_PLAY_RATIO = 4e-3
 """Least gap of a lane over the body's depth, over the walker's height: twice what the roll of its
 first drop takes, so that it does not start inside a wall."""
 
@@ -26,12 +26,12 @@ def gap(case: Case) -> float:
     size, legs = case.design.size, case.design.limbs
     depth, wanted = size.depth, case.scene.arena.gap_mm
     if wanted is None:
-        return depth + DEFAULT_PLAY
-    least = depth + LEAST_PLAY * (max(leg.length for leg in legs) + size.thickness)
+        return depth + DEFAULT_PLAY_MM
+    least = depth + MIN_PLAY_RATIO * (max(leg.length for leg in legs) + size.thickness)
     if wanted < least:
         raise InputError(
             f"arena.gap_mm = {wanted:g}: the walker is {depth:g} mm deep and needs {least:.6g} mm; "
-            f"widen the lane, or leave the key out ({depth + DEFAULT_PLAY:g} mm)"
+            f"widen the lane, or leave the key out ({depth + DEFAULT_PLAY_MM:g} mm)"
         )
     return wanted
 
@@ -43,7 +43,7 @@ def _check_headings(case: Case) -> None:
     for heading in widest if wanted == "uniform" else wanted:
         turn = math.radians(heading)
         across = size.depth * abs(math.cos(turn)) + size.length * abs(math.sin(turn))
-        if heading and across > room - LEAST_PLAY * size.length:
+        if heading and across > room - MIN_PLAY_RATIO * size.length:
             words = wanted if wanted == "uniform" else list(wanted)
             raise InputError(
                 f"run.heading_deg = {words}: at {heading:.3g} deg the walker is {across:.4g} mm wide and the lane "
@@ -56,12 +56,12 @@ def judge(case: Case) -> Effect:
     arena, size = case.scene.arena, case.design.size
     meaning = "turn (rad) at which both walls are touched"
     if arena.kind != "lane":
-        return Effect(NAME, False, 0.0, meaning, absent(case, SWITCH, "the arena is a plane"), "")
+        return Effect(NAME, False, 0.0, meaning, absence_reason(case, SWITCH, "the arena is a plane"), "")
     play = gap(case) - size.depth
     turn = min(play / size.length, 0.5 * math.pi)
     if not turning.judge(case).on:
-        return Effect(NAME, False, turn, meaning, absent(case, SWITCH, "the walker is held in its plane"), "")
-    on, reason = forced(case.scene.effects.forced(SWITCH), True, "the walker yaws")
+        return Effect(NAME, False, turn, meaning, absence_reason(case, SWITCH, "the walker is held in its plane"), "")
+    on, reason = apply_switch(case.scene.effects.forced_state(SWITCH), True, "the walker yaws")
     if on:
         _check_headings(case)
     return Effect(NAME, on, turn, meaning, reason, SWITCH)

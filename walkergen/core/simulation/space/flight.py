@@ -9,13 +9,13 @@ import math
 
 from walkergen.core.numerics.kernels import lean
 from walkergen.core.simulation import record
-from walkergen.core.simulation.drive import derivative_bound, moved_on
+from walkergen.core.simulation.drive import advance_phase, derivative_bound
 from walkergen.core.simulation.effects import noise as noises
 from walkergen.core.simulation.effects import rotor as motors
 from walkergen.core.simulation.effects import roughness as rough
 from walkergen.core.simulation.effects import sway as sways
-from walkergen.core.simulation.effects.acting import across, along, force_in_space
-from walkergen.core.simulation.space.pose import plate_velocity, point_velocity, turn, turned_by
+from walkergen.core.simulation.effects.acting import force_in_space, gravity_along, gravity_into
+from walkergen.core.simulation.space.pose import plate_velocity, point_velocity, rotation_coefficients, turn
 from walkergen.core.simulation.space.state import (
     C_X,
     C_Y,
@@ -26,7 +26,7 @@ from walkergen.core.simulation.space.state import (
     NOISE,
     OPEN,
     PHASE,
-    ROW,
+    ROW_LENGTH,
     V_X,
     V_Y,
     V_Z,
@@ -34,17 +34,17 @@ from walkergen.core.simulation.space.state import (
     first_row,
 )
 
-PASSES = 6
+MIDPOINT_ITERATIONS = 6
 """Passes of the midpoint rule: each takes its error down by half the turn of a step."""
 
-TURN = 0.02
+MAX_TURN_RAD = 0.02
 """Largest turn of the body in a step of flight or in a frame, rad."""
 
-LEFT_BEHIND = 1.75
+FOOT_ACCELERATION_FACTOR = 1.75
 """Largest acceleration of a foot over that of a body which leaves its leg behind, a uniform rod."""
 
 _sways, _sway_motion, _sway_bounds = sways.moves, sways.motion, sways.bounds
-_noise_moved_on, _noise_bounds, _steepest = noises.moved_on, noises.bounds, rough.steepest
+_noise_advance_time, _noise_bounds, _steepest = noises.advance_time, noises.bounds, rough.steepest
 _motor_acts, _motor_push, _motor_swing = motors.acts, motors.push, motors.swing
 _motor_strongest = motors.strongest
 _motor_spin, _moment_of = motors.spin, motors.moment_of
@@ -53,8 +53,8 @@ _motor_spin, _moment_of = motors.spin, motors.moment_of
 @lean
 def pass_time(world, state, t):
     """Move the drive on by t seconds."""
-    state[PHASE] = moved_on(world.drive, state[PHASE], t)
-    state[NOISE] = _noise_moved_on(world.acting.noise, state[NOISE], t)
+    state[PHASE] = advance_phase(world.drive, state[PHASE], t)
+    state[NOISE] = _noise_advance_time(world.acting.noise, state[NOISE], t)
 
 
 @lean
@@ -75,7 +75,7 @@ def _swing_speed(state, R, points, shift, fast, leg, f, k, side):
 
 
 @lean
-def strongest_throw(world):
+def max_plate_acceleration(world):
     """Upper bound of the plate's acceleration, mm/s^2."""
     _, strongest = _noise_bounds(world.acting.noise)
     return derivative_bound(world.drive, 2) + strongest
@@ -88,14 +88,14 @@ def longest_flight(world):
 
 
 @lean
-def _thrown(walker, motor, points, k, d_x, d_y, d_z):
+def _motor_acceleration(walker, motor, points, k, d_x, d_y, d_z):
     """Largest acceleration (mm/s^2) by a motor along d, body axes, of contact k, legs rigid."""
     p = points[k].at
     return _motor_strongest(motor, walker.centre, walker.mass, walker.inverse_inertia, p[0], p[1], p[2], d_x, d_y, d_z)
 
 
 @lean
-def thrown_leg(walker, j, x, y, z, t_x, t_y, t_z):
+def lag_torque(walker, j, x, y, z, t_x, t_y, t_z):
     """Compute the torque on leg coordinate j from the leg's inertia, as the body is accelerated and turned.
 
     The acceleration is (x, y, z), mm/s^2, the torque on the body t; momenta may replace both.
@@ -106,7 +106,7 @@ def thrown_leg(walker, j, x, y, z, t_x, t_y, t_z):
 
 
 @lean
-def _ride_along(walker, omega, state, phase, sign):
+def _add_forced_swing(walker, omega, state, phase, sign):
     """Add what a motor at this phase (rad) makes of the legs in lasting flight, times `sign`."""
     n, c, s = len(walker.stiffness), math.cos(phase), math.sin(phase)
     for j in range(n):
@@ -126,7 +126,7 @@ def _turning_energy(walker, state):
 
 
 @lean
-def _swept(world, state, work, k, side, speed):
+def _sway_closing_rates(world, state, work, k, side, speed):
     """Bound what a swaying plate adds to the velocity (mm/s) and acceleration (mm/s^2) at which contact k closes.
 
     It closes on the surface on its `side`, moves at `speed`, and the bounds hold for the longest flight.
@@ -149,7 +149,7 @@ def clear_time(world, state, work, longest):
     shift, fast, f = walker.shift, walker.fast, walker.freedoms
     leg, place, first, time = walker.leg, walker.place, first_row(walker), longest
     lifted, steep = plate_velocity(world, state), _steepest(world.acting.roughness)
-    fall = across(world.acting) + strongest_throw(world)
+    fall = gravity_into(world.acting) + max_plate_acceleration(world)
     motor, motor_acts = world.acting.motor, _motor_acts(world.acting.motor)
     push = _motor_push(motor, walker.mass)
     swaying, far, fastest = _sways(world.acting.sway), 0.0, 0.0
@@ -158,14 +158,16 @@ def clear_time(world, state, work, longest):
         fastest = world.drive.omega * far
     for k in range(len(leg)):
         gap, points[k].clear = points[k].gap, 0.0
-        if state[first + ROW * k + MODE] != OPEN or gap <= 0.0:
+        if state[first + ROW_LENGTH * k + MODE] != OPEN or gap <= 0.0:
             time = 0.0
             continue
         v_x, v_y, v_z = point_velocity(state, now, points, shift, leg[k], f, k)
         if place[k] > 0.0:
             clear = gap / (math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z + 1e-300) + fastest)
             if motor_acts:
-                drawn = LEFT_BEHIND * _thrown(walker, motor, points, k, R[2, 0], R[2, 1], R[2, 2])
+                drawn = FOOT_ACCELERATION_FACTOR * _motor_acceleration(
+                    walker, motor, points, k, R[2, 0], R[2, 1], R[2, 2]
+                )
                 root = math.sqrt(1.0 + 2.0 * drawn * clear * clear / gap)
                 clear *= 2.0 / (1.0 + root)
         else:
@@ -176,11 +178,13 @@ def clear_time(world, state, work, longest):
                 closing += steep * (math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z) + fastest)
             drawn = fall
             if swaying:
-                faster, stronger = _swept(world, state, work, k, side, math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z))
+                faster, stronger = _sway_closing_rates(
+                    world, state, work, k, side, math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z)
+                )
                 closing, drawn = closing + faster, drawn + stronger
             if motor_acts:
-                thrown = _thrown(walker, motor, points, k, R[1, 0], R[1, 1], R[1, 2])
-                drawn += LEFT_BEHIND * (thrown + steep * push)
+                thrown = _motor_acceleration(walker, motor, points, k, R[1, 0], R[1, 1], R[1, 2])
+                drawn += FOOT_ACCELERATION_FACTOR * (thrown + steep * push)
             root = closing + math.sqrt(closing * closing + 2.0 * drawn * gap)
             clear = 2.0 * gap / max(root, 1e-300)
         points[k].clear = clear
@@ -217,7 +221,7 @@ def legs_energy(walker, state):
 
 
 @lean
-def _times(M, x, y, z):
+def _multiply_vector(M, x, y, z):
     return (
         M[0, 0] * x + M[0, 1] * y + M[0, 2] * z,
         M[1, 0] * x + M[1, 1] * y + M[1, 2] * z,
@@ -226,9 +230,9 @@ def _times(M, x, y, z):
 
 
 @lean
-def _turned_back(x, y, z, t_x, t_y, t_z):
+def _rotate_back(x, y, z, t_x, t_y, t_z):
     """Vector (x, y, z) seen from axes that have turned by a rotation vector t."""
-    s, c = turned_by(t_x * t_x + t_y * t_y + t_z * t_z)
+    s, c = rotation_coefficients(t_x * t_x + t_y * t_y + t_z * t_z)
     a_x, a_y, a_z = t_y * z - t_z * y, t_z * x - t_x * z, t_x * y - t_y * x
     b_x, b_y, b_z = t_y * a_z - t_z * a_y, t_z * a_x - t_x * a_z, t_x * a_y - t_y * a_x
     return x - s * a_x + c * b_x, y - s * a_y + c * b_y, z - s * a_z + c * b_z
@@ -238,11 +242,11 @@ def _turned_back(x, y, z, t_x, t_y, t_z):
 def _fall(world, state, work, t, sums):
     """Let C fall for t seconds, with the drag of its start."""
     walker, now = world.walker, work.now
-    g_x, g_y = along(world.acting), -across(world.acting)
+    g_x, g_y = gravity_along(world.acting), -gravity_into(world.acting)
     f_x, f_y, f_z = force_in_space(world.acting, now)
     if f_x != 0.0 or f_y != 0.0 or f_z != 0.0:
         sums[record.DAMPING_LOSS] -= t * (f_x * now[0] + f_y * now[1] + f_z * now[2])
-        d_x, d_y, d_z = _times(work.R, f_x, f_y, f_z)
+        d_x, d_y, d_z = _multiply_vector(work.R, f_x, f_y, f_z)
         state[V_X] += t * d_x * walker.inverse_mass[0]
         state[V_Y] += t * d_y * walker.inverse_mass[1]
         state[V_Z] += t * d_z * walker.inverse_mass[2]
@@ -260,9 +264,9 @@ def _swing_shaken(world, state, work, t, level):
     The energy of their dampers leaves out what that costs them.
     """
     walker, omega, phase = world.walker, world.acting.motor.omega, state[PHASE]
-    _ride_along(walker, omega, state, phase, -1.0)
+    _add_forced_swing(walker, omega, state, phase, -1.0)
     damped = _swing(walker, work, state, level)
-    _ride_along(walker, omega, state, moved_on(world.drive, phase, t), 1.0)
+    _add_forced_swing(walker, omega, state, advance_phase(world.drive, phase, t), 1.0)
     c, s = math.cos(phase), math.sin(phase)
     for j in range(len(walker.stiffness)):
         work.before[j] += walker.forced[0, j] * c + walker.forced[1, j] * s
@@ -284,31 +288,31 @@ def _turn_free(world, state, work, t):
         d_y -= walker.lock[1, j] * moved
         d_z -= walker.lock[2, j] * moved
     W_0, W_1, W_2 = state[W_X], state[W_X + 1], state[W_X + 2]
-    l_x, l_y, l_z = _times(walker.inertia, W_0, W_1, W_2)
+    l_x, l_y, l_z = _multiply_vector(walker.inertia, W_0, W_1, W_2)
     s_x, s_y, s_z, h = 0.0, 0.0, 0.0, world.acting.motor.spin
     if motor:
         rotor, centre, mass, thrown = world.acting.motor, walker.centre, walker.mass, work.thrown
         s_x, s_y, s_z = _motor_spin(rotor, centre, mass, thrown)
         l_x, l_y, l_z = l_x + s_x, l_y + s_y, l_z + s_z
         b_x, b_y, b_z = thrown[0, 0], thrown[0, 1], thrown[0, 2]
-        _motor_swing(rotor, mass, moved_on(world.drive, state[PHASE], t), thrown)
+        _motor_swing(rotor, mass, advance_phase(world.drive, state[PHASE], t), thrown)
         b_x, b_y, b_z = thrown[0, 0] - b_x, thrown[0, 1] - b_y, thrown[0, 2] - b_z
         b_x, b_y, b_z = _moment_of(rotor, centre, mass, b_x, b_y, b_z)
-        b_x, b_y, b_z = _times(walker.inverse_inertia, b_x, b_y, b_z)
+        b_x, b_y, b_z = _multiply_vector(walker.inverse_inertia, b_x, b_y, b_z)
         d_x, d_y, d_z = d_x - b_x, d_y - b_y, d_z - b_z
         s_x, s_y, s_z = _motor_spin(rotor, centre, mass, thrown)
     t_x, t_y, t_z = t * W_0 + d_x, t * W_1 + d_y, t * W_2 + d_z
-    for _ in range(PASSES):
-        m_x, m_y, m_z = _turned_back(l_x, l_y, l_z, 0.5 * t_x, 0.5 * t_y, 0.5 * t_z)
+    for _ in range(MIDPOINT_ITERATIONS):
+        m_x, m_y, m_z = _rotate_back(l_x, l_y, l_z, 0.5 * t_x, 0.5 * t_y, 0.5 * t_z)
         if motor:
             m_x, m_y, m_z = m_x - h[0], m_y - h[1], m_z - h[2]
-        w_x, w_y, w_z = _times(walker.inverse_inertia, m_x, m_y, m_z)
+        w_x, w_y, w_z = _multiply_vector(walker.inverse_inertia, m_x, m_y, m_z)
         t_x, t_y, t_z = t * w_x + d_x, t * w_y + d_y, t * w_z + d_z
     turn(state, t_x, t_y, t_z)
-    l_x, l_y, l_z = _turned_back(l_x, l_y, l_z, t_x, t_y, t_z)
+    l_x, l_y, l_z = _rotate_back(l_x, l_y, l_z, t_x, t_y, t_z)
     if motor:
         l_x, l_y, l_z = l_x - s_x, l_y - s_y, l_z - s_z
-    state[W_X], state[W_X + 1], state[W_X + 2] = _times(walker.inverse_inertia, l_x, l_y, l_z)
+    state[W_X], state[W_X + 1], state[W_X + 2] = _multiply_vector(walker.inverse_inertia, l_x, l_y, l_z)
 
 
 @lean

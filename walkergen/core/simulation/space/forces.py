@@ -14,30 +14,30 @@ its force over the step is s times that of spring and damper at the middle of th
 import math
 
 from walkergen.core.numerics.kernels import lean
-from walkergen.core.simulation.space.slider import dragged
-from walkergen.core.simulation.space.state import MODE, OPEN, ROW, SHEAR, SLIDE, STICK
+from walkergen.core.simulation.space.slider import stretch_directions
+from walkergen.core.simulation.space.state import MODE, OPEN, ROW_LENGTH, SHEAR, SLIDE, STICK
 from walkergen.core.simulation.space.tips import response
 
-PASSES = 8
+MAX_CORRECTIONS = 8
 """Corrections of the modes after which forces are cut to their limits as they are."""
 
-BENT = 0.2
+TANGENT_TOLERANCE = 0.2
 """Four times the share of a normal force by which the tangent of a tip's spring may be off: F''/2 is k / (4 d)."""
 
-SHALLOWEST = 1e-3
+MIN_DEPTH_RATIO = 1e-3
 """Least depth about which a tip's spring is linearised, of the depths that a contact passes in a step."""
 
-NEAR = 4.0
+NEAR_STEPS = 4.0
 """Steps at its speed within which a contact is tried as landing; others that land are seen by
 where they end."""
 
-LOCATED, SHORTEST = 0.01, 1e-6
+TOUCH_TOLERANCE, MIN_CLOSED_SHARE = 0.01, 1e-6
 """Share of a step to which a touch is located, and the share below which it is left out."""
 
-TURNED = 0.06
+DIRECTION_TOLERANCE_RAD = 0.06
 """Change of a sliding direction, rad, below which a step is not solved anew."""
 
-JAMMED = 0.25
+JAM_RATIO = 0.25
 """Part of its own force to which sliding may reduce the equation of a contact: below it friction presses a foot on
 faster than the step, and the foot is taken to stick."""
 
@@ -49,7 +49,7 @@ def _linearise(near, i, h, depth):
     The force in the middle is then F(depth) + k_n (depth' - depth), at the depth' that the step finds.
     """
     contact = near[i]
-    depth = max(depth, SHALLOWEST * (abs(contact.gap[0]) + h * abs(contact.speed[0])) + 1e-300)
+    depth = max(depth, MIN_DEPTH_RATIO * (abs(contact.gap[0]) + h * abs(contact.speed[0])) + 1e-300)
     force, k_n, viscous = response(contact.spring, contact.tip, depth)
     share = contact.share
     # Eq. 7.8: the damper of the contact
@@ -121,8 +121,8 @@ def guess(state, near, H, m, h, first):
     """
     closed = 0
     for i in range(m):
-        at = first + ROW * near[i].number
-        mode = _guess_of(state, near, H, i, h, at)
+        at = first + ROW_LENGTH * near[i].number
+        mode = _guess_mode(state, near, H, i, h, at)
         near[i].tried = mode
         if mode != OPEN:
             closed += 1
@@ -130,12 +130,12 @@ def guess(state, near, H, m, h, first):
 
 
 @lean
-def _guess_of(state, near, H, i, h, at):
+def _guess_mode(state, near, H, i, h, at):
     """First guess of the mode of contact i, whose row in the state is at `at`."""
     gap = near[i].gap[0]
     if gap > 0.0:
         share = 0.0
-        if gap < NEAR * h * abs(near[i].speed[0]):
+        if gap < NEAR_STEPS * h * abs(near[i].speed[0]):
             share = _closed_share(near, i, near[i].middle[0], h)
         if share == 0.0:
             return OPEN
@@ -167,7 +167,7 @@ def aim(near, i, u_1, u_2, press, h):
     share = near[i].share
     radius = near[i].friction * press / (share * near[i].k_t)
     # Eq. 7.10 in the middle of the share and at its end
-    n_1, n_2, near[i].end[0], near[i].end[1] = dragged(
+    n_1, n_2, near[i].end[0], near[i].end[1] = stretch_directions(
         near[i].gap[1], near[i].gap[2], u_1, u_2, 0.5 * share * h, radius
     )
     turned = abs(n_1 - near[i].toward[0]) + abs(n_2 - near[i].toward[1])
@@ -181,7 +181,7 @@ def _jams(near, H, i, h):
     """Return whether the friction of a sliding contact would press it on faster than a step can follow."""
     b = 3 * i
     turned = near[i].toward[0] * H[b, b + 1] + near[i].toward[1] * H[b, b + 2]
-    return 1.0 + 0.5 * h * near[i].b_n * (H[b, b] - near[i].friction * turned) < JAMMED
+    return 1.0 + 0.5 * h * near[i].b_n * (H[b, b] - near[i].friction * turned) < JAM_RATIO
 
 
 @lean
@@ -234,7 +234,7 @@ def _eliminate(A, count):
 
 
 @lean
-def _spread(near, A, m, count):
+def _set_forces(near, A, m, count):
     """Set the forces from the unknowns; contacts that would pull are opened: their number."""
     pulling = 0
     for i in range(m):
@@ -282,7 +282,7 @@ def _correct(near, H, m, h):
         if near[i].tried != OPEN and near[i].tip != math.inf:
             depth = _depth_in_middle(near, i, h)
             off = depth - near[i].about
-            if near[i].k_n * off * off > BENT * near[i].about * near[i].force[0]:
+            if near[i].k_n * off * off > TANGENT_TOLERANCE * near[i].about * near[i].force[0]:
                 _linearise(near, i, h, depth)
                 changed += 1
         press = near[i].force[0]
@@ -304,8 +304,9 @@ def _correct(near, H, m, h):
                 near[i].tried = STICK
                 changed += 1
             elif (
-                abs(u_1 - near[i].slip[0]) + abs(u_2 - near[i].slip[1]) > TURNED * (abs(u_1) + abs(u_2))
-                and aim(near, i, u_1, u_2, press, h) > TURNED
+                abs(u_1 - near[i].slip[0]) + abs(u_2 - near[i].slip[1])
+                > DIRECTION_TOLERANCE_RAD * (abs(u_1) + abs(u_2))
+                and aim(near, i, u_1, u_2, press, h) > DIRECTION_TOLERANCE_RAD
             ):
                 changed += 1
     return changed
@@ -317,7 +318,7 @@ def _landing_changes(near, H, i, h):
     r, u = 3 * i, near[i].middle[0]
     if near[i].tried == OPEN:
         share = _closed_share(near, i, u, h)
-        if share < SHORTEST:
+        if share < MIN_CLOSED_SHARE:
             return False
         _touch(near, i, h, share)
         near[i].tried = STICK
@@ -326,17 +327,17 @@ def _landing_changes(near, H, i, h):
     for p in range(3):
         u -= 0.5 * h * H[r, r + p] * near[i].force[p]
     share = _closed_share(near, i, u, h)
-    if share < SHORTEST:
+    if share < MIN_CLOSED_SHARE:
         near[i].tried = OPEN
         return True
-    if abs(share - near[i].share) < LOCATED:
+    if abs(share - near[i].share) < TOUCH_TOLERANCE:
         return False
     _touch(near, i, h, share)
     return True
 
 
 @lean
-def _cut(near, m, h):
+def _limit_to_cone(near, m, h):
     """Cut forces to the friction cone, where modes found no agreement or a foot jams."""
     cut = False
     for i in range(m):
@@ -356,13 +357,13 @@ def _cut(near, m, h):
 @lean
 def solve(near, H, A, m, h):
     """Set forces and mid-step velocities of m near contacts for a step of h seconds."""
-    for _ in range(PASSES):
+    for _ in range(MAX_CORRECTIONS):
         count = _assemble(near, H, A, m, h)
         _eliminate(A, count)
-        if _spread(near, A, m, count) > 0:
+        if _set_forces(near, A, m, count) > 0:
             continue
         _move(near, H, m, h)
         if _correct(near, H, m, h) == 0:
             break
-    if _cut(near, m, h):
+    if _limit_to_cone(near, m, h):
         _move(near, H, m, h)

@@ -11,9 +11,9 @@ from walkergen.core.simulation.drive import acceleration
 from walkergen.core.simulation.effects import noise as noises
 from walkergen.core.simulation.effects import rotor as motors
 from walkergen.core.simulation.effects import sway as sways
-from walkergen.core.simulation.effects.acting import across, along, force_in_space
-from walkergen.core.simulation.space.flight import pass_time, thrown_leg
-from walkergen.core.simulation.space.pose import locate, normal_of, place, swayed, turn
+from walkergen.core.simulation.effects.acting import force_in_space, gravity_along, gravity_into
+from walkergen.core.simulation.space.flight import lag_torque, pass_time
+from walkergen.core.simulation.space.pose import locate, normal_of, place, plate_sway, turn
 from walkergen.core.simulation.space.state import C_X, C_Z, LEGS, NOISE, PHASE, V_X, W_X
 
 _noise_acceleration = noises.acceleration
@@ -73,7 +73,7 @@ def _fill_row(J, points, shift, lock, leg, f, k, m, d_x, d_y, d_z):
 
 
 @lean
-def _bend(state, now, points, side, leg, f, n, k):
+def _rate_acceleration(state, now, points, side, leg, f, n, k):
     """Acceleration of contact k by the rates alone (centripetal, Coriolis), body axes, mm/s^2.
 
     It is what changes velocities while Jacobians are frozen; `side` is the point's place across
@@ -100,7 +100,7 @@ def _bend(state, now, points, side, leg, f, n, k):
 
 
 @lean
-def _move_by(J, MJ, ML, swing, mass, inverse, rows):
+def _apply_inverse_mass(J, MJ, ML, swing, mass, inverse, rows):
     """Fill M^-1 J^T, by rows: mass and inertia of the whole, then the legs' own block."""
     # Eq. 7.3: kinetic energy has no cross terms, so that M^-1 is three blocks
     n = J.shape[1] - 6
@@ -137,7 +137,7 @@ def halfway(world, state, work, t):
 
 
 @lean
-def _thrown_about(now, thrown):
+def _motor_point_acceleration(now, thrown):
     """Acceleration (mm/s^2, body axes) of the body's points by a motor, that of Coriolis too."""
     x, y, z = thrown[1, 0], thrown[1, 1], thrown[1, 2]
     return (
@@ -158,14 +158,14 @@ def _directions(world, state, work, near, lifted, t, m):
     friction, place = walker.friction, walker.place
     shift, lock, leg, f, upward = (walker.shift, walker.lock, walker.leg, walker.freedoms, walker.upward)
     roughness, moved = world.acting.roughness, _motor_acts(world.acting.motor)
-    sway, tilted = _sways(world.acting.sway), swayed(world, state)
-    b_x, b_y, b_z = _thrown_about(work.now, work.thrown)
+    sway, tilted = _sways(world.acting.sway), plate_sway(world, state)
+    b_x, b_y, b_z = _motor_point_acceleration(work.now, work.thrown)
     size = math.sqrt(R[0, 0] * R[0, 0] + R[2, 0] * R[2, 0]) + 1e-300
     h_x, h_z = R[0, 0] / size, R[2, 0] / size
     for i in range(m):
         k = near[i].number
         n_x, n_y, n_z = normal_of(roughness, tilted, place[k], state, R, points, k)
-        a_x, a_y, a_z = _bend(state, work.now, points, walker.side[k], leg[k], f, J.shape[1] - 6, k)
+        a_x, a_y, a_z = _rate_acceleration(state, work.now, points, walker.side[k], leg[k], f, J.shape[1] - 6, k)
         if moved:
             a_x, a_y, a_z = a_x + b_x, a_y + b_y, a_z + b_z
         for p in range(3):
@@ -193,15 +193,15 @@ def _directions(world, state, work, near, lifted, t, m):
             near[i].speed[p] = -upright * lifted - 0.5 * t * bent
             near[i].drift[p] = bent - upright * lifting
             if sway:
-                _sweep(world, state, work, tilted, i, p, t, d_x, d_y, d_z)
+                _subtract_sway(world, state, work, tilted, i, p, t, d_x, d_y, d_z)
         near[i].friction = friction[k]
         near[i].spring, near[i].tip = walker.spring[k], walker.tip[k]
         near[i].shear, near[i].damper = walker.shear[k], walker.damper[k]
-    _move_by(J, work.MJ, work.ML, work.swing, walker.inverse_mass, walker.inverse_inertia, 3 * m)
+    _apply_inverse_mass(J, work.MJ, work.ML, work.swing, walker.inverse_mass, walker.inverse_inertia, 3 * m)
 
 
 @lean
-def _sweep(world, state, work, tilted, i, p, t, d_x, d_y, d_z):
+def _subtract_sway(world, state, work, tilted, i, p, t, d_x, d_y, d_z):
     """Subtract from contact i, along direction d (world), how the plate under it moves relative to its middle.
 
     The frame has t seconds.
@@ -229,7 +229,7 @@ def sway_work(near, m, t):
 
 
 @lean
-def load(world, work, lifted, t, m):
+def fill_frame(world, work, lifted, t, m):
     """Fill Jacobians, velocities and inverse mass of the m near contacts of a frame.
 
     It lasts t seconds, and starts with the plate at the velocity `lifted` (mm/s).
@@ -253,11 +253,11 @@ def load(world, work, lifted, t, m):
             near[i].speed[p], near[i].drift[p] = u, drift
             near[i].impulse[p] = near[i].carried[p] = 0.0
             near[i].free[p] = near[i].middle[p] = 0.0
-    _join(J, work.MJ, work.ML, work.H, 3 * m)
+    _fill_mobility(J, work.MJ, work.ML, work.H, 3 * m)
 
 
 @lean
-def _join(J, MJ, ML, H, rows):
+def _fill_mobility(J, MJ, ML, H, rows):
     """Fill J M^-1 J^T."""
     n = J.shape[1] - 6
     for r in range(rows):
@@ -281,7 +281,7 @@ def plate_acceleration(world, state):
 def accelerate(world, state, work):
     """Fill the accelerations of C and W without contact: gravity, effects, rotation."""
     walker, R, now, acting = world.walker, work.R, work.now, work.acting
-    g_x, g_y = along(world.acting), -across(world.acting)
+    g_x, g_y = gravity_along(world.acting), -gravity_into(world.acting)
     f_x, f_y, f_z = force_in_space(world.acting, now)
     for row in range(3):
         acting[row] = R[0, row] * g_x + R[1, row] * g_y
@@ -301,11 +301,11 @@ def accelerate(world, state, work):
     for row in range(3):
         acting[3 + row] = inverse[row, 0] * t_x + inverse[row, 1] * t_y + inverse[row, 2] * t_z
     if _motor_acts(world.acting.motor):
-        _throw(world, work)
+        _add_motor_acceleration(world, work)
 
 
 @lean
-def _throw(world, work):
+def _add_motor_acceleration(world, work):
     """Add what a motor turns: the body, and the legs that its push leaves behind."""
     walker, inverse, thrown = world.walker, world.walker.inverse_inertia, work.thrown
     p_x, p_y, p_z = _motor_torque(world.acting.motor, walker.centre, walker.mass, thrown)
@@ -313,7 +313,7 @@ def _throw(world, work):
         turned = inverse[row, 0] * p_x + inverse[row, 1] * p_y + inverse[row, 2] * p_z
         work.acting[3 + row] += turned
     for j in range(len(walker.stiffness)):
-        work.left[j] = thrown_leg(walker, j, -thrown[2, 0], -thrown[2, 1], -thrown[2, 2], p_x, p_y, p_z)
+        work.left[j] = lag_torque(walker, j, -thrown[2, 0], -thrown[2, 1], -thrown[2, 2], p_x, p_y, p_z)
 
 
 @lean
@@ -330,6 +330,6 @@ def motor_work(walker, motor, state, work, m, t):
     t_x, t_y, t_z = _motor_torque(motor, walker.centre, walker.mass, thrown)
     total += t_x * work.moved[3] + t_y * work.moved[4] + t_z * work.moved[5]
     for j in range(len(walker.stiffness)):
-        left = thrown_leg(walker, j, -thrown[2, 0], -thrown[2, 1], -thrown[2, 2], t_x, t_y, t_z)
+        left = lag_torque(walker, j, -thrown[2, 0], -thrown[2, 1], -thrown[2, 2], t_x, t_y, t_z)
         total += left * (state[LEGS + j] - work.before[j])
     return total

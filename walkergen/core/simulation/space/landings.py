@@ -35,14 +35,14 @@ TYPES_BACKWARD = (TYPE_IV, II_MIRRORED, III_MIRRORED)
 
 
 @lean
-def _land(state, at, t, u_n, u_a, u_c):
+def _begin_landing(state, at, t, u_n, u_a, u_c):
     state[at + LANDED], state[at + STOP] = t, SLIDING
     state[at + U_N], state[at + U_A], state[at + U_C] = u_n, u_a, u_c
     state[at + J_N] = state[at + J_A] = state[at + J_C] = 0.0
 
 
 @lean
-def leave(state, at, k, on_plate, tally):
+def end_landing(state, at, k, on_plate, tally):
     """Count the landing of contact k that has ended; `at` is the place of its row in the state.
 
     Impulses are added up for landings `on_plate`, not for touches of walls or of a lid.
@@ -78,7 +78,7 @@ def settle(state, near, i, at, t, h, sums):
         return before != OPEN
     share = near[i].share
     if before == OPEN:
-        _land(state, at, t - share * h, near[i].speed[0], near[i].speed[1], near[i].speed[2])
+        _begin_landing(state, at, t - share * h, near[i].speed[0], near[i].speed[1], near[i].speed[2])
         sums[record.IMPACT_LOSS] -= elastic_energy(spring, tip, -gap)
     near[i].gap[0] = gap + h * u_n
     if share < 1.0:  # what its springs and damper took is not what the mean force gave

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from walkergen.core.numerics.kernels import kernel
 from walkergen.core.simulation.effects import rotor as motors
 from walkergen.core.simulation.effects import roughness, unevenness
-from walkergen.core.simulation.effects.acting import across, along
+from walkergen.core.simulation.effects.acting import gravity_along, gravity_into
 from walkergen.core.simulation.effects.effect import NOISE, Case
 from walkergen.core.simulation.effects.resolve import Resolved
 from walkergen.core.simulation.space.flight import legs_energy
@@ -30,7 +30,7 @@ from walkergen.core.simulation.space.state import (
     Q_0,
     Q_Y,
     Q_Z,
-    ROW,
+    ROW_LENGTH,
     SHEAR,
     SHOWN_X,
     SHOWN_Y,
@@ -42,7 +42,7 @@ from walkergen.core.simulation.space.state import (
     Walker,
     Work,
     first_row,
-    size_of,
+    state_size,
     work_for,
 )
 from walkergen.core.simulation.space.tips import elastic_energy
@@ -51,7 +51,7 @@ from walkergen.core.simulation.world import State, World
 Array = npt.NDArray[np.float64]
 
 
-def start(
+def initial_state(
     world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0, roll: float = 0.0, heading: float = 0.0
 ) -> State:
     """Create a state at rest in the laboratory, relaxed, its lowest corner `clearance` mm over the plate.
@@ -60,7 +60,7 @@ def start(
     plane does not roll.
     """
     roll = roll if world.walker.inverse_mass[2] > 0.0 else 0.0
-    state = np.zeros(size_of(world.walker))
+    state = np.zeros(state_size(world.walker))
     c, s = math.cos(0.5 * pitch), math.sin(0.5 * pitch)
     a, b = math.cos(0.5 * roll), math.sin(0.5 * roll)
     state[Q_0 : Q_0 + 4] = c * a, c * b, s * b, s * a
@@ -73,7 +73,7 @@ def start(
         state[C_Z] = 0.0 - 0.5 * (sides.min() + sides.max())
     work = work_for(world.walker, state)
     place(world, state, work)
-    _sway(world, state, work)
+    _set_motor_rates(world, state, work)
     locate(world, state, work)
     gaps = work.points["gap"][world.walker.place == 0.0]
     state[C_Y] += clearance - float(gaps.min())
@@ -89,7 +89,7 @@ def turn_to(state: State, heading: float) -> None:
     state[HEADING] = heading
 
 
-def _sway(world: World, state: State, work: Work) -> None:
+def _set_motor_rates(world: World, state: State, work: Work) -> None:
     """Let the body turn to and fro as its motor turns it, without turning on."""
     walker, rotor = world.walker, world.acting.motor
     if motors.acts(rotor):
@@ -112,11 +112,11 @@ def energy(world, state):
         total += 0.5 * walker.mass * state[V_X + i] * state[V_X + i]
         for j in range(3):
             total += 0.5 * walker.inertia[i, j] * state[W_X + i] * state[W_X + j]
-    fallen = along(world.acting) * state[C_X] - across(world.acting) * state[C_Y]
+    fallen = gravity_along(world.acting) * state[C_X] - gravity_into(world.acting) * state[C_Y]
     total -= walker.mass * fallen
     row = first_row(walker)
     for k in range(len(walker.leg)):
-        at = row + ROW * k
+        at = row + ROW_LENGTH * k
         if state[at + MODE] != OPEN:
             total += elastic_energy(walker.spring[k], walker.tip[k], -work.points[k].gap)
             stretch = state[at + ALONG] ** 2 + state[at + ACROSS] ** 2
@@ -142,7 +142,7 @@ def feet(world: World, state: State) -> Array:
     return 0.5 * (rows[0::2] + rows[1::2])
 
 
-def mirrored(walker: Walker, state: State) -> State:
+def mirror_state(walker: Walker, state: State) -> State:
     """State of the mirror image (x -> -x) of a walker, whose legs are listed the other way round.
 
     `walker` is the one that the state belongs to. Points of the body are listed from back to
@@ -153,7 +153,7 @@ def mirrored(walker: Walker, state: State) -> State:
     for first in (LEGS, LEGS + n):
         own = state[first : first + n].reshape(-1, max(walker.freedoms, 1))
         image[first : first + n] = -own[::-1].ravel()
-    rows = state[LEGS + 2 * n :].reshape(-1, ROW)[mirror_order(walker)]
+    rows = state[LEGS + 2 * n :].reshape(-1, ROW_LENGTH)[mirror_order(walker)]
     rows[:, [ALONG, U_A, J_A]] *= -1.0
     image[LEGS + 2 * n :] = rows.ravel()
     return image
@@ -164,21 +164,21 @@ def pose(state: State) -> tuple[float, float, float]:
     return float(state[SHOWN_X]), float(state[SHOWN_Y]), float(state[HEADING])
 
 
-def drawn(case: Case, resolved: Resolved, world: World, rng: np.random.Generator) -> World:
+def sample_world(case: Case, resolved: Resolved, world: World, rng: np.random.Generator) -> World:
     """World of one run, with its own print and its own plate, where the scene calls for them."""
     walker, acting = world.walker, world.acting
-    if resolved.on(unevenness.NAME):
+    if resolved.is_on(unevenness.NAME):
         corners = walker.place == 0.0
-        heights = unevenness.draw(case, int(corners.sum()), rng)
+        heights = unevenness.sample_heights(case, int(corners.sum()), rng)
         on_body = walker.leg[corners] < 0  # of braced legs
         root, reach = walker.root.copy(), walker.reach.copy()
         root[corners, 1] += np.where(on_body, heights, 0.0)
         reach[corners, 1] += np.where(on_body, 0.0, heights)
         walker = walker._replace(root=root, reach=reach)
-    if resolved.on(NOISE):
+    if resolved.is_on(NOISE):
         from walkergen.core.simulation.effects import noisy_plate
 
-        acting = acting._replace(noise=noisy_plate.draw(case, rng))
-    if resolved.on(roughness.NAME):
-        acting = acting._replace(roughness=roughness.draw(case, rng))
+        acting = acting._replace(noise=noisy_plate.sample_noise(case, rng))
+    if resolved.is_on(roughness.NAME):
+        acting = acting._replace(roughness=roughness.sample_surface(case, rng))
     return world._replace(walker=walker, acting=acting)

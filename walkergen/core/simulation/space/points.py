@@ -15,29 +15,29 @@ from walkergen.core.simulation.effects.effect import Case
 from walkergen.core.simulation.space.state import Array, Walker
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.limbs import Limb
-from walkergen.core.walker.mass import MassProperties, from_centre
+from walkergen.core.walker.mass import MassProperties, to_centre_frame
 
-MOST = 128
+MAX_HULL_POINTS = 128
 """Largest number of points that stand for the hull of a body."""
 
-ROUND = 16
+DIRECTION_COUNT = 16
 """Number of directions, seen from above, in which an outline's outermost points touch walls or a lid."""
 
-SLOPES = (0.4, 1.0, 4.0)
+LID_SLOPES = (0.4, 1.0, 4.0)
 """Slopes of the directions in which a body's outermost points may touch a lid."""
 
-SAME = 1e-9
+EQUAL_REACH_MM = 1e-9
 """Difference (mm) of how far points reach that is none."""
 
-NONE = np.zeros(2)
+NO_REACH = np.zeros(2)
 
 
-def axis_of(limb: Limb) -> Array:
+def leg_axis(limb: Limb) -> Array:
     """Return the unit vector anchor -> foot along a relaxed leg's centre line, shape (3,)."""
     return np.array([-math.sin(limb.tilt), -math.cos(limb.tilt), 0.0])
 
 
-def points_of(case: Case, free: Sequence[int], centre: Array, walled: bool, lidded: bool) -> dict[str, Any]:
+def contact_points(case: Case, free: Sequence[int], centre: Array, walled: bool, lidded: bool) -> dict[str, Any]:
     """Points of contact: both corners of every foot, and points of the body between walls or under a lid.
 
     `foot` is the number of the leg whose foot a point is, -1 for a point of the body; those come
@@ -46,27 +46,27 @@ def points_of(case: Case, free: Sequence[int], centre: Array, walled: bool, lidd
     design, mass = case.design, case.mass
     rows: list[Any] = []
     for number, (limb, leg) in enumerate(zip(design.limbs, mass.legs, strict=True)):
-        foot, axis, half = leg.c_A + leg.c_T, axis_of(limb)[:2], 0.5 * limb.width
+        foot, axis, half = leg.c_A + leg.c_T, leg_axis(limb)[:2], 0.5 * limb.width
         for side in (-half, half):
             root = np.array([*leg.anchor, limb.across]) - centre
             # A braced foot is a point of the body
             rows.append(
                 (free.index(number), root, foot, side, axis, 0.0, number)
                 if number in free
-                else (-1, root + np.array([*foot, side]), NONE, 0.0, NONE, 0.0, number)
+                else (-1, root + np.array([*foot, side]), NO_REACH, 0.0, NO_REACH, 0.0, number)
             )
     if walled:
         from walkergen.core.simulation.effects import walls
 
         place = 0.5 * walls.gap(case)
-        for edge in _edges(design):
-            root = np.array([*from_centre(design.limbs, mass, edge[:2]), edge[2]]) - centre
-            rows.append((-1, root, NONE, 0.0, NONE, place, -1))
+        for edge in _wall_points(design):
+            root = np.array([*to_centre_frame(design.limbs, mass, edge[:2]), edge[2]]) - centre
+            rows.append((-1, root, NO_REACH, 0.0, NO_REACH, place, -1))
     if lidded:
         assert case.scene.arena.lid_mm is not None
-        for top in _tops(design):
-            root = np.array([*from_centre(design.limbs, mass, top[:2]), top[2]]) - centre
-            rows.append((-1, root, NONE, 0.0, NONE, -case.scene.arena.lid_mm, -1))
+        for top in _lid_points(design):
+            root = np.array([*to_centre_frame(design.limbs, mass, top[:2]), top[2]]) - centre
+            rows.append((-1, root, NO_REACH, 0.0, NO_REACH, -case.scene.arena.lid_mm, -1))
     keys = ("leg", "root", "reach", "side", "axis", "place", "foot")
     return {key: np.array(values) for key, values in zip(keys, zip(*rows, strict=True), strict=True)}
 
@@ -75,29 +75,29 @@ def mirror_order(walker: Walker) -> Any:
     """Numbers of a walker's points of contact in the order of its mirror image's, shape (k,)."""
     feet = np.flatnonzero(walker.place == 0.0).reshape(-1, 2)[::-1].ravel()
     others = [np.flatnonzero(kind) for kind in (walker.place > 0.0, walker.place < 0.0)]
-    return np.concatenate([feet, *(kind[_from_back(walker.root[kind] * (-1.0, 1.0, 1.0))] for kind in others)])
+    return np.concatenate([feet, *(kind[_order_from_back(walker.root[kind] * (-1.0, 1.0, 1.0))] for kind in others)])
 
 
-def _from_back(points: Array) -> Any:
+def _order_from_back(points: Array) -> Any:
     """Numbers of points, shape (n, 3), in order from back to front, then across."""
     return np.lexsort((points[:, 2], points[:, 0].round(6)))
 
 
-def corners_of(design: Design, mass: MassProperties, centre: Array) -> Array:
+def body_hull(design: Design, mass: MassProperties, centre: Array) -> Array:
     """Points of the body's convex hull from C, shape (n, 3), mm: corners or outermost points."""
-    corners = _box(design) if design.body.plain else _hull(design)
-    corners[:, :2] = from_centre(design.limbs, mass, corners[:, :2])
+    corners = _box_corners(design) if design.body.plain else _hull_points(design)
+    corners[:, :2] = to_centre_frame(design.limbs, mass, corners[:, :2])
     return np.asarray(corners - centre)
 
 
-def _box(design: Design) -> Array:
+def _box_corners(design: Design) -> Array:
     """Corners of a rectangular body, shape (8, 3), from its middle."""
     size = design.size
     signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
     return signs * (0.5 * np.array([size.length, size.thickness, size.depth]))
 
 
-def _hull(design: Design) -> Array:
+def _hull_points(design: Design) -> Array:
     """Points of the hull of a body, shape (n, 3) with n <= MOST, from its middle.
 
     Of larger hulls the outermost points in `MOST` directions, even over the sphere.
@@ -106,16 +106,16 @@ def _hull(design: Design) -> Array:
 
     vertices = design.shape.solid().vertices - (0.0, 0.0, 0.5 * design.size.depth)
     hull = vertices[np.unique(ConvexHull(vertices).vertices)]
-    if len(hull) <= MOST:
+    if len(hull) <= MAX_HULL_POINTS:
         return np.array(hull)
-    number = np.arange(MOST) + 0.5
-    up, turn = 1.0 - 2.0 * number / MOST, math.pi * (1.0 + math.sqrt(5.0)) * number
+    number = np.arange(MAX_HULL_POINTS) + 0.5
+    up, turn = 1.0 - 2.0 * number / MAX_HULL_POINTS, math.pi * (1.0 + math.sqrt(5.0)) * number
     flat = np.sqrt(1.0 - up * up)
     directions = np.column_stack([flat * np.cos(turn), up, flat * np.sin(turn)])
     return np.array(hull[np.unique(np.argmax(directions @ hull.T, axis=1))])
 
 
-def _edges(design: Design) -> Array:
+def _wall_points(design: Design) -> Array:
     """Points of the body that touch walls, shape (n, 3), from its middle: from back to front.
 
     Of bodies in side view their upright edges, at the middle of their height; of others the
@@ -129,21 +129,23 @@ def _edges(design: Design) -> Array:
     if shape.mesh is None:
         hull = hull * (1.0, 0.0, 1.0)
     corners = np.unique(hull[np.argmax(_directions(0.0) @ hull.T, axis=1)].round(9), axis=0)
-    return np.asarray(corners[_from_back(corners)])
+    return np.asarray(corners[_order_from_back(corners)])
 
 
-def _tops(design: Design) -> Array:
+def _lid_points(design: Design) -> Array:
     """Corners of the body that a lid may touch as it tilts, shape (n, 3), from its middle: from back to front."""
     body, size = design.body, design.size
-    hull = _box(design) if body.plain else design.shape.solid().vertices - (0.0, 0.0, 0.5 * size.depth)
-    reach = _directions(*SLOPES) @ hull.T
-    outermost = (reach > reach.max(axis=1, keepdims=True) - SAME).any(axis=0)  # of equal ones all, as in the mirror
+    hull = _box_corners(design) if body.plain else design.shape.solid().vertices - (0.0, 0.0, 0.5 * size.depth)
+    reach = _directions(*LID_SLOPES) @ hull.T
+    outermost = (reach > reach.max(axis=1, keepdims=True) - EQUAL_REACH_MM).any(
+        axis=0
+    )  # of equal ones all, as in the mirror
     corners = np.unique(hull[outermost].round(9), axis=0)
-    return np.asarray(corners[_from_back(corners)])
+    return np.asarray(corners[_order_from_back(corners)])
 
 
 def _directions(*slopes: float) -> Array:
     """`ROUND` directions of each of some slopes, shape (n, 3)."""
-    turn = (np.arange(ROUND) + 0.5) * 2.0 * math.pi / ROUND
+    turn = (np.arange(DIRECTION_COUNT) + 0.5) * 2.0 * math.pi / DIRECTION_COUNT
     flat = np.column_stack([np.cos(turn), 0.0 * turn, np.sin(turn)])
     return np.concatenate([np.array([0.0, slope, 0.0]) + flat for slope in slopes])

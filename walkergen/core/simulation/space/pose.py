@@ -29,12 +29,12 @@ from walkergen.core.simulation.space.state import (
     W_X,
 )
 
-SMALL = 0.01
+SMALL_ANGLE_SQUARED = 0.01
 """Square of an angle (rad^2) below which its series are exact to rounding: 0.1 rad."""
 
 _noise_height, _noise_velocity = noises.height, noises.velocity
-_bumps = rough.surface
-_sways, _swayed = sways.moves, sways.at
+_surface = rough.surface
+_sways, _sway_displacements = sways.moves, sways.displacements_and_slopes
 _motor_acts, _swing_of_motor = motors.acts, motors.swing
 
 
@@ -53,20 +53,20 @@ def plate_velocity(world, state):
 
 
 @lean
-def swayed(world, state):
+def plate_sway(world, state):
     """Displacements of the plate along x and z, mm, and its slopes along both, as it sways."""
     if not _sways(world.acting.sway):
         return 0.0, 0.0, 0.0, 0.0
-    return _swayed(world.acting.sway, state[PHASE])
+    return _sway_displacements(world.acting.sway, state[PHASE])
 
 
 @lean
-def turned_by(square):
+def rotation_coefficients(square):
     """Compute sin(a) / a and (1 - cos(a)) / a^2 from the square of an angle a (rad).
 
     Small angles, such as turns in a step, take series, which need a tenth of the time.
     """
-    if square < SMALL:
+    if square < SMALL_ANGLE_SQUARED:
         s = 1.0 + square * (-1 / 6 + square * (1 / 120 + square * (-1 / 5040 + square * (1 / 362880))))
         c = 0.5 + square * (-1 / 24 + square * (1 / 720 + square * (-1 / 40320 + square * (1 / 3628800))))
         return s, c
@@ -78,7 +78,7 @@ def turned_by(square):
 def turn(state, x, y, z):
     """Turn the body by a rotation vector in body axes, rad."""
     square = 0.25 * (x * x + y * y + z * z)
-    s, c = turned_by(square)
+    s, c = rotation_coefficients(square)
     c, x, y, z = 1.0 - c * square, 0.5 * s * x, 0.5 * s * y, 0.5 * s * z
     q, i, j, k = state[Q_0], state[Q_X], state[Q_Y], state[Q_Z]
     p_0 = q * c - i * x - j * y - k * z
@@ -147,21 +147,21 @@ def locate(world, state, work):
     if _motor_acts(world.acting.motor):
         o_x, o_y, o_z = o_x - work.thrown[0, 0], o_y - work.thrown[0, 1], o_z - work.thrown[0, 2]
     plate = plate_height(world, state)
-    s_x, s_z, t_x, t_z = swayed(world, state)
+    s_x, s_z, t_x, t_z = plate_sway(world, state)
     for k in range(len(walker.leg)):
         leg, side, point = walker.leg[k], walker.side[k], work.points[k]
         p_x, p_y, p_z = walker.root[k, 0] + o_x, walker.root[k, 1] + o_y, walker.root[k, 2] + o_z
         if leg >= 0:
             alpha = state[LEGS + leg * f] if f > 0 else 0.0
             twist = state[LEGS + leg * f + 1] if f > 1 else 0.0
-            s, c = turned_by(alpha * alpha)
+            s, c = rotation_coefficients(alpha * alpha)
             s, c = s * alpha, 1.0 - c * alpha * alpha
             r_x = c * walker.reach[k, 0] - s * walker.reach[k, 1]
             r_y = s * walker.reach[k, 0] + c * walker.reach[k, 1]
             # Eq. 7.1, with n = z x axis: across the leg, in the plane
             n_x = -(s * walker.axis[k, 0] + c * walker.axis[k, 1])
             n_y = c * walker.axis[k, 0] - s * walker.axis[k, 1]
-            s, c = turned_by(twist * twist)
+            s, c = rotation_coefficients(twist * twist)
             s, c = side * s * twist, side * (1.0 - c * twist * twist)
             p_x, p_y, p_z = p_x + r_x + s * n_x, p_y + r_y + s * n_y, p_z + c
             bend, twisted = point.turned[0], point.turned[1]
@@ -178,7 +178,7 @@ def locate(world, state, work):
             if walker.place[k] < 0.0:
                 point.gap = under - walker.place[k] - y
             else:
-                bump, _, _ = _bumps(world.acting.roughness, x, z)
+                bump, _, _ = _surface(world.acting.roughness, x, z)
                 point.gap = y - under - bump
 
 
@@ -196,7 +196,7 @@ def normal_of(roughness, swayed, place, state, R, points, k):
     if place > 0.0:
         return 0.0, 0.0, -1.0 if z > 0.0 else 1.0
     x = state[C_X] + R[0, 0] * p_x + R[0, 1] * p_y + R[0, 2] * p_z - s_x
-    _, slope_x, slope_z = _bumps(roughness, x, z)
+    _, slope_x, slope_z = _surface(roughness, x, z)
     return -slope_x - t_x, 1.0, -slope_z - t_z
 
 
@@ -236,6 +236,6 @@ def lowest_corner(world, state, work):
     if _motor_acts(world.acting.motor):
         thrown = work.thrown
         lowest -= R[1, 0] * thrown[0, 0] + R[1, 1] * thrown[0, 1] + R[1, 2] * thrown[0, 2]
-    s_x, s_z, t_x, t_z = swayed(world, state)
+    s_x, s_z, t_x, t_z = plate_sway(world, state)
     under = plate_height(world, state) + (t_x * (state[C_X] - s_x) + t_z * (state[C_Z] - s_z))
     return state[C_Y] + lowest - under

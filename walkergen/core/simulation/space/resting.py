@@ -2,20 +2,20 @@
 
 from walkergen.core.numerics.kernels import lean
 from walkergen.core.simulation import record
-from walkergen.core.simulation.effects.acting import across
+from walkergen.core.simulation.effects.acting import gravity_into
 from walkergen.core.simulation.space.flight import pass_time
 from walkergen.core.simulation.space.pose import plate_height, plate_velocity
-from walkergen.core.simulation.space.state import C_X, LEGS, MODE, OPEN, QUIET, ROW, STICK, V_X, W_X, first_row
+from walkergen.core.simulation.space.state import C_X, LEGS, MODE, OPEN, QUIET, ROW_LENGTH, STICK, V_X, W_X, first_row
 
-RESTING = 0.0092
+REST_SPEED_RATIO = 0.0092
 """Speed over the plate whose energy counts as rest, of what gravity gives in a period: 1 mm/s at 90 Hz, where a walker
 sways by some 0.3 mm/s on its stuck legs if the plate shakes by 0.5 g."""
 
-DOZE = 2.7
+DOZE_PERIODS = 2.7
 """Periods of the plate at rest after which the walker rides on it: several of its sway; and more than one, since on a
 slope the plate's motion changes what friction has to hold."""
 
-STANDING = 3
+MIN_STUCK_CORNERS = 3
 """Stuck corners on which a walker stands."""
 
 
@@ -40,13 +40,13 @@ def doze(world, state, t, period):
     walker, stuck = world.walker, 0
     first = first_row(walker)
     for k in range(len(walker.leg)):
-        mode = state[first + ROW * k + MODE]
+        mode = state[first + ROW_LENGTH * k + MODE]
         if mode == STICK:
             stuck += 1
         elif mode != OPEN:
             stuck = -len(walker.leg)
-    resting = RESTING * across(world.acting) * period
-    calm = stuck >= STANDING and _energy_over_plate(world, state) < 0.5 * walker.mass * resting * resting
+    resting = REST_SPEED_RATIO * gravity_into(world.acting) * period
+    calm = stuck >= MIN_STUCK_CORNERS and _energy_over_plate(world, state) < 0.5 * walker.mass * resting * resting
     state[QUIET] = state[QUIET] + t if calm else 0.0
 
 
@@ -70,7 +70,7 @@ def ride(world, state, t, sums):
     pass_time(world, state, t)
     state[C_X + 1] += plate_height(world, state) - before
     state[V_X + 1] = plate_velocity(world, state)
-    lifted = across(world.acting) * (state[C_X + 1] - height)
+    lifted = gravity_into(world.acting) * (state[C_X + 1] - height)
     faster = 0.5 * (state[V_X + 1] ** 2 - velocity * velocity)
     sums[record.PLATE_WORK] += mass * (lifted + faster)
     sums[record.CONTACT_TIME] += t

@@ -9,12 +9,12 @@ import math
 
 from walkergen.core.numerics.kernels import lean
 
-FAR = 20.0
+MAX_WAY_RADII = 20.0
 """Way, in radii of the circle, after which a stretch points along the slip: to 1e-8, across the circle first."""
 
 
 @lean
-def dragged(e_1, e_2, u_1, u_2, t, radius):
+def stretch_directions(e_1, e_2, u_1, u_2, t, radius):
     """Directions of the stretch (e_1, e_2), mm, after slip (u_1, u_2), mm/s, for t and 2 t seconds.
 
     A stretch inside the circle of `radius` (mm) first moves freely. Exact for constant slip and
@@ -22,7 +22,7 @@ def dragged(e_1, e_2, u_1, u_2, t, radius):
     """
     speed = math.sqrt(u_1 * u_1 + u_2 * u_2)
     way = t * speed
-    if way > FAR * radius:
+    if way > MAX_WAY_RADII * radius:
         inverse = 1.0 / speed
         return u_1 * inverse, u_2 * inverse, u_1 * inverse, u_2 * inverse
     size = math.sqrt(e_1 * e_1 + e_2 * e_2)
@@ -35,20 +35,20 @@ def dragged(e_1, e_2, u_1, u_2, t, radius):
     room = radius * radius - (side_1 * side_1 + side_2 * side_2)
     exit = math.sqrt(room) if room > 0.0 else -math.inf
     if exit > along:  # through the circle, to its edge
-        n_1, n_2 = _turned(a_1, a_2, side_1, side_2, along, exit, way, radius)
-        m_1, m_2 = _turned(a_1, a_2, side_1, side_2, along, exit, 2.0 * way, radius)
+        n_1, n_2 = _direction_after_slip(a_1, a_2, side_1, side_2, along, exit, way, radius)
+        m_1, m_2 = _direction_after_slip(a_1, a_2, side_1, side_2, along, exit, 2.0 * way, radius)
         return n_1, n_2, m_1, m_2
     if not size > 0.0:
         return a_1, a_2, a_1, a_2
     # Eq. 7.10, integrated: the tangent of half the angle to the slip falls as exp(-|u| t / R)
     shrunk = math.exp(-way / radius) if radius > 0.0 else 0.0
-    n_1, n_2 = _closer(a_1, a_2, side_1, side_2, size + along, size - along, shrunk)
-    m_1, m_2 = _closer(a_1, a_2, side_1, side_2, size + along, size - along, shrunk * shrunk)
+    n_1, n_2 = _direction_toward_slip(a_1, a_2, side_1, side_2, size + along, size - along, shrunk)
+    m_1, m_2 = _direction_toward_slip(a_1, a_2, side_1, side_2, size + along, size - along, shrunk * shrunk)
     return n_1, n_2, m_1, m_2
 
 
 @lean
-def _turned(a_1, a_2, side_1, side_2, along, exit, way, radius):
+def _direction_after_slip(a_1, a_2, side_1, side_2, along, exit, way, radius):
     """Direction of a stretch inside its circle after the slip has gone so far, mm.
 
     `along` and `exit`: where it is, and where it meets the circle, along the slip's direction a.
@@ -59,11 +59,11 @@ def _turned(a_1, a_2, side_1, side_2, along, exit, way, radius):
         inverse = 1.0 / size if size > 0.0 else 0.0
         return x_1 * inverse, x_2 * inverse
     shrunk = math.exp((exit - along - way) / radius)
-    return _closer(a_1, a_2, side_1, side_2, radius + exit, radius - exit, shrunk)
+    return _direction_toward_slip(a_1, a_2, side_1, side_2, radius + exit, radius - exit, shrunk)
 
 
 @lean
-def _closer(a_1, a_2, side_1, side_2, ahead, behind, shrunk):
+def _direction_toward_slip(a_1, a_2, side_1, side_2, ahead, behind, shrunk):
     """Direction of a stretch whose half angle with the slip's direction a has `shrunk`.
 
     `ahead` and `behind`: its size, and with that its part along a added or taken.

@@ -24,14 +24,14 @@ C_X, C_Y, C_Z, V_X, V_Y, V_Z, W_X, W_Y, W_Z, Q_0, Q_X, Q_Y, Q_Z, PHASE, NOISE, Q
 LEGS = 22
 """Place of the first leg's coordinate."""
 
-COLUMNS = ("x_mm", "y_mm", "theta_rad", "height_mm", "pitch_rad", "roll_rad")
+TRAJECTORY_COLUMNS = ("x_mm", "y_mm", "theta_rad", "height_mm", "pitch_rad", "roll_rad")
 """Names, with units, of the entries that a trajectory shows: of O; headings count whole turns."""
 
 # A contact's row: mode; stretch of its tangential spring along both tangents (mm) and that spring's
 # stiffness (g/s^2); and of the landing under way: its time (s, since the record began), velocity
 # (normal, along, across, mm/s), impulses (g mm/s), and when the slip stopped.
 MODE, ALONG, ACROSS, SHEAR, LANDED, U_N, U_A, U_C, J_N, J_A, J_C, STOP = range(12)
-ROW = 12
+ROW_LENGTH = 12
 
 HALVINGS = 4
 """Halvings of a step after which the shortest flight is left: that of a body that spins by 7 000 rad/s."""
@@ -123,12 +123,12 @@ class Options(NamedTuple):
 
 # A point of contact: place from C (body axes, mm), derivatives by both coordinates of its leg, gap
 # (mm), time in which it cannot close (s).
-POINT = np.dtype(
+POINT_DTYPE = np.dtype(
     (np.record, [("at", np.float64, 3), ("turned", np.float64, (2, 3)), ("gap", np.float64), ("clear", np.float64)])
 )
 
 # A contact near its surface in a frame; triples are normal, along, across, pairs along, across.
-NEAR = np.dtype(
+NEAR_DTYPE = np.dtype(
     (
         np.record,
         [
@@ -234,8 +234,8 @@ def work_for(walker, state):
         np.zeros(6),
         np.zeros(6),
         np.zeros(6),
-        np.zeros(k, POINT),
-        np.zeros(k, NEAR),
+        np.zeros(k, POINT_DTYPE),
+        np.zeros(k, NEAR_DTYPE),
         np.zeros((m, 6 + n)),
         np.zeros((m, 6)),
         np.zeros((m, n)),
@@ -258,6 +258,6 @@ def first_row(walker):
     return LEGS + 2 * len(walker.stiffness)
 
 
-def size_of(walker: Walker) -> int:
+def state_size(walker: Walker) -> int:
     """Return the number of entries of a state."""
-    return LEGS + 2 * len(walker.stiffness) + ROW * len(walker.leg)
+    return LEGS + 2 * len(walker.stiffness) + ROW_LENGTH * len(walker.leg)

@@ -13,22 +13,22 @@ from walkergen.core.simulation import record
 from walkergen.core.simulation.drive import TWO_PI
 from walkergen.core.simulation.effects import rotor as motors
 from walkergen.core.simulation.effects import sway as sways
-from walkergen.core.simulation.effects.acting import across
+from walkergen.core.simulation.effects.acting import gravity_into
 from walkergen.core.simulation.record import next_sample, take_sample
-from walkergen.core.simulation.space.flight import TURN, clear_time, fly, pass_time, strongest_throw
+from walkergen.core.simulation.space.flight import MAX_TURN_RAD, clear_time, fly, max_plate_acceleration, pass_time
 from walkergen.core.simulation.space.forces import guess, solve
 from walkergen.core.simulation.space.frame import (
     accelerate,
+    fill_frame,
     halfway,
-    load,
     motor_work,
     plate_acceleration,
     stiffen,
     sway_work,
 )
-from walkergen.core.simulation.space.landings import leave, settle
+from walkergen.core.simulation.space.landings import end_landing, settle
 from walkergen.core.simulation.space.pose import locate, lowest_corner, place, plate_velocity, turn
-from walkergen.core.simulation.space.resting import DOZE, doze, ride
+from walkergen.core.simulation.space.resting import DOZE_PERIODS, doze, ride
 from walkergen.core.simulation.space.state import (
     ACROSS,
     ALONG,
@@ -40,7 +40,7 @@ from walkergen.core.simulation.space.state import (
     OPEN,
     PITCH,
     QUIET,
-    ROW,
+    ROW_LENGTH,
     V_X,
     W_X,
     first_row,
@@ -49,12 +49,12 @@ from walkergen.core.simulation.space.state import (
 from walkergen.core.simulation.space.tips import response
 from walkergen.core.simulation.world import FAILED, FOLDED, OK, TOPPLED
 
-INSTANT = 9e-11
+MIN_TIME_PERIODS = 9e-11
 """Time, of the plate's period, that counts as zero: 1e-12 s at 90 Hz."""
 
 _motor_acts, _sways = motors.acts, sways.moves
 
-TURN_OF_MOTOR = 0.5
+MAX_MOTOR_TURN_RAD = 0.5
 """Largest turn of a motor in a flight, rad."""
 
 
@@ -63,7 +63,7 @@ def _turn_stretches(walker, state, turned):
     """Turn tangential stretches on the plate and the lid against the heading, which turned by so many rad."""
     c, s, row = math.cos(turned), math.sin(turned), first_row(walker)
     for k in range(len(walker.leg)):
-        at = row + ROW * k
+        at = row + ROW_LENGTH * k
         if state[at + MODE] != OPEN and walker.place[k] <= 0.0:
             a, b = state[at + ALONG], state[at + ACROSS]
             state[at + ALONG], state[at + ACROSS] = c * a - s * b, s * a + c * b
@@ -74,7 +74,7 @@ def _gather(walker, state, work, t):
     """List contacts that are closed or may close within t seconds: their number."""
     m, first = 0, first_row(walker)
     for k in range(len(walker.leg)):
-        at = first + ROW * k
+        at = first + ROW_LENGTH * k
         if state[at + MODE] == OPEN and work.points[k].clear > t:
             continue
         work.near[m].number, work.near[m].gap[0] = k, work.points[k].gap
@@ -131,9 +131,9 @@ def _move_contacts(state, near, m, first, upward, t, h, lifted, tally):
     sums = tally.sums
     for i in range(m):
         k = near[i].number
-        at = first + ROW * k
+        at = first + ROW_LENGTH * k
         if settle(state, near, i, at, t, h, sums):
-            leave(state, at, k, upward[k, 0] > 0.0, tally)
+            end_landing(state, at, k, upward[k, 0] > 0.0, tally)
         for p in range(3):
             sums[record.PLATE_WORK] += h * lifted * upward[k, p] * near[i].force[p]
         span = 0.5 * h * near[i].share
@@ -145,7 +145,7 @@ def _move_contacts(state, near, m, first, upward, t, h, lifted, tally):
 
 
 @lean
-def _touched_late(state, near, H, ML, n, m, h):
+def _correct_late_touches(state, near, H, ML, n, m, h):
     """Undo the motion by forces before their contact, for contacts that touched within a step.
 
     Their force began later, and moved contacts and legs for a shorter time.
@@ -176,7 +176,7 @@ def _closed_time(state, near, m, first, h):
     for i in range(m):
         if near[i].tried != OPEN:
             begin, end = min(begin, 1.0 - near[i].share), 1.0
-        elif state[first + ROW * near[i].number + MODE] != OPEN:
+        elif state[first + ROW_LENGTH * near[i].number + MODE] != OPEN:
             depth = -near[i].gap[0]
             begin = 0.0
             if not depth > 0.0:
@@ -191,7 +191,7 @@ def _closed_time(state, near, m, first, h):
 
 
 @lean
-def _steps(walker, state, work, m, h, count, begin, lifted, lifting, tally):
+def _take_steps(walker, state, work, m, h, count, begin, lifted, lifting, tally):
     """Take `count` steps of h seconds from `begin` on.
 
     The plate starts at the velocity `lifted` (mm/s) and accelerates by `lifting` (mm/s^2).
@@ -210,7 +210,7 @@ def _steps(walker, state, work, m, h, count, begin, lifted, lifting, tally):
         sums[record.DAMPING_LOSS] += _move_legs(state, near, ML, work.pull, dampers, m, h)
         t, speed = begin + (done + 1) * h, lifted + (done + 0.5) * h * lifting
         _move_contacts(state, near, m, first, walker.upward, t, h, speed, tally)
-        _touched_late(state, near, H, ML, len(springs), m, h)
+        _correct_late_touches(state, near, H, ML, len(springs), m, h)
 
 
 @lean
@@ -239,7 +239,7 @@ def _move_body(walker, motor, state, work, m, t, sums):
 
 
 @lean
-def _frame(world, state, work, begin, h, count, tally):
+def _advance_frame(world, state, work, begin, h, count, tally):
     """Advance by a frame of `count` steps of h seconds that starts at `begin`."""
     walker, t = world.walker, count * h
     m = _gather(walker, state, work, t)
@@ -249,9 +249,9 @@ def _frame(world, state, work, begin, h, count, tally):
     halfway(world, state, work, t)
     stiffen(walker, work, h)
     accelerate(world, work.midway, work)
-    load(world, work, lifted, t, m)
+    fill_frame(world, work, lifted, t, m)
     lifting = plate_acceleration(world, work.midway)
-    _steps(walker, state, work, m, h, count, begin, lifted, lifting, tally)
+    _take_steps(walker, state, work, m, h, count, begin, lifted, lifting, tally)
     if _sways(world.acting.sway):
         tally.sums[record.PLATE_WORK] += sway_work(work.near, m, t)
     _move_body(walker, world.acting.motor, state, work, m, t, tally.sums)
@@ -259,20 +259,20 @@ def _frame(world, state, work, begin, h, count, tally):
 
 
 @lean
-def _spin(state):
+def _turning_rate(state):
     """Rate at which the body turns, rad/s, never zero."""
     return math.sqrt(state[W_X] ** 2 + state[W_X + 1] ** 2 + state[W_X + 2] ** 2) + 1e-300
 
 
 @lean
-def _level(world, state, clear):
+def _flight_level(world, state, clear):
     """Level of the longest tabulated flight within `clear` seconds, less than -HALVINGS if none is.
 
     Flights shorter than a step are for a body that spins fast: close to a surface a frame of steps costs less.
     """
-    step, longest = world.options.step, min(clear, TURN / _spin(state))
+    step, longest = world.options.step, min(clear, MAX_TURN_RAD / _turning_rate(state))
     if _motor_acts(world.acting.motor):
-        longest = min(longest, TURN_OF_MOTOR / world.acting.motor.omega)
+        longest = min(longest, MAX_MOTOR_TURN_RAD / world.acting.motor.omega)
     level = -HALVINGS - 1
     if clear < step:
         return level
@@ -282,7 +282,7 @@ def _level(world, state, clear):
 
 
 @lean
-def _folded(walker, state):
+def _has_folded_leg(walker, state):
     """Return whether a leg has turned by 90 deg against the body, or a foot has twisted as far."""
     largest = 0.0
     for j in range(len(walker.stiffness)):
@@ -295,14 +295,14 @@ def advance_in(world, state, work, duration, tally):
     """Advance as `advance` does, in a work space that is there: without allocating anything."""
     walker, sums, step = world.walker, tally.sums, world.options.step
     begin, t = sums[record.ELAPSED], 0.0
-    gentle = strongest_throw(world) < across(world.acting)
+    gentle = max_plate_acceleration(world) < gravity_into(world.acting)
     gentle = gentle and not _motor_acts(world.acting.motor)
     gentle = gentle and not _sways(world.acting.sway)
     period = TWO_PI / world.drive.omega
-    instant, patience = INSTANT * period, DOZE * period
+    instant, patience = MIN_TIME_PERIODS * period, DOZE_PERIODS * period
     if begin == 0.0:  # landings under way count from the record's beginning
         for k in range(len(walker.leg)):
-            state[first_row(walker) + ROW * k + LANDED] = 0.0
+            state[first_row(walker) + ROW_LENGTH * k + LANDED] = 0.0
     while True:
         _turn_stretches(walker, state, place(world, state, work))
         sums[record.ELAPSED] = begin + t
@@ -314,13 +314,13 @@ def advance_in(world, state, work, duration, tally):
             return FAILED
         if lowest_corner(world, state, work) <= 0.0:
             return TOPPLED
-        if _folded(walker, state):
+        if _has_folded_leg(walker, state):
             return FOLDED
         sums[record.LARGEST_PITCH] = max(sums[record.LARGEST_PITCH], abs(state[PITCH]))
         locate(world, state, work)
         longest = min(duration - t, max(next_sample(tally.samples) - begin - t, instant))
         clear = clear_time(world, state, work, longest)
-        level = _level(world, state, clear)
+        level = _flight_level(world, state, clear)
         if state[QUIET] > patience:
             passed = longest
             ride(world, state, passed, sums)
@@ -329,9 +329,9 @@ def advance_in(world, state, work, duration, tally):
             passed = step * 2.0**level
             fly(world, state, work, passed, level, sums)
         else:
-            passed = min(longest, world.options.frame * step, max(TURN / _spin(state), instant))
+            passed = min(longest, world.options.frame * step, max(MAX_TURN_RAD / _turning_rate(state), instant))
             count = max(math.ceil(passed / step - 1e-9), 1)
-            _frame(world, state, work, begin + t, passed / count, count, tally)
+            _advance_frame(world, state, work, begin + t, passed / count, count, tally)
             if gentle:
                 doze(world, state, passed, period)
         t = duration if duration - t - passed < instant else t + passed

@@ -13,7 +13,7 @@ import math
 
 from walkergen.core.numerics.kernels import lean
 
-CONVERGED = 1e-7
+ROOT_TOLERANCE = 1e-7
 """Relative change of the root of the tip's depth after which Newton's method, of second order, is exact to rounding."""
 
 
@@ -26,7 +26,7 @@ def _root_of_tip_depth(spring, tip, depth):
         stretched = ratio * x
         change = (x * x * (1.0 + stretched) - depth) / (x * (2.0 + 3.0 * stretched))
         x -= change
-        if not abs(change) > CONVERGED * x:
+        if not abs(change) > ROOT_TOLERANCE * x:
             return x
 
 

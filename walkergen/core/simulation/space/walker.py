@@ -16,32 +16,32 @@ from walkergen.core.simulation.effects import compliance, feet, turning, twist
 from walkergen.core.simulation.effects import rotor as motors
 from walkergen.core.simulation.effects.effect import LID, WALLS, Case
 from walkergen.core.simulation.effects.resolve import Resolved
-from walkergen.core.simulation.space.points import axis_of, corners_of, points_of
+from walkergen.core.simulation.space.points import body_hull, contact_points, leg_axis
 from walkergen.core.simulation.space.state import HALVINGS, Array, Options, Walker
 from walkergen.core.simulation.world import World
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.limbs import Limb
-from walkergen.core.walker.mass import LegMass, MassProperties, Spatial, joined
+from walkergen.core.walker.mass import LegMass, MassProperties, Spatial, centre_and_inertia
 
-LEVELS = 5
+FLIGHT_LEVELS = 5
 """Tabulated flights of a step and longer: the longest takes 2^(LEVELS - 1) steps, 0.4 ms of the paper's walker."""
 
-LARGEST_TERM, TERMS = 0.5, 14
+MAX_SERIES_NORM, SERIES_TERMS = 0.5, 14
 """Norm of a matrix up to which so many terms of its exponential's series are exact to rounding."""
 
-RESOLVED, RESOLVED_UP, RESOLVED_SIDEWAYS = 0.23, 1.6, 2.4
+MAX_STEP_PHASE, MAX_STEP_PHASE_UP, MAX_STEP_PHASE_SIDEWAYS = 0.23, 1.6, 2.4
 """Length of a step times the frequency of a corner that bears its share of the walker, pressed as deep as a landing
 presses it; and times the largest frequencies of all feet at that depth, along the normal and sideways: those of light
 legs. At 3.3 sideways a thin leg's twist gained energy."""
 
-COARSEST = 3.0
+MAX_STEP_RATIO = 3.0
 """Length of a step over the feet's own beyond which steps are refused."""
 
-LONGEST, FINEST = 5e-3, 1 / 64
+MAX_STEP_PERIODS, MIN_STEP_RATIO = 5e-3, 1 / 64
 """Longest step of soft feet, of the plate's period (56 us at 90 Hz): drive and legs are held for a frame of steps; and
 the least part of what resolves the feet that a step is, however fast the plate."""
 
-STEPS_OF_FRAME, LONGEST_FRAME = 24, 2.2e-2
+FRAME_STEPS, MAX_FRAME_PERIODS = 24, 2.2e-2
 """Steps for which a pose is frozen, and the longest frame of the walker's own steps, of the plate's period (240 us at
 90 Hz)."""
 
@@ -59,24 +59,24 @@ class _Limbs(NamedTuple):
     """Kinetic energy's quadratic form with C fixed, shape (n, n)."""
 
 
-def walker_of(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
+def make_walker(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
     """Walker and steps of a case. Raises InputError for masses without a third dimension."""
     design, mass, scene = case.design, case.mass, case.scene
     if mass.spatial is None or any(leg.tensor is None for leg in mass.legs):
         raise InputError(f"{design.name}: motion in space needs inertia tensors, as of a mesh")
     free = [place for place, leg in enumerate(mass.legs) if leg.m > 0.0]
-    freedoms = 0 if not free else 2 if resolved.on(twist.NAME) else 1
-    loose, n = resolved.on(turning.NAME), len(free) * freedoms
-    total, centre, inertia = _whole(mass, mass.spatial)
+    freedoms = 0 if not free else 2 if resolved.is_on(twist.NAME) else 1
+    loose, n = resolved.is_on(turning.NAME), len(free) * freedoms
+    total, centre, inertia = _total_mass_properties(mass, mass.spatial)
     inverse_inertia = np.asarray(np.linalg.inv(inertia), float)
     if not loose:
         inverse_inertia = np.diag([0.0, 0.0, 1.0 / inertia[2, 2]])
-    limbs = _limbs([(design.limbs[k], mass.legs[k]) for k in free], centre, freedoms)
+    limbs = _leg_momenta([(design.limbs[k], mass.legs[k]) for k in free], centre, freedoms)
     lock = inverse_inertia @ limbs.spin  # Lambda = I_C^-1 L of eq. 7.2
     # G of eq. 7.3: the legs' inertia without what the whole takes over
     own = limbs.inertia - limbs.momentum.T @ limbs.momentum / total - limbs.spin.T @ lock
-    springs, dampers = _hinges(case, free, freedoms)
-    points = points_of(case, free, centre, resolved.on(WALLS), resolved.on(LID))
+    springs, dampers = _hinge_constants(case, free, freedoms)
+    points = contact_points(case, free, centre, resolved.is_on(WALLS), resolved.is_on(LID))
     feet = points.pop("foot")
     walker = Walker(
         mass=total,
@@ -93,37 +93,37 @@ def walker_of(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
         shift=limbs.momentum / total,
         lock=lock,
         **points,
-        upward=_upward(points["place"]),
-        friction=np.array([_friction(scene, design, foot) for foot in feet]),
+        upward=_upward_components(points["place"]),
+        friction=np.array([_point_friction(scene, design, foot) for foot in feet]),
         spring=np.zeros(0),
         tip=np.zeros(0),
         shear=np.zeros(0),
         damper=np.zeros(0),
-        corners=corners_of(design, mass, centre),
+        corners=body_hull(design, mass, centre),
         forced=np.zeros((2, n)),
         flights=np.zeros((0, n, n)),
     )
     rotor = resolved.acting.motor
     if motors.acts(rotor) and n > 0:
-        walker = walker._replace(forced=_forced(walker, rotor))
-    return _with_feet(walker, case, feet)
+        walker = walker._replace(forced=_forced_swing(walker, rotor))
+    return _add_feet(walker, case, feet)
 
 
-def _whole(mass: MassProperties, spatial: Spatial) -> tuple[float, Array, Array]:
+def _total_mass_properties(mass: MassProperties, spatial: Spatial) -> tuple[float, Array, Array]:
     """Mass of the whole walker, its centre C from O (at half depth), and its inertia about C."""
     masses = np.array([mass.M, *(leg.m for leg in mass.legs)], float)
     centres = np.array([(0.0, 0.0), *(leg.anchor + leg.c_A for leg in mass.legs)])
-    centre, inertia = joined(spatial, mass.legs, masses, centres)
+    centre, inertia = centre_and_inertia(spatial, mass.legs, masses, centres)
     return float(masses.sum()), centre, inertia
 
 
-def _limbs(legs: Sequence[tuple[Limb, LegMass]], centre: Array, freedoms: int) -> _Limbs:
+def _leg_momenta(legs: Sequence[tuple[Limb, LegMass]], centre: Array, freedoms: int) -> _Limbs:
     """Momenta of the legs' coordinates; the twist is linear along a leg, zero at its anchor."""
     n = len(legs) * freedoms
     limbs = _Limbs(np.zeros((3, n)), np.zeros((3, n)), np.zeros((n, n)))
     for number, (limb, leg) in enumerate(legs):
         assert leg.tensor is not None
-        j, m, axis, arm = number * freedoms, float(leg.m), axis_of(limb), np.array([*leg.c_A, 0.0])
+        j, m, axis, arm = number * freedoms, float(leg.m), leg_axis(limb), np.array([*leg.c_A, 0.0])
         polar = float(axis @ leg.tensor @ axis)
         swung = m * np.cross(Z, arm)
         place = np.array([*leg.anchor, leg.across]) + arm - centre
@@ -136,14 +136,14 @@ def _limbs(legs: Sequence[tuple[Limb, LegMass]], centre: Array, freedoms: int) -
     return limbs
 
 
-def _hinges(case: Case, free: Sequence[int], freedoms: int) -> tuple[Array, Array]:
+def _hinge_constants(case: Case, free: Sequence[int], freedoms: int) -> tuple[Array, Array]:
     """Stiffness and damping of the free legs' coordinates, shape (n,) each."""
     design, legs = case.design, case.scene.legs
     springs: list[float] = []
     dampers: list[float] = []
     for limb, leg in ((design.limbs[k], case.mass.legs[k]) for k in free):
         assert leg.tensor is not None
-        axis = axis_of(limb)
+        axis = leg_axis(limb)
         modulus = design.material.youngs_modulus
         inertias = float(leg.inertia), float(axis @ leg.tensor @ axis) / 3.0
         stiff = compliance.stiffness(limb, modulus), twist.stiffness(limb, design.material)
@@ -155,7 +155,7 @@ def _hinges(case: Case, free: Sequence[int], freedoms: int) -> tuple[Array, Arra
     return np.array(springs), np.array(dampers)
 
 
-def _forced(walker: Walker, rotor: motors.Rotor) -> Array:
+def _forced_swing(walker: Walker, rotor: motors.Rotor) -> Array:
     """Coordinates of the legs in lasting flight, by the phase's cosine and sine, shape (2, n)."""
     omega, push = rotor.omega, rotor.moment * rotor.omega**2
     pushes = push * np.array([rotor.first, rotor.second])
@@ -167,14 +167,14 @@ def _forced(walker: Walker, rotor: motors.Rotor) -> Array:
     return np.asarray(np.linalg.solve(both, left.ravel()).reshape(2, -1))
 
 
-def _upward(place: Array) -> Array:
+def _upward_components(place: Array) -> Array:
     """Upward components of the directions of contacts with walls, the plate and a lid, shape (k, 3)."""
     upward = np.zeros((len(place), 3))
     upward[place == 0.0, 0], upward[place < 0.0, 0], upward[place > 0.0, 2] = 1.0, -1.0, 1.0
     return upward
 
 
-def _friction(scene: Scene, design: Design, foot: int) -> float:
+def _point_friction(scene: Scene, design: Design, foot: int) -> float:
     """Friction of a point: a foot's own or the scene's, or that of walls and lid (foot -1)."""
     if foot < 0:
         return scene.arena.wall_friction
@@ -182,7 +182,7 @@ def _friction(scene: Scene, design: Design, foot: int) -> float:
     return scene.contact.friction if own is None else own
 
 
-def _with_feet(walker: Walker, case: Case, feet_of_points: Array) -> tuple[Walker, Options]:
+def _add_feet(walker: Walker, case: Case, feet_of_points: Array) -> tuple[Walker, Options]:
     """Walker with its elastic contacts and tabulated flights, and the steps that resolve them."""
     scene, material = case.scene, case.design.material
     of_legs = [feet.foot_of(scene, limb, material) for limb in case.design.limbs]
@@ -200,13 +200,15 @@ def _with_feet(walker: Walker, case: Case, feet_of_points: Array) -> tuple[Walke
         damper=2.0 * ratio / np.sqrt(np.where(own > 0.0, own, np.inf)),
     )
     period = 2.0 * math.pi / scene.drive.omega
-    own_step = _own_step(walker, H, feet.LANDING_SPEED * case.shaken.peak_speed, LONGEST * period)
-    step = _step(scene.run.step_us, own_step)
-    frame = min(STEPS_OF_FRAME, max(round(LONGEST_FRAME * period / own_step), 1))
-    return walker._replace(flights=_flights(walker, step, len(walker.stiffness), period)), Options(step, frame)
+    own_step = _resolving_step(walker, H, feet.LANDING_SPEED_RATIO * case.shaken.peak_speed, MAX_STEP_PERIODS * period)
+    step = _choose_step(scene.run.step_us, own_step)
+    frame = min(FRAME_STEPS, max(round(MAX_FRAME_PERIODS * period / own_step), 1))
+    return walker._replace(flights=_flight_propagators(walker, step, len(walker.stiffness), period)), Options(
+        step, frame
+    )
 
 
-def _own_step(walker: Walker, H: Array, speed: float, longest: float) -> float:
+def _resolving_step(walker: Walker, H: Array, speed: float, longest: float) -> float:
     """Step (s), at most `longest`, that resolves feet that land at a speed (mm/s).
 
     `H`: mobility of all contacts, shape (3 k, 3 k), 1/g.
@@ -216,22 +218,22 @@ def _own_step(walker: Walker, H: Array, speed: float, longest: float) -> float:
     pressed = np.array([feet.landing_stiffness(tip, share, speed) for tip in walker.tip[corners]])
     stiff = 1.0 / (1.0 / walker.spring[corners] + 1.0 / pressed)
     sideways = np.concatenate([3 * corners + 1, 3 * corners + 2])
-    up = math.sqrt(_largest(H[np.ix_(3 * corners, 3 * corners)], stiff))
-    slip = math.sqrt(_largest(H[np.ix_(sideways, sideways)], np.tile(walker.shear[corners] * stiff, 2)))
+    up = math.sqrt(_largest_eigenvalue(H[np.ix_(3 * corners, 3 * corners)], stiff))
+    slip = math.sqrt(_largest_eigenvalue(H[np.ix_(sideways, sideways)], np.tile(walker.shear[corners] * stiff, 2)))
     # Eq. 7.12: 0.23 / omega of the landing, and the fastest modes of all feet
-    own = min(RESOLVED / math.sqrt(stiff.max() / share), RESOLVED_UP / up, RESOLVED_SIDEWAYS / slip)
+    own = min(MAX_STEP_PHASE / math.sqrt(stiff.max() / share), MAX_STEP_PHASE_UP / up, MAX_STEP_PHASE_SIDEWAYS / slip)
     # An overdamped corner settles in its damper's time, 1 / (2 zeta omega)
     damped = walker.damper[corners] * np.sqrt(np.diag(H)[3 * corners])
     own /= max(1.0, float(damped.max()))
-    return _rounded(min(own, max(longest, FINEST * own)), longest)
+    return _round_step(min(own, max(longest, MIN_STEP_RATIO * own)), longest)
 
 
-def _rounded(step: float, unit: float) -> float:
+def _round_step(step: float, unit: float) -> float:
     """Step in six digits of a unit, so that roots that round leave a scaled walker the same step to the bit."""
     return unit * float(f"{step / unit:.6g}")
 
 
-def _largest(block: Array, factors: Array) -> float:
+def _largest_eigenvalue(block: Array, factors: Array) -> float:
     """Largest eigenvalue of a mobility (1/g) times springs (g/s^2) or dampers (g/s)."""
     if np.all(factors == factors[0]):
         return float(factors[0]) * float(np.linalg.eigvalsh(block)[-1])
@@ -239,14 +241,14 @@ def _largest(block: Array, factors: Array) -> float:
     return float(np.linalg.eigvalsh(roots[:, None] * block * roots)[-1])
 
 
-def _step(given_us: float | None, own: float) -> float:
+def _choose_step(given_us: float | None, own: float) -> float:
     """Length of a step, s: the feet's own, or a given one. Raises InputError for one that steps over whole contacts."""
     if given_us is None:
         return own
-    if 1e-6 * given_us > COARSEST * own:
+    if 1e-6 * given_us > MAX_STEP_RATIO * own:
         raise InputError(
             f"run.step_us = {given_us:g}: steps over the contacts of these feet. Give at most "
-            f"{1e6 * COARSEST * own:.3g}, or leave the key out ({1e6 * own:.3g})."
+            f"{1e6 * MAX_STEP_RATIO * own:.3g}, or leave the key out ({1e6 * own:.3g})."
         )
     return 1e-6 * given_us
 
@@ -254,7 +256,7 @@ def _step(given_us: float | None, own: float) -> float:
 def coarser(world: World, factor: float) -> World:
     """World with steps `factor` times longer, and flights tabulated for them."""
     walker, step = world.walker, factor * world.options.step
-    flights = _flights(walker, step, len(walker.stiffness), world.drive.period)
+    flights = _flight_propagators(walker, step, len(walker.stiffness), world.drive.period)
     return world._replace(walker=walker._replace(flights=flights), options=world.options._replace(step=step))
 
 
@@ -283,33 +285,35 @@ def mobility(walker: Walker) -> Array:
     return np.asarray(J @ M @ J.T)
 
 
-def _flights(walker: Walker, step: float, n: int, period: float) -> Array:
+def _flight_propagators(walker: Walker, step: float, n: int, period: float) -> Array:
     """Propagators of the legs in flight for step 2^i seconds, i from -HALVINGS, shape (HALVINGS + LEVELS, 2 n, 2 n).
 
     The unit of time is a power of two, so that a scaled walker has the same bits, near a radian of legs' swing.
     """
     if n == 0:
-        return np.zeros((HALVINGS + LEVELS, 0, 0))
+        return np.zeros((HALVINGS + FLIGHT_LEVELS, 0, 0))
     unit, rates = 2.0 ** math.frexp(period / 512.0)[1], np.zeros((2 * n, 2 * n))
     rates[:n, n:] = np.eye(n)
     rates[n:, :n] = -walker.hinge_mobility * walker.stiffness * unit**2
     rates[n:, n:] = -walker.hinge_mobility * walker.damping * unit
-    flights = np.array([exponential(step / unit * 2.0**level * rates) for level in range(-HALVINGS, LEVELS)])
+    flights = np.array(
+        [matrix_exponential(step / unit * 2.0**level * rates) for level in range(-HALVINGS, FLIGHT_LEVELS)]
+    )
     flights[:, :n, n:] *= unit
     flights[:, n:, :n] /= unit
     return flights
 
 
-def exponential(matrix: Array) -> Array:
+def matrix_exponential(matrix: Array) -> Array:
     """Compute the exponential of a small square matrix by a series and repeated squares, as scipy.linalg does.
 
     Importing scipy.linalg takes a tenth of a simulation's start.
     """
     size = float(np.abs(matrix).sum(axis=0).max())
-    squares = max(math.frexp(size / LARGEST_TERM)[1], 0)
+    squares = max(math.frexp(size / MAX_SERIES_NORM)[1], 0)
     part = matrix / 2.0**squares
     term = found = np.eye(len(matrix))
-    for order in range(1, TERMS + 1):
+    for order in range(1, SERIES_TERMS + 1):
         term = term @ part / order
         found = found + term
     for _ in range(squares):

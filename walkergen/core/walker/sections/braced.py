@@ -15,7 +15,7 @@ PLASTIC_TOLERANCE = 0.08
 
 def profile(limb: Limb, segments: int) -> list[Polygon]:
     """Profiles of the leg and of its brace, as `flexible` has them."""
-    return [*flexible.profile(limb, segments), _brace(limb)]
+    return [*flexible.profile(limb, segments), _brace_profile(limb)]
 
 
 def struts(limb: Limb) -> tuple[Strut, ...]:
@@ -57,7 +57,7 @@ def problems(limb: Limb) -> list[str]:
     return [f"the brace ({limb.brace:g} mm) is thicker than the foot it stands on ({foot_width:.3f} mm)"]
 
 
-def _brace(limb: Limb) -> Polygon:
+def _brace_profile(limb: Limb) -> Polygon:
     """Profile of the brace, from the foot to the underside."""
     x, half = struts(limb)[0].offset, 0.5 * limb.brace
     reach = limb.length - (0.5 * limb.thickness if limb.foot == "round" else 0.0)

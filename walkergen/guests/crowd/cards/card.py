@@ -19,7 +19,7 @@ from pydantic import (
     model_validator,
 )
 
-from walkergen.core.errors import InputError, for_python
+from walkergen.core.errors import InputError, spell_for_python
 from walkergen.core.files import config, reading
 from walkergen.core.files.config import Fraction, Friction, Name, Section
 from walkergen.core.numerics.quantity import Quantity
@@ -189,7 +189,7 @@ def area(contour: Contour) -> float:
 
 def read(path: Path) -> Card:
     """Read a card. Raises InputError for a file that is cut off, or a number that is none."""
-    data = reading.json_of(path)
+    data = reading.read_json(path)
     if not isinstance(data, dict):
         raise InputError(f"{path}: holds no table of a card; give what `walkergen crowd --card` wrote")
     return config.validate(data, Card, str(path), "")
@@ -198,4 +198,4 @@ def read(path: Path) -> Card:
 def to_json(card: Card) -> bytes:
     """Card as it is written: equal cards give equal bytes."""
     data: dict[str, Any] = card.model_dump(mode="json")
-    return for_python(json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()
+    return spell_for_python(json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()

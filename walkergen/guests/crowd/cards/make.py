@@ -30,7 +30,7 @@ FILE = "card.json"
 
 def folder_of(design: Design) -> Path:
     """Folder of a card by default: below out/ and the walker's name."""
-    return Path("out") / design.name / f"card_{names.part(design)}"
+    return Path("out") / design.name / f"card_{names.part_name(design)}"
 
 
 def of_design(scene: Scene, design: Design, walls: bool, progress: Progress) -> CardReport:

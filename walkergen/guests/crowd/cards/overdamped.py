@@ -29,7 +29,7 @@ def judge(speed: Quantity, turning: Quantity, rotation: Quantity, velocity: Rela
     """Judge by what a walker turns and coasts while its velocity relaxes."""
     shares = shares_of(speed, turning, rotation, velocity, length_mm)
     reason = "; ".join(map(_stated, shares))
-    verdicts = {share.within(-math.inf, LIMIT) for share in shares}
+    verdicts = {share.compare_with_range(-math.inf, LIMIT) for share in shares}
     if Verdict.DISAGREE in verdicts:
         return Overdamped(enough=False, reason=reason)
     if verdicts == {Verdict.AGREE}:
@@ -58,7 +58,7 @@ def shares_of(
 def _stated(share: Quantity) -> str:
     """Share with its error, and on which side of the limit it is."""
     side = "above" if share.number > LIMIT else "below"
-    return f"{share.key}: {words.with_error(share.number, share.se or 0.0)}, {side} {LIMIT:g}"
+    return f"{share.key}: {words.format_with_error(share.number, share.se or 0.0)}, {side} {LIMIT:g}"
 
 
 def in_words(verdict: Overdamped) -> str:

@@ -73,7 +73,7 @@ def simulated(scene: Scene, design: Design, mass: MassProperties, progress: Prog
 
     Raises InputError for a scene in which it cannot turn, or whose plate sways, and where too few runs end well.
     """
-    swaying_plate.refuse(scene, "a card is of plates that move up and down alike everywhere")
+    swaying_plate.check_still_plate(scene, "a card is of plates that move up and down alike everywhere")
     if scene.arena.kind != "plane":
         raise InputError(
             f"scene.arena.kind = {scene.arena.kind!r}: a card is of a walker that may turn: "
@@ -82,7 +82,7 @@ def simulated(scene: Scene, design: Design, mass: MassProperties, progress: Prog
     own, ended = _runs(scene, design, mass, progress)
     note = (
         f"{len(own.tracks)} runs of {scene.run.seconds:g} s, seen once in a period of the drive "
-        f"({words.number(1e3 * own.interval)} ms), so that the bouncing itself is not seen: {ended}"
+        f"({words.format_number(1e3 * own.interval)} ms), so that the bouncing itself is not seen: {ended}"
     )
     sloping, _ = _runs(scene.variant(**SLOPE), design, mass, progress)
     groups = [[track] for track in sloping.tracks]
@@ -101,7 +101,7 @@ def _runs(scene: Scene, design: Design, mass: MassProperties, progress: Progress
     if results.partial:
         raise KeyboardInterrupt
     good = [result for result in results.results if result.outcome in ENDED_WELL]
-    ended = ensemble.listed(results.summary.outcomes)
+    ended = ensemble.format_outcomes(results.summary.outcomes)
     if not good:
         raise InputError(f"no run ended well ({ended}): another scene, or other feet")
     shift = centre(mass)
@@ -194,7 +194,7 @@ def _whole(mass: MassProperties) -> tuple[Array, Array]:
     assert mass.spatial is not None
     each = np.array([mass.M, *(leg.m for leg in mass.legs)], dtype=float)
     centres = np.array([(0.0, 0.0), *(leg.anchor + leg.c_A for leg in mass.legs)])
-    return masses.joined(mass.spatial, mass.legs, each, centres)
+    return masses.centre_and_inertia(mass.spatial, mass.legs, each, centres)
 
 
 def moved(rows: Array, shift: Array) -> Array:

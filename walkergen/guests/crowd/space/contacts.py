@@ -14,7 +14,7 @@ walkers that push each other and jams of many, without an order of contacts that
 
 import math
 
-from walkergen.core.numerics.kernels import lean, uncounted
+from walkergen.core.numerics.kernels import kernel_without_refcount, lean
 from walkergen.core.simulation import record
 from walkergen.core.simulation.space.state import C_X, C_Y, C_Z, LEGS, QUIET, V_X, W_X
 from walkergen.core.simulation.world import OK
@@ -159,7 +159,7 @@ def _normal_impulse(stiffness, kept, depth, u, mobility, tick):
     return whole * (stopped + (1.0 - stopped) * kept), whole
 
 
-@uncounted
+@kernel_without_refcount
 def _resolve(crowd, i, j, x, z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth, pushes):
     """Push bodies i and j (or a wall, -1) apart where they touch; or store the energy of that.
 
@@ -283,7 +283,7 @@ def _corners_of(crowd, i, j, layer, first, pushes):
     return count
 
 
-@uncounted
+@kernel_without_refcount
 def meet(crowd, i, j, pushes):
     """Let bodies i and j push each other where they touch; returns how many corners do."""
     count = 0
@@ -302,7 +302,7 @@ def _at_wall(crowd, i, x, z, n_x, n_z, b_x, b_z, y, depth, pushes):
     return 1
 
 
-@uncounted
+@kernel_without_refcount
 def meet_wall(crowd, i, pushes):
     """Let body i push off the walls that it touches; returns how many points do."""
     bodies, ground, count = crowd.bodies, crowd.ground, 0

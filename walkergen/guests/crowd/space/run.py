@@ -18,10 +18,10 @@ from walkergen.core.simulation import plan as plans
 from walkergen.core.simulation import record
 from walkergen.core.simulation.effects import swaying_plate
 from walkergen.core.simulation.plan import Plan
-from walkergen.core.simulation.run import ENDS, MOST_BLOCKS, PERIODS_PER_BLOCK, Outcome, drop
+from walkergen.core.simulation.run import MAX_BLOCKS, PERIODS_PER_BLOCK, STATUS_OUTCOMES, Outcome, sample_drop
 from walkergen.core.simulation.space.model import energy, turn_to
 from walkergen.core.simulation.space.pose import place
-from walkergen.core.simulation.space.state import C_X, C_Z, COLUMNS, PHASE, Array, work_for
+from walkergen.core.simulation.space.state import C_X, C_Z, PHASE, TRAJECTORY_COLUMNS, Array, work_for
 from walkergen.core.simulation.world import OK, State, World
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
@@ -64,7 +64,7 @@ def on_plane(scene: Scene) -> Scene:
     """
     if scene.run.heading_deg != (0.0,):
         raise InputError("run.heading_deg: headings of a crowd are drawn with its places; leave the key out")
-    swaying_plate.refuse(scene, "a crowd's plate moves up and down alike everywhere")
+    swaying_plate.check_still_plate(scene, "a crowd's plate moves up and down alike everywhere")
     kept = scene.arena.model_dump(include={"lid_mm", "wall_friction", "wall_restitution"})
     return scene.model_copy(update={"arena": Arena(kind="plane", **kept)})
 
@@ -136,7 +136,7 @@ def simulate(
     crowd, walkers = gathered(plan, walkers)
     blocks = 1 if len(walkers) == 1 else _blocks(plan, run.discard_seconds)
     advance(crowd, run.discard_seconds, blocks, stopped)
-    tallies = [record.new(len(COLUMNS), run.seconds, 1.0 / rate_hz) for _ in walkers]
+    tallies = [record.new_tally(len(TRAJECTORY_COLUMNS), run.seconds, 1.0 / rate_hz) for _ in walkers]
     crowd, walkers = recorded(plan, walkers, crowd, tallies)
     energies, held = _energies(walkers), float(steps.stored(crowd))
     done = advance(crowd, run.seconds, _blocks(plan, run.seconds), stopped, progress)
@@ -170,7 +170,7 @@ def let_go(plan: CrowdPlan, number: int) -> Walkers:
     seed, phase = plan.scene.run.seed, None
     for i, (kind, place_of) in enumerate(zip(plan.kinds, plan.places, strict=True)):
         rng = np.random.default_rng([seed, number] if i == 0 else [seed, number, i])
-        own, state = drop(plan.plans[kind], rng, phase)
+        own, state = sample_drop(plan.plans[kind], rng, phase)
         world = own.world
         if walkers:
             plate = walkers[0][0].acting
@@ -191,7 +191,7 @@ def _put(world: World, state: State, x: float, y: float, heading: float) -> None
 
 def gathered(plan: CrowdPlan, walkers: Walkers) -> tuple[bodies.Crowd, Walkers]:
     """Crowd of walkers in these states, which nothing records; and they, with their states in it."""
-    return _crowd(plan, walkers, [record.new() for _ in walkers])
+    return _crowd(plan, walkers, [record.new_tally() for _ in walkers])
 
 
 def recorded(
@@ -208,7 +208,7 @@ def _crowd(plan: CrowdPlan, walkers: Walkers, tallies: Sequence[record.Tally]) -
     count, (worlds, states) = len(walkers), zip(*walkers, strict=True)
     movers, free = bodies.movers_of(worlds, states, tallies)
     crowd = bodies.Crowd(
-        kernels.listed(movers),
+        kernels.typed_list(movers),
         free,
         bodies.bodies_of(plan.kinds, plan.shapes),
         plan.ground,
@@ -225,7 +225,7 @@ def _crowd(plan: CrowdPlan, walkers: Walkers, tallies: Sequence[record.Tally]) -
 def _blocks(plan: CrowdPlan, seconds: float) -> int:
     """Blocks of a single walker's record, whose bits depend on them."""
     period = plan.plans[0].world.drive.period
-    return min(max(round(seconds / (PERIODS_PER_BLOCK * period)), 1), MOST_BLOCKS)
+    return min(max(round(seconds / (PERIODS_PER_BLOCK * period)), 1), MAX_BLOCKS)
 
 
 def advance(
@@ -240,7 +240,7 @@ def advance(
         return 0.0
     block, done = seconds / blocks, 0.0
     pairs = np.zeros((8 * len(crowd.status), 2), np.int64)
-    code = kernels.entry(steps.advance, crowd, pairs, block)
+    code = kernels.entry_point(steps.advance, crowd, pairs, block)
     for number in range(blocks):
         if stopped() or not np.any(crowd.status == OK):
             return done
@@ -269,4 +269,4 @@ def _unbalanced(book: Array, held: float) -> float:
 def _outcomes(crowd: bodies.Crowd, unfinished: bool) -> tuple[str, ...]:
     """How it ended for each walker."""
     well = Outcome.STOPPED if unfinished else Outcome.OK
-    return tuple((well if status == OK else ENDS[int(status)]).value for status in crowd.status)
+    return tuple((well if status == OK else STATUS_OUTCOMES[int(status)]).value for status in crowd.status)

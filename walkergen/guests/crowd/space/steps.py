@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.core.numerics.kernels import borrowed, kernel, lean, uncounted
+from walkergen.core.numerics.kernels import borrow_item, kernel, kernel_without_refcount, lean
 from walkergen.core.simulation.space.pose import place, plate_velocity
 from walkergen.core.simulation.space.state import C_X, C_Z, HEADING, LEGS, V_X, Array
 from walkergen.core.simulation.space.steps import advance_in
@@ -67,10 +67,10 @@ FORESEEN, IN_A_TICK = 2.0, 0.25
 that falls into them."""
 
 
-@uncounted
+@kernel_without_refcount
 def _move(crowd, i, t):
     """Move walker i by t seconds, as it moves alone, and note what it shows from above."""
-    mover = borrowed(crowd.movers, i)
+    mover = borrow_item(crowd.movers, i)
     if t == 0.0:
         place(mover.world, mover.state, mover.work)
     elif crowd.status[i] == OK:
@@ -175,7 +175,7 @@ def _wall(crowd, i, seen, now):
     return max(ticks, 1.0)
 
 
-@uncounted
+@kernel_without_refcount
 def _neighbours(crowd, span, pairs):
     """List pairs that may touch within `span` seconds; returns how many."""
     count, n = 0, len(crowd.status)
@@ -190,7 +190,7 @@ def _neighbours(crowd, span, pairs):
     return count
 
 
-@uncounted
+@kernel_without_refcount
 def _round(crowd, pairs, count, plans, levels):
     """Move the crowd by 2^levels ticks, in which the first `count` of `pairs` may touch."""
     n, ticks, tick = len(crowd.status), 1 << levels, crowd.tick[0]

@@ -233,7 +233,7 @@ def _quantity(name: str, values: Array, runs: Sequence[_Run], film: CrowdFilm) -
     if len(values) > 1:
         if np.ptp(values) <= SAME * abs(first):
             return Quantity(name, unit, first, 0.0)
-        return Quantity(name, unit, *statistics.mean_of(values)[:2], freedom=len(values) - 1.0)
+        return Quantity(name, unit, *statistics.weighted_mean(values)[:2], freedom=len(values) - 1.0)
     if name in TIMELESS:
         return Quantity(name, unit, first, refused=ONE_NUMBER)
     return Quantity(name, unit, first, *_error_of_one_run(*runs[0].series[name]))

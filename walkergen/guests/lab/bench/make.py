@@ -28,7 +28,7 @@ Value = float | str | None
 
 def folder_of(design: Design) -> Path:
     """Folder of a drop by default: below out/ and the walker's name."""
-    return Path("out") / design.name / f"bench_drop_{names.part(design)}"
+    return Path("out") / design.name / f"bench_drop_{names.part_name(design)}"
 
 
 def dropped(job: Job, height: float, measured: Measured | None, folder: Path, progress: Progress) -> LabReport:
@@ -59,7 +59,7 @@ def dropped(job: Job, height: float, measured: Measured | None, folder: Path, pr
 
     lines = [f"{condition}: {answer.text}" for condition, answer in answers]
     if settings:
-        lines.append("set " + ", ".join(f"{key} = {words.number(value, 4)}" for key, value in settings.items()))
+        lines.append("set " + ", ".join(f"{key} = {words.format_number(value, 4)}" for key, value in settings.items()))
     facts = {
         "bench": "drop",
         "caption": caption,

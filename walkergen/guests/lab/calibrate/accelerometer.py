@@ -54,11 +54,11 @@ class Recording(NamedTuple):
 
 def read(path: Path) -> Recording:
     """Read the recording in a CSV file. Raises InputError without times or axes, or with too few samples."""
-    names = columns.header(path)
+    names = columns.read_header(path)
     time, unit = _time(names, path)
     axes, linear, scale = _axes(names, path)
     rates, radians = _rates(names)
-    found = columns.read(path, [time, *axes, *rates])
+    found = columns.read_numbers(path, [time, *axes, *rates])
     times = SECONDS[unit] * found.values[time]
     felt = scale * np.column_stack([found.values[axis] for axis in axes])
     order = np.argsort(times, kind="stable")
@@ -108,4 +108,4 @@ def _rates(names: list[str]) -> tuple[list[str], float]:
 
 
 def _listed(names: list[str]) -> str:
-    return plain.line(", ".join(names))[:200]
+    return plain.shorten_line(", ".join(names))[:200]

@@ -40,7 +40,7 @@ def friction(path: Path, angle_deg: float, error_deg: float) -> Quantity:
     for tracks of several parts, of more than a slide, and of no friction.
     """
     read = track_files.read(path, track_files.Units())
-    name = plain.line(path.name)
+    name = plain.shorten_line(path.name)
     seen = [_seen(track.position, read.interval) for track in read.tracks]
     ways = np.array([np.linalg.norm(places[-1] - places[0]) for _, places in seen])
     moving = int((ways > STILL * ways.max()).sum())

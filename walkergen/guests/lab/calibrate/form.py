@@ -114,7 +114,7 @@ Readings = Mapping[str, Mapping[str, Sequence[Reading]]]
 def kinds(part: str) -> Mapping[str, Kind] | None:
     """Kinds of readings of a part by its name: strip_1, block, walker; None of other names."""
     stem, _, number = part.partition("_")
-    if stem == "strip" and columns.whole(number, 99) is not None:
+    if stem == "strip" and columns.parse_count(number, 99) is not None:
         return STRIP
     return {"block": BLOCK, "walker": WALKER}.get(part)
 
@@ -138,7 +138,7 @@ def filled(path: Path) -> bool:
         return False
     try:
         air = {row["part"]: float(row["reading"]) for _, row in _rows(path) if row["measured"] == AIR}
-        return reading.content(path, MOST_BYTES) != template(air).encode()
+        return reading.read_bytes(path, MOST_BYTES) != template(air).encode()
     except (InputError, ValueError):
         return True  # whatever it is, somebody wrote it
 
@@ -185,7 +185,7 @@ def read(path: Path) -> Readings:
 
 def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
     """Rows by their lines, cells by column. Raises InputError for other columns."""
-    table = columns.records(reading.lines(path, columns.FORMAT, MOST_BYTES), str(path))
+    table = columns.parse_records(reading.read_lines(path, columns.FORMAT_NAME, MOST_BYTES), str(path))
     missing = [name for name in HEADER if name not in table.names]
     unknown = [name for name in table.names if name not in (*HEADER, TRACKS)]
     if missing or unknown:
@@ -240,7 +240,7 @@ def _beside(cell: str, column: str, name: str, kind: Kind) -> float:
 
 
 def _number(what: str, cell: str, most: float, zero: bool = False) -> float:
-    value = words.value(cell)
+    value = words.parse_number(cell)
     least = 0.0 if zero else LEAST
     if value is None or not least <= value <= most:
         raise InputError(f"{what} = {cell.strip()[:30]!r}: must be a number >= {least:g} and <= {most:g}")

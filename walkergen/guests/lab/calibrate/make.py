@@ -137,7 +137,7 @@ def _on_strips(bent: Bent) -> list[str]:
     notes = []
     if not bent.fit.agrees:
         notes.append("the strips disagree beyond their errors: the error of the modulus is larger by that")
-    if (ring := bent.ring_over_bend) is not None and ring.within(0.0, 0.0) is Verdict.DISAGREE:
+    if (ring := bent.ring_over_bend) is not None and ring.compare_with_range(0.0, 0.0) is Verdict.DISAGREE:
         excess, sd = ring.pair
         cause = (
             "creep under the weight, or a density too high"
@@ -148,7 +148,7 @@ def _on_strips(bent: Bent) -> list[str]:
             f"the ring tells {excess:+.0f} ± {sd:.0f} % against the weights: "
             f"{cause}; legs swing as fast as the ring or faster: ‹by=›ring takes it alone"
         )
-    if (offset := bent.offset) is not None and offset.within(0.0, 0.0) is Verdict.DISAGREE:
+    if (offset := bent.offset) is not None and offset.compare_with_range(0.0, 0.0) is Verdict.DISAGREE:
         added, sd = offset.pair
         notes.append(
             f"{added:+.3f} ± {sd:.3f} mm on every thickness would make the strips agree "
@@ -165,7 +165,7 @@ def _on_leg(bent: Bent, design: Design) -> list[str]:
     drawn = design.limbs[0].thickness
     near = min(bent.points, key=lambda point: abs(point.thickness.pair[0] - drawn))
     thick, sd = near.thickness.pair
-    if abs(thick - drawn) > LIKE * drawn or near.thickness.within(drawn, drawn) is not Verdict.DISAGREE:
+    if abs(thick - drawn) > LIKE * drawn or near.thickness.compare_with_range(drawn, drawn) is not Verdict.DISAGREE:
         return []
     return [
         f"{near.strip} is {thick:.3f} ± {sd:.3f} mm thick; a leg drawn "

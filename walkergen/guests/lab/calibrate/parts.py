@@ -11,11 +11,11 @@ import manifold3d
 import numpy as np
 
 from walkergen.core.printing import walls
-from walkergen.core.printing.packing import border
+from walkergen.core.printing.packing import border_width
 from walkergen.core.printing.printers import Printer
 from walkergen.core.scene import GRAVITY
 from walkergen.core.shapes import modeller
-from walkergen.core.shapes.extrusion import Engraving, extruded
+from walkergen.core.shapes.extrusion import Engraving, extrude
 from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker.design import Design
 from walkergen.guests.lab import beams
@@ -74,7 +74,7 @@ def strips(design: Design, printer: Printer) -> list[Drawn]:
     rounding = walls.line_rounding(printer)
     spacing = printer.line_width_mm - rounding
     width = max(1, round(WIDTH_MM / layer)) * layer
-    longest = printer.bed_width_mm - 2.0 * border(printer) - CLAMP_MM[0]
+    longest = printer.bed_width_mm - 2.0 * border_width(printer) - CLAMP_MM[0]
     drawn = []
     for lines in STRIPS:
         thickness = round(lines * spacing + rounding, 3)
@@ -113,7 +113,7 @@ def strip_mesh(drawn: Drawn) -> Mesh:
     number = drawn.name.rpartition("_")[2]
     middle = np.array([-0.5 * long, 0.0])
     digits = [glyph + middle for glyph in letters(number, DIGIT_MM, False, "strip")]
-    return extruded([block, bar], drawn.strip.width, 0, Engraving(digits, DIGIT_DEPTH_MM))
+    return extrude([block, bar], drawn.strip.width, 0, Engraving(digits, DIGIT_DEPTH_MM))
 
 
 def air_percent(drawn: Drawn, printer: Printer) -> float:
@@ -137,7 +137,7 @@ def block_mesh(printer: Printer) -> Mesh:
         for x in (-1.0, 1.0)
         for y in (-1.0, 1.0)
     ]
-    return modeller.mesh_of(manifold3d.Manifold.hull_points(np.array(corners)))
+    return modeller.to_mesh(manifold3d.Manifold.hull_points(np.array(corners)))
 
 
 def block_volume(long: float, wide: float, high: float) -> float:

@@ -48,15 +48,15 @@ class Laid(NamedTuple):
 
 def lay(pieces: Sequence[Piece], printer: Printer, max_plates: int | None) -> Laid:
     """Arrange and check pieces. Raises PlateError when they do not fit."""
-    parts = [Part.of(piece.name, piece.mesh, piece.copies) for piece in pieces]
+    parts = [Part.from_mesh(piece.name, piece.mesh, piece.copies) for piece in pieces]
     plates = packing.pack(parts, printer, max_plates)
     findings = [
-        *checks.of_printer(printer),
+        *checks.check_printer(printer),
         *(finding for piece in pieces for finding in piece.findings),
         *(
             finding
             for number, plate in enumerate(plates, start=1)
-            for finding in checks.of_plate(f"plate {number}", plate, parts, printer)
+            for finding in checks.check_plate(f"plate {number}", plate, parts, printer)
         ),
     ]
     return Laid(printer, pieces, parts, plates, findings)
@@ -65,7 +65,7 @@ def lay(pieces: Sequence[Piece], printer: Printer, max_plates: int | None) -> La
 def loads(laid: Laid, density: float) -> list[Load]:
     """Plastic of each piece at a density, g/cm^3, as drawn."""
     return [
-        Load(float(mass.weigh(piece.mesh, 1e-3 * density).mass), density, estimate.sides(piece.mesh))
+        Load(float(mass.weigh(piece.mesh, 1e-3 * density).mass), density, estimate.side_area(piece.mesh))
         for piece in laid.pieces
     ]
 
@@ -73,7 +73,7 @@ def loads(laid: Laid, density: float) -> list[Load]:
 def files(laid: Laid, material: Material, stem: str, pictures: bool, prusaslicer: bool) -> Iterator[tuple[str, bytes]]:
     """Names and bytes of settings, plates (3MF), pieces (STL) and, with pictures, maps."""
     start = f"{stem}_{laid.printer.name}"
-    yield from slicer.files(laid.printer, material, start)
+    yield from slicer.settings_files(laid.printer, material, start)
     meshes = [piece.mesh for piece in laid.pieces]
     for number, plate in enumerate(laid.plates, start=1):
         name, picture = f"{start}_{number}", None
@@ -116,7 +116,7 @@ def _draw(axes: "Axes", laid: Laid, plate: Plate) -> None:
     for placed in plate.placements:
         mesh = laid.pieces[placed.part].mesh
         moved = mesh._replace(vertices=mesh.vertices - mesh.vertices.min(axis=0))
-        silhouette = plate_map.triangles(modeller.solid(moved).project())
+        silhouette = plate_map.triangles(modeller.to_solid(moved).project())
         colour = (DARK, LIGHT)[placed.part % 2]
         faces = list(silhouette + np.array((placed.x, placed.y)))
         axes.add_collection(PolyCollection(faces, facecolors=[colour], edgecolors=[colour], linewidths=0.3))

@@ -9,7 +9,7 @@ from walkergen.core.files.output import Folder
 from walkergen.core.files.progress import Progress
 from walkergen.core.files.tables import csv_text
 from walkergen.core.printing import checks, packing, sheet
-from walkergen.core.printing.findings import Finding, of_printers, refuse
+from walkergen.core.printing.findings import Finding, check_printable, combine_printers
 from walkergen.core.printing.printers import Printer
 from walkergen.core.printing.walls import Wall
 from walkergen.core.walker import solids
@@ -61,9 +61,9 @@ def make(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequenc
     """
     drawings = [(parts.strips(order.design, printer), printer) for printer in order.printers]
     laid = [pieces.lay(_pieces(order.design, drawn, printer), printer, order.max_plates) for drawn, printer in drawings]
-    findings = of_printers([(batch.printer.name, batch.findings) for batch in laid])
+    findings = combine_printers([(batch.printer.name, batch.findings) for batch in laid])
     tell(findings)
-    refuse(findings, order.strict)
+    check_printable(findings, order.strict)
     paths: list[Path] = []
     for number, ((drawn, printer), batch) in enumerate(zip(drawings, laid, strict=True)):
         progress(printer.name, number, len(laid))
@@ -95,13 +95,13 @@ def _pieces(design: Design, drawn: Sequence[Drawn], printer: Printer) -> list[Pi
     for part in drawn:
         mesh, strip = parts.strip_mesh(part), part.strip
         wall = Wall("strip", strip.thickness, 1.0, strip.width)
-        seen = checks.of_piece(part.name, [wall], mesh, printer)
+        seen = checks.check_piece(part.name, [wall], mesh, printer)
         label = f"{part.name}: {strip.thickness:g} mm"
         checked.append(Piece(part.name, mesh, label, seen))
     mesh = parts.block_mesh(printer)
-    checked.append(Piece("block", mesh, "block", checks.of_piece("block", [], mesh, printer)))
-    mesh = solids.as_printed(design, solids.build(design).walker)
-    seen = checks.of_part("walker", design, mesh, printer)
+    checked.append(Piece("block", mesh, "block", checks.check_piece("block", [], mesh, printer)))
+    mesh = solids.orient_for_print(design, solids.build(design).walker)
+    seen = checks.check_part("walker", design, mesh, printer)
     return [*checked, Piece("walker", mesh, f"walker, {design.tilt_deg:g} deg", seen)]
 
 
@@ -123,7 +123,7 @@ def _write(order: Order, drawn: Sequence[Drawn], laid: Laid, folder: Path) -> li
 def _sheet(design: Design, drawn: Sequence[Drawn], laid: Laid, stem: str) -> str:
     batch = sheet.Batch(stem, laid.printer, [design], laid.plates, laid.parts, form.FILE)
     loads = pieces.loads(laid, design.material.density_g_cm3)
-    printing = sheet.of_print(batch, loads, laid.findings, "")
+    printing = sheet.format_print_section(batch, loads, laid.findings, "")
     return f"{printing}\n\n{measuring.to_markdown(drawn, design, laid.printer)}"
 
 
@@ -145,6 +145,6 @@ def _facts(order: Order, drawn: Sequence[Drawn], laid: Laid) -> dict[str, Any]:
         "bodies": {order.design.name: sheet.body_facts(order.design)},
         "printer": laid.printer.model_dump(mode="json"),
         "strips": {part.name: part.strip._asdict() for part in drawn},
-        "print": sheet.facts(laid.printer, laid.findings),
+        "print": sheet.manifest_facts(laid.printer, laid.findings),
         "versions": output.versions(),
     }

@@ -38,7 +38,7 @@ def of(
     """Report of what a filled form tells: numbers, the strips, and what a drop test answers."""
     columns = (
         Column("measured", lambda row: row[0]),
-        Column("value ± error", lambda row: f"{words.with_error(row[1], row[2])} {row[3]}".strip()),
+        Column("value ± error", lambda row: f"{words.format_with_error(row[1], row[2])} {row[3]}".strip()),
         Column("readings", lambda row: str(row[4] or ""), right=True),
         Column("sets", lambda row: row[-1]),
     )
@@ -101,7 +101,7 @@ def _strips(bent: Bent) -> Table:
         Column("strip", lambda row: row[0]),
         Column("by", lambda row: row[1]),
         Column("thickness mm", lambda row: f"{row[2]:.3f}", right=True),
-        Column("modulus GPa", lambda row: words.with_error(row[3], row[4])),
+        Column("modulus GPa", lambda row: words.format_with_error(row[3], row[4])),
         Column("from all, errors", lambda row: f"{(row[3] - agreed) / row[4]:+.1f}", right=True),
     )
     return Table("strips", rows, STRIPS, columns, "Young's modulus by each strip alone")

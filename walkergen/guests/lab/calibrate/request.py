@@ -134,7 +134,7 @@ class CalibrateRequest(request.Request):
         self.refuse("is not of ‹plate›", "what", *(name for name in OWN if name != "scene"))
         given = self.inputs()
         job = make.Job(given.one(self.design, self.tilt, self.legs), given.scene(self.scene), 0.0, 2, self.pictures)
-        report = shaken.calibrate(path, job.design, job.scene, output.results(path, self.out, "calibrate"))
+        report = shaken.calibrate(path, job.design, job.scene, output.result_folder(path, self.out, "calibrate"))
         return written(report, job, {"file": path.name, "settings": report.settings}, f"Measured: {path.name}")
 
     def _form(self, given: "Inputs", progress: Progress) -> "Report":
@@ -144,7 +144,7 @@ class CalibrateRequest(request.Request):
 
         walker, scene, path = given.one(self.design, self.tilt, self.legs), given.scene(self.scene), Path(self.what)
         job = make.Job(walker, scene, self.roll_deg, self.drops, self.pictures, self.by)
-        return make.calibrate(path, job, output.results(path, self.out, "calibrate"), progress)
+        return make.calibrate(path, job, output.result_folder(path, self.out, "calibrate"), progress)
 
     def _plate(self, given: "Inputs", progress: Progress) -> "Report":
         """Make a plate to measure."""
@@ -156,7 +156,7 @@ class CalibrateRequest(request.Request):
         order = plate.Order(walker, printers, self.max_plates, self.pictures, self.prusaslicer, self.strict)
         folder = self.out or Path("out") / walker.name
         report = plate.make(order, folder, progress, findings.extend)
-        warnings, kept = printed.warnings(findings), folder / plate.STEM / form.FILE
+        warnings, kept = printed.warning_lines(findings), folder / plate.STEM / form.FILE
         if kept not in report.files:
             warnings.append(f"{kept}: somebody has written in it: left as it is")
         return replace(report, warnings=warnings)

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from walkergen.core.errors import InputError
 from walkergen.core.files import words
 from walkergen.core.numerics.quantity import Quantity
-from walkergen.core.scene import GRAVITY, SHAPES, Scene
+from walkergen.core.scene import DEPENDENT_KEYS, GRAVITY, Scene
 from walkergen.core.walker.design import Design
 from walkergen.files.report import Column, Table
 from walkergen.guests.lab.calibrate import accelerometer
@@ -95,7 +95,7 @@ def calibrate(path: Path, design: Design, scene: Scene, folder: Path | None) -> 
     settings: dict[str, Any] = {row.key: _short(row.number) for row in rows if row.key and row.number.known}
     for key, least in LEAST.items():
         if settings.get(key, least) < least:
-            settings = {name: value for name, value in settings.items() if name not in (key, *SHAPES[key])}
+            settings = {name: value for name, value in settings.items() if name not in (key, *DEPENDENT_KEYS[key])}
             notes.append(f"{key} below {least:g} is a phone's own, or moves no walker: not set")
     if "plate.noise_ratio" in settings:
         low, high = scene.plate.noise_band_hz
@@ -126,7 +126,7 @@ def calibrate(path: Path, design: Design, scene: Scene, folder: Path | None) -> 
 def _in_words(cell: tuple[Any, ...]) -> str:
     """Value of a row of KEYS with its error and unit, or why there is none."""
     _, value, se, unit, _, refused = cell
-    return str(refused) if refused else f"{words.with_error(value, se)} {unit}".strip()
+    return str(refused) if refused else f"{words.format_with_error(value, se)} {unit}".strip()
 
 
 def _short(number: Quantity) -> float:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from walkergen.core.printing.printers import Printer
-from walkergen.core.printing.sheet import table
+from walkergen.core.printing.sheet import markdown_table
 from walkergen.core.walker.design import Design
 from walkergen.guests.lab import beams
 from walkergen.guests.lab.calibrate import form, parts
@@ -64,7 +64,7 @@ def _parts(drawn: Sequence[Drawn], design: Design, printer: Printer) -> str:
     long, wide, high = parts.block_size(printer)
     walker = f"{design.name}, {design.tilt_deg:g} deg, {design.kind} legs"
     rows += [("block", f"{long:g} x {wide:g} x {high:g}", "", "the plain block"), ("walker", walker, "", "the walker")]
-    return table(("part", "drawn, mm", "free length, mm", "which"), rows)
+    return markdown_table(("part", "drawn, mm", "free length, mm", "which"), rows)
 
 
 def _number(part: Drawn) -> str:
@@ -77,11 +77,11 @@ def _weights(drawn: Sequence[Drawn]) -> str:
     for part in drawn:
         light, heavy = ((f"{grams:.2g}", near(grams)) for grams in (part.light_g, part.heavy_g))
         rows.append((part.name, *light, *heavy, f"{parts.BEND * part.strip.length:.1f}"))
-    return table(("strip", "light, g", "as", "heavy, g", "as", "sinks by about, mm"), rows)
+    return markdown_table(("strip", "light, g", "as", "heavy, g", "as", "sinks by about, mm"), rows)
 
 
 def _rings(drawn: Sequence[Drawn]) -> str:
     rows = [
         (part.name, f"{part.ring_hz:.0f}", f"{20.0 / part.ring_hz:.2f}", f"{part.ring_hz * 4.0:.0f}") for part in drawn
     ]
-    return table(("strip", "rings at about, Hz", "20 swings, s", "half as long, Hz"), rows)
+    return markdown_table(("strip", "rings at about, Hz", "20 swings, s", "half as long, Hz"), rows)

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.core.errors import InputError
-from walkergen.core.files.progress import Progress, part
+from walkergen.core.files.progress import Progress, part_progress
 from walkergen.core.scene import Drive, Scene
 from walkergen.core.theory import uncertain
 from walkergen.core.walker import solids
@@ -91,7 +91,7 @@ def spread(ground: Ground, count: int) -> Array:
     Points of a lattice (`uncertain.even`).
     """
     parameters = ground.unknown.simulated
-    return values(parameters, uncertain.even(len(parameters), count, ground.scene.run.seed))
+    return values(parameters, uncertain.lattice_points(len(parameters), count, ground.scene.run.seed))
 
 
 def simulate(ground: Ground, setting: Setting, x: Array, progress: Progress, batch: int) -> Array:
@@ -109,13 +109,13 @@ def simulate(ground: Ground, setting: Setting, x: Array, progress: Progress, bat
         run = scene.run.model_copy(update={"seed": seed})
         mine = scene.model_copy(update={"run": run})
         inputs = dict(zip(names, row, strict=True))
-        runs.append(Walker(*uncertain.applied(mine, setting.design, inputs)))
+        runs.append(Walker(*uncertain.apply_inputs(mine, setting.design, inputs)))
     keys = [run.key for run in runs]
     store = Store()
     speeds = {key: record["speed_mm_s"] for key, record in store.get(keys).items()}
     missing = [place for place, key in enumerate(keys) if key not in speeds]
     wanted = [runs[place] for place in missing]
-    made = walkers.at_once(wanted, part(progress, 0, 1, f"simulating tilt {setting.tilt:g}"))
+    made = walkers.at_once(wanted, part_progress(progress, 0, 1, f"simulating tilt {setting.tilt:g}"))
     fresh = {keys[missing[place]]: point.summary.speed_mm_s for place, point in made.items()}
     store.put((key, {"speed_mm_s": speed}) for key, speed in fresh.items())
     store.close()
@@ -139,7 +139,9 @@ def _prints(ground: Ground, setting: Setting, count: int, batch: int) -> tuple[A
     rng = np.random.default_rng([ground.scene.run.seed, batch, *place])
     seeds = [int(seed) for seed in rng.integers(2**62, size=count)]
     even = rng.uniform(1e-9, 1.0, (count, len(ground.unknown.printed)))
-    columns = [uncertain.quantiles(varying, even[:, place]) for place, varying in enumerate(ground.unknown.printed)]
+    columns = [
+        uncertain.input_quantiles(varying, even[:, place]) for place, varying in enumerate(ground.unknown.printed)
+    ]
     return np.column_stack(columns) if columns else np.empty((count, 0)), seeds
 
 

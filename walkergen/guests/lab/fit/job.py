@@ -3,22 +3,22 @@
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from walkergen.core.drive import MOTOR_HZ
+from walkergen.core.drive import MOTOR_FREQUENCY_RANGE_HZ
 from walkergen.core.errors import InputError
 from walkergen.core.files import words
-from walkergen.core.scene import LEAST_RESTITUTION, Scene
+from walkergen.core.scene import MIN_RESTITUTION, Scene
 from walkergen.core.walker.design import Design
 from walkergen.guests.lab.fit.least_squares import RANGES
 from walkergen.guests.lab.fit.parameters import FLAT, PRIORS, TABLED_FROM
 
 OF_MODEL = {
-    "restitution": (LEAST_RESTITUTION, 1.0),
+    "restitution": (MIN_RESTITUTION, 1.0),
     "friction": (0.0, 5.0),
     "tip_radius_um": (1e-3, 1e6),
     "thickness_mm": (1e-3, 100.0),
     "youngs_modulus_gpa": (1e-3, 1e4),
     "damping_ratio": (0.0, 10.0),
-    "frequency_hz": MOTOR_HZ,
+    "frequency_hz": MOTOR_FREQUENCY_RANGE_HZ,
     "eccentric_g_mm": (1e-6, 1e6),
 }
 """Ranges of the parameters that a fit of simulated speeds may hold."""
@@ -50,7 +50,7 @@ class Job(NamedTuple):
             name, _, number = (word.strip(" ") for word in text.partition("="))
             if name not in ranges:
                 raise InputError(f"‹fix› {text[:60]!r}: write NAME=VALUE, NAME one of {', '.join(ranges)}{of}")
-            value, (low, high) = words.value(number), ranges[name]
+            value, (low, high) = words.parse_number(number), ranges[name]
             if value is None:
                 raise InputError(f"‹fix› {text[:60]!r}: {number[:30]!r} is not a number")
             if not low <= value <= high:

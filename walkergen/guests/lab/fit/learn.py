@@ -12,7 +12,7 @@ from walkergen.analysis import speeds as measured
 from walkergen.analysis.speeds import Measured
 from walkergen.core.errors import InputError
 from walkergen.core.files.config import validate
-from walkergen.core.files.progress import Expect, Expected, Progress, unheard
+from walkergen.core.files.progress import Expect, Expected, Progress, ignore_estimate
 from walkergen.core.scene import Scene
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
@@ -77,7 +77,7 @@ class Learned(NamedTuple):
     """Design with the thickness and Young's modulus as learnt."""
 
 
-def learn(path: Path, job: Job, progress: Progress, expect: Expect = unheard) -> Learned:
+def learn(path: Path, job: Job, progress: Progress, expect: Expect = ignore_estimate) -> Learned:
     """Learn from a CSV file of speeds by a model.
 
     Columns as in `theory.fit`; simulated models need speed_se_mm_s. Raises InputError for unusable
@@ -85,7 +85,7 @@ def learn(path: Path, job: Job, progress: Progress, expect: Expect = unheard) ->
     """
     model, fixed = job.model, job.held
     total = float(solids.mass_of(job.design).total)
-    table = measured.read(path, job.design.kind, job.scene.drive.beneath(total).peak_speed)
+    table = measured.read(path, job.design.kind, job.scene.drive.equivalent_plate_drive(total).peak_speed)
     measured.refuse_slips(path, table)
     seen, notes = _flexible(table, path, model)
     scene, design = held(job.scene, job.design, fixed)

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from walkergen.core.errors import InputError
 from walkergen.core.theory.speed import Mode, factor
-from walkergen.core.theory.tensors import InverseMass, feet
+from walkergen.core.theory.tensors import InverseMass, foot_tensors
 from walkergen.core.walker.mass import MassProperties
 
 Array = npt.NDArray[np.float64]
@@ -83,7 +83,7 @@ class ContactFit(NamedTuple):
 
 def tensors(masses: Sequence[MassProperties]) -> tuple[InverseMass, InverseMass]:
     """Inverse-mass tensors at the back and the front feet of n walkers, entries of shape (n,)."""
-    both = [feet(mass) for mass in masses]
+    both = [foot_tensors(mass) for mass in masses]
     return tuple(InverseMass(*np.array([pair[foot] for pair in both]).T) for foot in (0, 1))  # type: ignore[return-value]
 
 

@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
-from walkergen.core.files.progress import Expect, Progress, unheard
+from walkergen.core.files.progress import Expect, Progress, ignore_estimate
 from walkergen.guests.lab.fit import learn, report, theory
 from walkergen.guests.lab.fit.job import Job, completed
 from walkergen.guests.lab.fit.report import FitReport
 from walkergen.guests.lab.report import written
 
 
-def fit(path: Path, job: Job, folder: Path, progress: Progress, expect: Expect = unheard) -> FitReport:
+def fit(path: Path, job: Job, folder: Path, progress: Progress, expect: Expect = ignore_estimate) -> FitReport:
     """Fit a model to a CSV file of speeds, and write what follows into a folder.
 
     Files: tables, page and figure of the report, scene.toml, design.toml (of the theory as it was

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from walkergen.core.errors import InputError
 from walkergen.core.files import words
-from walkergen.core.scene import LEAST_RESTITUTION, Scene
+from walkergen.core.scene import MIN_RESTITUTION, Scene
 from walkergen.core.theory import uncertain
 from walkergen.core.theory.uncertain import Input
 from walkergen.core.walker.design import Design
@@ -32,8 +32,8 @@ KEYS = {
     "thickness_mm": "legs.thickness_mm",
     "youngs_modulus_gpa": "material.youngs_modulus_gpa",
     "damping_ratio": "legs.damping_ratio",
-    "frequency_hz": uncertain.FREQUENCY,
-    "eccentric_g_mm": uncertain.MOMENT,
+    "frequency_hz": uncertain.FREQUENCY_KEY,
+    "eccentric_g_mm": uncertain.MOMENT_KEY,
 }
 """Names of the parameters and their keys among `uncertain.inputs`: those of all prints alike, the
 last two of a motor."""
@@ -67,19 +67,19 @@ class Parameter(NamedTuple):
         """Values below which these shares of the prior lie; any shape."""
         if self.flat:
             return self.prior.low + shares * (self.prior.high - self.prior.low)
-        return uncertain.quantiles(self.prior, shares)
+        return uncertain.input_quantiles(self.prior, shares)
 
     @property
     def told(self) -> str:
         """Statement of the prior."""
         prior = self.prior
         if prior.factor:
-            return f"{words.number(prior.mean, 4)}, factor {math.exp(prior.sd):.3g}"
+            return f"{words.format_number(prior.mean, 4)}, factor {math.exp(prior.sd):.3g}"
         if prior.mean == 0.0:
             return f"half normal, {prior.sd:g}"
         if self.flat:
             return f"flat, {prior.low:g} to {prior.high:g}"
-        return f"{words.number(prior.mean, 4)} ± {words.number(prior.sd, 2)}"
+        return f"{words.format_number(prior.mean, 4)} ± {words.format_number(prior.sd, 2)}"
 
 
 class Unknown(NamedTuple):
@@ -125,7 +125,7 @@ def unknown(
         if prior == "flat" and name in FLAT:
             low, high = FLAT[name]
             if name == "restitution":
-                low = LEAST_RESTITUTION
+                low = MIN_RESTITUTION
             if name == "friction" and model == "prediction":
                 low = TABLED_FROM
             middle, sd = 0.5 * (low + high), (high - low) / 12**0.5
@@ -145,9 +145,9 @@ def unknown(
 def held(scene: Scene, design: Design, fixed: Mapping[str, float]) -> tuple[Scene, Design]:
     """Scene and design with the fixed values. Raises GeometryError for legs too thick."""
     values = {KEYS[name]: value for name, value in fixed.items()}
-    if scene.drive.kind == "plate" and (wrong := {uncertain.FREQUENCY, uncertain.MOMENT} & set(values)):
+    if scene.drive.kind == "plate" and (wrong := {uncertain.FREQUENCY_KEY, uncertain.MOMENT_KEY} & set(values)):
         raise InputError(f"‹fix›: {sorted(wrong)[0]} is a motor's, and the scene has a plate")
-    scene, design, _ = uncertain.applied(scene, design, values)
+    scene, design, _ = uncertain.apply_inputs(scene, design, values)
     return scene, design
 
 

@@ -50,7 +50,9 @@ def of_theory(fitted: Fitted, job: Job, path: Path, folder: Path) -> FitReport:
     columns = (
         Column("parameter", lambda row: row[0].replace("_", " ")),
         Column("value ± standard error", lambda row: _value(row[1], row[2], row[-1])),
-        Column("68 % interval (profile)", lambda row: "given" if row[-1] == "given" else words.span(row[3], row[4])),
+        Column(
+            "68 % interval (profile)", lambda row: "given" if row[-1] == "given" else words.format_range(row[3], row[4])
+        ),
     )
     keys = ("parameter", "value", "se", "low_68", "high_68", "origin")
     facts = {
@@ -169,8 +171,8 @@ def _origin(fit: ContactFit, name: str) -> str:
 def _value(value: float, se: float | None, origin: str) -> str:
     """Value of a parameter with its error, as people read it."""
     if origin == "given":
-        return words.number(value, 6)
-    return f"{words.number(value, 4)} ± unknown" if se is None else words.with_error(value, se)
+        return words.format_number(value, 6)
+    return f"{words.format_number(value, 4)} ± unknown" if se is None else words.format_with_error(value, se)
 
 
 def quality(fit: ContactFit) -> str:

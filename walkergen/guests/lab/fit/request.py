@@ -82,4 +82,4 @@ class FitRequest(request.Request):
         given = self.inputs()
         design, scene = given.design(self.design), given.scene(self.scene)
         job = Job(design, scene, self.model, self.fix, self.prior, self.predict, self.mode, self.pictures)
-        return make.fit(self.speeds, job, output.results(self.speeds, self.out, "fit"), progress, self._expect)
+        return make.fit(self.speeds, job, output.result_folder(self.speeds, self.out, "fit"), progress, self._expect)

@@ -36,11 +36,11 @@ class Tabled(NamedTuple):
         Shared are the errors of the surrogate and of the model itself, `prediction.model_sd`.
         """
         drawn = Drawn(dict(zip(self.inputs, x.T, strict=True)), len(x))
-        plate, speeds = self.setting.plate_speed, self.known.drawn(drawn)
+        plate, speeds = self.setting.plate_speed, self.known.sample_speeds(drawn)
         slope = plate * LINEAR_BELOW * np.cosh(speeds.centre)
-        mean = plate * speeds.at(0.0)
-        learnt = drawn.of(SCATTER, 0.0) * np.hypot(mean, STILL * plate)
-        shared = np.hypot(slope * speeds.error, prediction.with_model_sd(mean, self.known.scene))
+        mean = plate * speeds.speed_ratios(0.0)
+        learnt = drawn.input_values(SCATTER, 0.0) * np.hypot(mean, STILL * plate)
+        shared = np.hypot(slope * speeds.error, prediction.model_error_sd(mean, self.known.scene))
         return mean, shared, np.hypot(slope * speeds.between_prints, learnt)
 
 
@@ -51,7 +51,7 @@ def responses(ground: Ground, settings: Sequence[Setting]) -> list[Tabled]:
     for setting in settings:
         scene, design = on_plate(ground.scene, setting), setting.design
         try:
-            known = surrogate.of(scene, design, solids.mass_of(design), within_goal=False)
+            known = surrogate.case_in_domain(scene, design, solids.mass_of(design), within_goal=False)
         except UnknownError as error:
             raise InputError(
                 f"{design.name}, tilt {setting.tilt:g} deg: {error.text}: learn from simulated speeds, "

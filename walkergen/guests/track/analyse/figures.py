@@ -138,7 +138,7 @@ def plate_speed_figure(motion: Motion, title: str) -> Figure:
     if motion.line is not None:
         ends = np.array([0.0, measured[0].max()])
         slope, se = motion.line.slope, motion.line.slope_se
-        label = f"through the origin, slope {words.with_error(slope, se)}"
+        label = f"through the origin, slope {words.format_with_error(slope, se)}"
         axes.plot(ends, slope * ends, color=FITTED.colour, label=label)
     axes.set_xlim(left=0)
     name(axes, "plate speed (mm/s)", "speed (mm/s)")

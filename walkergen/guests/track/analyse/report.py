@@ -117,7 +117,7 @@ def _tables(motion: Motion) -> Iterator[Table]:
 def _with_scale(number: Quantity, motion: Motion) -> str:
     """Value with its error and, where the scale has one, that of the scale beside it."""
     by_scale = facts.scale_se(number, motion)
-    scale = f" ± {words.number(by_scale, 2)} (scale)" if by_scale and number.known else ""
+    scale = f" ± {words.format_number(by_scale, 2)} (scale)" if by_scale and number.known else ""
     return quantities.format_value(number) + scale
 
 
@@ -144,7 +144,7 @@ def _walkers(motion: Motion) -> Table:
     headings = ("speed (mm/s)", "turning (rad/s)")[: 1 + turns]
     columns = [
         Column("walker", lambda row: str(row[0])),
-        Column("seen (s)", lambda row: words.number(row[1], 3), right=True),
+        Column("seen (s)", lambda row: words.format_number(row[1], 3), right=True),
         *(Column(heading, _own(name, alone)) for heading, name in zip(headings, OF_WALKERS, strict=False)),
     ]
     return Table("walkers", rows, ALONE, columns, "Walkers", read=rows[:MOST_WALKERS])
@@ -161,11 +161,11 @@ def _line(motion: Motion) -> Iterator[str]:
     if line is None:
         return
     scale = facts.scale_se(Quantity("slope", "mm_s", line.slope), motion)
-    scale_error = f" ± {words.number(scale, 2)} by the scale" if scale else ""
+    scale_error = f" ± {words.format_number(scale, 2)} by the scale" if scale else ""
     yield (
-        f"speed = ({words.with_error(line.slope, line.slope_se)}{scale_error}) x plate speed, a "
-        f"line through the origin; chi² {words.number(line.chi2)} for {line.points - 1} degrees of "
-        f"freedom, probability {words.number(line.p_value, 2)}"
+        f"speed = ({words.format_with_error(line.slope, line.slope_se)}{scale_error}) x plate speed, a "
+        f"line through the origin; chi² {words.format_number(line.chi2)} for {line.points - 1} degrees of "
+        f"freedom, probability {words.format_number(line.p_value, 2)}"
     )
 
 

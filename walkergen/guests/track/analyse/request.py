@@ -94,7 +94,7 @@ class AnalyseRequest(request.Request):
         """Dish whose walls are told; an endless one where there are none."""
         from walkergen.core import dish
 
-        return None if self.arena is None else dish.OPEN if self.arena == "open" else dish.parse(self.arena)
+        return None if self.arena is None else dish.OPEN_GROUND if self.arena == "open" else dish.parse_dish(self.arena)
 
     def _measured(self, path: Path, progress: Progress) -> "AnalysisReport":
         """Measure what the tracks of a file are of."""
@@ -105,7 +105,7 @@ class AnalyseRequest(request.Request):
         else:
             self.refuse("is of single walkers, not of a ‹dish›", "lag_ms", "arena", "descent_deg")
         units = request.units(self.fps, self.mm_per_px, self.y_down, self.unit, self.lane)
-        folder = output.results(path, self.out, "analysis") if self.out or self._shell else None
+        folder = output.result_folder(path, self.out, "analysis") if self.out or self._shell else None
         if self.dish is None:
             from walkergen.guests.track.analyse import make
 

@@ -87,11 +87,11 @@ class Clock(NamedTuple):
     @property
     def in_words(self) -> str:
         """Rate of frames, and how far apart they are where that changes."""
-        rate = f"{words.number(self.fps, 4)} frames a second"
+        rate = f"{words.format_number(self.fps, 4)} frames a second"
         if self.regular:
             return rate
         steps = 1e3 * np.diff(self.times)
-        return f"{rate} in the mean, {words.span(steps.min(), steps.max(), 3)} ms apart by the film's times"
+        return f"{rate} in the mean, {words.format_range(steps.min(), steps.max(), 3)} ms apart by the film's times"
 
 
 def require() -> None:
@@ -103,7 +103,7 @@ def about(path: Path) -> Film:
     """Read size, rate and duration of a film or a folder of pictures. Raises InputError for others, or if too large."""
     shots = pictures.listed(path) if path.is_dir() else ()
     if not shots:
-        reading.check(path, "a film")
+        reading.check_readable(path, "a film")
     with _playing(path, shots[:1]) as (process, messages):
         assert process.stdout is not None
         first = process.stdout.readline(MOST_LETTERS)

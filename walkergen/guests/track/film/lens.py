@@ -130,7 +130,7 @@ class Lens(NamedTuple):
 
 def read(path: Path) -> Lens:
     """Lens of a file. Raises InputError for what is missing, or no lens."""
-    data = reading.json_of(path, MOST_BYTES)
+    data = reading.read_json(path, MOST_BYTES)
     if not isinstance(data, dict):
         raise InputError(f"{path}: must be a JSON object with camera_matrix and more, see ‹help›")
     width, height = (_numbers(data, name, path, (1,))[0] for name in ("image_width", "image_height"))
@@ -155,7 +155,7 @@ def _numbers(data: Mapping[str, Any], name: str, path: Path, counts: tuple[int, 
         cells = [inner for cell in cells for inner in (cell if isinstance(cell, list) else [cell])]
     sound = all(isinstance(cell, int | float) and abs(cell) < 1e9 for cell in cells)
     if not sound or len(cells) not in counts:
-        seen = "is missing" if value is None else f"= {plain.line(str(value))[:40]}"
+        seen = "is missing" if value is None else f"= {plain.shorten_line(str(value))[:40]}"
         many = " or ".join(map(str, counts))
         raise InputError(f"{path}: {name} {seen}: must be {many} number{'s' * (many != '1')}")
     return [float(cell) for cell in cells]

@@ -63,20 +63,20 @@ def _notes(tracked: Tracked, found: Marked, change: float) -> Iterator[str]:
     """Yield notes on what was read: scale, tilt and rate."""
     assert tracked.mm_per_px_se is not None
     flat, options = found.plane, tracked.options
-    size = f"{words.number(options.marker_mm or MARKER_MM, 4)} mm"
+    size = f"{words.format_number(options.marker_mm or MARKER_MM, 4)} mm"
     if options.marker_se_mm is not None:
-        size += f" ± {words.number(options.marker_se_mm, 2)}"
+        size += f" ± {words.format_number(options.marker_se_mm, 2)}"
     sides = [walker.size_px for walker in tracked.walkers]
-    pixels = " to ".join(dict.fromkeys(words.number(side, 3) for side in (min(sides), max(sides))))
+    pixels = " to ".join(dict.fromkeys(words.format_number(side, 3) for side in (min(sides), max(sides))))
     yield (
         f"Markers {size} wide, black frame included (‹marker_mm›), {pixels} pixels in the picture: "
-        f"{words.number(flat.mm_per_px, 4)} mm a pixel in its middle ± "
-        f"{words.number(100.0 * tracked.mm_per_px_se / flat.mm_per_px, 2)} %; {tracked.clock.in_words}."
+        f"{words.format_number(flat.mm_per_px, 4)} mm a pixel in its middle ± "
+        f"{words.format_number(100.0 * tracked.mm_per_px_se / flat.mm_per_px, 2)} %; {tracked.clock.in_words}."
     )
     yield (
         f"The camera is tilted by {flat.tilt_deg:.0f} deg, and lengths differ by "
         f"{100.0 * change:.2g} % between the places of walkers: undone. Corners lie "
-        f"{words.number(flat.residual_px, 2)} pixels off those of squares."
+        f"{words.format_number(flat.residual_px, 2)} pixels off those of squares."
     )
 
 

@@ -81,7 +81,7 @@ def of(tracked: Tracked, found: "Unmarked | Marked", told: Told, folder: Path) -
     picture, lines = folder / PICTURE, [*told.notes]
     if not math.isnan(tracked.jitter_mm):
         lines.append(
-            f"Places jitter by {words.number(tracked.jitter_mm, 2)} mm between neighbouring frames. It is no "
+            f"Places jitter by {words.format_number(tracked.jitter_mm, 2)} mm between neighbouring frames. It is no "
             "bound: what stays or changes slowly, as a shadow, the lens or a cap's height, is not in it."
         )
 

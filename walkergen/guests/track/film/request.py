@@ -125,4 +125,4 @@ class TrackRequest(request.Request):
             marker_mm=side,
             marker_se_mm=side_se,
         )
-        return make.track(self.film, options, output.results(self.film, self.out, "track"), progress)
+        return make.track(self.film, options, output.result_folder(self.film, self.out, "track"), progress)

@@ -59,11 +59,12 @@ def _notes(tracked: Tracked, found: Unmarked) -> Iterator[str]:
     look, linked = found.look, found.linked
     error = " (its error is not known: give it as 0.05+-0.001)"
     if tracked.mm_per_px_se is not None:
-        error = f" ± {words.number(100.0 * tracked.mm_per_px_se / tracked.mm_per_px, 2)} %"
+        error = f" ± {words.format_number(100.0 * tracked.mm_per_px_se / tracked.mm_per_px, 2)} %"
     yield (
         f"Walkers {'darker' if look.dark else 'lighter'} than the ground by more than "
-        f"{words.number(look.threshold)} of 255 steps, {linked.length:.1f} pixels long and {look.width:.0f} wide, "
-        f"area {linked.area:.0f}; {words.number(tracked.mm_per_px, 4)} mm a pixel{error}; "
+        f"{words.format_number(look.threshold)} of 255 steps, {linked.length:.1f} pixels long and "
+        f"{look.width:.0f} wide, "
+        f"area {linked.area:.0f}; {words.format_number(tracked.mm_per_px, 4)} mm a pixel{error}; "
         f"{tracked.clock.in_words}."
     )
     if math.isnan(found.shake.rms):
@@ -101,7 +102,7 @@ def _seen(tracked: Tracked, found: Unmarked, pull: float, size: "Sizes") -> Iter
     look, shake = found.look, found.shake
 
     def length(pixels: float) -> str:
-        return f"{words.number(pixels, 2)} pixels ({words.number(pixels * tracked.mm_per_px, 2)} mm)"
+        return f"{words.format_number(pixels, 2)} pixels ({words.format_number(pixels * tracked.mm_per_px, 2)} mm)"
 
     if look.blur:
         yield (
