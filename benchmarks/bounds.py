@@ -142,7 +142,7 @@ def speeds(hidden: Hidden, tilts: Sequence[float], seconds: float) -> list[float
         scene = scene.variant(**keys)
         step = prepare(scene, printed, mass).world.options.step
         asked.append(Walker(scene.variant(**{"run.step_us": 1e5 * step}), printed, mass))
-    found = walkers.at_once(asked).values()
+    found = walkers.simulate_parallel(asked).values()
     told = [one.summary.speed_mm_s for one in found]
     if None in told:
         raise InputError("a hidden print falls")

@@ -45,7 +45,7 @@ def card() -> Card:
 def taken(one: Card, dish: Dish, places: np.ndarray, simulated: float, ranks: int) -> tuple[float, float]:
     """Time of the processors and of the clock in a run, s."""
     started, before = time.perf_counter(), os.times().children_user
-    asked = doors.crowd([one], np.zeros(len(places), int), dish, places, simulated, rate_hz=50.0, seed=1)
+    asked = doors.make_crowd([one], np.zeros(len(places), int), dish, places, simulated, rate_hz=50.0, seed=1)
     crowd.simulate(asked, ranks)
     return os.times().children_user - before, time.perf_counter() - started
 

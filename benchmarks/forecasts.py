@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from walkergen import inputs
-from walkergen.command_table import request_of
+from walkergen.command_table import load_request
 from walkergen.core import caches
 from walkergen.core.files.progress import Expected, silent
 
@@ -57,7 +57,7 @@ def alone(folder: Path) -> Iterator[None]:
     def no_pool(*_: object) -> Iterator[None]:
         yield None
 
-    inputs.pool_of = no_pool
+    inputs.open_pool = no_pool
     os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
     yield
 
@@ -82,7 +82,7 @@ def held(name: str, values: dict[str, Any], folder: Path) -> tuple[float | None,
         more["speeds"].write_text(SPEEDS)
     if name in ("crowd", "fit", "movie"):
         more["out"] = folder / ("film.gif" if name == "movie" else "folder")
-    asked = request_of(name).asked(values | more)
+    asked = load_request(name).asked(values | more)
     asked.hear(hear)
     asked.run(silent)
     return (said[0][0], spent() - said[0][1]) if said else (None, 0.0)

@@ -48,7 +48,7 @@ def rough_sphere(triangles: int) -> Mesh:
     ball = trimesh.creation.uv_sphere(radius=10.0, count=[side, 2 * side])
     rng = np.random.default_rng(13)
     vertices = ball.vertices * (1.0 + 0.03 / side * rng.uniform(size=(len(ball.vertices), 1)))
-    return Mesh(*meshes.merged(vertices, np.asarray(ball.faces, np.int64)))
+    return Mesh(*meshes.merge_vertices(vertices, np.asarray(ball.faces, np.int64)))
 
 
 def two_legs(body: joining.Body) -> list[Mesh]:
@@ -127,11 +127,11 @@ def read(body: Mesh, folder: Path) -> None:
     """Print the times of reading a file and of each check."""
     path = folder / "body.stl"
     path.write_bytes(stl.pack(body.vertices[body.triangles], "body"))
-    total, found = timed(lambda: own_mesh.read(path))
+    total, found = timed(lambda: own_mesh.read_body(path))
     mesh = found.mesh
     rows = {
-        "file to merged vertices": timed(lambda: meshes.load(path, "body"))[0],
-        "edges": timed(lambda: faults.edges(mesh.triangles))[0],
+        "file to merged vertices": timed(lambda: meshes.read_mesh(path, "body"))[0],
+        "edges": timed(lambda: faults.faulty_edges(mesh.triangles))[0],
         "closed pieces": timed(lambda: faults.shells(mesh))[0],
         "conversion for the modeller": timed(lambda: joining.prepare_body(mesh))[0],
         "crossings": timed(lambda: crossings.find(mesh.vertices, mesh.triangles, 1e-5))[0],
@@ -153,7 +153,7 @@ def million() -> None:
         path.write_bytes(stl.pack(body.vertices[body.triangles], "body"))
         del body
         before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-        seconds, found = timed(lambda: own_mesh.read(path))
+        seconds, found = timed(lambda: own_mesh.read_body(path))
         after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         print(f"a million: {len(found.mesh.triangles)} triangles, {path.stat().st_size / 1e6:.0f} MB")
         print(f"  read and checked in {seconds:.2f} s, peak {after / 1e6:.2f} GB (before {before / 1e6:.2f} GB)")

@@ -78,7 +78,7 @@ def flat_cost(outline, places: np.ndarray, dish: Dish) -> float:
     for simulated in (0.1, 0.6):
         before = os.times().children_user
         kinds = np.zeros(len(places), int)
-        crowd.simulate(doors.crowd([card()], kinds, dish, places, simulated, rate_hz=50.0, seed=1))
+        crowd.simulate(doors.make_crowd([card()], kinds, dish, places, simulated, rate_hz=50.0, seed=1))
         taken.append(os.times().children_user - before)
     return (taken[1] - taken[0]) / 0.5 / len(places)
 

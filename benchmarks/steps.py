@@ -126,7 +126,7 @@ def measured(one: Setting, code: str, options: argparse.Namespace) -> Row:
     plan = prepare(own, design, mass)
     fine = {"run.seed": 2, "run.step_us": 1e6 * plan.world.options.step / options.finer}
     pair = [Walker(own, design, mass), Walker(own.variant(**fine), design, mass)]
-    coarse, finer = (one.summary for one in walkers.at_once(pair).values())
+    coarse, finer = (one.summary for one in walkers.simulate_parallel(pair).values())
     stated = resolution.judge(plan, coarse)[observables.SPEED].error
     speeds = (coarse.speed_mm_s, coarse.speed_se_mm_s, finer.speed_mm_s, finer.speed_se_mm_s)
     known = [math.nan if value is None else value for value in (*speeds, stated)]

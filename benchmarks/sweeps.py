@@ -19,13 +19,13 @@ from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.guests.sweep import axes
 from walkergen.guests.sweep import evaluation as run
-from walkergen.guests.sweep.make import Job, make
+from walkergen.guests.sweep.make import Job, make_sweep
 from walkergen.guests.sweep.point_request import Request
 from walkergen.points import walkers
 from walkergen.points.experiments import Walker
 from walkergen.points.point import Point
 from walkergen.points.store import Store
-from walkergen.points.worker_pool import local
+from walkergen.points.worker_pool import local_pool
 
 REPEATS = 3
 
@@ -59,14 +59,14 @@ def overhead(count: int, folder: Path) -> None:
     request = request_of(count, "space")
     short = request.scene.variant(**{"run.runs": 4, "run.seconds": 0.05, "run.discard_seconds": 0.0})
     asked = [one for one in request._replace(scene=short).points() if isinstance(one, Point)]
-    list(run.each(asked[:1], Store(folder / "warm")))
+    list(run.evaluate_points(asked[:1], Store(folder / "warm")))
     times = []
     for number in range(REPEATS):
         started = time.perf_counter()
         for one in asked:
             walkers.simulate(Walker(one.scene, one.design, solids.mass_of(one.design)), silent, 1)
         middle = time.perf_counter()
-        list(run.each(asked, Store(folder / f"overhead{number}")))
+        list(run.evaluate_points(asked, Store(folder / f"overhead{number}")))
         times.append((middle - started, time.perf_counter() - middle))
     bare, whole = (1e3 * min(column) / count for column in zip(*times, strict=True))
     print(f"{count} simulated points: {bare:.2f} ms each in a loop, {whole - bare:+.2f} ms here")
@@ -77,13 +77,13 @@ def workers(count: int, folder: Path) -> None:
     times = []
     for number in (1, 2):
         request = request_of(count, "space")
-        asked = [one for one in request.asked() if isinstance(one, Point)]
+        asked = [one for one in request.from_values() if isinstance(one, Point)]
         asked = [one._replace(scene=one.scene.variant(**{"run.runs": 16})) for one in asked]
-        with local(number) as pool:
+        with local_pool(number) as pool:
             store = Store(folder / f"workers{number}")
-            list(run.each(asked[: 2 * number], store, pool))
+            list(run.evaluate_points(asked[: 2 * number], store, pool))
             started = time.perf_counter()
-            list(run.each(asked[4:], store, pool))
+            list(run.evaluate_points(asked[4:], store, pool))
             times.append(time.perf_counter() - started)
     print(f"two workers: {times[0] / times[1]:.2f} times one ({times[0]:.1f} s, {times[1]:.1f} s)")
 
@@ -102,7 +102,7 @@ def predicted(count: int, folder: Path) -> None:
         ),
     ):
         started, used = time.perf_counter(), time.process_time()
-        make(Job(one, "benchmark", pictures=False), folder / "table", store, None, silent)
+        make_sweep(Job(one, "benchmark", pictures=False), folder / "table", store, None, silent)
         print(
             f"{count} predicted points, {told}: {time.perf_counter() - started:.2f} s "
             f"({time.process_time() - used:.2f} s CPU)"

@@ -168,7 +168,7 @@ def measured(cell: Cell, films: int, code: str, seed: int) -> list[Row]:
     tracks, known = made(cell, films, seed)
     counts = {name: [0, 0, 0] for name in known}
     for each in tracks:
-        found = motion.analyse(each, found=walls.of(each)).estimates
+        found = motion.analyse(each, found=walls.find_walls(each)).estimates
         for name, expected in known.items():
             bounds = [found[name.replace(" ", "_")].interval(level) for level in LEVELS]
             inside = [ends is not None and ends[0] <= expected <= ends[1] for ends in bounds]

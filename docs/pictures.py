@@ -129,10 +129,10 @@ def own_shapes(folder: Path) -> bytes:
     from walkergen.core.theory import prediction
     from walkergen.files import figures
 
-    scene = inputs.of({}, {}, ["scene"]).scene("lane-90hz")
+    scene = inputs.from_settings({}, {}, ["scene"]).scene("lane-90hz")
     parts = []
     for shape in OWN_SHAPES:
-        asked = inputs.of({"body.text": shape} if "." not in shape else {}, {}, ["design"])
+        asked = inputs.from_settings({"body.text": shape} if "." not in shape else {}, {}, ["design"])
         if "." in shape:
             (folder / shape).write_bytes((drawings.every() | meshes.every())[shape])
         design = asked.design(str(folder / shape) if "." in shape else "koumakis2016").variant(tilt_deg=10.0)

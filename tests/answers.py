@@ -38,6 +38,6 @@ def assert_every_form(report, capsys):
     assert repr(report).startswith(title)
     html = report._repr_html_()
     assert ElementTree.fromstring(f"<div>{html}</div>").tag == "div"
-    assert all(table._repr_html_() in html for table in report.shown())
+    assert all(table._repr_html_() in html for table in report.visible_tables())
     for table in report.tables:
         assert not table.keys or table.csv().splitlines()[0] == ",".join(table.keys)

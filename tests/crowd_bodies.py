@@ -35,7 +35,7 @@ class Pair:
         self.plan = self.plan._replace(law=law)
         self.walkers = [
             (world._replace(acting=world.acting._replace(gravity=Gravity(1e-9, 0.0, 0.0))), state)
-            for world, state in run.let_go(self.plan, 0)
+            for world, state in run.release_walkers(self.plan, 0)
         ]
         for (world, state), at, velocity, spin in zip(self.walkers, places, velocities, spins, strict=True):
             state[C_X], state[C_Y], state[C_Z] = at[0], 100.0, at[1]
@@ -44,7 +44,7 @@ class Pair:
             work = work_for(world.walker, state)
             place(world, state, work)
             state[W_X : W_X + 3] = work.R.T @ (0.0, spin, 0.0)
-        self.crowd, self.walkers = run.gathered(self.plan, self.walkers)
+        self.crowd, self.walkers = run.make_crowd(self.plan, self.walkers)
 
     @property
     def walker(self):

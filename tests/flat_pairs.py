@@ -56,7 +56,9 @@ def collide(number, restitution, friction, seed, speed=100.0):
         kinds += [kind, len(offsets)]
         places += [mover + np.array([x, y, 0.0]), rester + np.array([x, y, 0.0])]
     dish = Dish("rectangle", (side * ROOM + 40.0,) * 2)
-    run = crowd.simulate(doors.crowd(cards, kinds, dish, places, seconds=0.06, rate_hz=2000.0, seed=seed, running=True))
+    run = crowd.simulate(
+        doors.make_crowd(cards, kinds, dish, places, seconds=0.06, rate_hz=2000.0, seed=seed, running=True)
+    )
     hits = []
     for n, (kind, mover, rester) in enumerate(pairs):
         two = run.poses[:, 2 * n : 2 * n + 2] - (*middle[n], 0.0)

@@ -72,7 +72,7 @@ class Light(NamedTuple):
 
 def texture(number, mirrored=False, covered=False):
     """Brightness (0 ink, 1 paper) of a cap seen from above with its front to the right."""
-    white = np.pad(caps.white(number), caps.QUIET, constant_values=True)
+    white = np.pad(caps.white_cells(number), caps.QUIET_CELLS, constant_values=True)
     cells = np.kron(np.rot90(white, -1), np.ones((TEXELS, TEXELS)))
     if mirrored:
         cells = cells[::-1]

@@ -140,13 +140,13 @@ COMMANDS = {
 """Commands by their names, in the order of the help."""
 
 
-def request_of(name: str) -> Any:
+def load_request(name: str) -> Any:
     """Request of a command, a class of `walkergen.request.Request`."""
     module = import_module(f"walkergen.{COMMANDS[name].folder}.request")
     return getattr(module, f"{name.capitalize()}Request")
 
 
-KEY = re.compile(rf"{COMMAND_LINE_SOURCE}: ([\w.]+) = ")
+KEY_PATTERN = re.compile(rf"{COMMAND_LINE_SOURCE}: ([\w.]+) = ")
 
 
 def for_shell(text: str, names: Mapping[str, str] | None = None) -> str:
@@ -163,4 +163,6 @@ def for_shell(text: str, names: Mapping[str, str] | None = None) -> str:
 
 def for_call(text: str, sets: Mapping[str, str]) -> str:
     """Return a text whose fields are Python's arguments; `sets` are the arguments of a call that set keys of files."""
-    return spell_for_python(KEY.sub(lambda found: f"‹{sets[found[1]]}=›" if found[1] in sets else found[0], text))
+    return spell_for_python(
+        KEY_PATTERN.sub(lambda found: f"‹{sets[found[1]]}=›" if found[1] in sets else found[0], text)
+    )

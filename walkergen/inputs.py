@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from walkergen.core.errors import COMMAND_LINE_SOURCE, InputError
-from walkergen.files.key_names import KINDS, TILTS
+from walkergen.files.key_names import KIND_KEYS, TILT_KEYS
 
 if TYPE_CHECKING:
     from walkergen.core.files.config import Model
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from walkergen.core.walker.weights import Weighings
     from walkergen.points.worker_pool import WorkerPool
 
-FAMILY_TILTS, FAMILY_KINDS = ("family.tilt_deg",), ("family.legs",)
+FAMILY_TILT_KEYS, FAMILY_KIND_KEYS = ("family.tilt_deg",), ("family.legs",)
 """Keys of a design that --tilt and --legs set of a whole family."""
 
-MARKERS = ("aruco",)
+MARKER_KINDS = ("aruco",)
 """Markers that caps may bear: OpenCV's ArUco."""
 
 
@@ -49,13 +49,13 @@ class Inputs(NamedTuple):
         from walkergen.core.walker.design import Design
         from walkergen.files import templates
 
-        known = not isinstance(source, str) or templates.written_as_path(source)
-        if not known and source not in templates.known("walkers"):
-            _confirm(source, self.asks)
-            own = {key: self.values[key] for key in self.of("design")}
+        known = not isinstance(source, str) or templates.is_path(source)
+        if not known and source not in templates.all_names("walkers"):
+            _confirm_text(source, self.asks)
+            own = {key: self.values[key] for key in self.keys_of("design")}
             design = assignments.replace_values(Design.from_text(source), own, COMMAND_LINE_SOURCE)
         else:
-            design = self._read(source, "walkers", Design, "design")
+            design = self._load_input(source, "walkers", Design, "design")
         if design.weighed.states:
             from walkergen.core.walker import weights
 
@@ -70,14 +70,14 @@ class Inputs(NamedTuple):
         """
         from walkergen.core.scene import Scene
 
-        own = {key: value for key, value in (otherwise or {}).items() if not _set_by(self.values, key)}
-        return self._replace(values={**self.values, **own})._read(source, "scenes", Scene, "scene")
+        own = {key: value for key, value in (otherwise or {}).items() if not _setting_key(self.values, key)}
+        return self._replace(values={**self.values, **own})._load_input(source, "scenes", Scene, "scene")
 
     def printer(self, source: Any) -> "Printer":
         """Printer as it is, with a template's name, or at a file's path. Raises InputError."""
         from walkergen.core.printing.printers import Printer
 
-        return self._read(source, "printers", Printer, "printer")
+        return self._load_input(source, "printers", Printer, "printer")
 
     def printers(self, sources: Any) -> "list[Printer]":
         """Printers of a comma-separated list, or a single one. Raises InputError for a repeated name."""
@@ -89,13 +89,13 @@ class Inputs(NamedTuple):
                 raise InputError(f"‹printer=›{str(sources)[:60]!r}: two printers are called {name}", "printer")
         return printers
 
-    def _read(self, source: Any, folder: str, model: "type[Model]", thing: str) -> "Model":
+    def _load_input(self, source: Any, folder: str, model: "type[Model]", thing: str) -> "Model":
         """Read what is of a kind, with the values of its keys."""
         from walkergen.core.files import assignments
         from walkergen.files import templates
 
         prefix = "" if thing == "design" else f"{thing}."
-        own = {key.removeprefix(prefix): self.values[key] for key in self.of(thing)}
+        own = {key.removeprefix(prefix): self.values[key] for key in self.keys_of(thing)}
         if isinstance(source, model):
             return assignments.replace_values(source, own, COMMAND_LINE_SOURCE, prefix)
         if not isinstance(source, (str, Path)):
@@ -104,13 +104,15 @@ class Inputs(NamedTuple):
                 "template or the path of a TOML file",
                 thing,
             )
-        return assignments.read_with_values(templates.path_of(source, folder), model, own, COMMAND_LINE_SOURCE, prefix)
+        return assignments.read_with_values(
+            templates.resolve_path(source, folder), model, own, COMMAND_LINE_SOURCE, prefix
+        )
 
-    def of(self, thing: str) -> list[str]:
+    def keys_of(self, thing: str) -> list[str]:
         """Keys of a design, a scene or a printer that are set."""
-        return [key for key in self.values if thing_of(key) == thing]
+        return [key for key in self.values if section_of(key) == thing]
 
-    def one(self, source: Any, tilt: float | None, legs: "Kind | None") -> "Design":
+    def single_member(self, source: Any, tilt: float | None, legs: "Kind | None") -> "Design":
         """Walker of a tilt (deg) and a kind of legs, or of its own."""
         (member,) = self.members(
             self.design(source), None if tilt is None else [tilt], None if legs is None else [legs], whole=False
@@ -121,7 +123,7 @@ class Inputs(NamedTuple):
         self, design: "Design", tilts: Sequence[float] | None, kinds: "Sequence[Kind] | None", whole: bool
     ) -> "list[Design]":
         """Variants of a design, kinds outermost; without tilts and kinds its own or, if `whole`, its family's."""
-        self._refuse_twice(tilts, kinds, whole)
+        self._check_conflicts(tilts, kinds, whole)
         if not whole:
             tilts = [design.tilt_deg] if tilts is None else tilts
             kinds = [design.kind] if kinds is None else kinds
@@ -141,32 +143,32 @@ class Inputs(NamedTuple):
             return members, [copies] * len(members)
         if tilts is not None:
             raise InputError("‹copies›: names the tilts: leave ‹tilt› out", "copies")
-        self.refuse(TILTS + FAMILY_TILTS, "‹copies› names the tilts: leave one of them out")
+        self.check_unset(TILT_KEYS + FAMILY_TILT_KEYS, "‹copies› names the tilts: leave one of them out")
         members = self.members(design, list(copies), kinds, whole)
         return members, [copies[member.tilt_deg] for member in members]
 
-    def _refuse_twice(self, tilts: Sequence[object] | None, kinds: Sequence[object] | None, whole: bool) -> None:
+    def _check_conflicts(self, tilts: Sequence[object] | None, kinds: Sequence[object] | None, whole: bool) -> None:
         """Refuse keys that tilt and legs set too, and of a family those that it replaces."""
         if whole:
             advice = "a family has the tilts of family.tilt_deg: ‹tilt=›12, or ‹set›"
-            self.refuse(TILTS, f"{advice} 'family.tilt_deg=[12]'")
+            self.check_unset(TILT_KEYS, f"{advice} 'family.tilt_deg=[12]'")
             advice = "a family has the kinds of family.legs: ‹legs=›braced, or ‹set›"
-            self.refuse(KINDS, f"{advice} 'family.legs=[\"braced\"]'")
+            self.check_unset(KIND_KEYS, f"{advice} 'family.legs=[\"braced\"]'")
         for field, values, keys in (
-            ("tilt", tilts, FAMILY_TILTS if whole else TILTS),
-            ("legs", kinds, FAMILY_KINDS if whole else KINDS),
+            ("tilt", tilts, FAMILY_TILT_KEYS if whole else TILT_KEYS),
+            ("legs", kinds, FAMILY_KIND_KEYS if whole else KIND_KEYS),
         ):
             if values is not None:
-                self.refuse(keys, f"‹{field}=›{','.join(map(str, values))} sets it too: leave one of them out")
+                self.check_unset(keys, f"‹{field}=›{','.join(map(str, values))} sets it too: leave one of them out")
 
-    def refuse(self, keys: Sequence[str], why: str) -> None:
+    def check_unset(self, keys: Sequence[str], why: str) -> None:
         """Raise InputError for the first of some keys that is set."""
         for key in keys:
-            if own := _set_by(self.values, key):
+            if own := _setting_key(self.values, key):
                 raise InputError(f"{self.fields[own]}: {why}", key)
 
 
-def _confirm(text: str, asks: bool) -> None:
+def _confirm_text(text: str, asks: bool) -> None:
     """Ask whether a text that names nothing is meant as letters.
 
     Raises InputError where it is not, or where nobody is there.
@@ -177,7 +179,7 @@ def _confirm(text: str, asks: bool) -> None:
 
     from walkergen.files import templates
 
-    known = templates.known("walkers")
+    known = templates.all_names("walkers")
     close = difflib.get_close_matches(text, known, n=1)
     missing = f"{text[:80]!r}: no such template or file" + (f"; did you mean {close[0]}?" if close else "")
     if asks and sys.stdin.isatty() and sys.stderr.isatty():
@@ -191,7 +193,7 @@ def _confirm(text: str, asks: bool) -> None:
     )
 
 
-def of(settings: Mapping[str, Any], fields: Mapping[str, tuple[str, Any]], things: Sequence[str]) -> Inputs:
+def from_settings(settings: Mapping[str, Any], fields: Mapping[str, tuple[str, Any]], things: Sequence[str]) -> Inputs:
     """Values by keys, and by fields of their own, each a key's field and value.
 
     `things` are those whose keys a job takes: some of design, scene, printer. Raises InputError for keys of others,
@@ -201,29 +203,29 @@ def of(settings: Mapping[str, Any], fields: Mapping[str, tuple[str, Any]], thing
     names = {key: f"‹{field}=›{value}" for key, (field, value) in fields.items()}
     for key, value in settings.items():
         name = f"‹set› {key[:60]}"
-        if thing_of(key) not in things:
+        if section_of(key) not in things:
             known = " and the ".join(things)
-            told = f"‹set› {key[:60]}: this command takes no {thing_of(key)}; it has keys of the {known}"
+            told = f"‹set› {key[:60]}: this command takes no {section_of(key)}; it has keys of the {known}"
             raise InputError(told, key)
         for other, first in names.items():
-            if other == key or _within(key, other) or _within(other, key):
+            if other == key or _is_within(key, other) or _is_within(other, key):
                 raise InputError(f"{name}: {first} sets it too: leave one of them out", key)
         values[key], names[key] = value, name
     return Inputs(values, names, [], False)
 
 
-def thing_of(key: str) -> str:
+def section_of(key: str) -> str:
     """Thing that a key belongs to: design, scene or printer."""
     first, dot, _ = key.partition(".")
     return first if dot and first in ("scene", "printer") else "design"
 
 
-def _within(key: str, table: str) -> bool:
+def _is_within(key: str, table: str) -> bool:
     """Return whether a key is in a table, or in an entry of a list."""
     return key.startswith((f"{table}.", f"{table}["))
 
 
-def _set_by(values: Mapping[str, Any], key: str) -> str:
+def _setting_key(values: Mapping[str, Any], key: str) -> str:
     """Key that sets a key: itself, or a table given as a whole that has it; "" for none."""
     for other, value in values.items():
         rest = key.removeprefix(f"{other}.")
@@ -233,7 +235,7 @@ def _set_by(values: Mapping[str, Any], key: str) -> str:
     return ""
 
 
-def weighed(path: Path | None, members: "Sequence[Design]") -> "tuple[dict[str, Weighings], list[str]]":
+def read_masses(path: Path | None, members: "Sequence[Design]") -> "tuple[dict[str, Weighings], list[str]]":
     """Masses of members from a balance, by their names, and what is to be said of other walkers' rows."""
     if path is None:
         return {}, []
@@ -244,7 +246,7 @@ def weighed(path: Path | None, members: "Sequence[Design]") -> "tuple[dict[str, 
     return weighings, [f"{path}: {len(unused)} walkers beside those asked for: {few}"] if unused else []
 
 
-def capped(members: "Sequence[Design]", markers: str | None) -> "list[Design]":
+def add_caps(members: "Sequence[Design]", markers: str | None) -> "list[Design]":
     """Walkers with caps of the markers that --caps asks for, where they have none yet."""
     from walkergen.core.files.assignments import replace_values
 
@@ -254,7 +256,7 @@ def capped(members: "Sequence[Design]", markers: str | None) -> "list[Design]":
     return [replace_values(design, cap, design.name) if design.cap is None else design for design in members]
 
 
-def filled_forms(folder: Path, members: "Sequence[Design]") -> list[str]:
+def filled_form_warnings(folder: Path, members: "Sequence[Design]") -> list[str]:
     """Return notes on mass forms that were not replaced, because a user has written in them."""
     from walkergen.core.walker import names, weights
 
@@ -263,7 +265,7 @@ def filled_forms(folder: Path, members: "Sequence[Design]") -> list[str]:
 
 
 @contextmanager
-def pool_of(few: bool, workers: int | None, dask: str | None = None) -> "Iterator[WorkerPool | None]":
+def open_pool(few: bool, workers: int | None, dask: str | None = None) -> "Iterator[WorkerPool | None]":
     """Workers for points; none, unless asked for, where so `few` are faster in this process.
 
     Raises InputError for a number of processes of a cluster, and for one that does not answer.
@@ -273,10 +275,10 @@ def pool_of(few: bool, workers: int | None, dask: str | None = None) -> "Iterato
     if dask is not None:
         if workers is not None:
             raise InputError(f"‹workers=›{workers}: not with ‹dask›, which has its own", "workers")
-        with worker_pool.dask(dask) as pool:
+        with worker_pool.dask_pool(dask) as pool:
             yield pool
     elif few and workers is None:
         yield None
     else:
-        with worker_pool.local(workers) as pool:
+        with worker_pool.local_pool(workers) as pool:
             yield pool

@@ -25,14 +25,20 @@ if TYPE_CHECKING:
     from walkergen.core.walker.design import Design
     from walkergen.files.report import Report
 
-PAPER, LANE, PLANE, TABLE, PRUSA = "koumakis2016", "lane-90hz", "plane-90hz", "table-motor", "prusa-mk3s"
+PAPER_WALKER, LANE_SCENE, PLANE_SCENE, TABLE_SCENE, DEFAULT_PRINTER = (
+    "koumakis2016",
+    "lane-90hz",
+    "plane-90hz",
+    "table-motor",
+    "prusa-mk3s",
+)
 """Templates of the walker, the scenes and the printer that requests begin with."""
 
-STEEPEST, MOST_TILTS, MOST_COPIES, LONGEST_S = 85, 10_000, 5000, 86_400.0
+MAX_TILT_DEG, MAX_TILTS, MAX_COPIES, MAX_BUDGET_S = 85, 10_000, 5000, 86_400.0
 """Largest tilt (deg), most tilts and copies of a request, longest budget of time (s)."""
 
 
-FORMS = {
+VALUE_FORMS = {
     "int_type": "must be a whole number",
     "float_type": "must be a number",
     "finite_number": "must be a number",
@@ -40,7 +46,7 @@ FORMS = {
 }
 """Forms of a value in words, by pydantic's names of the mistake of another."""
 
-SIGN = re.compile(r"±|\+/?-")
+ERROR_SIGN_PATTERN = re.compile(r"±|\+/?-")
 """Sign before an error."""
 
 Measured = tuple[float, float | None] | None
@@ -67,13 +73,13 @@ class Flag(NamedTuple):
     """True where the shell may give it several times."""
 
 
-FILES = {"walkers": ("DESIGN", "Walker"), "scenes": ("SCENE", "Ground"), "printers": ("PRINTER", "Machine")}
+FILE_PLACEHOLDERS = {"walkers": ("DESIGN", "Walker"), "scenes": ("SCENE", "Ground"), "printers": ("PRINTER", "Machine")}
 """Placeholder and type of what is read from a template or a file, by the kind of templates."""
 
 
 def file_flag(kind: str, help: str, name: str = "", optional: bool = False, argument: bool = False) -> Flag:
     """Flag of a walker, a scene or a printer; Python may leave an `optional` one None."""
-    metavar, takes = FILES[kind]
+    metavar, takes = FILE_PLACEHOLDERS[kind]
     return Flag(help, metavar, name, f"{takes} | None" if optional else takes, templates=(kind,), argument=argument)
 
 
@@ -95,12 +101,12 @@ class Request(BaseModel):
 
     @field_validator("*", mode="before")
     @classmethod
-    def _plain(cls, value: Any) -> Any:
+    def _to_python(cls, value: Any) -> Any:
         """Convert a NumPy scalar to a Python number."""
         return value.item() if type(value).__module__ == "numpy" and not value.shape else value
 
     @classmethod
-    def asked(cls, values: Mapping[str, Any], shell: bool = False) -> Self:
+    def from_values(cls, values: Mapping[str, Any], shell: bool = False) -> Self:
         """Request of these values, of a command or of Python.
 
         Raises InputError, a line for every value that means nothing.
@@ -108,20 +114,20 @@ class Request(BaseModel):
         try:
             request = cls.model_validate(values)
         except ValidationError as error:
-            lines = {_explained(cls, mistake): str(mistake["loc"][0]) for mistake in error.errors()}
+            lines = {_format_mistake(cls, mistake): str(mistake["loc"][0]) for mistake in error.errors()}
             raise InputError("\n".join(lines), *lines.values()) from None
         request._shell = shell
         return request
 
     @classmethod
-    def as_flags(cls, text: str) -> str:
+    def to_flags(cls, text: str) -> str:
         """Return a text whose fields are the flags of the request's command."""
-        return for_shell(text, {field: spelled(cls, field) for field in cls.model_fields})
+        return for_shell(text, {field: flag_name(cls, field) for field in cls.model_fields})
 
     @classmethod
-    def as_arguments(cls, text: str, given: Iterable[str] = ()) -> str:
+    def to_arguments(cls, text: str, given: Iterable[str] = ()) -> str:
         """Return a text whose fields are Python's arguments, also of keys that the given ones set."""
-        return for_call(text, {key: name for name in given if (key := flag(cls, name).sets)})
+        return for_call(text, {key: name for name in given if (key := field_flag(cls, name).sets)})
 
     reports: ClassVar[bool] = True
     """False of a job that has no report: a server."""
@@ -130,11 +136,11 @@ class Request(BaseModel):
         """Do the job. Raises WalkergenError."""
         raise NotImplementedError
 
-    def folder(self, default: Path) -> Path | None:
+    def output_folder(self, default: Path) -> Path | None:
         """Folder to write to: a command has a default one, a function of Python writes where it is told to."""
         return getattr(self, "out", None) or (default if self._shell else None)
 
-    def hear(self, expect: Expect) -> None:
+    def register_time_callback(self, expect: Expect) -> None:
         """Have somebody told how long the job will take, as soon as it knows."""
         self._expect = expect
 
@@ -146,10 +152,10 @@ class Request(BaseModel):
         fields = dict(more)
         for name in type(self).model_fields:
             value = getattr(self, name)
-            if (key := flag(type(self), name).sets) and value is not None:
+            if (key := field_flag(type(self), name).sets) and value is not None:
                 fields[key] = name, value
         things = [thing for thing in ("design", "scene", "printer") if thing in type(self).model_fields]
-        own = inputs.of(getattr(self, "set", {}), fields, things)
+        own = inputs.from_settings(getattr(self, "set", {}), fields, things)
         return own._replace(notes=self._notes, asks=self._shell)
 
     @property
@@ -157,7 +163,7 @@ class Request(BaseModel):
         """What a person should know of what was read, once the job is done, a line each."""
         return self._notes
 
-    def refuse(self, why: str, *fields: str) -> None:
+    def check_unset(self, why: str, *fields: str) -> None:
         """Raise InputError for the first of some fields that is not as it is by default."""
         for name in fields:
             value = getattr(self, name)
@@ -166,44 +172,44 @@ class Request(BaseModel):
                 raise InputError(f"{seen}: {why}; leave it out", name)
 
 
-def flag(request: type[Request], name: str) -> Flag:
+def field_flag(request: type[Request], name: str) -> Flag:
     """How people meet a field."""
     return next(item for item in request.model_fields[name].metadata if isinstance(item, Flag))
 
 
-def spelled(request: type[Request], name: str) -> str:
+def flag_name(request: type[Request], name: str) -> str:
     """Field as a command line names it."""
-    own = flag(request, name)
+    own = field_flag(request, name)
     return own.metavar.partition(".")[0] if own.argument else own.name or "--" + name.replace("_", "-")
 
 
-def _explained(request: type[Request], mistake: Any) -> str:
+def _format_mistake(request: type[Request], mistake: Any) -> str:
     """Line on a mistake of pydantic's: flag, value seen, what is allowed."""
     name, kind, value = str(mistake["loc"][0]), mistake["type"], mistake["input"]
     if kind == "value_error":
         rule = mistake["msg"].removeprefix("Value error, ")
     else:
         of_field = config.describe_allowed_values((name,), request)  # type: ignore[arg-type]  # it reads the fields alone
-        rule = ((FORMS | config.TYPE_RULES).get(kind) or of_field or mistake["msg"]).replace("'", "")
+        rule = ((VALUE_FORMS | config.TYPE_RULES).get(kind) or of_field or mistake["msg"]).replace("'", "")
     shown = plain.shorten_line(repr(value) if isinstance(value, str) else str(value))[:60]
     return f"‹{name}=›{shown}: {rule}"
 
 
-def _number(text: object) -> float:
+def _parse_number(text: object) -> float:
     value = words.parse_number(text) if isinstance(text, str) else text
     if value is None or isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ValueError(f"{str(text)[:30]!r} is not a number")
     return float(value) + 0.0
 
 
-def _tilt(text: object) -> float:
-    value = _number(text)
-    if not -STEEPEST <= value <= STEEPEST:
-        raise ValueError(f"{str(text)[:30]} must lie in -{STEEPEST}..{STEEPEST} deg")
+def _parse_tilt(text: object) -> float:
+    value = _parse_number(text)
+    if not -MAX_TILT_DEG <= value <= MAX_TILT_DEG:
+        raise ValueError(f"{str(text)[:30]} must lie in -{MAX_TILT_DEG}..{MAX_TILT_DEG} deg")
     return value
 
 
-def _listed(value: Any) -> list[Any]:
+def _to_list(value: Any) -> list[Any]:
     """Entries of a text with commas, of anything with several values, or of a single one."""
     if isinstance(value, str):
         return [word.strip() for word in value.split(",")]
@@ -213,11 +219,11 @@ def _listed(value: Any) -> list[Any]:
         return [value]
 
 
-def ground(scene: Any, designs: Sequence["Design"], usual: str = LANE) -> Any:
+def choose_scene(scene: Any, designs: Sequence["Design"], usual: str = LANE_SCENE) -> Any:
     """Return the given scene, or the template for these walkers: a table if one has a motor of its own."""
     if scene is not None:
         return scene
-    return TABLE if any(design.motor is not None for design in designs) else usual
+    return TABLE_SCENE if any(design.motor is not None for design in designs) else usual
 
 
 def parse_tilts(value: Any) -> list[float] | None:
@@ -225,56 +231,56 @@ def parse_tilts(value: Any) -> list[float] | None:
     if value is None:
         return None
     tilts: list[float] = []
-    for piece in _listed(value):
-        numbers = [_tilt(word) for word in (piece.split(":") if isinstance(piece, str) else [piece])]
+    for piece in _to_list(value):
+        numbers = [_parse_tilt(word) for word in (piece.split(":") if isinstance(piece, str) else [piece])]
         if len(numbers) not in (1, 3):
             raise ValueError("write 10, or 5,10,15, or FIRST:LAST:STEP")
-        tilts += numbers if len(numbers) == 1 else _range(*numbers)
+        tilts += numbers if len(numbers) == 1 else _tilt_range(*numbers)
     unique = list(dict.fromkeys(tilts))
-    if len(unique) > MOST_TILTS:
-        raise ValueError(f"{len(unique)} tilts; at most {MOST_TILTS}")
+    if len(unique) > MAX_TILTS:
+        raise ValueError(f"{len(unique)} tilts; at most {MAX_TILTS}")
     return unique
 
 
-def _range(first: float, last: float, step: float) -> list[float]:
+def _tilt_range(first: float, last: float, step: float) -> list[float]:
     if step == 0 or (last - first) / step < 0:
         raise ValueError(f"step {step:g} does not lead from first to last")
     count = (last - first) / step
-    if count > MOST_TILTS:
-        raise ValueError(f"more than {MOST_TILTS} tilts; take a larger step")
+    if count > MAX_TILTS:
+        raise ValueError(f"more than {MAX_TILTS} tilts; take a larger step")
     # Rounded to what people write, so that 0:1:0.1 gives 0.3 and not 0.30000000000000004.
     return [round(first + index * step, 9) + 0.0 for index in range(int(count + 1e-9) + 1)]
 
 
-def _kinds(value: Any) -> list[Any] | None:
-    return None if value is None else list(dict.fromkeys(_listed(value)))
+def _parse_kinds(value: Any) -> list[Any] | None:
+    return None if value is None else list(dict.fromkeys(_to_list(value)))
 
 
-def _copies(value: Any) -> int | dict[float, int]:
+def _parse_copies(value: Any) -> int | dict[float, int]:
     """Parse the copies of each walker, or by tilt: 8, or 10:20,15:40, or {10: 20, 15: 40}."""
     if isinstance(value, Mapping):
         pairs = list(value.items())
     elif isinstance(value, str) and ":" in value:
         pairs = [(word, count) for word, _, count in (piece.partition(":") for piece in value.split(","))]
     else:
-        return _count(value)
+        return _parse_count(value)
     if not pairs:
         raise ValueError("no tilt: write copies by tilt, {10: 20, 15: 40}")
     quotas: dict[float, int] = {}
     for word, count in pairs:
-        tilt = _tilt(word)
-        quotas[tilt] = quotas.get(tilt, 0) + _count(count)
+        tilt = _parse_tilt(word)
+        quotas[tilt] = quotas.get(tilt, 0) + _parse_count(count)
     return quotas
 
 
-def _count(value: Any) -> int:
+def _parse_count(value: Any) -> int:
     from walkergen.core.files import columns
 
     plain = value.item() if hasattr(value, "item") else value
-    count = columns.parse_count(plain, MOST_COPIES) if isinstance(plain, str) else plain
-    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST_COPIES:
+    count = columns.parse_count(plain, MAX_COPIES) if isinstance(plain, str) else plain
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MAX_COPIES:
         raise ValueError(
-            f"{str(value)[:30]!r} must be a whole number in 1..{MOST_COPIES}; write 8, or TILT:COPIES,TILT:COPIES"
+            f"{str(value)[:30]!r} must be a whole number in 1..{MAX_COPIES}; write 8, or TILT:COPIES,TILT:COPIES"
         )
     return count
 
@@ -295,7 +301,7 @@ def parse_settings(value: Any) -> dict[str, Any]:
 
 def parse_texts(value: Any) -> list[str]:
     """Texts KEY=VALUE, of one or several. Raises ValueError for what is none."""
-    texts = [value] if isinstance(value, str) else _listed(() if value is None else value)
+    texts = [value] if isinstance(value, str) else _to_list(() if value is None else value)
     if not all(isinstance(text, str) for text in texts):
         raise ValueError("must be texts KEY=VALUE, or a dict of values by keys")
     return texts
@@ -303,7 +309,7 @@ def parse_texts(value: Any) -> list[str]:
 
 def parse_numbers(value: Any, low: float, high: float) -> list[float]:
     """Numbers within bounds, of a text with commas or as they are."""
-    numbers = [_number(word) for word in _listed(value)]
+    numbers = [_parse_number(word) for word in _to_list(value)]
     if not all(low <= number <= high for number in numbers):
         raise ValueError(f"each must lie in {low:g}..{high:g}")
     return numbers
@@ -319,8 +325,8 @@ def parse_time(value: Any) -> float | None:
         if not unit or number is None:
             raise ValueError("write a time with its unit: 60s, 5min, 1h")
         seconds = number * units[unit]
-    if seconds is not None and not 1.0 <= _number(seconds) <= LONGEST_S:
-        raise ValueError(f"must lie in 1s..{LONGEST_S / 3600:g}h")
+    if seconds is not None and not 1.0 <= _parse_number(seconds) <= MAX_BUDGET_S:
+        raise ValueError(f"must lie in 1s..{MAX_BUDGET_S / 3600:g}h")
     return None if seconds is None else float(seconds)
 
 
@@ -338,7 +344,7 @@ def parse_measured(entry: Any) -> Measured:
     """Parse a number above 0, with its standard error if it has one: 0.05, "0.05±0.001", "0.05+-0.001"."""
     if entry is None:
         return None
-    value, *errors = map(words.parse_number, SIGN.split(str(entry)))
+    value, *errors = map(words.parse_number, ERROR_SIGN_PATTERN.split(str(entry)))
     error = errors[0] if errors else 0.0
     if value is None or value <= 0 or len(errors) > 1 or error is None or not 0 <= error < value:
         raise ValueError(
@@ -348,29 +354,29 @@ def parse_measured(entry: Any) -> Measured:
     return value, error if errors else None
 
 
-def _path(value: Any) -> Path | None:
+def _parse_path(value: Any) -> Path | None:
     return Path(value) if isinstance(value, (str, os.PathLike)) else value
 
 
 def parse_paths(value: Any) -> list[Path]:
     """Paths of files, of one or of several. Raises ValueError for what is none."""
-    paths = _listed(value) if not isinstance(value, (str, os.PathLike)) else [value]
+    paths = _to_list(value) if not isinstance(value, (str, os.PathLike)) else [value]
     if not all(isinstance(path, (str, os.PathLike)) for path in paths):
         raise ValueError("must be names of files")
     return [Path(path) for path in paths]
 
 
-def _writable(value: Any) -> Path | None:
+def _parse_target(value: Any) -> Path | None:
     """Path to write to. Raises ValueError for a name that could not be read again, OutputError where others are."""
-    path = _path(value)
+    path = _parse_path(value)
     if isinstance(path, Path):
         if not reading.has_safe_name(path):
             raise ValueError("holds control characters; give another name")
-        _check_place(path)
+        _check_writable(path)
     return path
 
 
-def _check_place(path: Path) -> None:
+def _check_writable(path: Path) -> None:
     """Raise OutputError where no file can be made: it is told before the work, and not after it."""
     from walkergen.core.files import output
 
@@ -382,24 +388,24 @@ def _check_place(path: Path) -> None:
         raise output.write_error(path, OSError(reason, os.strerror(reason)))
 
 
-File = BeforeValidator(_path)
+File = BeforeValidator(_parse_path)
 """Path of a file to read, as text or as it is."""
-Target = BeforeValidator(_writable)
+Target = BeforeValidator(_parse_target)
 """Path of a file or folder to write."""
 AsText = BeforeValidator(lambda value: str(value) if isinstance(value, (int, float)) else value)
 """Text for which Python may give a number."""
-Words = BeforeValidator(lambda value: None if value is None else _listed(value))
+Words = BeforeValidator(lambda value: None if value is None else _to_list(value))
 """List for which the shell gives a text with commas."""
 
 Kind = Literal["flexible", "braced"]
-WALKER = "Walker: a template, TOML file, drawing, picture or mesh."
-Walker = Annotated[Any, file_flag("walkers", WALKER, argument=True)]
-Filmed = Annotated[Any, file_flag("walkers", WALKER, "--design")]
+WALKER_HELP = "Walker: a template, TOML file, drawing, picture or mesh."
+Walker = Annotated[Any, file_flag("walkers", WALKER_HELP, argument=True)]
+Filmed = Annotated[Any, file_flag("walkers", WALKER_HELP, "--design")]
 Text = Annotated[str | None, Flag("Letters as the walker's body: a name.", "WORD", sets="body.text")]
 Mirror = Annotated[bool | None, Flag("Turn a shape round: what pointed back is the front.", sets="body.mirror")]
 Ground = Annotated[Any, file_flag("scenes", "Scene: a template or a TOML file.")]
-HOME = f"Scene: a template or a TOML file; without, {LANE}, of a walker with a motor {TABLE}."
-Home = Annotated[Any, file_flag("scenes", HOME, optional=True)]
+HOME_HELP = f"Scene: a template or a TOML file; without, {LANE_SCENE}, of a walker with a motor {TABLE_SCENE}."
+Home = Annotated[Any, file_flag("scenes", HOME_HELP, optional=True)]
 Machine = Annotated[Any, file_flag("printers", "Printer: a template or a TOML file.")]
 Machines = Annotated[Any, file_flag("printers", "Printers: templates or TOML files.")]
 Tilt = Annotated[float | None, Flag("Tilt of the legs.", "DEG")]
@@ -411,7 +417,7 @@ Tilts = Annotated[
 ]
 Kinds = Annotated[
     list[Kind] | None,
-    BeforeValidator(_kinds),
+    BeforeValidator(_parse_kinds),
     Flag(
         "Kinds of legs: flexible, braced, or flexible,braced.", "KIND", "--legs", takes="Kind | Iterable[Kind] | None"
     ),
@@ -459,7 +465,7 @@ Predicted = Annotated[
 Uncertain = Annotated[bool, Flag("Draw uncertain inputs; say what to measure next.")]
 Copies = Annotated[
     Any,
-    BeforeValidator(_copies),
+    BeforeValidator(_parse_copies),
     Flag(
         "Copies of each walker, 1 by default: 8, or by tilt: 10:20,15:40.",
         "COPIES",
@@ -488,7 +494,7 @@ Pictures = Annotated[bool, Flag("Draw the figures.")]
 Out = Annotated[Path | None, Target, Flag("Folder to write to; out/NAME by default.", "FOLDER", takes="Name | None")]
 
 
-def units(fps: float | None, mm_per_px: Measured, y_down: bool, unit: str | None, lane: bool = False) -> "Units":
+def track_units(fps: float | None, mm_per_px: Measured, y_down: bool, unit: str | None, lane: bool = False) -> "Units":
     """Units of the tracks of a film."""
     from walkergen.analysis.track_files import Units
 

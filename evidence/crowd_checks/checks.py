@@ -53,8 +53,8 @@ ALONE = (
 def alone_in_space(size: Size, design: Design, mass: MassProperties) -> tuple[Card, Cases]:
     """Card of the walker, and its quantities."""
     scene = setting.scene(size, size.alone_seconds, FORGOTTEN_S, size.alone_runs)
-    measured = walker_motion.simulated(scene, design, mass, silent)
-    return make.card_of(scene, design, mass, measured), of_motion(measured)
+    measured = walker_motion.simulate_walker(scene, design, mass, silent)
+    return make.make_card(scene, design, mass, measured), of_motion(measured)
 
 
 def alone_in_plane(size: Size, card: Card) -> Cases:
@@ -67,8 +67,8 @@ def alone_in_plane(size: Size, card: Card) -> Cases:
     start = np.column_stack((x.ravel(), y.ravel(), rng.uniform(-math.pi, math.pi, SIDE**2)))
     (run,) = runs.in_plane(card, Dish("periodic", (SIDE * apart,)), [start], seconds, RATE_HZ, size.seed)
     kept = run.poses[run.times >= FORGOTTEN_S - 1e-9]
-    own = tracks.of_places([kept[:, i] for i in range(SIDE**2)], 1.0 / RATE_HZ, lane=False)
-    return of_motion(walker_motion.of_tracks(own, True, ()))
+    own = tracks.from_places([kept[:, i] for i in range(SIDE**2)], 1.0 / RATE_HZ, lane=False)
+    return of_motion(walker_motion.measure_tracks(own, True, ()))
 
 
 def of_motion(measured: Measured) -> Cases:

@@ -16,7 +16,7 @@ from walkergen.core.walker.mass import MassProperties
 from walkergen.guests.crowd.cards.card import Card
 from walkergen.guests.crowd.space.placing import place
 from walkergen.guests.crowd.statistics import CrowdFilm, measure, pairs
-from walkergen.guests.crowd.statistics.film import of_places
+from walkergen.guests.crowd.statistics.film import from_places
 from walkergen.guests.crowd.statistics.measuring import UNITS
 from walkergen.guests.crowd.statistics.spreading import speeds
 from walkergen.readers.walkers import seen_above
@@ -97,7 +97,7 @@ def film(size: Size, card: Card, run: Run) -> CrowdFilm:
     kept = run.times >= size.crowd_discard_seconds - 1e-9
     times, count = run.times[kept] - run.times[kept][0], run.poses.shape[1]
     dish = dishes.parse_dish(DISH, "DISH")
-    return of_places(times, run.poses[kept], [card.name] * count, {card.name: _outline(card)}, dish)
+    return from_places(times, run.poses[kept], [card.name] * count, {card.name: _outline(card)}, dish)
 
 
 def _outline(card: Card) -> tuple[Array, ...]:

@@ -27,7 +27,7 @@ def make(size: Size, command: str, folder: Path, progress: Progress) -> Report:
     Equal sizes give equal bytes on one machine. What ends it loses one part, of some minutes: the same
     command goes on. Raises InputError where LAMMPS is absent.
     """
-    engine.locate()
+    engine.find_lammps()
     parts = Parts(folder, size)
     result = report.of(run(size, parts, progress), folder, notes(size, command))
     with Folder(folder, "") as target:

@@ -116,13 +116,13 @@ def of(checked: Checked, folder: Path, notes: Sequence[str]) -> Report:
     rows = checked.rows
     cells = [_cells(row) for row in rows]
     columns = (
-        report.text("check", "check"),
-        report.text("case", "case"),
+        report.text_column("check", "check"),
+        report.text_column("case", "case"),
         Column("number", _name),
         Column("space", lambda row: _stated(row.space)),
         Column("plane", lambda row: _stated(row.plane)),
         Column("apart", _apart),
-        report.text("verdict", "verdict"),
+        report.text_column("verdict", "verdict"),
     )
     return Report(
         name=NAME,

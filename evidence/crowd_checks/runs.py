@@ -42,11 +42,11 @@ def in_space(
     """
     count = len(places[0])
     plan = crowds.prepare(scene, [(design, mass)], [0] * count, np.zeros((count, 3)), endless)
-    shift = walker_motion.centre(mass)
+    shift = walker_motion.centre_of_mass(mass)
 
     def one(number: int, stopped: Stopped, tell: Tell) -> Run:
         run = crowds.simulate(plan._replace(places=places[number]), number, rate_hz, stopped)
-        poses = walker_motion.moved(run.poses[:, :, :3].reshape(-1, 3), shift)
+        poses = walker_motion.shift_poses(run.poses[:, :, :3].reshape(-1, 3), shift)
         return Run(run.times, poses.reshape(len(run.times), count, 3), run.impulses)
 
     return batch.run_all(one, len(places))
@@ -62,7 +62,7 @@ def in_plane(card: Card, dish: Dish, places: Sequence[Array], seconds: float, ra
 
         own = int(np.random.SeedSequence([seed, number]).generate_state(1)[0])
         kinds = np.zeros(len(places[number]), int)
-        asked = doors.crowd([card], kinds, dish, places[number], seconds, rate_hz, own)
+        asked = doors.make_crowd([card], kinds, dish, places[number], seconds, rate_hz, own)
         run = flat.simulate(asked, progress=ending)
         return Run(run.times, run.poses)
 

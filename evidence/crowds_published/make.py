@@ -64,7 +64,7 @@ def simulated(size: Size, progress: Progress) -> Numbers:
     def first(what: str, done: int, of: int) -> None:
         progress(what, 100 * len(singles) * done // of, steps)
 
-    for case, point in zip(singles, walkers.each(lonely, titles, first), strict=True):
+    for case, point in zip(singles, walkers.simulate_each(lonely, titles, first), strict=True):
         found[case.series, case.setting] = dict(numbers.of_alone(case, point.results))
     for number, case in enumerate(many, start=len(singles)):
 
@@ -77,7 +77,7 @@ def simulated(size: Size, progress: Progress) -> Numbers:
 
 def _crowd(case: Case, progress: Progress) -> Simulated:
     """All runs of a crowd; equal on any number of threads. Ctrl-C is raised again."""
-    job = in_space.asked(case.scene, [case.design], None, RATE_HZ)
+    job = in_space.make_job(case.scene, [case.design], None, RATE_HZ)
     crowd = simulate(job, None, progress)
     if len(crowd.runs) < case.scene.run.runs:  # those that Ctrl-C left would be another sample
         raise KeyboardInterrupt

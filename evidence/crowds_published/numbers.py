@@ -16,7 +16,7 @@ from walkergen.core.simulation.run import ENDED_WELL, RunResult
 from walkergen.guests.crowd.runs import Simulated
 from walkergen.guests.crowd.statistics import CrowdFilm
 from walkergen.guests.crowd.statistics import order as orders
-from walkergen.points.trajectory import sampled
+from walkergen.points.trajectory import sample_rows
 
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
@@ -56,7 +56,7 @@ def of_alone(case: Case, results: Sequence[RunResult]) -> Mapping[str, Quantity]
     lag, half = round(LAG_S / INTERVAL), 0.5 * case.design.size.length
     paths, spins = [], []
     for result in good:
-        rows = sampled(result)
+        rows = sample_rows(result)
         place = rows[:, 1] + 1j * rows[:, 2]
         seconds = float(rows[lag, 0] - rows[0, 0])
         paths.append(float(np.abs(place[lag:] - place[:-lag]).mean() / seconds))

@@ -44,10 +44,10 @@ def of(rows: Sequence[Compared], folder: Path, note: str) -> Report:
     columns = (
         Column("published", lambda row: row.finding.key),
         Column("stated", lambda row: f"{row.finding.stated}: {row.finding.sign}"),
-        report.text("ours", "quantity"),
+        report.text_column("ours", "quantity"),
         Column("along", lambda row: row.setting, wide=True),
         Column("numbers", _numbers),
-        report.text("sign", "verdict"),
+        report.text_column("sign", "verdict"),
         Column("note", lambda row: row.note, wide=True),
     )
     points = [
@@ -81,7 +81,7 @@ def draw(rows: Sequence[Compared]) -> "Figure":
 
     shown = [row for row in rows if len(row.points) > 1]
     with figures.style():
-        figure, panels = figures.grid_of(f"{TITLE}: bars are one standard error", len(shown), ACROSS, 2.2)
+        figure, panels = figures.new_grid(f"{TITLE}: bars are one standard error", len(shown), ACROSS, 2.2)
         for axes, row in zip(panels, shown, strict=True):
             _panel(axes, row)
     return figure
@@ -93,14 +93,14 @@ def _panel(axes: "Axes", row: Compared) -> None:
     colour = {Verdict.AGREE: figures.BLUE, Verdict.DISAGREE: figures.ORANGE}.get(row.verdict, figures.GREY)
     at = [place for place, _ in row.points]
     values = [(value.value, value.se) for _, value in row.points]
-    figures.points(axes, (at, *zip(*values, strict=True)), figures.Look(colour), joined=True)
-    figures.level(axes)
+    figures.draw_points(axes, (at, *zip(*values, strict=True)), figures.Look(colour), joined=True)
+    figures.draw_level(axes)
     for value in row.finding.values:
         if at[0] <= value <= at[-1]:
-            figures.level(axes, value, upright=True)
-    width, small = figures.PAGE / ACROSS - 0.4, figures.SMALLEST
-    axes.set_title(figures.wrapped(f"{row.finding.key}: {row.verdict}", width, small), fontsize=small)
-    figures.name(axes, figures.wrapped(row.setting, width, small), figures.wrapped(row.quantity, 1.8, small))
+            figures.draw_level(axes, value, upright=True)
+    width, small = figures.PAGE_INCHES / ACROSS - 0.4, figures.MIN_FONT_PT
+    axes.set_title(figures.wrap_text(f"{row.finding.key}: {row.verdict}", width, small), fontsize=small)
+    figures.label_axes(axes, figures.wrap_text(row.setting, width, small), figures.wrap_text(row.quantity, 1.8, small))
 
 
 def _cells(row: Compared) -> tuple[Any, ...]:

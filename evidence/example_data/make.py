@@ -64,8 +64,8 @@ def make(size: Size, folder: Path, progress: Progress) -> Report:
     with tempfile.TemporaryDirectory() as place:
         files = dict(sorted(_files(size, Path(place), progress).items()))
     rows = [Row(name, len(data)) for name, data in files.items()]
-    columns = [report.text("file", "file"), report.number("bytes", "bytes", 9)]
-    table = report.table("files", rows, columns, f"{NAME}.zip")
+    columns = [report.text_column("file", "file"), report.number_column("bytes", "bytes", 9)]
+    table = report.table_from_rows("files", rows, columns, f"{NAME}.zip")
     with Folder(folder, "") as target:
         target.write(f"{NAME}.zip", archive(files))
         made = [str(folder / f"{NAME}.zip")]
@@ -86,7 +86,10 @@ def archive(files: Mapping[str, bytes]) -> bytes:
 def _files(size: Size, place: Path, progress: Progress) -> dict[str, bytes]:
     """Contents of the archive, by the names of its files; what commands read and write is in `place`."""
     scene = templates.load(SCENE, "scenes", Scene)
-    sources = {"walker.toml": templates.path_of(WALKER, "walkers"), "scene.toml": templates.path_of(SCENE, "scenes")}
+    sources = {
+        "walker.toml": templates.resolve_path(WALKER, "walkers"),
+        "scene.toml": templates.resolve_path(SCENE, "scenes"),
+    }
     held = {name: path.read_bytes() for name, path in sources.items()}
     progress("runs", 1, 4)
     nc = place / "tracks.nc"

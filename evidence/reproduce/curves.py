@@ -83,7 +83,11 @@ def lively(series: Sequence[Point], plate_speed: float) -> list[Point]:
 def through_zero(series: Sequence[Point]) -> Quantity:
     """Slope of the least-squares line through zero of speed against plate speed."""
     plate, speeds = _known([point.plate_speed_mm_s for point in series], series)
-    return curves.slope(plate, speeds) if len(plate) > 1 else Quantity("slope", "", None, refused="too few speeds")
+    return (
+        curves.slope_through_origin(plate, speeds)
+        if len(plate) > 1
+        else Quantity("slope", "", None, refused="too few speeds")
+    )
 
 
 def proportionality(series: Sequence[Point]) -> Quantity:
@@ -94,7 +98,7 @@ def proportionality(series: Sequence[Point]) -> Quantity:
     plate, speeds = _known([point.plate_speed_mm_s for point in series], series)
     if len(plate) < 2 or not any(speed.value for speed in speeds):
         return Quantity("off_line", "percent", None, refused="too few speeds, or none but zero")
-    return curves.off_line(plate, speeds)
+    return curves.line_deviation(plate, speeds)
 
 
 def _known(places: Sequence[float], series: Sequence[Point]) -> tuple[Array, list[Quantity]]:

@@ -19,7 +19,7 @@ from evidence.reproduce.motion import Runs
 from evidence.reproduce.runs import PAPER, Point
 from walkergen.core.walker.sections import section_of
 from walkergen.files import figures
-from walkergen.files.figures import GREY, INK, PAGE, PALE, SERIES, SMALLEST, Look, style, wrapped
+from walkergen.files.figures import GREY, INK, MIN_FONT_PT, PAGE_INCHES, PALE, SERIES, Look, style, wrap_text
 
 # Each with its own line and marker: readable in grey as well.
 MODELS = {
@@ -44,16 +44,16 @@ def figure2(findings: Findings) -> Figure:
     for axes, assumption in zip(panels, findings.assumptions, strict=True):
         for theory in findings.theories:
             if theory.assumption == assumption.name:
-                figures.curve(axes, theory.curve[:3], THEORY[theory.mode], theory.label)
+                figures.draw_curve(axes, theory.curve[:3], THEORY[theory.mode], theory.label)
         _draw_points(axes, [p for p in findings.tilts if p.assumption == assumption], "tilt_deg", joined=True)
         peak = [tilt.value], [speed.value], [[speed.value - speed.low], [speed.high - speed.value]]
-        figures.points(axes, peak, STATED, "the paper's stated peak", hollow=True)
+        figures.draw_points(axes, peak, STATED, "the paper's stated peak", hollow=True)
         axes.plot([tilt.low, tilt.high], [speed.value] * 2, color=STATED.colour, linewidth=0.8)
         name = "the paper's braced walkers: no significant speed"
         axes.axhspan(braced.low, braced.high, color=PALE, linewidth=0, zorder=-1, label=name)
-        figures.name(axes, "tilt of the legs (deg)")
-    figures.name(panels[0], y="mean speed (mm/s)")
-    figures.legend_below(figure, 3)
+        figures.label_axes(axes, "tilt of the legs (deg)")
+    figures.label_axes(panels[0], y="mean speed (mm/s)")
+    figures.add_legend_below(figure, 3)
     return figure
 
 
@@ -69,23 +69,23 @@ def figure5(findings: Findings) -> Figure:
             if theory.assumption == assumption.name and theory.mode == "coulomb":  # proportional by construction
                 speed = np.interp(points[0].tilt_deg, theory.curve.tilt_deg, theory.curve.speed)
                 line = [0.0, end], [0.0, speed * end / drive], [0.0, 0.0]
-                figures.curve(axes, line, THEORY["coulomb"], theory.label)
+                figures.draw_curve(axes, line, THEORY["coulomb"], theory.label)
         _draw_points(axes, points, "plate_speed_mm_s", joined=False)
         star = f"the paper's stated peak (at {FACTS['peak tilt'].value:g} deg)"
-        figures.points(axes, ([drive], [FACTS["peak speed"].value], None), STATED, star, hollow=True)
+        figures.draw_points(axes, ([drive], [FACTS["peak speed"].value], None), STATED, star, hollow=True)
         axes.set_xlim(0.0, end)
-        figures.name(axes, "peak speed of the plate (mm/s)")
-    figures.name(panels[0], y=f"mean speed at {findings.drives[0].tilt_deg:g} deg (mm/s)")
-    figures.legend_below(figure, 3)
+        figures.label_axes(axes, "peak speed of the plate (mm/s)")
+    figures.label_axes(panels[0], y=f"mean speed at {findings.drives[0].tilt_deg:g} deg (mm/s)")
+    figures.add_legend_below(figure, 3)
     return figure
 
 
 def _panels(findings: Findings, points: Sequence[Point], title: str) -> tuple[Figure, list[Axes]]:
     """Figure with a panel for each assumption, as high as the largest simulated speed."""
     count = len(findings.assumptions)
-    figure, panels = figures.grid_of(title, count, count, 3.9, share_y=True)
+    figure, panels = figures.new_grid(title, count, count, 3.9, share_y=True)
     for axes, assumption in zip(panels, findings.assumptions, strict=True):
-        axes.set_title(wrapped(assumption.label, 2.0, SMALLEST), fontsize=SMALLEST)
+        axes.set_title(wrap_text(assumption.label, 2.0, MIN_FONT_PT), fontsize=MIN_FONT_PT)
     highest = ROOM * max([FACTS["peak speed"].high, *(point.speed.value or 0.0 for point in points)])
     panels[0].set_ylim(-0.08 * highest, highest)
     return figure, panels
@@ -97,7 +97,7 @@ def _draw_points(axes: Axes, points: Sequence[Point], along: str, joined: bool) 
         look, label = MODELS[series[0].model]
         known = [(getattr(p, along), p.speed.value, 2.0 * (p.speed.se or 0.0)) for p in series if p.speed.known]
         if known:
-            figures.points(axes, list(zip(*known, strict=True)), look, label, hollow=True, joined=joined)
+            figures.draw_points(axes, list(zip(*known, strict=True)), look, label, hollow=True, joined=joined)
 
 
 def _draw_lines(axes: Axes, points: Sequence[Point], drive: float, end: float) -> None:
@@ -111,7 +111,7 @@ def _draw_lines(axes: Axes, points: Sequence[Point], drive: float, end: float) -
         slope = through_zero(lively(series, drive) if in_space else series)
         if slope.value is not None and slope.se is not None:
             x = np.array([drive if in_space else 0.0, end])
-            figures.curve(axes, (x, slope.value * x, 2.0 * slope.se * x), look, name, 0.15)
+            figures.draw_curve(axes, (x, slope.value * x, 2.0 * slope.se * x), look, name, 0.15)
             name = ""
 
 
@@ -120,24 +120,24 @@ def figure6(findings: Findings) -> Figure:
     """Draw motion on a plane, with the low restitution: displacements, exponents, tracks, densities."""
     plane = [runs for runs in findings.plane if runs.assumption == LOW]
     (low,) = (assumption for assumption in findings.assumptions if assumption.name == LOW)
-    figure, panels = figures.grid_of(f"Motion on a plane, {low.label}", 4, 2, 2.8)
+    figure, panels = figures.new_grid(f"Motion on a plane, {low.label}", 4, 2, 2.8)
     squares, slopes, tracks, densities = panels
     for place, (runs, look) in enumerate(zip(plane, SERIES, strict=False)):
         for axes, curve in ((squares, runs.motion.msd), (slopes, runs.growth.exponents)):
             shown = curve.value > 0.0
             drawn = curve.at[shown], curve.value[shown], 2.0 * curve.se[shown]
-            figures.points(axes, drawn, look, f"{runs.tilt_deg:g} deg", hollow=True, joined=True)
+            figures.draw_points(axes, drawn, look, f"{runs.tilt_deg:g} deg", hollow=True, joined=True)
         for width, curve in ((1.4, runs.motion.parallel), (0.7, runs.motion.orthogonal)):
             densities.step(curve.at, curve.value, look.line, color=look.colour, where="mid", linewidth=width)
         for path in _star(runs, place):
             tracks.plot(path.real, path.imag, color=look.colour, linewidth=0.9)
     _draw_guides(squares, slopes, plane)
     tracks.set_aspect("equal", adjustable="datalim")
-    figures.name(tracks, "x (mm)", "y (mm)")
-    figures.name(densities, "along and across the heading (mm)", "density over 40 ms (1/mm)")
+    figures.label_axes(tracks, "x (mm)", "y (mm)")
+    figures.label_axes(densities, "along and across the heading (mm)", "density over 40 ms (1/mm)")
     for axes, letter in zip(panels, "abcd", strict=True):
         axes.set_title(f"({letter})", loc="left")
-    figures.legend_below(figure, 5)
+    figures.add_legend_below(figure, 5)
     return figure
 
 
@@ -151,11 +151,11 @@ def _draw_guides(squares: Axes, slopes: Axes, plane: Sequence[Runs]) -> None:
             time = slow.at[[0, -1]]
             height = 2.5 * float(np.interp(fact.value, slow.at, slow.value))
             squares.plot(time, height * (time / fact.value) ** power, line, color=GREY, label=name, linewidth=1.0)
-    figures.points(slopes, ([fact.value], [HALFWAY], None), STATED, hollow=True)
+    figures.draw_points(slopes, ([fact.value], [HALFWAY], None), STATED, hollow=True)
     slopes.plot([fact.low, fact.high], [HALFWAY] * 2, color=STATED.colour, linewidth=0.8)
     slopes.set_ylim(0.8, 2.1)
-    figures.name(slopes, "lag t (s)", "local exponent of the MSD", log="x")
-    figures.name(squares, "lag t (s)", "mean squared displacement (mm²)", log="xy" if plane else "")
+    figures.label_axes(slopes, "lag t (s)", "local exponent of the MSD", log="x")
+    figures.label_axes(squares, "lag t (s)", "mean squared displacement (mm²)", log="xy" if plane else "")
 
 
 def _star(runs: Runs, place: int) -> list[npt.NDArray[np.complex128]]:
@@ -173,7 +173,7 @@ def _star(runs: Runs, place: int) -> list[npt.NDArray[np.complex128]]:
 @style()
 def mechanisms(findings: Findings) -> Figure:
     """Draw a panel for each mechanism: its walker from the side above two bars, two errors long."""
-    figure = Figure(figsize=(PAGE, 3.8), layout="constrained")
+    figure = Figure(figsize=(PAGE_INCHES, 3.8), layout="constrained")
     figure.suptitle("Three ways to run, by theory and simulated; bars: 2 SE")
     grid = figure.subplots(2, len(findings.mechanisms), height_ratios=(1.0, 2.4), squeeze=False)
     for (above, below), mechanism in zip(grid.T, findings.mechanisms, strict=True):
@@ -185,8 +185,8 @@ def mechanisms(findings: Findings) -> Figure:
                 below.bar(place, speed.value, 0.6, color=own.colour, yerr=2.0 * (speed.se or 0.0), capsize=4)
         below.set_xticks((0, 1), ("theory", name.replace(", ", ",\n")))
         below.set_xlim(-0.7, 1.7)
-        figures.level(below)
-    figures.name(grid[1, 0], y="mean speed (mm/s)")
+        figures.draw_level(below)
+    figures.label_axes(grid[1, 0], y="mean speed (mm/s)")
     return figure
 
 
@@ -199,7 +199,7 @@ def _profile(axes: Axes, mechanism: Mechanism) -> None:
     axes.add_collection(PolyCollection([side], facecolors=GREY))
     axes.add_collection(PolyCollection(legs, facecolors=INK))
     axes.axhline(ground, color="black", linewidth=0.8)
-    small: Any = {"fontsize": SMALLEST}
+    small: Any = {"fontsize": MIN_FONT_PT}
     for limb in design.limbs:
         if limb.friction is not None:
             axes.annotate(f"μ {limb.friction:g}", (limb.along, ground - 0.8), ha="center", va="top", **small)

@@ -51,11 +51,11 @@ def of(tracks: Tracks) -> Growth:
     An exponent is the slope over two neighbouring steps of lags on the logarithmic scale. Errors
     are those of a jackknife over the tracks.
     """
-    longest = min(len(track.position) for track in tracks.tracks) // motion.FITTED
+    longest = min(len(track.position) for track in tracks.tracks) // motion.FITTED_LAG_DIVISOR
     shortest = max(round(SHORTEST / tracks.interval), 1)
     count = round(PER_DECADE * math.log10(max(longest / shortest, 1.0))) + 1
-    lags = lagged.spread_out(longest, count, shortest)
-    sums = np.array([lagged.squares(track.position, lags) for track in tracks.tracks])
+    lags = lagged.log_spaced_lags(longest, count, shortest)
+    sums = np.array([lagged.sum_squares(track.position, lags) for track in tracks.tracks])
     whole = sums.sum(axis=0)
     if len(lags) < 3 or not (whole - sums > 0.0).all():
         return Growth()

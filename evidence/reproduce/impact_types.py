@@ -47,8 +47,8 @@ class Impacts(NamedTuple):
 
 def of_run(rows: Array, corners: int) -> Impacts:
     """Impacts in the record of a run, whose events count so many corners to a foot."""
-    impacts = landings.impacts_in(rows)
-    return Impacts(impacts.kind, impacts.F_y, -impacts.v_y, landings.of_feet(impacts.time, impacts.foot // corners))
+    impacts = landings.from_record(rows)
+    return Impacts(impacts.kind, impacts.F_y, -impacts.v_y, landings.is_landing(impacts.time, impacts.foot // corners))
 
 
 def shares(runs: Sequence[Impacts]) -> Shares:

@@ -17,7 +17,7 @@ from walkergen.core.walker.design import Design
 from walkergen.files import figures as pictures
 from walkergen.files import templates
 from walkergen.files.report import Report
-from walkergen.request import PAPER
+from walkergen.request import PAPER_WALKER
 
 SCENES = "lane-90hz", "lane-90hz-fitted"
 """Scenes with the contact as measured, and as fitted."""
@@ -62,7 +62,7 @@ def of(tilts_deg: Sequence[float] | None, gammas: Sequence[float] | None, run: M
     """Job with the paper's walker and scenes, and other values of some keys of their runs. Raises InputError."""
     changes = {f"run.{key}": value for key, value in {"seconds": SECONDS, "runs": RUNS, **run}.items()}
     measured, fitted = (templates.load(name, "scenes", Scene).variant(**changes) for name in SCENES)
-    return Job(templates.load(PAPER, "walkers", Design), measured, fitted, tilts_deg, gammas)
+    return Job(templates.load(PAPER_WALKER, "walkers", Design), measured, fitted, tilts_deg, gammas)
 
 
 def make(job: Job, folder: Path, progress: Progress) -> Report:

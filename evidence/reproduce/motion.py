@@ -16,7 +16,7 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.points import walkers
 from walkergen.points.experiments import Walker
-from walkergen.points.trajectory import sampled
+from walkergen.points.trajectory import sample_rows
 
 INTERVAL = 4e-3
 """Time between samples of a track, s: a tenth of the lag of figure 6c."""
@@ -45,7 +45,7 @@ def simulated(assumptions: Sequence[Assumption], designs: Sequence[Design], prog
         for assumption, design in cases
     ]
     titles = [f"{assumption.name}, on a plane, {design.tilt_deg:g} deg" for assumption, design in cases]
-    points = walkers.each(wanted, titles, progress)
+    points = walkers.simulate_each(wanted, titles, progress)
     every = [of(case[0].name, case[1].tilt_deg, point.results) for case, point in zip(cases, points, strict=True)]
     return [runs for runs in every if runs is not None]
 
@@ -55,7 +55,7 @@ def of(assumption: str, tilt_deg: float, results: Sequence[RunResult]) -> Runs |
     good = [result for result in results if result.outcome in ENDED_WELL]
     if len(good) < 2:
         return None
-    rows = [sampled(result) for result in good]
+    rows = [sample_rows(result) for result in good]
     whole = (Track(result.number, row[:, 1:3].copy(), row[:, 3].copy()) for result, row in zip(good, rows, strict=True))
     tracks = Tracks(tuple(whole), INTERVAL, 0, "")
     speed = mean("speed", "mm_s", [result.speed for result in good])

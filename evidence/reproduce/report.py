@@ -147,13 +147,13 @@ def mechanisms(measured: Sequence[Mechanism]) -> Table:
         speeds = (*_pair(way.simulated.speed), *_pair(way.ratio))
         rows.append(Way(way.what, way.design.name, *theory, *speeds, way.direction, way.simulated.outcomes))
     columns = (
-        report.text("mechanism", "mechanism"),
-        report.text("walker", "design"),
-        report.with_error("theory, mm/s", "theory_mm_s", "theory_sd_mm_s"),
-        report.text("by", "theory"),
-        report.with_error("simulated, mm/s", "simulated_mm_s", "simulated_se_mm_s"),
-        report.with_error("simulated / theory", "ratio", "ratio_se"),
-        report.text("direction", "direction"),
+        report.text_column("mechanism", "mechanism"),
+        report.text_column("walker", "design"),
+        report.error_column("theory, mm/s", "theory_mm_s", "theory_sd_mm_s"),
+        report.text_column("by", "theory"),
+        report.error_column("simulated, mm/s", "simulated_mm_s", "simulated_se_mm_s"),
+        report.error_column("simulated / theory", "ratio", "ratio_se"),
+        report.text_column("direction", "direction"),
     )
     return Table("mechanisms", rows, Way._fields, columns, "Three mechanisms")
 
@@ -188,7 +188,7 @@ def side_by_side(rows: Sequence[Row], assumptions: Sequence[Assumption]) -> Tabl
         cells = [same.get(assumption.name, "") for assumption in assumptions]
         lines.append((f"{name(fact)}: {FACTS[fact].claim}" if fact != last else "", model, *cells))
         last = fact
-    return Table("comparison", lines, keys, report.every(keys, keys))
+    return Table("comparison", lines, keys, report.key_columns(keys, keys))
 
 
 def name(fact: str) -> str:

@@ -104,7 +104,7 @@ class Point(NamedTuple):
 
 def swept(name: str) -> list[list[float]]:
     """Values of the keys that one of the shipped sweeps varies."""
-    space = sweep_file.read(templates.folder() / "sweeps" / f"{name}.toml").space
+    space = sweep_file.read_sweep(templates.folder() / "sweeps" / f"{name}.toml").space
     return [[float(value) for value in axis.values] for axis in space.axes]
 
 
@@ -123,7 +123,7 @@ def simulated(cases: Sequence[Case], progress: Progress) -> Iterator[Point]:
     """Simulate every case as it is."""
     in_space = [case for case in cases if case.model != PAPER]
     titles = [f"{case.assumption.name}, {case.model}, {case.design.tilt_deg:g} deg" for case in in_space]
-    results = walkers.each([case.walker() for case in in_space], titles, progress)
+    results = walkers.simulate_each([case.walker() for case in in_space], titles, progress)
     for case in cases:
         yield _by_paper(case) if case.model == PAPER else _in_space(case, next(results))
 
@@ -140,7 +140,7 @@ def _by_paper(case: Case) -> Point:
 def _in_space(case: Case, results: Results) -> Point:
     """Return the point of a case from its runs in space."""
     good = [result for result in results.results if result.outcome in ENDED_WELL]
-    impacts = [impact_types.of_run(recorded_impacts(result), landings.CORNERS) for result in good]
+    impacts = [impact_types.of_run(recorded_impacts(result), landings.CORNERS_PER_FOOT) for result in good]
     speeds = [result.speed for result in good]
     return _point(case, speeds, impacts, len(results.results), results.summary.outcomes)
 

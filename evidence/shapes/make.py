@@ -67,16 +67,16 @@ def make(kinds: Sequence[str], folder: Path, progress: Progress) -> Report:
             progress(rows[-1].shape, number, len(cases))
     good = sum(row.good for row in rows if not row.remedy)
     columns = [
-        report.text("kind", "kind"),
-        report.text("shape", "shape"),
-        report.text("with", "remedy"),
-        report.text("stands", "stands"),
-        report.text("legs", "legs"),
-        report.number("warnings", "warnings"),
-        report.with_error("speed\n(mm/s)", "speed_mm_s", "speed_se_mm_s"),
+        report.text_column("kind", "kind"),
+        report.text_column("shape", "shape"),
+        report.text_column("with", "remedy"),
+        report.text_column("stands", "stands"),
+        report.text_column("legs", "legs"),
+        report.number_column("warnings", "warnings"),
+        report.error_column("speed\n(mm/s)", "speed_mm_s", "speed_se_mm_s"),
     ]
     title = f"{good} of {len(cases)} shapes stand, print and run forward as they are"
-    table = report.table("shapes", rows, columns, title)
+    table = report.table_from_rows("shapes", rows, columns, title)
     written = Report(
         name="shapes", title="Shapes that people bring", tables=[table], facts={"good": good}, folder=folder
     )
@@ -111,7 +111,7 @@ def _row(kind: str, name: str, source: Path | str, keys: Mapping[str, Any]) -> R
         checked = checks.check([design], [1], templates.load(PRINTER, "printers", Printer))
         findings.check_printable(checked.findings, strict=False)
         warnings = sum(finding.level == "warning" for finding in checked.findings)
-        asked = SimulateRequest.asked({"design": design, "scene": SCENE, "seconds": SECONDS, "runs": RUNS})
+        asked = SimulateRequest.from_values({"design": design, "scene": SCENE, "seconds": SECONDS, "runs": RUNS})
         speed, error = _speed(asked.run(silent))
     except WalkergenError as mistake:
         return Row(kind, name, str(mistake).splitlines()[0].replace(str(source), name), "", None, None, None, remedy)
@@ -120,7 +120,7 @@ def _row(kind: str, name: str, source: Path | str, keys: Mapping[str, Any]) -> R
 
 def _design(source: Path | str, keys: Mapping[str, Any]) -> Design:
     """Walker of one word, with keys set as on a command line. Raises InputError."""
-    asked = inputs.of(keys, {}, ["design"])
+    asked = inputs.from_settings(keys, {}, ["design"])
     if isinstance(source, Path) and keys:  # of a file that does not stand by itself
         own = {"body.mesh" if source.suffix == ".stl" else "body.outline": str(source)}
         return asked._replace(values={**own, **keys}).design("koumakis2016")

@@ -27,7 +27,7 @@ from walkergen.core.walker import solids
 from walkergen.files import figures
 from walkergen.points import walkers, worker_pool
 from walkergen.points.experiments import Walker
-from walkergen.points.short import FALLS_ALL
+from walkergen.points.short import MAX_FALL_SHARE
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -92,7 +92,7 @@ def right(row: Compared) -> bool:
 
     As far as the direct runs tell: within their own 95 % either is right.
     """
-    falls = row.falls >= FALLS_ALL or row.direct_mm_s is None
+    falls = row.falls >= MAX_FALL_SHARE or row.direct_mm_s is None
     if row.surrogate_mm_s is None or row.half_95_mm_s is None or falls or row.direct_mm_s is None:
         return falls and row.surrogate_mm_s is None
     noise = NORMAL_95 * (row.direct_se_mm_s or 0.0)
@@ -113,7 +113,7 @@ def verdict(rows: Sequence[Compared], asked: int) -> list[str]:
     near = np.maximum(MEDIAN_SHARE * np.abs(direct), MEDIAN_MM_S)
     goal = np.maximum(MAX_ERROR_SHARE * np.abs(direct), MAX_ERROR_MM_S)
     falls = np.mean([row.falls > 0.0 for row in speeds])
-    fallen = [row.falls >= FALLS_ALL for row in rows if row.surrogate_mm_s is None]
+    fallen = [row.falls >= MAX_FALL_SHARE for row in rows if row.surrogate_mm_s is None]
     return [
         f"{asked} settings asked, {len(rows)} answered ({100 * len(rows) / asked:.0f} %), {len(good)} speeds compared",
         f"falls over: said of {len(fallen)}, true of {sum(fallen)}",
@@ -138,7 +138,7 @@ def read() -> list[Compared]:
 
 def picture(rows: Sequence[Compared]) -> bytes:
     """Predicted against simulated, both on scales that are linear below 1 mm/s, with the goal as a band."""
-    figure, axes = figures.axes_of("Surrogate beside direct runs")
+    figure, axes = figures.new_axes("Surrogate beside direct runs")
     good = [row for row in rows if row.direct_mm_s is not None and row.surrogate_mm_s is not None]
     x = np.array([row.direct_mm_s for row in good], float)
     y = np.array([row.surrogate_mm_s for row in good])
@@ -148,10 +148,10 @@ def picture(rows: Sequence[Compared]) -> bytes:
     goal = np.maximum(MAX_ERROR_SHARE * np.abs(line), MAX_ERROR_MM_S)
     axes.fill_between(line, line - goal, line + goal, color="0.88", linewidth=0, label="10 % or 1 mm/s")
     axes.plot(line, line, color="0.4", linewidth=0.8)
-    figures.points(axes, (x, y, halves), figures.MEASURED, label="a setting, 95 %")
+    figures.draw_points(axes, (x, y, halves), figures.MEASURED, label="a setting, 95 %")
     for scale in (axes.set_xscale, axes.set_yscale):
         scale("symlog", linthresh=1.0, linscale=0.5)
-    figures.name(axes, "simulated directly (mm/s)", "surrogate (mm/s)")
+    figures.label_axes(axes, "simulated directly (mm/s)", "surrogate (mm/s)")
     axes.set(xlim=(-ends, ends), ylim=(-ends, ends))
     axes.legend(loc="upper left")
     return figures.png(figure)
@@ -160,7 +160,7 @@ def picture(rows: Sequence[Compared]) -> bytes:
 def main() -> None:
     """Run the test, and write its table and its picture."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--cores", type=int, default=worker_pool.cores(), help="processes to simulate in")
+    parser.add_argument("--cores", type=int, default=worker_pool.core_count(), help="processes to simulate in")
     parser.add_argument("--answered", type=int, default=ANSWERED, help="settings that the surrogate answers")
     options = parser.parse_args()
     counts = [0]
@@ -168,7 +168,7 @@ def main() -> None:
         islice(answered(settings.rows(100 * options.answered, SEED, held_out=False), counts), options.answered)
     )
     rows: list[Compared] = []
-    with worker_pool.local(options.cores) as pool, show.progress("settings", wanted=True) as progress:
+    with worker_pool.local_pool(options.cores) as pool, show.progress("settings", wanted=True) as progress:
         for number, row in enumerate(pool.executor.map(compared, chosen), 1):
             rows += [] if row is None else [row]
             progress("settings", number, len(chosen))

@@ -71,7 +71,7 @@ def line(row: Row) -> list[str]:
 
 def add(path: Path, rows: Sequence[Row], cores: int) -> None:
     """Simulate rows, and add them to a file in their order."""
-    with worker_pool.local(cores) as pool, path.open("a", encoding="utf-8", newline="") as stream:
+    with worker_pool.local_pool(cores) as pool, path.open("a", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream, lineterminator="\n")
         with show.progress("rows", wanted=True) as progress:
             for number, row in enumerate(pool.executor.map(measured, rows, chunksize=CHUNK), 1):
@@ -83,7 +83,7 @@ def add(path: Path, rows: Sequence[Row], cores: int) -> None:
 def main() -> None:
     """Simulate the rows that a file has not yet."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--cores", type=int, default=worker_pool.cores(), help="processes to simulate in")
+    parser.add_argument("--cores", type=int, default=worker_pool.core_count(), help="processes to simulate in")
     parser.add_argument("--sampled", type=int, help="settings to draw anew; without: those of rows.csv")
     parser.add_argument("--out", type=Path, required=True, help="file of the rows")
     options = parser.parse_args()

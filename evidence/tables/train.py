@@ -275,7 +275,7 @@ def main() -> None:
     arrays: dict[str, Array] = {}
     facts: dict[str, Any] = {"ranges": {}, "versions": output.versions()}
     by_kind = {kind: rows(kind) for kind in HIDDEN}
-    with worker_pool.local() as pool:
+    with worker_pool.local_pool() as pool:
         for kind, every in by_kind.items():
             of_this, facts["ranges"][kind] = of_kind(kind, every, pool)
             arrays |= of_this

@@ -137,7 +137,9 @@ def proportional(effort: Effort) -> Iterator[Claim]:
     series = [in_space(15.0, effort, gamma).speed for gamma in GAMMAS]
     for start, why in ((0, THRESHOLD), (GAMMAS.index(LIVELY), "")):
         circumstances = f"in space at 15 deg, from {GAMMAS[start]:g} g"
-        yield _of_fact("proportional", circumstances, curves.off_line(np.array(GAMMAS[start:]), series[start:]), why)
+        yield _of_fact(
+            "proportional", circumstances, curves.line_deviation(np.array(GAMMAS[start:]), series[start:]), why
+        )
     start = GAMMAS.index(LIVELY)
     by_acceleration = [_over_plate(speed, 90.0, gamma) for gamma, speed in zip(GAMMAS, series, strict=True)][start:]
     frequencies = [in_space(10.0, effort, frequency_hz=frequency).speed for frequency in FREQUENCIES_HZ]

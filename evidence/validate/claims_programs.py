@@ -57,7 +57,7 @@ def displacement(effort: Effort) -> Iterator[Claim]:
     track = trajectory.sample(plan, INTERVAL)
     place = [track.columns.index(name) for name in ("x_mm", "y_mm")]
     position = np.ascontiguousarray(track.rows[:, place])
-    total, pairs = lagged.squares(position, np.array(LAGS))
+    total, pairs = lagged.sum_squares(position, np.array(LAGS))
     film = pd.DataFrame({"frame": np.arange(len(position)), "particle": 0, "x": position[:, 0], "y": position[:, 1]})
     with warnings.catch_warnings(action="ignore"):  # trackpy calls pandas in ways it deprecates
         theirs = trackpy.imsd(film, mpp=1.0, fps=1.0, max_lagtime=max(LAGS))[0]

@@ -81,15 +81,15 @@ def _scene(name: str, effort: Effort, keys: Mapping[str, object]) -> Scene:
 
 def _measured(scene: Scene, design: Design) -> Measured:
     point = simulated(experiments.Walker(scene, design, solids.mass_of(design), impacts=True))
-    landed = [_landings(recorded_impacts(result), landings.CORNERS) for result in point.results]
+    landed = [_landings(recorded_impacts(result), landings.CORNERS_PER_FOOT) for result in point.results]
     approach = float(-np.concatenate([run.v_y for run in landed]).mean()) / scene.drive.peak_speed
     return Measured(speed_of(point), _types(landed), approach)
 
 
 def _landings(rows: Array, corners: int) -> landings.Impacts:
     """Return the landings among the impacts of a run, whose events count so many corners to a foot."""
-    impacts = landings.impacts_in(rows)
-    landed = landings.of_feet(impacts.time, impacts.foot // corners)
+    impacts = landings.from_record(rows)
+    landed = landings.is_landing(impacts.time, impacts.foot // corners)
     return landings.Impacts._make(of[landed] for of in impacts)
 
 
@@ -101,7 +101,7 @@ def _types(landed: Sequence[landings.Impacts]) -> Quantity:
 
 def simulated(experiment: experiments.Walker) -> experiments.Results:
     """Results of all runs. Raises KeyboardInterrupt when Ctrl-C left some out."""
-    (point,) = walkers.each([experiment], [""], silent)
+    (point,) = walkers.simulate_each([experiment], [""], silent)
     return point
 
 
@@ -131,8 +131,8 @@ def _squares(tilt_deg: float, effort: Effort, lag_s: float) -> Array:
     lags = np.array([1, 2]) * round(lag_s / FRAME_S)
     squares = []
     for result in point.results:
-        places = trajectory.sampled(result)[:, [1 + SHOWN_X, 1 + SHOWN_Y]]
-        total, pairs = lagged.squares(np.ascontiguousarray(places), lags)
+        places = trajectory.sample_rows(result)[:, [1 + SHOWN_X, 1 + SHOWN_Y]]
+        total, pairs = lagged.sum_squares(np.ascontiguousarray(places), lags)
         squares.append(total / pairs)
     return np.array(squares)
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from evidence.validate.claim import FITTED, TITLE, TITLES, Claim
 from walkergen.core.numerics.quantity import Verdict
 from walkergen.files import figures
-from walkergen.files.figures import BLUE, FAINT, GREY, ORANGE, PAGE, SMALLEST, Look, style, wrapped
+from walkergen.files.figures import BLUE, FAINT, GREY, MIN_FONT_PT, ORANGE, PAGE_INCHES, Look, style, wrap_text
 
 LOOKS = {
     Verdict.AGREE.value: Look(BLUE, marker="o"),
@@ -55,7 +55,7 @@ def deviations(claims: Sequence[Claim]) -> Figure:
                 _mark(axes, claim, _at(claim), top + 0.5)
             top += 1.0
         axes.axhline(top, color=FAINT, linewidth=0.6)
-    figure.set_size_inches(PAGE, 1.1 + LINE_INCHES * top)
+    figure.set_size_inches(PAGE_INCHES, 1.1 + LINE_INCHES * top)
     figure.suptitle(TITLE)
     axes.set_xlim(left - CELL, _place(LARGEST))
     axes.axvspan(left - CELL, 1.0, color=BLUE, alpha=0.07, linewidth=0, zorder=0)
@@ -66,8 +66,8 @@ def deviations(claims: Sequence[Claim]) -> Figure:
     for word, look in LOOKS.items():
         number = sum(claim.word == word for claim in claims)
         axes.plot([], [], look.marker, color=look.colour, markersize=4, label=f"{number} {word}")
-    figures.name(axes, "gap over what is allowed: beyond 1 it disagrees")
-    figures.legend_below(figure, 4)
+    figures.label_axes(axes, "gap over what is allowed: beyond 1 it disagrees")
+    figures.add_legend_below(figure, 4)
     return figure
 
 
@@ -81,7 +81,7 @@ def _named(claims: Sequence[Claim]) -> str:
     if len(claims) > 1:
         words = zip(*(claim.quantity.partition(":")[0].split() for claim in claims), strict=False)
         return " ".join(own[0] if len({*own}) == 1 else "…" for own in words) + f" ({len(claims)})"
-    name, *more = wrapped(claims[0].quantity.partition(":")[0], LABEL_INCHES, SMALLEST).splitlines()
+    name, *more = wrap_text(claims[0].quantity.partition(":")[0], LABEL_INCHES, MIN_FONT_PT).splitlines()
     return f"{name} …" if more else name
 
 

@@ -57,7 +57,7 @@ def rows_of(statements: Sequence[Statement], speeds: dict[str, list[Speeds]]) ->
 
 def swept(source: Source, progress: Progress) -> list[Speeds]:
     """Draws of a set, evaluated or kept. Raises InputError."""
-    space = sweep_file.read(source.sweep).space
+    space = sweep_file.read_sweep(source.sweep).space
     table = SweepRequest(file=source.sweep).run(progress).table
     rows = [dict(zip(table.keys, row, strict=True)) for row in table.rows]
     return predicted.draws(space.keys, rows, [axis.key for axis in space.axes])

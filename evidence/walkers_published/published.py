@@ -24,7 +24,7 @@ class Source(NamedTuple):
     @property
     def sweep(self) -> Path:
         """File of that sweep, among the templates."""
-        return templates.folder() / templates.PUBLISHED / "sweeps" / f"{self.ranges}.toml"
+        return templates.folder() / templates.PUBLISHED_FOLDER / "sweeps" / f"{self.ranges}.toml"
 
 
 class Statement(NamedTuple):

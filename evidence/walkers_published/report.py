@@ -33,7 +33,7 @@ def of(rows: Sequence[Predicted], folder: Path, note: str) -> Report:
         Column("quantity", lambda row: row.statement.quantity),
         Column("published", lambda row: row.statement.stated),
         Column("predicted (95 %)", bounds),
-        report.text("inside?", "inside"),
+        report.text_column("inside?", "inside"),
         Column("ran", lambda row: f"{row.ran} of {row.draws}" if row.draws else ""),
         Column("note", lambda row: row.note, wide=True),
     )

@@ -7,7 +7,7 @@ import pytest
 
 import walkergen as wg
 from walkergen.analysis import alignment, motion
-from walkergen.analysis.estimates import LEVEL
+from walkergen.analysis.estimates import NO_SLOPE_REASON
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.core.errors import InputError
 from walkergen.core.scene import Scene
@@ -47,7 +47,7 @@ def made(rng, kappa, count=16, seconds=6.0, speed=40.0, fall=8.0, diffusion=0.1,
 
 
 def of(tracks, descent=DESCENT):
-    return alignment.of([[track] for track in tracks.tracks], tracks.interval, descent)
+    return alignment.self_alignment([[track] for track in tracks.tracks], tracks.interval, descent)
 
 
 @pytest.mark.parametrize(("kappa", "noise"), [(0.1, 0.0), (-0.05, 0.0), (0.02, 0.1)])
@@ -82,7 +82,7 @@ def test_a_slope_is_no_turning_of_walkers_by_themselves():
     assert any("rates of their own" in doubt for doubt in blind.doubts)
     assert not any("rates of their own" in doubt for doubt in told.doubts)
     assert told.estimates["turning_scatter"].refused
-    assert blind.estimates["self_alignment"].refused == LEVEL
+    assert blind.estimates["self_alignment"].refused == NO_SLOPE_REASON
 
 
 def test_a_film_of_a_tilted_plate_tells_kappa_whichever_way_y_points():

@@ -27,7 +27,7 @@ def test_unlike_walkers_have_speeds_of_their_own_and_a_mean(kind, speeds):
     found = motion.analyse(three(kind, speeds=speeds))
     mean, scatter = found.estimates["speed"], found.estimates["speed_scatter"]
     for one, speed in zip(found.walkers, speeds, strict=True):
-        estimate = one.of("speed")
+        estimate = one.mean("speed")
         # 99.9 % by t with 9 degrees of freedom: 4.8.
         assert estimate.value == pytest.approx(speed, abs=4.8 * estimate.se + 1e-3)
         assert estimate.se < 1.5
@@ -105,7 +105,7 @@ def test_the_spread_in_a_lane_is_about_each_ones_own_speed(speeds):
 def test_a_pure_jitter_without_headings_has_no_speed_of_its_own():
     still = Walker(speed=0.0, noise=0.3)
     films = [film(seed, 3, 10.0, still, 0.02, headed=False) for seed in range(10)]
-    speeds = [one.of("speed") for made in films for one in motion.analyse(made).walkers]
+    speeds = [one.mean("speed") for made in films for one in motion.analyse(made).walkers]
     # Beyond 3 standard errors of 9 degrees of freedom lies one in 130: 3 of 30 never.
     assert sum(one.value is not None for one in speeds) < 3
     assert sum("no lasting direction" in one.refused for one in speeds) > 15  # others lack a fit
@@ -115,7 +115,7 @@ def test_a_spread_of_normal_values_covers_the_one_put_in():
     rng, inside = np.random.default_rng(5), []
     for _ in range(400):
         values = rng.normal(0.0, np.hypot(3.0, 0.5), size=4)
-        one = between.spread("speed_scatter", values, 0.25, 30.0)
+        one = between.walker_scatter("speed_scatter", values, 0.25, 30.0)
         if one.value is not None:
             low, high = one.interval(0.95)
             inside.append(low < 3.0 < high)
@@ -145,11 +145,11 @@ def test_one_command_gives_three_speeds_and_their_mean(tmp_path, monkeypatch):
 def test_a_walker_whose_error_is_unknown_still_has_its_speed():
     film = lane(1, SPEEDS, 300, interval=0.02, memory=10.0, sd=10.0)  # 15 independent parts
     for one, speed in zip(motion.analyse(film).walkers, SPEEDS, strict=True):
-        assert one.of("speed").se is None
-        assert one.of("speed").value == pytest.approx(speed, abs=9.0)  # three errors of 10 sqrt(2 x 0.2 / 6)
-        assert "film for longer" in one.of("speed").refused
+        assert one.mean("speed").se is None
+        assert one.mean("speed").value == pytest.approx(speed, abs=9.0)  # three errors of 10 sqrt(2 x 0.2 / 6)
+        assert "film for longer" in one.mean("speed").refused
 
 
 def test_values_nearer_to_each_other_than_their_errors_have_no_bound_of_zero():
-    alike = between.spread("speed_scatter", np.array([50.0, 50.01, 49.99, 50.0]), 0.25, 30.0)
+    alike = between.walker_scatter("speed_scatter", np.array([50.0, 50.01, 49.99, 50.0]), 0.25, 30.0)
     assert alike.refused == "not resolved: smaller than each one's own error makes it"

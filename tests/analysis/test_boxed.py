@@ -15,7 +15,7 @@ BOX = films(1, 1, 300.0)[0]
 
 def test_walls_are_found_and_free_motion_is_measured():
     blind = motion.analyse(BOX).estimates
-    found = walls.of(BOX)
+    found = walls.find_walls(BOX)
     assert found.extent == pytest.approx((150.0, 150.0), rel=0.02)
     assert 0.05 < found.contacts.value < 0.3
     seen = motion.analyse(BOX, found=found)
@@ -30,7 +30,7 @@ def test_walls_are_found_and_free_motion_is_measured():
 
 def test_headings_between_walls_tell_rotational_diffusion():
     tracks = films(2, 1, 200.0, headed=True)[0]
-    numbers = motion.analyse(tracks, found=walls.of(tracks)).estimates
+    numbers = motion.analyse(tracks, found=walls.find_walls(tracks)).estimates
     for name, truth in (("speed", 60.0), ("rotational_diffusion", 0.5)):
         low, high = numbers[name].interval(0.95)
         assert low <= truth <= high, name
@@ -42,7 +42,7 @@ def test_a_bug_s_walls_are_found_in_each_film_and_make_up_no_number(wall):
     made = films(3, 6, 60.0, BUG._replace(wall=wall))
     inside = {"speed": [], "persistence_time": []}
     for tracks in made:
-        found = walls.of(tracks)
+        found = walls.find_walls(tracks)
         assert found is not None
         assert found.extent == pytest.approx(BUG.box, rel=0.03)
         numbers = motion.analyse(tracks, found=found).estimates
@@ -57,10 +57,10 @@ def test_a_bug_s_walls_are_found_in_each_film_and_make_up_no_number(wall):
 
 
 def test_walls_may_be_told():
-    told = walls.of(BOX, Dish("rectangle", (170.0, 170.0)))
+    told = walls.find_walls(BOX, Dish("rectangle", (170.0, 170.0)))
     assert told.closest == pytest.approx(10.0, abs=0.5)  # a walker is no point
     assert "of ‹arena=›rectangle:170x170" in told.said
-    assert walls.of(BOX, OPEN_GROUND) is None
+    assert walls.find_walls(BOX, OPEN_GROUND) is None
 
 
 @pytest.mark.parametrize(
@@ -76,5 +76,5 @@ def test_walls_may_be_told():
 )
 def test_free_walkers_have_no_walls(walker):
     for seed in range(4):
-        assert walls.of(film(seed, 1, 40.0, walker, 0.04)) is None
-        assert walls.of(film(seed, 8, 20.0, walker, 0.04)) is None
+        assert walls.find_walls(film(seed, 1, 40.0, walker, 0.04)) is None
+        assert walls.find_walls(film(seed, 8, 20.0, walker, 0.04)) is None

@@ -44,7 +44,7 @@ def folder(tmp_path_factory):
 
 def read(folder, text):
     (folder / "speeds.csv").write_text(text)
-    return speeds.read(folder / "speeds.csv", "flexible", PLATE)
+    return speeds.read_speeds(folder / "speeds.csv", "flexible", PLATE)
 
 
 def of_analyse(path):
@@ -100,7 +100,7 @@ def test_walkers_seen_too_briefly_for_errors_of_their_own_count_by_their_mean(fo
     """As `analyse` prints it, with the error of the scale once; one walker of them is left out."""
     path = write(folder / "short.csv", 11, 4, seconds=1.0)
     whole = wg.analyse(path)
-    assert whole.motion.walkers[0].of("speed").se is None
+    assert whole.motion.walkers[0].mean("speed").se is None
     seen = read(folder, "tilt_deg,tracks\n10,short.csv\n")
     assert seen.speed == pytest.approx([whole.speed.value], rel=1e-12)
     error = math.hypot(whole.speed.se, SHARE * whole.speed.value)

@@ -207,10 +207,10 @@ def test_a_lag_outside_the_film_is_refused():
 
 def test_the_walks_limits():
     lag = np.array([1e-6, 1e-3, 1.0])
-    np.testing.assert_allclose(walks.squared(lag, Spread(9.0, 1e-9, 0.0, 0.0)), 9.0 * lag**2, rtol=1e-6)
+    np.testing.assert_allclose(walks.squared_displacement(lag, Spread(9.0, 1e-9, 0.0, 0.0)), 9.0 * lag**2, rtol=1e-6)
     late = np.array([1e4])
     expected = 4 * Spread(9.0, 2.0, 0.0, 0.0, 0.5).diffusivity * late
-    np.testing.assert_allclose(walks.squared(late, Spread(9.0, 2.0, 0.0, 0.0, 0.5)), expected, rtol=1e-3)
+    np.testing.assert_allclose(walks.squared_displacement(late, Spread(9.0, 2.0, 0.0, 0.0, 0.5)), expected, rtol=1e-3)
     # The closed form of the window against the sum it stands for.
     inner = np.linspace(0, 0.3, 301)
     weights = np.ones(301)
@@ -218,13 +218,13 @@ def test_the_walks_limits():
     weights /= weights.sum()
     grid = 1.0 + inner[None, :] - inner[:, None]
     exact = weights @ np.exp((-2.0 + 0.5j) * grid) @ weights
-    found = walks.decay(np.array([1.0]), 1.0, 2.0, 0.5, window=0.3)[0]
+    found = walks.velocity_correlation(np.array([1.0]), 1.0, 2.0, 0.5, window=0.3)[0]
     assert found == pytest.approx(exact, rel=1e-5)  # trapezium rule on 300 intervals
 
 
 def test_the_summary_is_plain_json():
     for tracks in (film(8, 3, 3.0), lane(1, [60.0] * 2, 100), film(8, 1, 0.1)):
-        data = facts.of(motion.analyse(tracks))
+        data = facts.from_motion(motion.analyse(tracks))
         assert json.loads(json.dumps(data, allow_nan=False)) == data
         assert data["particles"] == len(tracks.tracks)
         for name, unit in (("speed", "mm_s"), ("persistence_time", "s")):
@@ -247,6 +247,6 @@ def test_json_holds_no_infinity_whatever_a_number_or_curve_is(bad):
         **{name: curve._replace(value=bad + curve.value, se=bad + curve.se) for name, curve in curves.items()},
         msd_fit=found.msd_fit._replace(misfit=bad, p_value=bad, spreads=(Spread(*[bad] * 7),)),
     )
-    data = json.loads(json.dumps(facts.of(hostile), allow_nan=False))
-    assert data["refused"]["diffusivity_high_95_mm2_s"] == facts.UNBOUNDED
+    data = json.loads(json.dumps(facts.from_motion(hostile), allow_nan=False))
+    assert data["refused"]["diffusivity_high_95_mm2_s"] == facts.UNBOUNDED_REASON
     assert data["diffusivity_high_95_mm2_s"] is data["msd"][0]["msd_mm2"] is data["msd_fit"]["misfit"] is None

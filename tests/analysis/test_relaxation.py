@@ -21,14 +21,14 @@ CASES = {
 
 def found(own, exact):
     """Estimates and the truths that they are of, by name."""
-    velocity, translation = relaxation.velocity(own, exact)
+    velocity, translation = relaxation.measure_velocity(own, exact)
     rotation = motion.analyse(own).estimates["rotational_diffusion"]
     return {
         "relaxation": velocity.time,
-        "along": relaxation.along(own, exact, velocity, translation).time,
+        "along": relaxation.measure_along_heading(own, exact, velocity, translation).time,
         "diffusion": translation,
         "rotation": rotation,
-        "turn_relaxation": relaxation.turning(own, exact, rotation).time,
+        "turn_relaxation": relaxation.measure_turning(own, exact, rotation).time,
     }
 
 
@@ -51,7 +51,7 @@ def test_known_numbers_come_back(case):
 
 def test_noise_of_places_is_told_from_fluctuations():
     one = Inertial(noise=0.05)
-    velocity, _ = relaxation.velocity(tracks(3, one, interval=0.01), exact=False)
+    velocity, _ = relaxation.measure_velocity(tracks(3, one, interval=0.01), exact=False)
     assert velocity.noise == pytest.approx(one.noise, rel=0.1)
     assert velocity.deviation == pytest.approx((one.diffusion / one.relaxation) ** 0.5, rel=0.1)
 
@@ -61,7 +61,7 @@ def test_the_delay_function_is_that_of_theory():
     one = Inertial(rotation=1.0, turn=2.0, relaxation=0.1, turn_relaxation=0.002)
     late = delay.measure(tracks(5, one, seconds=20.0, interval=0.02))
     at, value, se = late.function
-    expected = delay.expected(at, one.speed, one.rotation, one.turn, one.relaxation)
+    expected = delay.inertial_delay(at, one.speed, one.rotation, one.turn, one.relaxation)
     assert expected.max() > 20.0 * np.median(se[:20])  # the test can fail
     assert (np.abs(value - expected)[:100] < 4.0 * se[:100]).all()
     assert abs(late.mean.value - one.relaxation) < 3.0 * late.mean.se
@@ -71,7 +71,7 @@ def test_a_velocity_that_follows_at_once_has_no_delay_and_no_relaxation():
     """Overdamped: noise white on the scale of samples."""
     one = Inertial(relaxation=0.0005, turn_relaxation=0.0005, speed=60.0)
     own = tracks(2, one, seconds=5.0)
-    velocity, diffusion = relaxation.velocity(own, exact=True)
+    velocity, diffusion = relaxation.measure_velocity(own, exact=True)
     assert not velocity.resolved
     assert velocity.time.value < own.interval
     assert abs(diffusion.value - one.diffusion) < 3.0 * diffusion.se
@@ -95,28 +95,28 @@ def test_pushes_off_the_centre_lean_and_lead():
         0,
         "",
     )
-    relaxed = relaxation.velocity(own, exact=True)[0].time.value
+    relaxed = relaxation.measure_velocity(own, exact=True)[0].time.value
     for here, place in ((own, 0.0), (moved, ahead)):
-        leaning = relaxation.leaning(here, relaxed)
+        leaning = relaxation.lateral_coupling(here, relaxed)
         assert abs(leaning.value - place) < max(4.0 * leaning.se, 0.03 * ahead), leaning
     assert delay.measure(moved).mean.value < delay.measure(own).mean.value - 0.1
 
 
 def test_too_few_data_are_refused_with_the_reason():
     own = tracks(1, Inertial(), walkers=2, seconds=0.2)
-    velocity, diffusion = relaxation.velocity(own, exact=True)
+    velocity, diffusion = relaxation.measure_velocity(own, exact=True)
     assert velocity.time.value is diffusion.value is None
     assert "at least" in velocity.time.refused
     assert "at least" in delay.measure(own).mean.refused
     unseen = Tracks((Track(0, np.full((50, 2), np.nan), np.full(50, np.nan)),), 0.01, 0, "")
-    assert relaxation.velocity(unseen, exact=True)[0].time.value is None
+    assert relaxation.measure_velocity(unseen, exact=True)[0].time.value is None
 
 
 def test_walkers_that_stand_have_no_fluctuations():
     stand = Tracks(tuple(Track(n, np.ones((400, 2)), np.full(400, 0.5)) for n in range(10)), 0.01, 0, "")
-    velocity, diffusion = relaxation.velocity(stand, exact=True)
+    velocity, diffusion = relaxation.measure_velocity(stand, exact=True)
     assert diffusion.value == velocity.time.value == velocity.deviation == 0.0
-    turning = relaxation.turning(stand, True, exact("diffusion", "rad2_s", 0.0))
+    turning = relaxation.measure_turning(stand, True, exact("diffusion", "rad2_s", 0.0))
     assert turning.time.value == 0.0
     assert delay.measure(stand).mean.value is None
 

@@ -141,8 +141,8 @@ def diffusivity_told(rate, told_from, freedom):
     known = estimates.quantity("diffusivity", 1.0 / rate, math.sqrt(2.0 / freedom) / rate)
     others = ("speed", "persistence_rate", "persistence_time", "persistence_length")
     numbers = {name: estimates.refusal(name, "") for name in others}
-    numbers["diffusivity"] = bounds.told_from(known, told_from / rate)
-    return bounds.of_turns(numbers, run=True)["diffusivity"].interval()
+    numbers["diffusivity"] = bounds.with_detection_limit(known, told_from / rate)
+    return bounds.with_variance_laws(numbers, run=True)["diffusivity"].interval()
 
 
 def test_the_upper_bound_of_a_diffusivity_allows_for_its_rate_being_told_where_chance_made_it_large():

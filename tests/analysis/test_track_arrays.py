@@ -38,7 +38,7 @@ def test_our_own_runs_are_the_same_from_every_format(tmp_path, arena, lane):
 
 def _read_back(path, written):
     path.write_bytes(trajectories.FORMATS[path.suffix](written))
-    return track_files.read(path, Units())
+    return track_files.read_tracks(path, Units())
 
 
 def data_set(order=("time", "space", "keypoint", "individual"), plural="", **attributes):
@@ -73,7 +73,7 @@ def saved(path, held):
     "order", [("time", "space", "keypoint", "individual"), ("individual", "keypoint", "space", "time")]
 )
 def test_dimensions_of_movement_count_by_their_names(tmp_path, order, plural):
-    found = track_files.read(saved(tmp_path / "a.nc", data_set(order, plural)), BY_SECONDS)
+    found = track_files.read_tracks(saved(tmp_path / "a.nc", data_set(order, plural)), BY_SECONDS)
     assert found.interval == pytest.approx(1.0 / FPS)
     same(found)
 
@@ -81,18 +81,18 @@ def test_dimensions_of_movement_count_by_their_names(tmp_path, order, plural):
 def test_a_data_set_says_its_frames_its_unit_and_how_sure_it_is(tmp_path):
     frames = saved(tmp_path / "frames.nc", data_set(time_unit="frames"))
     with pytest.raises(InputError, match="counts frames"):
-        track_files.read(frames, BY_SECONDS)
-    same(track_files.read(frames, PIXELS))
+        track_files.read_tracks(frames, BY_SECONDS)
+    same(track_files.read_tracks(frames, PIXELS))
     held = data_set()
     held[0].variables["position"].space_unit = "cm"
-    centimetres = track_files.read(saved(tmp_path / "cm.nc", held), Units())
+    centimetres = track_files.read_tracks(saved(tmp_path / "cm.nc", held), Units())
     np.testing.assert_allclose(centimetres.tracks[0].position, 10.0 * WALKERS[0] * (1, -1))
-    likely = track_files.read(saved(tmp_path / "dlc.nc", data_set(source_software="DeepLabCut")), BY_SECONDS)
+    likely = track_files.read_tracks(saved(tmp_path / "dlc.nc", data_set(source_software="DeepLabCut")), BY_SECONDS)
     assert np.flatnonzero(np.isnan(likely.tracks[0].position[:, 0])).tolist() == [3]
     held = data_set()
     held[0].variables["position"].scale_factor = 0.1
     with pytest.raises(InputError, match="position is packed"):
-        track_files.read(saved(tmp_path / "packed.nc", held), BY_SECONDS)
+        track_files.read_tracks(saved(tmp_path / "packed.nc", held), BY_SECONDS)
 
 
 def test_sleaps_arrays_count_by_the_names_of_their_dimensions(tmp_path):
@@ -101,7 +101,7 @@ def test_sleaps_arrays_count_by_the_names_of_their_dimensions(tmp_path):
         file["tracks"] = PLACES.transpose(0, 3, 2, 1)
         file["tracks"].attrs["dims"] = '["frame", "track", "node", "xy"]'
         file["node_names"], file["track_names"] = [b"body"], [b"ann", b"bob"]
-    same(track_files.read(tmp_path / "a.h5", PIXELS))
+    same(track_files.read_tracks(tmp_path / "a.h5", PIXELS))
 
 
 def test_columns_of_trex_are_in_its_centimetres(tmp_path):
@@ -119,7 +119,7 @@ def test_columns_of_trex_are_in_its_centimetres(tmp_path):
     np.savez(
         tmp_path / "film_id0.npz", cm_per_pixel=np.array([0.1]), id=np.array([0]), tracklets=np.ones((2, 2)), **own
     )
-    found = track_files.read(tmp_path / "film_id0.npz", Units())
+    found = track_files.read_tracks(tmp_path / "film_id0.npz", Units())
     place = 10.0 * WALKERS[0] * (1, -1)
     place[3] = np.nan
     np.testing.assert_allclose(found.tracks[0].position, place)
@@ -142,7 +142,7 @@ def test_files_of_bytes_that_are_not_read_say_what_to_give(tmp_path, content, to
     path = tmp_path / "tracks"
     path.write_bytes(content)
     with pytest.raises(InputError) as refused:
-        track_files.read(path, PIXELS)
+        track_files.read_tracks(path, PIXELS)
     assert told in str(refused.value)
 
 
@@ -160,11 +160,11 @@ def test_other_files_of_hdf5_say_what_to_give(tmp_path, names, told):
         for name in names:
             file[name] = np.zeros(3)
     with pytest.raises(InputError, match=told):
-        track_files.read(tmp_path / "a.h5", PIXELS)
+        track_files.read_tracks(tmp_path / "a.h5", PIXELS)
 
 
 def test_hdf5_without_its_extra_is_refused_in_a_line(tmp_path, monkeypatch):
     monkeypatch.setitem(extras.PACKAGES, "poses", {"no_such_module": "h5py"})
     (tmp_path / "a.nc").write_bytes(b"\x89HDF\r\n\x1a\n and so on")
     with pytest.raises(InputError, match=r"a\.nc: HDF5: h5py not installed: pip install 'walkergen"):
-        track_files.read(tmp_path / "a.nc", PIXELS)
+        track_files.read_tracks(tmp_path / "a.nc", PIXELS)

@@ -170,7 +170,7 @@ BY_SECONDS = Units(mm_per_px=SCALE)
 def test_the_same_walkers_come_out_of_every_layout(tmp_path, text, units, count, down, told):
     path = tmp_path / "tracks.txt"
     path.write_text(text, encoding="utf-8")
-    found = track_files.read(path, units)
+    found = track_files.read_tracks(path, units)
     assert found.interval == pytest.approx(1 / FPS)
     assert len(found.tracks) == count
     assert found.bad_rows == 0
@@ -184,10 +184,10 @@ def test_the_same_walkers_come_out_of_every_layout(tmp_path, text, units, count,
 def test_units_of_trackmate_count(tmp_path):
     path = tmp_path / "spots.csv"
     path.write_text(trackmate().replace("(pixel)", "(micron)"))
-    found = track_files.read(path, Units())
+    found = track_files.read_tracks(path, Units())
     np.testing.assert_allclose(found.tracks[0].position, 1e-3 * WALKERS[0] * (1, -1))
     path.write_text(trackmate().replace("(sec)", "(pixel)"))  # no unit of times: they are taken as seconds
-    assert track_files.read(path, BY_SECONDS).interval == pytest.approx(1 / FPS)
+    assert track_files.read_tracks(path, BY_SECONDS).interval == pytest.approx(1 / FPS)
 
 
 def test_parts_that_deeplabcut_is_not_sure_of_do_not_count(tmp_path):
@@ -195,7 +195,7 @@ def test_parts_that_deeplabcut_is_not_sure_of_do_not_count(tmp_path):
     lines = deeplabcut_single().splitlines()
     lines[5] = lines[5].replace("0.99", "0.1")
     path.write_text("\n".join(lines))
-    (track,) = track_files.read(path, PIXELS).tracks
+    (track,) = track_files.read_tracks(path, PIXELS).tracks
     assert np.flatnonzero(np.isnan(track.position[:, 0])).tolist() == [2]
 
 
@@ -205,7 +205,7 @@ def test_headings_of_fasttrack_count_counterclockwise_though_its_y_goes_down(tmp
     path = tmp_path / "tracking.txt"
     lines = rows(lambda f, n, x, y: f"{x}\t{y}\t{(2.0 * np.pi - ways[n][f]) % (2.0 * np.pi)}\t{f}\t{n}")
     path.write_text("xBody\tyBody\ttBody\timageNumber\tid\n" + lines)
-    for track, way in zip(track_files.read(path, PIXELS).tracks, ways, strict=True):
+    for track, way in zip(track_files.read_tracks(path, PIXELS).tracks, ways, strict=True):
         np.testing.assert_allclose(np.exp(1j * track.heading), np.exp(-1j * way), atol=1e-12)
 
 
@@ -217,11 +217,11 @@ def test_tracker_names_one_track_or_several_above_its_columns(tmp_path, mark):
     lines = [[f / FPS, *WALKERS[0][f], *(WALKERS[1][f] if f < 9 else ("", ""))] for f in FRAMES]
     table = [title, ["t", *"xyxy", ""], *lines]
     path.write_text("#multi:\n" + "\n".join(mark.join(map(str, row)) for row in table) + "\n")
-    one, two = track_files.read(path, BY_SECONDS).tracks
+    one, two = track_files.read_tracks(path, BY_SECONDS).tracks
     np.testing.assert_allclose(one.position, SCALE * WALKERS[0])
     np.testing.assert_allclose(two.position, SCALE * WALKERS[1][:9])
     path.write_text("\n".join(mark.join(map(str, row[:3])) for row in (["", "mass_A"], *table[1:])) + "\n")
-    (alone,) = track_files.read(path, BY_SECONDS).tracks
+    (alone,) = track_files.read_tracks(path, BY_SECONDS).tracks
     np.testing.assert_allclose(alone.position, SCALE * WALKERS[0])
 
 
@@ -234,7 +234,7 @@ def test_deeplabcut_names_pictures_in_place_of_frames(tmp_path, folders):
     path.write_text(
         "\n".join([*head, *(f"{folders}img{3 * f:04d}.png,{x},{y}" for f, (x, y) in enumerate(WALKERS[0]))])
     )
-    found = track_files.read(path, PIXELS)
+    found = track_files.read_tracks(path, PIXELS)
     assert found.interval == pytest.approx(3.0 / FPS)
     np.testing.assert_allclose(found.tracks[0].position, SCALE * WALKERS[0] * (1, -1))
     assert "frames are numbered by the names of pictures" in found.note
@@ -244,7 +244,7 @@ def test_clusters_of_mtrackj_each_count_their_own_tracks(tmp_path):
     path = tmp_path / "points.csv"
     line = rows(lambda f, n, x, y: f"{2 * f + n},{n + 1},1,{f + 1},{x},{y},{f / FPS}")
     path.write_text("Nr,CID,TID,PID,x [pixel],y [pixel],t [sec]\n" + line)
-    found = track_files.read(path, BY_SECONDS)
+    found = track_files.read_tracks(path, BY_SECONDS)
     assert "walkers are numbered: 0 TID 1 of CID 1, 1 TID 1 of CID 2" in found.note
     for track, walker in zip(found.tracks, WALKERS, strict=True):
         np.testing.assert_allclose(track.position, SCALE * walker * (1, -1))
@@ -256,7 +256,7 @@ def test_times_in_whole_milliseconds_are_of_one_rate(tmp_path, rate):
     path = tmp_path / "trajectories.csv"
     times = "".join(f"{f / rate:.3f},{f:.3f},1.000\n" for f in range(400))
     path.write_text("time,trajectories1,trajectories2\n" + times)
-    found = track_files.read(path, BY_SECONDS)
+    found = track_files.read_tracks(path, BY_SECONDS)
     assert found.interval == pytest.approx(1.0 / rate, rel=1e-3)
     np.testing.assert_allclose(found.tracks[0].position[:, 0], SCALE * np.arange(400))
 
@@ -275,13 +275,13 @@ def test_what_would_be_taken_for_walkers_is_named(tmp_path, header, line, told):
     path = tmp_path / "t.csv"
     path.write_text(header + "\n" + rows(lambda f, n, x, y: line.format(f=f, n=n, x=x, y=y)))
     with pytest.raises(InputError, match=told):
-        track_files.read(path, PIXELS)
+        track_files.read_tracks(path, PIXELS)
 
 
 def test_frames_come_before_times_where_their_rate_is_given_and_it_is_said(tmp_path):
     path = tmp_path / "t.csv"
     path.write_text("frame,t_s,id,x_mm,y_mm\n" + rows(lambda f, n, x, y: f"{f},{f / 50},{n},{x},{y}"))
-    tracks = track_files.read(path, Units(fps=25.0))
+    tracks = track_files.read_tracks(path, Units(fps=25.0))
     assert tracks.interval == pytest.approx(0.04)
     assert "times are those of frames by ‹fps›, not of t_s" in tracks.note
 
@@ -295,6 +295,6 @@ def test_walkers_whose_run_sets_in_at_once_are_analysed(tmp_path):
     rows = [f"{t:.4f},{n},{1e3 * x[n, at]:.4f},{1e3 * y[n, at]:.4f}" for n in range(3) for at, t in enumerate(times)]
     path = tmp_path / "t.csv"
     path.write_text("\n".join(["t_s,id,x_um,y_um", *rows]))
-    found = motion.analyse(track_files.read(path, Units())).estimates
+    found = motion.analyse(track_files.read_tracks(path, Units())).estimates
     assert found["speed"].value == pytest.approx(60.0, rel=0.001)
     assert found["turning_bias"].value == pytest.approx(0.437, abs=0.001)

@@ -61,7 +61,7 @@ MILLIMETRES = Units(unit="mm")
 def test_what_was_put_in_comes_out_of_what_programs_write(name, units, places, told):
     if name.endswith((".h5", "movement.nc")):
         pytest.importorskip("h5py")
-    found = track_files.read(FILMS / name, units)
+    found = track_files.read_tracks(FILMS / name, units)
     assert found.interval == pytest.approx(1.0 / FPS)
     assert told in found.note
     assert len(found.tracks) == len(places)

@@ -17,7 +17,7 @@ def write(tmp_path, text, name="tracks.csv"):
 
 
 def read(tmp_path, text, units=FILM):
-    return track_files.read(write(tmp_path, text), units)
+    return track_files.read_tracks(write(tmp_path, text), units)
 
 
 def test_trackpys_columns_in_any_order_with_its_index_and_brightness(tmp_path):

@@ -24,11 +24,11 @@ def wanderers(seed, walkers=16, seconds=8.0, scatter=SCATTER, diffusion=D_R, noi
 
 
 def scatter_of(tracks):
-    return turning.scatter(turning.walkers(tracks.tracks, tracks.interval))
+    return turning.scatter(turning.walker_turnings(tracks.tracks, tracks.interval))
 
 
 def diffusion_of(tracks, noise2=NOISELESS, memory=AT_ONCE):
-    return turning.diffusion(turning.walkers(tracks.tracks, tracks.interval), noise2, memory)
+    return turning.diffusion(turning.walker_turnings(tracks.tracks, tracks.interval), noise2, memory)
 
 
 def test_drift_turning_and_scatter_are_those_put_in():
@@ -155,7 +155,7 @@ def test_frames_that_are_missing_change_neither_diffusion_nor_scatter(kept, gap)
 def test_a_turn_within_a_gap_may_be_more_than_half_a_turn():
     # 5 rad/s over gaps of 1 s and more.
     steady = EXACT._replace(turn=5.0, turn_sd=0.0, lost=0.4, gap=25.0)
-    (one,) = turning.walkers(film(6, 1, 40.0, steady, 0.04).tracks, 0.04)
+    (one,) = turning.walker_turnings(film(6, 1, 40.0, steady, 0.04).tracks, 0.04)
     assert one.seconds == pytest.approx(40.0, rel=0.1)  # no turn was left out
     assert one.rate == pytest.approx(5.0, abs=3.5 * np.sqrt(2 * D_R / 40.0))
 
@@ -178,7 +178,7 @@ def test_few_walkers_have_a_scatter_and_a_lone_one_the_reason_for_none():
 def test_the_local_exponent_of_a_power_law_is_its_power():
     lags = np.unique(np.rint(np.geomspace(1, 500, 40)).astype(int))
     for power in (1.0, 1.5, 2.0):
-        found = motion._exponents(lags, 3.0 * lags**power)
+        found = motion._local_exponents(lags, 3.0 * lags**power)
         known = ~np.isnan(found)
         np.testing.assert_allclose(found[known], power, rtol=1e-12)
         assert known.sum() == 30  # of 34
@@ -199,14 +199,14 @@ def test_local_exponents_fall_from_ballistic_to_diffusive_as_the_walk_says():
 
 def test_local_exponents_follow_the_curvature():
     lags = np.unique(np.rint(np.geomspace(1, 300, 60)).astype(int))
-    found = motion._exponents(lags, walks.squared(0.02 * lags, Spread(1.0, 2.0, 0.0, 0.0, TURN)))
+    found = motion._local_exponents(lags, walks.squared_displacement(0.02 * lags, Spread(1.0, 2.0, 0.0, 0.0, TURN)))
     known = ~np.isnan(found)
     # Lines through the same lags, which lie unevenly on the scale of logarithms, are 0.02 off.
     np.testing.assert_allclose(found[known], _exact_exponent(0.02 * lags)[known], atol=0.01)
 
 
 def _exact_exponent(lag):
-    up, down = (walks.squared(lag * f, Spread(1.0, 2.0, 0.0, 0.0, TURN)) for f in (1.001, 1 / 1.001))
+    up, down = (walks.squared_displacement(lag * f, Spread(1.0, 2.0, 0.0, 0.0, TURN)) for f in (1.001, 1 / 1.001))
     return np.log(up / down) / (2 * np.log(1.001))
 
 

@@ -86,7 +86,7 @@ def test_walkers_scenes_and_printers_load_by_name():
     assert isinstance(wg.load("ender3"), Printer)
     assert PAPER == templates.load("koumakis2016", "walkers", Design)
     listed = wg.templates()
-    assert len(listed) == sum(len(templates.known(kind)) for kind in templates.KINDS)
+    assert len(listed) == sum(len(templates.all_names(kind)) for kind in templates.KINDS)
     assert {row["kind"] for row in listed} == set(templates.KINDS)
     with pytest.raises(InputError, match=r"'nope': no such template; known: bristle, .*ender3"):
         wg.load("nope")
@@ -117,9 +117,9 @@ def test_files_load_by_path_and_their_keys_tell_what_they_are(tmp_path, monkeypa
 
 def test_a_walker_with_a_motor_runs_on_a_table_where_no_scene_is_named():
     carrier, paper = wg.load("coinbot"), wg.load("koumakis2016")
-    assert request.ground(None, [paper]) == "lane-90hz"
-    assert request.ground(None, [paper, carrier], request.PLANE) == "table-motor"
-    assert request.ground("plane-90hz", [carrier]) == "plane-90hz"
+    assert request.choose_scene(None, [paper]) == "lane-90hz"
+    assert request.choose_scene(None, [paper, carrier], request.PLANE_SCENE) == "table-motor"
+    assert request.choose_scene("plane-90hz", [carrier]) == "plane-90hz"
     here, named = (wg.predict("coinbot", model="theory", **on) for on in ({}, {"scene": "table-motor"}))
     assert here.facts == named.facts
     with pytest.raises(InputError, match="scene=lane-90hz"):

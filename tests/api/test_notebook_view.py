@@ -80,7 +80,7 @@ def test_the_size_is_told_and_nothing_is_fetched():
     assert "unsafe-eval" not in policy
     assert not re.search(r'<[^>]+\b(src|href)="(?!data:)', document)
     packed = zlib.decompress(base64.b64decode(held(document, "viewer"))).decode()
-    assert packed == viewer.script()
+    assert packed == viewer.viewer_script()
 
 
 def test_text_of_files_is_only_text():
@@ -91,7 +91,7 @@ def test_text_of_files_is_only_text():
     assert HOSTILE in "".join(found.words)
     mesh = solids.build(PAPER).walker
     one = viewer.Part(HOSTILE, "flexible", mesh.vertices, mesh.triangles)
-    found = Outer(viewer.frame([one, one], HOSTILE))
+    found = Outer(viewer.render_frame([one, one], HOSTILE))
     assert found.tags == ["iframe", "p", "small"]
     assert found.frames[0]["title"] == HOSTILE
     inner = Outer(found.frames[0]["srcdoc"])
@@ -103,12 +103,12 @@ def test_text_of_files_is_only_text():
 def test_what_is_too_fine_is_left_out_by_name_and_what_cannot_stand_says_why(monkeypatch):
     mesh = solids.build(PAPER).walker
     parts = [viewer.Part(name, "flexible", mesh.vertices, mesh.triangles) for name in "abc"]
-    monkeypatch.setattr(viewer, "MOST_TRIANGLES", 2 * len(mesh.triangles))
-    text = viewer.frame(parts, "t")
+    monkeypatch.setattr(viewer, "MAX_TRIANGLES", 2 * len(mesh.triangles))
+    text = viewer.render_frame(parts, "t")
     assert "1 of 3 parts are not in the 3D view" in text
     assert text.endswith("at most: c</p>")
-    monkeypatch.setattr(viewer, "MOST_TRIANGLES", 1)
-    assert "iframe" not in viewer.frame(parts, "t")
+    monkeypatch.setattr(viewer, "MAX_TRIANGLES", 1)
+    assert "iframe" not in viewer.render_frame(parts, "t")
     monkeypatch.setattr(solids, "build", lambda design: (_ for _ in ()).throw(InputError("<why>")))
     assert PAPER._repr_html_().endswith("<th>cannot be shown</th><td>&lt;why&gt;</td></tr></tbody></table>")
 

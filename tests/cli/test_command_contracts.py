@@ -17,11 +17,11 @@ from synthetic_tracks import film
 import walkergen as wg
 from walkergen.api import front
 from walkergen.cli import command_line
-from walkergen.command_table import COMMANDS, request_of
+from walkergen.command_table import COMMANDS, load_request
 from walkergen.core.errors import WalkergenError
 from walkergen.core.files.tables import csv_text
 from walkergen.files import templates
-from walkergen.request import flag, spelled
+from walkergen.request import field_flag, flag_name
 
 PROGRAM = typer.main.get_command(command_line)
 REQUESTS = [name for name, command in COMMANDS.items() if command.folder]
@@ -38,9 +38,9 @@ def options_of(name):
 
 def inputs_of(name):
     """Yield the fields of a request that name a file to read."""
-    request = request_of(name)
+    request = load_request(name)
     for field in request.model_fields:
-        own = flag(request, field)
+        own = field_flag(request, field)
         if own.templates or (own.metavar == "FILE" and field != "out"):
             yield field
 
@@ -56,13 +56,13 @@ def test_help_names_every_flag(run, name):
 
 @pytest.mark.parametrize("name", REQUESTS)
 def test_command_function_and_request_have_the_same_parameters(name):
-    request = request_of(name)
+    request = load_request(name)
     fields = set(request.model_fields)
     own = {"json", "quiet"} if request.reports else set()
     assert {parameter.name for parameter in PROGRAM.commands[name].params} == fields | own
     for field, option in options_of(name).items():
-        assert field not in fields or option == spelled(request, field)
-    assert all(flag(request, field).help.endswith(".") for field in fields)
+        assert field not in fields or option == flag_name(request, field)
+    assert all(field_flag(request, field).help.endswith(".") for field in fields)
     if name in front.FUNCTION_NAMES:
         assert set(front.make_signature(name).parameters) == fields | {"progress"}
 
@@ -74,11 +74,11 @@ class AskedError(Exception):
 @pytest.mark.parametrize("example", ["example", "other"])
 @pytest.mark.parametrize("name", front.FUNCTION_NAMES)
 def test_a_function_asks_what_its_command_asks(run, monkeypatch, name, example):
-    @functools.wraps(request_of(name).run)
+    @functools.wraps(load_request(name).run)
     def asked(request, progress):
         raise AskedError(request)
 
-    monkeypatch.setattr(request_of(name), "run", asked)
+    monkeypatch.setattr(load_request(name), "run", asked)
     words = shlex.split(getattr(COMMANDS[name], example))
     (by_command,) = run(*words).exception.args
     values = {field: getattr(by_command, field) for field in by_command.model_fields_set}
@@ -99,9 +99,9 @@ def test_words_that_mean_nothing_exit_with_2(run, tmp_path, name, words):
 
 @pytest.mark.parametrize(("name", "field"), [(name, field) for name in REQUESTS for field in inputs_of(name)])
 def test_a_file_that_is_missing_is_one_clear_line_and_nothing_is_written(run, tmp_path, name, field):
-    request, own = request_of(name), flag(request_of(name), field)
+    request, own = load_request(name), field_flag(load_request(name), field)
     required = ["none.csv"] if any(info.is_required() for info in request.model_fields.values()) else []
-    words = ["none.toml"] if own.argument else [*required, spelled(request, field), "none.toml"]
+    words = ["none.toml"] if own.argument else [*required, flag_name(request, field), "none.toml"]
     refused(run, name, *words)
     assert not list(tmp_path.iterdir())
 
@@ -137,14 +137,14 @@ def write_inputs(folder, name):
 def test_the_example_of_a_docstring_runs_and_its_report_is_sound(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     write_inputs(tmp_path, name)
-    reports, run = [], request_of(name).run
+    reports, run = [], load_request(name).run
 
     @functools.wraps(run)
     def kept(request, progress):
         reports.append(run(request, progress))
         return reports[-1]
 
-    monkeypatch.setattr(request_of(name), "run", kept)
+    monkeypatch.setattr(load_request(name), "run", kept)
     (example,) = re.findall("^Example: `(.*)`$", inspect.getdoc(getattr(wg, name)), re.MULTILINE)
     assert example == COMMANDS[name].call
     assert eval(example, {"wg": wg}) is not False

@@ -249,7 +249,7 @@ def _loaded():
     """All that commands import, once, and not in every fork."""
     from walkergen.files import templates
 
-    templates.listing()
+    templates.list_templates()
     for words in (PREDICT, ("--help",)):
         assert CliRunner().invoke(command_line, words).exit_code == 0
 

@@ -13,7 +13,7 @@ from night import by_day
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
-from walkergen.command_table import request_of
+from walkergen.command_table import load_request
 from walkergen.core.errors import InputError
 from walkergen.core.files import config, plain, reading
 from walkergen.core.printing.printers import Printer
@@ -184,5 +184,5 @@ def test_whole_numbers_that_nothing_could_print_are_not_read(text):
 def test_values_of_python_of_any_type_are_refused_in_a_line(name, field, value):
     required = {"speeds": "speeds.csv"} if name == "fit" else {}
     with pytest.raises(InputError, match=f"^{field}=") as refused:
-        request_of(name).asked({**required, field: value})
+        load_request(name).from_values({**required, field: value})
     assert "\n" not in str(refused.value)

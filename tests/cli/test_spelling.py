@@ -10,9 +10,9 @@ from typer.testing import CliRunner
 
 import walkergen as wg
 from walkergen.cli import command_line, show
-from walkergen.command_table import COMMANDS, for_call, for_shell, request_of
+from walkergen.command_table import COMMANDS, for_call, for_shell, load_request
 from walkergen.core.errors import FIELD_PATTERN, InputError, spell, spell_all, spell_for_python, use_spelling
-from walkergen.files.report import Report, Table, every
+from walkergen.files.report import Report, Table, key_columns
 
 PACKAGE = Path(wg.__file__).parent
 
@@ -59,7 +59,9 @@ def test_an_error_keeps_the_spelling_of_the_door_that_it_leaves_by():
 
 
 def test_files_have_pythons_names_and_a_terminal_has_flags(capsys):
-    table = Table("rows", [(1.5, "‹tilt›")], ("speed", "note"), every(("speed", "note"), ("note",)), "", ["‹legs›"])
+    table = Table(
+        "rows", [(1.5, "‹tilt›")], ("speed", "note"), key_columns(("speed", "note"), ("note",)), "", ["‹legs›"]
+    )
     report = Report(name="a", title="A", tables=[table], facts={"n": [(1, "‹tilt›")]}, lines=["‹runs=›3"])
     for text in (report.markdown(), repr(report), report._repr_html_()):
         assert "runs=3" in text
@@ -150,7 +152,7 @@ def test_no_text_spells_a_flag():
 
 
 def test_every_field_that_a_text_names_is_one():
-    fields = {field for name, own in COMMANDS.items() if own.folder for field in request_of(name).model_fields}
+    fields = {field for name, own in COMMANDS.items() if own.folder for field in load_request(name).model_fields}
     named = {found[1] for _, text in texts() for found in FIELD_PATTERN.finditer(text)}
     assert named - fields - NO_FIELD == set()
     assert len(named) > 50

@@ -24,7 +24,7 @@ class Ball(NamedTuple):
     seed: int = 1
     pause_s: float = 0.0
 
-    def prepared(self):
+    def prepare(self):
         return self.fall
 
     def fall(self, number, stopped, tell):
@@ -98,7 +98,7 @@ def test_steps_that_cannot_do_are_passed_over():
     made = []
 
     class Counted(Ball):
-        def prepared(self):
+        def prepare(self):
             made.append(self.step_s)
             return self.fall
 

@@ -60,7 +60,7 @@ def test_the_archive_is_made_twice_alike_and_holds_what_it_says(tmp_path, monkey
     assert expected == make.found(folder) | {"put in": expected["put in"]}
     camera = Units(fps=make.FPS, mm_per_px=make.MM_PER_PX, y_down=True)
     films = [
-        track_files.read(folder / "film" / name, units)
+        track_files.read_tracks(folder / "film" / name, units)
         for name, units in (("tracks.csv", camera), ("tracks.nc", Units()))
     ]
     for seen, true in zip(films[0].tracks, films[1].tracks, strict=True):

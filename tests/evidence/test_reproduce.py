@@ -17,7 +17,7 @@ from evidence.reproduce import motion as on_plane
 from evidence.reproduce.report import number
 from evidence.reproduce.runs import Assumption, Case, Point
 from walkergen.analysis import motion
-from walkergen.analysis.landings import QUIET_S
+from walkergen.analysis.landings import MIN_QUIET_S
 from walkergen.core.files.progress import silent
 from walkergen.core.numerics.quantity import Quantity, Verdict, mean
 from walkergen.core.scene import Scene
@@ -127,7 +127,7 @@ def test_ctrl_c_keeps_the_figures_already_done(run, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("name", ["figure2", "figure2-restitutions", "figure5", "figure6"])
 def test_the_shipped_sweeps_are_requests_of_their_own(name):
-    request = ask.of_file(templates.folder() / "sweeps" / f"{name}.toml").request()
+    request = ask.from_file(templates.folder() / "sweeps" / f"{name}.toml").make_request()
     assert request.space.points == np.prod([len(values) for values in runs.swept(name)])
     assert request.point({}).simulated
 
@@ -249,7 +249,7 @@ def test_every_impact_of_the_tally_is_an_event_and_landings_are_fewer(case):
         assert 0 < impacts.landing.sum() < len(rows)
         for foot in (0, 1):
             times = np.sort(rows[impacts.landing & (rows[:, 1] // 2 == foot), 0])
-            assert np.diff(times).min() > QUIET_S
+            assert np.diff(times).min() > MIN_QUIET_S
 
 
 def test_the_papers_own_model_gives_its_speed_and_its_types(case, monkeypatch):
@@ -275,7 +275,7 @@ def test_room_for_impacts_grows_until_it_holds_them_all(case, monkeypatch):
 
 @pytest.mark.parametrize(("lost", "known"), [(1, True), (2, False)])
 def test_runs_that_ended_badly_are_left_out_of_the_means(case, monkeypatch, lost, known):
-    real, kept = walkers.each, []
+    real, kept = walkers.simulate_each, []
 
     def bad(*words):
         for point in real(*words):
@@ -283,7 +283,7 @@ def test_runs_that_ended_badly_are_left_out_of_the_means(case, monkeypatch, lost
             toppled = [result._replace(outcome=Outcome.TOPPLED) for result in point.results[:lost]]
             yield point._replace(results=[*toppled, *point.results[lost:]])
 
-    monkeypatch.setattr(walkers, "each", bad)
+    monkeypatch.setattr(walkers, "simulate_each", bad)
     (found,) = runs.simulated([case], silent)
     assert found.lost == lost
     assert found.speed == mean("speed", "mm_s", kept if known else [])

@@ -31,8 +31,8 @@ SOURCE = STATEMENTS[0].source
 
 def test_every_published_template_is_of_a_pair():
     named = set(PAIRS) | set(PAIRS.values())
-    assert set(templates.published("walkers") + templates.published("scenes")) == named - {"koumakis2016"}
-    assert not set(templates.names("walkers")) & set(templates.published("walkers"))
+    assert set(templates.published_names("walkers") + templates.published_names("scenes")) == named - {"koumakis2016"}
+    assert not set(templates.names("walkers")) & set(templates.published_names("walkers"))
 
 
 @pytest.mark.slow
@@ -73,9 +73,12 @@ def text_of(name):
 @pytest.mark.parametrize("name", SETS)
 def test_ranges_hold_the_templates_values_and_stand_in_their_comments(name):
     (source,) = {each.source for each in STATEMENTS if each.source.ranges == name}
-    asked = ask.of_file(source.sweep)
-    design, scene = wg.load(sweep_file.read(source.sweep).design), wg.load(sweep_file.read(source.sweep).scene)
-    text = text_of(sweep_file.read(source.sweep).scene) + text_of(sweep_file.read(source.sweep).design)
+    asked = ask.from_file(source.sweep)
+    design, scene = (
+        wg.load(sweep_file.read_sweep(source.sweep).design),
+        wg.load(sweep_file.read_sweep(source.sweep).scene),
+    )
+    text = text_of(sweep_file.read_sweep(source.sweep).scene) + text_of(sweep_file.read_sweep(source.sweep).design)
     for span in asked.space.sample.spans:
         value = own_value(scene if span.key.startswith("scene.") else design, span.key.removeprefix("scene."))
         assert span.low <= value <= span.high, span.key
@@ -94,12 +97,14 @@ def test_predicted_statements_ask_for_points_of_their_sweeps_and_the_others_say_
         assert bool(statement.missing) != bool(statement.source.ranges)
         if statement.missing:
             continue
-        axes = {axis.key: axis.values for axis in sweep_file.read(statement.source.sweep).space.axes}
+        axes = {axis.key: axis.values for axis in sweep_file.read_sweep(statement.source.sweep).space.axes}
         for key, value in statement.at.items():
             assert value in axes[key]
         for key, values in statement.over.items():
             assert set(values) <= set(axes[key])
-    assert set(PAIRS.values()) == {sweep_file.read(each.source.sweep).scene for each in STATEMENTS if not each.missing}
+    assert set(PAIRS.values()) == {
+        sweep_file.read_sweep(each.source.sweep).scene for each in STATEMENTS if not each.missing
+    }
 
 
 def test_numbers_of_the_table_follow_from_what_was_read():
@@ -175,7 +180,7 @@ def test_folder_names_every_source_and_what_was_read_of_it(tmp_path, monkeypatch
     rng = np.random.default_rng(1)
 
     def swept(source, progress):
-        space = sweep_file.read(source.sweep).space
+        space = sweep_file.read_sweep(source.sweep).space
         rows = [
             {**dict(zip(space.keys, values, strict=True)), "speed_mm_s": rng.normal(60.0, 5.0), "status": "ok"}
             for values in space.rows()

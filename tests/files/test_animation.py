@@ -18,7 +18,7 @@ def plain(at):
 
 
 def test_without_ffmpeg_the_gif_comes_alone_and_says_so(monkeypatch):
-    monkeypatch.setattr(animation, "program", lambda: None)
+    monkeypatch.setattr(animation, "find_ffmpeg", lambda: None)
     made = animation.encode(plain, 3, 10, 0.5, [], silent)
     assert made.gif.startswith(b"GIF89a")
     assert made.mp4 is None

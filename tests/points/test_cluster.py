@@ -98,7 +98,7 @@ def test_a_worker_without_walkergen_is_named(cluster, tmp_path):
     try:
         with Client(address, set_as_default=False) as client:
             client.wait_for_workers(3, timeout=60)
-        with pytest.raises(InputError, match=r"worker tcp.* has .*none here"), worker_pool.dask(address):
+        with pytest.raises(InputError, match=r"worker tcp.* has .*none here"), worker_pool.dask_pool(address):
             pass
     finally:
         third.kill()
@@ -106,18 +106,18 @@ def test_a_worker_without_walkergen_is_named(cluster, tmp_path):
 
 
 def test_a_scheduler_that_is_not_there_is_one_line(monkeypatch):
-    monkeypatch.setattr(worker_pool, "ANSWER_S", 0.5)
-    with pytest.raises(InputError, match="no scheduler answers there"), worker_pool.dask("tcp://[::1]:9"):
+    monkeypatch.setattr(worker_pool, "ANSWER_TIMEOUT_S", 0.5)
+    with pytest.raises(InputError, match="no scheduler answers there"), worker_pool.dask_pool("tcp://[::1]:9"):
         pass
 
 
 def test_what_is_no_scheduler_ends_in_time(monkeypatch):
     """A port that accepts and says nothing, as web servers do until they are asked."""
-    monkeypatch.setattr(worker_pool, "ANSWER_S", 0.5)
+    monkeypatch.setattr(worker_pool, "ANSWER_TIMEOUT_S", 0.5)
     with socket.create_server(("127.0.0.1", 0)) as server:
         address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
         started = time.monotonic()
-        with pytest.raises(InputError, match="no scheduler answers there"), worker_pool.dask(address):
+        with pytest.raises(InputError, match="no scheduler answers there"), worker_pool.dask_pool(address):
             pass
         assert time.monotonic() - started < 5.0
 
@@ -126,7 +126,7 @@ def test_what_is_no_scheduler_ends_in_time(monkeypatch):
     "answer", [bytes(100), b"\xff" * 5000, b"HTTP/1.1 400 Bad\r\n\r\n", b"SSH-2.0-OpenSSH_9\r\n", b"\0"]
 )
 def test_a_server_that_answers_nonsense_is_no_scheduler(monkeypatch, answer):
-    monkeypatch.setattr(worker_pool, "ANSWER_S", 0.5)
+    monkeypatch.setattr(worker_pool, "ANSWER_TIMEOUT_S", 0.5)
     with socket.create_server(("127.0.0.1", 0)) as server:
 
         def serve():
@@ -136,18 +136,18 @@ def test_a_server_that_answers_nonsense_is_no_scheduler(monkeypatch, answer):
 
         threading.Thread(target=serve, daemon=True).start()
         address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
-        with pytest.raises(InputError, match="no scheduler answers there"), worker_pool.dask(address):
+        with pytest.raises(InputError, match="no scheduler answers there"), worker_pool.dask_pool(address):
             pass
 
 
 @pytest.mark.parametrize("address", ["tls://x:1", "ucx://x:1", "tcp://x", "x", "", "tcp://x:1e9"])
 def test_an_address_of_another_kind_is_refused(address):
-    with pytest.raises(InputError, match=r"write tcp://HOST:PORT"), worker_pool.dask(address):
+    with pytest.raises(InputError, match=r"write tcp://HOST:PORT"), worker_pool.dask_pool(address):
         pass
 
 
 def test_workers_of_another_version_are_refused():
     with pytest.raises(InputError, match="worker b has another version of walkergen"):
-        worker_pool.check({"a": worker_pool.digest(), "b": "0123456789abcdef"})
+        worker_pool.check_digests({"a": worker_pool.digest(), "b": "0123456789abcdef"})
     with pytest.raises(InputError, match="worker b has ModuleNotFoundError: No module named"):
-        worker_pool.check({"b": "ModuleNotFoundError: No module named 'walkergen'"})
+        worker_pool.check_digests({"b": "ModuleNotFoundError: No module named 'walkergen'"})

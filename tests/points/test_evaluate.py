@@ -21,7 +21,7 @@ from walkergen.points import alone, kinds, walkers
 from walkergen.points import experiments as simulated
 from walkergen.points import point as points
 from walkergen.points.kinds import evaluate
-from walkergen.points.point import Went, key
+from walkergen.points.point import Went, point_key
 
 LANE = templates.load("lane-90hz", "scenes", Scene)
 PAPER = templates.load("koumakis2016", "walkers", Design)
@@ -111,7 +111,9 @@ def test_runs_that_tell_no_error_say_so():
 
 def test_what_is_not_asked_is_not_there():
     for model, keep in (("prediction", ("speed",)), ("prediction", ("speed", "spread", "masses")), ("space", ())):
-        columns = alone.columns(model, keep) if keep else set(alone.SIMULATED) - {"predicted_mm_s", "theory_mm_s"}
+        columns = (
+            alone.columns(model, keep) if keep else set(alone.SIMULATED_COLUMNS) - {"predicted_mm_s", "theory_mm_s"}
+        )
         assert set(evaluate(point_at(model)._replace(keep=keep))) == {"went", "status", *columns}
 
 
@@ -141,7 +143,7 @@ def test_a_point_that_cannot_be_says_why_on_one_line():
         ({"legs.tilt_deg": 99, "scene.contact.friction": "ice"}, "legs.tilt_deg = 99"),
         ({"scene.contact.friction": "ice"}, "contact.friction = 'ice'"),
     ):
-        record = request.at(values)
+        record = request.try_point(values)
         assert isinstance(record, dict)
         assert record["went"] == Went.REFUSED
         assert record["status"] == f"refused: {record['reason']}"
@@ -174,8 +176,8 @@ CHANGES = {
 
 
 def test_a_key_changes_with_every_input_that_matters():
-    keys = {name: key(point_at(**change)) for name, change in CHANGES.items()}
-    keys["none"] = key(point_at())
+    keys = {name: point_key(point_at(**change)) for name, change in CHANGES.items()}
+    keys["none"] = point_key(point_at())
     assert len(set(keys.values())) == len(keys)
     assert all(len(one) == 32 for one in keys.values())
 
@@ -187,27 +189,27 @@ def test_a_key_does_not_change_with_names_and_order():
         scene=plain.scene.model_copy(update={"name": "other"}),
         keep=("masses", "speed"),
     )
-    assert key(named) == key(plain)
+    assert point_key(named) == point_key(plain)
     other = ENDER.model_copy(update={"name": "other", "description": "text"})
     asked = point_at(keep=("printability",), printer=ENDER)
-    assert key(asked._replace(printer=other)) == key(asked)
+    assert point_key(asked._replace(printer=other)) == point_key(asked)
     # A value that is set to what it was is the same point.
-    assert key(point_at(legs__tilt_deg=PAPER.tilt_deg)) == key(point_at())
+    assert point_key(point_at(legs__tilt_deg=PAPER.tilt_deg)) == point_key(point_at())
 
 
 def test_a_key_changes_with_the_program(monkeypatch):
-    before = key(point_at())
+    before = point_key(point_at())
     monkeypatch.setattr(points, "digest", lambda: "another")
-    assert key(point_at()) != before
+    assert point_key(point_at()) != before
 
 
 def test_a_new_table_of_predictions_forgets_no_runs(monkeypatch):
     changed = [point_at(), point_at("space")]
     kept = point_at("space")._replace(keep=())
-    before, same = [key(one) for one in changed], key(kept)
+    before, same = [point_key(one) for one in changed], point_key(kept)
     monkeypatch.setattr(networks, "digest", lambda: "another")
-    assert all(key(one) != old for one, old in zip(changed, before, strict=True))
-    assert key(kept) == same
+    assert all(point_key(one) != old for one, old in zip(changed, before, strict=True))
+    assert point_key(kept) == same
     assert "predicted_mm_s" not in evaluate(point_at("space")._replace(keep=()))
 
 
@@ -223,12 +225,12 @@ def test_a_step_is_halved_down_to_the_finest():
 def test_an_error_of_the_time_in_contact_is_met():
     point = point_at("space")
     asked = simulated.Walker(point.scene, point.design, solids.mass_of(point.design))
-    found = walkers.to_error(asked, tolerance.parse_tolerance("20%"), "contact_fraction")
+    found = walkers.simulate_to_error(asked, tolerance.parse_tolerance("20%"), "contact_fraction")
     assert found.error <= found.allowed == 0.2 * found.results.summary.contact_fraction
     assert found.error >= found.results.step_errors["contact_fraction"].error > 0.0
 
 
 def test_a_kind_that_is_not_installed_names_its_extra(monkeypatch):
-    monkeypatch.setitem(kinds.KINDS, "crowd", "walkergen.nowhere")
+    monkeypatch.setitem(kinds.KIND_MODULES, "crowd", "walkergen.nowhere")
     with pytest.raises(InputError, match=r"pip install 'walkergen\[crowd\]'"):
-        kinds.named("crowd")
+        kinds.load_kind("crowd")

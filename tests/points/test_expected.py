@@ -5,7 +5,7 @@ from contextlib import nullcontext
 import pytest
 
 from walkergen import inputs
-from walkergen.command_table import request_of
+from walkergen.command_table import load_request
 from walkergen.core import tolerance
 from walkergen.core.files.progress import silent
 from walkergen.core.scene import Scene
@@ -15,7 +15,7 @@ from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.guests.lab.fit import learn
 from walkergen.guests.sweep import cost
-from walkergen.guests.sweep.axes import Space, axis
+from walkergen.guests.sweep.axes import Space, make_axis
 from walkergen.guests.sweep.point_request import Request
 from walkergen.points import alone, expected, walkers
 from walkergen.points.experiments import Walker
@@ -39,15 +39,15 @@ def test_the_next_cheaper_error_is_of_1_2_5_10(wanted, cheaper):
 
 def test_a_moment_tells_what_runs_cost():
     asked = walker(**TIMES)
-    said = 2 * expected.of_run(asked)
+    said = 2 * expected.run_cpu_s(asked)
     assert 0.5 < said / walkers.simulate(asked, threads=1).summary.cpu_s < 2.0  # 0.8 to 1.3 on a machine of its own
-    assert expected.of_runs([asked]).seconds >= 0.4 * said
-    assert expected.of_runs([walker(**TIMES | {"run.seconds": 1.0})]) is None
+    assert expected.total_time([asked]).seconds >= 0.4 * said
+    assert expected.total_time([walker(**TIMES | {"run.seconds": 1.0})]) is None
 
 
 def test_an_error_says_once_its_first_runs_are_made_what_is_left_and_what_the_next_one_would_take():
     heard = []
-    met = walkers.to_error(
+    met = walkers.simulate_to_error(
         walker(**{"run.seconds": 1.0}), tolerance.parse_tolerance("2%"), expect=lambda find: heard.append(find())
     )
     assert heard[0].seconds > 0.0
@@ -68,8 +68,8 @@ def test_an_error_says_once_its_first_runs_are_made_what_is_left_and_what_the_ne
 def test_commands_say_how_long_they_will_take(name, values, tmp_path):
     heard = []
     out = {"out": str(tmp_path / "film.gif")} if name == "movie" else {}
-    asked = request_of(name).asked(values | out)
-    asked.hear(heard.append)
+    asked = load_request(name).from_values(values | out)
+    asked.register_time_callback(heard.append)
     asked.run(silent)
     assert len(heard) == 1
 
@@ -80,9 +80,9 @@ class HeardError(Exception):
 
 @pytest.mark.parametrize(("name", "values", "least_s"), [("fit", {"model": "space"}, learn.LEARNING_S)])
 def test_what_a_job_does_beside_its_runs_is_counted(name, values, least_s, tmp_path, monkeypatch):
-    monkeypatch.setattr(expected, "of_run", lambda walker: 0.0)
+    monkeypatch.setattr(expected, "run_cpu_s", lambda walker: 0.0)
     monkeypatch.setattr(alone, "cost", lambda point: 0.0)
-    monkeypatch.setattr(inputs, "pool_of", lambda *_: nullcontext())
+    monkeypatch.setattr(inputs, "open_pool", lambda *_: nullcontext())
     if name == "fit":
         values["speeds"] = tmp_path / "speeds.csv"
         values["speeds"].write_text("tilt_deg,plate_speed_mm_s,speed_mm_s,speed_se_mm_s\n10,31.2,60,1\n20,31.2,90,1\n")
@@ -90,8 +90,8 @@ def test_what_a_job_does_beside_its_runs_is_counted(name, values, least_s, tmp_p
     def hear(find):
         raise HeardError(find().seconds)
 
-    asked = request_of(name).asked(values | {"out": tmp_path / "out"})
-    asked.hear(hear)
+    asked = load_request(name).from_values(values | {"out": tmp_path / "out"})
+    asked.register_time_callback(hear)
     with pytest.raises(HeardError) as told:
         asked.run(silent)
     assert told.value.args == (least_s,)
@@ -102,7 +102,7 @@ def test_a_sweep_costs_what_its_points_do_and_nothing_of_it_is_found_out_where_i
     scene = replace_without_validation(
         templates.load("lane-90hz", "scenes", Scene), {"run.seconds": 1.0, "run.runs": 2}
     )
-    space = Space((axis("legs.tilt_deg", [float(tilt) for tilt in range(1, 61)], "test"),))
+    space = Space((make_axis("legs.tilt_deg", [float(tilt) for tilt in range(1, 61)], "test"),))
     request = Request(templates.load("koumakis2016", "walkers", Design), scene, space, "space")
     store = Store()
     try:

@@ -52,8 +52,8 @@ def test_a_walker_and_what_comes_of_it_survive_a_pickle_with_every_bit():
 
 def test_walkers_side_by_side_are_those_in_turn():
     asked = [asked_of(tilt) for tilt in (5.0, 15.0)]
-    in_turn = list(walkers.each(asked, ["5", "15"], silent))
-    at_once = walkers.at_once(asked, silent)
+    in_turn = list(walkers.simulate_each(asked, ["5", "15"], silent))
+    at_once = walkers.simulate_parallel(asked, silent)
     assert [numbers(point) for point in in_turn] == [numbers(at_once[place]) for place in (0, 1)]
 
 
@@ -82,13 +82,13 @@ def test_half_a_point_is_never_given(monkeypatch):
     half = whole._replace(summary=whole.summary._replace(runs=1))
     monkeypatch.setattr(walkers, "simulate", lambda *words: half)
     with pytest.raises(KeyboardInterrupt):
-        list(walkers.each([asked_of()], ["10"], silent))
+        list(walkers.simulate_each([asked_of()], ["10"], silent))
 
 
 def test_progress_goes_through_all_points():
     seen = []
     asked = [asked_of(), asked_of(tilt=12.0)]
-    list(walkers.each(asked, ["one", "two"], lambda *told: seen.append(told)))
+    list(walkers.simulate_each(asked, ["one", "two"], lambda *told: seen.append(told)))
     assert {what for what, _, _ in seen} == {"one", "two"}
     shares = [done / total for _, done, total in seen]
     assert shares == sorted(shares)

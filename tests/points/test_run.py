@@ -45,7 +45,7 @@ def store(tmp_path):
 
 @pytest.fixture(scope="module")
 def two():
-    with worker_pool.local(2) as found:
+    with worker_pool.local_pool(2) as found:
         yield found
 
 
@@ -81,64 +81,64 @@ def counted(monkeypatch):
 
 
 def test_points_come_in_their_order_refused_ones_among_them(store):
-    found = list(run.each(MANY.points(), store))
+    found = list(run.evaluate_points(MANY.points(), store))
     assert len(found) == MANY.space.points
     rows = list(MANY.space.rows())
     refused = [row for row, one in zip(rows, found, strict=True) if not one.key]
     assert 0 < len(refused) < 100
     assert min(refused) > max(row for row, one in zip(rows, found, strict=True) if one.key)
     for values, one in list(zip(rows, found, strict=True))[::25]:
-        asked = MANY.at(dict(zip(MANY.space.keys, values, strict=True)))
+        asked = MANY.try_point(dict(zip(MANY.space.keys, values, strict=True)))
         assert one.record == (asked if isinstance(asked, dict) else evaluate(asked))
 
 
 def test_known_points_are_not_evaluated_again(store, monkeypatch):
     seen = counted(monkeypatch)
     few = request_of("legs.tilt_deg=5:15:1")
-    first = list(run.each(few.points(), store))
+    first = list(run.evaluate_points(few.points(), store))
     assert len(seen) == 11
-    again = list(run.each(few.points(), store))
+    again = list(run.evaluate_points(few.points(), store))
     assert len(seen) == 11
     assert [one.record for one in again] == [one.record for one in first]
     assert {one.stored for one in first} == {False}
     assert {one.stored for one in again} == {True}
-    more = list(run.each(request_of("legs.tilt_deg=5:17:1").points(), store))
+    more = list(run.evaluate_points(request_of("legs.tilt_deg=5:17:1").points(), store))
     assert len(seen) == 13  # an extended exploration evaluates what is new
     assert [one.stored for one in more] == [True] * 11 + [False] * 2
     # From another folder, another program: the file is all it takes.
-    assert all(one.stored for one in run.each(few.points(), Store(store.path)))
+    assert all(one.stored for one in run.evaluate_points(few.points(), Store(store.path)))
 
 
 def test_points_that_are_asked_twice_are_evaluated_once_by_a_crew(store, monkeypatch):
     seen = counted(monkeypatch)
     asked = list(request_of("legs.tilt_deg=5,6,7").points())
-    found = list(run.each(asked * 3, store, WorkerPool(Faults(), 2)))
+    found = list(run.evaluate_points(asked * 3, store, WorkerPool(Faults(), 2)))
     assert len(seen) == 3
     assert [one.key for one in found] == [one.key for one in found[:3]] * 3
 
 
 def test_what_was_done_is_kept_when_no_more_is_asked_for(store, monkeypatch):
     seen = counted(monkeypatch)
-    stream = run.each(request_of("legs.tilt_deg=5:15:0.05").points(), store)
+    stream = run.evaluate_points(request_of("legs.tilt_deg=5:15:0.05").points(), store)
     next(stream)
     stream.close()
-    assert len(seen) == run.BLOCK
-    assert len([one for one in run.each(seen, store) if one.stored]) == run.BLOCK
+    assert len(seen) == run.LOOKUP_BLOCK
+    assert len([one for one in run.evaluate_points(seen, store) if one.stored]) == run.LOOKUP_BLOCK
 
 
 def test_processes_give_the_same_bits_in_the_same_order(store, two, tmp_path):
-    here = list(run.each(MANY.points(), store))
-    there = list(run.each(MANY.points(), Store(tmp_path / "other.sqlite"), two))
+    here = list(run.evaluate_points(MANY.points(), store))
+    there = list(run.evaluate_points(MANY.points(), Store(tmp_path / "other.sqlite"), two))
     assert [one._replace(stored=False) for one in there] == here
-    known = list(run.each(MANY.points(), store, two))
+    known = list(run.evaluate_points(MANY.points(), store, two))
     assert all(one.stored for one in known if one.key)
     assert [one.record for one in known] == [one.record for one in here]
 
 
 def test_simulations_give_the_same_bits_in_processes(store, two, tmp_path):
     request = request_of("legs.tilt_deg=5,12,88,20", model="space")
-    here = list(run.each(request.points(), store))
-    there = list(run.each(request.points(), Store(tmp_path / "other.sqlite"), two))
+    here = list(run.evaluate_points(request.points(), store))
+    there = list(run.evaluate_points(request.points(), Store(tmp_path / "other.sqlite"), two))
     assert there == here
     assert [one.record["status"][:7] for one in here] == ["ok", "ok", "refused", "ok"]
 
@@ -146,37 +146,37 @@ def test_simulations_give_the_same_bits_in_processes(store, two, tmp_path):
 def test_other_sources_on_a_worker_are_refused(store):
     asked = list(request_of("legs.tilt_deg=5").points())
     with pytest.raises(WalkergenError, match=r"another version of walkergen, old, here [0-9a-f]+"):
-        list(run.each(asked, store, WorkerPool(Faults(sources="old"), 1)))
-    assert not any(one.stored for one in run.each(asked, store))
+        list(run.evaluate_points(asked, store, WorkerPool(Faults(sources="old"), 1)))
+    assert not any(one.stored for one in run.evaluate_points(asked, store))
 
 
 def test_a_worker_without_walkergen_is_told(store):
     lost = Faults(1, error=ModuleNotFoundError("No module named 'walkergen'"))
     with pytest.raises(WalkergenError, match="a worker has no such walkergen: No module"):
-        list(run.each(MANY.points(), store, WorkerPool(lost, 1)))
+        list(run.evaluate_points(MANY.points(), store, WorkerPool(lost, 1)))
 
 
 @pytest.mark.parametrize("error", [ValueError("a defect"), ModuleNotFoundError("walkergen")])
 def test_what_others_have_finished_is_kept_whatever_breaks(store, error):
     broken = Faults(2, 10, error=error)  # the second of nine tasks, and when it is sent again
     with pytest.raises((ValueError, WalkergenError)):
-        list(run.each(MANY.points(), store, WorkerPool(broken, 2)))
-    known = [one.stored for one in run.each(MANY.points(), store) if one.key]
-    assert known.count(True) >= 1 + 7 * run.TASK  # all that was sent but the broken task
+        list(run.evaluate_points(MANY.points(), store, WorkerPool(broken, 2)))
+    known = [one.stored for one in run.evaluate_points(MANY.points(), store) if one.key]
+    assert known.count(True) >= 1 + 7 * run.POINTS_PER_TASK  # all that was sent but the broken task
 
 
 def test_an_answer_that_is_lost_on_its_way_is_asked_for_again(store):
     """As *distributed* loses one, rarely, when a worker dies just after it has answered."""
     faults = Faults(2, error=ValueError("not enough values to unpack (expected 3, got 2)"))
-    records = [done.record for done in run.each(MANY.points(), store, WorkerPool(faults, 2))]
+    records = [done.record for done in run.evaluate_points(MANY.points(), store, WorkerPool(faults, 2))]
     assert records == [evaluate(point) if isinstance(point, Point) else point for point in MANY.points()]
 
 
 def test_workers_that_have_ended_before_a_task_is_sent_are_one_line(store):
     ended = Faults(2, error=BrokenProcessPool("a child process terminated abruptly"), ended=True)
     with pytest.raises(WalkergenError, match="a worker process ended at once"):
-        list(run.each(MANY.points(), store, WorkerPool(ended, 2)))
-    assert next(run.each(MANY.points(), store)).stored
+        list(run.evaluate_points(MANY.points(), store, WorkerPool(ended, 2)))
+    assert next(run.evaluate_points(MANY.points(), store)).stored
 
 
 def endless(scene=LANE):
@@ -191,8 +191,8 @@ def test_a_worker_that_dies_gives_one_clear_error_and_what_was_finished_is_kept(
     pids = []
 
     def explore():
-        with worker_pool.local(1) as one:
-            for done in run.each(endless(), store, one):
+        with worker_pool.local_pool(1) as one:
+            for done in run.evaluate_points(endless(), store, one):
                 pids.append(done.key)
                 (process,) = active_children_of(one)
                 os.kill(process, signal.SIGKILL)
@@ -267,16 +267,16 @@ def test_no_worker_outlives_its_program(tmp_path, ended_by):
 
 
 def test_a_crew_has_a_number_of_workers_that_makes_sense():
-    for count in (0, -1, worker_pool.MOST_WORKERS + 1):
+    for count in (0, -1, worker_pool.MAX_WORKERS + 1):
         with pytest.raises(WalkergenError, match=rf"^workers={count}: must lie in 1\.\."):
-            worker_pool.local(count).__enter__()
-    assert 1 <= worker_pool.cores() <= os.cpu_count()
+            worker_pool.local_pool(count).__enter__()
+    assert 1 <= worker_pool.core_count() <= os.cpu_count()
 
 
 @pytest.mark.slow
 def test_workers_with_other_sources_are_named():
-    worker_pool.check({"tcp://a": digest()})
+    worker_pool.check_digests({"tcp://a": digest()})
     with pytest.raises(WalkergenError, match="worker tcp://b has another version of walkergen"):
-        worker_pool.check({"tcp://a": digest(), "tcp://b": "0" * 16})
+        worker_pool.check_digests({"tcp://a": digest(), "tcp://b": "0" * 16})
     with pytest.raises(WalkergenError, match="worker tcp://c has ModuleNotFoundError: none"):
-        worker_pool.check({"tcp://c": "ModuleNotFoundError: none"})
+        worker_pool.check_digests({"tcp://c": "ModuleNotFoundError: none"})

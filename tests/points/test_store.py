@@ -27,7 +27,7 @@ print("ready", flush=True)
 for number in range(first, first + 1_000_000, 3):
     rows = [(f"{number + more}", {"speed_mm_s": number / 7, "status": "x" * 300})
             for more in range(3)]
-    store.put(rows)
+    store.save(rows)
     print(number, flush=True)
 """
 
@@ -43,11 +43,11 @@ def writer(path, first):
 
 def test_records_come_back_to_the_last_bit(path):
     store = Store(path)
-    store.put([("a", RECORD), ("b", {"status": "refused: no"})])
+    store.save([("a", RECORD), ("b", {"status": "refused: no"})])
     assert store.get(["a", "b", "c"]) == {"a": RECORD, "b": {"status": "refused: no"}}
     assert list(store.get(["a"])["a"]) == list(RECORD)  # columns keep their order
     assert store.get([]) == {}
-    store.put([("a", {"status": "anew"})])
+    store.save([("a", {"status": "anew"})])
     store.close()
     assert Store(path).get(["a"]) == {"a": {"status": "anew"}}
 
@@ -55,11 +55,11 @@ def test_records_come_back_to_the_last_bit(path):
 def test_all_of_a_put_is_saved_or_nothing(path):
     store = Store(path)
     with pytest.raises(ValueError, match="not JSON compliant"):
-        store.put([("a", RECORD), ("b", {"speed_mm_s": float("nan")})])
+        store.save([("a", RECORD), ("b", {"speed_mm_s": float("nan")})])
     with pytest.raises(OutputError, match="cannot be used"):
-        store.put([("a", RECORD), (["no key"], RECORD)])
+        store.save([("a", RECORD), (["no key"], RECORD)])
     assert store.get(["a"]) == {}
-    store.put([("a", RECORD)])  # and it goes on
+    store.save([("a", RECORD)])  # and it goes on
     assert Store(path).get(["a"]) == {"a": RECORD}
 
 
@@ -130,7 +130,7 @@ def test_a_writer_waits_for_another(path):
 def _used(path):
     store = Store(path)
     store.get(["a"])
-    store.put([("b", RECORD)])
+    store.save([("b", RECORD)])
 
 
 def refused(path):
@@ -151,7 +151,7 @@ def test_a_file_of_something_else_is_left_alone(path):
 
 def test_a_damaged_file_is_named(path):
     store = Store(path)
-    store.put([(f"{number:032}", RECORD) for number in range(1000)])
+    store.save([(f"{number:032}", RECORD) for number in range(1000)])
     store.close()
     whole = path.read_bytes()
     path.write_bytes(whole[:4096] + bytes(len(whole) - 4096))
@@ -173,19 +173,19 @@ def test_a_folder_that_is_not_there_or_not_writable_is_named(path, tmp_path):
 
 def test_a_full_disk_keeps_what_was_there(path):
     store = Store(path)
-    store.put([("a", RECORD)])
+    store.save([("a", RECORD)])
     store._base.execute("PRAGMA max_page_count = 4")
     with pytest.raises(OutputError, match="full"):
-        store.put([(f"{number}", {"status": "x" * 1000}) for number in range(100)])
+        store.save([(f"{number}", {"status": "x" * 1000}) for number in range(100)])
     store._base.execute("PRAGMA max_page_count = 100000")
     assert store.get(["a", "0"]) == {"a": RECORD}
-    store.put([("b", RECORD)])
+    store.save([("b", RECORD)])
     assert set(Store(path).get(["a", "b"])) == {"a", "b"}
 
 
 def test_the_text_of_a_record_is_plain_json(path):
     """Anybody can read the table without walkergen."""
-    Store(path).put([("a", RECORD)])
+    Store(path).save([("a", RECORD)])
     ((text,),) = sqlite3.connect(path).execute("SELECT record FROM points").fetchall()
     assert json.loads(text) == RECORD
 
@@ -207,9 +207,9 @@ def test_the_text_of_a_record_is_plain_json(path):
 )
 def test_a_spoilt_record_is_none_and_made_anew(path, text):
     store = Store(path)
-    store.put([("a", RECORD), ("b", RECORD)])
+    store.save([("a", RECORD), ("b", RECORD)])
     with sqlite3.connect(path) as base:
         base.execute("UPDATE points SET record = ? WHERE key = 'a'", (text,))
     assert store.get(["a", "b"]) == {"b": RECORD}
-    store.put([("a", RECORD)])
+    store.save([("a", RECORD)])
     assert store.get(["a"]) == {"a": RECORD}

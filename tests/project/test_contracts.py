@@ -35,8 +35,8 @@ from walkergen.files import templates
 PHYSICS = (Path(__file__).parents[2] / "docs" / "physics.md").read_text(encoding="utf-8")
 PAPER = Design()
 MODELS = {"walkers": Design, "scenes": Scene, "printers": Printer}
-WALKERS, SCENES, PRINTERS = (templates.known(kind) for kind in MODELS)
-TEMPLATES = [(kind, name) for kind in MODELS for name in templates.known(kind)]
+WALKERS, SCENES, PRINTERS = (templates.all_names(kind) for kind in MODELS)
+TEMPLATES = [(kind, name) for kind in MODELS for name in templates.all_names(kind)]
 
 
 def load(kind, name):
@@ -54,7 +54,7 @@ def test_a_template_loads_and_its_toml_reads_back_as_itself(tmp_path, kind, name
     assert model.name == name.rpartition("/")[2]
     assert model.description
     path = tmp_path / "again.toml"
-    path.write_text(templates.dump(model, "comment", every=False), encoding="utf-8")
+    path.write_text(templates.to_toml(model, "comment", every=False), encoding="utf-8")
     assert templates.load(path, kind, MODELS[kind]) == model
     path.write_text(tomli_w.dumps({**model.model_dump(exclude_unset=True), "colour": "red"}), encoding="utf-8")
     with pytest.raises(WalkergenError, match="colour: unknown key") as refused:

@@ -108,7 +108,7 @@ design = Design()
 mass = solids.mass_of(design)
 plan = prepare(Scene.model_validate({"plate": {"viscous_drag_g_per_s": 5.0}}), design, mass)
 state = plan.initial_state(20.0, 0.0, 0.0)
-plan.advance(state, 0.02, record.new())
+plan.advance(state, 0.02, record.new_tally())
 print(float(state[V_X + 1]), float(mass.total))
 """
 

@@ -14,25 +14,25 @@ SLACK = 200
 """Lines by which a folder may be below its limit."""
 
 LIMITS = {
-    "walkergen/analysis": 5250,
+    "walkergen/analysis": 5330,
     "walkergen/api": 310,
     "walkergen/app": 2630,
     "walkergen/cli": 900,
-    "walkergen/commands": 8650,
+    "walkergen/commands": 8690,
     "walkergen/core": 18520,
-    "walkergen/files": 1400,
-    "walkergen/guests/crowd": 7770,
-    "walkergen/guests/lab": 5270,
-    "walkergen/guests/movie": 1470,
+    "walkergen/files": 1410,
+    "walkergen/guests/crowd": 7820,
+    "walkergen/guests/lab": 5330,
+    "walkergen/guests/movie": 1500,
     "walkergen/guests/sweep": 2400,
-    "walkergen/guests/track": 3660,
-    "walkergen/points": 2940,
-    "walkergen/readers": 5240,
+    "walkergen/guests/track": 3690,
+    "walkergen/points": 2960,
+    "walkergen/readers": 5330,
     "walkergen/sheets": 530,
     "benchmarks": 2750,
     "docs": 650,
     "evidence": 7080,
-    "tests": 39050,
+    "tests": 39070,
 }
 
 

@@ -123,7 +123,7 @@ def test_extensions_that_change_meshes_are_named(tmp_path, monkeypatch, attribut
     path = archive(tmp_path, f'<object id="1">{mesh_xml(BOX)}</object>', '<item objectid="1"/>')
     if told:
         with pytest.raises(InputError, match=told):
-            meshes.load(path, "part")
+            meshes.read_mesh(path, "part")
     else:
         assert weigh(path, 1.24, 1.0).total.volume_mm3 == pytest.approx(VOLUME, rel=1e-6)
 
@@ -132,14 +132,14 @@ def test_lattices_and_units_that_differ_are_named(tmp_path):
     beams = mesh_xml(BOX).replace("</mesh>", '<beamlattice><beams><beam v1="0" v2="1"/></beams></beamlattice></mesh>')
     path = archive(tmp_path, f'<object id="1">{beams}</object>', '<item objectid="1"/>')
     with pytest.raises(InputError, match="holds a lattice of beams"):
-        meshes.load(path, "part")
+        meshes.read_mesh(path, "part")
     placed = '<object id="1"><components><component path="/3D/o.model" objectid="7" x:path="/3D/o.model" xmlns:x="x"/>'
     path = archive(tmp_path, f"{placed}</components></object>", '<item objectid="1"/>')
     with zipfile.ZipFile(path, "a") as more:
         inner = MODEL.format(f'<object id="7">{mesh_xml(BOX)}</object>', "")
         more.writestr("3D/o.model", inner.replace("millimeter", "inch"))
     with pytest.raises(InputError, match=r"'3d/o\.model' is in inch, the model that places it in millimeter"):
-        meshes.load(path, "part")
+        meshes.read_mesh(path, "part")
 
 
 def test_supports_are_not_weighed(tmp_path):
@@ -169,16 +169,16 @@ def test_bombs_are_refused_before_they_are_placed(tmp_path, written):
     path = archive(tmp_path, "".join(levels), f'<item objectid="{written.format(8)}"/>')
     begun = time.process_time()
     with pytest.raises(InputError, match="places more than 10000 meshes"):
-        meshes.load(path, "bomb")
+        meshes.read_mesh(path, "bomb")
     assert time.process_time() - begun < 5.0  # the meshes themselves would take minutes
 
 
 def test_items_are_counted_and_must_exist(tmp_path):
     shape = f'<object id="1" type="model">{mesh_xml(POST)}</object>'
     with pytest.raises(InputError, match="places more than 10000 meshes"):
-        meshes.load(archive(tmp_path, shape, '<item objectid="1"/>' * 20_000), "items")
+        meshes.read_mesh(archive(tmp_path, shape, '<item objectid="1"/>' * 20_000), "items")
     with pytest.raises(InputError, match="an object 7 that it does not hold"):
-        meshes.load(archive(tmp_path, shape, '<item objectid="7"/>'), "items")
+        meshes.read_mesh(archive(tmp_path, shape, '<item objectid="7"/>'), "items")
     path = archive(tmp_path, shape, '<item objectid="1"/>' * 2000)
     with pytest.raises(InputError, match="places 24000 triangles, at most 20000"):
         meshes.threemf.read_parts(path.read_bytes(), "items", 20_000)
@@ -215,7 +215,7 @@ def test_models_of_any_archive_are_found_and_counted(tmp_path, target, model, ob
         written.writestr(target.replace("gone", "3dmodel"), text.encode("utf-16" if model is UTF16 else "utf-8"))
     if reason:
         with pytest.raises(InputError, match=reason):
-            meshes.load(path, "part")
+            meshes.read_mesh(path, "part")
     else:
         assert weigh(path, 1.24, 1.0).total.volume_mm3 == pytest.approx(VOLUME, rel=1e-12)
 
@@ -227,7 +227,7 @@ def test_glb_of_zeros_that_it_does_not_hold_is_refused(tmp_path):
     sizes = [(20 + len(tree)).to_bytes(4, "little"), len(tree).to_bytes(4, "little")]
     path.write_bytes(b"glTF" + (2).to_bytes(4, "little") + sizes[0] + sizes[1] + b"JSON" + tree)
     with pytest.raises(InputError, match="300000000 triangles, at most"):
-        meshes.load(path, "zeros")
+        meshes.read_mesh(path, "zeros")
 
 
 BINARY, TEXT = BOX.export(file_type="stl"), trimesh.exchange.stl.export_stl_ascii(BOX).encode()
@@ -323,7 +323,7 @@ def test_glb_that_is_more_than_plain_meshes_is_named(tmp_path, more, told):
     path = tmp_path / "box.glb"
     path.write_bytes(data[:8] + whole[0] + whole[1] + b"JSON" + tree + rest)
     with pytest.raises(InputError, match=told):
-        meshes.load(path, "box")
+        meshes.read_mesh(path, "box")
 
 
 def test_a_size_of_no_walker_is_told_where_a_mesh_is_weighed(tmp_path):
@@ -339,6 +339,6 @@ def test_too_many_triangles_are_refused_by_a_glance(tmp_path, monkeypatch):
         path = tmp_path / f"box.{kind.removesuffix('_ascii')}"
         written = BOX.export(file_type=kind)
         path.write_bytes(written if isinstance(written, bytes) else written.encode())
-        monkeypatch.setattr(meshes, "_raw", lambda *_: pytest.fail("was read"))
+        monkeypatch.setattr(meshes, "_read_parts", lambda *_: pytest.fail("was read"))
         with pytest.raises(InputError, match="12 triangles, at most 11"):
-            meshes.load(path, "box")
+            meshes.read_mesh(path, "box")

@@ -30,7 +30,7 @@ def of(path, **keys):
 def test_a_name_in_any_script_stands(text):
     design = Design.from_text(text)
     solid = solids.build(design)
-    faults.refuse(solid.walker, text)
+    faults.check_solid(solid.walker, text)
     assert solids.mass_of(design).total > 0.1
     assert any("rows" in note for note in design.notes)
 
@@ -239,7 +239,7 @@ def test_a_text_is_asked_back_once(monkeypatch):
         def isatty(self):
             return True
 
-    from walkergen.inputs import of as inputs_of
+    from walkergen.inputs import from_settings as inputs_of
 
     given = inputs_of({}, {}, ["design"])
     with pytest.raises(InputError, match="text=ANNA makes a walker"):

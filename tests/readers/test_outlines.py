@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from walkergen.core.errors import GeometryError, InputError
 from walkergen.readers.drawings import outlines
-from walkergen.readers.drawings.contours import FLATNESS, MOST_POINTS
-from walkergen.readers.drawings.lettering import letters
-from walkergen.readers.drawings.outlines import SEGMENTS, area, disc, ellipse, polygon
+from walkergen.readers.drawings.contours import FLATNESS, MAX_POINTS
+from walkergen.readers.drawings.lettering import text_outline
+from walkergen.readers.drawings.outlines import ELLIPSE_SEGMENTS, area, disc, ellipse, polygon
 
 PAGE = 'width="100mm" height="100mm" viewBox="0 0 100 100"'
 SQUARE = [(0, 0), (10, 0), (10, 10), (0, 10)]
@@ -59,13 +59,13 @@ def refused(error, *words, of):
 
 
 def test_ellipse_and_disc_lack_the_area_they_state():
-    step = 2 * math.pi / SEGMENTS
+    step = 2 * math.pi / ELLIPSE_SEGMENTS
     share = math.sin(step) / step
     assert total(disc(28.0)) == pytest.approx(share * math.pi * 14**2, rel=1e-13)
     assert total(ellipse(28.0, 8.0)) == pytest.approx(share * math.pi * 14 * 4, rel=1e-13)
     assert 1.0 - share == pytest.approx(5.1e-5, rel=0.01)
     (points,) = ellipse(28.0, 8.0)
-    assert len(points) == SEGMENTS
+    assert len(points) == ELLIPSE_SEGMENTS
     np.testing.assert_array_equal(np.ptp(points, axis=0), (28.0, 8.0))
     for mirror in ((-1, 1), (1, -1)):
         assert set(map(tuple, points * mirror + 0.0)) == set(map(tuple, points + 0.0))
@@ -109,32 +109,32 @@ def test_points_that_are_no_outline(points, words):
 
 
 def test_too_many_points():
-    angles = np.linspace(0, 2 * math.pi, MOST_POINTS + 1, endpoint=False)
+    angles = np.linspace(0, 2 * math.pi, MAX_POINTS + 1, endpoint=False)
     circle = np.column_stack([np.cos(angles), np.sin(angles)])
     refused(GeometryError, "100001 points", "simplify", of=lambda: polygon(circle))
 
 
 def test_letters_have_their_height_and_holes():
-    assert [len(letters(text, 10.0)) for text in "LA8"] == [1, 2, 3]
-    assert np.ptp(letters("H", 10.0)[0][:, 1]) == pytest.approx(10.0, rel=1e-12)
+    assert [len(text_outline(text, 10.0)) for text in "LA8"] == [1, 2, 3]
+    assert np.ptp(text_outline("H", 10.0)[0][:, 1]) == pytest.approx(10.0, rel=1e-12)
     # Two bars of 10 mm and the bar between them, from the font's own numbers.
-    assert total(letters("H", 7.0)) == pytest.approx(0.49 * total(letters("H", 10.0)), rel=1e-9)
-    pieces = letters("i 8%", 10.0, connected=False)
+    assert total(text_outline("H", 7.0)) == pytest.approx(0.49 * total(text_outline("H", 10.0)), rel=1e-9)
+    pieces = text_outline("i 8%", 10.0, connected=False)
     assert sum(area(part) > 0 for part in pieces) == 2 + 1 + 3
-    first, again = letters("$8$", 5.0, connected=False), letters("$8$", 5.0, connected=False)
+    first, again = text_outline("$8$", 5.0, connected=False), text_outline("$8$", 5.0, connected=False)
     assert len(first) == 3 * 3  # a formula would drop the dollars
     assert all(np.array_equal(one, two) for one, two in zip(first, again, strict=True))
 
 
 def test_rails_join_letters_to_one_part_of_their_area():
-    outer, *holes = letters("IT", 10.0, rails=2.0)
-    pieces = letters("IT", 10.0, connected=False)
+    outer, *holes = text_outline("IT", 10.0, rails=2.0)
+    pieces = text_outline("IT", 10.0, connected=False)
     length = np.ptp(np.concatenate(pieces)[:, 0])
     assert np.ptp(outer, axis=0) == pytest.approx([length, 12.0], rel=1e-6)
     assert len(holes) == 1  # between the letters
     # each bar covers what it shares with strokes: less than letters and bars together
     assert total(pieces) < total([outer, *holes]) < total(pieces) + 2 * 2.0 * length
-    refused(GeometryError, "pieces", of=lambda: letters("i", 10.0, rails=1.0))
+    refused(GeometryError, "pieces", of=lambda: text_outline("i", 10.0, rails=1.0))
 
 
 @pytest.mark.parametrize(
@@ -152,7 +152,7 @@ def test_rails_join_letters_to_one_part_of_their_area():
     ],
 )
 def test_texts_that_are_no_body(text, words):
-    started = refused(GeometryError, *words, of=lambda: letters(text, 10.0))
+    started = refused(GeometryError, *words, of=lambda: text_outline(text, 10.0))
     assert started.startswith("body.text = ")
 
 

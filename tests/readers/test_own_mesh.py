@@ -29,7 +29,7 @@ BOX = hostile.box()
 def refused(path, **keys):
     """The one line with which a file is refused."""
     with pytest.raises(InputError) as refusal:
-        own_mesh.read(path, Wishes(**keys))
+        own_mesh.read_body(path, Wishes(**keys))
     (line,) = str(refusal.value).splitlines()
     assert line.startswith("body.mesh")
     return line
@@ -40,7 +40,7 @@ def test_every_format_gives_the_same_body(tmp_path, kind):
     """Text formats keep eight digits, binary ones 24 bits: 1e-6 of the volume is ten times that."""
     path = tmp_path / f"duck.{kind.removesuffix('_ascii')}"
     path.write_bytes(_exported(to_trimesh(DUCK), kind))
-    found = own_mesh.read(path)
+    found = own_mesh.read_body(path)
     assert found.changes == ()
     assert len(found.mesh.triangles) == len(DUCK.triangles)
     mine, theirs = mass.weigh(found.mesh, 1.0), mass.weigh(DUCK, 1.0)
@@ -58,7 +58,7 @@ def _exported(mesh, kind):
 def test_axes_of_the_file_become_ours(tmp_path):
     """The duck looks forward and its head is up, whichever way the file has them."""
     path = hostile.to_stl(tmp_path / "duck.stl", DUCK)
-    upright = own_mesh.read(path).mesh.vertices
+    upright = own_mesh.read_body(path).mesh.vertices
     low, high = upright.min(axis=0), upright.max(axis=0)
     np.testing.assert_allclose(low[:2], -high[:2], atol=1e-5)
     assert low[2] == 0.0
@@ -68,7 +68,7 @@ def test_axes_of_the_file_become_ours(tmp_path):
     assert head[0] > 0.2 * size[0]
     fallen = DUCK.vertices[:, [2, 0, 1]]  # y is forward, x is up
     other = hostile.to_stl(tmp_path / "fallen.stl", Mesh(fallen, DUCK.triangles))
-    turned = own_mesh.read(other, Wishes(up="x", forward="y")).mesh
+    turned = own_mesh.read_body(other, Wishes(up="x", forward="y")).mesh
     np.testing.assert_allclose(sorted(turned.vertices.tolist()), sorted(upright.tolist()), atol=1e-5)
     for up, forward in (("z", "x"), ("-y", "x"), ("x", "-z"), ("-z", "-y")):
         turn = own_mesh.rotation(up, forward, "key")
@@ -81,7 +81,7 @@ def test_axes_of_the_file_become_ours(tmp_path):
 def test_the_name_may_lead_anywhere_and_the_hash_is_the_files(tmp_path):
     hostile.to_stl(tmp_path / "duck.stl", DUCK)
     (tmp_path / "below").mkdir()
-    here, there = (own_mesh.read(tmp_path / name) for name in ("duck.stl", "below/../duck.stl"))
+    here, there = (own_mesh.read_body(tmp_path / name) for name in ("duck.stl", "below/../duck.stl"))
     assert here.sha256 == there.sha256
     assert len(here.sha256) == 64
 
@@ -113,7 +113,7 @@ def test_what_is_no_mesh_is_refused(tmp_path):
 
 def _told(path):
     with pytest.raises(InputError) as refusal:
-        own_mesh.read(path)
+        own_mesh.read_body(path)
     (line,) = str(refusal.value).splitlines()
     return line
 
@@ -148,7 +148,7 @@ def test_each_fault_is_named_with_its_numbers(tmp_path):
 
 def _fault(mesh):
     with pytest.raises(InputError) as refusal:
-        faults.refuse(mesh, "mesh")
+        faults.check_solid(mesh, "mesh")
     return str(refusal.value)
 
 
@@ -164,13 +164,13 @@ def test_a_size_that_no_walker_has_asks_for_the_unit(tmp_path):
     assert "metres: 28 mm, body.scale_mm = 1000" in line(0.001)
     assert "1..500 mm" in line(1e9)
     path = hostile.to_stl(tmp_path / "inch.stl", Mesh(DUCK.vertices / 25.4, DUCK.triangles))
-    found = own_mesh.read(path, Wishes(scale_mm=25.4)).mesh
+    found = own_mesh.read_body(path, Wishes(scale_mm=25.4)).mesh
     assert mass.weigh(found, 1.0).volume == pytest.approx(mass.weigh(DUCK, 1.0).volume, rel=1e-5)
 
 
 def test_a_cavity_is_part_of_its_body_but_not_beside_it():
     hollow = hostile.together(BOX, hostile.inverted(hostile.box(2.0, 2.0, 2.0)))
-    faults.refuse(hollow, "hollow")
+    faults.check_solid(hollow, "hollow")
     assert mass.weigh(hollow, 1.0).volume == pytest.approx(952.0)
     assert solids.count_bodies(hollow) == 1  # as it is checked before the print
     beside = hostile.inverted(hostile.box(2.0, 2.0, 2.0, middle=(30.0, 0.0, 0.0)))
@@ -256,9 +256,9 @@ def test_repair_says_what_it_changed(tmp_path):
     def mended(mesh):
         path = hostile.to_stl(tmp_path / "broken.stl", mesh)
         with pytest.raises(InputError):
-            own_mesh.read(path)
-        found = own_mesh.read(path, Wishes(repair=True))
-        faults.refuse(found.mesh, "repaired")
+            own_mesh.read_body(path)
+        found = own_mesh.read_body(path, Wishes(repair=True))
+        faults.check_solid(found.mesh, "repaired")
         return "; ".join(found.changes), mass.weigh(found.mesh, 1.0).volume
 
     told, volume = mended(hostile.inverted(BOX))
@@ -292,18 +292,18 @@ def test_what_repair_cannot_mend_is_refused_with_what_was_tried(tmp_path):
     assert "crosses itself" in refused(path, repair=True)
     floating = hostile.together(BOX, hostile.box(middle=(40.0, 0.0, 40.0)))
     with pytest.raises(GeometryError, match=r"^body\.base = true: 1 pieces float above the plate"):
-        own_mesh.read(hostile.to_stl(tmp_path / "b.stl", floating), Wishes(repair=True, base=True))
-    sound = own_mesh.read(hostile.to_stl(tmp_path / "box.stl", BOX), Wishes(repair=True))
+        own_mesh.read_body(hostile.to_stl(tmp_path / "b.stl", floating), Wishes(repair=True, base=True))
+    sound = own_mesh.read_body(hostile.to_stl(tmp_path / "box.stl", BOX), Wishes(repair=True))
     assert sound.changes == ()
 
 
 def test_bodies_apart_are_joined_by_a_plate_or_the_largest_is_taken(tmp_path):
     small = hostile.box(5.0, 5.0, 8.0, middle=(0.0, 20.0, 0.0))
     path = hostile.to_stl(tmp_path / "two.stl", hostile.together(BOX, small))
-    joined = own_mesh.read(path, Wishes(repair=True, base=None))
-    faults.refuse(joined.mesh, "joined")
+    joined = own_mesh.read_body(path, Wishes(repair=True, base=None))
+    faults.check_solid(joined.mesh, "joined")
     assert joined.changes == ("joined 2 bodies by a base plate",)
-    alone = own_mesh.read(path, Wishes(repair=True))
+    alone = own_mesh.read_body(path, Wishes(repair=True))
     assert alone.changes == ("left out 1 body beside the largest",)
     assert mass.weigh(alone.mesh, 1.0).volume == pytest.approx(960.0)
     assert mass.weigh(joined.mesh, 1.0).volume > 960.0 + 200.0
@@ -311,10 +311,10 @@ def test_bodies_apart_are_joined_by_a_plate_or_the_largest_is_taken(tmp_path):
 
 def test_a_mesh_is_scaled_to_a_length_and_mirrored(tmp_path):
     path = hostile.to_stl(tmp_path / "duck.stl", DUCK)
-    plain, turned = (own_mesh.read(path, Wishes(length_mm=40.0, mirror=mirror)).mesh for mirror in (False, True))
+    plain, turned = (own_mesh.read_body(path, Wishes(length_mm=40.0, mirror=mirror)).mesh for mirror in (False, True))
     assert np.ptp(plain.vertices[:, 0]) == pytest.approx(40.0)
     np.testing.assert_allclose(np.sort(-plain.vertices[:, 0]), np.sort(turned.vertices[:, 0]), atol=1e-9)
-    faults.refuse(turned, "turned")
+    faults.check_solid(turned, "turned")
 
 
 TILT = 0.3
@@ -354,7 +354,7 @@ def test_a_duck_on_legs():
         legs.append(joining.leg_prism(foot, UPWARD, 0.8, 3.0, found.reach + 0.5))
         assert joining.first_hit(body, found.anchor + UPWARD, -UPWARD) is not None
     whole = joining.unite_with_legs(joining.prepare_body(body), legs)
-    faults.refuse(whole, "walker")
+    faults.check_solid(whole, "walker")
     volume = [mass.weigh(mesh, 1.0).volume for mesh in (body, whole)]
     outside = [joining.cut_flush(leg, joining.prepare_body(body)) for leg in legs]
     # Coordinates carry 16 digits; the volumes' sums lose two
@@ -409,7 +409,7 @@ def test_the_first_hit_slips_through_no_edge():
 def test_trimesh_agrees_on_soundness():
     """Rival: trimesh calls closed and outward what is accepted here."""
     for mesh in (BOX, DUCK, hostile.tube([(0, 0, 0), (5, 1, 0), (9, 4, 0)])):
-        faults.refuse(mesh, "mesh")
+        faults.check_solid(mesh, "mesh")
         other = trimesh.load_mesh(io.BytesIO(stl.pack(mesh.vertices[mesh.triangles], "")), "stl")
         assert other.is_volume
         assert other.body_count == 1
@@ -429,7 +429,7 @@ def test_sound_unions_of_anything_stay_sound_in_32_bits(tmp_path):
             parts.append(shape.translate(tuple(np.round(rng.uniform(-2.0, 2.0, 3)))))
         whole = manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add)
         assert len(whole.decompose()) == 1  # they all hold the origin
-        found = own_mesh.read(hostile.to_stl(tmp_path / "union.stl", modeller.to_mesh(whole)))
+        found = own_mesh.read_body(hostile.to_stl(tmp_path / "union.stl", modeller.to_mesh(whole)))
         assert mass.weigh(found.mesh, 1.0).volume == pytest.approx(whole.volume(), rel=1e-6)
 
 
@@ -441,7 +441,7 @@ def test_holes_that_touch_are_filled_each(dropped, turned):
     if turned is not None:
         triangles[turned] = triangles[turned][::-1]
     mesh, changes = repairs.repair(Mesh(np.asarray(ball.vertices), triangles))
-    faults.refuse(mesh, "ball")
+    faults.check_solid(mesh, "ball")
     assert "filled holes" in "; ".join(changes)
     assert faults.shells(mesh).volumes.sum() == pytest.approx(ball.volume, rel=0.005)
 

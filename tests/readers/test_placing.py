@@ -14,7 +14,7 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import to_centre_frame
 from walkergen.files import templates
-from walkergen.readers.walkers.placing import EDGE_MM, NARROWEST_MM, STEADY, Reach, rows
+from walkergen.readers.walkers.placing import MIN_EDGE_MM, MIN_LEG_WIDTH_MM, MIN_SPAN_PER_HEIGHT, Reach, find_rows
 
 LEG = Reach(1.1, 1.5)  # 7.5 mm at 10 deg: its top is ahead of its foot
 
@@ -26,16 +26,16 @@ def star(radii):
 
 def placed(ground, height=8.0, reach=LEG):
     centre = ground.centroid
-    return rows(ground, (centre.x, centre.y), height, reach)
+    return find_rows(ground, (centre.x, centre.y), height, reach)
 
 
 def check(ground, found, reach=LEG, height=8.0):
     centre, (back, front) = ground.centroid, found
     assert back.along < centre.x < front.along
-    assert front.along - back.along >= STEADY * height - 1e-9
+    assert front.along - back.along >= MIN_SPAN_PER_HEIGHT * height - 1e-9
     for row in found:
         for across, width in row.legs:
-            assert width >= NARROWEST_MM
+            assert width >= MIN_LEG_WIDTH_MM
             low, high = across - 0.5 * width, across + 0.5 * width
             top = shapely.box(row.along + reach.back, low, row.along + reach.front, high)
             assert ground.buffer(0.01).contains(top)  # ROUNDED_MM
@@ -45,7 +45,7 @@ def test_a_rectangle_gets_the_papers_legs():
     back, front = placed(shapely.box(-14, -4, 14, 4))
     assert front.along == pytest.approx(-back.along)
     assert front.along - back.along == pytest.approx(13.0, abs=0.4)  # the grid of tries
-    assert back.legs == front.legs == ((0.0, pytest.approx(8.0 - 2 * EDGE_MM)),)
+    assert back.legs == front.legs == ((0.0, pytest.approx(8.0 - 2 * MIN_EDGE_MM)),)
 
 
 SHAPES = {

@@ -39,7 +39,7 @@ def test_an_outline_lies_where_the_simulation_has_the_body_and_its_mirror_image_
     mass = solids.mass_of(TURNER)
     found = poses.sample(prepare(scene, TURNER, mass), 0.05)
     outline = polygon_of(seen_above.outline_of(TURNER, mass))
-    mesh = landing.ready(TURNER.body.key).mesh
+    mesh = landing.prepare_body(TURNER.body.key).mesh
     body = mesh.vertices - np.array([0.0, 0.0, 0.5 * TURNER.size.depth])
     body[:, :2] = to_centre_frame(TURNER.limbs, mass, body[:, :2])
     for place, turn, heading in zip(found.places, found.rotations, found.heading, strict=True):
@@ -62,13 +62,13 @@ def test_outlines_are_counter_clockwise_and_no_point_moves_farther_than_promised
         design = templates.load(name, "walkers", Design)
         outline = seen_above.outline_of(design)
         assert all(area(contour) > 0.0 for contour in outline)
-        full = [ring for ring in seen_above.contours(design) if area(ring) > 0.0]
+        full = [ring for ring in seen_above.body_contours(design) if area(ring) > 0.0]
         O = to_centre_frame(design.limbs, solids.mass_of(design), np.zeros((1, 2)))[0, 0]  # noqa: E741
         moved = shapely.hausdorff_distance(
             shapely.union_all([shapely.Polygon(np.add(ring, (O, 0.0))) for ring in full]).boundary,
             polygon_of(outline).boundary,
         )
-        assert moved <= seen_above.MOVED
+        assert moved <= seen_above.MAX_DEVIATION_MM
         assert len(outline[0]) <= len(full[0])
 
 
@@ -87,7 +87,7 @@ def test_a_rectangle_is_its_four_corners_about_the_centre_of_mass():
 
 
 def test_the_projection_of_a_mesh_is_the_plan_that_it_was_made_of(tmp_path):
-    mesh = landing.ready(TURNER.body.key).mesh
+    mesh = landing.prepare_body(TURNER.body.key).mesh
     (tmp_path / "hook.stl").write_bytes(stl.pack(mesh.vertices[mesh.triangles], "hook"))
     design = Design.model_validate(
         {
@@ -96,15 +96,15 @@ def test_the_projection_of_a_mesh_is_the_plan_that_it_was_made_of(tmp_path):
             "body": {"mesh": str(tmp_path / "hook.stl"), "up": "y", "forward": "x"},
         }
     )
-    (ring,) = seen_above.contours(design)
-    (own,) = seen_above.contours(TURNER)
+    (ring,) = seen_above.body_contours(design)
+    (own,) = seen_above.body_contours(TURNER)
     off = shapely.Polygon(ring).symmetric_difference(shapely.Polygon(own)).area
     assert off < 1e-3 * shapely.Polygon(own).area
 
 
 def test_the_holes_of_letters_are_contours_but_no_outline():
     design = templates.load("name", "walkers", Design)
-    contours = seen_above.contours(design)
+    contours = seen_above.body_contours(design)
     assert [area(ring) > 0.0 for ring in contours] == [True, *[False] * (len(contours) - 1)]
     assert len(contours) > 2
     assert len(seen_above.outline_of(design)) == 1

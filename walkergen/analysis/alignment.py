@@ -12,49 +12,58 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis.estimates import ALIGNED, FEWEST_SAMPLES, LEVEL, SIGNIFICANT, quantity, refusal
+from walkergen.analysis.estimates import (
+    ALIGNMENT_NAMES,
+    MIN_SAMPLES,
+    MIN_SIGNIFICANCE,
+    NO_SLOPE_REASON,
+    quantity,
+    refusal,
+)
 from walkergen.analysis.tracks import Track
 from walkergen.core.numerics import statistics
 from walkergen.core.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
 
-ALIKE = "headings hardly differ against the slope: let walkers start at others"
+ALIKE_REASON = "headings hardly differ against the slope: let walkers start at others"
 
 
-def of(groups: Sequence[Sequence[Track]], interval: float, descent: float | None) -> dict[str, Quantity]:
+def self_alignment(groups: Sequence[Sequence[Track]], interval: float, descent: float | None) -> dict[str, Quantity]:
     """Numbers of ALIGNED by independent groups of tracks; the plate descends toward `descent`, rad (None: level)."""
     if descent is None:
-        return {name: refusal(name, LEVEL) for name in ALIGNED}
-    sums = np.array([sum((_sums(track, descent) for track in group), np.zeros(8)) for group in groups])
-    if len(sums) < FEWEST_SAMPLES:
-        reason = f"{len(sums)} independent samples; at least {FEWEST_SAMPLES}"
-        return {name: refusal(name, reason) for name in ALIGNED}
-    ratios = np.array([_slopes(sums.sum(axis=0) - left) for left in (0.0 * sums[0], *sums)])
+        return {name: refusal(name, NO_SLOPE_REASON) for name in ALIGNMENT_NAMES}
+    sums = np.array([sum((_sample_sums(track, descent) for track in group), np.zeros(8)) for group in groups])
+    if len(sums) < MIN_SAMPLES:
+        reason = f"{len(sums)} independent samples; at least {MIN_SAMPLES}"
+        return {name: refusal(name, reason) for name in ALIGNMENT_NAMES}
+    ratios = np.array([_covariances(sums.sum(axis=0) - left) for left in (0.0 * sums[0], *sums)])
     (_, across, spread), errors = ratios[0], statistics.jackknife_error(ratios[1:])
-    if not spread > SIGNIFICANT * errors[2]:
-        return {name: refusal(name, ALIKE) for name in ALIGNED}
+    if not spread > MIN_SIGNIFICANCE * errors[2]:
+        return {name: refusal(name, ALIKE_REASON) for name in ALIGNMENT_NAMES}
     freedom = len(sums) - 1.0
     kappas = ratios[:, 0] / ratios[:, 1]
-    if abs(across) > SIGNIFICANT * errors[1]:
-        kappa = quantity(ALIGNED[0], kappas[0], float(statistics.jackknife_error(kappas[1:, None])[0]), freedom)
+    if abs(across) > MIN_SIGNIFICANCE * errors[1]:
+        kappa = quantity(ALIGNMENT_NAMES[0], kappas[0], float(statistics.jackknife_error(kappas[1:, None])[0]), freedom)
     else:
-        kappa = refusal(ALIGNED[0], "walkers hardly drift across their headings: a steeper slope, or more runs")
+        kappa = refusal(ALIGNMENT_NAMES[0], "walkers hardly drift across their headings: a steeper slope, or more runs")
     rates = ratios[:, 0] / (interval * ratios[:, 2])
     return {
-        ALIGNED[0]: kappa,
-        ALIGNED[1]: quantity(ALIGNED[1], rates[0], float(statistics.jackknife_error(rates[1:, None])[0]), freedom),
+        ALIGNMENT_NAMES[0]: kappa,
+        ALIGNMENT_NAMES[1]: quantity(
+            ALIGNMENT_NAMES[1], rates[0], float(statistics.jackknife_error(rates[1:, None])[0]), freedom
+        ),
     }
 
 
-def without(track: Track, rate: float, interval: float, descent: float) -> Track:
+def remove_slope_turning(track: Track, rate: float, interval: float, descent: float) -> Track:
     """Track whose headings have not turned by the slope, at `rate` (rad/s) where it is across the heading."""
     assert track.heading is not None
     turned = np.nancumsum(rate * interval * np.sin(descent - track.heading))
     return track._replace(heading=track.heading - np.append(0.0, turned[:-1]))
 
 
-def _sums(track: Track, descent: float) -> Array:
+def _sample_sums(track: Track, descent: float) -> Array:
     """Sum over samples: count; sine before and in the middle; turn, drift to the left; products of the first sine."""
     if track.heading is None or track.position.shape[1] < 2:
         return np.zeros(8)
@@ -65,12 +74,12 @@ def _sums(track: Track, descent: float) -> Array:
     before, now = np.sin(descent - heading[:-2]), np.sin(descent - middle)
     rows = np.stack([np.ones_like(now), before, now, turn, drift, before * now, before * turn, before * drift])
     seen = np.isfinite(rows).all(axis=0)
-    if (free := track.free(2)) is not None:
+    if (free := track.free_samples(2)) is not None:
         seen &= free[: len(seen)]
     return np.asarray(rows[:, seen].sum(axis=1))
 
 
-def _slopes(sums: Array) -> tuple[float, float, float]:
+def _covariances(sums: Array) -> tuple[float, float, float]:
     """Covariances of the sine with turn, drift (mm) and the sine in the middle of a sample."""
     _, before, now, turn, drift, squares, turns, drifts = sums / max(sums[0], 1.0)
     return turns - before * turn, drifts - before * drift, squares - before * now

@@ -13,26 +13,26 @@ from walkergen.core.numerics.tails import student_quantile
 
 Array = npt.NDArray[np.float64]
 
-FLIPPING = 0.01
+MAX_FLIP_SHARE = 0.01
 """Share of steps with a turn of more than 90 deg from which headings look wrong."""
 
-CHANCE = 1e-3
+HEADING_P_VALUE = 1e-3
 """Probability of a doubt about headings that displacements give by chance (Student's t)."""
 
-JUMP, LOCAL_JUMP, NEIGHBOURS = 8.0, 10.0, 8
+MIN_JUMP_RATIO, MIN_LOCAL_JUMP_RATIO, JUMP_NEIGHBOURS = 8.0, 10.0, 8
 """Ratio of a jump to what 9 of 10 steps of all walkers stay below, and to the median of as many
 steps of the same walker before it and after it; diffusion alone gives up to 3."""
 
 
-def of(tracks: Tracks) -> list[str]:
+def find_all(tracks: Tracks) -> list[str]:
     """All doubts about tracks of a film, in words."""
-    groups, _ = moments.samples(tracks.tracks)
+    groups, _ = moments.independent_samples(tracks.tracks)
     headed = not tracks.lane and any(track.heading is not None for track in tracks.tracks)
-    of_headings = _flipping(tracks.tracks) + _turned(groups) if headed else []
-    return [*of_headings, *_jumps(tracks), *_fragments(tracks.tracks)]
+    of_headings = _flip_doubts(tracks.tracks) + _rotation_doubts(groups) if headed else []
+    return [*of_headings, *_jump_doubts(tracks), *_fragment_doubts(tracks.tracks)]
 
 
-def of_scale(share: float | None) -> str:
+def describe_scale_error(share: float | None) -> str:
     """Describe the effect of the scale's error, given as a share of it; '' if it is exact, as in a simulation.
 
     None is an unknown error.
@@ -49,15 +49,15 @@ def of_scale(share: float | None) -> str:
     )
 
 
-def _flipping(tracks: Sequence[Track]) -> list[str]:
+def _flip_doubts(tracks: Sequence[Track]) -> list[str]:
     """Doubt about headings that are known only up to a half turn."""
     flips = pairs = 0
     for track in tracks:
-        unit = moments.direction(track, 1)
+        unit = moments.direction_vectors(track, 1)
         turned = np.abs(np.angle(unit[1:] * np.conj(unit[:-1])))
         flips += int(np.count_nonzero(turned > 0.5 * math.pi))
         pairs += int(np.count_nonzero(~np.isnan(turned)))
-    if flips <= FLIPPING * pairs:
+    if flips <= MAX_FLIP_SHARE * pairs:
         return []
     return [
         f"headings turn by more than 90 deg in {flips} of {pairs} steps: are they known only up to "
@@ -65,7 +65,7 @@ def _flipping(tracks: Sequence[Track]) -> list[str]:
     ]
 
 
-def _turned(groups: Sequence[Sequence[Track]]) -> list[str]:
+def _rotation_doubts(groups: Sequence[Sequence[Track]]) -> list[str]:
     """Doubt about headings that fit displacements only when turned or mirrored.
 
     Displacements that chance alone aligns with headings, as of walkers at rest, give none.
@@ -73,13 +73,13 @@ def _turned(groups: Sequence[Sequence[Track]]) -> list[str]:
     sums = np.zeros((len(groups), 2), dtype=complex)
     for number, group in enumerate(groups):
         for track in group:
-            unit, moved = moments.direction(track, 1)[:-1], np.diff(moments.planar(track))
+            unit, moved = moments.direction_vectors(track, 1)[:-1], np.diff(moments.complex_position(track))
             sums[number] += np.nansum(moved * np.conj(unit)), np.nansum(moved * unit)
     if len(groups) < 2:
         return []
     error = np.sqrt(len(groups) * (np.abs(sums - sums.mean(axis=0)) ** 2).sum(axis=0))
     along, mirrored = sums.sum(axis=0)
-    least = student_quantile(len(groups) - 1, 1.0 - CHANCE) * error / math.sqrt(len(groups) - 1)
+    least = student_quantile(len(groups) - 1, 1.0 - HEADING_P_VALUE) * error / math.sqrt(len(groups) - 1)
     if abs(mirrored) > max(2.0 * abs(along), least[1]):
         return [
             "displacements fit the headings only when these are mirrored: theta has to count from "
@@ -93,17 +93,17 @@ def _turned(groups: Sequence[Sequence[Track]]) -> list[str]:
     return [f"walkers run at {angle:.0f} deg to their headings: is theta, or x and y, turned by 90?"]
 
 
-def _jumps(tracks: Tracks) -> list[str]:
+def _jump_doubts(tracks: Tracks) -> list[str]:
     """Doubt about steps far beyond all others: numbers exchanged, or a walker set elsewhere."""
-    jumps, steps = [], [_steps(track) for track in tracks.tracks]
+    jumps, steps = [], [_track_steps(track) for track in tracks.tracks]
     usual = np.concatenate([step for _, step in steps])
     if not len(usual):
         return []
-    limit = JUMP * float(np.quantile(usual, 0.9))
+    limit = MIN_JUMP_RATIO * float(np.quantile(usual, 0.9))
     for track, (at, step) in zip(tracks.tracks, steps, strict=True):
         for number in np.flatnonzero(step > limit):
-            near = step[max(number - NEIGHBOURS, 0) : number + NEIGHBOURS + 1]
-            if step[number] > LOCAL_JUMP * np.median(near):
+            near = step[max(number - JUMP_NEIGHBOURS, 0) : number + JUMP_NEIGHBOURS + 1]
+            if step[number] > MIN_LOCAL_JUMP_RATIO * np.median(near):
                 first, last = at[number : number + 2]
                 length = float(step[number] * (last - first))
                 jumps.append((length, track.particle, (track.start + last) * tracks.interval))
@@ -117,17 +117,17 @@ def _jumps(tracks: Tracks) -> list[str]:
     ]
 
 
-def _steps(track: Track) -> tuple[npt.NDArray[np.int64], Array]:
+def _track_steps(track: Track) -> tuple[npt.NDArray[np.int64], Array]:
     """Return the samples at which a walker was seen, and the steps between them, mm per sample."""
-    place = moments.planar(track)
+    place = moments.complex_position(track)
     at = np.flatnonzero(~np.isnan(place))
     return at, np.abs(np.diff(place[at])) / np.diff(at)
 
 
-def _fragments(tracks: Sequence[Track]) -> list[str]:
+def _fragment_doubts(tracks: Sequence[Track]) -> list[str]:
     """Doubt about tracks that are more than the walkers that were ever seen at once."""
     plates = {track.plate_speed for track in tracks}
-    most = sum(_at_once([t for t in tracks if t.plate_speed == plate]) for plate in plates)
+    most = sum(_max_simultaneous([t for t in tracks if t.plate_speed == plate]) for plate in plates)
     if most == len(tracks):
         return []
     return [
@@ -137,7 +137,7 @@ def _fragments(tracks: Sequence[Track]) -> list[str]:
     ]
 
 
-def _at_once(tracks: Sequence[Track]) -> int:
+def _max_simultaneous(tracks: Sequence[Track]) -> int:
     """Largest number of tracks at one time."""
     begins = np.sort([track.start for track in tracks])
     ends = np.sort([track.start + len(track.position) for track in tracks])

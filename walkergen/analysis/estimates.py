@@ -15,14 +15,14 @@ from walkergen.core.numerics.quantity import Quantity
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
-SIGNIFICANT = 3.0
+MIN_SIGNIFICANCE = 3.0
 """Standard errors by which a rate or an offset must differ from 0 to be inverted or reported."""
 
-DECAYED, DECAYED_FREE = 0.2, 0.05
+MIN_DECAY, MIN_DECAY_WALLS = 0.2, 0.05
 """Share of the direction that must be lost at the longest fitted lag for a rate to be known, in the open and
 between walls, where that lag is short and its pairs are many."""
 
-FEWEST_SAMPLES = 8
+MIN_SAMPLES = 8
 """Number of independent samples below which every error, and so every estimate, is refused."""
 
 UNITS = {
@@ -66,31 +66,40 @@ time and length, allows for a `turning_memory` wherever headings do not exclude 
 `self_alignment` and `slope_turning` are of walkers on a slope (see `alignment`).
 """
 
-FITS = ("amplitude", "lasting", "heading_variance", "msd_speed2", "msd_rate", "msd_offset", "msd_first", "shortened")
+FIT_NUMBERS = (
+    "amplitude",
+    "lasting",
+    "heading_variance",
+    "msd_speed2",
+    "msd_rate",
+    "msd_offset",
+    "msd_first",
+    "shortened",
+)
 """Names of numbers that only decide on others: `amplitude` (mm^2) is the part of the displacements'
 mean square that persists, `lasting` that of it which lasts for the first lag, `heading_variance`
 (rad^2) that of the headings' noise, `shortened` the share of a speed that displacements along
 headings show, or without headings the root of the first product over the speed (s), `msd_first` the
 squared displacement (mm^2) that noise and diffusion make within one sample."""
 
-NEAR, FAR = 1.5, -0.5
+NEAR_WEIGHT, FAR_WEIGHT = 1.5, -0.5
 """Weights of displacements along headings half a sample and one and a half from their middles, that
 extrapolate to none."""
 
-ALIGNED = ("self_alignment", "slope_turning")
-HEADED = (
+ALIGNMENT_NAMES = ("self_alignment", "slope_turning")
+HEADING_NAMES = (
     *("body_speed", "sideways_speed", "turning_scatter", "rotational_diffusion", "turning_memory", "heading_noise"),
-    *ALIGNED,
+    *ALIGNMENT_NAMES,
 )
-ACROSS = ("orthogonal_mean", "orthogonal_sd")
-ALONG = ("parallel_mean", "parallel_sd")
-TURNING = ("turning_bias", "persistence_rate", "persistence_time", "persistence_length")
+ACROSS_NAMES = ("orthogonal_mean", "orthogonal_sd")
+ALONG_NAMES = ("parallel_mean", "parallel_sd")
+TURNING_NAMES = ("turning_bias", "persistence_rate", "persistence_time", "persistence_length")
 
 
-IN_A_LANE = "along a lane, where direction does not turn"
-HEADINGS_KNOWN = "headings are known: see body_speed"
-NO_HEADINGS = "no headings in the file (theta, theta_deg)"
-LEVEL = "no slope is known, which alone shows it"
+LANE_REASON = "along a lane, where direction does not turn"
+HEADINGS_KNOWN_REASON = "headings are known: see body_speed"
+NO_HEADINGS_REASON = "no headings in the file (theta, theta_deg)"
+NO_SLOPE_REASON = "no slope is known, which alone shows it"
 """Reasons of refusals that no better film would change; tables leave such lines out."""
 
 
@@ -120,7 +129,7 @@ class Frame(NamedTuple):
     @property
     def decayed(self) -> float:
         """Share of the direction that must be lost at the longest lag."""
-        return DECAYED_FREE if self.walls else DECAYED
+        return MIN_DECAY_WALLS if self.walls else MIN_DECAY
 
     @property
     def advice(self) -> str:
@@ -153,15 +162,15 @@ def evaluate(sums: Moments, frame: Frame) -> dict[str, float]:
 
     NaN where a number has no meaning or no fit.
     """
-    numbers = dict.fromkeys((*UNITS, *FITS), math.nan)
+    numbers = dict.fromkeys((*UNITS, *FIT_NUMBERS), math.nan)
     numbers["lane_speed"] = _ratio(sums.run) / frame.interval
-    _spread(numbers, "parallel", sums.along)
-    _spread(numbers, "orthogonal", sums.across)
+    _add_moments(numbers, "parallel", sums.along)
+    _add_moments(numbers, "orthogonal", sums.across)
     if frame.lane:
         numbers["speed"], numbers["shortened"] = numbers["lane_speed"], 1.0
-        _dispersion(numbers, sums, frame)
+        _fit_dispersion(numbers, sums, frame)
     else:
-        _persistence(numbers, sums, frame)
+        _fit_persistence(numbers, sums, frame)
     return numbers
 
 
@@ -169,14 +178,14 @@ def _ratio(pair: Array) -> float:
     return float(pair[0] / pair[1]) if pair[1] > 0 else math.nan
 
 
-def _spread(numbers: dict[str, float], name: str, powers: Array) -> None:
+def _add_moments(numbers: dict[str, float], name: str, powers: Array) -> None:
     count, first, second = powers
     if count > 1:
         numbers[f"{name}_mean"] = first / count
         numbers[f"{name}_sd"] = math.sqrt(max(second / count - (first / count) ** 2, 0.0))
 
 
-def _persistence(numbers: dict[str, float], sums: Moments, frame: Frame) -> None:
+def _fit_persistence(numbers: dict[str, float], sums: Moments, frame: Frame) -> None:
     """Fit the rate at which the direction is lost, the mean turning, and the speed."""
     window = 0.0 if frame.headed else frame.grid.step * frame.interval
     lag = frame.grid.turn_lags * frame.interval
@@ -188,8 +197,8 @@ def _persistence(numbers: dict[str, float], sums: Moments, frame: Frame) -> None
         return
     lag, values = lag[use], values[use]
     # Turns of the few that are free scatter as the lag and their number say: weights without chance.
-    errors = lag / np.sqrt(sums.turn_pairs[use]) if frame.walls else spreads.smooth(lag, errors[use])
-    fitted = _fit(lag, values, errors, frame, window)
+    errors = lag / np.sqrt(sums.turn_pairs[use]) if frame.walls else spreads.smooth_errors(lag, errors[use])
+    fitted = _fit_decay(lag, values, errors, frame, window)
     if fitted is None:
         return
     amplitude, rate, turn, *memory = map(float, fitted)
@@ -197,17 +206,17 @@ def _persistence(numbers: dict[str, float], sums: Moments, frame: Frame) -> None
     numbers["persistence_time"] = 1.0 / rate if rate else math.inf
     if frame.headed:
         numbers["turning_bias"] = _ratio(sums.turned) / frame.interval
-        variance = -_at_once(lag, values)
+        variance = -_zero_lag_log(lag, values)
         lasting = memory[0] if memory else 0.0
         if lasting:
             variance = -math.log(max(amplitude, 1e-300))
             numbers["turning_memory"] = lasting
 
-        def kept(samples: Array) -> Array:
+        def correlation(samples: Array) -> Array:
             after = samples * frame.interval
-            return np.asarray(np.exp(-rate * (walks.late(after, lasting) if lasting else after)))
+            return np.asarray(np.exp(-rate * (walks.delayed_lag(after, lasting) if lasting else after)))
 
-        shortened = math.exp(-0.5 * variance) * _extrapolated(kept)
+        shortened = math.exp(-0.5 * variance) * _extrapolated_share(correlation)
         velocity = complex(_velocity(sums) / (shortened * frame.interval))
         numbers["shortened"] = shortened
         numbers["body_speed"] = numbers["speed"] = velocity.real
@@ -217,39 +226,39 @@ def _persistence(numbers: dict[str, float], sums: Moments, frame: Frame) -> None
     else:
         numbers |= {"turning_bias": turn, "amplitude": amplitude, "lasting": float(values[0].real)}
         numbers["motion_speed"] = numbers["speed"] = math.sqrt(max(amplitude, 0.0)) / window
-        first = walks.decay(np.array([frame.first_lag * frame.interval]), 1.0, rate, turn, window)
+        first = walks.velocity_correlation(np.array([frame.first_lag * frame.interval]), 1.0, rate, turn, window)
         numbers["shortened"] = window * math.sqrt(abs(first[0]))
     numbers["persistence_length"] = abs(numbers["speed"]) * numbers["persistence_time"]
 
 
-def _fit(lag: Array, values: Complex, errors: Array, frame: Frame, window: float) -> Array | None:
+def _fit_decay(lag: Array, values: Complex, errors: Array, frame: Frame, window: float) -> Array | None:
     """Amplitude, rate (1/s), turn (rad/s) and with a memory this (s); None when none fit."""
 
     def model(at: Array, amplitude: float, rate: float, turn: float) -> Complex:
         # A mean over T takes the share at / T of the diffusion off (a Brownian bridge).
-        return walks.decay(at * (1.0 - at / frame.own_s), amplitude, rate, turn, window)
+        return walks.velocity_correlation(at * (1.0 - at / frame.own_s), amplitude, rate, turn, window)
 
     def late(at: Array, amplitude: float, rate: float, turn: float, memory: float) -> Complex:
-        return model(walks.late(at, memory), amplitude, rate, turn)
+        return model(walks.delayed_lag(at, memory), amplitude, rate, turn)
 
     if not frame.memory:
-        return walks.fit(model, lag, values, errors, _start(lag, values, errors))
+        return walks.fit(model, lag, values, errors, _guess_start(lag, values, errors))
     lowest = (*[-math.inf] * 3, 0.0)
-    return walks.fit(late, lag, values, errors, _late_start(lag, values, errors), lowest)
+    return walks.fit(late, lag, values, errors, _guess_memory(lag, values, errors), lowest)
 
 
-def _late_start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float, float]:
+def _guess_memory(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float, float]:
     """Guess amplitude, rate, no turn, and memory: the best of several by lines in logarithms."""
     height, weights = np.log(np.maximum(np.abs(values), 1e-300)), np.abs(values) / errors
     guesses = []
     for memory in np.geomspace(lag[0], lag[-1] / 3.0, 8):
-        line, rest, *_ = np.polyfit(walks.late(lag, memory), height, 1, w=weights, full=True)
+        line, rest, *_ = np.polyfit(walks.delayed_lag(lag, memory), height, 1, w=weights, full=True)
         guesses.append((float(rest.sum()), math.exp(line[1]), -float(line[0]), float(memory)))
     _, amplitude, rate, memory = min(guesses)
     return amplitude, rate, 0.0, memory
 
 
-def _at_once(lag: Array, kept: Complex) -> float:
+def _zero_lag_log(lag: Array, kept: Complex) -> float:
     """Logarithm of the correlation of headings as the lag goes to 0: noise makes it less than 0.
 
     By the parabola through the first three lags: with inertia, headings hardly turn at first, so
@@ -268,21 +277,21 @@ def _velocity(sums: Moments) -> complex:
     (near, near_pairs), (far, far_pairs) = sums.near, sums.far
     if not near_pairs.real or not far_pairs.real:
         return complex(math.nan, math.nan)
-    straight: complex = NEAR * near / near_pairs + FAR * far / far_pairs
+    straight: complex = NEAR_WEIGHT * near / near_pairs + FAR_WEIGHT * far / far_pairs
     return straight
 
 
-def _extrapolated(kept: Callable[[Array], Array]) -> float:
+def _extrapolated_share(kept: Callable[[Array], Array]) -> float:
     """Share of a speed that `_velocity` gives, 1 up to second order in the turn of a sample.
 
     `kept` is the correlation of headings by lag (samples).
     """
     at, weights = np.polynomial.legendre.leggauss(8)
     near, far = (0.5 * float(weights @ kept(first + 0.5 + 0.5 * at)) for first in (0.0, 1.0))
-    return NEAR * near + FAR * far
+    return NEAR_WEIGHT * near + FAR_WEIGHT * far
 
 
-def _start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float]:
+def _guess_start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float]:
     """Guess amplitude, rate and turn for the fit; the turn is followed from lag to lag."""
     size = np.abs(values)
     turn = 0.0
@@ -295,7 +304,7 @@ def _start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, fl
     return float(size[0]), fall / lag[at], turn
 
 
-def of_spread(spread: Spread, interval: float) -> dict[str, float]:
+def from_spread(spread: Spread, interval: float) -> dict[str, float]:
     """Numbers that a fit of the squared displacement gives, by the names of UNITS and FITS."""
     speed2, offset = spread.mean_square, spread.offset
     return {
@@ -311,7 +320,7 @@ def of_spread(spread: Spread, interval: float) -> dict[str, float]:
     }
 
 
-def _dispersion(numbers: dict[str, float], sums: Moments, frame: Frame) -> None:
+def _fit_dispersion(numbers: dict[str, float], sums: Moments, frame: Frame) -> None:
     """Fit the spread about each walker's own run in a lane, over the last decade of fitted lags.
 
     It is 2 D lag (1 - lag / T), as the own speed was measured over T.

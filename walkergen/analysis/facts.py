@@ -10,30 +10,34 @@ from walkergen.analysis.estimates import UNITS
 from walkergen.analysis.motion import Array, Motion
 from walkergen.core.numerics.quantity import Quantity
 
-OF_WALKERS = ("speed", "turning_bias")
+WALKER_ESTIMATES = ("speed", "turning_bias")
 """Estimates of each walker by itself, by the names of UNITS."""
 
-UNBOUNDED = "the data set no finite bounds: film for longer"
+UNBOUNDED_REASON = "the data set no finite bounds: film for longer"
 """Reason why a number with an error has no bounds."""
 
 
-def of(motion: Motion) -> dict[str, Any]:
+def from_motion(motion: Motion) -> dict[str, Any]:
     """All results for JSON: values, errors and reasons by keys that carry their unit."""
     facts: dict[str, Any] = {}
     for name, unit in UNITS.items():
         estimate = motion.estimates[name]
-        facts |= _keyed(name, estimate)
+        facts |= _estimate_facts(name, estimate)
         facts[f"{name}_scale_se_{unit}"] = scale_se(estimate, motion)
     facts |= {
         "refused": {
             column: reason
             for estimate in map(motion.estimates.__getitem__, UNITS)
-            for column, reason in _reasons(estimate).items()
+            for column, reason in _null_reasons(estimate).items()
         },
         "walkers": [
             {"particle": walker.particle, "seen_s": walker.seconds}
-            | {key: value for name in OF_WALKERS for key, value in _keyed(name, walker.of(name)).items()}
-            | ({"refused": walker.of("speed").refused} if walker.of("speed").refused else {})
+            | {
+                key: value
+                for name in WALKER_ESTIMATES
+                for key, value in _estimate_facts(name, walker.mean(name)).items()
+            }
+            | ({"refused": walker.mean("speed").refused} if walker.mean("speed").refused else {})
             for walker in motion.walkers
         ],
         "particles": motion.particles,
@@ -42,8 +46,8 @@ def of(motion: Motion) -> dict[str, Any]:
         "tracked_s": motion.tracked_s,
         "lag_s": motion.lag_s,
         "method": motion.method,
-        "msd_fit": _fit(motion),
-        "msd": _points(
+        "msd_fit": _fit_facts(motion),
+        "msd": _point_facts(
             (*motion.msd, scale_errors(motion), *motion.exponent[1:]),
             "lag_s",
             "msd_mm2",
@@ -52,9 +56,9 @@ def of(motion: Motion) -> dict[str, Any]:
             "exponent",
             "exponent_se",
         ),
-        "correlation": _points(motion.correlation, "lag_s", "value", "se"),
-        "parallel": _points(motion.parallel, "mm", "density_per_mm", "density_se_per_mm"),
-        "orthogonal": _points(motion.orthogonal, "mm", "density_per_mm", "density_se_per_mm"),
+        "correlation": _point_facts(motion.correlation, "lag_s", "value", "se"),
+        "parallel": _point_facts(motion.parallel, "mm", "density_per_mm", "density_se_per_mm"),
+        "orthogonal": _point_facts(motion.orthogonal, "mm", "density_per_mm", "density_se_per_mm"),
     }
     if motion.walls is not None:
         rate, length_mm, width_mm = motion.walls.contacts, *motion.walls.extent
@@ -80,23 +84,23 @@ def of(motion: Motion) -> dict[str, Any]:
     return facts
 
 
-def _keyed(name: str, estimate: Quantity) -> dict[str, float | None]:
+def _estimate_facts(name: str, estimate: Quantity) -> dict[str, float | None]:
     """Return an estimate's value, error and bounds under keys that carry its unit."""
-    low, high = ends(estimate)
+    low, high = interval_bounds(estimate)
     bounds = {f"{name}_low_95_{UNITS[name]}": low, f"{name}_high_95_{UNITS[name]}": high}
     return {f"{name}_{UNITS[name]}": estimate.value, f"{name}_se_{UNITS[name]}": estimate.se} | bounds
 
 
-def _reasons(estimate: Quantity) -> dict[str, str]:
+def _null_reasons(estimate: Quantity) -> dict[str, str]:
     """Return why a number, its error or its bounds are null, by the key of what is missing."""
     if estimate.refused:
         return {estimate.column: estimate.refused}
     if estimate.interval() is not None:
         return {}
-    return {f"{estimate.key}_{end}_95_{estimate.unit}": UNBOUNDED for end in ("low", "high")}
+    return {f"{estimate.key}_{end}_95_{estimate.unit}": UNBOUNDED_REASON for end in ("low", "high")}
 
 
-def _fit(motion: Motion) -> dict[str, float | None] | None:
+def _fit_facts(motion: Motion) -> dict[str, float | None] | None:
     """Parameters of the fit of the squared displacement, and its goodness."""
     fit = motion.msd_fit
     if fit is None:
@@ -108,11 +112,11 @@ def _fit(motion: Motion) -> dict[str, float | None] | None:
     return {name: value if math.isfinite(value) else None for name, value in values.items()}
 
 
-def _points(curve: Sequence[Array], *names: str) -> list[dict[str, float | None]]:
-    return [dict(zip(names, point, strict=True)) for point in points(curve)]
+def _point_facts(curve: Sequence[Array], *names: str) -> list[dict[str, float | None]]:
+    return [dict(zip(names, point, strict=True)) for point in curve_points(curve)]
 
 
-def points(curve: Sequence[Array]) -> list[tuple[float | None, ...]]:
+def curve_points(curve: Sequence[Array]) -> list[tuple[float | None, ...]]:
     """Points of a curve; None where a number is not known, or not finite."""
     return [
         tuple(float(value) if math.isfinite(value) else None for value in point) for point in zip(*curve, strict=True)
@@ -137,6 +141,6 @@ def scale_errors(motion: Motion) -> Array:
     return np.asarray(2.0 * share * np.abs(motion.msd.value))
 
 
-def ends(estimate: Quantity) -> tuple[float | None, float | None]:
+def interval_bounds(estimate: Quantity) -> tuple[float | None, float | None]:
     """Bounds of 95 %; None for each that is not known."""
     return estimate.interval(0.95) or (None, None)

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis import doubts, motion, track_files, walls
-from walkergen.analysis.track_columns import TRACKS
+from walkergen.analysis.track_columns import TRACKS_COLUMN
 from walkergen.core.errors import InputError
 from walkergen.core.files import columns, plain, reading
 from walkergen.core.files.columns import Columns
@@ -22,12 +22,12 @@ from walkergen.core.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
 
-PARTICLE = "particle"
+PARTICLE_COLUMN = "particle"
 """Column of a walker in a file of tracks."""
 
-SPEED, ERROR, PLATE = "speed_mm_s", "speed_se_mm_s", "plate_speed_mm_s"
+SPEED_COLUMN, ERROR_COLUMN, PLATE_COLUMN = "speed_mm_s", "speed_se_mm_s", "plate_speed_mm_s"
 
-MOST_FILES = 200
+MAX_FILES = 200
 """Largest number of files of tracks."""
 
 
@@ -80,60 +80,62 @@ class _Walker(NamedTuple):
         return math.hypot(se, math.sqrt(crowd) * (self.film.scale_se or 0.0) * value)
 
 
-def with_speeds(path: Path, table: Columns) -> tuple[Columns, tuple[str, ...]]:
+def add_track_speeds(path: Path, table: Columns) -> tuple[Columns, tuple[str, ...]]:
     """Rows with a speed and, of tracks, its standard error (mm/s), and what is to be said of them.
 
     All walkers of a film share the error of its scale: each bears it times the root of their
     number, so that their mean bears it once. Raises InputError for tracks that cannot be read, for
     rows that have a speed as well, and for a walker in two rows.
     """
-    names = _names(path)
+    names = _track_names(path)
     filmed = np.array([int(line) in names for line in table.lines], bool)
-    both = filmed & ~np.isnan(_column(table, SPEED))
+    both = filmed & ~np.isnan(_column_or_nan(table, SPEED_COLUMN))
     if both.any():
-        raise InputError(f"{path}:{table.lines[both][0]}: both {SPEED} and {TRACKS}: leave one blank")
+        raise InputError(f"{path}:{table.lines[both][0]}: both {SPEED_COLUMN} and {TRACKS_COLUMN}: leave one blank")
     films: dict[str, _Film] = {}
     walkers: list[_Walker] = []
     for at in map(int, np.flatnonzero(filmed)):
         name = names[int(table.lines[at])]
         if name not in films:
-            if len(films) == MOST_FILES:
-                raise InputError(f"{path}: more than {MOST_FILES} files of tracks: split the file")
-            films[name] = _film(path.parent / name)
-        walkers += _of_row(films[name], at, _column(table, PARTICLE)[at], path, table)
-    _refuse_twice(path, walkers)
+            if len(films) == MAX_FILES:
+                raise InputError(f"{path}: more than {MAX_FILES} files of tracks: split the file")
+            films[name] = _read_film(path.parent / name)
+        walkers += _row_walkers(films[name], at, _column_or_nan(table, PARTICLE_COLUMN)[at], path, table)
+    _check_duplicates(path, walkers)
     known = [walker for walker in walkers if walker.speed is not None]
-    joined = _joined(table.reject_rows(filmed, ""), table, known)
-    bad = table.bad | _unknown(table, walkers, known)
-    notes = [note for film in films.values() for note in _notes(film, walkers)]
+    joined = _join_rows(table.reject_rows(filmed, ""), table, known)
+    bad = table.bad | _missing_speed_reasons(table, walkers, known)
+    notes = [note for film in films.values() for note in _film_notes(film, walkers)]
     joined = joined._replace(bad=bad)
-    return joined.reject_rows(np.isnan(joined.values[SPEED]), f"neither {SPEED} nor {TRACKS}"), tuple(notes)
+    return joined.reject_rows(
+        np.isnan(joined.values[SPEED_COLUMN]), f"neither {SPEED_COLUMN} nor {TRACKS_COLUMN}"
+    ), tuple(notes)
 
 
-def _names(path: Path) -> dict[int, str]:
+def _track_names(path: Path) -> dict[int, str]:
     """Names of files of tracks by the line on which each stands."""
     records = columns.parse_records(reading.read_lines(path, columns.FORMAT_NAME), str(path))
-    cells = ((line, row[TRACKS].strip()) for line, row in records.rows)
+    cells = ((line, row[TRACKS_COLUMN].strip()) for line, row in records.rows)
     return {line: cell for line, cell in cells if cell}
 
 
-def _column(table: Columns, name: str) -> Array:
+def _column_or_nan(table: Columns, name: str) -> Array:
     """Column of a table, NaN where it has none."""
     return table.values.get(name, np.full(len(table.lines), np.nan))
 
 
-def _film(path: Path) -> _Film:
+def _read_film(path: Path) -> _Film:
     """Walkers of a file of tracks that says its own lengths and times, as `analyse` reads it."""
-    read = track_files.read(path, track_files.Units())
-    measured = motion.analyse(read, found=walls.of(read))
+    read = track_files.read_tracks(path, track_files.Units())
+    measured = motion.analyse(read, found=walls.find_walls(read))
     plates = {track.particle: math.nan if track.plate_speed is None else track.plate_speed for track in read.tracks}
-    speeds = {walker.particle: walker.of("speed") for walker in measured.walkers}
+    speeds = {walker.particle: walker.mean("speed") for walker in measured.walkers}
     mean = measured.estimates["speed"]
-    notes = [*doubts.of(read), *measured.doubts, doubts.of_scale(read.scale_se), read.note]
+    notes = [*doubts.find_all(read), *measured.doubts, doubts.describe_scale_error(read.scale_se), read.note]
     return _Film(path, speeds, mean, plates, read.scale_se, [note for note in notes if note])
 
 
-def _of_row(film: _Film, at: int, number: float, path: Path, table: Columns) -> Iterator[_Walker]:
+def _row_walkers(film: _Film, at: int, number: float, path: Path, table: Columns) -> Iterator[_Walker]:
     """Walkers that a row stands for. Raises InputError for one that the tracks lack."""
     lone = [_Walker(at, film, (particle,), speed) for particle, speed in film.speeds.items()]
     if math.isnan(number):
@@ -148,11 +150,11 @@ def _of_row(film: _Film, at: int, number: float, path: Path, table: Columns) -> 
         seen = ", ".join(map(str, list(film.speeds)[:10]))
         more = " ..." if len(film.speeds) > 10 else ""
         raise InputError(
-            f"{path}:{table.lines[at]}: {PARTICLE} = {number:g}: must be a walker of {film.name}: {seen}{more}"
+            f"{path}:{table.lines[at]}: {PARTICLE_COLUMN} = {number:g}: must be a walker of {film.name}: {seen}{more}"
         )
 
 
-def _refuse_twice(path: Path, walkers: Sequence[_Walker]) -> None:
+def _check_duplicates(path: Path, walkers: Sequence[_Walker]) -> None:
     """Raise InputError for the first walker that stands in two rows."""
     seen: set[tuple[Path, int]] = set()
     for walker in walkers:
@@ -160,28 +162,30 @@ def _refuse_twice(path: Path, walkers: Sequence[_Walker]) -> None:
             if key in seen:
                 raise InputError(
                     f"{path}: walker {key[1]} of {walker.film.name} is in two rows: give each "
-                    f"walker once, by the column {PARTICLE}"
+                    f"walker once, by the column {PARTICLE_COLUMN}"
                 )
             seen.add(key)
 
 
-def _joined(rest: Columns, table: Columns, known: Sequence[_Walker]) -> Columns:
+def _join_rows(rest: Columns, table: Columns, known: Sequence[_Walker]) -> Columns:
     """Rows of numbers, then a row of each walker with what else stood in its row."""
     at = np.array([walker.at for walker in known], np.int64)
     crowds = [sum(other.film is walker.film for other in known) for walker in known]
     of_film = np.array([walker.film.plates[walker.particles[0]] for walker in known])
-    plate = _column(table, PLATE)[at]
+    plate = _column_or_nan(table, PLATE_COLUMN)[at]
     own = {
-        SPEED: np.array([walker.speed for walker in known], float),
-        ERROR: np.array([walker.error(crowd) for walker, crowd in zip(known, crowds, strict=True)], float),
-        PLATE: np.where(np.isnan(plate), of_film, plate),
+        SPEED_COLUMN: np.array([walker.speed for walker in known], float),
+        ERROR_COLUMN: np.array([walker.error(crowd) for walker, crowd in zip(known, crowds, strict=True)], float),
+        PLATE_COLUMN: np.where(np.isnan(plate), of_film, plate),
     }
     names = dict.fromkeys((*table.values, *own))
-    values = {name: np.append(_column(rest, name), own.get(name, _column(table, name)[at])) for name in names}
+    values = {
+        name: np.append(_column_or_nan(rest, name), own.get(name, _column_or_nan(table, name)[at])) for name in names
+    }
     return Columns(values, np.append(rest.lines, table.lines[at]), {})
 
 
-def _unknown(table: Columns, walkers: Sequence[_Walker], known: Sequence[_Walker]) -> dict[int, str]:
+def _missing_speed_reasons(table: Columns, walkers: Sequence[_Walker], known: Sequence[_Walker]) -> dict[int, str]:
     """Reasons, by line, why rows have no walker with a speed."""
     having = {walker.at for walker in known}
     lacking = {walker.at: walker for walker in reversed(walkers) if walker.at not in having}
@@ -191,7 +195,7 @@ def _unknown(table: Columns, walkers: Sequence[_Walker], known: Sequence[_Walker
     }
 
 
-def _notes(film: _Film, walkers: Sequence[_Walker]) -> Iterator[str]:
+def _film_notes(film: _Film, walkers: Sequence[_Walker]) -> Iterator[str]:
     """Yield the notes on a film: its speeds, walkers left out, doubts, and the error of its scale."""
     own = [walker for walker in walkers if walker.film is film]
     refused = [walker for walker in own if walker.speed is None]

@@ -18,40 +18,42 @@ from walkergen.analysis.walks import Spread
 Array = npt.NDArray[np.float64]
 
 
-def with_fit(
+def add_fit(
     numbers: list[dict[str, float]], sums: Sequence[Moments], frame: Frame, longest: int
 ) -> tuple[list[dict[str, float]], Fitted | None]:
     """Numbers of all samples, then of those without each one, with those of their fit over lags."""
     if frame.lane:
         return numbers, None
-    lag, squares = _over_lags(sums, frame, int((frame.grid.square_lags <= longest).sum()))
-    fit = spreads.fit(lag, squares, _turns(numbers, frame.headed))
-    return _joined(numbers, fit.spreads, frame), fit
+    lag, squares = _mean_squares(sums, frame, int((frame.grid.square_lags <= longest).sum()))
+    fit = spreads.fit(lag, squares, _turning_rates(numbers, frame.headed))
+    return _add_spreads(numbers, fit.spreads, frame), fit
 
 
-def refitted(
+def add_refit(
     numbers: list[dict[str, float]], sums: Sequence[Moments], frame: Frame, fit: Fitted | None
 ) -> list[dict[str, float]]:
     """Numbers of other sums, with those of the same fit to them."""
     if fit is None or not len(fit.errors):
         return numbers
-    lag, squares = _over_lags(sums, frame, len(fit.errors))
+    lag, squares = _mean_squares(sums, frame, len(fit.errors))
     turns = [sample["turning_bias"] if fit.spreads[0].turn else 0.0 for sample in numbers]
-    return _joined(numbers, spreads.refit(lag, squares, turns, fit), frame)
+    return _add_spreads(numbers, spreads.refit(lag, squares, turns, fit), frame)
 
 
-def _over_lags(sums: Sequence[Moments], frame: Frame, count: int) -> tuple[Array, list[Array]]:
+def _mean_squares(sums: Sequence[Moments], frame: Frame, count: int) -> tuple[Array, list[Array]]:
     """Return the first `count` lags (s), and the mean squared displacements (mm^2) of each of the sums at them."""
     lag = frame.interval * frame.grid.square_lags[:count].astype(float)
     return lag, [np.asarray(mean(sample.square, sample.square_pairs), float)[:count] for sample in sums]
 
 
-def _joined(numbers: Sequence[dict[str, float]], fits: Iterable[Spread], frame: Frame) -> list[dict[str, float]]:
-    return [sample | estimates.of_spread(spread, frame.interval) for sample, spread in zip(numbers, fits, strict=True)]
+def _add_spreads(numbers: Sequence[dict[str, float]], fits: Iterable[Spread], frame: Frame) -> list[dict[str, float]]:
+    return [
+        sample | estimates.from_spread(spread, frame.interval) for sample, spread in zip(numbers, fits, strict=True)
+    ]
 
 
-def _turns(numbers: Sequence[Mapping[str, float]], headed: bool) -> list[float]:
+def _turning_rates(numbers: Sequence[Mapping[str, float]], headed: bool) -> list[float]:
     """Rates of turning, rad/s; 0 where displacements are too noisy to show any."""
-    if headed or judgement.resolved(judgement.measured(numbers, "amplitude")):
+    if headed or judgement.is_resolved(judgement.jackknife_quantity(numbers, "amplitude")):
         return [sample["turning_bias"] for sample in numbers]
     return [0.0] * len(numbers)

@@ -17,13 +17,13 @@ Lags = npt.NDArray[np.int64]
 
 
 @functools.cache
-def fast(size: int) -> int:
+def fft_length(size: int) -> int:
     """Least length, `size` or more, that transforms quickly: of the prime factors 2, 3 and 5."""
     powers = (three * five for three in 3 ** np.arange(21) for five in 5 ** np.arange(14) if three * five < 2 * size)
     return min(int(power) << max(math.ceil(math.log2(size / power)), 0) for power in powers)
 
 
-def squares(position: Array, lags: Lags) -> tuple[Array, Array]:
+def sum_squares(position: Array, lags: Lags) -> tuple[Array, Array]:
     """Sum of |r(t + lag) - r(t)|^2 and number of pairs, each of shape (lags,).
 
     `position` has shape (times, dimensions). The mean drift is removed before the transforms and
@@ -41,7 +41,7 @@ def squares(position: Array, lags: Lags) -> tuple[Array, Array]:
     drift = (position[last] - position[first]) / (last - first)
     about_drift = position - drift * times[:, None]
     about_drift = np.where(seen[:, None], about_drift - about_drift[seen].mean(axis=0), 0.0)
-    size = fast(2 * len(position))
+    size = fft_length(2 * len(position))
     weight = fft.rfft(seen.astype(float), size)
 
     def correlate(left: Complex, right: Complex) -> Array:
@@ -60,15 +60,15 @@ def squares(position: Array, lags: Lags) -> tuple[Array, Array]:
     return total, pairs
 
 
-def products(series: Complex, lags: Lags) -> tuple[Complex, Array]:
+def sum_products(series: Complex, lags: Lags) -> tuple[Complex, Array]:
     """Sum of conj(z(t)) z(t + lag) and number of pairs, each of shape (lags,).
 
     `series` has shape (times,) and values of order 1: errors are near 1e-16 times their number.
     """
-    return crossed(series, series, lags)
+    return sum_cross_products(series, series, lags)
 
 
-def crossed(first: Complex, second: Complex, lags: Lags) -> tuple[Complex, Array]:
+def sum_cross_products(first: Complex, second: Complex, lags: Lags) -> tuple[Complex, Array]:
     """Sum of conj(first(t)) second(t + lag) and number of pairs, each of shape (lags,).
 
     Both series have the same shape (times,).
@@ -78,20 +78,20 @@ def crossed(first: Complex, second: Complex, lags: Lags) -> tuple[Complex, Array
     near = lags[reachable]
     if not len(near):
         return total, pairs
-    size = fast(2 * len(first))
+    size = fft_length(2 * len(first))
 
-    def transformed(series: Complex) -> tuple[Complex, Complex]:
+    def transform(series: Complex) -> tuple[Complex, Complex]:
         seen = ~np.isnan(series)
         return fft.fft(np.where(seen, series, 0.0), size), fft.fft(seen.astype(float), size)
 
-    values, weight = transformed(first)
-    others, weights = (values, weight) if second is first else transformed(second)
+    values, weight = transform(first)
+    others, weights = (values, weight) if second is first else transform(second)
     total[reachable] = fft.ifft(np.conj(values) * others)[near]
     pairs[reachable] = np.rint(fft.ifft(np.conj(weight) * weights).real[near])
     return total, pairs
 
 
-def squares_from(position: Array, lags: Lags, reach: Lags) -> tuple[Array, Array]:
+def sum_free_squares(position: Array, lags: Lags, reach: Lags) -> tuple[Array, Array]:
     """Sum as `squares` does, over pairs whose first sample has a `reach` (samples) of at least the lag."""
     sums, counts = np.zeros(len(lags)), np.zeros(len(lags))
     for place, lag in enumerate(lags):
@@ -102,7 +102,7 @@ def squares_from(position: Array, lags: Lags, reach: Lags) -> tuple[Array, Array
     return sums, counts
 
 
-def products_from(series: Complex, lags: Lags, reach: Lags) -> tuple[Complex, Array]:
+def sum_free_products(series: Complex, lags: Lags, reach: Lags) -> tuple[Complex, Array]:
     """Sum as `products` does, over pairs whose first sample has a `reach` (samples) of at least the lag."""
     sums, counts = np.zeros(len(lags), complex), np.zeros(len(lags))
     for place, lag in enumerate(lags):
@@ -112,7 +112,7 @@ def products_from(series: Complex, lags: Lags, reach: Lags) -> tuple[Complex, Ar
     return sums, counts
 
 
-def spread_out(longest: int, count: int, shortest: int = 1) -> Lags:
+def log_spaced_lags(longest: int, count: int, shortest: int = 1) -> Lags:
     """At most `count` whole lags from `shortest` to `longest`, even on a logarithmic scale."""
     if longest < shortest:
         return np.zeros(0, np.int64)

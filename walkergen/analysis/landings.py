@@ -9,14 +9,14 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
 
-TOGETHER_S = 50e-6
+MAX_GROUP_S = 50e-6
 """Time within which corners land together, s: about as long as one contact lasts."""
 
-CORNERS = 2
+CORNERS_PER_FOOT = 2
 """Number of corners of a foot: 0 and 1 belong to the first foot, 2 and 3 to the second."""
 
 
-QUIET_S = 1e-3
+MIN_QUIET_S = 1e-3
 """Time without impacts before a foot's landing, s; a flexible leg's contact takes some 0.4 ms, a
 period of the paper's drive 11 ms."""
 
@@ -56,20 +56,20 @@ class Impacts(NamedTuple):
     """Type of impact, one of `walkergen.core.theory.impact.Kind`."""
 
 
-def impacts_in(rows: Array) -> Impacts:
+def from_record(rows: Array) -> Impacts:
     """Impacts of a run from its record, rows of shape (n, 7) in the order of the fields."""
     time, foot, F_x, F_y, v_x, v_y, kind = rows.T
     return Impacts(time, foot.astype(np.int64), F_x, F_y, v_x, v_y, kind.astype(np.int64))
 
 
-def of_feet(time: Array, foot: Whole) -> npt.NDArray[np.bool_]:
+def is_landing(time: Array, foot: Whole) -> npt.NDArray[np.bool_]:
     """Whether each impact is a landing: the first of its foot after QUIET_S without any."""
     landing = np.zeros(len(time), dtype=bool)
     for number in np.unique(foot):
         (of_foot,) = np.nonzero(foot == number)
         # In space impacts come in the order of their ends
         of_foot = of_foot[np.argsort(time[of_foot], kind="stable")]
-        landing[of_foot] = np.diff(time[of_foot], prepend=-math.inf) > QUIET_S
+        landing[of_foot] = np.diff(time[of_foot], prepend=-math.inf) > MIN_QUIET_S
     return landing
 
 
@@ -80,12 +80,12 @@ def count(time: Array, corner: Whole, duration: float, feet: int = 2) -> Landing
     landing and takes in all that follow within `TOGETHER_S` of it.
     """
     order = np.argsort(time, kind="stable")
-    landed = _groups(time[order], corner[order], feet * CORNERS)
-    by_foot = landed.reshape(-1, feet, CORNERS)
+    landed = _group_corners(time[order], corner[order], feet * CORNERS_PER_FOOT)
+    by_foot = landed.reshape(-1, feet, CORNERS_PER_FOOT)
     several = by_foot.any(axis=2).sum(axis=1) > 1
     return Landings(
         duration=duration,
-        corners=np.bincount(corner, minlength=feet * CORNERS),
+        corners=np.bincount(corner, minlength=feet * CORNERS_PER_FOOT),
         alone=int(np.count_nonzero(landed.sum(axis=1) == 1)),
         edges=by_foot.all(axis=2).sum(axis=0),
         pairs=int(np.count_nonzero(several)),
@@ -93,12 +93,12 @@ def count(time: Array, corner: Whole, duration: float, feet: int = 2) -> Landing
     )
 
 
-def _groups(time: Array, corner: Whole, corners: int) -> npt.NDArray[np.bool_]:
+def _group_corners(time: Array, corner: Whole, corners: int) -> npt.NDArray[np.bool_]:
     """Corners that land in each group, shape (groups, corners); times are sorted."""
     firsts, at = [], 0
     while at < len(time):
         firsts.append(at)
-        at = int(np.searchsorted(time, time[at] + TOGETHER_S, side="right"))
+        at = int(np.searchsorted(time, time[at] + MAX_GROUP_S, side="right"))
     landed = np.zeros((len(firsts), corners), dtype=bool)
     if firsts:
         group = np.searchsorted(firsts, np.arange(len(time)), side="right") - 1

@@ -17,13 +17,13 @@ from walkergen.analysis.tracks import Track
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
-ENOUGH_PARTICLES = 8
+MIN_PARTICLES = 8
 """Number of particles from which each is one sample; with fewer, tracks are cut in pieces."""
 
-PIECES = 10
+MIN_PIECES = 10
 """Least number of pieces, in all, that the tracks of few particles are cut into."""
 
-MOST_GROUPS = 64
+MAX_GROUPS = 64
 """Largest number of samples; further samples are merged: they hardly sharpen the error."""
 
 
@@ -73,45 +73,45 @@ def total(parts: Iterable[Moments]) -> Moments:
     return Moments(*fields)
 
 
-def without(whole: Moments, part: Moments) -> Moments:
+def subtract(whole: Moments, part: Moments) -> Moments:
     """Difference of two moments, field by field."""
     fields: list[Any] = [a - b for a, b in zip(whole, part, strict=True)]
     return Moments(*fields)
 
 
-def samples(tracks: Sequence[Track]) -> tuple[list[list[Track]], int]:
+def independent_samples(tracks: Sequence[Track]) -> tuple[list[list[Track]], int]:
     """Group independent samples, and find the length at which half of all time is in longer samples.
 
     Samples are particles if there are enough, otherwise at least PIECES pieces of their tracks of about equal length.
     Pieces are independent only if increments decorrelate, which `motion` checks.
     """
     long = [track for track in tracks if len(track.position) > 1]
-    pieces = _cut(long) if in_pieces(tracks) else long
+    pieces = _cut_tracks(long) if has_few_particles(tracks) else long
     if not pieces:
         return [], 0
     lengths = np.sort([len(piece.position) for piece in pieces])
     length = int(lengths[np.searchsorted(np.cumsum(lengths), 0.5 * lengths.sum())])
-    count = min(len(pieces), MOST_GROUPS)
+    count = min(len(pieces), MAX_GROUPS)
     return [pieces[number::count] for number in range(count)], length
 
 
-def in_pieces(tracks: Sequence[Track]) -> bool:
+def has_few_particles(tracks: Sequence[Track]) -> bool:
     """Return whether tracks are cut, because particles are too few to be the samples.
 
     Particles count by the time they were seen: many stubs do not make up for few tracks.
     """
     lengths = np.array([len(track.position) - 1.0 for track in tracks])
-    return bool(lengths.sum() ** 2 < ENOUGH_PARTICLES * (lengths**2).sum())
+    return bool(lengths.sum() ** 2 < MIN_PARTICLES * (lengths**2).sum())
 
 
-def _cut(tracks: Sequence[Track]) -> list[Track]:
+def _cut_tracks(tracks: Sequence[Track]) -> list[Track]:
     lengths = [len(track.position) - 1 for track in tracks]
-    size = sum(lengths) // PIECES
-    while size > 1 and sum(length // size for length in lengths) < PIECES:
+    size = sum(lengths) // MIN_PIECES
+    while size > 1 and sum(length // size for length in lengths) < MIN_PIECES:
         size -= max(1, size // 50)
     pieces = []
     for track, length in zip(tracks, lengths, strict=True):
-        edges = _even(track, max(length // max(size, 1), 1))
+        edges = _piece_edges(track, max(length // max(size, 1), 1))
         for first, last in itertools.pairwise(edges):
             window = slice(first, last + 1)  # neighbours share a position but no displacement
             heading = None if track.heading is None else track.heading[window]
@@ -120,9 +120,9 @@ def _cut(tracks: Sequence[Track]) -> list[Track]:
     return pieces
 
 
-def _even(track: Track, count: int) -> npt.NDArray[np.int64]:
+def _piece_edges(track: Track, count: int) -> npt.NDArray[np.int64]:
     """Find where to cut a track into `count` pieces of equal length or, between walls, of equal free motion."""
-    last, free = len(track.position) - 1, track.free(1)
+    last, free = len(track.position) - 1, track.free_samples(1)
     if free is None or not free.any():
         return np.linspace(0, last, count + 1).astype(np.int64)
     passed = np.cumsum(free)
@@ -138,21 +138,21 @@ def measure(track: Track, grid: Grid, mean_step: float = 0.0) -> Moments:
     """
     forward, sideways = displacements(track, grid.step)
     bins_along, bins_across = grid.bins
-    square, square_pairs = squares(track, grid.square_lags)
-    headings, lane = direction(track, grid.step), track.position.shape[1] == 1
+    square, square_pairs = sum_squares(track, grid.square_lags)
+    headings, lane = direction_vectors(track, grid.step), track.position.shape[1] == 1
     times = np.arange(len(track.position), dtype=float)
     about_mean = np.zeros_like(square)
     if lane:
         drift = mean_step * times[:, None]
-        about_mean, _ = lagged.squares(track.position - drift, grid.square_lags)
-    turn, turn_pairs = _products(track, headings * np.exp(-1j * mean_step * times[: len(headings)]), grid)
+        about_mean, _ = lagged.sum_squares(track.position - drift, grid.square_lags)
+    turn, turn_pairs = _sum_products(track, headings * np.exp(-1j * mean_step * times[: len(headings)]), grid)
     return Moments(
-        run(track),
-        _sum_and_number(ahead(track, mean_step, 0)),
-        _sum_and_number(ahead(track, mean_step, 1)),
-        _turned(track),
-        _powers(forward),
-        _powers(sideways),
+        net_displacement(track),
+        _sum_and_number(heading_displacements(track, mean_step, 0)),
+        _sum_and_number(heading_displacements(track, mean_step, 1)),
+        _sum_turns(track),
+        _power_sums(forward),
+        _power_sums(sideways),
         square,
         square_pairs,
         about_mean,
@@ -163,38 +163,38 @@ def measure(track: Track, grid: Grid, mean_step: float = 0.0) -> Moments:
     )
 
 
-def squares(track: Track, lags: lagged.Lags) -> tuple[Array, Array]:
+def sum_squares(track: Track, lags: lagged.Lags) -> tuple[Array, Array]:
     """Sum squared displacements, mm^2, and count pairs by lag; between walls those of free motion."""
     if track.reach is None:
-        return lagged.squares(track.position, lags)
-    return lagged.squares_from(track.position, lags, track.reach)
+        return lagged.sum_squares(track.position, lags)
+    return lagged.sum_free_squares(track.position, lags, track.reach)
 
 
-def _products(track: Track, series: Complex, grid: Grid) -> tuple[Complex, Array]:
+def _sum_products(track: Track, series: Complex, grid: Grid) -> tuple[Complex, Array]:
     """Sum products of headings, or of displacements, and count pairs by lag; between walls those of free motion."""
     if track.reach is None:
-        return lagged.products(series, grid.turn_lags)
+        return lagged.sum_products(series, grid.turn_lags)
     span = 0 if track.heading is not None else grid.step
-    return lagged.products_from(series, grid.turn_lags, track.reach - span)
+    return lagged.sum_free_products(series, grid.turn_lags, track.reach - span)
 
 
-def kept(values: npt.NDArray[Any], free: npt.NDArray[np.bool_] | None) -> npt.NDArray[Any]:
+def mask_near_walls(values: npt.NDArray[Any], free: npt.NDArray[np.bool_] | None) -> npt.NDArray[Any]:
     """Values that begin at free samples, the last axis by sample; NaN elsewhere."""
     return values if free is None else np.where(free[: values.shape[-1]], values, np.nan)
 
 
-def planar(track: Track) -> Complex:
+def complex_position(track: Track) -> Complex:
     """Position x + i y, mm, shape (times,); NaN where the walker was not seen; y = 0 in a lane."""
     x = track.position[:, 0]
     return x + 1.0j * track.position[:, 1] if track.position.shape[1] == 2 else x.astype(complex)
 
 
-def direction(track: Track, step: int) -> Complex:
+def direction_vectors(track: Track, step: int) -> Complex:
     """Return unit vectors of the heading or, without one, displacements over `step` (mm); shape (times,)."""
     if track.heading is not None:
         unit: Complex = np.exp(1j * track.heading)
         return unit
-    position = planar(track)
+    position = complex_position(track)
     return position[step:] - position[:-step] if step < len(position) else position[:0]
 
 
@@ -205,8 +205,8 @@ def displacements(track: Track, step: int) -> tuple[Array, Array]:
     would have to be taken from the displacement itself.
     """
     none = np.zeros(0)
-    position = planar(track)
-    moved = kept(position[step:] - position[:-step], track.free(step))
+    position = complex_position(track)
+    moved = mask_near_walls(position[step:] - position[:-step], track.free_samples(step))
     if track.position.shape[1] == 1:
         return moved.real[~np.isnan(moved)], none
     if track.heading is None:
@@ -216,7 +216,7 @@ def displacements(track: Track, step: int) -> tuple[Array, Array]:
     return moved.real, moved.imag
 
 
-def run(track: Track) -> Array:
+def net_displacement(track: Track) -> Array:
     """Displacement along x (mm) from the first to the last sample seen, and samples between."""
     seen = np.flatnonzero(~np.isnan(track.position).any(axis=1))
     if len(seen) < 2:
@@ -225,7 +225,7 @@ def run(track: Track) -> Array:
     return np.array([track.position[last, 0] - track.position[first, 0], float(last - first)])
 
 
-def carried(track: Track, step: int) -> Complex:
+def body_frame_displacements(track: Track, step: int) -> Complex:
     """Displacements over `step` ahead (real part) and to the left, mm; NaN where one is unknown.
 
     They count along the mean of the unit vectors of the headings at both ends: so a walker that
@@ -233,12 +233,12 @@ def carried(track: Track, step: int) -> Complex:
     """
     assert track.heading is not None
     unit = np.exp(1j * track.heading[::step])
-    moved: Complex = np.diff(planar(track)[::step]) * np.conj(0.5 * (unit[1:] + unit[:-1]))
-    free = track.free(step)
-    return kept(moved, None if free is None else free[::step])
+    moved: Complex = np.diff(complex_position(track)[::step]) * np.conj(0.5 * (unit[1:] + unit[:-1]))
+    free = track.free_samples(step)
+    return mask_near_walls(moved, None if free is None else free[::step])
 
 
-def ahead(track: Track, turning: float, out: int) -> Complex:
+def heading_displacements(track: Track, turning: float, out: int) -> Complex:
     """Displacements (mm) along headings `out` samples before and after them, shape (2, n).
 
     The imaginary part is to the left; NaN where one is not known. Headings are turned forth and
@@ -248,17 +248,17 @@ def ahead(track: Track, turning: float, out: int) -> Complex:
     if track.heading is None:
         return np.zeros((2, 0), dtype=complex)
     chord = np.sinc(0.5 * turning / np.pi)
-    moved = np.diff(planar(track)) / chord
+    moved = np.diff(complex_position(track)) / chord
     beyond = np.full(out, np.nan)
     heading = np.concatenate([beyond, track.heading, beyond])
     values = [
         moved * np.exp(-1j * (heading[first : first + len(moved)] - turning * (first - out - 0.5)))
         for first in (0, 2 * out + 1)
     ]
-    free = track.free(1 + 2 * out)  # from the first heading to the last
+    free = track.free_samples(1 + 2 * out)  # from the first heading to the last
     if free is not None:
         free = np.concatenate([np.zeros(out, dtype=bool), free])
-    return kept(np.stack(values), free)
+    return mask_near_walls(np.stack(values), free)
 
 
 def _sum_and_number(values: Complex) -> Complex:
@@ -267,15 +267,15 @@ def _sum_and_number(values: Complex) -> Complex:
     return np.array([present.sum(), len(present)])
 
 
-def _turned(track: Track) -> Array:
+def _sum_turns(track: Track) -> Array:
     if track.heading is None:
         return np.zeros(2)
-    turns = kept(np.diff(track.heading), track.free(1))
+    turns = mask_near_walls(np.diff(track.heading), track.free_samples(1))
     turns = np.angle(np.exp(1j * turns[~np.isnan(turns)]))
     return np.array([turns.sum(), float(len(turns))])
 
 
-def _powers(values: Array) -> Array:
+def _power_sums(values: Array) -> Array:
     return np.array([float(len(values)), values.sum(), (values**2).sum()])
 
 

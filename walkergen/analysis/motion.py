@@ -29,11 +29,11 @@ from walkergen.core.numerics.statistics import Line, fit_through_origin
 
 Array = npt.NDArray[np.float64]
 
-FITTED = 4
+FITTED_LAG_DIVISOR = 4
 """Divisor of a sample's length that gives the longest fitted lag: longer lags have few pairs."""
-MISFIT = 0.01
+MISFIT_P_VALUE = 0.01
 """Probability of a misfit below which the law of the squared displacement is doubted."""
-FOLLOWED = 0.2
+FREE_PLACES_SHARE = 0.2
 """Share of the free places between walls from which no wall can be reached within the longest lag."""
 HALF_OCTAVE = math.sqrt(2.0)
 """Ratio of lags, at least, between which a local exponent is taken, to either side."""
@@ -91,7 +91,7 @@ class Motion(NamedTuple):
     """Walls between which the walkers ran; None where none were found. All numbers are then of free motion."""
 
 
-LAG_S = 0.04
+DEFAULT_LAG_S = 0.04
 """Lag of the displacements by default, s (paper's figure 6c)."""
 
 
@@ -109,20 +109,20 @@ def analyse(
     lag is below one sample or beyond the longest track, or when no particle is seen twice.
     """
     shortest, longest = tracks.interval, max(len(t.position) for t in tracks.tracks)
-    lag_s = max(LAG_S, shortest) if lag_s is None else lag_s
+    lag_s = max(DEFAULT_LAG_S, shortest) if lag_s is None else lag_s
     if not 0.999 * shortest <= lag_s < shortest * (longest - 1):
         raise InputError(
             f"‹lag_ms=›{1e3 * lag_s:g}: must lie between one sample, {1e3 * shortest:g} ms, and "
             f"the longest track, {1e3 * shortest * (longest - 1):g} ms"
         )
     if found is not None:
-        tracks = walls.kept_off(tracks, found)
-    whole = _analyse(tracks, lag_s, found, descent)
+        tracks = walls.add_wall_reach(tracks, found)
+    whole = _analyse_one_speed(tracks, lag_s, found, descent)
     plates = sorted({t.plate_speed for t in tracks.tracks if t.plate_speed is not None})
     if len(plates) < 2:
         return whole
     groups = [tuple(t for t in tracks.tracks if t.plate_speed == plate) for plate in plates]
-    analyses = [_analyse(tracks._replace(tracks=group), lag_s, found, descent) for group in groups]
+    analyses = [_analyse_one_speed(tracks._replace(tracks=group), lag_s, found, descent) for group in groups]
     speeds = [(plate, own.estimates["speed"]) for plate, own in zip(plates, analyses, strict=True)]
     usable = [(plate, speed.value, speed.se) for plate, speed in speeds if speed.value is not None]
     line = fit_through_origin(*np.array(usable, dtype=float).T) if len(usable) > 1 else None
@@ -133,34 +133,34 @@ def analyse(
     )
 
 
-def _analyse(tracks: Tracks, lag_s: float, found: Walls | None, descent: float | None) -> Motion:
-    groups, length = moments.samples(tracks.tracks)
+def _analyse_one_speed(tracks: Tracks, lag_s: float, found: Walls | None, descent: float | None) -> Motion:
+    groups, length = moments.independent_samples(tracks.tracks)
     if not groups:
         raise InputError("no walker (particle) is seen in two frames: its motion is unknown")
     headed = any(track.heading is not None for track in tracks.tracks)
-    grid = _grid(tracks, lag_s, length, headed)
-    lags = length // FITTED
+    grid = _choose_grid(tracks, lag_s, length, headed)
+    lags = length // FITTED_LAG_DIVISOR
     if found is not None:
         lags = min(lags, int(grid.square_lags[-1]))
     on_plane = headed and not tracks.lane
-    aligned = alignment.of(groups, tracks.interval, descent)
-    turnings = turning.walkers(_level(tracks, aligned, descent), tracks.interval) if on_plane else []
-    mean_steps = _own_runs(tracks) if tracks.lane else _own_turns(tracks, turnings)
+    aligned = alignment.self_alignment(groups, tracks.interval, descent)
+    turnings = turning.walker_turnings(_remove_slope(tracks, aligned, descent), tracks.interval) if on_plane else []
+    mean_steps = _mean_runs(tracks) if tracks.lane else _mean_turns(tracks, turnings)
 
-    def summed(some: Iterable[Track]) -> Moments:
+    def sum_moments(some: Iterable[Track]) -> Moments:
         return moments.total(moments.measure(t, grid, mean_steps[t.particle]) for t in some)
 
-    parts = [summed(group) for group in groups]
+    parts = [sum_moments(group) for group in groups]
     of_pieces = moments.total(parts)
-    left_out = [moments.without(of_pieces, part) for part in parts]
-    in_pieces = moments.in_pieces(tracks.tracks)
+    left_out = [moments.subtract(of_pieces, part) for part in parts]
+    in_pieces = moments.has_few_particles(tracks.tracks)
     # Whole tracks have pairs that their pieces lack.
-    whole = summed(tracks.tracks) if in_pieces else of_pieces
+    whole = sum_moments(tracks.tracks) if in_pieces else of_pieces
     both = [whole, *left_out]
     squares: list[Array] = [mean(m.square, m.square_pairs).real for m in both]
-    msd = _curve(grid.square_lags, squares, length)
-    slopes = [_exponents(grid.square_lags, square) for square in squares]
-    exponent = _curve(grid.square_lags, slopes, length / HALF_OCTAVE)
+    msd = _jackknife_curve(grid.square_lags, squares, length)
+    slopes = [_local_exponents(grid.square_lags, square) for square in squares]
+    exponent = _jackknife_curve(grid.square_lags, slopes, length / HALF_OCTAVE)
     turn = [mean(m.turn, m.turn_pairs) for m in both]
     fitted = grid.square_lags <= lags
     times = [walker.seconds for walker in turnings]
@@ -179,56 +179,58 @@ def _analyse(tracks: Tracks, lag_s: float, found: Walls | None, descent: float |
         _jackknife([np.stack([values.real, values.imag]).ravel() for values in turn[1:]]),
         found is not None,
     )
-    frame, numbers = judgement.choose(both, frame)
-    numbers, fit = fitted_spread.with_fit(numbers, both, frame, lags)
-    alone = between.of_walkers(tracks, frame, numbers[0]["shortened"], mean_steps)
+    frame, numbers = judgement.choose_memory(both, frame)
+    numbers, fit = fitted_spread.add_fit(numbers, both, frame, lags)
+    alone = between.walker_means(tracks, frame, numbers[0]["shortened"], mean_steps)
     together = between.compare(alone)
     if headed:
-        shortened = judgement.measured(numbers, "shortened")
-        alone = [walker._replace(means=between.corrected(walker.means, shortened)) for walker in alone]
+        shortened = judgement.jackknife_quantity(numbers, "shortened")
+        alone = [walker._replace(means=between.add_shared_error(walker.means, shortened)) for walker in alone]
         if together is not None:
-            together = together._replace(means=between.corrected(together.means, shortened))
+            together = together._replace(means=between.add_shared_error(together.means, shortened))
     few = tracks.tracks if in_pieces and together is not None else ()
-    without_one = [whole, *(moments.without(whole, summed([track])) for track in few)]
-    unlike, between_turns = judgement.numbers(without_one, frame), turning.scatter(turnings)
+    without_one = [whole, *(moments.subtract(whole, sum_moments([track])) for track in few)]
+    unlike, between_turns = judgement.evaluate_all(without_one, frame), turning.scatter(turnings)
     judged = judgement.judge(
         numbers[0],
         numbers[1:],
         frame,
         fit,
-        fitted_spread.refitted(unlike[1:], without_one[1:], frame, fit),
+        fitted_spread.add_refit(unlike[1:], without_one[1:], frame, fit),
         lags * tracks.interval,
         _freedom(parts, int(fitted.sum()) - 1),
         between_turns.known or (together is not None and together.scatter.known),
     )
     if in_pieces:
-        judged |= _means(alone, together, frame)
+        judged |= _speed_means(alone, together, frame)
     elif together is not None and not (headed or tracks.lane):
         judged |= _mean_of_roots(judged, together.scatter)
     lone = refusal("speed_scatter", "fewer than 2 walkers with speeds of their own")
     judged["speed_scatter"] = together.scatter if together else lone
     if on_plane:
-        judged |= bounds.apart(judged, between_turns) | {"turning_scatter": between_turns}
-        noise2, lasting = (judgement.measured(numbers, name) for name in ("heading_variance", "turning_memory"))
+        judged |= bounds.turning_scatter_refusals(judged, between_turns) | {"turning_scatter": between_turns}
+        noise2, lasting = (
+            judgement.jackknife_quantity(numbers, name) for name in ("heading_variance", "turning_memory")
+        )
         judged["rotational_diffusion"] = turning.diffusion(turnings, noise2, lasting)
     if headed and not tracks.lane:
         judged |= aligned
-    correlation = _curve(grid.turn_lags, [np.abs(values) for values in turn], length)
+    correlation = _jackknife_curve(grid.turn_lags, [np.abs(values) for values in turn], length)
     return Motion(
         estimates=judged,
         particles=len(tracks.tracks),
         samples=len(parts),
         tracked_s=sum(len(track.position) - 1 for track in tracks.tracks) * tracks.interval,
         lag_s=grid.step * tracks.interval,
-        method=_method(frame, in_pieces, together, len(parts), length * tracks.interval),
-        doubts=[*([found.said] if found else []), *_poor(fit), *_unlike(judged, descent)],
+        method=_describe_method(frame, in_pieces, together, len(parts), length * tracks.interval),
+        doubts=[*([found.said] if found else []), *_misfit_doubts(fit), *_scatter_doubts(judged, descent)],
         msd=msd._replace(at=msd.at * tracks.interval),
         exponent=exponent._replace(at=exponent.at * tracks.interval),
         msd_fit=None if fit is None or math.isnan(fit.spreads[0].offset) else fit,
         correlation=correlation._replace(at=correlation.at * tracks.interval),
         own_s=own_s,
-        parallel=_density(grid.bins[0], [sample.density_along for sample in both]),
-        orthogonal=_density(grid.bins[1], [sample.density_across for sample in both]),
+        parallel=_density_curve(grid.bins[0], [sample.density_along for sample in both]),
+        orthogonal=_density_curve(grid.bins[1], [sample.density_across for sample in both]),
         walkers=alone,
         walls=found,
     )
@@ -240,18 +242,18 @@ def _freedom(parts: Sequence[Moments], longest: int) -> float:
     return max(float(pairs.sum() ** 2 / (pairs**2).sum()) - 1.0, 1.0) if pairs.any() else len(parts) - 1.0
 
 
-def _level(tracks: Tracks, aligned: Mapping[str, Quantity], descent: float | None) -> Sequence[Track]:
+def _remove_slope(tracks: Tracks, aligned: Mapping[str, Quantity], descent: float | None) -> Sequence[Track]:
     """Tracks whose headings have not turned by the slope, as far as it is known to turn them."""
     rate = aligned["slope_turning"].value
     if descent is None or rate is None:
         return tracks.tracks
     return [
-        track if track.heading is None else alignment.without(track, rate, tracks.interval, descent)
+        track if track.heading is None else alignment.remove_slope_turning(track, rate, tracks.interval, descent)
         for track in tracks.tracks
     ]
 
 
-def _own_turns(tracks: Tracks, turnings: Sequence[Turning]) -> dict[int, float]:
+def _mean_turns(tracks: Tracks, turnings: Sequence[Turning]) -> dict[int, float]:
     """Mean turn a sample of each particle, rad; of all together where one's own is not known."""
     rates = np.array([(walker.rate, walker.seconds) for walker in turnings]).reshape(-1, 2).T
     mean_rate = float(rates[0] @ rates[1] / rates[1].sum()) if turnings else 0.0
@@ -259,37 +261,37 @@ def _own_turns(tracks: Tracks, turnings: Sequence[Turning]) -> dict[int, float]:
     return turns | {walker.particle: walker.rate * tracks.interval for walker in turnings}
 
 
-def _own_runs(tracks: Tracks) -> dict[int, float]:
+def _mean_runs(tracks: Tracks) -> dict[int, float]:
     """Mean way a sample of each particle in a lane, mm."""
-    runs = {track.particle: moments.run(track) for track in tracks.tracks}
+    runs = {track.particle: moments.net_displacement(track) for track in tracks.tracks}
     return {name: float(way / max(samples, 1.0)) for name, (way, samples) in runs.items()}
 
 
-def _grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Grid:
+def _choose_grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Grid:
     step = max(round(lag_s / tracks.interval), 1)
     longest = max(len(track.position) for track in tracks.tracks)
     moved = [moments.displacements(track, step) for track in tracks.tracks]
     along, across = (np.concatenate(parts) for parts in zip(*moved, strict=True))
     # Displacements without headings must not share a position, whose noise would correlate them.
     first = 1 if headed else step + 1
-    last, most = length // FITTED, max(longest // 4, 1)
+    last, most = length // FITTED_LAG_DIVISOR, max(longest // 4, 1)
     reach = [track.reach for track in tracks.tracks if track.reach is not None]
     if reach:  # walls end the pairs that are free, not the tracks
-        most = min(most, max(_followed(reach, 1 if headed else 2 * step + 1), 1))
+        most = min(most, max(_longest_free_lag(reach, 1 if headed else 2 * step + 1), 1))
         last = min(last, most - (0 if headed else step))
-    turns = np.zeros(0, np.int64) if tracks.lane else lagged.spread_out(last, 32, first)
-    squares = lagged.spread_out(most, 64)
-    return Grid(step, squares, turns, (_bins(along, step), _bins(across, step)))
+    turns = np.zeros(0, np.int64) if tracks.lane else lagged.log_spaced_lags(last, 32, first)
+    squares = lagged.log_spaced_lags(most, 64)
+    return Grid(step, squares, turns, (_bin_edges(along, step), _bin_edges(across, step)))
 
 
-def _followed(reach: Sequence[npt.NDArray[np.int64]], least: int) -> int:
+def _longest_free_lag(reach: Sequence[npt.NDArray[np.int64]], least: int) -> int:
     """Lag over which many enough of the places that are free for `least` may be followed between walls, samples."""
     free = np.concatenate(reach)
     free = free[free >= least]
-    return int(np.quantile(free, 1.0 - FOLLOWED)) if len(free) else 0
+    return int(np.quantile(free, 1.0 - FREE_PLACES_SHARE)) if len(free) else 0
 
 
-def _bins(values: Array, step: int) -> Array:
+def _bin_edges(values: Array, step: int) -> Array:
     """Edges of bins by Freedman and Diaconis' rule, counting displacements without overlap."""
     if len(values) < 2 or np.ptp(values) <= 1e-9 * np.abs(values).max():
         return np.zeros(0)  # equal up to rounding: there is no density
@@ -303,7 +305,7 @@ def _jackknife(replicates: Sequence[Array]) -> Array:
     return statistics.jackknife_error(np.stack(replicates))
 
 
-def _exponents(lags: lagged.Lags, values: Array) -> Array:
+def _local_exponents(lags: lagged.Lags, values: Array) -> Array:
     """Compute d ln(value) / d ln(lag) from parabolas through lags half an octave and more apart.
 
     Closer lags would show noise. NaN if there is no such lag on both sides, or no value > 0.
@@ -320,13 +322,13 @@ def _exponents(lags: lagged.Lags, values: Array) -> Array:
     return exponents
 
 
-def _curve(at: npt.NDArray[np.int64], values: Sequence[Array], length: float) -> Curve:
+def _jackknife_curve(at: npt.NDArray[np.int64], values: Sequence[Array], length: float) -> Curve:
     """Curve of the first values, with the jackknife error of the others."""
     resolved = at <= int(length) // 2
     return Curve(at.astype(float), values[0], np.where(resolved, _jackknife(values[1:]), np.nan))
 
 
-def _density(edges: Array, counts: Sequence[Array]) -> Curve:
+def _density_curve(edges: Array, counts: Sequence[Array]) -> Curve:
     if not len(edges):
         return Curve(np.zeros(0), np.zeros(0), np.zeros(0))
     densities = [count / (max(count.sum(), 1.0) * np.diff(edges)) for count in counts]
@@ -336,7 +338,7 @@ def _density(edges: Array, counts: Sequence[Array]) -> Curve:
     return Curve(0.5 * (edges[1:] + edges[:-1]), densities[0], error)
 
 
-def _means(alone: Sequence[Alone], together: Together | None, frame: Frame) -> Mapping[str, Quantity]:
+def _speed_means(alone: Sequence[Alone], together: Together | None, frame: Frame) -> Mapping[str, Quantity]:
     """Means over few walkers, or over the track of a lone one."""
     if together is not None:
         return together.means
@@ -355,8 +357,8 @@ def _mean_of_roots(judged: Mapping[str, Quantity], scatter: Quantity) -> Mapping
     return {"speed": speed, "motion_speed": speed}
 
 
-def _poor(fit: Fitted | None) -> list[str]:
-    if fit is None or not fit.p_value < MISFIT:
+def _misfit_doubts(fit: Fitted | None) -> list[str]:
+    if fit is None or not fit.p_value < MISFIT_P_VALUE:
         return []
     return [
         "the squared displacement follows another law: diffusivity, crossover, ballistic speed "
@@ -364,7 +366,7 @@ def _poor(fit: Fitted | None) -> list[str]:
     ]
 
 
-def _unlike(judged: Mapping[str, Quantity], descent: float | None) -> list[str]:
+def _scatter_doubts(judged: Mapping[str, Quantity], descent: float | None) -> list[str]:
     if descent is not None:
         return ["a slope turns and drives walkers: persistence, diffusivity and crossover are those on it"]
     if judged["turning_scatter"].value is None:
@@ -375,7 +377,7 @@ def _unlike(judged: Mapping[str, Quantity], descent: float | None) -> list[str]:
     ]
 
 
-def _method(frame: Frame, in_pieces: bool, together: Together | None, samples: int, length_s: float) -> str:
+def _describe_method(frame: Frame, in_pieces: bool, together: Together | None, samples: int, length_s: float) -> str:
     if frame.lane:
         speed = "along the lane"
     elif frame.headed:

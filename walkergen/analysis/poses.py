@@ -17,18 +17,26 @@ from walkergen.core.files.columns import Columns
 
 Array = npt.NDArray[np.float64]
 
-SURE = 0.6
+MIN_LIKELIHOOD = 0.6
 """Likelihood of a part from which it counts: the one that DeepLabCut draws parts from."""
 
-MIDDLES = ("centroid", "center", "centre", "middle", "body", "thorax")
-FRONTS, BACKS = ("front", "head", "nose", "snout"), ("back", "rear", "tail", "tail_base", "tailbase", "abdomen")
+MIDDLE_NAMES = ("centroid", "center", "centre", "middle", "body", "thorax")
+FRONT_NAMES, BACK_NAMES = (
+    ("front", "head", "nose", "snout"),
+    ("back", "rear", "tail", "tail_base", "tailbase", "abdomen"),
+)
 """Names of parts of a body: its middle, and the ends between which it heads."""
 
 
-PICTURE = re.compile(r".*?(\d+)\.(?:png|jpe?g|bmp|tiff?),", re.IGNORECASE)
+PICTURE_PATTERN = re.compile(r".*?(\d+)\.(?:png|jpe?g|bmp|tiff?),", re.IGNORECASE)
 """Name of a picture, with its folders, which DeepLabCut has in place of a frame; it ends in the frame's number."""
 
-PIXELS = {"frame": Named("frame", ""), "x": Named("x", PIXEL), "y": Named("y", PIXEL), "theta": Named("theta", "rad")}
+PIXEL_COLUMNS = {
+    "frame": Named("frame", ""),
+    "x": Named("x", PIXEL),
+    "y": Named("y", PIXEL),
+    "theta": Named("theta", "rad"),
+}
 """Columns of poses, with their units."""
 
 
@@ -39,7 +47,7 @@ class Part(NamedTuple):
     y: Array
 
 
-def deeplabcut(path: Path) -> Source:
+def read_deeplabcut(path: Path) -> Source:
     """Rows of DeepLabCut's table, whose names stand in three lines, or in four with individuals.
 
     Rows are of frames, or of pictures by whose names their frames are known.
@@ -60,23 +68,23 @@ def deeplabcut(path: Path) -> Source:
     header = ",".join([*[""] * (first - 1), "frame", *(f'"{key}"' for key in keys)]) + "\n"
     below = ["\n"] * (len(rows) - 1)  # its other lines of names
     body: Iterator[str] = islice(reading.read_lines(path, columns.FORMAT_NAME), len(rows), None)
-    pictures = len(head) > len(rows) and bool(PICTURE.match(",".join(head[len(rows)][:first]) + ","))
+    pictures = len(head) > len(rows) and bool(PICTURE_PATTERN.match(",".join(head[len(rows)][:first]) + ","))
     if pictures:
-        body = (PICTURE.sub("," * (first - 1) + r"\1,", line, count=1) for line in body)
+        body = (PICTURE_PATTERN.sub("," * (first - 1) + r"\1,", line, count=1) for line in body)
     table = columns.read_numbers(path, ["frame"], keys, lines=chain([header], below, body))
     owned: dict[str, dict[str, Part]] = {}
     for person, part in dict.fromkeys(zip(individuals, parts, strict=True)):
         x, y, likelihood = (table.values.get(f"{person}/{part}/{coord}") for coord in ("x", "y", "likelihood"))
         if x is None or y is None:
             raise InputError(f"{path}: the part {plain.shorten_line(part)[:30]} has no x and y")
-        owned.setdefault(person, {})[part] = _sure(x, y, likelihood)
+        owned.setdefault(person, {})[part] = _likely_part(x, y, likelihood)
     if len(owned) > 1:
         owned.pop("single", None)  # parts of no individual, as corners of a box
     said = ("frames are numbered by the names of pictures",) if pictures else ()
-    return of_bodies(table, "frame", table.values["frame"], owned, PIXELS, "DeepLabCut", said)
+    return from_bodies(table, "frame", table.values["frame"], owned, PIXEL_COLUMNS, "DeepLabCut", said)
 
 
-def of_bodies(
+def from_bodies(
     table: Columns,
     clock: str,
     times: Array,
@@ -86,15 +94,15 @@ def of_bodies(
     said: tuple[str, ...] = (),
 ) -> Source:
     """Rows of all bodies in a frame, each with its parts by their names; bodies without a name are numbered alone."""
-    placed = [_of_parts(own) for own in owned.values()]
+    placed = [_body_pose(own) for own in owned.values()]
     heads = all(len(places) == len(placed[0][0]) for places, _ in placed)
     walkers = [places if heads else places[:2] for places, _ in placed]
-    long = track_columns.long(table, clock, times, walkers, range(len(walkers)))
-    told = (placed[0][1], *said, *track_columns.said([person for person in owned if person]))
+    long = track_columns.to_long_table(table, clock, times, walkers, range(len(walkers)))
+    told = (placed[0][1], *said, *track_columns.format_labels([person for person in owned if person]))
     return Source(long, named, program, True, said=told)
 
 
-def sleap(path: Path, names: list[str]) -> Source:
+def read_sleap(path: Path, names: list[str]) -> Source:
     """Rows of SLEAP's analysis table: a row for a walker in a frame, with x, y and score of each part."""
     ends = (name.removesuffix(".x") for name in names if name.endswith(".x"))
     parts = [part for part in ends if f"{part}.y" in names]
@@ -109,33 +117,33 @@ def sleap(path: Path, names: list[str]) -> Source:
     words = {"track": labels} if labels else {}
     table = columns.read_numbers(path, ["frame_idx"], wanted, words, reading.read_lines(path, columns.FORMAT_NAME))
     own = {part: Part(table.values[f"{part}.x"], table.values[f"{part}.y"]) for part in parts}
-    (x, y, *theta), said = _of_parts(own)
+    (x, y, *theta), said = _body_pose(own)
     values = {"frame": table.values["frame_idx"], "x": x, "y": y}
     values |= {"particle": table.values["track"]} if labels else {}
     values |= {"theta": theta[0]} if theta else {}
     seen = np.isfinite(x)
     table = Columns({name: column[seen] for name, column in values.items()}, table.lines[seen], table.bad)
-    return Source(table, PIXELS, "SLEAP", True, said=(said, *track_columns.said(labels)))
+    return Source(table, PIXEL_COLUMNS, "SLEAP", True, said=(said, *track_columns.format_labels(labels)))
 
 
-def refuse_other_tables(path: Path, names: Sequence[str]) -> None:
+def check_table_kind(path: Path, names: Sequence[str]) -> None:
     """Raise InputError for tables of sleap-io that are not the analysis table: rows of parts, or of whole frames."""
     if "node" in names or any(name.startswith("inst0.") for name in names):
         what = "a part of a walker" if "node" in names else "all walkers of a frame"
         raise InputError(f"{path}: has a row for {what}; give SLEAP's analysis CSV, which has one for a walker")
 
 
-def _sure(x: Array, y: Array, likelihood: Array | None) -> Part:
+def _likely_part(x: Array, y: Array, likelihood: Array | None) -> Part:
     """Part of a body where its likelihood is large enough."""
     if likelihood is not None:
-        unsure = likelihood < SURE
+        unsure = likelihood < MIN_LIKELIHOOD
         x, y = np.where(unsure, np.nan, x), np.where(unsure, np.nan, y)
     return Part(x, y)
 
 
-def _of_parts(parts: Mapping[str, Part]) -> tuple[tuple[Array, ...], str]:
+def _body_pose(parts: Mapping[str, Part]) -> tuple[tuple[Array, ...], str]:
     """Place of a body by its parts and, where names tell its ends, its heading; and in words which were taken."""
-    ends = ([part for part in parts if part.lower() in names] for names in (MIDDLES, FRONTS, BACKS))
+    ends = ([part for part in parts if part.lower() in names] for names in (MIDDLE_NAMES, FRONT_NAMES, BACK_NAMES))
     middle, front, back = (found[0] if found else "" for found in ends)
     if middle or len(parts) == 1:
         middle = middle or next(iter(parts))

@@ -12,39 +12,39 @@ from walkergen.core.files.columns import Columns
 
 Array = npt.NDArray[np.float64]
 
-MOST_FRAMES = 50_000_000
+MAX_FRAMES = 50_000_000
 """Largest number of frames of all tracks together, gaps included."""
 
-MOST_PARTICLES = 10_000
+MAX_PARTICLES = 10_000
 """Largest number of tracks: measuring as many takes about 20 s (3 rows each, two busy cores)."""
 
-MOST_TICKS = 1e15
+MAX_TICKS = 1e15
 """Largest number of samples from the first to the last, which numbers still tell apart."""
 
-LONGEST = 3.0
+MAX_STEP_RATIO = 3.0
 """Longest time between neighbouring frames, over the usual one, within which a walker is followed:
 a camera that slows down halves its rate or so; beyond, frames are missing."""
 
-REGULAR = 0.01
+GRID_TOLERANCE = 0.01
 """Share of the interval by which times may lie off the regular grid."""
 
-ROUNDED, EXACT = (1e-2, 1e-3, 1e-4), 1e-6
+ROUNDING_STEPS_S, ROUNDING_TOLERANCE = (1e-2, 1e-3, 1e-4), 1e-6
 """Steps to which programs round times, s, and the share of one by which a time may miss it."""
 
-COARSE = 0.25
+MAX_ROUNDING_SHARE = 0.25
 """Share of the interval below which rounded times still tell how many samples lie between them."""
 
 
-def timed(path: Path, table: Columns, name: str) -> Tracks:
+def from_times(path: Path, table: Columns, name: str) -> Tracks:
     """Tracks of rows with a column `time`, s, called `name` in the file.
 
     Places x and, on a plane, y are in mm, `theta` in rad. Raises InputError for times off a regular grid.
     """
-    interval, ticks, off = _ticks(path, table, name)
+    interval, ticks, off = _sample_ticks(path, table, name)
     note = ""
     if {"frame", "particle"} <= set(table.values) and off.any():
-        table, note = _at_regular_times(table)
-        interval, ticks, off = _ticks(path, table, name)
+        table, note = _resample_regularly(table)
+        interval, ticks, off = _sample_ticks(path, table, name)
     if off.any():
         raise InputError(
             f"{path}: {name} on line {table.lines[off][0]} lies off the regular times of the "
@@ -54,7 +54,7 @@ def timed(path: Path, table: Columns, name: str) -> Tracks:
     return tracks._replace(note="; ".join(line for line in (note, tracks.note) if line))
 
 
-def framed(path: Path, table: Columns, fps: float) -> Tracks:
+def from_frames(path: Path, table: Columns, fps: float) -> Tracks:
     """Tracks of rows with a column `frame`, at a rate of `fps`. Raises InputError."""
     frames = table.values["frame"]
     table = table.reject_rows(frames != np.rint(frames), "frame is not a whole number")
@@ -64,7 +64,7 @@ def framed(path: Path, table: Columns, fps: float) -> Tracks:
     return _assemble(path, table, frames - frames.min(), 1.0 / fps)
 
 
-def _at_regular_times(table: Columns) -> tuple[Columns, str]:
+def _resample_regularly(table: Columns) -> tuple[Columns, str]:
     """Rows at whole multiples of the usual time between frames, and in words what was done.
 
     Between neighbouring frames places, and headings, change in proportion to time; nothing is made
@@ -72,11 +72,11 @@ def _at_regular_times(table: Columns) -> tuple[Columns, str]:
     """
     order = np.lexsort((table.values["time"], table.values["particle"]))
     table = Columns({name: values[order] for name, values in table.values.items()}, table.lines[order], table.bad)
-    steps, near = _steps(table)
+    steps, near = _row_steps(table)
     if not near.any():
         return table, ""
     usual = float(np.median(steps[near]))
-    near &= steps <= LONGEST * usual
+    near &= steps <= MAX_STEP_RATIO * usual
     at = table.values["time"]
     first, last = np.ceil(at[:-1] / usual), np.ceil(at[1:] / usual)  # the last belongs to the next
     counts = np.where(near, last - first, 0.0).astype(np.int64)
@@ -100,36 +100,36 @@ def _at_regular_times(table: Columns) -> tuple[Columns, str]:
     return Columns(values, table.lines[rows], table.bad), note
 
 
-def _steps(table: Columns) -> tuple[Array, npt.NDArray[np.bool_]]:
+def _row_steps(table: Columns) -> tuple[Array, npt.NDArray[np.bool_]]:
     """Return the times from row to row, and where both rows are of one particle in neighbouring frames."""
     steps = np.diff(table.values["time"])
     near = (np.diff(table.values["particle"]) == 0) & (np.diff(table.values["frame"]) == 1)
     return steps, near & (steps > 0)
 
 
-def _ticks(path: Path, table: Columns, name: str) -> tuple[float, Array, npt.NDArray[np.bool_]]:
+def _sample_ticks(path: Path, table: Columns, name: str) -> tuple[float, Array, npt.NDArray[np.bool_]]:
     """Time between samples, s, the times of the rows in it, from 0 on, and which are off the regular times."""
     times = table.values["time"]
     rounding = _rounding(times)
-    interval = _interval(path, times, _particles(table), rounding)
+    interval = _sample_interval(path, times, _particle_numbers(table), rounding)
     ticks = (times - times.min()) / interval
-    if ticks.max() > MOST_TICKS:
+    if ticks.max() > MAX_TICKS:
         raise InputError(
             f"{path}: {name} goes on for {ticks.max():.3g} samples of {interval:g} s; at most "
-            f"{MOST_TICKS:g}: is a time mistyped?"
+            f"{MAX_TICKS:g}: is a time mistyped?"
         )
-    return interval, ticks, np.abs(ticks - np.rint(ticks)) > max(REGULAR, rounding / interval)
+    return interval, ticks, np.abs(ticks - np.rint(ticks)) > max(GRID_TOLERANCE, rounding / interval)
 
 
 def _rounding(times: Array) -> float:
     """Step, s, to which times are written: a power of ten; 0 where they have more digits than that."""
-    for step in ROUNDED:
-        if (np.abs(times / step - np.rint(times / step)) < EXACT).all():
+    for step in ROUNDING_STEPS_S:
+        if (np.abs(times / step - np.rint(times / step)) < ROUNDING_TOLERANCE).all():
             return step
     return 0.0
 
 
-def _interval(path: Path, times: Array, particle: Array, rounding: float) -> float:
+def _sample_interval(path: Path, times: Array, particle: Array, rounding: float) -> float:
     """Time between samples, s: the commonest step of a particle."""
     order = np.lexsort((times, particle))
     same = np.diff(particle[order]) == 0
@@ -138,16 +138,16 @@ def _interval(path: Path, times: Array, particle: Array, rounding: float) -> flo
     if not len(steps):
         raise InputError(f"{path}: no particle has two different times; nothing moves")
     low = float(np.quantile(steps, 0.5, method="lower"))  # a step, not the mean of two
-    if REGULAR * low < rounding < COARSE * low:  # steps of 36 and 35 ms are one rate
+    if GRID_TOLERANCE * low < rounding < MAX_ROUNDING_SHARE * low:  # steps of 36 and 35 ms are one rate
         counts = np.rint(steps / low)
-        close = np.abs(steps - counts * low) <= counts * rounding * (1.0 + EXACT)
+        close = np.abs(steps - counts * low) <= counts * rounding * (1.0 + ROUNDING_TOLERANCE)
         return float(steps[close].sum() / counts[close].sum())
-    close = np.abs(steps - low) < REGULAR * low
+    close = np.abs(steps - low) < GRID_TOLERANCE * low
     # Written times are rounded: the mean over all close steps is the best estimate.
     return float(steps[close].mean())
 
 
-def _particles(table: Columns) -> Array:
+def _particle_numbers(table: Columns) -> Array:
     """Return the number of each row's particle; 0 for all rows when the file does not number particles."""
     return table.values.get("particle", np.zeros(len(table.lines)))
 
@@ -158,7 +158,7 @@ def _assemble(path: Path, table: Columns, steps: Array, tick: float) -> Tracks:
     heading = table.values.get("theta")
     if heading is not None and np.isnan(heading).all():
         heading = None
-    particle = _particles(table)
+    particle = _particle_numbers(table)
     plate = table.values.get("plate_speed_mm_s", np.full(len(steps), np.nan))
     order = np.lexsort((steps, particle))
     twice = np.zeros(len(steps), dtype=bool)
@@ -175,27 +175,27 @@ def _assemble(path: Path, table: Columns, steps: Array, tick: float) -> Tracks:
     if not len(order):
         raise InputError(f"{path}: nothing to read: {columns.describe_bad_rows(bad)}")
     names, starts = np.unique(particle[order], return_index=True)
-    if len(names) > MOST_PARTICLES:
-        raise InputError(f"{path}: {len(names)} particles; at most {MOST_PARTICLES}: leave out short tracks")
+    if len(names) > MAX_PARTICLES:
+        raise InputError(f"{path}: {len(names)} particles; at most {MAX_PARTICLES}: leave out short tracks")
     groups = np.split(order, starts[1:])
     stride = int(np.gcd.reduce([np.gcd.reduce(np.diff(steps[g]).astype(np.int64)) for g in groups]))
     stride = max(stride, 1)
     total = sum(int(steps[g[-1]] - steps[g[0]]) // stride + 1 for g in groups)
-    if total > MOST_FRAMES:
+    if total > MAX_FRAMES:
         raise InputError(
             f"{path}: the particles' first and last times are {total} steps apart in all, with "
-            f"{len(order)} rows; at most {MOST_FRAMES}: is a time or frame mistyped?"
+            f"{len(order)} rows; at most {MAX_FRAMES}: is a time or frame mistyped?"
         )
     tracks = tuple(
-        _track(path, int(name), group, (steps[group] - steps[group[0]]) // stride, position, heading, plate)._replace(
-            start=int(steps[group[0]] // stride)
-        )
+        _build_track(
+            path, int(name), group, (steps[group] - steps[group[0]]) // stride, position, heading, plate
+        )._replace(start=int(steps[group[0]] // stride))
         for name, group in zip(names, groups, strict=True)
     )
     return Tracks(tracks, stride * tick, len(bad), columns.describe_bad_rows(bad))
 
 
-def _track(
+def _build_track(
     path: Path,
     name: int,
     rows: npt.NDArray[np.int64],

@@ -6,26 +6,26 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis.track_columns import TRACKS
+from walkergen.analysis.track_columns import TRACKS_COLUMN
 from walkergen.core.errors import InputError
 from walkergen.core.files import columns
 from walkergen.core.walker.limbs import KINDS, Kind
 
 Array = npt.NDArray[np.float64]
 
-MOST_SPEEDS = 2000
+MAX_SPEEDS = 2000
 
-LEAST = 1e-6
+MIN_VALUE_MM_S = 1e-6
 """Least error, and least speed of a plate, mm/s."""
 
-LARGEST = {"tilt_deg": 90.0, "speed_mm_s": 1e5, "speed_se_mm_s": 1e5, "plate_speed_mm_s": 1e6}
+MAX_VALUES = {"tilt_deg": 90.0, "speed_mm_s": 1e5, "speed_se_mm_s": 1e5, "plate_speed_mm_s": 1e6}
 """Largest sizes that are measurements, not slips of the pen, by column."""
 
-SLOWEST, FASTEST = 0.005, 50.0
+MIN_SPEED_RATIO, MAX_SPEED_RATIO = 0.005, 50.0
 """Largest speed of a file over the plate's, below and above which its unit is another: walkers
 run at a twentieth to three times the plate's speed, and m/s or µm/s are a thousand times off."""
 
-SAME_PLATE = 0.05
+PLATE_SPEED_TOLERANCE = 0.05
 """Relative difference within which plate speeds are equal: amplitudes are read to a few percent."""
 
 
@@ -52,7 +52,7 @@ class Measured(NamedTuple):
         return [note for note in (self.bad, *self.of_films) if note]
 
 
-def read(path: Path, kind: Kind, plate_speed: float) -> Measured:
+def read_speeds(path: Path, kind: Kind, plate_speed: float) -> Measured:
     """Read columns tilt_deg, speed_mm_s; optionally speed_se_mm_s, legs, plate_speed_mm_s.
 
     A row may name tracks in place of a speed, see `filmed`. `kind` and `plate_speed` (mm/s) stand
@@ -60,19 +60,19 @@ def read(path: Path, kind: Kind, plate_speed: float) -> Measured:
     """
     optional = ("speed_se_mm_s", "plate_speed_mm_s")
     of_films: tuple[str, ...] = ()
-    if TRACKS in columns.read_header(path):
+    if TRACKS_COLUMN in columns.read_header(path):
         from walkergen.analysis import filmed
 
-        more = (filmed.SPEED, filmed.PARTICLE)
+        more = (filmed.SPEED_COLUMN, filmed.PARTICLE_COLUMN)
         table = columns.read_numbers(path, ("tilt_deg",), (*optional, *more), {"legs": KINDS})
-        table, of_films = filmed.with_speeds(path, table)
+        table, of_films = filmed.add_track_speeds(path, table)
     else:
         table = columns.read_numbers(path, ("tilt_deg", "speed_mm_s"), optional, {"legs": KINDS})
-    if len(table.lines) > MOST_SPEEDS:
-        raise InputError(f"{path}: {len(table.lines)} speeds; at most {MOST_SPEEDS}: is it a film?")
+    if len(table.lines) > MAX_SPEEDS:
+        raise InputError(f"{path}: {len(table.lines)} speeds; at most {MAX_SPEEDS}: is it a film?")
     for name in optional:
         _check_sizes(path, table, name)
-    for name, most in LARGEST.items():
+    for name, most in MAX_VALUES.items():
         if name in table.values:
             beyond = np.abs(table.values[name]) > most
             table = table.reject_rows(beyond, f"{name} must lie within ±{most:g}")
@@ -98,15 +98,15 @@ def read(path: Path, kind: Kind, plate_speed: float) -> Measured:
 
 def _check_sizes(path: Path, table: columns.Columns, name: str) -> None:
     """Raise InputError for the first number of a column that is 0 or below."""
-    if name in table.values and (wrong := table.values[name] < LEAST).any():
+    if name in table.values and (wrong := table.values[name] < MIN_VALUE_MM_S).any():
         first = int(np.argmax(wrong))
         raise InputError(
             f"{path}:{table.lines[first]}: {name} = {table.values[name][first]:g}: must be >= "
-            f"{LEAST:g}: write it in mm/s, or leave the column blank where it is not known"
+            f"{MIN_VALUE_MM_S:g}: write it in mm/s, or leave the column blank where it is not known"
         )
 
 
-def refuse_slips(path: Path, seen: Measured) -> None:
+def check_units(path: Path, seen: Measured) -> None:
     """Raise InputError for speeds of another unit or the other sign, by walkers of flexible legs.
 
     Walkers run the way their legs lean: where none of a file does, its axis points the other way.
@@ -122,26 +122,26 @@ def refuse_slips(path: Path, seen: Measured) -> None:
             "legs lean: is the film mirrored, or does x count the other way? Turn the sign"
         )
     ratio = float(np.max(np.abs(ahead) / seen.plate_speed[leaning]))
-    if not SLOWEST <= ratio <= FASTEST:
-        unit = "m/s" if ratio < SLOWEST else "µm/s or pixels"
+    if not MIN_SPEED_RATIO <= ratio <= MAX_SPEED_RATIO:
+        unit = "m/s" if ratio < MIN_SPEED_RATIO else "µm/s or pixels"
         raise InputError(
             f"{path}: speed_mm_s is at most {np.abs(ahead).max():.3g}, or {ratio:.2g} times the "
-            f"plate's peak speed: must be {SLOWEST:g} to {FASTEST:g} times: is it in {unit} "
+            f"plate's peak speed: must be {MIN_SPEED_RATIO:g} to {MAX_SPEED_RATIO:g} times: is it in {unit} "
             "instead of mm/s?"
         )
 
 
-def on_plate(path: Path, kind: Kind, plate_speed: float) -> Measured:
+def read_at_plate_speed(path: Path, kind: Kind, plate_speed: float) -> Measured:
     """Read the speeds measured on a plate with this peak speed (mm/s), within SAME_PLATE.
 
     `kind` and `plate_speed` stand in where the file has none. Raises InputError.
     """
-    return at_plate_speed(read(path, kind, plate_speed), plate_speed)
+    return select_plate_speed(read_speeds(path, kind, plate_speed), plate_speed)
 
 
-def at_plate_speed(measured: Measured, plate_speed: float) -> Measured:
+def select_plate_speed(measured: Measured, plate_speed: float) -> Measured:
     """Select the speeds measured on a plate with this peak speed (mm/s), within SAME_PLATE."""
-    same = np.abs(measured.plate_speed / plate_speed - 1.0) <= SAME_PLATE
+    same = np.abs(measured.plate_speed / plate_speed - 1.0) <= PLATE_SPEED_TOLERANCE
     away = int(np.count_nonzero(~same))
     left_out = f"{away} speeds at other plate speeds than {plate_speed:.3g} mm/s left out"
     notes = [measured.bad, left_out if away else ""]

@@ -18,41 +18,41 @@ from walkergen.core.numerics.tails import fisher_tail, student_quantile
 
 Array = npt.NDArray[np.float64]
 
-RATES = 33
+RATE_COUNT = 33
 """Number of rates at which the fit's rate is sought first, from far below 1 / longest lag."""
 
-CURVED = 1e-3
+RUN_P_VALUE = 1e-3
 """Probability, for walkers that only diffuse, of a curvature that counts as a run (Student's t)."""
 
-SUSPECTED = 0.025
+SUSPECTED_P_VALUE = 0.025
 """The same of one that may be a run: what it might add is then not known."""
 
-SMOOTH = 0.025
+INERTIA_P_VALUE = 0.025
 """Probability, for runs that set in at once, of a diffusion below 0 that counts as inertia. It may
 be large: the law with inertia holds without it as well."""
 
-GROWTH = 1.1
+EXPONENT_LAG_RATIO = 1.1
 """Ratio of lags between which a local exponent of the fit is taken."""
 
-BALLISTIC = 1.8
+MIN_BALLISTIC_EXPONENT = 1.8
 """Local exponent from which growth is called ballistic (2), not a crossover to diffusion (1)."""
 
-RATIOS = (0.5, 2.0, 5.0, 11.0, 24.0)
+START_RATE_RATIOS = (0.5, 2.0, 5.0, 11.0, 24.0)
 """Ratios, less 1, of the rates of a run and of its beginning that are tried first."""
 
 NO_RUNS = ((0.0, 0.0), (0.0, 0.0))
 
-FEWEST = 3
+MIN_SAMPLES = 3
 """Number of samples below which there is no fit: its weights need some without each one."""
 
-NONE = Spread(*[math.nan] * 5)
+NO_SPREAD = Spread(*[math.nan] * 5)
 
 NO_ERRORS = np.zeros(0)
 
-BEYOND = 1e6
+MAX_RATE_RATIO = 1e6
 """Ratio of rates of runs, of each other and of those that the lags show, at which they are at their limit."""
 
-APART = 0.1
+MIN_RATE_DIFFERENCE = 0.1
 """Ratio, less 1, of the rates of a run and of its beginning below which they are one rate, the fit's limit: the
 squared displacement changes with the square of their difference, by 0.1 % here."""
 
@@ -79,7 +79,7 @@ class Fitted(NamedTuple):
 
         Such a fit has a parameter less: errors of a jackknife know nothing of what lies beyond the limit.
         """
-        return any(0.0 < spread.smooth_rate < (1.0 + APART) * spread.rate for spread in self.spreads)
+        return any(0.0 < spread.smooth_rate < (1.0 + MIN_RATE_DIFFERENCE) * spread.rate for spread in self.spreads)
 
     @property
     def goodness(self) -> str:
@@ -94,9 +94,9 @@ class Fitted(NamedTuple):
     def regime(self, lag: float) -> str:
         """Growth of squared displacements up to a lag (s), in words, by the fit without noise."""
         spread = self.spreads[0]._replace(offset=0.0)
-        near, far = walks.squared(np.array([lag / GROWTH, lag]), spread)
-        exponent = math.log(far / near) / math.log(GROWTH) if far > 0 and near > 0 else math.nan
-        if exponent > BALLISTIC:
+        near, far = walks.squared_displacement(np.array([lag / EXPONENT_LAG_RATIO, lag]), spread)
+        exponent = math.log(far / near) / math.log(EXPONENT_LAG_RATIO) if far > 0 and near > 0 else math.nan
+        if exponent > MIN_BALLISTIC_EXPONENT:
             return f"ballistic at all lags up to {lag:.3g} s"
         return f"no end of the run is resolved within {lag:.3g} s"
 
@@ -108,36 +108,36 @@ def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> Fitted:
     """
     values = np.stack(squares)
     use = np.isfinite(values).all(axis=0)
-    if len(values) > FEWEST:
-        use = use & (_errors(values) > 0).all(axis=0)
-    if len(values) <= FEWEST or use.sum() < 6 or not np.isfinite(turns).all():
-        return Fitted((NONE,) * len(values), False, math.nan, math.nan)
+    if len(values) > MIN_SAMPLES:
+        use = use & (_replicate_errors(values) > 0).all(axis=0)
+    if len(values) <= MIN_SAMPLES or use.sum() < 6 or not np.isfinite(turns).all():
+        return Fitted((NO_SPREAD,) * len(values), False, math.nan, math.nan)
     weights = np.full(len(lag), np.nan)
     lag, values = lag[use], values[:, use]
-    errors = np.stack([smooth(lag, error) for error in _errors(values)])
-    curvature = _curvature(lag, values, errors, turns)
+    errors = np.stack([smooth_errors(lag, error) for error in _replicate_errors(values)])
+    curvature = _max_curvature(lag, values, errors, turns)
     run, suspected = (
-        bool(curvature > student_quantile(len(values) - 2, 1.0 - chance)) for chance in (CURVED, SUSPECTED)
+        bool(curvature > student_quantile(len(values) - 2, 1.0 - chance)) for chance in (RUN_P_VALUE, SUSPECTED_P_VALUE)
     )
     fits = [_fit_run(lag, *row, run) for row in zip(values, errors, turns, strict=True)]
-    if run and _negative([spread.diffusion for spread in fits]):
+    if run and _is_negative([spread.diffusion for spread in fits]):
         first = _fit_smooth(lag, values[0], errors[0], turns[0], None)
         start = first.rate, first.smooth_rate
         fits = [_fit_smooth(lag, *row, start) for row in zip(values, errors, turns, strict=True)]
-    residuals = (values - np.stack([walks.squared(lag, spread) for spread in fits])) / errors[0]
+    residuals = (values - np.stack([walks.squared_displacement(lag, spread) for spread in fits])) / errors[0]
     weights[use] = errors[0]
-    return Fitted(tuple(fits), run, *_goodness(residuals[0], residuals[1:]), weights, suspected and not run)
+    return Fitted(tuple(fits), run, *_misfit_probability(residuals[0], residuals[1:]), weights, suspected and not run)
 
 
 def refit(lag: Array, squares: Sequence[Array], turns: Sequence[float], like: Fitted) -> list[Spread]:
     """Fit the law of another fit, with its weights, to squares of samples too few to tell either."""
     use, whole = np.isfinite(like.errors), like.spreads[0]
     if not use.any():
-        return [NONE] * len(squares)
+        return [NO_SPREAD] * len(squares)
     lag, errors, spreads = lag[use], like.errors[use], []
     for values, turn in zip(squares, turns, strict=True):
         if not np.isfinite(values[use]).all():
-            spreads.append(NONE)
+            spreads.append(NO_SPREAD)
         elif whole.smooth_rate:
             spreads.append(_fit_smooth(lag, values[use], errors, turn, (whole.rate, whole.smooth_rate)))
         else:
@@ -145,7 +145,7 @@ def refit(lag: Array, squares: Sequence[Array], turns: Sequence[float], like: Fi
     return spreads
 
 
-def _errors(values: Array) -> Array:
+def _replicate_errors(values: Array) -> Array:
     """Error of each row of `values`, those of all samples and of those without each one.
 
     Where one error served all rows, what the weights owe to chance would not be in the jackknife.
@@ -156,19 +156,19 @@ def _errors(values: Array) -> Array:
     return np.stack([sample.std(axis=0, ddof=1) / math.sqrt(len(sample)) for sample in resamples])
 
 
-def smooth(lag: Array, errors: Array) -> Array:
+def smooth_errors(lag: Array, errors: Array) -> Array:
     """Errors as a smooth function of the lag: weights that scatter would not be in the errors."""
     at = np.log(lag)
     smooth: Array = np.exp(np.polyval(np.polyfit(at, np.log(errors), 2), at))
     return smooth
 
 
-def _curvature(lag: Array, values: Array, errors: Array, turns: Sequence[float]) -> float:
+def _max_curvature(lag: Array, values: Array, errors: Array, turns: Sequence[float]) -> float:
     """Largest share of a run beside diffusion and noise, at any rate that the lags can show, in its errors."""
     rates = np.geomspace(0.5 / lag[-1], 0.5 / lag[0], 7)
     runs = np.array(
         [
-            [_linear(lag, value, error, (rate,), turn)[0].speed2 for rate in rates]
+            [_solve_linear(lag, value, error, (rate,), turn)[0].speed2 for rate in rates]
             for value, error, turn in zip(values, errors, turns, strict=True)
         ]
     )
@@ -176,10 +176,10 @@ def _curvature(lag: Array, values: Array, errors: Array, turns: Sequence[float])
     return float(np.divide(runs[0], error, out=np.where(runs[0] > 0.0, np.inf, 0.0), where=error > 0.0).max())
 
 
-def _negative(numbers: Sequence[float]) -> bool:
+def _is_negative(numbers: Sequence[float]) -> bool:
     """Whether a number, of all samples and without each one, is below 0 beyond chance."""
     error = float(statistics.jackknife_error(np.array(numbers[1:])[:, None])[0])
-    return numbers[0] < -student_quantile(len(numbers) - 2, 1.0 - SMOOTH) * error
+    return numbers[0] < -student_quantile(len(numbers) - 2, 1.0 - INERTIA_P_VALUE) * error
 
 
 def _fit_run(lag: Array, values: Array, errors: Array, turn: float, run: bool) -> Spread:
@@ -190,47 +190,53 @@ def _fit_run(lag: Array, values: Array, errors: Array, turn: float, run: bool) -
     from scipy.optimize import minimize_scalar
 
     if not run:
-        return _linear(lag, values, errors, (), turn)[0]
+        return _solve_linear(lag, values, errors, (), turn)[0]
 
     def misfit(log_rate: float) -> float:
-        return _linear(lag, values, errors, (math.exp(log_rate),), turn)[1]
+        return _solve_linear(lag, values, errors, (math.exp(log_rate),), turn)[1]
 
-    logs = np.linspace(math.log(1e-3 / lag[-1]), math.log(2.0 / lag[0]), RATES)
+    logs = np.linspace(math.log(1e-3 / lag[-1]), math.log(2.0 / lag[0]), RATE_COUNT)
     best = int(np.argmin([misfit(log) for log in logs]))
     ends = logs[max(best - 1, 0)], logs[min(best + 1, len(logs) - 1)]
     finest = minimize_scalar(misfit, bounds=ends, method="bounded", options={"xatol": 1e-7})
-    return _linear(lag, values, errors, (math.exp(finest.x),), turn)[0]
+    return _solve_linear(lag, values, errors, (math.exp(finest.x),), turn)[0]
 
 
 def _fit_smooth(lag: Array, values: Array, errors: Array, turn: float, start: tuple[float, float] | None) -> Spread:
     """Fit a run that sets in smoothly by least squares, from the two rates of `start` or from a grid."""
     from scipy.optimize import minimize
 
-    low, high, most = math.log(1.0 / (BEYOND * lag[-1])), math.log(BEYOND / lag[0]), math.log(BEYOND)
+    low, high, most = (
+        math.log(1.0 / (MAX_RATE_RATIO * lag[-1])),
+        math.log(MAX_RATE_RATIO / lag[0]),
+        math.log(MAX_RATE_RATIO),
+    )
 
     def rates(logs: Sequence[float]) -> tuple[float, float]:
         slow = math.exp(min(max(logs[0], low), high))
         return slow, slow * (1.0 + math.exp(min(logs[1], most)))
 
     def misfit(logs: Sequence[float]) -> float:
-        return _linear(lag, values, errors, rates(logs), turn)[1]
+        return _solve_linear(lag, values, errors, rates(logs), turn)[1]
 
     if start is None:
         slow = np.linspace(math.log(0.1 / lag[-1]), math.log(0.3 / lag[0]), 14)
-        logs = min(((log, math.log(ratio)) for log in slow for ratio in RATIOS), key=misfit)
+        logs = min(((log, math.log(ratio)) for log in slow for ratio in START_RATE_RATIOS), key=misfit)
     else:
         logs = math.log(start[0]), math.log(start[1] / start[0] - 1.0)
     options = {"xatol": 1e-4, "fatol": 1e-6, "maxiter": 300}
     finest = minimize(misfit, logs, method="Nelder-Mead", options=options)
-    return _linear(lag, values, errors, rates(finest.x), turn)[0]
+    return _solve_linear(lag, values, errors, rates(finest.x), turn)[0]
 
 
-def _linear(lag: Array, values: Array, errors: Array, rates: tuple[float, ...], turn: float) -> tuple[Spread, float]:
+def _solve_linear(
+    lag: Array, values: Array, errors: Array, rates: tuple[float, ...], turn: float
+) -> tuple[Spread, float]:
     """Best parameters of runs at these rates, and the sum of squared residuals.
 
     Beside two runs there is no diffusion, which is the limit of the second one at a high rate.
     """
-    terms = [np.ones_like(lag), *(walks.run_squared(lag, rate, turn) for rate in rates)]
+    terms = [np.ones_like(lag), *(walks.run_squared_displacement(lag, rate, turn) for rate in rates)]
     if len(rates) < 2:
         terms.append(4.0 * lag)
     design = np.stack(terms, axis=1) / errors[:, None]
@@ -245,7 +251,7 @@ def _linear(lag: Array, values: Array, errors: Array, rates: tuple[float, ...], 
     return spread, float(residuals @ residuals)
 
 
-def _goodness(residuals: Array, replicates: Array) -> tuple[float, float]:
+def _misfit_probability(residuals: Array, replicates: Array) -> tuple[float, float]:
     """Misfit and its probability from residuals of all samples and of those without each one.
 
     Residuals of neighbouring lags go together: their sum of squares is held against its expectation

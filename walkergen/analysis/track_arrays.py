@@ -17,17 +17,17 @@ import numpy.typing as npt
 
 from walkergen import extras
 from walkergen.analysis import poses, track_columns
-from walkergen.analysis.track_columns import OURS, PIXEL, Named, Source
+from walkergen.analysis.track_columns import PIXEL, WALKERGEN_PROGRAM, Named, Source
 from walkergen.core.errors import InputError
 from walkergen.core.files import columns, plain, reading
 from walkergen.core.files.columns import Columns
 
 Array = npt.NDArray[np.float64]
 
-NETCDF, HDF5, ARCHIVE = (b"CDF\1", b"CDF\2"), b"\x89HDF\r\n\x1a\n", b"PK\x03\x04"
+NETCDF_MAGIC, HDF5_MAGIC, ZIP_MAGIC = (b"CDF\1", b"CDF\2"), b"\x89HDF\r\n\x1a\n", b"PK\x03\x04"
 """First bytes of files."""
 
-UNREAD: Mapping[bytes, str] = {
+UNSUPPORTED_MAGIC: Mapping[bytes, str] = {
     b"\x93NUMPY": "an array of numpy: give the table as CSV (idtracker.ai: trajectories.csv or trajectories.h5)",
     b"PAR1": "a Parquet table: save it as CSV",
     b"SQLite format 3": "a database: save the table as CSV (FastTrack: its tracking.txt)",
@@ -35,22 +35,22 @@ UNREAD: Mapping[bytes, str] = {
 }
 """First bytes of files that are not read, and what to give in their place."""
 
-INFINITE = re.compile(r"(?<=,)-?inf(?=[,\n])")
+INFINITE_PATTERN = re.compile(r"(?<=,)-?inf(?=[,\n])")
 """TRex's word for a number that is not known."""
 
-MOST_BYTES = 1_000_000_000
+MAX_BYTES = 1_000_000_000
 """Most bytes that the arrays of an archive may have when unpacked."""
 
-MOST_NUMBERS = 200_000_000
+MAX_NUMBERS = 200_000_000
 """Most numbers of an array."""
 
-UNITS = ("space_unit", "unit")
+UNIT_ATTRIBUTES = ("space_unit", "unit")
 """Attributes of places that state their unit: movement's, and walkergen's."""
 
-PACKED = ("scale_factor", "add_offset")
+PACKING_ATTRIBUTES = ("scale_factor", "add_offset")
 """Attributes of arrays whose numbers are not what they hold."""
 
-LIKELY = ("DeepLabCut", "LightningPose")
+LIKELIHOOD_PROGRAMS = ("DeepLabCut", "LightningPose")
 """Programs whose confidence of a part is a likelihood."""
 
 
@@ -66,34 +66,34 @@ class Held(NamedTuple):
     """Attributes of each array, and of the file by the name ""."""
 
 
-def read(path: Path, lane: bool) -> Source | None:
+def read_arrays(path: Path, lane: bool) -> Source | None:
     """Rows of a file of arrays; None for a file of text, or of columns (`lines`). Raises InputError."""
     begin = reading.read_start(path, 16, columns.FORMAT_NAME)
-    for first, what in UNREAD.items():
+    for first, what in UNSUPPORTED_MAGIC.items():
         if begin.startswith(first):
             raise InputError(f"{path}: is {what}")
-    if begin.startswith(ARCHIVE) and not _is_npz(path):
+    if begin.startswith(ZIP_MAGIC) and not _is_npz(path):
         raise InputError(f"{path}: is a spreadsheet or another archive: save the table as CSV")
-    if begin.startswith(NETCDF):
+    if begin.startswith(NETCDF_MAGIC):
         with reading.translate_library_errors(str(path), "NetCDF"):
-            return _movement(path, _netcdf(path), lane)
-    if begin.startswith(HDF5):
+            return _from_movement(path, _read_netcdf(path), lane)
+    if begin.startswith(HDF5_MAGIC):
         extras.require("poses", f"{path}: HDF5")
         with reading.translate_library_errors(str(path), "HDF5"):
-            return _of_hdf5(path, lane)
+            return _read_hdf5(path, lane)
     return None
 
 
-def lines(path: Path) -> Iterator[str] | None:
+def npz_lines(path: Path) -> Iterator[str] | None:
     """Lines of a CSV file of the columns that an NPZ archive holds; None for another file. Raises InputError.
 
     Columns are the arrays as long as that of frames or times; TRex names those of places without their unit.
     """
-    if not reading.read_start(path, 4, columns.FORMAT_NAME).startswith(ARCHIVE):
+    if not reading.read_start(path, 4, columns.FORMAT_NAME).startswith(ZIP_MAGIC):
         return None
     with reading.translate_library_errors(str(path), "NPZ"), zipfile.ZipFile(path) as archive:
-        if sum(entry.file_size for entry in archive.infolist()) > MOST_BYTES:
-            raise InputError(f"{path}: more than {MOST_BYTES} bytes when unpacked; is it the right file?")
+        if sum(entry.file_size for entry in archive.infolist()) > MAX_BYTES:
+            raise InputError(f"{path}: more than {MAX_BYTES} bytes when unpacked; is it the right file?")
         with np.load(path, allow_pickle=False) as held:
             values = {name: np.asarray(held[name]) for name in held.files}
     clock = next((name for name in ("frame", "time", "t_s") if name in values), None)
@@ -108,9 +108,9 @@ def lines(path: Path) -> Iterator[str] | None:
     return chain([",".join(names) + "\n"], (",".join(map(str, row)) + "\n" for row in rows))
 
 
-def unseen(line: str) -> str:
+def blank_infinite(line: str) -> str:
     """Line of TRex's table with a blank cell in place of its word for what was not seen."""
-    return INFINITE.sub("", line)
+    return INFINITE_PATTERN.sub("", line)
 
 
 def _is_npz(path: Path) -> bool:
@@ -122,47 +122,47 @@ def _is_npz(path: Path) -> bool:
     return bool(names) and all(name.endswith(".npy") for name in names)
 
 
-def _netcdf(path: Path) -> Held:
+def _read_netcdf(path: Path) -> Held:
     """Contents of a file of NetCDF 3, in which text is of letters along a dimension of its own."""
     from scipy.io import netcdf_file
 
     file = netcdf_file(io.BytesIO(reading.read_bytes(path)), mmap=False)
-    attributes = {"": _texts(file._attributes)}
+    attributes = {"": _decode_attributes(file._attributes)}
     values, dimensions, words = {}, {}, {}
     for name, variable in file.variables.items():
         data = np.array(variable[:])
-        attributes[name] = _texts(variable._attributes)
+        attributes[name] = _decode_attributes(variable._attributes)
         dimensions[name] = tuple(variable.dimensions)
         if data.dtype.kind == "S":
-            words[name] = _joined(data)
+            words[name] = _decode_texts(data)
         else:
             values[name] = data.astype(float)
     return Held(values, dimensions, words, attributes)
 
 
-def _joined(data: npt.NDArray[Any]) -> list[str]:
+def _decode_texts(data: npt.NDArray[Any]) -> list[str]:
     """Texts of an array: each whole, or of letters in a row."""
     rows = data.reshape(len(data), -1).tolist()
     whole = (row[0] if len(row) == 1 else b"".join(row) for row in rows)
     return [text.rstrip(b"\0").decode() if isinstance(text, bytes) else str(text) for text in whole]
 
 
-def _texts(attributes: Mapping[str, Any]) -> dict[str, str]:
+def _decode_attributes(attributes: Mapping[str, Any]) -> dict[str, str]:
     return {name: value.decode() if isinstance(value, bytes) else str(value) for name, value in attributes.items()}
 
 
-def _of_hdf5(path: Path, lane: bool) -> Source:
+def _read_hdf5(path: Path, lane: bool) -> Source:
     """Rows of an HDF5 file of a known layout."""
     import h5py
 
     with h5py.File(path, "r") as file:
         names = set(file)
         if "position" in names:
-            return _movement(path, _hdf5(path, file, names), lane)
+            return _from_movement(path, _read_datasets(path, file, names), lane)
         if {"tracks", "node_names", "track_names"} <= names:
-            return _sleap(_hdf5(path, file, {"tracks", "node_names", "track_names"}))
+            return _from_sleap(_read_datasets(path, file, {"tracks", "node_names", "track_names"}))
         if "trajectories" in names and "frames_per_second" in file.attrs:
-            return _idtracker(_hdf5(path, file, {"trajectories"}), float(file.attrs["frames_per_second"]))
+            return _from_idtracker(_read_datasets(path, file, {"trajectories"}), float(file.attrs["frames_per_second"]))
         told = "is an HDF5 file of a layout that is not read"
         if {"frames", "instances"} <= names:
             told = "is SLEAP's project: give its analysis CSV or HDF5 (File, Export)"
@@ -171,33 +171,35 @@ def _of_hdf5(path: Path, lane: bool) -> Source:
         raise InputError(f"{path}: {told}; it holds {plain.shorten_line(', '.join(sorted(names)))[:60]}")
 
 
-def _hdf5(path: Path, file: Any, names: set[str]) -> Held:
+def _read_datasets(path: Path, file: Any, names: set[str]) -> Held:
     """Contents of datasets of an HDF5 file."""
     values, dimensions, words = {}, {}, {}
-    attributes = {"": _texts(dict(file.attrs))}
+    attributes = {"": _decode_attributes(dict(file.attrs))}
     for name in names:
         data = file[name]
         if not hasattr(data, "shape") or not data.shape:
             continue
-        if data.size > MOST_NUMBERS:
-            raise InputError(f"{path}: {plain.shorten_line(name)[:30]} has {data.size} numbers; at most {MOST_NUMBERS}")
-        dimensions[name] = _dimensions(file, data)
-        attributes[name] = _texts({key: data.attrs[key] for key in (*UNITS, *PACKED) if key in data.attrs})
+        if data.size > MAX_NUMBERS:
+            raise InputError(f"{path}: {plain.shorten_line(name)[:30]} has {data.size} numbers; at most {MAX_NUMBERS}")
+        dimensions[name] = _dimension_names(file, data)
+        attributes[name] = _decode_attributes(
+            {key: data.attrs[key] for key in (*UNIT_ATTRIBUTES, *PACKING_ATTRIBUTES) if key in data.attrs}
+        )
         if data.dtype.kind in "OS":
-            words[name] = _joined(data[:])
+            words[name] = _decode_texts(data[:])
         else:
             values[name] = data[:].astype(float)
     return Held(values, dimensions, words, attributes)
 
 
-def _dimensions(file: Any, data: Any) -> tuple[str, ...]:
+def _dimension_names(file: Any, data: Any) -> tuple[str, ...]:
     """Names of a dataset's dimensions, by NetCDF's references to their scales, or by words as sleap-io has them."""
     if "DIMENSION_LIST" in data.attrs:  # h5py's own walk along the scales does not end in a damaged file
         return tuple(file[scales[0]].name.rpartition("/")[2] for scales in data.attrs["DIMENSION_LIST"])
     return tuple(json.loads(data.attrs.get("dims", "[]")))
 
 
-def _in_order(held: Held, name: str, order: tuple[str, ...]) -> Array:
+def _reorder_dimensions(held: Held, name: str, order: tuple[str, ...]) -> Array:
     """Array with its dimensions in this order; those that it lacks, as of a single walker, have one place.
 
     Dimensions had plural names before movement's version 0.17.
@@ -209,31 +211,31 @@ def _in_order(held: Held, name: str, order: tuple[str, ...]) -> Array:
     return np.expand_dims(array, [at for at, dimension in enumerate(order) if dimension not in seen])
 
 
-def _movement(path: Path, held: Held, lane: bool) -> Source:
+def _from_movement(path: Path, held: Held, lane: bool) -> Source:
     """Rows of a data set of movement, of poses or of boxes around walkers."""
     words = {name.removesuffix("s"): texts for name, texts in held.words.items()}
     if not {"position", "time"} <= set(held.values) or not {"x", "y"} <= set(words.get("space", ())):
         raise InputError(f"{path}: no position in x and y with its time, as movement's data sets have")
     attributes = held.attributes["position"]
-    if set(PACKED) & set(attributes):
-        raise InputError(f"{path}: position is packed: save it without {' and '.join(PACKED)}")
-    places = _in_order(held, "position", ("individual", "keypoint", "space", "time"))
-    if held.attributes[""].get("source_software") in LIKELY and "confidence" in held.values:
-        sure = _in_order(held, "confidence", ("individual", "keypoint", "time"))
-        places = np.where(sure[:, :, None] < poses.SURE, np.nan, places)
+    if set(PACKING_ATTRIBUTES) & set(attributes):
+        raise InputError(f"{path}: position is packed: save it without {' and '.join(PACKING_ATTRIBUTES)}")
+    places = _reorder_dimensions(held, "position", ("individual", "keypoint", "space", "time"))
+    if held.attributes[""].get("source_software") in LIKELIHOOD_PROGRAMS and "confidence" in held.values:
+        sure = _reorder_dimensions(held, "confidence", ("individual", "keypoint", "time"))
+        places = np.where(sure[:, :, None] < poses.MIN_LIKELIHOOD, np.nan, places)
     x, y = (places[:, :, words["space"].index(axis)] for axis in "xy")
     people = words.get("individual", [])
-    unit = next((attributes[name] for name in UNITS if name in attributes), "")
+    unit = next((attributes[name] for name in UNIT_ATTRIBUTES if name in attributes), "")
     source = held.attributes[""]
-    if source.get("source_software", "").startswith(OURS) and "heading" in held.values and unit == "mm":
-        return _ours(held, x[:, 0], y[:, 0], people, lane)
+    if source.get("source_software", "").startswith(WALKERGEN_PROGRAM) and "heading" in held.values and unit == "mm":
+        return _from_walkergen(held, x[:, 0], y[:, 0], people, lane)
     clock, second = ("time", "s") if source.get("time_unit") == "seconds" else ("frame", "")
-    named = {axis: Named("position", track_columns.unit_of(unit) if unit else PIXEL) for axis in "xy"}
+    named = {axis: Named("position", track_columns.canonical_unit(unit) if unit else PIXEL) for axis in "xy"}
     named |= {clock: Named("time", second), "theta": Named("theta", "rad")}
-    return _of_parts(x, y, words.get("keypoint", []), people, {clock: held.values["time"]}, named, "movement")
+    return _from_parts(x, y, words.get("keypoint", []), people, {clock: held.values["time"]}, named, "movement")
 
 
-def _of_parts(
+def _from_parts(
     x: Array,
     y: Array,
     parts: Sequence[str],
@@ -247,40 +249,40 @@ def _of_parts(
     table = Columns({}, np.arange(1, len(ticks) + 1), {})
     if not parts:
         walkers = list(zip(x[:, 0], y[:, 0], strict=True))
-        long = track_columns.long(table, clock, ticks, walkers, range(len(x)))
-        return Source(long, named, program, True, said=track_columns.said(people))
+        long = track_columns.to_long_table(table, clock, ticks, walkers, range(len(x)))
+        return Source(long, named, program, True, said=track_columns.format_labels(people))
     owned = {
         who: {part: poses.Part(x[n, k], y[n, k]) for k, part in enumerate(parts)}
         for n, who in enumerate(people or map(str, range(len(x))))
     }
-    return poses.of_bodies(table, clock, ticks, owned, named, program)
+    return poses.from_bodies(table, clock, ticks, owned, named, program)
 
 
-def _ours(held: Held, x: Array, y: Array, people: Sequence[str], lane: bool) -> Source:
+def _from_walkergen(held: Held, x: Array, y: Array, people: Sequence[str], lane: bool) -> Source:
     """Rows of runs that walkergen simulated; those that never leave y = 0 ran along a lane."""
-    theta = _in_order(held, "heading", ("individual", "time"))
+    theta = _reorder_dimensions(held, "heading", ("individual", "time"))
     table = Columns({}, np.arange(1, x.shape[-1] + 1), {})
     runs = [who.rpartition("_")[2] for who in people]
     named = len(runs) == len(x) and all(map(str.isdigit, runs))
     numbers = [float(run) for run in (runs if named else range(len(x)))]
     walkers = list(zip(x, y, theta, strict=True))
-    long = track_columns.long(table, "time", held.values["time"], walkers, numbers)
+    long = track_columns.to_long_table(table, "time", held.values["time"], walkers, numbers)
     if lane or not (np.nan_to_num(y).any() or np.nan_to_num(theta).any()):
         long = long._replace(values={name: long.values[name] for name in ("time", "x", "particle")})
-    return Source(long, {"time": Named("time", "s"), "x": Named("position", "mm")}, OURS)
+    return Source(long, {"time": Named("time", "s"), "x": Named("position", "mm")}, WALKERGEN_PROGRAM)
 
 
-def _sleap(held: Held) -> Source:
+def _from_sleap(held: Held) -> Source:
     """Rows of SLEAP's analysis file, whose arrays are as its reader in MATLAB wants them unless they say otherwise."""
     held = held._replace(dimensions={"tracks": held.dimensions["tracks"] or ("track", "xy", "node", "frame")})
-    x, y = _in_order(held, "tracks", ("xy", "track", "node", "frame"))
+    x, y = _reorder_dimensions(held, "tracks", ("xy", "track", "node", "frame"))
     frames = {"frame": np.arange(x.shape[-1], dtype=float)}
-    return _of_parts(x, y, held.words["node_names"], held.words["track_names"], frames, poses.PIXELS, "SLEAP")
+    return _from_parts(x, y, held.words["node_names"], held.words["track_names"], frames, poses.PIXEL_COLUMNS, "SLEAP")
 
 
-def _idtracker(held: Held, rate: float) -> Source:
+def _from_idtracker(held: Held, rate: float) -> Source:
     """Rows of idtracker.ai's trajectories, shape (frames, animals, 2)."""
     x, y = held.values["trajectories"].transpose(2, 1, 0)[:, :, None]
     times = {"time": np.arange(x.shape[-1]) / rate}
     named = {"time": Named("frames_per_second", "s"), **{axis: Named("trajectories", PIXEL) for axis in "xy"}}
-    return _of_parts(x, y, (), (), times, named, "idtracker.ai")
+    return _from_parts(x, y, (), (), times, named, "idtracker.ai")

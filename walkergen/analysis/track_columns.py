@@ -13,7 +13,7 @@ from walkergen.core.errors import InputError
 from walkergen.core.files import plain
 from walkergen.core.files.columns import Columns
 
-TRACKS = "tracks"
+TRACKS_COLUMN = "tracks"
 """Column of a file of tracks in place of a speed, by its name beside the file of speeds."""
 
 Array = npt.NDArray[np.float64]
@@ -21,16 +21,16 @@ Array = npt.NDArray[np.float64]
 PIXEL = "px"
 """Unit of places in a picture, whose size --mm-per-px tells."""
 
-LENGTHS: Mapping[str, float] = MappingProxyType({"um": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1e3, "in": 25.4})
+LENGTH_UNITS_MM: Mapping[str, float] = MappingProxyType({"um": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1e3, "in": 25.4})
 """Units of places, mm."""
 
-TIMES: Mapping[str, float] = MappingProxyType({"us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0})
+TIME_UNITS_S: Mapping[str, float] = MappingProxyType({"us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0})
 """Units of times, s."""
 
-ANGLES: Mapping[str, float] = MappingProxyType({"rad": 1.0, "deg": math.radians(1.0)})
+ANGLE_UNITS_RAD: Mapping[str, float] = MappingProxyType({"rad": 1.0, "deg": math.radians(1.0)})
 """Units of headings, rad."""
 
-SPELLINGS: Mapping[str, str] = MappingProxyType(
+UNIT_SPELLINGS: Mapping[str, str] = MappingProxyType(
     {
         "µm": "um",
         "μm": "um",
@@ -51,7 +51,7 @@ SPELLINGS: Mapping[str, str] = MappingProxyType(
 )
 """Other spellings of units, as programs have them."""
 
-NAMES: Mapping[str, tuple[str, ...]] = MappingProxyType(
+COLUMN_NAMES: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "frame": ("frame", "frames", "frame_idx", "frame_number", "frame_id", "imagenumber", "slice", "slice_n"),
         "time": ("time", "t", "seconds", "position_t"),
@@ -87,29 +87,34 @@ NAMES: Mapping[str, tuple[str, ...]] = MappingProxyType(
 )
 """Names of columns by what they hold, in small letters with _ between words; the first that is there counts."""
 
-KINDS: Mapping[str, Sequence[str]] = MappingProxyType(
-    {"time": (*TIMES, "frame"), "x": (*LENGTHS, PIXEL), "y": (*LENGTHS, PIXEL), "theta": tuple(ANGLES)}
+UNITS_BY_COLUMN: Mapping[str, Sequence[str]] = MappingProxyType(
+    {
+        "time": (*TIME_UNITS_S, "frame"),
+        "x": (*LENGTH_UNITS_MM, PIXEL),
+        "y": (*LENGTH_UNITS_MM, PIXEL),
+        "theta": tuple(ANGLE_UNITS_RAD),
+    }
 )
 """Units that a column of a kind may have."""
 
 
-BEFORE, BEHIND = r"(?P<axis>[xy])[ _]?(?P<label>\w+)", r"(?P<label>.+)[ _.](?P<axis>[xy])"
+AXIS_FIRST_PATTERN, AXIS_LAST_PATTERN = r"(?P<axis>[xy])[ _]?(?P<label>\w+)", r"(?P<label>.+)[ _.](?P<axis>[xy])"
 """Names of columns of one walker among several: its axis, and its label."""
 
 
-BOXES = ({"1", "2"}, {"min", "max"})
+BOX_LABELS = ({"1", "2"}, {"min", "max"})
 """Labels of the corners of boxes around walkers, which have a column of their numbers."""
 
-LABELLED = 6
+MAX_LABELS = 6
 """Most labels of walkers that are said beside their numbers."""
 
-SHOWN = 80
+MAX_SHOWN_LETTERS = 80
 """Letters of a file's columns that a message shows."""
 
-OURS = "walkergen"
+WALKERGEN_PROGRAM = "walkergen"
 """Program whose own columns are t_s and x_mm, in its own units."""
 
-SCALE = ("mm_per_px", "mm_per_px_se")
+SCALE_COLUMNS = ("mm_per_px", "mm_per_px_se")
 """Columns of a film's scale and its standard error, the same in all rows of a film."""
 
 
@@ -139,7 +144,7 @@ class Source(NamedTuple):
     """What was taken from the file in which way, in words."""
 
 
-def of(names: Sequence[str]) -> dict[str, Named]:
+def find_columns(names: Sequence[str]) -> dict[str, Named]:
     """Columns of a file by what they hold, as far as their names tell it.
 
     Raises InputError for two columns of headings, whose units differ.
@@ -161,65 +166,68 @@ def _meanings(name: str) -> list[tuple[str, int, str]]:
     text = name.strip().lower()
     marked = re.fullmatch(r"(.*?)\s*[(\[]([^)\]]*)[)\]]", text)
     base, unit = marked.groups() if marked else (text, "")
-    base = _plain(base)
-    if not marked and "_" in base and unit_of(base.rpartition("_")[2]):
+    base = _normalize_name(base)
+    if not marked and "_" in base and canonical_unit(base.rpartition("_")[2]):
         base, _, unit = base.rpartition("_")
-    unit = "s" if base == "seconds" else unit_of(unit)
+    unit = "s" if base == "seconds" else canonical_unit(unit)
     return [
         (what, known.index(base), unit)
-        for what, known in NAMES.items()
-        if base in known and (not unit or unit in KINDS.get(what, ()))
+        for what, known in COLUMN_NAMES.items()
+        if base in known and (not unit or unit in UNITS_BY_COLUMN.get(what, ()))
     ]
 
 
-def _plain(text: str) -> str:
+def _normalize_name(text: str) -> str:
     return re.sub(r"[^a-z0-9]+", "_", text).strip("_")
 
 
-def unit_of(text: str) -> str:
+def canonical_unit(text: str) -> str:
     """Return the unit's name in this module; "" for a text that is no unit."""
-    unit = SPELLINGS.get(text.strip().lower(), text.strip().lower())
-    return unit if unit in (*LENGTHS, *TIMES, *ANGLES, PIXEL, "frame") else ""
+    unit = UNIT_SPELLINGS.get(text.strip().lower(), text.strip().lower())
+    return unit if unit in (*LENGTH_UNITS_MM, *TIME_UNITS_S, *ANGLE_UNITS_RAD, PIXEL, "frame") else ""
 
 
-def mark_of(line: str) -> str:
+def find_separator(line: str) -> str:
     """Mark between the cells of a line; "" for a lone one."""
     return next((mark for mark in ",\t; " if mark in line.strip()), "")
 
 
-def pairs(names: Sequence[str]) -> dict[str, tuple[str, str]]:
+def coordinate_pairs(names: Sequence[str]) -> dict[str, tuple[str, str]]:
     """Columns of x and y of each walker by its label, of files with a row for all walkers of a frame.
 
     Such columns are called x1 and y1, X_left and Y_left, or left_x and left_y.
     """
     found: dict[str, dict[str, str]] = {}
     for name in names:
-        match = re.fullmatch(BEFORE, name, re.IGNORECASE) or re.fullmatch(BEHIND, name, re.IGNORECASE)
-        if match and not of([name]):
+        match = re.fullmatch(AXIS_FIRST_PATTERN, name, re.IGNORECASE) or re.fullmatch(
+            AXIS_LAST_PATTERN, name, re.IGNORECASE
+        )
+        if match and not find_columns([name]):
             found.setdefault(match["label"], {})[match["axis"].lower()] = name
     return {label: (axes["x"], axes["y"]) for label, axes in found.items() if len(axes) == 2}
 
 
-def missing(path: object, names: Sequence[str], what: str) -> InputError:
+def missing_column_error(path: object, names: Sequence[str], what: str) -> InputError:
     """Refusal of a file that no column of a kind is found in: which one to rename, and how."""
     rename = {"x": "x_mm, x_cm or x_px", "y": "y_mm, y_cm or y_px", "time": "t_s, or frame where it counts frames"}
     seen = plain.shorten_line(", ".join(name for name in names if name))
-    more = "" if len(seen) < SHOWN else " ..."
+    more = "" if len(seen) < MAX_SHOWN_LETTERS else " ..."
     return InputError(
-        f"{path}: no column {what!r}; rename the one that holds it to {rename[what]} (seen: {seen[:SHOWN]}{more}); "
+        f"{path}: no column {what!r}; rename the one that holds it to {rename[what]} (seen: "
+        f"{seen[:MAX_SHOWN_LETTERS]}{more}); "
         "walkergen analyse --help says what is read as it is"
     )
 
 
-def said(labels: Sequence[str]) -> tuple[str, ...]:
+def format_labels(labels: Sequence[str]) -> tuple[str, ...]:
     """Numbers that walkers with labels have from here on."""
     if not labels:
         return ()
-    some = ", ".join(f"{number} {plain.shorten_line(label)[:30]}" for number, label in enumerate(labels[:LABELLED]))
-    return (f"walkers are numbered: {some}{', ...' if len(labels) > LABELLED else ''}",)
+    some = ", ".join(f"{number} {plain.shorten_line(label)[:30]}" for number, label in enumerate(labels[:MAX_LABELS]))
+    return (f"walkers are numbered: {some}{', ...' if len(labels) > MAX_LABELS else ''}",)
 
 
-def long(
+def to_long_table(
     table: Columns, clock: str, times: Array, walkers: Sequence[tuple[Array, ...]], numbers: Sequence[float]
 ) -> Columns:
     """Rows of a walker in a frame, from rows of all walkers in a frame: x, y and, if known, theta of each.

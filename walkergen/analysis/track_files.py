@@ -14,7 +14,15 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis import sampling, track_columns, track_programs
-from walkergen.analysis.track_columns import ANGLES, LENGTHS, OURS, PIXEL, SCALE, TIMES, Source
+from walkergen.analysis.track_columns import (
+    ANGLE_UNITS_RAD,
+    LENGTH_UNITS_MM,
+    PIXEL,
+    SCALE_COLUMNS,
+    TIME_UNITS_S,
+    WALKERGEN_PROGRAM,
+    Source,
+)
 from walkergen.analysis.tracks import Tracks
 from walkergen.core.errors import InputError
 from walkergen.core.files import plain, words
@@ -22,10 +30,10 @@ from walkergen.core.files.columns import Columns
 
 Array = npt.NDArray[np.float64]
 
-LEAST_UNIT, LARGEST_UNIT = 1e-6, 1e9
+MIN_UNIT, MAX_UNIT = 1e-6, 1e9
 """Limits of frames per second, and of millimetres in a pixel."""
 
-TURN = 2.0 * math.pi + 1e-3
+MAX_TURN_RAD = 2.0 * math.pi + 1e-3
 """Heading, rad, beyond which a column without a unit may hold degrees: a turn."""
 
 
@@ -53,20 +61,20 @@ class _Given(NamedTuple):
     angle: str | None
 
 
-def read(path: Path, units: Units) -> Tracks:
+def read_tracks(path: Path, units: Units) -> Tracks:
     """Read the tracks of a file.
 
     Raises InputError when columns or units are missing or contradict each other, when no row is
     usable, or when times do not lie on a regular grid. Bad rows are left out and named in `note`,
     which also says what was taken for what.
     """
-    given = _given(units.unit)
-    source = track_programs.read(path, units.lane)
-    if source.program == OURS:
-        return _own(path, source, units, given)
-    _refuse_other_units(path, source, given)
-    clock, timed, said = _clock(path, source, units, given)
-    length, lengths = _length(path, source, units, given)
+    given = _parse_units(units.unit)
+    source = track_programs.read_source(path, units.lane)
+    if source.program == WALKERGEN_PROGRAM:
+        return _read_walkergen(path, source, units, given)
+    _check_same_units(path, source, given)
+    clock, timed, said = _choose_clock(path, source, units, given)
+    length, lengths = _length_unit(path, source, units, given)
     values = dict(source.table.values)
     down = -1.0 if source.y_down or units.y_down else 1.0
     values["x"] = length * values["x"]
@@ -74,19 +82,19 @@ def read(path: Path, units: Units) -> Tracks:
         values = {name: column for name, column in values.items() if name not in ("y", "theta")}
     else:
         values["y"] = down * length * values["y"]
-        said += (_down(source, units),)
+        said += (_describe_y_axis(source, units),)
         if "theta" in values:
-            angle, angles = _angle(path, source, given)
+            angle, angles = _angle_unit(path, source, given)
             values["theta"] = (1.0 if source.mirrored else down) * angle * values["theta"]
             said += (angles,)
     table = source.table._replace(values=values)
     if timed:
         values["time"] = clock * values["time"]
         table = table.reject_rows(np.isnan(values["time"]), "has no time")
-        tracks = sampling.timed(path, table, source.named["time"].name)
+        tracks = sampling.from_times(path, table, source.named["time"].name)
     else:
         values.setdefault("frame", values.get("time", np.zeros(0)))
-        tracks = sampling.framed(path, table, clock)
+        tracks = sampling.from_frames(path, table, clock)
     error = units.mm_per_px_se
     share = None if error is None or units.mm_per_px is None else error / units.mm_per_px
     program = (f"taken for a file of {source.program}",) if source.program else ()
@@ -94,36 +102,37 @@ def read(path: Path, units: Units) -> Tracks:
     return tracks._replace(scale_se=share if units.mm_per_px else 0.0, note="; ".join(line for line in lines if line))
 
 
-def _given(text: str) -> _Given:
+def _parse_units(text: str) -> _Given:
     """Units of a text. Raises InputError for what is none, and for two of a kind."""
     held: dict[str, str] = {}
     for word in filter(None, (word.strip() for word in text.split(","))):
-        unit = track_columns.unit_of(word)
-        kinds = (("length", (*LENGTHS, PIXEL)), ("time", (*TIMES, "frame")), ("angle", ANGLES))
+        unit = track_columns.canonical_unit(word)
+        kinds = (("length", (*LENGTH_UNITS_MM, PIXEL)), ("time", (*TIME_UNITS_S, "frame")), ("angle", ANGLE_UNITS_RAD))
         kind = next((kind for kind, known in kinds if unit in known), "")
         if not kind or kind in held:
             raise InputError(
                 f"‹unit=›{plain.shorten_line(text)[:40]}: must be a unit of places "
-                f"({', '.join((*LENGTHS, PIXEL))}), of times "
-                f"({', '.join((*TIMES, 'frame'))}), of headings ({', '.join(ANGLES)}), or one of each, as cm,deg",
+                f"({', '.join((*LENGTH_UNITS_MM, PIXEL))}), of times "
+                f"({', '.join((*TIME_UNITS_S, 'frame'))}), of headings ({', '.join(ANGLE_UNITS_RAD)}), or "
+                "one of each, as cm,deg",
                 "unit",
             )
         held[kind] = unit
     return _Given(held.get("length"), held.get("time"), held.get("angle"))
 
 
-def _own(path: Path, source: Source, units: Units, given: _Given) -> Tracks:
+def _read_walkergen(path: Path, source: Source, units: Units, given: _Given) -> Tracks:
     """Read what walkergen writes: on the plate with a heading, else with y_mm as the height."""
     headed = "y" in source.table.values
     if units.y_down:
         y = "has y to the left of x" if headed else "is a lane's, without y across it"
         raise InputError(f"‹y_down›: {path} {y}; leave it out")
-    _refuse_own_units(path, source, units, given, "t_s and x_mm")
-    tracks = sampling.timed(path, source.table, "t_s")
+    _check_no_units(path, source, units, given, "t_s and x_mm")
+    tracks = sampling.from_times(path, source.table, "t_s")
     return tracks._replace(scale_se=_scale_se(path, source.table))
 
 
-def _refuse_own_units(path: Path, source: Source, units: Units, given: _Given, own: str) -> None:
+def _check_no_units(path: Path, source: Source, units: Units, given: _Given, own: str) -> None:
     """Raise InputError for units of a file that states its own."""
     for field, value in (("fps", units.fps), ("mm_per_px", units.mm_per_px), ("unit", units.unit or None)):
         if value is not None:
@@ -131,19 +140,19 @@ def _refuse_own_units(path: Path, source: Source, units: Units, given: _Given, o
             raise InputError(f"‹{field}=›{shown}: {path} has its own {own}; leave it out")
 
 
-def _refuse_other_units(path: Path, source: Source, given: _Given) -> None:
+def _check_same_units(path: Path, source: Source, given: _Given) -> None:
     """Raise InputError for units that are given beside other ones in the names of columns."""
     for what, unit, known in (
-        ("x", given.length, LENGTHS),
-        ("time", given.time, TIMES),
-        ("theta", given.angle, ANGLES),
+        ("x", given.length, LENGTH_UNITS_MM),
+        ("time", given.time, TIME_UNITS_S),
+        ("theta", given.angle, ANGLE_UNITS_RAD),
     ):
         named = source.named.get(what)
         if named and unit in known and named.unit in known and unit != named.unit:
             raise InputError(f"‹unit=›{unit}: {path} has its own {named.name} in {named.unit}; leave it out")
 
 
-def _clock(path: Path, source: Source, units: Units, given: _Given) -> tuple[float, bool, tuple[str, ...]]:
+def _choose_clock(path: Path, source: Source, units: Units, given: _Given) -> tuple[float, bool, tuple[str, ...]]:
     """Time of a unit of the column time, s, and True; or frames per second, and False; and what is to be said."""
     frames = "frame" in source.table.values
     named = source.named.get("time")
@@ -151,26 +160,26 @@ def _clock(path: Path, source: Source, units: Units, given: _Given) -> tuple[flo
     times = source.table.values.get("time")
     counted = times is not None and bool((times == np.rint(times))[np.isfinite(times)].all())
     if times is None or not np.isfinite(times).any() or unit == "frame":
-        return _rate(path, source, units), False, ()
+        return _frame_rate(path, source, units), False, ()
     if frames and units.fps is not None:
         told = () if named is None else (f"times are those of frames by ‹fps›, not of {named.name}",)
-        return _rate(path, source, units), False, told
+        return _frame_rate(path, source, units), False, told
     assert named is not None
     if unit:
-        return _timed(path, source, units, TIMES[unit], ())
+        return _time_clock(path, source, units, TIME_UNITS_S[unit], ())
     if counted and frames:  # written twice where the rate is not known
-        return _rate(path, source, units), False, ()
+        return _frame_rate(path, source, units), False, ()
     if counted:
         if units.fps is None:
             raise InputError(
                 f"{path}: {named.name} holds whole numbers without a unit; give ‹unit=›s (or ms), or ‹fps› "
                 "where it counts frames"
             )
-        return _rate(path, source, units), False, (f"{named.name} is taken to count frames",)
-    return _timed(path, source, units, 1.0, (f"{named.name} is taken as seconds",))
+        return _frame_rate(path, source, units), False, (f"{named.name} is taken to count frames",)
+    return _time_clock(path, source, units, 1.0, (f"{named.name} is taken as seconds",))
 
 
-def _timed(
+def _time_clock(
     path: Path, source: Source, units: Units, seconds: float, said: tuple[str, ...]
 ) -> tuple[float, bool, tuple[str, ...]]:
     if units.fps is not None:
@@ -178,37 +187,37 @@ def _timed(
     return seconds, True, said
 
 
-def _rate(path: Path, source: Source, units: Units) -> float:
+def _frame_rate(path: Path, source: Source, units: Units) -> float:
     """Frames per second of a file that counts frames."""
     if units.fps is None:
         pixels = units.mm_per_px is None and source.named["x"].unit in ("", PIXEL) and not units.unit
         more = " and pixels; give ‹fps› and ‹mm_per_px› (or ‹unit=›mm if these are mm)" if pixels else "; give ‹fps›"
         raise InputError(f"{path}: counts frames{more}")
-    return _within("fps", units.fps)
+    return _check_range("fps", units.fps)
 
 
-def _within(field: str, value: float) -> float:
-    if not LEAST_UNIT <= value <= LARGEST_UNIT:
-        raise InputError(f"‹{field}=›{value:g}: must be a number in {LEAST_UNIT:g}..{LARGEST_UNIT:g}")
+def _check_range(field: str, value: float) -> float:
+    if not MIN_UNIT <= value <= MAX_UNIT:
+        raise InputError(f"‹{field}=›{value:g}: must be a number in {MIN_UNIT:g}..{MAX_UNIT:g}")
     return value
 
 
-def _length(path: Path, source: Source, units: Units, given: _Given) -> tuple[float, str]:
+def _length_unit(path: Path, source: Source, units: Units, given: _Given) -> tuple[float, str]:
     """Return the unit of positions, mm, and a note on it. Raises InputError if the unit is unknown."""
     named, across = source.named["x"], source.named.get("y")
     if across is not None and {named.unit, across.unit} - {""} and named.unit != across.unit and not units.lane:
         raise InputError(f"{path}: {named.name} and {across.name} are of different units; give both one")
     unit = given.length or named.unit
     by_frame = "time" not in source.table.values
-    if unit in LENGTHS:
+    if unit in LENGTH_UNITS_MM:
         if units.mm_per_px is not None:
             raise InputError(
                 f"‹mm_per_px=›{units.mm_per_px:g}: {path} has its own {named.name} in {unit}; leave it out"
             )
         told = "by ‹unit›" if given.length else f"as {named.name} says"
-        return LENGTHS[unit], f"places are in {unit}, {told}"
+        return LENGTH_UNITS_MM[unit], f"places are in {unit}, {told}"
     if units.mm_per_px is not None:
-        return _within("mm_per_px", units.mm_per_px), ""
+        return _check_range("mm_per_px", units.mm_per_px), ""
     if unit == PIXEL or (by_frame and not unit):
         raise InputError(
             f"{path}: counts pixels; give ‹mm_per_px›, the millimetres per pixel (or ‹unit=›mm if x and y are in mm)"
@@ -219,36 +228,36 @@ def _length(path: Path, source: Source, units: Units, given: _Given) -> tuple[fl
     )
 
 
-def _angle(path: Path, source: Source, given: _Given) -> tuple[float, str]:
+def _angle_unit(path: Path, source: Source, given: _Given) -> tuple[float, str]:
     """Return the unit of headings, rad, and a note on it. Raises InputError if the unit is unknown."""
     named = source.named.get("theta")
     unit = given.angle or (named.unit if named else "rad")
     if unit:
-        return ANGLES[unit], ""
+        return ANGLE_UNITS_RAD[unit], ""
     assert named is not None
     largest = float(np.nanmax(np.abs(source.table.values["theta"]), initial=0.0))
-    if largest > TURN and _beyond_turns(source.table):
+    if largest > MAX_TURN_RAD and _is_not_radians(source.table):
         raise InputError(
             f"{path}: {named.name} has no unit and reaches {words.format_number(largest, 4)}, more than a "
             "turn in radians; "
             "give ‹unit=›deg or ‹unit=›rad (beside that of places: ‹unit=›mm,deg), or call it theta_deg or theta_rad"
         )
-    if largest > TURN:
+    if largest > MAX_TURN_RAD:
         return 1.0, f"{named.name} is taken as radians, whole turns counted"
     return 1.0, f"{named.name} is taken as radians"
 
 
-def _beyond_turns(table: Columns) -> bool:
+def _is_not_radians(table: Columns) -> bool:
     """Whether headings are none in radians whose turns are counted: these begin within a turn, in steps of half one."""
     particle = table.values.get("particle", np.zeros(len(table.lines)))
     order = np.lexsort((table.values.get("frame", table.values.get("time", table.lines)), particle))
     order = order[~np.isnan(table.values["theta"][order])]
     theta, same = table.values["theta"][order], np.diff(particle[order]) == 0
     first = theta[np.append(True, ~same)]
-    return bool((np.abs(first) > TURN).any() or (np.abs(np.diff(theta))[same] > 0.5 * TURN).any())
+    return bool((np.abs(first) > MAX_TURN_RAD).any() or (np.abs(np.diff(theta))[same] > 0.5 * MAX_TURN_RAD).any())
 
 
-def _down(source: Source, units: Units) -> str:
+def _describe_y_axis(source: Source, units: Units) -> str:
     """Which way y was taken."""
     if source.y_down:
         return f"y counts rows downward, as {source.program} does: turned over"
@@ -264,9 +273,9 @@ def _scale_se(path: Path, table: Columns) -> float | None:
 
     None where a row does not know it.
     """
-    if not set(SCALE) <= set(table.values):
+    if not set(SCALE_COLUMNS) <= set(table.values):
         return 0.0
-    scale, error = (table.values[name] for name in SCALE)
+    scale, error = (table.values[name] for name in SCALE_COLUMNS)
     if (scale <= 0).any() or (error < 0).any():
         raise InputError(f"{path}: mm_per_px must be > 0 and mm_per_px_se >= 0, or blank")
     share = float(np.max(error / scale))

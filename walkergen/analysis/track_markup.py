@@ -13,11 +13,11 @@ from walkergen.core.errors import InputError
 from walkergen.core.files import columns, plain, reading
 from walkergen.core.files.columns import Columns
 
-LARGEST_XML = 200_000_000
+MAX_XML_BYTES = 200_000_000
 """Largest XML file that is read, bytes."""
 
 
-def mtrackj(path: Path) -> Source:
+def read_mtrackj(path: Path) -> Source:
     """Rows of MTrackJ's own file: lines Track ID, and Point ID x y z t channel below each."""
     rows: list[tuple[float, ...]] = []
     lines, bad, track = [], {}, -1.0
@@ -33,10 +33,10 @@ def mtrackj(path: Path) -> Source:
             else:
                 rows.append((t, track, x, y))
                 lines.append(at)
-    return _of_rows(path, rows, lines, bad, "MTrackJ", track_columns.PIXEL)
+    return _from_rows(path, rows, lines, bad, "MTrackJ", track_columns.PIXEL)
 
 
-def _of_rows(
+def _from_rows(
     path: Path,
     rows: Sequence[tuple[float, ...]],
     lines: Sequence[int],
@@ -58,24 +58,24 @@ def _of_rows(
     return Source(table.reject_rows(beyond, f"has no number within ±{columns.MAX_MAGNITUDE:g}"), named, program, True)
 
 
-def markup(path: Path) -> Source:
+def read_xml(path: Path) -> Source:
     """Rows of an XML file: TrackMate's of its tracks alone or of all that it keeps, or a project of Tracker."""
-    text = reading.read_bytes(path, LARGEST_XML, "an XML file of tracks")
+    text = reading.read_bytes(path, MAX_XML_BYTES, "an XML file of tracks")
     if b"<!DOCTYPE" in text or b"<!ENTITY" in text:
         raise InputError(f"{path}: declares entities, which files of tracks do not")
     try:
         root = ElementTree.fromstring(text)
         if root.tag in ("Tracks", "TrackMate"):
-            return _trackmate(path, root)
+            return _from_trackmate(path, root)
         if root.get("class", "").endswith(".TrackerPanel"):
-            return _tracker(path, root)
+            return _from_tracker(path, root)
     except (ElementTree.ParseError, LookupError, ValueError) as error:
         raise InputError(f"{path}: is no sound XML of tracks: {reading.describe_error(error)}") from None
     seen = plain.shorten_line(root.tag)[:30]
     raise InputError(f"{path}: <{seen}> seen: must be TrackMate's <Tracks> or <TrackMate>, or a project of Tracker")
 
 
-def _trackmate(path: Path, root: ElementTree.Element) -> Source:
+def _from_trackmate(path: Path, root: ElementTree.Element) -> Source:
     if root.tag == "Tracks":
         rows: list[tuple[float, ...]] = [
             (float(spot.attrib["t"]), float(number), float(spot.attrib["x"]), float(spot.attrib["y"]))
@@ -84,25 +84,25 @@ def _trackmate(path: Path, root: ElementTree.Element) -> Source:
         ]
         space, time, interval = (root.get(key, "") for key in ("spaceUnits", "timeUnits", "frameInterval"))
     else:
-        rows = list(_of_model(root))
+        rows = list(_model_rows(root))
         model, image = root.find("Model"), root.find("Settings/ImageData")
         if model is None:
             raise ValueError("it has no Model")
         space, time = model.get("spatialunits", ""), model.get("timeunits", "")
         interval = "" if image is None else image.get("timeinterval", "")
-    seconds = track_columns.TIMES.get(track_columns.unit_of(time))
+    seconds = track_columns.TIME_UNITS_S.get(track_columns.canonical_unit(time))
     second = seconds * float(interval or 0.0) if seconds else None
-    return _of_rows(path, rows, range(1, len(rows) + 1), {}, "TrackMate", track_columns.unit_of(space), second)
+    return _from_rows(path, rows, range(1, len(rows) + 1), {}, "TrackMate", track_columns.canonical_unit(space), second)
 
 
-def _tracker(path: Path, root: ElementTree.Element) -> Source:
+def _from_tracker(path: Path, root: ElementTree.Element) -> Source:
     """Rows of the point masses of Tracker's project: marks in the picture, seen from its axes, in its scale."""
     axes = root.findall("property[@name='coords']/object/property[@name='framedata']/property/object")
     if len(axes) != 1:
         raise InputError(f"{path}: its axes or scale change from frame to frame: export the table (File, Export, Data)")
-    origin = _number(axes[0], "xorigin") + 1j * _number(axes[0], "yorigin")
-    turn = np.exp(1j * math.radians(_number(axes[0], "angle")))
-    second = 1e-3 * _number(root.find("property[@name='clipcontrol']/object"), "delta_t")
+    origin = _read_number(axes[0], "xorigin") + 1j * _read_number(axes[0], "yorigin")
+    turn = np.exp(1j * math.radians(_read_number(axes[0], "angle")))
+    second = 1e-3 * _read_number(root.find("property[@name='clipcontrol']/object"), "delta_t")
     masses = [
         track
         for track in root.findall("property[@name='tracks']/property/object")
@@ -111,16 +111,16 @@ def _tracker(path: Path, root: ElementTree.Element) -> Source:
     rows: list[tuple[float, ...]] = []
     for number, track in enumerate(masses):
         for mark in track.findall("property[@name='framedata']/property"):
-            away = _number(mark.find("object"), "x") + 1j * _number(mark.find("object"), "y") - origin
+            away = _read_number(mark.find("object"), "x") + 1j * _read_number(mark.find("object"), "y") - origin
             place = away.conjugate() / turn  # a picture counts rows downward
-            x, y = place.real / _number(axes[0], "xscale"), place.imag / _number(axes[0], "yscale")
+            x, y = place.real / _read_number(axes[0], "xscale"), place.imag / _read_number(axes[0], "yscale")
             rows.append((float(mark.attrib["name"].strip("[]")), float(number), x, y))
-    source = _of_rows(path, rows, range(1, len(rows) + 1), {}, "Tracker", "", second)
-    said = track_columns.said([track.findtext("property[@name='name']", "") for track in masses])
+    source = _from_rows(path, rows, range(1, len(rows) + 1), {}, "Tracker", "", second)
+    said = track_columns.format_labels([track.findtext("property[@name='name']", "") for track in masses])
     return source._replace(y_down=False, said=said if len(masses) > 1 else ())
 
 
-def _number(element: ElementTree.Element | None, name: str) -> float:
+def _read_number(element: ElementTree.Element | None, name: str) -> float:
     """Read a number that Tracker saves under a name. Raises ValueError."""
     text = None if element is None else element.findtext(f"property[@name='{name}']")
     number = math.nan if text is None else float(text)
@@ -129,7 +129,7 @@ def _number(element: ElementTree.Element | None, name: str) -> float:
     return number
 
 
-def _of_model(root: ElementTree.Element) -> Iterator[tuple[float, ...]]:
+def _model_rows(root: ElementTree.Element) -> Iterator[tuple[float, ...]]:
     """Rows of the spots of TrackMate's tracks, those that its filters keep."""
     spots = {
         spot.attrib["ID"]: tuple(float(spot.attrib[f"{key}"]) for key in ("FRAME", "POSITION_X", "POSITION_Y"))

@@ -24,7 +24,7 @@ class Track(NamedTuple):
     reach: npt.NDArray[np.int64] | None = None
     """Samples after each one within which no wall can be reached, shape (times,); None without walls."""
 
-    def free(self, span: int) -> npt.NDArray[np.bool_] | None:
+    def free_samples(self, span: int) -> npt.NDArray[np.bool_] | None:
         """Return which samples are followed by at least `span` more without a wall in reach; None without walls."""
         return None if self.reach is None else self.reach >= span
 
@@ -48,7 +48,7 @@ class Tracks(NamedTuple):
         return bool(self.tracks[0].position.shape[1] == 1)
 
 
-def of_places(places: Sequence[Array], interval: float, lane: bool) -> Tracks:
+def from_places(places: Sequence[Array], interval: float, lane: bool) -> Tracks:
     """Tracks of simulated walkers, numbered in turn, `interval` s between samples.
 
     Each of `places` has rows of x, y (mm, to the left of x) and heading (rad). In a `lane` only the

@@ -11,21 +11,21 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.analysis import between, lagged, moments
-from walkergen.analysis.estimates import FEWEST_SAMPLES, quantity, refusal
+from walkergen.analysis.estimates import MIN_SAMPLES, quantity, refusal
 from walkergen.analysis.tracks import Track
 from walkergen.core.numerics.quantity import Quantity
 
 PIECES = 8
 """Number of pieces of the longest track whose turning rates show how much each walker's varies."""
 
-WALLED = 16
+WALLED_PIECES = 16
 """The same between walls, where some pieces hold no free motion."""
 
-BRIDGED = 0.6
+MIN_GAP_CORRELATION = 0.6
 """Correlation of headings across a gap, at least, for the turn within it to be known: of normal
 turns one in 500 is then beyond a half turn, and taken for one the other way round."""
 
-OUTLASTED = 0.5
+MIN_VARIANCE_SHARE = 0.5
 """Share of its variance, at least, that a memory leaves a piece's turn: e^(-t / memory) of the memory, which is
 left out, is then a tenth of what it takes at most. A memory that is not known to that share counts as none."""
 
@@ -46,38 +46,38 @@ class Turning(NamedTuple):
     ends of stretches without a gap, some of which neighbouring pieces share."""
 
 
-def walkers(tracks: Sequence[Track], interval: float) -> list[Turning]:
+def walker_turnings(tracks: Sequence[Track], interval: float) -> list[Turning]:
     """Measure the turning of each walker whose headings are known in at least two pieces.
 
     Samples are `interval` s apart. Turns across a gap count only if headings stay correlated by BRIDGED over its
     length.
     """
     headed = [track for track in tracks if track.heading is not None]
-    units = {track.particle: moments.direction(track, 1) for track in headed}
-    pieces = WALLED if any(track.reach is not None for track in headed) else PIECES
+    units = {track.particle: moments.direction_vectors(track, 1) for track in headed}
+    pieces = WALLED_PIECES if any(track.reach is not None for track in headed) else PIECES
     size = max((len(unit) - 1 for unit in units.values()), default=0) // pieces
     if not size:
         return []
-    longest = _longest_known(list(units.values()), size)
-    every = [_turning(track, units[track.particle], size, longest, interval) for track in headed]
+    longest = _longest_bridged_gap(list(units.values()), size)
+    every = [_walker_turning(track, units[track.particle], size, longest, interval) for track in headed]
     return [turning for turning in every if turning is not None]
 
 
-def _longest_known(units: Sequence[moments.Complex], size: int) -> int:
+def _longest_bridged_gap(units: Sequence[moments.Complex], size: int) -> int:
     """Longest gap, in samples of at most `size`, across which turns are known; 1 is no gap."""
     gaps = [np.diff(np.flatnonzero(~np.isnan(unit))) for unit in units]
     lags = np.unique(np.concatenate(gaps))
     lags = lags[(lags > 1) & (lags <= size)]
     total, pairs = np.zeros(len(lags)), np.zeros(len(lags))
     for unit in units:
-        products, count = lagged.products(unit, lags)
+        products, count = lagged.sum_products(unit, lags)
         total, pairs = total + np.abs(products), pairs + count  # about each one's own mean turn
-    unknown = lags[total < BRIDGED * pairs]
+    unknown = lags[total < MIN_GAP_CORRELATION * pairs]
     bridged = lags[lags < unknown[0]] if len(unknown) else lags
     return int(bridged[-1]) if len(bridged) else 1
 
 
-def _turning(track: Track, unit: moments.Complex, size: int, longest: int, interval: float) -> Turning | None:
+def _walker_turning(track: Track, unit: moments.Complex, size: int, longest: int, interval: float) -> Turning | None:
     """Measure the turning of one walker from its unit vectors, in pieces of about `size` samples."""
     seen = np.flatnonzero(~np.isnan(unit))
     steps = np.diff(seen)
@@ -117,9 +117,9 @@ def scatter(turnings: Sequence[Turning]) -> Quantity:
         reason = f"{len(turnings)} walkers with several pieces of a track; at least 2"
         return refusal("turning_scatter", reason)
     rates, seconds = np.array([(turning.rate, turning.seconds) for turning in turnings]).T
-    inside = _free(turnings)
-    noise = _squares(turnings) / inside * float((1.0 / seconds).mean())
-    return between.spread("turning_scatter", rates, noise, inside)
+    inside = _degrees_of_freedom(turnings)
+    noise = _sum_squares(turnings) / inside * float((1.0 / seconds).mean())
+    return between.walker_scatter("turning_scatter", rates, noise, inside)
 
 
 def diffusion(turnings: Sequence[Turning], noise2: Quantity, memory: Quantity) -> Quantity:
@@ -130,21 +130,21 @@ def diffusion(turnings: Sequence[Turning], noise2: Quantity, memory: Quantity) -
     variance of a heading's noise (rad^2): both are of a piece's ends. The error is that of a variance of
     independent normal values, of the memory and of the noise.
     """
-    free = _free(turnings)
-    if free < FEWEST_SAMPLES:
-        reason = f"{free} independent pieces of tracks; at least {FEWEST_SAMPLES}: film for longer"
+    free = _degrees_of_freedom(turnings)
+    if free < MIN_SAMPLES:
+        reason = f"{free} independent pieces of tracks; at least {MIN_SAMPLES}: film for longer"
         return refusal("rotational_diffusion", reason)
     if noise2.value is None or noise2.se is None:
         return refusal("rotational_diffusion", "the noise of the headings is unknown: film for longer")
     raised = sum(turning.noise for turning in turnings) / (2.0 * free)
     lasting, lasting_se = memory.pair if memory.known else (0.0, 0.0)
-    if raised * lasting_se > OUTLASTED:  # headings that hardly turn tell none
+    if raised * lasting_se > MIN_VARIANCE_SHARE:  # headings that hardly turn tell none
         lasting, lasting_se = 0.0, 0.0
     turned = 1.0 - raised * lasting
-    if turned < OUTLASTED:
+    if turned < MIN_VARIANCE_SHARE:
         reason = f"turning lasts for {lasting:.2g} s, too long for pieces of the tracks: film for longer"
         return refusal("rotational_diffusion", reason)
-    variance, noise = _squares(turnings) / (2.0 * free) / turned, raised * noise2.value / turned
+    variance, noise = _sum_squares(turnings) / (2.0 * free) / turned, raised * noise2.value / turned
     # What noise and memory add to the error makes the variance as uncertain as one of fewer pieces.
     added = raised / turned * math.hypot(noise2.se, (variance - noise) * lasting_se)
     error = math.hypot(variance * math.sqrt(2.0 / free), added)
@@ -155,9 +155,9 @@ def diffusion(turnings: Sequence[Turning], noise2: Quantity, memory: Quantity) -
     return quantity("rotational_diffusion", variance - noise, error, freedom)._replace(noise=noise)
 
 
-def _free(turnings: Sequence[Turning]) -> int:
+def _degrees_of_freedom(turnings: Sequence[Turning]) -> int:
     return sum(turning.pieces - 1 for turning in turnings)
 
 
-def _squares(turnings: Sequence[Turning]) -> float:
+def _sum_squares(turnings: Sequence[Turning]) -> float:
     return sum(turning.squares for turning in turnings)

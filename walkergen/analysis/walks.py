@@ -16,7 +16,7 @@ Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
 
-def decay(lag: Array, amplitude: float, rate: float, turn: float, window: float = 0.0) -> Complex:
+def velocity_correlation(lag: Array, amplitude: float, rate: float, turn: float, window: float = 0.0) -> Complex:
     """Correlation at lags (s): amplitude exp((-rate + i turn) lag); rate in 1/s, turn in rad/s.
 
     With a `window` (s) it is that of mean velocities over windows of this length whose starts lie
@@ -29,7 +29,7 @@ def decay(lag: Array, amplitude: float, rate: float, turn: float, window: float 
     return result
 
 
-def late(lag: Array, memory: float) -> Array:
+def delayed_lag(lag: Array, memory: float) -> Array:
     """Lags (s), shortened by the time `memory` > 0 (s) in which a rate of turning lasts.
 
     A rate of turning with an exponential correlation of this time, as of a body with moment of
@@ -70,18 +70,18 @@ class Spread(NamedTuple):
         return self.diffusion + sum(0.5 * speed2 * rate / (rate**2 + self.turn**2) for speed2, rate in runs if rate)
 
 
-def squared(lag: Array, spread: Spread) -> Array:
+def squared_displacement(lag: Array, spread: Spread) -> Array:
     """Mean squared displacement (mm^2) at lags (s): of a run, of diffusion besides, of noise.
 
     Without diffusion and noise it is speed2 lag^2 at short lags and 4 D lag at long ones, D =
     `spread.diffusivity`; for turn = 0 it is Fuerth's formula (1920).
     """
-    result: Array = spread.speed2 * run_squared(lag, spread.rate, spread.turn)
-    result += spread.smooth2 * run_squared(lag, spread.smooth_rate, spread.turn)
+    result: Array = spread.speed2 * run_squared_displacement(lag, spread.rate, spread.turn)
+    result += spread.smooth2 * run_squared_displacement(lag, spread.smooth_rate, spread.turn)
     return result + 4.0 * spread.diffusion * lag + spread.offset
 
 
-def run_squared(lag: Array, rate: float, turn: float) -> Array:
+def run_squared_displacement(lag: Array, rate: float, turn: float) -> Array:
     """Mean squared displacement (s^2) at lags (s) of a run of unit speed."""
     z = complex(rate, -turn) * lag
     small = np.abs(z) < 1e-3

@@ -21,47 +21,47 @@ from walkergen.core.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
 
-BAND, DEEP = 0.05, 0.15
+BAND_DEPTH, INSIDE_DEPTH = 0.05, 0.15
 """Depths below the hull of the tracks, as shares of its width, of a band along it and of its inside."""
 
-FEWEST_PLACES, FEWEST_VISITS, INSIDE = 100, 4, 0.1
+MIN_PLACES, MIN_VISITS, MIN_INSIDE_SHARE = 100, 4, 0.1
 """Places, visits of the band from inside, and share of the places that are inside, from which a hull may be a
 wall: a walker on a circle is hardly ever inside."""
 
-CROWDED = 2.1
+MIN_CROWDING = 2.1
 """Share of the places in the band over that of the area, from which walkers are held there: walkers that slide
 along a wall have 2.2 or more, free ones 1.9 or less (films of 40 to 400 s of five kinds)."""
 
-PRESSED, HARDLY_INSIDE = 3.6, 0.01
+PRESSED_CROWDING, PRESSED_INSIDE_SHARE = 3.6, 0.01
 """The same, and the share that is inside, of walkers that hardly leave their walls."""
 
-THIN, ALONG, CROSSED, CORNERED = 0.01, 0.5, 0.005, 1.15
+SLIDING_DEPTH, MIN_SLIDING_SHARE, MIN_CROSSING_SHARE, MIN_CORNERED_GIRTH = 0.01, 0.5, 0.005, 1.15
 """Depth, as a share of the width, above which more than this share of the places lie if walkers slide along walls
 for most of the time, and the share that is then inside: a visit is enough. Free walkers whose way is longer than
 the hull's girth have 0.42 or less (33 kinds of films, 60 each), but for those on a circle. These are never inside,
 and their hull's squared girth is hardly more than that of a disc (1; of a square 1.27)."""
 
-EVEN, STANDS = 0.8, ((32, 0.4), (16, 0.5))
+EVEN_CROWDING, STATIONARY_SHARES = 0.8, ((32, 0.4), (16, 0.5))
 """The same of walkers that a wall turns back at once, if besides their squared displacement stands still: from
 these parts of the longest track on it is such a share of that of unrelated places. Free walkers' is not."""
 
-LAGS, LAST = 12, 8
+LAG_COUNT, LAST_LAG_DIVISOR = 12, 8
 """Number of lags at which it must stand still, up to this part of the longest track."""
 
 VELOCITY_S = 0.04
 """Time over which displacements are velocities, s."""
 
-FASTEST = 0.995
+SPEED_QUANTILE = 0.995
 """Share of displacements below the speed with which walls may be reached."""
 
-TOUCHING, AWAY, SMALLEST = 0.5, 3.0, 0.01
+TOUCHING_DEPTH, AWAY_DEPTH, MIN_DEPTH_SHARE = 0.5, 3.0, 0.01
 """Depths below which a walker is at a wall, and from which it has left it: ways of its velocity, or shares of the
 width where these ways are smaller than the last."""
 
-MISTAKEN, MOST_PEELS = 0.002, 5
+MAX_OUTLIER_SHARE, MAX_PEELS = 0.002, 5
 """Share of the places that may lie beyond the hull, and most rounds in which its corners are left out."""
 
-STILL = 1e-9
+STILL_TOLERANCE = 1e-9
 """Share of the extent below which a displacement is none."""
 
 
@@ -100,12 +100,12 @@ class Walls(NamedTuple):
     def distance(self, places: Array) -> Array:
         """Distance of places, shape (n, 2), from the nearest wall, mm; below 0 beyond it."""
         if self.dish is not None:
-            return _within(self.dish, places - self.middle) - self.closest
-        depths = [offset - places @ normal for normal, offset in _edges(self.edges)]
+            return _dish_distance(self.dish, places - self.middle) - self.closest
+        depths = [offset - places @ normal for normal, offset in _iter_edges(self.edges)]
         return np.asarray(np.min(depths, axis=0))
 
 
-def of(tracks: Tracks, dish: Dish | None = None) -> Walls | None:
+def find_walls(tracks: Tracks, dish: Dish | None = None) -> Walls | None:
     """Walls about walkers on a plane: those of a dish, or else those that their tracks show; None where there are none.
 
     None in a lane, and of a periodic dish.
@@ -113,71 +113,75 @@ def of(tracks: Tracks, dish: Dish | None = None) -> Walls | None:
     if tracks.lane or (dish is not None and dish.period):
         return None
     step = max(round(VELOCITY_S / tracks.interval), 1)
-    ways = np.concatenate([np.hypot(*_moved(track, step).T) for track in tracks.tracks])
+    ways = np.concatenate([np.hypot(*_displacements(track, step).T) for track in tracks.tracks])
     ways = ways[~np.isnan(ways)]
     places = np.concatenate([track.position for track in tracks.tracks])
     places = places[~np.isnan(places).any(axis=1)]
-    narrow = float(np.ptp(places, axis=0).min()) if len(places) >= FEWEST_PLACES else 0.0
-    if narrow <= STILL * np.abs(places).max(initial=0.0) or not len(ways) or not np.median(ways) > 0.0:
+    narrow = float(np.ptp(places, axis=0).min()) if len(places) >= MIN_PLACES else 0.0
+    if narrow <= STILL_TOLERANCE * np.abs(places).max(initial=0.0) or not len(ways) or not np.median(ways) > 0.0:
         return None
     middle = 0.5 * (places.min(axis=0) + places.max(axis=0))
-    speed = float(np.quantile(ways, FASTEST)) / (step * tracks.interval)
-    closest = 0.0 if dish is None else float(np.quantile(_within(dish, places - middle), 1.0 - FASTEST))
+    speed = float(np.quantile(ways, SPEED_QUANTILE)) / (step * tracks.interval)
+    closest = 0.0 if dish is None else float(np.quantile(_dish_distance(dish, places - middle), 1.0 - SPEED_QUANTILE))
     extent = (float(np.ptp(places[:, 0])), float(np.ptp(places[:, 1])))
-    edges, area, girth = _hull(places)
+    edges, area, girth = _convex_hull(places)
     walls = Walls(edges, dish, middle, closest, speed, Quantity("wall_contacts", "per_s", None), 0.0, extent)
     depths = [walls.distance(track.position) for track in tracks.tracks]
     around = float(ways.sum()) / step > girth
-    cornered = girth**2 > CORNERED * 4.0 * math.pi * area
-    slides = around and _slides(depths, narrow, cornered)
-    if dish is None and not slides and not _held(tracks, places, depths, narrow, area, girth):
+    cornered = girth**2 > MIN_CORNERED_GIRTH * 4.0 * math.pi * area
+    slides = around and _is_sliding(depths, narrow, cornered)
+    if dish is None and not slides and not _is_confining(tracks, places, depths, narrow, area, girth):
         return None
-    size = max(float(np.median(ways)), SMALLEST * narrow)
-    contacts = sum(_visits(depth, TOUCHING * size, AWAY * size) for depth in depths)
+    size = max(float(np.median(ways)), MIN_DEPTH_SHARE * narrow)
+    contacts = sum(_count_visits(depth, TOUCHING_DEPTH * size, AWAY_DEPTH * size) for depth in depths)
     seconds = len(places) * tracks.interval
     rate = Quantity("wall_contacts", "per_s", contacts / seconds, math.sqrt(max(contacts, 1)) / seconds)
-    return walls._replace(contacts=rate, along=float((np.concatenate(depths) < TOUCHING * size).sum()) / len(places))
+    return walls._replace(
+        contacts=rate, along=float((np.concatenate(depths) < TOUCHING_DEPTH * size).sum()) / len(places)
+    )
 
 
-def _slides(depths: Sequence[Array], narrow: float, cornered: bool) -> bool:
+def _is_sliding(depths: Sequence[Array], narrow: float, cornered: bool) -> bool:
     """Whether walkers slide along their hull for most of the time, and cross it or follow its corners."""
     depth = np.concatenate(depths)
     depth = depth[~np.isnan(depth)]
-    crossed = sum(_visits(each, BAND * narrow, DEEP * narrow) for each in depths)
-    thin, inside = (depth < THIN * narrow).mean(), (depth > DEEP * narrow).mean()
-    return bool(thin > ALONG and (cornered or (crossed and inside > CROSSED)))
+    crossed = sum(_count_visits(each, BAND_DEPTH * narrow, INSIDE_DEPTH * narrow) for each in depths)
+    thin, inside = (depth < SLIDING_DEPTH * narrow).mean(), (depth > INSIDE_DEPTH * narrow).mean()
+    return bool(thin > MIN_SLIDING_SHARE and (cornered or (crossed and inside > MIN_CROSSING_SHARE)))
 
 
-def _held(tracks: Tracks, places: Array, depths: Sequence[Array], narrow: float, area: float, girth: float) -> bool:
+def _is_confining(
+    tracks: Tracks, places: Array, depths: Sequence[Array], narrow: float, area: float, girth: float
+) -> bool:
     """Whether the hull of tracks, with its area and girth, holds walkers back."""
-    band = BAND * narrow
-    visits = sum(_visits(depth, band, DEEP * narrow) for depth in depths)
+    band = BAND_DEPTH * narrow
+    visits = sum(_count_visits(depth, band, INSIDE_DEPTH * narrow) for depth in depths)
     depth = np.concatenate(depths)
     depth = depth[~np.isnan(depth)]
-    inside = float((depth > DEEP * narrow).mean())
+    inside = float((depth > INSIDE_DEPTH * narrow).mean())
     crowded = float((depth < band).mean()) * area / (band * girth - math.pi * band**2)
-    if visits < FEWEST_VISITS or inside < (HARDLY_INSIDE if crowded > PRESSED else INSIDE):
+    if visits < MIN_VISITS or inside < (PRESSED_INSIDE_SHARE if crowded > PRESSED_CROWDING else MIN_INSIDE_SHARE):
         return False
-    return crowded > CROWDED or (crowded > EVEN and _stands_still(tracks, places))
+    return crowded > MIN_CROWDING or (crowded > EVEN_CROWDING and _is_stationary(tracks, places))
 
 
-def _stands_still(tracks: Tracks, places: Array) -> bool:
+def _is_stationary(tracks: Tracks, places: Array) -> bool:
     """Whether the squared displacement of walkers is that of unrelated places, from short lags on."""
     longest = max(len(track.position) for track in tracks.tracks)
-    lags = lagged.spread_out(longest // LAST, LAGS, max(longest // STANDS[0][0], 1))
-    squares, pairs = np.sum([lagged.squares(track.position, lags) for track in tracks.tracks], axis=0)
+    lags = lagged.log_spaced_lags(longest // LAST_LAG_DIVISOR, LAG_COUNT, max(longest // STATIONARY_SHARES[0][0], 1))
+    squares, pairs = np.sum([lagged.sum_squares(track.position, lags) for track in tracks.tracks], axis=0)
     share = squares / np.maximum(pairs, 1.0) / (2.0 * float(places.var(axis=0).sum()))
-    return all((share[lags >= longest // part] > least).all() for part, least in STANDS)
+    return all((share[lags >= longest // part] > least).all() for part, least in STATIONARY_SHARES)
 
 
-def _visits(depth: Array, near: float, away: float) -> int:
+def _count_visits(depth: Array, near: float, away: float) -> int:
     """Count how often a walker comes to a wall after it was away from it."""
     states = np.where(depth < near, 1, np.where(depth > away, -1, 0))
     states = states[states != 0]
     return int((np.diff(states) > 0).sum())
 
 
-def kept_off(tracks: Tracks, walls: Walls) -> Tracks:
+def add_wall_reach(tracks: Tracks, walls: Walls) -> Tracks:
     """Tracks that know for how many samples no wall can be reached from each place."""
     frame = walls.speed * tracks.interval
     kept = []
@@ -189,20 +193,20 @@ def kept_off(tracks: Tracks, walls: Walls) -> Tracks:
     return tracks._replace(tracks=tuple(kept))
 
 
-def _moved(track: Track, step: int) -> Array:
+def _displacements(track: Track, step: int) -> Array:
     """Displacements over `step` samples before each sample, shape (times, 2), mm; NaN where one is unknown."""
     moved = np.full(track.position.shape, np.nan)
     moved[step:] = track.position[step:] - track.position[:-step]
     return moved
 
 
-def _hull(places: Array) -> tuple[Array, float, float]:
+def _convex_hull(places: Array) -> tuple[Array, float, float]:
     """Edges of the convex hull of places but for a few outermost, perhaps mistaken ones, its area and its girth."""
     from scipy.spatial import ConvexHull
 
-    fewest = (1.0 - MISTAKEN) * len(places)
+    fewest = (1.0 - MAX_OUTLIER_SHARE) * len(places)
     hull = ConvexHull(places)
-    for _ in range(MOST_PEELS):
+    for _ in range(MAX_PEELS):
         inner = np.delete(places, hull.vertices, axis=0)
         if len(inner) < fewest:
             break
@@ -210,11 +214,11 @@ def _hull(places: Array) -> tuple[Array, float, float]:
     return np.asarray(hull.equations * (1.0, 1.0, -1.0)), float(hull.volume), float(hull.area)
 
 
-def _edges(edges: Array) -> Iterator[tuple[Array, float]]:
+def _iter_edges(edges: Array) -> Iterator[tuple[Array, float]]:
     return ((edge[:2], float(edge[2])) for edge in edges)
 
 
-def _within(dish: Dish, places: Array) -> Array:
+def _dish_distance(dish: Dish, places: Array) -> Array:
     """Distance of places about the middle of a dish from its nearest wall, mm."""
     if dish.kind == "rectangle":
         return np.asarray(np.min(0.5 * np.array(dish.sizes) - np.abs(places), axis=1))

@@ -14,7 +14,7 @@ from types import UnionType
 from typing import TYPE_CHECKING, Any, Union, get_args, get_origin
 
 import walkergen
-from walkergen.command_table import COMMANDS, request_of
+from walkergen.command_table import COMMANDS, load_request
 from walkergen.core.errors import spell_all, use_spelling
 
 if TYPE_CHECKING:
@@ -56,15 +56,15 @@ TYPE_IMPORTS = (
 @cache
 def make_function(name: str) -> Callable[..., Any]:
     """Return the function of a command; unlike the command, it writes no folder unless one is given."""
-    request, signature = request_of(name), make_signature(name)
+    request, signature = load_request(name), make_signature(name)
 
     def call(*given: Any, **named: Any) -> Any:
         values = signature.bind(*given, **named).arguments
         progress = values.pop("progress", None)
         from walkergen.core.files.progress import silent
 
-        with use_spelling(partial(request.as_arguments, given=values)):
-            report = request.asked(values).run(progress or silent)
+        with use_spelling(partial(request.to_arguments, given=values)):
+            report = request.from_values(values).run(progress or silent)
         return report and replace(report, **{name: spell_all(getattr(report, name)) for name in TEXT_FIELDS})
 
     call.__name__ = call.__qualname__ = name
@@ -77,12 +77,12 @@ def make_function(name: str) -> Callable[..., Any]:
 
 def make_docstring(name: str) -> str:
     """Docstring of a function: that of its command, and an example."""
-    return f"{getdoc(request_of(name))}\n\nExample: `{COMMANDS[name].call}`"
+    return f"{getdoc(load_request(name))}\n\nExample: `{COMMANDS[name].call}`"
 
 
 def make_signature(name: str) -> Signature:
     """Signature of a function: arguments by position, then all others by name; types are as an editor shows them."""
-    request = request_of(name)
+    request = load_request(name)
     fields = request.model_fields
     first = [field for field in request.by_position if field in fields]
     names = [*first, *(field for field in fields if field not in first)]
@@ -98,9 +98,9 @@ def make_signature(name: str) -> Signature:
 
 def _field_type(request: "type[Request]", field: str) -> str:
     """Type of what Python gives for a field."""
-    from walkergen.request import flag
+    from walkergen.request import field_flag
 
-    return flag(request, field).takes or _format_type(request.model_fields[field].annotation)
+    return field_flag(request, field).takes or _format_type(request.model_fields[field].annotation)
 
 
 def _format_type(kind: Any) -> str:
@@ -135,7 +135,7 @@ def _format_parameter(parameter: Parameter) -> str:
 
 def _report_imports(name: str) -> list[str]:
     """Lines that import the reports of a function, as the module of its request does for its types."""
-    request = request_of(name)
+    request = load_request(name)
     tree = ast.parse(Path(str(getsourcefile(request))).read_text(encoding="utf-8"))
     returned = str(request.run.__annotations__["return"]).split(" | ")
     return [

@@ -65,15 +65,15 @@ def templates() -> Table:
 
     Example: `wg.templates()["name"]`
     """
-    return shipped.listing().table
+    return shipped.list_templates().table
 
 
 def _find_kind(name: str | Path) -> str:
     """Kind that a template's name, or the keys of a file, tell. Raises InputError."""
-    if isinstance(name, Path) or shipped.written_as_path(name):
+    if isinstance(name, Path) or shipped.is_path(name):
         kinds = _kinds_by_keys(Path(name))
     else:
-        kinds = [kind for kind, (folder, _) in KINDS.items() if name in shipped.known(folder)]
+        kinds = [kind for kind, (folder, _) in KINDS.items() if name in shipped.all_names(folder)]
         if not kinds:
             shipped.find(name)  # raises, with every name there is
     if len(kinds) > 1:

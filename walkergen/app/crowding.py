@@ -11,7 +11,7 @@ from walkergen.app import document as documents
 from walkergen.app.document import Document
 from walkergen.core.files import columns
 from walkergen.core.walker import solids
-from walkergen.request import PLANE, ground
+from walkergen.request import PLANE_SCENE, choose_scene
 
 WALKER_COUNT, RUN_S, DISH_DIAMETER_MM = 10, 6.0, 160.0
 """Walkers in the dish, the time that they run, s, and its diameter."""
@@ -25,7 +25,7 @@ def crowd_arguments(document: Document, folder: Path) -> list[str]:
     They run on an open plate, those with a motor on a table. Raises InputError.
     """
     own = {key: value for key, value in document.values.items() if not key.startswith("scene.")}
-    free = document._replace(scene=ground(None, [document.load_design()], PLANE), values=own)
+    free = document._replace(scene=choose_scene(None, [document.load_design()], PLANE_SCENE), values=own)
     run = (
         "--count",
         str(WALKER_COUNT),

@@ -25,8 +25,8 @@ from walkergen.core.walker.body import BUILTIN_OUTLINES
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.spec import MESH_SUFFIXES, OUTLINE_SUFFIXES
 from walkergen.files import templates
-from walkergen.files.key_names import KINDS, TILTS
-from walkergen.readers.walkers.marks import digits_of
+from walkergen.files.key_names import KIND_KEYS, TILT_KEYS
+from walkergen.readers.walkers.marks import format_tilt
 
 MAX_KEYS = 500
 """Most keys that a page sets."""
@@ -64,7 +64,7 @@ COMMAND_PREFIXES: Mapping[str, tuple[str, ...]] = {
 }
 """Things beside a walker whose files and keys a command takes."""
 
-FLAG_KEYS = (*TILTS, *KINDS)
+FLAG_KEYS = (*TILT_KEYS, *KIND_KEYS)
 """Keys that the flags --tilt and --legs stand for."""
 
 Word = Annotated[str, Field(min_length=1, max_length=4096)]
@@ -132,7 +132,7 @@ class Document(NamedTuple):
         if name in _template_names(kind):
             read: Model = _load_template(name, kind, model, json.dumps(own), prefix)
             return read
-        return assignments.read_with_values(templates.path_of(name, kind), model, own, SOURCE, prefix)
+        return assignments.read_with_values(templates.resolve_path(name, kind), model, own, SOURCE, prefix)
 
 
 @cache
@@ -155,7 +155,7 @@ def _load_template(name: str, kind: str, model: type[Model], own: str, prefix: s
 @cache
 def _load_defaults(name: str, kind: str, model: type[Model]) -> tuple[Model, dict[str, Any]]:
     """Template, and the data in its file."""
-    return assignments.read_with_data(templates.path_of(name, kind), model, {})
+    return assignments.read_with_data(templates.resolve_path(name, kind), model, {})
 
 
 def from_message(data: Any, place: Place) -> Document:
@@ -240,12 +240,12 @@ def arguments(document: Document, command: str, *options: str) -> list[str]:
 
 def tilt_key(design: Design) -> str | None:
     """Key of the tilt that a walker's legs share; None where they share none."""
-    return TILTS[0] if design.pair else TILTS[1] if design.follows else None
+    return TILT_KEYS[0] if design.pair else TILT_KEYS[1] if design.follows else None
 
 
 def _family_flags(design: Design) -> list[str]:
     """List the flags that choose this walker from the family of its design."""
-    tilt = ["--tilt", digits_of(design.tilt_deg)] if design.follows else []
+    tilt = ["--tilt", format_tilt(design.tilt_deg)] if design.follows else []
     return [*tilt, "--legs", design.kind] if design.pair else tilt
 
 

@@ -21,9 +21,9 @@ class AppRequest(request.Request):
 
     reports: ClassVar = False
 
-    design: request.Walker = request.PAPER
+    design: request.Walker = request.PAPER_WALKER
     scene: request.Home = None
-    printer: request.Machine = request.PRUSA
+    printer: request.Machine = request.DEFAULT_PRINTER
     text: request.Text = None
     mirror: request.Mirror = None
     set: request.Settings = {}
@@ -37,8 +37,8 @@ class AppRequest(request.Request):
         from walkergen.app.document import Document
 
         given = self.inputs()
-        scene = request.ground(self.scene, [given.design(self.design)])
+        scene = request.choose_scene(self.scene, [given.design(self.design)])
         given.scene(scene), given.printer(self.printer)
         document = Document(self.design, scene, self.printer, given.values)
-        anew = document != Document(request.PAPER, request.LANE, request.PRUSA, {})
+        anew = document != Document(request.PAPER_WALKER, request.LANE_SCENE, request.DEFAULT_PRINTER, {})
         serving.serve(document, anew, FOLDER, self.host, self.port, self.browser)

@@ -67,7 +67,7 @@ def _simulate(design: "Design", scene: "Scene") -> None:
         first = scene.model_copy(update={"run": few})
         children.send_event(_measure_walker(design, first, range_progress(tell, 0.0, shares[0])) | {"first": True})
     with contextlib.suppress(WalkergenError):  # it moves in a plane, or falls at once, which the runs tell
-        children.send_event({"played": play.run(design, scene, PLAYBACK_S)})
+        children.send_event({"played": play.record_run(design, scene, PLAYBACK_S)})
     children.send_event(_measure_walker(design, scene, range_progress(tell, shares[1], 1.0)) | {"first": False})
 
 

@@ -117,13 +117,13 @@ def format_runs(facts: Mapping[str, Any]) -> str:
 
 def format_name(key: str) -> str:
     """Return the name of an unknown input without its unit; `key` is its key, or words."""
-    words = re.sub(r" \([^)]*\)$", "", key_names.label(key)) if "." in key else key
+    words = re.sub(r" \([^)]*\)$", "", key_names.format_key(key)) if "." in key else key
     return re.sub(r"^(.+?) sd\b", r"deviation of \1", words)
 
 
 def format_setting(key: str, value: float) -> str:
     """Value of a key of a walker or, after "printer.", of the printer, in words."""
-    return f"{format_name(key)}: {value:g} {key_names.UNITS.get(_unit_ending(key), '')}".strip()
+    return f"{format_name(key)}: {value:g} {key_names.UNITS_BY_SUFFIX.get(_unit_ending(key), '')}".strip()
 
 
 def format_title(name: str) -> str:
@@ -159,7 +159,7 @@ def _format_key(key: re.Match[str]) -> str:
 
 
 def _unit_ending(key: str) -> str:
-    return next((end for end in key_names.UNITS if key.endswith(end)), "")
+    return next((end for end in key_names.UNITS_BY_SUFFIX if key.endswith(end)), "")
 
 
 @cache

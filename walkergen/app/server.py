@@ -39,7 +39,7 @@ from walkergen.core.errors import InputError, WalkergenError
 from walkergen.core.files import output, reading
 from walkergen.core.files.ledger import encode_manifest
 from walkergen.files import templates
-from walkergen.request import TABLE
+from walkergen.request import TABLE_SCENE
 
 MAX_MESSAGE_BYTES = 1_000_000
 """Longest message of a page, bytes, as of a TOML file."""
@@ -231,7 +231,7 @@ def _error_response(lines: list[str], status: int) -> Response:
 async def _send_start_data(server: Server, request: Request) -> Response:
     """Return what a page needs once: the files to start from, and the stored document."""
     names = {kind: templates.names(kind) for kind in templates.KINDS}
-    listed = [row for row in templates.listing().facts["rows"] if row["kind"] == "walkers"]
+    listed = [row for row in templates.list_templates().facts["rows"] if row["kind"] == "walkers"]
     about = {row["name"]: row["description"] for row in listed}
     kept = await asyncio.to_thread(_load_saved, server)
     return _json_response(
@@ -240,7 +240,7 @@ async def _send_start_data(server: Server, request: Request) -> Response:
             "walkers": server.place.walkers(),
             "about": about,
             "titles": sentences.TITLES,
-            "table": TABLE,
+            "table": TABLE_SCENE,
             "new": kept is None and not server.anew,
             "document": kept or server.first._asdict(),
             "fresh": server.first._asdict(),

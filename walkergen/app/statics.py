@@ -35,7 +35,7 @@ def _asset(request: Request) -> Response:
 
 
 def _viewer(request: Request) -> Response:
-    return Response(viewer.script(), media_type="text/javascript; charset=utf-8")
+    return Response(viewer.viewer_script(), media_type="text/javascript; charset=utf-8")
 
 
 @cache

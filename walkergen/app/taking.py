@@ -117,7 +117,7 @@ def _write_settings(document: Document, folder: Path) -> None:
             "printer": document.load_printer(),
         }
         for name, thing in things.items():
-            text = templates.dump(thing, f"The {name} of {design.name}, by its page", every=False)
+            text = templates.to_toml(thing, f"The {name} of {design.name}, by its page", every=False)
             target.write(f"settings/{name}.toml", text.encode())
 
 

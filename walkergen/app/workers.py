@@ -177,7 +177,7 @@ def _cpu_seconds(worker: Worker) -> float:
 
 def _serve(connection: Connection) -> None:
     """Answer until the server ends."""
-    worker_pool.begin()
+    worker_pool.init_worker()
     if importlib.util.find_spec("resource"):
         import resource
 

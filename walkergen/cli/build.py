@@ -58,7 +58,7 @@ def make_command(name: str) -> Any:
     home, own = typer.Typer(rich_markup_mode=None, add_completion=False), commands.COMMANDS[name]
     if own.folder:
         home.command(name, cls=Command, epilog=epilog(own.example, own.other))(
-            make_function(name, commands.request_of(name))
+            make_function(name, commands.load_request(name))
         )
         return get_command(home)
     home.add_typer(import_module(f"walkergen.cli.{name}").commands)
@@ -70,8 +70,8 @@ def make_function(name: str, request: "type[Request]") -> Callable[..., None]:
 
     def command(json: bool = False, quiet: bool = False, **values: Any) -> None:
         given = {field: value for field, value in values.items() if value not in (None, [])}
-        with use_spelling(request.as_flags):
-            _run_request(name, request.asked(given, shell=True), json, quiet)
+        with use_spelling(request.to_flags):
+            _run_request(name, request.from_values(given, shell=True), json, quiet)
 
     parameters = [_parameter(request, field) for field in request.model_fields]
     parameters += [
@@ -90,7 +90,7 @@ def _run_request(name: str, asked: "Request", json: bool, quiet: bool) -> None:
     if not asked.reports:
         asked.run(silent)
         streams.exit_now(0)  # what was being made for a page may take long, and nobody waits for it
-    with show.progress(name, wanted=not quiet, hear=asked.hear) as progress:
+    with show.progress(name, wanted=not quiet, hear=asked.register_time_callback) as progress:
         report = asked.run(progress)
     assert report is not None
     show.notes([] if quiet else asked.notes)
@@ -101,11 +101,11 @@ def _run_request(name: str, asked: "Request", json: bool, quiet: bool) -> None:
 
 def _parameter(request: "type[Request]", field: str) -> Parameter:
     """Parameter of a field, as typer reads it: an argument, an option, a yes or no, or an option that repeats."""
-    from walkergen.request import flag, spelled
+    from walkergen.request import field_flag, flag_name
 
-    own, info = flag(request, field), request.model_fields[field]
+    own, info = field_flag(request, field), request.model_fields[field]
     kind = str if "str" in own.takes else _shell_type(info.annotation)
-    default, name = _shell_default(info.get_default()), spelled(request, field)
+    default, name = _shell_default(info.get_default()), flag_name(request, field)
     default = default if isinstance(default, kind) else None
     shown: dict[str, Any] = {"metavar": own.metavar or None, "help": _help_with_limits(own.help, info.metadata)}
     if own.templates:
@@ -154,7 +154,7 @@ def name_completion(kinds: tuple[str, ...]) -> Callable[[str], list[str]]:
     def complete(incomplete: str) -> list[str]:
         from walkergen.files import templates
 
-        names = [name for kind in kinds for name in templates.known(kind)]
+        names = [name for kind in kinds for name in templates.all_names(kind)]
         return [name for name in names if name.startswith(incomplete)]
 
     return complete

@@ -54,9 +54,9 @@ def report(result: "Report", json: bool, quiet: bool, width: int | None = None) 
     elif not quiet:
         if result.caption:
             text(result.caption)
-        for shown in result.shown():
+        for shown in result.visible_tables():
             table(shown.rich(), width)
-            for line in shown.below():
+            for line in shown.footer_lines():
                 text(line)
         for line in result.lines:
             text(line)

@@ -35,7 +35,7 @@ def list_templates(context: typer.Context, json: build.AsJson = False) -> None:
         return
     from walkergen.files import templates
 
-    show.report(templates.listing(), json, quiet=False)
+    show.report(templates.list_templates(), json, quiet=False)
 
 
 @commands.command("show", cls=Command, epilog=epilog("templates show lane-90hz", "templates show prusa-mk3s"))
@@ -61,7 +61,7 @@ def copy_template(
     target = to or Path(f"{Path(name).stem}.toml")
     if not reading.has_safe_name(target) or target.suffix != ".toml":
         raise InputError(f"{str(target)!r}: name a file that ends in .toml, without control letters")
-    text = _dump_shape(Path(name), target) if templates.written_as_path(name) else _rename_template(name, target)
+    text = _dump_shape(Path(name), target) if templates.is_path(name) else _rename_template(name, target)
     if os.path.lexists(target):
         raise InputError(f"{target}: exists already; give another name: templates copy {name} FILE")
     output.write(target, text.encode())
@@ -73,7 +73,7 @@ def _rename_template(name: str, target: Path) -> str:
     from walkergen.core.files import output
     from walkergen.files import templates
 
-    return templates.renamed(templates.find(name), output.safe_folder_name(target).lstrip("_") or name)
+    return templates.read_with_name(templates.find(name), output.safe_folder_name(target).lstrip("_") or name)
 
 
 def _dump_shape(path: Path, target: Path) -> str:
@@ -85,4 +85,4 @@ def _dump_shape(path: Path, target: Path) -> str:
     if Design.data_from_file(path) is None:
         raise InputError(f"{path}: copies are made of templates, drawings, pictures and meshes")
     design = read_section(path, Design).with_numbered_legs().with_paths_relative_to(target.parent)
-    return templates.dump(design, f"Walker of {path.name}", every=False)
+    return templates.to_toml(design, f"Walker of {path.name}", every=False)

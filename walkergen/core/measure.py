@@ -33,7 +33,7 @@ a step leaves for the scatter is then worth twice as many steps."""
 class Experiment(Protocol):
     """What runs: its runs are independent, and each the same bits whenever it is made."""
 
-    def prepared(self) -> OneRun[Any]:
+    def prepare(self) -> OneRun[Any]:
         """Return a function that makes the run of a number, which seeds it, and returns its record.
 
         Work that all runs share is done first, on this thread: kernels are compiled, invalid input is refused.
@@ -164,7 +164,7 @@ def measure(
         measured = step
         if not measured.records:
             progress("kernels", 0, 100)
-            one = measured.experiment.prepared()
+            one = measured.experiment.prepare()
         started = time.perf_counter()
         try:
             done = len(measured.records)

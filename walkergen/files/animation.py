@@ -18,13 +18,13 @@ from walkergen.core.files.progress import Progress
 Pixels = npt.NDArray[np.uint8]
 """Picture of shape (height, width, 3), with height and width even."""
 
-WITHOUT = "ffmpeg is not installed (pip install 'walkergen[film]' brings it)"
+NO_FFMPEG_REASON = "ffmpeg is not installed (pip install 'walkergen[film]' brings it)"
 """Reason why there is no MP4."""
 
 Draw = Callable[[int], Pixels]
 """Function that draws the frame of a number."""
 
-COLOURS, COMMON = 128, 16
+PALETTE_COLOURS, EXACT_COLOURS = 128, 16
 """Number of colours in a GIF's palette, and of the commonest, kept exact; others are blends."""
 
 PALETTE_FRAMES = 16
@@ -47,21 +47,21 @@ def encode(draw: Draw, count: int, fps: int, hold_s: float, keep: Sequence[str],
     `fps` must divide 100: a GIF counts in hundredths of a second. The colours `keep` (#RRGGBB) are
     exact in the GIF however rare they are. Equal frames give equal bytes.
     """
-    palette = _palette(draw, count, keep)
+    palette = _choose_palette(draw, count, keep)
     with tempfile.TemporaryDirectory(prefix="walkergen-movie-") as folder:
         target = Path(folder) / "movie.mp4"
         with (Path(folder) / "messages").open("w+b") as messages:
-            ffmpeg = _ffmpeg(draw(0).shape, fps, target, messages)
+            ffmpeg = _start_ffmpeg(draw(0).shape, fps, target, messages)
             try:
-                gif = _gif(_drawn(draw, count, ffmpeg, progress), palette, fps, hold_s)
-                return Encoded(gif, *_finished(ffmpeg, target, messages))
+                gif = _encode_gif(_stream_frames(draw, count, ffmpeg, progress), palette, fps, hold_s)
+                return Encoded(gif, *_close_ffmpeg(ffmpeg, target, messages))
             finally:
                 if ffmpeg is not None and ffmpeg.poll() is None:
                     ffmpeg.kill()
                     ffmpeg.communicate()
 
 
-def film(draw: Draw, count: int, fps: int, progress: Progress) -> tuple[bytes | None, str]:
+def encode_mp4(draw: Draw, count: int, fps: int, progress: Progress) -> tuple[bytes | None, str]:
     """Draw `count` frames in order into an MP4 alone; None where there is none, with the reason.
 
     For pictures in which so much moves that a GIF would be many times as large.
@@ -69,20 +69,20 @@ def film(draw: Draw, count: int, fps: int, progress: Progress) -> tuple[bytes | 
     with tempfile.TemporaryDirectory(prefix="walkergen-movie-") as folder:
         target = Path(folder) / "movie.mp4"
         with (Path(folder) / "messages").open("w+b") as messages:
-            ffmpeg = _ffmpeg(draw(0).shape, fps, target, messages)
+            ffmpeg = _start_ffmpeg(draw(0).shape, fps, target, messages)
             if ffmpeg is None:
-                return _finished(None, target, messages)
+                return _close_ffmpeg(None, target, messages)
             try:
-                for _ in _drawn(draw, count, ffmpeg, progress):
+                for _ in _stream_frames(draw, count, ffmpeg, progress):
                     pass
-                return _finished(ffmpeg, target, messages)
+                return _close_ffmpeg(ffmpeg, target, messages)
             finally:
                 if ffmpeg.poll() is None:
                     ffmpeg.kill()
                     ffmpeg.communicate()
 
 
-def _palette(draw: Draw, count: int, keep: Sequence[str]) -> Image.Image:
+def _choose_palette(draw: Draw, count: int, keep: Sequence[str]) -> Image.Image:
     """Choose one palette for all frames, so that what does not move does not flicker."""
     chosen = sorted({round(at) for at in np.linspace(0, count - 1, min(count, PALETTE_FRAMES))})
     pixels = np.concatenate([draw(at).reshape(-1, 3) for at in chosen]).astype(np.uint32)
@@ -91,10 +91,10 @@ def _palette(draw: Draw, count: int, keep: Sequence[str]) -> Image.Image:
     codes = np.concatenate([kept, codes[np.argsort(-often.astype(np.int64), kind="stable")]])
     colours = np.stack([codes >> 16, codes >> 8 & 255, codes & 255], axis=-1).astype(np.uint8)
     # The commonest colours stay exact as well; all others are represented.
-    exact = len(keep) + COMMON
+    exact = len(keep) + EXACT_COLOURS
     entries, rest = colours[:exact], colours[exact:]
     if len(rest):
-        between = Image.fromarray(rest[None]).quantize(COLOURS - exact, Image.Quantize.MEDIANCUT)
+        between = Image.fromarray(rest[None]).quantize(PALETTE_COLOURS - exact, Image.Quantize.MEDIANCUT)
         added = np.frombuffer(bytes(between.getpalette() or ()), np.uint8).reshape(-1, 3)
         entries = np.vstack([entries, added])
     # Pillow looks colours up by their upper six bits: one entry for each of those.
@@ -105,7 +105,9 @@ def _palette(draw: Draw, count: int, keep: Sequence[str]) -> Image.Image:
     return palette
 
 
-def _drawn(draw: Draw, count: int, ffmpeg: "subprocess.Popen[bytes] | None", progress: Progress) -> Iterator[Pixels]:
+def _stream_frames(
+    draw: Draw, count: int, ffmpeg: "subprocess.Popen[bytes] | None", progress: Progress
+) -> Iterator[Pixels]:
     """Draw the frames and send each to ffmpeg as well."""
     for at in range(count):
         frame = draw(at)
@@ -119,7 +121,7 @@ def _drawn(draw: Draw, count: int, ffmpeg: "subprocess.Popen[bytes] | None", pro
         yield frame
 
 
-def _gif(frames: Iterator[Pixels], palette: Image.Image, fps: int, hold_s: float) -> bytes:
+def _encode_gif(frames: Iterator[Pixels], palette: Image.Image, fps: int, hold_s: float) -> bytes:
     images = [Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     delay = 1000 // fps
     delays = [delay] * (len(images) - 1) + [delay + round(100 * hold_s) * 10]
@@ -128,7 +130,7 @@ def _gif(frames: Iterator[Pixels], palette: Image.Image, fps: int, hold_s: float
     return data.getvalue()
 
 
-def program() -> str | None:
+def find_ffmpeg() -> str | None:
     """Path of ffmpeg: that on the PATH, else that of the extra `film`; None where neither is installed."""
     found = shutil.which("ffmpeg")
     if found is None and importlib.util.find_spec("imageio_ffmpeg") is not None:
@@ -141,9 +143,11 @@ def program() -> str | None:
     return found
 
 
-def _ffmpeg(shape: tuple[int, ...], fps: int, target: Path, messages: IO[bytes]) -> "subprocess.Popen[bytes] | None":
+def _start_ffmpeg(
+    shape: tuple[int, ...], fps: int, target: Path, messages: IO[bytes]
+) -> "subprocess.Popen[bytes] | None":
     """Start ffmpeg, waiting for frames at its input; None where it is not installed."""
-    found = program()
+    found = find_ffmpeg()
     if found is None:
         return None
     words = [
@@ -179,10 +183,12 @@ def _ffmpeg(shape: tuple[int, ...], fps: int, target: Path, messages: IO[bytes])
     return subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=messages)
 
 
-def _finished(ffmpeg: "subprocess.Popen[bytes] | None", target: Path, messages: IO[bytes]) -> tuple[bytes | None, str]:
+def _close_ffmpeg(
+    ffmpeg: "subprocess.Popen[bytes] | None", target: Path, messages: IO[bytes]
+) -> tuple[bytes | None, str]:
     """Close ffmpeg; returns the MP4, or None and the reason."""
     if ffmpeg is None:
-        return None, WITHOUT
+        return None, NO_FFMPEG_REASON
     ffmpeg.communicate()
     if ffmpeg.returncode == 0:
         return target.read_bytes(), ""

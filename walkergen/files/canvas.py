@@ -15,8 +15,8 @@ from walkergen.files.animation import Pixels
 
 DPI = 100
 
-INK, PLATE, BODY, LIMB = "#222222", "#c4c4c4", "#a9c7e4", "#2f6c9f"
-SMALL, NORMAL, LARGE = 8.0, 9.5, 11.0
+INK, PLATE_COLOUR, BODY_COLOUR, LIMB_COLOUR = "#222222", "#c4c4c4", "#a9c7e4", "#2f6c9f"
+SMALL_PT, NORMAL_PT, LARGE_PT = 8.0, 9.5, 11.0
 """Sizes of fonts, points."""
 
 
@@ -47,15 +47,15 @@ class Canvas:
 
     def text(self, x: float, y: float, words: str, **style: Any) -> Text:
         """Write words at a place."""
-        style = {"color": INK, "fontsize": NORMAL, "transform": IdentityTransform(), **style}
+        style = {"color": INK, "fontsize": NORMAL_PT, "transform": IdentityTransform(), **style}
         return self.figure.text(x, y, words, **style)
 
-    def line(self, x: float, y: float, words: str) -> None:
+    def add_caption(self, x: float, y: float, words: str) -> None:
         """Write a small line that stays inside the picture, in smaller letters if it is long."""
         room = (self.figure.bbox.width - 2 * x) / 5.5  # pixels a letter of size SMALL
-        self.text(x, y, words, fontsize=SMALL * min(1.0, room / len(words)))
+        self.text(x, y, words, fontsize=SMALL_PT * min(1.0, room / len(words)))
 
-    def move(self, *artists: Artist) -> None:
+    def add_moving_artists(self, *artists: Artist) -> None:
         """Draw these artists anew in every frame from now on, in the order given."""
         for artist in artists:
             artist.set_animated(True)
@@ -72,7 +72,7 @@ class Canvas:
         return np.asarray(self._agg.buffer_rgba())[..., :3].copy()
 
 
-def to_scale(axes: Axes, centre: tuple[float, float], pixels_per_mm: float) -> None:
+def set_scale(axes: Axes, centre: tuple[float, float], pixels_per_mm: float) -> None:
     """Show the surroundings of a point (mm), both axes to one scale, without frame or ticks."""
     _, _, width, height = axes.bbox.bounds
     half_x, half_y = 0.5 * width / pixels_per_mm, 0.5 * height / pixels_per_mm
@@ -82,13 +82,13 @@ def to_scale(axes: Axes, centre: tuple[float, float], pixels_per_mm: float) -> N
     axes.set_yticks([])
 
 
-def rounded_up(least: float) -> float:
+def nice_ceil(least: float) -> float:
     """1, 2 or 5 times a power of ten, the least at or above a number."""
     power = 10.0 ** math.floor(math.log10(least))
     return next(power * step for step in (1, 2, 5, 10) if power * step >= least * (1 - 1e-9))
 
 
-def rounded_down(most: float) -> float:
+def nice_floor(most: float) -> float:
     """1, 2 or 5 times a power of ten, the largest at or below a number."""
     power = 10.0 ** math.floor(math.log10(most))
     return max(power * step for step in (1, 2, 5) if power * step <= most * (1 + 1e-9))

@@ -15,7 +15,7 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
 
-XYZ = "species:S:1:id:I:1:pos:R:3:orientation:R:4:aspherical_shape:R:3"
+PROPERTIES = "species:S:1:id:I:1:pos:R:3:orientation:R:4:aspherical_shape:R:3"
 """Properties of a particle, by the names that OVITO knows."""
 
 
@@ -40,7 +40,7 @@ class Bodies(NamedTuple):
     """Half axes of the bodies of each kind, shape (kinds, 3), mm."""
 
 
-def text(bodies: Bodies, box: str) -> str:
+def format_frames(bodies: Bodies, box: str) -> str:
     """Write the file's text: a frame for each number, with its bodies by theirs; `box` is from `box_of`."""
     ends = [" ".join(f"{value:.9g}" for value in half) for half in bodies.halves]
     lines = [f"{name} %d{' %.9g' * 7} {end}\n" for name, end in zip(bodies.kinds, ends, strict=True)]
@@ -49,14 +49,14 @@ def text(bodies: Bodies, box: str) -> str:
     frames, starts = np.unique(bodies.frames[order], return_index=True)
     whole = io.StringIO()
     for rows in np.split(order, starts[1:]) if len(frames) else []:
-        whole.write(f"{len(rows)}\n{box} Properties={XYZ} Time={bodies.times[rows[0]]:.9g}\n")
+        whole.write(f"{len(rows)}\n{box} Properties={PROPERTIES} Time={bodies.times[rows[0]]:.9g}\n")
         whole.writelines(
             lines[kind] % tuple(row) for kind, row in zip(bodies.kind[rows].tolist(), table[rows].tolist(), strict=True)
         )
     return whole.getvalue()
 
 
-def box_of(low: Array, span: Array, periodic: bool = False) -> str:
+def format_box(low: Array, span: Array, periodic: bool = False) -> str:
     """Box of a frame from its lowest corner and its sides, mm; periodic along x and y or not."""
     sides = " ".join(f"{value:.9g}" for value in np.diag(span).ravel())
     corner = " ".join(f"{value:.9g}" for value in low)
@@ -64,7 +64,7 @@ def box_of(low: Array, span: Array, periodic: bool = False) -> str:
     return f'Lattice="{sides}" Origin="{corner}" pbc="{repeats}"'
 
 
-def orientation(heading: Array, pitch: Array, roll: Array) -> Array:
+def to_quaternions(heading: Array, pitch: Array, roll: Array) -> Array:
     """Compute unit quaternions x, y, z, w of bodies whose axes are forward, left and up, shape (n, 4).
 
     Heading is counted from x to the left, pitch upward, roll to the right, rad, shape (n,) each: a turn by the roll

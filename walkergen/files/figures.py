@@ -29,24 +29,24 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-COLUMN, PAGE = 86.0 / 25.4, 178.0 / 25.4
+COLUMN_INCHES, PAGE_INCHES = 86.0 / 25.4, 178.0 / 25.4
 """Widths of a journal's column and of its page, inches: figures are drawn at the size of print."""
 
-SMALLEST, NORMAL = 7.0, 8.0
+MIN_FONT_PT, FONT_PT = 7.0, 8.0
 """Sizes of fonts, points; nothing in a figure is smaller than the first."""
 
 DPI = 200
 """Pixels per inch: a column is some 700 pixels wide, a page 1400; print takes the PDF."""
 
-STYLE: Any = {
-    "font.size": NORMAL,
-    "axes.titlesize": NORMAL,
-    "axes.labelsize": NORMAL,
-    "figure.titlesize": NORMAL,
-    "xtick.labelsize": SMALLEST,
-    "ytick.labelsize": SMALLEST,
-    "legend.fontsize": SMALLEST,
-    "legend.title_fontsize": SMALLEST,
+DEFAULT_STYLE: Any = {
+    "font.size": FONT_PT,
+    "axes.titlesize": FONT_PT,
+    "axes.labelsize": FONT_PT,
+    "figure.titlesize": FONT_PT,
+    "xtick.labelsize": MIN_FONT_PT,
+    "ytick.labelsize": MIN_FONT_PT,
+    "legend.fontsize": MIN_FONT_PT,
+    "legend.title_fontsize": MIN_FONT_PT,
     "legend.frameon": False,
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -77,7 +77,7 @@ class Look(NamedTuple):
     marker: str = "o"
 
 
-STYLES: dict[str, Look] = {"flexible": Look(BLUE, "-", "o"), "braced": Look(ORANGE, "--", "s")}
+LEG_STYLES: dict[str, Look] = {"flexible": Look(BLUE, "-", "o"), "braced": Look(ORANGE, "--", "s")}
 """Looks of walkers by their kind of legs."""
 
 MEASURED, FITTED = Look(BLUE, "-", "o"), Look(ORANGE, "--", "s")
@@ -95,21 +95,21 @@ SERIES: tuple[Look, ...] = (
 )
 """Looks of series without a role: the last two parts tell them apart where colours are lost."""
 
-FEW = 12
+MAX_LARGE_POINTS = 12
 """Number of points of a series up to which its symbols are large, and its bars have ends."""
 
-BAND = 0.2
+BAND_OPACITY = 0.2
 """Opacity of a band of errors."""
 
-COLOURS = {"flexible": (0.35, 0.58, 0.78), "braced": (0.86, 0.55, 0.30)}
+LEG_COLOURS = {"flexible": (0.35, 0.58, 0.78), "braced": (0.86, 0.55, 0.30)}
 """Red, green and blue of shaded parts by their kind of legs."""
 
-POINTS_A_LETTER = 0.52
+LETTER_WIDTH_RATIO = 0.52
 """Mean width of a letter over the height of the font."""
 
 
 @contextmanager
-def style(settings: Any = STYLE) -> Iterator[None]:
+def style(settings: Any = DEFAULT_STYLE) -> Iterator[None]:
     """Context in which figures are drawn; also a decorator of functions that draw them.
 
     No settings of a person, as in a matplotlibrc of the current folder, come into them.
@@ -131,25 +131,25 @@ def png(figure: Figure, dpi: int = DPI) -> bytes:
 def pdf(figure: Figure) -> bytes:
     """Render the figure as PDF, with its title and without the date; equal figures give equal bytes."""
     buffer = io.BytesIO()
-    metadata = {"CreationDate": None, "Title": words(figure)}
+    metadata = {"CreationDate": None, "Title": figure_title(figure)}
     with style():
         figure.savefig(buffer, format="pdf", metadata=metadata)
     return buffer.getvalue()
 
 
-def words(figure: Figure) -> str:
+def figure_title(figure: Figure) -> str:
     """Title of a figure, or of its first panel that has one, in one line; "" without any."""
     titles = [figure.get_suptitle(), *(axes.get_title() for axes in figure.axes)]
     return " ".join(next((title for title in titles if title), "").split())
 
 
-def wrapped(text: str, width: float, size: float = NORMAL) -> str:
+def wrap_text(text: str, width: float, size: float = FONT_PT) -> str:
     """Text in lines that fit a width (inches) in a font of a size (points)."""
-    letters = int(72.0 * width / (POINTS_A_LETTER * size))
+    letters = int(72.0 * width / (LETTER_WIDTH_RATIO * size))
     return textwrap.fill(text, letters, break_on_hyphens=False)
 
 
-def logarithmic(axis: Axis) -> None:
+def set_log_ticks(axis: Axis) -> None:
     """Ticks of a logarithmic axis, set once its limits are: plain numbers that do not collide.
 
     Over less than two decades 1, 2 and 5 are named, over more the powers of ten alone.
@@ -160,11 +160,11 @@ def logarithmic(axis: Axis) -> None:
     if decades < 0.5:
         named = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)
     axis.set_major_locator(LogLocator(subs=named, numticks=8))
-    axis.set_major_formatter(FuncFormatter(_power))
+    axis.set_major_formatter(FuncFormatter(_format_power))
     axis.set_minor_formatter(NullFormatter())
 
 
-def _power(value: float, _: float | None = None) -> str:
+def _format_power(value: float, _: float | None = None) -> str:
     """Format a number of a logarithmic axis: plain from 0.001 to 1000, beyond as a power of ten."""
     if 0.999e-3 < value < 1001.0:
         return f"{value:g}"
@@ -174,25 +174,25 @@ def _power(value: float, _: float | None = None) -> str:
     return rf"${front}10^{{{power}}}$"
 
 
-def axes_of(title: str) -> tuple[Figure, Axes]:
+def new_axes(title: str) -> tuple[Figure, Axes]:
     """Create an empty figure of the size of a column, with its title."""
-    figure, (axes,) = panels_of(title, (2.6,))
+    figure, (axes,) = new_panels(title, (2.6,))
     return figure, axes
 
 
 @style()
-def panels_of(title: str, heights: Sequence[float], width: float = COLUMN) -> tuple[Figure, list[Axes]]:
+def new_panels(title: str, heights: Sequence[float], width: float = COLUMN_INCHES) -> tuple[Figure, list[Axes]]:
     """Create an empty figure as wide as a column, with panels of these heights (inches) and one x axis."""
     figure = Figure(figsize=(width, sum(heights)), layout="constrained")
     grid = {"height_ratios": heights}
     axes = figure.subplots(len(heights), sharex=True, squeeze=False, gridspec_kw=grid)[:, 0]
-    figure.suptitle(wrapped(title, width - 0.1))
+    figure.suptitle(wrap_text(title, width - 0.1))
     return figure, list(axes)
 
 
 @style()
-def grid_of(
-    title: str, count: int, across: int, height: float, width: float = PAGE, share_y: bool = False
+def new_grid(
+    title: str, count: int, across: int, height: float, width: float = PAGE_INCHES, share_y: bool = False
 ) -> tuple[Figure, list[Axes]]:
     """Create an empty figure of `count` panels, `across` of them side by side, each row as high (inches)."""
     rows = -(-count // across)
@@ -200,11 +200,11 @@ def grid_of(
     panels = list(figure.subplots(rows, across, squeeze=False, sharey=share_y).flat)
     for axes in panels[count:]:
         axes.remove()
-    figure.suptitle(wrapped(title, width - 0.1))
+    figure.suptitle(wrap_text(title, width - 0.1))
     return figure, panels[:count]
 
 
-def name(axes: Axes, x: str = "", y: str = "", log: str = "") -> None:
+def label_axes(axes: Axes, x: str = "", y: str = "", log: str = "") -> None:
     """Name the axes, with units; those in `log` ("x", "y", "xy") are logarithmic.
 
     It comes last: ticks of logarithmic axes depend on their limits.
@@ -215,22 +215,22 @@ def name(axes: Axes, x: str = "", y: str = "", log: str = "") -> None:
         axes.set_ylabel(y)
     if "x" in log:
         axes.set_xscale("log")
-        logarithmic(axes.xaxis)
+        set_log_ticks(axes.xaxis)
     if "y" in log:
         axes.set_yscale("log")
-        logarithmic(axes.yaxis)
+        set_log_ticks(axes.yaxis)
 
 
 Errors = Sequence[Any]
 """Places, values and errors; an error is one number, or a length below and one above (2, n), or None."""
 
 
-def points(
+def draw_points(
     axes: Axes, data: Errors, look: Look = MEASURED, label: str = "", hollow: bool = False, joined: bool = False
 ) -> Any:
     """Draw symbols with bars of their errors, none where an error is NaN; `joined` by the look's line."""
     at, value, error = data
-    few = len(at) <= FEW
+    few = len(at) <= MAX_LARGE_POINTS
     return axes.errorbar(
         at,
         value,
@@ -248,25 +248,25 @@ def points(
     )
 
 
-def curve(axes: Axes, data: Errors, look: Look = FITTED, label: str = "", shade: float = BAND) -> None:
+def draw_curve(axes: Axes, data: Errors, look: Look = FITTED, label: str = "", shade: float = BAND_OPACITY) -> None:
     """Draw a line, and a band of its errors."""
     at, value, error = (np.asarray(part, dtype=float) for part in data)
     axes.plot(at, value, color=look.colour, linestyle=look.line, label=label or None)
     axes.fill_between(at, value - error, value + error, color=look.colour, alpha=shade, linewidth=0)
 
 
-def level(axes: Axes, value: float = 0.0, upright: bool = False) -> None:
+def draw_level(axes: Axes, value: float = 0.0, upright: bool = False) -> None:
     """Draw a thin line at a value to compare with, behind everything."""
     draw = axes.axvline if upright else axes.axhline
     draw(value, color=FAINT, linewidth=0.7, zorder=0)
 
 
-def legend_below(figure: Figure, columns: int = 2) -> None:
+def add_legend_below(figure: Figure, columns: int = 2) -> None:
     """One legend for all panels, below them, of what the first of them names."""
     figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=columns)
 
 
-def shown(figure: Figure) -> Figure:
+def show_in_notebook(figure: Figure) -> Figure:
     """Figure that a notebook shows as a picture, though pyplot did not make it."""
     vars(figure)["_repr_png_"] = partial(png, figure)
     return figure

@@ -2,7 +2,7 @@
 
 import re
 
-UNITS = {
+UNITS_BY_SUFFIX = {
     "_g_cm3": "g/cm³",
     "_mm_s": "mm/s",
     "_percent": "%",
@@ -18,7 +18,7 @@ UNITS = {
 }
 """Units by the ends of keys, the longest first where one ends in another."""
 
-WHOLE = {
+SPECIAL_NAMES = {
     "drive.gamma": "peak acceleration of the plate (g)",
     "drive.eccentric_g_mm": "eccentric moment of the motor (g mm)",
     "drive.axis": "axis of the motor",
@@ -28,31 +28,31 @@ WHOLE = {
 }
 """Keys whose name is not made of their parts."""
 
-TILTS, KINDS = ("legs.tilt_deg", "leg_tilt_deg"), ("legs.kind",)
+TILT_KEYS, KIND_KEYS = ("legs.tilt_deg", "leg_tilt_deg"), ("legs.kind",)
 """Keys of the tilt and the kind that the legs of a walker share, which --tilt and --legs set: of
 two equal legs, and the tilt of a list of them."""
 
-THINGS = {"drive": "the plate", "contact": "", "run": "a run", "weighed": ""}
+TABLE_SUBJECTS = {"drive": "the plate", "contact": "", "run": "a run", "weighed": ""}
 """Things that the tables of keys are about, where their names do not say it; "" for none."""
 
-LEG = re.compile(r"legs\[(\d+)\]")
+LEG_PATTERN = re.compile(r"legs\[(\d+)\]")
 
 
-def label(key: str) -> str:
+def format_key(key: str) -> str:
     """Key in words with its unit: "tilt of the legs (deg)" of legs.tilt_deg."""
     own = key.removeprefix("scene.")
-    if own in WHOLE:
-        return WHOLE[own]
-    end = next((end for end in UNITS if own.endswith(end)), "")
+    if own in SPECIAL_NAMES:
+        return SPECIAL_NAMES[own]
+    end = next((end for end in UNITS_BY_SUFFIX if own.endswith(end)), "")
     *tables, name = own.removesuffix(end).split(".")
     words = name.replace("_", " ").replace("youngs", "Young's")
-    owner = _owner(tables[-1]) if tables else ""
-    return (f"{words} of {owner}" if owner else words) + (f" ({UNITS[end]})" if end else "")
+    owner = _table_subject(tables[-1]) if tables else ""
+    return (f"{words} of {owner}" if owner else words) + (f" ({UNITS_BY_SUFFIX[end]})" if end else "")
 
 
-def _owner(table: str) -> str:
+def _table_subject(table: str) -> str:
     """Thing that a table of keys is about: "the legs", "leg 2"."""
-    numbered = LEG.fullmatch(table)
+    numbered = LEG_PATTERN.fullmatch(table)
     if numbered:
         return f"leg {numbered[1]}"
-    return THINGS.get(table, f"the {table.replace('_', ' ')}")
+    return TABLE_SUBJECTS.get(table, f"the {table.replace('_', ' ')}")

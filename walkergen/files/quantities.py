@@ -15,12 +15,12 @@ UNITS = {
 """Units as people read them, where these are not as keys write them."""
 
 
-def name_of(number: Quantity) -> str:
+def format_name(number: Quantity) -> str:
     """Return the name of a quantity in words."""
     return number.key.replace("_", " ")
 
 
-def unit_of(number: Quantity) -> str:
+def format_unit(number: Quantity) -> str:
     """Return the unit of a quantity as people read it."""
     return UNITS.get(number.unit, number.unit)
 
@@ -44,8 +44,8 @@ def format_bounds(number: Quantity) -> str:
 def columns(number_of: Callable[[Any], Quantity]) -> tuple[Column, Column, Column, Column]:
     """Return the columns of a quantity's name, unit, value with its error, and bounds; a function finds it in a row."""
     return (
-        Column("", lambda row: name_of(number_of(row))),
-        Column("", lambda row: unit_of(number_of(row))),
+        Column("", lambda row: format_name(number_of(row))),
+        Column("", lambda row: format_unit(number_of(row))),
         Column("value ± standard error", lambda row: format_value(number_of(row))),
         Column("95 %", lambda row: format_bounds(number_of(row))),
     )

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from walkergen.core.files.output import Folder
 
-MOST_SHOWN = 20
+MAX_NOTEBOOK_ROWS = 20
 """Rows that a notebook shows; the others are counted."""
 
 
@@ -41,12 +41,12 @@ class Column(NamedTuple):
     """What a short heading stands for, with the heading, said below the table."""
 
 
-def text(heading: str, key: str) -> Column:
+def text_column(heading: str, key: str) -> Column:
     """Column of words."""
     return Column(heading, lambda row: str(getattr(row, key)))
 
 
-def number(heading: str, key: str, digits: int = 4, scale: float = 1.0, wide: bool = False) -> Column:
+def number_column(heading: str, key: str, digits: int = 4, scale: float = 1.0, wide: bool = False) -> Column:
     """Column of numbers to significant digits, `scale` times those of the row; None is blank."""
 
     def cell(row: Any) -> str:
@@ -56,7 +56,7 @@ def number(heading: str, key: str, digits: int = 4, scale: float = 1.0, wide: bo
     return Column(heading, cell, True, wide)
 
 
-def fixed(heading: str, key: str, digits: int, wide: bool = False) -> Column:
+def fixed_column(heading: str, key: str, digits: int, wide: bool = False) -> Column:
     """Column of numbers with so many decimals; None is blank."""
 
     def cell(row: Any) -> str:
@@ -66,7 +66,7 @@ def fixed(heading: str, key: str, digits: int, wide: bool = False) -> Column:
     return Column(heading, cell, True, wide)
 
 
-def with_error(heading: str, key: str, se: str) -> Column:
+def error_column(heading: str, key: str, se: str) -> Column:
     """Column of numbers with their standard errors, to two digits of these; None is blank, an error of None unsaid."""
 
     def cell(row: Any) -> str:
@@ -76,16 +76,16 @@ def with_error(heading: str, key: str, se: str) -> Column:
     return Column(heading, cell)
 
 
-def span(heading: str, low: str, high: str, digits: int = 4) -> Column:
+def interval_column(heading: str, low: str, high: str, digits: int = 4) -> Column:
     """Column of intervals."""
     return Column(heading, lambda row: words.format_range(getattr(row, low), getattr(row, high), digits))
 
 
-def every(keys: Sequence[str], texts: Sequence[str] = ()) -> tuple[Column, ...]:
+def key_columns(keys: Sequence[str], texts: Sequence[str] = ()) -> tuple[Column, ...]:
     """Column a key of plain tuples, to four digits, headed by the key; `texts` are the words."""
 
     def column(at: int, key: str) -> Column:
-        return Column(key.replace("_", " "), lambda row: rounded(row[at]), key not in texts)
+        return Column(key.replace("_", " "), lambda row: format_value(row[at]), key not in texts)
 
     return tuple(column(at, key) for at, key in enumerate(keys))
 
@@ -121,7 +121,7 @@ class Table:
         if key not in self.keys:
             raise KeyError(f"no column {key!r}; columns: {', '.join(self.keys)}")
         at = list(self.keys).index(key)
-        return array_of([spell_all(row[at]) for row in self.rows])
+        return to_array([spell_all(row[at]) for row in self.rows])
 
     def __repr__(self) -> str:
         return f"<{self.title or 'table'}: {len(self)} rows of {', '.join(self.keys)}>"
@@ -136,7 +136,7 @@ class Table:
         from rich.markup import escape as literally
         from rich.table import Table as RichTable
 
-        columns = self._seen(markdown)
+        columns = self._visible_columns(markdown)
         headed = any(column.heading for column in columns)
         made = RichTable(
             title=None if markdown or not self.title else literally(self.title),
@@ -149,27 +149,27 @@ class Table:
         for column in columns:
             justify: Literal["left", "right"] = "right" if column.right else "left"
             made.add_column(column.heading, justify=justify, no_wrap="\n" in column.heading)
-        for row in self._read():
+        for row in self._visible_rows():
             made.add_row(*(literally(said(column.cell(row))) for column in columns))
         return made
 
-    def below(self, markdown: bool = False) -> list[str]:
+    def footer_lines(self, markdown: bool = False) -> list[str]:
         """Lines below the table: what its columns mean, each that is seen, and its notes."""
-        meanings = dict.fromkeys(column.meaning for column in self._seen(markdown))
+        meanings = dict.fromkeys(column.meaning for column in self._visible_columns(markdown))
         legend = "; ".join(filter(None, meanings))
         return [line if markdown else spell(line) for line in filter(None, [legend, *self.notes])]
 
-    def _seen(self, markdown: bool) -> list[Column]:
+    def _visible_columns(self, markdown: bool) -> list[Column]:
         """Columns of a page, or those that a terminal has room for."""
         return [column for column in self.columns if markdown or not column.wide]
 
-    def in_short(self) -> list[str]:
+    def summary_lines(self) -> list[str]:
         """Lines of text: rows of names and values as they are, of other tables their number."""
         if not self.columns or any(column.heading for column in self.columns):
             return [f"{self.name}: {len(self)} rows"]
-        return [spell(": ".join(column.cell(row) for column in self.columns)) for row in self._read()]
+        return [spell(": ".join(column.cell(row) for column in self.columns)) for row in self._visible_rows()]
 
-    def _read(self) -> Sequence[Any]:
+    def _visible_rows(self) -> Sequence[Any]:
         """Rows that people read."""
         return self.rows if self.read is None else self.read
 
@@ -187,24 +187,24 @@ class Table:
     def _repr_html_(self) -> str:
         heads: Sequence[str] = self.keys or [column.heading for column in self.columns]
         rows = [
-            map(rounded, row) if self.keys else [column.cell(row) for column in self.columns]
-            for row in self._read()[:MOST_SHOWN]
+            map(format_value, row) if self.keys else [column.cell(row) for column in self.columns]
+            for row in self._visible_rows()[:MAX_NOTEBOOK_ROWS]
         ]
         head = "".join(f"<th>{escape(one)}</th>" for one in heads) if any(heads) else ""
         body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
-        more = len(self._read()) - MOST_SHOWN
-        notes = [*self.below(markdown=True), *([f"and {more} more rows"] if more > 0 else [])]
+        more = len(self._visible_rows()) - MAX_NOTEBOOK_ROWS
+        notes = [*self.footer_lines(markdown=True), *([f"and {more} more rows"] if more > 0 else [])]
         title = f"<caption>{escape(self.title)}</caption>" if self.title else ""
         table = f"<table>{title}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
         return spell_for_python(table + "".join(f"<p>{escape(note)}</p>" for note in notes))
 
 
-def table(name: str, rows: Sequence[Any], columns: Sequence[Column] = (), title: str = "") -> Table:
+def table_from_rows(name: str, rows: Sequence[Any], columns: Sequence[Column] = (), title: str = "") -> Table:
     """Table of named tuples, of one at least, whose fields are the keys."""
     return Table(name, rows, rows[0]._fields, columns, title)
 
 
-def rounded(value: Any) -> str:
+def format_value(value: Any) -> str:
     """Value for people: four digits of a number, nothing where there is none."""
     if value is None:
         return ""
@@ -213,7 +213,7 @@ def rounded(value: Any) -> str:
     return str(value)
 
 
-def array_of(values: Sequence[Any]) -> "npt.NDArray[Any]":
+def to_array(values: Sequence[Any]) -> "npt.NDArray[Any]":
     """Values as an array: of numbers, None as NaN, or of objects where one is no number."""
     import numpy as np
 
@@ -268,17 +268,17 @@ class Report:
                 return each
         raise KeyError(f"no table {name!r}; tables: {', '.join(one.name for one in self.tables)}")
 
-    def shown(self) -> Iterator[Table]:
+    def visible_tables(self) -> Iterator[Table]:
         """Tables that people read, but those whose rows are all told of otherwise."""
         return (each for each in self.tables if each.columns and each.read != [])
 
     def markdown(self) -> str:
         """Page of all tables that people read, and of all lines."""
         parts = [f"# {self.title}", f"{self.caption}." if self.caption else ""]
-        for each in self.shown():
+        for each in self.visible_tables():
             parts += [f"## {each.title}" if each.title else ""]
             parts += [tables.to_markdown(each.rich(markdown=True))]
-            parts += ["\n".join(f"- {line}" for line in each.below(markdown=True))]
+            parts += ["\n".join(f"- {line}" for line in each.footer_lines(markdown=True))]
         parts += ["\n".join(f"- {line}" for line in self.lines)]
         return spell_for_python("\n\n".join(part for part in parts if part) + "\n")
 
@@ -312,22 +312,22 @@ class Report:
         if chosen not in self.figures:
             named = ", ".join(map(repr, self.figures)) or "none, as there is no figure"
             raise InputError(f"plot {name!r}: must be one of {named}")
-        return figures.shown(self.figures[chosen]())
+        return figures.show_in_notebook(self.figures[chosen]())
 
     def to_dataframe(self) -> Any:
         """Frame of pandas of the first table. Raises InputError where pandas is missing."""
         return self.table.to_dataframe()
 
     def __repr__(self) -> str:
-        lines = [self.title, *(line for one in self.tables for line in one.in_short()), *self._said()]
+        lines = [self.title, *(line for one in self.tables for line in one.summary_lines()), *self._message_lines()]
         return spell_for_python("\n".join(lines))
 
     def _repr_html_(self) -> str:
         parts = [f"<p>{escape(self.title)}</p>", f"<p>{escape(self.caption)}</p>"]
-        parts += [each._repr_html_() for each in self.shown()]
-        return spell_for_python("".join([*parts, *(f"<p>{escape(line)}</p>" for line in self._said())]))
+        parts += [each._repr_html_() for each in self.visible_tables()]
+        return spell_for_python("".join([*parts, *(f"<p>{escape(line)}</p>" for line in self._message_lines())]))
 
-    def _said(self) -> Iterator[str]:
+    def _message_lines(self) -> Iterator[str]:
         """Lines and warnings."""
         yield from map(spell, self.lines)
         yield from (f"warning: {spell(warning)}" for warning in self.warnings)

@@ -14,10 +14,10 @@ from walkergen.files.report import Report
 
 KINDS = ("walkers", "scenes", "printers")
 
-PUBLISHED = "published"
+PUBLISHED_FOLDER = "published"
 """Folder of walkers and scenes after published work, which nobody is asked to print: published/NAME names one."""
 
-NAME_KEY = re.compile(r'^name = "[^"]*"', re.MULTILINE)
+NAME_PATTERN = re.compile(r'^name = "[^"]*"', re.MULTILINE)
 """Line of a template that names it: every shipped one has it, above its tables."""
 
 
@@ -41,35 +41,35 @@ def names(kind: str) -> list[str]:
     return sorted(path.stem for path in (folder() / kind).glob("*.toml"))
 
 
-def published(kind: str) -> list[str]:
+def published_names(kind: str) -> list[str]:
     """Names of the templates of a kind after published work, sorted: published/NAME."""
-    return sorted(f"{PUBLISHED}/{path.stem}" for path in (folder() / PUBLISHED / kind).glob("*.toml"))
+    return sorted(f"{PUBLISHED_FOLDER}/{path.stem}" for path in (folder() / PUBLISHED_FOLDER / kind).glob("*.toml"))
 
 
-def known(kind: str) -> list[str]:
+def all_names(kind: str) -> list[str]:
     """Names of all templates of a kind: those to start from, then those after published work."""
-    return names(kind) + published(kind)
+    return names(kind) + published_names(kind)
 
 
 def find(name: str) -> Path:
     """Find the template of a name in any of the kinds. Raises InputError."""
     for kind in KINDS:
-        if name in known(kind):
-            return _file(name, kind)
-    listed = ", ".join(name for kind in KINDS for name in known(kind))
+        if name in all_names(kind):
+            return _template_path(name, kind)
+    listed = ", ".join(name for kind in KINDS for name in all_names(kind))
     raise InputError(f"{name!r}: no such template; known: {listed}")
 
 
-def _file(name: str, kind: str) -> Path:
+def _template_path(name: str, kind: str) -> Path:
     """File of a template that is there."""
     room, _, stem = name.rpartition("/")
     return folder() / room / kind / f"{stem}.toml"
 
 
-def renamed(path: Path, name: str) -> str:
+def read_with_name(path: Path, name: str) -> str:
     """Text of a template under another name, with its comments as they are."""
     text = path.read_text(encoding="utf-8")
-    return NAME_KEY.sub(f'name = "{name}"', text, count=1)
+    return NAME_PATTERN.sub(f'name = "{name}"', text, count=1)
 
 
 def load(name_or_path: str | Path, kind: str, model: type[Model], near: Path = Path()) -> Model:
@@ -77,10 +77,10 @@ def load(name_or_path: str | Path, kind: str, model: type[Model], near: Path = P
 
     Raises InputError that lists the known kinds or names, or every mistake in the file.
     """
-    return read_section(path_of(name_or_path, kind, near), model)
+    return read_section(resolve_path(name_or_path, kind, near), model)
 
 
-def path_of(name_or_path: str | Path, kind: str, near: Path = Path()) -> Path:
+def resolve_path(name_or_path: str | Path, kind: str, near: Path = Path()) -> Path:
     """Path of a template by its name, or of the user's own file: a Path, or other text with .toml or /.
 
     Paths begin at the folder `near`, by default the one that walkergen runs in.
@@ -88,24 +88,24 @@ def path_of(name_or_path: str | Path, kind: str, near: Path = Path()) -> Path:
     """
     if kind not in KINDS:
         raise InputError(f"{kind!r}: no such kind of templates; must be one of {', '.join(KINDS)}")
-    if isinstance(name_or_path, Path) or written_as_path(name_or_path):
+    if isinstance(name_or_path, Path) or is_path(name_or_path):
         return near / name_or_path
-    if name_or_path in known(kind):
-        return _file(name_or_path, kind)
+    if name_or_path in all_names(kind):
+        return _template_path(name_or_path, kind)
     raise InputError(
-        f"{name_or_path[:80]!r}: no such template; known {kind}: {', '.join(known(kind))}; "
+        f"{name_or_path[:80]!r}: no such template; known {kind}: {', '.join(all_names(kind))}; "
         "or give the path of a TOML file"
     )
 
 
-def written_as_path(text: str) -> bool:
+def is_path(text: str) -> bool:
     """Return whether a text names a file, not a template: it has an ending or /, but is not published/NAME."""
-    if re.fullmatch(rf"{PUBLISHED}/[\w-]+", text):
+    if re.fullmatch(rf"{PUBLISHED_FOLDER}/[\w-]+", text):
         return False
     return bool(re.search(r"\.[A-Za-z0-9]{2,5}$", text)) or "/" in text or "\\" in text
 
 
-def dump(model: Section, comment: str, every: bool = True) -> str:
+def to_toml(model: Section, comment: str, every: bool = True) -> str:
     """Write a TOML file that `load` reads back, with a comment of one line at its head.
 
     It has every key, or without `every` those alone that were set, because some exclude each other's defaults.
@@ -115,17 +115,17 @@ def dump(model: Section, comment: str, every: bool = True) -> str:
     return f"# {line}\n\n" + tomli_w.dumps(data)
 
 
-def listing() -> Report:
+def list_templates() -> Report:
     """Every template with its description, kind by kind."""
     entries = []
     for kind in KINDS:
-        for name in known(kind):
-            data = tomllib.loads(_file(name, kind).read_text(encoding="utf-8"))
+        for name in all_names(kind):
+            data = tomllib.loads(_template_path(name, kind).read_text(encoding="utf-8"))
             entries.append(Entry(kind, name, data["description"]))
-    columns = [report.text(key, key) for key in Entry._fields]
+    columns = [report.text_column(key, key) for key in Entry._fields]
     return Report(
         name="templates",
         title="Shipped templates",
-        tables=[report.table("templates", entries, columns)],
+        tables=[report.table_from_rows("templates", entries, columns)],
         facts={"rows": [entry._asdict() for entry in entries]},
     )

@@ -18,10 +18,10 @@ import numpy.typing as npt
 
 from walkergen.files import web_page
 
-STYLE = "part.css"
+STYLE_SHEET = "part.css"
 """Style sheet of the view."""
 
-MOST_TRIANGLES = 300_000
+MAX_TRIANGLES = 300_000
 """Triangles of all parts in a view: some 4 MB of a notebook, and what a laptop turns smoothly."""
 
 HEIGHT_PX = 360
@@ -42,17 +42,17 @@ class Part(NamedTuple):
     """What is said of it beside its name."""
 
 
-def script() -> str:
+def viewer_script() -> str:
     """Read the viewer's bundle, built from viewer/; it defines walkergenViewer."""
     return web_page.read_asset("viewer.min.js")
 
 
-def scripts() -> list[str]:
+def page_scripts() -> list[str]:
     """Return the scripts that a page with a view must let run."""
-    return [web_page.read_asset("part.js"), script()]
+    return [web_page.read_asset("part.js"), viewer_script()]
 
 
-def view(parts: Sequence[Part]) -> markupsafe.Markup:
+def render_view(parts: Sequence[Part]) -> markupsafe.Markup:
     """Return the view of one of the parts, to be put into a page once."""
     corners = [part.vertices[part.triangles].astype("<f4").tobytes() for part in parts]
     return web_page.fill(
@@ -61,22 +61,22 @@ def view(parts: Sequence[Part]) -> markupsafe.Markup:
             {"name": part.name, "kind": part.kind, "triangles": len(part.triangles), "words": part.words}
             for part in parts
         ],
-        meshes=_packed(b"".join(corners)),
-        viewer=_packed_viewer(),
+        meshes=_compress(b"".join(corners)),
+        viewer=_compressed_viewer(),
         script=markupsafe.Markup(web_page.read_asset("part.js")),
     )
 
 
-def frame(parts: Sequence[Part], title: str) -> str:
+def render_frame(parts: Sequence[Part], title: str) -> str:
     """Frame (HTML) in which one of the parts is seen, with its size in words below it.
 
     Parts beyond MOST_TRIANGLES are left out, and named. Equal parts give equal text.
     """
-    seen = _fitting(parts)
+    seen = _parts_within_limit(parts)
     left_out = [part.name for part in parts[len(seen) :]]
     html = []
     if seen:
-        page = escape(web_page.render(title, view(seen), (STYLE, "frame.css"), scripts()), quote=True)
+        page = escape(web_page.render(title, render_view(seen), (STYLE_SHEET, "frame.css"), page_scripts()), quote=True)
         size = f"{len(page) / 1e6:.2f}"
         html.append(
             f'<iframe title="{escape(title)}" sandbox="allow-scripts" srcdoc="{page}" style="width:'
@@ -87,21 +87,21 @@ def frame(parts: Sequence[Part], title: str) -> str:
         names = ", ".join(left_out[:3]) + (" ..." if len(left_out) > 3 else "")
         html.append(
             f"<p>{len(left_out)} of {len(parts)} parts are not in the 3D view, which has "
-            f"{MOST_TRIANGLES} triangles at most: {escape(names)}</p>"
+            f"{MAX_TRIANGLES} triangles at most: {escape(names)}</p>"
         )
     return "".join(html)
 
 
-def _fitting(parts: Sequence[Part]) -> Sequence[Part]:
+def _parts_within_limit(parts: Sequence[Part]) -> Sequence[Part]:
     """First parts that have MOST_TRIANGLES together at most."""
     total = np.cumsum([len(part.triangles) for part in parts])
-    return parts[: int(np.searchsorted(total, MOST_TRIANGLES, side="right"))]
+    return parts[: int(np.searchsorted(total, MAX_TRIANGLES, side="right"))]
 
 
-def _packed(data: bytes) -> str:
+def _compress(data: bytes) -> str:
     return base64.b64encode(zlib.compress(data, 9)).decode()
 
 
 @cache
-def _packed_viewer() -> str:
-    return _packed(script().encode())
+def _compressed_viewer() -> str:
+    return _compress(viewer_script().encode())

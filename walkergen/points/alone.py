@@ -3,7 +3,7 @@
 import time
 from collections.abc import Sequence
 
-from walkergen.analysis.estimates import ALIGNED, UNITS
+from walkergen.analysis.estimates import ALIGNMENT_NAMES, UNITS
 from walkergen.core.errors import InputError
 from walkergen.core.printing import checks
 from walkergen.core.printing.findings import group_findings as in_order
@@ -16,21 +16,21 @@ from walkergen.core.walker.mass import MassProperties
 from walkergen.points import expected, speeds, walkers
 from walkergen.points.experiments import Results, Walker
 from walkergen.points.kinds import Picture
-from walkergen.points.point import PREDICTION, SPACE, Point, Record, Went, went
-from walkergen.points.simplest import simplest
+from walkergen.points.point import PREDICTION, SPACE, Point, Record, Went, status_record
+from walkergen.points.simplest import find_simplest
 from walkergen.points.walkers import Met
 
 GROUPS = ("speed", "spread", "persistence", "alignment", "impacts", "masses", "printability")
 KEPT, SCENE, RUNS, MEETS_ERRORS = ("speed",), "lane-90hz", None, True
 
-OF_MOTION: dict[str, tuple[str, ...]] = {
+MOTION_GROUPS: dict[str, tuple[str, ...]] = {
     "persistence": ("persistence_time", "persistence_length", "rotational_diffusion", "turning_bias"),
-    "alignment": ALIGNED,
+    "alignment": ALIGNMENT_NAMES,
 }
 """Groups of what tracks tell, with their estimates by the names of `estimates.UNITS`."""
 
-PREDICTED = "speed_mm_s", "theory_mm_s", "model"
-SIMULATED = (
+PREDICTED_COLUMNS = "speed_mm_s", "theory_mm_s", "model"
+SIMULATED_COLUMNS = (
     "speed_mm_s",
     "se_mm_s",
     "low_95_mm_s",
@@ -44,11 +44,11 @@ SIMULATED = (
 )
 """Columns of a predicted speed, and of a simulated one."""
 
-MORE = {
+GROUP_COLUMNS = {
     "spread": tuple(f"predicted_{side}_{level}_mm_s" for level in (95, 68) for side in ("low", "high")),
     **{
         group: tuple(f"{name}{se}_{UNITS[name]}" for name in names for se in ("", "_se"))
-        for group, names in OF_MOTION.items()
+        for group, names in MOTION_GROUPS.items()
     },
     "impacts": ("impacts_per_s", "impacts_per_s_se", "contact_fraction", "contact_fraction_se"),
     "masses": ("total_g", "M_g", "J_g_mm2", "m_g", "j_g_mm2"),
@@ -73,8 +73,8 @@ def title(model: str) -> str:
 
 def columns(model: str, keep: Sequence[str]) -> tuple[str, ...]:
     """Columns of records that keep these groups, without the status."""
-    more = [name for group in MORE if group in keep for name in MORE[group]]
-    return (*(PREDICTED if model == PREDICTION else SIMULATED), *more)
+    more = [name for group in GROUP_COLUMNS if group in keep for name in GROUP_COLUMNS[group]]
+    return (*(PREDICTED_COLUMNS if model == PREDICTION else SIMULATED_COLUMNS), *more)
 
 
 def pictures(keep: Sequence[str]) -> tuple[Picture, ...]:
@@ -85,10 +85,10 @@ def pictures(keep: Sequence[str]) -> tuple[Picture, ...]:
 def cost(point: Point) -> float:
     """CPU seconds that a point takes, by a moment of its runs, or the first of them; a prediction is made twice."""
     if point.simulated:
-        found = simplest(Walker(point.scene, point.design, solids.mass_of(point.design)), threads=1)
+        found = find_simplest(Walker(point.scene, point.design, solids.mass_of(point.design)), threads=1)
         walker, wanted = found.walker, point.wanted
         runs = walker.scene.run.runs
-        left = expected.of_run(walker) * runs if wanted is None else walkers.cost_to_error(walker, wanted)
+        left = expected.run_cpu_s(walker) * runs if wanted is None else walkers.cost_to_error(walker, wanted)
         return found.cpu_s + left
     evaluate(point)  # what is read once for all points
     started = time.thread_time()
@@ -101,7 +101,7 @@ def evaluate(point: Point) -> Record:
     design, scene, keep = point.design, point.scene, point.keep
     weights.check_stated_masses(design)
     mass = solids.mass_of(design)
-    record = _simulated(point, mass) if point.simulated else went(Went.OK)
+    record = _simulate_point(point, mass) if point.simulated else status_record(Went.OK)
     if point.predicted:
         row = speeds.predict(design, mass, scene, model="known")
         if point.simulated:
@@ -109,10 +109,10 @@ def evaluate(point: Point) -> Record:
         else:
             record |= {"speed_mm_s": row.speed_mm_s, "model": row.speed_by}
             if row.speed_mm_s is None:
-                record |= went(Went.OK, f"{row.note}: ‹model=›space")
+                record |= status_record(Went.OK, f"{row.note}: ‹model=›space")
         record["theory_mm_s"] = row.theory_mm_s
         if "spread" in keep:
-            record |= {name: getattr(row, name.replace("predicted", "speed")) for name in MORE["spread"]}
+            record |= {name: getattr(row, name.replace("predicted", "speed")) for name in GROUP_COLUMNS["spread"]}
     if "masses" in keep:
         leg = next((leg for leg in mass.legs if leg.m > 0.0), None)
         record |= {
@@ -134,18 +134,18 @@ def evaluate(point: Point) -> Record:
     return record
 
 
-def _simulated(point: Point, mass: MassProperties) -> Record:
+def _simulate_point(point: Point, mass: MassProperties) -> Record:
     """Numbers of the runs of a point, more and more of them until its error is met."""
-    walker, met = simplest(Walker(point.scene, point.design, mass), threads=1).walker, None
+    walker, met = find_simplest(Walker(point.scene, point.design, mass), threads=1).walker, None
     if point.wanted is None:
         results = walkers.simulate(walker, threads=1)
     else:
-        met = walkers.to_error(walker, point.wanted, threads=1)
+        met = walkers.simulate_to_error(walker, point.wanted, threads=1)
         results = met.results
     if results.partial:
         raise KeyboardInterrupt
     summary, scene = results.summary, results.walker.scene
-    record = _went(summary, met) | {
+    record = _status_record(summary, met) | {
         "speed_mm_s": summary.speed_mm_s,
         "se_mm_s": summary.speed_se_mm_s,
         "low_95_mm_s": summary.speed_low_95_mm_s,
@@ -158,12 +158,12 @@ def _simulated(point: Point, mass: MassProperties) -> Record:
     if "impacts" in point.keep:
         for name in (observables.IMPACTS, observables.CONTACT):
             record |= {name: getattr(summary, name), f"{name}_se": summary.errors[name]}
-    if names := [name for group, names in OF_MOTION.items() if group in point.keep for name in names]:
-        record |= _motion(results, names)
+    if names := [name for group, names in MOTION_GROUPS.items() if group in point.keep for name in names]:
+        record |= _motion_record(results, names)
     return record
 
 
-def _motion(results: Results, names: Sequence[str]) -> Record:
+def _motion_record(results: Results, names: Sequence[str]) -> Record:
     """Estimates of the motion of runs; None where they are not known."""
     good = [result for result in results.results if result.outcome in ENDED_WELL]
     moved = None
@@ -177,18 +177,20 @@ def _motion(results: Results, names: Sequence[str]) -> Record:
     return record
 
 
-def _went(summary: Summary, met: Met | None) -> Record:
+def _status_record(summary: Summary, met: Met | None) -> Record:
     """How the runs of a point went."""
     fine = [outcome.value for outcome in (*ENDED_WELL, Outcome.TOO_FEW, Outcome.ORBIT)]
     bad = {name: count for name, count in summary.outcomes.items() if name not in fine}
     if summary.speed_mm_s is None:
-        return went(Went.NO_SPEED, f"{Went.NO_SPEED}: {format_outcomes(summary.outcomes)}")
+        return status_record(Went.NO_SPEED, f"{Went.NO_SPEED}: {format_outcomes(summary.outcomes)}")
     if bad:
-        return went(Went.RUNS_ENDED_BADLY, f"{Went.RUNS_ENDED_BADLY}: {format_outcomes(bad)}")
+        return status_record(Went.RUNS_ENDED_BADLY, f"{Went.RUNS_ENDED_BADLY}: {format_outcomes(bad)}")
     if Outcome.TOO_FEW.value in summary.outcomes:
-        return went(Went.NOT_MET, "error unknown: too few data; take more runs, or longer ones")
+        return status_record(Went.NOT_MET, "error unknown: too few data; take more runs, or longer ones")
     if Outcome.ORBIT.value in summary.outcomes:
-        return went(Went.NOT_MET, f"error unknown: all runs are {Outcome.ORBIT.value}, which other prints are not")
+        return status_record(
+            Went.NOT_MET, f"error unknown: all runs are {Outcome.ORBIT.value}, which other prints are not"
+        )
     if met is not None and met.error > met.allowed:
-        return went(Went.NOT_MET, f"error {met.error:.3g} mm/s, not within the {met.allowed:.3g} asked")
-    return went(Went.OK)
+        return status_record(Went.NOT_MET, f"error {met.error:.3g} mm/s, not within the {met.allowed:.3g} asked")
+    return status_record(Went.OK)

@@ -26,14 +26,14 @@ Array = npt.NDArray[np.float64]
 
 Bounds = tuple[float, float, float, float]
 
-FEWEST_DRAWS, MOST_DRAWS = 16, 4096
+MIN_DRAWS, MAX_DRAWS = 16, 4096
 
-MOST_TAKEN = 0.5
+MAX_VARIANCE_SHARE = 0.5
 """Largest part of the draws' variance that is taken out of the bounds as the error of short runs.
 Where it is less all of it is, and bounds hold what they say. So few draws know no better what
 remains of a larger one: with all of it out 95 % bounds held 80 to 87 % where it was four fifths."""
 
-GROUPS = 8
+JACKKNIFE_GROUPS = 8
 """Number of groups of draws that are left out in turn, for the errors of the shares."""
 
 
@@ -73,11 +73,11 @@ def measure(scene: Scene, design: Design, draws: int, progress: Progress) -> Unc
     Raises InputError for a number of draws out of range, when nothing is uncertain, and when too
     few runs end well.
     """
-    if not FEWEST_DRAWS <= draws <= MOST_DRAWS:
-        raise InputError(f"‹draws=›{draws}: must lie in {FEWEST_DRAWS}..{MOST_DRAWS}")
-    drawn = simulated(scene, design, draws, progress)
+    if not MIN_DRAWS <= draws <= MAX_DRAWS:
+        raise InputError(f"‹draws=›{draws}: must lie in {MIN_DRAWS}..{MAX_DRAWS}")
+    drawn = simulate_prints(scene, design, draws, progress)
     result = analyse(drawn.inputs, drawn.values, drawn.halves, drawn.outcomes, scene.run.seed)
-    ends = widened(result.bounds_mm_s, result.speed_mm_s, drawn.by_step_mm_s)
+    ends = add_step_error(result.bounds_mm_s, result.speed_mm_s, drawn.by_step_mm_s)
     return result._replace(by_step_mm_s=drawn.by_step_mm_s, bounds_mm_s=ends)
 
 
@@ -94,7 +94,7 @@ class Drawn(NamedTuple):
     """Largest error of the mean speed by the time step (95 %); None where it is not known."""
 
 
-def simulated(scene: Scene, design: Design, draws: int, progress: Progress) -> Drawn:
+def simulate_prints(scene: Scene, design: Design, draws: int, progress: Progress) -> Drawn:
     """Simulate `draws` prints, the scene's seconds each.
 
     Raises InputError when nothing is uncertain, and when fewer than FEWEST_DRAWS runs end well.
@@ -107,28 +107,28 @@ def simulated(scene: Scene, design: Design, draws: int, progress: Progress) -> D
             "reads; set one, for instance contact.restitution_sd"
         )
     values = uncertain.sample_inputs(inputs, draws, scene.run.seed)
-    experiments_of = [_asked(scene, design, inputs, row, number) for number, row in enumerate(values)]
-    points = _simulated(experiments_of, progress)
+    experiments_of = [_build_draw(scene, design, inputs, row, number) for number, row in enumerate(values)]
+    points = _simulate_draws(experiments_of, progress)
     good = np.array([point.results[0].outcome in ENDED_WELL for point in points])
-    if good.sum() < FEWEST_DRAWS:
+    if good.sum() < MIN_DRAWS:
         raise InputError(
-            f"‹uncertain›: {good.sum()} of {draws} runs ended well, {FEWEST_DRAWS} are needed; "
+            f"‹uncertain›: {good.sum()} of {draws} runs ended well, {MIN_DRAWS} are needed; "
             "`simulate` without it says how they end"
         )
-    halves = np.array([_halves(point) for point, well in zip(points, good, strict=True) if well])
+    halves = np.array([_half_speeds(point) for point, well in zip(points, good, strict=True) if well])
     outcomes = dict(Counter(point.results[0].outcome.value for point in points))
     summary = points[0].summary._replace(speed_mm_s=float(halves.mean()))
     step = resolution.judge(plan, summary)[observables.SPEED].error
     return Drawn(inputs, values[good], halves, outcomes, step)
 
 
-def widened(ends: Bounds, mean: float, error: float | None) -> Bounds:
+def add_step_error(ends: Bounds, mean: float, error: float | None) -> Bounds:
     """Bounds about a mean (mm/s) with the step's error (95 %; None: not known) added in squares."""
     by_step = error or 0.0
-    return added(ends, mean, (by_step, 0.5 * by_step, 0.5 * by_step, by_step))
+    return add_error(ends, mean, (by_step, 0.5 * by_step, 0.5 * by_step, by_step))
 
 
-def added(ends: Bounds, mean: float, parts: Bounds) -> Bounds:
+def add_error(ends: Bounds, mean: float, parts: Bounds) -> Bounds:
     """Bounds about a mean (mm/s) with a further error added to each end in squares."""
     low2, low1, high1, high2 = (
         mean + math.copysign(math.hypot(end - mean, part), end - mean) for end, part in zip(ends, parts, strict=True)
@@ -136,7 +136,7 @@ def added(ends: Bounds, mean: float, parts: Bounds) -> Bounds:
     return low2, low1, high1, high2
 
 
-def _asked(scene: Scene, design: Design, inputs: Sequence[Input], row: Array, number: int) -> Walker:
+def _build_draw(scene: Scene, design: Design, inputs: Sequence[Input], row: Array, number: int) -> Walker:
     """Results of one draw: a single run whose drop and corner heights are its own."""
     names = [quantity.name for quantity in inputs]
     changed, printed, mass = uncertain.apply_inputs(scene, design, dict(zip(names, row, strict=True)))
@@ -144,17 +144,17 @@ def _asked(scene: Scene, design: Design, inputs: Sequence[Input], row: Array, nu
     return Walker(changed.model_copy(update={"run": run}), printed, mass)
 
 
-def _simulated(wanted: Sequence[Walker], progress: Progress) -> list[Results]:
+def _simulate_draws(wanted: Sequence[Walker], progress: Progress) -> list[Results]:
     """Points of all draws; the first is simulated alone, since it compiles for all."""
     progress("kernels", 0, len(wanted))
     first = walkers.simulate(wanted[0])
-    others = walkers.at_once(wanted[1:], part_progress(progress, 0, 1, f"{len(wanted)} prints"))
+    others = walkers.simulate_parallel(wanted[1:], part_progress(progress, 0, 1, f"{len(wanted)} prints"))
     if first.partial or len(others) < len(wanted) - 1:
         raise KeyboardInterrupt
     return [first, *others.values()]
 
 
-def _halves(point: Results) -> tuple[float, float]:
+def _half_speeds(point: Results) -> tuple[float, float]:
     """Mean speeds of the two halves of a run, mm/s."""
     blocks = point.results[0].block_speeds
     middle = len(blocks) // 2
@@ -174,7 +174,7 @@ def analyse(inputs: tuple[Input, ...], values: Array, halves: Array, outcomes: d
     shares: tuple[Share, ...] = ()
     rest = rest_se = 0.0
     if between > 0.0:
-        explained, errors = _explained(inputs, values, speeds, between, seed)
+        explained, errors = _variance_shares(inputs, values, speeds, between, seed)
         shares = uncertain.sort_shares(inputs, explained[:2], errors[:2])
         rest, rest_se = 1.0 - float(explained[2, 0]), float(errors[2, 0])
     return Uncertain(
@@ -185,7 +185,7 @@ def analyse(inputs: tuple[Input, ...], values: Array, halves: Array, outcomes: d
         between,
         statistical,
         None,
-        bounds(speeds, statistical),
+        speed_bounds(speeds, statistical),
         shares,
         rest,
         rest_se,
@@ -200,21 +200,23 @@ def statistical_error(halves: Array) -> float:
     return 0.5 * float(np.sqrt(np.mean((halves[:, 1] - halves[:, 0]) ** 2)))
 
 
-def bounds(speeds: Array, statistical: float) -> Bounds:
+def speed_bounds(speeds: Array, statistical: float) -> Bounds:
     """Speeds below which 2.5, 16, 84 and 97.5 % of prints run, from draws of shape (n,), mm/s.
 
     Draws are drawn together until they scatter as prints alone do, so that the error of short runs
     is not in the bounds; but no more than MOST_TAKEN of their variance is taken out.
     """
     mean, variance = speeds.mean(), float(speeds.var(ddof=1))
-    share = min(statistical**2 / variance, MOST_TAKEN) if variance else 0.0
+    share = min(statistical**2 / variance, MAX_VARIANCE_SHARE) if variance else 0.0
     drawn = mean + (speeds - mean) * math.sqrt(1.0 - share)
     ends = statistics.prediction_quantiles(drawn, uncertain.QUANTILES)
     low2, low1, high1, high2 = ends.tolist()
     return low2, low1, high1, high2
 
 
-def _explained(inputs: Sequence[Input], values: Array, speeds: Array, between: float, seed: int) -> tuple[Array, Array]:
+def _variance_shares(
+    inputs: Sequence[Input], values: Array, speeds: Array, between: float, seed: int
+) -> tuple[Array, Array]:
     """First-order and total shares of the variance between prints, and what inputs explain of it.
 
     Shape (3, inputs), the last row equal throughout, and standard errors of the same shape by a
@@ -234,7 +236,7 @@ def _explained(inputs: Sequence[Input], values: Array, speeds: Array, between: f
         part = min(explained / between**2, 1.0)
         return np.vstack([part * parts, np.full(len(inputs), part)])
 
-    group = np.arange(len(speeds)) % GROUPS
-    replicates = np.array([shares(group != left_out).ravel() for left_out in range(GROUPS)])
+    group = np.arange(len(speeds)) % JACKKNIFE_GROUPS
+    replicates = np.array([shares(group != left_out).ravel() for left_out in range(JACKKNIFE_GROUPS)])
     whole = shares(group >= 0)
     return whole, statistics.jackknife_error(replicates).reshape(whole.shape)

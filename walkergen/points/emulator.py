@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
 
-FEWEST = 8
+MIN_VALUES = 8
 """Number of values below which no emulator is fitted."""
 
 
@@ -50,7 +50,7 @@ class Emulator(NamedTuple):
         return np.ravel(mean), sd
 
 
-def alone() -> Any:
+def single_thread() -> Any:
     """Context in which linear algebra stays on one thread.
 
     Matrices here are so small that threads wait for one another: on a busy machine for a hundred
@@ -71,8 +71,8 @@ def fit(x: Array, y: Array, noise: Array | None = None, seed: int = 1, like: Emu
     from sklearn.gaussian_process import GaussianProcessRegressor
     from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
 
-    if len(y) < FEWEST:
-        raise ValueError(f"{len(y)} values; an emulator needs {FEWEST}")
+    if len(y) < MIN_VALUES:
+        raise ValueError(f"{len(y)} values; an emulator needs {MIN_VALUES}")
     centre, scale = x.mean(axis=0), x.std(axis=0)
     scale = np.where(scale > 0, scale, 1.0)
     spread = float(y.std()) or 1.0
@@ -92,7 +92,7 @@ def fit(x: Array, y: Array, noise: Array | None = None, seed: int = 1, like: Emu
         optimizer=None if like else "fmin_l_bfgs_b",
         random_state=seed,
     )
-    with warnings.catch_warnings(), alone():
+    with warnings.catch_warnings(), single_thread():
         # A length at its bound says that an input does not matter: that is an answer.
         warnings.simplefilter("ignore", ConvergenceWarning)
         process.fit((x - centre) / scale, y)

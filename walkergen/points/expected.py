@@ -24,64 +24,64 @@ from walkergen.points.experiments import Walker
 MOMENT_S = 0.4
 """CPU time of a moment, s."""
 
-SETTLING_S, LONGEST_S = 0.1, 60.0
+SETTLING_S, MAX_MOMENT_S = 0.1, 60.0
 """Start of a moment, in which the walker lands, and its longest time after that, s."""
 
-STEP_S = 2.5e-7
+STEP_CPU_S = 2.5e-7
 """CPU time of a step, or of a period of the plate, s: 0.1 to 0.3 us were measured."""
 
-LONGEST_START_S = 2.0
+MAX_START_S = 2.0
 """CPU time of the start of a moment, which nothing stops, up to which it is simulated, s."""
 
-SHORT_S = 10.0
+MIN_RUNS_S = 10.0
 """Simulated time of all runs below which they take no time that is worth a moment, s."""
 
 
-def moment() -> Stopped:
+def stop_after_moment() -> Stopped:
     """Return a function that stops a run after MOMENT_S of CPU time."""
     ends = time.thread_time() + MOMENT_S
     return lambda: time.thread_time() >= ends
 
 
-def counted(plan: Plan) -> float:
+def rate_from_steps(plan: Plan) -> float:
     """Bound the CPU seconds of a simulated second of a walker.
 
     The bound is from the steps of a walker whose feet never leave the plate, or from the plate's periods.
     """
     step = getattr(plan.world.options, "step", None)  # none of models that go from event to event
-    return STEP_S * max(0.0 if step is None else 1.0 / step, plan.shaken.frequency)
+    return STEP_CPU_S * max(0.0 if step is None else 1.0 / step, plan.shaken.frequency)
 
 
-def rate(plan: Plan) -> float:
+def measure_rate(plan: Plan) -> float:
     """Estimate the CPU seconds of a simulated second of a walker, from a moment of its first run.
 
     Steps are counted instead if they are so many that even the start of a moment takes long.
     """
-    by_steps = counted(plan)
-    if SETTLING_S * by_steps > LONGEST_START_S:
+    by_steps = rate_from_steps(plan)
+    if SETTLING_S * by_steps > MAX_START_S:
         return by_steps
     compile_kernels(plan)
-    result = simulate(plan.with_run_settings(seconds=LONGEST_S, discard_seconds=SETTLING_S), 0, moment())
+    result = simulate(plan.with_run_settings(seconds=MAX_MOMENT_S, discard_seconds=SETTLING_S), 0, stop_after_moment())
     return result.cpu_s / (SETTLING_S + result.measured_s)
 
 
-def of_run(walker: Walker) -> float:
+def run_cpu_s(walker: Walker) -> float:
     """CPU seconds of one run of a walker."""
     run = walker.scene.run
-    return rate(walker.plan()) * (run.discard_seconds + run.seconds)
+    return measure_rate(walker.plan()) * (run.discard_seconds + run.seconds)
 
 
-def by_clock(each_s: float, pieces: int, hands: int | None = None) -> float:
+def wall_time(each_s: float, pieces: int, hands: int | None = None) -> float:
     """Time by the clock (s) of pieces of work of so many CPU seconds each, in turns of `hands`, or of every core."""
-    return each_s * math.ceil(pieces / (hands or worker_pool.cores()))
+    return each_s * math.ceil(pieces / (hands or worker_pool.core_count()))
 
 
-def of_runs(walkers: Sequence[Walker]) -> Expected | None:
+def total_time(walkers: Sequence[Walker]) -> Expected | None:
     """Time of the runs that the scenes of walkers ask for, one walker after the other; None where that is short."""
     runs = [walker.scene.run for walker in walkers]
-    if sum(run.runs * (run.discard_seconds + run.seconds) for run in runs) < SHORT_S:
+    if sum(run.runs * (run.discard_seconds + run.seconds) for run in runs) < MIN_RUNS_S:
         return None
-    return Expected(sum(by_clock(of_run(walker), walker.scene.run.runs) for walker in walkers))
+    return Expected(sum(wall_time(run_cpu_s(walker), walker.scene.run.runs) for walker in walkers))
 
 
 class Told(NamedTuple):
@@ -99,16 +99,17 @@ class Told(NamedTuple):
         """More runs, or a finer experiment, as the error needs."""
         more = self.until.further(measured)
         if more is not None and measured.runs == self.until.first:
-            self.expect(lambda: to_error(self.until, measured))
+            self.expect(lambda: time_to_error(self.until, measured))
         return more
 
 
-def to_error(until: Error, measured: Measured[Walker]) -> Expected:
+def time_to_error(until: Error, measured: Measured[Walker]) -> Expected:
     """Time that an error still takes after the first runs; and in all, beside what the next cheaper one would take."""
     cheaper = until._replace(tolerance=next_cheaper(until.tolerance))
-    hands, left = worker_pool.cores(), cost_of_error(until, measured)
+    hands, left = worker_pool.core_count(), cost_of_error(until, measured)
     whole, other = (
-        words.format_duration((spent(measured) + cost) / hands) for cost in (left, cost_of_error(cheaper, measured))
+        words.format_duration((total_cpu_s(measured) + cost) / hands)
+        for cost in (left, cost_of_error(cheaper, measured))
     )
     return Expected(
         left / hands, "" if whole == other else f"{until.tolerance} {whole} in all, {cheaper.tolerance} {other}"
@@ -120,21 +121,21 @@ def cost_of_error(until: Error, measured: Measured[Walker]) -> float:
     if until.further(measured) is None:
         return 0.0
     finer = until.select_resolution(measured)
-    runs = _runs(until, measured, finer)
+    runs = _runs_needed(until, measured, finer)
     if finer is measured.experiment:
-        return spent(measured) * max(runs - measured.runs, 0) / measured.runs
-    return of_run(finer) * runs
+        return total_cpu_s(measured) * max(runs - measured.runs, 0) / measured.runs
+    return run_cpu_s(finer) * runs
 
 
-def spent(measured: Measured[Any]) -> float:
+def total_cpu_s(measured: Measured[Any]) -> float:
     """CPU seconds that runs took."""
     return float(sum(record.cpu_s for record in measured.records))
 
 
-def _runs(until: Error, measured: Measured[Walker], finer: Walker) -> int:
+def _runs_needed(until: Error, measured: Measured[Walker], finer: Walker) -> int:
     """Fewest runs of an experiment that will meet an error, by the scatter of those that were made."""
     quantity = measured._replace(experiment=finer).quantities[until.of]
-    scatter = _scatter(measured, until.of, quantity.se or 0.0)
+    scatter = _run_scatter(measured, until.of, quantity.se or 0.0)
     for runs in range(until.first, until.most):
         if quantity._replace(se=scatter / math.sqrt(runs), freedom=runs - 1.0).half_width() <= until.max_error(
             quantity.value
@@ -143,7 +144,7 @@ def _runs(until: Error, measured: Measured[Walker], finer: Walker) -> int:
     return until.most
 
 
-def _scatter(measured: Measured[Walker], of: str, se: float) -> float:
+def _run_scatter(measured: Measured[Walker], of: str, se: float) -> float:
     """Return the standard deviation of one run.
 
     Of the speed it is from blocks of all runs, which is more precise than from few runs.

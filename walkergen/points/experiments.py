@@ -25,7 +25,7 @@ from walkergen.core.walker.mass import MassProperties
 from walkergen.points import resolution
 from walkergen.points.resolution import StepError
 
-FINEST_US = 0.05
+MIN_STEP_US = 0.05
 """Step (us) below which none is halved."""
 
 
@@ -49,16 +49,16 @@ class Walker(NamedTuple):
     @property
     def key(self) -> str:
         """Hash of all that is asked and of the kernels' sources, 32 hexadecimal digits."""
-        masses = _plain(self.mass)
+        masses = _to_json(self.mass)
         kept = [self.impacts, self.sample_interval]
-        text = json.dumps([*facts(self.scene, self.design), masses, *kept], sort_keys=True)
+        text = json.dumps([*key_facts(self.scene, self.design), masses, *kept], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:32]
 
     def plan(self) -> Plan:
         """Plan of the scene. Raises InputError where it contradicts itself or the design."""
         return prepare(self.scene, self.design, self.mass)
 
-    def prepared(self) -> OneRun[RunResult]:
+    def prepare(self) -> OneRun[RunResult]:
         """Return a function that simulates the run of a number, with its kernels compiled."""
         plan = self.plan()
         compile_kernels(plan)
@@ -73,7 +73,7 @@ class Walker(NamedTuple):
     def finer(self) -> "Walker | None":
         """Return the walker with half the step; None for the finest."""
         step = _step_us(self.plan())
-        return None if step < 2.0 * FINEST_US else self.with_run(step_us=0.5 * step)
+        return None if step < 2.0 * MIN_STEP_US else self.with_run(step_us=0.5 * step)
 
     def with_run(self, **run: float) -> "Walker":
         """Return the walker with other values in its scene's [run]."""
@@ -104,10 +104,10 @@ class Results(NamedTuple):
     @property
     def values(self) -> Mapping[str, float]:
         """Values of all observables, by the names of `observables.NAMES`."""
-        return resolution.values(self.summary)
+        return resolution.observable_values(self.summary)
 
 
-def facts(scene: Scene, design: Design) -> list[Any]:
+def key_facts(scene: Scene, design: Design) -> list[Any]:
     """Return the inputs of a simulation for keys, without names and what only theory or printer use.
 
     For bodies from files, and for letters, they include what the files hold.
@@ -126,14 +126,14 @@ def facts(scene: Scene, design: Design) -> list[Any]:
     ]
 
 
-def results(walker: Walker, records: Sequence[RunResult], runs: int, wall_s: float) -> Results:
+def from_records(walker: Walker, records: Sequence[RunResult], runs: int, wall_s: float) -> Results:
     """Summarize a walker's finished runs, which took `wall_s` seconds; `runs` were requested."""
     plan = walker.plan()
     summary = ensemble.summarise(records, plan.shaken.peak_speed, wall_s)
     step_errors = resolution.judge(plan, summary)
     return Results(
         walker.with_run(runs=runs),
-        resolution.bounded(step_errors, summary),
+        resolution.with_step_error(step_errors, summary),
         records,
         step_errors,
         [plan.resolved.idle] if plan.resolved.idle else [],
@@ -146,10 +146,10 @@ def _step_us(plan: Plan) -> float:
     return 1e6 * plan.world.options.step
 
 
-def _plain(value: Any) -> Any:
+def _to_json(value: Any) -> Any:
     """Named tuples, tuples of them and arrays as what JSON has."""
     if hasattr(value, "_asdict"):
-        return {name: _plain(item) for name, item in value._asdict().items()}
+        return {name: _to_json(item) for name, item in value._asdict().items()}
     if isinstance(value, tuple):
-        return [_plain(item) for item in value]
+        return [_to_json(item) for item in value]
     return value if value is None else np.asarray(value).tolist()

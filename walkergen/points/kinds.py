@@ -10,18 +10,18 @@ from typing import NamedTuple, Protocol, cast
 
 from walkergen.core.errors import InputError, WalkergenError
 from walkergen.core.printing.printers import Printer
-from walkergen.points.point import ALONE, PREDICTION, SPACE, Point, Record, refused
+from walkergen.points.point import ALONE, PREDICTION, SPACE, Point, Record, refused_record
 
 MODELS = (PREDICTION, SPACE)
 """Models of a walker alone; any other model is a kind of its own."""
 
-KINDS = {ALONE: "walkergen.points.alone", "crowd": "walkergen.guests.crowd.points"}
+KIND_MODULES = {ALONE: "walkergen.points.alone", "crowd": "walkergen.guests.crowd.points"}
 """Modules of the kinds."""
 
-EVERY = (*MODELS, *(kind for kind in KINDS if kind != ALONE))
+ALL_MODELS = (*MODELS, *(kind for kind in KIND_MODULES if kind != ALONE))
 """Models that a point may have."""
 
-KEYS = {"crowd": "scene.crowd."}
+KIND_KEY_PREFIXES = {"crowd": "scene.crowd."}
 """Beginnings of keys that say something of one kind only."""
 
 
@@ -73,27 +73,27 @@ class Kind(Protocol):
 
 def kind_of(model: str) -> str:
     """Kind of the points of a model. Raises InputError for a model that is not known."""
-    if model not in EVERY:
-        raise InputError(f"‹model=›{model[:30]!r}: must be one of {', '.join(EVERY)}")
+    if model not in ALL_MODELS:
+        raise InputError(f"‹model=›{model[:30]!r}: must be one of {', '.join(ALL_MODELS)}")
     return ALONE if model in MODELS else model
 
 
-def of_key(key: str) -> str:
+def kind_of_key(key: str) -> str:
     """Kind that a key says something of alone; "" for one that all kinds read."""
-    return next((kind for kind, start in KEYS.items() if key.startswith(start)), "")
+    return next((kind for kind, start in KIND_KEY_PREFIXES.items() if key.startswith(start)), "")
 
 
-def named(kind: str) -> Kind:
+def load_kind(kind: str) -> Kind:
     """Import the module of a kind. Raises InputError if it is not installed."""
     try:
-        return cast(Kind, import_module(KINDS[kind]))
+        return cast(Kind, import_module(KIND_MODULES[kind]))
     except ModuleNotFoundError as error:
         raise InputError(f"‹model=›{kind}: {error.name} is not installed: pip install 'walkergen[{kind}]'") from error
 
 
 def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
     """Refuse groups and models that are not known, or do not go together. Raises InputError."""
-    kind = named(kind_of(model))
+    kind = load_kind(kind_of(model))
     for name in keep:
         if name not in kind.GROUPS:
             raise InputError(f"‹keep=›{name[:30]!r}: must be one of {', '.join(kind.GROUPS)}")
@@ -103,6 +103,6 @@ def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
 def evaluate(point: Point) -> Record:
     """Numbers of a point; one that cannot be built, or simulated, says so in its status."""
     try:
-        return named(point.kind).evaluate(point)
+        return load_kind(point.kind).evaluate(point)
     except WalkergenError as error:
-        return refused(error)
+        return refused_record(error)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from walkergen.core.walker.weights import Weighings
 
 
-MOST_SIMULATED = 8
+MAX_SIMULATED = 8
 """Walkers that only a simulation knows, up to which they are simulated unasked: some seconds each."""
 
 
@@ -66,7 +66,7 @@ class Member(NamedTuple):
     weighing: Weighing | None = None
 
 
-def predicted(
+def predict_members(
     designs: Sequence[Design],
     built: Sequence[Solids],
     scene: Scene,
@@ -81,11 +81,14 @@ def predicted(
     before the first member, when the masses are impossible.
     """
     named = [names.part_name(design) for design in designs]
-    final = [_applied(design, parts, weighed, name) for name, design, parts in zip(named, designs, built, strict=True)]
+    final = [
+        _apply_weighings(design, parts, weighed, name)
+        for name, design, parts in zip(named, designs, built, strict=True)
+    ]
     masses = [solids.weigh(design, parts) for design, parts in zip(final, built, strict=True)]
     first: Model = "theory" if model == "theory" else "known"
     rows = [speeds.predict(design, mass, scene, mode, first) for design, mass in zip(final, masses, strict=True)]
-    if model == "best" and sum(row.speed_by == "theory" for row in rows) > MOST_SIMULATED:
+    if model == "best" and sum(row.speed_by == "theory" for row in rows) > MAX_SIMULATED:
         model = "known"
     told = zip(named, final, built, masses, rows, strict=True)
     for number, (name, design, parts, mass, row) in enumerate(told):
@@ -97,7 +100,7 @@ def predicted(
         yield member
 
 
-def _applied(design: Design, parts: Solids, weighed: "Mapping[str, Weighings]", name: str) -> Design:
+def _apply_weighings(design: Design, parts: Solids, weighed: "Mapping[str, Weighings]", name: str) -> Design:
     """Design with its masses from the balance, if it or what it carries was weighed."""
     if not weighed:
         return design

@@ -40,7 +40,7 @@ class Went(StrEnum):
     """Its error is larger than asked, or not known."""
 
 
-WENT, STATUS, REASON = "went", "status", "reason"
+WENT_KEY, STATUS_KEY, REASON_KEY = "went", "status", "reason"
 """Keys of a record beside its numbers: how the point went, that in words for the table, and why it is refused."""
 
 
@@ -68,23 +68,23 @@ class Point(NamedTuple):
         return bool(self.keep) or not self.simulated
 
 
-def went(how: Went, words: str = "") -> Record:
+def status_record(how: Went, words: str = "") -> Record:
     """Beginning of a record: how a point went, and the same in words."""
-    return {WENT: how, STATUS: words or how.value}
+    return {WENT_KEY: how, STATUS_KEY: words or how.value}
 
 
-def refused(error: WalkergenError) -> Record:
+def refused_record(error: WalkergenError) -> Record:
     """Record of a point that cannot be built or simulated."""
     reason = " ".join(error.text.split())[:300]
-    return went(Went.REFUSED, f"{Went.REFUSED}: {reason}") | {REASON: reason}
+    return status_record(Went.REFUSED, f"{Went.REFUSED}: {reason}") | {REASON_KEY: reason}
 
 
-def key(point: Point) -> str:
+def point_key(point: Point) -> str:
     """Hash of all that a point's numbers depend on, the program's sources too, 32 digits."""
     printer = point.printer.model_dump(exclude={"name", "description"}) if point.printer else None
     table = [point.scene.prediction.model_dump(), networks.digest()]
     facts = [
-        *experiments.facts(point.scene, point.design),
+        *experiments.key_facts(point.scene, point.design),
         *(table if point.predicted else []),
         point.simulated,
         sorted(point.keep),

@@ -87,7 +87,7 @@ def sample(plan: Plan, interval: float, number: int = 0) -> Poses:
     states = np.ascontiguousarray(rows[:, 1:])
     walker = world.walker
     points, plate = np.empty((len(rows), len(walker.leg), 4)), np.empty(len(rows))
-    _points(world, states, points, plate)
+    _fill_points(world, states, points, plate)
     first, modes = first_row(walker), slice(MODE, None, ROW_LENGTH)
     on_plate = np.flatnonzero(walker.place == 0.0)
     # A run that ended before its first pose has none
@@ -112,7 +112,7 @@ def sample(plan: Plan, interval: float, number: int = 0) -> Poses:
 
 
 @kernel
-def _points(world, states, points, plate):
+def _fill_points(world, states, points, plate):
     """Fill the points of contact of every state (x, y, z, gap, mm) and the plate's heights."""
     for i in range(len(states)):
         state = states[i].copy()

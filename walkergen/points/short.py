@@ -23,57 +23,59 @@ from walkergen.core.tolerance import Tolerance
 from walkergen.points import draws, expected, walkers
 from walkergen.points.experiments import Walker
 from walkergen.points.point import Record, digest
-from walkergen.points.simplest import simplest
+from walkergen.points.simplest import find_simplest
 from walkergen.points.store import Store
 
-ERROR = Tolerance(0.05, relative=True)
+NOMINAL_TOLERANCE = Tolerance(0.05, relative=True)
 """Error of the nominal speed of a short simulation."""
 
-PRINTS = 32
+PRINT_COUNT = 32
 """Prints that are drawn for the bounds of what is not known, each in one short run."""
 
 PRINT_S, PRINT_DISCARD_S = 2.0, 0.5
 """Measured time of such a run, and the start of it that is not measured, s."""
 
-LONGEST_S, MOST_RUNS = 4.0, 64
+MAX_RUN_S, MAX_RUNS = 4.0, 64
 """Measured time of a run of the nominal walker, s, and most of these runs."""
 
-MOST_CPU_S = 150.0
+MAX_CPU_S = 150.0
 """CPU time, as the steps tell, beyond which a walker is not simulated unasked, s: usual ones take 5 to 30."""
 
-FEW_LEGS = 4
+MAX_FULL_TIME_LEGS = 4
 """Legs up to which runs have their full time."""
 
-ENDS = ("low_95", "low_68", "high_68", "high_95")
+BOUND_NAMES = ("low_95", "low_68", "high_68", "high_95")
 """Names of the ends of the bounds over prints in a record."""
 
-FALLS_ALL = 0.5
+MAX_FALL_SHARE = 0.5
 """Share of the runs that fall from which on a walker has no speed."""
 
 
-def _key(walker: Walker) -> str:
+def _store_key(walker: Walker) -> str:
     """Key of a walker's numbers, and of how long it runs for them."""
-    return f"speed {walker.key} {digest()} {LONGEST_S:g} {MOST_RUNS} {PRINTS} {PRINT_S:g}"
+    return f"speed {walker.key} {digest()} {MAX_RUN_S:g} {MAX_RUNS} {PRINT_COUNT} {PRINT_S:g}"
 
 
-def kept(walker: Walker) -> Record | None:
+def load_stored(walker: Walker) -> Record | None:
     """Numbers of a short simulation of a walker that the store has; None without."""
     store = Store()
     try:
-        return store.get([_key(walker)]).get(_key(walker))
+        return store.get([_store_key(walker)]).get(_store_key(walker))
     finally:
         store.close()
 
 
-def simulated(walker: Walker, progress: Progress) -> Record:
+def simulate_short(walker: Walker, progress: Progress) -> Record:
     """Numbers of a short simulation of a walker, which the store then has.
 
     Raises InputError for one whose steps are so many that it takes minutes.
     """
-    _refuse_long(walker)
-    simple = simplest(_few(walker), part_progress(progress, 0, 3, "what can be left out"))
+    _check_run_length(walker)
+    simple = find_simplest(_with_short_runs(walker), part_progress(progress, 0, 3, "what can be left out"))
     few = simple.walker
-    results = walkers.short(few, ERROR, MOST_RUNS, part_progress(progress, 1, 3, "as designed"))
+    results = walkers.simulate_with_limit(
+        few, NOMINAL_TOLERANCE, MAX_RUNS, part_progress(progress, 1, 3, "as designed")
+    )
     if results.partial:
         raise KeyboardInterrupt
     summary = results.summary
@@ -85,38 +87,40 @@ def simulated(walker: Walker, progress: Progress) -> Record:
         "left_out": dict(simple.lines).get("left out"),
         "left_out_mm_s": simple.error_mm_s,
     }
-    record |= _of_prints(few, progress)
+    record |= _simulate_prints(few, progress)
     store = Store()
     try:
-        store.put([(_key(walker), record)])
+        store.save([(_store_key(walker), record)])
     finally:
         store.close()
     return record
 
 
-def _few(walker: Walker) -> Walker:
+def _with_short_runs(walker: Walker) -> Walker:
     """Walker with runs of the time that is enough for its speed as designed."""
-    return walker.with_run(seconds=min(walker.scene.run.seconds, LONGEST_S * _light(walker)))
+    return walker.with_run(seconds=min(walker.scene.run.seconds, MAX_RUN_S * _time_share(walker)))
 
 
-def _cpu_s(walker: Walker) -> float:
+def _estimate_cpu_s(walker: Walker) -> float:
     """CPU time that the fewest runs of a short simulation take at most, by the number of their steps, s."""
-    run = _few(walker).scene.run
-    prints_s = PRINT_DISCARD_S + PRINT_S * _light(walker)
-    simulated_s = FIRST_RUNS * (run.discard_seconds + run.seconds) + PRINTS * prints_s
-    return simulated_s * expected.counted(walker.plan())
+    run = _with_short_runs(walker).scene.run
+    prints_s = PRINT_DISCARD_S + PRINT_S * _time_share(walker)
+    simulated_s = FIRST_RUNS * (run.discard_seconds + run.seconds) + PRINT_COUNT * prints_s
+    return simulated_s * expected.rate_from_steps(walker.plan())
 
 
-def _refuse_long(walker: Walker) -> None:
+def _check_run_length(walker: Walker) -> None:
     """Raise InputError for a walker whose short simulation takes minutes, with the key that makes it so."""
-    cpu_s = _cpu_s(walker)
-    if cpu_s <= MOST_CPU_S:
+    cpu_s = _estimate_cpu_s(walker)
+    if cpu_s <= MAX_CPU_S:
         return
-    usual = [(_cpu_s(walker._replace(scene=scene)), key, value) for key, value, scene in _usual(walker.scene)]
+    usual = [
+        (_estimate_cpu_s(walker._replace(scene=scene)), key, value) for key, value, scene in _usual_scenes(walker.scene)
+    ]
     least_s, key, value = min(usual)
     takes = (
         f"a prediction by runs takes {words.format_duration(cpu_s)} of CPU time, "
-        f"{words.format_duration(MOST_CPU_S)} at most"
+        f"{words.format_duration(MAX_CPU_S)} at most"
     )
     anyway = "`simulate --seconds 0.1 --runs 2`"
     if least_s > 0.5 * cpu_s:
@@ -124,7 +128,7 @@ def _refuse_long(walker: Walker) -> None:
     raise InputError(f"scene.{key} = {value:g}: {takes}: take another value, or {anyway}", f"scene.{key}")
 
 
-def _usual(scene: Scene) -> Iterator[tuple[str, float, Scene]]:
+def _usual_scenes(scene: Scene) -> Iterator[tuple[str, float, Scene]]:
     """Keys that decide on a scene's steps, with their values, and the scene with a usual one."""
     yield (
         "drive.frequency_hz",
@@ -140,50 +144,52 @@ def _usual(scene: Scene) -> Iterator[tuple[str, float, Scene]]:
                 yield key, value, replace_without_validation(scene, {key: field.default})
 
 
-def _light(walker: Walker) -> float:
+def _time_share(walker: Walker) -> float:
     """Share of the usual time for which a walker runs: with many legs it takes longer, and repeats itself sooner."""
-    return min(1.0, FEW_LEGS / len(walker.design.limbs))
+    return min(1.0, MAX_FULL_TIME_LEGS / len(walker.design.limbs))
 
 
-def _of_prints(walker: Walker, progress: Progress) -> Record:
+def _simulate_prints(walker: Walker, progress: Progress) -> Record:
     """Mean, scatter and bounds over prints, mm/s; none of walkers of which too few prints walk."""
-    seconds = PRINT_S * _light(walker)
+    seconds = PRINT_S * _time_share(walker)
     run = walker.scene.run.model_copy(update={"seconds": seconds, "discard_seconds": PRINT_DISCARD_S})
     scene = walker.scene.model_copy(update={"run": run})
     try:
-        drawn = draws.simulated(scene, walker.design, PRINTS, part_progress(progress, 1, 2, "as you will get it"))
+        drawn = draws.simulate_prints(
+            scene, walker.design, PRINT_COUNT, part_progress(progress, 1, 2, "as you will get it")
+        )
     except InputError:
         return {}
     speeds = drawn.halves.mean(axis=1)
-    ends = draws.bounds(speeds, draws.statistical_error(drawn.halves))
+    ends = draws.speed_bounds(speeds, draws.statistical_error(drawn.halves))
     mean = float(speeds.mean())
-    ends = draws.widened(ends, mean, drawn.by_step_mm_s)
-    record: Record = dict(zip(ENDS, ends, strict=True))
+    ends = draws.add_step_error(ends, mean, drawn.by_step_mm_s)
+    record: Record = dict(zip(BOUND_NAMES, ends, strict=True))
     return record | {"mean": mean, "sd": float(speeds.std(ddof=1))}
 
 
-def spread(record: Record, scene: Scene) -> Spread | None:
+def to_spread(record: Record, scene: Scene) -> Spread | None:
     """Speeds of a record, with the model's own error in the bounds; None of a walker that falls."""
-    nominal, low, high = (_number(record, name) for name in ("nominal", "low", "high"))
-    if nominal is None or float(record["falls"] or 0.0) >= FALLS_ALL:
+    nominal, low, high = (_float_or_none(record, name) for name in ("nominal", "low", "high"))
+    if nominal is None or float(record["falls"] or 0.0) >= MAX_FALL_SHARE:
         return None
-    left_out = _number(record, "left_out_mm_s") or 0.0
+    left_out = _float_or_none(record, "left_out_mm_s") or 0.0
     first, last = nominal if low is None else low, nominal if high is None else high  # one orbit has no scatter
-    first, _, _, last = draws.widened((first, nominal, nominal, last), nominal, left_out)
-    mean = _number(record, "mean")
+    first, _, _, last = draws.add_step_error((first, nominal, nominal, last), nominal, left_out)
+    mean = _float_or_none(record, "mean")
     if mean is None:  # nothing is unknown, or too few prints walk to tell
         half = 0.5 * (last - first)
         mean, sd = nominal, half / NORMAL_95
         ends = first, nominal - half / 2.0, nominal + half / 2.0, last
     else:
         sd = math.hypot(float(record["sd"] or 0.0), left_out / NORMAL_95)
-        low2, low1, high1, high2 = (float(record[name] or 0.0) for name in ENDS)
-        ends = draws.widened((low2, low1, high1, high2), mean, left_out)
+        low2, low1, high1, high2 = (float(record[name] or 0.0) for name in BOUND_NAMES)
+        ends = draws.add_step_error((low2, low1, high1, high2), mean, left_out)
     own = float(prediction.model_error_sd(mean, scene))
-    ends = draws.added(ends, mean, (NORMAL_95 * own, own, own, NORMAL_95 * own))
+    ends = draws.add_error(ends, mean, (NORMAL_95 * own, own, own, NORMAL_95 * own))
     return Spread(nominal, (first, last), mean, math.hypot(sd, own), ends, "runs")
 
 
-def _number(record: Record, name: str) -> float | None:
+def _float_or_none(record: Record, name: str) -> float | None:
     value = record.get(name)
     return None if value is None else float(value)

@@ -15,7 +15,7 @@ from walkergen.points import variants
 from walkergen.points.experiments import Walker
 from walkergen.points.variants import Change, Pairs, Variant
 
-MOST_PAIRS = 64
+MAX_PAIRS = 64
 """Pairs of runs after which a change that is not decided counts as too large."""
 
 
@@ -28,13 +28,13 @@ class Decided(NamedTuple):
     def verdict(self, measured: Measured[Pairs]) -> Verdict:
         """How the change lies within the error that the scene's speed allows."""
         pairs, records = measured.experiment, measured.records
-        return variants.verdict(pairs.walker, pairs.speed(records), pairs.changes(records)[0], self.tolerance)
+        return variants.verdict(pairs.walker, pairs.mean_speed(records), pairs.changes(records)[0], self.tolerance)
 
     def further(self, measured: Measured[Pairs]) -> Measured[Pairs] | None:
         """Twice the pairs."""
         change = measured.experiment.changes(measured.records)[0].speed
         told = self.verdict(measured) is not Verdict.UNDECIDED or change.se is None
-        return None if told or measured.runs >= MOST_PAIRS else measured.with_runs(2 * measured.runs)
+        return None if told or measured.runs >= MAX_PAIRS else measured.with_runs(2 * measured.runs)
 
 
 class Simplest(NamedTuple):
@@ -63,7 +63,7 @@ class Simplest(NamedTuple):
         if self.accepted is None:
             return []
         share = f"{100.0 * self.accepted:g} %"
-        out, kept = ([_in_words(change) for change in changes] for changes in (self.left_out, self.kept))
+        out, kept = ([_format_change(change) for change in changes] for changes in (self.left_out, self.kept))
         faster = 1.0 if not self.left_out else 1.0 / self.left_out[-1].cpu.number
         told = f"; {faster:.2g} times as fast" if out else ""
         return [
@@ -86,7 +86,7 @@ class Simplest(NamedTuple):
         return {"effects": {"accepted_error": self.accepted} | listed}
 
 
-def _in_words(change: Change) -> str:
+def _format_change(change: Change) -> str:
     """Effect with what the speed is without it, less that with it."""
     speed, named = change.speed, change.effect
     if speed.value is None:
@@ -95,7 +95,7 @@ def _in_words(change: Change) -> str:
     return f"{named} ({number} mm/s)"
 
 
-def refuse(scene: Scene, why: str) -> None:
+def check_no_accepted_error(scene: Scene, why: str) -> None:
     """Refuse an accepted error where nothing is left out. Raises InputError that says why."""
     accepted = scene.run.accepted_error
     if accepted is not None:
@@ -103,7 +103,7 @@ def refuse(scene: Scene, why: str) -> None:
         raise InputError(f"{key} = {accepted:g}: {why}; leave it out", key)
 
 
-def simplest(walker: Walker, progress: Progress = silent, threads: int | None = None) -> Simplest:
+def find_simplest(walker: Walker, progress: Progress = silent, threads: int | None = None) -> Simplest:
     """Leave out what changes the speed by less than the scene's `run.accepted_error`, with 95 % confidence.
 
     Tried are effects that no switch forces. Each is measured beside the whole scene, with what was left out before it.
@@ -114,7 +114,7 @@ def simplest(walker: Walker, progress: Progress = silent, threads: int | None = 
     whole = walker._replace(scene=replace_without_validation(walker.scene, {"run.accepted_error": None}))
     found = Simplest(whole, accepted)
 
-    def tried(variant: Variant | None) -> Simplest:
+    def try_variant(variant: Variant | None) -> Simplest:
         """Return the result after a variant was tried as well."""
         if variant is None:
             return found
@@ -131,6 +131,6 @@ def simplest(walker: Walker, progress: Progress = silent, threads: int | None = 
     for rule in rules.all_rules():
         effect = rule.judge(found.walker.plan().case)
         if effect.on and rule.switch and rule.switch not in whole.scene.effects.on:
-            variant = variants.off(found.walker, rule)
-            found = tried(None if variant is None else variant._replace(effect=effect.name))
+            variant = variants.without_effect(found.walker, rule)
+            found = try_variant(None if variant is None else variant._replace(effect=effect.name))
     return found

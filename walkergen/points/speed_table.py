@@ -31,33 +31,33 @@ def caption(design: Design, scene: Scene, mode: str) -> str:
     )
 
 
-WEIGHED = (
+WEIGHED_NOTE = (
     "Weighed: whole walkers alone (grams) scale every mass alike, which changes the predicted "
     "speed by the legs' frequency alone; a body or leg weighed apart (body_g, leg_g) changes it "
     "more."
 )
 
 
-BODY = "M, J: mass and moment of inertia of the body, with its braced legs"
-LEG = "m, j: those of one flexible leg"
-FACTORS = (
+BODY_MEANING = "M, J: mass and moment of inertia of the body, with its braced legs"
+LEG_MEANING = "m, j: those of one flexible leg"
+FACTORS_MEANING = (
     "back, front, mean (v/w): speed that the back foot, the front foot or both would settle at, "
     "over the impact speed w of the theory"
 )
 MEANINGS = {
     "total_g": "mass: of the whole walker, as a balance shows it",
-    "M_g": BODY,
-    "J_g_mm2": BODY,
-    "m_g": LEG,
-    "j_g_mm2": LEG,
+    "M_g": BODY_MEANING,
+    "J_g_mm2": BODY_MEANING,
+    "m_g": LEG_MEANING,
+    "j_g_mm2": LEG_MEANING,
     "theory_mm_s": "eq. 15: the paper's theory",
-    "factor_back": FACTORS,
-    "factor_front": FACTORS,
-    "factor_mean": FACTORS,
+    "factor_back": FACTORS_MEANING,
+    "factor_front": FACTORS_MEANING,
+    "factor_mean": FACTORS_MEANING,
 }
 """Meanings of short headings, by the keys of their columns."""
 
-FOLDED = 3
+MIN_FOLDED_WALKERS = 3
 """Walkers that stand on braced legs from which on one line tells of all."""
 
 
@@ -69,7 +69,7 @@ def tables(name: str, design: str, walkers: Sequence[Member], why: bool = True) 
     moving = [row for row, member in zip(rows, walkers, strict=True) if member.row not in standing]
     title = f"Predicted speeds of {design}"
     speeds = Table(name, rows, keys, columns(walkers, why), title, read=moving)
-    return [speeds, Table("weighed", rows, (), MASSES, "Weighed")] if _weighed(walkers) else [speeds]
+    return [speeds, Table("weighed", rows, (), MASS_COLUMNS, "Weighed")] if _has_weighings(walkers) else [speeds]
 
 
 def lines(walkers: Sequence[Member]) -> list[str]:
@@ -84,7 +84,7 @@ def lines(walkers: Sequence[Member]) -> list[str]:
             f"{min(grams):.3g} to {max(grams):.3g} g that stand, each at less than "
             f"{prediction.STANDING_MM_S:g} mm/s with 0 inside its bounds"
         )
-    return [*notes, *((WEIGHED,) if _weighed(walkers) else ())]
+    return [*notes, *((WEIGHED_NOTE,) if _has_weighings(walkers) else ())]
 
 
 def columns(walkers: Sequence[Member], why: bool = True) -> tuple[Column, ...]:
@@ -98,46 +98,46 @@ def columns(walkers: Sequence[Member], why: bool = True) -> tuple[Column, ...]:
     def mark(note: str) -> str:
         return f" [{notes.index(note) + 1}]" if note in notes and why else ""
 
-    def designed(row: Any) -> str:
-        return (_outcome(row) or words.format_fixed(row.nominal_mm_s, 1)) + mark(row.note)
+    def format_designed(row: Any) -> str:
+        return (_format_outcome(row) or words.format_fixed(row.nominal_mm_s, 1)) + mark(row.note)
 
     def theory(row: Any) -> str:
         return words.format_fixed(row.theory_mm_s, 1) + mark(row.theory_note)
 
-    def speed(row: Any) -> str:
+    def format_speed(row: Any) -> str:
         return "" if row.speed_mm_s is None or prediction.is_standing(row) else words.format_fixed(row.speed_mm_s, 1)
 
     alone = _has_theory_alone(walkers)
-    given = (report.number("tilt\n(deg)", "tilt_deg", 6), report.text("legs", "legs"))
+    given = (report.number_column("tilt\n(deg)", "tilt_deg", 6), report.text_column("legs", "legs"))
     masses = (
-        _mass_of("M\n(g)", "M_g", wide=not alone),
-        _mass_of("J\n(g mm²)", "J_g_mm2", wide=not alone),
-        _mass_of("m\n(g)", "m_g", wide=not alone),
-        _mass_of("j\n(g mm²)", "j_g_mm2", wide=not alone),
+        _mass_column("M\n(g)", "M_g", wide=not alone),
+        _mass_column("J\n(g mm²)", "J_g_mm2", wide=not alone),
+        _mass_column("m\n(g)", "m_g", wide=not alone),
+        _mass_column("j\n(g mm²)", "j_g_mm2", wide=not alone),
     )
     factors = (
-        _factor("back\n(v/w)", "factor_back", wide=not alone),
-        _factor("front\n(v/w)", "factor_front", wide=not alone),
-        _factor("mean\n(v/w)", "factor_mean", wide=True),
+        _factor_column("back\n(v/w)", "factor_back", wide=not alone),
+        _factor_column("front\n(v/w)", "factor_front", wide=not alone),
+        _factor_column("mean\n(v/w)", "factor_mean", wide=True),
     )
-    eq_15 = _explained(Column("eq. 15\n(mm/s)", theory, right=True, wide=not by_theory), "theory_mm_s")
+    eq_15 = _with_meaning(Column("eq. 15\n(mm/s)", theory, right=True, wide=not by_theory), "theory_mm_s")
     if alone:
         return (*given, *masses, *factors, eq_15)
     return (
         *given,
-        _mass_of("mass\n(g)", "total_g"),
+        _mass_column("mass\n(g)", "total_g"),
         *masses,
-        Column("as designed\n(mm/s)", designed, right=True),
-        Column("your print\n(mm/s)", speed, right=True),
-        _bounds("68 %\n(mm/s)", "68"),
-        _bounds("95 %\n(mm/s)", "95", wide=simulated),
+        Column("as designed\n(mm/s)", format_designed, right=True),
+        Column("your print\n(mm/s)", format_speed, right=True),
+        _bounds_column("68 %\n(mm/s)", "68"),
+        _bounds_column("95 %\n(mm/s)", "95", wide=simulated),
         eq_15,
         *factors,
-        *(RUNS if simulated else ()),
+        *(RUN_COLUMNS if simulated else ()),
     )
 
 
-def _outcome(row: Any) -> str:
+def _format_outcome(row: Any) -> str:
     """Return the outcome of a walker without a speed worth a number; "" of others."""
     if prediction.is_standing(row):
         return "stands"
@@ -146,19 +146,19 @@ def _outcome(row: Any) -> str:
     return ""
 
 
-def _mass_of(heading: str, key: str, wide: bool = False) -> Column:
-    return _explained(report.number(heading, key, wide=wide), key)
+def _mass_column(heading: str, key: str, wide: bool = False) -> Column:
+    return _with_meaning(report.number_column(heading, key, wide=wide), key)
 
 
-def _factor(heading: str, key: str, wide: bool) -> Column:
-    return _explained(report.fixed(heading, key, 3, wide=wide), key)
+def _factor_column(heading: str, key: str, wide: bool) -> Column:
+    return _with_meaning(report.fixed_column(heading, key, 3, wide=wide), key)
 
 
-def _explained(column: Column, key: str) -> Column:
+def _with_meaning(column: Column, key: str) -> Column:
     return column._replace(meaning=MEANINGS[key])
 
 
-def _weighed(walkers: Sequence[Member]) -> bool:
+def _has_weighings(walkers: Sequence[Member]) -> bool:
     return any(member.weighing is not None for member in walkers)
 
 
@@ -169,7 +169,7 @@ def _standing(walkers: Sequence[Member]) -> list[Member]:
         for member in walkers
         if member.design.kind == "braced" and member.simulated is None and prediction.is_standing(member.row)
     ]
-    return standing if len(standing) >= FOLDED else []
+    return standing if len(standing) >= MIN_FOLDED_WALKERS else []
 
 
 def _notes(walkers: Sequence[Member]) -> list[str]:
@@ -185,59 +185,59 @@ def _has_theory_alone(walkers: Sequence[Member]) -> bool:
     return all(member.row.has_theory_alone for member in walkers)
 
 
-def _bounds(heading: str, share: str, wide: bool = False) -> Column:
+def _bounds_column(heading: str, share: str, wide: bool = False) -> Column:
     """Column of the bounds that hold a speed with 68 or 95 %."""
     low, high = f"speed_low_{share}_mm_s", f"speed_high_{share}_mm_s"
-    return Column(heading, lambda row: _range(getattr(row, low), getattr(row, high)), True, wide)
+    return Column(heading, lambda row: _format_range(getattr(row, low), getattr(row, high)), True, wide)
 
 
-def _range(low: float | None, high: float | None) -> str:
+def _format_range(low: float | None, high: float | None) -> str:
     """Bounds in whole numbers; "" where there are none."""
     if low is None or high is None:
         return ""
     return f"{words.format_fixed(low, 0)} to {words.format_fixed(high, 0)}"
 
 
-def _of_runs(row: Any) -> str:
+def _format_runs(row: Any) -> str:
     if row.sim_speed_mm_s is None:
         return "-"
-    bounds = _range(row.sim_low_95_mm_s, row.sim_high_95_mm_s)
+    bounds = _format_range(row.sim_low_95_mm_s, row.sim_high_95_mm_s)
     return f"{words.format_fixed(row.sim_speed_mm_s, 1)}, {bounds}"
 
 
-RUNS = (
-    Column("simulated\n(mm/s, 95 %)", _of_runs),
-    report.text("verdict", "verdict"),
-    report.text("ended", "sim_outcomes"),
+RUN_COLUMNS = (
+    Column("simulated\n(mm/s, 95 %)", _format_runs),
+    report.text_column("verdict", "verdict"),
+    report.text_column("ended", "sim_outcomes"),
 )
 """Columns of simulated speeds."""
 
 
-def _mass(row: Any) -> str:
+def _format_mass(row: Any) -> str:
     error = "" if row.mass_se_g is None else f" ± {words.format_number(row.mass_se_g, 2)}"
     return f"{words.format_number(row.mass_g, 4)}{error}"
 
 
-def _change(row: Any) -> str:
+def _format_change(row: Any) -> str:
     if row.speed_mm_s is None or row.speed_mesh_mm_s is None:
         return ""
     return words.format_fixed(row.speed_mm_s - row.speed_mesh_mm_s, 2)
 
 
-MASSES = (
-    report.number("tilt\n(deg)", "tilt_deg", 6),
-    report.text("legs", "legs"),
-    report.number("weighings", "weighings"),
-    Column("mass\n(g)", _mass, right=True),
-    report.number("mesh's\n(g)", "mass_mesh_g"),
-    report.fixed("speed\n(mm/s)", "speed_mm_s", 2),
-    report.fixed("mesh's\n(mm/s)", "speed_mesh_mm_s", 2),
-    Column("change\n(mm/s)", _change, right=True),
+MASS_COLUMNS = (
+    report.number_column("tilt\n(deg)", "tilt_deg", 6),
+    report.text_column("legs", "legs"),
+    report.number_column("weighings", "weighings"),
+    Column("mass\n(g)", _format_mass, right=True),
+    report.number_column("mesh's\n(g)", "mass_mesh_g"),
+    report.fixed_column("speed\n(mm/s)", "speed_mm_s", 2),
+    report.fixed_column("mesh's\n(mm/s)", "speed_mesh_mm_s", 2),
+    Column("change\n(mm/s)", _format_change, right=True),
 )
 """Columns of weighed masses and their speeds beside those of the mesh."""
 
 
-def _percent(heading: str, key: str) -> Column:
+def _percent_column(heading: str, key: str) -> Column:
     """Column of a share of a variance with its error, percent."""
 
     def cell(row: Any) -> str:
@@ -247,10 +247,14 @@ def _percent(heading: str, key: str) -> Column:
     return Column(f"{heading}, %", cell, right=True)
 
 
-SHARES = (report.text("measure next", "name"), _percent("alone", "first"), _percent("with all others", "total"))
+SHARE_COLUMNS = (
+    report.text_column("measure next", "name"),
+    _percent_column("alone", "first"),
+    _percent_column("with all others", "total"),
+)
 """Columns of an input's shares of a variance: measure next what stands first."""
 
 
-def shares(name: str, listed: Sequence[Share], title: str) -> Table:
+def shares_table(name: str, listed: Sequence[Share], title: str) -> Table:
     """Table of inputs with their shares of a variance."""
-    return Table(name, listed, Share._fields, SHARES, title)
+    return Table(name, listed, Share._fields, SHARE_COLUMNS, title)

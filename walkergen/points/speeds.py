@@ -13,7 +13,7 @@ from walkergen.core.walker.mass import MassProperties
 
 Model = Literal["best", "known", "theory"]
 
-TESTED_PUSH = 3.0
+MIN_TESTED_PUSH = 3.0
 """Push of a motor, in weights, at which MuJoCo ran a walker as fast as the model in space, within 10 %."""
 
 
@@ -40,7 +40,7 @@ def predict(
         from walkergen.points.experiments import Walker
 
         walker = Walker(scene, design, mass)
-        record = short.kept(walker) or (None if model == "known" else short.simulated(walker, progress))
+        record = short.load_stored(walker) or (None if model == "known" else short.simulate_short(walker, progress))
         if record is None:
             return prediction.make_row(
                 design, mass, scene, mode, None, f"to be simulated by predict or ‹simulate›: {reason}"
@@ -48,15 +48,15 @@ def predict(
         left_out = f"; left out: {record['left_out']}" if record["left_out"] else ""
         falls, note = float(record["falls"] or 0.0), f"simulated, since {reason}{left_out}"
         if scene.drive.kind == "motor":
-            note += _of_push(scene.drive.push_ratio(float(mass.total)))
-        return prediction.make_row(design, mass, scene, mode, short.spread(record, scene), note, falls)
+            note += _push_warning(scene.drive.push_ratio(float(mass.total)))
+        return prediction.make_row(design, mass, scene, mode, short.to_spread(record, scene), note, falls)
 
 
-def _of_push(weights: float) -> str:
+def _push_warning(weights: float) -> str:
     """Describe what is uncertain if a motor pushes with so few weights; "" for tested ones."""
-    if weights >= TESTED_PUSH:
+    if weights >= MIN_TESTED_PUSH:
         return ""
     return (
-        f"; its motor pushes with {weights:.2g} weights: below {TESTED_PUSH:g} the law of friction decides, and "
+        f"; its motor pushes with {weights:.2g} weights: below {MIN_TESTED_PUSH:g} the law of friction decides, and "
         "MuJoCo's, without a spring along the plate, gave 1.5 to 5 times such speeds"
     )

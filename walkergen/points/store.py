@@ -40,10 +40,10 @@ class Store:
             rows = self._base.execute(f"SELECT key, record FROM points WHERE key IN ({marks})", keys).fetchall()
         except sqlite3.Error as error:
             raise self._failure(error) from None
-        records = ((key, _record(text)) for key, text in rows)
+        records = ((key, _parse_record(text)) for key, text in rows)
         return {key: record for key, record in records if record is not None}
 
-    def put(self, rows: Iterable[tuple[str, Record]]) -> None:
+    def save(self, rows: Iterable[tuple[str, Record]]) -> None:
         """Save records, all of them or none; on the disk when this returns."""
         texts = [(key, json.dumps(record, allow_nan=False)) for key, record in rows]
         if not texts:
@@ -71,7 +71,7 @@ class Store:
         )
 
 
-def _record(text: Any) -> Record | None:
+def _parse_record(text: Any) -> Record | None:
     """Record from its JSON; None for what this program would not write: that is computed anew."""
     try:
         record = json.loads(text)

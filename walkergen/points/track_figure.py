@@ -5,42 +5,42 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from walkergen.analysis.tracks import Track, Tracks
-from walkergen.files.figures import SERIES, axes_of, style
+from walkergen.files.figures import SERIES, new_axes, style
 
-ARROWS = 8
+ARROW_COUNT = 8
 """Arrows along the longest track that show the heading."""
 
-ARROW = 0.05
+ARROW_LENGTH = 0.05
 """Length of an arrow over the width of the tracks."""
 
-MOST_TRACKS = 24
+MAX_TRACKS = 24
 """Largest number of tracks drawn: more would hide one another."""
 
-STRAIGHT = 0.05
+MAX_STRAIGHT_RATIO = 0.05
 """Width of all tracks over their length below which walkers do not turn, as in a lane: from above
 their tracks are one line."""
 
-MOST_POINTS = 4000
+MAX_POINTS = 4000
 """Largest number of points drawn of a track: more only make the PDF large."""
 
 
 @style()
-def tracks_figure(tracks: Tracks, title: str) -> Figure:
+def draw_tracks(tracks: Tracks, title: str) -> Figure:
     """Draw tracks seen from above (fig. 6b), or displacement against time in a lane (fig. 5).
 
     Tracks along x that do not turn are drawn as those of a lane.
     """
-    drawn = tracks.tracks[:MOST_TRACKS]
+    drawn = tracks.tracks[:MAX_TRACKS]
     if len(drawn) < len(tracks.tracks):
-        title += f" (first {MOST_TRACKS} of {len(tracks.tracks)})"
-    figure, axes = axes_of(title)
+        title += f" (first {MAX_TRACKS} of {len(tracks.tracks)})"
+    figure, axes = new_axes(title)
     everywhere = np.concatenate([track.position for track in drawn])
     extent = np.nanmax(everywhere, axis=0) - np.nanmin(everywhere, axis=0)
     size = float(np.max(extent))
-    along = tracks.lane or extent[1] < STRAIGHT * extent[0]
+    along = tracks.lane or extent[1] < MAX_STRAIGHT_RATIO * extent[0]
     for number, track in enumerate(drawn):
         colour, line, marker = SERIES[number % len(SERIES)]
-        stride = len(track.position) // MOST_POINTS + 1
+        stride = len(track.position) // MAX_POINTS + 1
         places = track.position[~np.isnan(track.position).any(axis=1)]
         start = places[0]
         path = track.position[::stride]
@@ -51,7 +51,7 @@ def tracks_figure(tracks: Tracks, title: str) -> Figure:
             axes.plot(*path.T, color=colour, ls=line, lw=0.8)
             axes.plot(*start, marker, color=colour, markersize=4)
             if track.heading is not None:
-                _head(axes, track, size, colour)
+                _draw_headings(axes, track, size, colour)
     if along:
         axes.set_xlabel("time (s)")
         axes.set_ylabel(f"displacement along {'the lane' if tracks.lane else 'x'} (mm)")
@@ -62,12 +62,12 @@ def tracks_figure(tracks: Tracks, title: str) -> Figure:
     return figure
 
 
-def _head(axes: Axes, track: Track, size: float, colour: str) -> None:
+def _draw_headings(axes: Axes, track: Track, size: float, colour: str) -> None:
     """Draw arrows along a track that point where the walker's front did."""
     assert track.heading is not None
     complete = np.isfinite(track.position).all(axis=1) & np.isfinite(track.heading)
     at = np.flatnonzero(complete)
-    chosen = at[np.linspace(0, len(at) - 1, min(ARROWS, len(at))).astype(int)] if len(at) else at
+    chosen = at[np.linspace(0, len(at) - 1, min(ARROW_COUNT, len(at))).astype(int)] if len(at) else at
     heading = track.heading[chosen]
     axes.quiver(
         *track.position[chosen].T,
@@ -76,7 +76,7 @@ def _head(axes: Axes, track: Track, size: float, colour: str) -> None:
         color=colour,
         angles="xy",
         scale_units="xy",
-        scale=1.0 / max(ARROW * size, 1e-9),
+        scale=1.0 / max(ARROW_LENGTH * size, 1e-9),
         width=0.006,
         headwidth=4.5,
         zorder=3,

@@ -15,7 +15,7 @@ from walkergen.core.simulation.space.state import TRAJECTORY_COLUMNS
 
 Array = npt.NDArray[np.float64]
 
-MOST_SAMPLES = 20_000_000
+MAX_SAMPLES = 20_000_000
 
 
 class Trajectory(NamedTuple):
@@ -27,33 +27,33 @@ class Trajectory(NamedTuple):
     """Shape (samples, columns); the time counts from the end of the discarded start."""
 
 
-def check(scene: Scene, interval: float, runs: int = 1) -> None:
+def check_sample_count(scene: Scene, interval: float, runs: int = 1) -> None:
     """Raise InputError when trajectories of so many runs would have too many samples to keep."""
     wanted = runs * scene.run.seconds / interval
-    if wanted > MOST_SAMPLES:
+    if wanted > MAX_SAMPLES:
         what = "a trajectory" if runs == 1 else f"tracks of {runs} runs"
         fewer = "" if runs == 1 else ", ‹runs›"
-        raise InputError(f"{what} of {wanted:.3g} samples; at most {MOST_SAMPLES}: lower ‹rate_hz›{fewer} or ‹seconds›")
+        raise InputError(f"{what} of {wanted:.3g} samples; at most {MAX_SAMPLES}: lower ‹rate_hz›{fewer} or ‹seconds›")
 
 
 def sample(plan: Plan, interval: float, number: int = 0) -> Trajectory:
     """Simulate one run of the ensemble again and keep its state every `interval` seconds."""
-    check(plan.scene, interval)
+    check_sample_count(plan.scene, interval)
     result = simulate(plan, number, sample_interval=interval, sample_size=len(TRAJECTORY_COLUMNS))
-    return Trajectory(("t_s", *TRAJECTORY_COLUMNS), sampled(result))
+    return Trajectory(("t_s", *TRAJECTORY_COLUMNS), sample_rows(result))
 
 
-def tracks(results: Sequence[RunResult]) -> Trajectory:
+def from_runs(results: Sequence[RunResult]) -> Trajectory:
     """Tracks of runs that kept samples of what a trajectory shows; `particle` is the number of the run.
 
     Runs come by their numbers, each with its own time from the end of its discarded start.
     """
-    parts = [np.insert(sampled(result), 1, result.number, axis=1) for result in results]
+    parts = [np.insert(sample_rows(result), 1, result.number, axis=1) for result in results]
     rows = np.concatenate(parts) if parts else np.zeros((0, 2 + len(TRAJECTORY_COLUMNS)))
     return Trajectory(("t_s", "particle", *TRAJECTORY_COLUMNS), rows)
 
 
-def sampled(result: RunResult) -> Array:
+def sample_rows(result: RunResult) -> Array:
     """Rows (t in s, then the state's columns) of the samples that a run kept."""
     samples = result.tally.samples
     return np.asarray(samples.rows[: samples.cursor[0]])

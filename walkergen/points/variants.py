@@ -21,9 +21,9 @@ from walkergen.core.simulation.plan import Plan
 from walkergen.core.simulation.run import ENDED_WELL, Outcome, RunResult, compile_kernels, simulate
 from walkergen.core.tolerance import Tolerance
 from walkergen.points.experiments import Walker
-from walkergen.points.walkers import error_of_speed
+from walkergen.points.walkers import speed_error
 
-LONGEST_S, DISCARDED_S = 2.0, 0.5
+MAX_RUN_S, MAX_DISCARD_S = 2.0, 0.5
 """Measured time of a run, and its start that is not, s, at most: more runs tell more than longer ones."""
 
 Beside = tuple[RunResult, ...]
@@ -63,9 +63,11 @@ class Pairs(NamedTuple):
     walker: Walker
     variants: tuple[Variant, ...]
 
-    def prepared(self) -> OneRun[Beside]:
+    def prepare(self) -> OneRun[Beside]:
         """Return a function that simulates the runs of a number, with all kernels compiled."""
-        plans = [_short(walker).plan() for walker in (self.walker, *(variant.walker for variant in self.variants))]
+        plans = [
+            _with_short_runs(walker).plan() for walker in (self.walker, *(variant.walker for variant in self.variants))
+        ]
         for plan in plans:
             compile_kernels(plan)
 
@@ -80,12 +82,12 @@ class Pairs(NamedTuple):
 
     def quantities(self, records: Sequence[Beside]) -> list[Quantity]:
         """Mean speed of the scene, and what each variant changes."""
-        return [self.speed(records), *(change.speed for change in self.changes(records))]
+        return [self.mean_speed(records), *(change.speed for change in self.changes(records))]
 
     def finer(self) -> None:
         """Nothing finer: the step's error is left out."""
 
-    def speed(self, records: Sequence[Beside]) -> Quantity:
+    def mean_speed(self, records: Sequence[Beside]) -> Quantity:
         """Mean speed of the scene, mm/s."""
         return quantity.mean("speed", "mm_s", [runs[0].speed for runs in records if runs[0].outcome in ENDED_WELL])
 
@@ -95,18 +97,18 @@ class Pairs(NamedTuple):
         for place, variant in enumerate(self.variants, start=1):
             pairs = [(runs[0], runs[place]) for runs in records]
             cpu = quantity.mean("cpu", "", [other.cpu_s / max(own.cpu_s, 1e-9) for own, other in pairs])
-            speed = _difference(pairs, self.walker.shaken.peak_speed, f"change_{place}")
+            speed = _speed_difference(pairs, self.walker.shaken.peak_speed, f"change_{place}")
             changes.append(Change(variant.effect, variant.change, speed, cpu))
         return changes
 
 
 def verdict(walker: Walker, speed: Quantity, change: Change, tolerance: Tolerance) -> Verdict:
     """How a change lies within the error that a walker's speed may have, with 95 % confidence."""
-    error = error_of_speed(tolerance, walker.shaken).max_error(speed.value)
+    error = speed_error(tolerance, walker.shaken).max_error(speed.value)
     return change.speed.compare_with_range(-error, error)
 
 
-def _difference(pairs: Sequence[tuple[RunResult, RunResult]], plate_speed: float, key: str) -> Quantity:
+def _speed_difference(pairs: Sequence[tuple[RunResult, RunResult]], plate_speed: float, key: str) -> Quantity:
     """Mean difference of speeds of pairs of runs, without an error where all runs share an orbit."""
     ended = [result for pair in pairs for result in pair if result.outcome not in ENDED_WELL]
     if ended:
@@ -118,58 +120,58 @@ def _difference(pairs: Sequence[tuple[RunResult, RunResult]], plate_speed: float
     return mean
 
 
-def _short(walker: Walker) -> Walker:
+def _with_short_runs(walker: Walker) -> Walker:
     """Walker with short runs."""
     run = walker.scene.run
-    return walker.with_run(seconds=min(run.seconds, LONGEST_S), discard_seconds=min(run.discard_seconds, DISCARDED_S))
+    return walker.with_run(seconds=min(run.seconds, MAX_RUN_S), discard_seconds=min(run.discard_seconds, MAX_DISCARD_S))
 
 
-def judged(plan: Plan) -> list[tuple[Rule, Effect]]:
+def rule_effects(plan: Plan) -> list[tuple[Rule, Effect]]:
     """Every rule with the effect of a plan, also of what its scene does not call for."""
     return [(rule, rule.judge(plan.case)) for rule in rules.all_rules()]
 
 
-def off(walker: Walker, rule: Rule) -> Variant | None:
+def without_effect(walker: Walker, rule: Rule) -> Variant | None:
     """Variant without the effect of a rule; None where it cannot be made."""
-    return _variant(walker, "", "off", rule.off)
+    return _build_variant(walker, "", "off", rule.off)
 
 
-def every(walker: Walker, also_on: bool) -> Iterator[Variant]:
+def effect_variants(walker: Walker, also_on: bool) -> Iterator[Variant]:
     """Variants without each effect that is on; `also_on`: with each that is off at its usual size, too."""
     by_motor = walker.scene.drive.kind == "motor"
-    for rule, effect in judged(walker.plan()):
+    for rule, effect in rule_effects(walker.plan()):
         variant = None
         if effect.on and effect.switch:
-            variant = off(walker, rule)
+            variant = without_effect(walker, rule)
         elif also_on and not effect.on and rule.usual and not (by_motor and harmonic.KEY in rule.usual):
-            variant = _variant(walker, "", _usual(rule), {f"effects.{rule.switch}": None, **rule.usual})
+            variant = _build_variant(walker, "", _format_usual(rule), {f"effects.{rule.switch}": None, **rule.usual})
         if variant is not None:
             yield variant._replace(effect=effect.name)
 
 
-def _usual(rule: Rule) -> str:
+def _format_usual(rule: Rule) -> str:
     """Usual size of an effect in words."""
     sizes = {key.rpartition(".")[2]: value for key, value in rule.usual.items()}
     words = ", ".join(f"{name} = {value}" for name, value in sizes.items() if value is not True)
     return f"on, {words}" if words else "on"
 
 
-def both(walker: Walker, first: Variant, second: Variant) -> Variant | None:
+def combine(walker: Walker, first: Variant, second: Variant) -> Variant | None:
     """Variant with the changes of two; None where it cannot be made."""
     words = first.change if first.change == second.change else "both"
-    return _variant(walker, f"{first.effect} and {second.effect}", words, {**first.values, **second.values})
+    return _build_variant(walker, f"{first.effect} and {second.effect}", words, {**first.values, **second.values})
 
 
-def _variant(walker: Walker, effect: str, change: str, values: Mapping[str, Any]) -> Variant | None:
-    return _possible(
+def _build_variant(walker: Walker, effect: str, change: str, values: Mapping[str, Any]) -> Variant | None:
+    return _valid_variant(
         Variant(effect, change, walker._replace(scene=replace_without_validation(walker.scene, values)), values)
     )
 
 
-def _possible(variant: Variant) -> Variant | None:
+def _valid_variant(variant: Variant) -> Variant | None:
     """Variant that can be simulated; None for others."""
     try:
-        _short(variant.walker).plan()
+        _with_short_runs(variant.walker).plan()
     except InputError:
         return None
     return variant

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from walkergen.analysis import motion
 from walkergen.analysis.motion import Motion
-from walkergen.analysis.tracks import Tracks, of_places
+from walkergen.analysis.tracks import Tracks, from_places
 from walkergen.core.drive import Drive
 from walkergen.core.errors import InputError
 from walkergen.core.files import words
@@ -25,19 +25,19 @@ from walkergen.points import expected, experiments, trajectory
 from walkergen.points.expected import Told
 from walkergen.points.experiments import Results, Walker
 
-LONGEST_S = 4.0
+MAX_RUN_S = 4.0
 """Measured time of a run for an error, at most: more runs tell more than longer ones."""
 
-FEWEST_AT_ALL = 0.2
+MIN_SPEED_RATIO = 0.2
 """Speed over the plate's peak speed below which a share of error counts of this one."""
 
 
 def simulate(walker: Walker, progress: Progress = silent, threads: int | None = None) -> Results:
     """Simulate the runs of a walker's scene, as `measure` does. Raises InputError where it contradicts itself."""
-    return _results(measure(walker, Runs(walker.scene.run.runs), progress, threads))
+    return _to_results(measure(walker, Runs(walker.scene.run.runs), progress, threads))
 
 
-def each(walkers: Sequence[Walker], titles: Sequence[str], progress: Progress) -> Iterator[Results]:
+def simulate_each(walkers: Sequence[Walker], titles: Sequence[str], progress: Progress) -> Iterator[Results]:
     """Results of walkers in turn, yielded when done; progress is reported under their titles.
 
     Raises KeyboardInterrupt rather than yield a walker with runs missing.
@@ -49,7 +49,7 @@ def each(walkers: Sequence[Walker], titles: Sequence[str], progress: Progress) -
         yield results
 
 
-def at_once(walkers: Sequence[Walker], progress: Progress = silent) -> dict[int, Results]:
+def simulate_parallel(walkers: Sequence[Walker], progress: Progress = silent) -> dict[int, Results]:
     """Results of walkers by their places, each on a thread of its own: best for walkers of a single run.
 
     Ctrl-C leaves those out that are not done.
@@ -100,7 +100,7 @@ class Met(NamedTuple):
         }
 
 
-def to_error(
+def simulate_to_error(
     walker: Walker,
     wanted: Tolerance,
     of: str = SPEED,
@@ -118,41 +118,41 @@ def to_error(
         raise InputError(f"‹of=›{of[:60]!r}: must be one of {', '.join(observables.OBSERVABLE_NAMES)}")
     if of != SPEED and not wanted.relative:
         raise InputError(f"‹error=›{wanted}: only a mean speed is in mm/s; write a share: 5%")
-    until = error_of_speed(wanted, walker.shaken) if of == SPEED else Error(wanted, of)
-    results = _short(walker, Told(until, expect), progress, threads)
+    until = speed_error(wanted, walker.shaken) if of == SPEED else Error(wanted, of)
+    results = _simulate_short_runs(walker, Told(until, expect), progress, threads)
     if results.step_errors[of].error is None:
         raise InputError(f"‹error=›{wanted}: {of} is {results.step_errors[of].reason}")
     value = results.summary.speed_mm_s if of == SPEED else results.values[of]
     return Met(results, of, _half_width(results, of), until.max_error(value))
 
 
-def short(walker: Walker, wanted: Tolerance, most: int, progress: Progress = silent) -> Results:
+def simulate_with_limit(walker: Walker, wanted: Tolerance, most: int, progress: Progress = silent) -> Results:
     """Run a walker until its speed has the wanted error, or `most` runs are made, even if they fail."""
-    return _short(walker, error_of_speed(wanted, walker.shaken)._replace(most=most), progress, None)
+    return _simulate_short_runs(walker, speed_error(wanted, walker.shaken)._replace(most=most), progress, None)
 
 
 def cost_to_error(walker: Walker, wanted: Tolerance) -> float:
     """CPU seconds that an error of the speed takes, as the first runs tell, which are made."""
-    first = measure(_few(walker), Runs(FIRST_RUNS))
-    return expected.spent(first) + expected.cost_of_error(error_of_speed(wanted, walker.shaken), first)
+    first = measure(_with_first_runs(walker), Runs(FIRST_RUNS))
+    return expected.total_cpu_s(first) + expected.cost_of_error(speed_error(wanted, walker.shaken), first)
 
 
-def _short(walker: Walker, until: Until, progress: Progress, threads: int | None) -> Results:
-    return _results(measure(_few(walker), until, progress, threads))
+def _simulate_short_runs(walker: Walker, until: Until, progress: Progress, threads: int | None) -> Results:
+    return _to_results(measure(_with_first_runs(walker), until, progress, threads))
 
 
-def _few(walker: Walker) -> Walker:
+def _with_first_runs(walker: Walker) -> Walker:
     """Walker with the runs with which an error begins."""
-    return walker.with_run(runs=FIRST_RUNS, seconds=min(walker.scene.run.seconds, LONGEST_S))
+    return walker.with_run(runs=FIRST_RUNS, seconds=min(walker.scene.run.seconds, MAX_RUN_S))
 
 
-def error_of_speed(wanted: Tolerance, shaken: Drive) -> Error:
+def speed_error(wanted: Tolerance, shaken: Drive) -> Error:
     """Error of the speed of a walker on a plate that is shaken so."""
-    return Error(wanted, SPEED, FEWEST_AT_ALL * shaken.peak_speed)
+    return Error(wanted, SPEED, MIN_SPEED_RATIO * shaken.peak_speed)
 
 
-def _results(measured: Measured[Walker]) -> Results:
-    return experiments.results(measured.experiment, measured.records, measured.runs, measured.wall_s)
+def _to_results(measured: Measured[Walker]) -> Results:
+    return experiments.from_records(measured.experiment, measured.records, measured.runs, measured.wall_s)
 
 
 def _half_width(results: Results, of: str) -> float:
@@ -173,8 +173,8 @@ def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) 
     In a lane only the way along it counts, as in a film of one.
     """
     if interval is None:
-        return of_places([result.places for result in results], results[0].block_s, lane)
-    return of_places([trajectory.sampled(result)[:, 1:4] for result in results], interval, lane)
+        return from_places([result.places for result in results], results[0].block_s, lane)
+    return from_places([trajectory.sample_rows(result)[:, 1:4] for result in results], interval, lane)
 
 
 def motion_of(results: Sequence[RunResult], scene: Scene, interval: float | None = None) -> tuple[Motion | None, str]:
@@ -183,7 +183,7 @@ def motion_of(results: Sequence[RunResult], scene: Scene, interval: float | None
     descent = None if not slope else 0.0 if slope > 0.0 else math.pi
     tracks = tracks_of(results, scene.arena.kind == "lane", interval)
     longest = tracks.interval * max(len(track.position) - 1 for track in tracks.tracks)
-    least = max(motion.LAG_S, tracks.interval)
+    least = max(motion.DEFAULT_LAG_S, tracks.interval)
     if longest > 1.001 * least:
         return motion.analyse(tracks, descent=descent), ""
     return None, f"runs of {longest:.3g} s are too short; at least {2 * least:.2g} s"

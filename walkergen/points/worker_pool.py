@@ -22,11 +22,11 @@ from walkergen import extras
 from walkergen.core.errors import InputError
 from walkergen.points.point import digest
 
-MOST_WORKERS = 1024
-ANSWER_S = 10.0
+MAX_WORKERS = 1024
+ANSWER_TIMEOUT_S = 10.0
 """Time in which a scheduler must answer, s."""
 
-MOST_GREETING, GREETING = 10_000, b"pickle-protocol"
+MAX_GREETING_BYTES, GREETING_WORD = 10_000, b"pickle-protocol"
 """Longest first message of a scheduler, bytes, and a word of it."""
 
 
@@ -37,21 +37,21 @@ class WorkerPool(NamedTuple):
     workers: int
 
 
-def cores() -> int:
+def core_count() -> int:
     """Count the cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextmanager
-def local(workers: int | None = None) -> Iterator[WorkerPool]:
+def local_pool(workers: int | None = None) -> Iterator[WorkerPool]:
     """Start processes on this machine, one for each core by default, and end them in any case."""
-    count = cores() if workers is None else workers
-    if not 1 <= count <= MOST_WORKERS:
-        raise InputError(f"‹workers=›{count}: must lie in 1..{MOST_WORKERS}")
+    count = core_count() if workers is None else workers
+    if not 1 <= count <= MAX_WORKERS:
+        raise InputError(f"‹workers=›{count}: must lie in 1..{MAX_WORKERS}")
     context = multiprocessing.get_context("spawn")
-    executor = ProcessPoolExecutor(count, mp_context=context, initializer=begin)
+    executor = ProcessPoolExecutor(count, mp_context=context, initializer=init_worker)
     try:
-        with _ctrl_c_ignored():  # a process that starts takes over what is ignored
+        with _ignore_ctrl_c():  # a process that starts takes over what is ignored
             for _ in range(count):
                 executor.submit(os.getpid)
         yield WorkerPool(executor, count)
@@ -64,7 +64,7 @@ def local(workers: int | None = None) -> Iterator[WorkerPool]:
 
 
 @contextmanager
-def _ctrl_c_ignored() -> Iterator[None]:
+def _ignore_ctrl_c() -> Iterator[None]:
     """Ignore Ctrl-C for the moment; only the main thread can say so."""
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -76,7 +76,7 @@ def _ctrl_c_ignored() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
-def begin() -> None:
+def init_worker() -> None:
     """Leave Ctrl-C to the parent, and end with it, even when it is killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
@@ -90,7 +90,7 @@ def begin() -> None:
 
 
 @contextmanager
-def dask(address: str) -> Iterator[WorkerPool]:
+def dask_pool(address: str) -> Iterator[WorkerPool]:
     """Workers of an existing cluster of dask.distributed, by the address of its scheduler.
 
     Raises InputError when dask is not installed, the scheduler is not reached, there is no worker,
@@ -99,10 +99,10 @@ def dask(address: str) -> Iterator[WorkerPool]:
     extras.require("cluster", "‹dask›")
     from distributed import Client
 
-    host, port = _place(address)
+    host, port = _parse_address(address)
     try:
-        _greeted(host, port)
-        client = Client(f"tcp://{host}:{port}", timeout=ANSWER_S, set_as_default=False)
+        _check_greeting(host, port)
+        client = Client(f"tcp://{host}:{port}", timeout=ANSWER_TIMEOUT_S, set_as_default=False)
     except Exception as error:  # of what answers nonsense dask raises anything
         reason = str(error).partition("\n")[0][:200] or "no answer"
         raise InputError(f"‹dask=›{address[:80]!r}: no scheduler answers there: {reason}") from None
@@ -110,13 +110,13 @@ def dask(address: str) -> Iterator[WorkerPool]:
         threads = client.nthreads()
         if not threads:
             raise InputError(f"‹dask=›{address[:80]!r}: the scheduler has no worker; start some")
-        check(_digests(client))
+        check_digests(_worker_digests(client))
         yield WorkerPool(client.get_executor(pure=False, retries=3), sum(threads.values()))
     finally:
-        client.close(timeout=ANSWER_S)
+        client.close(timeout=ANSWER_TIMEOUT_S)
 
 
-def _place(address: str) -> tuple[str, int]:
+def _parse_address(address: str) -> tuple[str, int]:
     """Host and port of a scheduler's address. Raises InputError."""
     scheme, _, rest = address.rpartition("://")
     host, _, port = rest.rpartition(":")
@@ -125,14 +125,14 @@ def _place(address: str) -> tuple[str, int]:
     return host, int(port)
 
 
-def _greeted(host: str, port: int) -> None:
+def _check_greeting(host: str, port: int) -> None:
     """Raise OSError unless what listens at a port speaks first, and greets as schedulers do.
 
     The client of dask waits for ever for what accepts a connection and says nothing, and takes the first eight
     bytes of any other server for the length of a message.
     """
-    until = time.monotonic() + ANSWER_S
-    with socket.create_connection((host.strip("[]"), port), ANSWER_S) as connection:
+    until = time.monotonic() + ANSWER_TIMEOUT_S
+    with socket.create_connection((host.strip("[]"), port), ANSWER_TIMEOUT_S) as connection:
 
         def receive(size: int) -> bytes:
             data = b""
@@ -144,11 +144,11 @@ def _greeted(host: str, port: int) -> None:
             return data
 
         size = int.from_bytes(receive(8), sys.byteorder)
-        if not 0 < size <= MOST_GREETING or GREETING not in receive(size):
+        if not 0 < size <= MAX_GREETING_BYTES or GREETING_WORD not in receive(size):
             raise OSError("what listens there is no scheduler of dask")
 
 
-def _digests(client: Any) -> dict[str, str]:
+def _worker_digests(client: Any) -> dict[str, str]:
     """Digest of the sources of each worker; the reason where there is none."""
     answers = client.run(digest, on_error="return")
     return {
@@ -157,7 +157,7 @@ def _digests(client: Any) -> dict[str, str]:
     }
 
 
-def check(digests: dict[str, str]) -> None:
+def check_digests(digests: dict[str, str]) -> None:
     """Raise InputError for the first worker whose walkergen is not this one."""
     for worker, reply in digests.items():
         if reply != digest():

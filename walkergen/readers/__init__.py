@@ -31,21 +31,21 @@ def solid_of(body_key: str) -> "joining.Body":
     """Return the solid of a body, given by its JSON, ready for the modeller."""
     from walkergen.readers.walkers import landing
 
-    return landing.ready(body_key)
+    return landing.prepare_body(body_key)
 
 
 def mass_of(body_key: str) -> "SolidMass":
     """Return the mass of a body, given by its JSON, at 1 g/mm^3."""
     from walkergen.readers.walkers import landing
 
-    return landing.weighed(body_key)
+    return landing.body_mass(body_key)
 
 
 def meet_body(body_key: str, limbs: "tuple[Limb, ...]") -> "tuple[Limb, ...]":
     """Return legs that go on up to a body, given by its JSON. Raises GeometryError for those that miss it."""
     from walkergen.readers.walkers import landing
 
-    return landing.meet_body(body_key, limbs)
+    return landing.extend_legs(body_key, limbs)
 
 
 def place_legs(body_key: str, legs_key: str) -> "tuple[Limb, ...]":
@@ -66,21 +66,21 @@ def suggest_placement(body: "Body", legs: "Legs") -> "Sequence[Remedy]":
     """Return what helps legs that do not stand where they were put: that they place themselves."""
     from walkergen.readers.walkers import placing
 
-    return placing.auto(body, legs)
+    return placing.auto_remedies(body, legs)
 
 
 def stand_level(data: Mapping[str, Any], follow_deg: float) -> dict[str, Any]:
     """Return the data of a design that stands as built, turned until it stands on two feet. Raises GeometryError."""
     from walkergen.readers.walkers import stance
 
-    return stance.level(data, follow_deg)
+    return stance.level_feet(data, follow_deg)
 
 
 def mark_text(marks: "Marks", tilts_deg: Sequence[float], tilt_deg: float) -> str:
     """Return the mark of the member with this tilt: digits, or its notches drawn with #."""
-    from walkergen.readers.walkers.marks import word
+    from walkergen.readers.walkers.marks import format_mark
 
-    return word(marks, tilts_deg, tilt_deg)
+    return format_mark(marks, tilts_deg, tilt_deg)
 
 
 def mark_problems(
@@ -117,7 +117,7 @@ def put_cap(cap: "Cap", body: "Mesh", depth: float) -> "Mesh":
     """Return a cap where it lies on a body. Raises GeometryError for a body that does not hold it."""
     from walkergen.readers.walkers import caps
 
-    return caps.on_body(cap, body, depth)
+    return caps.place_on_body(cap, body, depth)
 
 
 READERS = Readers(

@@ -15,85 +15,85 @@ from walkergen.readers.walkers import caps
 
 PAGE_MM = (210.0, 297.0)
 """Width and height of a page: A4. What is printed fits on US Letter too, but for its lower edge."""
-INCH = 25.4
+MM_PER_INCH = 25.4
 DPI = 600
 """Pixels per inch of the PNG: a cell of 1.2 mm has 28."""
 
-EDGE, TOP, BOTTOM = 15.0, 30.0, 32.0
+EDGE_MM, TOP_MM, BOTTOM_MM = 15.0, 30.0, 32.0
 """Free edges of a page at the sides, above (with words) and below (with the rule), mm."""
-APART, BESIDE = 3.0, 6.0
+COLUMN_GAP_MM, ROW_GAP_MM = 3.0, 6.0
 """Distance between tiles across and along the page, mm; the second has room for a number."""
-RULE = 100.0
+RULE_MM = 100.0
 """Length of the rule by which a page's size is checked, mm."""
 
 
-def pages(markers: Sequence[Cap]) -> list[Figure]:
+def draw_pages(markers: Sequence[Cap]) -> list[Figure]:
     """Pages with a tile for each cap, all as wide as the widest; fronts point up."""
     width, height = PAGE_MM
     side = max(cap.side for cap in markers)
-    across = max(1, int((width - 2 * EDGE + APART) / (side + APART)))
-    down = max(1, int((height - TOP - BOTTOM + BESIDE) / (side + BESIDE)))
+    across = max(1, int((width - 2 * EDGE_MM + COLUMN_GAP_MM) / (side + COLUMN_GAP_MM)))
+    down = max(1, int((height - TOP_MM - BOTTOM_MM + ROW_GAP_MM) / (side + ROW_GAP_MM)))
     full = across * down
     sheets = [markers[first : first + full] for first in range(0, len(markers), full)]
-    return [_page(sheet, number, len(sheets), (side, across)) for number, sheet in enumerate(sheets, 1)]
+    return [_draw_page(sheet, number, len(sheets), (side, across)) for number, sheet in enumerate(sheets, 1)]
 
 
 @figures.style({})
-def _page(sheet: Sequence[Cap], number: int, count: int, grid: tuple[float, int]) -> Figure:
+def _draw_page(sheet: Sequence[Cap], number: int, count: int, grid: tuple[float, int]) -> Figure:
     """One page; `grid` is the side of a tile, mm, and the number of tiles in a row."""
     width, height = PAGE_MM
     side, across = grid
-    figure = Figure(figsize=(width / INCH, height / INCH))
+    figure = Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH))
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set_xlim(0.0, width)
     axes.set_ylim(0.0, height)
     axes.set_axis_off()
     for at, cap in enumerate(sheet):
         row, column = divmod(at, across)
-        x = EDGE + column * (side + APART) + 0.5 * side
-        y = height - TOP - row * (side + BESIDE) - 0.5 * side
-        _tile(axes, cap, (x, y))
+        x = EDGE_MM + column * (side + COLUMN_GAP_MM) + 0.5 * side
+        y = height - TOP_MM - row * (side + ROW_GAP_MM) - 0.5 * side
+        _draw_tile(axes, cap, (x, y))
         half = 0.5 * cap.side
         axes.text(x, y - half - 0.8, str(cap.number), ha="center", va="top", fontsize=6.0)
     cap = sheet[0]
     own = "" if count == 1 else f", page {number} of {count}"
     axes.text(
-        EDGE,
+        EDGE_MM,
         height - 12.0,
         f"walkergen: markers {cap.dictionary} (OpenCV's ArUco), {cap.marker_mm:g} mm wide{own}",
         fontsize=10.0,
         va="top",
     )
     axes.text(
-        EDGE,
+        EDGE_MM,
         height - 17.5,
         "Print at 100 %, on matt paper. Cut along the grey lines, and glue each flat on its walker "
         "with the notch to the front.",
         fontsize=7.5,
         va="top",
     )
-    axes.plot([EDGE, EDGE + RULE], [20.0, 20.0], color="black", lw=0.6)
-    for tick in np.arange(0.0, RULE + 1.0, 10.0):
-        axes.plot([EDGE + tick] * 2, [20.0, 22.0], color="black", lw=0.6)
+    axes.plot([EDGE_MM, EDGE_MM + RULE_MM], [20.0, 20.0], color="black", lw=0.6)
+    for tick in np.arange(0.0, RULE_MM + 1.0, 10.0):
+        axes.plot([EDGE_MM + tick] * 2, [20.0, 22.0], color="black", lw=0.6)
     axes.text(
-        EDGE,
+        EDGE_MM,
         18.5,
-        f"{RULE:g} mm: if yours differ, so do the markers: tell `track` their true size",
+        f"{RULE_MM:g} mm: if yours differ, so do the markers: tell `track` their true size",
         fontsize=7.5,
         va="top",
     )
     return figure
 
 
-def _tile(axes: Axes, cap: Cap, place: tuple[float, float]) -> None:
+def _draw_tile(axes: Axes, cap: Cap, place: tuple[float, float]) -> None:
     """Draw a tile about its middle, its front up."""
 
-    def turned(points: caps.Array) -> caps.Array:
+    def to_page(points: caps.Array) -> caps.Array:
         return np.column_stack([-points[:, 1], points[:, 0]]) + place
 
-    axes.add_patch(Polygon(turned(caps.outline(cap)), fill=False, edgecolor="0.6", linewidth=0.2))
-    for cell in caps.black(cap):
-        (left, bottom), (right, top) = turned(cell).min(axis=0), turned(cell).max(axis=0)
+    axes.add_patch(Polygon(to_page(caps.tile_outline(cap)), fill=False, edgecolor="0.6", linewidth=0.2))
+    for cell in caps.black_rectangles(cap):
+        (left, bottom), (right, top) = to_page(cell).min(axis=0), to_page(cell).max(axis=0)
         size = (right - left, top - bottom)
         axes.add_patch(Rectangle((left, bottom), *size, color="black", linewidth=0.0))
 

@@ -17,7 +17,7 @@ from walkergen.readers.walkers import caps
 COLUMNS = ("number", "walker", "kind", "dictionary", "marker_mm", "tile_mm", "height_mm", "mass_g")
 """Columns of caps.csv."""
 
-FINEST_CELL = 2.0
+MIN_CELL_LINES = 2.0
 """Smallest side of a cell, lines: a white cell between black ones has a line on either side."""
 
 
@@ -31,10 +31,10 @@ class Capped(NamedTuple):
     @property
     def grams(self) -> float:
         """Mass of the cap, g."""
-        return mass.weigh(caps.mesh(self.cap), 1e-3 * self.density_g_cm3).mass
+        return mass.weigh(caps.build_tile(self.cap), 1e-3 * self.density_g_cm3).mass
 
 
-def numbered(designs: Sequence[Design], items: Sequence[str]) -> list[Capped]:
+def number_caps(designs: Sequence[Design], items: Sequence[str]) -> list[Capped]:
     """Caps of walkers that have one, numbered on from the first design's number.
 
     `items` are their names, copy by copy. Raises InputError for more than the dictionary has, and
@@ -68,7 +68,7 @@ def numbered(designs: Sequence[Design], items: Sequence[str]) -> list[Capped]:
 def findings(capped: Sequence[Capped], printer: Printer) -> list[Finding]:
     """Return the findings on printed caps whose cells are too small for the printer's lines."""
     printed = {entry.cap.model_copy(update={"number": 0}): entry for entry in capped if entry.cap.kind != "paper"}
-    least = FINEST_CELL * printer.line_width_mm
+    least = MIN_CELL_LINES * printer.line_width_mm
     what, change = "cells of the caps may close up", "raise cap.marker_mm, or print markers on paper"
     return [
         finding
@@ -87,13 +87,13 @@ def files(capped: Sequence[Capped], printers: Sequence[Printer]) -> Iterator[tup
     """
     from walkergen.sheets import cap_sheet  # brings matplotlib
 
-    yield "caps.csv", csv_text(COLUMNS, map(_row, capped)).encode()
-    pages = cap_sheet.pages([entry.cap for entry in capped])
+    yield "caps.csv", csv_text(COLUMNS, map(_table_row, capped)).encode()
+    pages = cap_sheet.draw_pages([entry.cap for entry in capped])
     yield "caps.pdf", cap_sheet.pdf(pages)
     for number, data in enumerate(cap_sheet.pngs(pages), start=1):
         yield f"caps_{number}.png", data
     printed = [entry.cap for entry in capped if entry.cap.kind != "paper"]
-    meshes = [caps.mesh(cap) for cap in printed]
+    meshes = [caps.build_tile(cap) for cap in printed]
     parts = [Part.from_mesh(f"cap_{cap.number:02d}", tile) for cap, tile in zip(printed, meshes, strict=True)]
     for printer in printers if printed else ():
         for number, plate in enumerate(packing.pack(parts, printer), start=1):
@@ -120,7 +120,7 @@ def advice(capped: Sequence[Capped]) -> list[str]:
     ]
 
 
-def _row(entry: Capped) -> tuple[object, ...]:
+def _table_row(entry: Capped) -> tuple[object, ...]:
     cap = entry.cap
     height = cap.thickness + (cap.relief_mm if cap.kind == "raised" else 0.0)
     return (

@@ -23,17 +23,17 @@ from walkergen.files import figures
 
 Array = npt.NDArray[np.float64]
 
-INCHES = 10.0
+MAP_INCHES = 10.0
 """Longer side of the bed, or of what is shown of it, in the picture, inches."""
-MARGIN, FLATTEST = 0.03, 0.3
+MARGIN_SHARE, MIN_ASPECT = 0.03, 0.3
 """Room around the parts over the longer side of the bed; least height of a map over its width."""
-FULL = 0.6
+FULL_BED_SHARE = 0.6
 """Share of the bed from which on the map shows all of it."""
-KEY = 0.12
+INSET_SHARE = 0.12
 """Width of the small picture of the bed over that of the map."""
 LINE_INCHES = 0.175
 """Height of a line of words below the picture, inches."""
-WORDS = 10.0
+FONT_PT = 10.0
 """Size of the words around a map, points."""
 
 
@@ -48,55 +48,55 @@ class Around(NamedTuple):
     above: float
 
 
-AROUND = Around(0.7, 0.4, 0.6, 0.65)
-MOST_LISTED = 12
+MARGINS_INCHES = Around(0.7, 0.4, 0.6, 0.65)
+MAX_LISTED_DESIGNS = 12
 """Most designs whose names stand below a map; the print sheet names all."""
 LEGS_SHADE = 0.6
 """Brightness of legs that stand up, over that of their body."""
-CLEAR_MM = 1e-3
+LEG_CLEARANCE_MM = 1e-3
 """Height above the body from which on there are only legs, whatever its mesh's rounding, mm."""
-LETTER = 0.65
+LETTER_WIDTH_RATIO = 0.65
 """Width of a letter over the height of the font."""
 THUMBNAIL_INCHES, THUMBNAIL_DPI = 2.56, 100
 
 
 @figures.style({})
-def pictures(
+def draw_pictures(
     printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate, title: str
 ) -> tuple[bytes, bytes]:
     """Draw the map of one plate and its thumbnail: two PNG files."""
     view = printer, members, meshes, plate
-    return png(*view, title), thumbnail(*view)
+    return draw_map(*view, title), draw_thumbnail(*view)
 
 
-def png(printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate, title: str) -> bytes:
+def draw_map(printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate, title: str) -> bytes:
     """Draw the map of one plate as PNG; labels are the tilt in degrees and the copy's number.
 
     Where `members` are of several designs, labels begin with the design's letter.
     """
     letters = names.design_letters(members)
     used = [members[part].name for part in sorted({placed.part for placed in plate.placements})]
-    named = _named({name: letters[name] for name in used if letters})
+    named = _legend_lines({name: letters[name] for name in used if letters})
     figure = Figure()
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     _draw_parts(axes, printer, members, meshes, plate)
-    shown = _window(axes, printer)
-    scale = INCHES / max(shown.width, shown.height)
+    shown = _map_area(axes, printer)
+    scale = MAP_INCHES / max(shown.width, shown.height)
     labels = "design, tilt (deg) - copy" if letters else "tilt (deg) - copy"
     count = f"{len(plate.placements)} part{'s' if len(plate.placements) > 1 else ''}"
     heading = f"{title}: {count}; {labels}"
-    key = 0.0 if shown.x0 < 0.0 else KEY * scale * shown.width
-    _place(figure, axes, (scale * shown.width, scale * shown.height), key, (heading, *named))
-    _show(axes, shown, printer)
+    key = 0.0 if shown.x0 < 0.0 else INSET_SHARE * scale * shown.width
+    _set_size(figure, axes, (scale * shown.width, scale * shown.height), key, (heading, *named))
+    _show_area(axes, shown, printer)
     _label_parts(axes, members, meshes, plate, scale)
-    axes.set_xlabel("\n".join(("x (mm), front", *named)), fontsize=WORDS)
-    axes.set_ylabel("y (mm)", fontsize=WORDS)
-    axes.set_title(heading, fontsize=WORDS)
+    axes.set_xlabel("\n".join(("x (mm), front", *named)), fontsize=FONT_PT)
+    axes.set_ylabel("y (mm)", fontsize=FONT_PT)
+    axes.set_title(heading, fontsize=FONT_PT)
     figure.legend(loc="upper right", ncols=2, frameon=False, fontsize=9, borderaxespad=0.2)
     return figures.png(figure, 130)
 
 
-def _place(figure: Figure, axes: Axes, size: tuple[float, float], key: float, lines: Sequence[str]) -> None:
+def _set_size(figure: Figure, axes: Axes, size: tuple[float, float], key: float, lines: Sequence[str]) -> None:
     """Give a map its size (inches), and the figure room for everything around it.
 
     `key` is the width of the small picture beside the map; `lines` are the heading, then the names
@@ -105,39 +105,39 @@ def _place(figure: Figure, axes: Axes, size: tuple[float, float], key: float, li
     that of the names, and cuts the last one off.
     """
     width, height = size
-    overhang = max(0.0, 0.5 * (max(map(len, lines)) * LETTER * WORDS / 72.0 - width))
-    left = max(AROUND.left, overhang)
-    right = max(AROUND.right + key, overhang)
-    below = AROUND.below + LINE_INCHES * (len(lines) - 1)
-    whole_width, whole_height = left + width + right, below + height + AROUND.above
+    overhang = max(0.0, 0.5 * (max(map(len, lines)) * LETTER_WIDTH_RATIO * FONT_PT / 72.0 - width))
+    left = max(MARGINS_INCHES.left, overhang)
+    right = max(MARGINS_INCHES.right + key, overhang)
+    below = MARGINS_INCHES.below + LINE_INCHES * (len(lines) - 1)
+    whole_width, whole_height = left + width + right, below + height + MARGINS_INCHES.above
     figure.set_size_inches(whole_width, whole_height)
     axes.set_position((left / whole_width, below / whole_height, width / whole_width, height / whole_height))
 
 
-def _window(axes: Axes, printer: Printer) -> Bbox:
+def _map_area(axes: Axes, printer: Printer) -> Bbox:
     """Area of the bed that the map shows, mm: all of it, or the parts' where these are few."""
     bed = np.array([printer.bed_width_mm, printer.bed_depth_mm])
     outlines = [path.vertices for shapes in axes.collections for path in shapes.get_paths()]
     points = np.concatenate([np.asarray(outline, float) for outline in outlines])
-    margin = MARGIN * bed.max()
+    margin = MARGIN_SHARE * bed.max()
     low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
-    room = np.maximum(high - low, FLATTEST * (high - low).max())
+    room = np.maximum(high - low, MIN_ASPECT * (high - low).max())
     low = np.clip(0.5 * (low + high - room), 0.0, np.maximum(bed - room, 0.0))
     high = np.minimum(low + room, bed)
-    if (high - low).prod() > FULL * bed.prod():
+    if (high - low).prod() > FULL_BED_SHARE * bed.prod():
         low, high = -0.01 * bed, 1.01 * bed
     return Bbox([low, high])
 
 
-def _show(axes: Axes, shown: Bbox, printer: Printer) -> None:
+def _show_area(axes: Axes, shown: Bbox, printer: Printer) -> None:
     """Show an area of the bed, and in a small picture beside it which one, if it is not all."""
     axes.set_xlim(shown.x0, shown.x1)
     axes.set_ylim(shown.y0, shown.y1)
     if shown.x0 < 0.0:
         return
     bed = printer.bed_width_mm, printer.bed_depth_mm
-    high = KEY * shown.width / shown.height * bed[1] / bed[0]
-    key = axes.inset_axes((1.02, 1.0 - high, KEY, high))
+    high = INSET_SHARE * shown.width / shown.height * bed[1] / bed[0]
+    key = axes.inset_axes((1.02, 1.0 - high, INSET_SHARE, high))
     key.add_patch(Rectangle((0.0, 0.0), *bed, fill=False, edgecolor="0.4"))
     key.add_patch(Rectangle(shown.min, shown.width, shown.height, facecolor="0.85", edgecolor="0.2"))
     key.set_xlim(-0.02 * bed[0], 1.02 * bed[0])
@@ -148,7 +148,7 @@ def _show(axes: Axes, shown: Bbox, printer: Printer) -> None:
 
 
 @figures.style({})
-def thumbnail(printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate) -> bytes:
+def draw_thumbnail(printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate) -> bytes:
     """Draw a small picture of the plate without words: PNG, 256 pixels wide."""
     size = THUMBNAIL_INCHES, THUMBNAIL_INCHES * printer.bed_depth_mm / printer.bed_width_mm
     figure = Figure(figsize=size)
@@ -159,8 +159,8 @@ def thumbnail(printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh
 
 
 def _draw_parts(axes: Axes, printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate) -> None:
-    views = {part: _view(members[part], meshes[part]) for part in {p.part for p in plate.placements}}
-    for kind, colour in figures.COLOURS.items():
+    views = {part: _top_view(members[part], meshes[part]) for part in {p.part for p in plate.placements}}
+    for kind, colour in figures.LEG_COLOURS.items():
         copies = [placed for placed in plate.placements if members[placed.part].kind == kind]
         corners = [np.array((placed.x, placed.y)) for placed in copies]
         for layer, shade, label in (("whole", 1.0, f"{kind} legs"), ("legs", LEGS_SHADE, None)):
@@ -193,21 +193,21 @@ class _View(NamedTuple):
     """Legs that stand up, on top of the whole; none of a walker on its side."""
 
 
-def _view(design: Design, mesh: Mesh) -> _View:
+def _top_view(design: Design, mesh: Mesh) -> _View:
     if solids.is_printed_on_side(design):
         return _View(_underside(mesh), np.empty((0, 3, 2)))
-    whole, legs = (triangles(section) for section in _silhouettes(design, mesh))
+    whole, legs = (triangulate(section) for section in _silhouettes(design, mesh))
     return _View(whole, legs)
 
 
 def _silhouettes(design: Design, mesh: Mesh) -> tuple[manifold3d.CrossSection, manifold3d.CrossSection]:
     """Outline of a walker with its legs up, and that of what stands above the body."""
     solid = modeller.to_solid(mesh._replace(vertices=mesh.vertices - mesh.vertices.min(axis=0)))
-    legs = solid.trim_by_plane((0.0, 0.0, 1.0), design.size.thickness + CLEAR_MM)
+    legs = solid.trim_by_plane((0.0, 0.0, 1.0), design.size.thickness + LEG_CLEARANCE_MM)
     return solid.project(), legs.project()
 
 
-def triangles(section: manifold3d.CrossSection) -> Array:
+def triangulate(section: manifold3d.CrossSection) -> Array:
     """Triangles of a flat section, shape (k, 3, 2), mm."""
     polygons = section.to_polygons()
     if not polygons:
@@ -223,11 +223,11 @@ def _underside(mesh: Mesh) -> Array:
     return lying
 
 
-def _named(letters: Mapping[str, str]) -> list[str]:
+def _legend_lines(letters: Mapping[str, str]) -> list[str]:
     """Lines that say which letter stands for which design (letters by designs' names)."""
     listed = [f"{letter}: {name}" for name, letter in letters.items()]
-    more = len(listed) - MOST_LISTED
-    return listed[:MOST_LISTED] + ([f"and {more} more: see the print sheet"] if more > 0 else [])
+    more = len(listed) - MAX_LISTED_DESIGNS
+    return listed[:MAX_LISTED_DESIGNS] + ([f"and {more} more: see the print sheet"] if more > 0 else [])
 
 
 def _label_parts(axes: Axes, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate, scale: float) -> None:
@@ -240,13 +240,13 @@ def _label_parts(axes: Axes, members: Sequence[Design], meshes: Sequence[Mesh], 
         key = placed.part, len(label)
         if key not in rooms:
             on_side = design.pair and solids.is_printed_on_side(design)
-            room = _between_legs if on_side else _on_part
+            room = _fit_between_legs if on_side else _fit_on_part
             rooms[key] = room(design, meshes[placed.part], len(label))
         x, y, height = rooms[key]
         axes.text(placed.x + x, placed.y + y, label, ha="center", va="center", fontsize=min(72.0 * scale * height, 9.0))
 
 
-def _between_legs(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, float]:
+def _fit_between_legs(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, float]:
     """Middle of a label between two equal legs, from the box's corner, and its font's height.
 
     Halfway up, legs that lean are as far to the right of their feet.
@@ -254,10 +254,10 @@ def _between_legs(design: Design, mesh: Mesh, letters: int) -> tuple[float, floa
     left, bottom = mesh.vertices[:, :2].min(axis=0)
     below = 0.5 * (-bottom - 0.5 * design.size.thickness)
     middle = below * math.tan(design.limbs[0].tilt) - left
-    return middle, below, min(below, 0.8 * design.foot_span / (LETTER * letters))
+    return middle, below, min(below, 0.8 * design.foot_span / (LETTER_WIDTH_RATIO * letters))
 
 
-def _on_part(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, float]:
+def _fit_on_part(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, float]:
     """Middle of a label on a part beside its legs, from the box's corner, and its font's height.
 
     With x shrunk by the label's width over its height the label is a square, and the square in the
@@ -269,11 +269,11 @@ def _on_part(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, fl
         free = shapely.union_all([shapely.Polygon(corners) for corners in _underside(mesh)])
     else:
         whole, legs = (
-            shapely.union_all([shapely.Polygon(corners) for corners in triangles(section)])
+            shapely.union_all([shapely.Polygon(corners) for corners in triangulate(section)])
             for section in _silhouettes(design, mesh)
         )
         free = whole.difference(legs)
-    squeeze = LETTER * letters
+    squeeze = LETTER_WIDTH_RATIO * letters
     narrow = shapely.transform(free, lambda points: points / (squeeze, 1.0))
     circle = shapely.maximum_inscribed_circle(narrow, 0.01 * math.sqrt(narrow.area))
     (x, y), _ = circle.coords

@@ -107,7 +107,7 @@ def test_what_the_cells_do_not_know_is_said_in_a_line():
 def test_the_row_that_an_accepted_error_allows_is_marked(accepted, row, monkeypatch, tmp_path):
     monkeypatch.setattr(pace, "cpu_per_s", lambda: 0.05)
     values = {} if accepted is None else {"set": {"scene.run.accepted_error": accepted}}
-    told = AccuracyRequest.asked(values | {"out": tmp_path / "out"}).run(lambda *_: None)
+    told = AccuracyRequest.from_values(values | {"out": tmp_path / "out"}).run(lambda *_: None)
     assert [one["error"] for one in told.facts["answers"] if one["accepted"]] == ([] if row is None else [row])
     assert (f"{row}, accepted" in told.markdown()) == (row is not None)
     assert ("no error of the table is within it: simulate error=0.5%" in told.markdown()) == (accepted == 0.005)
@@ -123,7 +123,7 @@ def test_the_row_that_an_accepted_error_allows_is_marked(accepted, row, monkeypa
     ],
 )
 def test_the_papers_walker_on_its_plates_was_measured_and_others_are_scaled(design, scene, known, monkeypatch):
-    monkeypatch.setattr(expected, "counted", lambda plan: math.inf)  # none is simulated
+    monkeypatch.setattr(expected, "rate_from_steps", lambda plan: math.inf)  # none is simulated
     walker = templates.load(design, "walkers", Design)
     at = shipped.estimate(walker, templates.load(scene, "scenes", Scene))
     assert at.known == known
@@ -134,7 +134,7 @@ def test_the_papers_walker_on_its_plates_was_measured_and_others_are_scaled(desi
 def test_what_is_scaled_is_known_to_the_factor_that_is_told(monkeypatch):
     """Each tilt of the lane between two others is left out in turn, and read between those."""
     monkeypatch.setattr(pace, "cpu_per_s", lambda: 0.05)
-    monkeypatch.setattr(expected, "counted", lambda plan: math.inf)  # none is simulated
+    monkeypatch.setattr(expected, "rate_from_steps", lambda plan: math.inf)  # none is simulated
     every = cells.read_rows()
     tilts = sorted({row.tilt_deg for row in every if row.scene == shipped.LANE_SCENE})
     ratios = []
@@ -159,7 +159,7 @@ def test_the_scatter_of_a_plate_goes_with_its_speed_squared(monkeypatch):
     scene = templates.load("lane-90hz", "scenes", Scene)
     faster = scene.model_copy(update={"drive": scene.drive.model_copy(update={"gamma": 3.6})})
     walker = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=5.0)
-    monkeypatch.setattr(expected, "counted", lambda plan: math.inf)  # none is simulated
+    monkeypatch.setattr(expected, "rate_from_steps", lambda plan: math.inf)  # none is simulated
     one, two = (shipped.estimate(walker, ground) for ground in (scene, faster))
     assert two.peak == pytest.approx(2.0 * one.peak)
     assert two.speed == pytest.approx(2.0 * one.speed)

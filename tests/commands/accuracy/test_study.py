@@ -211,7 +211,7 @@ def test_people_read_no_rows_of_a_long_ladder_and_the_table_has_all(rungs, shown
     ladder = Ladder("steps", "Bias", "bias", "CPU time, s", "the finest", settings, ("Chaos.",))
     other = ladder._replace(name="shape", rungs=[Rung("b", "1 mm", 0.1, 0.2, 1e-3, {"M": 0.1})])
     made = report.make_report([ladder, other], None, 1.0, None, "walker", Path("here"))
-    assert [len(table.columns) for table in made.shown()] == [5] * (1 + shown)
+    assert [len(table.columns) for table in made.visible_tables()] == [5] * (1 + shown)
     assert (f"Bias: {rungs} rows in accuracy.csv" in made.lines) != shown
     assert "reference: the finest" in (made.table.notes if shown else made.lines)
     assert len(made.facts["ladders"]["steps"]) == rungs

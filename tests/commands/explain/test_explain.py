@@ -16,7 +16,7 @@ from walkergen.core.walker.design import Design
 from walkergen.points import alone, variants
 from walkergen.points.experiments import Walker
 from walkergen.points.point import Point
-from walkergen.points.simplest import simplest
+from walkergen.points.simplest import find_simplest
 from walkergen.points.variants import Pairs, Variant
 from walkergen.request import parse_effects
 
@@ -32,8 +32,8 @@ def walker_of(**keys):
 
 @pytest.fixture(autouse=True)
 def short(monkeypatch):
-    monkeypatch.setattr(variants, "LONGEST_S", 0.3)
-    monkeypatch.setattr(variants, "DISCARDED_S", 0.1)
+    monkeypatch.setattr(variants, "MAX_RUN_S", 0.3)
+    monkeypatch.setattr(variants, "MAX_DISCARD_S", 0.1)
     monkeypatch.setattr(measured, "BUDGET_S", 1.0)
 
 
@@ -42,7 +42,7 @@ COMMAND = ("explain",)
 
 def test_a_variant_that_is_the_scene_changes_nothing():
     walker = walker_of()
-    pairs = Pairs(walker, (Variant("nothing", "off", walker, {}), variants.off(walker, twist.RULE)))
+    pairs = Pairs(walker, (Variant("nothing", "off", walker, {}), variants.without_effect(walker, twist.RULE)))
     done = measure(pairs, Runs(4))
     none, stiff = pairs.changes(done.records)
     assert none.speed.pair == (0.0, 0.0)
@@ -53,7 +53,9 @@ def test_a_variant_that_is_the_scene_changes_nothing():
 
 
 def test_every_effect_is_measured_off_or_at_its_usual_size():
-    every = {variant.effect: variant for variant in variants.every(walker_of(**{"plate.slope_deg": 1.0}), True)}
+    every = {
+        variant.effect: variant for variant in variants.effect_variants(walker_of(**{"plate.slope_deg": 1.0}), True)
+    }
     assert every["plate slope"].change == "off"
     assert every["leg twist"].leaves_out
     assert every["compliant tips"].change == "off"
@@ -63,7 +65,7 @@ def test_every_effect_is_measured_off_or_at_its_usual_size():
     assert not every["plate noise"].leaves_out
     assert {"second harmonic", "plate roughness", "air drag", "unevenness", "yaw and roll"} < set(every)
     forced = walker_of(**{"effects.off": ["leg_twist"], "feet.rigid_tips": True})
-    every = {variant.effect: variant.change for variant in variants.every(forced, True)}
+    every = {variant.effect: variant.change for variant in variants.effect_variants(forced, True)}
     assert every["leg twist"] == "on"
 
 
@@ -111,15 +113,15 @@ def test_keys_without_a_part_are_told():
 
 def test_only_what_changes_less_than_accepted_is_left_out():
     untouched = walker_of()
-    assert simplest(untouched).walker is untouched
+    assert find_simplest(untouched).walker is untouched
     keys = {"plate.slope_deg": 20.0, "drive.second_harmonic_ratio": 1e-9, "effects.off": HELD}
-    found = simplest(walker_of(**keys | {"run.accepted_error": 0.3}))
+    found = find_simplest(walker_of(**keys | {"run.accepted_error": 0.3}))
     scene = found.walker.scene
     assert [change.effect for change in found.left_out] == ["second harmonic"]
     assert [change.effect for change in found.kept] == ["plate slope"]
     assert (scene.effects.on, scene.effects.off) == ([], [*HELD, "second_harmonic"])
     assert scene.run.accepted_error is None
-    forced = simplest(walker_of(**keys | {"run.accepted_error": 0.3, "effects.on": ["second_harmonic"]}))
+    forced = find_simplest(walker_of(**keys | {"run.accepted_error": 0.3, "effects.on": ["second_harmonic"]}))
     assert forced.left_out == ()
     assert found.facts["effects"]["left_out"][0]["effect"] == "second harmonic"
 
@@ -134,7 +136,7 @@ def test_an_accepted_error_holds_for_each_of_several_tilts_and_for_their_time():
     def told(values, **more):
         keys = {key: value for key, value in (values | more).items() if "." in key}
         plain = {key: value for key, value in values.items() if "." not in key}
-        return SimulateRequest.asked(plain | {"set": keys}).run(lambda *_: None)
+        return SimulateRequest.from_values(plain | {"set": keys}).run(lambda *_: None)
 
     without, whole, simple = (
         told(asked, **more) for more in ({"scene.drive.second_harmonic_ratio": 0.0}, {}, ACCEPTED)
@@ -148,7 +150,7 @@ def test_an_accepted_error_holds_for_each_of_several_tilts_and_for_their_time():
 def test_a_forecast_counts_what_an_accepted_error_leaves_out():
     keys = {"run.runs": 1, "run.seconds": 1.0, "drive.second_harmonic_ratio": 1e-9}
     scene = LANE.variant(**keys)
-    accepted = simplest(Walker(scene.variant(**{"run.accepted_error": 0.3}), DESIGN, solids.mass_of(DESIGN)))
+    accepted = find_simplest(Walker(scene.variant(**{"run.accepted_error": 0.3}), DESIGN, solids.mass_of(DESIGN)))
     assert accepted.cpu_s > 0.0
     whole, simple = (
         alone.cost(Point(DESIGN, scene.variant(**more), True)) for more in ({}, {"run.accepted_error": 0.3})
@@ -175,4 +177,4 @@ def test_the_share_is_written_as_auto():
         with pytest.raises(ValueError, match="auto:1%"):
             parse_effects(wrong)
     with pytest.raises(InputError, match="effects="):
-        SimulateRequest.asked({"effects": "auto"}, shell=True)
+        SimulateRequest.from_values({"effects": "auto"}, shell=True)

@@ -21,7 +21,7 @@ from walkergen.core.theory.prediction import Curve, Prediction
 from walkergen.files import figures
 from walkergen.guests.track.analyse import report as analysis
 from walkergen.points.members import Simulated
-from walkergen.points.track_figure import tracks_figure
+from walkergen.points.track_figure import draw_tracks
 
 TITLE = "koumakis2016: 90 Hz, 1.8 g, restitution 0.8 (poisson), friction 0.25"
 MM = 25.4
@@ -87,7 +87,7 @@ def tracks():
 
 def figures_of(tracks, title):
     """Figures of the motion of tracks by their names."""
-    made = analysis.of(tracks, motion.analyse(tracks), title)
+    made = analysis.make_report(tracks, motion.analyse(tracks), title)
     return {name: draw() for name, draw in made.figures.items()}
 
 
@@ -115,13 +115,13 @@ def test_figures_have_a_journals_width_and_letters_of_seven_points_or_more(drawn
     for name, figure in drawn.items():
         assert round(MM * figure.get_figwidth()) in (86, 178), name
         sizes = {text.get_text(): text.get_fontsize() for text in texts(figure)}
-        small = {told: size for told, size in sizes.items() if size < figures.SMALLEST}
+        small = {told: size for told, size in sizes.items() if size < figures.MIN_FONT_PT}
         assert not small, name
 
 
 def test_every_figure_has_a_title_inside_it_and_its_pdf_bears_it(drawn):
     for name, figure in drawn.items():
-        title = figures.words(figure)
+        title = figures.figure_title(figure)
         assert title, name
         (shown,) = [one for one in texts(figure) if " ".join(one.get_text().split()) == title]
         box = shown.get_window_extent()
@@ -138,7 +138,7 @@ def test_series_differ_in_line_and_marker_and_not_only_in_colour():
     for one, other in combinations(figures.SERIES, 2):
         assert one[1] != other[1]
         assert one[2] != other[2]
-    for one, other in combinations(figures.STYLES.values(), 2):
+    for one, other in combinations(figures.LEG_STYLES.values(), 2):
         assert one[1:] != other[1:]
     for colour, *_ in figures.SERIES:  # dark enough on white
         assert to_rgb(colour) @ np.array([0.299, 0.587, 0.114]) < 0.66
@@ -170,18 +170,18 @@ def test_nothing_is_drawn_below_what_the_reference_is_known_to(drawn):
 
 def test_ticks_of_a_logarithmic_axis_are_plain_and_do_not_collide():
     for low, high in ((0.011, 0.05), (2.6, 5.3), (3e-5, 4.0), (0.4, 60.0), (1e-9, 1e9)):
-        figure = Figure(figsize=(figures.COLUMN, 2.0), layout="constrained")
+        figure = Figure(figsize=(figures.COLUMN_INCHES, 2.0), layout="constrained")
         with figures.style():
             axes = figure.subplots()
             axes.set_xscale("log")
             axes.set_xlim(low, high)
-            figures.logarithmic(axes.xaxis)
+            figures.set_log_ticks(axes.xaxis)
             figure.draw_without_rendering()
             labels = [tick for tick in axes.get_xticklabels() if tick.get_text()]
             boxes = [one.get_window_extent() for one in labels if low <= one.get_position()[0] <= high]
         assert len(boxes) >= 2, (low, high)
         assert all(a.x1 < b.x0 for a, b in pairwise(boxes)), (low, high)
-    assert [figures._power(value) for value in (0.02, 1000.0, 1e-5, 2e6)] == [
+    assert [figures._format_power(value) for value in (0.02, 1000.0, 1e-5, 2e6)] == [
         "0.02",
         "1000",
         "$10^{-5}$",
@@ -208,7 +208,7 @@ def test_arrows_point_where_the_tracks_head(tracks, drawn):
             at = np.nanargmin(np.abs(track.position - place).sum(axis=1))
             assert (U, V) == pytest.approx((np.cos(track.heading[at]), np.sin(track.heading[at])))
     headless = film(2, 2, 1.0, headed=False)
-    axes = tracks_figure(headless, "without").axes[0]
+    axes = draw_tracks(headless, "without").axes[0]
     assert not [one for one in axes.collections if hasattr(one, "U")]
 
 
@@ -263,7 +263,7 @@ def test_no_settings_of_a_person_come_into_a_picture():
     """As those of a matplotlibrc in the current folder."""
 
     def drawn():
-        figure, axes = figures.axes_of("title")
+        figure, axes = figures.new_axes("title")
         with figures.style():
             axes.plot([0.0, 1.0])
         return figures.png(figure)

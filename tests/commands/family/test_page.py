@@ -192,7 +192,7 @@ def test_without_pictures_the_page_has_none(tmp_path):
 
 
 def test_the_bundle_is_built_from_the_viewer_here_and_keeps_its_licence():
-    bundle = viewer.script()
+    bundle = viewer.viewer_script()
     scripts = sorted((ROOT / "viewer").glob("*.js"))
     source = hashlib.sha256(b"".join(path.read_bytes() for path in scripts)).hexdigest()
     three = json.loads((ROOT / "viewer" / "package.json").read_text())["dependencies"]["three"]

@@ -157,7 +157,7 @@ def test_letters_count_on_and_the_picture_names_those_of_its_plate(monkeypatch):
     built = [solids.build(PAPER)] * 28
     layout = plates.arrange(members, built, [1] * 28, PRINTER, max_parts=14)
     for one in layout.plates:
-        plate_map.png(PRINTER, members, layout.meshes, one, "p")
+        plate_map.draw_map(PRINTER, members, layout.meshes, one, "p")
     (first,), (second,) = (figure.axes for figure in drawn)
     assert [text.get_text() for text in second.texts][-2:] == ["AA10-1", "AB10-1"]
     lines = first.get_xlabel().splitlines()
@@ -173,7 +173,7 @@ def test_no_word_around_a_map_is_cut_off(monkeypatch, copies, name):
     monkeypatch.setattr(plate_map.figures, "png", lambda figure, dpi: drawn.append(figure) or b"")
     members = [PAPER.model_copy(update={"name": one}) for one in ("a", "c", name)]
     layout = plates.arrange(members, [solids.build(PAPER)] * 3, [copies] * 3, PRINTER)
-    plate_map.png(PRINTER, members, layout.meshes, layout.plates[0], "orders_prusa-mk3s_1")
+    plate_map.draw_map(PRINTER, members, layout.meshes, layout.plates[0], "orders_prusa-mk3s_1")
     (figure,) = drawn
     figure.draw_without_rendering()
     (axes,) = figure.axes
@@ -198,7 +198,7 @@ def test_the_map_fills_its_frame_with_parts(monkeypatch, copies, whole):
     drawn = []
     monkeypatch.setattr(plate_map.figures, "png", lambda figure, dpi: drawn.append(figure) or b"")
     layout = plates.arrange([PAPER], [solids.build(PAPER)], [copies], PRINTER)
-    plate_map.png(PRINTER, [PAPER], layout.meshes, layout.plates[0], "p")
+    plate_map.draw_map(PRINTER, [PAPER], layout.meshes, layout.plates[0], "p")
     (axes,) = drawn[0].axes
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     points = np.concatenate([path.vertices for shapes in axes.collections for path in shapes.get_paths()])

@@ -71,11 +71,11 @@ def test_poses_and_outline_of_a_walker_seen_from_above():
         mass = solids.mass_of(design)
         scene = scene_of(run={"seconds": 0.01, "discard_seconds": 0.0})
         found = poses.sample(prepare(scene, design, mass), 2e-3)
-        one = shot.shot_of("walker, 10°, flexible", design, mass, found)
+        one = shot.make_shot("walker, 10°, flexible", design, mass, found)
         assert found.corners.shape == (len(found.times), 2 * len(legs), 3)
         assert len(found.names) == 2 * len(legs)
-        assert shot.feet(one, 0).shape == (len(legs), 2, 2)
-        (contour,) = shot.outline(one, 0)
+        assert shot.foot_edges(one, 0).shape == (len(legs), 2, 2)
+        (contour,) = shot.body_outline(one, 0)
         assert np.ptp(contour, axis=0) == pytest.approx(one.size, rel=1e-3)
 
 
@@ -101,9 +101,9 @@ def test_a_point_of_a_drawing_is_named_by_what_the_drawing_holds(tmp_path):
 
         forming.shape_by_key.cache_clear()
         design = design_of(TWO, body={"outline": str(path), "thickness_mm": 2.0})
-        keys.append(experiments.facts(Scene(), design))
+        keys.append(experiments.key_facts(Scene(), design))
     assert keys[0] != keys[1]
-    assert len(experiments.facts(Scene(), Design())) == 4
+    assert len(experiments.key_facts(Scene(), Design())) == 4
 
 
 def test_explain_names_the_slowest_and_the_fastest_leg():
@@ -135,5 +135,5 @@ def test_feet_of_another_material_change_as_the_scenes_contact_is_drawn():
 def test_a_measurement_asks_for_one_material():
     two = design_of([TWO[0], TWO[1] | {"restitution": 0.4}])
     with pytest.raises(InputError, match=r"legs\[2\].restitution is that foot's own"):
-        resting.one_material(two)
-    resting.one_material(design_of([TWO[0], TWO[1] | {"friction": 0.4}]))
+        resting.check_one_material(two)
+    resting.check_one_material(design_of([TWO[0], TWO[1] | {"friction": 0.4}]))

@@ -79,7 +79,7 @@ def test_explain_names_every_effect(run):
 
 
 def test_explain_measures_what_an_effect_costs(run, monkeypatch):
-    monkeypatch.setattr("walkergen.points.variants.LONGEST_S", 0.2)
+    monkeypatch.setattr("walkergen.points.variants.MAX_RUN_S", 0.2)
     rows = json.loads(run("explain", "--json").stdout)["rows"]
     (twist,) = [row for row in rows if row["effect"] == "leg twist"]
     assert twist["cpu_ratio"] > 0

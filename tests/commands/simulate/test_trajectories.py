@@ -45,7 +45,7 @@ def frames_of(text):
     lines, found = text.splitlines(), []
     while lines:
         count, keys, rows = int(lines[0]), lines[1], lines[2 : 2 + int(lines[0])]
-        assert f"Properties={extended_xyz.XYZ}" in keys
+        assert f"Properties={extended_xyz.PROPERTIES}" in keys
         values = np.array([[float(cell) for cell in row.split()[1:]] for row in rows])
         assert values.shape == (count, 11)
         found.append((float(re.search(r"Time=(\S+)", keys)[1]), values))
@@ -79,12 +79,12 @@ def test_all_runs_are_read_back_as_a_film_in_mm_and_as_ours(tmp_path):
     found = simulated(asked_of("plane"))
     path = tmp_path / "all.csv"
     path.write_bytes(trajectories.to_csv(Written(found, WALKER)))
-    ours = track_files.read(path, Units())
+    ours = track_files.read_tracks(path, Units())
     assert [one.particle for one in ours.tracks] == [0, 1]
     film = tmp_path / "film.csv"  # as trackpy would have it: its columns alone
     rows = [line.split(",")[:5] for line in path.read_text().splitlines()]
     film.write_text("\n".join(",".join(row) for row in rows))
-    theirs = track_files.read(film, Units(fps=1.0 / INTERVAL, mm_per_px=1.0))
+    theirs = track_files.read_tracks(film, Units(fps=1.0 / INTERVAL, mm_per_px=1.0))
     assert theirs.interval == pytest.approx(ours.interval)
     for one, other in zip(ours.tracks, theirs.tracks, strict=True):
         np.testing.assert_array_equal(one.position, other.position)
@@ -109,7 +109,7 @@ def test_ovito_sees_the_walker_as_it_stood():
 def test_large_turns_are_those_of_three_rotations_one_after_the_other():
     angles = np.random.default_rng(3).uniform(-3.0, 3.0, (50, 3))
     heading, pitch, roll = angles.T
-    found = extended_xyz.orientation(heading, pitch, roll)
+    found = extended_xyz.to_quaternions(heading, pitch, roll)
     rival = Rotation.from_euler("ZYX", angles * (1, -1, 1)).as_quat()
     np.testing.assert_allclose(np.abs((found * rival).sum(axis=1)), 1.0, atol=1e-12)
     # By the words of the docstring: the nose up by the pitch, the left side up by the roll.

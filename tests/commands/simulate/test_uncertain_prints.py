@@ -65,7 +65,7 @@ def test_bounds_hold_another_print_as_often_as_they_say():
 
 def _analysed_bounds(seed):
     _, halves = _synthetic(64, seed, statistical=4.0)
-    low2, low1, high1, high2 = uncertain.bounds(halves.mean(axis=1), uncertain.statistical_error(halves))
+    low2, low1, high1, high2 = uncertain.speed_bounds(halves.mean(axis=1), uncertain.statistical_error(halves))
     return (low2, high2), (low1, high1)
 
 
@@ -81,7 +81,7 @@ def test_bounds_of_24_noisy_draws_hold_another_print(statistical):
     for _ in range(300):
         true, noise = 60.0 + 10.0 * rng.normal(size=24), rng.normal(size=(24, 2))
         halves = true[:, None] + statistical * np.sqrt(2.0) * noise
-        ends = uncertain.bounds(halves.mean(axis=1), uncertain.statistical_error(halves))
+        ends = uncertain.speed_bounds(halves.mean(axis=1), uncertain.statistical_error(halves))
         low2, low1, high1, high2 = stats.norm(60.0, 10.0).cdf(ends)
         held.append([high2 - low2, high1 - low1])
     wide, narrow = np.mean(held, axis=0)

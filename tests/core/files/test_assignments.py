@@ -151,10 +151,10 @@ def test_nothing_else_of_the_scene_moves():
 
 
 def test_keys_of_the_scene_go_to_the_scene_and_messages_say_so():
-    design, scene = request.changed(PAPER, LANE, {"scene.legs.damping_ratio": 0.1, "legs.tilt_deg": 12})
+    design, scene = request.change_keys(PAPER, LANE, {"scene.legs.damping_ratio": 0.1, "legs.tilt_deg": 12})
     assert (scene.legs.damping_ratio, design.tilt_deg) == (0.1, 12)
     with pytest.raises(InputError, match=r"^set: scene\.contact\.friction = -1: must be"):
-        request.changed(PAPER, LANE, {"scene.contact.friction": -1})
+        request.change_keys(PAPER, LANE, {"scene.contact.friction": -1})
 
 
 @pytest.mark.parametrize(

@@ -207,7 +207,7 @@ def leaves(data, before=""):
 
 def test_a_default_of_a_command_gives_way(tmp_path):
     def asked(values):
-        return inputs.of(values, {}, ("design", "scene"))
+        return inputs.from_settings(values, {}, ("design", "scene"))
 
     own = {"scene.run.seconds": 4.0, "scene.run.runs": 3}
     assert asked({"scene.run.seconds": 7}).scene("lane-90hz", own).run.seconds == 7

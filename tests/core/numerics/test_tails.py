@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import fft, special
 
-from walkergen.analysis.lagged import fast
+from walkergen.analysis.lagged import fft_length
 from walkergen.core.numerics.tails import fisher_tail, student_quantile
 
 FREEDOMS = (0.5, 1.0, 2.0, 3.0, 10.9, 31.0, 100.0, 9.9e3, 1e4)
@@ -37,7 +37,7 @@ def test_tails_of_fisher_are_those_of_scipy(many: float) -> None:
 
 def test_lengths_that_transform_quickly_are_those_of_scipy() -> None:
     for size in (*range(1, 300), 100_001, 2**20 + 1):
-        assert fast(size) == fft.next_fast_len(size, real=True)
+        assert fft_length(size) == fft.next_fast_len(size, real=True)
 
 
 def test_motion_is_analysed_without_scipy() -> None:

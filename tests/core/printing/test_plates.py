@@ -69,7 +69,7 @@ def test_the_map_says_where_the_3mf_file_has_every_part(printer):
 
 def test_a_thumbnail_is_in_the_package_and_nowhere_without_pictures():
     layout = layout_of(PRINTERS[0], copies=(2, 2))
-    files = dict(plates.layout_files(layout, "plate", draw=plate_map.pictures))
+    files = dict(plates.layout_files(layout, "plate", draw=plate_map.draw_pictures))
     assert list(files) == [
         f"plate_prusa-mk3s{end}" for end in (".csv", ".md", ".ini", "_print.ini", "_orca.json", "_1.png", "_1.3mf")
     ]
@@ -85,7 +85,7 @@ def test_a_thumbnail_is_in_the_package_and_nowhere_without_pictures():
 
 def test_equal_orders_give_equal_bytes():
     first, second = (
-        dict(plates.layout_files(layout_of(PRINTERS[1], copies=(3, 3)), "plate", draw=plate_map.pictures))
+        dict(plates.layout_files(layout_of(PRINTERS[1], copies=(3, 3)), "plate", draw=plate_map.draw_pictures))
         for _ in range(2)
     )
     assert first == second
@@ -209,13 +209,13 @@ def test_weighed_masses_change_the_family_and_stay(run, tmp_path):
 def test_a_file_for_prusaslicer_holds_the_same_parts():
     layout = layout_of(PRINTERS[0], copies=(2, 3))
     plain, own = (
-        dict(plates.layout_files(layout, "p", plate_map.pictures, prusaslicer))["p_prusa-mk3s_1.3mf"]
+        dict(plates.layout_files(layout, "p", plate_map.draw_pictures, prusaslicer))["p_prusa-mk3s_1.3mf"]
         for prusaslicer in (False, True)
     )
     one, other = threemf.read(plain), threemf.read(own)
     assert other.metadata == one.metadata | {"Version3mf": "1"}
     assert (one.names, one.items, one.identifiers) == (other.names, other.items, other.identifiers)
-    assert own == dict(plates.layout_files(layout, "p", plate_map.pictures, True))["p_prusa-mk3s_1.3mf"]
+    assert own == dict(plates.layout_files(layout, "p", plate_map.draw_pictures, True))["p_prusa-mk3s_1.3mf"]
 
 
 @pytest.mark.slow

@@ -22,7 +22,7 @@ thin_walls = 0
 
 def printer(source, **values):
     keys = {f"printer.{key}": value for key, value in values.items()}
-    return inputs.of(keys, {}, ("printer",)).printer(source)
+    return inputs.from_settings(keys, {}, ("printer",)).printer(source)
 
 
 def test_lines_follow_the_nozzle():
@@ -33,7 +33,7 @@ def test_lines_follow_the_nozzle():
 
 def test_lines_that_the_nozzle_does_not_lay_down_are_named(tmp_path):
     path = tmp_path / "mine.toml"
-    mk3s = templates.path_of("prusa-mk3s", "printers").read_text(encoding="utf-8")
+    mk3s = templates.resolve_path("prusa-mk3s", "printers").read_text(encoding="utf-8")
     path.write_text(mk3s.replace("nozzle_mm = 0.4", "nozzle_mm = 0.8"), encoding="utf-8")
     with pytest.raises(
         InputError, match=r"line_width_mm = 0.45: nozzle_mm = 0.8 lays down lines of 0.48 to 2"

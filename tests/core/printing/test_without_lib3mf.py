@@ -46,7 +46,7 @@ def test_plates_are_stl_files_with_every_copy_at_its_place(tmp_path):
     assert f"`{name}`" in files[name.replace("_1.stl", ".md")].decode()
     path = tmp_path / name
     path.write_bytes(files[name])
-    (part,) = meshes.load(path, name).parts
+    (part,) = meshes.read_mesh(path, name).parts
     parts = found.plates[0].placements
     assert len(parts) == 3
     volumes = [volume(found.built[one.part].walker) for one in parts]

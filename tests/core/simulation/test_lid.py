@@ -126,7 +126,7 @@ def test_discs_that_topple_in_the_open_stay_up_under_a_lid_and_push_each_other()
 
 def test_a_card_knows_no_lid_but_its_own():
     with pytest.raises(InputError, match=r"arena.lid_mm = 12: a card was measured with its own lid, or none"):
-        in_plane.asked(PLANE.variant(**{"arena.lid_mm": 12.0}), [card()], [2], 25.0)
+        in_plane.make_job(PLANE.variant(**{"arena.lid_mm": 12.0}), [card()], [2], 25.0)
 
 
 def turned(design):

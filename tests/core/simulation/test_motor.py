@@ -263,8 +263,8 @@ def test_on_the_plate_it_runs_as_with_a_real_mass_on_a_hinge(tilt, push, turned,
 def test_a_weak_motor_comes_with_what_is_not_known_of_it():
     plan = carrying(throwing(1.8))
     assert plan.scene.drive.push_ratio(plan.case.mass.total) == pytest.approx(1.8)
-    assert "pushes with 1.8 weights" in speeds._of_push(1.8)
-    assert speeds._of_push(3.5) == ""
+    assert "pushes with 1.8 weights" in speeds._push_warning(1.8)
+    assert speeds._push_warning(3.5) == ""
 
 
 def test_held_in_its_plane_a_walker_does_not_move_across():

@@ -32,7 +32,7 @@ def measured(plan):
     """Values, standard errors and verdicts of a plan, each by name."""
     found, _ = ensemble.measure(plan, silent)
     errors = {**found.errors, observables.SPEED: found.speed_se_mm_s}
-    return resolution.values(found), errors, resolution.judge(plan, found)
+    return resolution.observable_values(found), errors, resolution.judge(plan, found)
 
 
 def test_error_of_a_quotient_is_the_scatter_of_its_replicates():
@@ -61,7 +61,7 @@ def test_impulses_by_type_are_those_of_all_impacts_kept():
         share = rows[rows[:, 6] == kind, 3].sum() / rows[:, 3].sum()
         assert found.type_fractions_by_impulse[name] == pytest.approx(share, abs=1e-12)
     assert sum(found.type_fractions_by_impulse.values()) == pytest.approx(1.0)
-    assert set(resolution.values(found)) == set(observables.OBSERVABLE_NAMES)
+    assert set(resolution.observable_values(found)) == set(observables.OBSERVABLE_NAMES)
     assert set(found.errors) == set(observables.OBSERVABLE_NAMES) - {observables.SPEED}
 
 

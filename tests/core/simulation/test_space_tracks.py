@@ -43,7 +43,7 @@ def run(tmp_path, monkeypatch):
 def read(tmp_path, text, units=Units()):  # noqa: B008
     path = tmp_path / "tracks.csv"
     path.write_text(text, encoding="utf-8")
-    return track_files.read(path, units)
+    return track_files.read_tracks(path, units)
 
 
 TURNING = HEADER + "".join(
@@ -79,7 +79,7 @@ def test_tracks_in_a_lane_have_a_particle_and_are_seen_from_above(run, tmp_path)
     run("simulate", *words, "--trajectory", "t.csv")
     first = (tmp_path / "t.csv").read_text(encoding="utf-8").splitlines()[0]
     assert first.startswith("frame,particle,x,y,theta,t_s,x_mm,y_mm,theta_rad")
-    found = track_files.read(tmp_path / "t.csv", Units())
+    found = track_files.read_tracks(tmp_path / "t.csv", Units())
     assert not found.lane
     assert [(t.particle, len(t.position)) for t in found.tracks] == [(n, 201) for n in range(3)]
 
@@ -98,7 +98,7 @@ def test_tracks_are_the_same_bytes_on_any_number_of_threads():
     written = []
     for threads in (1, 3):
         results = ensemble.simulate_runs(plan, silent, threads, one.impacts, one.sample_interval)
-        found = trajectory.tracks(results)
+        found = trajectory.from_runs(results)
         written.append(trajectory.to_csv(trajectories.with_film_columns(found, one.sample_interval)))
     assert written[0] == written[1]
     assert written[0].startswith(HEADER.encode())

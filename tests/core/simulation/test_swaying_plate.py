@@ -220,7 +220,7 @@ def test_a_motor_and_a_crowd_know_no_plate_that_sways():
     with pytest.raises(InputError, match=r"plate.across_ratio = 0.1: the plate under a motor is still"):
         prepare(scene, coinbot, solids.mass_of(coinbot))
     with pytest.raises(InputError, match=r"plate.across_ratio = 0.1: a crowd's plate"):
-        crowds.on_plane(PLANE.variant(**swayed))
+        crowds.plane_scene(PLANE.variant(**swayed))
 
 
 def test_a_plate_that_throws_nothing_up_may_still_convey():

@@ -44,16 +44,16 @@ def test_codes_are_those_of_opencv():
         dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
         for number in range(len(dictionary.bytesList)):
             drawn = dictionary.generateImageMarker(number, caps.MARKER_CELLS)
-            assert (caps.white(number) == (drawn > 0)).all()
+            assert (caps.white_cells(number) == (drawn > 0)).all()
 
 
 def test_a_mirrored_marker_is_none_or_itself():
     """What is read in the mirror is a fault of film or print, never another walker."""
-    codes = {np.rot90(caps.white(number), turn).tobytes(): number for number in range(100) for turn in range(4)}
-    read = {number: codes.get(caps.white(number)[:, ::-1].tobytes()) for number in range(100)}
+    codes = {np.rot90(caps.white_cells(number), turn).tobytes(): number for number in range(100) for turn in range(4)}
+    read = {number: codes.get(caps.white_cells(number)[:, ::-1].tobytes()) for number in range(100)}
     same = {number for number, seen in read.items() if seen is not None}
     assert all(read[number] == number for number in same)
-    assert same == caps.symmetric() == {8, 9, 17, 47, 58, 59, 63}
+    assert same == caps.symmetric_numbers() == {8, 9, 17, 47, 58, 59, 63}
 
 
 @pytest.mark.parametrize("number", [0, 7, 49])
@@ -74,19 +74,19 @@ def test_a_cap_on_its_walker_is_read_from_above_with_its_front_ahead(kind, numbe
 @pytest.mark.parametrize("kind", ["engraved", "raised"])
 def test_every_cap_is_one_closed_body(kind):
     for number in range(100):
-        assert solids.count_bodies(caps.mesh(Cap(kind=kind, dictionary="4x4_100", number=number))) == 1
+        assert solids.count_bodies(caps.build_tile(Cap(kind=kind, dictionary="4x4_100", number=number))) == 1
 
 
 def test_the_mass_of_a_tile_is_that_of_its_cells():
     """Counted in cells: 64 of the tile, less half a cell of notch, less or more its black."""
     for number in (0, 10, 42):
         cell = Cap().cell
-        black = float((~caps.white(number)).sum())
+        black = float((~caps.white_cells(number)).sum())
         for kind, cells in (("engraved", 63.75 * 1.0 - 0.4 * black), ("raised", 63.75 * 1.0 + 0.4 * black)):
-            volume = mass.weigh(caps.mesh(Cap(kind=kind, number=number)), 1.0).mass
+            volume = mass.weigh(caps.build_tile(Cap(kind=kind, number=number)), 1.0).mass
             # cells of the code overlap others by 2 % of a side: at most 16 of 0.08 cells each
             assert volume == pytest.approx(cells * cell**2, abs=0.4 * 16 * 0.08 * cell**2)
-        paper = mass.weigh(caps.mesh(Cap(kind="paper")), 1.0).mass
+        paper = mass.weigh(caps.build_tile(Cap(kind="paper")), 1.0).mass
         assert paper == pytest.approx(63.75 * cell**2 * 0.1, rel=1e-12)
 
 
@@ -190,7 +190,7 @@ def test_exported_walkers_come_with_their_caps(run, tmp_path):
 @pytest.mark.slow
 def test_a_sheet_is_read_and_in_true_size():
     markers = [Cap(kind="paper", number=number) for number in range(5)]
-    (page,) = cap_sheet.pages(markers)
+    (page,) = cap_sheet.draw_pages(markers)
     image = Image.open(io.BytesIO(cap_sheet.pngs([page])[0]))
     assert np.array(image.info["dpi"]) == pytest.approx(600.0, abs=0.01)
     grey = np.array(image.convert("L"))
@@ -201,8 +201,8 @@ def test_a_sheet_is_read_and_in_true_size():
         assert side == pytest.approx(7.2 / 25.4 * 600.0, abs=2.0)  # a pixel at either end
         ahead = square[0][:2].mean(axis=0) - square[0].mean(axis=0)
         assert ahead[1] < -80.0  # fronts point up
-    assert cap_sheet.pdf([page]) == cap_sheet.pdf(cap_sheet.pages(markers))
-    assert len(cap_sheet.pages([Cap(kind="paper", marker_mm=120.0)] * 2)) == 2
+    assert cap_sheet.pdf([page]) == cap_sheet.pdf(cap_sheet.draw_pages(markers))
+    assert len(cap_sheet.draw_pages([Cap(kind="paper", marker_mm=120.0)] * 2)) == 2
 
 
 def test_a_cap_that_the_body_does_not_hold_is_refused():
@@ -226,7 +226,7 @@ def test_pictures_of_families_show_caps_where_they_are(kind):
     assert tile.min(axis=0) == pytest.approx(whole.min(axis=0), abs=1e-9)
     assert tile.max(axis=0) == pytest.approx(whole.max(axis=0), abs=1e-9)
     area = shapely.union_all([shapely.Polygon(square[:, [0, 2]]) for square in squares]).area
-    cells = int((~caps.white(5)).sum())
+    cells = int((~caps.white_cells(5)).sum())
     assert area == pytest.approx(cells * design.cap.cell**2, rel=1e-6)
     bare = preview.Part(Design(), solids.build(Design()).walker)
     assert bare.cap is None

@@ -40,7 +40,7 @@ def test_toml_round_trip(tmp_path):
     design = Design.model_validate(
         {"name": "a-b_1", "legs": {"tilt_deg": 12.25, "foot": "round"}, "weighed": {"body_mass_g": 0.8}}
     )
-    assert config.read_section(written(tmp_path, templates.dump(design, "mine")), Design) == design
+    assert config.read_section(written(tmp_path, templates.to_toml(design, "mine")), Design) == design
 
 
 @pytest.mark.parametrize("walker", ["koumakis2016", "bristle"])

@@ -10,7 +10,7 @@ from walkergen.core.files.config import validate
 from walkergen.core.walker import mass, solids
 from walkergen.core.walker.design import Design
 from walkergen.readers.drawings import outlines
-from walkergen.readers.drawings.lettering import letters
+from walkergen.readers.drawings.lettering import text_outline
 
 DISC = {"body": {"outline": "disc", "length_mm": 24.0}, "legs": {"width_mm": 4.0}}
 
@@ -26,7 +26,7 @@ def volume(design):
 @pytest.mark.parametrize(("base", "height"), [(DISC, 8.0), ({}, 1.5)])
 def test_the_pockets_are_the_letters(base, height):
     marked = design_of(base, text="A8", text_height_mm=height)
-    drawn = sum(outlines.area(polygon) for polygon in letters("A8", height, False, "text"))
+    drawn = sum(outlines.area(polygon) for polygon in text_outline("A8", height, False, "text"))
     lost = volume(validate(base, Design, "test")) - volume(marked)
     # Differences of volumes of about 1000 mm3, each known to rounding
     assert lost == pytest.approx(0.4 * drawn, abs=1e-8)

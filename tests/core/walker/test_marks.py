@@ -44,7 +44,7 @@ def cut(design: Design):
     """The marks' rectangles and how deep they go along z."""
     body = design.body
     if design.marks.kind == "digits":
-        strokes = marks.strokes(design.marks, design.tilt_deg, body.thickness_mm)
+        strokes = marks.digit_strokes(design.marks, design.tilt_deg, body.thickness_mm)
         return strokes, design.marks.depth_mm
     sizes = body.length_mm, body.thickness_mm
     grooves = marks.notches(design.marks, design.family.tilt_deg, design.tilt_deg, *sizes)
@@ -127,7 +127,7 @@ def test_the_start_is_widest_and_nearest_the_front_so_that_no_mirror_image_reads
     for member in marked("notches").members(kinds=["flexible"]):
         grooves, _ = cut(member)
         widths = [round((g.right - g.left) / 0.8) for g in grooves]
-        assert widths[0] == marks.START > max(widths[1:])
+        assert widths[0] == marks.START_NOTCH > max(widths[1:])
         assert grooves[0].right == pytest.approx(14.0 - 0.8)
         free = [before.left - after.right for before, after in itertools.pairwise(grooves)]
         assert free == pytest.approx([0.8] * len(free))
@@ -142,7 +142,7 @@ def test_strokes_and_gaps_of_digits_are_at_least_a_line():
 
 
 def test_digits_show_every_digit_of_the_tilt():
-    told = [marks.digits_of(value) for value in (10.0, -7.5, -0.0, 1e-12, 12.25)]
+    told = [marks.format_tilt(value) for value in (10.0, -7.5, -0.0, 1e-12, 12.25)]
     assert told == ["10", "-7.5", "0", "0.000000000001", "12.25"]
 
 

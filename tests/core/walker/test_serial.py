@@ -52,7 +52,7 @@ def test_a_number_stands_beside_the_mark_and_takes_plastic(keys, shown):
 def test_numbers_keep_below_notches():
     own = numbered(PAPER, 8, kind="notches", line_mm=0.35).marks
     lowest = min(one.bottom for one in marks.notches(own, [10.0], 10.0, 28.0, 3.0))
-    strokes = marks.strokes(own, 10.0, 3.0)
+    strokes = marks.digit_strokes(own, 10.0, 3.0)
     assert max(one.top for one in strokes) <= lowest - own.line_mm + 1e-9
     assert min(one.bottom for one in strokes) >= -1.5 + own.line_mm - 1e-9
 

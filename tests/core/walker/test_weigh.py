@@ -131,7 +131,7 @@ def test_a_plate_weighs_each_item_and_the_total(tmp_path):
     from walkergen.core.walker import mass
     from walkergen.readers.meshes import meshes
 
-    parts = meshes.load(path, "plate").parts
+    parts = meshes.read_mesh(path, "plate").parts
     whole = mass.weigh(hostile.together(*(Mesh(p.vertices, p.triangles) for p in parts)), 1.24e-3)
     np.testing.assert_allclose(found.total.tensor_g_mm2, whole.tensor, rtol=1e-10, atol=1e-9)
     np.testing.assert_allclose(found.total.centre_mm, whole.centre, rtol=1e-12)

@@ -32,7 +32,7 @@ def read(tmp_path):
 
 def predicted(weighed, members=MEMBERS):
     built = [solids.build(member) for member in members]
-    return list(predictions.predicted(members, built, SCENE, "coulomb", weighed))
+    return list(predictions.predict_members(members, built, SCENE, "coulomb", weighed))
 
 
 def meshed(design):

@@ -13,7 +13,7 @@ from answers import refused
 from inertial_tracks import Inertial, tracks
 
 from walkergen.analysis import motion
-from walkergen.analysis.tracks import of_places
+from walkergen.analysis.tracks import from_places
 from walkergen.core.errors import InputError, WalkergenError
 from walkergen.core.files.progress import silent
 from walkergen.core.numerics.quantity import Quantity
@@ -32,13 +32,13 @@ CARD = Card(
     mass_g=0.9,
     inertia_g_mm2=60.0,
     outline_mm=[[[-14.0, -4.0], [14.0, -4.0], [14.0, 4.0], [-14.0, 4.0]]],
-    speed_mm_s=cards.measured("speed_mm_s", 60.0, 0.2, 16),
-    velocity_relaxation_s=cards.measured("velocity_relaxation_s", 0.07, 0.003, 16),
-    turning_rad_s=cards.measured("turning_rad_s", 0.5, 0.02, 16),
-    turning_relaxation_s=cards.measured("turning_relaxation_s", 0.04, 0.002, 16),
-    rotational_diffusion_rad2_s=cards.measured("rotational_diffusion_rad2_s", 0.2, 0.02, 16),
-    self_alignment_per_mm=cards.measured("self_alignment_per_mm", 0.02, 0.003, 16),
-    translational_diffusion_mm2_s=cards.measured("translational_diffusion_mm2_s", 3.0, 0.3, 16),
+    speed_mm_s=cards.field_quantity("speed_mm_s", 60.0, 0.2, 16),
+    velocity_relaxation_s=cards.field_quantity("velocity_relaxation_s", 0.07, 0.003, 16),
+    turning_rad_s=cards.field_quantity("turning_rad_s", 0.5, 0.02, 16),
+    turning_relaxation_s=cards.field_quantity("turning_relaxation_s", 0.04, 0.002, 16),
+    rotational_diffusion_rad2_s=cards.field_quantity("rotational_diffusion_rad2_s", 0.2, 0.02, 16),
+    self_alignment_per_mm=cards.field_quantity("self_alignment_per_mm", 0.02, 0.003, 16),
+    translational_diffusion_mm2_s=cards.field_quantity("translational_diffusion_mm2_s", 3.0, 0.3, 16),
 )
 
 
@@ -61,8 +61,8 @@ def csv_of(own):
 def test_a_card_is_read_as_it_was_written(tmp_path):
     path = tmp_path / "card.json"
     path.write_bytes(cards.to_json(CARD))
-    assert cards.read(path) == CARD
-    assert cards.to_json(cards.read(path)) == path.read_bytes()
+    assert cards.read_card(path) == CARD
+    assert cards.to_json(cards.read_card(path)) == path.read_bytes()
 
 
 def test_a_card_of_a_person_makes_inputs_again(run, tmp_path):
@@ -70,7 +70,7 @@ def test_a_card_of_a_person_makes_inputs_again(run, tmp_path):
     assert run("mine.json").exit_code == 0
     folder = tmp_path / "out" / "mine" / "card"
     assert (folder / "card.json").read_bytes() == cards.to_json(CARD)
-    assert (folder / "crowd_pymunk.py").read_bytes() == inputs.all_of(CARD)["crowd_pymunk.py"]
+    assert (folder / "crowd_pymunk.py").read_bytes() == inputs.input_files(CARD)["crowd_pymunk.py"]
     assert "variable mass equal 0.9\n" in (folder / "card.lammps").read_text()
 
 
@@ -79,7 +79,7 @@ def test_a_simulated_walker_has_a_card_with_errors(run, tmp_path):
     words = ("koumakis2016", "--runs", "8", "--seconds", "4", "--json", "--out")
     first, again = (run(*words, str(tmp_path / name)) for name in ("a", "b"))
     assert first.exit_code == again.exit_code == 0, (first.output, first.exception)
-    card = cards.read(tmp_path / "a" / "card.json")
+    card = cards.read_card(tmp_path / "a" / "card.json")
     assert card.model_dump(mode="json") == json.loads(first.stdout)["card"]
     assert 55.0 < card.speed_mm_s.value < 66.0
     # As ten ensembles of 16 x 10 s of other seeds had them
@@ -93,7 +93,7 @@ def test_a_simulated_walker_has_a_card_with_errors(run, tmp_path):
     ):
         known = getattr(card, key)
         assert abs(known.value - expected) < 4.0 * known.se, (key, known)
-        assert cards.runs_of(known) == 8
+        assert cards.run_count(known) == 8
     assert card.overdamped.enough is not True  # it coasts over 0.121 of its length, of which 8 runs leave 0.01 open
     assert card.outline_mm[0][0] == pytest.approx([-14.0, -4.0], abs=0.1)
     for path in (tmp_path / "a").iterdir():
@@ -137,19 +137,19 @@ def test_a_push_tells_how_soon_it_is_forgotten_across_the_heading(aside):
         left += (-force * sine - left / aside) * step + noise[:, n]
         place = place + step * np.column_stack((60.0 * cosine - left * sine, 60.0 * sine + left * cosine))
         places.append(np.column_stack((place, heading[:, n])))
-    own = of_places(np.array(places)[500::5].transpose(1, 0, 2), 5 * step, lane=False)
-    known = measured.sideways(own, force)
+    own = from_places(np.array(places)[500::5].transpose(1, 0, 2), 5 * step, lane=False)
+    known = measured.sideways_relaxation(own, force)
     assert known.se < 0.25 * aside
     assert abs(known.value - aside) < 3.0 * known.se
-    straight = of_places(np.zeros((12, 50, 3)) + rng.normal(scale=1e-3, size=(12, 50, 3)), 0.01, lane=False)
-    assert measured.sideways(straight, force).value is None
+    straight = from_places(np.zeros((12, 50, 3)) + rng.normal(scale=1e-3, size=(12, 50, 3)), 0.01, lane=False)
+    assert measured.sideways_relaxation(straight, force).value is None
 
 
 def test_frames_within_a_period_are_thinned_to_one(tmp_path):
     own = tracks(12, Inertial(), walkers=8, seconds=4.0, interval=1.0 / 900.0)
     (tmp_path / "fast.csv").write_text(csv_of(own))
     scene = templates.load("plane-90hz", "scenes", Scene)
-    numbers = measured.filmed(tmp_path / "fast.csv", measured.Units(), scene)
+    numbers = measured.measure_film(tmp_path / "fast.csv", measured.Units(), scene)
     assert numbers.interval == pytest.approx(1.0 / 90.0)
     assert any("every 10th frame" in note for note in numbers.notes)
 
@@ -172,8 +172,8 @@ def test_mass_and_inertia_are_those_of_the_whole_walker():
     total, x, z, own = np.array(parts).T
     forward, left = (total @ x) / total.sum(), -(total @ z) / total.sum()
     arms = (x - forward) ** 2 + (z + left) ** 2
-    assert measured.centre(mass) == pytest.approx([forward, left], abs=1e-9)
-    assert measured.inertia(mass) == pytest.approx(own.sum() + total @ arms, rel=1e-9)
+    assert measured.centre_of_mass(mass) == pytest.approx([forward, left], abs=1e-9)
+    assert measured.yaw_inertia(mass) == pytest.approx(own.sum() + total @ arms, rel=1e-9)
 
 
 @pytest.mark.parametrize("turn", [0.0, 3.0])
@@ -183,10 +183,10 @@ def test_propulsion_is_that_which_gives_the_mean_speed(turn):
     speed = motion.analyse(own).estimates["speed"]
     card = CARD.model_copy(
         update={
-            "speed_mm_s": cards.measured("speed_mm_s", speed.value),
-            "turning_rad_s": cards.measured("turning_rad_s", turn),
-            "velocity_relaxation_s": cards.measured("velocity_relaxation_s", one.relaxation),
-            "rotational_diffusion_rad2_s": cards.measured("rotational_diffusion_rad2_s", one.rotation),
+            "speed_mm_s": cards.field_quantity("speed_mm_s", speed.value),
+            "turning_rad_s": cards.field_quantity("turning_rad_s", turn),
+            "velocity_relaxation_s": cards.field_quantity("velocity_relaxation_s", one.relaxation),
+            "rotational_diffusion_rad2_s": cards.field_quantity("rotational_diffusion_rad2_s", one.rotation),
         }
     )
     raised = card.propulsion_mm_s / speed.value
@@ -195,13 +195,13 @@ def test_propulsion_is_that_which_gives_the_mean_speed(turn):
 
 
 def test_a_walker_that_turns_too_fast_to_be_averaged_is_refused():
-    update = {"turning_rad_s": cards.measured("turning_rad_s", 1e9)}
+    update = {"turning_rad_s": cards.field_quantity("turning_rad_s", 1e9)}
     with pytest.raises(WalkergenError, match="that cannot be averaged; see turning_rad_s"):
-        flat_motion.of(CARD.model_copy(update=update))
+        flat_motion.from_card(CARD.model_copy(update=update))
 
 
 def judged(speed, turning, relaxed, relaxed_se=1e-4):
-    known = relaxation.velocity(tracks(1, Inertial(), walkers=8, seconds=2.0), True)[0]
+    known = relaxation.measure_velocity(tracks(1, Inertial(), walkers=8, seconds=2.0), True)[0]
     time = known.time._replace(value=relaxed, se=relaxed_se)
     velocity = known._replace(time=time, deviation=1.0)
     numbers = (Quantity("number", "", value, 0.01) for value in (speed, turning, 0.01))
@@ -216,7 +216,7 @@ def test_a_model_without_inertia_is_enough_for_what_neither_turns_nor_coasts():
 
 
 def scripts(tmp_path, card):
-    for name, text in inputs.all_of(card).items():
+    for name, text in inputs.input_files(card).items():
         (tmp_path / name).write_bytes(text)
     return runpy.run_path(str(tmp_path / "crowd_pymunk.py"))
 
@@ -232,11 +232,11 @@ def test_pymunk_gives_the_walker_of_the_card(tmp_path):
         space.step(step)
         if n % every == 0:
             rows.append([(*body.position, body.angle) for body in bodies])
-    own = of_places(np.array(rows)[20:].transpose(1, 0, 2), every * step, lane=False)
+    own = from_places(np.array(rows)[20:].transpose(1, 0, 2), every * step, lane=False)
     moved = motion.analyse(own).estimates
-    both, diffusion = relaxation.velocity(own, exact=True)
-    velocity = relaxation.along(own, True, both, diffusion)
-    turning = relaxation.turning(own, True, moved["rotational_diffusion"])
+    both, diffusion = relaxation.measure_velocity(own, exact=True)
+    velocity = relaxation.measure_along_heading(own, True, both, diffusion)
+    turning = relaxation.measure_turning(own, True, moved["rotational_diffusion"])
     for estimate, known in (
         (moved["speed"], CARD.speed_mm_s),
         (velocity.time, CARD.velocity_relaxation_s),
@@ -250,7 +250,7 @@ def test_pymunk_gives_the_walker_of_the_card(tmp_path):
 
 
 def test_pymunk_forgets_what_goes_aside_within_its_own_time(tmp_path):
-    sideways = cards.measured("sideways_relaxation_s", 0.03)
+    sideways = cards.field_quantity("sideways_relaxation_s", 0.03)
     script, draws = scripts(tmp_path, CARD.model_copy(update={"sideways_relaxation_s": sideways})), random.Random(5)
     space = pymunk.Space()
     bodies = [script["walker"](space, (200.0 * n, 0.0), 0.3 * n, draws) for n in range(24)]
@@ -266,13 +266,13 @@ def test_pymunk_collides_with_the_card_s_restitution(tmp_path):
     """Two walkers without propulsion and friction, head on."""
     card = CARD.model_copy(
         update={
-            "speed_mm_s": cards.measured("speed_mm_s", 0.0),
-            "velocity_relaxation_s": cards.measured("velocity_relaxation_s", 1e6),
-            "turning_relaxation_s": cards.measured("turning_relaxation_s", 1e6),
-            "turning_rad_s": cards.measured("turning_rad_s", 0.0),
-            "translational_diffusion_mm2_s": cards.measured("translational_diffusion_mm2_s", 0.0),
+            "speed_mm_s": cards.field_quantity("speed_mm_s", 0.0),
+            "velocity_relaxation_s": cards.field_quantity("velocity_relaxation_s", 1e6),
+            "turning_relaxation_s": cards.field_quantity("turning_relaxation_s", 1e6),
+            "turning_rad_s": cards.field_quantity("turning_rad_s", 0.0),
+            "translational_diffusion_mm2_s": cards.field_quantity("translational_diffusion_mm2_s", 0.0),
             "restitution": 0.6,
-            "rotational_diffusion_rad2_s": cards.measured("rotational_diffusion_rad2_s", 0.0),
+            "rotational_diffusion_rad2_s": cards.field_quantity("rotational_diffusion_rad2_s", 0.0),
         }
     )
     script, draws, space = scripts(tmp_path, card), random.Random(1), pymunk.Space()
@@ -286,11 +286,11 @@ def test_pymunk_collides_with_the_card_s_restitution(tmp_path):
 
 
 def test_scripts_of_others_name_every_number_and_are_python(tmp_path):
-    made = inputs.all_of(CARD)
+    made = inputs.input_files(CARD)
     for name in ("crowd_pymunk.py", "crowd_hoomd.py"):
         compile(made[name], name, "exec")
         text = made[name].decode()
-        for number, value in inputs.numbers_of(CARD).items():
+        for number, value in inputs.model_parameters(CARD).items():
             assert f"{number} = {value!r}" in text
     values = {
         words[1]: float(words[3])
@@ -305,10 +305,10 @@ def test_scripts_of_others_name_every_number_and_are_python(tmp_path):
 
 
 def test_numbers_that_every_card_has_are_asked_for():
-    own = measured.of_tracks(tracks(1, Inertial(), walkers=2, seconds=0.4), True, ())
+    own = measured.measure_tracks(tracks(1, Inertial(), walkers=2, seconds=0.4), True, ())
     scene, walker = templates.load("plane-90hz", "scenes", Scene), design()
     with pytest.raises(InputError, match="is not known"):
-        make.card_of(scene, walker, solids.mass_of(walker), own)
+        make.make_card(scene, walker, solids.mass_of(walker), own)
 
 
 @pytest.mark.nightly
@@ -335,4 +335,4 @@ def test_dishes_in_which_a_walker_meets_no_wall_are_refused(run, tmp_path):
     scene, walker = templates.load("plane-90hz", "scenes", Scene), design()
     small = scene.model_copy(update={"crowd": scene.crowd.model_copy(update={"arena_mm": "disc:35"})})
     with pytest.raises(InputError, match="too small"):
-        walled.simulated(small, walker, solids.mass_of(walker), CARD.speed_mm_s, silent)
+        walled.simulate_wall_runs(small, walker, solids.mass_of(walker), CARD.speed_mm_s, silent)

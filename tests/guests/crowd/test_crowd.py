@@ -149,7 +149,7 @@ def walkers(name):
 def test_a_walker_alone_is_the_walker_that_simulate_runs():
     """To the bit, on a plane without walls."""
     scene, own = scene_of(1.0), walkers("koumakis2016")
-    plan = plans.prepare(run.on_plane(scene), *own)
+    plan = plans.prepare(run.plane_scene(scene), *own)
     centre = plan.world.walker.centre
     at = np.array([[centre[0], -centre[2], 0.0]])  # with its C where simulate lets it go
     crowd = run.simulate(run.prepare(scene, [own], [0], at, endless=True), 3, 100.0)

@@ -132,8 +132,8 @@ def test_a_reason_is_what_takes_its_part_of_the_difference_with_it(tmp_path, spa
 
 
 def test_cards_give_numbers_where_the_checks_held_them_against_space():
-    assert in_plane.DENSEST in setting.PACKINGS
-    assert in_plane.DENSEST < reasons.DENSEST
+    assert in_plane.MAX_TESTED_PACKING in setting.PACKINGS
+    assert in_plane.MAX_TESTED_PACKING < reasons.DENSEST
 
 
 def test_the_plane_has_the_friction_that_pairs_in_space_measured():
@@ -161,7 +161,7 @@ def test_without_lammps_nothing_is_simulated(monkeypatch):
     def absent():
         raise InputError("needs LAMMPS")
 
-    monkeypatch.setattr(engine, "locate", absent)
+    monkeypatch.setattr(engine, "find_lammps", absent)
     result = CliRunner().invoke(commands, ["crowd-checks"])
     assert "needs LAMMPS" in str(result.exception)
 

@@ -39,7 +39,7 @@ def test_csv_is_read_back_to_the_same_film(tmp_path):
     path = tmp_path / "run.csv"
     crowd_files.write(path, film)
     assert path.read_text().splitlines()[0] == "t_s,particle,x_mm,y_mm,theta_rad"
-    back = films.of_tracks(track_files.read(path, Units()), film.dish, [BOX])
+    back = films.from_tracks(track_files.read_tracks(path, Units()), film.dish, [BOX])
     for key in ("times", "x", "y", "areas", "radii"):
         np.testing.assert_allclose(getattr(back, key), getattr(film, key), atol=1e-9)
     turned = (back.theta - film.theta) / (2.0 * np.pi)
@@ -76,7 +76,7 @@ def test_extended_xyz_has_a_frame_for_each_time_and_who_was_seen():
         count, keys = int(lines[at]), lines[at + 1]
         assert count == np.isfinite(film.x[frame]).sum()
         assert 'pbc="T T F"' in keys
-        assert f"Properties={extended_xyz.XYZ}" in keys
+        assert f"Properties={extended_xyz.PROPERTIES}" in keys
         assert float(re.search(r"Time=(\S+)", keys)[1]) == pytest.approx(film.times[frame])
         rows = [line.split() for line in lines[at + 2 : at + 2 + count]]
         values = np.array([row[1:] for row in rows], dtype=float)
@@ -100,7 +100,7 @@ def test_without_room_for_temporary_files_the_file_that_was_asked_for_is_named(t
 
 def test_a_file_of_no_known_kind_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"must end in one of \.csv, \.xyz, \.gsd"):
-        crowd_files.check(tmp_path / "run.npz")
+        crowd_files.check_format(tmp_path / "run.npz")
     with pytest.raises(InputError, match=r"must end in one of \.mp4, \.gif, \.png"):
         crowd_movie.write(tmp_path / "run.avi", running(), "", "heading", 25, silent)
 
@@ -110,12 +110,12 @@ def test_a_file_of_no_known_kind_is_refused(tmp_path):
 )
 def test_a_still_shows_each_walker_in_the_colour_of_its_heading(dish, high):
     places = np.array([[(0.0, 12.0, 0.0), (0.0, -12.0, 0.5 * np.pi), (-13.0, 0.0, np.pi)]] * 4)
-    picture = crowd_movie.still(of(places, dish, BOX * 3.0), "three")
-    assert picture == crowd_movie.still(of(places, dish, BOX * 3.0), "three")
+    picture = crowd_movie.render_still(of(places, dish, BOX * 3.0), "three")
+    assert picture == crowd_movie.render_still(of(places, dish, BOX * 3.0), "three")
     seen = np.asarray(Image.open(io.BytesIO(picture)).convert("RGB")).astype(float)
     scale = min(872 / 60.0, 860 / high) * (1 - 4 / 900)
     middle = np.array([seen.shape[0] - 40 - np.ceil(0.5 * scale * high), 450])
-    wheel = 255.0 * crowd_movie.hues()
+    wheel = 255.0 * crowd_movie.heading_colours()
     for (x, y, _), hue in zip(places[0], wheel[[0, 18, 36]], strict=True):
         row, column = (middle + scale * np.array([-y, x])).astype(int)
         assert seen[row, column] == pytest.approx(hue, abs=2.0)
@@ -123,7 +123,7 @@ def test_a_still_shows_each_walker_in_the_colour_of_its_heading(dish, high):
 
 def test_headings_are_equally_bright():
     """Relative luminance by sRGB's weights differs little, while hues go all round."""
-    hues = crowd_movie.hues()
+    hues = crowd_movie.heading_colours()
     linear = np.where(hues <= 0.04045, hues / 12.92, ((hues + 0.055) / 1.055) ** 2.4)
     luminance = linear @ [0.2126, 0.7152, 0.0722]
     assert luminance.std() / luminance.mean() < 0.1
@@ -134,7 +134,7 @@ def test_headings_are_equally_bright():
 
 def test_a_walker_over_the_edge_of_a_periodic_square_is_seen_on_both_sides():
     places = np.array([[(30.0, 0.0, 0.0), (0.0, 20.0, 0.0)]] * 4)
-    picture = crowd_movie.still(of(places, "periodic:60", BOX * 4.0), "", "kind")
+    picture = crowd_movie.render_still(of(places, "periodic:60", BOX * 4.0), "", "kind")
     seen = np.asarray(Image.open(io.BytesIO(picture)).convert("RGB")).astype(int)
     blue = (seen[..., 2] - seen[..., 0]) > 100
     row = seen.shape[0] - 40 - 430
@@ -150,7 +150,7 @@ def test_a_movie_is_a_gif_or_an_mp4_with_a_frame_for_each_time(tmp_path, monkeyp
     crowd_movie.write(tmp_path / "b.gif", film, "crowd", "heading", 30, silent)
     with Image.open(tmp_path / "b.gif") as gif:  # has the nearest rate that it can
         assert gif.info["duration"] == 40
-    monkeypatch.setattr(animation, "program", lambda: None)
+    monkeypatch.setattr(animation, "find_ffmpeg", lambda: None)
     with pytest.raises(InputError, match=r"ffmpeg is not installed .*; name a \.gif"):
         crowd_movie.write(tmp_path / "a.mp4", film, "crowd", "heading", 25, silent)
 
@@ -165,7 +165,7 @@ def test_an_mp4_of_a_crowd_has_its_frames(tmp_path):
 @pytest.mark.parametrize("dish", ["disc:60", "periodic:60"])
 def test_tables_and_figures_hold_what_was_measured(dish):
     found = crowds.measure([gas(dish, 30, 10, seed) for seed in range(3)])
-    tables = {table.name: table for table in crowd_tables.tables(found)}
+    tables = {table.name: table for table in crowd_tables.make_tables(found)}
     numbers = {row["quantity"]: row for row in tables["crowd"]}
     assert numbers["speed_mm_s"]["value"] == found.numbers["speed"].value
     assert numbers["polar_order"]["by_chance"] == found.by_chance["polar_order"]
@@ -177,7 +177,7 @@ def test_tables_and_figures_hold_what_was_measured(dish):
     assert ("wall_speed_mm_s" in shown) == (dish == "disc:60")
     facts = crowd_tables.facts(found)
     assert facts["numbers"]["packing"]["se"] == 0.0
-    figures = crowd_figures.figures(found, "crowd")
+    figures = crowd_figures.draw_functions(found, "crowd")
     assert ("crowd_walls" in figures) == (dish == "disc:60")
     assert all(draw().axes for draw in figures.values())
 
@@ -208,11 +208,11 @@ def on_ring():
 def test_odd_crowds_have_a_page_figures_and_files(name):
     film = odd(name)
     found = crowds.measure([film])
-    tables = crowd_tables.tables(found)
+    tables = crowd_tables.make_tables(found)
     json.dumps(crowd_tables.facts(found), allow_nan=False)
     assert all("nan" not in table.csv() for table in tables)
-    for draw in crowd_figures.figures(found, name).values():
+    for draw in crowd_figures.draw_functions(found, name).values():
         assert draw().axes
-    assert crowd_movie.still(film, name).startswith(b"\x89PNG")
+    assert crowd_movie.render_still(film, name).startswith(b"\x89PNG")
     for write in crowd_files.FORMATS.values():
         assert write(film)

@@ -79,7 +79,7 @@ def test_cards_denser_than_was_tested_give_no_number_but_their_input(run, asked,
     assert run(*words, "--write-only", "--out", "input").exit_code == 0
     assert not asked
     tested = run("bar.json", "--packing", "0.3", "--arena", "periodic:212", *SHORT)
-    assert in_plane.TESTED in " ".join(tested.stdout.split())
+    assert in_plane.TESTED_RANGE in " ".join(tested.stdout.split())
 
 
 def test_a_crowd_of_cards_tells_its_speeds(run, asked):
@@ -105,7 +105,7 @@ def test_runs_of_cards_begin_apart_and_leave_their_start_out(run, asked, tmp_pat
 
 def test_a_scene_replaces_the_contact_of_a_card_where_it_says_so():
     scene = Scene().variant(**{"crowd.friction": 0.7})
-    (kind,) = in_plane.asked(scene, [card(restitution=0.2, friction=0.1)], [3], 25.0).kinds
+    (kind,) = in_plane.make_job(scene, [card(restitution=0.2, friction=0.1)], [3], 25.0).kinds
     assert (kind.card.restitution, kind.card.friction) == (0.2, 0.7)
 
 

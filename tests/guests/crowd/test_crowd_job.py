@@ -62,7 +62,7 @@ SHORT = ("--seconds", "2", "--runs", "3", "--no-pictures")
 def job_of(names, counts, **keys):
     scene = templates.load("plane-90hz", "scenes", Scene).variant(**{"run.seconds": 1.0, "run.runs": 3, **keys})
     designs = [templates.load(name, "walkers", Design) for name in names]
-    return crowd_space.asked(scene, designs, counts, 10.0)
+    return crowd_space.make_job(scene, designs, counts, 10.0)
 
 
 def test_a_disc_with_a_hole_has_nobody_in_its_hole(tmp_path):
@@ -77,15 +77,15 @@ def test_a_disc_with_a_hole_has_nobody_in_its_hole(tmp_path):
     small = templates.load("polar-disc", "walkers", Design)
     scene = templates.load("plane-90hz", "scenes", Scene)
     scene = scene.variant(**{"crowd.arena_mm": "disc:61"})
-    job = crowd_space.asked(scene, [holed, small], [1, 2], 10.0)
+    job = crowd_space.make_job(scene, [holed, small], [1, 2], 10.0)
     with pytest.raises(InputError, match="no room"):
         make.simulate(job, 1, silent)
 
 
 def test_counts_are_numbers_or_designs_with_theirs():
-    assert members.parse(" 30 ") == 30
-    assert members.parse("polar-disc:20, my/rotator.toml:10") == {"polar-disc": 20, "my/rotator.toml": 10}
-    assert members.parse("C:\\walkers\\mine.toml:3,b:2")["C:\\walkers\\mine.toml"] == 3
+    assert members.parse_count(" 30 ") == 30
+    assert members.parse_count("polar-disc:20, my/rotator.toml:10") == {"polar-disc": 20, "my/rotator.toml": 10}
+    assert members.parse_count("C:\\walkers\\mine.toml:3,b:2")["C:\\walkers\\mine.toml"] == 3
 
 
 def test_one_walker_in_a_dish_is_a_crowd_of_one(run, walking):
@@ -103,7 +103,7 @@ def test_a_packing_says_how_many_and_the_report_how_dense():
     job = job_of(["koumakis2016"], None, **{"crowd.packing": 0.3, "crowd.arena_mm": "disc:200"})
     assert sum(kind.walkers for kind in job.kinds) == round(0.3 * np.pi * 100.0**2 / 224.0)
     assert job.packing == pytest.approx(0.3, rel=0.02)
-    assert [kind.walkers for kind in job_of(["koumakis2016"], None).kinds] == [members.DEFAULT]
+    assert [kind.walkers for kind in job_of(["koumakis2016"], None).kinds] == [members.DEFAULT_COUNT]
 
 
 def test_the_folder_holds_numbers_with_errors_and_every_run(run, walking, tmp_path):
@@ -148,7 +148,7 @@ def test_every_run_begins_at_places_of_its_own_without_overlap(walking):
     shapes = {"rotator": within, "polar-disc": [0.95 * ring for ring in outlines["polar-disc"]]}
     for film, start in zip(films, starts, strict=True):
         bodies = [shapes[kind] for kind in film.kinds]
-        assert placing.overlapping(bodies, film.dish, start) is None
+        assert placing.find_overlap(bodies, film.dish, start) is None
 
 
 def test_ctrl_c_keeps_the_runs_that_are_done_and_stops_the_others(monkeypatch):

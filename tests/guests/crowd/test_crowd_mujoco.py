@@ -163,7 +163,7 @@ def simulated(motions, seconds, push=None, **keys):
     if push is not None:
         (world, state), second = pair.walkers
         world = world._replace(acting=world.acting._replace(gravity=Gravity(push, 1e-9, push)))
-        pair.crowd, pair.walkers = run.gathered(pair.plan, [(world, state), second])
+        pair.crowd, pair.walkers = run.make_crowd(pair.plan, [(world, state), second])
     pair.advance(seconds)
     found = []
     for world, state in pair.walkers:

@@ -58,7 +58,7 @@ def mixed(number):
 def test_no_two_walkers_and_no_wall_are_nearer_than_the_clearance(words):
     outlines = mixed(30)
     ground, places = placed(outlines, words)
-    assert placing.overlapping(outlines, ground, places) is None
+    assert placing.find_overlap(outlines, ground, places) is None
     bodies = polygons_of(outlines, places)
     if ground.kind == "periodic":
         side = ground.period
@@ -124,18 +124,18 @@ def test_walkers_that_start_inside_each_other_are_found_out():
     ground = dish.parse_dish("disc:200")
     small = [0.2 * ROUND[0]]
     inside = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 1.0)])
-    assert placing.overlapping([ROUND, small], ground, inside) == 1
-    assert placing.overlapping([small, ROUND], ground, inside) == 1
+    assert placing.find_overlap([ROUND, small], ground, inside) == 1
+    assert placing.find_overlap([small, ROUND], ground, inside) == 1
     crossed = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 0.5 * math.pi)])
-    assert placing.overlapping([BAR, BAR], ground, crossed) == 1
+    assert placing.find_overlap([BAR, BAR], ground, crossed) == 1
     apart = np.array([(0.0, 0.0, 0.0), (0.0, 8.1, 0.0)])
-    assert placing.overlapping([BAR, BAR], ground, apart) is None
-    assert placing.overlapping([BAR], ground, np.array([(90.0, 0.0, 0.0)])) == 0
+    assert placing.find_overlap([BAR, BAR], ground, apart) is None
+    assert placing.find_overlap([BAR], ground, np.array([(90.0, 0.0, 0.0)])) == 0
     around = dish.parse_dish("ring:200,10")
-    assert placing.overlapping([BAR], around, np.array([(0.0, 0.0, 0.0)])) == 0
+    assert placing.find_overlap([BAR], around, np.array([(0.0, 0.0, 0.0)])) == 0
     edge = dish.parse_dish("periodic:60")
     across = np.array([(-25.0, 0.0, 0.0), (25.0, 0.0, 0.0)])
-    assert placing.overlapping([BAR, BAR], edge, across) == 1
+    assert placing.find_overlap([BAR, BAR], edge, across) == 1
 
 
 @pytest.mark.slow
@@ -143,4 +143,4 @@ def test_five_thousand_walkers_take_seconds():
     outlines = [BAR] * 5000
     side = math.sqrt(5000 * 224.0 / 0.45)
     ground, places = placed(outlines, f"periodic:{side}")
-    assert placing.overlapping(outlines, ground, places) is None
+    assert placing.find_overlap(outlines, ground, places) is None

@@ -14,7 +14,7 @@ from test_crowd_job import walk
 from walkergen.core.files.progress import silent
 from walkergen.guests.crowd import in_space as crowd_space
 from walkergen.guests.crowd.make import simulate
-from walkergen.guests.crowd.members import RATE_HZ
+from walkergen.guests.crowd.members import DEFAULT_RATE_HZ
 from walkergen.guests.crowd.space import run as crowds
 from walkergen.guests.sweep import ask, axes, make
 from walkergen.points.store import Store
@@ -45,17 +45,17 @@ def store(tmp_path):
 
 
 def request_of(*texts, keep=None, design="polar-disc", model=None, error=None):
-    space, constants = ask.space_of([axes.parse(text) for text in texts], None, 1)
+    space, constants = ask.make_space([axes.parse(text) for text in texts], None, 1)
     names = design, None, None
-    asked = ask.of(names, Path(), space, constants, model, error, keep, "--set")
-    return asked.request(), asked.title()
+    asked = ask.make_ask(names, Path(), space, constants, model, error, keep, "--set")
+    return asked.make_request(), asked.title()
 
 
 def swept(store, *texts, folder=None, pictures=False, **choices):
     job = make.Job(*request_of(*texts, **choices), pictures, kept=True)
     if folder is None:
-        return make.find(job, store, None, silent)
-    return make.make(job, folder, store, None, silent)
+        return make.evaluate_all(job, store, None, silent)
+    return make.make_sweep(job, folder, store, None, silent)
 
 
 def rows_of(path):
@@ -71,7 +71,7 @@ def test_each_row_is_what_the_command_crowd_says_of_the_same_crowd(calls, store)
     for row in report.table.rows:
         cells = dict(zip(report.table.keys, row, strict=True))
         point = request.point({"scene.crowd.packing": cells["scene.crowd.packing"]})
-        job = crowd_space.asked(point.scene, [point.design], None, RATE_HZ)
+        job = crowd_space.make_job(point.scene, [point.design], None, DEFAULT_RATE_HZ)
         numbers = simulate(job, 2, silent).statistics.numbers
         assert cells["walkers"] == len(job.numbers)
         assert cells["runs"] == 3
@@ -192,4 +192,4 @@ def test_a_file_asks_for_crowds_as_the_command_line_does(tmp_path):
         '[grid]\n"scene.crowd.packing" = [0.1, 0.2]\n'
     )
     line, _ = request_of(PACKINGS, "scene.run.seconds=2", keep=["milling"])
-    assert ask.of_file(file).request() == line._replace(data=line.data)
+    assert ask.from_file(file).make_request() == line._replace(data=line.data)

@@ -58,7 +58,7 @@ def test_circles_are_cut_by_walls_as_polygons_are(words):
 @pytest.mark.parametrize("words", DISHES[:3])
 def test_the_area_beyond_a_depth_is_that_of_the_dish_shrunk(words):
     dish = dishes.parse_dish(words)
-    for depth in np.linspace(0.0, ground.deepest(dish), 7):
+    for depth in np.linspace(0.0, ground.max_wall_distance(dish), 7):
         shrunk = polygon_of(dish).buffer(-depth, quad_segs=500, join_style="mitre").area
         assert ground.area_beyond(np.array(depth), dish) == pytest.approx(shrunk, abs=1e-3 * dish.area)
 
@@ -67,13 +67,13 @@ def test_the_area_beyond_a_depth_is_that_of_the_dish_shrunk(words):
 @pytest.mark.parametrize("parts", [3, 7, 12])
 def test_boxes_are_those_that_lie_inside_the_dish(words, parts):
     dish = dishes.parse_dish(words)
-    grid, ground_ = boxes.whole(dish, parts), polygon_of(dish)
+    grid, ground_ = boxes.inner_grid(dish, parts), polygon_of(dish)
     assert grid.used.any() or (words, parts) == ("ring:160,60", 3)
     for (column, row), used in np.ndenumerate(grid.used):
         x, y = (grid.side * (at - 0.5 * number) for at, number in zip((column, row), grid.used.shape, strict=True))
         box = shapely.box(x, y, x + grid.side, y + grid.side)
         assert used == (box.difference(ground_).area < 1e-3)
-    cut = boxes.cut(dish, parts)
+    cut = boxes.clipped_grid(dish, parts)
     assert 0.8 * dish.area < cut.areas.sum() < 1.0001 * dish.area
 
 
@@ -126,9 +126,9 @@ def test_headings_one_way_and_both_ways_along_a_line():
 def test_the_order_of_chance_falls_as_the_root_of_the_number(walkers):
     film = gas("disc:100", walkers, 1500, 2)
     for values, chance in (
-        (order.polar(film), order.by_chance(walkers)),
-        (order.nematic(film), order.by_chance(walkers)),
-        (np.abs(order.circulation(film)), order.circulation_by_chance(walkers)),
+        (order.polar(film), order.random_order(walkers)),
+        (order.nematic(film), order.random_order(walkers)),
+        (np.abs(order.circulation(film)), order.random_circulation(walkers)),
     ):
         error = values.std() / np.sqrt(len(values))
         assert abs(values.mean() - chance) < 4.0 * error + 0.01 * chance
@@ -160,7 +160,7 @@ def test_a_mill_circles_along_its_wall_and_comes_back(clockwise):
 
 def test_all_walkers_at_the_wall_are_as_dense_as_the_strip_is_small():
     film = of(mill(30, 10, radius=41.0), "disc:84")
-    found, near = walls.measure(film), walls.near(film)
+    found, near = walls.measure(film), walls.near_distance(film)
     strip = 1.0 - (1.0 - near / 42.0) ** 2
     assert found.near_density == pytest.approx(1.0 / strip)
     assert np.isnan(found.speed[-1])
@@ -207,10 +207,10 @@ def test_walkers_touch_across_the_edges_of_a_periodic_square():
 
 def test_packing_is_the_share_covered_and_its_mean_over_boxes_that_cover_the_dish():
     film = gas("rectangle:200x100", 400, 50, 5)
-    local = packing.local(film)
-    assert local.mean() == pytest.approx(packing.packing(film).mean(), rel=1e-9)
+    local = packing.local_packing(film)
+    assert local.mean() == pytest.approx(packing.total_packing(film).mean(), rel=1e-9)
     disc = gas("disc:120", 400, 200, 5)  # some of it lies in boxes that are mostly outside
-    assert packing.local(disc).mean() == pytest.approx(packing.packing(disc).mean(), rel=0.03)
+    assert packing.local_packing(disc).mean() == pytest.approx(packing.total_packing(disc).mean(), rel=0.03)
 
 
 def test_errors_are_the_scatter_of_the_runs():
@@ -249,7 +249,7 @@ def test_walkers_that_are_not_seen_are_left_out():
     assert found.walkers in (39, 40, 41)
     assert found.curves["g"].value.mean() == pytest.approx(1.0, abs=0.03)
     assert found.numbers["packing"].value == pytest.approx(40 * 3.0 / film.dish.area, rel=0.05)
-    assert found.numbers["polar_order"].value == pytest.approx(order.by_chance(40), rel=0.2)
+    assert found.numbers["polar_order"].value == pytest.approx(order.random_order(40), rel=0.2)
 
 
 def test_what_is_not_known_is_refused_with_its_reason():

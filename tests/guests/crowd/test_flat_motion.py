@@ -20,7 +20,7 @@ def run(one, side, spacing, seconds, rate_hz, seed=1, turn=0.0):
     places = np.column_stack((x.ravel(), y.ravel(), headings))
     kinds = np.zeros(side**2, int)
     dish = Dish("periodic", (side * spacing,))
-    return crowd.simulate(doors.crowd([one], kinds, dish, places, seconds=seconds, rate_hz=rate_hz, seed=seed))
+    return crowd.simulate(doors.make_crowd([one], kinds, dish, places, seconds=seconds, rate_hz=rate_hz, seed=seed))
 
 
 @pytest.mark.parametrize("aside", [0.05, 0.02])
@@ -52,7 +52,7 @@ def test_speed_is_the_mean_along_a_heading_that_diffuses():
     one = card(velocity_relaxation_s=0.3, turning_rad_s=1.0, rotational_diffusion_rad2_s=1.0)
     rng, step, tau = np.random.default_rng(2), 0.005, 0.3
     rates, heading, velocity, along = np.full(4000, 1.0), np.zeros(4000), np.zeros((2, 4000)), []
-    drive = motion.of(one).push * tau / 0.9
+    drive = motion.from_card(one).push * tau / 0.9
     for n in range(1600):
         kick = rng.standard_normal(4000)
         rates += (1.0 - rates) * step / tau + math.sqrt(2.0 * step) / tau * kick
@@ -68,7 +68,7 @@ def test_speed_is_the_mean_along_a_heading_that_diffuses():
 
 def test_push_of_a_walker_whose_turning_forgets_at_once_is_the_closed_form_of_cards():
     one = card(turning_rad_s=3.0, turning_relaxation_s=1e-7, velocity_relaxation_s=0.1)
-    forces = motion.of(one)
+    forces = motion.from_card(one)
     assert forces.push * 0.1 / 0.9 == pytest.approx(one.propulsion_mm_s, rel=1e-5)
 
 
@@ -99,7 +99,7 @@ def test_speed_diffusion_and_relaxation_of_many_walkers_are_those_of_the_card():
 
 def unexplained(poses, one, tau):
     """Displacement that the push along the heading does not explain, shape (F, N, 2)."""
-    drive, step = motion.of(one).push * tau / one.mass_g, 1.0 / 200.0
+    drive, step = motion.from_card(one).push * tau / one.mass_g, 1.0 / 200.0
     heads = drive * np.stack((np.cos(poses[:, :, 2]), np.sin(poses[:, :, 2])), axis=-1)
     velocity, place = np.zeros_like(heads[0]), np.zeros_like(heads)
     keep = math.exp(-step / tau)

@@ -34,7 +34,7 @@ def test_the_nearest_wall_is_the_dish_s_boundary(words):
         placed = shapely.affinity.rotate(body, turn, (0, 0), use_radians=True)
         if GROUNDS[words].contains(shapely.affinity.translate(placed, x, y)):
             rows.append((x, y, turn))
-    gaps, outs = walls.nearest(np.array(rows), outline, dish.parse_dish(words))
+    gaps, outs = walls.nearest_wall(np.array(rows), outline, dish.parse_dish(words))
     for (x, y, turn), gap, out in zip(rows, gaps, outs, strict=True):
         placed = shapely.affinity.rotate(body, turn, (0, 0), use_radians=True)
         placed = shapely.affinity.translate(placed, x, y)
@@ -68,7 +68,7 @@ def test_turning_and_alignment_are_those_put_in(rate):
     found = walls.measure(runs, INTERVAL, OUTLINE, square)
     assert found.share.value == 1.0
     angles = np.concatenate([rows[:-1, 2] for rows in runs])
-    askew = (np.abs(angles) > walls.ASKEW[0]) & (np.abs(angles) < walls.ASKEW[1])
+    askew = (np.abs(angles) > walls.OBLIQUE_ANGLES[0]) & (np.abs(angles) < walls.OBLIQUE_ANGLES[1])
     expected = rate * np.sin(2.0 * np.abs(angles[askew])).mean()
     assert abs(found.turning.value - expected) < 3.5 * found.turning.se
     assert found.turning.se < 0.4 * abs(expected)

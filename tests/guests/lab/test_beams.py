@@ -90,16 +90,16 @@ def clamp_by_plate(wide, poisson, along=14, across=5):
 def test_a_root_in_a_block_is_as_soft_as_elements_say():
     coarse, fine = root_by_elements(6), root_by_elements(12)
     # The corners' singularity is resolved as the element's size
-    assert 2.0 * fine - coarse == pytest.approx(beams.ROOT, abs=0.02)
-    assert pytest.approx(16.67 / (12.0 * math.pi), abs=beams.ROOT_SD) == beams.ROOT  # half-space
+    assert 2.0 * fine - coarse == pytest.approx(beams.ROOT_FACTOR, abs=0.02)
+    assert pytest.approx(16.67 / (12.0 * math.pi), abs=beams.ROOT_FACTOR_SD) == beams.ROOT_FACTOR  # half-space
 
 
 def test_a_wide_strip_is_stiffer_at_its_clamp_as_plates_say():
     by = {poisson: clamp_by_plate(0.1, poisson) for poisson in (0.30, 0.36, 0.42)}
-    assert by[0.36] == pytest.approx(beams.CLAMP, abs=0.003)
-    assert by[0.30] == pytest.approx(beams.CLAMP - beams.CLAMP_SD, abs=0.009)
-    assert by[0.42] == pytest.approx(beams.CLAMP + beams.CLAMP_SD, abs=0.009)
-    assert clamp_by_plate(0.4, 0.36) == pytest.approx(beams.CLAMP, abs=0.01)
+    assert by[0.36] == pytest.approx(beams.CLAMP_FACTOR, abs=0.003)
+    assert by[0.30] == pytest.approx(beams.CLAMP_FACTOR - beams.CLAMP_FACTOR_SD, abs=0.009)
+    assert by[0.42] == pytest.approx(beams.CLAMP_FACTOR + beams.CLAMP_FACTOR_SD, abs=0.009)
+    assert clamp_by_plate(0.4, 0.36) == pytest.approx(beams.CLAMP_FACTOR, abs=0.01)
 
 
 def test_a_tip_mass_slows_as_rayleigh_says_and_its_limits_are_known():
@@ -114,10 +114,10 @@ def test_a_tip_mass_slows_as_rayleigh_says_and_its_limits_are_known():
 
 def test_small_bends_sink_as_the_weight_and_large_ones_less():
     strip = Strip(0.4, 5.0, 50.0)
-    stiff = beams.stiffness(3e9, strip)
+    stiff = beams.bending_stiffness(3e9, strip)
     assert stiff == pytest.approx(3e9 * 5.0 * 0.4**3 / 12.0)
-    assert beams.sunk(1e-6, 50.0, stiff) == pytest.approx(1e-6 * 9806.65 * 50.0**3 / (3.0 * stiff), rel=1e-9)
-    assert beams.sunk(2.0, 50.0, stiff) < 2.0 * beams.sunk(1.0, 50.0, stiff)
+    assert beams.deflection(1e-6, 50.0, stiff) == pytest.approx(1e-6 * 9806.65 * 50.0**3 / (3.0 * stiff), rel=1e-9)
+    assert beams.deflection(2.0, 50.0, stiff) < 2.0 * beams.deflection(1.0, 50.0, stiff)
 
 
 def test_damping_and_decrement_are_inverse():

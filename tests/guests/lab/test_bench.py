@@ -31,11 +31,11 @@ def plan_of(tilt=10.0, kind="flexible", damping=None, rigid=False, **contact):
     if damping is not None:
         legs = scene.legs.model_copy(update={"damping_ratio": damping})
         scene = scene.model_copy(update={"legs": legs})
-    return resting.plan_of(scene, PAPER.variant(tilt_deg=tilt, kind=kind))
+    return resting.make_plan(scene, PAPER.variant(tilt_deg=tilt, kind=kind))
 
 
 def flat(height=10.0, **choices):
-    return drops.rebound(plan_of(**choices), Let(height)).ratio
+    return drops.simulate_drop(plan_of(**choices), Let(height)).ratio
 
 
 @pytest.mark.parametrize(
@@ -64,7 +64,7 @@ def test_upright_legs_rebound_as_four_viscous_feet_under_a_quarter_of_the_walker
     walker = plan.world.walker
     alone = 1.0 / float(mobility(walker)[0, 0])
     ratio = feet.damping_ratio(label) * math.sqrt(alone / (0.25 * walker.mass))
-    found = drops.rebound(plan, Let(10.0)).ratio
+    found = drops.simulate_drop(plan, Let(10.0)).ratio
     assert found == pytest.approx(feet.restitution(ratio), abs=STEP_SCATTER)
 
 
@@ -77,7 +77,7 @@ def test_nothing_is_gained_by_undamped_feet_on_undamped_legs():
 def test_heights_and_speeds_give_one_rebound():
     plan = plan_of(restitution=0.5)
     state = plan.initial_state(10.0, 0.0, 0.0)
-    seconds = drops.seconds_of(10.0)
+    seconds = drops.drop_seconds(10.0)
     tally = record.new_tally(V_X + 2, seconds, 1e-5)
     plan.advance(state, seconds, tally)
     rows = tally.samples.rows[: tally.samples.cursor[0]]
@@ -88,14 +88,14 @@ def test_heights_and_speeds_give_one_rebound():
 
 def test_one_corner_first_halves_the_rebound():
     plan = plan_of(restitution=0.8, rigid=True)
-    level, rolled = (drops.rebound(plan, Let(10.0, roll=roll)).ratio for roll in (0.0, 2e-3))
+    level, rolled = (drops.simulate_drop(plan, Let(10.0, roll=roll)).ratio for roll in (0.0, 2e-3))
     assert rolled < 0.5 * level
 
 
 def test_one_foot_first_lowers_the_rebound_and_the_mirror_image_does_the_same():
     pitches = (0.0, 0.02, -0.02)
     one, other = (
-        [drops.rebound(plan_of(side * 10.0, restitution=0.8), Let(10.0, side * pitch)).ratio for pitch in pitches]
+        [drops.simulate_drop(plan_of(side * 10.0, restitution=0.8), Let(10.0, side * pitch)).ratio for pitch in pitches]
         for side in (1.0, -1.0)
     )
     assert max(one[1:]) < one[0] - 3 * STEP_SCATTER
@@ -114,7 +114,7 @@ def rocked(walker, restitution, height, roll, dt=4e-6):
     y = height - min(down * math.cos(roll) - z * math.sin(roll) for z in edges)
     angle, v, spin, top = roll, 0.0, 0.0, 0.0
     first = y + down
-    for _ in range(int(drops.seconds_of(first) / dt)):
+    for _ in range(int(drops.drop_seconds(first) / dt)):
         y, v, angle = y + dt * (v - 0.5 * GRAVITY * dt), v - GRAVITY * dt, angle + dt * spin
         for z in edges:
             arm = down * math.sin(angle) + z * math.cos(angle)
@@ -132,7 +132,7 @@ def rocked(walker, restitution, height, roll, dt=4e-6):
 )
 def test_a_rolled_block_rebounds_by_one_impact_after_the_other(restitution, height, roll):
     plan = plan_of(tilt=0.0, kind="braced", rigid=True, restitution=restitution, friction=0.0)
-    found, walker = drops.rebound(plan, Let(height, roll=roll)).ratio, plan.world.walker
+    found, walker = drops.simulate_drop(plan, Let(height, roll=roll)).ratio, plan.world.walker
     # The rival has impacts without duration, and rises by 5e-4 less per step of 4 us
     assert found == pytest.approx(rocked(walker, restitution, height, roll), abs=2e-3)
     assert found < restitution - 0.03
@@ -141,9 +141,11 @@ def test_a_rolled_block_rebounds_by_one_impact_after_the_other(restitution, heig
 def test_what_counts_is_the_time_between_corners():
     # A roll of r makes corners land D r / v apart: ten times the height allows sqrt(10) the roll
     plan = plan_of(restitution=0.8)
-    assert np.ptp([drops.rebound(plan, Let(height)).ratio for height in (1.0, 3.0, 30.0)]) < STEP_SCATTER
+    assert np.ptp([drops.simulate_drop(plan, Let(height)).ratio for height in (1.0, 3.0, 30.0)]) < STEP_SCATTER
     for roll in (2e-4, 1e-3):
-        low, high = (drops.rebound(plan, Let(height, roll=roll * math.sqrt(height))).ratio for height in (1.0, 10.0))
+        low, high = (
+            drops.simulate_drop(plan, Let(height, roll=roll * math.sqrt(height))).ratio for height in (1.0, 10.0)
+        )
         assert low == pytest.approx(high, abs=0.06)  # gravity acts on the low drop a little more
 
 
@@ -155,9 +157,9 @@ def test_the_film_shows_the_drop_that_was_asked_for():
 
 def test_a_still_plate_keeps_feet_and_gravity_and_loses_its_drive():
     scene = templates.load("plane-noisy", "scenes", Scene)
-    quiet = resting.resting(scene)
+    quiet = resting.still_scene(scene)
     assert (quiet.contact, quiet.feet) == (scene.contact, scene.feet)
-    plan = resting.plan_of(scene, PAPER)
+    plan = resting.make_plan(scene, PAPER)
     assert len(plan.world.acting.noise.heights) == 0
     assert plan.world.acting.gravity.into == GRAVITY
     state = plan.initial_state(0.0, 0.0, 0.0)

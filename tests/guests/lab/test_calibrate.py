@@ -24,12 +24,12 @@ from walkergen.files import templates
 from walkergen.guests.lab import beams, drops
 from walkergen.guests.lab.beams import Strip
 from walkergen.guests.lab.calibrate import contact, form, make, modulus, parts, specimens
-from walkergen.guests.lab.calibrate.specimens import BENDS, RINGS
+from walkergen.guests.lab.calibrate.specimens import BEND_METHOD, RING_METHOD
 
 PAPER = templates.load("koumakis2016", "walkers", Design)
 LANE = templates.load("lane-90hz", "scenes", Scene)
 PRINTER = templates.load("prusa-mk3s", "printers", Printer)
-STRIPS = parts.strips(PAPER, PRINTER)
+STRIPS = parts.make_strips(PAPER, PRINTER)
 MODULUS, DENSITY = 2.7e9, 1.22e-3
 """Hidden modulus, Pa, and density, g/mm^3."""
 WEIGHED = Quantity("density", "g_cm3", 1.22, 0.02)
@@ -48,7 +48,7 @@ class Person:
         self.rows = []
 
     def reads(self, part, name, value, *beside, error=None):
-        error = form.kinds(part)[name].error if error is None else error
+        error = form.reading_kinds(part)[name].error if error is None else error
         seen = value + error * self.random.normal()
         self.rows.append((part, name, seen, error, *(beside or ("", "", ""))))
 
@@ -69,7 +69,7 @@ class Person:
 
     def bends(self, name, strip, weight):
         at = strip.length - 2.0
-        place = at + modulus.AT_SD_MM * self.random.normal()
+        place = at + modulus.POSITION_SD_MM * self.random.normal()
         load = weight * (1.0 + modulus.WEIGHT_SD * self.random.normal())
         sunk = bench.sunk(MODULUS * (1.0 - self.creep), strip, load, place)
         for _ in range(3):
@@ -98,12 +98,12 @@ def crowd(tmp_path_factory):
         person = Person(seed)
         person.measures_strips()
         person.measures_block()
-        found.append(form.read(person.writes(folder)))
+        found.append(form.read_form(person.writes(folder)))
     return found
 
 
 def fitted(readings):
-    strips, notes = specimens.read(readings)
+    strips, notes = specimens.from_readings(readings)
     assert notes == []
     return modulus.fit(strips, contact.density(readings).number)
 
@@ -118,17 +118,17 @@ def assert_honest(numbers, hidden):
 @pytest.mark.parametrize("load", [0.05, 0.2])
 @pytest.mark.parametrize("strip", [Strip(0.4, 5.0, 50.0), Strip(1.67, 5.0, 100.0)])
 def test_closed_forms_are_the_elastica_and_the_elements(strip, load):
-    stiff = beams.stiffness(MODULUS, strip)
+    stiff = beams.bending_stiffness(MODULUS, strip)
     at = strip.length - 2.0
-    long = beams.effective(at, strip)
+    long = beams.effective_length(at, strip)
     weight = 3.0 * load * stiff / (9806.65 * long**2)
     sunk = bench.sunk(MODULUS, strip, weight, at)
-    assert beams.sunk(weight, long, stiff) == pytest.approx(sunk, rel=2e-3)
-    whole = strip._replace(length=beams.effective(strip.length, strip))
+    assert beams.deflection(weight, long, stiff) == pytest.approx(sunk, rel=2e-3)
+    whole = strip._replace(length=beams.effective_length(strip.length, strip))
     mass = beams.moving_mass(DENSITY, whole)
     for tip in (0.0, 0.3, 3.0):
         heard = bench.rings(MODULUS, DENSITY, strip, tip)
-        assert beams.rings(stiff, mass, whole.length, tip) == pytest.approx(heard, rel=5e-4)
+        assert beams.natural_frequency(stiff, mass, whole.length, tip) == pytest.approx(heard, rel=5e-4)
 
 
 def test_a_modulus_is_recovered_within_its_error_and_the_error_is_honest(crowd):
@@ -137,20 +137,20 @@ def test_a_modulus_is_recovered_within_its_error_and_the_error_is_honest(crowd):
     assert np.mean([one.number.se / one.number.value for one in fits]) < 0.05  # it tells 5 %
     assert np.mean([one.chi2 / one.dof for one in fits]) == pytest.approx(1.0, abs=0.35)
     assert sum(one.agrees for one in fits) >= 13
-    strips, _ = specimens.read(crowd[0])
-    for method in (BENDS, RINGS):
-        value, sd = modulus.fit(specimens.only(strips, method), WEIGHED).number.pair
+    strips, _ = specimens.from_readings(crowd[0])
+    for method in (BEND_METHOD, RING_METHOD):
+        value, sd = modulus.fit(specimens.select_method(strips, method), WEIGHED).number.pair
         assert abs(value - 1e-9 * MODULUS) < 3.0 * sd
 
 
 @pytest.mark.parametrize("times", [1e-2, 10.0])
 def test_any_plastic_is_found_and_all_scales(crowd, times):
     # Weights times k: a modulus times k; swings as fast as its root
-    strips, _ = specimens.read(crowd[0])
+    strips, _ = specimens.from_readings(crowd[0])
     scaled = [
         strip._replace(
             bends=[bend._replace(weight_g=times * bend.weight_g) for bend in strip.bends],
-            rings=[ring._replace(number=specimens.times(ring.number, times**0.5)) for ring in strip.rings],
+            rings=[ring._replace(number=specimens.scale_quantity(ring.number, times**0.5)) for ring in strip.rings],
         )
         for strip in strips
     ]
@@ -170,13 +170,13 @@ def test_creep_and_ridges_are_named(tmp_path):
     for name, choices in (("creep", {"creep": 0.3}), ("ridges", {"ridges": 0.08})):
         person = Person(3, **choices)
         person.measures_strips()
-        readings[name] = form.read(person.writes(tmp_path))
-    strips, _ = specimens.read(readings["creep"])
-    ring = modulus.ring_over_bend(strips, WEIGHED)
+        readings[name] = form.read_form(person.writes(tmp_path))
+    strips, _ = specimens.from_readings(readings["creep"])
+    ring = modulus.ring_excess(strips, WEIGHED)
     assert ring.compare_with_range(0.0, 0.0) is Verdict.DISAGREE
     assert ring.value == pytest.approx(100.0 * (1.0 / 0.7 - 1.0), abs=3.0 * ring.se)
     assert not modulus.fit(strips, WEIGHED).agrees
-    offset = modulus.offset(specimens.read(readings["ridges"])[0], WEIGHED)
+    offset = modulus.thickness_offset(specimens.from_readings(readings["ridges"])[0], WEIGHED)
     assert offset.compare_with_range(0.0, 0.0) is Verdict.DISAGREE
     assert offset.value == pytest.approx(-0.08, abs=3.0 * offset.se)
 
@@ -185,7 +185,7 @@ def read(folder, *rows):
     """Readings of a form with these rows."""
     path = folder / "m.csv"
     path.write_text(csv_text(form.HEADER, rows))
-    return form.read(path)
+    return form.read_form(path)
 
 
 def test_scatter_beyond_the_stated_error_counts(tmp_path):
@@ -209,7 +209,7 @@ def test_a_rebound_is_that_of_a_ball_in_free_flight(tmp_path):
     # h = 10 mm, e = 0.5: the flight between landings lasts 2 e sqrt(2 h / g)
     flight = 2.0 * 0.5 * math.sqrt(2.0 * 10.0 / 9806.65)
     seen = contact.rebound(read(tmp_path, *[("walker", "flight_s", flight, 0.001, "", "", 10.0)] * 4)).measured
-    sd = 0.5 * math.hypot(0.0005 / flight, 0.5 * modulus.AT_SD_MM / 10.0)
+    sd = 0.5 * math.hypot(0.0005 / flight, 0.5 * modulus.POSITION_SD_MM / 10.0)
     assert seen.number.pair == pytest.approx((0.5, sd))
     assert seen.tries == 4
     with pytest.raises(InputError, match="slow motion"):
@@ -223,7 +223,7 @@ def test_drops_that_scatter_have_the_error_of_their_scatter(tmp_path, heights):
     rows = [("walker", "flight_s", flight, 0.002, "", "", at) for flight, at in zip(flights, heights, strict=True)]
     se = contact.rebound(read(tmp_path, *rows)).estimate.number.se
     scatter = ratios.std(ddof=1) / math.sqrt(6)
-    ruler = 0.4 * 0.5 * modulus.AT_SD_MM / 10.0
+    ruler = 0.4 * 0.5 * modulus.POSITION_SD_MM / 10.0
     # Heights that are told apart have rulers' errors of their own
     assert math.hypot(scatter, ruler / 6**0.5) <= se * 1.001
     assert se <= 1.001 * math.hypot(scatter, ruler)
@@ -277,9 +277,9 @@ class Elastic:
 
     def __init__(self, monkeypatch):
         self.scenes, self.heights = [], []
-        monkeypatch.setattr(make.drops, "by_restitution", self.by_restitution)
+        monkeypatch.setattr(make.drops, "rebounds_by_restitution", self.rebounds_by_restitution)
 
-    def by_restitution(self, scene, design, hand, progress):
+    def rebounds_by_restitution(self, scene, design, hand, progress):
         self.scenes.append((scene, design))
         self.heights.append(hand[0].height)
         return [drops.Rebounds(label, 0.5 * label, 0.05, len(hand), 0) for label in drops.RESTITUTIONS]
@@ -320,7 +320,7 @@ def test_files_go_on_to_family_and_simulate(tmp_path, monkeypatch):
     )
     # Half of the label comes up: 0.4 is the label 0.8, within height and scatter
     assert scene.contact.restitution == pytest.approx(0.8, abs=0.02)
-    sd = 2.0 * math.hypot(0.4 * 0.5 * modulus.AT_SD_MM / 10.0, 0.05 * math.sqrt(1 / 6 + 1 / 24))
+    sd = 2.0 * math.hypot(0.4 * 0.5 * modulus.POSITION_SD_MM / 10.0, 0.05 * math.sqrt(1 / 6 + 1 / 24))
     assert scene.contact.restitution_sd == pytest.approx(sd, rel=0.1)
     ((surroundings, walker),) = elastic.scenes  # drops know what else was measured
     assert surroundings.contact.friction == scene.contact.friction
@@ -372,11 +372,11 @@ def test_one_method_may_count_alone(tmp_path):
 
 
 def test_what_the_readings_leave_open_is_not_told(crowd):
-    strips, _ = specimens.read(crowd[0])
+    strips, _ = specimens.from_readings(crowd[0])
     twins = [strips[0], strips[0]._replace(name="strip_9")]
     density = WEIGHED
-    assert modulus.offset(specimens.only(twins, RINGS), density) is None  # equal thicknesses
-    assert modulus.offset(strips[:1], density) is None
-    assert modulus.ring_over_bend(specimens.only(strips, BENDS), density) is None
-    alone = modulus.fit(specimens.only(strips[:1], RINGS), density)
+    assert modulus.thickness_offset(specimens.select_method(twins, RING_METHOD), density) is None  # equal thicknesses
+    assert modulus.thickness_offset(strips[:1], density) is None
+    assert modulus.ring_excess(specimens.select_method(strips, BEND_METHOD), density) is None
+    alone = modulus.fit(specimens.select_method(strips[:1], RING_METHOD), density)
     assert (alone.dof, alone.probability, alone.agrees) == (0, None, True)

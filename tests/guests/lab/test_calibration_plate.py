@@ -23,7 +23,7 @@ PRINTERS = {name: templates.load(name, "printers", Printer) for name in template
 
 @pytest.mark.parametrize("printer", PRINTERS.values(), ids=PRINTERS)
 def test_strips_are_whole_lines_that_both_methods_can_measure(printer):
-    drawn = parts.strips(PAPER, printer)
+    drawn = parts.make_strips(PAPER, printer)
     thicknesses = [one.strip.thickness for one in drawn]
     assert len(set(thicknesses)) == 4
     assert PAPER.limbs[0].thickness in thicknesses
@@ -35,19 +35,19 @@ def test_strips_are_whole_lines_that_both_methods_can_measure(printer):
     for one in drawn:
         strip = one.strip
         assert 30.0 < one.ring_hz < 50.0  # three pictures and more a swing at 120 a second
-        assert parts.BEND * strip.length >= 5.0  # ten times a ruler's error
+        assert parts.HEAVY_BEND_RATIO * strip.length >= 5.0  # ten times a ruler's error
         assert one.heavy_g <= 20.0
-        assert sheet.near(one.heavy_g)
-        stiff = beams.stiffness(PAPER.material.youngs_modulus, strip)
-        long = beams.effective(strip.length, strip)
-        assert beams.sunk(one.heavy_g, long, stiff) == pytest.approx(parts.BEND * long, rel=0.02)
+        assert sheet.nearest_weight(one.heavy_g)
+        stiff = beams.bending_stiffness(PAPER.material.youngs_modulus, strip)
+        long = beams.effective_length(strip.length, strip)
+        assert beams.deflection(one.heavy_g, long, stiff) == pytest.approx(parts.HEAVY_BEND_RATIO * long, rel=0.02)
         layers = strip.width / printer.layer_height_mm
         assert layers == pytest.approx(round(layers))
 
 
 def test_meshes_are_closed_and_as_large_as_drawn():
     printer = PRINTERS["prusa-mk3s"]
-    for one in parts.strips(PAPER, printer):
+    for one in parts.make_strips(PAPER, printer):
         mesh, strip = parts.strip_mesh(one), one.strip
         assert solids.count_bodies(mesh) == 1
         long, deep = parts.CLAMP_MM
@@ -85,8 +85,8 @@ def test_a_plate_comes_with_map_sheet_settings_and_form(run, tmp_path):
     assert found.sound
     parts_of = [item.part_number.rpartition("-")[0] for item in found.items]
     assert parts_of == ["strip_1", "strip_2", "strip_3", "strip_4", "block", "walker"]
-    assert form.filled(folder / form.FILE) is False
-    assert "strip_2,air_percent,5.0,2.0" in (folder / form.FILE).read_text()
+    assert form.is_filled(folder / form.FORM_FILE) is False
+    assert "strip_2,air_percent,5.0,2.0" in (folder / form.FORM_FILE).read_text()
     assert run(*words, "--out", "b").exit_code == 0
     for path in folder.rglob("*"):
         if path.is_file():
@@ -97,7 +97,7 @@ def test_a_plate_comes_with_map_sheet_settings_and_form(run, tmp_path):
 def test_a_filled_form_is_left_alone_and_an_earlier_plate_is_not(run, tmp_path):
     words = ("calibrate", "plate", "--out", "a", "--no-pictures", "--quiet")
     assert run(*words).exit_code == 0
-    path = tmp_path / "a" / "calibration" / form.FILE
+    path = tmp_path / "a" / "calibration" / form.FORM_FILE
     text = path.read_text().replace("strip_1,thickness_mm,,", "strip_1,thickness_mm,0.41,", 1)
     path.write_text(text)
     assert run(*words, "--tilt", "15").exit_code == 0
@@ -109,11 +109,11 @@ def test_a_filled_form_is_left_alone_and_an_earlier_plate_is_not(run, tmp_path):
 
 
 def test_ordinary_weights_are_near_what_they_say():
-    for _, grams in sheet.ORDINARY:
-        assert sheet.near(grams)
+    for _, grams in sheet.HOUSEHOLD_WEIGHTS:
+        assert sheet.nearest_weight(grams)
     a4 = 21.0 * 29.7 * 0.008
-    assert sheet.ORDINARY[0][1] == pytest.approx(a4 / 29.7, rel=1e-2)
-    assert sheet.near(1e3) == ""
+    assert sheet.HOUSEHOLD_WEIGHTS[0][1] == pytest.approx(a4 / 29.7, rel=1e-2)
+    assert sheet.nearest_weight(1e3) == ""
 
 
 @pytest.mark.slow
@@ -123,13 +123,13 @@ def test_strips_slice_to_their_lines_and_the_block_to_its_volume(tmp_path, name)
     program("prusa-slicer")
     printer = PRINTERS[name]
     order = plate.Order(PAPER, [printer], pictures=False)
-    rows = plate.make(order, tmp_path, lambda *_: None, lambda _: None).table.rows
+    rows = plate.make_plate(order, tmp_path, lambda *_: None, lambda _: None).table.rows
     model = tmp_path / "calibration" / f"calibration_{name}_1.3mf"
     (model.parent / "yours.ini").write_text(maker.ini(printer))
     lines = print_of(model, model.with_name(f"calibration_{name}_print.ini")).lines
     start, end = lines.start - printer.bed_corner, lines.end - printer.bed_corner
     middle = 0.5 * (start + end)
-    for row, one in zip(rows[:4], parts.strips(PAPER, printer), strict=True):
+    for row, one in zip(rows[:4], parts.make_strips(PAPER, printer), strict=True):
         at = row.x_mm + parts.CLAMP_MM[0] + 0.5 * one.strip.length
         across = (start[:, 0] - at) * (end[:, 0] - at) < 0.0
         across &= (middle[:, 1] > row.y_mm) & (middle[:, 1] < row.y_mm + row.depth_mm)

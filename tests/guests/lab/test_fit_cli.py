@@ -26,7 +26,7 @@ def short(monkeypatch):
     """Fits by a third of the walkers, simulated for less long."""
     for name, count in (("FIRST", 32), ("SECOND", 12), ("AHEAD", 16)):
         monkeypatch.setattr(learn, name, count)
-    monkeypatch.setattr(emulated, "SECONDS", 1.0)
+    monkeypatch.setattr(emulated, "RUN_SECONDS", 1.0)
 
 
 def filmed(tilts, restitution, friction):

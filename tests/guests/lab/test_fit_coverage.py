@@ -26,7 +26,7 @@ def silent(what, done, total):
 def hidden(ground, rng):
     """Parameters from their priors, and how uneven this printer's prints are."""
     shares = rng.uniform(size=(1, len(ground.unknown.simulated)))
-    x = parameters.values(ground.unknown.simulated, shares)[0]
+    x = parameters.prior_values(ground.unknown.simulated, shares)[0]
     names = [one.prior.name for one in ground.unknown.simulated]
     found = dict(zip(names, x, strict=True))
     (uneven,) = (one for one in ground.unknown.printed if one.name == "feet.unevenness_um")
@@ -42,7 +42,7 @@ def true_speeds(ground, settings, rng):
             run = {"seconds": TRUE_SECONDS, "discard_seconds": 0.5, "runs": 1, "seed": int(rng.integers(2**62))}
             scene = ground.scene.model_copy(update={"run": ground.scene.run.model_copy(update=run)})
             asked.append(experiments.Walker(*uncertain.apply_inputs(scene, setting.design, values)))
-    found = [one.summary.speed_mm_s for one in walkers.at_once(asked).values()]
+    found = [one.summary.speed_mm_s for one in walkers.simulate_parallel(asked).values()]
     return np.array(found, dtype=float).reshape(REPETITIONS, len(settings))
 
 
@@ -51,12 +51,12 @@ def world():
     """Emulators of six tilts over the whole prior, and speeds of hidden walkers at all of them."""
     scene = templates.load("plane-90hz", "scenes", Scene)
     design = templates.load("koumakis2016", "walkers", Design)
-    unknown = parameters.unknown(scene, design, "space", "flat", {})
+    unknown = parameters.list_unknowns(scene, design, "space", "flat", {})
     ground = emulated.Ground(scene, "space", unknown)
     settings = [emulated.Setting(design.variant(tilt_deg=tilt), scene.drive.peak_speed) for tilt in TILTS]
-    x = emulated.spread(ground, 128)
-    y = emulated.batches(ground, settings, x, silent, 0)
-    responses = [emulated.response(x, speeds, setting, True) for speeds, setting in zip(y, settings, strict=True)]
+    x = emulated.sample_parameters(ground, 128)
+    y = emulated.simulate_batches(ground, settings, x, silent, 0)
+    responses = [emulated.fit_response(x, speeds, setting, True) for speeds, setting in zip(y, settings, strict=True)]
     truth = true_speeds(ground, settings, np.random.default_rng(7))
     return unknown, responses, truth
 
@@ -75,7 +75,7 @@ def test_ninety_percent_of_unmeasured_tilts_lie_in_the_ninety_percent_band(world
         mine = [responses[place] for place in seen]
         found = posterior.sample(unknown.parameters, observed, mine, 1, silent)
         for place in ahead:
-            drawn = posterior.speeds(found.draws, responses[place], rng)
+            drawn = posterior.speed_draws(found.draws, responses[place], rng)
             low, high = np.quantile(drawn, (0.05, 0.95))
             inside.append(low <= speeds[place] <= high)
             width.append(high - low)

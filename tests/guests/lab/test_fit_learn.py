@@ -10,7 +10,7 @@ from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.guests.lab.fit import emulated, identifiability, parameters, posterior
 from walkergen.guests.lab.fit.emulated import Response
-from walkergen.guests.lab.fit.parameters import Parameter, values
+from walkergen.guests.lab.fit.parameters import Parameter, prior_values
 from walkergen.guests.lab.fit.posterior import Observed
 
 THREE = (
@@ -42,10 +42,10 @@ def responses(count, numbers, scatter=0.12, function=speed_of):
     found = []
     for number in numbers:
         rng = np.random.default_rng(number)
-        x = values(THREE, qmc.Sobol(3, rng=rng).random(count))
+        x = prior_values(THREE, qmc.Sobol(3, rng=rng).random(count))
         speed = function(x, number)
         speed = speed * (1.0 + scatter * rng.normal(size=count))
-        found.append(emulated.response(x, speed, setting(), scatter > 0))
+        found.append(emulated.fit_response(x, speed, setting(), scatter > 0))
     return found
 
 
@@ -66,7 +66,7 @@ def test_the_likelihood_is_that_of_normal_prints_with_a_common_error():
     x = rng.uniform(0.1, 0.9, (5, 3))
     response = exact(lambda x: 40.0 + 30.0 * x[:, 0], lambda x: 2.0 + 3.0 * x[:, 1], 0.1)
     seen = Observed(np.array([50.0, 61.0, 57.0]), np.array([1.0, 2.0, 0.5]))
-    found, chi2 = posterior.likelihood(x, [seen], [response])
+    found, chi2 = posterior.log_likelihood(x, [seen], [response])
     mean, sd = response.emulator(x)
     for place in range(5):
         own = np.diag(seen.se**2 + (0.1 * mean[place]) ** 2)
@@ -82,19 +82,19 @@ def test_scatter_between_prints_is_found_with_its_growth():
     speed = rng.uniform(0.0, 100.0, 4000)
     residual = np.hypot(3.0, 0.1 * speed) * rng.normal(size=4000)
     # Standard deviations of 4000 values are known to 1 %, parts of them to a few percent.
-    assert emulated._scatter(speed, residual) == pytest.approx((3.0, 0.1), rel=0.1)
+    assert emulated._fit_scatter(speed, residual) == pytest.approx((3.0, 0.1), rel=0.1)
 
 
 def test_without_information_the_posterior_is_the_prior():
     seen = [Observed(np.array([50.0]), np.array([1e9]))]
     found = posterior.sample(THREE, seen, responses(64, [1]), 1, silent)
-    rows = identifiability.learnt(THREE, found.draws)
+    rows = identifiability.summarise_draws(THREE, found.draws)
     # Some 2000 independent draws know a standard deviation to 2 %.
     assert [row.narrowed for row in rows] == pytest.approx([1.0] * 3, abs=0.08)
-    (note,) = identifiability.unlearnt(rows)
+    (note,) = identifiability.unlearnt_notes(rows)
     assert "restitution, friction and damping_ratio" in note
     assert found.independent > 1000
-    assert identifiability.trades(THREE, found.draws) == []
+    assert identifiability.trade_off_notes(THREE, found.draws) == []
     assert np.array_equal(posterior.sample(THREE, seen, responses(64, [1]), 1, silent).draws, found.draws)
 
 
@@ -106,11 +106,11 @@ def test_a_product_that_alone_is_known_is_named():
     seen = [Observed(np.array([50.0]), np.array([1.0]))]
     known = responses(128, [1], 0.0, product)
     found = posterior.sample(THREE, seen, known, 1, silent)
-    (note,) = identifiability.trades(THREE, found.draws)
+    (note,) = identifiability.trade_off_notes(THREE, found.draws)
     assert "restitution and friction trade" in note or "friction and restitution trade" in note
     power = float(note.split("^")[1].split(" ")[0])
     assert power == pytest.approx(1.0, abs=0.25)  # 1 for a product, -1 for a ratio
-    (note,) = identifiability.unlearnt(identifiability.learnt(THREE, found.draws))
+    (note,) = identifiability.unlearnt_notes(identifiability.summarise_draws(THREE, found.draws))
     assert "damping_ratio" in note
 
 
@@ -119,10 +119,10 @@ def test_speeds_that_no_parameters_explain_are_called_so():
     known = responses(64, [1], 0.0)
     seen = [Observed(np.array([300.0, 310.0]), np.array([1.0, 1.0]))]
     found = posterior.sample(THREE, seen, known, 1, silent)
-    (note,) = identifiability.misfit(found, 2, "space")
+    (note,) = identifiability.misfit_notes(found, 2, "space")
     assert "does not describe these speeds" in note
     fair = [Observed(np.array([50.0, 51.0]), np.array([1.0, 1.0]))]
-    assert identifiability.misfit(posterior.sample(THREE, fair, known, 1, silent), 2, "space") == []
+    assert identifiability.misfit_notes(posterior.sample(THREE, fair, known, 1, silent), 2, "space") == []
 
 
 @pytest.mark.nightly
@@ -132,7 +132,7 @@ def test_ninety_percent_of_prints_not_measured_lie_in_the_ninety_percent_band(me
     rng = np.random.default_rng(len(measured))
     inside = []
     for _ in range(30):
-        x = values(THREE, rng.uniform(size=(1, 3)))
+        x = prior_values(THREE, rng.uniform(size=(1, 3)))
         speed = np.array([float(speed_of(x, number)[0]) for number in range(5)])
         prints = speed * (1.0 + 0.12 * rng.normal(size=5))
         film = prints + 1.5 * rng.normal(size=5)
@@ -140,7 +140,7 @@ def test_ninety_percent_of_prints_not_measured_lie_in_the_ninety_percent_band(me
         mine = [known[one] for one in measured]
         found = posterior.sample(THREE, seen, mine, 1, silent)
         for one in set(range(5)) - set(measured):
-            low, high = np.quantile(posterior.speeds(found.draws, known[one], rng), (0.05, 0.95))
+            low, high = np.quantile(posterior.speed_draws(found.draws, known[one], rng), (0.05, 0.95))
             inside.append(low <= prints[one] <= high)
     # Three standard deviations of a binomial share of 60 or 90.
     assert abs(np.mean(inside) - 0.9) < 3.0 * np.sqrt(0.09 / len(inside)), np.mean(inside)
@@ -150,13 +150,13 @@ def test_ninety_percent_of_prints_not_measured_lie_in_the_ninety_percent_band(me
 def ground():
     scene = templates.load("lane-90hz", "scenes", Scene)
     design = templates.load("koumakis2016", "walkers", Design)
-    unknown = parameters.unknown(scene, design, "space", "flat", {})
+    unknown = parameters.list_unknowns(scene, design, "space", "flat", {})
     return emulated.Ground(scene, "space", unknown)
 
 
 def test_runs_done_before_ctrl_c_are_not_done_again(ground, monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    x = emulated.spread(ground, 8)
+    x = emulated.sample_parameters(ground, 8)
     asked_for = []
 
     class Found:
@@ -169,7 +169,7 @@ def test_runs_done_before_ctrl_c_are_not_done_again(ground, monkeypatch, tmp_pat
         done = {number: Found(None if number == 1 else number + 1.0) for number in range(len(asked))}
         return {number: done[number] for number in range(3)} if first else done
 
-    monkeypatch.setattr(emulated.walkers, "at_once", until_third)
+    monkeypatch.setattr(emulated.walkers, "simulate_parallel", until_third)
     with pytest.raises(KeyboardInterrupt):
         emulated.simulate(ground, setting(), x, silent, 0)
     speeds = emulated.simulate(ground, setting(), x, silent, 0)
@@ -179,8 +179,11 @@ def test_runs_done_before_ctrl_c_are_not_done_again(ground, monkeypatch, tmp_pat
 
 
 def test_prints_of_two_settings_are_independent_and_of_one_repeatable(ground):
-    one, again = (emulated._prints(ground, setting(10.0), 8, 0) for _ in range(2))
-    other, later = (emulated._prints(ground, setting(12.0), 8, 0), emulated._prints(ground, setting(10.0), 8, 1))
+    one, again = (emulated._sample_prints(ground, setting(10.0), 8, 0) for _ in range(2))
+    other, later = (
+        emulated._sample_prints(ground, setting(12.0), 8, 0),
+        emulated._sample_prints(ground, setting(10.0), 8, 1),
+    )
     assert np.array_equal(one[0], again[0])
     assert one[1] == again[1]
     for different in (other, later):
@@ -189,20 +192,20 @@ def test_prints_of_two_settings_are_independent_and_of_one_repeatable(ground):
 
 
 def test_walkers_that_fall_are_left_out_and_too_many_refused():
-    x = values(THREE, np.random.default_rng(2).uniform(size=(32, 3)))
+    x = prior_values(THREE, np.random.default_rng(2).uniform(size=(32, 3)))
     speed = speed_of(x, 1)
     speed[:8] = np.nan
-    found = emulated.response(x, speed, setting(), False)
+    found = emulated.fit_response(x, speed, setting(), False)
     assert found(x)[0] == pytest.approx(speed_of(x, 1), abs=3.0)
     speed[8] = np.nan
     with pytest.raises(emulated.InputError, match="9 of 32 simulated walkers have no speed"):
-        emulated.response(x, speed, setting(), False)
+        emulated.fit_response(x, speed, setting(), False)
 
 
 def test_priors_are_flat_or_the_scenes_and_held_values_leave_no_parameter():
     scene = templates.load("plane-90hz", "scenes", Scene)
     design = templates.load("koumakis2016", "walkers", Design)
-    flat = parameters.unknown(scene, design, "space", "flat", {})
+    flat = parameters.list_unknowns(scene, design, "space", "flat", {})
     assert [one.told for one in flat.parameters] == [
         "flat, 0.02 to 1",
         "flat, 0.02 to 0.6",
@@ -212,25 +215,25 @@ def test_priors_are_flat_or_the_scenes_and_held_values_leave_no_parameter():
         "0.05 ± 0.02",
     ]
     assert flat.prints_differ
-    told = parameters.unknown(scene, design, "space", "scene", {"friction": 0.25})
+    told = parameters.list_unknowns(scene, design, "space", "scene", {"friction": 0.25})
     assert [one.told for one in told.parameters][:2] == [
         f"{PAPER_CONTACT.restitution:g} ± {PAPER_CONTACT.restitution_sd:g}",
         "5, factor 2",
     ]
     assert flat.parameters == flat.simulated
-    alone = parameters.unknown(scene, design, "prediction", "flat", {}, errors=False)
+    alone = parameters.list_unknowns(scene, design, "prediction", "flat", {}, errors=False)
     assert alone.parameters[-1].name == "print_scatter"
-    everything = dict.fromkeys(parameters.KEYS, 0.3)
+    everything = dict.fromkeys(parameters.PARAMETER_KEYS, 0.3)
     with pytest.raises(parameters.InputError, match="nothing is left to learn"):
-        parameters.unknown(scene, design, "space", "flat", everything)
+        parameters.list_unknowns(scene, design, "space", "flat", everything)
 
 
 def test_another_plate_speed_keeps_the_frequency_and_the_ground_has_no_end(ground):
     arena = ground.scene.arena.model_copy(update={"length_mm": 100.0})
     there = ground._replace(scene=ground.scene.model_copy(update={"arena": arena}))
-    scene = emulated._short(there, setting()._replace(plate_speed=40.0))
+    scene = emulated._short_scene(there, setting()._replace(plate_speed=40.0))
     assert scene.drive.peak_speed == pytest.approx(40.0)
     assert scene.drive.frequency == pytest.approx(ground.scene.drive.frequency)
     assert scene.arena.length_mm is None
-    own = emulated._short(there, setting()._replace(plate_speed=there.scene.drive.peak_speed))
+    own = emulated._short_scene(there, setting()._replace(plate_speed=there.scene.drive.peak_speed))
     assert own.drive == there.scene.drive

@@ -106,7 +106,7 @@ def test_without_errors_the_scatter_of_the_speeds_stands_in(tmp_path):
 
 def test_the_response_is_the_spread_of_the_prediction():
     rng = np.random.default_rng(2)
-    unknown = parameters.unknown(LANE, PAPER, "prediction", "flat", {})
+    unknown = parameters.list_unknowns(LANE, PAPER, "prediction", "flat", {})
     setting = emulated.Setting(PAPER.variant(tilt_deg=10.0), LANE.drive.peak_speed)
     (response,) = tabled.responses(emulated.Ground(LANE, "prediction", unknown), [setting])
     truth = hidden(rng)
@@ -143,11 +143,11 @@ def bent(x):
 def test_weighted_draws_are_the_posterior_of_a_grid(error):
     seen = [Observed(np.array([30.0, 33.0]), np.full(2, error))]
     found = weighed.sample(THREE, seen, [bent], 1, silent)
-    assert found.independent >= weighed.ENOUGH
+    assert found.independent >= weighed.MIN_INDEPENDENT
     middles = (np.arange(100) + 0.5) / 100
     shares = np.stack(np.meshgrid(*[middles] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-    x = parameters.values(THREE, shares)
-    weight = np.exp(posterior.likelihood(x, seen, [bent])[0])
+    x = parameters.prior_values(THREE, shares)
+    weight = np.exp(posterior.log_likelihood(x, seen, [bent])[0])
     mean = weight @ x / weight.sum()
     sd = np.sqrt(weight @ (x - mean) ** 2 / weight.sum())
     # Means of so many draws err by sd / 32, standard deviations by 2 %

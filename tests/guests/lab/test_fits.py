@@ -20,7 +20,7 @@ def masses(tilts, kind="flexible"):
     return [solids.mass_of(member) for member in members]
 
 
-BACK, FRONT = least_squares.tensors(masses(TILTS))
+BACK, FRONT = least_squares.inverse_mass_tensors(masses(TILTS))
 
 
 def measured(rng, se=0.5, mode="coulomb", true=TRUE, plate=31.2):
@@ -121,7 +121,7 @@ def test_too_few_speeds_and_rigid_legs_are_refused():
         least_squares.fit_contact(few, {})
     with pytest.raises(InputError, match="nothing is left"):
         least_squares.fit_contact(speeds, TRUE)
-    back, front = least_squares.tensors(masses(TILTS, "braced"))
+    back, front = least_squares.inverse_mass_tensors(masses(TILTS, "braced"))
     with pytest.raises(InputError, match="rigid legs"):
         least_squares.fit_contact(speeds._replace(back=back, front=front), {})
 
@@ -143,7 +143,7 @@ def test_speeds_at_one_tilt_tell_only_a_factor():
 def test_measured_speeds_of_another_plate_are_left_out_and_told(tmp_path):
     path = tmp_path / "speeds.csv"
     path.write_text("tilt_deg,speed_mm_s,plate_speed_mm_s\n5,70,31\n10,60,\n15,90,52\n")
-    found = speeds.at_plate_speed(speeds.read(path, "flexible", 31.2), 31.2)
+    found = speeds.select_plate_speed(speeds.read_speeds(path, "flexible", 31.2), 31.2)
     np.testing.assert_array_equal(found.tilt, [5.0, 10.0])
     np.testing.assert_array_equal(found.speed, [70.0, 60.0])
     assert found.legs == ["flexible", "flexible"]
@@ -162,6 +162,6 @@ def test_measured_speeds_of_another_plate_are_left_out_and_told(tmp_path):
 def test_speeds_that_are_no_measurements_are_left_out_and_told(tmp_path, line, told):
     path = tmp_path / "speeds.csv"
     path.write_text(f"tilt_deg,speed_mm_s\n5,70\n{line}\n")
-    found = speeds.read(path, "flexible", 31.2)
+    found = speeds.read_speeds(path, "flexible", 31.2)
     np.testing.assert_array_equal(found.tilt, [5.0])
     assert found.bad == f"1 bad row left out: line 3: {told}"

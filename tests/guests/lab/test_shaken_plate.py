@@ -140,7 +140,7 @@ def test_a_plate_at_rest_has_no_drive():
     ],
 )
 def test_files_of_apps_are_read_by_their_columns(tmp_path, names, scale, linear):
-    count = accelerometer.FEWEST
+    count = accelerometer.MIN_SAMPLES
     own = {"x": 1.0, "y": 2.0, "z": GRAVITY}
     rows = []
     for number in range(count):
@@ -154,7 +154,7 @@ def test_files_of_apps_are_read_by_their_columns(tmp_path, names, scale, linear)
         rows.append(",".join(repr(cells[name]) for name in names))
     path = tmp_path / "plate.csv"
     path.write_text("\n".join([",".join(names), *rows]))
-    recording = accelerometer.read(path)
+    recording = accelerometer.read_recording(path)
     assert recording.rate == pytest.approx(500.0)
     assert recording.felt[0] == pytest.approx([1.0, 2.0, GRAVITY])
     assert recording.linear is linear
@@ -195,4 +195,4 @@ def test_other_files_are_refused_in_a_line(tmp_path, text, words):
     path = tmp_path / "other.csv"
     path.write_text(text)
     with pytest.raises(InputError, match=words):
-        accelerometer.read(path)
+        accelerometer.read_recording(path)

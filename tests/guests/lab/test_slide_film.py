@@ -16,7 +16,7 @@ from walkergen.core.scene import GRAVITY
 from walkergen.guests.lab.calibrate import filmed, form
 from walkergen.guests.track.film import report
 
-HEADER = (*form.HEADER, form.TRACKS)
+HEADER = (*form.HEADER, form.TRACKS_COLUMN)
 ANGLE = 25.0
 
 
@@ -48,7 +48,7 @@ def test_hidden_frictions_are_found_within_their_errors(tmp_path, friction):
     values, errors = np.array([one.pair for one in found]).T
     assert values.mean() == pytest.approx(friction, abs=4.0 * values.std() / math.sqrt(200))
     # noise here is independent from frame to frame, of which ten are taken to err alike
-    ratio = errors.mean() / values.std() / math.sqrt(filmed.INDEPENDENT)
+    ratio = errors.mean() / values.std() / math.sqrt(filmed.CORRELATED_FRAMES)
     assert 0.8 < ratio < 1.2
 
 

@@ -28,17 +28,17 @@ def silent(what, done, total):
 
 @pytest.fixture
 def short():
-    return movie.plan([PAPER], LANE, periods=0.5, slow=180, fps=10)
+    return movie.make_job([PAPER], LANE, periods=0.5, slow=180, fps=10)
 
 
 @pytest.mark.slow
 def test_a_gif_has_its_frames_size_and_time_and_equal_bytes(short, tmp_path):
-    one = movie.make(short, tmp_path / "a.gif", silent)
-    two = movie.make(short, tmp_path / "b.gif", silent)
+    one = movie.make_movie(short, tmp_path / "a.gif", silent)
+    two = movie.make_movie(short, tmp_path / "b.gif", silent)
     assert one.gif.read_bytes() == two.gif.read_bytes()
     assert one.frames == short.frames == 11
     with Image.open(one.gif) as image:
-        assert image.size == (impacts.WIDTH, impacts.HEIGHT)
+        assert image.size == (impacts.WIDTH_PX, impacts.HEIGHT_PX)
         assert image.n_frames == 11
         shown = []
         for at in range(image.n_frames):
@@ -53,11 +53,11 @@ def test_a_gif_has_its_frames_size_and_time_and_equal_bytes(short, tmp_path):
 @pytest.mark.programs
 @pytest.mark.skipif(WITHOUT_FFMPEG, reason="ffmpeg is not installed")
 def test_an_mp4_has_the_frames_of_the_gif(short, tmp_path):
-    made = movie.make(short, tmp_path / "a.gif", silent)
+    made = movie.make_movie(short, tmp_path / "a.gif", silent)
     assert made.mp4 is not None, made.without_mp4
     words = ["ffmpeg", "-loglevel", "error", "-i", str(made.mp4), "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
     raw = subprocess.run(words, capture_output=True, check=True).stdout
-    frames = np.frombuffer(raw, np.uint8).reshape(-1, impacts.HEIGHT, impacts.WIDTH, 3)
+    frames = np.frombuffer(raw, np.uint8).reshape(-1, impacts.HEIGHT_PX, impacts.WIDTH_PX, 3)
     assert len(frames) == 11  # none stands still at the end, as in the GIF
     with Image.open(made.gif) as image:
         first = np.asarray(image.convert("RGB")).astype(int)
@@ -75,7 +75,7 @@ def test_interrupted_nothing_is_left(monkeypatch, short, tmp_path):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        movie.make(short, tmp_path / "out" / "a.gif", stop)
+        movie.make_movie(short, tmp_path / "out" / "a.gif", stop)
     assert not (tmp_path / "out").exists()
     assert all(process.poll() is not None for process in started)
 
@@ -88,17 +88,17 @@ def leaving(length_mm, discard_seconds):
 
 @pytest.mark.slow
 def test_a_run_that_ends_early_is_shown_to_its_end(tmp_path):
-    job = movie.plan([PAPER], leaving(4.0, 0.0), periods=16, slow=10, fps=20)
-    made = movie.make(job, tmp_path / "a.gif", silent)
+    job = movie.make_job([PAPER], leaving(4.0, 0.0), periods=16, slow=10, fps=20)
+    made = movie.make_movie(job, tmp_path / "a.gif", silent)
     (shot,) = made.shots
     assert shot.ended == "left the ground"
     assert 2 <= made.frames < job.frames
 
 
 def test_a_run_that_ends_at_once_is_refused():
-    job = movie.plan([PAPER], leaving(1e-3, 0.1), fps=10)
+    job = movie.make_job([PAPER], leaving(1e-3, 0.1), fps=10)
     with pytest.raises(InputError, match=r"10°, flexible: the run ended before .*left the ground"):
-        movie.shoot(job, PAPER, movie.FINE)
+        movie.simulate_shot(job, PAPER, movie.SLOW_POSES_PER_FRAME)
 
 
 COMMAND = ("movie",)
@@ -108,14 +108,14 @@ FEW = ("--periods", "0.2", "--slow", "100", "--fps", "20")
 
 
 def test_the_command_says_what_it_filmed_and_wrote(run, tmp_path, monkeypatch):
-    monkeypatch.setattr(animation, "program", lambda: None)
+    monkeypatch.setattr(animation, "find_ffmpeg", lambda: None)
     words = ("--scene", "lane-90hz", "--tilt", "10", *FEW)
     result = run("koumakis2016", *words)
     assert result.exit_code == 0, result.output
     name = "out/koumakis2016/walker_t10.0_flexible_s0.40_lane-90hz_perspective.gif"
     assert "koumakis2016, 10°, flexible: " in result.stdout
     assert "\n5 frames, 20 a second, 100 times slower\n" in result.stdout
-    assert f"no MP4: {animation.WITHOUT}\n{name}\n" in result.stdout
+    assert f"no MP4: {animation.NO_FFMPEG_REASON}\n{name}\n" in result.stdout
     found = (tmp_path / name).parent.glob("[!.]*")
     assert [path.name for path in found] == [Path(name).name]
 

@@ -38,25 +38,25 @@ def lasting(scene, seconds, discard=0.0):
 @cache
 def slow():
     """Three periods, 40 frames of 0.8 ms, 8 poses a frame."""
-    job = movie.plan([PAPER], lasting(PLANE, 1.0), periods=3, slow=60, fps=20, view="perspective")
-    return job, movie.shoot(job, PAPER, movie.FINE)
+    job = movie.make_job([PAPER], lasting(PLANE, 1.0), periods=3, slow=60, fps=20, view="perspective")
+    return job, movie.simulate_shot(job, PAPER, movie.SLOW_POSES_PER_FRAME)
 
 
 @cache
 def real():
     """Half a second in real time, from above."""
-    job = movie.plan([PAPER], lasting(PLANE, 1.0), seconds=0.5, fps=10)
-    return job, movie.shoot(job, PAPER, movie.TRAIL)
+    job = movie.make_job([PAPER], lasting(PLANE, 1.0), seconds=0.5, fps=10)
+    return job, movie.simulate_shot(job, PAPER, movie.ABOVE_POSES_PER_FRAME)
 
 
 def from_above(one, job, gap=None):
-    return above.draw_above([one], movie.TRAIL, job.slow, "settings", 1.0 / 90.0, gap)
+    return above.make_draw_function([one], movie.ABOVE_POSES_PER_FRAME, job.slow, "settings", 1.0 / 90.0, gap)
 
 
 def reddest(frame):
     """Pixels of the trail."""
-    wanted = [int(above.TRAIL[i : i + 2], 16) for i in (1, 3, 5)]
-    return np.abs(frame[above.HEAD + 30 :].astype(int) - wanted).max(axis=-1) < 8
+    wanted = [int(above.TRAIL_COLOUR[i : i + 2], 16) for i in (1, 3, 5)]
+    return np.abs(frame[above.HEAD_PX + 30 :].astype(int) - wanted).max(axis=-1) < 8
 
 
 def test_poses_are_those_of_the_simulation():
@@ -123,11 +123,11 @@ def test_corners_press_at_their_landings():
 def test_bodies_are_drawn_along_their_heading(heading):
     _, one = real()
     turned = one._replace(poses=one.poses._replace(heading=one.poses.heading * 0 + heading))
-    back, front = (shot.outline(turned, 3)[0][i] for i in (0, 1))
+    back, front = (shot.body_outline(turned, 3)[0][i] for i in (0, 1))
     assert np.hypot(*(front - back)) == pytest.approx(28.0, abs=1e-12)
     assert (front - back) / 28.0 == pytest.approx((np.cos(heading), np.sin(heading)), abs=1e-12)
     # The left side is a quarter turn counter-clockwise from ahead.
-    left = shot.outline(turned, 3)[0][2] - front
+    left = shot.body_outline(turned, 3)[0][2] - front
     assert left == pytest.approx(8.0 * np.array((-np.sin(heading), np.cos(heading))), abs=1e-12)
 
 
@@ -135,7 +135,7 @@ def test_feet_lie_across_the_heading_under_the_body():
     _, one = real()
     for at in (0, len(one.times) - 1):
         ahead = np.array([np.cos(one.poses.heading[at]), np.sin(one.poses.heading[at])])
-        for right_end, other in shot.feet(one, at)[:, ::-1]:
+        for right_end, other in shot.foot_edges(one, at)[:, ::-1]:
             assert np.hypot(*(right_end - other)) == pytest.approx(8.0, abs=0.02)
             assert abs((right_end - other) @ ahead) < 0.02
 
@@ -152,7 +152,7 @@ def test_the_trail_follows_the_track():
     job, one = real()
     draw = from_above(one, job)
     wide = [np.ptp(np.nonzero(reddest(draw(k)))[1]) for k in (1, 3, job.frames - 1)]
-    run = [np.ptp(one.track[: k * movie.TRAIL + 1, 0]) for k in (1, 3, job.frames - 1)]
+    run = [np.ptp(one.track[: k * movie.ABOVE_POSES_PER_FRAME + 1, 0]) for k in (1, 3, job.frames - 1)]
     assert wide[0] < wide[1] < wide[2]
     assert (wide[2] - wide[1]) / (wide[1] - wide[0]) == pytest.approx(
         (run[2] - run[1]) / (run[1] - run[0]), rel=0.2
@@ -191,8 +191,8 @@ def test_a_lane_shows_its_walls():
 
 
 def test_a_movie_has_equal_bytes_for_equal_input(tmp_path):
-    job = movie.plan([PAPER], lasting(PLANE, 1.0), seconds=0.3, fps=10)
-    one, two = (movie.make(job, tmp_path / f"{k}.gif", silent) for k in "ab")
+    job = movie.make_job([PAPER], lasting(PLANE, 1.0), seconds=0.3, fps=10)
+    one, two = (movie.make_movie(job, tmp_path / f"{k}.gif", silent) for k in "ab")
     assert (one.frames, job.view, job.slow) == (4, "above", 1.0)
     assert one.gif.read_bytes() == two.gif.read_bytes()
     with Image.open(one.gif) as image:
@@ -202,12 +202,12 @@ def test_a_movie_has_equal_bytes_for_equal_input(tmp_path):
 @pytest.mark.slow
 def test_a_movie_in_perspective_has_equal_bytes_for_equal_input(tmp_path):
     choice = {"periods": 0.5, "slow": 180, "fps": 10, "view": "perspective"}
-    job = movie.plan([PAPER], lasting(PLANE, 1.0), **choice)
-    one, two = (movie.make(job, tmp_path / f"{k}.gif", silent) for k in "ab")
+    job = movie.make_job([PAPER], lasting(PLANE, 1.0), **choice)
+    one, two = (movie.make_movie(job, tmp_path / f"{k}.gif", silent) for k in "ab")
     assert one.gif.read_bytes() == two.gif.read_bytes()
     with Image.open(one.gif) as image:
         assert image.n_frames == job.frames
-        assert image.size == (impacts.WIDTH, impacts.HEIGHT)
+        assert image.size == (impacts.WIDTH_PX, impacts.HEIGHT_PX)
     assert movie.file_name(job, {}).endswith("_plane-90hz_perspective.gif")
     values = {"scene.contact.friction": 0.5, "scene.plate.material": "../x\n"}
     assert movie.file_name(job, values).endswith("_perspective_friction-0.5_material-..-x-.gif")
@@ -215,28 +215,28 @@ def test_a_movie_in_perspective_has_equal_bytes_for_equal_input(tmp_path):
 
 def test_several_tilts_run_in_an_arena_each(tmp_path):
     members = PAPER.members([5.0, 35.0], ["flexible"])
-    job = movie.plan(members, lasting(PLANE, 1.0), seconds=0.2, fps=10)
-    made = movie.make(job, tmp_path / "a.gif", silent)
+    job = movie.make_job(members, lasting(PLANE, 1.0), seconds=0.2, fps=10)
+    made = movie.make_movie(job, tmp_path / "a.gif", silent)
     assert [one.name for one in made.shots] == ["koumakis2016, 5°, flexible", "koumakis2016, 35°, flexible"]
     with Image.open(made.gif) as image:
-        assert image.size[0] == above.WIDTH
-        assert image.size[1] <= above.HEAD + above.TALLEST + 2 * (above.TITLE + 1) + above.FOOT + 1
+        assert image.size[0] == above.WIDTH_PX
+        assert image.size[1] <= above.HEAD_PX + above.MAX_ARENAS_PX + 2 * (above.TITLE_PX + 1) + above.FOOT_PX + 1
 
 
 def in_perspective(one, job):
-    return perspective.draw_perspective(one, movie.FINE, job.slow, "settings")
+    return perspective.make_draw_function(one, movie.SLOW_POSES_PER_FRAME, job.slow, "settings")
 
 
 def coloured(frame, colour, view):
     """Pixels of a view that are close to a colour."""
     left, bottom, width, height = (int(value) for value in view)
-    top = impacts.HEIGHT - bottom - height
+    top = impacts.HEIGHT_PX - bottom - height
     shown = frame[top : top + height, left : left + width].astype(int)
     wanted = [int(colour[i : i + 2], 16) for i in (1, 3, 5)]
     return int((np.abs(shown - wanted).max(axis=-1) < 8).sum())
 
 
-@pytest.mark.parametrize("view", [perspective.MAIN, perspective.CLOSE])
+@pytest.mark.parametrize("view", [perspective.MAIN_PLACE, perspective.CLOSE_PLACE])
 def test_corners_flash_from_their_landing_on(view):
     job, one = slow()
     glow = impacts.AFTERGLOW_S / job.slow
@@ -244,7 +244,7 @@ def test_corners_flash_from_their_landing_on(view):
     # That landing alone, so that no other hides the end of its flash.
     one = one._replace(impacts=(first,))
     draw = in_perspective(one, job)
-    colour = impacts.style_of(first.kind).colour
+    colour = impacts.impact_style(first.kind).colour
     begin = int(np.ceil(first.time * job.fps * job.slow))
     over = int(np.ceil((first.time + glow) * job.fps * job.slow))
     lit = [coloured(draw(frame), colour, view) for frame in (begin - 1, begin, over)]
@@ -255,9 +255,9 @@ def test_corners_flash_from_their_landing_on(view):
 def test_every_flash_is_that_of_a_landing_at_its_corner():
     job, one = slow()
     glow = impacts.AFTERGLOW_S / job.slow
-    for at in range(0, len(one.times), 4 * movie.FINE):
+    for at in range(0, len(one.times), 4 * movie.SLOW_POSES_PER_FRAME):
         for corner in range(4):
-            shown = impacts.strongest(one, one.times[at], glow, corner)
+            shown = impacts.strongest_impact(one, one.times[at], glow, corner)
             recent = [hit for hit in one.impacts if hit.foot == corner and 0 <= one.times[at] - hit.time < glow]
             assert (shown is not None) == bool(recent)
             assert shown is None or shown[0] in recent
@@ -266,13 +266,13 @@ def test_every_flash_is_that_of_a_landing_at_its_corner():
 def test_corners_that_press_are_dotted():
     job, one = slow()
     draw = in_perspective(one._replace(impacts=()), job)
-    closed = one.poses.closed[:: movie.FINE].any(axis=1)
+    closed = one.poses.closed[:: movie.SLOW_POSES_PER_FRAME].any(axis=1)
     pressing, free = int(np.argmax(closed)), int(np.argmin(closed))
-    dark = [coloured(draw(frame), "#222222", perspective.CLOSE) for frame in (pressing, free)]
+    dark = [coloured(draw(frame), "#222222", perspective.CLOSE_PLACE) for frame in (pressing, free)]
     shown = one._replace(poses=one.poses._replace(closed=np.zeros_like(one.poses.closed)))
     without = in_perspective(shown._replace(impacts=()), job)
-    assert dark[0] > coloured(without(pressing), "#222222", perspective.CLOSE) + 8
-    assert dark[1] == coloured(without(free), "#222222", perspective.CLOSE)
+    assert dark[0] > coloured(without(pressing), "#222222", perspective.CLOSE_PLACE) + 8
+    assert dark[1] == coloured(without(free), "#222222", perspective.CLOSE_PLACE)
 
 
 def test_drawing_in_perspective_does_not_depend_on_frames_before():
@@ -288,7 +288,7 @@ def test_a_long_run_is_followed():
     far = np.outer(np.linspace(0, 1e3, len(one.times)), (1.0, 0.0, -0.5))
     moved = one.poses._replace(places=one.poses.places + far, corners=one.poses.corners + far[:, None])
     draw = in_perspective(one._replace(poses=moved), job)
-    seen = [coloured(draw(frame), "#9AB4CA", perspective.MAIN) for frame in (0, job.frames - 1)]
+    seen = [coloured(draw(frame), "#9AB4CA", perspective.MAIN_PLACE) for frame in (0, job.frames - 1)]
     assert seen[0] > 5_000
     assert seen[1] == pytest.approx(seen[0], rel=0.05)
 
@@ -303,7 +303,7 @@ def box():
 
 def test_a_camera_sees_what_it_is_made_for():
     points = box().vertices
-    camera = raster.camera_for(points, (300, 200))
+    camera = raster.fit_camera(points, (300, 200))
     seen = camera.project(points)
     assert seen[:, :2].min() > -1e-9
     assert (seen[:, :2].max(axis=0) <= np.array((300, 200)) + 1e-9).all()
@@ -317,8 +317,8 @@ def test_a_camera_sees_what_it_is_made_for():
 
 def test_a_box_covers_the_hull_of_its_corners():
     mesh = box()
-    camera = raster.camera_for(mesh.vertices, (300, 200))
-    model = raster.model_of(mesh)
+    camera = raster.fit_camera(mesh.vertices, (300, 200))
+    model = raster.make_model(mesh)
     assert len(model.edges) == 12
     picture, left, low = raster.render(model, np.eye(3), np.zeros(3), camera, "#ffffff", "#000000")
     hull = ConvexHull(camera.project(mesh.vertices)[:, :2]).volume
@@ -337,7 +337,7 @@ def test_nearer_faces_hide_those_behind_whatever_their_order():
     for order in ((one, other), (other, one)):
         number, near = np.full((50, 50), -1, np.int32), np.zeros((50, 50))
         for value, corners in enumerate(order):
-            raster._fill(number, near, corners, value)
+            raster._fill_triangle(number, near, corners, value)
         assert number.max() == number[10, 10] == (0 if order[0] is other else 1)
         assert (near > 0).sum() == pytest.approx(800, abs=40)
         assert near.max() == pytest.approx(0.2)
@@ -356,7 +356,7 @@ def test_the_command_films_a_plane_from_above(run):
 
 def test_views_follow_from_where_walkers_run():
     def seen(scene, members):
-        return movie.plan(members, scene, seconds=0.2).view
+        return movie.make_job(members, scene, seconds=0.2).view
 
     both = PAPER.members([10.0], ["flexible", "braced"])
     assert seen(PLANE, [PAPER]) == "above"
@@ -368,29 +368,29 @@ def test_views_follow_from_where_walkers_run():
 def test_a_run_that_ends_at_once_is_refused():
     # It runs at some 70 mm/s, and is off a plane of its own length before anything is measured.
     arena = PLANE.arena.model_copy(update={"length_mm": 28.0})
-    job = movie.plan([PAPER], lasting(PLANE.model_copy(update={"arena": arena}), 1.0, 0.6), fps=10)
+    job = movie.make_job([PAPER], lasting(PLANE.model_copy(update={"arena": arena}), 1.0, 0.6), fps=10)
     with pytest.raises(InputError, match=r"10°, flexible: the run ended before .*left the"):
-        movie.shoot(job, PAPER, movie.TRAIL)
+        movie.simulate_shot(job, PAPER, movie.ABOVE_POSES_PER_FRAME)
 
 
 def test_the_bending_of_legs_is_magnified_below_the_plate():
     _, one = slow()
     assert one.poses.gaps.min() < 0.0  # some leg gives way
-    canvas = perspective.Canvas(impacts.WIDTH, impacts.HEIGHT)
-    centres = perspective._centres(one)
-    close = perspective._close(canvas, one, centres)
+    canvas = perspective.Canvas(impacts.WIDTH_PX, impacts.HEIGHT_PX)
+    centres = perspective._view_centres(one)
+    close = perspective._make_close_view(canvas, one, centres)
     told = f"× {close.zoom}, bending of legs (below it) × {close.bend}; numbers: µm"
     assert any(told in text.get_text() for text in canvas.figure.texts)
     assert close.bend > close.zoom
     at, corner = np.unravel_index(one.poses.gaps.argmin(), one.poses.gaps.shape)
     glows = [None] * one.poses.gaps.shape[1]
     corners = one.poses.corners[at] - centres[at]
-    perspective._set_close(close, one, at, centres[at], corners, glows)
+    perspective._update_close_view(close, one, at, centres[at], corners, glows)
     seen = np.column_stack(close.edges[corner // 2].get_data())[corner % 2]
     foot = corners[corner] * (1.0, 0.0, 1.0)
     foot[1] = close.bend * one.poses.gaps[at, corner]
     assert seen == pytest.approx(close.view.camera.project(foot)[:2])
     depth = close.view.camera.project(foot * (1.0, 0.0, 1.0))[1] - seen[1]
     assert 3.0 < depth < 80.0  # pixels: it can be seen
-    words = [perspective._micrometres(length) for length in (0.0734, 0.0, -1e-6, -2.2e-4)]
+    words = [perspective._format_micrometres(length) for length in (0.0734, 0.0, -1e-6, -2.2e-4)]
     assert words == ["73", "0", "0", "\N{MINUS SIGN}0.2"]

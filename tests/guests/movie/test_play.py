@@ -29,14 +29,14 @@ def design():
 
 @pytest.fixture(scope="module")
 def run(design):
-    return play.run(design, PLANE, SECONDS)
+    return play.record_run(design, PLANE, SECONDS)
 
 
 @pytest.fixture(scope="module")
 def truth(design):
     changed = PLANE.run.model_copy(update={"seconds": SECONDS})
     scene = PLANE.model_copy(update={"run": changed})
-    return poses.sample(prepare(scene, design, solids.mass_of(design)), 1.0 / play.RATE)
+    return poses.sample(prepare(scene, design, solids.mass_of(design)), 1.0 / play.POSES_PER_SECOND)
 
 
 @pytest.mark.slow
@@ -56,7 +56,7 @@ def test_corners_are_those_of_the_part(design):
     """In the frame of the mesh that a viewer shows, whichever way the part prints."""
     vertices = solids.build(design).walker.vertices
     half = 0.2 / np.cos(np.radians(design.tilt_deg))  # of a flat foot's width
-    for corner in play.run(design, PLANE, 0.01)["corners"]:
+    for corner in play.record_run(design, PLANE, 0.01)["corners"]:
         assert np.linalg.norm(vertices - corner, axis=1).min() == pytest.approx(half, abs=0.05)
 
 

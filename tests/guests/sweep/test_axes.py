@@ -46,8 +46,8 @@ def test_two_numbers_are_bounds():
 
 def test_a_key_is_given_once():
     with pytest.raises(InputError, match=r"set b: given 2 times"):
-        axes.check([Axis("a", (1,)), Axis("b", (1,)), Span("b", 0, 1)])
-    axes.check([Axis("a", (1,)), Axis("b", (1,))])
+        axes.check_keys([Axis("a", (1,)), Axis("b", (1,)), Span("b", 0, 1)])
+    axes.check_keys([Axis("a", (1,)), Axis("b", (1,))])
 
 
 @given(st.integers(-300, 300), st.integers(0, 200), st.sampled_from([1, 2, 5]), st.integers(-8, 8))

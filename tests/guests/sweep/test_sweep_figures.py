@@ -35,7 +35,7 @@ def columns(error=1.0, missing=(), doubtful=(), **keys):
 
 def drawn(table, title="a sweep"):
     """Figure of a table, laid out without a warning, and its panels."""
-    found = figures.figure(table, list(table.keys), title)
+    found = figures.draw_figure(table, list(table.keys), title)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         found.draw_without_rendering()
@@ -198,7 +198,7 @@ def test_more_panels_than_a_page_holds_are_counted():
     frictions = [round(0.05 * step, 2) for step in range(1, 16)]
     table = columns(tilt=list(range(16)), mu=frictions, drive=list(range(10, 180, 10)))
     found, panels_ = drawn(table)
-    assert len(panels_) == figures.MOST_PANELS
+    assert len(panels_) == figures.MAX_PANELS
     assert panels_[0].get_title() == "friction 0.05"
     assert panels_[-1].get_title() == "friction 0.75"
     title = " ".join(found.get_suptitle().split())
@@ -271,8 +271,8 @@ def test_an_axis_is_logarithmic_where_its_values_are(values, scale):
 
 
 def test_cells_of_a_logarithmic_axis_meet_half_way():
-    scale = scales.scale_of("a", [1, 10, 100, 1000])
-    np.testing.assert_allclose(scales.edges(scale), 10 ** np.array([-0.5, 0.5, 1.5, 2.5, 3.5]))
+    scale = scales.make_scale("a", [1, 10, 100, 1000])
+    np.testing.assert_allclose(scales.cell_edges(scale), 10 ** np.array([-0.5, 0.5, 1.5, 2.5, 3.5]))
 
 
 @pytest.mark.parametrize(
@@ -291,7 +291,7 @@ def test_cells_of_a_logarithmic_axis_meet_half_way():
     ],
 )
 def test_axes_are_named_in_words_with_units(key, label):
-    assert key_names.label(key) == label
+    assert key_names.format_key(key) == label
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])
@@ -307,8 +307,8 @@ def test_all_letters_can_be_read_at_the_width_of_a_column(count):
 
 
 def test_the_colours_of_lines_differ_in_grey_or_by_their_dashes():
-    for number, (colour, dash, marker) in enumerate(panels.STYLES):
-        for other, other_dash, other_marker in panels.STYLES[:number]:
+    for number, (colour, dash, marker) in enumerate(panels.LINE_STYLES):
+        for other, other_dash, other_marker in panels.LINE_STYLES[:number]:
             assert dash != other_dash
             assert marker != other_marker
             assert to_rgb(colour) != to_rgb(other)

@@ -51,7 +51,7 @@ def read(tmp_path):
     def made(text):
         path = tmp_path / "sweep.toml"
         path.write_text(text)
-        return sweep_file.read(path)
+        return sweep_file.read_sweep(path)
 
     return made
 
@@ -113,7 +113,7 @@ def test_all_mistakes_are_told_at_once(mistakes):
 
 def test_no_such_file_is_a_line(tmp_path):
     with pytest.raises(InputError, match="no such file"):
-        sweep_file.read(tmp_path / "sweep.toml")
+        sweep_file.read_sweep(tmp_path / "sweep.toml")
 
 
 @pytest.mark.slow
@@ -129,7 +129,7 @@ def test_a_sweep_without_any_point_that_can_be_right_is_refused(tmp_path):
     for values in ("[90, 95]", "[5, 95]"):  # a number out of range among others is a row that says so
         path.write_text(f'[grid]\n"legs.tilt_deg" = {values}\n')
         if values == "[5, 95]":
-            assert ask.of_file(path).request().space.points == 2
+            assert ask.from_file(path).make_request().space.points == 2
         else:
             with pytest.raises(InputError, match=r"none of 2 points can be right: .*legs.tilt_deg = 90"):
-                ask.of_file(path).request()
+                ask.from_file(path).make_request()

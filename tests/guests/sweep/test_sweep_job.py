@@ -95,7 +95,7 @@ def test_no_number_is_believed_because_a_table_says_so(home):
     lines = path.read_text().splitlines(keepends=True)
     cells = lines[3].split(",")
     line = ",".join([cells[0], "9999.0", *cells[2:-1]])
-    lines[3] = f"{line},{table.check_of(line)}\n"
+    lines[3] = f"{line},{table.row_checksum(line)}\n"
     path.write_text("".join(lines))
     (home / "one" / "manifest.json").unlink()
     (home / "cache").rename(home / "another")  # the stranger's machine has its own
@@ -304,7 +304,7 @@ def test_a_budget_goes_where_the_bars_are_widest(home, monkeypatch):
     clock = iter(np.arange(0.0, 100.0))
     monkeypatch.setattr("walkergen.guests.sweep.evaluation.evaluate", measured)
     monkeypatch.setattr(budget.time, "monotonic", lambda: float(next(clock)))
-    monkeypatch.setattr(budget, "BATCH", 1)
+    monkeypatch.setattr(budget, "POINTS_PER_WORKER", 1)
     request = request_of("legs.tilt_deg=4,8,12", model="space")
     found = budget.spend(request, 8.5, Store(home / "points"), None, lambda *told: None)
     # Eight doublings: of 4 five times, of 2 twice, of 1 once; of equal ones the first comes first.
@@ -323,7 +323,7 @@ def test_memory_does_not_grow_with_the_points():
 @pytest.mark.parametrize("tilts", ["5"])
 def test_there_is_no_figure_where_nothing_can_be_compared(home, tilts):
     job = Job(request_of(f"legs.tilt_deg={tilts}"), "title")
-    made = make.make(job, home / "one", Store(home / "points"), None, lambda *one: None)
+    made = make.make_sweep(job, home / "one", Store(home / "points"), None, lambda *one: None)
     assert len(made.table) == len(tilts.split(","))
     assert not (home / "one" / "sweep.png").exists()
     with pytest.raises(InputError, match="there is no figure"):
@@ -332,9 +332,9 @@ def test_there_is_no_figure_where_nothing_can_be_compared(home, tilts):
 
 def test_rows_are_kept_for_pictures_and_for_python_alone(home):
     store, job = Store(home / "points"), Job(request_of(TILTS), "title", pictures=False)
-    bare = make.make(job, home / "one", store, None, lambda *one: None)
-    whole = make.make(job._replace(kept=True), home / "one", store, None, lambda *one: None)
-    found = make.find(job, store, None, lambda *one: None)
+    bare = make.make_sweep(job, home / "one", store, None, lambda *one: None)
+    whole = make.make_sweep(job._replace(kept=True), home / "one", store, None, lambda *one: None)
+    found = make.evaluate_all(job, store, None, lambda *one: None)
     assert len(bare.table) == 0
     assert bare.facts["points"] == len(whole.table) == 10
     assert whole.table.rows == found.table.rows
@@ -346,7 +346,7 @@ def test_a_job_reports_its_progress(home):
     told = []
     job = Job(request_of(TILTS), "title", pictures=False)
     store = Store(home / "points")
-    make.make(job, home / "one", store, None, lambda *one: told.append(one))
+    make.make_sweep(job, home / "one", store, None, lambda *one: told.append(one))
     assert told[-1] == ("points", 10, 10)
 
 

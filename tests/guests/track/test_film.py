@@ -60,14 +60,14 @@ def test_walkers_are_found_in_any_light(name):
     film = LIGHTS[name]
     truth = ways(20)
     frames = [films.picture(one, film, seed=n) for n, one in enumerate(truth)]
-    seen = appearance.learn(frames[:8], None, None, None)
+    seen = appearance.learn_appearance(frames[:8], None, None, None)
     assert seen.dark == (film.contrast > 0)
     assert seen.width == pytest.approx(films.ACROSS, abs=1.5)
     # Half of the walkers' contrast, whatever the noise: where their edge is.
     assert seen.threshold == pytest.approx(0.5 * seen.contrast)
     errors = []
     for one, frame in zip(truth[::3], frames[::3], strict=True):
-        places = [(blob.x + 0.5, film.high - blob.y - 0.5) for blob in blobs.find(frame, seen, False)]
+        places = [(blob.x + 0.5, film.high - blob.y - 0.5) for blob in blobs.find_blobs(frame, seen, False)]
         assert len(places) == 4
         errors += [min(math.dist(place, at[:2]) for place in places) for at in one]
     # A third of a pixel where light is steep; a pixel at the edge errs by noise over contrast.
@@ -97,7 +97,7 @@ def test_a_film_of_variable_rate_keeps_its_times(tmp_path, name):
     np.testing.assert_allclose(clock.times, t, atol=1e-4)
     assert not clock.regular
     assert made.warnings == []
-    found = track_files.read(tmp_path / "out" / "tracks.csv", track_files.Units())
+    found = track_files.read_tracks(tmp_path / "out" / "tracks.csv", track_files.Units())
     assert "rate varies" in found.note
     (one,) = found.tracks
     regular = np.arange(len(one.position)) * found.interval
@@ -115,7 +115,7 @@ def test_places_between_frames_stop_at_gaps(tmp_path):
     lines = [f"{n},{k},{t},{x},{y},{a}" for (n, k, x, y, a), t in zip(rows, np.delete(times, [20, 21]), strict=True)]
     path = tmp_path / "t.csv"
     path.write_text("frame,particle,t_s,x_mm,y_mm,theta_rad\n" + "\n".join(lines) + "\n")
-    found = track_files.read(path, track_files.Units())
+    found = track_files.read_tracks(path, track_files.Units())
     (one,) = found.tracks
     start = np.ceil(times[0] / found.interval) * found.interval
     t = start + np.arange(len(one.position)) * found.interval
@@ -221,8 +221,8 @@ def test_a_path_does_not_grow_with_the_noise(noise):
     turn = np.linspace(0.0, 2.0 * np.pi, 2001)
     off = np.random.default_rng(4).normal(0.0, noise or 1e-12, (2001, 2))
     circle = 20.0 * np.stack([np.cos(turn), np.sin(turn)], axis=1) + off
-    assert doubts.path(circle, noise) == pytest.approx(40.0 * np.pi, rel=0.03)
-    assert doubts.path(off, noise) == pytest.approx(0.0, abs=1e-7)
+    assert doubts.path_length(circle, noise) == pytest.approx(40.0 * np.pi, rel=0.03)
+    assert doubts.path_length(off, noise) == pytest.approx(0.0, abs=1e-7)
     assert doubts.jitter([(np.arange(2001.0), circle)]) == pytest.approx(noise, abs=0.01)
 
 

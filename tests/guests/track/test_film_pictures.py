@@ -68,19 +68,19 @@ def test_what_is_no_folder_of_frames_is_one_line(tmp_path):
     with pytest.raises(InputError, match="give fps"):
         make.track(folder, Options(mm_per_px=0.5), tmp_path / "out", silent)
     (folder / "notes.txt").write_text("not a picture")
-    assert len(folders.listed(folder)) == 3
+    assert len(folders.list_pictures(folder)) == 3
     Image.fromarray(frames(number=1)[0][:50]).save(folder / "cut.png")
     with pytest.raises(InputError, match="sizes differ: 3 of 320 x 240 pixels, 1 of 320 x 50 pixels"):
-        folders.listed(folder)
+        folders.list_pictures(folder)
     (folder / "cut.png").write_bytes(b"no picture")
     with pytest.raises(InputError, match=r"cut\.png: cannot be read as a picture"):
-        folders.listed(folder)
+        folders.list_pictures(folder)
     (folder / "cut.png").rename(folder / "thumb.jpg")
     with pytest.raises(InputError, match=r"kinds of pictures differ: 3 of \.png, 1 of \.jpg"):
-        folders.listed(folder)
+        folders.list_pictures(folder)
     (tmp_path / "empty").mkdir()
     with pytest.raises(InputError, match="a folder without pictures"):
-        folders.listed(tmp_path / "empty")
+        folders.list_pictures(tmp_path / "empty")
 
 
 @pytest.mark.parametrize("aspect", [(4, 3), (3, 4)])

@@ -48,11 +48,11 @@ def bent_places(places, camera, k1):
 @pytest.mark.parametrize("scale", [1, 3])
 def test_straight_places_bend_to_where_they_were_seen(tmp_path, k1, scale):
     """Against the polynomial itself; a calibration by larger pictures of the same lens."""
-    own = lens.read(write(tmp_path / "l.json", of(Camera(), k1, scale))).of_film(640, 480)
+    own = lens.read_lens(write(tmp_path / "l.json", of(Camera(), k1, scale))).for_film(640, 480)
     true = np.random.default_rng(1).uniform((0, 0), (640, 480), (200, 3, 2))
-    assert own.straight(bent_places(true, Camera(), k1)) == pytest.approx(true, abs=0.02)
+    assert own.undistort(bent_places(true, Camera(), k1)) == pytest.approx(true, abs=0.02)
     corner = np.hypot(0.5 * 640, 0.5 * 480) / 700.0
-    shown = own.straight(np.array([[0.0, 0.0]])) - (320.0, 240.0)
+    shown = own.undistort(np.array([[0.0, 0.0]])) - (320.0, 240.0)
     outer = np.linalg.norm(shown) / 700.0
     assert outer * (1.0 + k1 * outer**2) == pytest.approx(corner, rel=1e-4)
 
@@ -63,12 +63,12 @@ def test_directions_lengths_and_areas_are_those_of_straight_boxes():
     x, y, axis = np.array([600.0, 30.0]), np.array([450.0, 200.0]), np.array([0.4, -1.2])
     long, wide = np.full(2, 2.0), np.full(2, 1.0)
     blobs = Blobs(x, y, long * wide, axis, long, wide, axis + np.pi, 0 * x, 0 * x)
-    made = own.straight_blobs(blobs, (0, 0))
+    made = own.undistort_blobs(blobs, (0, 0))
     ahead = np.column_stack([np.cos(axis), -np.sin(axis)])
     aside = np.column_stack([-ahead[:, 1], ahead[:, 0]])
     places = np.column_stack([x, y]) + 0.5
-    ends = own.straight(places + ahead), own.straight(places - ahead)
-    sides = own.straight(places + 0.5 * aside), own.straight(places - 0.5 * aside)
+    ends = own.undistort(places + ahead), own.undistort(places - ahead)
+    sides = own.undistort(places + 0.5 * aside), own.undistort(places - 0.5 * aside)
     way, across = ends[0] - ends[1], sides[0] - sides[1]
     assert made.length == pytest.approx(np.linalg.norm(way, axis=1), rel=1e-4)
     assert made.axis == pytest.approx(np.arctan2(-way[:, 1], way[:, 0]), abs=1e-4)
@@ -91,8 +91,8 @@ def test_a_barrel_is_told_with_its_size_and_undone_by_its_calibration(tmp_path):
     bare = wg.track(path, markers="aruco", out=tmp_path / "bare")
     (told,) = (line for line in bare.warnings if "the lens bends" in line)
     assert "smaller" in told
-    share = marked_doubts.of_lens(bare.found).share
-    away = (marked_doubts.of_lens(bare.found).away_px / NEAR.focal) ** 2
+    share = marked_doubts.lens_bend(bare.found).share
+    away = (marked_doubts.lens_bend(bare.found).away_px / NEAR.focal) ** 2
     assert share == pytest.approx(-2 * 0.1 * away, rel=0.4)  # (1 + k1 r2)(1 + 3 k1 r2), its root
     own = write(tmp_path / "lens.json", of(NEAR, -0.1, 3))
     made = wg.track(path, markers="aruco", lens=own, out=tmp_path / "made")
@@ -111,7 +111,7 @@ def test_a_straight_lens_is_not_suspected(tmp_path):
     path, _ = circling(tmp_path / "straight.mp4", 0.0)
     made = wg.track(path, markers="aruco", out=tmp_path / "t")
     assert made.warnings == []
-    bend = marked_doubts.of_lens(made.found)
+    bend = marked_doubts.lens_bend(made.found)
     assert abs(bend.share) < 0.003
     assert abs(bend.share) < 3.0 * bend.error
 
@@ -159,7 +159,7 @@ GOOD = of(Camera(), -0.1)
 def test_what_is_no_lens_is_one_line(tmp_path, changes, hint):
     path = write(tmp_path / "l.json", GOOD | changes)
     with pytest.raises(InputError, match=hint) as caught:
-        lens.read(path).of_film(640, 480).straight(np.array([[10.0, 10.0]]))
+        lens.read_lens(path).for_film(640, 480).undistort(np.array([[10.0, 10.0]]))
     assert len(str(caught.value).splitlines()) == 1
 
 
@@ -169,7 +169,7 @@ def test_opencv_s_own_objects_are_read(tmp_path):
         "distortion_coefficients": {"rows": 1, "cols": 5, "data": [-0.1, 0, 0, 0, 0]},
     }
     write(tmp_path / "own.json", nested)
-    assert lens.read(tmp_path / "own.json") == lens.read(write(tmp_path / "b.json", GOOD))
+    assert lens.read_lens(tmp_path / "own.json") == lens.read_lens(write(tmp_path / "b.json", GOOD))
 
 
 def boards(camera, count=15):
@@ -208,9 +208,9 @@ def test_the_calibration_of_the_docs_finds_a_hidden_lens(tmp_path, monkeypatch, 
     (lines,) = re.findall(r"```python\n(import cv2.*?)```", text, re.DOTALL)
     exec(lines, {})
     print(capsys.readouterr().out)
-    found, true = (lens.read(tmp_path / "lens.json"), lens.read(write(tmp_path / "l", of(NEAR, -0.1))))
+    found, true = (lens.read_lens(tmp_path / "lens.json"), lens.read_lens(write(tmp_path / "l", of(NEAR, -0.1))))
     grid = np.stack(np.meshgrid([5.0, 160.0, 320.0, 480.0, 635.0], [5.0, 240.0, 475.0]), axis=-1)
-    ways = [own.straight(grid) for own in (found, true)]
+    ways = [own.undistort(grid) for own in (found, true)]
     # a calibration may shift, turn and scale all of a picture: compare what is no affine map
     flat = np.column_stack([ways[0].reshape(-1, 2), np.ones(grid[..., 0].size)])
     fitted, _, _, _ = np.linalg.lstsq(flat, ways[1].reshape(-1, 2))

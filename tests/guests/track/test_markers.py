@@ -21,7 +21,7 @@ EXPOSED = Light(uneven=0.5, exposures=5)
 
 def read(path, **wish):
     """Walkers of a film, and what is to be said of it."""
-    return make.find(path, Options(markers="aruco", **wish), silent)
+    return make.find_walkers(path, Options(markers="aruco", **wish), silent)
 
 
 def found_in(path, **wish):
@@ -52,8 +52,8 @@ def test_squares_seen_askew_give_the_plane_back(tilt, count):
     places = rng.uniform((-70.0, -50.0), (70.0, 50.0), (count, 2))
     headings = rng.uniform(-np.pi, np.pi, count)
     corners = camera.pixels(squares(places, headings))
-    flat = plane.fit(corners, SIDE, camera.wide, camera.high)
-    pose = plane.pose(flat, corners, SIDE)
+    flat = plane.fit_plane(corners, SIDE, camera.wide, camera.high)
+    pose = plane.find_poses(flat, corners, SIDE)
     apart = np.linalg.norm(places[:, None] - places[None], axis=-1)
     seen = np.linalg.norm(pose.places[:, None] - pose.places[None], axis=-1)
     # the prior of perspective counts as one more corner, off by a tenth of a pixel at most
@@ -74,11 +74,11 @@ def test_noise_of_corners_is_the_error_that_is_told():
         places = rng.uniform((-70.0, -50.0), (70.0, 50.0), (30, 2))
         corners = camera.pixels(squares(places, rng.uniform(-np.pi, np.pi, 30)))
         noisy = corners + rng.normal(0.0, 0.1, corners.shape)
-        flat = plane.fit(noisy, SIDE, camera.wide, camera.high)
+        flat = plane.fit_plane(noisy, SIDE, camera.wide, camera.high)
         terms.append(flat.terms)
         errors.append(flat.errors)
     # sightings of a film err alike in 25: so many times their variance is told
-    ratio = np.mean(errors, axis=0) / (np.std(terms, axis=0) * np.sqrt(plane.ALIKE))
+    ratio = np.mean(errors, axis=0) / (np.std(terms, axis=0) * np.sqrt(plane.CORRELATED_SIGHTINGS))
     assert (ratio > 0.6).all()
     assert (ratio < 1.4).all()  # a standard deviation of 60 is known to 9 %, three of them
 
@@ -190,7 +190,7 @@ def test_tracks_by_markers_are_analysed_as_any_others(tmp_path, plain):
     path, ways = plain
     made = wg.track(path, markers="aruco", out=tmp_path / "t")
     assert made.warnings == []
-    read = track_files.read(tmp_path / "t" / "track" / "tracks.csv", track_files.Units())
+    read = track_files.read_tracks(tmp_path / "t" / "track" / "tracks.csv", track_files.Units())
     assert [track.particle for track in read.tracks] == [0, 1, 2]
     for number, track in enumerate(read.tracks):
         true = np.array([ways(frame / 60.0)[number] for frame in range(24)])

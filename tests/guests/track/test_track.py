@@ -64,8 +64,8 @@ def drawn(walkers, dark=True, spot=None, round_ones=False, noise=2.0, seed=0, si
 
 
 def blobs_of(frame, marked=False, **known):
-    seen = appearance.learn([frame], known.get("dark"), known.get("threshold"), known.get("width"))
-    return blobs.find(frame, seen, marked), seen
+    seen = appearance.learn_appearance([frame], known.get("dark"), known.get("threshold"), known.get("width"))
+    return blobs.find_blobs(frame, seen, marked), seen
 
 
 def places(blobs):
@@ -99,7 +99,7 @@ def test_what_is_thin_is_no_walker_and_does_not_pull():
     with_lines[130:141, 30:230:20] = with_lines[130:141, 40:230:20] = 30  # letters
     for left in range(30, 220, 20):
         with_lines[[130, 140], left : left + 10] = 30
-    (one,) = blobs.find(with_lines, seen, marked=False)
+    (one,) = blobs.find_blobs(with_lines, seen, marked=False)
     assert (one.x, one.y) == pytest.approx((plain[0].x, plain[0].y), abs=0.25)
     assert one.axis == pytest.approx(plain[0].axis, abs=0.01)
 
@@ -147,11 +147,11 @@ def seen_of(x, y, axis, mark=None, frames=None, ratio=3.0):
 TURN = np.linspace(0.0, 15.0, 120)
 
 
-@pytest.mark.parametrize("by", heading.BY)
+@pytest.mark.parametrize("by", heading.HEADING_SOURCES)
 @pytest.mark.parametrize("ratio", [3.0, 1.0])
 def test_headings_follow_a_walker_through_whole_turns(by, ratio):
     x, y = 40 * np.sin(TURN), -40 * np.cos(TURN)
-    found = heading.of(seen_of(x, y, TURN, TURN, ratio=ratio), by)
+    found = heading.find_headings(seen_of(x, y, TURN, TURN, ratio=ratio), by)
     if by == "motion" and ratio == 1.0:
         assert np.isnan(found.theta).all()
         assert "1.00 times as long as wide: mark the front" in found.how
@@ -164,23 +164,23 @@ def test_a_mark_is_believed_against_the_motion_and_outvotes_its_own_errors():
     mark[[3, 17]] = 0.0
     mark[30:40] = np.nan
     walker = seen_of(x, 0 * x, 0 * x, mark)
-    np.testing.assert_allclose(np.abs(heading.of(walker, "mark").theta), math.pi)
-    np.testing.assert_allclose(heading.of(walker, "motion").theta, 0.0)
+    np.testing.assert_allclose(np.abs(heading.find_headings(walker, "mark").theta), math.pi)
+    np.testing.assert_allclose(heading.find_headings(walker, "motion").theta, 0.0)
 
 
 def test_a_walker_that_stays_has_no_front_and_says_so():
     x = 2.0 * np.random.default_rng(1).random(50)
-    found = heading.of(seen_of(x, 0 * x, 0 * x), "motion")
+    found = heading.find_headings(seen_of(x, 0 * x, 0 * x), "motion")
     assert np.isnan(found.theta).all()
     assert "ran less than 0.1 of its length" in found.how
-    assert heading.of(seen_of(x, 0 * x, 0 * x), "mark").how == "no mark was seen"
+    assert heading.find_headings(seen_of(x, 0 * x, 0 * x), "mark").how == "no mark was seen"
 
 
 def test_a_lost_walker_is_judged_anew():
     # It runs to the right, is lost, and comes back to the left: an axis alone cannot follow.
     x = np.concatenate([np.linspace(0, 60, 20), np.linspace(60, 0, 20)])
     frames = np.concatenate([np.arange(20), np.arange(40, 60)])
-    theta = heading.of(seen_of(x, 0 * x, 0 * x, frames=frames), "motion").theta
+    theta = heading.find_headings(seen_of(x, 0 * x, 0 * x, frames=frames), "motion").theta
     np.testing.assert_allclose(np.cos(theta), [1.0] * 20 + [-1.0] * 20, atol=1e-9)
 
 
@@ -226,7 +226,7 @@ def two(tmp_path_factory):
 
 
 @pytest.mark.usefixtures("undrawn")
-@pytest.mark.parametrize("by", heading.BY)
+@pytest.mark.parametrize("by", heading.HEADING_SOURCES)
 def test_a_film_becomes_tracks_that_analyse_reads(run, tmp_path, two, by):
     result = run(two, "--mm-per-px", "0.5", "--heading", by, "--fps", "50", "--json")
     told = json.loads(result.stdout)
@@ -235,7 +235,7 @@ def test_a_film_becomes_tracks_that_analyse_reads(run, tmp_path, two, by):
     assert told["jitter_mm"] < 0.1
     folder = tmp_path / told["folder"]
     assert folder == tmp_path / "out" / "two" / "track"
-    found = track_files.read(folder / "tracks.csv", track_files.Units())
+    found = track_files.read_tracks(folder / "tracks.csv", track_files.Units())
     assert found.interval == pytest.approx(0.02)
     for one, truth in zip(found.tracks, map(np.array, (LEFT, RIGHT)), strict=True):
         np.testing.assert_allclose(one.position, 0.5 * truth[:, :2], atol=0.1)
@@ -275,15 +275,15 @@ def movies_film(path, seconds):
     """Film of a walker from above, as `movie` draws it; its shot, and its mm per pixel."""
     paper = templates.load("koumakis2016", "walkers", Design)
     scene = templates.load("plane-90hz", "scenes", Scene)
-    job = movie.plan([paper], scene, seconds=seconds, fps=25)
-    shot = movie.shoot(job, paper, movie.TRAIL)
-    draw = above.draw_above([shot], movie.TRAIL, job.slow, "settings", 1.0 / 90.0, None)
+    job = movie.make_job([paper], scene, seconds=seconds, fps=25)
+    shot = movie.simulate_shot(job, paper, movie.ABOVE_POSES_PER_FRAME)
+    draw = above.make_draw_function([shot], movie.ABOVE_POSES_PER_FRAME, job.slow, "settings", 1.0 / 90.0, None)
     grey = [np.asarray(Image.fromarray(draw(n)).convert("L")) for n in range(job.frames)]
     high, wide = (16 * (side // 16) for side in grey[0].shape)
     write(path, [one[-high:, :wide] for one in grey])
     left, right, low, top = above._window(shot, None)
-    across = (right - left) / (above.WIDTH - 2 * above.MARGIN)
-    return shot, max(across, (top - low) / above.TALLEST)
+    across = (right - left) / (above.WIDTH_PX - 2 * above.MARGIN_PX)
+    return shot, max(across, (top - low) / above.MAX_ARENAS_PX)
 
 
 @pytest.mark.slow
@@ -293,18 +293,18 @@ def test_the_movies_own_film_says_where_the_walker_was(tmp_path):
     shot, scale = movies_film(tmp_path / "film.mp4", 0.48)
     wish = Options(mm_per_px=scale)
     made = make.track(tmp_path / "film.mp4", wish, tmp_path / "out", silent)
-    by_length = unmarked.scale_of(Options(length_mm=28.0), made.found.linked.length)
+    by_length = unmarked.find_scale(Options(length_mm=28.0), made.found.linked.length)
     assert by_length[0] == pytest.approx(scale, abs=by_length[1])
     (one,) = made.tracked.walkers
     assert one.frames.tolist() == list(range(13))
-    theta = shot.poses.heading[:: movie.TRAIL]
-    truth = shot.track[:: movie.TRAIL] + shot.base[0] * np.column_stack([np.cos(theta), np.sin(theta)])
+    theta = shot.poses.heading[:: movie.ABOVE_POSES_PER_FRAME]
+    truth = shot.track[:: movie.ABOVE_POSES_PER_FRAME] + shot.base[0] * np.column_stack([np.cos(theta), np.sin(theta)])
     apart = (one.position - one.position.mean(axis=0)) - (truth - truth.mean(axis=0))
     assert np.abs(apart).max() < 0.3 * scale  # a fraction of a pixel
     assert np.degrees(np.abs(one.theta - theta)).max() < 1.5
     # The same functions measure the same motion of both.
     rows = [np.column_stack([place, turn]) for place, turn in ((one.position, one.theta), (truth, theta))]
-    filmed, run = (motion.analyse(tracks.of_places([row], 0.04, lane=False)) for row in rows)
+    filmed, run = (motion.analyse(tracks.from_places([row], 0.04, lane=False)) for row in rows)
     steps = [found.estimates["parallel_mean"] for found in (filmed, run)]
     assert steps[0].value == pytest.approx(steps[1].value, rel=0.01)
     assert steps[0].value / 0.04 == pytest.approx(shot.distance / 0.48, rel=0.05)
@@ -314,7 +314,7 @@ def test_the_movies_own_film_says_where_the_walker_was(tmp_path):
 def test_a_long_film_of_a_small_walker_has_the_simulations_speed(tmp_path):
     shot, scale = movies_film(tmp_path / "film.mp4", 12.0)  # 14 pixels wide
     make.track(tmp_path / "film.mp4", Options(mm_per_px=scale), tmp_path / "out", silent)
-    found = motion.analyse(track_files.read(tmp_path / "out" / "tracks.csv", track_files.Units()))
+    found = motion.analyse(track_files.read_tracks(tmp_path / "out" / "tracks.csv", track_files.Units()))
     speed = found.estimates["speed"]
     assert speed.value == pytest.approx(shot.distance / 12.0, abs=speed.se)
     assert speed.se < 0.02 * speed.value
@@ -352,18 +352,18 @@ def test_what_is_no_film_is_one_clear_line(tmp_path):
     for name, (data, hint) in files.items():
         (tmp_path / name).write_bytes(data)
         with pytest.raises(InputError, match=hint) as caught:
-            films.about(tmp_path / name)
+            films.probe_film(tmp_path / name)
         assert len(str(caught.value).splitlines()) == 1
 
 
 def test_too_large_a_film_says_what_to_do(monkeypatch, two):
-    monkeypatch.setattr(films, "MOST_PIXELS", 1000)
+    monkeypatch.setattr(films, "MAX_PIXELS", 1000)
     with pytest.raises(InputError, match=r"240 x 160 pixels a frame: at most .* make it smaller"):
-        films.about(two)
+        films.probe_film(two)
 
 
 def test_from_python_a_film_is_tracked_and_analysed(tmp_path, monkeypatch, two):
-    monkeypatch.setattr(film_figures, "WIDE", 3.0)  # drawn in less time
+    monkeypatch.setattr(film_figures, "WIDTH_INCHES", 3.0)  # drawn in less time
     found = wg.track(two, length=28.0, heading="mark", out=tmp_path / "here")
     assert found.picture == tmp_path / "here" / "track" / "check.png"
     table = found.table

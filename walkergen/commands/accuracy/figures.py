@@ -11,8 +11,19 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from walkergen.commands.accuracy.choice import MIN_CURVE_S, RUN_COUNTS, Candidate
-from walkergen.files.figures import BLACK, BLUE, GREY, ORANGE, PALE, SMALLEST, grid_of, legend_below, name, style
-from walkergen.files.figures import wrapped as lines_of
+from walkergen.files.figures import (
+    BLACK,
+    BLUE,
+    GREY,
+    MIN_FONT_PT,
+    ORANGE,
+    PALE,
+    add_legend_below,
+    label_axes,
+    new_grid,
+    style,
+)
+from walkergen.files.figures import wrap_text as lines_of
 
 Array = npt.NDArray[np.float64]
 
@@ -74,7 +85,7 @@ def compute_front(candidates: Sequence[Candidate], longest_s: float) -> Front:
 @style()
 def choice_figure(shown: Shown) -> Figure:
     """Draw the least error against CPU time with its parts, answers on it, and measured biases."""
-    figure, (axes,) = grid_of(f"What accuracy costs in time: {shown.title}", 1, 1, 3.6)
+    figure, (axes,) = new_grid(f"What accuracy costs in time: {shown.title}", 1, 1, 3.6)
     axes.set_xscale("log")
     axes.set_yscale("log")
     longest = max([point.cpu_s for point in shown.points], default=0.0)
@@ -93,7 +104,7 @@ def choice_figure(shown: Shown) -> Figure:
         _annotate_point(axes, point.words, (point.cpu_s, point.error), (6, 6), BLUE)
     _draw_floor(axes, shown)
     _label_axes(axes)
-    legend_below(figure, 4)
+    add_legend_below(figure, 4)
     return figure
 
 
@@ -123,7 +134,7 @@ def _draw_floor(axes: Axes, shown: Shown) -> None:
     """Shade what the reference does not know."""
     axes.axhspan(axes.get_ylim()[0], shown.floor, color=PALE, linewidth=0, zorder=0)
     text = f"below {100 * shown.floor:.2g} % the reference itself is not known"
-    place = {"transform": axes.transAxes, "va": "bottom", "ha": "left", "fontsize": SMALLEST, "color": GREY}
+    place = {"transform": axes.transAxes, "va": "bottom", "ha": "left", "fontsize": MIN_FONT_PT, "color": GREY}
     axes.text(0.01, 0.015, text, **place)  # type: ignore[arg-type]
 
 
@@ -135,13 +146,13 @@ def _set_limits(axes: Axes, times: Sequence[float], errors: Sequence[float], flo
 
 def _annotate_point(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], colour: str) -> None:
     """Write words beside a point."""
-    halo: Any = {"path_effects": [withStroke(linewidth=2.5, foreground="white")], "fontsize": SMALLEST, "zorder": 5}
+    halo: Any = {"path_effects": [withStroke(linewidth=2.5, foreground="white")], "fontsize": MIN_FONT_PT, "zorder": 5}
     axes.annotate(text, at, offset, textcoords="offset points", va="center", color=colour, **halo)
 
 
 def _label_axes(axes: Axes) -> None:
     """Name both axes; errors in per cent."""
-    name(axes, "CPU time (s of one core)", lines_of("error of the mean speed, 95 % (%)", 2.9), log="xy")
+    label_axes(axes, "CPU time (s of one core)", lines_of("error of the mean speed, 95 % (%)", 2.9), log="xy")
     low, high = axes.get_ylim()
     axes.yaxis.set_major_locator(FixedLocator([share for share in ERROR_TICKS if low <= share <= high]))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda share, _: f"{100.0 * share:g}"))

@@ -105,18 +105,18 @@ class Answer(NamedTuple):
 
 ANSWER_COLUMNS = (
     Column("error (95 %)", lambda row: f"{row.error}{', accepted' if row.accepted else ''}"),
-    report.text("setting", "setting"),
+    report.text_column("setting", "setting"),
     Column("runs x seconds", lambda row: "-" if row.runs is None else f"{row.runs} x {row.seconds:g} s"),
     Column("takes", lambda row: "-" if row.expected_s is None else words.format_duration(row.expected_s)),
-    report.text("known", "known"),
-    report.text("why", "why"),
+    report.text_column("known", "known"),
+    report.text_column("why", "why"),
 )
 
 RUNG_COLUMNS = (
-    report.text("series", "series"),
-    report.text("setting", "setting"),
-    report.number("error", "error"),
-    report.number("error sd", "error_sd"),
+    report.text_column("series", "series"),
+    report.text_column("setting", "setting"),
+    report.number_column("error", "error"),
+    report.number_column("error sd", "error_sd"),
     Column("CPU time", lambda rung: words.format_duration(rung.cpu_s), right=True),
 )
 

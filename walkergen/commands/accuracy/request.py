@@ -34,7 +34,7 @@ def _check_not_removed(name: Any) -> Any:
 class AccuracyRequest(request.Request):
     """Say what accuracy costs in time, at once; with a budget measure it: steps, statistics, shape."""
 
-    design: request.Walker = request.PAPER
+    design: request.Walker = request.PAPER_WALKER
     scene: request.Home = None
     tilt: request.Tilt = None
     legs: request.Legs = None
@@ -73,8 +73,8 @@ class AccuracyRequest(request.Request):
         from walkergen.core.walker import names
 
         given = self.inputs()
-        design = given.one(self.design, self.tilt, self.legs)
-        scene = given.scene(request.ground(self.scene, [design]))
+        design = given.single_member(self.design, self.tilt, self.legs)
+        scene = given.scene(request.choose_scene(self.scene, [design]))
         name = f"{design.name}_{names.tilt_name(design)}_{design.kind}_{scene.name}"
         folder = self.out or Path("out") / "accuracy" / name
         if not self._measures:

@@ -107,7 +107,7 @@ def _refine_with_short_run(found: Estimate, plan: Plan) -> Estimate:
 
     It is returned as it is where a second takes long or does not end well.
     """
-    if expected.counted(plan) > expected.LONGEST_START_S:
+    if expected.rate_from_steps(plan) > expected.MAX_START_S:
         return found
     compile_kernels(plan)
     run = simulate(plan.with_run_settings(seconds=pace.LOOP_S, discard_seconds=DISCARD_S), 0)
@@ -125,7 +125,7 @@ def _estimate_from_cells(plan: Plan) -> Estimate:
     scene, design = plan.scene, plan.case.design
     every, measured = cells.read_rows(), _find_scene(plan)
     tilt, restitution = abs(design.tilt_deg), scene.contact.restitution
-    own_s, drive = resolution.own_step(plan), plan.shaken
+    own_s, drive = resolution.resolving_step(plan), plan.shaken
     cell = tuple(row for row in every if row.cell == (measured, tilt, restitution))
     cell = cell if any(row.share == REFERENCE_STEP_SHARE for row in cell) else ()
     rows = [row for row in every if row.scene == (measured if cell else LANE_SCENE)]

@@ -17,7 +17,7 @@ import numpy as np
 
 from walkergen.commands.accuracy import cells
 from walkergen.commands.accuracy.cells import REFERENCE_STEP_SHARE, Row
-from walkergen.points.walkers import FEWEST_AT_ALL
+from walkergen.points.walkers import MIN_SPEED_RATIO
 
 CELLS_PEAK_SPEED_MM_S = 31.2
 """Peak speed of the plate of the cells, mm/s: 90 Hz and 1.8 g."""
@@ -60,7 +60,7 @@ class Law(NamedTuple):
 
 def speed_scale(speed: float, peak: float) -> float:
     """Speed of which an error is a share: a walker's own, or a fifth of the plate's where it is slower."""
-    return max(abs(speed), FEWEST_AT_ALL * peak)
+    return max(abs(speed), MIN_SPEED_RATIO * peak)
 
 
 def rows_by_cell(rows: Iterable[Row]) -> list[list[Row]]:
@@ -85,7 +85,7 @@ def fit_laws(peak: float, rows: tuple[Row, ...] | None = None) -> dict[bool, Law
 
 def is_slow(speed: float, peak: float) -> bool:
     """Whether errors of a speed are shares of the plate's instead."""
-    return abs(speed) < FEWEST_AT_ALL * peak
+    return abs(speed) < MIN_SPEED_RATIO * peak
 
 
 def _fit_law(group: Sequence[Sequence[Row]], peak: float) -> Law:

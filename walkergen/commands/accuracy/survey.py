@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from walkergen.analysis import motion
-from walkergen.analysis.tracks import of_places
+from walkergen.analysis.tracks import from_places
 from walkergen.commands.accuracy import step_law
 from walkergen.commands.accuracy.choice import Candidate
 from walkergen.core.errors import InputError
@@ -167,7 +167,7 @@ class Survey:
         if made.partial:
             raise KeyboardInterrupt
         self.simulated_s += made.wall_s
-        return experiments.results(made.experiment, made.records, made.runs, made.wall_s)
+        return experiments.from_records(made.experiment, made.records, made.runs, made.wall_s)
 
     @property
     def unit(self) -> float:
@@ -235,11 +235,11 @@ def _observable_values(results: Results, lane: bool) -> dict[str, tuple[float | 
     summary = results.summary
     errors = {**summary.errors, SPEED: summary.speed_se_mm_s}
     quantities: dict[str, tuple[float | None, float | None]] = {
-        name: (value, errors[name]) for name, value in resolution.values(summary).items()
+        name: (value, errors[name]) for name, value in resolution.observable_values(summary).items()
     }
     good = [result for result in results.results if result.outcome in ENDED_WELL]
     if good and len(good[0].places) >= 4:
-        estimates = motion.analyse(of_places([result.places for result in good], good[0].block_s, lane)).estimates
+        estimates = motion.analyse(from_places([result.places for result in good], good[0].block_s, lane)).estimates
         named = ((name, estimates[key]) for name, key in MOTION_KEYS.items())
         quantities |= {name: (estimate.value, estimate.se) for name, estimate in named if estimate.value is not None}
     return quantities

@@ -69,9 +69,9 @@ def _report(unlike_walls: Sequence[Wall], layout: plates.Layout, attitudes: Sequ
                 unlike_walls,
                 Wall._fields,
                 (
-                    report.text("wall", "wall"),
-                    report.fixed("mm", "thickness_mm", 2),
-                    report.fixed("lines", "lines", 2),
+                    report.text_column("wall", "wall"),
+                    report.fixed_column("mm", "thickness_mm", 2),
+                    report.fixed_column("lines", "lines", 2),
                     report.Column("plastic, against the mesh", _format_plastic, True),
                 ),
             )

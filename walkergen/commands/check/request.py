@@ -22,10 +22,10 @@ class CheckRequest(request.Request):
     With --weigh it tells, of a mesh file, volume, mass, centre of mass, inertia tensor, principal moments and axes.
     """
 
-    design: request.Walker = request.PAPER
+    design: request.Walker = request.PAPER_WALKER
     tilt: request.Tilts = None
     legs: request.Kinds = None
-    printer: request.Machine = request.PRUSA
+    printer: request.Machine = request.DEFAULT_PRINTER
     text: request.Text = None
     mirror: request.Mirror = None
     set: request.Settings = {}
@@ -42,7 +42,7 @@ class CheckRequest(request.Request):
         from walkergen.commands.check import make
         from walkergen.core.printing import findings
 
-        self.refuse("is for ‹weigh›", "density", "scale")
+        self.check_unset("is for ‹weigh›", "density", "scale")
         given = self.inputs()
         members, counts = given.batch(given.design(self.design), self.tilt, self.legs, self.copies, whole=True)
         report = make.check(members, counts, given.printer(self.printer))
@@ -61,5 +61,5 @@ class CheckRequest(request.Request):
             raise InputError(
                 f"‹weigh›: {str(self.design)[:60]!r} is no mesh: give one, {', '.join(MESH_SUFFIXES)}", "design"
             )
-        self.refuse("not with ‹weigh›", "tilt", "legs", "printer", "text", "mirror", "set", "copies", "strict")
+        self.check_unset("not with ‹weigh›", "tilt", "legs", "printer", "text", "mirror", "set", "copies", "strict")
         return weigh_report.make_report(weighing.weigh(path, self.density, self.scale), path, self.density, self.scale)

@@ -33,7 +33,7 @@ def _number_column(at: int) -> Column:
     return Column("", lambda line: line.numbers[at] if at < len(line.numbers) else "", right=True)
 
 
-LINE_COLUMNS = (report.text("", "label"), *map(_number_column, range(3)), report.text("", "unit"))
+LINE_COLUMNS = (report.text_column("", "label"), *map(_number_column, range(3)), report.text_column("", "unit"))
 
 
 def make_report(weighing: Weighing, path: Path, density_g_cm3: float, scale_mm: float) -> WeighReport:
@@ -56,7 +56,7 @@ def make_report(weighing: Weighing, path: Path, density_g_cm3: float, scale_mm: 
         name="weigh",
         title=path.name,
         caption=f"{path.name}: {caption}",
-        tables=[report.table("objects", parts), *pages],
+        tables=[report.table_from_rows("objects", parts), *pages],
         facts=facts,
         lines=weighing.notes,
         total=weighing.total,

@@ -55,13 +55,13 @@ def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
         if not 1e-6 <= value <= most:
             raise InputError(f"‹{name}=›{value:g}: must lie in 1e-06..{most:g}")
     source = str(path)[-80:]
-    loaded = meshes.load(path, source)
+    loaded = meshes.read_mesh(path, source)
     several = path.suffix.lower() == ".3mf" and len(loaded.parts) > 1
-    surfaces = loaded.parts if several else (meshes.joined(loaded.parts),)
+    surfaces = loaded.parts if several else (meshes.join_parts(loaded.parts),)
     solids = []
     for surface in surfaces:
         mesh = Mesh(surface.vertices * scale_mm, surface.triangles)
-        faults.refuse(mesh, f"{source}: {surface.name}" if several else source)
+        faults.check_solid(mesh, f"{source}: {surface.name}" if several else source)
         solids.append(mass.weigh(mesh, 1e-3 * density_g_cm3))
     counts = [len(surface.triangles) for surface in surfaces]
     parts = tuple(
@@ -75,7 +75,7 @@ def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
 
 def _check_size(side_mm: float) -> list[str]:
     """Return a note on a size that no walker has; none for any other."""
-    if units.SMALLEST < side_mm <= units.LARGEST:
+    if units.MIN_LENGTH_MM < side_mm <= units.MAX_LENGTH_MM:
         return []
     return [f"the longest side is {side_mm:.4g} mm: in another unit? ‹scale› is its length, mm: 25.4 for inches"]
 

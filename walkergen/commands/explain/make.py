@@ -42,15 +42,15 @@ class Row(NamedTuple):
 
 
 SHORT_COLUMNS = (
-    report.text("effect", "effect"),
-    report.number("size", "number", 3),
+    report.text_column("effect", "effect"),
+    report.number_column("size", "number", 3),
     Column("without it\nmm/s", lambda row: measuring.format_change(row.change_mm_s, row.change_se_mm_s), True),
     Column("CPU time\nwithout it", lambda row: measuring.format_factor(row.cpu_ratio, row.cpu_ratio_se), True),
 )
 REASON_COLUMNS = (
-    report.text("effect", "effect"),
+    report.text_column("effect", "effect"),
     Column("", lambda row: "on" if row.on else "off"),
-    report.number("size", "number", 3),
+    report.number_column("size", "number", 3),
     Column("why", lambda row: f"{row.reason} ({row.meaning})" + (f"; switch {row.switch}" if row.switch else "")),
 )
 
@@ -72,13 +72,13 @@ def explain(
     """
     walker = Walker(scene, design, solids.mass_of(design))
     plan = prepare(scene, design, walker.mass)
-    effects = [effect for _, effect in variants.judged(plan)]
+    effects = [effect for _, effect in variants.rule_effects(plan)]
     found: Measured | None = None
     if measure:
         found = measuring.measure(walker, progress)
     elif cost:
         found = measuring.measure_costs(walker, progress)
-    simple = simplest.simplest(walker, progress) if cost or measure else Simplest(walker, scene.run.accepted_error)
+    simple = simplest.find_simplest(walker, progress) if cost or measure else Simplest(walker, scene.run.accepted_error)
     rows = _rows(effects, () if found is None else found.changes)
     on, off = ([row for row in rows if row.on == wanted] for wanted in (True, False))
     effects_table = Table(

@@ -10,7 +10,7 @@ from walkergen.core.files.progress import Progress
 from walkergen.core.measure import Budget, Runs
 from walkergen.core.numerics.quantity import Quantity, Verdict
 from walkergen.core.tolerance import Tolerance
-from walkergen.files.report import Column, Table, text
+from walkergen.files.report import Column, Table, text_column
 from walkergen.points import variants
 from walkergen.points.experiments import Walker
 from walkergen.points.variants import Change, Pairs, Variant
@@ -60,8 +60,8 @@ class Row(NamedTuple):
 
 
 COLUMNS = (
-    text("effect", "effect"),
-    text("how", "change"),
+    text_column("effect", "effect"),
+    text_column("how", "change"),
     Column("change\nmm/s", lambda row: row.refused or format_change(row.change_mm_s, row.change_se_mm_s), True),
     Column("CPU time", lambda row: format_factor(row.cpu_ratio, row.cpu_ratio_se), True),
 )
@@ -83,13 +83,13 @@ def format_change(value: float | None, se: float | None) -> str:
 
 def measure_costs(walker: Walker, progress: Progress) -> Measured:
     """Measure from a few runs what the scene changes without each effect that is on."""
-    return _measure_variants(walker, tuple(variants.every(walker, also_on=False)), Runs(COST_RUNS), progress)
+    return _measure_variants(walker, tuple(variants.effect_variants(walker, also_on=False)), Runs(COST_RUNS), progress)
 
 
 def measure(walker: Walker, progress: Progress) -> Measured:
     """Measure what each effect changes, off or on at its usual size, and what the two largest change together."""
     told = _budget_progress(progress)
-    every = tuple(variants.every(walker, also_on=True))
+    every = tuple(variants.effect_variants(walker, also_on=True))
     alone = _measure_variants(walker, every, Budget(SINGLE_EFFECT_SHARE * BUDGET_S, MIN_RUNS), told)
     spared, level = _select_omissions(walker, every, alone)
     changes, joint = list(alone.changes), [_combine(walker, _largest_variants(every, alone)), _combine(walker, spared)]
@@ -109,7 +109,7 @@ def _measure_variants(walker: Walker, every: tuple[Variant, ...], until: Runs | 
     if measured.partial:
         raise KeyboardInterrupt
     pairs, records = measured.experiment, measured.records
-    return Measured(pairs.speed(records), tuple(pairs.changes(records)), measured.runs)
+    return Measured(pairs.mean_speed(records), tuple(pairs.changes(records)), measured.runs)
 
 
 def _budget_progress(progress: Progress) -> Progress:
@@ -163,7 +163,7 @@ def _combine(walker: Walker, chosen: Sequence[Variant]) -> Variant | None:
         return None
     whole: Variant | None = chosen[0]
     for variant in chosen[1:]:
-        whole = None if whole is None else variants.both(walker, whole, variant)
+        whole = None if whole is None else variants.combine(walker, whole, variant)
     return whole
 
 
@@ -204,7 +204,7 @@ def draw_changes(measured: Measured, title: str) -> "Figure":
 
     known = [change for change in measured.changes if change.speed.value is not None][::-1]
     places = list(range(len(known)))
-    drawn, (speeds, costs) = figures.grid_of(title, 2, 2, 0.6 + 0.19 * len(known), share_y=True)
+    drawn, (speeds, costs) = figures.new_grid(title, 2, 2, 0.6 + 0.19 * len(known), share_y=True)
     for axes, numbers, look in (
         (speeds, [change.speed for change in known], MEASURED),
         (costs, [change.cpu for change in known], FITTED),
@@ -220,9 +220,9 @@ def draw_changes(measured: Measured, title: str) -> "Figure":
             capsize=2.0,
             elinewidth=0.8,
         )
-    figures.level(speeds, 0.0, upright=True)
-    figures.level(costs, 1.0, upright=True)
+    figures.draw_level(speeds, 0.0, upright=True)
+    figures.draw_level(costs, 1.0, upright=True)
     speeds.set_yticks(places, [f"{change.effect}: {change.change}" for change in known])
-    figures.name(speeds, "change of speed (mm/s)")
-    figures.name(costs, "CPU time, ratio")
+    figures.label_axes(speeds, "change of speed (mm/s)")
+    figures.label_axes(costs, "CPU time, ratio")
     return drawn

@@ -18,7 +18,7 @@ class ExplainRequest(request.Request):
     seconds: what the speed and the CPU time change by, a picture, and what can be left out.
     """
 
-    design: request.Walker = request.PAPER
+    design: request.Walker = request.PAPER_WALKER
     scene: request.Home = None
     tilt: request.Tilt = None
     legs: request.Legs = None
@@ -39,8 +39,8 @@ class ExplainRequest(request.Request):
         from walkergen.core.walker import names
 
         given = self.inputs()
-        design = given.one(self.design, self.tilt, self.legs)
-        scene = given.scene(request.ground(self.scene, [design]))
+        design = given.single_member(self.design, self.tilt, self.legs)
+        scene = given.scene(request.choose_scene(self.scene, [design]))
         place = Path("out") / "explain" / f"{design.name}_{names.tilt_name(design)}_{design.kind}_{scene.name}"
-        folder = self.folder(place) if self.measure else self.out
+        folder = self.output_folder(place) if self.measure else self.out
         return make.explain(scene, design, progress, self.cost, self.measure, self.all, folder)

@@ -40,7 +40,7 @@ def make(
     in folder/caps. Raises InputError, before anything is written, for the drawing of a walker that
     has none, and for a scene that MJCF cannot hold.
     """
-    capped = caps.numbered(members, [names.part_name(design) for design in members])
+    capped = caps.number_caps(members, [names.part_name(design) for design in members])
     of_caps = list(caps.files(capped, [])) if capped else []
     models = [_mjcf_files(design, scene) if MJCF in formats else [] for design in members]
     drawings = [
@@ -62,7 +62,7 @@ def make(
             name = f"{entry.item}_cap{entry.cap.number:02d}"
             for form in sorted(SOLID_FORMATS.keys() & set(formats)) if entry.cap.kind != "paper" else ():
                 file = f"{form}/{name}.{form}"
-                target.write(file, SOLID_FORMATS[form](tiles.mesh(entry.cap), name))
+                target.write(file, SOLID_FORMATS[form](tiles.build_tile(entry.cap), name))
                 written.append(folder / file)
         for file, data in of_caps:
             target.write(f"caps/{file}", data)

@@ -29,7 +29,7 @@ class ExportRequest(request.Request):
 
     by_position: ClassVar = ("design", "out")
 
-    design: request.Walker = request.PAPER
+    design: request.Walker = request.PAPER_WALKER
     tilt: request.Tilts = None
     legs: request.Kinds = None
     format: Annotated[list[Format], request.Words, Flag(FORMAT_HELP, "FORMAT", takes="str | Iterable[str]")] = ["stl"]
@@ -38,7 +38,8 @@ class ExportRequest(request.Request):
         Any,
         request.file_flag(
             "scenes",
-            f"Scene of mjcf: a template or a TOML file; {request.LANE}, of a walker with a motor {request.TABLE}.",
+            f"Scene of mjcf: a template or a TOML file; {request.LANE_SCENE}, of a walker with a motor "
+            f"{request.TABLE_SCENE}.",
             optional=True,
         ),
     ] = None
@@ -71,18 +72,18 @@ class ExportRequest(request.Request):
         if self.sweep is not None:
             from walkergen.commands.export import swept
 
-            self.refuse("not with ‹sweep›, whose file says it", "design", "tilt", "legs", "caps", "set")
+            self.check_unset("not with ‹sweep›, whose file says it", "design", "tilt", "legs", "caps", "set")
             if single or moving:
                 raise InputError("‹sweep›: writes meshes and drawings, numbered, into a folder", "sweep")
             return swept.write(self.sweep, self.format, self.out, progress)
         given = self.inputs()
         if not moving:
-            given.refuse(given.of("scene"), f"only ‹format=›{make.MJCF} has a scene")
+            given.check_unset(given.keys_of("scene"), f"only ‹format=›{make.MJCF} has a scene")
         design = given.design(self.design)
-        scene = given.scene(request.ground(self.scene, [design])) if moving else None
-        members = inputs.capped(given.members(design, self.tilt, self.legs, whole=False), self.caps)
+        scene = given.scene(request.choose_scene(self.scene, [design])) if moving else None
+        members = inputs.add_caps(given.members(design, self.tilt, self.legs, whole=False), self.caps)
         if self.out is not None and single:
-            self.refuse(f"{self.out} says the format of one file", "format", "caps")
+            self.check_unset(f"{self.out} says the format of one file", "format", "caps")
             if len(members) > 1:
                 raise InputError(f"‹out=›{self.out}: is one file, seen {len(members)} walkers: name a folder", "out")
             return make.write_one(members[0], self.out, scene)

@@ -23,8 +23,8 @@ def write(path: Path, formats: Sequence[str], folder: Path | None, progress: Pro
     The number is that of the row in the sweep's own table, from 1. A walker that cannot be made has
     its reason there, as it has in the sweep. Raises InputError for what the file asks wrongly.
     """
-    asked = ask.of_file(path)
-    points = asked.request()
+    asked = ask.from_file(path)
+    points = asked.make_request()
     count, width = points.space.points, len(str(points.space.points))
     folder = folder or Path("out") / asked.name()
     keys, refused = points.space.keys, 0

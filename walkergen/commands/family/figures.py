@@ -11,7 +11,19 @@ from walkergen.analysis.speeds import Measured
 from walkergen.commands.family.chart_data import NORMAL_95, ChartData
 from walkergen.core.theory.prediction import Curve, Prediction
 from walkergen.core.walker.limbs import Kind
-from walkergen.files.figures import BLACK, COLUMN, INK, SMALLEST, STYLES, Look, grid_of, level, name, points, style
+from walkergen.files.figures import (
+    BLACK,
+    COLUMN_INCHES,
+    INK,
+    LEG_STYLES,
+    MIN_FONT_PT,
+    Look,
+    draw_level,
+    draw_points,
+    label_axes,
+    new_grid,
+    style,
+)
 from walkergen.points.members import Simulated
 
 BOUNDS_LABEL = "68 and 95 %"
@@ -50,7 +62,7 @@ def speed_figure(
     stand side by side, `named`. Simulated speeds, if there are any, are open symbols with their bounds of
     95 % as bars; measured speeds are crosses; an open star is the paper's one stated speed.
     """
-    figure, (axes,) = grid_of(title, 1, 1, 3.3, COLUMN)
+    figure, (axes,) = new_grid(title, 1, 1, 3.3, COLUMN_INCHES)
     places = range(len(rows)) if named else [row.tilt_deg for row in rows]
     with_runs = [*simulated, *[None] * (len(rows) - len(simulated))]
     walkers = [Shown(*walker) for walker in zip(places, rows, with_runs, strict=True)]
@@ -70,9 +82,9 @@ def speed_figure(
         at = {walker.row.legs: float(walker.x) for walker in walkers} if named else {}
         legend |= _draw_measured(axes, chart_data.measured, at)
     _mark_sticking(axes, chart_data.curves)
-    level(axes)
+    draw_level(axes)
     mixed = simulated or chart_data.measured
-    name(
+    label_axes(
         axes, "legs as designed" if named else "tilt of the legs (deg)", f"{'' if mixed else 'predicted '}speed (mm/s)"
     )
     _set_limits(axes, walkers, named)
@@ -93,7 +105,7 @@ def _set_limits(axes: Axes, walkers: Sequence[Shown], named: bool) -> None:
 
 def _draw_curve(axes: Axes, kind: Kind, curve: Curve) -> dict[str, Any]:
     """Draw a kind's predicted speed between the members, with its bounds."""
-    look = STYLES[kind]
+    look = LEG_STYLES[kind]
     (middle,) = axes.plot(curve.tilt_deg, curve.speed, look.line, color=look.colour)
     bands = [
         axes.fill_between(
@@ -114,7 +126,7 @@ def _draw_theory(axes: Axes, curves: Mapping[Kind, Curve]) -> dict[str, Any]:
 
 def _draw_predicted(axes: Axes, walkers: Sequence[Shown], kind: str, curve: Curve | None) -> dict[str, Any]:
     """Draw the members' speeds, with bounds as bars where no band of a curve shows them."""
-    colour, _, marker = STYLES[kind]
+    colour, _, marker = LEG_STYLES[kind]
     x, speeds = [walker.x for walker in walkers], np.array([walker.row.speed_mm_s for walker in walkers], float)
     (marks,) = axes.plot(x, speeds, marker, color=colour, markersize=4, zorder=3)
     if curve is not None:
@@ -140,7 +152,9 @@ def _draw_simulated(axes: Axes, walkers: Sequence[Shown], kind: str) -> dict[str
     low, high = (
         np.array([getattr(run, f"sim_{end}_95_mm_s") for _, run in runs], dtype=float) for end in ("low", "high")
     )
-    drawn = points(axes, ([x for x, _ in runs], speeds, [speeds - low, high - speeds]), STYLES[kind], hollow=True)
+    drawn = draw_points(
+        axes, ([x for x, _ in runs], speeds, [speeds - low, high - speeds]), LEG_STYLES[kind], hollow=True
+    )
     return {f"{kind}, simulated, 95 %": drawn}
 
 
@@ -156,7 +170,7 @@ def _draw_measured(axes: Axes, measured: Measured, at: Mapping[str, float]) -> d
             continue
         x = np.full(chosen.sum(), at[kind]) if at else measured.tilt[chosen]
         bars = None if measured.se is None else NORMAL_95 * measured.se[chosen]
-        drawn = points(axes, (x, measured.speed[chosen], bars), look)
+        drawn = draw_points(axes, (x, measured.speed[chosen], bars), look)
         drawn.lines[0].set(markersize=5.0, markeredgewidth=1.2, zorder=3.4)
         legend[f"{kind}, measured" + ("" if bars is None else ", 95 %")] = drawn
     return legend
@@ -170,4 +184,4 @@ def _mark_sticking(axes: Axes, curves: Mapping[Kind, Curve]) -> None:
     low, high = curve.tilt_deg[curve.can_stick].min(), curve.tilt_deg[curve.can_stick].max()
     axes.axvspan(low, high, color="0.92", linewidth=0, zorder=-1)
     above: Any = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "ha": "center", "va": "bottom"}
-    axes.annotate("feet can stick", (0.5 * (low + high), 1.0), (0, 2), color=INK, fontsize=SMALLEST, **above)
+    axes.annotate("feet can stick", (0.5 * (low + high), 1.0), (0, 2), color=INK, fontsize=MIN_FONT_PT, **above)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from walkergen.analysis.speeds import SAME_PLATE, Measured
+from walkergen.analysis.speeds import PLATE_SPEED_TOLERANCE, Measured
 from walkergen.commands.family import chart_data, report, runs
 from walkergen.commands.family.chart_data import ChartData
 from walkergen.commands.family.report import FamilyReport
@@ -93,10 +93,10 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> FamilyReport:
     if job.pictures:
         from walkergen.sheets import plate_map  # brings matplotlib
 
-        draw = plate_map.pictures
+        draw = plate_map.draw_pictures
     with Folder(path) as folder:
         walkers: list[Member] = []
-        every = members.predicted(job.members, built, job.scene, job.mode, job.weighed, job.model, progress)
+        every = members.predict_members(job.members, built, job.scene, job.mode, job.weighed, job.model, progress)
         for member, mesh in zip(every, layout.meshes, strict=True):
             folder.write(f"stl/{member.name}.stl", export.stl_bytes(mesh, member.name))
             walkers.append(member)
@@ -222,7 +222,7 @@ def _paper_speed(design: Design, scene: Scene) -> tuple[float, float] | None:
     legs = design.legs.model_copy(update={"tilt_deg": 10.0, "kind": "flexible"})
     drive, paper = scene.drive, Drive(frequency_hz=90.0, gamma=1.8)
     same = design.body == Body() and legs == Legs() and drive.kind == "plate"
-    if same and math.isclose(drive.peak_speed, paper.peak_speed, rel_tol=SAME_PLATE):
+    if same and math.isclose(drive.peak_speed, paper.peak_speed, rel_tol=PLATE_SPEED_TOLERANCE):
         return 10.0, 60.0
     return None
 

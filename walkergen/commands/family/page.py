@@ -49,7 +49,7 @@ def render(parts: Sequence[Part], files: Mapping[str, bytes], facts: Mapping[str
         TEMPLATE,
         name=name,
         description=str(design.get("description", "")),
-        view=viewer.view(parts),
+        view=viewer.render_view(parts),
         speed=_picture_url(files, "speed.png"),
         preview=_picture_url(files, "preview.png"),
         table=web_page.from_markdown(_decode(files, TABLE_PAGE).partition("\n")[2]),
@@ -61,8 +61,8 @@ def render(parts: Sequence[Part], files: Mapping[str, bytes], facts: Mapping[str
         settings=json.dumps(settings, indent=2, ensure_ascii=False),
         version=__version__,
     )
-    styles = (viewer.STYLE, "page.css")
-    return web_page.render(f"{name} · walkergen", body, styles, viewer.scripts()).encode()
+    styles = (viewer.STYLE_SHEET, "page.css")
+    return web_page.render(f"{name} · walkergen", body, styles, viewer.page_scripts()).encode()
 
 
 def _decode(files: Mapping[str, bytes], name: str) -> str:

@@ -15,8 +15,8 @@ from matplotlib.patches import FancyArrowPatch
 from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker import pockets
 from walkergen.core.walker.design import Design
-from walkergen.files.canvas import rounded_down
-from walkergen.files.figures import COLOURS, style
+from walkergen.files.canvas import nice_floor
+from walkergen.files.figures import LEG_COLOURS, style
 from walkergen.readers.walkers import caps
 
 Array = npt.NDArray[np.float64]
@@ -85,9 +85,9 @@ class Part(NamedTuple):
             x, y = corners.T
             return np.column_stack([x, np.full(len(x), bottom + up), 0.5 * depth - y])
 
-        rim, top = caps.outline(cap), cap.thickness
+        rim, top = caps.tile_outline(cap), cap.thickness
         tile = np.concatenate([to_mesh_frame(rim, 0.0), to_mesh_frame(rim, top)])
-        return tile, [to_mesh_frame(square, top) for square in caps.black(cap)]
+        return tile, [to_mesh_frame(square, top) for square in caps.black_rectangles(cap)]
 
     @property
     def view(self) -> Array:
@@ -158,7 +158,7 @@ def _arrange_rows(parts: Sequence[Part], aspect: float) -> list[list[Part]]:
 
 def _draw_scale_bar(axes: Axes, part: Part, at: Array) -> None:
     """Draw a scale bar from `at` along the bodies, as they are seen, with its length; it points forward."""
-    length = rounded_down(MAX_SCALE_BAR_SHARE * part.design.size.length)
+    length = nice_floor(MAX_SCALE_BAR_SHARE * part.design.size.length)
     end = at + length * part.view[:2, 0]
     axes.plot(*np.array([at, end]).T, "|-", color="black", linewidth=1.2, markersize=7)
     ends = (at[0], at[1]), (end[0], end[1])
@@ -206,7 +206,7 @@ def _project_part(part: Part, at: Array) -> _View:
     seen = np.concatenate([corners.reshape(-1, 3), *(points @ part.view.T for points in borne)])
     middle = 0.5 * (seen.min(axis=0) + seen.max(axis=0))[:2]
     shade = 0.45 + 0.6 * np.clip(normals @ LIGHT_DIRECTION, 0.0, 1.0)
-    colours = np.clip(shade[:, None] * np.array(COLOURS[part.design.kind]), 0.0, 1.0)[order]
+    colours = np.clip(shade[:, None] * np.array(LEG_COLOURS[part.design.kind]), 0.0, 1.0)[order]
     return _View(corners[order][:, :, :2] - middle + at, colours, middle)
 
 

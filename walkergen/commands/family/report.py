@@ -35,7 +35,7 @@ class FamilyReport(Report):
     def _repr_html_(self) -> str:
         from walkergen.files import viewer
 
-        return viewer.frame(view_parts(self.members), str(self.folder)) + super()._repr_html_()
+        return viewer.render_frame(view_parts(self.members), str(self.folder)) + super()._repr_html_()
 
 
 def view_parts(walkers: Sequence[Member]) -> "list[Part]":

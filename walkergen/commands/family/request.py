@@ -25,7 +25,7 @@ class FamilyRequest(request.Request):
 
     by_position: ClassVar = ("design", "out")
 
-    design: request.Walker = request.PAPER
+    design: request.Walker = request.PAPER_WALKER
     tilt: request.Tilts = None
     legs: request.Kinds = None
     scene: request.Home = None
@@ -34,7 +34,7 @@ class FamilyRequest(request.Request):
     gamma: request.Gamma = None
     frequency: request.Frequency = None
     mode: request.Mode = "coulomb"
-    printer: request.Machine = request.PRUSA
+    printer: request.Machine = request.DEFAULT_PRINTER
     text: request.Text = None
     mirror: request.Mirror = None
     set: request.Settings = {}
@@ -63,10 +63,10 @@ class FamilyRequest(request.Request):
         try:
             design = given.design(self.design)
         except GeometryError as error:
-            raise make.attach_picture(error, self.folder(Path("out") / "trouble")) from None
-        scene = given.scene(request.ground(self.scene, [design]))
+            raise make.attach_picture(error, self.output_folder(Path("out") / "trouble")) from None
+        scene = given.scene(request.choose_scene(self.scene, [design]))
         members, counts = given.batch(design, self.tilt, self.legs, self.copies, whole=True)
-        masses, unused = inputs.weighed(self.weights, members)
+        masses, unused = inputs.read_masses(self.weights, members)
         measured, left_out = self._read_measured(design, scene)
         findings: list[Finding] = []
         job = make.Job(
@@ -88,7 +88,7 @@ class FamilyRequest(request.Request):
         )
         folder = self.out or Path("out") / design.name
         report = make.make(job, folder, progress, findings.extend)
-        warnings = [*printed.warning_lines(findings), *unused, *left_out, *inputs.filled_forms(folder, members)]
+        warnings = [*printed.warning_lines(findings), *unused, *left_out, *inputs.filled_form_warnings(folder, members)]
         return replace(report, warnings=warnings)
 
     def _read_measured(self, design: "Design", scene: "Scene") -> "tuple[Measured | None, list[str]]":
@@ -97,5 +97,5 @@ class FamilyRequest(request.Request):
             return None, []
         from walkergen.analysis import speeds
 
-        measured = speeds.on_plate(self.measured, design.kind, scene.drive.peak_speed)
+        measured = speeds.read_at_plate_speed(self.measured, design.kind, scene.drive.peak_speed)
         return measured, [f"{self.measured}: {note}" for note in measured.notes]

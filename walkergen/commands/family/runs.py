@@ -25,7 +25,7 @@ def simulate_members(scene: Scene, members: Sequence[Member], progress: Progress
     wanted = [Walker(scene, member.design, member.mass) for member in members]
     titles = [f"simulating {member.name}" for member in members]
     with_speeds = []
-    for member, point in zip(members, walkers.each(wanted, titles, progress), strict=True):
+    for member, point in zip(members, walkers.simulate_each(wanted, titles, progress), strict=True):
         summary = point.summary
         runs = Simulated(
             summary.speed_mm_s,

@@ -13,7 +13,7 @@ from walkergen.readers.drawings import outlines, silhouette
 def find_picture(design: Design) -> Path | None:
     """Picture that a body's outline is traced from; None for other bodies."""
     path = Path(design.body.outline or "")
-    return path if outlines.READERS.get(path.suffix.lower()) is silhouette.read else None
+    return path if outlines.READERS.get(path.suffix.lower()) is silhouette.read_drawing else None
 
 
 @style()

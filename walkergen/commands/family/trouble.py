@@ -15,7 +15,7 @@ def draw_unsupported_body(error: UnplacedError) -> Figure:
     """Draw a body from above. Raises GeometryError for one that has no shape."""
     import shapely
 
-    room = placing.room(error.body, error.legs)
+    room = placing.available_space(error.body, error.legs)
     drawn = Figure(figsize=(6.0, 5.0), layout="constrained")
     axes = drawn.add_subplot()
     for part, colour in ((room.ground, FAULT_COLOUR), (room.free, "0.75")):

@@ -76,11 +76,15 @@ def count_fitting(members: Sequence[Design], printers: Sequence[Printer], max_pa
         for printer in printers
         for part in plates.layout_without_plates(members, built, [1] * len(built), printer).parts
     ]
-    columns = (report.text("printer", "printer"), report.number("fit", "fit"), report.text("walker", "name"))
+    columns = (
+        report.text_column("printer", "printer"),
+        report.number_column("fit", "fit"),
+        report.text_column("walker", "name"),
+    )
     return Report(
         name="room",
         title="Copies that fit on one plate",
-        tables=[report.table("room", rows, columns)],
+        tables=[report.table_from_rows("room", rows, columns)],
         facts={"rows": [row._asdict() for row in rows]},
     )
 
@@ -111,7 +115,7 @@ def make(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequenc
     if order.pictures:
         from walkergen.sheets import plate_map  # brings matplotlib
 
-        draw = plate_map.pictures
+        draw = plate_map.draw_pictures
     of_caps = list(caps.files(capped, order.printers)) if capped else []
     paths: list[Path] = []
     for layout in layouts:
@@ -140,19 +144,19 @@ def _list_caps(layout: plates.Layout) -> list[Capped]:
     """Caps of all copies in the order of the map. Raises InputError."""
     placed = [placement for plate in layout.plates for placement in plate.placements]
     items = [packing.item_name(layout.parts[place.part], place.copy) for place in placed]
-    return caps.numbered([layout.members[place.part] for place in placed], items)
+    return caps.number_caps([layout.members[place.part] for place in placed], items)
 
 
 def _report(order: Order, rows: Sequence[Place], files: Sequence[Path], of_caps: Sequence[str]) -> PlateReport:
     """Report of what lies on which plate, of how to read the marks, and of caps."""
     columns = [
-        report.text("printer", "printer"),
-        report.text("plate", "plate"),
-        report.text("copies", "copies"),
-        report.text("walker", "name"),
+        report.text_column("printer", "printer"),
+        report.text_column("plate", "plate"),
+        report.text_column("copies", "copies"),
+        report.text_column("walker", "name"),
     ]
     if any(row.mark for row in rows):
-        columns.append(report.text("marks", "marks"))
+        columns.append(report.text_column("marks", "marks"))
     lines = []
     for printer in dict.fromkeys(row.printer for row in rows):
         own = [row.plate for row in rows if row.printer == printer]

@@ -26,7 +26,7 @@ class PlateRequest(request.Request):
         Any,
         request.file_flag(
             "walkers",
-            f"Walker: a template, TOML file, drawing or mesh; {request.PAPER} without --orders.",
+            f"Walker: a template, TOML file, drawing or mesh; {request.PAPER_WALKER} without --orders.",
             optional=True,
             argument=True,
         ),
@@ -43,7 +43,7 @@ class PlateRequest(request.Request):
         int | None, Field(ge=1), Flag("Engrave a number into each copy, counted over all from FIRST.", "FIRST")
     ] = None
     caps: request.Caps = None
-    printer: request.Machines = request.PRUSA
+    printer: request.Machines = request.DEFAULT_PRINTER
     text: request.Text = None
     mirror: request.Mirror = None
     set: request.Settings = {}
@@ -64,17 +64,17 @@ class PlateRequest(request.Request):
         given = self.inputs()
         if self.orders is not None:
             why = f"‹orders=›{str(self.orders)[:80]!r} names it"
-            self.refuse(why, "design", "tilt", "legs", "copies")
+            self.check_unset(why, "design", "tilt", "legs", "copies")
             if "copies" in self.model_fields_set:  # 1, as by default, may not be what the list says
                 raise InputError(f"‹copies=›{self.copies}: {why}; leave it out", "copies")
-            given.refuse(given.of("design"), "‹orders› names designs; leave it out")
+            given.check_unset(given.keys_of("design"), "‹orders› names designs; leave it out")
             members, counts = order_list.read_orders(self.orders)
             name = output.safe_folder_name(self.orders)
         else:
-            design = given.design(self.design or request.PAPER)
+            design = given.design(self.design or request.PAPER_WALKER)
             members, counts = given.batch(design, self.tilt, self.legs, self.copies, whole=False)
             name = design.name
-        members = inputs.capped(members, self.caps)
+        members = inputs.add_caps(members, self.caps)
         printers = given.printers(self.printer)
         if self.how_many:
             return make.count_fitting(members, printers, self.max_parts)
@@ -91,4 +91,6 @@ class PlateRequest(request.Request):
         )
         folder, findings = self.out or Path("out") / name, list["Finding"]()
         report = make.make(order, folder, progress, findings.extend)
-        return replace(report, warnings=[*printed.warning_lines(findings), *inputs.filled_forms(folder, members)])
+        return replace(
+            report, warnings=[*printed.warning_lines(findings), *inputs.filled_form_warnings(folder, members)]
+        )

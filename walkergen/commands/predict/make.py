@@ -41,7 +41,7 @@ def predict(
     Raises InputError for impossible masses, TheoryError where mode and law do not go together.
     """
     built = [solids.build(walker, united=united) for walker in walkers]
-    predicted = list(members.predicted(walkers, built, scene, mode, weighed, model, progress))
+    predicted = list(members.predict_members(walkers, built, scene, mode, weighed, model, progress))
     shares = [_shares(member, scene) for member in (predicted if uncertain else ())]
     return report.make_report(design, scene, mode, predicted, shares, why)
 

@@ -60,7 +60,7 @@ def make_report(
     for row, member, own in zip(rows, walkers, shares, strict=False):
         row["shares"] = [share._asdict() for share in own]
         title = f"{member.name}: share of the variance behind the bounds"
-        tables.append(speed_table.shares(f"shares of {member.name}", own, title))
+        tables.append(speed_table.shares_table(f"shares of {member.name}", own, title))
     title = design.name
     if len(walkers) == 1:
         (walker,) = walkers

@@ -20,7 +20,7 @@ class PredictRequest(request.Request):
 
     by_position: ClassVar = ("design", "scene", "tilt")
 
-    design: request.Walker = request.PAPER
+    design: request.Walker = request.PAPER_WALKER
     tilt: request.Tilts = None
     legs: request.Kinds = None
     scene: request.Home = None
@@ -45,8 +45,8 @@ class PredictRequest(request.Request):
 
         given = self.inputs()
         design = given.design(self.design)
-        scene = given.scene(request.ground(self.scene, [design]))
+        scene = given.scene(request.choose_scene(self.scene, [design]))
         members = given.members(design, self.tilt, self.legs, whole=False)
-        masses, warnings = inputs.weighed(self.weights, members)
+        masses, warnings = inputs.read_masses(self.weights, members)
         report = make.predict(design, members, scene, self.mode, masses, self.uncertain, self.model, self.why, progress)
         return replace(report, warnings=[*report.warnings, *warnings])

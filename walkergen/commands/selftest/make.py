@@ -41,7 +41,7 @@ def run_cases(cases: Sequence[Case], progress: Progress) -> tuple[list[Result], 
     """Run cases; results in their order, and whether all were run: Ctrl-C keeps those finished."""
     results: dict[int, Result] = {}
     progress("kernels", 0, len(cases))
-    workers = min(worker_pool.cores(), len(cases))
+    workers = min(worker_pool.core_count(), len(cases))
     alone = ((index, run_case(case)) for index, case in enumerate(cases))
     try:
         for index, result in alone if workers == 1 else _run_in_processes(cases, workers):
@@ -56,7 +56,7 @@ def _run_in_processes(cases: Sequence[Case], workers: int) -> Iterator[tuple[int
     """Yield results as they come. The first cases of each kind go first, so that no two compile the same."""
     first = {case.on: index for index, case in reversed(list(enumerate(cases)))}
     order = sorted(range(len(cases)), key=lambda index: first[cases[index].on] != index)
-    with worker_pool.local(workers) as pool:
+    with worker_pool.local_pool(workers) as pool:
         futures = {pool.executor.submit(_run_named, cases[index].name): index for index in order}
         for future in as_completed(futures):
             index = futures[future]

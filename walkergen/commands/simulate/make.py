@@ -74,17 +74,19 @@ def measure(
     gives the observable to an error.
     """
     if walker.sample_interval is not None:
-        trajectory.check(walker.scene, walker.sample_interval, walker.scene.run.runs)
+        trajectory.check_sample_count(walker.scene, walker.sample_interval, walker.scene.run.runs)
     if wanted is None:
         return analyse_point(walkers.simulate(walker, progress), progress)
-    met = walkers.to_error(walker._replace(impacts=False, sample_interval=None), wanted, of, progress, expect=expect)
+    met = walkers.simulate_to_error(
+        walker._replace(impacts=False, sample_interval=None), wanted, of, progress, expect=expect
+    )
     return analyse_point(met.results, progress)._replace(chosen=met)
 
 
 def analyse_point(point: Results, progress: Progress = silent) -> Simulated:
     """Find shared orbits, motion and landings in the runs of a simulated point."""
     walker = point.walker
-    errors = resolution.errors(point.step_errors, point.summary)
+    errors = resolution.combined_errors(point.step_errors, point.summary)
     shared = orbit.find_shared_orbit(point, progress)
     if shared is not None:
         point = point._replace(summary=orbit.with_print_bounds(point.summary, shared))
@@ -102,5 +104,5 @@ def analyse_point(point: Results, progress: Progress = silent) -> Simulated:
 def _count_landings(result: RunResult, feet: int) -> Landings:
     """Landings of a run on the plate; walls are touched by points beyond the corners' numbers."""
     rows = recorded_impacts(result)
-    rows = rows[rows[:, 1] < feet * landings.CORNERS]
+    rows = rows[rows[:, 1] < feet * landings.CORNERS_PER_FOOT]
     return landings.count(rows[:, 0], rows[:, 1].astype(np.int64), result.measured_s, feet)

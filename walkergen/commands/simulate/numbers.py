@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from walkergen.analysis.estimates import IN_A_LANE, LEVEL
+from walkergen.analysis.estimates import LANE_REASON, NO_SLOPE_REASON
 from walkergen.analysis.landings import Landings
 from walkergen.commands.simulate.make import Simulated
 from walkergen.core.numerics.quantity import Quantity
@@ -59,11 +59,11 @@ def motion_numbers(simulated: Simulated) -> Iterator[Quantity]:
     if simulated.motion is None:
         return
     before, found = "", simulated.motion.estimates
-    in_lane = found["sideways_speed"].refused == IN_A_LANE
+    in_lane = found["sideways_speed"].refused == LANE_REASON
     for number in map(found.__getitem__, MOTION_NAMES):
         known = number.value is not None or number.refused != before
         is_mean_speed = in_lane and number.key == "lane_speed"
-        if known and not is_mean_speed and number.refused not in (IN_A_LANE, LEVEL):
+        if known and not is_mean_speed and number.refused not in (LANE_REASON, NO_SLOPE_REASON):
             yield number
         before = number.refused
     lags, values, errors = simulated.motion.exponent
@@ -116,7 +116,7 @@ def landing_rates(simulated: Simulated) -> list[Quantity]:
     rates = []
     for at, name in enumerate(landing_names(simulated.legs)):
         rate = observables.ratio_of_sums(name, counts[:, at], time)
-        kind = resolution.LANDED if at < 2 * len(simulated.legs) else resolution.GROUPED
+        kind = resolution.LANDING_RATE if at < 2 * len(simulated.legs) else resolution.GROUP_RATE
         step, value, error = simulated.point.step_errors[kind].error, rate.value or 0.0, None
         if rate.se is not None and step is not None:
             error = math.hypot(rate.se, 0.5 * value * step)
@@ -128,5 +128,7 @@ def notes(simulated: Simulated) -> Iterator[str]:
     """Yield how motion was measured, and what makes it doubtful."""
     if simulated.motion is not None:
         yield from (simulated.motion.method, *simulated.motion.doubts)
-    if simulated.point.step_errors.get(resolution.MOTION, None) == resolution.StepError(None, resolution.TURNING):
-        yield resolution.TURNING
+    if simulated.point.step_errors.get(resolution.MOTION, None) == resolution.StepError(
+        None, resolution.TURNING_REASON
+    ):
+        yield resolution.TURNING_REASON

@@ -46,12 +46,12 @@ def find_shared_orbit(point: Results, progress: Progress) -> Orbit | None:
     run = scene.run.model_copy(update={"seconds": min(scene.run.seconds, MAX_RUN_S)})
     short = scene.model_copy(update={"run": run})
     try:
-        drawn = draws.simulated(short, walker.design, PRINT_DRAWS, progress)
+        drawn = draws.simulate_prints(short, walker.design, PRINT_DRAWS, progress)
     except InputError as error:
         return Orbit(kind, 0, None, error.text)
-    ends = draws.bounds(drawn.halves.mean(axis=1), draws.statistical_error(drawn.halves))
+    ends = draws.speed_bounds(drawn.halves.mean(axis=1), draws.statistical_error(drawn.halves))
     mean = float(drawn.halves.mean())
-    return Orbit(kind, len(drawn.halves), draws.widened(ends, mean, drawn.by_step_mm_s))
+    return Orbit(kind, len(drawn.halves), draws.add_step_error(ends, mean, drawn.by_step_mm_s))
 
 
 def with_print_bounds(summary: Summary, orbit: Orbit) -> Summary:

@@ -14,7 +14,7 @@ from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.walker.design import Design
 from walkergen.files.report import Report, Table
 from walkergen.points.draws import Uncertain
-from walkergen.points.speed_table import SHARES
+from walkergen.points.speed_table import SHARE_COLUMNS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -46,7 +46,7 @@ def make_report(spread: Uncertain, design: Design, scene: str, folder: Path | No
                 "shares",
                 shares,
                 ("input", "first", "first_se", "total", "total_se"),
-                SHARES if spread.shares else (),
+                SHARE_COLUMNS if spread.shares else (),
                 "share of the variance between prints",
                 read=spread.shares,
             ),
@@ -130,9 +130,9 @@ def draw_speeds(spread: Uncertain, title: str) -> "Figure":
 def _draw(spread: Uncertain, title: str) -> "Figure":
     from matplotlib.figure import Figure
 
-    from walkergen.files.figures import PAGE, wrapped
+    from walkergen.files.figures import PAGE_INCHES, wrap_text
 
-    drawn = Figure(figsize=(PAGE, 2.8), layout="constrained")
+    drawn = Figure(figsize=(PAGE_INCHES, 2.8), layout="constrained")
     left, right = drawn.subplots(1, 2)
     left.hist(spread.speeds, bins="auto", color="#0072B2", alpha=0.6)
     low2, low1, high1, high2 = spread.bounds_mm_s
@@ -141,7 +141,7 @@ def _draw(spread: Uncertain, title: str) -> "Figure":
     left.axvline(spread.speed_mm_s, color="black", linewidth=1.2, label="mean")
     left.set_xlabel("speed (mm/s)")
     left.set_ylabel("prints")
-    drawn.suptitle(wrapped(title, PAGE - 0.2))
+    drawn.suptitle(wrap_text(title, PAGE_INCHES - 0.2))
     left.legend(frameon=True, framealpha=0.9, edgecolor="none", loc="upper left")
     names = [*(share.name for share in spread.shares), UNEXPLAINED]
     places = np.arange(len(names))[::-1]

@@ -39,10 +39,10 @@ class Line(NamedTuple):
 def _format_line(line: Line) -> str:
     """Return the text of a line; of a quantity with its unit."""
     number = line.value
-    return number if isinstance(number, str) else quantities.format_value(number, quantities.unit_of(number))
+    return number if isinstance(number, str) else quantities.format_value(number, quantities.format_unit(number))
 
 
-LINE_COLUMNS = (report.text("", "name"), Column("", _format_line))
+LINE_COLUMNS = (report.text_column("", "name"), Column("", _format_line))
 
 FIRST_LINE_NAMES = (
     "walker",
@@ -165,11 +165,11 @@ def _figures(simulated: Simulated, design: Design) -> "dict[str, Callable[[], Fi
     good = [result for result in simulated.point.results if result.outcome in ENDED_WELL]
 
     def draw() -> "Figure":
-        from walkergen.points.track_figure import tracks_figure
+        from walkergen.points.track_figure import draw_tracks
 
         tracks = tracks_of(good, simulated.scene.arena.kind == "lane", None)
         title = f"{design.name}, {design.tilt_deg:g} deg: {_mean_speed(simulated)}"
-        return tracks_figure(tracks, title)
+        return draw_tracks(tracks, title)
 
     return {"runs": draw} if good else {}
 
@@ -180,7 +180,7 @@ def _facts(simulated: Simulated, scene: Scene) -> dict[str, Any]:
     data = tables.contact_as_dict(scene) | simulated.point.summary._asdict()
     data["partial"] = simulated.point.partial
     if simulated.motion is not None:
-        data["motion"] = facts.of(simulated.motion)
+        data["motion"] = facts.from_motion(simulated.motion)
     if simulated.untold:
         data["motion"] = {"refused": simulated.untold}
     if simulated.landings:
@@ -210,7 +210,7 @@ def _lines(simulated: Simulated, scene: Scene, design: Design) -> Iterator[tuple
         yield "motion", f"unknown: {simulated.untold}"
     found = [numbers.motion_numbers(simulated), numbers.observed_numbers(simulated), numbers.landing_numbers(simulated)]
     rest, marks = quantities.mark_reasons(chain(*found))
-    yield from ((quantities.name_of(number), number) for number in rest)
+    yield from ((quantities.format_name(number), number) for number in rest)
     yield from marks.items()
     yield from (("note", note) for note in numbers.notes(simulated))
     yield "runs", f"{summary.runs}, {summary.simulated_s:.1f} s simulated in all"

@@ -33,7 +33,7 @@ class SimulateRequest(request.Request):
     slower. With --effects what this walker's speed does not need to an error is left out, as measured first.
     """
 
-    design: request.Walker = request.PAPER
+    design: request.Walker = request.PAPER_WALKER
     scene: request.Home = None
     tilt: request.Tilts = None
     legs: request.Kinds = None
@@ -74,21 +74,21 @@ class SimulateRequest(request.Request):
             trajectories.check(self.trajectory)
         given = self.inputs()
         if self.uncertain:
-            self.refuse("not with ‹uncertain›", "error", "trajectory", "effects")
-            given.refuse(("scene.run.runs",), "not with ‹uncertain›; leave one of them out")
+            self.check_unset("not with ‹uncertain›", "error", "trajectory", "effects")
+            given.check_unset(("scene.run.runs",), "not with ‹uncertain›; leave one of them out")
         else:
-            self.refuse("only ‹uncertain› writes a folder", "out")
+            self.check_unset("only ‹uncertain› writes a folder", "out")
         if self.error is not None:
-            given.refuse(ERROR_CHOSEN_KEYS, "‹error› chooses it; leave one of them out")
+            given.check_unset(ERROR_CHOSEN_KEYS, "‹error› chooses it; leave one of them out")
         else:
-            self.refuse("names what ‹error› is about; give ‹error› as well, or", "of")
+            self.check_unset("names what ‹error› is about; give ‹error› as well, or", "of")
         design = given.design(self.design)
         own = {"scene.run.seconds": DEFAULT_UNCERTAIN_S} if self.uncertain else {}
-        scene = given.scene(request.ground(self.scene, [design]), own)
+        scene = given.scene(request.choose_scene(self.scene, [design]), own)
         members = given.members(design, self.tilt, self.legs, whole=False)
         if len(members) > 1:
             why = f"means one walker, seen {len(members)}: give one ‹tilt› and one kind of ‹legs›, or"
-            self.refuse(why, "trajectory", "error", "uncertain")
+            self.check_unset(why, "trajectory", "error", "uncertain")
             return self._simulate_several(scene, members, progress)  # type: ignore[return-value]
         if self.uncertain:
             return self._simulate_uncertain(scene, members[0], progress)  # type: ignore[return-value]
@@ -101,14 +101,14 @@ class SimulateRequest(request.Request):
         from walkergen.core.walker import solids
         from walkergen.points import expected
         from walkergen.points.experiments import Walker
-        from walkergen.points.simplest import simplest
+        from walkergen.points.simplest import find_simplest
 
         interval = None if self.trajectory is None else 1.0 / self.rate_hz
-        found = simplest(Walker(scene, design, solids.mass_of(design)), progress)
+        found = find_simplest(Walker(scene, design, solids.mass_of(design)), progress)
         walker = make.make_walker(found.walker.scene, design, found.walker.mass, interval)
         wanted = None if self.error is None else parse_tolerance(self.error)
         if wanted is None:
-            self._expect(lambda: expected.of_runs([walker]))
+            self._expect(lambda: expected.total_time([walker]))
         simulated = make.measure(walker, progress, wanted, self.of, self._expect)
         result = report.make_report(simulated._replace(simplest=found), self.all)
         done, wished = simulated.point.summary.runs, simulated.scene.run.runs
@@ -130,7 +130,7 @@ class SimulateRequest(request.Request):
         from walkergen.points import expected
 
         found, rows = several.prepare_walkers(scene, members, progress), list[several.Row]()
-        self._expect(lambda: expected.of_runs([simple.walker for simple in found]))
+        self._expect(lambda: expected.total_time([simple.walker for simple in found]))
         try:
             rows.extend(several.simulate_each(found, progress))
         except KeyboardInterrupt:
@@ -147,9 +147,9 @@ class SimulateRequest(request.Request):
         from walkergen.points import draws, expected, simplest
         from walkergen.points.experiments import Walker
 
-        simplest.refuse(scene, "is of a mean speed, and ‹uncertain› asks how far prints lie apart")
+        simplest.check_no_accepted_error(scene, "is of a mean speed, and ‹uncertain› asks how far prints lie apart")
         walker = Walker(scene, design, solids.mass_of(design)).with_run(runs=self.draws)
-        self._expect(lambda: expected.of_runs([walker]))
+        self._expect(lambda: expected.total_time([walker]))
         measured = draws.measure(scene, design, self.draws, progress)
         result = prints.make_report(measured, design, scene.name, self.out)
         if self.out is not None:

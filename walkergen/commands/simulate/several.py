@@ -15,7 +15,7 @@ from walkergen.files import report
 from walkergen.files.report import Column, Report, Table
 from walkergen.points import speeds, walkers
 from walkergen.points.experiments import Walker
-from walkergen.points.simplest import Simplest, simplest
+from walkergen.points.simplest import Simplest, find_simplest
 
 ORBIT_MARK = "(o)"
 """Mark of a speed whose runs all end on one orbit."""
@@ -53,7 +53,7 @@ def prepare_walkers(scene: Scene, members: Sequence[Design], progress: Progress)
     for walker in whole:
         walker.plan()
     return [
-        simplest(walker, part_progress(progress, number, len(whole), names.part_name(walker.design)))
+        find_simplest(walker, part_progress(progress, number, len(whole), names.part_name(walker.design)))
         for number, walker in enumerate(whole)
     ]
 
@@ -65,7 +65,7 @@ def simulate_each(found: Sequence[Simplest], progress: Progress) -> Iterator[Row
     """
     wanted = [simple.walker for simple in found]
     titles = [names.part_name(walker.design) for walker in wanted]
-    for simple, name, point in zip(found, titles, walkers.each(wanted, titles, progress), strict=True):
+    for simple, name, point in zip(found, titles, walkers.simulate_each(wanted, titles, progress), strict=True):
         walker, summary = simple.walker, point.summary
         shared = orbit.find_shared_orbit(point, progress)
         if shared is not None:
@@ -143,8 +143,8 @@ def _format_outcomes(row: Row) -> str:
 
 COLUMNS = (
     Column("tilt\ndeg", lambda row: f"{row.tilt_deg:g}", right=True),
-    report.text("legs", "legs"),
-    report.fixed("predicted\nmm/s", "predicted_mm_s", 1),
+    report.text_column("legs", "legs"),
+    report.fixed_column("predicted\nmm/s", "predicted_mm_s", 1),
     Column("simulated\nmm/s", _format_speed, right=True),
     Column("95 %\nmm/s", _format_bounds, right=True),
     Column("runs", lambda row: str(row.runs), right=True),

@@ -49,9 +49,9 @@ def collect(experiment: Walker, point: Results, progress: Progress) -> Trajector
     assert experiment.sample_interval is not None
     kept = all(result.tally.samples.kept for result in point.results)
     if not kept:
-        trajectory.check(experiment.scene, experiment.sample_interval, experiment.scene.run.runs)
-        (point,) = walkers.each([experiment], ["samples"], progress)
-    return with_film_columns(trajectory.tracks(point.results), experiment.sample_interval)
+        trajectory.check_sample_count(experiment.scene, experiment.sample_interval, experiment.scene.run.runs)
+        (point,) = walkers.simulate_each([experiment], ["samples"], progress)
+    return with_film_columns(trajectory.from_runs(point.results), experiment.sample_interval)
 
 
 def with_film_columns(trajectory: Trajectory, interval: float) -> Trajectory:
@@ -78,18 +78,18 @@ def to_xyz(written: Written) -> bytes:
     size = written.design.size
     half = 0.5 * np.array([size.length, size.depth, size.thickness])
     places = np.column_stack([own["x"], own["y"], own["height_mm"]])
-    turns = extended_xyz.orientation(own["theta"], own["pitch_rad"], own["roll_rad"])
+    turns = extended_xyz.to_quaternions(own["theta"], own["pitch_rad"], own["roll_rad"])
     box = _bounding_box(places, float(np.linalg.norm(half)))
     none = np.zeros(len(places), np.int64)
     bodies = Bodies(own["frame"], own["t_s"], own["particle"], ["walker"], none, places, turns, half[None])
-    return extended_xyz.text(bodies, box).encode()
+    return extended_xyz.format_frames(bodies, box).encode()
 
 
 def _bounding_box(places: Array, reach: float) -> str:
     """Box that holds all bodies at all times, so that OVITO's view stays where it is."""
     margin = (1.0 + BOX_MARGIN) * reach
     low = places.min(axis=0, initial=np.inf) - margin
-    return extended_xyz.box_of(low, places.max(axis=0, initial=-np.inf) + margin - low)
+    return extended_xyz.format_box(low, places.max(axis=0, initial=-np.inf) + margin - low)
 
 
 def to_nc(written: Written) -> bytes:

@@ -26,7 +26,7 @@ Array = npt.NDArray[np.float64]
 
 CSV_COLUMNS = ("t_s", "particle", "x_mm", "y_mm", "theta_rad")
 
-THIN = 0.5
+HEIGHT_RATIO = 0.5
 """Height of bodies in extended XYZ over their width: a film from above shows none."""
 
 
@@ -45,7 +45,7 @@ def to_csv(film: CrowdFilm) -> bytes:
 def to_xyz(film: CrowdFilm) -> bytes:
     """Write extended XYZ: a frame for each time, with the walkers seen, wrapped in a periodic square."""
     frame, walker = np.nonzero(np.isfinite(film.x))
-    x, y = ground.wrapped(film.x[frame, walker], film.y[frame, walker], film.dish)
+    x, y = ground.wrap_places(film.x[frame, walker], film.y[frame, walker], film.dish)
     theta = np.nan_to_num(film.theta[frame, walker])
     kinds = list(dict.fromkeys(film.kinds))
     halves = np.array([_half_axes(film, kind) for kind in kinds])
@@ -57,12 +57,12 @@ def to_xyz(film: CrowdFilm) -> bytes:
         [name.replace(" ", "_") for name in kinds],
         kind,
         np.column_stack([x, y, 0.0 * x]),
-        extended_xyz.orientation(theta, 0.0 * x, 0.0 * x),
+        extended_xyz.to_quaternions(theta, 0.0 * x, 0.0 * x),
         halves,
     )
     span = np.array([*film.dish.box, 2.0 * float(halves[:, 2].max())])
-    box = extended_xyz.box_of(-0.5 * span, span, bool(film.dish.period))
-    return extended_xyz.text(bodies, box).encode()
+    box = extended_xyz.format_box(-0.5 * span, span, bool(film.dish.period))
+    return extended_xyz.format_frames(bodies, box).encode()
 
 
 def to_gsd(film: CrowdFilm) -> bytes:
@@ -73,7 +73,7 @@ def to_gsd(film: CrowdFilm) -> bytes:
     kinds = list(dict.fromkeys(film.kinds))
     numbers = np.array([kinds.index(name) for name in film.kinds])
     shapes = [_polygon(film, kind) for kind in kinds]
-    x, y = ground.wrapped(film.x, film.y, film.dish)
+    x, y = ground.wrap_places(film.x, film.y, film.dish)
     period = film.dish.period or 1.0
     images = [np.rint((far - near) / period) for far, near in ((film.x, x), (film.y, y))]
     with tempfile.TemporaryDirectory(prefix="walkergen-gsd-") as folder:
@@ -104,7 +104,7 @@ FORMATS: dict[str, Callable[[CrowdFilm], bytes]] = {".csv": to_csv, ".xyz": to_x
 """Writers of the formats, by the suffixes of their files."""
 
 
-def check(path: Path) -> None:
+def check_format(path: Path) -> None:
     """Raise InputError when a file's suffix names no format, or one whose package is missing."""
     if path.suffix.lower() not in FORMATS:
         raise InputError(
@@ -115,13 +115,13 @@ def check(path: Path) -> None:
         extras.require("crowd", f"‹trajectory=›{str(path)[:80]!r}")
 
 
-def writable() -> tuple[str, ...]:
+def writable_suffixes() -> tuple[str, ...]:
     """Suffixes of the formats that can be written here: GSD with its package alone."""
     missing = importlib.util.find_spec("gsd") is None
     return tuple(suffix for suffix in FORMATS if not (suffix == ".gsd" and missing))
 
 
-def packed(film: CrowdFilm, path: Path) -> bytes:
+def encode(film: CrowdFilm, path: Path) -> bytes:
     """Run in the format that a file's suffix names, for that file.
 
     Raises OutputError where the library that packs it finds no room for its own file.
@@ -138,7 +138,7 @@ def packed(film: CrowdFilm, path: Path) -> bytes:
 
 def write(path: Path, film: CrowdFilm) -> None:
     """Write a run in the format that the file's suffix names."""
-    output.write(path, packed(film, path))
+    output.write(path, encode(film, path))
 
 
 def _half_axes(film: CrowdFilm, kind: str) -> Array:
@@ -147,7 +147,7 @@ def _half_axes(film: CrowdFilm, kind: str) -> Array:
         return np.ones(3)
     corners = np.concatenate(list(film.outlines[kind]))
     length, width = 0.5 * np.ptp(corners, axis=0)
-    return np.array([length, width, THIN * width])
+    return np.array([length, width, HEIGHT_RATIO * width])
 
 
 def _polygon(film: CrowdFilm, kind: str) -> dict[str, object]:

@@ -27,13 +27,13 @@ from walkergen.readers.walkers import seen_above
 
 Array = npt.NDArray[np.float64]
 
-ROUND = 48
+DISC_CORNERS = 48
 """Corners of a round body: its area is 0.3 % too small."""
 
-OUTSIDE = 0.02
+MAX_OUTSIDE_SHARE = 0.02
 """Share of the places that may lie beyond the walls: tracks err by some of a walker."""
 
-LEAST, LARGEST = 1e-3, 1e5
+MIN_SIZE_MM, MAX_SIZE_MM = 1e-3, 1e5
 """Limits of a body's sizes, and of the middle's distance from the origin, mm."""
 
 
@@ -49,10 +49,10 @@ class Asked(NamedTuple):
     """Tracks of other independent runs of the same crowd."""
 
 
-def asked(dish: str, body: str | None, middle: str | None, others: Sequence[Path]) -> Asked:
+def parse_crowd(dish: str, body: str | None, middle: str | None, others: Sequence[Path]) -> Asked:
     """Crowd from a person's words, as in "disc:120", "24x8", "60,60". Raises InputError."""
     ground = dishes.parse_dish(dish, "‹dish›")
-    return Asked(ground, _contours(body), _middle(middle), tuple(others))
+    return Asked(ground, _parse_body(body), _parse_middle(middle), tuple(others))
 
 
 def analyse(path: Path, units: Units, crowd: Asked, folder: Path | None, pictures: bool, progress: Progress) -> Report:
@@ -65,16 +65,16 @@ def analyse(path: Path, units: Units, crowd: Asked, folder: Path | None, picture
     films = []
     for number, each in enumerate(paths):
         progress("reading", number, len(paths) + 1)
-        films.append(_film(each, units, crowd))
+        films.append(_read_film(each, units, crowd))
     progress("measuring", len(paths), len(paths) + 1)
     statistics = crowds.measure(films)
     written = Report(
         name="crowd",
         title=path.name,
-        tables=crowd_tables.tables(statistics),
+        tables=crowd_tables.make_tables(statistics),
         facts=crowd_tables.facts(statistics),
-        lines=[crowd_tables.line(statistics)],
-        figures=crowd_figures.figures(statistics, path.name),
+        lines=[crowd_tables.summary_line(statistics)],
+        figures=crowd_figures.draw_functions(statistics, path.name),
         folder=folder,
     )
     if folder is not None:
@@ -83,23 +83,23 @@ def analyse(path: Path, units: Units, crowd: Asked, folder: Path | None, picture
             if pictures:
                 from walkergen.guests.crowd import movie as crowd_movie
 
-                target.write("crowd_above.png", crowd_movie.still(films[0], path.name))
+                target.write("crowd_above.png", crowd_movie.render_still(films[0], path.name))
             files = [each.name for each in paths]
             facts = {"dish": crowd.dish.words, "middle_mm": list(crowd.middle)}
             target.finish({"files": files, **units._asdict(), **facts})
     return written
 
 
-def _film(path: Path, units: Units, crowd: Asked) -> CrowdFilm:
+def _read_film(path: Path, units: Units, crowd: Asked) -> CrowdFilm:
     """Film of a file of tracks, about the middle of the dish."""
-    read = track_files.read(path, units)
+    read = track_files.read_tracks(path, units)
     if read.lane:
         raise InputError(f"‹dish›: {path} has walkers in a lane; a crowd runs on a plane")
-    made = film.of_tracks(read, crowd.dish, crowd.contours)
+    made = film.from_tracks(read, crowd.dish, crowd.contours)
     made = made._replace(x=made.x - crowd.middle[0], y=made.y - crowd.middle[1])
     seen = np.isfinite(made.x)
     beyond = float((ground.wall_distance(made.x[seen], made.y[seen], crowd.dish) < 0).mean())
-    if beyond > OUTSIDE:
+    if beyond > MAX_OUTSIDE_SHARE:
         x, y = (round(0.5 * float(np.nanmin(part) + np.nanmax(part)), 3) for part in (made.x, made.y))
         centre = f"{x + crowd.middle[0]:.4g},{y + crowd.middle[1]:.4g}"
         raise InputError(
@@ -110,33 +110,33 @@ def _film(path: Path, units: Units, crowd: Asked) -> CrowdFilm:
     return made
 
 
-def _contours(body: str | None) -> tuple[Array, ...]:
+def _parse_body(body: str | None) -> tuple[Array, ...]:
     """Outline of a body from its length and width, from its diameter, or from a walker's file."""
     if body is None:
         return ()
     sizes = [words.parse_number(word) for word in body.split("x")]
     if sizes[0] is None:
         return tuple(seen_above.outline_of(templates.load(body, "walkers", Design)))
-    if len(sizes) > 2 or not all(size is not None and LEAST <= size <= LARGEST for size in sizes):
+    if len(sizes) > 2 or not all(size is not None and MIN_SIZE_MM <= size <= MAX_SIZE_MM for size in sizes):
         raise InputError(
             f"‹body=›{plain.shorten_line(body)[:40]}: must be LENGTHxWIDTH, as 24x8, or the DIAMETER of a "
-            f"disc, as 20, or a walker, mm, in {LEAST:g}..{LARGEST:g}"
+            f"disc, as 20, or a walker, mm, in {MIN_SIZE_MM:g}..{MAX_SIZE_MM:g}"
         )
     half = 0.5 * np.array([size for size in sizes if size is not None])
     if len(half) == 2:
         return (half * np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]),)
-    angle = np.linspace(0.0, 2.0 * np.pi, ROUND, endpoint=False)
+    angle = np.linspace(0.0, 2.0 * np.pi, DISC_CORNERS, endpoint=False)
     return (half * np.column_stack([np.cos(angle), np.sin(angle)]),)
 
 
-def _middle(middle: str | None) -> tuple[float, float]:
+def _parse_middle(middle: str | None) -> tuple[float, float]:
     """Place of the dish's middle; the origin where none is given."""
     if middle is None:
         return 0.0, 0.0
     numbers = [words.parse_number(word) for word in middle.split(",")]
-    if len(numbers) != 2 or any(n is None or abs(n) > LARGEST for n in numbers):
+    if len(numbers) != 2 or any(n is None or abs(n) > MAX_SIZE_MM for n in numbers):
         raise InputError(
-            f"‹middle=›{plain.shorten_line(middle)[:40]}: must be X,Y in mm, as 60,55, within ±{LARGEST:g}"
+            f"‹middle=›{plain.shorten_line(middle)[:40]}: must be X,Y in mm, as 60,55, within ±{MAX_SIZE_MM:g}"
         )
     x, y = (float(number or 0.0) for number in numbers)
     return x, y

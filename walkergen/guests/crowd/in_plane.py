@@ -18,21 +18,22 @@ from walkergen.guests.crowd.runs import Job, Kind
 from walkergen.guests.crowd.statistics import CrowdFilm, measure
 from walkergen.readers.walkers import seen_above
 
-CONTACT = ("restitution", "friction")
+CONTACT_KEYS = ("restitution", "friction")
 """Keys of a scene's [crowd] that replace a card's own where they are set."""
 
-DENSEST = 0.3
+MAX_TESTED_PACKING = 0.3
 """Largest packing at which a crowd of cards was held against the same in space (docs/crowds.md, three checks)."""
 
-TESTED = (
-    f"cards were tested against walkers in space: koumakis2016, in a square without walls, up to packing {DENSEST:g}; "
+TESTED_RANGE = (
+    "cards were tested against walkers in space: koumakis2016, in a square without walls, up to packing "
+    f"{MAX_TESTED_PACKING:g}; "
     "there their places are right or undecided, and their speed is that of space times 0.999 ± 0.026 at packing 0.1, "
     "0.992 ± 0.035 at 0.3"
 )
 """Where the numbers of a crowd in a plane were tested, in words."""
 
 
-def asked(scene: Scene, cards: Sequence[Card], counts: Sequence[int] | None, rate_hz: float) -> Job:
+def make_job(scene: Scene, cards: Sequence[Card], counts: Sequence[int] | None, rate_hz: float) -> Job:
     """Crowd of so many walkers of each card; without counts of one, as many as the scene says.
 
     Raises InputError for too many walkers or frames, and for a lid.
@@ -40,14 +41,14 @@ def asked(scene: Scene, cards: Sequence[Card], counts: Sequence[int] | None, rat
     crowd, lid = scene.crowd, scene.arena.lid_mm
     if lid is not None:
         raise InputError(f"arena.lid_mm = {lid:g}: a card was measured with its own lid, or none; leave the key out")
-    own = {key: getattr(crowd, key) for key in CONTACT if key in crowd.model_fields_set}
+    own = {key: getattr(crowd, key) for key in CONTACT_KEYS if key in crowd.model_fields_set}
     kinds = []
     for number, card in enumerate(cards):
         outline = tuple(np.array(contour) for contour in card.outline_mm)
         area = seen_above.area_of(outline)
-        walkers = members.number_of(scene, area) if counts is None else counts[number]
+        walkers = members.walker_count(scene, area) if counts is None else counts[number]
         kinds.append(Kind(card.name, walkers, outline, card=card.model_copy(update=own)))
-    return jobs.checked(Job(scene, tuple(kinds), rate_hz, "flat"))
+    return jobs.check_job(Job(scene, tuple(kinds), rate_hz, "flat"))
 
 
 class InPlane(NamedTuple):
@@ -55,27 +56,27 @@ class InPlane(NamedTuple):
 
     job: Job
 
-    def prepared(self) -> OneRun[CrowdFilm]:
+    def prepare(self) -> OneRun[CrowdFilm]:
         """Return a function that places and simulates the run of a number.
 
         Raises InputError for a crowd denser than was tested. A run raises it if the crowd does not fit, or LAMMPS is
         absent.
         """
         job = self.job
-        check(job.packing)
-        whole = _seconds(job)
+        check_packing(job.packing)
+        whole = _total_seconds(job)
 
-        def one(number: int, stopped: Stopped, tell: Tell) -> CrowdFilm:
+        def simulate_run(number: int, stopped: Stopped, tell: Tell) -> CrowdFilm:
             def advance(what: str, frames: int, total: int) -> None:
                 if stopped():
                     raise KeyboardInterrupt  # ends LAMMPS, on this thread
                 tell(frames / total)
 
-            run = flat.simulate(_run(job, number), progress=advance)
+            run = flat.simulate(_make_crowd(job, number), progress=advance)
             kept = run.times >= job.scene.run.discard_seconds - 1e-9 * whole
-            return jobs.film_of(job, run.times[kept] - run.times[kept][0], run.poses[kept])
+            return jobs.make_film(job, run.times[kept] - run.times[kept][0], run.poses[kept])
 
-        return one
+        return simulate_run
 
     def film(self, run: CrowdFilm) -> CrowdFilm:
         """Film of a run, seen from above, which is all that is kept of it."""
@@ -89,31 +90,32 @@ class InPlane(NamedTuple):
         """None: what a step leaves of a crowd is not known."""
 
 
-def check(packing: float) -> None:
+def check_packing(packing: float) -> None:
     """Refuse packings at which nobody knows whether cards hold. Raises InputError."""
-    if round(packing, 2) > DENSEST:
+    if round(packing, 2) > MAX_TESTED_PACKING:
         raise InputError(
-            f"packing {packing:.3g}: {TESTED}; take fewer walkers, a larger ‹arena›, designs for cards or ‹write_only›"
+            f"packing {packing:.3g}: {TESTED_RANGE}; take fewer walkers, a larger ‹arena›, designs for cards "
+            "or ‹write_only›"
         )
 
 
-def inputs(job: Job) -> dict[str, bytes]:
+def input_files(job: Job) -> dict[str, bytes]:
     """Input of LAMMPS for every run, by names of files: run-N/crowd.in and what it reads."""
     return {
         f"run-{number}/{name}": data
         for number in range(job.scene.run.runs)
-        for name, data in flat.files(_run(job, number)).items()
+        for name, data in flat.input_files(_make_crowd(job, number)).items()
     }
 
 
-def _seconds(job: Job) -> float:
+def _total_seconds(job: Job) -> float:
     """Time of a run with its start, s."""
     return job.scene.run.seconds + job.scene.run.discard_seconds
 
 
-def _run(job: Job, number: int) -> deck.Crowd:
+def _make_crowd(job: Job, number: int) -> deck.Crowd:
     """Create the input for a run in a plane, from its number."""
     seed = int(np.random.SeedSequence([job.scene.run.seed, number]).generate_state(1)[0])
-    places = jobs.placed(job, [kind.outline for kind in job.kinds], number)
+    places = jobs.place_walkers(job, [kind.outline for kind in job.kinds], number)
     cards = [kind.card for kind in job.kinds if kind.card]
-    return doors.crowd(cards, job.numbers, job.scene.crowd.dish, places, _seconds(job), job.rate_hz, seed)
+    return doors.make_crowd(cards, job.numbers, job.scene.crowd.dish, places, _total_seconds(job), job.rate_hz, seed)

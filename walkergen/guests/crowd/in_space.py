@@ -22,14 +22,14 @@ from walkergen.guests.crowd.statistics import CrowdFilm, measure
 from walkergen.points import expected
 from walkergen.readers.walkers import seen_above
 
-MOST = 2000
+MAX_WALKERS = 2000
 """Walkers of a crowd in space at most; a flat crowd has more."""
 
-MOMENT_S = 1e-6
+COMPILE_RUN_S = 1e-6
 """Length of a run that compiles."""
 
 
-def asked(scene: Scene, designs: Sequence[Design], counts: Sequence[int] | None, rate_hz: float) -> Job:
+def make_job(scene: Scene, designs: Sequence[Design], counts: Sequence[int] | None, rate_hz: float) -> Job:
     """Crowd of so many walkers of each design; without counts of one, as many as the scene says.
 
     Raises InputError for too many walkers or frames, and what the designs raise.
@@ -39,15 +39,15 @@ def asked(scene: Scene, designs: Sequence[Design], counts: Sequence[int] | None,
         mass = solids.mass_of(design)
         outline = tuple(seen_above.outline_of(design, mass))
         area = seen_above.area_of(outline)
-        walkers = members.number_of(scene, area) if counts is None else counts[number]
+        walkers = members.walker_count(scene, area) if counts is None else counts[number]
         kinds.append(Kind(design.name, walkers, outline, design, mass))
     total = sum(kind.walkers for kind in kinds)
-    if total > MOST:
+    if total > MAX_WALKERS:
         raise InputError(
-            f"{total} walkers: a crowd in space has at most {MOST}; of more of them take "
+            f"{total} walkers: a crowd in space has at most {MAX_WALKERS}; of more of them take "
             "‹model=›flat, with a card of the walker (`walkergen crowd --card`)"
         )
-    return jobs.checked(Job(scene, tuple(kinds), rate_hz, "space"))
+    return jobs.check_job(Job(scene, tuple(kinds), rate_hz, "space"))
 
 
 class InSpace(NamedTuple):
@@ -55,26 +55,26 @@ class InSpace(NamedTuple):
 
     job: Job
 
-    def prepared(self) -> OneRun[CrowdRun]:
+    def prepare(self) -> OneRun[CrowdRun]:
         """Return a function that places and simulates the run of a number, with its kernels compiled.
 
         Raises InputError if the crowd does not fit, or contradicts the model in space.
         """
         job = self.job
-        placed = _placed(job)
+        placed = _placement_function(job)
 
-        def one(number: int, stopped: Stopped, tell: Tell) -> CrowdRun:
-            def told(seconds: float) -> None:
+        def simulate_run(number: int, stopped: Stopped, tell: Tell) -> CrowdRun:
+            def report_progress(seconds: float) -> None:
                 tell(seconds / job.scene.run.seconds)
 
-            return crowds.simulate(placed(number), number, job.rate_hz, stopped, told)
+            return crowds.simulate(placed(number), number, job.rate_hz, stopped, report_progress)
 
-        _compile(placed(0), job.rate_hz)
-        return one
+        _compile_kernels(placed(0), job.rate_hz)
+        return simulate_run
 
     def film(self, run: CrowdRun) -> CrowdFilm:
         """Film of a run, seen from above."""
-        return jobs.film_of(self.job, run.times, run.poses)
+        return jobs.make_film(self.job, run.times, run.poses)
 
     def quantities(self, records: Sequence[CrowdRun]) -> list[Quantity]:
         """Statistics of the films of runs."""
@@ -84,39 +84,39 @@ class InSpace(NamedTuple):
         """None: what a step leaves of a crowd is not known."""
 
 
-def cost(job: Job) -> float:
+def cpu_seconds(job: Job) -> float:
     """CPU seconds of a run of a crowd, by a moment of the first, once its walkers have landed."""
-    plan, times = _placed(job)(0), list[tuple[float, float]]()
-    _compile(plan, job.rate_hz)
-    over = expected.moment()
+    plan, times = _placement_function(job)(0), list[tuple[float, float]]()
+    _compile_kernels(plan, job.rate_hz)
+    over = expected.stop_after_moment()
 
-    def told(seconds: float) -> None:
+    def record_time(seconds: float) -> None:
         if seconds >= expected.SETTLING_S:
             times.append((time.thread_time(), seconds))
 
-    run = plan.scene.run.model_copy(update={"seconds": expected.LONGEST_S, "discard_seconds": 0.0})
+    run = plan.scene.run.model_copy(update={"seconds": expected.MAX_MOMENT_S, "discard_seconds": 0.0})
     lasting = plan._replace(scene=plan.scene.model_copy(update={"run": run}))
-    crowds.simulate(lasting, 0, job.rate_hz, lambda: len(times) > 1 and over(), told)
+    crowds.simulate(lasting, 0, job.rate_hz, lambda: len(times) > 1 and over(), record_time)
     if len(times) < 2:  # all have fallen
         return 0.0
     spent, seconds = np.subtract(times[-1], times[0])
     return float(spent / seconds) * (job.scene.run.seconds + job.scene.run.discard_seconds)
 
 
-def _placed(job: Job) -> Callable[[int], CrowdPlan]:
+def _placement_function(job: Job) -> Callable[[int], CrowdPlan]:
     """Return a function that places the walkers of the run of a number. Raises InputError."""
-    plan = _plan(job)
-    about_C = _about_C(job, plan)
-    return lambda number: plan._replace(places=jobs.placed(job, about_C, number))
+    plan = _make_plan(job)
+    about_C = _contours_from_centre(job, plan)
+    return lambda number: plan._replace(places=jobs.place_walkers(job, about_C, number))
 
 
-def _plan(job: Job) -> CrowdPlan:
+def _make_plan(job: Job) -> CrowdPlan:
     """Plan of a crowd whose walkers have no places yet. Raises InputError."""
     designs = [(kind.design, kind.mass) for kind in job.kinds if kind.design and kind.mass]
     return crowds.prepare(job.scene, designs, job.numbers, np.zeros((len(job.numbers), 3)))
 
 
-def _about_C(job: Job, plan: CrowdPlan) -> list[list[Array]]:
+def _contours_from_centre(job: Job, plan: CrowdPlan) -> list[list[Array]]:
     """Contours of each kind from the centre of mass, by which walkers are let go."""
     about_C = []
     for kind, own in zip(job.kinds, plan.plans, strict=True):
@@ -125,7 +125,7 @@ def _about_C(job: Job, plan: CrowdPlan) -> list[list[Array]]:
     return about_C
 
 
-def _compile(plan: CrowdPlan, rate_hz: float) -> None:
+def _compile_kernels(plan: CrowdPlan, rate_hz: float) -> None:
     """Compile, or load, the kernels of a plan by a moment of a run: once, for all threads."""
-    run = plan.scene.run.model_copy(update={"seconds": MOMENT_S, "discard_seconds": 0.0})
+    run = plan.scene.run.model_copy(update={"seconds": COMPILE_RUN_S, "discard_seconds": 0.0})
     crowds.simulate(plan._replace(scene=plan.scene.model_copy(update={"run": run})), 0, rate_hz)

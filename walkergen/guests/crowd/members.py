@@ -7,57 +7,57 @@ from walkergen.core.errors import InputError
 from walkergen.core.files import columns
 from walkergen.core.scene import Scene
 
-DEFAULT = 10
+DEFAULT_COUNT = 10
 """Walkers of a crowd unless something says how many."""
 
-MOST = 100_000
+MAX_WALKERS = 100_000
 
-RUNS, RATE_HZ = 4, 25.0
+DEFAULT_RUNS, DEFAULT_RATE_HZ = 4, 25.0
 """Independent runs of a crowd, and frames a second of them, unless asked otherwise."""
 
 
-def parse(value: int | str | Mapping[str, int]) -> int | dict[str, int]:
+def parse_count(value: int | str | Mapping[str, int]) -> int | dict[str, int]:
     """Parse a number of walkers, or numbers by designs: 30, "30", {"rotator": 10} or "polar-disc:20,rotator:10".
 
     Raises ValueError, InputError for none or too many.
     """
-    whole = columns.parse_count(value, MOST) if isinstance(value, str) else value
+    whole = columns.parse_count(value, MAX_WALKERS) if isinstance(value, str) else value
     if isinstance(whole, int) and not isinstance(whole, bool):
-        return check(whole, f"‹count=›{whole}")
+        return check_count(whole, f"‹count=›{whole}")
     pairs: list[tuple[str, Any]] = []
     if isinstance(value, Mapping):
         pairs = [(str(name), count) for name, count in value.items()]
     elif isinstance(value, str) and ":" in value:
         for part in value.split(","):
             name, _, number = part.strip().rpartition(":")
-            pairs.append((name, columns.parse_count(number, MOST)))
+            pairs.append((name, columns.parse_count(number, MAX_WALKERS)))
     for name, count in pairs:
-        if not name or isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST:
-            raise ValueError(f"{name[:40]!r} must be DESIGN:N, N in 1..{MOST}")
+        if not name or isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MAX_WALKERS:
+            raise ValueError(f"{name[:40]!r} must be DESIGN:N, N in 1..{MAX_WALKERS}")
     if not pairs:
         raise ValueError(
-            f"must be a whole number in 1..{MOST}, or designs with their numbers, as in polar-disc:20,rotator:10"
+            f"must be a whole number in 1..{MAX_WALKERS}, or designs with their numbers, as in polar-disc:20,rotator:10"
         )
     counts = dict(pairs)
     if len(counts) < len(pairs):
         raise ValueError("names a design twice; add its numbers up")
-    check(sum(counts.values()), f"‹count=›{','.join(f'{name}:{count}' for name, count in pairs)[:60]}")
+    check_count(sum(counts.values()), f"‹count=›{','.join(f'{name}:{count}' for name, count in pairs)[:60]}")
     return counts
 
 
-def check(count: int, told: str) -> int:
+def check_count(count: int, told: str) -> int:
     """Return a number of walkers. Raises InputError for none or too many."""
-    if not 1 <= count <= MOST:
-        raise InputError(f"{told}: a crowd has 1 to {MOST} walkers")
+    if not 1 <= count <= MAX_WALKERS:
+        raise InputError(f"{told}: a crowd has 1 to {MAX_WALKERS} walkers")
     return count
 
 
-def number_of(scene: Scene, area_mm2: float) -> int:
+def walker_count(scene: Scene, area_mm2: float) -> int:
     """Return how many walkers of an outline of this area a scene requests. Raises InputError."""
     crowd, dish = scene.crowd, scene.crowd.dish
     if crowd.packing is None:
-        count = DEFAULT if crowd.count is None else crowd.count
-        return check(count, f"crowd.count = {count}")
+        count = DEFAULT_COUNT if crowd.count is None else crowd.count
+        return check_count(count, f"crowd.count = {count}")
     count = round(crowd.packing * dish.area / area_mm2)
     told = f"crowd.packing = {crowd.packing:g}: {count} walkers of {area_mm2:.4g} mm²"
-    return check(count, f"{told} in {dish.words}")
+    return check_count(count, f"{told} in {dish.words}")

@@ -19,7 +19,7 @@ from walkergen.core.files import output
 from walkergen.core.files.progress import Progress
 from walkergen.files import animation
 from walkergen.files.animation import Draw, Pixels
-from walkergen.files.canvas import INK, LARGE, PLATE, SMALL, Canvas, to_scale
+from walkergen.files.canvas import INK, LARGE_PT, PLATE_COLOUR, SMALL_PT, Canvas, set_scale
 from walkergen.files.figures import SERIES
 from walkergen.guests.crowd.statistics import ground
 from walkergen.guests.crowd.statistics.film import CrowdFilm
@@ -28,26 +28,26 @@ Array = npt.NDArray[np.float64]
 
 Colour = Literal["heading", "kind"]
 
-WIDTH, TALLEST = 900, 860
+WIDTH_PX, MAX_DISH_HEIGHT_PX = 900, 860
 """Width of the picture, and largest height of the dish in it, pixels."""
 
-HEAD, FOOT, MARGIN = 46, 40, 14
+HEADER_PX, FOOTER_PX, MARGIN_PX = 46, 40, 14
 """Heights of the rows above and below the dish; margin."""
 
-HUES = 72
+HUE_COUNT = 72
 """Colours of headings, even around the circle."""
 
 LIGHTNESS, CHROMA = 0.72, 0.12
 """Of these in OKLab (https://bottosson.github.io/posts/oklab/): all equally bright, so that none
 stands out, and inside sRGB at every hue."""
 
-FINE = 0.25
+SIMPLIFY_PX = 0.25
 """Pixels by which an outline may be simplified."""
 
-DART = np.array([(0.5, 0.0), (-0.35, 0.3), (-0.2, 0.0), (-0.35, -0.3)])
+DART_SHAPE = np.array([(0.5, 0.0), (-0.35, 0.3), (-0.2, 0.0), (-0.35, -0.3)])
 """Body of a walker whose outline is not known, over `pairs.scale` of the crowd: it points ahead."""
 
-MOST_FRAMES = 2000
+MAX_FRAMES = 2000
 """Most frames of a movie; of longer films every second frame is shown, or every third."""
 
 SUFFIXES = (".mp4", ".gif", ".png")
@@ -68,13 +68,13 @@ class _Bodies(NamedTuple):
     drawn: PolyCollection
 
 
-def check(path: Path) -> None:
+def check_format(path: Path) -> None:
     """Raise InputError for a suffix that names no form, and for an MP4 without ffmpeg."""
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise InputError(f"‹movie=›{str(path)[:80]!r}: must end in one of {', '.join(SUFFIXES)}")
-    if suffix == ".mp4" and animation.program() is None:
-        raise InputError(f"‹movie=›{str(path)[:80]!r}: {animation.WITHOUT}; name a .gif instead")
+    if suffix == ".mp4" and animation.find_ffmpeg() is None:
+        raise InputError(f"‹movie=›{str(path)[:80]!r}: {animation.NO_FFMPEG_REASON}; name a .gif instead")
 
 
 def write(path: Path, film: CrowdFilm, title: str, colour: Colour, fps: int, progress: Progress) -> int:
@@ -83,69 +83,69 @@ def write(path: Path, film: CrowdFilm, title: str, colour: Colour, fps: int, pro
     A GIF has the nearest of its rates. Of thousands that all move it takes some 0.13 MB a frame, an
     MP4 a fifth of it. Raises InputError as `check` does.
     """
-    check(path)
+    check_format(path)
     suffix = path.suffix.lower()
     if suffix == ".png":
-        output.write(path, still(film, title, colour))
+        output.write(path, render_still(film, title, colour))
         return 1
-    every = math.ceil(len(film.times) / MOST_FRAMES)
-    shown = film.at(np.arange(0, len(film.times), every))
+    every = math.ceil(len(film.times) / MAX_FRAMES)
+    shown = film.select_frames(np.arange(0, len(film.times), every))
     if suffix == ".gif":
         fps = min(GIF_FPS, key=lambda rate: abs(math.log(rate / fps)))
-    draw, count = drawer(shown, title, colour, fps), len(shown.times)
+    draw, count = make_draw_function(shown, title, colour, fps), len(shown.times)
     if suffix == ".gif":
-        keep = ["#" + "".join(f"{round(255 * part):02x}" for part in hue) for hue in hues()]
+        keep = ["#" + "".join(f"{round(255 * part):02x}" for part in hue) for hue in heading_colours()]
         kept = keep if colour == "heading" else []
         output.write(path, animation.encode(draw, count, fps, HOLD_S, kept, progress).gif)
         return count
-    mp4, without = animation.film(draw, count, fps, progress)
+    mp4, without = animation.encode_mp4(draw, count, fps, progress)
     if mp4 is None:
         raise InputError(f"{str(path)[:80]!r}: {without}; name a .gif instead")
     output.write(path, mp4)
     return count
 
 
-def still(film: CrowdFilm, title: str, colour: Colour = "heading", at: int = -1) -> bytes:
+def render_still(film: CrowdFilm, title: str, colour: Colour = "heading", at: int = -1) -> bytes:
     """Frame `at` as PNG, the last by default."""
     frame = range(len(film.times))[at]
     buffer = io.BytesIO()
-    Image.fromarray(drawer(film, title, colour)(frame)).save(buffer, "PNG")
+    Image.fromarray(make_draw_function(film, title, colour)(frame)).save(buffer, "PNG")
     return buffer.getvalue()
 
 
-def drawer(film: CrowdFilm, title: str, colour: Colour = "heading", fps: int | None = None) -> Draw:
+def make_draw_function(film: CrowdFilm, title: str, colour: Colour = "heading", fps: int | None = None) -> Draw:
     """Make a function that draws a frame; `fps` of the movie tells how fast it is beside life."""
     length, width = film.dish.box
-    scale = min((WIDTH - 2 * MARGIN) / length, TALLEST / width)
-    height = HEAD + math.ceil(scale * width) + FOOT
-    canvas = Canvas(WIDTH, height + height % 2)
-    axes = canvas.axes(MARGIN, FOOT, WIDTH - 2 * MARGIN, math.ceil(scale * width))
-    to_scale(axes, (0.0, 0.0), scale * (1.0 - 4.0 / WIDTH))  # room for the line of the wall
+    scale = min((WIDTH_PX - 2 * MARGIN_PX) / length, MAX_DISH_HEIGHT_PX / width)
+    height = HEADER_PX + math.ceil(scale * width) + FOOTER_PX
+    canvas = Canvas(WIDTH_PX, height + height % 2)
+    axes = canvas.axes(MARGIN_PX, FOOTER_PX, WIDTH_PX - 2 * MARGIN_PX, math.ceil(scale * width))
+    set_scale(axes, (0.0, 0.0), scale * (1.0 - 4.0 / WIDTH_PX))  # room for the line of the wall
     axes.axis("off")
-    _dish(axes, film)
-    bodies = _bodies(axes, film, scale)
-    canvas.text(MARGIN, height - 30, title, fontsize=LARGE, weight="bold")
+    _draw_dish(axes, film)
+    bodies = _add_bodies(axes, film, scale)
+    canvas.text(MARGIN_PX, height - 30, title, fontsize=LARGE_PT, weight="bold")
     words = {"family": "DejaVu Sans Mono", "ha": "right"}
-    clock = canvas.text(WIDTH - MARGIN, height - 30, "", **words)
-    _foot(canvas, film, scale, colour, fps)
-    paint = _paint(film, colour)
-    canvas.move(*(kind.drawn for kind in bodies), clock)
+    clock = canvas.text(WIDTH_PX - MARGIN_PX, height - 30, "", **words)
+    _draw_footer(canvas, film, scale, colour, fps)
+    paint = _make_colour_function(film, colour)
+    canvas.add_moving_artists(*(kind.drawn for kind in bodies), clock)
 
     def draw(frame: int) -> Pixels:
-        x, y = ground.wrapped(film.x[frame], film.y[frame], film.dish)
+        x, y = ground.wrap_places(film.x[frame], film.y[frame], film.dish)
         theta = film.theta[frame]
         faces = paint(theta)
         for kind in bodies:
-            _set(kind, x, y, theta, faces, film)
+            _update_bodies(kind, x, y, theta, faces, film)
         clock.set_text(f"{film.times[frame]:8.2f} s")
         return canvas.pixels()
 
     return draw
 
 
-def hues() -> Array:
+def heading_colours() -> Array:
     """Colours of headings from 0 on, counter-clockwise, shape (HUES, 3), 0 to 1."""
-    angle = 2.0 * np.pi * np.arange(HUES) / HUES
+    angle = 2.0 * np.pi * np.arange(HUE_COUNT) / HUE_COUNT
     a, b = CHROMA * np.cos(angle), CHROMA * np.sin(angle)
     roots = np.stack(
         [
@@ -165,38 +165,38 @@ def hues() -> Array:
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
 
 
-def _paint(film: CrowdFilm, colour: Colour) -> Callable[[Array], Array]:
+def _make_colour_function(film: CrowdFilm, colour: Colour) -> Callable[[Array], Array]:
     """Return a function from headings to the colour of each walker, shape (N, 3)."""
     if colour == "heading" and film.headed:
-        wheel = np.vstack([hues(), _rgb(PLATE)])
+        wheel = np.vstack([heading_colours(), _to_rgb(PLATE_COLOUR)])
 
-        def by_heading(theta: Array) -> Array:
+        def wheel_colours(theta: Array) -> Array:
             turn = np.nan_to_num(theta) / (2.0 * np.pi)
-            at = np.rint(turn * HUES).astype(np.int64) % HUES
-            return np.asarray(wheel[np.where(np.isnan(theta), HUES, at)])
+            at = np.rint(turn * HUE_COUNT).astype(np.int64) % HUE_COUNT
+            return np.asarray(wheel[np.where(np.isnan(theta), HUE_COUNT, at)])
 
-        return by_heading
+        return wheel_colours
     kinds = list(dict.fromkeys(film.kinds))
-    own = np.array([_rgb(_of_kind(kinds.index(kind))) for kind in film.kinds])
+    own = np.array([_to_rgb(_kind_colour(kinds.index(kind))) for kind in film.kinds])
     return lambda theta: own
 
 
-def _of_kind(number: int) -> str:
+def _kind_colour(number: int) -> str:
     return SERIES[number % len(SERIES)][0]
 
 
-def _rgb(colour: str) -> tuple[float, float, float]:
+def _to_rgb(colour: str) -> tuple[float, float, float]:
     red, green, blue = (int(colour[at : at + 2], 16) / 255.0 for at in (1, 3, 5))
     return red, green, blue
 
 
-def _bodies(axes: Axes, film: CrowdFilm, scale: float) -> list[_Bodies]:
+def _add_bodies(axes: Axes, film: CrowdFilm, scale: float) -> list[_Bodies]:
     """Create the artists that draw the walkers of each kind."""
-    made, edge = [], "face" if _small(film, scale) else INK
+    made, edge = [], "face" if _is_small(film, scale) else INK
     for kind in dict.fromkeys(film.kinds):
         walkers = np.flatnonzero([own == kind for own in film.kinds])
-        for contour in film.outlines.get(kind, (_sign(film),)):
-            simple = shapely.simplify(shapely.Polygon(contour), FINE / scale)
+        for contour in film.outlines.get(kind, (_symbol_outline(film),)):
+            simple = shapely.simplify(shapely.Polygon(contour), SIMPLIFY_PX / scale)
             corners = shapely.get_coordinates(shapely.get_exterior_ring(simple))[:-1]
             drawn = PolyCollection([], linewidths=0.0 if edge == "face" else 0.5, edgecolors=edge)
             axes.add_collection(drawn)
@@ -204,31 +204,31 @@ def _bodies(axes: Axes, film: CrowdFilm, scale: float) -> list[_Bodies]:
     return made
 
 
-def _small(film: CrowdFilm, scale: float) -> bool:
+def _is_small(film: CrowdFilm, scale: float) -> bool:
     """Whether walkers are so small in the picture that a dark edge would hide their colour."""
-    return scale * _size(film) < 12.0
+    return scale * _walker_size(film) < 12.0
 
 
-def _size(film: CrowdFilm) -> float:
+def _walker_size(film: CrowdFilm) -> float:
     """Mean outer diameter, or without outlines half the distance to a neighbour, mm."""
     if film.sized:
         return 2.0 * float(film.radii.mean())
     return 0.5 * math.sqrt(film.dish.area / film.x.shape[1])
 
 
-def _sign(film: CrowdFilm) -> Array:
+def _symbol_outline(film: CrowdFilm) -> Array:
     """Shape of walkers without an outline: a dart along the heading, or where none is a disc."""
     angle = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
-    shape = DART if film.headed else 0.35 * np.column_stack([np.cos(angle), np.sin(angle)])
-    return np.asarray(_size(film) * shape)
+    shape = DART_SHAPE if film.headed else 0.35 * np.column_stack([np.cos(angle), np.sin(angle)])
+    return np.asarray(_walker_size(film) * shape)
 
 
-def _set(kind: _Bodies, x: Array, y: Array, theta: Array, faces: Array, film: CrowdFilm) -> None:
+def _update_bodies(kind: _Bodies, x: Array, y: Array, theta: Array, faces: Array, film: CrowdFilm) -> None:
     """Show walkers of a kind that are seen, across the edges of a periodic square as well."""
     walkers = kind.walkers[np.isfinite(x[kind.walkers])]
     places = np.column_stack([x[walkers], y[walkers]])
     if film.dish.period:
-        places, walkers = _images(places, walkers, film.dish.period, float(np.abs(kind.corners).max()))
+        places, walkers = _add_periodic_images(places, walkers, film.dish.period, float(np.abs(kind.corners).max()))
     angle = np.nan_to_num(theta[walkers])[:, None]
     c, s = np.cos(angle), np.sin(angle)
     along, across = kind.corners.T
@@ -237,7 +237,7 @@ def _set(kind: _Bodies, x: Array, y: Array, theta: Array, faces: Array, film: Cr
     kind.drawn.set_facecolor(list(map(tuple, faces[walkers])))
 
 
-def _images(
+def _add_periodic_images(
     places: Array, walkers: npt.NDArray[np.int64], period: float, reach: float
 ) -> tuple[Array, npt.NDArray[np.int64]]:
     """Places with those of images that reach over the edges of a periodic square."""
@@ -249,7 +249,7 @@ def _images(
     return places, walkers
 
 
-def _dish(axes: Axes, film: CrowdFilm) -> None:
+def _draw_dish(axes: Axes, film: CrowdFilm) -> None:
     """Draw the ground and the walls; a periodic square has a dashed edge."""
     style: dict[str, Any] = {"facecolor": "#f6f6f4", "edgecolor": INK, "linewidth": 1.5}
     length, width = film.dish.box
@@ -263,36 +263,36 @@ def _dish(axes: Axes, film: CrowdFilm) -> None:
         axes.add_patch(Circle((0, 0), 0.5 * film.dish.sizes[1], **style | {"facecolor": "white"}))
 
 
-def _foot(canvas: Canvas, film: CrowdFilm, scale: float, colour: Colour, fps: int | None) -> None:
+def _draw_footer(canvas: Canvas, film: CrowdFilm, scale: float, colour: Colour, fps: int | None) -> None:
     """Write what the picture shows, draw a bar of a round length and what the colours mean."""
     power = 10.0 ** math.floor(math.log10(160.0 / scale))
     length = max(power * step for step in (1, 2, 5) if power * step * scale <= 160.0 * (1 + 1e-9))
-    bar = canvas.axes(MARGIN, 14, length * scale, 5)
+    bar = canvas.axes(MARGIN_PX, 14, length * scale, 5)
     bar.set(xlim=(0, 1), xticks=[], yticks=[])
     bar.spines[["top"]].set_visible(False)
-    canvas.text(MARGIN + length * scale + 8, 12, f"{length:g} mm", fontsize=SMALL)
+    canvas.text(MARGIN_PX + length * scale + 8, 12, f"{length:g} mm", fontsize=SMALL_PT)
     pace = ""
     if fps is not None and len(film.times) > 1:
         pace = f", {fps * film.interval:.3g} of real speed"
     walkers = film.x.shape[1]
     words = f"{walkers} walker{'s' * (walkers != 1)}, {film.dish.words}{pace}"
-    canvas.text(0.5 * WIDTH, 12, words, fontsize=SMALL, ha="center")
+    canvas.text(0.5 * WIDTH_PX, 12, words, fontsize=SMALL_PT, ha="center")
     if colour == "heading" and film.headed:
-        wheel = canvas.axes(WIDTH - MARGIN - 32, 4, 32, 32)
-        for at, hue in enumerate(hues()):
-            ends = (360.0 * (at - 0.5) / HUES, 360.0 * (at + 0.5) / HUES)
+        wheel = canvas.axes(WIDTH_PX - MARGIN_PX - 32, 4, 32, 32)
+        for at, hue in enumerate(heading_colours()):
+            ends = (360.0 * (at - 0.5) / HUE_COUNT, 360.0 * (at + 0.5) / HUE_COUNT)
             wheel.add_patch(Wedge((0, 0), 1.0, *ends, width=0.45, facecolor=hue, linewidth=0))
         wheel.set(xlim=(-1.05, 1.05), ylim=(-1.05, 1.05))
         wheel.axis("off")
-        canvas.text(WIDTH - MARGIN - 38, 12, "heading", fontsize=SMALL, ha="right")
+        canvas.text(WIDTH_PX - MARGIN_PX - 38, 12, "heading", fontsize=SMALL_PT, ha="right")
     elif len(kinds := list(dict.fromkeys(film.kinds))) > 1:
-        _kinds(canvas, kinds)
+        _draw_legend(canvas, kinds)
 
 
-def _kinds(canvas: Canvas, kinds: Sequence[str]) -> None:
+def _draw_legend(canvas: Canvas, kinds: Sequence[str]) -> None:
     """Draw a legend of the kinds."""
-    colours = [Patch(color=_of_kind(at), label=kind) for at, kind in enumerate(kinds)]
-    place = (1.0 - MARGIN / WIDTH, 0.0)
+    colours = [Patch(color=_kind_colour(at), label=kind) for at, kind in enumerate(kinds)]
+    place = (1.0 - MARGIN_PX / WIDTH_PX, 0.0)
     canvas.figure.legend(
-        handles=colours, loc="lower right", bbox_to_anchor=place, ncols=len(kinds), fontsize=SMALL, frameon=False
+        handles=colours, loc="lower right", bbox_to_anchor=place, ncols=len(kinds), fontsize=SMALL_PT, frameon=False
     )

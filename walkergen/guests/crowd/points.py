@@ -11,14 +11,14 @@ from walkergen.core.printing.printers import Printer
 from walkergen.core.simulation.run import ENERGY_TOLERANCE
 from walkergen.guests.crowd import in_space, make, members
 from walkergen.guests.crowd.runs import Simulated
-from walkergen.guests.crowd.statistics.measuring import TIMELESS, UNITS
+from walkergen.guests.crowd.statistics.measuring import UNITS, WHOLE_RUN_NUMBERS
 from walkergen.points.kinds import Picture
-from walkergen.points.point import Point, Record, Went, went
+from walkergen.points.point import Point, Record, Went, status_record
 
-GROUPS, SCENE, RUNS, MEETS_ERRORS = tuple(UNITS), "plane-90hz", members.RUNS, False
+GROUPS, SCENE, RUNS, MEETS_ERRORS = tuple(UNITS), "plane-90hz", members.DEFAULT_RUNS, False
 KEPT = "packing", "polar_order", "nematic_order", "speed", "largest_cluster", "wall_density"
 
-SIZE = ("walkers", "runs", "seconds")
+SIZE_COLUMNS = ("walkers", "runs", "seconds")
 """Columns of the crowd itself, before those of its statistics."""
 
 
@@ -33,10 +33,10 @@ def title(model: str) -> str:
 
 def columns(model: str, keep: Sequence[str]) -> tuple[str, ...]:
     """Columns of records that keep these statistics, without the status."""
-    return (*SIZE, *(column for name in keep for column in columns_of(name)))
+    return (*SIZE_COLUMNS, *(column for name in keep for column in statistic_columns(name)))
 
 
-def columns_of(name: str) -> tuple[str, str, str, str]:
+def statistic_columns(name: str) -> tuple[str, str, str, str]:
     """Columns of a statistic of `measuring.UNITS`: value, standard error, bounds of 95 %."""
     unit = f"_{UNITS[name]}" if UNITS[name] else ""
     return f"{name}{unit}", f"{name}_se{unit}", f"{name}_low_95{unit}", f"{name}_high_95{unit}"
@@ -46,14 +46,16 @@ def pictures(keep: Sequence[str]) -> tuple[Picture, ...]:
     """Return the pictures of a table: one of each statistic."""
     made = []
     for name in keep:
-        value, _, low, high = columns_of(name)
+        value, _, low, high = statistic_columns(name)
         made.append(Picture(name, value, low, high, name.replace("_", " ") + (" (mm/s)" if UNITS[name] else "")))
     return tuple(made)
 
 
 def cost(point: Point) -> float:
     """CPU seconds that a crowd takes, by a moment of it. Raises as `evaluate` does."""
-    return point.scene.run.runs * in_space.cost(in_space.asked(point.scene, [point.design], None, members.RATE_HZ))
+    return point.scene.run.runs * in_space.cpu_seconds(
+        in_space.make_job(point.scene, [point.design], None, members.DEFAULT_RATE_HZ)
+    )
 
 
 def evaluate(point: Point) -> Record:
@@ -62,31 +64,33 @@ def evaluate(point: Point) -> Record:
     Raises InputError where it has no room or too many walkers, and KeyboardInterrupt where runs
     are missing.
     """
-    job = in_space.asked(point.scene, [point.design], None, members.RATE_HZ)
+    job = in_space.make_job(point.scene, [point.design], None, members.DEFAULT_RATE_HZ)
     simulated = make.simulate(job, 1, silent)
     if len(simulated.films) < point.scene.run.runs:
         raise KeyboardInterrupt
     measured = simulated.statistics
     sizes = len(job.numbers), measured.runs, point.scene.run.seconds
-    record = _went(simulated) | dict(zip(SIZE, sizes, strict=True))
+    record = _run_status(simulated) | dict(zip(SIZE_COLUMNS, sizes, strict=True))
     for name, estimate in measured.numbers.items():
         bounds = estimate.interval(0.95) or (None, None)
         values = estimate.value, estimate.se, *bounds
-        record |= dict(zip(columns_of(name), values, strict=True))
+        record |= dict(zip(statistic_columns(name), values, strict=True))
     return record
 
 
-def _went(simulated: Simulated) -> Record:
+def _run_status(simulated: Simulated) -> Record:
     """How the runs of a crowd went."""
     if fallen := simulated.fallen:
         count = sum(simulated.outcomes.values())
         which = ", ".join(f"{count} {name}" for name, count in fallen.items())
         how = Went.WALKERS_ENDED_BADLY
-        return went(how, f"{how}: {which}, of {count} in all runs")
+        return status_record(how, f"{how}: {which}, of {count} in all runs")
     if simulated.energy_error > ENERGY_TOLERANCE:
         share = words.format_number(100.0 * simulated.energy_error, 2)
-        return went(Went.UNBALANCED, f"{Went.UNBALANCED}: {share} % unaccounted for; take a smaller run.step_us")
+        return status_record(
+            Went.UNBALANCED, f"{Went.UNBALANCED}: {share} % unaccounted for; take a smaller run.step_us"
+        )
     for name, number in simulated.statistics.numbers.items():
-        if name not in TIMELESS and number.value is not None and number.se is None:
-            return went(Went.NOT_MET, f"error unknown: {number.refused}; take more runs")
-    return went(Went.OK)
+        if name not in WHOLE_RUN_NUMBERS and number.value is not None and number.se is None:
+            return status_record(Went.NOT_MET, f"error unknown: {number.refused}; take more runs")
+    return status_record(Went.OK)

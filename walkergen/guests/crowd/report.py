@@ -14,11 +14,11 @@ from walkergen.files.report import Report, Table
 from walkergen.guests.crowd import figures as crowd_figures
 from walkergen.guests.crowd import files as tracks
 from walkergen.guests.crowd import in_plane, tables
-from walkergen.guests.crowd.runs import WELL, Job, Simulated
+from walkergen.guests.crowd.runs import GOOD_OUTCOMES, Job, Simulated
 from walkergen.guests.crowd.space.result import CrowdRun
 from walkergen.guests.crowd.statistics import CrowdStatistics
 
-MOST_ROWS = 2_000_000
+MAX_ROWS = 2_000_000
 """Walkers times frames of a run up to which its tracks are written, some 100 bytes each."""
 
 
@@ -54,30 +54,30 @@ class Contacts(NamedTuple):
     """Walkers that did not come to the end."""
 
 
-CONTACTS = (
-    report.text("run", "run"),
-    report.number("touches", "touches"),
-    report.number("a walker and second", "touches_per_walker_s", 3),
-    report.number("give (µm)", "deepest_um", 2),
-    report.number("lost to impact (nJ)", "lost_normal_nj", 3, wide=True),
-    report.number("to friction (nJ)", "lost_friction_nj", 3, wide=True),
-    report.number("energy error", "energy_error", 2),
-    report.number("off restitution", "contact_error", 2),
-    report.text("fallen", "fallen"),
+CONTACT_COLUMNS = (
+    report.text_column("run", "run"),
+    report.number_column("touches", "touches"),
+    report.number_column("a walker and second", "touches_per_walker_s", 3),
+    report.number_column("give (µm)", "deepest_um", 2),
+    report.number_column("lost to impact (nJ)", "lost_normal_nj", 3, wide=True),
+    report.number_column("to friction (nJ)", "lost_friction_nj", 3, wide=True),
+    report.number_column("energy error", "energy_error", 2),
+    report.number_column("off restitution", "contact_error", 2),
+    report.text_column("fallen", "fallen"),
 )
 
 
-def of(simulated: Simulated, folder: Path | None = None) -> CrowdReport:
+def make_report(simulated: Simulated, folder: Path | None = None) -> CrowdReport:
     """Report of a crowd, written into a folder if there is one."""
     job, statistics = simulated.job, simulated.statistics
-    title = title_of(job)
-    rows = [_contacts(run, statistics.seconds) for run in simulated.runs]
-    contacts = Table("contacts", rows, Contacts._fields, CONTACTS, "Contacts of bodies and walls")
+    title = crowd_title(job)
+    rows = [_contact_row(run, statistics.seconds) for run in simulated.runs]
+    contacts = Table("contacts", rows, Contacts._fields, CONTACT_COLUMNS, "Contacts of bodies and walls")
     return CrowdReport(
         name="report",
         title=title,
-        caption=caption_of(job),
-        tables=[*tables.tables(statistics), *([contacts] if rows else [])],
+        caption=crowd_caption(job),
+        tables=[*tables.make_tables(statistics), *([contacts] if rows else [])],
         facts={
             "scene": job.scene.name,
             "model": job.model,
@@ -89,21 +89,21 @@ def of(simulated: Simulated, folder: Path | None = None) -> CrowdReport:
             "contacts": [row._asdict() for row in rows],
             "outcomes": dict(simulated.outcomes),
         },
-        lines=[tables.line(statistics), *([in_plane.TESTED] if job.model == "flat" else [])],
+        lines=[tables.summary_line(statistics), *([in_plane.TESTED_RANGE] if job.model == "flat" else [])],
         warnings=list(_warnings(simulated)),
-        figures=crowd_figures.figures(statistics, title),
+        figures=crowd_figures.draw_functions(statistics, title),
         folder=folder,
         simulated=simulated,
     )
 
 
-def title_of(job: Job) -> str:
+def crowd_title(job: Job) -> str:
     """Who runs where, in words."""
     who = " and ".join(f"{kind.walkers} {kind.name}" for kind in job.kinds)
     return f"{who} in {job.scene.crowd.dish.words}"
 
 
-def caption_of(job: Job) -> str:
+def crowd_caption(job: Job) -> str:
     """Describe what was simulated, without a full stop."""
     crowd = job.scene.crowd
     if job.model == "flat":
@@ -115,7 +115,7 @@ def caption_of(job: Job) -> str:
     )
 
 
-def _contacts(run: CrowdRun, seconds: float) -> Contacts:
+def _contact_row(run: CrowdRun, seconds: float) -> Contacts:
     return Contacts(
         run.number,
         run.touches,
@@ -125,7 +125,7 @@ def _contacts(run: CrowdRun, seconds: float) -> Contacts:
         run.losses["friction"],
         run.energy_error,
         run.contact_error,
-        sum(outcome not in WELL for outcome in run.outcomes),
+        sum(outcome not in GOOD_OUTCOMES for outcome in run.outcomes),
     )
 
 
@@ -149,37 +149,37 @@ def write(report: CrowdReport, folder: Path, pictures: bool, progress: Progress)
         if pictures:
             from walkergen.guests.crowd import movie  # brings matplotlib
 
-            target.write("crowd.png", movie.still(report.simulated.films[0], report.title))
+            target.write("crowd.png", movie.render_still(report.simulated.films[0], report.title))
         for number, film in enumerate(report.simulated.films):
-            if film.x.size > MOST_ROWS:
+            if film.x.size > MAX_ROWS:
                 continue
-            for suffix in tracks.writable():
+            for suffix in tracks.writable_suffixes():
                 progress("writing tracks", 99, 100)
                 name = f"tracks/run-{number}{suffix}"
-                target.write(name, tracks.packed(film, target.path / name))
-        target.finish(inputs_of(report.simulated.job))
+                target.write(name, tracks.encode(film, target.path / name))
+        target.finish(manifest_inputs(report.simulated.job))
     return report
 
 
 def write_inputs(job: Job, folder: Path) -> Report:
     """Write the input of LAMMPS for every run into a folder, and say what is there."""
-    inputs = in_plane.inputs(job)
+    inputs = in_plane.input_files(job)
     with Folder(folder) as target:
         for name, data in inputs.items():
             target.write(name, data)
-        target.finish(inputs_of(job))
+        target.finish(manifest_inputs(job))
     return Report(
         name="inputs",
-        title=title_of(job),
+        title=crowd_title(job),
         tables=[],
         lines=["in each of its folders: `lmp -in crowd.in`"],
         folder=folder,
-        caption=caption_of(job),
+        caption=crowd_caption(job),
         facts={"files": sorted(inputs)},
     )
 
 
-def inputs_of(job: Job) -> dict[str, Any]:
+def manifest_inputs(job: Job) -> dict[str, Any]:
     """Return every resolved input of a crowd, for its manifest."""
     designs = [kind.design for kind in job.kinds if kind.design]
     return {
@@ -194,7 +194,7 @@ def inputs_of(job: Job) -> dict[str, Any]:
     }
 
 
-def name_of(job: Job) -> str:
+def folder_name(job: Job) -> str:
     """Name of a crowd's folder, after its walkers and the dish."""
     who = "-".join(kind.name for kind in job.kinds)
     count = sum(kind.walkers for kind in job.kinds)

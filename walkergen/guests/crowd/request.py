@@ -18,15 +18,15 @@ if TYPE_CHECKING:
     from walkergen.files.report import Report
     from walkergen.guests.crowd.runs import Job
 
-MOST_FPS = 50
+MAX_FPS = 50
 """Frames a second of a movie at most; tracks may have more."""
 
 
-def _count(value: Any) -> Any:
+def _parse_count(value: Any) -> Any:
     """Parse a number of walkers, or numbers by design: 30, "30", "polar-disc:20,rotator:10", {"polar-disc": 20}."""
     from walkergen.guests.crowd import members
 
-    return value if value is None else members.parse(value)
+    return value if value is None else members.parse_count(value)
 
 
 class CrowdRequest(request.Request):
@@ -52,13 +52,14 @@ class CrowdRequest(request.Request):
         Any,
         request.file_flag(
             "scenes",
-            f"Scene: a template or a TOML file; without, {request.PLANE}, of walkers with a motor {request.TABLE}.",
+            f"Scene: a template or a TOML file; without, {request.PLANE_SCENE}, of walkers with a motor "
+            f"{request.TABLE_SCENE}.",
             optional=True,
         ),
     ] = None
     count: Annotated[
         int | dict[str, int] | None,
-        BeforeValidator(_count),
+        BeforeValidator(_parse_count),
         Flag("Walkers: 30, or of designs polar-disc:20,rotator:10.", "N", takes="int | Mapping[str, int] | str | None"),
     ] = None
     packing: Annotated[
@@ -108,12 +109,12 @@ class CrowdRequest(request.Request):
         """Simulate the crowd, write the input of another program for it, or measure a walker's card."""
         if self.card:
             crowds = "count", "packing", "model", "rate_hz", "threads", "write_only", "movie"
-            self.refuse("is of a crowd, not of ‹card›", *crowds)
-            return self._card(progress)
-        self.refuse("is for ‹card›", "tracks", "fps", "mm_per_px", "unit", "y_down")
-        return self._crowd(progress)
+            self.check_unset("is of a crowd, not of ‹card›", *crowds)
+            return self._make_card(progress)
+        self.check_unset("is for ‹card›", "tracks", "fps", "mm_per_px", "unit", "y_down")
+        return self._simulate_crowd(progress)
 
-    def _crowd(self, progress: Progress) -> "Report":
+    def _simulate_crowd(self, progress: Progress) -> "Report":
         """Simulate the crowd, or write its input for LAMMPS."""
         from walkergen.guests.crowd import in_space, make, report
         from walkergen.guests.crowd import members as crowd_members
@@ -121,32 +122,32 @@ class CrowdRequest(request.Request):
         from walkergen.points import expected
 
         if self.movie is not None:
-            crowd_movie.check(self.movie)
+            crowd_movie.check_format(self.movie)
         counts = list(self.count.values()) if isinstance(self.count, dict) else None
         if counts is not None and self.design is not None:
             raise InputError(f"‹count=›{self.count}: names the designs: leave ‹design› out", "count")
         total = sum(counts) if counts else self.count
         given = self.inputs({} if total is None else {"scene.crowd.count": ("count", total)})
-        sources = list(self.count) if isinstance(self.count, dict) else [self.design or request.PAPER]
-        designs = [] if self._is_flat(sources) else self._designs(given, sources)
-        ground = request.ground(self.scene, designs, request.PLANE)
-        scene = given.scene(ground, {"scene.run.runs": crowd_members.RUNS})
+        sources = list(self.count) if isinstance(self.count, dict) else [self.design or request.PAPER_WALKER]
+        designs = [] if self._is_flat(sources) else self._load_designs(given, sources)
+        ground = request.choose_scene(self.scene, designs, request.PLANE_SCENE)
+        scene = given.scene(ground, {"scene.run.runs": crowd_members.DEFAULT_RUNS})
         if designs:
-            job = in_space.asked(scene, designs, counts, self.rate_hz)
+            job = in_space.make_job(scene, designs, counts, self.rate_hz)
         else:
-            job = self._flat(given, scene, sources, counts)
-        folder = self.folder(Path("out") / report.name_of(job))
+            job = self._make_flat_job(given, scene, sources, counts)
+        folder = self.output_folder(Path("out") / report.folder_name(job))
         if self.write_only:
-            return report.write_inputs(job, folder or Path("out") / report.name_of(job))
+            return report.write_inputs(job, folder or Path("out") / report.folder_name(job))
         if job.model == "space":
             runs = scene.run.runs
-            self._expect(lambda: Expected(expected.by_clock(in_space.cost(job), runs, self.threads)))
+            self._expect(lambda: Expected(expected.wall_time(in_space.cpu_seconds(job), runs, self.threads)))
         simulated = make.simulate(job, self.threads, progress)
-        result = report.of(simulated, folder)
+        result = report.make_report(simulated, folder)
         if folder is not None:
             result = report.write(result, folder, self.pictures, progress)
         if self.movie is not None:
-            fps = min(max(round(self.rate_hz), 1), MOST_FPS)
+            fps = min(max(round(self.rate_hz), 1), MAX_FPS)
             crowd_movie.write(self.movie, simulated.films[0], result.title, "heading", fps, progress)
             result = replace(result, files=[self.movie])
         done, wished = len(simulated.films), scene.run.runs
@@ -172,51 +173,51 @@ class CrowdRequest(request.Request):
             )
         return False
 
-    def _designs(self, given: Inputs, sources: list[Any]) -> "list[Design]":
+    def _load_designs(self, given: Inputs, sources: list[Any]) -> "list[Design]":
         """Designs of a crowd; a tilt and a kind of legs are for one design alone."""
         if len(sources) > 1:
-            self.refuse(f"is for one design, seen {len(sources)}", "tilt", "legs")
+            self.check_unset(f"is for one design, seen {len(sources)}", "tilt", "legs")
             return [given.design(source) for source in sources]
-        return [given.one(sources[0], self.tilt, self.legs)]
+        return [given.single_member(sources[0], self.tilt, self.legs)]
 
-    def _flat(self, given: Inputs, scene: "Scene", sources: list[Any], counts: list[int] | None) -> "Job":
+    def _make_flat_job(self, given: Inputs, scene: "Scene", sources: list[Any], counts: list[int] | None) -> "Job":
         """Crowd of cards. Raises InputError for what their measurement has settled."""
         from walkergen.guests.crowd import in_plane
         from walkergen.guests.crowd.cards import card
 
         why = "a card was measured with its own: make another card (‹card›)"
-        self.refuse(why, "tilt", "legs")
+        self.check_unset(why, "tilt", "legs")
         settled = [key for key in given.values if not key.startswith(("scene.crowd.", "scene.run."))]
-        given.refuse([*settled, "scene.run.step_us"], f"{why}, or leave it out")
-        known = [card.read(Path(source)) if isinstance(source, (str, Path)) else source for source in sources]
-        return in_plane.asked(scene, known, counts, self.rate_hz)
+        given.check_unset([*settled, "scene.run.step_us"], f"{why}, or leave it out")
+        known = [card.read_card(Path(source)) if isinstance(source, (str, Path)) else source for source in sources]
+        return in_plane.make_job(scene, known, counts, self.rate_hz)
 
-    def _card(self, progress: Progress) -> "Report":
+    def _make_card(self, progress: Progress) -> "Report":
         """Measure a walker alone, by runs or by a film, or read the card that somebody edited, and write it."""
         from walkergen.core.files import output
         from walkergen.guests.crowd.cards import make
 
-        source = self.design or request.PAPER
+        source = self.design or request.PAPER_WALKER
         given = self.inputs()
         if _is_card(source):
-            self.refuse(
+            self.check_unset(
                 "a card is read as it is", *(set(type(self).model_fields) - {"design", "card", "pictures", "out"})
             )
-            result, path = make.of_file(Path(source)), Path(source)
+            result, path = make.from_file(Path(source)), Path(source)
             folder = output.result_folder(path, self.out, "card")
             return make.write(result, {"card": path.name}, folder, self.pictures)
-        walker = given.one(source, self.tilt, self.legs)
-        scene = given.scene(request.ground(self.scene, [walker], request.PLANE))
+        walker = given.single_member(source, self.tilt, self.legs)
+        scene = given.scene(request.choose_scene(self.scene, [walker], request.PLANE_SCENE))
         asked: dict[str, Any] = {"design": walker.model_dump(mode="json"), "scene": scene.model_dump(mode="json")}
         if self.tracks is None:
-            self.refuse("is for ‹tracks› of a film", "fps", "mm_per_px", "unit", "y_down")
-            result = make.of_design(scene, walker, self.arena is not None, progress)
-            return make.write(result, asked, self.out or make.folder_of(walker), self.pictures)
-        self.refuse("a film tells nothing of walls", "arena")
-        self.refuse("tracks of a film are as long as they are", "seconds", "runs", "seed")
-        units = request.units(self.fps, self.mm_per_px, self.y_down, self.unit)
+            self.check_unset("is for ‹tracks› of a film", "fps", "mm_per_px", "unit", "y_down")
+            result = make.from_design(scene, walker, self.arena is not None, progress)
+            return make.write(result, asked, self.out or make.default_folder(walker), self.pictures)
+        self.check_unset("a film tells nothing of walls", "arena")
+        self.check_unset("tracks of a film are as long as they are", "seconds", "runs", "seed")
+        units = request.track_units(self.fps, self.mm_per_px, self.y_down, self.unit)
         folder = output.result_folder(self.tracks, self.out, "card")
-        result = make.of_film(self.tracks, units, scene, walker)
+        result = make.from_film(self.tracks, units, scene, walker)
         return make.write(result, {"file": self.tracks.name, **units._asdict(), **asked}, folder, self.pictures)
 
 

@@ -16,22 +16,22 @@ from walkergen.guests.crowd.cards.card import Card
 from walkergen.guests.crowd.space.placing import place
 from walkergen.guests.crowd.space.result import CrowdRun
 from walkergen.guests.crowd.statistics import CrowdFilm, CrowdStatistics
-from walkergen.guests.crowd.statistics.film import of_places
-from walkergen.guests.crowd.statistics.measuring import FEWEST_FRAMES
+from walkergen.guests.crowd.statistics.film import from_places
+from walkergen.guests.crowd.statistics.measuring import MIN_FRAMES
 from walkergen.points import simplest
-from walkergen.points.trajectory import check
+from walkergen.points.trajectory import check_sample_count
 from walkergen.readers.walkers import seen_above
 
 Array = npt.NDArray[np.float64]
 
 Model = Literal["space", "flat"]
 
-WELL = tuple(outcome.value for outcome in ENDED_WELL)
+GOOD_OUTCOMES = tuple(outcome.value for outcome in ENDED_WELL)
 
 CLEARANCE_MM = 0.2
 """Least distance of bodies at the start: they drop turned by up to a milliradian."""
 
-PLACING = 1
+PLACES_STREAM_KEY = 1
 """Key of the random stream of places, apart from those of the walkers."""
 
 
@@ -90,7 +90,7 @@ class Simulated(NamedTuple):
     @property
     def fallen(self) -> dict[str, int]:
         """Walkers of all runs that did not come to the end, by how it ended for them."""
-        return {name: count for name, count in self.outcomes.items() if name not in WELL}
+        return {name: count for name, count in self.outcomes.items() if name not in GOOD_OUTCOMES}
 
     @property
     def energy_error(self) -> float:
@@ -98,34 +98,36 @@ class Simulated(NamedTuple):
         return max((run.energy_error for run in self.runs), default=0.0)
 
 
-def film_of(job: Job, times: Array, poses: Array) -> CrowdFilm:
+def make_film(job: Job, times: Array, poses: Array) -> CrowdFilm:
     """Film of a run, seen from above, from times (F,) and places and headings (F, N, 3 or more)."""
     outlines = {kind.name: kind.outline for kind in job.kinds}
     names = [job.kinds[number].name for number in job.numbers]
-    return of_places(times, poses, names, outlines, job.scene.crowd.dish)
+    return from_places(times, poses, names, outlines, job.scene.crowd.dish)
 
 
-def checked(job: Job) -> Job:
+def check_job(job: Job) -> Job:
     """Return a job. Raises InputError for kinds of one name, an accepted error, too few frames and too many."""
     names = [kind.name for kind in job.kinds]
     if len(set(names)) < len(names):
         raise InputError(f"‹count›: two designs are called {max(names, key=names.count)!r}: rename one")
     run = job.scene.run
-    simplest.refuse(job.scene, "is of one walker's speed, and a crowd has all that its scene calls for")
-    if not run.seconds * job.rate_hz >= FEWEST_FRAMES:
+    simplest.check_no_accepted_error(
+        job.scene, "is of one walker's speed, and a crowd has all that its scene calls for"
+    )
+    if not run.seconds * job.rate_hz >= MIN_FRAMES:
         raise InputError(
-            f"‹rate_hz=›{job.rate_hz:g} of {run.seconds:g} s: statistics need {FEWEST_FRAMES} frames "
+            f"‹rate_hz=›{job.rate_hz:g} of {run.seconds:g} s: statistics need {MIN_FRAMES} frames "
             "of a run at least: raise ‹rate_hz› or ‹seconds›"
         )
-    check(job.scene, 1.0 / (job.rate_hz * len(job.numbers)), run.runs)
+    check_sample_count(job.scene, 1.0 / (job.rate_hz * len(job.numbers)), run.runs)
     return job
 
 
-def placed(job: Job, contours: Sequence[Sequence[Array]], number: int) -> Array:
+def place_walkers(job: Job, contours: Sequence[Sequence[Array]], number: int) -> Array:
     """Draw places and headings at which a run begins, shape (N, 3). Raises InputError if walkers do not fit.
 
     Places are those of the origins of the contours of each kind.
     """
-    stream = np.random.SeedSequence([job.scene.run.seed, number], spawn_key=(PLACING,))
+    stream = np.random.SeedSequence([job.scene.run.seed, number], spawn_key=(PLACES_STREAM_KEY,))
     outlines = [contours[kind] for kind in job.numbers]
     return place(outlines, job.scene.crowd.dish, np.random.default_rng(stream), CLEARANCE_MM)

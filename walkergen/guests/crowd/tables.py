@@ -12,10 +12,10 @@ from walkergen.files import quantities
 from walkergen.files.report import Column, Table
 from walkergen.guests.crowd.statistics.measuring import NO_WALL, CrowdStatistics
 
-NUMBER = ("quantity", "value", "se", "low_95", "high_95", "by_chance", "refused")
+NUMBER_COLUMNS = ("quantity", "value", "se", "low_95", "high_95", "by_chance", "refused")
 """Columns of crowd.csv: a quantity, its bounds, and its value of as many walkers placed and turned at random."""
 
-CURVES: Mapping[str, tuple[str, Mapping[str, str]]] = {
+CURVE_TABLES: Mapping[str, tuple[str, Mapping[str, str]]] = {
     "crowd_pairs": (
         "distance_mm",
         {"g": "g", "polar_correlation": "polar_correlation", "nematic_correlation": "nematic_correlation"},
@@ -32,19 +32,21 @@ CURVES: Mapping[str, tuple[str, Mapping[str, str]]] = {
 """Tables of curves: the key of their places, and the keys of the curves in them by their names."""
 
 
-def tables(statistics: CrowdStatistics) -> list[Table]:
+def make_tables(statistics: CrowdStatistics) -> list[Table]:
     """Numbers with their errors, which people read; their course in time, each run, and curves."""
     numbers, series, by_run = statistics.numbers, statistics.series, statistics.by_run
     rows = [_row(statistics, number) for number in numbers.values()]
     shown = [row for row, number in zip(rows, numbers.values(), strict=True) if number.refused != NO_WALL]
-    title = f"Crowd of {_walkers(statistics)}"
-    course = [(numbers[name].column, *_known(point)) for name in series for point in zip(*series[name], strict=True)]
-    runs = [(run, *_known(row)) for run, row in enumerate(zip(*by_run.values(), strict=True))]
+    title = f"Crowd of {_describe_walkers(statistics)}"
+    course = [
+        (numbers[name].column, *_nan_to_none(point)) for name in series for point in zip(*series[name], strict=True)
+    ]
+    runs = [(run, *_nan_to_none(row)) for run, row in enumerate(zip(*by_run.values(), strict=True))]
     return [
-        Table("crowd", rows, NUMBER, _columns(statistics), title, statistics.notes, shown),
+        Table("crowd", rows, NUMBER_COLUMNS, _columns(statistics), title, statistics.notes, shown),
         Table("crowd_series", course, ("quantity", "t_s", "value", "se")),
         Table("crowd_runs", runs, ("run", *(numbers[name].column for name in by_run))),
-        *_curves(statistics),
+        *_curve_tables(statistics),
     ]
 
 
@@ -57,21 +59,21 @@ def facts(statistics: CrowdStatistics) -> dict[str, Any]:
         "runs": statistics.runs,
         "frames": statistics.frames,
         "seconds": statistics.seconds,
-        "numbers": {name: dict(zip(NUMBER[1:], row, strict=True)) for name, *row in rows},
+        "numbers": {name: dict(zip(NUMBER_COLUMNS[1:], row, strict=True)) for name, *row in rows},
         "notes": list(statistics.notes),
     }
 
 
-def line(statistics: CrowdStatistics) -> str:
+def summary_line(statistics: CrowdStatistics) -> str:
     """Describe in a sentence what was measured."""
     runs = "one run" if statistics.runs == 1 else f"{statistics.runs} independent runs"
     return (
         f"{runs} of {words.format_duration(statistics.seconds)} each, {statistics.frames} frames, of "
-        f"{_walkers(statistics)}."
+        f"{_describe_walkers(statistics)}."
     )
 
 
-def _walkers(statistics: CrowdStatistics) -> str:
+def _describe_walkers(statistics: CrowdStatistics) -> str:
     """How many run where."""
     return f"{statistics.walkers} walker{'s' * (statistics.walkers != 1)} in {statistics.dish.words}"
 
@@ -95,15 +97,15 @@ def _columns(statistics: CrowdStatistics) -> tuple[Column, ...]:
     return (*quantities.columns(lambda row: numbers[row[0]]), Column("at random", chance, right=True))
 
 
-def _curves(statistics: CrowdStatistics) -> Iterator[Table]:
+def _curve_tables(statistics: CrowdStatistics) -> Iterator[Table]:
     """Tables of the curves that the crowd has, for CSV and Python alone."""
-    for name, (at, keys) in CURVES.items():
+    for name, (at, keys) in CURVE_TABLES.items():
         curves = {key: statistics.curves[curve] for curve, key in keys.items() if curve in statistics.curves}
         if not curves:
             continue
         columns = [next(iter(curves.values())).at, *(part for curve in curves.values() for part in curve[1:])]
         header = [at, *(key for curve in curves for key in (curve, _error_key(curve)))]
-        yield Table(name, [tuple(_known(row)) for row in zip(*columns, strict=True)], header)
+        yield Table(name, [tuple(_nan_to_none(row)) for row in zip(*columns, strict=True)], header)
 
 
 def _error_key(key: str) -> str:
@@ -114,6 +116,6 @@ def _error_key(key: str) -> str:
     return f"{key}_se"
 
 
-def _known(values: Sequence[np.float64]) -> list[float | None]:
+def _nan_to_none(values: Sequence[np.float64]) -> list[float | None]:
     """Numbers of a row; None where one is not known."""
     return [None if math.isnan(value) else float(value) for value in values]

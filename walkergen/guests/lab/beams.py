@@ -13,21 +13,21 @@ from walkergen.core.scene import GRAVITY
 FIRST_MODE = 1.875104068711961**2
 """Square of the first root of cos x cosh x = -1: a cantilever's first mode."""
 
-ROOT, ROOT_SD = 0.42, 0.1
+ROOT_FACTOR, ROOT_FACTOR_SD = 0.42, 0.1
 """Length that a root in a block of its own material adds to a beam, over its thickness. By plane
 elements, which the tests repeat, 0.42 for blocks 5 to 20 times as thick, held at back or sides; for
 a half-space 16.67 / (12 pi) = 0.44 (O'Donnell, J. Appl. Mech. 27, 461, 1960). The deviation is for
 hands that hold a block."""
 
-CLAMP, CLAMP_SD = 0.05, 0.02
+CLAMP_FACTOR, CLAMP_FACTOR_SD = 0.05, 0.02
 """Length by which a clamp shortens a strip, over its width: there it cannot curve across, and is
 stiffer by 1 / (1 - nu^2). By Ritz's method for a clamped plate with a loaded end, widths of 0.05 to
 0.4 of its length: 0.033, 0.050, 0.068 at nu = 0.30, 0.36, 0.42."""
 
-AIR = 1.2e-6
+AIR_DENSITY = 1.2e-6
 """Density of air, g/mm^3."""
 
-LARGEST_BEND = 0.2
+MAX_BEND = 0.2
 """Depth over length up to which `sunk` holds within 0.2 %."""
 
 BEND_STIFFENS = 4.0 / 35.0
@@ -44,17 +44,17 @@ class Strip(NamedTuple):
     """Free length, from the block to the end."""
 
 
-def effective(length: float, strip: Strip, root: float = ROOT, clamp: float = CLAMP) -> float:
+def effective_length(length: float, strip: Strip, root: float = ROOT_FACTOR, clamp: float = CLAMP_FACTOR) -> float:
     """Length (mm) of the beam on a rigid root that bends as the first `length` of a strip does."""
     return length + root * strip.thickness - clamp * strip.width
 
 
-def stiffness(modulus: float, strip: Strip) -> float:
+def bending_stiffness(modulus: float, strip: Strip) -> float:
     """Bending stiffness E I of a strip, g mm^3/s^2; the modulus in Pa."""
     return modulus * strip.width * strip.thickness**3 / 12.0
 
 
-def sunk(load: float, length: float, bending: float) -> float:
+def deflection(load: float, length: float, bending: float) -> float:
     """Depth (mm) by which a weight of `load` (g) at `length` (mm) sinks on a rigid root.
 
     Valid up to LARGEST_BEND of the length.
@@ -63,7 +63,7 @@ def sunk(load: float, length: float, bending: float) -> float:
     return length * bend / (3.0 * (1.0 + BEND_STIFFENS * bend * bend))
 
 
-def rings(bending: float, mass: float, length: float, tip: float = 0.0) -> float:
+def natural_frequency(bending: float, mass: float, length: float, tip: float = 0.0) -> float:
     """First natural frequency (Hz) of a beam of `mass` (g), a mass `tip` (g) on its end."""
     mode = first_mode(tip / mass)
     return mode * math.sqrt(bending / (mass * length**3)) / (2.0 * math.pi)
@@ -75,7 +75,7 @@ def moving_mass(density: float, strip: Strip) -> float:
     Air adds pi / 4 AIR width^2 per length (a flat plate that moves across itself in an ideal
     fluid), 1 % of a printed line's.
     """
-    across = density * strip.thickness * strip.width + 0.25 * math.pi * AIR * strip.width**2
+    across = density * strip.thickness * strip.width + 0.25 * math.pi * AIR_DENSITY * strip.width**2
     return across * strip.length
 
 

@@ -26,7 +26,7 @@ Array = npt.NDArray[np.float64]
 RESTITUTIONS = (0.02, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
 """Restitutions of the feet at which the curve is simulated."""
 
-SAMPLES = 300
+POSES_PER_DROP = 300
 """Poses of a drop: their highest misses 1e-5 of the height."""
 
 
@@ -63,14 +63,14 @@ class Rebounds(NamedTuple):
     """Drops from the hand after which it fell over."""
 
 
-def rebound(plan: Plan, let: Let) -> Rebound:
+def simulate_drop(plan: Plan, let: Let) -> Rebound:
     """Rebound of a drop, from the height of the body's middle."""
     plan = plan.sample_print(np.random.default_rng([plan.scene.run.seed, let.number]))
     standing = plan.initial_state(0.0, 0.0, 0.0)[HEIGHT]
     state = plan.initial_state(let.height, let.pitch, 0.0, let.roll)
     first = state[HEIGHT] - standing
-    seconds = seconds_of(first)
-    tally = record.new_tally(HEIGHT + 1, seconds, seconds / SAMPLES)
+    seconds = drop_seconds(first)
+    tally = record.new_tally(HEIGHT + 1, seconds, seconds / POSES_PER_DROP)
     fell = plan.advance(state, seconds, tally) != OK
     samples = tally.samples
     heights = samples.rows[: samples.cursor[0], 1 + HEIGHT] - standing
@@ -81,40 +81,40 @@ def rebound(plan: Plan, let: Let) -> Rebound:
     return Rebound(math.sqrt(max(second, 0.0) / first), fell)
 
 
-def from_hand(height: float, turn_deg: float, drops: int, seed: int) -> list[Let]:
+def hand_drops(height: float, turn_deg: float, drops: int, seed: int) -> list[Let]:
     """Draw drops from the hand, each of another print: pitch and roll are normal with deviation `turn_deg`."""
     turns = np.random.default_rng([seed, 0]).normal(0.0, math.radians(turn_deg), (drops, 2))
     return [Let(height, float(pitch), float(roll), number) for number, (pitch, roll) in enumerate(turns)]
 
 
-def seconds_of(height: float) -> float:
+def drop_seconds(height: float) -> float:
     """Time (s) from the release until a perfect bounce would be back, and a little more."""
     # Contacts take 0.1 ms
-    return 2.1 * resting.free_fall(height, GRAVITY) + 2e-3
+    return 2.1 * resting.fall_time(height, GRAVITY) + 2e-3
 
 
-def rebounds(plan: Plan, hand: Sequence[Let]) -> Rebounds:
+def simulate_drops(plan: Plan, hand: Sequence[Let]) -> Rebounds:
     """Rebounds of a plan's walker from one height, flat and from the hand."""
     flat = Let(hand[0].height)
     lets = [flat, *hand]
-    level, *others = batch.run_all(lambda number, stopped, tell: rebound(plan, lets[number]), len(lets))
+    level, *others = batch.run_all(lambda number, stopped, tell: simulate_drop(plan, lets[number]), len(lets))
     ratios = np.array([bounce.ratio for bounce in others if bounce.ratio is not None])
     sd = float(ratios.std(ddof=1)) if len(ratios) > 1 else 0.0
     mean = float(ratios.mean()) if len(ratios) else None
     return Rebounds(level.ratio, mean, sd, len(ratios), sum(bounce.fell for bounce in others))
 
 
-def by_restitution(scene: Scene, design: Design, hand: Sequence[Let], progress: Progress) -> list[Rebounds]:
+def rebounds_by_restitution(scene: Scene, design: Design, hand: Sequence[Let], progress: Progress) -> list[Rebounds]:
     """Rebounds of a walker at every one of RESTITUTIONS, flat and from the hand."""
     rows = []
     for number, restitution in enumerate(RESTITUTIONS):
         progress(f"restitution {restitution:g}", number, len(RESTITUTIONS))
-        plan = resting.plan_of(resting.with_contact(scene, restitution=restitution), design)
-        rows.append(rebounds(plan, hand))
+        plan = resting.make_plan(resting.with_contact(scene, restitution=restitution), design)
+        rows.append(simulate_drops(plan, hand))
     return rows
 
 
-def curve(rows: Sequence[Rebounds], flat: bool) -> Curve | None:
+def rebound_curve(rows: Sequence[Rebounds], flat: bool) -> Curve | None:
     """Curve from RESTITUTIONS to the rebound, flat or from the hand; None with fewer than two points."""
     points = [
         (e, row.flat, 0.0, 1) if flat else (e, row.mean, row.sd, row.tries)

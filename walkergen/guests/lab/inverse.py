@@ -12,13 +12,13 @@ from walkergen.core.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
 
-FINE = 4001
+CURVE_POINTS = 4001
 """Points at which a curve is read between its own."""
 
-LEAST = 1e-9
+MIN_MEASURED = 1e-9
 """Least number that is measured, in whatever unit."""
 
-FAR = 2.0
+MAX_ERRORS_AWAY = 2.0
 """Errors beyond which a number does not belong to a curve."""
 
 
@@ -81,7 +81,7 @@ class Answer(NamedTuple):
         return Quantity(key, "", branch.value, 0.5 * (branch.high - branch.low))
 
 
-def measured(value: float | None, sd: float | None, tries: int, most: float) -> Measured | None:
+def parse_measured(value: float | None, sd: float | None, tries: int, most: float) -> Measured | None:
     """Measured number with its standard error, as a request gives them; None without. Raises InputError.
 
     Both must be at least LEAST and at most `most`.
@@ -92,8 +92,8 @@ def measured(value: float | None, sd: float | None, tries: int, most: float) -> 
     for (name, number), (other, missing) in (options, options[::-1]):
         if missing is None:
             raise InputError(f"‹{name}=›{number:g}: needs ‹{other}› as well, the number's standard error")
-        if number is not None and not LEAST <= number <= most:
-            raise InputError(f"‹{name}=›{number:g}: must be >= {LEAST:g} and <= {most:g}")
+        if number is not None and not MIN_MEASURED <= number <= most:
+            raise InputError(f"‹{name}=›{number:g}: must be >= {MIN_MEASURED:g} and <= {most:g}")
     assert value is not None
     assert sd is not None
     return Measured(Quantity("measured", "", float(value), float(sd)), tries)
@@ -108,7 +108,7 @@ def invert(curve: Curve, seen: Measured, what: str, where: str = "") -> Answer:
     from scipy.interpolate import PchipInterpolator
 
     value, sd = seen.number.pair
-    at = np.linspace(curve.at[0], curve.at[-1], FINE)
+    at = np.linspace(curve.at[0], curve.at[-1], CURVE_POINTS)
     shown = np.asarray(PchipInterpolator(curve.at, curve.seen)(at))
     spread = np.interp(at, curve.at, curve.spread)
     scatter = spread * np.sqrt(1.0 / seen.tries + 1.0 / np.interp(at, curve.at, curve.tries))
@@ -125,9 +125,9 @@ def invert(curve: Curve, seen: Measured, what: str, where: str = "") -> Answer:
     if everywhere:
         text = f"any {what} from {ends[0]:g} to {ends[1]:g} gives that{where}: it does not tell"
     elif branches:
-        text = f"{what} " + ", or ".join(_in_words(branch, ends) for branch in branches)
+        text = f"{what} " + ", or ".join(_format_branch(branch, ends) for branch in branches)
     else:
-        within = "" if misses > FAR else " within one error"
+        within = "" if misses > MAX_ERRORS_AWAY else " within one error"
         text = (
             f"no {what} gives that{within}{where}: nearest is {shown[best]:.2f} at {nearest:.2f}, "
             f"{misses:.1f} errors away"
@@ -135,15 +135,15 @@ def invert(curve: Curve, seen: Measured, what: str, where: str = "") -> Answer:
     return Answer(text, branches, everywhere, nearest, misses)
 
 
-def _in_words(branch: Branch, ends: tuple[float, float]) -> str:
+def _format_branch(branch: Branch, ends: tuple[float, float]) -> str:
     """Range of a curve with these ends."""
     cut = [f"{end:g}" for end, own in zip(ends, branch[1:], strict=True) if own == end]
     up, down = branch.high - branch.value, branch.value - branch.low
-    digits = digits_of(max(up, down))
+    digits = error_digits(max(up, down))
     words = f"{branch.value:.{digits}f} (+{up:.{digits}f}, -{down:.{digits}f})"
     return words + (f", cut off at {' and '.join(cut)}" if cut else "")
 
 
-def digits_of(error: float) -> int:
+def error_digits(error: float) -> int:
     """Digits after the point that show two of an error."""
     return max(1 - math.floor(math.log10(error)), 0) if error > 0.0 else 3

@@ -28,7 +28,7 @@ class LabReport(Report):
 R = TypeVar("R", bound=LabReport)
 
 
-def written(report: R, job: Any, asked: Mapping[str, Any], comment: str = "", every: bool = False) -> R:
+def write_report(report: R, job: Any, asked: Mapping[str, Any], comment: str = "", every: bool = False) -> R:
     """Report, once its folder holds it with what was asked, a `job` of design, scene and pictures.
 
     With a comment, scene and design as they go on are files as well, with `every` key or those set; a design that
@@ -38,14 +38,14 @@ def written(report: R, job: Any, asked: Mapping[str, Any], comment: str = "", ev
     with Folder(report.folder) as target:
         report.write(target, job.pictures)
         if comment:
-            target.write("scene.toml", templates.dump(report.scene, comment, every=every).encode())
+            target.write("scene.toml", templates.to_toml(report.scene, comment, every=every).encode())
             if report.design != job.design:
-                target.write("design.toml", templates.dump(report.design, comment, every=every).encode())
+                target.write("design.toml", templates.to_toml(report.design, comment, every=every).encode())
         inputs = {"design": job.design.model_dump(mode="json"), "scene": job.scene.model_dump(mode="json")}
         target.finish({**inputs, **asked})
     return report
 
 
-def named(original: str, path: Path, word: str = "") -> str:
+def name_after(original: str, path: Path, word: str = "") -> str:
     """Name of a design or scene after the file that it was measured by: never that of a shipped one."""
     return f"{original[:30]}-{word}{output.safe_folder_name(path)[:28]}"

@@ -9,28 +9,28 @@ from walkergen.core.simulation.plan import Plan, prepare
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 
-FINER = 0.25
+STEP_RATIO = 0.25
 """Time step over that of long runs. A single rebound depends on where within a step a foot lands:
 by 0.02 of it with steps of that length, by 0.004 with a quarter (10 deg, drops of 8 to 12 mm)."""
 
 
-def resting(scene: Scene) -> Scene:
+def still_scene(scene: Scene) -> Scene:
     """Scene on an endless level plate at rest, with the contact and feet of `scene`."""
     return without_plate_effects(scene).model_copy(update={"drive": still_plate_drive(scene.drive.frequency)})
 
 
-def filmed(scene: Scene) -> Scene:
+def film_scene(scene: Scene) -> Scene:
     """Scene of a film on a plate at rest, which begins when the walker is let go."""
     run = scene.run.model_copy(update={"discard_seconds": 0.0})
-    return resting(scene).model_copy(update={"run": run})
+    return still_scene(scene).model_copy(update={"run": run})
 
 
-def plan_of(scene: Scene, design: Design, finer: float = FINER) -> Plan:
+def make_plan(scene: Scene, design: Design, finer: float = STEP_RATIO) -> Plan:
     """Plan of a walker on the scene's plate at rest; `finer`: its steps over usual ones.
 
     A step that the scene states stays as it is. Raises InputError.
     """
-    plan = prepare(resting(scene), design, solids.mass_of(design))
+    plan = prepare(still_scene(scene), design, solids.mass_of(design))
     if scene.run.step_us is not None:
         return plan
     return plan.coarser(finer)
@@ -41,7 +41,7 @@ def with_contact(scene: Scene, **contact: float) -> Scene:
     return scene.model_copy(update={"contact": scene.contact.model_copy(update=contact)})
 
 
-def one_material(design: Design) -> None:
+def check_one_material(design: Design) -> None:
     """Raise InputError where a foot has a restitution of its own."""
     exceptions = [number for number, limb in enumerate(design.limbs, start=1) if limb.restitution is not None]
     if exceptions:
@@ -51,7 +51,7 @@ def one_material(design: Design) -> None:
         )
 
 
-def in_words(scene: Scene, design: Design) -> str:
+def describe_test(scene: Scene, design: Design) -> str:
     """Walker and feet of a test, as pages and tables name them."""
     contact = scene.contact
     return (
@@ -61,6 +61,6 @@ def in_words(scene: Scene, design: Design) -> str:
     )
 
 
-def free_fall(height: float, gravity: float) -> float:
+def fall_time(height: float, gravity: float) -> float:
     """Time (s) in which a body falls by `height` (mm) under `gravity` (mm/s^2)."""
     return math.sqrt(2.0 * max(height, 0.0) / gravity)

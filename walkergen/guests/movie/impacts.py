@@ -9,20 +9,20 @@ from matplotlib.patches import FancyArrowPatch
 from matplotlib.text import Text
 
 from walkergen.core.theory.impact import Kind
-from walkergen.files.canvas import INK, LARGE, PLATE, SMALL, Canvas, Place
-from walkergen.guests.movie.shot import Array, Impact, Shot, pace
+from walkergen.files.canvas import INK, LARGE_PT, PLATE_COLOUR, SMALL_PT, Canvas, Place
+from walkergen.guests.movie.shot import Array, Impact, Shot, format_pace
 
 Dashes = str | tuple[float, tuple[float, ...]]
 """Style of a line, as matplotlib has it."""
 
 
-WIDTH, HEIGHT = 800, 620
+WIDTH_PX, HEIGHT_PX = 800, 620
 """Size of a picture of slow motion, pixels."""
 
 AFTERGLOW_S = 0.45
 """Time in which a flash fades, s, as the spectator sees it."""
 
-LONGEST_STILL = 1.5
+MAX_STILL_LENGTHS = 1.5
 """Length of a run, in body lengths, up to which the view stands still."""
 
 
@@ -43,25 +43,29 @@ STYLES = {
     Kind.FROM_REST: Style("#555555", "D", "0", "from rest"),
 }
 
-FIRST_TWO = ("#222222", "#AA4499")
+FIRST_FOOT_COLOURS = ("#222222", "#AA4499")
 """Colours of the first two feet."""
 
-FURTHER = ("#0072B2", "#009E73", "#B8860B", "#CC3311", "#56B4E9", "#7A5195")
+FURTHER_FOOT_COLOURS = ("#0072B2", "#009E73", "#B8860B", "#CC3311", "#56B4E9", "#7A5195")
 """Colours of feet beyond two, from the first of them on, again and again."""
 
 
-def colour_of(foot: int) -> str:
+def foot_colour(foot: int) -> str:
     """Colour of a foot by its number."""
-    return FIRST_TWO[foot] if foot < len(FIRST_TWO) else FURTHER[(foot - len(FIRST_TWO)) % len(FURTHER)]
+    return (
+        FIRST_FOOT_COLOURS[foot]
+        if foot < len(FIRST_FOOT_COLOURS)
+        else FURTHER_FOOT_COLOURS[(foot - len(FIRST_FOOT_COLOURS)) % len(FURTHER_FOOT_COLOURS)]
+    )
 
 
-def colours(feet: int) -> tuple[str, ...]:
+def movie_colours(feet: int) -> tuple[str, ...]:
     """Colours that a movie of a walker on so many feet needs whole."""
-    named = max(feet, len(FIRST_TWO))
-    return (*(style.colour for style in STYLES.values()), *dict.fromkeys(colour_of(foot) for foot in range(named)))
+    named = max(feet, len(FIRST_FOOT_COLOURS))
+    return (*(style.colour for style in STYLES.values()), *dict.fromkeys(foot_colour(foot) for foot in range(named)))
 
 
-def style_of(kind: Kind) -> Style:
+def impact_style(kind: Kind) -> Style:
     """Look of a kind; mirrored kinds look like their twins, with a minus to their name."""
     if kind in STYLES:
         return STYLES[kind]
@@ -69,7 +73,7 @@ def style_of(kind: Kind) -> Style:
     return twin._replace(name=f"\N{MINUS SIGN}{twin.name}")
 
 
-def legend(canvas: Canvas, x: float, y: float) -> None:
+def draw_legend(canvas: Canvas, x: float, y: float) -> None:
     """Draw the possible kinds in a row, by sign, colour and words."""
     axes = canvas.axes(0, 0, *canvas.figure.bbox.bounds[2:])
     axes.set_axis_off()
@@ -78,9 +82,9 @@ def legend(canvas: Canvas, x: float, y: float) -> None:
     for style in STYLES.values():
         axes.plot([x], [y], style.marker, color=style.colour, markersize=5)
         words = f"{style.name} {style.words}"
-        canvas.text(x + 8, y, words, fontsize=SMALL, va="center")
+        canvas.text(x + 8, y, words, fontsize=SMALL_PT, va="center")
         x += 26 + 5.4 * len(words)
-    canvas.text(x - 4, y, "\N{MINUS SIGN} moving backward", fontsize=SMALL, va="center")
+    canvas.text(x - 4, y, "\N{MINUS SIGN} moving backward", fontsize=SMALL_PT, va="center")
 
 
 class Course(NamedTuple):
@@ -93,46 +97,46 @@ class Course(NamedTuple):
     """Heights at the times of the shot, shape (n,), mm."""
 
 
-def strip(canvas: Canvas, place: Place, shot: Shot, feet: list[Course]) -> Line2D:
+def draw_heights(canvas: Canvas, place: Place, shot: Shot, feet: list[Course]) -> Line2D:
     """Draw heights (µm) of plate and feet in time, with impacts; returns the line that marks now.
 
     `feet`: in the order of their numbers in the impacts.
     """
     axes = canvas.axes(*place)
-    canvas.text(place.left - 34, place.bottom + place.height + 8, "heights, µm", fontsize=SMALL)
+    canvas.text(place.left - 34, place.bottom + place.height + 8, "heights, µm", fontsize=SMALL_PT)
     times, heights = 1e3 * shot.times, 1e3 * np.array([course.heights for course in feet])
     plate = 1e3 * shot.plate
     low, high = min(plate.min(), heights.min()), max(plate.max(), heights.max())
     margin = 0.08 * max(high - low, 1e-6)
     axes.set_ylim(low - margin, high + margin)
     axes.set_xlim(0.0, times[-1])
-    axes.fill_between(times, plate, low - margin, color=PLATE, linewidth=0)
+    axes.fill_between(times, plate, low - margin, color=PLATE_COLOUR, linewidth=0)
     for (name, colour, line, _), height in zip(feet, heights, strict=True):
         axes.plot(times, height, color=colour, linestyle=line, linewidth=1.2, label=name or "_")
-    _mark(axes, shot, feet)
+    _draw_marks(axes, shot, feet)
     axes.legend(
         loc="lower right",
         bbox_to_anchor=(1.02, 0.98),
         ncols=2,
         frameon=False,
-        fontsize=SMALL,
+        fontsize=SMALL_PT,
         handlelength=1.8,
         columnspacing=1.0,
         borderaxespad=0.1,
     )
-    axes.tick_params(labelsize=SMALL - 1, length=3, pad=2)
-    axes.set_xlabel("time, ms", fontsize=SMALL, labelpad=1)
+    axes.tick_params(labelsize=SMALL_PT - 1, length=3, pad=2)
+    axes.set_xlabel("time, ms", fontsize=SMALL_PT, labelpad=1)
     axes.spines[["top", "right"]].set_visible(False)
     (now,) = axes.plot([0.0, 0.0], [low - margin, high + margin], color=INK, linewidth=1.0)
-    canvas.move(now)
+    canvas.add_moving_artists(now)
     return now
 
 
-def _mark(axes: Axes, shot: Shot, feet: list[Course]) -> None:
+def _draw_marks(axes: Axes, shot: Shot, feet: list[Course]) -> None:
     """Draw a sign for every impact at the height of the plate, larger for larger impulses."""
     largest = largest_impulse(shot)
     for hit in shot.impacts:
-        style, size = style_of(hit.kind), float(np.hypot(*hit.impulse)) / largest
+        style, size = impact_style(hit.kind), float(np.hypot(*hit.impulse)) / largest
         height = 1e3 * np.interp(hit.time, shot.times, shot.plate)
         edge = feet[hit.foot].colour
         axes.plot(
@@ -155,7 +159,7 @@ class Flash(NamedTuple):
     burst: Line2D
 
 
-def flash_in(axes: Axes) -> Flash:
+def add_flash(axes: Axes) -> Flash:
     """Add the signs of an impact to a view."""
     arrow = FancyArrowPatch((0, 0), (0, 0), arrowstyle="-|>", shrinkA=0, shrinkB=0, zorder=4)
     axes.add_patch(arrow)
@@ -163,9 +167,9 @@ def flash_in(axes: Axes) -> Flash:
     return Flash(arrow, burst)
 
 
-def light(flash: Flash, hit: Impact, left: float, largest: float, tail: Array, foot: Array) -> None:
+def show_flash(flash: Flash, hit: Impact, left: float, largest: float, tail: Array, foot: Array) -> None:
     """Show an impact in the colour of its kind, of whose glow so much is `left` (1 down to 0)."""
-    colour, size = style_of(hit.kind).colour, float(np.hypot(*hit.impulse)) / largest
+    colour, size = impact_style(hit.kind).colour, float(np.hypot(*hit.impulse)) / largest
     flash.arrow.set_positions(tuple(tail), tuple(foot))
     flash.arrow.set(color=colour, alpha=left, linewidth=0.5 + 3.0 * size)
     flash.arrow.set_mutation_scale(4.0 + 12.0 * size)
@@ -173,17 +177,17 @@ def light(flash: Flash, hit: Impact, left: float, largest: float, tail: Array, f
     flash.burst.set(color=colour, markersize=40.0 * np.sqrt(size) * left**3)
 
 
-def sheet(name: str, settings: str, slow: float) -> tuple[Canvas, Text]:
+def make_canvas(name: str, settings: str, slow: float) -> tuple[Canvas, Text]:
     """Empty picture of slow motion with its head and its legend of impacts; its line of numbers."""
-    canvas = Canvas(WIDTH, HEIGHT)
-    canvas.text(12, 598, f"{name} legs", fontsize=LARGE, weight="bold")
-    canvas.line(12, 579, settings)
-    canvas.text(788, 547, pace(slow), ha="right", weight="bold")
-    legend(canvas, 20, 253)
+    canvas = Canvas(WIDTH_PX, HEIGHT_PX)
+    canvas.text(12, 598, f"{name} legs", fontsize=LARGE_PT, weight="bold")
+    canvas.add_caption(12, 579, settings)
+    canvas.text(788, 547, format_pace(slow), ha="right", weight="bold")
+    draw_legend(canvas, 20, 253)
     return canvas, canvas.text(12, 547, "", family="DejaVu Sans Mono")
 
 
-def so_far(time: float, phase: float, distance: float) -> str:
+def format_moment(time: float, phase: float, distance: float) -> str:
     """Line of numbers of a moment: time (s), phase of the drive (rad), distance run (mm)."""
     speed = f"{distance / time:6.1f} mm/s" if time > 0 else "     - mm/s"
     turn = np.degrees(phase) % 360.0
@@ -195,7 +199,7 @@ def largest_impulse(shot: Shot) -> float:
     return max((float(np.hypot(*hit.impulse)) for hit in shot.impacts), default=1.0)
 
 
-def strongest(shot: Shot, time: float, afterglow: float, side: int) -> tuple[Impact, float] | None:
+def strongest_impact(shot: Shot, time: float, afterglow: float, side: int) -> tuple[Impact, float] | None:
     """Impact that a foot shows at `time`, and the share of its flash that is left (1 down to 0).
 
     Among the impacts within the afterglow (s) it is that whose impulse, faded linearly, is largest.

@@ -15,7 +15,7 @@ from walkergen.core.simulation.effects.effect import Case
 from walkergen.core.simulation.plan import Release, prepare
 from walkergen.core.walker import names, solids
 from walkergen.core.walker.design import Design
-from walkergen.guests.movie.shot import Shot, Title, pace, shot_of
+from walkergen.guests.movie.shot import Shot, Title, format_pace, make_shot
 from walkergen.points import poses
 
 if TYPE_CHECKING:
@@ -26,33 +26,33 @@ View = Literal["above", "perspective"]
 
 VIEWS: tuple[View, ...] = ("above", "perspective")
 
-FPS = (1, 2, 4, 5, 10, 20, 25, 50)
+GIF_FPS = (1, 2, 4, 5, 10, 20, 25, 50)
 """Frames per second that a GIF can have: it counts in hundredths of a second."""
 
-PERIODS, PLAYING_S = 6.0, 10.0
+DEFAULT_PERIODS, DEFAULT_PLAY_S = 6.0, 10.0
 """Slow motion by default: periods of the drive that are shown, and seconds to watch."""
 
-RACE_S = 3.0
+DEFAULT_RACE_S = 3.0
 """Length of a race by default, s, in real time."""
 
 AT_REST_UM = 1e-6
 """Amplitude below which a plate is said to be at rest, um."""
 
-FEWEST_FRAMES, MOST_FRAMES, MOST_LANES = 2, 1000, 8
+MIN_FRAMES, MAX_FRAMES, MAX_LANES = 2, 1000, 8
 
-FINE = 8
+SLOW_POSES_PER_FRAME = 8
 """Poses for each frame in slow motion: the curves show what happens between frames."""
 
-TRAIL = 4
+ABOVE_POSES_PER_FRAME = 4
 """Poses for each frame from above: the trail bends between frames."""
 
-WRITTEN = 1.5
+WRITE_TIME_RATIO = 1.5
 """Time of a frame, written, over that of drawing it."""
 
 HOLD_S = 1.5
 """Time for which the last frame stays before the GIF starts again, s."""
 
-LEAST, LARGEST = 1e-3, 1e6
+MIN_VALUE, MAX_VALUE = 1e-3, 1e6
 """Limits of times (s), of periods and of slowing down."""
 
 
@@ -98,7 +98,7 @@ class Made(NamedTuple):
     shots: Sequence[Shot]
 
 
-def plan(
+def make_job(
     members: Sequence[Design],
     scene: Scene,
     *,
@@ -109,34 +109,34 @@ def plan(
     view: str | None = None,
 ) -> Job:
     """Make a job, with defaults for all that is None. Raises InputError."""
-    if fps not in FPS:
-        rates = ", ".join(str(rate) for rate in FPS)
+    if fps not in GIF_FPS:
+        rates = ", ".join(str(rate) for rate in GIF_FPS)
         raise InputError(f"‹fps=›{fps}: must be one of {rates} (a GIF counts in 1/100 s)")
     for name, value in (("seconds", seconds), ("periods", periods), ("slow", slow)):
-        if value is not None and not LEAST <= value <= LARGEST:
-            raise InputError(f"‹{name}=›{value:g}: must lie in {LEAST:g}..{LARGEST:g}")
-    if len(members) > MOST_LANES:
-        raise InputError(f"{len(members)} walkers in one movie; at most {MOST_LANES}")
+        if value is not None and not MIN_VALUE <= value <= MAX_VALUE:
+            raise InputError(f"‹{name}=›{value:g}: must lie in {MIN_VALUE:g}..{MAX_VALUE:g}")
+    if len(members) > MAX_LANES:
+        raise InputError(f"{len(members)} walkers in one movie; at most {MAX_LANES}")
     if seconds is not None and periods is not None:
         raise InputError("‹seconds› and ‹periods›: both say how long; leave one of them out")
-    seen = _view(members, scene, view)
+    seen = _choose_view(members, scene, view)
     single = len(members) == 1 and seen != "above"
     if periods is not None:
         seconds = periods / scene.drive.frequency
     elif seconds is None:
-        seconds = PERIODS / scene.drive.frequency if single else RACE_S
+        seconds = DEFAULT_PERIODS / scene.drive.frequency if single else DEFAULT_RACE_S
     if slow is None:
-        slow = max(1.0, float(f"{PLAYING_S / seconds:.2g}")) if single else 1.0
+        slow = max(1.0, float(f"{DEFAULT_PLAY_S / seconds:.2g}")) if single else 1.0
     job = Job(members, scene, seconds, slow, fps, seen)
-    if not FEWEST_FRAMES <= job.frames <= MOST_FRAMES:
+    if not MIN_FRAMES <= job.frames <= MAX_FRAMES:
         raise InputError(
-            f"{job.frames:.6g} frames ({seconds:g} s of the run, {pace(slow)}, {fps} a second): "
-            f"must lie in {FEWEST_FRAMES}..{MOST_FRAMES}; change ‹seconds›, ‹slow› or ‹fps›"
+            f"{job.frames:.6g} frames ({seconds:g} s of the run, {format_pace(slow)}, {fps} a second): "
+            f"must lie in {MIN_FRAMES}..{MAX_FRAMES}; change ‹seconds›, ‹slow› or ‹fps›"
         )
     return job
 
 
-def _view(members: Sequence[Design], scene: Scene, wanted: str | None) -> View:
+def _choose_view(members: Sequence[Design], scene: Scene, wanted: str | None) -> View:
     """How the members are seen. Raises InputError."""
     if wanted is None:
         return "above" if scene.arena.kind == "plane" or len(members) > 1 else "perspective"
@@ -148,7 +148,7 @@ def _view(members: Sequence[Design], scene: Scene, wanted: str | None) -> View:
     return chosen
 
 
-def make(job: Job, path: Path, progress: Progress, named: bool = True, expect: Expect = ignore_estimate) -> Made:
+def make_movie(job: Job, path: Path, progress: Progress, named: bool = True, expect: Expect = ignore_estimate) -> Made:
     """Simulate and film; writes `path` (a GIF) and, with ffmpeg, an MP4 beside it.
 
     Both files are written whole at the end; over one that is not ours only the GIF is, and only
@@ -157,9 +157,9 @@ def make(job: Job, path: Path, progress: Progress, named: bool = True, expect: E
     from walkergen.files import animation
     from walkergen.guests.movie import impacts
 
-    draw, frames, shots = _draw(job, progress)
-    colours = impacts.colours(max(len(design.limbs) for design in job.members))
-    expect(lambda: _time(draw, frames))
+    draw, frames, shots = _prepare_drawing(job, progress)
+    colours = impacts.movie_colours(max(len(design.limbs) for design in job.members))
+    expect(lambda: _expected_time(draw, frames))
     encoded = animation.encode(draw, frames, job.fps, HOLD_S, colours, progress)
     mp4 = path.with_suffix(".mp4") if encoded.mp4 is not None else None
     with output.Folder(path.parent, "") as target:
@@ -172,39 +172,39 @@ def make(job: Job, path: Path, progress: Progress, named: bool = True, expect: E
     return Made(path, mp4, encoded.without_mp4, frames, shots)
 
 
-def _time(draw: "Draw", frames: int) -> Expected:
+def _expected_time(draw: "Draw", frames: int) -> Expected:
     """Time of drawing all frames, by that of one, and of writing them."""
     draw(0)
     started = time.thread_time()
     draw(frames // 2)
-    return Expected((time.thread_time() - started) * WRITTEN * frames)
+    return Expected((time.thread_time() - started) * WRITE_TIME_RATIO * frames)
 
 
-def _draw(job: Job, progress: Progress) -> tuple["Draw", int, Sequence[Shot]]:
+def _prepare_drawing(job: Job, progress: Progress) -> tuple["Draw", int, Sequence[Shot]]:
     """Movie of walkers: what draws its frames, their number, and what they show."""
     from walkergen.guests.movie import above
 
-    every = TRAIL if job.view == "above" else FINE
-    shots = [shoot(job, design, every) for design in _counted(job, progress)]
+    every = ABOVE_POSES_PER_FRAME if job.view == "above" else SLOW_POSES_PER_FRAME
+    shots = [simulate_shot(job, design, every) for design in _with_progress(job, progress)]
     frames = 1 + max(len(shot.times) - 1 for shot in shots) // every
-    words, lane = settings(job.scene), job.scene.arena.kind == "lane"
-    words += _of_their_own(job.members)
+    words, lane = format_settings(job.scene), job.scene.arena.kind == "lane"
+    words += _friction_note(job.members)
     if job.view == "perspective":
         from walkergen.guests.movie import perspective
 
-        return perspective.draw_perspective(shots[0], every, job.slow, words), frames, shots
+        return perspective.make_draw_function(shots[0], every, job.slow, words), frames, shots
     case = Case(job.scene, job.members[0], solids.mass_of(job.members[0]))
     gap, period = walls.gap(case) if lane else None, 1.0 / job.scene.drive.frequency
-    return above.draw_above(shots, every, job.slow, words, period, gap), frames, shots
+    return above.make_draw_function(shots, every, job.slow, words, period, gap), frames, shots
 
 
-def _counted(job: Job, progress: Progress) -> Iterator[Design]:
+def _with_progress(job: Job, progress: Progress) -> Iterator[Design]:
     for number, design in enumerate(job.members):
-        progress(f"simulating {title(design)}", number, len(job.members))
+        progress(f"simulating {make_title(design)}", number, len(job.members))
         yield design
 
 
-def shoot(job: Job, design: Design, every: int) -> Shot:
+def simulate_shot(job: Job, design: Design, every: int) -> Shot:
     """Simulate the ensemble's first run, with `every` poses for a frame.
 
     Raises InputError for a run that ended before its second frame.
@@ -216,18 +216,18 @@ def shoot(job: Job, design: Design, every: int) -> Shot:
     scene = job.scene.model_copy(update={"run": run})
     mass = solids.mass_of(design)
     prepared = prepare(scene, design, mass)._replace(release=job.release)
-    shot = shot_of(title(design), design, mass, poses.sample(prepared, interval))
+    shot = make_shot(make_title(design), design, mass, poses.sample(prepared, interval))
     if len(shot.times) <= every:
-        raise InputError(f"{title(design)}: the run ended before the second frame ({shot.poses.outcome.value})")
+        raise InputError(f"{make_title(design)}: the run ended before the second frame ({shot.poses.outcome.value})")
     return shot
 
 
-def title(design: Design) -> Title:
+def make_title(design: Design) -> Title:
     """Words of the picture on a walker."""
     return Title(design.name, f"{design.tilt_deg:g}°", design.kind)
 
 
-def _of_their_own(members: Sequence[Design]) -> str:
+def _friction_note(members: Sequence[Design]) -> str:
     """Addition to the settings where feet have a friction of their own; "" where none has."""
     limbs = [limb for design in members for limb in design.limbs]
     own = {limb.friction for limb in limbs if limb.friction is not None}
@@ -236,7 +236,7 @@ def _of_their_own(members: Sequence[Design]) -> str:
     return f" (feet of their own: {', '.join(f'{friction:g}' for friction in sorted(own))})"
 
 
-def settings(scene: Scene) -> str:
+def format_settings(scene: Scene) -> str:
     """Line that says what was simulated."""
     drive, contact = scene.drive, scene.contact
     shaken = drive.motor_in_words or (

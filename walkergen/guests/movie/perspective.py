@@ -11,42 +11,42 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
 from walkergen.files.animation import Draw, Pixels
-from walkergen.files.canvas import BODY, INK, PLATE, SMALL, Canvas, Place, rounded_up
+from walkergen.files.canvas import BODY_COLOUR, INK, PLATE_COLOUR, SMALL_PT, Canvas, Place, nice_ceil
 from walkergen.guests.movie import raster
 from walkergen.guests.movie.impacts import (
     AFTERGLOW_S,
-    LONGEST_STILL,
+    MAX_STILL_LENGTHS,
     Course,
     Flash,
-    colour_of,
-    flash_in,
+    add_flash,
+    draw_heights,
+    foot_colour,
+    format_moment,
     largest_impulse,
-    light,
-    sheet,
-    so_far,
-    strip,
-    strongest,
+    make_canvas,
+    show_flash,
+    strongest_impact,
 )
 from walkergen.guests.movie.raster import Camera
 from walkergen.guests.movie.shot import Array, Impact, Shot
 
-MAIN = Place(10, 272, 780, 262)
-CLOSE = Place(12, 12, 484, 214)
-STRIP = Place(544, 42, 242, 166)
+MAIN_PLACE = Place(10, 272, 780, 262)
+CLOSE_PLACE = Place(12, 12, 484, 214)
+STRIP_PLACE = Place(544, 42, 242, 166)
 """Places of the views."""
 
 ZOOMS = (2000, 1000, 500, 200, 100, 50, 20, 10, 5, 2, 1)
 
-LIFT = 0.35
+MAX_GAP_RATIO = 0.35
 """Largest gap as the magnified view shows it, over the distance of the feet."""
 
-BEND = 0.3
+MAX_BEND_RATIO = 0.3
 """Largest bending of a leg as the magnified view shows it, over the largest gap."""
 
-MOST_LABELS = 8
+MAX_LABELS = 8
 """Largest number of corners whose heights are written beside them."""
 
-GROUND, LINES = "#e4e4e1", "#c9c9c5"
+GROUND_COLOUR, LINE_COLOUR = "#e4e4e1", "#c9c9c5"
 
 
 class View(NamedTuple):
@@ -77,48 +77,50 @@ class Close(NamedTuple):
     labels: list[Text]
 
 
-def draw_perspective(shot: Shot, every: int, slow: float, settings: str) -> Draw:
+def make_draw_function(shot: Shot, every: int, slow: float, settings: str) -> Draw:
     """Make a function that draws frame k: pose k * every of the shot, `slow` times slower."""
-    canvas, readout = sheet(shot.name, settings, slow)
-    centres, model = _centres(shot), raster.model_of(shot.mesh)
-    main = _main(canvas, shot, centres)
+    canvas, readout = make_canvas(shot.name, settings, slow)
+    centres, model = _view_centres(shot), raster.make_model(shot.mesh)
+    main = _make_main_view(canvas, shot, centres)
     picture = FigureImage(canvas.figure)
     picture.set_data(np.zeros((1, 1, 4), np.uint8))
     canvas.figure.images.append(picture)
-    canvas.move(main.ground, main.lines, picture)
-    _on_top(canvas, main)
-    close = _close(canvas, shot, centres)
-    now = strip(canvas, STRIP, shot, _courses(shot))
-    canvas.move(readout)
+    canvas.add_moving_artists(main.ground, main.lines, picture)
+    _add_moving_signs(canvas, main)
+    close = _make_close_view(canvas, shot, centres)
+    now = draw_heights(canvas, STRIP_PLACE, shot, _corner_courses(shot))
+    canvas.add_moving_artists(readout)
     afterglow, R = AFTERGLOW_S / slow, shot.poses.rotations
 
     def draw(frame: int) -> Pixels:
         at = min(frame * every, len(shot.times) - 1)
         place = shot.poses.places[at] - centres[at]
-        pixels, left, low = raster.render(model, R[at], place, main.camera, BODY, INK)
+        pixels, left, low = raster.render(model, R[at], place, main.camera, BODY_COLOUR, INK)
         picture.set_data(pixels)
-        picture.ox, picture.oy = left + MAIN.left, low + MAIN.bottom
-        glows = [strongest(shot, float(shot.times[at]), afterglow, corner) for corner in range(len(shot.poses.names))]
+        picture.ox, picture.oy = left + MAIN_PLACE.left, low + MAIN_PLACE.bottom
+        glows = [
+            strongest_impact(shot, float(shot.times[at]), afterglow, corner) for corner in range(len(shot.poses.names))
+        ]
         corners = shot.poses.corners[at] - centres[at]
-        _set(main, shot, at, centres[at], corners, glows)
-        _set_close(close, shot, at, centres[at], corners, glows)
+        _update_view(main, shot, at, centres[at], corners, glows)
+        _update_close_view(close, shot, at, centres[at], corners, glows)
         now.set_xdata([1e3 * shot.times[at]] * 2)
         over = f"   {shot.ended}" if at + every >= len(shot.times) else ""
         heading = f"   heading {np.degrees(shot.poses.heading[at]):+.1f}°"
         moment = float(shot.times[at]), float(shot.poses.phase[at]), float(shot.advance[at])
-        readout.set_text(so_far(*moment) + heading + over)
+        readout.set_text(format_moment(*moment) + heading + over)
         return canvas.pixels()
 
     return draw
 
 
-def _centres(shot: Shot) -> Array:
+def _view_centres(shot: Shot) -> Array:
     """Places that the views follow, shape (n, 3), mm: the origin, or O in long runs."""
     flat = shot.poses.places * (1.0, 0.0, 1.0)
-    return flat if np.ptp(flat, axis=0).max() > LONGEST_STILL * shot.size[0] else 0.0 * flat
+    return flat if np.ptp(flat, axis=0).max() > MAX_STILL_LENGTHS * shot.size[0] else 0.0 * flat
 
 
-def _main(canvas: Canvas, shot: Shot, centres: Array) -> View:
+def _make_main_view(canvas: Canvas, shot: Shot, centres: Array) -> View:
     """View of the whole walker, to scale, with a plate that is larger than its run."""
     poses = shot.poses
     shown = range(0, len(shot.times), max(1, len(shot.times) // 100))
@@ -130,13 +132,13 @@ def _main(canvas: Canvas, shot: Shot, centres: Array) -> View:
     x, z = (left - 1.2 * margin, right + 1.2 * margin), (near - margin, far + margin)
     points = np.array([(a, b, c) for a in x for c in z for b in (0.0,)])
     fitted = np.vstack([points, covered, [(right, top + 0.1, far)]])
-    spacing = rounded_up(0.05 * float(shot.size[0]))
-    canvas.text(788, 530, f"to scale; lines {spacing:g} mm apart", fontsize=SMALL, ha="right")
+    spacing = nice_ceil(0.05 * float(shot.size[0]))
+    canvas.text(788, 530, f"to scale; lines {spacing:g} mm apart", fontsize=SMALL_PT, ha="right")
     count = len(poses.names)
-    return _view(canvas, MAIN, fitted, (x, z), 0.16 * float(shot.size[0]), count)
+    return _make_view(canvas, MAIN_PLACE, fitted, (x, z), 0.16 * float(shot.size[0]), count)
 
 
-def _view(
+def _make_view(
     canvas: Canvas,
     place: Place,
     points: Array,
@@ -149,80 +151,84 @@ def _view(
     axes.set_axis_off()
     axes.set_xlim(0, place.width)
     axes.set_ylim(0, place.height)
-    camera = raster.camera_for(points, (place.width, place.height))
+    camera = raster.fit_camera(points, (place.width, place.height))
     (left, right), (near, far) = area
     rim = np.array([(left, 0, near), (right, 0, near), (right, 0, far), (left, 0, far)])
-    ground = PolyCollection([camera.project(rim)[:, :2]], facecolor=GROUND, edgecolor=PLATE, linewidths=1.0)
-    lines = LineCollection([], colors=LINES, linewidths=0.7)
+    ground = PolyCollection(
+        [camera.project(rim)[:, :2]], facecolor=GROUND_COLOUR, edgecolor=PLATE_COLOUR, linewidths=1.0
+    )
+    lines = LineCollection([], colors=LINE_COLOUR, linewidths=0.7)
     for artist in (ground, lines):
         axes.add_artist(artist)
-    flashes = [flash_in(axes) for _ in range(corners)]
+    flashes = [add_flash(axes) for _ in range(corners)]
     dots = [axes.plot([], [], "o", color=INK, markersize=4.5)[0] for _ in range(corners)]
     return View(axes, camera, area, ground, lines, flashes, dots, longest)
 
 
-def _on_top(canvas: Canvas, view: View) -> None:
+def _add_moving_signs(canvas: Canvas, view: View) -> None:
     for flash, dot in zip(view.flashes, view.dots, strict=True):
-        canvas.move(flash.burst, dot, flash.arrow)
+        canvas.add_moving_artists(flash.burst, dot, flash.arrow)
 
 
-def _close(canvas: Canvas, shot: Shot, centres: Array) -> Close:
+def _make_close_view(canvas: Canvas, shot: Shot, centres: Array) -> Close:
     """View of the feet alone, their heights magnified to a share of their distance."""
     corners = shot.poses.corners - centres[:, None]
     flat = corners[..., [0, 2]].reshape(-1, 2)
     (left, near), (right, far) = flat.min(axis=0), flat.max(axis=0)
     largest = max(float(shot.poses.gaps.max()), 1e-6)
-    room = LIFT * (right - left)
+    room = MAX_GAP_RATIO * (right - left)
     zoom = next((zoom for zoom in ZOOMS if zoom * largest <= room), ZOOMS[-1])
     pressed = max(-float(shot.poses.gaps.min()), 0.0)
-    bend = next((bend for bend in ZOOMS if bend * pressed <= BEND * room), ZOOMS[-1])
+    bend = next((bend for bend in ZOOMS if bend * pressed <= MAX_BEND_RATIO * room), ZOOMS[-1])
     margin = 0.12 * (right - left)
     x, z = (left - margin, right + margin), (near - margin, far + margin)
     rim = np.array([(a, b, c) for a in x for c in z for b in (-bend * pressed, zoom * largest)])
     names = shot.poses.names
-    view = _view(canvas, CLOSE, rim, (x, z), 0.22 * (right - left), len(names))
+    view = _make_view(canvas, CLOSE_PLACE, rim, (x, z), 0.22 * (right - left), len(names))
     bent = f", bending of legs (below it) × {bend}" if pressed > 0.0 else ""
     words = f"feet, heights over the plate × {zoom}{bent}; numbers: µm"
-    canvas.text(CLOSE.left, CLOSE.bottom + CLOSE.height + 4, words, fontsize=SMALL)
+    canvas.text(CLOSE_PLACE.left, CLOSE_PLACE.bottom + CLOSE_PLACE.height + 4, words, fontsize=SMALL_PT)
     drops = LineCollection([], colors=INK, linewidths=0.8, linestyles=[(0, (2, 2))])
     view.axes.add_artist(drops)
-    edges = [view.axes.plot([], [], color=colour_of(k), linewidth=3.0)[0] for k in range(len(names) // 2)]
+    edges = [view.axes.plot([], [], color=foot_colour(k), linewidth=3.0)[0] for k in range(len(names) // 2)]
     # Names stand outside: of the left corners, which are farther away, above; of the right below
     labels = [
         view.axes.text(
             0,
             0,
             "",
-            fontsize=SMALL,
+            fontsize=SMALL_PT,
             ha="center",
             va="bottom" if k % 2 == 0 else "top",
-            visible=len(names) <= MOST_LABELS,
+            visible=len(names) <= MAX_LABELS,
         )
         for k in range(len(names))
     ]
-    canvas.move(view.ground, view.lines, drops, *edges)
-    _on_top(canvas, view)
-    canvas.move(*labels)
+    canvas.add_moving_artists(view.ground, view.lines, drops, *edges)
+    _add_moving_signs(canvas, view)
+    canvas.add_moving_artists(*labels)
     return Close(view, zoom, bend, edges, drops, labels)
 
 
-def _courses(shot: Shot) -> list[Course]:
+def _corner_courses(shot: Shot) -> list[Course]:
     """Heights of the corners in time: colours of the feet, left corners full, right dashed.
 
     Of more than two feet the legend names the feet alone, of many none.
     """
     heights, names = shot.poses.corners[:, :, 1], shot.poses.names
     if len(names) > 4:
-        several = len(names) > MOST_LABELS
+        several = len(names) > MAX_LABELS
         names = tuple("" if several or k % 2 else shot.poses.legs[k // 2] for k in range(len(names)))
-    return [Course(name, colour_of(k // 2), ("-", (0, (3, 1.5)))[k % 2], heights[:, k]) for k, name in enumerate(names)]
+    return [
+        Course(name, foot_colour(k // 2), ("-", (0, (3, 1.5)))[k % 2], heights[:, k]) for k, name in enumerate(names)
+    ]
 
 
-def _set(
+def _update_view(
     view: View, shot: Shot, at: int, centre: Array, corners: Array, glows: list[tuple[Impact, float] | None]
 ) -> None:
     """Show the plate's lines, and flash the corners at the places `corners` of the view."""
-    view.lines.set_segments(_lines(view, shot, centre))
+    view.lines.set_segments(_plate_lines(view, shot, centre))
     seen = view.camera.project(corners)[:, :2]
     heading, largest = shot.poses.heading[at], largest_impulse(shot)
     for k, flash in enumerate(view.flashes):
@@ -235,12 +241,12 @@ def _set(
             along, up = hit.impulse / largest * view.longest
             push = np.array([along * math.cos(heading), up, -along * math.sin(heading)])
             tail = view.camera.project(corners[k] - push)[:2]
-            light(flash, hit, left, largest, tail, seen[k])
+            show_flash(flash, hit, left, largest, tail, seen[k])
 
 
-def _lines(view: View, shot: Shot, centre: Array) -> list[Array]:
+def _plate_lines(view: View, shot: Shot, centre: Array) -> list[Array]:
     """Lines of the plate, at rest in it, as the view shows them."""
-    spacing = rounded_up(0.05 * float(shot.size[0]))
+    spacing = nice_ceil(0.05 * float(shot.size[0]))
     (left, right), (near, far) = view.area
     ends = []
     for low, high, axis in ((left, right, 0), (near, far, 2)):
@@ -251,7 +257,7 @@ def _lines(view: View, shot: Shot, centre: Array) -> list[Array]:
     return list(view.camera.project(np.array(ends, float))[..., :2])
 
 
-def _set_close(
+def _update_close_view(
     close: Close, shot: Shot, at: int, centre: Array, corners: Array, glows: list[tuple[Impact, float] | None]
 ) -> None:
     """Show the feet at their magnified heights over the plate, bent ones where unbent they were."""
@@ -259,7 +265,7 @@ def _set_close(
     below = corners * (1.0, 0.0, 1.0)
     shown = np.where(gaps < 0.0, close.bend, close.zoom) * gaps
     raised = below + np.outer(shown, (0.0, 1.0, 0.0))
-    _set(close.view, shot, at, centre, raised, glows)
+    _update_view(close.view, shot, at, centre, raised, glows)
     project = close.view.camera.project
     tips, feet = project(raised)[:, :2], project(below)[:, :2]
     for side, edge in enumerate(close.edges):
@@ -270,10 +276,10 @@ def _set_close(
         outer = max(tips[k][1], feet[k][1]) + 7.0, min(tips[k][1], feet[k][1]) - 7.0
         x, y = tips[k][0], outer[k % 2]
         label.set_position((x, y))
-        label.set_text(_micrometres(gaps[k]))
+        label.set_text(_format_micrometres(gaps[k]))
 
 
-def _micrometres(length: float) -> str:
+def _format_micrometres(length: float) -> str:
     """Length in mm as whole µm, with a decimal where legs bend, without a minus on zero."""
     micrometres = round(1e3 * length, 1 if length < 0.0 else 0) + 0.0
     text = f"{micrometres:.1f}" if micrometres < 0.0 else f"{micrometres:.0f}"

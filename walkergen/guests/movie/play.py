@@ -15,24 +15,26 @@ from walkergen.core.walker.design import Design
 from walkergen.guests.movie.shot import point_in_mesh
 from walkergen.points import poses
 
-RATE = 2000.0
+POSES_PER_SECOND = 2000.0
 """Poses a second: a hundredth of real time shows every bounce."""
 
 
-def run(design: Design, scene: Scene, seconds: float) -> dict[str, Any]:
+def record_run(design: Design, scene: Scene, seconds: float) -> dict[str, Any]:
     """Simulate seconds of a walker's run in space and pack what a viewer plays of it.
 
     Raises InputError for a run that ends at once.
     """
     mass = solids.mass_of(design)
     short = scene.run.model_copy(update={"seconds": seconds})
-    motion = poses.sample(prepare(scene.model_copy(update={"run": short}), design, mass), 1.0 / RATE)
+    motion = poses.sample(prepare(scene.model_copy(update={"run": short}), design, mass), 1.0 / POSES_PER_SECOND)
     if len(motion.times) < 2:
         raise InputError(f"{scene.name}: the run ended at once ({motion.outcome.value})")
-    return _packed(motion, point_in_mesh(design, mass)) | {"words": _words(motion, scene, names.part_name(design))}
+    return _pack_poses(motion, point_in_mesh(design, mass)) | {
+        "words": _caption(motion, scene, names.part_name(design))
+    }
 
 
-def _packed(motion: poses.Poses, O: npt.NDArray[np.float64]) -> dict[str, Any]:  # noqa: E741
+def _pack_poses(motion: poses.Poses, O: npt.NDArray[np.float64]) -> dict[str, Any]:  # noqa: E741
     """Poses and landings of a walker whose point O lies there in its mesh, as the page reads them.
 
     A pose is a shift (mm) and a quaternion (x, y, z, scalar) of the mesh; a landing is its time
@@ -46,17 +48,17 @@ def _packed(motion: poses.Poses, O: npt.NDArray[np.float64]) -> dict[str, Any]: 
     impulse = np.hypot(along, upward)
     landings = np.column_stack([times, corner, impulse / max(impulse.max(initial=0), 1e-9)])
     corners = (motion.corners[0] - motion.places[0]) @ R[0] + O
-    moving = {"plate": _text(motion.plate)} if np.ptp(motion.plate) > 0.0 else {}
+    moving = {"plate": _to_base64(motion.plate)} if np.ptp(motion.plate) > 0.0 else {}
     return moving | {
         "interval": float(motion.times[1]),
-        "poses": _text(rows),
-        "landings": _text(landings),
+        "poses": _to_base64(rows),
+        "landings": _to_base64(landings),
         "closed": base64.b64encode(np.packbits(motion.closed, axis=1).tobytes()).decode(),
         "corners": corners.round(4).tolist(),
     }
 
 
-def _words(motion: poses.Poses, scene: Scene, name: str) -> str:
+def _caption(motion: poses.Poses, scene: Scene, name: str) -> str:
     """Sentence that says what is played."""
     drive = scene.drive
     ended = "" if motion.outcome in ENDED_WELL else f"; it ended: {motion.outcome.value}"
@@ -70,5 +72,5 @@ def _words(motion: poses.Poses, scene: Scene, name: str) -> str:
     )
 
 
-def _text(values: npt.NDArray[np.float64]) -> str:
+def _to_base64(values: npt.NDArray[np.float64]) -> str:
     return base64.b64encode(values.astype("<f4").tobytes()).decode()

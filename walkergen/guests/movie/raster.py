@@ -10,25 +10,25 @@ from walkergen.core.shapes.mesh import Mesh
 
 Array = npt.NDArray[np.float64]
 
-TOWARD = np.array([0.45, 0.36, 0.85])
+CAMERA_DIRECTION = np.array([0.45, 0.36, 0.85])
 """Direction from the walker to the camera: before it, above it, and to its right."""
 
-AWAY = 6.0
+CAMERA_DISTANCE = 6.0
 """Distance of the camera over the size of what it sees."""
 
-LIGHT = np.array([-0.35, 0.6, 0.72])
+LIGHT_DIRECTION = np.array([-0.35, 0.6, 0.72])
 """Direction to the light: to the right, up, and toward the camera, in the camera's axes."""
 
 AMBIENT = 0.5
 """Brightness of a face that the light only grazes."""
 
-SHARP = math.cos(math.radians(25.0))
+SHARP_EDGE_COSINE = math.cos(math.radians(25.0))
 """Cosine of the angle between faces from which their edge is drawn."""
 
-FINE = 2
+SAMPLES_PER_PIXEL = 2
 """Samples along either side of a pixel."""
 
-NEARER = 2e-3
+DEPTH_TOLERANCE = 2e-3
 """Relative tolerance of depths for an edge to count as visible."""
 
 
@@ -52,13 +52,13 @@ class Camera(NamedTuple):
         return np.concatenate([flat, nearness[..., None]], axis=-1)
 
 
-def camera_for(points: Array, size: tuple[float, float]) -> Camera:
+def fit_camera(points: Array, size: tuple[float, float]) -> Camera:
     """Camera in whose picture of `size` (width, height, pixels) points (n, 3) just fit."""
     low, high = points.min(axis=0), points.max(axis=0)
-    back = TOWARD / np.linalg.norm(TOWARD)
+    back = CAMERA_DIRECTION / np.linalg.norm(CAMERA_DIRECTION)
     right = np.cross([0.0, 1.0, 0.0], back)
     right /= np.linalg.norm(right)
-    eye = 0.5 * (low + high) + AWAY * float(np.linalg.norm(high - low)) * back
+    eye = 0.5 * (low + high) + CAMERA_DISTANCE * float(np.linalg.norm(high - low)) * back
     plain = Camera(np.array([right, np.cross(back, right), back]), eye, 1.0, np.zeros(2))
     seen = plain.project(points)[:, :2]
     low, high = seen.min(axis=0), seen.max(axis=0)
@@ -76,7 +76,7 @@ class Model(NamedTuple):
     """Sharp edges: two vertices and the two triangles beside them, shape (e, 4)."""
 
 
-def model_of(mesh: Mesh) -> Model:
+def make_model(mesh: Mesh) -> Model:
     """Compute the normals and sharp edges of a closed mesh."""
     a, b, c = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)
     normals = np.cross(b - a, c - a)
@@ -87,7 +87,9 @@ def model_of(mesh: Mesh) -> Model:
         for start, end in zip(triangle, triangle[1:] + triangle[:1], strict=True):
             beside.setdefault((min(start, end), max(start, end)), []).append(number)
     edges = [
-        (*ends, *two[:2]) for ends, two in beside.items() if len(two) > 1 and normals[two[0]] @ normals[two[1]] < SHARP
+        (*ends, *two[:2])
+        for ends, two in beside.items()
+        if len(two) > 1 and normals[two[0]] @ normals[two[1]] < SHARP_EDGE_COSINE
     ]
     return Model(mesh, normals, np.array(edges, np.int64).reshape(-1, 4))
 
@@ -102,25 +104,25 @@ def render(
     seen = camera.project(model.mesh.vertices @ R.T + place)
     left, low = np.floor(seen[:, :2].min(axis=0)).astype(int) - 1
     right, high = np.ceil(seen[:, :2].max(axis=0)).astype(int) + 2
-    fine = np.column_stack([FINE * (seen[:, :2] - (left, low)), seen[:, 2]])
-    shape = FINE * int(high - low), FINE * int(right - left)
+    fine = np.column_stack([SAMPLES_PER_PIXEL * (seen[:, :2] - (left, low)), seen[:, 2]])
+    shape = SAMPLES_PER_PIXEL * int(high - low), SAMPLES_PER_PIXEL * int(right - left)
     number = np.full(shape, -1, np.int32)
     near = np.zeros(shape)
     corners = fine[model.mesh.triangles]
-    for at in np.flatnonzero(_area(corners) > 0.0):
-        _fill(number, near, corners[at], int(at))
-    _outline(number, near, fine, model, _area(corners) > 0.0)
-    shades = _shades(model.normals @ R.T @ camera.axes.T, colour, ink)
-    return _reduced(shades[number][::-1]), int(left), int(low)
+    for at in np.flatnonzero(_doubled_areas(corners) > 0.0):
+        _fill_triangle(number, near, corners[at], int(at))
+    _draw_edges(number, near, fine, model, _doubled_areas(corners) > 0.0)
+    shades = _shade_faces(model.normals @ R.T @ camera.axes.T, colour, ink)
+    return _downsample(shades[number][::-1]), int(left), int(low)
 
 
-def _area(corners: Array) -> Array:
+def _doubled_areas(corners: Array) -> Array:
     """Twice the areas of triangles (..., 3, 2 or more), positive when counter-clockwise."""
     first, second = (corners[..., 1, :2] - corners[..., 0, :2], corners[..., 2, :2] - corners[..., 0, :2])
     return np.asarray(first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0])
 
 
-def _fill(number: npt.NDArray[np.int32], near: Array, corners: Array, value: int) -> None:
+def _fill_triangle(number: npt.NDArray[np.int32], near: Array, corners: Array, value: int) -> None:
     """Write `value` where a counter-clockwise triangle is nearer than all so far."""
     (left, low), (right, high) = corners[:, :2].min(axis=0), corners[:, :2].max(axis=0)
     x = np.arange(math.ceil(left - 0.5), math.floor(right - 0.5) + 1)
@@ -147,7 +149,7 @@ def _fill(number: npt.NDArray[np.int32], near: Array, corners: Array, value: int
     number[rows, columns][inside] = value
 
 
-def _outline(
+def _draw_edges(
     number: npt.NDArray[np.int32], near: Array, points: Array, model: Model, facing: npt.NDArray[np.bool_]
 ) -> None:
     """Write the ink's number, that of the triangles, along the sharp edges that are visible."""
@@ -158,15 +160,15 @@ def _outline(
     first, last = (np.repeat(ends[:, end], counts, axis=0) for end in (0, 1))
     dots = first + share[:, None] * (last - first)
     x, y = np.floor(dots[:, :2]).astype(int).T
-    shown = dots[:, 2] > near[y, x] * (1.0 - NEARER)
-    for right in range(FINE):
-        for up in range(FINE):
+    shown = dots[:, 2] > near[y, x] * (1.0 - DEPTH_TOLERANCE)
+    for right in range(SAMPLES_PER_PIXEL):
+        for up in range(SAMPLES_PER_PIXEL):
             number[y[shown] + up - 1, x[shown] + right - 1] = len(facing)
 
 
-def _shades(normals: Array, colour: str, ink: str) -> npt.NDArray[np.uint8]:
+def _shade_faces(normals: Array, colour: str, ink: str) -> npt.NDArray[np.uint8]:
     """RGBA of every triangle by its normal in the camera's axes, then ink, then nothing."""
-    light = LIGHT / np.linalg.norm(LIGHT)
+    light = LIGHT_DIRECTION / np.linalg.norm(LIGHT_DIRECTION)
     bright = AMBIENT + (1.0 - AMBIENT) * np.clip(normals @ light, 0.0, 1.0)
     full, dark = (np.array([int(code[i : i + 2], 16) for i in (1, 3, 5)]) for code in (colour, ink))
     colours = np.vstack([bright[:, None] * np.minimum(1.15 * full, 255.0), dark, np.zeros(3)])
@@ -174,13 +176,17 @@ def _shades(normals: Array, colour: str, ink: str) -> npt.NDArray[np.uint8]:
     return np.column_stack([colours, alpha]).round().astype(np.uint8)
 
 
-def _reduced(picture: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+def _downsample(picture: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
     """Mean over the samples of each pixel, of its colours over those that are not clear (and black)."""
-    first, *others = (picture[row::FINE, column::FINE] for row in range(FINE) for column in range(FINE))
+    first, *others = (
+        picture[row::SAMPLES_PER_PIXEL, column::SAMPLES_PER_PIXEL]
+        for row in range(SAMPLES_PER_PIXEL)
+        for column in range(SAMPLES_PER_PIXEL)
+    )
     total = first.astype(np.uint16)
     for sample in others:
         total += sample
     pixels, seen = np.empty(total.shape, np.uint8), np.maximum(total[..., 3:] // 255, 1)
     pixels[..., :3] = (total[..., :3] + seen // 2) // seen
-    pixels[..., 3] = (total[..., 3] + FINE**2 // 2) // FINE**2
+    pixels[..., 3] = (total[..., 3] + SAMPLES_PER_PIXEL**2 // 2) // SAMPLES_PER_PIXEL**2
     return pixels

@@ -2,10 +2,10 @@
 
 from walkergen.files.report import Report
 from walkergen.guests.movie.make import Job, Made
-from walkergen.guests.movie.shot import pace
+from walkergen.guests.movie.shot import format_pace
 
 
-def of(job: Job, film: Made) -> Report:
+def make_report(job: Job, film: Made) -> Report:
     """Report of a film that was made: a line a walker, then its files."""
     lines = []
     for shot in film.shots:
@@ -15,7 +15,7 @@ def of(job: Job, film: Made) -> Report:
             f"{shot.name}: {distance:.2f} mm in {seconds:.3g} s, {distance / seconds:.1f} mm/s, "
             f"{len(shot.impacts)} impacts{ended}"
         )
-    lines.append(f"{film.frames} frames, {job.fps} a second, {pace(job.slow)}")
+    lines.append(f"{film.frames} frames, {job.fps} a second, {format_pace(job.slow)}")
     if film.mp4 is None:
         lines.append(f"no MP4: {film.without_mp4}")
     walkers = [

@@ -19,7 +19,7 @@ class MovieRequest(request.Request):
     --view above or --view perspective says otherwise.
     """
 
-    design: request.Walker = request.PAPER
+    design: request.Walker = request.PAPER_WALKER
     scene: request.Home = None
     tilt: request.Tilts = None
     legs: request.Kinds = None
@@ -53,10 +53,10 @@ class MovieRequest(request.Request):
             raise InputError(told, "out")
         given = self.inputs()
         design = given.design(self.design)
-        scene = given.scene(request.ground(self.scene, [design]))
-        simplest.refuse(scene, "is of a speed, and a film shows all that its scene calls for")
+        scene = given.scene(request.choose_scene(self.scene, [design]))
+        simplest.check_no_accepted_error(scene, "is of a speed, and a film shows all that its scene calls for")
         members = given.members(design, self.tilt, self.legs, whole=False)
         times = {"seconds": self.seconds, "periods": self.periods, "slow": self.slow}
-        job = make.plan(members, scene, **times, fps=self.fps, view=self.view)
+        job = make.make_job(members, scene, **times, fps=self.fps, view=self.view)
         path = self.out or Path("out") / design.name / make.file_name(job, given.values)
-        return report.of(job, make.make(job, path, progress, self.out is not None, self._expect))
+        return report.make_report(job, make.make_movie(job, path, progress, self.out is not None, self._expect))

@@ -29,7 +29,7 @@ class Impact(NamedTuple):
     kind: Kind
 
 
-def impact_of(event: Array) -> Impact:
+def make_impact(event: Array) -> Impact:
     """Impact of a row of the simulation's events (see `record.Events`)."""
     time, foot, along, upward, _, _, kind = event
     return Impact(time, int(foot), np.array((along, upward)), Kind(int(kind)))
@@ -52,7 +52,7 @@ class Title(NamedTuple):
         return f"{self.design}, {self.tilt}, {self.kind}"
 
 
-def pace(slow: float) -> str:
+def format_pace(slow: float) -> str:
     """Pace of a movie in words; `slow` seconds of it show one second of the run."""
     if slow == 1.0:
         return "real time"
@@ -114,7 +114,7 @@ class Shot(NamedTuple):
         return float(self.advance[-1])
 
 
-def shot_of(title: Title, design: Design, mass: MassProperties, poses: Poses) -> Shot:
+def make_shot(title: Title, design: Design, mass: MassProperties, poses: Poses) -> Shot:
     """Create the shot of a run in space, in the terms of the picture."""
     mesh, O = solids.build(design).seen, point_in_mesh(design, mass)  # noqa: E741  (the paper's name)
     return Shot(
@@ -122,9 +122,9 @@ def shot_of(title: Title, design: Design, mass: MassProperties, poses: Poses) ->
         mesh=Mesh(mesh.vertices - O, mesh.triangles),
         base=np.array([-O[0], 0.0]),
         size=np.array([design.size.length, design.size.depth]),
-        contours=seen_above.contours(design),
+        contours=seen_above.body_contours(design),
         poses=poses,
-        impacts=tuple(map(impact_of, poses.landings)),
+        impacts=tuple(map(make_impact, poses.landings)),
     )
 
 
@@ -133,20 +133,20 @@ def point_in_mesh(design: Design, mass: MassProperties) -> Array:
     return np.array([*-to_centre_frame(design.limbs, mass, np.zeros(2)), 0.5 * design.size.depth])
 
 
-def outline(shot: Shot, at: int) -> list[Array]:
+def body_outline(shot: Shot, at: int) -> list[Array]:
     """Polygons of the body seen from above at pose `at`, shape (n, 2) each, mm."""
     place: Array = shot.track[at]
     heading = shot.poses.heading[at]
-    return [place + turned(shot.base + contour, heading) for contour in shot.contours]
+    return [place + rotate(shot.base + contour, heading) for contour in shot.contours]
 
 
-def feet(shot: Shot, at: int) -> Array:
+def foot_edges(shot: Shot, at: int) -> Array:
     """Edges of the feet seen from above, two ends each, shape (feet, 2, 2), mm."""
     ends: Array = shot.poses.corners[at][:, [0, 2]] * (1.0, -1.0)
     return ends.reshape(-1, 2, 2)
 
 
-def turned(points: Array, angle: float) -> Array:
+def rotate(points: Array, angle: float) -> Array:
     """Turn points (..., 2) counter-clockwise."""
     c, s = np.cos(angle), np.sin(angle)
     return np.asarray(points @ np.array([[c, s], [-s, c]]))

@@ -14,13 +14,13 @@ from walkergen.files import templates
 from walkergen.guests.sweep import axes, nearest, sweep_file
 from walkergen.guests.sweep import point_request as request
 from walkergen.guests.sweep.axes import Axis, Method, Sample, Space, Span
-from walkergen.guests.sweep.point_request import SCENE as SCENES
-from walkergen.guests.sweep.point_request import Request, check_alone
+from walkergen.guests.sweep.point_request import SCENE_PREFIX as SCENES
+from walkergen.guests.sweep.point_request import Request, check_single_key
 from walkergen.points import kinds
 from walkergen.points.point import ALONE, PREDICTION
-from walkergen.request import PAPER, ground
+from walkergen.request import PAPER_WALKER, choose_scene
 
-ERROR = parse_tolerance("5%")
+DEFAULT_ERROR = parse_tolerance("5%")
 """Error of simulated speeds unless asked otherwise."""
 
 
@@ -39,15 +39,15 @@ class Ask(NamedTuple):
     error: Tolerance | None
     keep: Sequence[str] | None
 
-    def request(self) -> Request:
+    def make_request(self) -> Request:
         """Return the checked request. Raises InputError.
 
         Simulated speeds meet ERROR unless another error is given, or the runs are set.
         """
         keys = (*self.space.keys, *self.constants)
         own_runs = any(key in ("scene.run.runs", "scene.run.seconds") for key in keys)
-        kind = kinds.named(kinds.kind_of(self.model))
-        default = None if self.model == PREDICTION or not kind.MEETS_ERRORS or own_runs else ERROR
+        kind = kinds.load_kind(kinds.kind_of(self.model))
+        default = None if self.model == PREDICTION or not kind.MEETS_ERRORS or own_runs else DEFAULT_ERROR
         scene, keep = self.scene, self.keep or kind.KEPT
         if kind.RUNS is not None and "scene.run.runs" not in keys:
             scene = scene.variant(**{"run.runs": kind.RUNS})
@@ -63,23 +63,23 @@ class Ask(NamedTuple):
         )
         for key in self.constants:
             if kinds.kind_of(self.model) == ALONE:
-                check_alone(key, f"‹set› {key}")
+                check_single_key(key, f"‹set› {key}")
         request.check()
         return request
 
-    def request_for_wish(self) -> Request:
+    def make_wish_request(self) -> Request:
         """Return the checked request of points that have a speed, predicted ones with bounds unless groups are chosen.
 
         Raises InputError.
         """
         keep = self.keep or (("speed", "spread") if self.model == PREDICTION else None)
-        request = self._replace(keep=keep).request()
-        nearest.check(request.kind.columns(request.model, request.keep))
+        request = self._replace(keep=keep).make_request()
+        nearest.check_speed(request.kind.columns(request.model, request.keep))
         return request
 
     def title(self) -> str:
         """Title of the pictures: the walker, where it runs, and by what."""
-        by = kinds.named(kinds.kind_of(self.model)).title(self.model)
+        by = kinds.load_kind(kinds.kind_of(self.model)).title(self.model)
         return f"{self.design.name}, {self.scene.name}, {by}"
 
     def name(self) -> str:
@@ -88,7 +88,7 @@ class Ask(NamedTuple):
         return f"{self.design.name}-{keys}"[:100]
 
 
-def of(
+def make_ask(
     sources: tuple[Any, Any, Any],
     near: Path,
     space: Space,
@@ -104,30 +104,32 @@ def of(
     """
     design, scene, printer = sources
     for key in constants:
-        request.check(key, f"{source} {key}")
+        request.check_key(key, f"{source} {key}")
     own = {key: value for key, value in constants.items() if not key.startswith(SCENES)}
     scenes = {key.removeprefix(SCENES): constants[key] for key in constants if key not in own}
-    model = model_of(model, (*space.keys, *constants))
+    model = choose_model(model, (*space.keys, *constants))
     if isinstance(design, Design):
         walker, data = assignments.replace_values(design, own, source), None
     else:
         walker, data = assignments.read_with_data(
-            templates.path_of(design or PAPER, "walkers", near), Design, own, source
+            templates.resolve_path(design or PAPER_WALKER, "walkers", near), Design, own, source
         )
-    place = ground(scene, [walker], scene_for(model))
+    place = choose_scene(scene, [walker], default_scene(model))
     if isinstance(place, Scene):
         place = assignments.replace_values(place, scenes, source, SCENES)
     else:
-        place = assignments.read_with_values(templates.path_of(place, "scenes", near), Scene, scenes, source, SCENES)
+        place = assignments.read_with_values(
+            templates.resolve_path(place, "scenes", near), Scene, scenes, source, SCENES
+        )
     if not isinstance(printer, Printer | None):
         printer = templates.load(printer, "printers", Printer, near)
     return Ask(walker, data, place, printer, space, tuple(constants), model, error, keep)
 
 
-def of_file(path: Path) -> Ask:
+def from_file(path: Path) -> Ask:
     """Sweep that a file asks for. Raises InputError."""
-    file = sweep_file.read(path)
-    return of(
+    file = sweep_file.read_sweep(path)
+    return make_ask(
         (file.design, file.scene, file.printer),
         file.folder,
         file.space,
@@ -139,19 +141,19 @@ def of_file(path: Path) -> Ask:
     )
 
 
-def model_of(model: str | None, keys: Sequence[str]) -> str:
+def choose_model(model: str | None, keys: Sequence[str]) -> str:
     """Model of a sweep over these keys where none is named: the kind that a key is of."""
-    return model or next(filter(None, map(kinds.of_key, keys)), PREDICTION)
+    return model or next(filter(None, map(kinds.kind_of_key, keys)), PREDICTION)
 
 
-def scene_for(model: str) -> str:
+def default_scene(model: str) -> str:
     """Template of the scene where none is named."""
-    return kinds.named(kinds.kind_of(model)).SCENE
+    return kinds.load_kind(kinds.kind_of(model)).SCENE
 
 
-def space_of(entries: Sequence[Axis | Span], sample: str | None, seed: int) -> tuple[Space, dict[str, Any]]:
+def make_space(entries: Sequence[Axis | Span], sample: str | None, seed: int) -> tuple[Space, dict[str, Any]]:
     """Space of axes and spans, and the keys of a single value. Raises InputError."""
-    axes.check(entries)
+    axes.check_keys(entries)
     spans = tuple(entry for entry in entries if isinstance(entry, Span))
     lists = [entry for entry in entries if isinstance(entry, Axis)]
     fixed = {axis.key: axis.values[0] for axis in lists if len(axis.values) == 1}
@@ -163,17 +165,17 @@ def space_of(entries: Sequence[Axis | Span], sample: str | None, seed: int) -> t
                 "‹sample=›sobol:256 to sample between the two"
             )
         return Space(varied), fixed
-    samples = sample_of(sample, spans, seed, f"‹sample=›{sample[:30]!r}")
+    samples = parse_sample(sample, spans, seed, f"‹sample=›{sample[:30]!r}")
     if not spans:
         raise InputError(f"‹sample=›{sample}: no key to sample: ‹set› KEY=LOW:HIGH")
     return Space(varied, samples), fixed
 
 
-def sample_of(text: str, spans: tuple[Span, ...], seed: int, source: str) -> Sample:
+def parse_sample(text: str, spans: tuple[Span, ...], seed: int, source: str) -> Sample:
     """Parse samples of spans from sobol:N or latin:N. Raises InputError."""
     method, _, count = text.partition(":")
-    samples = columns.parse_count(count, axes.MOST_VALUES)
+    samples = columns.parse_count(count, axes.MAX_VALUES)
     if method not in get_args(Method) or samples is None:
-        raise InputError(f"{source}: write sobol:N or latin:N, N a whole number in 1..{axes.MOST_VALUES}")
+        raise InputError(f"{source}: write sobol:N or latin:N, N a whole number in 1..{axes.MAX_VALUES}")
     sequence: Method = "sobol" if method == "sobol" else "latin"
     return Sample(spans, samples, sequence, seed)

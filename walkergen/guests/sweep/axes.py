@@ -13,12 +13,12 @@ from walkergen.core.errors import InputError
 from walkergen.core.files import assignments
 from walkergen.core.files.config import MAX_INTEGER, MIN_MAGNITUDE
 
-MOST_VALUES = 1_000_000
+MAX_VALUES = 1_000_000
 """Largest number of values of an axis, and of samples."""
 
 Method = Literal["sobol", "latin"]
 
-NUMBER = re.compile(r"\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+|inf|nan)([eE][+-]?[0-9]+)?\s*", re.IGNORECASE)
+NUMBER_PATTERN = re.compile(r"\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+|inf|nan)([eE][+-]?[0-9]+)?\s*", re.IGNORECASE)
 
 
 class Axis(NamedTuple):
@@ -69,7 +69,7 @@ class Space(NamedTuple):
         if self.sample is None:
             yield from grid
             return
-        samples = [tuple(row) for row in _sampled(self.sample).tolist()]
+        samples = [tuple(row) for row in _sample_points(self.sample).tolist()]
         for row in grid:
             for sample in samples:
                 yield row + sample
@@ -78,37 +78,37 @@ class Space(NamedTuple):
 def parse(text: str) -> Axis | Span:
     """Axis of KEY=1,2,3 or KEY=FIRST:LAST:STEP or KEY=VALUE, span of KEY=LOW:HIGH. InputError."""
     key, value = assignments.split_key_value(text)
-    return of_text(key, value, f"‹set› {text[:60]!r}")
+    return from_text(key, value, f"‹set› {text[:60]!r}")
 
 
-def of_text(key: str, value: str, source: str) -> Axis | Span:
+def from_text(key: str, value: str, source: str) -> Axis | Span:
     """Axis or span of a key from a text, as `parse` takes it after the sign. Raises InputError."""
     values: list[Any] = []
-    pieces = _split(value)
+    pieces = _split_list(value)
     for piece in pieces:
         numbers = piece.split(":")
-        ranged = 2 <= len(numbers) <= 3 and all(NUMBER.fullmatch(number) for number in numbers)
+        ranged = 2 <= len(numbers) <= 3 and all(NUMBER_PATTERN.fullmatch(number) for number in numbers)
         if ranged and len(numbers) == 3:
-            values += _range(numbers, source)
+            values += _range_values(numbers, source)
         elif ranged and len(pieces) == 1:
-            return span(key, float(numbers[0]), float(numbers[1]), source)
+            return make_span(key, float(numbers[0]), float(numbers[1]), source)
         elif ranged:
             raise InputError(f"{source}: bounds LOW:HIGH stand alone; write FIRST:LAST:STEP in a list")
         elif not piece.strip():
             raise InputError(f"{source}: an empty value in the list: remove a comma")
         else:
             values.append(assignments.parse_value(piece.strip()))
-        if len(values) > MOST_VALUES:
+        if len(values) > MAX_VALUES:
             break
-    return axis(key, values, source)
+    return make_axis(key, values, source)
 
 
-def axis(key: str, values: Sequence[Any], source: str) -> Axis:
+def make_axis(key: str, values: Sequence[Any], source: str) -> Axis:
     """Axis of these values, each once. Raises InputError for none, too many, inf and NaN."""
     if not values:
         raise InputError(f"{source}: no values: write one at least")
-    if len(values) > MOST_VALUES:
-        raise InputError(f"{source}: more than {MOST_VALUES} values: take a larger step")
+    if len(values) > MAX_VALUES:
+        raise InputError(f"{source}: more than {MAX_VALUES} values: take a larger step")
     for value in values:
         if isinstance(value, float) and not math.isfinite(value):
             raise InputError(f"{source}: {value} is no value: write finite numbers")
@@ -121,16 +121,16 @@ def axis(key: str, values: Sequence[Any], source: str) -> Axis:
     return Axis(key, tuple(value for _, value in unique))
 
 
-def span(key: str, low: float, high: float, source: str) -> Span:
+def make_span(key: str, low: float, high: float, source: str) -> Span:
     """Bounds of samples. Raises InputError unless they are finite and rise."""
     for end in (low, high):
-        _finite(str(end), source)
+        _parse_end(str(end), source)
     if not low < high:
         raise InputError(f"{source}: the first of LOW:HIGH must lie below the second")
     return Span(key, low, high)
 
 
-def check(axes: Sequence[Axis | Span]) -> None:
+def check_keys(axes: Sequence[Axis | Span]) -> None:
     """Raise InputError for a key that is given twice."""
     keys = [entry.key for entry in axes]
     for key in keys:
@@ -138,7 +138,7 @@ def check(axes: Sequence[Axis | Span]) -> None:
             raise InputError(f"‹set› {key}: given {keys.count(key)} times; write its values once")
 
 
-def _split(text: str) -> list[str]:
+def _split_list(text: str) -> list[str]:
     """Parts of a list at its commas, but for those within brackets, braces and quotes."""
     parts, depth, quote = [""], 0, ""
     for letter in text:
@@ -155,13 +155,13 @@ def _split(text: str) -> list[str]:
     return parts
 
 
-def _range(words: Sequence[str], source: str) -> list[float]:
+def _range_values(words: Sequence[str], source: str) -> list[float]:
     """Values of FIRST:LAST:STEP with both ends, whole numbers where all three are."""
-    first, last, step = (_finite(word, source) for word in words)
+    first, last, step = (_parse_end(word, source) for word in words)
     if step == 0 or (last - first) / step < 0:
         raise InputError(f"{source}: step {step:g} does not lead from first to last")
-    if (last - first) / step > MOST_VALUES:
-        raise InputError(f"{source}: more than {MOST_VALUES} values: take a larger step")
+    if (last - first) / step > MAX_VALUES:
+        raise InputError(f"{source}: more than {MAX_VALUES} values: take a larger step")
     count = int((last - first) / step * (1 + 1e-12)) + 1  # 0.3 / 0.1 lies below 3
     if all(re.fullmatch(r"\s*[+-]?[0-9]+\s*", word) for word in words):
         return [int(first) + number * int(step) for number in range(count)]
@@ -170,7 +170,7 @@ def _range(words: Sequence[str], source: str) -> list[float]:
     return [round(first + number * step, digits) + 0.0 for number in range(count)]
 
 
-def _finite(word: str, source: str) -> float:
+def _parse_end(word: str, source: str) -> float:
     value = float(word)
     if not math.isfinite(value):
         raise InputError(f"{source}: {word.strip()} is no end of a range: write finite numbers")
@@ -182,7 +182,7 @@ def _finite(word: str, source: str) -> float:
     return value + 0.0
 
 
-def _sampled(sample: Sample) -> Any:
+def _sample_points(sample: Sample) -> Any:
     """Draw samples, shape (count, spans), rounded to the 9 digits that a table shows."""
     from scipy.stats import qmc
 

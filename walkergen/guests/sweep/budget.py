@@ -10,21 +10,21 @@ from walkergen.core.measure import FIRST_RUNS
 from walkergen.guests.sweep import evaluation as run
 from walkergen.guests.sweep.evaluation import Asked
 from walkergen.guests.sweep.point_request import Request
-from walkergen.points.point import PREDICTION, Point, Record, key
+from walkergen.points.point import PREDICTION, Point, Record, point_key
 from walkergen.points.store import Store
-from walkergen.points.walkers import LONGEST_S
+from walkergen.points.walkers import MAX_RUN_S
 from walkergen.points.worker_pool import WorkerPool
 
-BATCH = 4
+POINTS_PER_WORKER = 4
 """Points for each worker that get more runs together."""
 
-FEWEST_SHARES = 4
+BATCH_DIVISOR = 4
 """Share of the points, one in so many, that at most gets more runs at a time: the worst of them."""
 
-MOST_DOUBLINGS = 12
+MAX_DOUBLINGS = 12
 """Number of times that the runs of a point are doubled at most: to a bar 64 times narrower."""
 
-MOST_POINTS = 100_000
+MAX_POINTS = 100_000
 """Number of points that may share a budget: they are kept in memory."""
 
 
@@ -35,66 +35,66 @@ def spend(request: Request, seconds: float, store: Store, pool: WorkerPool | Non
     bounds get twice as many, again and again. Runs that an earlier budget bought are kept. Raises
     InputError for predictions, which have no runs, and for too many points.
     """
-    check(request)
+    check_budget(request)
     until = time.monotonic() + seconds
-    points = [_doubled(point, 0) for point in request.points()]
+    points = [_double_runs(point, 0) for point in request.points()]
     for number, point in enumerate(points):
-        points[number] = _resumed(point, store)
+        points[number] = _restore_runs(point, store)
     half = []
-    for number, done in enumerate(run.each(points, store, pool), start=1):
-        half.append(_half(done.record))
+    for number, done in enumerate(run.evaluate_points(points, store, pool), start=1):
+        half.append(_half_width(done.record))
         progress("one pass", number, len(points))
     hands = 1 if pool is None else pool.workers
-    batch = max(1, min(BATCH * hands, len(points) // FEWEST_SHARES))
-    most = FIRST_RUNS * 2**MOST_DOUBLINGS
+    batch = max(1, min(POINTS_PER_WORKER * hands, len(points) // BATCH_DIVISOR))
+    most = FIRST_RUNS * 2**MAX_DOUBLINGS
     while (left := until - time.monotonic()) > 0.0:
-        open_ = [n for n, point in enumerate(points) if half[n] > 0.0 and _runs(point) < most]
+        open_ = [n for n, point in enumerate(points) if half[n] > 0.0 and _run_count(point) < most]
         worst = sorted(open_, key=lambda n: (-half[n], n))[:batch]
         if not worst:
             break
         progress(f"widest bars, ± {words.format_number(half[worst[0]], 2)} mm/s", round(seconds - left), round(seconds))
-        more = [_doubled(points[n], 1) for n in worst]
-        for n, point, done in zip(worst, more, run.each(more, store, pool), strict=True):
-            points[n], half[n] = point, _half(done.record)
+        more = [_double_runs(points[n], 1) for n in worst]
+        for n, point, done in zip(worst, more, run.evaluate_points(more, store, pool), strict=True):
+            points[n], half[n] = point, _half_width(done.record)
     return points
 
 
-def check(request: Request) -> None:
+def check_budget(request: Request) -> None:
     """Refuse a budget that buys nothing. Raises InputError."""
     if request.model == PREDICTION:
         raise InputError("‹budget›: predictions have no runs to add: ‹model=›space")
     if not request.kind.MEETS_ERRORS:
         raise InputError("‹budget›: is for speeds of one walker: set scene.run.runs of crowds")
-    if request.space.points > MOST_POINTS:
-        raise InputError(f"‹budget›: {request.space.points} points; at most {MOST_POINTS} share a budget")
+    if request.space.points > MAX_POINTS:
+        raise InputError(f"‹budget›: {request.space.points} points; at most {MAX_POINTS} share a budget")
 
 
-def _doubled(point: Asked, times: int) -> Asked:
+def _double_runs(point: Asked, times: int) -> Asked:
     """Point with its runs doubled so many times; with 0 times the first runs, short ones."""
     if not isinstance(point, Point):
         return point
     run_ = point.scene.run
-    changed = {"runs": run_.runs * 2**times} if times else {"runs": FIRST_RUNS, "seconds": min(run_.seconds, LONGEST_S)}
+    changed = {"runs": run_.runs * 2**times} if times else {"runs": FIRST_RUNS, "seconds": min(run_.seconds, MAX_RUN_S)}
     scene = point.scene.model_copy(update={"run": run_.model_copy(update=changed)})
     return point._replace(scene=scene, wanted=point.wanted if times else None)
 
 
-def _resumed(point: Asked, store: Store) -> Asked:
+def _restore_runs(point: Asked, store: Store) -> Asked:
     """Point with the most runs that the store has, or with the first ones."""
     if not isinstance(point, Point):
         return point
-    levels = [point, *(_doubled(point, times) for times in range(1, MOST_DOUBLINGS + 1))]
-    keys = [key(level) for level in levels if isinstance(level, Point)]
+    levels = [point, *(_double_runs(point, times) for times in range(1, MAX_DOUBLINGS + 1))]
+    keys = [point_key(level) for level in levels if isinstance(level, Point)]
     stored = store.get(keys)
     best = max((number for number, name in enumerate(keys) if name in stored), default=0)
     return levels[best]
 
 
-def _runs(point: Asked) -> int:
+def _run_count(point: Asked) -> int:
     return point.scene.run.runs if isinstance(point, Point) else 0
 
 
-def _half(record: Record) -> float:
+def _half_width(record: Record) -> float:
     """Return the half-width of a point's bounds, mm/s; infinite with too few runs, 0 if more would not help."""
     low, high = record.get("low_95_mm_s"), record.get("high_95_mm_s")
     if isinstance(low, float) and isinstance(high, float):

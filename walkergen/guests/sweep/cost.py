@@ -8,20 +8,20 @@ from walkergen.core.errors import WalkergenError
 from walkergen.core.files import words
 from walkergen.guests.sweep.point_request import Request
 from walkergen.points import expected, kinds
-from walkergen.points.point import PREDICTION, Point, key
+from walkergen.points.point import PREDICTION, Point, point_key
 from walkergen.points.store import Store
 
-UNASKED = 100_000
+MAX_UNCONFIRMED_POINTS = 100_000
 """Number of points up to which a sweep begins without being asked for its cost."""
 
-PILOTS, WORTH = 5, 3
+PILOT_POINTS, PILOT_DIVISOR = 5, 3
 """Number of points whose cost is found out; of those that shall meet an error, or leave out what one accepts, whose
 first runs that takes, one in so many at most."""
 
-LONG_S, PREDICTED_S = 100.0, 0.5
+MIN_SWEEP_S, PREDICTION_S = 100.0, 0.5
 """Simulated time (s) of a sweep below which its cost is not found out, and what a prediction counts for."""
 
-BYTES = 300
+BYTES_PER_POINT = 300
 """Most bytes that a point takes in table and store together, and again for each group it keeps."""
 
 
@@ -42,44 +42,44 @@ def estimate(request: Request, store: Store, workers: int) -> Cost | None:
     points = request.space.points
     run = request.scene.run
     costly = request.wanted is not None or (request.model != PREDICTION and run.accepted_error is not None)
-    count = min(PILOTS, points // WORTH) if costly else PILOTS
-    if count == 0 or points * (PREDICTED_S if request.model == PREDICTION else run.runs * run.seconds) < LONG_S:
+    count = min(PILOT_POINTS, points // PILOT_DIVISOR) if costly else PILOT_POINTS
+    if count == 0 or points * (PREDICTION_S if request.model == PREDICTION else run.runs * run.seconds) < MIN_SWEEP_S:
         return None
     pilots = list(_pilots(request, count))
-    stored = store.get([key(pilot) for pilot in pilots])
-    costs = [0.0 if key(pilot) in stored else _cost(pilot) for pilot in pilots]
-    each_s = expected.by_clock(sum(costs) / count, points, workers)
-    return Cost(points, each_s, BYTES * (1.0 + len(request.keep)) * points)
+    stored = store.get([point_key(pilot) for pilot in pilots])
+    costs = [0.0 if point_key(pilot) in stored else _point_cost(pilot) for pilot in pilots]
+    each_s = expected.wall_time(sum(costs) / count, points, workers)
+    return Cost(points, each_s, BYTES_PER_POINT * (1.0 + len(request.keep)) * points)
 
 
 def _pilots(request: Request, count: int) -> Iterator[Point]:
     """Points at even distances, of the first UNASKED; none for those that are refused."""
-    among = min(request.space.points, UNASKED)
+    among = min(request.space.points, MAX_UNCONFIRMED_POINTS)
     places = {among * (2 * number + 1) // (2 * count) for number in range(count)}
     for place, row in enumerate(islice(request.space.rows(), among)):
         if place in places:
-            point = request.at(dict(zip(request.space.keys, row, strict=True)))
+            point = request.try_point(dict(zip(request.space.keys, row, strict=True)))
             if isinstance(point, Point):
                 yield point
 
 
-def _cost(point: Point) -> float:
+def _point_cost(point: Point) -> float:
     """CPU seconds of a point; none of one that cannot be simulated."""
     try:
-        return kinds.named(point.kind).cost(point)
+        return kinds.load_kind(point.kind).cost(point)
     except WalkergenError:
         return 0.0
 
 
-def in_words(cost: Cost | None, points: int) -> str:
+def format_cost(cost: Cost | None, points: int) -> str:
     """Cost of so many points as a line for a person."""
     if cost is None:
         return f"{words.format_number(points, 4)} points"
-    needed = f"about {words.format_duration(cost.seconds)} and {_room(cost.bytes)} on the disk"
+    needed = f"about {words.format_duration(cost.seconds)} and {_format_bytes(cost.bytes)} on the disk"
     return f"{words.format_number(cost.points, 4)} points: {needed}"
 
 
-def _room(size: float) -> str:
+def _format_bytes(size: float) -> str:
     for unit in ("B", "kB", "MB", "GB"):
         if size < 1000.0:
             return f"{size:.3g} {unit}"

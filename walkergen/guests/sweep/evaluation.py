@@ -9,21 +9,21 @@ from typing import NamedTuple
 
 from walkergen.core.errors import WalkergenError
 from walkergen.points.kinds import evaluate
-from walkergen.points.point import Point, Record, digest, key
+from walkergen.points.point import Point, Record, digest, point_key
 from walkergen.points.store import Store
 from walkergen.points.worker_pool import WorkerPool
 
-AHEAD = 4
+TASKS_PER_WORKER = 4
 """Tasks for each worker that are sent ahead, so that none is idle."""
 
-BLOCK, TASK = 64, 8
+LOOKUP_BLOCK, POINTS_PER_TASK = 64, 8
 """Number of points that are looked up together, and of predicted ones in a task: a prediction takes
 2 to 30 ms, and as a task of its own 1 ms more to be sent."""
 
-MOST_AHEAD = 4096
+MAX_PENDING = 4096
 """Most points that are kept while an earlier one takes long: all are yielded in their order."""
 
-ENDED = (
+WORKER_LOST = (
     "a worker process ended at once, as when the memory is full: what was finished is "
     "kept; the same command goes on, with fewer ‹workers› ({})"
 )
@@ -63,7 +63,7 @@ class _Slot(NamedTuple):
     place: int = 0
 
 
-def each(points: Iterable[Asked], store: Store, pool: WorkerPool | None = None) -> Iterator[Done]:
+def evaluate_points(points: Iterable[Asked], store: Store, pool: WorkerPool | None = None) -> Iterator[Done]:
     """Evaluate points and yield them in their order; those that are evaluated are in the store.
 
     Without a pool they are evaluated here, in turn. Raises OutputError where the store fails, and
@@ -72,50 +72,50 @@ def each(points: Iterable[Asked], store: Store, pool: WorkerPool | None = None) 
     """
     stream = iter(points)
     if pool is None:
-        while block := list(islice(stream, BLOCK)):
-            yield from _here(block, store)
+        while block := list(islice(stream, LOOKUP_BLOCK)):
+            yield from _evaluate_here(block, store)
         return
     under_way: dict[Future[Answer], _Task] = {}
     try:
-        yield from _there(stream, store, pool, under_way)
+        yield from _evaluate_by_pool(stream, store, pool, under_way)
     finally:  # an error, Ctrl-C, or no more is asked for: what others have finished is kept
         for future, task in under_way.items():
             if future.done() and not future.cancelled() and future.exception() is None:
-                store.put(zip(task.points, _answer(future), strict=True))
+                store.save(zip(task.points, _task_records(future), strict=True))
 
 
-def _there(
+def _evaluate_by_pool(
     stream: Iterator[Asked], store: Store, pool: WorkerPool, under_way: dict["Future[Answer]", _Task]
 ) -> Iterator[Done]:
     """Evaluate points by a pool; `under_way` holds the tasks whose records are not yet saved."""
     slots: deque[_Slot] = deque()
     more, most = True, 1  # the first point alone: where kernels are new, it compiles for all
     while more or slots:
-        while more and len(under_way) < most and len(slots) < MOST_AHEAD:
-            block = list(islice(stream, BLOCK if most > 1 else 1))
+        while more and len(under_way) < most and len(slots) < MAX_PENDING:
+            block = list(islice(stream, LOOKUP_BLOCK if most > 1 else 1))
             more = bool(block)
-            for slot in _sent(block, store, pool):
+            for slot in _send_block(block, store, pool):
                 slots.append(slot)
                 if slot.task is not None:
                     under_way[slot.task.future] = slot.task
         if under_way and slots[0].task is not None and slots[0].task.future in under_way:
             finished, _ = wait(under_way, return_when=FIRST_COMPLETED)
-            most = AHEAD * pool.workers
+            most = TASKS_PER_WORKER * pool.workers
             for future in finished:
                 task = under_way[future]
-                if _lost(task):
-                    task.future, task.again = _submitted(task.points, pool), True
+                if _is_lost(task):
+                    task.future, task.again = _submit_task(task.points, pool), True
                     under_way[task.future] = task
                 else:
-                    store.put(zip(task.points, _answer(future), strict=True))
+                    store.save(zip(task.points, _task_records(future), strict=True))
                 del under_way[future]
         while slots and (slots[0].task is None or slots[0].task.future not in under_way):
-            yield _done(slots.popleft())
+            yield _finish_slot(slots.popleft())
 
 
-def _here(block: Sequence[Asked], store: Store) -> Iterator[Done]:
+def _evaluate_here(block: Sequence[Asked], store: Store) -> Iterator[Done]:
     """Evaluate a block in this process; simulated points are saved one by one."""
-    keys = [key(point) if isinstance(point, Point) else "" for point in block]
+    keys = [point_key(point) if isinstance(point, Point) else "" for point in block]
     stored = store.get([name for name in keys if name])
     unsaved: list[tuple[str, Record]] = []
     finished: list[Done] = []
@@ -128,28 +128,28 @@ def _here(block: Sequence[Asked], store: Store) -> Iterator[Done]:
             finished.append(Done(name, evaluate(point), False))
             unsaved.append((name, finished[-1].record))
             if point.simulated:
-                store.put(unsaved)
+                store.save(unsaved)
                 unsaved.clear()
                 yield from finished
                 finished.clear()
-    store.put(unsaved)
+    store.save(unsaved)
     yield from finished
 
 
-def _sent(block: Sequence[Asked], store: Store, pool: WorkerPool) -> list[_Slot]:
+def _send_block(block: Sequence[Asked], store: Store, pool: WorkerPool) -> list[_Slot]:
     """Places of a block's points, the unknown ones sent to the pool."""
-    keys = [key(point) if isinstance(point, Point) else "" for point in block]
+    keys = [point_key(point) if isinstance(point, Point) else "" for point in block]
     stored = store.get([name for name in keys if name])
     fresh = {
         name: point for name, point in zip(keys, block, strict=True) if isinstance(point, Point) and name not in stored
     }
     simulated = any(point.simulated for point in fresh.values())
-    size = 1 if simulated else TASK
+    size = 1 if simulated else POINTS_PER_TASK
     names = list(fresh)
     places: dict[str, tuple[_Task, int]] = {}
     for first in range(0, len(names), size):
         part = {name: fresh[name] for name in names[first : first + size]}
-        task = _Task(part, _submitted(part, pool))
+        task = _Task(part, _submit_task(part, pool))
         places |= {name: (task, place) for place, name in enumerate(part)}
     slots = []
     for name, point in zip(keys, block, strict=True):
@@ -162,20 +162,20 @@ def _sent(block: Sequence[Asked], store: Store, pool: WorkerPool) -> list[_Slot]
     return slots
 
 
-def _work(points: Sequence[Point]) -> Answer:
+def _evaluate_task(points: Sequence[Point]) -> Answer:
     """Evaluate points on a worker, and return their records after a hash of its sources."""
     return digest(), [evaluate(point) for point in points]
 
 
-def _submitted(points: dict[str, Point], pool: WorkerPool) -> "Future[Answer]":
+def _submit_task(points: dict[str, Point], pool: WorkerPool) -> "Future[Answer]":
     """Answer to come of a task. Raises WalkergenError where the workers have ended."""
     try:
-        return pool.executor.submit(_work, list(points.values()))
+        return pool.executor.submit(_evaluate_task, list(points.values()))
     except BrokenExecutor as error:
-        raise WalkergenError(ENDED.format(error)) from error
+        raise WalkergenError(WORKER_LOST.format(error)) from error
 
 
-def _lost(task: _Task) -> bool:
+def _is_lost(task: _Task) -> bool:
     """Whether an answer did not arrive and is worth asking for again.
 
     While a worker of a cluster dies, *distributed* can take the answer that it has just sent for an error, and
@@ -185,12 +185,12 @@ def _lost(task: _Task) -> bool:
     return not task.again and error is not None and not isinstance(error, (BrokenExecutor, ImportError))
 
 
-def _answer(future: "Future[Answer]") -> list[Record]:
+def _task_records(future: "Future[Answer]") -> list[Record]:
     """Return the records from a worker. Raises WalkergenError."""
     try:
         sources, records = future.result()
     except BrokenExecutor as error:
-        raise WalkergenError(ENDED.format(error)) from error
+        raise WalkergenError(WORKER_LOST.format(error)) from error
     except ImportError as error:
         raise WalkergenError(f"a worker has no such walkergen: {error}; install it there") from error
     if sources != digest():
@@ -201,7 +201,7 @@ def _answer(future: "Future[Answer]") -> list[Record]:
     return records
 
 
-def _done(slot: _Slot) -> Done:
+def _finish_slot(slot: _Slot) -> Done:
     """Point of a slot whose task has ended."""
     if slot.done is not None:
         return slot.done

@@ -16,127 +16,127 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from walkergen.files.figures import COLUMN, PAGE, style, wrapped
+from walkergen.files.figures import COLUMN_INCHES, PAGE_INCHES, style, wrap_text
 from walkergen.guests.sweep import panels as draw
-from walkergen.guests.sweep.panels import HATCHED, MARK, STYLES, Mask
+from walkergen.guests.sweep.panels import DOUBTFUL_STYLE, LINE_STYLES, MISSING_STYLE, Mask
 from walkergen.guests.sweep.panels import Columns as Columns
-from walkergen.guests.sweep.scales import Scale, dress, in_words, scale_of
+from walkergen.guests.sweep.scales import Scale, format_axis, format_value, make_scale
 
-MOST_LINES, MOST_PANELS = 5, 12
+MAX_LINES, MAX_PANELS = 5, 12
 """Numbers of values of a key up to which each is a line of its own, or a panel."""
 
-FILLED = 0.5
+MIN_GRID_SHARE = 0.5
 """Share of all combinations of the values beyond which points are taken to lie on a grid."""
 
-BARS: Any = {"lines.markersize": 3.5, "errorbar.capsize": 1.5}
+STYLE_CHANGES: Any = {"lines.markersize": 3.5, "errorbar.capsize": 1.5}
 """What differs from other figures: points are many."""
 
 
-def figure(columns: Columns, keys: Sequence[str], title: str) -> Figure:
+def draw_figure(columns: Columns, keys: Sequence[str], title: str) -> Figure:
     """Draw a number over the keys, of which those with one value are left out.
 
     One key at least has two values, and one point a value.
     """
-    scales = [scale_of(key, columns.keys[key]) for key in keys]
+    scales = [make_scale(key, columns.keys[key]) for key in keys]
     scales = [scale for scale in scales if len(scale.values) > 1]
     combinations = math.prod(len(scale.values) for scale in scales)
-    gridded = FILLED * combinations < len(columns.value) and len(scales) <= 3
-    with style(), matplotlib.rc_context(BARS):
+    gridded = MIN_GRID_SHARE * combinations < len(columns.value) and len(scales) <= 3
+    with style(), matplotlib.rc_context(STYLE_CHANGES):
         if not gridded:
-            return _clouds(columns, scales, title)
+            return _draw_clouds(columns, scales, title)
         # The key with most values lies along x, numbers before words; of equals the first.
         ranked = sorted(scales, key=lambda scale: (scale.words, -len(scale.values)))
         if len(scales) < 3:
-            return _single(columns, scales, ranked, title)
-        return _multiples(columns, scales, title)
+            return _draw_single(columns, scales, ranked, title)
+        return _draw_multiples(columns, scales, title)
 
 
-def _single(columns: Columns, scales: Sequence[Scale], ranked: Sequence[Scale], title: str) -> Figure:
+def _draw_single(columns: Columns, scales: Sequence[Scale], ranked: Sequence[Scale], title: str) -> Figure:
     """Figure of one panel: lines, or a map."""
-    with _sheet(title, 1) as (drawn, (axes,), _):
+    with _make_sheet(title, 1) as (drawn, (axes,), _):
         rows = np.ones(len(columns.value), dtype=bool)
-        if _lined(scales):
-            draw.lines(axes, columns, ranked[0], ranked[1] if ranked[1:] else None, rows)
+        if _has_lines(scales):
+            draw.draw_lines(axes, columns, ranked[0], ranked[1] if ranked[1:] else None, rows)
             axes.set_ylabel(draw.value_label(columns))
             handles = _line_handles(columns, ranked[1:])
         else:
-            norm = draw.norm_of(columns.value)
-            draw.map(axes, columns, scales[0], scales[1], rows, norm)
-            _colour_bar(drawn, [axes], norm, columns)
+            norm = draw.make_norm(columns.value)
+            draw.draw_map(axes, columns, scales[0], scales[1], rows, norm)
+            _draw_colour_bar(drawn, [axes], norm, columns)
             handles = _mark_handles(columns, hatched=True)
-        _legend(drawn, handles)
+        _draw_legend(drawn, handles)
     return drawn
 
 
-def _lined(scales: Sequence[Scale]) -> bool:
+def _has_lines(scales: Sequence[Scale]) -> bool:
     """Whether one or two keys are drawn as lines: a map needs many values of both."""
-    return len(scales) == 1 or min(len(scale.values) for scale in scales) <= MOST_LINES
+    return len(scales) == 1 or min(len(scale.values) for scale in scales) <= MAX_LINES
 
 
-def _multiples(columns: Columns, scales: Sequence[Scale], title: str) -> Figure:
+def _draw_multiples(columns: Columns, scales: Sequence[Scale], title: str) -> Figure:
     """Figure of a panel for each value of the key that has the fewest."""
     apart = min(scales, key=lambda scale: len(scale.values))
     others = [scale for scale in scales if scale is not apart]
-    shown = _spread(len(apart.values), MOST_PANELS)
+    shown = _spread_numbers(len(apart.values), MAX_PANELS)
     if left := len(apart.values) - len(shown):
         title += f"; {left} of {len(apart.values)} values of {apart.key} left out"
     inside = np.isin(apart.which, shown)
-    columns, apart, *others = _only(columns, inside, (apart, *others))
+    columns, apart, *others = _select_rows(columns, inside, (apart, *others))
     ranked = sorted(others, key=lambda scale: (scale.words, -len(scale.values)))
-    with _sheet(title, len(shown)) as (drawn, panels, wide):
-        norm = draw.norm_of(columns.value)
+    with _make_sheet(title, len(shown)) as (drawn, panels, wide):
+        norm = draw.make_norm(columns.value)
         for place, (number, axes) in enumerate(zip(shown, panels, strict=True)):
             rows = apart.which == number
-            if _lined(others):
-                draw.lines(axes, columns, ranked[0], ranked[1], rows)
+            if _has_lines(others):
+                draw.draw_lines(axes, columns, ranked[0], ranked[1], rows)
             else:
-                draw.map(axes, columns, others[0], others[1], rows, norm)
-            axes.set_title(in_words(apart, number))
+                draw.draw_map(axes, columns, others[0], others[1], rows, norm)
+            axes.set_title(format_value(apart, number))
             if place + wide < len(panels):
                 axes.xaxis.label.set_visible(False)
             if place % wide:
                 axes.yaxis.label.set_visible(False)
-            elif _lined(others):
+            elif _has_lines(others):
                 axes.set_ylabel(draw.value_label(columns))
-        if _lined(others):
+        if _has_lines(others):
             handles = _line_handles(columns, ranked[1:])
         else:
-            _colour_bar(drawn, panels, norm, columns)
+            _draw_colour_bar(drawn, panels, norm, columns)
             handles = _mark_handles(columns, hatched=True)
-        _legend(drawn, handles)
+        _draw_legend(drawn, handles)
     return drawn
 
 
-def _clouds(columns: Columns, scales: Sequence[Scale], title: str) -> Figure:
+def _draw_clouds(columns: Columns, scales: Sequence[Scale], title: str) -> Figure:
     """Figure of points on no grid: two keys with the number as colour, else one a panel."""
     if len(scales) == 2:
-        with _sheet(title, 1) as (drawn, (axes,), _):
-            norm = draw.norm_of(columns.value)
-            draw.scatter(axes, columns, scales[0], scales[1], norm)
-            _colour_bar(drawn, [axes], norm, columns)
-            _legend(drawn, _mark_handles(columns))
+        with _make_sheet(title, 1) as (drawn, (axes,), _):
+            norm = draw.make_norm(columns.value)
+            draw.draw_scatter(axes, columns, scales[0], scales[1], norm)
+            _draw_colour_bar(drawn, [axes], norm, columns)
+            _draw_legend(drawn, _mark_handles(columns))
         return drawn
-    if left := len(scales) - MOST_PANELS:
-        scales = scales[:MOST_PANELS]
+    if left := len(scales) - MAX_PANELS:
+        scales = scales[:MAX_PANELS]
         title += f"; {left} keys left out" if left > 0 else ""
-    with _sheet(title, len(scales)) as (drawn, panels, wide):
+    with _make_sheet(title, len(scales)) as (drawn, panels, wide):
         for place, (axes, scale) in enumerate(zip(panels, scales, strict=True)):
-            draw.dots(axes, columns, scale, np.ones(len(columns.value), dtype=bool), STYLES[0], 0, False)
-            dress(axes, "x", scale)
+            draw.draw_dots(axes, columns, scale, np.ones(len(columns.value), dtype=bool), LINE_STYLES[0], 0, False)
+            format_axis(axes, "x", scale)
             if place % wide == 0:
-                axes.set_ylabel(draw.value_label(columns, draw.MOST_SEEN))
-        _legend(drawn, _mark_handles(columns))
+                axes.set_ylabel(draw.value_label(columns, draw.MAX_CLOUD_BARS))
+        _draw_legend(drawn, _mark_handles(columns))
     return drawn
 
 
-def _spread(count: int, most: int) -> list[int]:
+def _spread_numbers(count: int, most: int) -> list[int]:
     """Numbers of at most so many of `count` values, the first and the last among them."""
     if count <= most:
         return list(range(count))
     return [round(place * (count - 1) / (most - 1)) for place in range(most)]
 
 
-def _only(columns: Columns, rows: Mask, scales: Sequence[Scale]) -> tuple[Any, ...]:
+def _select_rows(columns: Columns, rows: Mask, scales: Sequence[Scale]) -> tuple[Any, ...]:
     """Columns and scales of some rows."""
     kept = Columns(
         {},
@@ -153,13 +153,13 @@ def _only(columns: Columns, rows: Mask, scales: Sequence[Scale]) -> tuple[Any, .
 
 
 @contextmanager
-def _sheet(title: str, count: int) -> Iterator[tuple[Figure, list[Axes], int]]:
+def _make_sheet(title: str, count: int) -> Iterator[tuple[Figure, list[Axes], int]]:
     """Empty figure with its title, its panels, and how many stand side by side.
 
     One panel is as wide as a column, and so are two side by side; more fill a page.
     """
     wide = 1 if count == 1 else 2 if count in (2, 4) else 3 if count <= 6 else 4
-    width = COLUMN if wide < 3 else PAGE
+    width = COLUMN_INCHES if wide < 3 else PAGE_INCHES
     rows = -(-count // wide)
     tall = 2.4 if count == 1 else 1.75
     drawn = Figure(figsize=(width, rows * tall + 0.3), layout="constrained", dpi=300)
@@ -167,13 +167,13 @@ def _sheet(title: str, count: int) -> Iterator[tuple[Figure, list[Axes], int]]:
     panels = list(grid.flat)
     for axes in panels[count:]:
         axes.remove()
-    drawn.suptitle(wrapped(title, width - 0.1))
+    drawn.suptitle(wrap_text(title, width - 0.1))
     yield drawn, panels[:count], wide
 
 
-def _colour_bar(drawn: Figure, panels: Sequence[Axes], norm: Normalize, columns: Columns) -> None:
+def _draw_colour_bar(drawn: Figure, panels: Sequence[Axes], norm: Normalize, columns: Columns) -> None:
     """Scale of the colours, no longer than the numbers that have them."""
-    mapped = matplotlib.cm.ScalarMappable(norm, draw.colours(norm))
+    mapped = matplotlib.cm.ScalarMappable(norm, draw.colour_map(norm))
     bar = drawn.colorbar(mapped, ax=list(panels), label=columns.label, pad=0.02, aspect=25)
     if np.ptp(shown := columns.value[~columns.missing]):
         bar.ax.set_ylim(shown.min(), shown.max())
@@ -183,7 +183,7 @@ def _line_handles(columns: Columns, by: Sequence[Scale]) -> list[Any]:
     """Entries of a legend for lines, and for what is wrong with their points."""
     handles: list[Any] = []
     for scale in by:
-        for number, (colour, dash, marker) in zip(range(len(scale.values)), STYLES, strict=False):
+        for number, (colour, dash, marker) in zip(range(len(scale.values)), LINE_STYLES, strict=False):
             handles.append(
                 Line2D(
                     [],
@@ -191,7 +191,7 @@ def _line_handles(columns: Columns, by: Sequence[Scale]) -> list[Any]:
                     color=colour,
                     linestyle=dash,
                     marker=marker,
-                    label=in_words(scale, number, named=number == 0),
+                    label=format_value(scale, number, named=number == 0),
                 )
             )
     return handles + _mark_handles(columns)
@@ -205,18 +205,18 @@ def _mark_handles(columns: Columns, hatched: bool = False) -> list[Any]:
     if missing:
         told_of = f"no {name}: {missing} of {len(columns.value)}"
         handles.append(
-            Patch(**HATCHED, label=told_of)
+            Patch(**MISSING_STYLE, label=told_of)
             if hatched
             else Line2D([], [], color="black", linestyle="none", marker="x", label=told_of)
         )
     if doubtful:
-        handles.append(Line2D([], [], label=f"not ok: {doubtful}, see status", **MARK))
+        handles.append(Line2D([], [], label=f"not ok: {doubtful}, see status", **DOUBTFUL_STYLE))
     return handles
 
 
-def _legend(drawn: Figure, handles: Sequence[Any]) -> None:
+def _draw_legend(drawn: Figure, handles: Sequence[Any]) -> None:
     if not handles:
         return
-    wide = 2 if drawn.get_figwidth() < PAGE else 5
+    wide = 2 if drawn.get_figwidth() < PAGE_INCHES else 5
     drawn.set_figheight(drawn.get_figheight() + 0.16 * -(-len(handles) // wide))
     drawn.legend(handles=list(handles), loc="outside lower center", frameon=False, ncols=wide, handlelength=2.8)

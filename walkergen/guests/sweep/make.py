@@ -16,11 +16,11 @@ from walkergen.guests.sweep.evaluation import Asked, Done
 from walkergen.guests.sweep.point_request import Request
 from walkergen.guests.sweep.report import Points, SweepReport
 from walkergen.guests.sweep.table import Table
-from walkergen.points.point import STATUS, digest
+from walkergen.points.point import STATUS_KEY, digest
 from walkergen.points.store import Store
 from walkergen.points.worker_pool import WorkerPool
 
-MOST_DRAWN = 200_000
+MAX_DRAWN_POINTS = 200_000
 """Number of points up to which pictures are drawn; their memory grows with it."""
 
 
@@ -40,10 +40,10 @@ class Job(NamedTuple):
     @property
     def drawn(self) -> bool:
         """True when pictures are drawn."""
-        return self.pictures and self.request.space.points <= MOST_DRAWN
+        return self.pictures and self.request.space.points <= MAX_DRAWN_POINTS
 
 
-def make(job: Job, path: Path, store: Store, pool: WorkerPool | None, progress: Progress) -> SweepReport:
+def make_sweep(job: Job, path: Path, store: Store, pool: WorkerPool | None, progress: Progress) -> SweepReport:
     """Evaluate all points of a request into a folder: table.csv, table.parquet, and pictures.
 
     Pictures are sweep.png and .pdf, of crowds one of each statistic. Points that the store already has are not
@@ -54,80 +54,80 @@ def make(job: Job, path: Path, store: Store, pool: WorkerPool | None, progress: 
     started = time.perf_counter()
     job.request.check()
     if job.budget_s is not None:
-        budget.check(job.request)
+        budget.check_budget(job.request)
     with Folder(path) as folder:
         folder.claim()
-        if earlier := _finished(job, folder):
+        if earlier := _load_finished(job, folder):
             return earlier
         warnings = _set_aside(folder)
         stream = job.request.points()
         if job.budget_s is not None:
             stream = iter(budget.spend(job.request, job.budget_s, store, pool, progress))
-        points = Points(_names(job), job.kept or job.drawn or job.wish is not None)
-        folder.start_growing_file(table.NAME)
-        with Table(path / table.NAME, job.request.space.keys, points.names) as rows:
-            for values, done in _evaluated(job, stream, store, pool, progress):
+        points = Points(_column_names(job), job.kept or job.drawn or job.wish is not None)
+        folder.start_growing_file(table.TABLE_FILE)
+        with Table(path / table.TABLE_FILE, job.request.space.keys, points.names) as rows:
+            for values, done in _evaluate_points(job, stream, store, pool, progress):
                 rows.add(values, done.record, done.key)
                 points.add(values, done)
         if job.budget_s is not None:
             points.stored = 0  # they are known by what the budget has just bought
-        result = report.of(job.request, job.title, points, warnings, job.wish)
+        result = report.make_report(job.request, job.title, points, warnings, job.wish)
         _write_rest(job, folder, result, time.perf_counter() - started)
-    return report.written(result, path, list(folder.hashes))
+    return report.add_files(result, path, list(folder.hashes))
 
 
-def find(job: Job, store: Store, pool: WorkerPool | None, progress: Progress) -> SweepReport:
+def evaluate_all(job: Job, store: Store, pool: WorkerPool | None, progress: Progress) -> SweepReport:
     """Evaluate all points of a request, without a folder. Raises as `make` does."""
-    points = Points(_names(job), kept=True)
-    for values, done in _evaluated(job, job.request.points(), store, pool, progress):
+    points = Points(_column_names(job), kept=True)
+    for values, done in _evaluate_points(job, job.request.points(), store, pool, progress):
         points.add(values, done)
-    return report.of(job.request, job.title, points, wish=job.wish)
+    return report.make_report(job.request, job.title, points, wish=job.wish)
 
 
-def _evaluated(
+def _evaluate_points(
     job: Job, stream: Iterator[Asked], store: Store, pool: WorkerPool | None, progress: Progress
 ) -> Iterator[tuple[tuple[Any, ...], Done]]:
     """Values of the keys at each point, and the evaluated point."""
     space = job.request.space
-    points = zip(space.rows(), run.each(stream, store, pool), strict=True)
+    points = zip(space.rows(), run.evaluate_points(stream, store, pool), strict=True)
     for number, (values, done) in enumerate(points, start=1):
         yield values, done
         progress("points", number, space.points)
 
 
-def _names(job: Job) -> tuple[str, ...]:
+def _column_names(job: Job) -> tuple[str, ...]:
     request = job.request
-    return (*request.kind.columns(request.model, request.keep), STATUS)
+    return (*request.kind.columns(request.model, request.keep), STATUS_KEY)
 
 
-def _finished(job: Job, folder: Folder) -> SweepReport | None:
+def _load_finished(job: Job, folder: Folder) -> SweepReport | None:
     """Report of an earlier run of the same request, when all of its files are as it left them.
 
     None where the rows are wanted, which the manifest has not.
     """
     facts, again = folder.earlier_manifest(), job.kept or job.budget_s is not None or job.wish is not None
-    if again or facts.get("request") != _hash_of(job.request):
+    if again or facts.get("request") != _request_hash(job.request):
         return None
-    if not folder.is_unchanged() or (job.pictures and not _pictured(facts["files"])):
+    if not folder.is_unchanged() or (job.pictures and not _has_picture(facts["files"])):
         return None
     count = job.request.space.points
-    points = Points(_names(job), False, count, count, facts["bad"])
-    result = report.of(job.request, job.title, points)
-    return report.written(result, folder.path, list(facts["files"]))
+    points = Points(_column_names(job), False, count, count, facts["bad"])
+    result = report.make_report(job.request, job.title, points)
+    return report.add_files(result, folder.path, list(facts["files"]))
 
 
-def _pictured(names: Iterable[str]) -> bool:
+def _has_picture(names: Iterable[str]) -> bool:
     """Whether a picture is among files."""
     return any(name.endswith(".png") for name in names)
 
 
-def _hash_of(request: Request) -> str:
+def _request_hash(request: Request) -> str:
     """Hash of all that a sweep's table depends on."""
-    text = json.dumps(_facts(request) | {"sources": digest()}, sort_keys=True)
+    text = json.dumps(_request_facts(request) | {"sources": digest()}, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _facts(request: Request) -> dict[str, Any]:
+def _request_facts(request: Request) -> dict[str, Any]:
     """Return every resolved input of a request, for the manifest."""
     shape = request.design.shape
     sample = request.space.sample
@@ -150,13 +150,13 @@ def _set_aside(folder: Folder) -> list[str]:
     Its changes are not ours to lose, nor to trust. Raises InputError for a file that is no table of
     a sweep.
     """
-    place = folder.path / table.NAME
+    place = folder.path / table.TABLE_FILE
     if not place.exists():
         return []
-    lines = table.changed(place)
-    if not lines and folder.is_file_unchanged(table.NAME):
+    lines = table.find_changed_lines(place)
+    if not lines and folder.is_file_unchanged(table.TABLE_FILE):
         return []
-    kept = _free(folder.path / "table.edited.csv")
+    kept = _free_path(folder.path / "table.edited.csv")
     try:
         place.replace(kept)
     except OSError as error:
@@ -166,7 +166,7 @@ def _set_aside(folder: Folder) -> list[str]:
     return [f"{place}: changed by hand{which}: evaluated anew; the changed table is kept as {kept.name}"]
 
 
-def _free(path: Path) -> Path:
+def _free_path(path: Path) -> Path:
     """Name that is not taken: the path, or the path with a number."""
     number = 1
     free = path
@@ -179,16 +179,16 @@ def _free(path: Path) -> Path:
 def _write_rest(job: Job, folder: Folder, result: SweepReport, seconds: float) -> None:
     """Write Parquet, pictures and the manifest of a finished table."""
     request = job.request
-    folder.add_grown_file(table.NAME)
+    folder.add_grown_file(table.TABLE_FILE)
     numeric = {axis.key: all(map(_is_number, axis.values)) for axis in request.space.axes}
     keys = {key: numeric.get(key, True) for key in request.space.keys}
-    if (data := table.to_parquet(folder.path / table.NAME, keys, _names(job))) is not None:
+    if (data := table.to_parquet(folder.path / table.TABLE_FILE, keys, _column_names(job))) is not None:
         folder.write("table.parquet", data)
     if job.drawn:
         result.write_figures(folder)
     facts = {
-        **_facts(request),
-        "request": "" if job.budget_s is not None else _hash_of(request),
+        **_request_facts(request),
+        "request": "" if job.budget_s is not None else _request_hash(request),
         "sources": digest(),
         **{name: result.facts[name] for name in ("points", "known", "bad")},
         "seconds": round(seconds, 3),

@@ -6,19 +6,19 @@ from typing import Any
 
 from walkergen.core.errors import InputError
 from walkergen.core.files import words
-from walkergen.files.report import Column, Table, rounded
+from walkergen.files.report import Column, Table, format_value
 
-SHOWN = 5
+MAX_SHOWN = 5
 """Number of points that people read."""
 
-SPEED = "speed_mm_s"
-BOUNDS = ("low_95_mm_s", "high_95_mm_s"), ("predicted_low_95_mm_s", "predicted_high_95_mm_s")
+SPEED_COLUMN = "speed_mm_s"
+BOUND_COLUMNS = ("low_95_mm_s", "high_95_mm_s"), ("predicted_low_95_mm_s", "predicted_high_95_mm_s")
 """Columns of the bounds of 95 %, of a simulated speed and of a predicted one."""
 
 
-def check(names: Sequence[str]) -> None:
+def check_speed(names: Sequence[str]) -> None:
     """Refuse a wished speed where the table has no speeds. Raises InputError."""
-    if SPEED not in names:
+    if SPEED_COLUMN not in names:
         raise InputError("‹wish›: the points have no speed: add speed to ‹keep›", "wish")
 
 
@@ -27,7 +27,7 @@ def sort_by_distance(table: Table, keys: Sequence[str], wish: float) -> Table:
 
     Points whose checks found print errors come after the others, points without a speed last.
     """
-    speed = table.keys.index(SPEED)
+    speed = table.keys.index(SPEED_COLUMN)
     errors = table.keys.index("print_errors") if "print_errors" in table.keys else None
 
     def distance(row: Sequence[Any]) -> tuple[bool, bool, float]:
@@ -36,16 +36,16 @@ def sort_by_distance(table: Table, keys: Sequence[str], wish: float) -> Table:
 
     rows = sorted(table.rows, key=distance)
     usable = [row for row in rows if not any(distance(row)[:2])]
-    return replace(table, rows=rows, columns=_columns(table.keys, keys), read=usable[:SHOWN])
+    return replace(table, rows=rows, columns=_columns(table.keys, keys), read=usable[:MAX_SHOWN])
 
 
 def _columns(names: Sequence[str], keys: Sequence[str]) -> list[Column]:
     """Columns that people read: the keys that vary, the speed and its bounds."""
-    columns = [_column(key, (names.index(key),), rounded) for key in keys]
-    columns.append(_column("speed\n(mm/s)", (names.index(SPEED),), rounded))
-    for low, high in BOUNDS:
+    columns = [_column(key, (names.index(key),), format_value) for key in keys]
+    columns.append(_column("speed\n(mm/s)", (names.index(SPEED_COLUMN),), format_value))
+    for low, high in BOUND_COLUMNS:
         if low in names:
-            columns.append(_column("95 %\n(mm/s)", (names.index(low), names.index(high)), _span))
+            columns.append(_column("95 %\n(mm/s)", (names.index(low), names.index(high)), _format_span))
             break
     return columns
 
@@ -55,6 +55,6 @@ def _column(heading: str, places: Sequence[int], text: Callable[..., str]) -> Co
     return Column(heading, lambda row: text(*(row[place] for place in places)), right=True)
 
 
-def _span(low: float | None, high: float | None) -> str:
+def _format_span(low: float | None, high: float | None) -> str:
     """Bounds in words, nothing where they are unknown."""
     return "" if low is None or high is None else words.format_range(low, high)

@@ -13,29 +13,29 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import CenteredNorm, Normalize
 from matplotlib.ticker import MaxNLocator
 
-from walkergen.guests.sweep.scales import Array, Scale, dress, edges
+from walkergen.guests.sweep.scales import Array, Scale, cell_edges, format_axis
 from walkergen.points.point import Went
 
 Mask = npt.NDArray[np.bool_]
 
-MOST_BARS = 40
+MAX_BARS = 40
 """Points of a line up to which bounds are bars, and beyond a band."""
 
-MOST_SEEN = 1000
+MAX_CLOUD_BARS = 1000
 """Points of a cloud up to which their bounds can be seen, and are drawn."""
 
-SMOOTH, WHOLE = 4, 0.75
+MIN_CONTOUR_VALUES, MIN_CONTOUR_SHARE = 4, 0.75
 """Values that both keys of a map need for contours between them, and the share of points that have a number."""
 
-APART, ROOM = 0.18, 0.05
+LABEL_DISTANCE, CONTOUR_DISTANCE = 0.18, 0.05
 """Distances of a contour's label from other labels and from other contours, at least, as shares of
 the panel's width and height."""
 
-MOST_CORNERS = 200
+MAX_CORNERS = 200
 """Corners of a contour among which its label is placed."""
 
 # Okabe and Ito's, told apart in grey by dash and marker.
-STYLES: tuple[tuple[str, Any, str], ...] = (
+LINE_STYLES: tuple[tuple[str, Any, str], ...] = (
     ("#000000", "-", "o"),
     ("#0072B2", "--", "s"),
     ("#D55E00", "-.", "^"),
@@ -43,7 +43,7 @@ STYLES: tuple[tuple[str, Any, str], ...] = (
     ("#CC79A7", (0, (6, 1.5, 1, 1.5, 1, 1.5)), "v"),
 )
 
-MARK: Any = {
+DOUBTFUL_STYLE: Any = {
     "linestyle": "none",
     "marker": "o",
     "markerfacecolor": "white",
@@ -53,7 +53,7 @@ MARK: Any = {
 }
 """Look of the open symbols of points whose number is in doubt."""
 
-HATCHED: Any = {"facecolor": "0.92", "edgecolor": "0.35", "hatch": "xxxx", "linewidth": 0.0}
+MISSING_STYLE: Any = {"facecolor": "0.92", "edgecolor": "0.35", "hatch": "xxxx", "linewidth": 0.0}
 """Look of the cells of points that have no number."""
 
 
@@ -85,7 +85,7 @@ class Columns(NamedTuple):
         return doubtful & ~self.missing
 
 
-def norm_of(value: Array) -> Normalize:
+def make_norm(value: Array) -> Normalize:
     """Colours of all numbers of a figure, with zero in the middle where both signs are among them."""
     low, high = float(np.nanmin(value)), float(np.nanmax(value))
     if low < 0.0 < high:
@@ -93,12 +93,12 @@ def norm_of(value: Array) -> Normalize:
     return Normalize(low, high) if low < high else Normalize(low - 0.5, high + 0.5)
 
 
-def colours(norm: Normalize) -> str:
+def colour_map(norm: Normalize) -> str:
     """Colours of a map for every kind of eye: white at zero where that is the middle, else evenly lighter."""
     return "PuOr" if isinstance(norm, CenteredNorm) else "cividis"
 
 
-def _ink(norm: Normalize, value: float) -> str:
+def _line_colour(norm: Normalize, value: float) -> str:
     """Colour of a line on a map where it has a value."""
     share = float(norm(value))
     dark = abs(share - 0.5) > 0.3 if isinstance(norm, CenteredNorm) else share < 0.5
@@ -108,14 +108,14 @@ def _ink(norm: Normalize, value: float) -> str:
 # Lines
 
 
-def lines(axes: Axes, columns: Columns, x: Scale, by: Scale | None, rows: Mask) -> None:
+def draw_lines(axes: Axes, columns: Columns, x: Scale, by: Scale | None, rows: Mask) -> None:
     """Draw a number over x, a line for each value of another key."""
     count = 1 if by is None else len(by.values)
     for number in range(count):
         chosen = rows if by is None else rows & (by.which == number)
         shift = 0.14 * (number - 0.5 * (count - 1)) if x.words else 0.0
-        dots(axes, columns, x, chosen, STYLES[number], number, not x.words, shift)
-    dress(axes, "x", x)
+        draw_dots(axes, columns, x, chosen, LINE_STYLES[number], number, not x.words, shift)
+    format_axis(axes, "x", x)
     shown = columns.value[~columns.missing]
     if x.words:
         axes.set_xlim(-0.6, len(x.values) - 0.4)
@@ -123,7 +123,7 @@ def lines(axes: Axes, columns: Columns, x: Scale, by: Scale | None, rows: Mask) 
         axes.axhline(0.0, color="0.6", linewidth=0.7, zorder=0)
 
 
-def dots(
+def draw_dots(
     axes: Axes,
     columns: Columns,
     x: Scale,
@@ -142,12 +142,12 @@ def dots(
     places, value = x.at[order] + shift, columns.value[order]
     low, high = columns.low[order], columns.high[order]
     bounded = np.isfinite(low) & np.isfinite(high) & np.isfinite(value)
-    crowded = len(order) > MOST_BARS
+    crowded = len(order) > MAX_BARS
     if joined:
         axes.plot(places, value, linestyle=dash, color=colour)
     if crowded and joined and bounded.any():
         axes.fill_between(places, low, high, color=colour, alpha=0.2, linewidth=0)
-    elif bounded.any() and len(order) <= MOST_SEEN:
+    elif bounded.any() and len(order) <= MAX_CLOUD_BARS:
         ends = np.abs([value[bounded] - low[bounded], high[bounded] - value[bounded]])
         axes.errorbar(
             places[bounded],
@@ -167,7 +167,7 @@ def dots(
         "marker": marker,
         "color": colour,
         "zorder": 3,
-        "rasterized": len(order) > MOST_SEEN,
+        "rasterized": len(order) > MAX_CLOUD_BARS,
     }
     axes.plot(places[plain], value[plain], **dots)
     axes.plot(places[doubtful], value[doubtful], markerfacecolor="white", **dots)
@@ -187,36 +187,36 @@ def value_label(columns: Columns, most: int | None = None) -> str:
 # Maps
 
 
-def map(axes: Axes, columns: Columns, x: Scale, y: Scale, rows: Mask, norm: Normalize) -> None:
+def draw_map(axes: Axes, columns: Columns, x: Scale, y: Scale, rows: Mask, norm: Normalize) -> None:
     """Draw a number over two keys: a cell for each point, and contours where both are numbers and few are missing."""
     value = np.full((len(y.values), len(x.values)), np.nan)
     value[y.which[rows], x.which[rows]] = columns.value[rows]
-    mesh = axes.pcolormesh(edges(x), edges(y), value, cmap=colours(norm), norm=norm, rasterized=True)
-    dress(axes, "x", x)
-    dress(axes, "y", y)
+    mesh = axes.pcolormesh(cell_edges(x), cell_edges(y), value, cmap=colour_map(norm), norm=norm, rasterized=True)
+    format_axis(axes, "x", x)
+    format_axis(axes, "y", y)
     missing, doubtful = rows & columns.missing, rows & columns.doubtful
     if missing.any():
-        _hatch(axes, x, y, missing)
+        _hatch_cells(axes, x, y, missing)
     if doubtful.any():
-        axes.plot(x.at[doubtful], y.at[doubtful], **MARK, zorder=4)
-    smooth = not x.words and not y.words and min(len(x.values), len(y.values)) >= SMOOTH
-    smooth = smooth and bool(np.isfinite(value).mean() >= WHOLE)
+        axes.plot(x.at[doubtful], y.at[doubtful], **DOUBTFUL_STYLE, zorder=4)
+    smooth = not x.words and not y.words and min(len(x.values), len(y.values)) >= MIN_CONTOUR_VALUES
+    smooth = smooth and bool(np.isfinite(value).mean() >= MIN_CONTOUR_SHARE)
     if smooth and np.nanmin(value, initial=np.inf) < np.nanmax(value, initial=-np.inf):
-        _contours(axes, x, y, np.ma.masked_invalid(value), norm)
+        _draw_contours(axes, x, y, np.ma.masked_invalid(value), norm)
     mesh.set_edgecolor("none")
 
 
-def _hatch(axes: Axes, x: Scale, y: Scale, missing: Mask) -> None:
+def _hatch_cells(axes: Axes, x: Scale, y: Scale, missing: Mask) -> None:
     """Hatch the cells of points that have no number."""
-    across, up = edges(x), edges(y)
+    across, up = cell_edges(x), cell_edges(y)
     cells = [
         [(across[i], up[j]), (across[i + 1], up[j]), (across[i + 1], up[j + 1]), (across[i], up[j + 1])]
         for i, j in zip(x.which[missing], y.which[missing], strict=True)
     ]
-    axes.add_collection(PolyCollection(cells, **HATCHED))
+    axes.add_collection(PolyCollection(cells, **MISSING_STYLE))
 
 
-def _contours(axes: Axes, x: Scale, y: Scale, value: npt.NDArray[np.float64], norm: Normalize) -> None:
+def _draw_contours(axes: Axes, x: Scale, y: Scale, value: npt.NDArray[np.float64], norm: Normalize) -> None:
     """Draw labelled lines of equal value, light on dark and dark on light, dashed below zero."""
     levels = MaxNLocator(7).tick_values(value.min(), value.max())
     levels = levels[(levels > value.min()) & (levels < value.max())]
@@ -228,22 +228,22 @@ def _contours(axes: Axes, x: Scale, y: Scale, value: npt.NDArray[np.float64], no
         value,
         levels=levels,
         linewidths=0.8,
-        colors=[_ink(norm, level) for level in levels],
+        colors=[_line_colour(norm, level) for level in levels],
         linestyles=["--" if level < 0 else "-" for level in levels],
     )
     segments = [np.concatenate(parts) for parts in lines.allsegs]
     segments = [segment for segment in segments if len(segment)]  # none of a level between unknown cells
-    axes.clabel(lines, fmt="%g", fontsize=7, manual=_places(axes, segments))
+    axes.clabel(lines, fmt="%g", fontsize=7, manual=_label_places(axes, segments))
 
 
-def _places(axes: Axes, lines: Sequence[Array]) -> list[Array]:
+def _label_places(axes: Axes, lines: Sequence[Array]) -> list[Array]:
     """Places of labels, one for each line at most: where other lines are farthest, if far enough.
 
     Distances count in widths and heights of the panel.
     """
     axes.autoscale_view()
     within = axes.transScale + axes.transLimits
-    lines = [line[:: 1 + len(line) // MOST_CORNERS] for line in lines]
+    lines = [line[:: 1 + len(line) // MAX_CORNERS] for line in lines]
     shares = [within.transform(line) for line in lines]
     chosen: list[Array] = []
     places: list[Array] = []
@@ -252,9 +252,9 @@ def _places(axes: Axes, lines: Sequence[Array]) -> list[Array]:
         near = np.abs(share[:, None] - others).max(axis=2).min(axis=1)
         near = np.minimum(near, np.minimum(share, 1 - share).min(axis=1))
         for place in chosen:
-            near = np.where(np.abs(share - place).max(axis=1) < APART, 0.0, near)
+            near = np.where(np.abs(share - place).max(axis=1) < LABEL_DISTANCE, 0.0, near)
         best = int(near.argmax())
-        if near[best] > ROOM:
+        if near[best] > CONTOUR_DISTANCE:
             chosen.append(share[best])
             places.append(lines[number][best])
     return places
@@ -263,10 +263,10 @@ def _places(axes: Axes, lines: Sequence[Array]) -> list[Array]:
 # Clouds
 
 
-def scatter(axes: Axes, columns: Columns, x: Scale, y: Scale, norm: Normalize) -> None:
+def draw_scatter(axes: Axes, columns: Columns, x: Scale, y: Scale, norm: Normalize) -> None:
     """Draw points in a plane of two keys, coloured by their number."""
     good = ~columns.missing & ~columns.doubtful
-    look: Any = {"cmap": colours(norm), "norm": norm, "s": 14, "rasterized": len(good) > 5000}
+    look: Any = {"cmap": colour_map(norm), "norm": norm, "s": 14, "rasterized": len(good) > 5000}
     axes.scatter(x.at[good], y.at[good], c=columns.value[good], edgecolors="black", linewidths=0.3, **look)
     if columns.doubtful.any():
         ring = axes.scatter(
@@ -274,5 +274,5 @@ def scatter(axes: Axes, columns: Columns, x: Scale, y: Scale, norm: Normalize) -
         )
         ring.set_facecolor("none")
     axes.plot(x.at[columns.missing], y.at[columns.missing], "x", color="black")
-    dress(axes, "x", x)
-    dress(axes, "y", y)
+    format_axis(axes, "x", x)
+    format_axis(axes, "y", y)

@@ -14,12 +14,12 @@ from walkergen.guests.sweep.axes import Space
 from walkergen.guests.sweep.evaluation import Asked
 from walkergen.points import kinds
 from walkergen.points.kinds import Kind
-from walkergen.points.point import ALONE, PREDICTION, REASON, Point, refused
+from walkergen.points.point import ALONE, PREDICTION, REASON_KEY, Point, refused_record
 
-TRIED = 1000
+MAX_CHECKED_POINTS = 1000
 """Most points of a sweep that is refused where none of them can be right."""
 
-SCENE = "scene."
+SCENE_PREFIX = "scene."
 """Beginning of the keys of a scene; all others are a design's."""
 
 
@@ -41,7 +41,7 @@ class Request(NamedTuple):
     @property
     def kind(self) -> Kind:
         """What is known of points of this model."""
-        return kinds.named(kinds.kind_of(self.model))
+        return kinds.load_kind(kinds.kind_of(self.model))
 
     def check(self) -> None:
         """Refuse unknown keys, words, groups and models before anything runs. Raises InputError."""
@@ -51,43 +51,43 @@ class Request(NamedTuple):
         if self.wanted is not None and not self.kind.MEETS_ERRORS:
             raise InputError(f"‹error=›{self.wanted}: is of the speed of one walker: set scene.run.runs")
         for key in self.space.keys:
-            check(key, f"‹set› {key}")
+            check_key(key, f"‹set› {key}")
             if kinds.kind_of(self.model) == ALONE:
-                check_alone(key, f"‹set› {key}")
+                check_single_key(key, f"‹set› {key}")
         for axis in self.space.axes:
             for value in axis.values:
                 if isinstance(value, (str, bool, list, dict)):
                     self._check_form(axis.key, value)
-        if self.space.points > TRIED:
+        if self.space.points > MAX_CHECKED_POINTS:
             return
         reasons = []
         for point in self.points():
             if isinstance(point, Point):
                 return
-            reasons.append(point[REASON])
+            reasons.append(point[REASON_KEY])
         raise InputError(f"none of {len(reasons)} points can be right: {reasons[0]}", *self.space.keys[:1])
 
     def _check_form(self, key: str, value: Any) -> None:
         """Refuse a word, a list or a table that its key never takes; numbers out of range are rows that say so."""
         try:
-            changed(self.design, self.scene, {key: value}, "‹set›", self.data)
+            change_keys(self.design, self.scene, {key: value}, "‹set›", self.data)
         except GeometryError:  # of parts that cannot be built: with other values of other keys they may
             return
         except InputError as error:
             faults = [fault.removeprefix(key)[:1] for fault in error.keys if fault.startswith(key)]
-            if kinds.of_key(key) or {"", ".", "["} & {*faults}:
+            if kinds.kind_of_key(key) or {"", ".", "["} & {*faults}:
                 raise
 
-    def at(self, values: Mapping[str, Any]) -> Asked:
+    def try_point(self, values: Mapping[str, Any]) -> Asked:
         """Point at values of the keys, or the record of one that is refused."""
         try:
             return self.point(values)
         except WalkergenError as error:
-            return refused(error)
+            return refused_record(error)
 
     def point(self, values: Mapping[str, Any]) -> Point:
         """Point at values of the keys. Raises InputError for one that cannot be built."""
-        design, scene = changed(self.design, self.scene, values, data=self.data)
+        design, scene = change_keys(self.design, self.scene, values, data=self.data)
         if (kind := kinds.kind_of(self.model)) != ALONE:
             return Point(design, scene, True, (), kind=kind)
         return Point(design, scene, self.model != PREDICTION, self.keep, self.wanted, self.printer)
@@ -96,28 +96,28 @@ class Request(NamedTuple):
         """All points, in the order of `space.rows`."""
         keys = self.space.keys
         for row in self.space.rows():
-            yield self.at(dict(zip(keys, row, strict=True)))
+            yield self.try_point(dict(zip(keys, row, strict=True)))
 
 
-def check(key: str, source: str) -> None:
+def check_key(key: str, source: str) -> None:
     """Raise InputError, which begins with `source`, for a key that neither design nor scene has."""
-    bare_key = key.removeprefix(SCENE)
+    bare_key = key.removeprefix(SCENE_PREFIX)
     if bare_key == key:
         assignments.check_key(bare_key, Design, source)
     else:
-        assignments.check_key(bare_key, Scene, source, SCENE)
+        assignments.check_key(bare_key, Scene, source, SCENE_PREFIX)
 
 
-def check_alone(key: str, source: str) -> None:
+def check_single_key(key: str, source: str) -> None:
     """Raise InputError, which begins with `source`, for a key that a walker alone never reads."""
-    if kinds.of_key(key) == "crowd":
+    if kinds.kind_of_key(key) == "crowd":
         raise InputError(
             f"{source}: is of crowds, and a walker alone meets nobody: `walkergen sweep` without "
             "--model, or with --model crowd, is of crowds"
         )
 
 
-def changed(
+def change_keys(
     design: Design,
     scene: Scene,
     values: Mapping[str, Any],
@@ -129,10 +129,10 @@ def changed(
     The design's are set in the data of its file, where these are known. Raises InputError, or
     GeometryError, with a line for every mistake.
     """
-    of_design = {key: value for key, value in values.items() if not key.startswith(SCENE)}
-    of_scene = {key.removeprefix(SCENE): value for key, value in values.items() if key.startswith(SCENE)}
+    of_design = {key: value for key, value in values.items() if not key.startswith(SCENE_PREFIX)}
+    of_scene = {key.removeprefix(SCENE_PREFIX): value for key, value in values.items() if key.startswith(SCENE_PREFIX)}
     if data is None or not of_design:
         varied = assignments.replace_values(design, of_design, source)
     else:
         varied = assignments.assign_values(design, copy.deepcopy(dict(data)), of_design, source)
-    return varied, assignments.replace_values(scene, of_scene, source, SCENE)
+    return varied, assignments.replace_values(scene, of_scene, source, SCENE_PREFIX)

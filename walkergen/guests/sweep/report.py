@@ -13,7 +13,7 @@ from walkergen.guests.sweep import nearest
 from walkergen.guests.sweep.evaluation import Done
 from walkergen.guests.sweep.point_request import Request
 from walkergen.points.kinds import Picture
-from walkergen.points.point import STATUS, WENT, Went
+from walkergen.points.point import STATUS_KEY, WENT_KEY, Went
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,7 +38,7 @@ class Points:
         """Count a point, and keep its row where rows are kept."""
         self.count += 1
         self.stored += done.stored
-        if (how := str(done.record[WENT])) != Went.OK:
+        if (how := str(done.record[WENT_KEY])) != Went.OK:
             self.bad[how] = self.bad.get(how, 0) + 1
         if self.kept:
             self.rows.append((*values, *map(done.record.get, self.names)))
@@ -55,7 +55,7 @@ class SweepReport(Report):
         return self.table._repr_html_()
 
 
-def of(
+def make_report(
     request: Request, title: str, points: Points, warnings: Sequence[str] = (), wish: float | None = None
 ) -> SweepReport:
     """Report of points; without kept rows its table is empty, and there is no figure.
@@ -73,21 +73,21 @@ def of(
         name="sweep",
         title=title,
         tables=[shown],
-        lines=_lines(points),
+        lines=_count_lines(points),
         facts=facts,
-        figures=_figures(rows, keys, request.kind.pictures(request.keep)),
+        figures=_draw_functions(rows, keys, request.kind.pictures(request.keep)),
         keys=keys,
         warnings=warnings,
     )
 
 
-def written(sweep: SweepReport, folder: Path, names: Sequence[str]) -> SweepReport:
+def add_files(sweep: SweepReport, folder: Path, names: Sequence[str]) -> SweepReport:
     """Return the report with the names of the files that were written into a folder."""
     facts = {**sweep.facts, "files": [str(folder / name) for name in names]}
     return replace(sweep, facts=facts, lines=[*sweep.lines, f"in {folder}: {', '.join(names)}"])
 
 
-def _lines(points: Points) -> list[str]:
+def _count_lines(points: Points) -> list[str]:
     before = f", {points.stored} of them known before" if points.stored else ""
     counted = f"{points.count} points{before}"
     if points.stored == points.count:
@@ -96,7 +96,9 @@ def _lines(points: Points) -> list[str]:
     return [counted, *(f"{count} of them: {name} (see the column status)" for name, count in bad)]
 
 
-def _figures(rows: Table, keys: Sequence[str], pictures: Sequence[Picture]) -> "Mapping[str, Callable[[], Figure]]":
+def _draw_functions(
+    rows: Table, keys: Sequence[str], pictures: Sequence[Picture]
+) -> "Mapping[str, Callable[[], Figure]]":
     """Return functions that draw each number over the keys: lines, a map or clouds.
 
     Empty if no key has two values, or no point has the number, because there is nothing to compare.
@@ -105,13 +107,13 @@ def _figures(rows: Table, keys: Sequence[str], pictures: Sequence[Picture]) -> "
     if not any(len(set(map(str, columns.get(key, ())))) > 1 for key in keys):
         return {}
     return {
-        picture.name: partial(_draw, rows, keys, picture)
+        picture.name: partial(_draw_picture, rows, keys, picture)
         for picture in pictures
         if any(value is not None for value in columns[picture.value])
     }
 
 
-def _draw(rows: Table, keys: Sequence[str], picture: Picture) -> "Figure":
+def _draw_picture(rows: Table, keys: Sequence[str], picture: Picture) -> "Figure":
     """Draw a number over the keys."""
     from walkergen.guests.sweep import figures
     from walkergen.guests.sweep.panels import Columns
@@ -120,5 +122,5 @@ def _draw(rows: Table, keys: Sequence[str], picture: Picture) -> "Figure":
     unknown = np.full(len(rows), np.nan)
     low, high = (rows[end] if end in columns else unknown for end in (picture.low, picture.high))
     values = {key: columns[key] for key in keys}
-    drawn = Columns(values, rows[picture.value], low, high, columns[STATUS], picture.label)
-    return figures.figure(drawn, keys, rows.title)
+    drawn = Columns(values, rows[picture.value], low, high, columns[STATUS_KEY], picture.label)
+    return figures.draw_figure(drawn, keys, rows.title)

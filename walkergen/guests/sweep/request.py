@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from walkergen.guests.sweep.cost import Cost
     from walkergen.guests.sweep.report import SweepReport
 
-FEW_POINTS = 512
+MAX_LOCAL_POINTS = 512
 """Number of predicted points that take less time here than processes take to start."""
 
 
@@ -87,58 +87,58 @@ class SweepRequest(request.Request):
         from walkergen.points.point import PREDICTION
         from walkergen.points.store import Store
 
-        ask = self._ask()
-        points = ask.request() if self.wish is None else ask.request_for_wish()
+        ask = self._make_ask()
+        points = ask.make_request() if self.wish is None else ask.make_wish_request()
         if self.budget is not None:
-            self.refuse("not with ‹budget›, which adds runs until it is spent", "error")
-        folder = self.folder(Path("out") / "sweeps" / ask.name())
-        few = not self._shell or (points.model == PREDICTION and points.space.points <= FEW_POINTS)
-        with closing(Store()) as store, inputs.pool_of(few, self.workers, self.dask) as pool:
+            self.check_unset("not with ‹budget›, which adds runs until it is spent", "error")
+        folder = self.output_folder(Path("out") / "sweeps" / ask.name())
+        few = not self._shell or (points.model == PREDICTION and points.space.points <= MAX_LOCAL_POINTS)
+        with closing(Store()) as store, inputs.open_pool(few, self.workers, self.dask) as pool:
             workers = 1 if pool is None else pool.workers
 
             def estimate() -> cost.Cost | None:
                 """Cost of this sweep."""
                 return cost.estimate(points, store, workers)
 
-            if not self.yes and points.space.points > cost.UNASKED:
+            if not self.yes and points.space.points > cost.MAX_UNCONFIRMED_POINTS:
                 raise InputError(
-                    f"{cost.in_words(estimate(), points.space.points)}; give ‹yes› to begin, or take fewer points",
+                    f"{cost.format_cost(estimate(), points.space.points)}; give ‹yes› to begin, or take fewer points",
                     "yes",
                 )
-            self._expect(lambda: Expected(self.budget) if self.budget else _time(estimate()))
+            self._expect(lambda: Expected(self.budget) if self.budget else _to_expected(estimate()))
             job = make.Job(points, ask.title(), self.pictures, self.budget, not self._shell, self.wish)
             if folder is None:
-                return make.find(job, store, pool, progress)
-            return make.make(job, folder, store, pool, progress)
+                return make.evaluate_all(job, store, pool, progress)
+            return make.make_sweep(job, folder, store, pool, progress)
 
-    def _ask(self) -> "Ask":
+    def _make_ask(self) -> "Ask":
         """Sweep that is asked for here, or by a file. Raises InputError."""
         from walkergen.core.tolerance import parse_tolerance
         from walkergen.guests.sweep import ask, axes
 
         if self.file is not None:
-            self.refuse("not with ‹file›, which says it", "design", "set", "scene", "printer", "error", "sample")
-            return ask.of_file(self.file)
+            self.check_unset("not with ‹file›, which says it", "design", "set", "scene", "printer", "error", "sample")
+            return ask.from_file(self.file)
         pairs = self.set.items() if isinstance(self.set, Mapping) else ()
-        entries = [_entry(key, values) for key, values in pairs] or [axes.parse(text) for text in self.set]
-        space, constants = ask.space_of(entries, self.sample, self.seed)
+        entries = [_parse_entry(key, values) for key, values in pairs] or [axes.parse(text) for text in self.set]
+        space, constants = ask.make_space(entries, self.sample, self.seed)
         wanted = None if self.error is None else parse_tolerance(self.error)
         sources = self.design, self.scene, self.printer
-        return ask.of(sources, Path(), space, constants, self.model, wanted, self.keep, "‹set›")
+        return ask.make_ask(sources, Path(), space, constants, self.model, wanted, self.keep, "‹set›")
 
 
-def _time(cost: "Cost | None") -> Expected | None:
+def _to_expected(cost: "Cost | None") -> Expected | None:
     """Time of a cost that is known."""
     return None if cost is None else Expected(cost.seconds)
 
 
-def _entry(key: str, values: Any) -> "Axis | Span":
+def _parse_entry(key: str, values: Any) -> "Axis | Span":
     """Axis or span of a key: of a text as the shell has it, of one value or several, or an array. Raises InputError."""
     from walkergen.guests.sweep import axes
 
     if isinstance(values, str):
-        return axes.of_text(key, values, f"‹set› {key}={values[:60]!r}")
+        return axes.from_text(key, values, f"‹set› {key}={values[:60]!r}")
     if isinstance(values, Mapping):
         raise InputError(f"{key}: a table seen: give a list of values", key)
     listed = list(values) if isinstance(values, Iterable) else [values]
-    return axes.axis(key, [value.item() if hasattr(value, "item") else value for value in listed], key)
+    return axes.make_axis(key, [value.item() if hasattr(value, "item") else value for value in listed], key)

@@ -8,16 +8,16 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from walkergen.files.figures import wrapped
-from walkergen.files.key_names import label
+from walkergen.files.figures import wrap_text
+from walkergen.files.key_names import format_key
 
 Array = npt.NDArray[np.float64]
 
-WIDE, LOW = 30.0, 1 / 3
+LOG_MIN_RATIO, LOG_MAX_MEDIAN = 30.0, 1 / 3
 """An axis of positive values is logarithmic where the largest is more than WIDE times the least and
 the median below LOW times the largest: values in even steps stay on a linear axis."""
 
-MOST_WORD_TICKS = 12
+MAX_WORD_TICKS = 12
 
 NAME_INCHES = 2.1
 """Length of a line of an axis's name, inches: about a panel's."""
@@ -42,15 +42,15 @@ class Scale(NamedTuple):
         return self.places[self.which]
 
 
-def scale_of(key: str, values: Sequence[Any]) -> Scale:
+def make_scale(key: str, values: Sequence[Any]) -> Scale:
     """Scale of a key by its values at one row at least; of words where one is no number."""
     words = not all(_is_number(value) for value in values)
-    seen = [_word(value) if words else value for value in values]
+    seen = [_to_word(value) if words else value for value in values]
     distinct = list(dict.fromkeys(seen)) if words else sorted(set(seen))
     number = {value: place for place, value in enumerate(distinct)}
     places = np.array(range(len(distinct)) if words else distinct, dtype=float)
-    log = not words and places[0] > 0 and places[-1] > WIDE * places[0]
-    log = bool(log and np.median(places) < LOW * places[-1])
+    log = not words and places[0] > 0 and places[-1] > LOG_MIN_RATIO * places[0]
+    log = bool(log and np.median(places) < LOG_MAX_MEDIAN * places[-1])
     index = np.array([number[value] for value in seen], dtype=np.intp)
     return Scale(key, tuple(distinct), places, index, words, log)
 
@@ -59,20 +59,20 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
-def _word(value: Any) -> str:
+def _to_word(value: Any) -> str:
     return str(value).lower() if value is None or isinstance(value, bool) else str(value)
 
 
-def in_words(scale: Scale, number: int, named: bool = True) -> str:
+def format_value(scale: Scale, number: int, named: bool = True) -> str:
     """One value of a scale in words: "tilt of the legs 10 deg" or, not named, "10 deg"."""
-    name, _, unit = label(scale.key).partition(" (")
+    name, _, unit = format_key(scale.key).partition(" (")
     value = scale.values[number]
     shown = value if scale.words else f"{value:.5g}"
     parts = (name if named else "", shown, unit.rstrip(")"))
     return " ".join(part for part in parts if part)
 
 
-def edges(scale: Scale) -> Array:
+def cell_edges(scale: Scale) -> Array:
     """Edges of the cells about the values, half-way to the next; one more than there are values."""
     places = np.log(scale.places) if scale.log else scale.places
     if len(places) == 1:
@@ -82,10 +82,10 @@ def edges(scale: Scale) -> Array:
     return np.exp(borders) if scale.log else borders
 
 
-def dress(axes: Axes, direction: Literal["x", "y"], scale: Scale) -> None:
+def format_axis(axes: Axes, direction: Literal["x", "y"], scale: Scale) -> None:
     """Name an axis, and make it logarithmic, or of words, where its scale is."""
     axis = axes.xaxis if direction == "x" else axes.yaxis
-    axis.set_label_text(wrapped(label(scale.key), NAME_INCHES))
+    axis.set_label_text(wrap_text(format_key(scale.key), NAME_INCHES))
     if scale.log:
         axes.set(**{f"{direction}scale": "log"})
         decades = np.log10(scale.places[-1] / scale.places[0])
@@ -93,7 +93,7 @@ def dress(axes: Axes, direction: Literal["x", "y"], scale: Scale) -> None:
         axis.set_major_formatter(StrMethodFormatter("{x:g}"))
         axis.set_minor_formatter(NullFormatter())
     elif scale.words:
-        every = -(-len(scale.values) // MOST_WORD_TICKS)
+        every = -(-len(scale.values) // MAX_WORD_TICKS)
         shown = [word if len(word) <= 14 else word[:13] + "…" for word in scale.values][::every]
         axis.set_ticks(scale.places[::every].tolist(), shown)
         if direction == "x" and sum(map(len, shown)) > 30:

@@ -25,17 +25,17 @@ from walkergen.points.point import ALONE
 Table = dict[str, Any]
 """Table of keys of designs and scenes, dotted."""
 
-TABLES = (("set",), ("grid",), ("sample", "between"))
+KEY_TABLES = (("set",), ("grid",), ("sample", "between"))
 """Places of such tables in a file."""
 
-BOUNDS = 'write two bounds, [2, 40] or "2:40"'
+BOUNDS_HINT = 'write two bounds, [2, 40] or "2:40"'
 
 
 class Samples(Section):
     """Table [sample]: points between bounds, by a Sobol sequence or a Latin hypercube."""
 
     method: Method = "sobol"
-    points: Annotated[int, Field(ge=1, le=axes.MOST_VALUES)]
+    points: Annotated[int, Field(ge=1, le=axes.MAX_VALUES)]
     """Number of points, of a Sobol sequence best a power of two."""
     between: Annotated[Table, Field(description="a table [sample.between] of keys and bounds", min_length=1)]
 
@@ -57,17 +57,17 @@ class Contents(Section):
 
     @field_validator("model")
     @classmethod
-    def _known_model(cls, name: str | None) -> str | None:
-        if name is not None and name not in kinds.EVERY:
-            raise ValueError(f"{name[:30]!r}: must be one of {', '.join(kinds.EVERY)}")
+    def _check_model(cls, name: str | None) -> str | None:
+        if name is not None and name not in kinds.ALL_MODELS:
+            raise ValueError(f"{name[:30]!r}: must be one of {', '.join(kinds.ALL_MODELS)}")
         return name
 
     @field_validator("keep")
     @classmethod
-    def _known_groups(cls, names: list[str] | None) -> list[str] | None:
+    def _check_groups(cls, names: list[str] | None) -> list[str] | None:
         for name in names or ():
-            if not any(name in kinds.named(kind).GROUPS for kind in kinds.KINDS):
-                groups = {kind: ", ".join(kinds.named(kind).GROUPS) for kind in kinds.KINDS}
+            if not any(name in kinds.load_kind(kind).GROUPS for kind in kinds.KIND_MODULES):
+                groups = {kind: ", ".join(kinds.load_kind(kind).GROUPS) for kind in kinds.KIND_MODULES}
                 every = "; ".join(f"of a {kind} {words}" if kind != ALONE else words for kind, words in groups.items())
                 raise ValueError(f"{name[:30]!r}: must be one of {every}")
         return names
@@ -95,12 +95,12 @@ class SweepFile(NamedTuple):
         return self.path.parent
 
 
-def read(path: Path) -> SweepFile:
+def read_sweep(path: Path) -> SweepFile:
     """Read and validate a sweep.toml. Raises InputError with a line for every mistake."""
     data, text = config.read_toml(path)
     if not data:
         raise InputError(f'{path}: the file sets nothing; write [grid] and "legs.tilt_deg" = "0:45:5"')
-    flat = _flattened(data, str(path), text)
+    flat = _flatten_tables(data, str(path), text)
     contents = config.validate(flat, Contents, str(path), text)
     mistakes = list(_key_mistakes(contents, str(path), text))
     varied: list[Axis | Span] = []
@@ -108,9 +108,9 @@ def read(path: Path) -> SweepFile:
     between = contents.sample.between if contents.sample else {}
     for table, values in (("grid", contents.grid), ("sample.between", between)):
         for key, value in values.items():
-            place = _place(table, key, str(path), text)
+            place = _format_place(table, key, str(path), text)
             try:
-                varied.append((_axis if table == "grid" else _span)(key, value, place))
+                varied.append((_parse_axis if table == "grid" else _parse_span)(key, value, place))
             except InputError as mistake:
                 mistakes.append(mistake.text)
     try:
@@ -140,19 +140,19 @@ def read(path: Path) -> SweepFile:
     )
 
 
-def _place(table: str, key: str, source: str, text: str) -> str:
+def _format_place(table: str, key: str, source: str, text: str) -> str:
     """Beginning of a line on a key of a table: file, line and key."""
     location = (*table.split("."), *key.split("."))
     return f"{config.format_location(location, source, text)}: {plain.shorten_line(f'{table}.{key}')}"
 
 
-def _flattened(data: Mapping[str, Any], source: str, text: str) -> dict[str, Any]:
+def _flatten_tables(data: Mapping[str, Any], source: str, text: str) -> dict[str, Any]:
     """Contents of a file with dotted keys in its TABLES, where TOML has nested tables.
 
     Raises InputError for a key that is written in both forms.
     """
     flat = dict(data)
-    for *path, last in TABLES:
+    for *path, last in KEY_TABLES:
         holder = flat
         for step in path:
             if not isinstance(holder.get(step), dict):
@@ -161,20 +161,20 @@ def _flattened(data: Mapping[str, Any], source: str, text: str) -> dict[str, Any
             holder = holder[step]
         else:
             if isinstance(holder.get(last), dict):
-                pairs = list(_pairs(holder[last]))
+                pairs = list(_dotted_pairs(holder[last]))
                 holder[last] = dict(pairs)
                 for key, _ in pairs:
                     if sum(key == other for other, _ in pairs) > 1:
-                        place = _place(".".join((*path, last)), key, source, text)
+                        place = _format_place(".".join((*path, last)), key, source, text)
                         raise InputError(f"{place}: given twice, nested and in quotes")
     return flat
 
 
-def _pairs(table: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
+def _dotted_pairs(table: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
     """Dotted keys of nested tables, and their values."""
     for key, value in table.items():
         if isinstance(value, dict) and value:
-            yield from _pairs(value, f"{before}{key}.")
+            yield from _dotted_pairs(value, f"{before}{key}.")
         else:
             yield before + key, value
 
@@ -186,9 +186,9 @@ def _key_mistakes(contents: Contents, source: str, text: str) -> Iterator[str]:
     tables = (("set", contents.set), ("grid", contents.grid), ("sample.between", between))
     for table, values in tables:
         for key in values:
-            place = _place(table, key, source, text)
+            place = _format_place(table, key, source, text)
             try:
-                request.check(key, place)
+                request.check_key(key, place)
             except InputError as mistake:
                 yield mistake.text
             if key in seen:
@@ -196,10 +196,10 @@ def _key_mistakes(contents: Contents, source: str, text: str) -> Iterator[str]:
             seen[key] = table
 
 
-def _axis(key: str, value: Any, place: str) -> Axis:
+def _parse_axis(key: str, value: Any, place: str) -> Axis:
     """Axis of a text as on the command line, of a list of values or of one. Raises InputError."""
     if isinstance(value, str):
-        axis = axes.of_text(key, value, f"{place} = {value[:60]!r}")
+        axis = axes.from_text(key, value, f"{place} = {value[:60]!r}")
         if isinstance(axis, Span):
             raise InputError(
                 f"{place} = {value[:60]!r}: bounds without a step are of [sample.between]; a grid has FIRST:LAST:STEP"
@@ -209,17 +209,17 @@ def _axis(key: str, value: Any, place: str) -> Axis:
     for entry in values:
         if isinstance(entry, str) and re.fullmatch(r"[\s\d.eE+:-]+:[\s\d.eE+:-]+", entry):
             raise InputError(f'{place}: {entry[:60]!r} in a list: write one text, "0:10:5,20"')
-    return axes.axis(key, values, place)
+    return axes.make_axis(key, values, place)
 
 
-def _span(key: str, value: Any, place: str) -> Span:
+def _parse_span(key: str, value: Any, place: str) -> Span:
     """Bounds of samples from a text or a list of two numbers. Raises InputError."""
     if isinstance(value, str):
-        span = axes.of_text(key, value, f"{place} = {value[:60]!r}")
+        span = axes.from_text(key, value, f"{place} = {value[:60]!r}")
         if isinstance(span, Span):
             return span
     elif isinstance(value, list) and len(value) == 2:
         low, high = value
         if type(low) in (int, float) and type(high) in (int, float):
-            return axes.span(key, low, high, place)
-    raise InputError(f"{place} = {str(value)[:60]}: {BOUNDS}")
+            return axes.make_span(key, low, high, place)
+    raise InputError(f"{place} = {str(value)[:60]}: {BOUNDS_HINT}")

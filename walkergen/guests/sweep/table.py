@@ -15,13 +15,13 @@ from walkergen.core.files import reading
 from walkergen.core.files.columns import split_cells as cells_of
 from walkergen.core.files.ledger import open_flags
 from walkergen.core.files.tables import csv_text
-from walkergen.points.point import STATUS, Record
+from walkergen.points.point import STATUS_KEY, Record
 
-NAME = "table.csv"
-POINT, CHECK = "point", "check"
+TABLE_FILE = "table.csv"
+POINT_COLUMN, CHECK_COLUMN = "point", "check"
 """Names of the last two columns: the key of the point, and the check sum of the row."""
 
-WORDS = ("model", "print_told", STATUS)
+TEXT_COLUMNS = ("model", "print_told", STATUS_KEY)
 """Columns of a record that hold words."""
 
 
@@ -31,20 +31,20 @@ class Table:
     def __init__(self, path: Path, keys: Sequence[str], names: Sequence[str]) -> None:
         """Begin an empty table with columns of the keys that vary and of a record."""
         self.path, self.names = path, tuple(names)
-        header = csv_text((*keys, *names, POINT, CHECK), [])
+        header = csv_text((*keys, *names, POINT_COLUMN, CHECK_COLUMN), [])
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             new = open_flags(os.O_WRONLY | os.O_CREAT | os.O_TRUNC)  # never through a link
             self._file = os.open(path, new, 0o666)
         except OSError as error:
-            raise self._failure(error) from None
+            raise self._write_error(error) from None
         self._write(header)
 
     def add(self, values: Sequence[Any], record: Record, point: str) -> None:
         """Append the row of a point. Raises OutputError."""
         cells = [*values, *(record.get(name) for name in self.names), point]
         line = csv_text(cells, [])
-        self._write(csv_text([*cells, check_of(line)], []))
+        self._write(csv_text([*cells, row_checksum(line)], []))
 
     def _write(self, text: str) -> None:
         data = text.encode()
@@ -52,7 +52,7 @@ class Table:
             if os.write(self._file, data) != len(data):
                 raise OSError(28, os.strerror(28))  # a disk that is full takes a part of it
         except OSError as error:
-            raise self._failure(error) from None
+            raise self._write_error(error) from None
 
     def __enter__(self) -> Self:
         return self
@@ -62,20 +62,20 @@ class Table:
             os.fsync(self._file)  # a full disk may only now say so
         except OSError as error:
             if kind is None:
-                raise self._failure(error) from None
+                raise self._write_error(error) from None
         finally:
             os.close(self._file)
 
-    def _failure(self, error: OSError) -> OutputError:
+    def _write_error(self, error: OSError) -> OutputError:
         return OutputError(f"{str(self.path)!r}: cannot be written: {error.strerror}")
 
 
-def check_of(line: str) -> str:
+def row_checksum(line: str) -> str:
     """Check sum of a row's text without that sum, 8 hexadecimal digits."""
     return f"{zlib.crc32(line.rstrip().encode()):08x}"
 
 
-def changed(path: Path) -> list[int]:
+def find_changed_lines(path: Path) -> list[int]:
     """Numbers of the lines of a table that are not as a sweep writes them.
 
     A last line that was cut short is as written, the header too. Raises InputError
@@ -83,21 +83,21 @@ def changed(path: Path) -> list[int]:
     """
     lines = reading.read_lines(path, "a table of `walkergen sweep`", newline="")
     header = next(lines, "")
-    if header.endswith("\n") and cells_of(header, str(path), 1)[-2:] != [POINT, CHECK]:
+    if header.endswith("\n") and cells_of(header, str(path), 1)[-2:] != [POINT_COLUMN, CHECK_COLUMN]:
         raise InputError(
             f"{path}: is no table of a sweep (its last columns are not point, check): "
             "move it away, or give another ‹out›"
         )
-    return [number for number, line in enumerate(lines, start=2) if not _sound(line)]
+    return [number for number, line in enumerate(lines, start=2) if not _is_sound(line)]
 
 
-def _sound(line: str) -> bool:
+def _is_sound(line: str) -> bool:
     """Whether a line has the check sum of its cells, or was cut short where nothing else is."""
     text = line.removesuffix("\n")
     if text == line:
         return text.isprintable()
     before, _, check = text.rpartition(",")
-    return check == check_of(before)
+    return check == row_checksum(before)
 
 
 def to_parquet(path: Path, keys: Mapping[str, bool], names: Sequence[str]) -> bytes | None:
@@ -111,8 +111,8 @@ def to_parquet(path: Path, keys: Mapping[str, bool], names: Sequence[str]) -> by
         from pyarrow import parquet
     except ModuleNotFoundError:
         return None
-    numbers = {key for key, numeric in keys.items() if numeric} | set(names) - set(WORDS)
-    every = [*keys, *names, POINT, CHECK]
+    numbers = {key for key, numeric in keys.items() if numeric} | set(names) - set(TEXT_COLUMNS)
+    every = [*keys, *names, POINT_COLUMN, CHECK_COLUMN]
     types = {name: arrow.float64() if name in numbers else arrow.string() for name in every}
     buffer = arrow.BufferOutputStream()
     options = arrow_csv.ConvertOptions(column_types=types)

@@ -15,17 +15,17 @@ FLATNESS = 2e-5
 """Largest distance of a chord from its curve, over the drawing's longer side: half a micrometre on
 a body of 28 mm, a twentieth of what printers resolve."""
 
-MOST_POINTS = 100_000
+MAX_POINTS = 100_000
 """Points of an outline at most: on a body of 28 mm one to a micrometre, beyond every printer."""
 
-MOST_BYTES = 10_000_000
+MAX_BYTES = 10_000_000
 """Size of a drawing at most: MOST_POINTS with all their digits are 4 MB."""
 
-GAP = 1e-6
+MAX_END_GAP = 1e-6
 """Distance between two ends, over the drawing's longer side, up to which they meet: drawing
 programs write six digits."""
 
-FEWEST_CHORDS, MOST_CHORDS = 4, 4096
+MIN_CHORDS, MAX_CHORDS = 4, 4096
 
 
 class NoUnitError(InputError):
@@ -56,16 +56,16 @@ def flatten(curve: Callable[[Array], Array], tolerance: float) -> Array:
     `curve` takes parameters of 0 to 1, shape (n,), and returns points (n, 2). Chords are halved
     until those of the next round would stay within the tolerance, at most MOST_CHORDS times.
     """
-    chords = FEWEST_CHORDS  # not one: the middle of an S lies on its chord
+    chords = MIN_CHORDS  # not one: the middle of an S lies on its chord
     while True:
         points = curve(np.linspace(0.0, 1.0, 2 * chords + 1))
         ends, middles = points[::2], points[1::2]
         sag = np.abs(middles - 0.5 * (ends[:-1] + ends[1:])).max()
-        if not sag > tolerance or chords >= MOST_CHORDS:
+        if not sag > tolerance or chords >= MAX_CHORDS:
             return ends
         chords *= 2
 
 
-def meet(first: Sequence[float] | Array, last: Sequence[float] | Array, gap: float) -> bool:
+def is_within_gap(first: Sequence[float] | Array, last: Sequence[float] | Array, gap: float) -> bool:
     """Return whether two points are no further apart than `gap`."""
     return math.dist(first, last) <= gap

@@ -20,17 +20,17 @@ from walkergen.core.numerics.kernels import kernel, lean
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
 
-LEAF = 4
+LEAF_SIZE = 4
 """Triangles of a leaf of the tree."""
 
-CROWDED = 32
+MAX_CORNER_TRIANGLES = 32
 """Triangles in one corner from which on they stand together in the order."""
 
 MORTON_BITS = 16
-SPREAD = ((16, 0x0000FF0000FF), (8, 0x00F00F00F00F), (4, 0x0C30C30C30C3), (2, 0x249249249249))
+MORTON_MASKS = ((16, 0x0000FF0000FF), (8, 0x00F00F00F00F), (4, 0x0C30C30C30C3), (2, 0x249249249249))
 """Shifts and masks that put two zeros between the bits of a number of MORTON_BITS."""
 
-DEEPEST = 128
+STACK_SIZE = 128
 """Size of the stack of a walk down the tree: more than twice the depth for 2^60 triangles."""
 
 
@@ -91,11 +91,11 @@ def find(vertices: Array, triangles: Indices, tolerance: float) -> Crossings:
     """
     if len(triangles) == 0:
         return Crossings(0, (-1, -1))
-    apexes = _crowded(triangles)
-    order = np.lexsort((_codes(vertices, triangles), apexes))
+    apexes = _crowded_corners(triangles)
+    order = np.lexsort((_morton_codes(vertices, triangles), apexes))
     ordered = triangles[order]
     leaves = 1
-    while leaves * LEAF < len(ordered):
+    while leaves * LEAF_SIZE < len(ordered):
         leaves *= 2
     corners = vertices[ordered]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -106,44 +106,46 @@ def find(vertices: Array, triangles: Indices, tolerance: float) -> Crossings:
     high = np.maximum(np.maximum(first, second), third)
     inside = 0.5 * tolerance * (high - low > 2.0 * tolerance)
     shapes = Shapes(ordered, corners, normals, low + inside, high - inside, apexes[order], vertices)
-    scratch = Scratch(np.empty(DEEPEST, np.int64), np.empty((3, 3)), np.empty(3), np.empty(3))
-    count, one, other = _pairs(shapes, Tree(leaves, *_tree(shapes, leaves, scratch)), scratch, tolerance)
+    scratch = Scratch(np.empty(STACK_SIZE, np.int64), np.empty((3, 3)), np.empty(3), np.empty(3))
+    count, one, other = _count_crossings(
+        shapes, Tree(leaves, *_build_tree(shapes, leaves, scratch)), scratch, tolerance
+    )
     found = (-1, -1) if count == 0 else (int(order[one]), int(order[other]))
     return Crossings(int(count), found)
 
 
-def _crowded(triangles: Indices) -> Indices:
+def _crowded_corners(triangles: Indices) -> Indices:
     """Corner of each triangle in which most triangles meet, where it is crowded, else -1; shape (k,)."""
     valences = np.bincount(triangles.ravel())[triangles]
     most = valences.argmax(axis=1)
     rows = np.arange(len(triangles))
-    return np.where(valences[rows, most] > CROWDED, triangles[rows, most], -1)
+    return np.where(valences[rows, most] > MAX_CORNER_TRIANGLES, triangles[rows, most], -1)
 
 
-def _codes(vertices: Array, triangles: Indices) -> Indices:
+def _morton_codes(vertices: Array, triangles: Indices) -> Indices:
     """Places of triangles' middles along the Morton curve, shape (k,)."""
     first, second, third = vertices.T[:, triangles.T].transpose(1, 0, 2)
     middles = first + second + third  # an axis a row
     low = middles.min(axis=1, keepdims=True)
     side = max(float((middles.max(axis=1, keepdims=True) - low).max()), 1e-300)
     cells = ((middles - low) * ((2**MORTON_BITS - 1) / side)).astype(np.int64)
-    for shift, mask in SPREAD:
+    for shift, mask in MORTON_MASKS:
         cells = (cells | cells << shift) & mask
     codes: Indices = cells[0] | cells[1] << 1 | cells[2] << 2
     return codes
 
 
 @kernel
-def _tree(shapes, leaves, scratch):
+def _build_tree(shapes, leaves, scratch):
     """Bounds and apexes of the nodes of a `Tree`."""
     lows = np.full((2 * leaves, 6), np.inf)
     highs = np.full((2 * leaves, 6), -np.inf)
     apexes = np.full(2 * leaves, -2)  # -2: empty
     for number in range(len(shapes.low)):
-        node, apex = leaves + number // LEAF, shapes.apexes[number]
+        node, apex = leaves + number // LEAF_SIZE, shapes.apexes[number]
         apexes[node] = apex if apexes[node] == -2 or apexes[node] == apex else -1
         if apex >= 0:
-            _seen(shapes, number, apex, scratch, True)
+            _bound_directions(shapes, number, apex, scratch, True)
         for axis in range(3):
             lows[node, axis] = min(lows[node, axis], shapes.low[number, axis])
             highs[node, axis] = max(highs[node, axis], shapes.high[number, axis])
@@ -160,37 +162,37 @@ def _tree(shapes, leaves, scratch):
 
 
 @lean
-def _pairs(shapes, tree, scratch, tolerance):
+def _count_crossings(shapes, tree, scratch, tolerance):
     """Count the crossing pairs, and return the first of them in the order of the tree."""
     total, leaves, stack = len(shapes.triangles), tree.leaves, scratch.stack
     count, one, other = 0, -1, -1
-    for own in range(leaves, leaves + (total + LEAF - 1) // LEAF):
-        begin, end, apex = LEAF * (own - leaves), min(LEAF * (own - leaves) + LEAF, total), -1
+    for own in range(leaves, leaves + (total + LEAF_SIZE - 1) // LEAF_SIZE):
+        begin, end, apex = LEAF_SIZE * (own - leaves), min(LEAF_SIZE * (own - leaves) + LEAF_SIZE, total), -1
         stack[0] = 1
         height = 1
         while height > 0:
             height -= 1
             node = stack[height]
-            if _apart(tree.low, tree.high, own, tree.low, tree.high, node):
+            if _is_disjoint(tree.low, tree.high, own, tree.low, tree.high, node):
                 continue
             if tree.apexes[node] >= 0:
                 if tree.apexes[node] != apex:
                     apex = tree.apexes[node]
                     for first in range(begin, end):
-                        _seen(shapes, first, apex, scratch, first == begin)
-                if _seen_apart(scratch, tree, node):
+                        _bound_directions(shapes, first, apex, scratch, first == begin)
+                if _has_disjoint_directions(scratch, tree, node):
                     continue
             if node < leaves:
                 stack[height] = 2 * node
                 stack[height + 1] = 2 * node + 1
                 height += 2
             elif node >= own:  # each pair once
-                start = LEAF * (node - leaves)
+                start = LEAF_SIZE * (node - leaves)
                 for first in range(begin, end):
-                    for second in range(max(start, first + 1), min(start + LEAF, total)):
-                        if _apart(shapes.low, shapes.high, first, shapes.low, shapes.high, second):
+                    for second in range(max(start, first + 1), min(start + LEAF_SIZE, total)):
+                        if _is_disjoint(shapes.low, shapes.high, first, shapes.low, shapes.high, second):
                             continue
-                        if _cross(shapes, first, second, tolerance):
+                        if _is_crossing(shapes, first, second, tolerance):
                             if count == 0:
                                 one, other = first, second
                             count += 1
@@ -198,7 +200,7 @@ def _pairs(shapes, tree, scratch, tolerance):
 
 
 @lean
-def _seen(shapes, triangle, apex, scratch, anew):
+def _bound_directions(shapes, triangle, apex, scratch, anew):
     """Set the bounds of the directions (unit vectors) in which a vertex sees a triangle; unless anew, widen them.
 
     A direction is that of a point w of the flat triangle of the corners' directions, itself w / |w|: no
@@ -231,7 +233,7 @@ def _seen(shapes, triangle, apex, scratch, anew):
 
 
 @lean
-def _seen_apart(scratch, tree, node):
+def _has_disjoint_directions(scratch, tree, node):
     """Return whether the directions in `scratch` and those of a node do not meet."""
     for axis in range(3):
         if scratch.low[axis] > tree.high[node, 3 + axis] or scratch.high[axis] < tree.low[node, 3 + axis]:
@@ -240,7 +242,7 @@ def _seen_apart(scratch, tree, node):
 
 
 @lean
-def _apart(low, high, one, lows, highs, other):
+def _is_disjoint(low, high, one, lows, highs, other):
     """Return whether box `one` of the first list and box `other` of the second do not meet."""
     return (
         low[one, 0] > highs[other, 0]
@@ -253,7 +255,7 @@ def _apart(low, high, one, lows, highs, other):
 
 
 @lean
-def _cross(shapes, one, other, tolerance):
+def _is_crossing(shapes, one, other, tolerance):
     """Return whether two triangles cross each other."""
     shared = 0
     for i in range(3):
@@ -265,12 +267,12 @@ def _cross(shapes, one, other, tolerance):
     for first, second in ((one, other), (other, one)):
         least, most = np.inf, -np.inf
         for corner in range(3):
-            height = _height(shapes, first, second, corner)
+            height = _height_above_plane(shapes, first, second, corner)
             least, most = min(least, height), max(most, height)
         parted = parted or -least <= tolerance or most <= tolerance
         level = level or max(-least, most) <= tolerance
     if level:
-        return _overlap(shapes, one, other, tolerance)
+        return _is_overlapping(shapes, one, other, tolerance)
     if parted:
         return False
     for number in range(6):
@@ -281,7 +283,7 @@ def _cross(shapes, one, other, tolerance):
 
 
 @lean
-def _height(shapes, triangle, other, corner):
+def _height_above_plane(shapes, triangle, other, corner):
     """Height of a corner of another triangle above a triangle's plane."""
     height = 0.0
     for axis in range(3):
@@ -301,20 +303,20 @@ def _pierces(shapes, one, edge, other):
         end = shapes.triangles[other, corner]
         if end == shapes.triangles[one, edge] or end == shapes.triangles[one, following]:
             return False
-    above, below = _height(shapes, other, one, edge), _height(shapes, other, one, following)
+    above, below = _height_above_plane(shapes, other, one, edge), _height_above_plane(shapes, other, one, following)
     if above * below >= 0.0:
         return False
     share = above / (above - below)
     for side in range(3):
-        start = _inside(shapes, other, side, one, edge)
-        end = _inside(shapes, other, side, one, following)
+        start = _signed_edge_distance(shapes, other, side, one, edge)
+        end = _signed_edge_distance(shapes, other, side, one, following)
         if start + share * (end - start) < 0.0:
             return False
     return True
 
 
 @lean
-def _inside(shapes, triangle, edge, other, corner):
+def _signed_edge_distance(shapes, triangle, edge, other, corner):
     """Distance of another triangle's corner from the line along an edge, positive inside.
 
     It is measured in the plane of the triangle that has the edge.
@@ -333,7 +335,7 @@ def _inside(shapes, triangle, edge, other, corner):
 
 
 @lean
-def _overlap(shapes, one, other, tolerance):
+def _is_overlapping(shapes, one, other, tolerance):
     """Return whether two triangles of one plane, facing the same way, overlap: no edge divides them."""
     facing = 0.0
     for axis in range(3):
@@ -344,7 +346,7 @@ def _overlap(shapes, one, other, tolerance):
         first, second = (one, other) if number < 3 else (other, one)
         deepest = -np.inf
         for corner in range(3):
-            deepest = max(deepest, _inside(shapes, first, number % 3, second, corner))
+            deepest = max(deepest, _signed_edge_distance(shapes, first, number % 3, second, corner))
         if deepest <= tolerance:
             return False
     return True

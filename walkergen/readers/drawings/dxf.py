@@ -17,12 +17,21 @@ from walkergen import extras
 from walkergen.core.errors import InputError
 from walkergen.core.files import reading, words
 from walkergen.readers.drawings import dxf_curves
-from walkergen.readers.drawings.contours import FLATNESS, GAP, MOST_BYTES, Array, Drawing, NoUnitError, Shape, meet
+from walkergen.readers.drawings.contours import (
+    FLATNESS,
+    MAX_BYTES,
+    MAX_END_GAP,
+    Array,
+    Drawing,
+    NoUnitError,
+    Shape,
+    is_within_gap,
+)
 
 if TYPE_CHECKING:
     from ezdxf import document as documents
 
-VERSION = "R2000"
+DXF_VERSION = "R2000"
 """Format of what is written: the oldest that states its unit, which every laser cutter reads."""
 
 ANNOTATIONS = {
@@ -43,46 +52,55 @@ ANNOTATIONS = {
 }
 """Entities that explain or colour a drawing and are no outline."""
 
-SAID = {"ATTDEF", "ATTRIB", "HATCH", "MTEXT", "TEXT"}
+NOTED_ANNOTATIONS = {"ATTDEF", "ATTRIB", "HATCH", "MTEXT", "TEXT"}
 """Those that a person may have meant to be cut all the same."""
 
-BINARY = b"AutoCAD Binary DXF"
+BINARY_SIGNATURE = b"AutoCAD Binary DXF"
 """Beginning of a file that is no text."""
 
-UNPLOTTED = "defpoints"
+UNPLOTTED_LAYER = "defpoints"
 """Layer that no program plots, whatever it says."""
 
 UNITS_MM = {8: 25.4e-6, 9: 25.4e-3, 21: 1200e3 / 3937.0, 22: 100e3 / 3937.0}
 """Millimetres of units that ezdxf has no size of: microinches, mils, feet and inches of the US survey."""
 
-SHEETS = ((148, 210), (210, 297), (297, 420), (420, 594), (594, 841), (841, 1189), (215.9, 279.4), (279.4, 431.8))
+PAPER_SIZES_MM = (
+    (148, 210),
+    (210, 297),
+    (297, 420),
+    (420, 594),
+    (594, 841),
+    (841, 1189),
+    (215.9, 279.4),
+    (279.4, 431.8),
+)
 """Sides of sheets of paper, mm: A5 to A0, letter, tabloid."""
 
-PAPER_MM = 0.5
+PAPER_TOLERANCE_MM = 0.5
 """Sum of the differences up to which a rectangle is such a sheet, mm."""
 
-BORDER = 0.9
+MIN_BORDER_SHARE = 0.9
 """Share of a sheet of paper, along both sides, from which on a rectangle within it is its border."""
 
-LONG_MM = 100.0
+FRAME_WARNING_MM = 100.0
 """Side of a rectangle around all else from which on it is said that it was taken for the body, mm."""
 
-WIDE = 0.01
+LINE_WIDTH_WARNING = 0.01
 """Width of a polyline over the drawing's longer side from which on it is said that it does not count."""
 
-MENDED = 1e-4
+MAX_MENDED_GAP = 1e-4
 """Gap over the drawing's longer side up to which ends are joined with a note: 3 um on 28 mm."""
 
-COMPOSITE = {"LWPOLYLINE", "POLYLINE"}
+COMPOSITE_ENTITIES = {"LWPOLYLINE", "POLYLINE"}
 """Entities that are taken apart into others, beside blocks."""
 
-XREF = 4
+XREF_FLAG = 4
 """Flag of a block that is another drawing."""
 
-WHOLE = 1e-9
+FULL_TURN_TOLERANCE = 1e-9
 """Share of a turn by which an ellipse may miss its start and be whole."""
 
-MOST_ENTITIES, DEEPEST = 20_000, 16
+MAX_ENTITIES, MAX_BLOCK_DEPTH = 20_000, 16
 """Entities of a drawing at most, counted as often as blocks repeat them, and blocks in blocks."""
 
 
@@ -96,8 +114,8 @@ def pack(polygons: Sequence[Array]) -> bytes:
     import ezdxf
     from ezdxf import units
 
-    with _without_dates():
-        document = ezdxf.new(VERSION, units=units.MM)
+    with _fixed_metadata():
+        document = ezdxf.new(DXF_VERSION, units=units.MM)
         for polygon in polygons:
             document.modelspace().add_lwpolyline(polygon.tolist(), close=True)
         stream = io.StringIO(newline="\n")
@@ -106,7 +124,7 @@ def pack(polygons: Sequence[Array]) -> bytes:
 
 
 @contextmanager
-def _without_dates() -> Iterator[None]:
+def _fixed_metadata() -> Iterator[None]:
     """Guard in which ezdxf writes fixed dates and identifiers, by a switch of the whole process."""
     import ezdxf
 
@@ -119,7 +137,7 @@ def _without_dates() -> Iterator[None]:
         options.write_fixed_meta_data_for_testing = before
 
 
-def read(path: Path, scale_mm: float | None, source: str) -> Drawing:
+def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
     """Read the closed contours of a DXF file's model space, in mm, as one shape whose holes alternate.
 
     Lines and curves that meet within GAP are joined, and shorter ones draw nothing. Left out are layers that are hidden
@@ -128,35 +146,37 @@ def read(path: Path, scale_mm: float | None, source: str) -> Drawing:
     `source`, for a file that is no DXF, states no unit while `scale_mm` is None, or holds open or branching lines, or
     anything else than plane curves.
     """
-    data = reading.read_bytes(path, MOST_BYTES)
+    data = reading.read_bytes(path, MAX_BYTES)
     with reading.translate_library_errors(source, "DXF"):
-        return _drawing(data, scale_mm, source)
+        return _parse_drawing(data, scale_mm, source)
 
 
-def _drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
+def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
     """Shape in the bytes of a file; its library raises whatever it likes."""
-    _refuse_ratios(data, source)
-    document = _document(data)
-    scale = _scale(document, data, source) if scale_mm is None else scale_mm
-    entities, notes = _entities(document, source)
+    _check_ellipse_ratios(data, source)
+    document = _parse_document(data)
+    scale = _mm_per_unit(document, data, source) if scale_mm is None else scale_mm
+    entities, notes = _collect_entities(document, source)
     if not entities:
         return Drawing([], tuple(notes))
-    size = _size(entities, source)
-    drawn = (dxf_curves.points(entity, FLATNESS * size, source) for entity in entities)
-    visible = [curve for curve in drawn if not np.ptp(curve, axis=0).max() <= GAP * size]  # NaN is told of below
-    curves, doubles = _once(visible, GAP * size)
-    contours, closed = _joined(curves, size, source)
-    contours, frames = _without_frames([scale * contour for contour in contours])
+    size = _drawing_size(entities, source)
+    drawn = (dxf_curves.entity_points(entity, FLATNESS * size, source) for entity in entities)
+    visible = [
+        curve for curve in drawn if not np.ptp(curve, axis=0).max() <= MAX_END_GAP * size
+    ]  # NaN is told of below
+    curves, doubles = _remove_duplicates(visible, MAX_END_GAP * size)
+    contours, closed = _close_contours(curves, size, source)
+    contours, frames = _remove_frames([scale * contour for contour in contours])
     if doubles:
         notes.append(f"left out {words.format_count(doubles, 'line that is', 'lines that are')} drawn twice")
-    if (wide := max(map(_width, entities))) > WIDE * size:
+    if (wide := max(map(_polyline_width, entities))) > LINE_WIDTH_WARNING * size:
         notes.append(f"took lines without their width, up to {wide * scale:.3g} mm: their middle is the outline")
     return Drawing([Shape(contours, nonzero=False)], (*notes, *closed, *frames))
 
 
-def _refuse_ratios(data: bytes, source: str) -> None:
+def _check_ellipse_ratios(data: bytes, source: str) -> None:
     """Raise InputError for an ellipse whose second axis is the longer, which ezdxf would make a circle of."""
-    lines = [] if data.startswith(BINARY) else data.splitlines()
+    lines = [] if data.startswith(BINARY_SIGNATURE) else data.splitlines()
     kind = b""
     for code, value in zip(lines[::2], lines[1::2], strict=False):
         if code.strip() == b"0":
@@ -165,16 +185,16 @@ def _refuse_ratios(data: bytes, source: str) -> None:
             raise InputError(f"{source}: an ELLIPSE has axes of the ratio {float(value):.4g}, at most 1: draw it anew")
 
 
-def _width(entity: Any) -> float:
+def _polyline_width(entity: Any) -> float:
     """Width of a polyline, in units of the drawing."""
     return float(entity.dxf.get("const_width", 0.0)) if entity.dxftype() == "LWPOLYLINE" else 0.0
 
 
-def _once(curves: Sequence[Array], gap: float) -> tuple[list[Array], int]:
+def _remove_duplicates(curves: Sequence[Array], gap: float) -> tuple[list[Array], int]:
     """Curves without those that lie on an earlier one, drawn either way, and how many these were."""
     kept: dict[tuple[tuple[float, ...], ...], Array] = {}
     for curve in curves:
-        loop = meet(curve[0], curve[-1], gap)
+        loop = is_within_gap(curve[0], curve[-1], gap)
         places = [curve.min(axis=0), curve.max(axis=0)] if loop else sorted([curve[0], curve[-1]], key=tuple)
         middle = curve[:-1].mean(axis=0) if loop else curve.mean(axis=0)
         key = tuple(tuple(np.round(place / (10.0 * gap)).tolist()) for place in (*places, middle))
@@ -182,16 +202,16 @@ def _once(curves: Sequence[Array], gap: float) -> tuple[list[Array], int]:
     return list(kept.values()), len(curves) - len(kept)
 
 
-def _without_frames(contours: list[Array]) -> tuple[list[Array], list[str]]:
+def _remove_frames(contours: list[Array]) -> tuple[list[Array], list[str]]:
     """Contours without the frame of a sheet of paper that holds all of them, and the border in it."""
     notes: list[str] = []
     sheet = np.full(2, np.inf)
-    while (found := _around(contours)) is not None:
+    while (found := _find_frame(contours)) is not None:
         size = np.ptp(contours[found], axis=0)
-        paper = any(np.abs(np.sort(size) - sides).sum() < PAPER_MM for sides in SHEETS)
-        border = bool((size >= BORDER * sheet).all())
+        paper = any(np.abs(np.sort(size) - sides).sum() < PAPER_TOLERANCE_MM for sides in PAPER_SIZES_MM)
+        border = bool((size >= MIN_BORDER_SHARE * sheet).all())
         if not (paper or border):
-            if size.max() > LONG_MM:
+            if size.max() > FRAME_WARNING_MM:
                 notes.append(
                     f"took the rectangle of {size[0]:.4g} x {size[1]:.4g} mm for the body, and what lies in it for "
                     "holes; leave it out if it is a frame"
@@ -202,7 +222,7 @@ def _without_frames(contours: list[Array]) -> tuple[list[Array], list[str]]:
     return contours, notes
 
 
-def _around(contours: Sequence[Array]) -> int | None:
+def _find_frame(contours: Sequence[Array]) -> int | None:
     """Find the contour that is a rectangle around all others; None without one."""
     lows, highs = (np.array([end(contour, axis=0) for contour in contours]) for end in (np.min, np.max))
     found = int(np.argmax((highs - lows).prod(axis=1)))
@@ -212,7 +232,7 @@ def _around(contours: Sequence[Array]) -> int | None:
     return found if others.any() and corners and inside else None
 
 
-def _document(data: bytes) -> "documents.Drawing":
+def _parse_document(data: bytes) -> "documents.Drawing":
     """Drawing of the bytes that were read, and no others: ezdxf opens files by their names.
 
     Raises InputError where ezdxf is not installed.
@@ -231,7 +251,7 @@ def _document(data: bytes) -> "documents.Drawing":
             raise ValueError("its first lines are not those of one") from None
 
 
-def _scale(document: "documents.Drawing", data: bytes, source: str) -> float:
+def _mm_per_unit(document: "documents.Drawing", data: bytes, source: str) -> float:
     """Millimetres per unit of the drawing, as $INSUNITS of the file states it."""
     from ezdxf import units
 
@@ -248,13 +268,15 @@ def _scale(document: "documents.Drawing", data: bytes, source: str) -> float:
     return 25.4 if unit == units.IN else units.METER_FACTOR[units.MM] / factor
 
 
-def _entities(document: "documents.Drawing", source: str) -> tuple[list[Any], list[str]]:
+def _collect_entities(document: "documents.Drawing", source: str) -> tuple[list[Any], list[str]]:
     """Lines and curves of the model space that are seen, blocks and polylines taken apart, and what was left out.
 
     In a block the layer 0 is that of the block's place; a place on a layer that is off still shows what lies on others.
     """
     frozen = {layer.dxf.name.lower() for layer in document.layers if layer.is_frozen()}
-    unplotted = {layer.dxf.name.lower() for layer in document.layers if not layer.dxf.get("plot", 1)} | {UNPLOTTED}
+    unplotted = {layer.dxf.name.lower() for layer in document.layers if not layer.dxf.get("plot", 1)} | {
+        UNPLOTTED_LAYER
+    }
     hidden = frozen | unplotted | {layer.dxf.name.lower() for layer in document.layers if layer.is_off()}
     waiting = deque((entity, 0, "0") for entity in document.modelspace())
     found: list[Any] = []
@@ -263,51 +285,52 @@ def _entities(document: "documents.Drawing", source: str) -> tuple[list[Any], li
     while waiting:
         entity, depth, around = waiting.popleft()
         kind, seen = entity.dxftype(), seen + 1
-        if seen + len(waiting) > MOST_ENTITIES or depth > DEEPEST:
+        if seen + len(waiting) > MAX_ENTITIES or depth > MAX_BLOCK_DEPTH:
             raise InputError(
-                f"{source}: draws more than {MOST_ENTITIES} entities, or blocks more than {DEEPEST} deep; simplify it"
+                f"{source}: draws more than {MAX_ENTITIES} entities, or blocks more than {MAX_BLOCK_DEPTH} "
+                "deep; simplify it"
             )
         layer = around if entity.dxf.layer == "0" else entity.dxf.layer.lower()
         if entity.dxf.get("invisible", 0) or layer in (frozen if kind == "INSERT" else hidden):
-            left["hidden or not plotted"] += layer != UNPLOTTED
+            left["hidden or not plotted"] += layer != UNPLOTTED_LAYER
         elif kind == "INSERT":
             block = entity.block()
-            left["of another drawing"] += block is not None and bool(block.block.dxf.flags & XREF)
-            copies = itertools.islice(entity.multi_insert(), MOST_ENTITIES + 1) if entity.mcount > 1 else [entity]
+            left["of another drawing"] += block is not None and bool(block.block.dxf.flags & XREF_FLAG)
+            copies = itertools.islice(entity.multi_insert(), MAX_ENTITIES + 1) if entity.mcount > 1 else [entity]
             waiting += [(part, depth + 1, layer) for copy in copies for part in copy.virtual_entities()]
-        elif kind in COMPOSITE and not _straight(entity):
+        elif kind in COMPOSITE_ENTITIES and not _is_straight_polyline(entity):
             if kind == "POLYLINE":
-                _drop_frame(entity)
+                _drop_control_points(entity)
             waiting += [(part, depth + 1, layer) for part in entity.virtual_entities()]
         elif kind not in ANNOTATIONS:
-            found.append(_whole(entity) if kind == "ELLIPSE" else entity)
-        elif kind in SAID:
+            found.append(_normalize_ellipse(entity) if kind == "ELLIPSE" else entity)
+        elif kind in NOTED_ANNOTATIONS:
             left[kind] += 1
     counts = [f"{count} {what}" for what, count in sorted(left.items()) if count]
     return found, [f"left out {', '.join(counts)}"] if counts else []
 
 
-def _whole(ellipse: Any) -> Any:
+def _normalize_ellipse(ellipse: Any) -> Any:
     """Ellipse that begins at 0 where it is whole, which programs write from anywhere to there."""
     turns = (ellipse.dxf.end_param - ellipse.dxf.start_param) / (2.0 * np.pi)
-    if abs(turns - round(turns)) < WHOLE:
+    if abs(turns - round(turns)) < FULL_TURN_TOLERANCE:
         ellipse.dxf.start_param, ellipse.dxf.end_param = 0.0, 2.0 * np.pi
     return ellipse
 
 
-def _drop_frame(polyline: Any) -> None:
+def _drop_control_points(polyline: Any) -> None:
     """Leave out of a smoothed polyline the corners that its curve was made of, which no program shows."""
     from ezdxf.lldxf.const import VTX_SPLINE_FRAME_CONTROL_POINT as FRAME
 
     polyline.vertices[:] = [vertex for vertex in polyline.vertices if not vertex.dxf.get("flags", 0) & FRAME]
 
 
-def _straight(entity: Any) -> bool:
+def _is_straight_polyline(entity: Any) -> bool:
     """Return whether an entity is a polyline of straight lines, which is used unchanged."""
     return entity.dxftype() == "LWPOLYLINE" and not entity.has_arc
 
 
-def _size(entities: Sequence[Any], source: str) -> float:
+def _drawing_size(entities: Sequence[Any], source: str) -> float:
     """Longer side of what is drawn, in units of the drawing."""
     from ezdxf import bbox
 
@@ -319,36 +342,39 @@ def _size(entities: Sequence[Any], source: str) -> float:
     return float(size)
 
 
-def _joined(curves: Sequence[Array], size: float, source: str) -> tuple[list[Array], list[str]]:
+def _close_contours(curves: Sequence[Array], size: float, source: str) -> tuple[list[Array], list[str]]:
     """Join open curves end to end; return these and closed curves as contours, with notes on closed gaps."""
-    gap, contours, lines = GAP * size, [], []
+    gap, contours, lines = MAX_END_GAP * size, [], []
     for curve in curves:
         if not np.isfinite(curve).all():
             raise InputError(f"{source}: a coordinate is not finite; draw the outline anew")
-        if meet(curve[0], curve[-1], gap):
+        if is_within_gap(curve[0], curve[-1], gap):
             contours.append(curve[:-1])
         else:
             lines.append(curve)
-    chains, _ = _chains(lines, gap, source)
-    if all(meet(chain[0], chain[-1], gap) for chain in chains):
+    chains, _ = _join_ends(lines, gap, source)
+    if all(is_within_gap(chain[0], chain[-1], gap) for chain in chains):
         return [*contours, *(chain[:-1] for chain in chains)], []
-    nearly = [chain for chain in chains if meet(chain[0], chain[-1], MENDED * size)]
-    others = [chain for chain in chains if not meet(chain[0], chain[-1], MENDED * size)]
-    others, gaps = _chains(others, MENDED * size, source)
+    nearly = [chain for chain in chains if is_within_gap(chain[0], chain[-1], MAX_MENDED_GAP * size)]
+    others = [chain for chain in chains if not is_within_gap(chain[0], chain[-1], MAX_MENDED_GAP * size)]
+    others, gaps = _join_ends(others, MAX_MENDED_GAP * size, source)
     chains = [*nearly, *others]
     for chain in chains:
         wide = math.dist(chain[0], chain[-1])
-        if wide > MENDED * size:
+        if wide > MAX_MENDED_GAP * size:
             raise InputError(
-                f"{source}: a line is open: it begins at {_shown(chain[0])} and ends at {_shown(chain[-1])}, "
+                f"{source}: a line is open: it begins at {_format_point(chain[0])} and ends at "
+                f"{_format_point(chain[-1])}, "
                 f"{wide:.3g} apart; close it"
             )
         gaps.append((chain[-1], wide))
-    notes = [f"closed a gap of {wide:.2g} at {_shown(place)} of the drawing" for place, wide in gaps if wide > gap]
+    notes = [
+        f"closed a gap of {wide:.2g} at {_format_point(place)} of the drawing" for place, wide in gaps if wide > gap
+    ]
     return [*contours, *(chain[:-1] for chain in chains)], notes
 
 
-def _chains(curves: Sequence[Array], gap: float, source: str) -> tuple[list[Array], list[tuple[Array, float]]]:
+def _join_ends(curves: Sequence[Array], gap: float, source: str) -> tuple[list[Array], list[tuple[Array, float]]]:
     """Open curves joined end to end where ends lie within a gap; where they were joined, and how wide apart."""
     from ezdxf import edgeminer
 
@@ -358,7 +384,7 @@ def _chains(curves: Sequence[Array], gap: float, source: str) -> tuple[list[Arra
     deposit = edgeminer.Deposit(edges, gap_tol=gap)
     for end in (end for edge in edges for end in (edge.start, edge.end)):
         if deposit.max_degree > 2 and len(deposit.edges_linked_to(end)) > 2:
-            raise InputError(f"{source}: three lines or more meet in {_shown(end)}; leave the outline alone")
+            raise InputError(f"{source}: three lines or more meet in {_format_point(end)}; leave the outline alone")
     chains, joints = [], []
     for chain in edgeminer.find_all_simple_chains(deposit):
         # An edge that was turned around in its chain still bears its points as they were drawn.
@@ -368,5 +394,5 @@ def _chains(curves: Sequence[Array], gap: float, source: str) -> tuple[list[Arra
     return chains, joints
 
 
-def _shown(point: Sequence[float] | Array) -> str:
+def _format_point(point: Sequence[float] | Array) -> str:
     return f"({point[0]:.6g}, {point[1]:.6g})"

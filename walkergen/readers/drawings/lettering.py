@@ -17,18 +17,18 @@ import numpy as np
 from walkergen.core.errors import GeometryError, InputError, Remedy
 from walkergen.core.files import reading
 from walkergen.readers.drawings.contours import FLATNESS, Shape, flatten
-from walkergen.readers.drawings.outlines import Polygon, area, sound
+from walkergen.readers.drawings.outlines import Polygon, area, from_shapes
 
-MOST_CHARACTERS = 40
+MAX_CHARACTERS = 40
 
-FINE = 2.0**20
+MANIFOLD_SCALE = 2.0**20
 """Factor that brings letters (about 100 units) to manifold3d, which rounds them to 1e-8 units."""
 
-ON_A_PLATE = Remedy("put a plate under it", {"body.base": True})
-WITH_RAILS = Remedy("join the letters by rails 2 mm wide", {"body.rails_mm": 2.0})
+BASE_PLATE_REMEDY = Remedy("put a plate under it", {"body.base": True})
+RAILS_REMEDY = Remedy("join the letters by rails 2 mm wide", {"body.rails_mm": 2.0})
 
 
-def letters(
+def text_outline(
     text: str,
     height: float,
     connected: bool = True,
@@ -44,21 +44,21 @@ def letters(
     `source` = the text, for none or more than MOST_CHARACTERS, for characters that the font lacks
     or that draw nothing but blanks, for a text of several pieces, and for what `sound` refuses.
     """
-    where = f"{source} = {text if len(text) <= MOST_CHARACTERS else text[:20] + '...'!r}"
-    if not 1 <= len(text) <= MOST_CHARACTERS:
-        raise GeometryError(f"{where}: has {len(text)} characters, allowed are 1 to {MOST_CHARACTERS}; shorten it")
-    own = _font(font, where)
+    where = f"{source} = {text if len(text) <= MAX_CHARACTERS else text[:20] + '...'!r}"
+    if not 1 <= len(text) <= MAX_CHARACTERS:
+        raise GeometryError(f"{where}: has {len(text)} characters, allowed are 1 to {MAX_CHARACTERS}; shorten it")
+    own = _font_path(font, where)
     _check_characters(text, where, own)
     if not text.strip():
         raise GeometryError(f"{where}: draws nothing; write a letter or digit")
-    capital = _contours("H", own) or _contours(text, own)
+    capital = _text_contours("H", own) or _text_contours(text, own)
     scale = height / float(np.ptp(np.vstack(capital)[:, 1]))
     if connected:
         _check_connected(text, where, rails, own)
-    drawn = [scale * contour for contour in _contours(text, own)]
+    drawn = [scale * contour for contour in _text_contours(text, own)]
     if rails is not None:
-        drawn = _railed(drawn, height, rails)
-    return sound([Shape(drawn, nonzero=False)], where, connected)
+        drawn = _add_rails(drawn, height, rails)
+    return from_shapes([Shape(drawn, nonzero=False)], where, connected)
 
 
 def _check_characters(text: str, where: str, font: str) -> None:
@@ -70,14 +70,14 @@ def _check_characters(text: str, where: str, font: str) -> None:
         if unicodedata.category(character)[0] in "CZ" and character != " ":
             problem = "is no letter; leave it out or draw it"
         elif not known.get_char_index(ord(character)):
-            problem = f"is not in the font {known.family_name}; {_advice(character)}"
+            problem = f"is not in the font {known.family_name}; {_suggest_font(character)}"
         else:
             continue
         name = unicodedata.name(character, "a control character")
         raise GeometryError(f"{where}: U+{ord(character):04X} ({name}) {problem}")
 
 
-def _advice(character: str) -> str:
+def _suggest_font(character: str) -> str:
     """Suggest what to do if a font lacks a character: a font of this machine that has it, if there is any."""
     from matplotlib.font_manager import findSystemFonts
     from matplotlib.ft2font import FT2Font
@@ -91,7 +91,7 @@ def _advice(character: str) -> str:
     return "name a font's file that has it by body.font, as one of Noto's, or leave it out"
 
 
-def _railed(drawn: list[Polygon], height: float, width: float) -> list[Polygon]:
+def _add_rails(drawn: list[Polygon], height: float, width: float) -> list[Polygon]:
     """Contours with two bars along a text, in the middle of whose edges they lie."""
     x = np.concatenate(drawn)[:, 0]
     left, right = float(x.min()), float(x.max())
@@ -99,31 +99,31 @@ def _railed(drawn: list[Polygon], height: float, width: float) -> list[Polygon]:
         np.array([(left, y - 0.5 * width), (right, y - 0.5 * width), (right, y + 0.5 * width), (left, y + 0.5 * width)])
         for y in (0.0, height)
     ]
-    return _united([*drawn, *bars])
+    return _unite_rings([*drawn, *bars])
 
 
 def _check_connected(text: str, where: str, rails: float | None, font: str) -> None:
     """Raise GeometryError when letters, or parts of one, do not touch; it names them."""
-    if rails is not None or _pieces(text, font) == 1:  # `sound` tells what rails leave apart
+    if rails is not None or _count_pieces(text, font) == 1:  # `sound` tells what rails leave apart
         return
-    broken = [letter for letter in dict.fromkeys(text) if letter != " " and _pieces(letter, font) > 1]
+    broken = [letter for letter in dict.fromkeys(text) if letter != " " and _count_pieces(letter, font) > 1]
     if broken:
         named = ", ".join(map(repr, broken))
         raise GeometryError(
-            f"{where}: {named} is drawn in several pieces, a body is one", helps=partial(tuple, [ON_A_PLATE])
+            f"{where}: {named} is drawn in several pieces, a body is one", helps=partial(tuple, [BASE_PLATE_REMEDY])
         )
-    gaps = (f"{left!r} and {right!r}" for left, right in pairwise(text) if _pieces(left + right, font) != 1)
+    gaps = (f"{left!r} and {right!r}" for left, right in pairwise(text) if _count_pieces(left + right, font) != 1)
     apart = next(gaps, "letters")  # beside others, letters may stand as they do not in a pair
     raise GeometryError(
-        f"{where}: {apart} do not touch, a body is one piece", helps=partial(tuple, [ON_A_PLATE, WITH_RAILS])
+        f"{where}: {apart} do not touch, a body is one piece", helps=partial(tuple, [BASE_PLATE_REMEDY, RAILS_REMEDY])
     )
 
 
-def _pieces(text: str, font: str) -> int:
-    return sum(area(contour) > 0.0 for contour in _contours(text, font))
+def _count_pieces(text: str, font: str) -> int:
+    return sum(area(contour) > 0.0 for contour in _text_contours(text, font))
 
 
-def _contours(text: str, font: str) -> list[Polygon]:
+def _text_contours(text: str, font: str) -> list[Polygon]:
     """Contours of a text in the font's units, outer ones counter-clockwise, overlaps united."""
     from matplotlib.font_manager import FontProperties
     from matplotlib.path import Path as Curves
@@ -144,16 +144,16 @@ def _contours(text: str, font: str) -> list[Polygon]:
             loops[-1].append(curve.control_points[:1])
         else:
             loops[-1].append(flatten(curve, tolerance)[:-1])
-    return _united([np.vstack(loop) for loop in loops if loop])
+    return _unite_rings([np.vstack(loop) for loop in loops if loop])
 
 
-def _united(rings: list[Polygon]) -> list[Polygon]:
+def _unite_rings(rings: list[Polygon]) -> list[Polygon]:
     """Contours of what lies within rings."""
-    united = manifold3d.CrossSection([FINE * ring for ring in rings], manifold3d.FillRule.NonZero)
-    return [np.asarray(ring, dtype=np.float64) / FINE for ring in united.to_polygons()]
+    united = manifold3d.CrossSection([MANIFOLD_SCALE * ring for ring in rings], manifold3d.FillRule.NonZero)
+    return [np.asarray(ring, dtype=np.float64) / MANIFOLD_SCALE for ring in united.to_polygons()]
 
 
-def _font(own: Path | None, where: str) -> str:
+def _font_path(own: Path | None, where: str) -> str:
     """Path of a font. Raises InputError for a file that is none."""
     import matplotlib
     from matplotlib.ft2font import FT2Font

@@ -16,28 +16,28 @@ import numpy.typing as npt
 
 from walkergen.core.errors import GeometryError, InputError
 from walkergen.readers.drawings import dxf, overlaps, silhouette, svg
-from walkergen.readers.drawings.contours import MOST_POINTS, Shape
+from walkergen.readers.drawings.contours import MAX_POINTS, Shape
 
 Polygon = npt.NDArray[np.float64]
 
-SEGMENTS = 360
+ELLIPSE_SEGMENTS = 360
 """Edges of a disc or ellipse: 5.1e-5 of its area is missing, 0.5 micrometres at a disc of 28 mm."""
 
-SMALLEST, LARGEST, FARTHEST = 0.1, 1000.0, 1e9
+MIN_LENGTH_MM, MAX_LENGTH_MM, MAX_COORDINATE_MM = 0.1, 1000.0, 1e9
 """Limits of an outline's longer side, mm: beyond them a unit was mistaken."""
 
-MOST_CONTOURS = 2000
+MAX_CONTOURS = 2000
 """Contours of an outline at most."""
 
-FLATTEST = 1e-9
+MIN_WIDTH_RATIO = 1e-9
 """Width over length below which the points of a contour lie on a line."""
 
 READERS = {
-    ".svg": svg.read,
-    ".dxf": dxf.read,
-    ".png": silhouette.read,
-    ".jpg": silhouette.read,
-    ".jpeg": silhouette.read,
+    ".svg": svg.read_drawing,
+    ".dxf": dxf.read_drawing,
+    ".png": silhouette.read_drawing,
+    ".jpg": silhouette.read_drawing,
+    ".jpeg": silhouette.read_drawing,
 }
 
 
@@ -57,13 +57,13 @@ def ellipse(length: float, depth: float, source: str = "body.length_mm") -> list
     either axis it is the same, bit for bit. Its area is sin(t) / t of the ellipse's, t = 2 pi /
     SEGMENTS. Raises GeometryError, which begins with `source`.
     """
-    angles = np.linspace(0.0, 0.5 * np.pi, SEGMENTS // 4 + 1)
+    angles = np.linspace(0.0, 0.5 * np.pi, ELLIPSE_SEGMENTS // 4 + 1)
     quarter = np.column_stack([np.cos(angles), np.sin(angles)])
     quarter[-1] = (0.0, 1.0)
     left = quarter[-2:0:-1] * np.array([-1.0, 1.0])
     upper = np.vstack([quarter, left])
     axes = 0.5 * np.array([length, depth])
-    return sound([Shape([np.vstack([upper, -upper]) * axes], False)], f"{source} = {length:g}")
+    return from_shapes([Shape([np.vstack([upper, -upper]) * axes], False)], f"{source} = {length:g}")
 
 
 def polygon(points: Sequence[Sequence[float]] | Polygon, source: str = "body.points_mm") -> list[Polygon]:
@@ -83,10 +83,10 @@ def polygon(points: Sequence[Sequence[float]] | Polygon, source: str = "body.poi
     if number.max() > 1:
         twice = corners[first[number > 1].min()]
         raise GeometryError(
-            f"{where}: {_shown(twice)} stands there twice; leave one out (the last point is joined "
+            f"{where}: {_format_point(twice)} stands there twice; leave one out (the last point is joined "
             "to the first by itself)"
         )
-    return sound([Shape([corners], False)], where)
+    return from_shapes([Shape([corners], False)], where)
 
 
 class Outline(NamedTuple):
@@ -122,16 +122,18 @@ def from_file(
     drawing = reader(path, scale_mm if length_mm is None else 1.0, where)
     shapes, notes = drawing.shapes, drawing.notes
     if length_mm is not None:
-        shapes = _as_long_as(shapes, length_mm)
+        shapes = _scale_to_length(shapes, length_mm)
     try:
-        return Outline(sound(shapes, where, connected), notes)
+        return Outline(from_shapes(shapes, where, connected), notes)
     except OverlapError as error:
         if not mend:
             raise error
-    return Outline(sound([overlaps.united(shapes)], where, connected), (*notes, "united paths that cross or touch"))
+    return Outline(
+        from_shapes([overlaps.unite_shapes(shapes)], where, connected), (*notes, "united paths that cross or touch")
+    )
 
 
-def _as_long_as(shapes: Sequence[Shape], length: float) -> list[Shape]:
+def _scale_to_length(shapes: Sequence[Shape], length: float) -> list[Shape]:
     """Shapes scaled until all together are so long, mm."""
     x = np.concatenate([contour[:, 0] for shape in shapes for contour in shape.contours] or [np.zeros(1)])
     extent = float(np.ptp(x))
@@ -139,30 +141,30 @@ def _as_long_as(shapes: Sequence[Shape], length: float) -> list[Shape]:
     return [Shape([scale * contour for contour in shape.contours], shape.nonzero) for shape in shapes]
 
 
-def sound(shapes: Sequence[Shape], source: str, connected: bool = True) -> list[Polygon]:
+def from_shapes(shapes: Sequence[Shape], source: str, connected: bool = True) -> list[Polygon]:
     """Outline of shapes: their contours checked, put in order and centred.
 
     Raises GeometryError, which begins with `source`, for an outline without contours or area, with
     a number that is not finite, beyond MOST_POINTS, MOST_CONTOURS or the sizes allowed, with
     contours that cross or touch, or, where `connected`, of several pieces.
     """
-    contours = [_distinct(contour) for shape in shapes for contour in shape.contours]
+    contours = [_drop_repeated_points(contour) for shape in shapes for contour in shape.contours]
     try:
         _check_extent(contours)
         for contour in contours:
             _check_simple(contour)
         _check_apart(contours)
-        levels = _levels(shapes, contours)
+        levels = _nesting_levels(shapes, contours)
         pieces = [contour for contour, level in zip(contours, levels, strict=True) if level == 0]
         if connected and len(pieces) > 1:
-            places = " and ".join(_shown(piece.mean(axis=0)) for piece in pieces[:2])
+            places = " and ".join(_format_point(piece.mean(axis=0)) for piece in pieces[:2])
             raise GeometryError(f"is in {len(pieces)} pieces, as about {places}; join them or keep one")
     except GeometryError as error:
         raise type(error)(f"{source}: {error.text}") from None
     every = np.vstack(pieces)
     middle = 0.5 * (every.min(axis=0) + every.max(axis=0))
     return [
-        _turned(contour - middle, counter_clockwise=level == 0)
+        _orient_contour(contour - middle, counter_clockwise=level == 0)
         for wanted in (0, 1)
         for contour, level in zip(contours, levels, strict=True)
         if level == wanted
@@ -175,7 +177,7 @@ def area(polygon: Polygon) -> float:
     return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
 
-def _distinct(contour: Polygon) -> Polygon:
+def _drop_repeated_points(contour: Polygon) -> Polygon:
     """Contour without points that their successor repeats."""
     kept: Polygon = contour[np.any(contour != np.roll(contour, -1, axis=0), axis=1)]
     return kept
@@ -186,20 +188,23 @@ def _check_extent(contours: Sequence[Polygon]) -> None:
     if not contours:
         raise GeometryError("draws no closed path")
     number = sum(map(len, contours))
-    if number > MOST_POINTS or len(contours) > MOST_CONTOURS:
+    if number > MAX_POINTS or len(contours) > MAX_CONTOURS:
         raise GeometryError(
-            f"has {number} points in {len(contours)} contours, more than {MOST_POINTS} in {MOST_CONTOURS}; simplify it"
+            f"has {number} points in {len(contours)} contours, more than {MAX_POINTS} in {MAX_CONTOURS}; simplify it"
         )
     every = np.vstack(contours)
-    within = (np.abs(every) <= FARTHEST).all(axis=1)
+    within = (np.abs(every) <= MAX_COORDINATE_MM).all(axis=1)
     if not within.all():
         wrong = int(np.flatnonzero(~within)[0]) + 1
-        raise GeometryError(f"point {wrong} is {_shown(every[wrong - 1])}; give finite numbers up to {FARTHEST:g}")
-    size = float(np.ptp(every, axis=0).max()) if len(every) else 0.0
-    if not SMALLEST <= size <= LARGEST:
-        hint = "micrometres" if size > LARGEST else "metres or inches"
         raise GeometryError(
-            f"is {size:g} mm long, allowed are {SMALLEST:g} to {LARGEST:g} mm; were {hint} taken for millimetres?"
+            f"point {wrong} is {_format_point(every[wrong - 1])}; give finite numbers up to {MAX_COORDINATE_MM:g}"
+        )
+    size = float(np.ptp(every, axis=0).max()) if len(every) else 0.0
+    if not MIN_LENGTH_MM <= size <= MAX_LENGTH_MM:
+        hint = "micrometres" if size > MAX_LENGTH_MM else "metres or inches"
+        raise GeometryError(
+            f"is {size:g} mm long, allowed are {MIN_LENGTH_MM:g} to {MAX_LENGTH_MM:g} mm; were {hint} taken "
+            "for millimetres?"
         )
 
 
@@ -210,7 +215,7 @@ def _check_simple(contour: Polygon) -> None:
 
     centred = contour - contour.mean(axis=0) if len(contour) else contour
     spread = np.linalg.svd(centred, compute_uv=False) if len(contour) > 2 else np.zeros(2)
-    if len(contour) < 3 or spread[1] <= FLATTEST * spread[0]:
+    if len(contour) < 3 or spread[1] <= MIN_WIDTH_RATIO * spread[0]:
         raise OverlapError("has points on a line, which enclose no area")
     enclosed = Area(contour)
     if not enclosed.is_valid:
@@ -233,7 +238,7 @@ def _check_apart(contours: Sequence[Polygon]) -> None:
             )
 
 
-def _levels(shapes: Sequence[Shape], contours: Sequence[Polygon]) -> list[int | None]:
+def _nesting_levels(shapes: Sequence[Shape], contours: Sequence[Polygon]) -> list[int | None]:
     """0 for an outer contour, 1 for a hole, None for a line inside what its fill rule fills."""
     from shapely import STRtree, points, polygons
 
@@ -245,21 +250,21 @@ def _levels(shapes: Sequence[Shape], contours: Sequence[Polygon]) -> list[int | 
     for inner, outer in tree.query(starts, predicate="within").T:
         around[inner].append(int(outer))
 
-    def drawn(number: int) -> bool:
+    def is_boundary(number: int) -> bool:
         own = owners[number]
         outside = sum(turns[outer] for outer in around[number] if owners[outer] == own)
         return not shapes[own].nonzero or (outside == 0) != (outside + turns[number] == 0)
 
-    seen = [drawn(number) for number in range(len(contours))]
+    seen = [is_boundary(number) for number in range(len(contours))]
     return [
         sum(seen[outer] for outer in around[number]) % 2 if seen[number] else None for number in range(len(contours))
     ]
 
 
-def _turned(contour: Polygon, counter_clockwise: bool) -> Polygon:
+def _orient_contour(contour: Polygon, counter_clockwise: bool) -> Polygon:
     turned = contour if (area(contour) > 0.0) == counter_clockwise else contour[::-1]
     return np.ascontiguousarray(turned)
 
 
-def _shown(point: Polygon) -> str:
+def _format_point(point: Polygon) -> str:
     return f"({point[0]:.6g}, {point[1]:.6g})"

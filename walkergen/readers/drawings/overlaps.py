@@ -11,20 +11,20 @@ from walkergen.readers.drawings.contours import Array, Shape
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
 
-TOUCH = 0.02
+JOINT_RADIUS = 0.02
 """Radius, over the drawing's longer side, of the disc that joins parts that meet in a point."""
 
-GRID = 1e-7
+GRID_SIZE = 1e-7
 """Grid, over the drawing's longer side, on which contours meet."""
 
-SLIVER = 1e-6
+MIN_AREA_SHARE = 1e-6
 """Area over the largest below which a piece or a hole is rounding."""
 
-FINE = 2.0**20
+MANIFOLD_SIZE = 2.0**20
 """Size to which drawings are brought for manifold3d, which rounds to 1e-8 units."""
 
 
-def united(shapes: Sequence[Shape]) -> Shape:
+def unite_shapes(shapes: Sequence[Shape]) -> Shape:
     """One shape whose contours neither cross nor touch, from shapes that may.
 
     Each is filled by its own rule. Of two, the smaller is a hole where it lies within the larger, as in
@@ -32,7 +32,7 @@ def united(shapes: Sequence[Shape]) -> Shape:
     """
     import shapely
 
-    regions = sorted(filter(None, map(_region, shapes)), key=lambda region: -_filled(region).area)
+    regions = sorted(filter(None, map(_filled_region, shapes)), key=lambda region: -_fill_holes(region).area)
     whole: BaseGeometry = shapely.Polygon()
     for region in regions:
         within = whole.contains(region)
@@ -41,10 +41,12 @@ def united(shapes: Sequence[Shape]) -> Shape:
         return Shape([], nonzero=False)
     left, low, right, high = whole.bounds
     size = max(right - left, high - low)
-    whole = shapely.set_precision(whole, GRID * size)
-    whole = shapely.union_all([whole, *(point.buffer(TOUCH * size) for point in _touching(whole, GRID * size))])
+    whole = shapely.set_precision(whole, GRID_SIZE * size)
+    whole = shapely.union_all(
+        [whole, *(point.buffer(JOINT_RADIUS * size) for point in _touching_points(whole, GRID_SIZE * size))]
+    )
     polygons = [polygon for polygon in shapely.get_parts(whole) if polygon.area > 0.0]
-    least = SLIVER * max((polygon.area for polygon in polygons), default=0.0)
+    least = MIN_AREA_SHARE * max((polygon.area for polygon in polygons), default=0.0)
     rings = [
         np.asarray(ring.coords)[:-1]
         for polygon in polygons
@@ -55,7 +57,7 @@ def united(shapes: Sequence[Shape]) -> Shape:
     return Shape(rings, nonzero=False)
 
 
-def _region(shape: Shape) -> "BaseGeometry":
+def _filled_region(shape: Shape) -> "BaseGeometry":
     """Return the region that a shape fills by its rule."""
     import shapely
 
@@ -65,21 +67,23 @@ def _region(shape: Shape) -> "BaseGeometry":
     every = np.vstack(contours)
     middle, size = every.mean(axis=0), float(np.ptp(every, axis=0).max()) or 1.0
     rule = manifold3d.FillRule.NonZero if shape.nonzero else manifold3d.FillRule.EvenOdd
-    section = manifold3d.CrossSection([(FINE / size) * (contour - middle) for contour in contours], rule)
+    section = manifold3d.CrossSection([(MANIFOLD_SIZE / size) * (contour - middle) for contour in contours], rule)
     whole: BaseGeometry = shapely.Polygon()
     for ring in section.to_polygons():
-        whole = whole.symmetric_difference(shapely.Polygon(np.asarray(ring) * (size / FINE) + middle).buffer(0.0))
+        whole = whole.symmetric_difference(
+            shapely.Polygon(np.asarray(ring) * (size / MANIFOLD_SIZE) + middle).buffer(0.0)
+        )
     return whole
 
 
-def _filled(region: "BaseGeometry") -> "BaseGeometry":
+def _fill_holes(region: "BaseGeometry") -> "BaseGeometry":
     """Region without its holes."""
     import shapely
 
     return shapely.union_all([shapely.Polygon(part.exterior) for part in shapely.get_parts(region)])
 
 
-def _touching(region: "BaseGeometry", gap: float) -> "list[BaseGeometry]":
+def _touching_points(region: "BaseGeometry", gap: float) -> "list[BaseGeometry]":
     """Points in which contours of a region meet, within a gap."""
     import shapely
 

@@ -15,19 +15,19 @@ from walkergen.core.errors import InputError
 from walkergen.core.files import reading, words
 from walkergen.readers.drawings.contours import Array, Drawing, NoUnitError, Shape
 
-MOST_BYTES, MOST_PIXELS = 50_000_000, 100_000_000
+MAX_BYTES, MAX_PIXELS = 50_000_000, 100_000_000
 """Largest file, and pixels of a picture at most."""
 
-SIDE = 1000
+MAX_SIDE_PIXELS = 1000
 """Pixels of the longer side to which a picture is brought: 0.03 mm on a body of 28 mm."""
 
-SPECK = 2e-3
+MAX_SPECK_SHARE = 2e-3
 """Area over that of the largest piece below which a piece or a hole is dirt."""
 
-SMOOTH, KEPT = 0.7, 0.3
+BLUR_PIXELS, SIMPLIFY_PIXELS = 0.7, 0.3
 """Width of the blur, and distance by which an outline may be simplified, pixels."""
 
-CLEAR = 0.12
+MIN_CONTRAST = 0.12
 """Least difference between the mean brightness of shape and background, of 0 to 1."""
 
 
@@ -42,7 +42,7 @@ class Silhouette(NamedTuple):
     """What was taken, a few words each."""
 
 
-def read(path: Path, scale_mm: float | None, source: str) -> Drawing:
+def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
     """Contours of a picture's shape, in mm, y up; `scale_mm` is the length of one of SIDE pixels.
 
     Raises InputError, which begins with `source`, for what is no picture or shows no shape, and NoUnitError without a
@@ -57,18 +57,18 @@ def read(path: Path, scale_mm: float | None, source: str) -> Drawing:
 
 def trace(path: Path, source: str) -> Silhouette:
     """Shape in a picture. Raises InputError, which begins with `source`."""
-    data = reading.read_bytes(path, MOST_BYTES)
+    data = reading.read_bytes(path, MAX_BYTES)
     with reading.translate_library_errors(source, "picture"):
         image, by = _brightness(data, source)
-    threshold = _threshold(image)
+    threshold = _otsu_threshold(image)
     rim = np.concatenate([image[0], image[-1], image[:, 0], image[:, -1]])
     light = float(np.mean(rim > threshold)) < 0.5  # the shape is lighter than its background
     inside = (image > threshold) == light
-    if not inside.any() or inside.all() or abs(image[inside].mean() - image[~inside].mean()) < CLEAR:
+    if not inside.any() or inside.all() or abs(image[inside].mean() - image[~inside].mean()) < MIN_CONTRAST:
         raise InputError(
             f"{source}: shows no shape that stands out from its background: give one of another brightness"
         )
-    rings, specks = _rings(image if light else 1.0 - image, threshold if light else 1.0 - threshold)
+    rings, specks = _trace_contours(image if light else 1.0 - image, threshold if light else 1.0 - threshold)
     what = "what is opaque" if by == "opacity" else f"what is {'lighter' if light else 'darker'} than its background"
     notes = [f"traced {path.name}: {what}, divided at {100 * threshold:.0f} % of full {by}"]
     if specks:
@@ -81,10 +81,10 @@ def _brightness(data: bytes, source: str) -> tuple[Array, str]:
     from PIL import Image, ImageOps
 
     picture: Image.Image = Image.open(io.BytesIO(data))
-    if picture.width * picture.height > MOST_PIXELS:
-        raise InputError(f"{source}: {picture.width} x {picture.height} pixels, at most {MOST_PIXELS}: make it smaller")
+    if picture.width * picture.height > MAX_PIXELS:
+        raise InputError(f"{source}: {picture.width} x {picture.height} pixels, at most {MAX_PIXELS}: make it smaller")
     picture = ImageOps.exif_transpose(picture)
-    picture.thumbnail((SIDE, SIDE))
+    picture.thumbnail((MAX_SIDE_PIXELS, MAX_SIDE_PIXELS))
     if "A" in picture.getbands() or "transparency" in picture.info:
         opacity = np.asarray(picture.convert("RGBA"), np.float64)[:, :, 3] / 255.0
         if np.ptp(opacity) > 0.5:
@@ -92,7 +92,7 @@ def _brightness(data: bytes, source: str) -> tuple[Array, str]:
     return np.asarray(picture.convert("L"), np.float64) / 255.0, "brightness"
 
 
-def _threshold(image: Array) -> float:
+def _otsu_threshold(image: Array) -> float:
     """Brightness that divides an image in two classes most unlike. Source: Otsu (1979)."""
     counts, edges = np.histogram(image, bins=256, range=(0.0, 1.0))
     middles = 0.5 * (edges[1:] + edges[:-1])
@@ -105,18 +105,18 @@ def _threshold(image: Array) -> float:
     return float(edges[1:-1][best].mean())
 
 
-def _rings(image: npt.NDArray[np.float64], threshold: float) -> tuple[list[Array], int]:
+def _trace_contours(image: npt.NDArray[np.float64], threshold: float) -> tuple[list[Array], int]:
     """Contours of what is brighter than a threshold, and the number of specks among pieces and holes."""
     import shapely
     from contourpy import contour_generator
     from scipy.ndimage import gaussian_filter
 
-    framed = gaussian_filter(np.pad(image, 2), SMOOTH)
+    framed = gaussian_filter(np.pad(image, 2), BLUR_PIXELS)
     framed[[0, -1]] = framed[:, [0, -1]] = 0.0
     lines = contour_generator(z=framed).lines(threshold)
-    rings = [shapely.Polygon(line).simplify(KEPT) for line in lines if len(line) > 3]
+    rings = [shapely.Polygon(line).simplify(SIMPLIFY_PIXELS) for line in lines if len(line) > 3]
     areas = np.array([ring.area for ring in rings])
-    kept = areas > SPECK * areas.max(initial=0.0)
+    kept = areas > MAX_SPECK_SHARE * areas.max(initial=0.0)
     return [np.asarray(ring.exterior.coords)[:-1] - 2.0 for ring, keep in zip(rings, kept, strict=True) if keep], int(
         (~kept).sum()
     )

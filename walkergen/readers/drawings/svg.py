@@ -20,14 +20,14 @@ from walkergen.core.errors import InputError
 from walkergen.core.files import reading, words
 from walkergen.readers.drawings.contours import (
     FLATNESS,
-    GAP,
-    MOST_BYTES,
+    MAX_BYTES,
+    MAX_END_GAP,
     Array,
     Drawing,
     NoUnitError,
     Shape,
     flatten,
-    meet,
+    is_within_gap,
 )
 
 if TYPE_CHECKING:
@@ -35,25 +35,25 @@ if TYPE_CHECKING:
 
     from walkergen.readers.drawings.svg_elements import Clip, Drawn, Tree
 
-MM = {"mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72.0, "pc": 25.4 / 6.0, "q": 0.25}
+MM_PER_UNIT = {"mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72.0, "pc": 25.4 / 6.0, "q": 0.25}
 """Units of length with a size of their own, in mm; a pixel has none until someone prints it."""
 
-LONGEST_ENTITY = 200
+MAX_ENTITY_LENGTH = 200
 """Characters of an entity at most: drawing programs keep the names of namespaces in them."""
 
-PAGE = 0.99
+MIN_PAGE_SHARE = 0.99
 """Share of the page, along both sides, from which on a white rectangle is the paper."""
 
-FULL = 0.9
+MIN_RECTANGLE_FILL = 0.9
 """Share of its box from which on a shape is a rectangle: corners may be round."""
 
-BEYOND = 0.01
+MAX_OVERHANG_SHARE = 0.01
 """Share of the page by which a shape may reach beyond it without a word."""
 
-LINE = 0.01
+LINE_WIDTH_WARNING = 0.01
 """Width of lines over the drawing's longer side from which on it is said that it does not count."""
 
-TOUCHED = 1e-6
+CLIP_TOLERANCE = 1e-6
 """Share of a shape's area by which a clip path may cut it and leave it as it is: rounding."""
 
 
@@ -77,7 +77,7 @@ def pack(polygons: Sequence[Array]) -> bytes:
     ).encode()
 
 
-def read(path: Path, scale_mm: float | None, source: str) -> Drawing:
+def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
     """Read the closed contours of an SVG file, in mm, y up, a shape for every visible element.
 
     `scale_mm` (mm per unit of the drawing, that of its viewBox) takes precedence over the size that the file states.
@@ -85,47 +85,47 @@ def read(path: Path, scale_mm: float | None, source: str) -> Drawing:
     for a file that is no SVG, states no size in mm, cm, in, pt or pc while `scale_mm` is None, shows a picture or text,
     or an open path.
     """
-    data = reading.read_bytes(path, MOST_BYTES)
+    data = reading.read_bytes(path, MAX_BYTES)
     with reading.translate_library_errors(source, "SVG"):
-        return _drawing(data, scale_mm, source)
+        return _parse_drawing(data, scale_mm, source)
 
 
-def _drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
+def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
     """Shapes in the bytes of a file; its libraries raise whatever they like."""
     from walkergen.readers.drawings import svg_elements, svg_styles
 
-    root = _tree(data, source)
-    svg_elements.refuse_active(root, source)
-    stated = {key: root.attrib[key] for key in ("width", "height") if _length(root.attrib.get(key, "")) is not None}
+    root = _parse_xml(data, source)
+    svg_elements.check_static(root, source)
+    stated = {key: root.attrib[key] for key in ("width", "height") if _length_mm(root.attrib.get(key, "")) is not None}
     tree = svg_elements.Tree(root, source)
     try:
-        svg_styles.as_attributes(root, source)
+        svg_styles.apply_styles(root, source)
         root.attrib.update(stated)  # styles of the page are of a window, as 100 %
-        scale = _scale(root, source) if scale_mm is None else (scale_mm, scale_mm)
-        page = _page(root, source)
-        drawn = tree.drawn(page[2:])
-        box = _box(drawn)
+        scale = _mm_per_unit(root, source) if scale_mm is None else (scale_mm, scale_mm)
+        page = _page_box(root, source)
+        drawn = tree.visible_shapes(page[2:])
+        box = _bounding_box(drawn)
         if not np.isfinite(box).all():
             raise InputError(f"{source}: a coordinate is not finite; give numbers up to 1e300")
         size = float((box[1] - box[0]).max()) if drawn else 0.0
-        shapes = [_shape(one, size, source) for one in drawn]
+        shapes = [_clipped_shape(one, size, source) for one in drawn]
     except RecursionError:
         raise InputError(f"{source}: elements are nested too deeply") from None
     except (ValueError, TypeError, IndexError, AttributeError, ZeroDivisionError) as error:
         raise InputError(f"{source}: a path cannot be read ({error!r:.80})") from error
-    shapes, notes = _without_page(drawn, shapes, page)
-    notes = [*_notes(tree), *notes]
-    if beyond := sum(_beyond(shape, page) for shape in shapes):
+    shapes, notes = _drop_page(drawn, shapes, page)
+    notes = [*_omission_notes(tree), *notes]
+    if beyond := sum(_is_beyond_page(shape, page) for shape in shapes):
         notes.append(
             f"took {words.format_count(beyond, 'shape', 'shapes')} whole that the page's edge cuts in a browser"
         )
-    if (line := max((one.line for one in drawn), default=0.0)) > LINE * size:
+    if (line := max((one.line for one in drawn), default=0.0)) > LINE_WIDTH_WARNING * size:
         notes.append(f"took lines without their width, up to {line * scale[0]:.3g} mm: their middle is the outline")
     turned = np.array([scale[0], -scale[1]])  # people see y down; the shape has it up
     return Drawing([Shape([own * turned for own in shape.contours], shape.nonzero) for shape in shapes], tuple(notes))
 
 
-def _notes(tree: "Tree") -> list[str]:
+def _omission_notes(tree: "Tree") -> list[str]:
     """Return notes on elements that were left out."""
     notes = [f"left out {words.format_count(tree.unseen, 'shape', 'shapes')} that nobody sees"] if tree.unseen else []
     if tree.filtered:
@@ -135,11 +135,9 @@ def _notes(tree: "Tree") -> list[str]:
     return notes
 
 
-def _without_page(
-    drawn: "Sequence[Drawn]", shapes: list[Shape], page: Sequence[float]
-) -> tuple[list[Shape], list[str]]:
+def _drop_page(drawn: "Sequence[Drawn]", shapes: list[Shape], page: Sequence[float]) -> tuple[list[Shape], list[str]]:
     """Shapes without the paper, and what is to be said of it."""
-    whole = [_covers(shape, page) for shape in shapes]
+    whole = [_is_page_rectangle(shape, page) for shape in shapes]
     paper = [covers and one.white for covers, one in zip(whole, drawn, strict=True)]
     if any(paper) and not all(paper):
         left = [shape for shape, white in zip(shapes, paper, strict=True) if not white]
@@ -149,22 +147,22 @@ def _without_page(
     return shapes, []
 
 
-def _beyond(shape: Shape, page: Sequence[float]) -> bool:
+def _is_beyond_page(shape: Shape, page: Sequence[float]) -> bool:
     """Whether a shape reaches beyond the page, where that has a size."""
     points = np.vstack([np.zeros((0, 2)), *shape.contours])
     low, size = np.array(page[:2]), np.array(page[2:])
-    over = BEYOND * size if np.isfinite(size).all() else np.full(2, np.inf)
+    over = MAX_OVERHANG_SHARE * size if np.isfinite(size).all() else np.full(2, np.inf)
     return bool(((points < low - over) | (points > low + size + over)).any())
 
 
-def _tree(data: bytes, source: str) -> ET.Element:
+def _parse_xml(data: bytes, source: str) -> ET.Element:
     """Root of the XML; entities from elsewhere, or that could grow, are refused before they act."""
 
     def refuse(what: str) -> NoReturn:
         raise InputError(f"{source}: holds {what}; save it as a plain SVG")
 
     def entity(name: str, parameter: int, value: str | None, *elsewhere: Any) -> None:
-        if parameter or value is None or "&" in value or len(value) > LONGEST_ENTITY:
+        if parameter or value is None or "&" in value or len(value) > MAX_ENTITY_LENGTH:
             refuse(f"an entity ({name[:40]}) that is more than a few plain letters")
 
     def instruction(target: str, _: str) -> None:
@@ -184,30 +182,30 @@ def _tree(data: bytes, source: str) -> ET.Element:
     return root
 
 
-def _page(root: ET.Element, source: str) -> tuple[float, float, float, float]:
+def _page_box(root: ET.Element, source: str) -> tuple[float, float, float, float]:
     """Left, top, width and height of the page in the drawing's units; infinite without any."""
-    from walkergen.readers.drawings.svg_elements import PIXELS
-    from walkergen.readers.drawings.svg_matrices import view_box
+    from walkergen.readers.drawings.svg_elements import PIXELS_PER_UNIT
+    from walkergen.readers.drawings.svg_matrices import parse_view_box
 
     if "viewBox" in root.attrib:
-        return view_box(root.attrib["viewBox"], source)
+        return parse_view_box(root.attrib["viewBox"], source)
     sides = []
     for key in ("width", "height"):
         match = re.fullmatch(r"\s*([0-9.eE+-]+)\s*([a-zA-Z]*)\s*", root.attrib.get(key, ""))
-        unit = PIXELS.get(match[2].lower()) if match else None
+        unit = PIXELS_PER_UNIT.get(match[2].lower()) if match else None
         sides.append(float(match[1]) * unit if match and unit else math.inf)
     return 0.0, 0.0, sides[0], sides[1]
 
 
-def _scale(root: ET.Element, source: str) -> tuple[float, float]:
+def _mm_per_unit(root: ET.Element, source: str) -> tuple[float, float]:
     """Sizes in mm of a unit of the drawing along x and y, from the page's size and its viewBox."""
-    from walkergen.readers.drawings.svg_matrices import fitted, view_box
+    from walkergen.readers.drawings.svg_matrices import fit_matrix, parse_view_box
 
-    page = [_length(root.attrib.get("width", "")), _length(root.attrib.get("height", ""))]
+    page = [_length_mm(root.attrib.get("width", "")), _length_mm(root.attrib.get("height", ""))]
     for own, (key, length) in enumerate(zip(("height", "width"), page, strict=True)):
         follows = page[1 - own] is None and root.attrib.get(key, "auto") == "auto" and "viewBox" in root.attrib
         if length is not None and follows:  # of a page with one side the other is by its viewBox
-            box = view_box(root.attrib["viewBox"], source)
+            box = parse_view_box(root.attrib["viewBox"], source)
             page[1 - own] = length * box[3 - own] / box[2 + own]
     if page[0] is None or page[1] is None:
         seen = " and ".join(
@@ -219,23 +217,23 @@ def _scale(root: ET.Element, source: str) -> tuple[float, float]:
         )
     if "viewBox" not in root.attrib:
         return 25.4 / 96.0, 25.4 / 96.0  # CSS: 96 units to the inch
-    box = view_box(root.attrib["viewBox"], source)
+    box = parse_view_box(root.attrib["viewBox"], source)
     if not (page[0] / box[2] > 0.0 and page[1] / box[3] > 0.0):
         raise InputError(f"{source}: a page of {page[0]:g} x {page[1]:g} mm; its width and height must be > 0")
-    matrix = fitted(box, page[0], page[1], root.attrib.get("preserveAspectRatio", ""))
+    matrix = fit_matrix(box, page[0], page[1], root.attrib.get("preserveAspectRatio", ""))
     return float(matrix[0, 0]), float(matrix[1, 1])
 
 
-def _length(text: str) -> float | None:
+def _length_mm(text: str) -> float | None:
     """Length with a physical unit, in mm; None for any other."""
     match = re.fullmatch(r"\s*([0-9.eE+-]+)\s*([a-zA-Z]+)\s*", text)
     try:
-        return float(match[1]) * MM[match[2].lower()] if match else None
+        return float(match[1]) * MM_PER_UNIT[match[2].lower()] if match else None
     except (ValueError, KeyError):
         return None
 
 
-def _box(drawn: "Sequence[Drawn]") -> Array:
+def _bounding_box(drawn: "Sequence[Drawn]") -> Array:
     """Lower and upper corner of what is drawn, in the drawing's units, shape (2, 2)."""
     corners = [np.zeros((0, 2))]
     for one in drawn:
@@ -247,51 +245,53 @@ def _box(drawn: "Sequence[Drawn]") -> Array:
     return np.array([every.min(axis=0), every.max(axis=0)]) if len(every) else np.zeros((2, 2))
 
 
-def _shape(drawn: "Drawn", size: float, source: str) -> Shape:
+def _clipped_shape(drawn: "Drawn", size: float, source: str) -> Shape:
     """Contours of a shape in the drawing's units, cut by its clips; chords are for its `size`."""
-    contours = list(_contours(drawn, size, source))
+    contours = list(_unclipped_contours(drawn, size, source))
     for clip in drawn.clips:
         if contours:
-            contours, nonzero = _cut(contours, drawn.nonzero, clip, size, source)
+            contours, nonzero = _clip_contours(contours, drawn.nonzero, clip, size, source)
             drawn = drawn._replace(nonzero=nonzero)
     return Shape(contours, drawn.nonzero)
 
 
-def _contours(drawn: "Drawn", size: float, source: str) -> "Sequence[Array]":
+def _unclipped_contours(drawn: "Drawn", size: float, source: str) -> "Sequence[Array]":
     """Contours of a shape that nothing cuts. Raises InputError for an open path."""
     linear, offset = drawn.matrix[:, :2], drawn.matrix[:, 2]
     stretch, contours = float(np.linalg.norm(linear, 2)), []
     for subpath in drawn.path.as_subpaths():
-        own = _points(subpath, FLATNESS * size / max(stretch, 1e-300))
+        own = _subpath_points(subpath, FLATNESS * size / max(stretch, 1e-300))
         if len(own) < 2:
             continue  # a pen that is moved and draws nothing
         points = own @ linear.T + offset
-        if meet(points[0], points[-1], GAP * size):
+        if is_within_gap(points[0], points[-1], MAX_END_GAP * size):
             points = points[:-1]
         elif type(list(subpath)[-1]).__name__ != "Close":
             raise InputError(
-                f"{source}: a path is open: it begins at {_shown(own[0])} and ends at "
-                f"{_shown(own[-1])} of the drawing; close it (Z), leave it out, or make a path of its stroke"
+                f"{source}: a path is open: it begins at {_format_point(own[0])} and ends at "
+                f"{_format_point(own[-1])} of the drawing; close it (Z), leave it out, or make a path of its stroke"
             )
         contours.append(points)
     return contours
 
 
-def _cut(contours: Sequence[Array], nonzero: bool, clip: "Clip", size: float, source: str) -> tuple[list[Array], bool]:
+def _clip_contours(
+    contours: Sequence[Array], nonzero: bool, clip: "Clip", size: float, source: str
+) -> tuple[list[Array], bool]:
     """Clip contours to a window; return them and their fill rule, unchanged if nothing is cut."""
     from shapely import union_all
 
-    window = union_all([_area(*_shape(one, size, source)) for one in clip.shapes])
-    area = _area(contours, nonzero)
+    window = union_all([_filled_area(*_clipped_shape(one, size, source)) for one in clip.shapes])
+    area = _filled_area(contours, nonzero)
     left = area.intersection(window)
-    if left.area >= (1.0 - TOUCHED) * area.area:
+    if left.area >= (1.0 - CLIP_TOLERANCE) * area.area:
         return list(contours), nonzero
     pieces = [piece for piece in getattr(left, "geoms", [left]) if piece.geom_type == "Polygon" and piece.area > 0.0]
     rings = [ring for piece in pieces for ring in (piece.exterior, *piece.interiors)]
     return [np.array(ring.coords)[:-1] for ring in rings], False
 
 
-def _area(contours: Sequence[Array], nonzero: bool) -> "BaseGeometry":
+def _filled_area(contours: Sequence[Array], nonzero: bool) -> "BaseGeometry":
     """Area that contours fill by a rule."""
     from shapely import Polygon, union_all
 
@@ -304,18 +304,18 @@ def _area(contours: Sequence[Array], nonzero: bool) -> "BaseGeometry":
     return whole
 
 
-def _covers(shape: Shape, page: Sequence[float]) -> bool:
+def _is_page_rectangle(shape: Shape, page: Sequence[float]) -> bool:
     """Whether a shape is a rectangle as large as the page, at its place, its corners round or not."""
     if len(shape.contours) != 1 or not all(map(math.isfinite, page)):
         return False
     x, y = shape.contours[0].T
     low, high = shape.contours[0].min(axis=0), shape.contours[0].max(axis=0)
-    full = 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) >= FULL * math.prod(high - low)
+    full = 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) >= MIN_RECTANGLE_FILL * math.prod(high - low)
     inside = np.minimum(high, np.add(page[:2], page[2:])) - np.maximum(low, page[:2])
-    return bool(full and (inside >= PAGE * np.array(page[2:])).all())
+    return bool(full and (inside >= MIN_PAGE_SHARE * np.array(page[2:])).all())
 
 
-def _points(subpath: Any, tolerance: float) -> Array:
+def _subpath_points(subpath: Any, tolerance: float) -> Array:
     """Points of a subpath, from its start, in the coordinates of its element, shape (n, 2)."""
     points: list[Any] = []
     for segment in subpath:
@@ -325,17 +325,17 @@ def _points(subpath: Any, tolerance: float) -> Array:
         elif kind in ("Line", "Close"):
             points += [segment.start, segment.end]
         else:
-            points += list(flatten(partial(_at, segment), tolerance))
-    return _array(points)
+            points += list(flatten(partial(_evaluate_segment, segment), tolerance))
+    return _to_array(points)
 
 
-def _at(segment: Any, at: Array) -> Array:
-    return _array(segment.npoint(at))
+def _evaluate_segment(segment: Any, at: Array) -> Array:
+    return _to_array(segment.npoint(at))
 
 
-def _array(points: Any) -> Array:
+def _to_array(points: Any) -> Array:
     return np.array([(point[0], point[1]) for point in points], dtype=np.float64)
 
 
-def _shown(point: Array) -> str:
+def _format_point(point: Array) -> str:
     return f"({point[0]:.6g}, {point[1]:.6g})"

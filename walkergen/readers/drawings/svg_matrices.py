@@ -11,18 +11,18 @@ from walkergen.core.errors import InputError
 
 Array = npt.NDArray[np.float64]
 
-NUMBERS = r"(?:[-+0-9.eE,\s]|px|deg|g?rad|turn)*"
-TRANSFORMS = re.compile(
-    rf"\s*(?:(?:matrix|(?:translate|scale|skew)[XY]?|rotate)\s*\({NUMBERS}\)[\s,]*)*", re.IGNORECASE
+NUMBERS_PATTERN = r"(?:[-+0-9.eE,\s]|px|deg|g?rad|turn)*"
+TRANSFORMS_PATTERN = re.compile(
+    rf"\s*(?:(?:matrix|(?:translate|scale|skew)[XY]?|rotate)\s*\({NUMBERS_PATTERN}\)[\s,]*)*", re.IGNORECASE
 )
 """What moves an element within the plane, by plain numbers."""
 
-ALIGNED = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
+ALIGNMENT_SHARES = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
 
 
-def transform(text: str) -> Array | None:
+def parse_transform(text: str) -> Array | None:
     """Matrix of a list of transforms; None for one that leaves the plane, or depends on more than its numbers."""
-    if not TRANSFORMS.fullmatch(text):
+    if not TRANSFORMS_PATTERN.fullmatch(text):
         return None
     import svgelements
 
@@ -33,17 +33,17 @@ def transform(text: str) -> Array | None:
         return None
 
 
-def stretch(matrix: Array) -> float:
+def mean_stretch(matrix: Array) -> float:
     """Length of a line after a matrix over that before it, on average over its ways."""
     return float(math.sqrt(abs(np.linalg.det(matrix[:, :2]))))
 
 
-def times(first: Array, second: Array) -> Array:
+def compose(first: Array, second: Array) -> Array:
     """Matrix that moves by the second, then by the first, shape (2, 3)."""
     return np.column_stack([first[:, :2] @ second[:, :2], first[:, :2] @ second[:, 2] + first[:, 2]])
 
 
-def view_box(text: str, source: str) -> tuple[float, float, float, float]:
+def parse_view_box(text: str, source: str) -> tuple[float, float, float, float]:
     """Box of a viewBox: left, top, width and height > 0. Raises InputError."""
     try:
         x, y, width, height = (float(number) for number in re.split(r"[\s,]+", text.strip()))
@@ -54,13 +54,13 @@ def view_box(text: str, source: str) -> tuple[float, float, float, float]:
     return x, y, width, height
 
 
-def fitted(box: Sequence[float], width: float, height: float, fit: str) -> Array:
+def fit_matrix(box: Sequence[float], width: float, height: float, fit: str) -> Array:
     """Matrix that puts a box into a window of this size, as preserveAspectRatio says, shape (2, 3)."""
     scale = np.array([width / box[2], height / box[3]])
     if "none" not in fit:
         scale[:] = scale.max() if "slice" in fit else scale.min()
     match = re.search(r"x(Min|Mid|Max)Y(Min|Mid|Max)", fit)
-    share = np.array([ALIGNED[word] for word in match.groups()] if match else (0.5, 0.5))
+    share = np.array([ALIGNMENT_SHARES[word] for word in match.groups()] if match else (0.5, 0.5))
     if "none" in fit:
         share[:] = 0.0
     shift = share * (np.array([width, height]) - scale * box[2:4]) - scale * box[0:2]

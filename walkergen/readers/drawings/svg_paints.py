@@ -10,16 +10,16 @@ import tinycss2.color4
 Targets = Mapping[str, ET.Element]
 """Elements of the drawing by their id."""
 
-XLINK = "{http://www.w3.org/1999/xlink}href"
+XLINK_HREF = "{http://www.w3.org/1999/xlink}href"
 
-NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
-SHARE = re.compile(rf"\s*({NUMBER})\s*%?\s*")
-URL = re.compile(r"url\(\s*['\"]?#([^'\")]*)['\"]?\s*\)\s*")
+NUMBER_PATTERN = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+SHARE_PATTERN = re.compile(rf"\s*({NUMBER_PATTERN})\s*%?\s*")
+URL_PATTERN = re.compile(r"url\(\s*['\"]?#([^'\")]*)['\"]?\s*\)\s*")
 
-WHITE = 0.95
+MIN_WHITE = 0.95
 """Share of full light of each colour from which on a paint is the paper's."""
 
-LINKS = 8
+MAX_LINKS = 8
 """Most gradients that one may have its stops of, one after the other."""
 
 BLACK = "black"
@@ -32,62 +32,62 @@ class Paint(NamedTuple):
     white: bool
 
 
-CLEAR = Paint(False, False)
+INVISIBLE = Paint(False, False)
 
 
-def of(style: Mapping[str, str], key: str, targets: Targets) -> Paint:
+def from_style(style: Mapping[str, str], key: str, targets: Targets) -> Paint:
     """Paint of the property fill or stroke of a shape, by its inherited style."""
     text = style.get(key, BLACK if key == "fill" else "none").strip()
-    if zero(style.get(f"{key}-opacity")):
-        return CLEAR
-    if link := URL.match(text):
+    if is_zero(style.get(f"{key}-opacity")):
+        return INVISIBLE
+    if link := URL_PATTERN.match(text):
         if link[1] in targets:
-            return Paint(_server_shows(targets[link[1]], targets), False)
+            return Paint(_is_server_visible(targets[link[1]], targets), False)
         text = text[link.end() :] or "none"  # what the file does not hold gives way to the colour after it
-    return _of_colour(text, style.get("color", BLACK))
+    return _from_colour(text, style.get("color", BLACK))
 
 
-def _of_colour(text: str, current: str) -> Paint:
+def _from_colour(text: str, current: str) -> Paint:
     if text.lower() == "none":
-        return CLEAR
+        return INVISIBLE
     colour = tinycss2.color4.parse_color(current if text.lower() == "currentcolor" else text)
     if colour in (None, "currentcolor"):
         return Paint(True, False)
     light = colour.to("srgb").coordinates if colour.space in ("srgb", "hsl", "hwb") else (0.0,)
-    return Paint(colour.alpha > 0.0, min(light) >= WHITE)
+    return Paint(colour.alpha > 0.0, min(light) >= MIN_WHITE)
 
 
-def _server_shows(server: ET.Element, targets: Targets) -> bool:
+def _is_server_visible(server: ET.Element, targets: Targets) -> bool:
     """Whether a gradient has a stop that shows, or a pattern has anything."""
-    for _ in range(LINKS):
-        gradient = local(server).endswith("Gradient")
-        if parts := [part for part in server if not gradient or local(part) == "stop"]:
-            return not gradient or any(map(_stop_shows, parts))
-        link = server.attrib.get("href", server.attrib.get(XLINK, ""))
+    for _ in range(MAX_LINKS):
+        gradient = local_name(server).endswith("Gradient")
+        if parts := [part for part in server if not gradient or local_name(part) == "stop"]:
+            return not gradient or any(map(_is_stop_visible, parts))
+        link = server.attrib.get("href", server.attrib.get(XLINK_HREF, ""))
         if link[:1] != "#" or link[1:] not in targets:
             return False
         server = targets[link[1:]]
     return False
 
 
-def _stop_shows(stop: ET.Element) -> bool:
-    colour = _of_colour(stop.attrib.get("stop-color", BLACK).strip(), BLACK)
-    return colour.shows and not zero(stop.attrib.get("stop-opacity"))
+def _is_stop_visible(stop: ET.Element) -> bool:
+    colour = _from_colour(stop.attrib.get("stop-color", BLACK).strip(), BLACK)
+    return colour.shows and not is_zero(stop.attrib.get("stop-opacity"))
 
 
-def hidden_by_filter(text: str, targets: Targets) -> bool:
+def is_hidden_by_filter(text: str, targets: Targets) -> bool:
     """Whether a filter leaves nothing to see: one that is empty, or without opacity."""
-    if link := URL.match(text):
-        return link[1] in targets and local(targets[link[1]]) == "filter" and len(targets[link[1]]) == 0
-    return any(zero(share) for share in re.findall(r"opacity\(([^)]*)\)", text))
+    if link := URL_PATTERN.match(text):
+        return link[1] in targets and local_name(targets[link[1]]) == "filter" and len(targets[link[1]]) == 0
+    return any(is_zero(share) for share in re.findall(r"opacity\(([^)]*)\)", text))
 
 
-def zero(text: str | None) -> bool:
+def is_zero(text: str | None) -> bool:
     """Return whether a number hides: 0, or below it, which browsers take for 0."""
-    match = SHARE.fullmatch(text or "")
+    match = SHARE_PATTERN.fullmatch(text or "")
     return match is not None and float(match[1]) <= 0.0
 
 
-def local(element: ET.Element) -> str:
+def local_name(element: ET.Element) -> str:
     """Name of an element without its namespace."""
     return str(element.tag).rpartition("}")[2]

@@ -14,7 +14,7 @@ import tinycss2
 
 from walkergen.core.errors import InputError
 
-INHERITED = (
+INHERITED_PROPERTIES = (
     "clip-rule",
     "color",
     "fill",
@@ -28,7 +28,7 @@ INHERITED = (
 )
 """Properties that an element has of the one around it."""
 
-OWN = (
+NON_INHERITED_PROPERTIES = (
     "clip-path",
     "display",
     "filter",
@@ -41,93 +41,109 @@ OWN = (
     "transform-box",
     "transform-origin",
 )
-GEOMETRY = ("cx", "cy", "d", "height", "r", "rx", "ry", "width", "x", "y")
-READ = frozenset((*INHERITED, *OWN, *GEOMETRY))
+GEOMETRY_PROPERTIES = ("cx", "cy", "d", "height", "r", "rx", "ry", "width", "x", "y")
+SUPPORTED_PROPERTIES = frozenset((*INHERITED_PROPERTIES, *NON_INHERITED_PROPERTIES, *GEOMETRY_PROPERTIES))
 """Properties that decide on what is drawn and where; colours of text and the like do not."""
 
-UNREAD = ("rotate", "scale", "translate", "offset-path", "zoom")
+UNSUPPORTED_PROPERTIES = ("rotate", "scale", "translate", "offset-path", "zoom")
 """Properties that would move an element and that are not read here."""
 
-UNMOVED = ("none", "normal", "1", "100%")
+NEUTRAL_VALUES = ("none", "normal", "1", "100%")
 """Values by which they move nothing."""
 
-INITIAL = {"fill": "black", "stroke": "none", "fill-rule": "nonzero", "clip-rule": "nonzero", "visibility": "visible"}
-INITIAL |= {"color": "black", "font-size": "medium", "stroke-width": "1", "fill-opacity": "1", "stroke-opacity": "1"}
+INITIAL_VALUES = {
+    "fill": "black",
+    "stroke": "none",
+    "fill-rule": "nonzero",
+    "clip-rule": "nonzero",
+    "visibility": "visible",
+}
+INITIAL_VALUES |= {
+    "color": "black",
+    "font-size": "medium",
+    "stroke-width": "1",
+    "fill-opacity": "1",
+    "stroke-opacity": "1",
+}
 """What inherited properties are where nobody has set them."""
 
-VARIABLES = 8
+MAX_VARIABLE_DEPTH = 8
 """Levels of custom properties within others."""
 
-SCREENS = re.compile(r"(only\s+)?(all|screen)?\s*", re.IGNORECASE)
+SCREEN_MEDIA = re.compile(r"(only\s+)?(all|screen)?\s*", re.IGNORECASE)
 """Media whose rules count: those without a condition."""
 
-ELSEWHERE = re.compile(r"((only\s+)?(print|speech)\b|.*prefers-color-scheme\s*:\s*dark).*", re.IGNORECASE | re.DOTALL)
+IGNORED_MEDIA = re.compile(
+    r"((only\s+)?(print|speech)\b|.*prefers-color-scheme\s*:\s*dark).*", re.IGNORECASE | re.DOTALL
+)
 """Media whose rules do not count: paper, voices, screens in the dark."""
 
-HARMLESS = ("charset", "counter-style", "font-face", "keyframes", "namespace", "page", "property")
+IGNORED_AT_RULES = ("charset", "counter-style", "font-face", "keyframes", "namespace", "page", "property")
 """At-rules that hide and move nothing by themselves."""
 
 
-def as_attributes(root: ET.Element, source: str) -> None:
+def apply_styles(root: ET.Element, source: str) -> None:
     """Write what sheets and style="" say onto the elements, in place. Raises InputError for what is not read."""
     matcher = cssselect2.Matcher()
     for element in root.iter():
         css = element.attrib.get("type", "").strip().lower() in ("", "text/css")
-        if _name(element) == "style" and css and _counts(element.attrib.get("media", ""), source):
-            _add(matcher, tinycss2.parse_stylesheet(element.text or "", True, True), {}, source)
+        if _local_name(element) == "style" and css and _is_screen_media(element.attrib.get("media", ""), source):
+            _add_rules(matcher, tinycss2.parse_stylesheet(element.text or "", True, True), {}, source)
     custom: dict[ET.Element | None, dict[str, str]] = {None: {}}
     for node in cssselect2.ElementWrapper.from_xml_root(root).iter_subtree():
         element = node.etree_element
         matches = sorted(matcher.match(node), key=lambda match: match[:2])
         wanted = [pair for *_, pairs in matches for pair in pairs]
-        wanted += _declared(tinycss2.parse_declaration_list(element.attrib.get("style", ""), True, True), source)
+        wanted += _parse_declarations(
+            tinycss2.parse_declaration_list(element.attrib.get("style", ""), True, True), source
+        )
         # what is important comes last, and so holds
         values = {key: value for key, value, _ in sorted(wanted, key=lambda each: each[2])}
         own = {key: values.pop(key) for key in [*values] if key.startswith("--")}
         custom[element] = {**custom[node.parent.etree_element if node.parent else None], **own}
         element.attrib.update(values)
-        for key in READ & element.attrib.keys():
-            _settle(element.attrib, key, custom[element])
+        for key in SUPPORTED_PROPERTIES & element.attrib.keys():
+            _resolve_value(element.attrib, key, custom[element])
 
 
-def _settle(attributes: dict[str, str], key: str, custom: Mapping[str, str]) -> None:
+def _resolve_value(attributes: dict[str, str], key: str, custom: Mapping[str, str]) -> None:
     """Put its value in place of a custom property, and of a word for what an element has without one."""
     text = attributes[key]
     if "var(" in text:
-        attributes[key] = text = _resolved(text, custom)
+        attributes[key] = text = _substitute_variables(text, custom)
     word = text.strip().lower()
-    if word == "initial" and key in INITIAL:
-        attributes[key] = INITIAL[key]
+    if word == "initial" and key in INITIAL_VALUES:
+        attributes[key] = INITIAL_VALUES[key]
     elif word in ("initial", "revert", "revert-layer", "unset"):
         del attributes[key]
 
 
-def _resolved(text: str, custom: Mapping[str, str], depth: int = 0) -> str:
+def _substitute_variables(text: str, custom: Mapping[str, str], depth: int = 0) -> str:
     """Value with var(--name, other) as the custom properties have it; "unset" where none has."""
     parts = []
     for token in tinycss2.parse_component_value_list(text):
         if token.type == "function" and token.lower_name == "var":
             name, _, other = tinycss2.serialize(token.arguments).partition(",")
             value = custom.get(name.strip(), other).strip()
-            if not value or depth > VARIABLES:
+            if not value or depth > MAX_VARIABLE_DEPTH:
                 return "unset"
-            parts.append(_resolved(value, custom, depth + 1))
+            parts.append(_substitute_variables(value, custom, depth + 1))
         else:
             parts.append(token.serialize())
     return "".join(parts).strip()
 
 
-def _add(matcher: Any, rules: Sequence[Any], spaces: dict[str | None, str], source: str) -> None:
+def _add_rules(matcher: Any, rules: Sequence[Any], spaces: dict[str | None, str], source: str) -> None:
     """Take in the rules of a sheet that count on a screen; `spaces` are namespaces by their prefixes."""
     for rule in rules:
         if rule.type == "at-rule":
-            _take_in(matcher, rule, spaces, source)
+            _add_at_rule(matcher, rule, spaces, source)
         if rule.type != "qualified-rule":
             continue
         inside = tinycss2.parse_blocks_contents(rule.content, True, True)
         if any(each.type == "qualified-rule" for each in inside):
-            raise _unread("rules within rules", source)
-        pairs = list(_declared(inside, source))
+            raise _unsupported_error("rules within rules", source)
+        pairs = list(_parse_declarations(inside, source))
         try:
             selectors = cssselect2.compile_selector_list(rule.prelude, spaces)
         except cssselect2.SelectorError:
@@ -137,7 +153,7 @@ def _add(matcher: Any, rules: Sequence[Any], spaces: dict[str | None, str], sour
                 matcher.add_selector(selector, pairs)
 
 
-def _take_in(matcher: Any, rule: Any, spaces: dict[str | None, str], source: str) -> None:
+def _add_at_rule(matcher: Any, rule: Any, spaces: dict[str | None, str], source: str) -> None:
     """Take in a rule that begins with @."""
     word = rule.lower_at_keyword
     if word == "import":
@@ -146,42 +162,42 @@ def _take_in(matcher: Any, rule: Any, spaces: dict[str | None, str], source: str
         names = [token.value for token in rule.prelude if token.type in ("ident", "string", "url")]
         spaces[names[0] if len(names) > 1 else None] = names[-1] if names else ""
     elif rule.content is not None and word == "media":
-        if _counts(tinycss2.serialize(rule.prelude), source):
-            _add(matcher, tinycss2.parse_rule_list(rule.content, True, True), spaces, source)
-    elif rule.content is not None and word not in HARMLESS:
-        raise _unread(f"@{word[:20]}", source)
+        if _is_screen_media(tinycss2.serialize(rule.prelude), source):
+            _add_rules(matcher, tinycss2.parse_rule_list(rule.content, True, True), spaces, source)
+    elif rule.content is not None and word not in IGNORED_AT_RULES:
+        raise _unsupported_error(f"@{word[:20]}", source)
 
 
-def _counts(media: str, source: str) -> bool:
+def _is_screen_media(media: str, source: str) -> bool:
     """Whether rules for these media count. Raises InputError where it depends on who looks."""
     each = [medium.strip() for medium in media.split(",")]
-    if any(SCREENS.fullmatch(medium) for medium in each):
+    if any(SCREEN_MEDIA.fullmatch(medium) for medium in each):
         return True
-    if all(ELSEWHERE.fullmatch(medium) for medium in each):
+    if all(IGNORED_MEDIA.fullmatch(medium) for medium in each):
         return False
-    raise _unread(f"the condition {media.strip()[:40]!r}", source)
+    raise _unsupported_error(f"the condition {media.strip()[:40]!r}", source)
 
 
-def _unread(what: str, source: str) -> InputError:
+def _unsupported_error(what: str, source: str) -> InputError:
     return InputError(f"{source}: its <style> has {what}, which walkergen does not read; save it as a plain SVG")
 
 
-def _declared(declarations: Sequence[Any], source: str) -> Iterator[tuple[str, str, bool]]:
+def _parse_declarations(declarations: Sequence[Any], source: str) -> Iterator[tuple[str, str, bool]]:
     """Properties of a list that are read here: key, value, and whether it is important."""
     for each in declarations:
         if each.type != "declaration":
             continue
         value = tinycss2.serialize(each.value).strip()
-        if each.lower_name in UNREAD and value.lower() not in UNMOVED:
+        if each.lower_name in UNSUPPORTED_PROPERTIES and value.lower() not in NEUTRAL_VALUES:
             raise InputError(f"{source}: a style moves elements by {each.lower_name}; write it as a transform")
         if each.name.startswith("--"):
             yield each.name, value, each.important
-        if each.lower_name in READ:
+        if each.lower_name in SUPPORTED_PROPERTIES:
             yield each.lower_name, value, each.important
         if each.lower_name == "font":  # its first length is the size; weights are plain numbers
             sizes = [token for token in each.value if token.type in ("dimension", "percentage")]
             yield from [("font-size", sizes[0].serialize(), each.important)] if sizes else []
 
 
-def _name(element: ET.Element) -> str:
+def _local_name(element: ET.Element) -> str:
     return str(element.tag).rpartition("}")[2]

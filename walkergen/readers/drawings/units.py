@@ -4,31 +4,33 @@ from functools import partial
 
 from walkergen.core.errors import InputError, Remedy
 
-SMALLEST, LARGEST = 1.0, 500.0
+MIN_LENGTH_MM, MAX_LENGTH_MM = 1.0, 500.0
 """Least and greatest length of the longest side of a body, mm, that is taken without asking back."""
 
-UNITS = {"inches": 25.4, "metres": 1000.0, "centimetres": 10.0, "micrometres": 1e-3}
+UNITS_MM = {"inches": 25.4, "metres": 1000.0, "centimetres": 10.0, "micrometres": 1e-3}
 """Millimetres of other units."""
 
-LENGTH_MM = 28.0
+DEFAULT_LENGTH_MM = 28.0
 """Length of what states none, mm: that of the paper's walker."""
 
 
-def refuse(size: float, source: str, scale_mm: float = 1.0) -> None:
+def check_size(size: float, source: str, scale_mm: float = 1.0) -> None:
     """Raise InputError, which begins with `source`, with what a body would be in other units, for no walker's size.
 
     `size`, mm, is that of the longest side, `scale_mm` the millimetres of the file's unit that it was read with.
     """
-    if SMALLEST < size <= LARGEST:
+    if MIN_LENGTH_MM < size <= MAX_LENGTH_MM:
         return
     readings = [
         Remedy(f"read it in {name}: {size * unit:.4g} mm", {"body.scale_mm": scale_mm * unit})
-        for name, unit in UNITS.items()
-        if SMALLEST <= size * unit <= LARGEST
+        for name, unit in UNITS_MM.items()
+        if MIN_LENGTH_MM <= size * unit <= MAX_LENGTH_MM
     ]
-    larger = Remedy(f"make it {LENGTH_MM:g} mm long", {"body.length_mm": LENGTH_MM, "body.scale_mm": None})
+    larger = Remedy(
+        f"make it {DEFAULT_LENGTH_MM:g} mm long", {"body.length_mm": DEFAULT_LENGTH_MM, "body.scale_mm": None}
+    )
     raise InputError(
         f"{source}: the longest side is {size:.4g} mm at {scale_mm:g} mm for each unit of the file, must lie in "
-        f"{SMALLEST:g}..{LARGEST:g} mm",
+        f"{MIN_LENGTH_MM:g}..{MAX_LENGTH_MM:g} mm",
         helps=partial(tuple, [*readings, larger]),
     )

@@ -17,11 +17,11 @@ from walkergen.core.errors import InputError, Remedy
 from walkergen.core.shapes.mesh import Array, Mesh
 from walkergen.readers.drawings import crossings
 
-TOLERANCE = 1e-6
+RELATIVE_TOLERANCE = 1e-6
 """Depth of a crossing, over the largest coordinate from the box's middle, below which it is not
 seen: fifteen times what 32-bit floats, as in STL, lose of a coordinate."""
 
-FLATTEST = 1e-9
+MIN_VOLUME_RATIO = 1e-9
 """Volume over the cube of the largest side of the box, below which a mesh encloses nothing."""
 
 Indices = npt.NDArray[np.int64]
@@ -48,30 +48,30 @@ class Shells(NamedTuple):
     """Volumes of the pieces, negative where turned inward, mm^3, shape (number,)."""
 
 
-def refuse(mesh: Mesh, source: str, repairs: Sequence[Remedy] = ()) -> None:
+def check_solid(mesh: Mesh, source: str, repairs: Sequence[Remedy] = ()) -> None:
     """Raise InputError, one line that begins with `source`, when a mesh is not a sound solid.
 
     It knows how to repair what a repair may help.
     """
-    fault = _of_triangles(mesh) or _of_edges(mesh) or _of_shells(mesh, shells(mesh))
+    fault = _triangle_fault(mesh) or _edge_fault(mesh) or _shell_fault(mesh, shells(mesh))
     if fault:
         raise InputError(f"{source}: {fault}", helps=partial(tuple, repairs))
-    if fault := _of_crossings(mesh):
+    if fault := _crossing_fault(mesh):
         raise InputError(f"{source}: {fault}")
 
 
-def tolerance(mesh: Mesh) -> float:
+def crossing_tolerance(mesh: Mesh) -> float:
     """Depth of a crossing that is not seen, mm."""
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     far = max(float(np.abs(mesh.vertices).max()), float((high - low).max()))
-    return TOLERANCE * far
+    return RELATIVE_TOLERANCE * far
 
 
-def edges(triangles: Indices) -> Edges:
+def faulty_edges(triangles: Indices) -> Edges:
     """Sort the faulty edges of triangles by the kind of their fault."""
     starts, ends = triangles.reshape(-1), triangles[:, [1, 2, 0]].reshape(-1)
     size = np.int64(triangles.max()) + 1
-    keys = _keys(starts, ends, size)
+    keys = _edge_keys(starts, ends, size)
     order = np.argsort(keys)
     keys, forward = keys[order], np.where(starts < ends, 1, -1)[order]
     first = np.flatnonzero(np.r_[True, keys[1:] != keys[:-1]])
@@ -80,7 +80,7 @@ def edges(triangles: Indices) -> Edges:
     return Edges(*(np.column_stack([pairs // size, pairs % size]) for pairs in wrong))
 
 
-def _keys(starts: Indices, ends: Indices, size: np.int64) -> Indices:
+def _edge_keys(starts: Indices, ends: Indices, size: np.int64) -> Indices:
     """Return a number for each edge, the same in either direction."""
     keys: Indices = np.minimum(starts, ends) * size + np.maximum(starts, ends)
     return keys
@@ -92,7 +92,7 @@ def shells(mesh: Mesh) -> Shells:
 
     count = len(mesh.triangles)
     starts, ends = mesh.triangles.reshape(-1), mesh.triangles[:, [1, 2, 0]].reshape(-1)
-    keys = _keys(starts, ends, np.int64(len(mesh.vertices)))
+    keys = _edge_keys(starts, ends, np.int64(len(mesh.vertices)))
     order = np.argsort(keys)
     owner, keys = np.repeat(np.arange(count), 3)[order], keys[order]
     same = np.flatnonzero(keys[1:] == keys[:-1])
@@ -104,13 +104,13 @@ def shells(mesh: Mesh) -> Shells:
     return Shells(int(number), label.astype(np.int64), volumes)
 
 
-def places(points: Array) -> str:
+def format_place(points: Array) -> str:
     """Words for the middle of some points, as a person finds it in a viewer."""
     x, y, z = points.reshape(-1, 3).mean(axis=0) + 0.0
     return f"({x:.4g}, {y:.4g}, {z:.4g})"
 
 
-def _of_triangles(mesh: Mesh) -> str:
+def _triangle_fault(mesh: Mesh) -> str:
     if len(mesh.triangles) == 0:
         return "holds no triangles"
     bad = int((~np.isfinite(mesh.vertices).all(axis=1)).sum())
@@ -118,28 +118,28 @@ def _of_triangles(mesh: Mesh) -> str:
         return f"{bad} of {len(mesh.vertices)} vertices are not finite numbers; export it anew"
     flat = (mesh.triangles == np.roll(mesh.triangles, 1, axis=1)).any(axis=1)
     if flat.any():
-        where = places(mesh.vertices[mesh.triangles[flat][0]])
+        where = format_place(mesh.vertices[mesh.triangles[flat][0]])
         return f"{int(flat.sum())} triangles have no area, one at {where}"
     return ""
 
 
-def _of_edges(mesh: Mesh) -> str:
-    wrong = edges(mesh.triangles)
+def _edge_fault(mesh: Mesh) -> str:
+    wrong = faulty_edges(mesh.triangles)
     for pairs, words in (
         (wrong.open, "is open: {} edges belong to one triangle only"),
         (wrong.crowded, "is not a solid's surface: {} edges belong to three triangles or more"),
         (wrong.disagreeing, "is partly inside out: at {} edges two triangles disagree"),
     ):
         if len(pairs):
-            where = places(mesh.vertices[pairs[0]])
+            where = format_place(mesh.vertices[pairs[0]])
             return f"{words.format(len(pairs))}, the first at {where}"
     return ""
 
 
-def _of_shells(mesh: Mesh, shells: Shells) -> str:
+def _shell_fault(mesh: Mesh, shells: Shells) -> str:
     size = float((mesh.vertices.max(axis=0) - mesh.vertices.min(axis=0)).max())
     volume = float(shells.volumes.sum())
-    if abs(volume) <= FLATTEST * size**3:
+    if abs(volume) <= MIN_VOLUME_RATIO * size**3:
         return f"encloses nothing: its volume is {volume:.3g} mm^3 in a box of {size:.4g} mm"
     outward = np.flatnonzero(shells.volumes > 0.0)
     if len(outward) == 0:
@@ -151,25 +151,25 @@ def _of_shells(mesh: Mesh, shells: Shells) -> str:
     outer = Mesh(mesh.vertices, mesh.triangles[shells.label == outward[0]])
     for cavity in np.flatnonzero(shells.volumes <= 0.0):
         inner = mesh.triangles[shells.label == cavity]
-        if abs(winding(outer, mesh.vertices[inner[0, 0]]) - 1.0) > 0.5:
-            where = places(mesh.vertices[inner[0]])
+        if abs(winding_number(outer, mesh.vertices[inner[0, 0]]) - 1.0) > 0.5:
+            where = format_place(mesh.vertices[inner[0]])
             return f"holds a second body, inside out, at {where}; remove it or turn it"
     return ""
 
 
-def _of_crossings(mesh: Mesh) -> str:
-    limit = tolerance(mesh)
+def _crossing_fault(mesh: Mesh) -> str:
+    limit = crossing_tolerance(mesh)
     pairs = crossings.find(mesh.vertices, mesh.triangles, limit)
     if not pairs.number:
         return ""
-    where = places(mesh.vertices[mesh.triangles[list(pairs.pair)]])
+    where = format_place(mesh.vertices[mesh.triangles[list(pairs.pair)]])
     return (
         f"crosses itself: {pairs.number} pairs of triangles (deeper than {limit:.2g} mm), one at "
         f"{where}; unite its parts in the program that made it (Blender: remesh)"
     )
 
 
-def winding(mesh: Mesh, point: Array) -> float:
+def winding_number(mesh: Mesh, point: Array) -> float:
     """Winding number of a closed surface about a point that is not on it: 1 inside, 0 outside.
 
     Source: solid angle of a triangle by van Oosterom and Strackee (1983), summed.

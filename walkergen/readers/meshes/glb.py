@@ -5,26 +5,33 @@ from typing import Any
 
 from walkergen.core.errors import InputError
 
-STRIP = 5
+TRIANGLE_STRIP_MODE = 5
 """Mode of faces in which every corner after the second makes a triangle."""
 
-PACKED = ("EXT_mesh_gpu_instancing", "EXT_meshopt_compression", "KHR_draco_mesh_compression", "KHR_mesh_quantization")
+PACKING_EXTENSIONS = (
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "KHR_draco_mesh_compression",
+    "KHR_mesh_quantization",
+)
 """Extensions by which corners stand otherwise than as plain numbers, or meshes in more places than nodes say."""
 
-UNREADABLE = (LookupError, TypeError, ValueError, AttributeError, RecursionError)
+PARSE_ERRORS = (LookupError, TypeError, ValueError, AttributeError, RecursionError)
 """What looking at a file raises that is none, or not as the standard has it."""
 
 
 def check(data: bytes, source: str) -> None:
     """Raise InputError, which begins with `source`, for a file whose meshes are not those that it shows."""
     try:
-        tree = _tree(data)
+        tree = _parse_json(data)
         packed = [
-            name for name in PACKED if name in [*tree.get("extensionsUsed", ()), *tree.get("extensionsRequired", ())]
+            name
+            for name in PACKING_EXTENSIONS
+            if name in [*tree.get("extensionsUsed", ()), *tree.get("extensionsRequired", ())]
         ]
         posed = any("skin" in node for node in tree.get("nodes", ()))
         bent = any(any(one.get("weights", ())) for one in [*tree.get("nodes", ()), *tree.get("meshes", ())])
-    except UNREADABLE:
+    except PARSE_ERRORS:
         return  # its reader tells
     for found, what in (
         (packed, f"is packed by {', '.join(packed)}"),
@@ -35,7 +42,7 @@ def check(data: bytes, source: str) -> None:
             raise InputError(f"{source}: {what}, which walkergen does not read; export the plain mesh")
 
 
-def promised(data: bytes) -> int:
+def triangle_count(data: bytes) -> int:
     """Triangles of all nodes of a GLB, by the counts of its arrays; 0 for one that only a reader can tell.
 
     Arrays that nothing uses count too: one without contents is as many zeros, made by a few bytes.
@@ -43,18 +50,18 @@ def promised(data: bytes) -> int:
 
     def triangles(face: dict[str, Any]) -> int:
         count: int = counts[face["indices"] if "indices" in face else face["attributes"]["POSITION"]]
-        return count if face.get("mode") == STRIP else count // 3
+        return count if face.get("mode") == TRIANGLE_STRIP_MODE else count // 3
 
     try:
-        tree = _tree(data)
+        tree = _parse_json(data)
         counts = [int(accessor["count"]) for accessor in tree["accessors"]]
         meshes = [sum(map(triangles, mesh["primitives"])) for mesh in tree["meshes"]]
         placed = sum(meshes[node["mesh"]] for node in tree["nodes"] if "mesh" in node)
-    except UNREADABLE:
+    except PARSE_ERRORS:
         return 0
     return max(int(placed), max(counts, default=0) // 3)
 
 
-def _tree(data: bytes) -> Any:
+def _parse_json(data: bytes) -> Any:
     """Parse a file's JSON, which describes its contents."""
     return json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])

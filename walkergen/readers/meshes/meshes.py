@@ -27,13 +27,13 @@ from walkergen.readers.meshes import faults, glb, obj, repairs
 
 FORMATS = ("stl", "obj", "ply", "off", "3mf", "glb")
 
-MOST_BYTES = 2**30
+MAX_BYTES = 2**30
 """Largest file, and largest content of a compressed one."""
 
-FARTHEST = 1e12
+MAX_COORDINATE = 1e12
 """Largest coordinate, in the file's unit."""
 
-ROUNDING = 1e-6
+WELD_TOLERANCE = 1e-6
 """Distance over the size of a part up to which corners on open edges are one: some last bits of the
 32-bit floats of STL and 3MF."""
 
@@ -52,19 +52,19 @@ class Loaded(NamedTuple):
     """What was left out, cut away or merged, a few words each."""
 
 
-def load(path: Path, source: str) -> Loaded:
+def read_mesh(path: Path, source: str) -> Loaded:
     """Read a mesh file. Raises InputError, beginning with `source`, for what is not one."""
     kind = path.suffix.lower().removeprefix(".")
     if kind not in FORMATS:
         raise InputError(f"{source}: ends in {path.suffix[:20]!r}; give a mesh: {', '.join(FORMATS)}")
-    data = reading.read_bytes(path, MOST_BYTES)
-    if (count := _promised(data, kind)) > MAX_TRIANGLES:
-        raise _too_many(count, source)
+    data = reading.read_bytes(path, MAX_BYTES)
+    if (count := _estimate_triangles(data, kind)) > MAX_TRIANGLES:
+        raise _too_many_error(count, source)
     with reading.translate_library_errors(source, kind.upper()):
-        raw, notes = _raw(data, kind, source)
-        welded = [_welded(_part(source, part)) for part in raw]
-    parts = _printed([part for part, _ in welded], source)
-    notes += _left_out([part for part, _ in welded])
+        raw, notes = _read_parts(data, kind, source)
+        welded = [_weld_edges(_clean_part(source, part)) for part in raw]
+    parts = _printable_parts([part for part, _ in welded], source)
+    notes += _omission_notes([part for part, _ in welded])
     if merged_corners := sum(count for _, count in welded):
         notes.append(
             f"merged {words.format_count(merged_corners, 'corner that differs', 'corners that differ')} by "
@@ -74,17 +74,17 @@ def load(path: Path, source: str) -> Loaded:
     if count == 0:
         raise InputError(f"{source}: holds no triangles; export the body as a mesh")
     if count > MAX_TRIANGLES:
-        raise _too_many(count, source)
+        raise _too_many_error(count, source)
     return Loaded(tuple(parts), hashlib.sha256(data).hexdigest(), tuple(notes))
 
 
-def _too_many(count: int, source: str) -> InputError:
+def _too_many_error(count: int, source: str) -> InputError:
     return InputError(
         f"{source}: {count} triangles, at most {MAX_TRIANGLES}; simplify the mesh: 100000 are enough for any print"
     )
 
 
-def _promised(data: bytes, kind: str) -> int:
+def _estimate_triangles(data: bytes, kind: str) -> int:
     """Triangles that a file seems to hold, at a glance at its bytes; 0 where only a reader can tell."""
     if kind == "stl":
         text = not _is_binary_stl(data) and max(data.count(word) for word in (b"endfacet", b"ENDFACET"))
@@ -98,14 +98,14 @@ def _promised(data: bytes, kind: str) -> int:
         words = re.sub(rb"#[^\n]*", b"", data[:100_000]).split(maxsplit=4)[:3]
         return int(words[2]) if len(words) == 3 and words[2].isdigit() and len(words[2]) < 13 else 0
     if kind == "glb":
-        return glb.promised(data)
+        return glb.triangle_count(data)
     return 0
 
 
-def _raw(data: bytes, kind: str, source: str) -> tuple[list[Part], list[str]]:
+def _read_parts(data: bytes, kind: str, source: str) -> tuple[list[Part], list[str]]:
     """Parts of a file as they stand there, and notes; the libraries that read it raise whatever they like."""
     if kind == "3mf":
-        _refuse_bombs(data, source)
+        _check_unpacked_size(data, source)
         return threemf.read_parts(data, source), []
     if kind == "glb":
         glb.check(data, source)
@@ -117,23 +117,23 @@ def _raw(data: bytes, kind: str, source: str) -> tuple[list[Part], list[str]]:
         return [Part("mesh", vertices, np.arange(len(vertices)).reshape(-1, 3))], [note] if note else []
     if kind == "stl":
         data = data.lower()  # words of the format may be written either way
-    parts = _by_trimesh(obj.triangulated(data, source) if kind == "obj" else data, kind, source)
+    parts = _read_with_trimesh(obj.triangulate_faces(data, source) if kind == "obj" else data, kind, source)
     if kind == "glb":  # metres, by its standard
         return [part._replace(vertices=1000.0 * part.vertices) for part in parts], []
     return parts, []
 
 
-def _printed(parts: list[Part], source: str) -> list[Part]:
+def _printable_parts(parts: list[Part], source: str) -> list[Part]:
     """Parts that are printed, less what is cut away from those of their item."""
     printed = [part for part in parts if part.role == "model"]
     for number in {part.item for part in parts if part.role == "negative"}:
         own = [part for part in printed if part.item == number]
         away = [part for part in parts if part.role == "negative" and part.item == number]
         for part in own:
-            faults.refuse(Mesh(part.vertices, part.triangles), f"{source}: {part.name}")
+            faults.check_solid(Mesh(part.vertices, part.triangles), f"{source}: {part.name}")
         if not own:
             continue
-        whole = modeller.to_solid(Mesh(*joined(tuple(own))[1:3]))
+        whole = modeller.to_solid(Mesh(*join_parts(tuple(own))[1:3]))
         for part in away:
             whole = modeller.check_solid(whole - modeller.to_solid(Mesh(part.vertices, part.triangles)))
         mesh = modeller.to_mesh(whole)
@@ -142,7 +142,7 @@ def _printed(parts: list[Part], source: str) -> list[Part]:
     return sorted(printed, key=lambda part: part.item)
 
 
-def _left_out(parts: list[Part]) -> list[str]:
+def _omission_notes(parts: list[Part]) -> list[str]:
     """Describe what was cut away and what was left out of a file."""
     roles = Counter(part.role for part in parts)
     notes = [f"cut {roles['negative']} negative volumes away"] if roles["negative"] else []
@@ -151,26 +151,26 @@ def _left_out(parts: list[Part]) -> list[str]:
     return notes
 
 
-def _welded(part: Part) -> tuple[Part, int]:
+def _weld_edges(part: Part) -> tuple[Part, int]:
     """Part whose corners along open edges are one within ROUNDING, and the number of those merged."""
-    if not len(part.triangles) or not len(faults.edges(part.triangles).open):
+    if not len(part.triangles) or not len(faults.faulty_edges(part.triangles).open):
         return part, 0
     mesh = Mesh(part.vertices, part.triangles)
-    closer, count = repairs.rims_merged(mesh, ROUNDING * float(np.ptp(part.vertices, axis=0).max()))
+    closer, count = repairs.merge_rim_vertices(mesh, WELD_TOLERANCE * float(np.ptp(part.vertices, axis=0).max()))
     return part._replace(triangles=closer.triangles), count
 
 
-def joined(parts: tuple[Part, ...]) -> Part:
+def join_parts(parts: tuple[Part, ...]) -> Part:
     """All parts as one surface; vertices that coincide to the last bit become one."""
     if len(parts) == 1:
         return parts[0]
     starts = np.cumsum([0] + [len(part.vertices) for part in parts])
     shifted = [part.triangles + start for part, start in zip(parts, starts, strict=False)]
     vertices = np.concatenate([part.vertices for part in parts])
-    return Part(parts[0].name, *merged(vertices, np.concatenate(shifted)))
+    return Part(parts[0].name, *merge_vertices(vertices, np.concatenate(shifted)))
 
 
-def merged(vertices: Array, triangles: Indices) -> tuple[Array, Indices]:
+def merge_vertices(vertices: Array, triangles: Indices) -> tuple[Array, Indices]:
     """Vertices that differ, in the order of their coordinates, and the triangles between them."""
     vertices = vertices + 0.0  # minus zero is zero
     order = np.lexsort(vertices.T)
@@ -191,7 +191,7 @@ def _is_binary_stl(data: bytes) -> bool:
     return whole or b"\0" in words or not (words.startswith(b"solid") and (b"facet" in words or b"endsolid" in words))
 
 
-def _part(source: str, part: Part) -> Part:
+def _clean_part(source: str, part: Part) -> Part:
     """Part with coinciding vertices merged. Raises InputError for indices and numbers of no use."""
     vertices, triangles = part.vertices, part.triangles
     if len(triangles) and not 0 <= triangles.min() <= triangles.max() < len(vertices):
@@ -199,13 +199,13 @@ def _part(source: str, part: Part) -> Part:
     bad = int((~np.isfinite(vertices).all(axis=1)).sum())
     if bad:
         raise InputError(f"{source}: {bad} of {len(vertices)} vertices are not finite numbers; export it anew")
-    if len(vertices) and (far := float(np.abs(vertices).max())) > FARTHEST:
-        raise InputError(f"{source}: a coordinate of {far:.3g}, at most {FARTHEST:g}: export in mm")
-    vertices, triangles = merged(vertices, triangles)
+    if len(vertices) and (far := float(np.abs(vertices).max())) > MAX_COORDINATE:
+        raise InputError(f"{source}: a coordinate of {far:.3g}, at most {MAX_COORDINATE:g}: export in mm")
+    vertices, triangles = merge_vertices(vertices, triangles)
     return part._replace(vertices=vertices, triangles=triangles)
 
 
-def _by_trimesh(data: bytes, kind: str, source: str) -> list[Part]:
+def _read_with_trimesh(data: bytes, kind: str, source: str) -> list[Part]:
     """Names, vertices and triangles of all that a file holds, placed as it says."""
     import trimesh
 
@@ -230,11 +230,11 @@ def _by_trimesh(data: bytes, kind: str, source: str) -> list[Part]:
     return parts
 
 
-def _refuse_bombs(data: bytes, source: str) -> None:
+def _check_unpacked_size(data: bytes, source: str) -> None:
     """Raise InputError for what is no archive, or unpacks to more than MOST_BYTES."""
     try:
         size = sum(entry.file_size for entry in zipfile.ZipFile(io.BytesIO(data)).infolist())
     except (zipfile.BadZipFile, ValueError) as error:
         raise InputError(f"{source}: not a readable 3mf mesh: {error}") from None
-    if size > MOST_BYTES:
-        raise InputError(f"{source}: unpacks to {size} bytes, more than {MOST_BYTES}")
+    if size > MAX_BYTES:
+        raise InputError(f"{source}: unpacks to {size} bytes, more than {MAX_BYTES}")

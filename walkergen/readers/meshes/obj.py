@@ -8,25 +8,25 @@ import numpy as np
 from walkergen.core.errors import InputError
 from walkergen.core.shapes.mesh import Array
 
-ODD = re.compile(rb"^[^#\n]+#|\t|^ |\\\r?\n", re.MULTILINE)
+UNSUPPORTED_PATTERN = re.compile(rb"^[^#\n]+#|\t|^ |\\\r?\n", re.MULTILINE)
 """What trimesh passes over without a word, and with it the line: a comment behind, a tab, a blank before, a line
 that goes on in the next."""
 
 
-def triangulated(data: bytes, source: str) -> bytes:
+def triangulate_faces(data: bytes, source: str) -> bytes:
     """Return the file with corners and triangles alone; manifold3d cuts faces that are not convex.
 
     Raises InputError, which begins with `source`, for a face whose corners are not in the file.
     """
     text = data.decode("utf-8", "replace").replace("\\\r\n", " ").replace("\\\n", " ")
     lines = [line.partition("#")[0].split() for line in text.splitlines()]
-    if not ODD.search(data) and not any(words[:1] == ["f"] and len(words) > 4 for words in lines):
+    if not UNSUPPORTED_PATTERN.search(data) and not any(words[:1] == ["f"] and len(words) > 4 for words in lines):
         return data
     corners: list[list[float]] = []
     cut: list[str] = []
     for words in lines:
         if words[:1] == ["v"]:
-            corners.append([_number(word) for word in words[1:4]])
+            corners.append([_parse_number(word) for word in words[1:4]])
             cut.append(" ".join(words[:4]))
         elif words[:1] != ["f"]:
             cut.append("" if words[:1] in (["vt"], ["vn"], ["vp"]) else " ".join(words))
@@ -36,19 +36,21 @@ def triangulated(data: bytes, source: str) -> bytes:
             places = [place - 1 if place > 0 else len(corners) + place for place in places]
             if not all(0 <= place < len(corners) for place in places):
                 raise InputError(f"{source}: a face has a corner that does not exist; export it anew")
-            triangles = [(0, 1, 2)] if len(places) == 3 else _triangles(np.array([corners[at] for at in places]))
+            triangles = (
+                [(0, 1, 2)] if len(places) == 3 else _triangulate_polygon(np.array([corners[at] for at in places]))
+            )
             cut += ["f " + " ".join(str(places[at] + 1) for at in triangle) for triangle in triangles]
     return "\n".join(cut).encode()
 
 
-def _number(word: str) -> float:
+def _parse_number(word: str) -> float:
     try:
         return float(word)
     except ValueError:
         return np.nan
 
 
-def _triangles(corners: Array) -> Sequence[Sequence[int]]:
+def _triangulate_polygon(corners: Array) -> Sequence[Sequence[int]]:
     """Triangles of a plane polygon in three dimensions, shape (n, 3), turned as it is."""
     following = np.roll(corners, -1, axis=0)
     normal = np.cross(corners, following).sum(axis=0)  # Newell's, twice the area

@@ -17,25 +17,25 @@ from walkergen.core.shapes import modeller
 from walkergen.core.shapes.mesh import Array, Mesh
 from walkergen.readers.meshes import faults
 
-LARGEST_HOLE = 200
+MAX_HOLE_EDGES = 200
 """Most open edges that are filled: a larger hole is a missing side, not a flaw."""
 
-NEIGHBOURS = 10.0
+MERGE_DISTANCE_FACTOR = 10.0
 """Distance over the tolerance of crossings up to which vertices of open edges are one."""
 
-CRUMBS = 0.01
+MAX_CRUMB_SHARE = 0.01
 """Volume of all bodies beside the largest, over the largest, up to which they are dropped."""
 
 
 def repair(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
     """Mesh after the steps that changed it, and what each changed, in words; (mesh, ()) if none."""
     steps: tuple[Callable[[Mesh], tuple[Mesh, str]], ...] = (
-        _merged,
-        _without_doubles,
-        _turned,
-        _filled,
-        _turned,
-        _united,
+        _merge_vertices,
+        _drop_duplicates,
+        _fix_orientation,
+        _fill_holes,
+        _fix_orientation,
+        _unite_bodies,
     )
     before, changes = mesh, []
     for step in steps:
@@ -45,29 +45,29 @@ def repair(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
         if len(mesh.triangles) == 0:
             break
     if changes and len(mesh.triangles):
-        changes.append(f"volume {_volume(before)} -> {_volume(mesh)} mm^3")
+        changes.append(f"volume {_format_volume(before)} -> {_format_volume(mesh)} mm^3")
     return mesh, tuple(changes)
 
 
-def _volume(mesh: Mesh) -> str:
-    if len(faults.edges(mesh.triangles).open):
+def _format_volume(mesh: Mesh) -> str:
+    if len(faults.faulty_edges(mesh.triangles).open):
         return "(open)"
     return f"{faults.shells(mesh).volumes.sum():.6g}"
 
 
-def _merged(mesh: Mesh) -> tuple[Mesh, str]:
+def _merge_vertices(mesh: Mesh) -> tuple[Mesh, str]:
     """Merge vertices of open edges that lie within NEIGHBOURS tolerances of each other."""
-    within = NEIGHBOURS * faults.tolerance(mesh)
-    closer, count = rims_merged(mesh, within)
+    within = MERGE_DISTANCE_FACTOR * faults.crossing_tolerance(mesh)
+    closer, count = merge_rim_vertices(mesh, within)
     return closer, f"merged {count} vertices with others less than {within:.2g} mm away" if count else ""
 
 
-def rims_merged(mesh: Mesh, within: float) -> tuple[Mesh, int]:
+def merge_rim_vertices(mesh: Mesh, within: float) -> tuple[Mesh, int]:
     """Mesh whose vertices along open edges are one where they lie so near, and how many were merged."""
     from scipy.sparse import coo_matrix, csgraph
     from scipy.spatial import KDTree
 
-    rim = np.unique(faults.edges(mesh.triangles).open)
+    rim = np.unique(faults.faulty_edges(mesh.triangles).open)
     if not len(rim):
         return mesh, 0
     pairs = KDTree(mesh.vertices[rim]).query_pairs(within, output_type="ndarray")
@@ -81,7 +81,7 @@ def rims_merged(mesh: Mesh, within: float) -> tuple[Mesh, int]:
     return Mesh(mesh.vertices, index[mesh.triangles]), len(rim) - number
 
 
-def _without_doubles(mesh: Mesh) -> tuple[Mesh, str]:
+def _drop_duplicates(mesh: Mesh) -> tuple[Mesh, str]:
     """Drop triangles without area; of equal ones keep one, of two back to back none."""
     triangles = mesh.triangles
     real = ~(triangles == np.roll(triangles, 1, axis=1)).any(axis=1)
@@ -101,17 +101,17 @@ def _without_doubles(mesh: Mesh) -> tuple[Mesh, str]:
     return Mesh(mesh.vertices, triangles[keep]), f"dropped {' and '.join(drops)}" if drops else ""
 
 
-def _filled(mesh: Mesh) -> tuple[Mesh, str]:
+def _fill_holes(mesh: Mesh) -> tuple[Mesh, str]:
     """Close small holes by fans of triangles, of whose edges none is there already."""
-    rim = faults.edges(mesh.triangles).open
-    if not 0 < len(rim) <= LARGEST_HOLE:
+    rim = faults.faulty_edges(mesh.triangles).open
+    if not 0 < len(rim) <= MAX_HOLE_EDGES:
         return mesh, ""
     near = mesh.triangles[np.isin(mesh.triangles, rim).any(axis=1)]
     there = {(a, b) for row in near.tolist() for a, b in zip(row, (*row[1:], row[0]), strict=True)}
     fans: list[tuple[int, int, int]] = []
     vertices = mesh.vertices
     pairs = set(map(tuple, rim.tolist()))
-    for hole in _holes(mesh.vertices, [edge for edge in sorted(there) if (min(edge), max(edge)) in pairs]):
+    for hole in _trace_holes(mesh.vertices, [edge for edge in sorted(there) if (min(edge), max(edge)) in pairs]):
         for start in range(len(hole)):
             first, *others = hole[start:] + hole[:start]
             if not any((first, other) in there or (other, first) in there for other in others[1:-1]):
@@ -126,7 +126,7 @@ def _filled(mesh: Mesh) -> tuple[Mesh, str]:
     return filled, f"filled holes of {len(rim)} open edges by {words.format_count(len(fans), 'triangle', 'triangles')}"
 
 
-def _holes(vertices: Array, edges: Sequence[tuple[int, int]]) -> list[list[int]]:
+def _trace_holes(vertices: Array, edges: Sequence[tuple[int, int]]) -> list[list[int]]:
     """Vertices about each hole, of open edges that run as their triangles do.
 
     Where holes touch in a vertex the way goes on along the edge that is nearest in direction.
@@ -152,10 +152,10 @@ def _holes(vertices: Array, edges: Sequence[tuple[int, int]]) -> list[list[int]]
     return holes
 
 
-def _turned(mesh: Mesh) -> tuple[Mesh, str]:
+def _fix_orientation(mesh: Mesh) -> tuple[Mesh, str]:
     """Turn triangles until neighbours agree, then every piece that is inside out and no cavity."""
     triangles = mesh.triangles
-    edges = faults.edges(triangles)
+    edges = faults.faulty_edges(triangles)
     if len(edges.disagreeing):
         import trimesh
 
@@ -163,7 +163,7 @@ def _turned(mesh: Mesh) -> tuple[Mesh, str]:
         trimesh.repair.fix_winding(agreeing)
         triangles = np.asarray(agreeing.faces, np.int64)
     if not len(edges.open):
-        triangles = _outward(Mesh(mesh.vertices, triangles))
+        triangles = _orient_outward(Mesh(mesh.vertices, triangles))
     ahead = [np.roll(triangles, shift, axis=1) for shift in range(3)]
     same = np.any([(mesh.triangles == shifted).all(axis=1) for shifted in ahead], axis=0)
     number = int((~same).sum())
@@ -171,22 +171,22 @@ def _turned(mesh: Mesh) -> tuple[Mesh, str]:
     return turned, f"turned {number} of {len(same)} triangles" if number else ""
 
 
-def _outward(mesh: Mesh) -> faults.Indices:
+def _orient_outward(mesh: Mesh) -> faults.Indices:
     """Triangles with every closed piece of negative volume turned, unless it is a cavity."""
     pieces = faults.shells(mesh)
     triangles = mesh.triangles.copy()
     for number in np.flatnonzero(pieces.volumes < 0.0):
         mine = pieces.label == number
         rest = Mesh(mesh.vertices, mesh.triangles[~mine])
-        within = faults.winding(rest, mesh.vertices[triangles[mine][0, 0]])
+        within = faults.winding_number(rest, mesh.vertices[triangles[mine][0, 0]])
         if round(within) % 2 == 0:
             triangles[mine] = triangles[mine][:, ::-1]
     return triangles
 
 
-def _united(mesh: Mesh) -> tuple[Mesh, str]:
+def _unite_bodies(mesh: Mesh) -> tuple[Mesh, str]:
     """Unite bodies that overlap; keep the largest if the others are crumbs."""
-    edges = faults.edges(mesh.triangles)
+    edges = faults.faulty_edges(mesh.triangles)
     if any(len(pairs) for pairs in edges):
         return mesh, ""
     pieces = faults.shells(mesh)
@@ -198,7 +198,7 @@ def _united(mesh: Mesh) -> tuple[Mesh, str]:
     bodies = sorted(whole.decompose(), key=lambda body: -body.volume())
     rest = sum(abs(body.volume()) for body in bodies[1:])
     change = f"united {len(solids)} bodies to {len(bodies)}" if len(bodies) < len(solids) else ""
-    if len(bodies) > 1 and rest <= CRUMBS * bodies[0].volume():
+    if len(bodies) > 1 and rest <= MAX_CRUMB_SHARE * bodies[0].volume():
         dropped = f"dropped {words.format_count(len(bodies) - 1, 'body', 'bodies')} of {rest:.3g} mm^3 together"
         return modeller.to_mesh(bodies[0]), "; ".join(filter(None, (change, dropped)))
     return (modeller.to_mesh(whole), change) if change else (mesh, "")

@@ -15,40 +15,40 @@ from walkergen.readers.drawings import overlaps
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
 
-THICKNESS_MM = 1.6
+MAX_THICKNESS_MM = 1.6
 """Thickness of a plate at most, mm: eight layers. Of a body in plan view it is at most half of the body's."""
 
 RIM_MM = 1.0
 """Width of a plate beyond the hull of what stands on it, mm."""
 
-LENGTH_MM, WIDTH_MM, GROWTH = 13.0, 7.0, 0.35
+MIN_LENGTH_MM, MIN_WIDTH_MM, GROWTH_PER_HEIGHT = 13.0, 7.0, 0.35
 """Least length and width of a plate, mm, and what they grow by over the height of what stands on it: room
 for legs whose feet stand as far apart as `placing` wants them."""
 
 
-def under_outline(outline: Sequence[Array], thickness: float) -> tuple[list[Array], Mesh]:
+def add_to_outline(outline: Sequence[Array], thickness: float) -> tuple[list[Array], Mesh]:
     """Contour of the plate under an outline, its middle at the origin, and both extruded upward from 0, mm."""
     import shapely
 
-    (contour,) = overlaps.contours(_plate(shapely.union_all(overlaps.pieces(outline)), thickness))
+    (contour,) = overlaps.contours(_plate_region(shapely.union_all(overlaps.pieces(outline)), thickness))
     middle = 0.5 * (contour.min(axis=0) + contour.max(axis=0))
     stood = extrude([ring - middle for ring in outline], thickness, pieces=True)
-    plate = extrude([contour - middle], min(THICKNESS_MM, 0.5 * thickness))
-    return [contour - middle], _united([stood, plate])
+    plate = extrude([contour - middle], min(MAX_THICKNESS_MM, 0.5 * thickness))
+    return [contour - middle], _unite_parts([stood, plate])
 
 
-def under_mesh(mesh: Mesh) -> Mesh:
+def add_to_mesh(mesh: Mesh) -> Mesh:
     """Mesh, y up, with a plate at its lowest level, in which it stands. Raises GeometryError for what floats."""
     import shapely
 
     low, high = mesh.vertices[:, 1].min(), mesh.vertices[:, 1].max()
-    plate = _plate(joining.plan_projection(modeller.to_solid(mesh)), float(high - low))
+    plate = _plate_region(joining.plan_projection(modeller.to_solid(mesh)), float(high - low))
     turned = shapely.affinity.scale(plate, 1.0, -1.0, origin=(0.0, 0.0))  # z to -y
-    x, v, w = (flat := extrude(overlaps.contours(turned), THICKNESS_MM)).vertices.T
-    return _united([mesh, Mesh(np.column_stack([x, low + w, -v]), flat.triangles)])
+    x, v, w = (flat := extrude(overlaps.contours(turned), MAX_THICKNESS_MM)).vertices.T
+    return _unite_parts([mesh, Mesh(np.column_stack([x, low + w, -v]), flat.triangles)])
 
 
-def _plate(shadow: "BaseGeometry", height: float) -> "BaseGeometry":
+def _plate_region(shadow: "BaseGeometry", height: float) -> "BaseGeometry":
     """Plate under what is seen from above as `shadow` and is so high, mm: its hull with a rim.
 
     About the shadow's centroid it has at least the size that legs need.
@@ -56,12 +56,12 @@ def _plate(shadow: "BaseGeometry", height: float) -> "BaseGeometry":
     import shapely
 
     x, y = shadow.centroid.x, shadow.centroid.y
-    half = 0.5 * (LENGTH_MM + GROWTH * height), 0.5 * (WIDTH_MM + GROWTH * height)
+    half = 0.5 * (MIN_LENGTH_MM + GROWTH_PER_HEIGHT * height), 0.5 * (MIN_WIDTH_MM + GROWTH_PER_HEIGHT * height)
     rim = shadow.convex_hull.buffer(RIM_MM)
     return rim.union(shapely.box(x - half[0], y - half[1], x + half[0], y + half[1])).convex_hull
 
 
-def _united(parts: Sequence[Mesh]) -> Mesh:
+def _unite_parts(parts: Sequence[Mesh]) -> Mesh:
     """One closed mesh of a plate and what stands on it. Raises GeometryError."""
     solids = [modeller.to_solid(part) for part in parts]
     whole = modeller.check_solid(manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add))

@@ -21,7 +21,7 @@ from walkergen.core.walker.fittings import MARKER_CELLS, TILE_CELLS, Cap
 
 Array = npt.NDArray[np.float64]
 
-CODES = (
+MARKER_CODES = (
     "b5320f9a332d9946549e79cd9e2ec4f2fedacf56f99111a70eb72a0f24b1263e466566006c5e76af868bb02bccd5"
     "dd82fe479471ace4a5542123346f441557b29ecff0cb08ae0929187504ff0df61c5a17182a28328c38b224e82eeb"
     "2d3f4b64502e5013519455685d415f9768016867612461e96b126fe567df7e1b80a083448ba2937a846c852a859c"
@@ -30,52 +30,52 @@ CODES = (
 )
 """White cells of each marker: four hexadecimal digits, a row each, its left cell highest."""
 
-BORDER = 1
+BORDER_CELLS = 1
 """Cells of the black frame around a marker's code."""
-CELLS = MARKER_CELLS - 2 * BORDER
+CODE_CELLS = MARKER_CELLS - 2 * BORDER_CELLS
 """Cells along the side of a marker's code."""
-QUIET = (TILE_CELLS - MARKER_CELLS) // 2
+QUIET_CELLS = (TILE_CELLS - MARKER_CELLS) // 2
 """White cells around a marker, without which its edge cannot be found."""
 
-OVERLAP = 0.02
+OVERLAP_CELLS = 0.02
 """Part of a cell by which black cells of the code overlap those that touch them at a corner only:
 a solid has no edge that four faces share."""
 
-NOTCH = 0.5
+NOTCH_CELLS = 0.5
 """Depth of the notch at the front, cells; it is twice as wide."""
 
-HELD = 0.4
+MIN_SUPPORTED_SHARE = 0.4
 """Least part of a tile that lies on the body."""
 
 
-def white(number: int) -> npt.NDArray[np.bool_]:
+def white_cells(number: int) -> npt.NDArray[np.bool_]:
     """White cells of a whole marker, rows from its upper edge down, shape (6, 6)."""
-    bits = np.array([bit == "1" for bit in f"{int(CODES[4 * number : 4 * number + 4], 16):016b}"])
-    return np.pad(bits.reshape(CELLS, CELLS), BORDER)
+    bits = np.array([bit == "1" for bit in f"{int(MARKER_CODES[4 * number : 4 * number + 4], 16):016b}"])
+    return np.pad(bits.reshape(CODE_CELLS, CODE_CELLS), BORDER_CELLS)
 
 
-def symmetric() -> set[int]:
+def symmetric_numbers() -> set[int]:
     """Numbers of markers that are their own mirror images: a mirror shows them turned, no more."""
     return {
         number
-        for number in range(len(CODES) // 4)
-        if any((np.rot90(white(number)[:, ::-1], turn) == white(number)).all() for turn in range(4))
+        for number in range(len(MARKER_CODES) // 4)
+        if any((np.rot90(white_cells(number)[:, ::-1], turn) == white_cells(number)).all() for turn in range(4))
     }
 
 
-def black(cap: Cap, overlap: float = 0.0) -> list[Array]:
+def black_rectangles(cap: Cap, overlap: float = 0.0) -> list[Array]:
     """Rectangles, corners of shape (4, 2), whose union is the black of a cap, mm.
 
     Cells of the code are larger by a part of a cell on all sides, `overlap`.
     """
-    half, inner = 0.5 * MARKER_CELLS, 0.5 * CELLS
+    half, inner = 0.5 * MARKER_CELLS, 0.5 * CODE_CELLS
     frame = [
         (-half, inner, half, half),
         (-half, -half, half, -inner),
         (-half, -half, -inner, half),
         (inner, -half, half, half),
     ]
-    for row, column in np.argwhere(~white(cap.number)[BORDER:-BORDER, BORDER:-BORDER]):
+    for row, column in np.argwhere(~white_cells(cap.number)[BORDER_CELLS:-BORDER_CELLS, BORDER_CELLS:-BORDER_CELLS]):
         x, y = inner - row, inner - column  # the upper left corner of a cell seen from above
         frame.append((x - 1.0 - overlap, y - 1.0 - overlap, x + overlap, y + overlap))
     return [
@@ -84,46 +84,46 @@ def black(cap: Cap, overlap: float = 0.0) -> list[Array]:
     ]
 
 
-def outline(cap: Cap) -> Array:
+def tile_outline(cap: Cap) -> Array:
     """Outline of a tile with its notch in the middle of the front, counter-clockwise, mm."""
-    half, notch = 0.5 * cap.side, NOTCH * cap.cell
+    half, notch = 0.5 * cap.side, NOTCH_CELLS * cap.cell
     return np.array(
         [(-half, -half), (half, -half), (half, -notch), (half - notch, 0.0), (half, notch), (half, half), (-half, half)]
     )
 
 
 @lru_cache(maxsize=256)
-def mesh(cap: Cap) -> Mesh:
+def build_tile(cap: Cap) -> Mesh:
     """Build the closed mesh of a tile as it prints, face up. Raises SolidError."""
-    cells = Engraving(black(cap, OVERLAP), cap.relief_mm)
+    cells = Engraving(black_rectangles(cap, OVERLAP_CELLS), cap.relief_mm)
     if cap.kind == "engraved":
-        return extrude([outline(cap)], cap.thickness, 0, cells)
-    tile = extrude([outline(cap)], cap.thickness, 0)
+        return extrude([tile_outline(cap)], cap.thickness, 0, cells)
+    tile = extrude([tile_outline(cap)], cap.thickness, 0)
     if cap.kind == "paper":
         return tile
     raised = extrude(cells.profiles, cap.thickness + cap.relief_mm, pieces=True)
     return modeller.to_mesh(modeller.check_solid(modeller.to_solid(tile) + modeller.to_solid(raised)))
 
 
-def on_body(cap: Cap, body: Mesh, depth: float) -> Mesh:
+def place_on_body(cap: Cap, body: Mesh, depth: float) -> Mesh:
     """Mesh of a cap on the upper side of a body of that depth across the run, in its frame.
 
     Raises GeometryError for a body whose upper side does not hold it.
     """
     top = float(body.vertices[:, 1].max())
-    if (held := _held(cap, body, top, depth)) < HELD:
+    if (held := _supported_share(cap, body, top, depth)) < MIN_SUPPORTED_SHARE:
         raise GeometryError(
             f"cap.marker_mm = {cap.marker_mm:g}: {100 * held:.0f} % of the cap's {cap.side:.4g} mm "
-            f"square lie on the middle of the body's upper side, at least {100 * HELD:g} % hold "
+            f"square lie on the middle of the body's upper side, at least {100 * MIN_SUPPORTED_SHARE:g} % hold "
             "it: make it smaller, or the body wider or flat on top",
             "cap.marker_mm",
         )
-    x, y, z = mesh(cap).vertices.T  # to the front, to the left, up
+    x, y, z = build_tile(cap).vertices.T  # to the front, to the left, up
     placed = np.column_stack([x, z + top, 0.5 * depth - y])
-    return mesh(cap)._replace(vertices=placed)
+    return build_tile(cap)._replace(vertices=placed)
 
 
-def _held(cap: Cap, body: Mesh, top: float, depth: float) -> float:
+def _supported_share(cap: Cap, body: Mesh, top: float, depth: float) -> float:
     """Part of a tile that lies on what is flat at the top of a body."""
     import shapely
 

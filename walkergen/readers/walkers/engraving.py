@@ -9,7 +9,7 @@ from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker.body import lay_down
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.limbs import Polygon
-from walkergen.readers.drawings.lettering import letters
+from walkergen.readers.drawings.lettering import text_outline
 from walkergen.readers.walkers import marks
 
 
@@ -28,14 +28,14 @@ def add_notches(design: Design, corners: Polygon) -> Polygon:
 def engraved_profiles(design: Design) -> list[Polygon]:
     """Return the pockets in the side of a body, about its middle: its digits or its text."""
     if design.letters:
-        return _lettering(design, design.size.length, design.size.thickness)
-    strokes = marks.strokes(design.marks, design.tilt_deg, design.size.thickness)
+        return _text_polygons(design, design.size.length, design.size.thickness)
+    strokes = marks.digit_strokes(design.marks, design.tilt_deg, design.size.thickness)
     return [np.array([(s.left, s.bottom), (s.right, s.bottom), (s.right, s.top), (s.left, s.top)]) for s in strokes]
 
 
 def cut_letters(ground: Mesh, design: Design) -> Mesh:
     """Return a body in plan view with its text cut into the upper side. Raises GeometryError."""
-    text = _lettering(design, design.size.length, design.size.depth)
+    text = _text_polygons(design, design.size.length, design.size.depth)
     depth, size = design.marks.depth_mm, design.size
     tool = lay_down(extrude(text, 2.0 * depth, pieces=True), size)
     raised = tool.vertices + np.array([0.0, size.thickness - depth, 0.0])
@@ -45,28 +45,28 @@ def cut_letters(ground: Mesh, design: Design) -> Mesh:
     lost = 2.0 * (solid.volume() - cut.volume())
     if lost < drawn.volume() * (1.0 - 1e-6) or len(modeller.split_bodies(cut)) != 1:
         raise GeometryError(
-            f"{_key(design)}: the letters leave the outline: make text_height_mm smaller", _mark_key(design)
+            f"{_format_mark(design)}: the letters leave the outline: make text_height_mm smaller", _mark_key(design)
         )
     return modeller.to_mesh(cut)
 
 
-def _lettering(design: Design, length: float, height: float) -> list[Polygon]:
+def _text_polygons(design: Design, length: float, height: float) -> list[Polygon]:
     """Text of the marks, which fits into a face of length and height, mm. Raises GeometryError."""
     mark, source = design.marks, _mark_key(design)
-    polygons = letters(design.letters, mark.text_height_mm or 0.5 * height, False, source)
+    polygons = text_outline(design.letters, mark.text_height_mm or 0.5 * height, False, source)
     low = np.min([polygon.min(axis=0) for polygon in polygons], axis=0)
     high = np.max([polygon.max(axis=0) for polygon in polygons], axis=0)
     wide, tall = high - low
     if wide > length - 2.0 * mark.line_mm or tall > height - 2.0 * mark.line_mm:
         raise GeometryError(
-            f"{_key(design)}: is {wide:.2f} x {tall:.2f} mm, the face that bears it "
+            f"{_format_mark(design)}: is {wide:.2f} x {tall:.2f} mm, the face that bears it "
             f"{length:g} x {height:g} mm, of which a line stays free: make text_height_mm smaller",
             _mark_key(design),
         )
     return polygons
 
 
-def _key(design: Design) -> str:
+def _format_mark(design: Design) -> str:
     """Key whose letters are engraved, with all that is."""
     return f"{_mark_key(design)} = {design.letters!r}"
 

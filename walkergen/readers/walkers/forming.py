@@ -14,10 +14,10 @@ from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker.body import BUILTIN_OUTLINES, Body, FinishedWalker, Shape, Size, lay_down, rectangle_shape
 from walkergen.readers.drawings import outlines, overlaps, units
 from walkergen.readers.drawings.contours import Array, NoUnitError
-from walkergen.readers.drawings.lettering import letters
+from walkergen.readers.drawings.lettering import text_outline
 from walkergen.readers.walkers import base, own_mesh, whole_mesh
 
-SPECK = 0.005
+MAX_SPECK_SHARE = 0.005
 """Area of a piece of a drawing, over the largest, below which it is dirt."""
 
 
@@ -42,57 +42,57 @@ def shape_by_key(keys: str) -> Shape:
     """Return the shape of a body that is no rectangle; `keys` is its JSON. Raises as `shape_of` does."""
     body = Body.model_validate_json(keys)
     if body.mesh is not None:
-        return _of_mesh(body)
+        return _mesh_shape(body)
     if body.profile_mm is not None:
         (side,) = outlines.polygon(body.profile_mm, "body.profile_mm")
         length, thickness = np.ptp(side, axis=0)
         return Shape(Size(float(length), float(thickness), body.depth_mm), side)
-    plan = _plan(body)
+    plan = _plan_view(body)
     if body.mirror:
         plan = plan._replace(contours=[(ring * (-1.0, 1.0))[::-1] for ring in plan.contours])
     contours, mesh, notes = plan.contours, None, plan.notes
     loose = plan.pieces > 1 or (body.text is not None and body.rails_mm is None)
     if body.base or (body.base is None and loose):
-        contours, raised = base.under_outline(contours, body.thickness_mm)
+        contours, raised = base.add_to_outline(contours, body.thickness_mm)
         if plan.pieces > 1:
             notes += (f"joined {plan.pieces} pieces by a base plate",)
-        mesh = lay_down(raised, _size(contours, body.thickness_mm))
-    size = _size(contours, body.thickness_mm)
+        mesh = lay_down(raised, _plan_size(contours, body.thickness_mm))
+    size = _plan_size(contours, body.thickness_mm)
     named = body.outline if body.text is None else body.font
-    sha256 = "" if named is None or named in BUILTIN_OUTLINES else _hash(Path(named))
+    sha256 = "" if named is None or named in BUILTIN_OUTLINES else _file_hash(Path(named))
     return Shape(size, None, tuple(contours), mesh, sha256, notes)
 
 
-def _size(contours: Sequence[Array], thickness: float) -> Size:
+def _plan_size(contours: Sequence[Array], thickness: float) -> Size:
     length, depth = np.ptp(np.vstack(contours), axis=0)
     return Size(float(length), thickness, float(depth))
 
 
-def _hash(path: Path) -> str:
+def _file_hash(path: Path) -> str:
     return hashlib.sha256(reading.read_bytes(path)).hexdigest()
 
 
-def _of_mesh(body: Body) -> Shape:
+def _mesh_shape(body: Body) -> Shape:
     """Shape of a mesh from a file."""
     assert body.mesh is not None
     wishes = own_mesh.Wishes(body.scale_mm, body.wished_mm, body.up, body.forward, body.repair, body.base, body.mirror)
-    own = own_mesh.read(Path(body.mesh), wishes)
+    own = own_mesh.read_body(Path(body.mesh), wishes)
     if body.legs_below_mm is not None:
-        cut = whole_mesh.centred(whole_mesh.cut_legs(own.mesh, body.legs_below_mm))
+        cut = whole_mesh.centre_on_body(whole_mesh.cut_legs(own.mesh, body.legs_below_mm))
         finished = FinishedWalker(cut.whole, cut.body, tuple(leg.mesh for leg in cut.legs), cut.limbs)
-        return Shape(_extent(cut.body), None, (), cut.body, own.sha256, own.changes, finished)
-    return Shape(_extent(own.mesh), None, (), own.mesh, own.sha256, own.changes)
+        return Shape(_mesh_size(cut.body), None, (), cut.body, own.sha256, own.changes, finished)
+    return Shape(_mesh_size(own.mesh), None, (), own.mesh, own.sha256, own.changes)
 
 
-def _extent(mesh: Mesh) -> Size:
+def _mesh_size(mesh: Mesh) -> Size:
     length, thickness, depth = np.ptp(mesh.vertices, axis=0)
     return Size(float(length), float(thickness), float(depth))
 
 
-def _plan(body: Body) -> Plan:
+def _plan_view(body: Body) -> Plan:
     """Outline in plan view, and what was left out of the file that it is from."""
     if body.text is not None:
-        return _text(body)
+        return _text_plan(body)
     if body.outline == "disc":
         return Plan(outlines.disc(body.length_mm, "body.length_mm"), (), 1)
     if body.outline == "ellipse":
@@ -100,21 +100,21 @@ def _plan(body: Body) -> Plan:
     if body.points_mm is not None:
         return Plan(outlines.polygon(body.points_mm), (), 1)
     assert body.outline is not None
-    return _file(body, Path(body.outline))
+    return _read_plan(body, Path(body.outline))
 
 
-def _text(body: Body) -> Plan:
+def _text_plan(body: Body) -> Plan:
     """Letters. Where they may not stand on a plate they must be one piece."""
     assert body.text is not None
     font = None if body.font is None else Path(body.font)
     height = body.depth_mm
     if body.wished_mm is not None:
-        height = body.wished_mm / float(np.ptp(np.vstack(letters(body.text, 1.0, False, font=font))[:, 0]))
-    drawn = letters(body.text, height, connected=body.base is False, rails=body.rails_mm, font=font)
+        height = body.wished_mm / float(np.ptp(np.vstack(text_outline(body.text, 1.0, False, font=font))[:, 0]))
+    drawn = text_outline(body.text, height, connected=body.base is False, rails=body.rails_mm, font=font)
     return Plan(drawn, (), len(overlaps.pieces(drawn)))
 
 
-def _file(body: Body, path: Path) -> Plan:
+def _read_plan(body: Body, path: Path) -> Plan:
     """Outline of a drawing or a picture."""
     import shapely
 
@@ -127,14 +127,14 @@ def _file(body: Body, path: Path) -> Plan:
     try:
         drawn = read(scale_mm=body.scale_mm, length_mm=body.wished_mm)
     except NoUnitError:
-        drawn = read(length_mm=units.LENGTH_MM)
-        said = f"made it {units.LENGTH_MM:g} mm long, for it states no size: body.length_mm sets another"
+        drawn = read(length_mm=units.DEFAULT_LENGTH_MM)
+        said = f"made it {units.DEFAULT_LENGTH_MM:g} mm long, for it states no size: body.length_mm sets another"
         drawn = drawn._replace(notes=(*drawn.notes, said))
     if body.wished_mm is None:
         size = float(np.ptp(np.vstack(drawn.polygons), axis=0).max())
-        units.refuse(size, f"body.outline = {path.name!r}", body.scale_mm or 1.0)
+        units.check_size(size, f"body.outline = {path.name!r}", body.scale_mm or 1.0)
     pieces = overlaps.pieces(drawn.polygons)
-    kept = [piece for piece in pieces if piece.area > SPECK * pieces[0].area]
+    kept = [piece for piece in pieces if piece.area > MAX_SPECK_SHARE * pieces[0].area]
     notes = drawn.notes
     if specks := len(pieces) - len(kept):
         notes += (f"left out {words.format_count(specks, 'speck', 'specks')}",)

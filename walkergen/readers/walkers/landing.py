@@ -18,7 +18,7 @@ from walkergen.core.walker.mass import SolidMass, weigh
 from walkergen.core.walker.sections import section_of
 from walkergen.readers.walkers.forming import shape_of
 
-MARGIN_MM = 0.05
+EMBEDDING_MM = 0.05
 """Depth by which a leg reaches into the body beyond where its section is covered, mm."""
 
 
@@ -26,28 +26,28 @@ UP = np.array([0.0, 1.0, 0.0])
 
 
 @lru_cache(maxsize=1024)
-def meet_body(body: str, limbs: tuple[Limb, ...]) -> tuple[Limb, ...]:
+def extend_legs(body: str, limbs: tuple[Limb, ...]) -> tuple[Limb, ...]:
     """Return legs that go on up to a body, given by its JSON. Raises GeometryError for those that miss it."""
-    ground = ready(body)
-    return tuple(_meet(ground, limb, number) for number, limb in enumerate(limbs, start=1))
+    ground = prepare_body(body)
+    return tuple(_extend_leg(ground, limb, number) for number, limb in enumerate(limbs, start=1))
 
 
 @lru_cache(maxsize=16)
-def ready(body: str) -> joining.Body:
+def prepare_body(body: str) -> joining.Body:
     """Body of its JSON, made ready for the modeller."""
     return joining.prepare_body(shape_of(Body.model_validate_json(body)).solid())
 
 
-atexit.register(ready.cache_clear)  # else the modeller tells of leaks at the end of the program
+atexit.register(prepare_body.cache_clear)  # else the modeller tells of leaks at the end of the program
 
 
 @lru_cache(maxsize=16)
-def weighed(body: str) -> SolidMass:
+def body_mass(body: str) -> SolidMass:
     """Mass of a body of its JSON, at 1 g/mm^3."""
-    return weigh(ready(body).mesh, 1.0)
+    return weigh(prepare_body(body).mesh, 1.0)
 
 
-def _meet(ground: joining.Body, limb: Limb, number: int) -> Limb:
+def _extend_leg(ground: joining.Body, limb: Limb, number: int) -> Limb:
     """Return a leg that goes on to the underside of a body."""
     depth = float(np.ptp(ground.mesh.vertices[:, 2]))
     sin, cos = math.sin(limb.tilt), math.cos(limb.tilt)
@@ -68,6 +68,6 @@ def _meet(ground: joining.Body, limb: Limb, number: int) -> Limb:
         straight = joining.find_footing(ground, foot, UP, thickness, limb.width, key)
         over = max(over, float(foot[1]) + straight.reach - met.bottom)
         above = min(above, float(foot[1]) + straight.above - met.bottom)
-    if over + MARGIN_MM > above:
+    if over + EMBEDDING_MM > above:
         raise GeometryError(f"{key}: the leg comes out of the body again, {above:.3g} mm above where it meets it")
-    return met._replace(embedding=over + MARGIN_MM)
+    return met._replace(embedding=over + EMBEDDING_MM)

@@ -17,10 +17,10 @@ from typing import NamedTuple
 
 from walkergen.core.walker.fittings import Marks
 
-NARROW, WIDE, START = 1, 2, 3
+NARROW_NOTCH, WIDE_NOTCH, START_NOTCH = 1, 2, 3
 """Widths of notches, in units of two lines; one unit of body stands between two notches."""
 
-SEGMENTS = {
+LIT_SEGMENTS = {
     "0": "abcdef",
     "1": "bc",
     "2": "abdeg",
@@ -36,7 +36,7 @@ SEGMENTS = {
 }
 """Lit segments of a seven-segment display: a to f clockwise from the top, g middle, h a point."""
 
-SHORTEST_DIGIT = 5.0
+MIN_DIGIT_LINES = 5.0
 """Least height of a digit, in lines: three strokes and two gaps; a lower digit closes up."""
 
 
@@ -49,7 +49,7 @@ class Rectangle(NamedTuple):
     top: float
 
 
-def word(marks: Marks, tilts_deg: Sequence[float], tilt_deg: float) -> str:
+def format_mark(marks: Marks, tilts_deg: Sequence[float], tilt_deg: float) -> str:
     """Mark of the part with this tilt: "", its tilt in digits, its text, or its notches as #.
 
     A serial number follows it, or stands alone.
@@ -59,20 +59,20 @@ def word(marks: Marks, tilts_deg: Sequence[float], tilt_deg: float) -> str:
     if marks.kind == "text":
         return marks.letters
     if marks.kind != "notches":
-        return _digits(marks, tilt_deg)
-    drawn = " ".join("#" * width for width in _widths(tilts_deg, tilt_deg))
+        return _engraved_digits(marks, tilt_deg)
+    drawn = " ".join("#" * width for width in _notch_widths(tilts_deg, tilt_deg))
     return drawn if marks.serial is None else f"{drawn} {marks.serial}"
 
 
-def _digits(marks: Marks, tilt_deg: float) -> str:
+def _engraved_digits(marks: Marks, tilt_deg: float) -> str:
     """Digits that are engraved: the tilt's, the serial number, or both as in 10-7; "" without."""
-    numbers = [digits_of(tilt_deg)] if marks.kind == "digits" else []
+    numbers = [format_tilt(tilt_deg)] if marks.kind == "digits" else []
     if marks.serial is not None and marks.kind != "text":
         numbers.append(str(marks.serial))
     return "-".join(numbers)
 
 
-def digits_of(tilt_deg: float) -> str:
+def format_tilt(tilt_deg: float) -> str:
     """Tilt with all its digits and without an exponent: 10, -7.5."""
     return format(Decimal(repr(tilt_deg + 0.0)).normalize(), "f")
 
@@ -88,35 +88,35 @@ def notches(
         return []
     unit, top = 2.0 * marks.line_mm, 0.5 * thickness
     grooves, right = [], 0.5 * length - unit
-    for width in _widths(tilts_deg, tilt_deg):
+    for width in _notch_widths(tilts_deg, tilt_deg):
         grooves.append(Rectangle(right - width * unit, top - marks.depth_mm, right, top))
         right -= (width + 1) * unit
     return grooves
 
 
-def strokes(marks: Marks, tilt_deg: float, thickness: float) -> list[Rectangle]:
+def digit_strokes(marks: Marks, tilt_deg: float, thickness: float) -> list[Rectangle]:
     """Strokes of tilt and serial number about the middle of the body, overlapping where they meet.
 
     Strokes are a line wide; digits leave a line free above and below, and are 0.6 as wide as high.
     Below notches they stand lower by half of those.
     """
-    line, text = marks.line_mm, _digits(marks, tilt_deg)
+    line, text = marks.line_mm, _engraved_digits(marks, tilt_deg)
     if not text:
         return []
-    room = thickness - _notched(marks)
+    room = thickness - _notch_depth(marks)
     height = room - 2.0 * line
     width = 0.6 * height
     left = -0.5 * _text_length(text, height, line)
     bars = []
     for glyph in text:
-        drawn = _segments(left, height, width, line)
-        bars += [drawn[segment] for segment in SEGMENTS[glyph]]
+        drawn = _glyph_segments(left, height, width, line)
+        bars += [drawn[segment] for segment in LIT_SEGMENTS[glyph]]
         left += _advance(glyph, height, line)
-    down = 0.5 * _notched(marks)
+    down = 0.5 * _notch_depth(marks)
     return [bar._replace(bottom=bar.bottom - down, top=bar.top - down) for bar in bars]
 
 
-def _notched(marks: Marks) -> float:
+def _notch_depth(marks: Marks) -> float:
     """Depth of the edge that notches take from digits, mm."""
     return marks.depth_mm if marks.kind == "notches" else 0.0
 
@@ -128,13 +128,13 @@ def problems(marks: Marks, tilts_deg: Sequence[float], tilt_deg: float, body: tu
         return [f"marks.depth_mm = {marks.depth_mm:g}: must be at most half of {depth:.4g} mm"]
     reasons = []
     if marks.kind == "notches":
-        reasons += _unfit_notches(marks, tilts_deg, tilt_deg, length, thickness)
-    if text := _digits(marks, tilt_deg):
-        reasons += _unfit_digits(marks, text, length, thickness - _notched(marks), depth)
+        reasons += _notch_problems(marks, tilts_deg, tilt_deg, length, thickness)
+    if text := _engraved_digits(marks, tilt_deg):
+        reasons += _digit_problems(marks, text, length, thickness - _notch_depth(marks), depth)
     return reasons
 
 
-def _unfit_notches(
+def _notch_problems(
     marks: Marks, tilts_deg: Sequence[float], tilt_deg: float, length: float, thickness: float
 ) -> list[str]:
     if tilt_deg not in tilts_deg:
@@ -143,7 +143,7 @@ def _unfit_notches(
             f"{tilt_deg:g}: add it there, so that its notches never mean another tilt"
         ]
     reasons = []
-    widths = [START] + [WIDE] * _places(tilts_deg)
+    widths = [START_NOTCH] + [WIDE_NOTCH] * _bit_count(tilts_deg)
     room = 2.0 * marks.line_mm * (sum(widths) + len(widths) + 1)
     if room > length:
         reasons.append(
@@ -159,19 +159,19 @@ def _unfit_notches(
     return reasons
 
 
-def _unfit_digits(marks: Marks, text: str, length: float, thickness: float, depth: float) -> list[str]:
+def _digit_problems(marks: Marks, text: str, length: float, thickness: float, depth: float) -> list[str]:
     """Reasons why digits do not fit onto a face of length and thickness, mm."""
     reasons = []
     serial = marks.serial is not None
     shallower = "" if marks.kind != "notches" else ", below the notches"
     instead = "leave out the serial numbers" if serial else "use kind = 'notches'"
     line, height = marks.line_mm, thickness - 2.0 * marks.line_mm
-    if height < SHORTEST_DIGIT * line:
+    if height < MIN_DIGIT_LINES * line:
         reasons.append(
-            f"marks.line_mm = {line:g}: digits are at least {SHORTEST_DIGIT:g} lines high with "
-            f"one free above and below, {(SHORTEST_DIGIT + 2) * line:.2f} mm; the body is "
+            f"marks.line_mm = {line:g}: digits are at least {MIN_DIGIT_LINES:g} lines high with "
+            f"one free above and below, {(MIN_DIGIT_LINES + 2) * line:.2f} mm; the body is "
             f"{thickness:g} mm thick{shallower}: make the line at most "
-            f"{thickness / (SHORTEST_DIGIT + 2):.3f} mm or {instead}"
+            f"{thickness / (MIN_DIGIT_LINES + 2):.3f} mm or {instead}"
         )
     else:
         room = _text_length(text, height, line) + 2.0 * line
@@ -190,15 +190,15 @@ def _unfit_digits(marks: Marks, text: str, length: float, thickness: float, dept
     return reasons
 
 
-def _places(tilts_deg: Sequence[float]) -> int:
+def _bit_count(tilts_deg: Sequence[float]) -> int:
     """Return how many binary digits number all tilts from 1."""
     return len(tilts_deg).bit_length()
 
 
-def _widths(tilts_deg: Sequence[float], tilt_deg: float) -> list[int]:
+def _notch_widths(tilts_deg: Sequence[float], tilt_deg: float) -> list[int]:
     """Widths of a tilt's notches, from the start on, in units."""
     number = list(tilts_deg).index(tilt_deg) + 1
-    return [START] + [WIDE if bit == "1" else NARROW for bit in f"{number:0{_places(tilts_deg)}b}"]
+    return [START_NOTCH] + [WIDE_NOTCH if bit == "1" else NARROW_NOTCH for bit in f"{number:0{_bit_count(tilts_deg)}b}"]
 
 
 def _advance(glyph: str, height: float, line: float) -> float:
@@ -210,7 +210,7 @@ def _text_length(text: str, height: float, line: float) -> float:
     return sum(_advance(glyph, height, line) for glyph in text) - 2.0 * line
 
 
-def _segments(left: float, height: float, width: float, line: float) -> dict[str, Rectangle]:
+def _glyph_segments(left: float, height: float, width: float, line: float) -> dict[str, Rectangle]:
     """Segments of a glyph by letter; neighbours share the square where they meet."""
     right, low, high, half = left + width, -0.5 * height, 0.5 * height, 0.5 * line
     return {

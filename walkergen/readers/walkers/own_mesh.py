@@ -37,11 +37,11 @@ class Wishes(NamedTuple):
     """True to turn what points forward backward."""
 
 
-PLAIN = Wishes()
+DEFAULT_WISHES = Wishes()
 """Wishes of a file that is taken as it is."""
 
 
-MEND = Remedy("mend it", {"body.repair": True})
+REPAIR_REMEDY = Remedy("mend it", {"body.repair": True})
 
 
 class OwnMesh(NamedTuple):
@@ -55,7 +55,7 @@ class OwnMesh(NamedTuple):
     """What was left out of the file or mended, in words; none when it was taken as it is."""
 
 
-def read(path: Path, wishes: Wishes = PLAIN, key: str = "body.mesh") -> OwnMesh:
+def read_body(path: Path, wishes: Wishes = DEFAULT_WISHES, key: str = "body.mesh") -> OwnMesh:
     """Read a mesh (STL, OBJ, PLY, OFF, 3MF, GLB) as one closed body.
 
     Raises InputError, one line that begins with `key`, when the file is no mesh, the mesh is unsound and stays so,
@@ -63,8 +63,8 @@ def read(path: Path, wishes: Wishes = PLAIN, key: str = "body.mesh") -> OwnMesh:
     """
     source = f"{key} = {str(path)[-80:]!r}"
     turn = rotation(wishes.up, wishes.forward, key)
-    loaded = meshes.load(path, source)
-    part = meshes.joined(loaded.parts)
+    loaded = meshes.read_mesh(path, source)
+    part = meshes.join_parts(loaded.parts)
     vertices, triangles = part.vertices @ turn.T, part.triangles
     scale = wishes.scale_mm or 1.0
     if wishes.length_mm is not None:
@@ -73,37 +73,37 @@ def read(path: Path, wishes: Wishes = PLAIN, key: str = "body.mesh") -> OwnMesh:
     if wishes.mirror:
         mesh = Mesh(mesh.vertices * (-1.0, 1.0, 1.0), triangles[:, ::-1])
     if wishes.length_mm is None:
-        units.refuse(float(np.ptp(mesh.vertices, axis=0).max()), source, scale)
-    mesh, changes = _sound(mesh, wishes, source, loaded.notes)
-    return OwnMesh(Mesh(_placed(mesh.vertices), mesh.triangles), loaded.sha256, changes)
+        units.check_size(float(np.ptp(mesh.vertices, axis=0).max()), source, scale)
+    mesh, changes = _make_sound(mesh, wishes, source, loaded.notes)
+    return OwnMesh(Mesh(_centre_vertices(mesh.vertices), mesh.triangles), loaded.sha256, changes)
 
 
-def _sound(mesh: Mesh, wishes: Wishes, source: str, notes: tuple[str, ...]) -> tuple[Mesh, tuple[str, ...]]:
+def _make_sound(mesh: Mesh, wishes: Wishes, source: str, notes: tuple[str, ...]) -> tuple[Mesh, tuple[str, ...]]:
     """Mesh of one sound body, and what was left out or mended. Raises InputError."""
     if not wishes.repair and not wishes.base:
-        faults.refuse(mesh, f"{source} ({'; '.join(notes)})" if notes else source, [MEND])
+        faults.check_solid(mesh, f"{source} ({'; '.join(notes)})" if notes else source, [REPAIR_REMEDY])
         return mesh, notes
     try:
-        faults.refuse(mesh, source)
+        faults.check_solid(mesh, source)
     except InputError:
         mesh, changes = repairs.repair(mesh) if wishes.repair else (mesh, ())
         notes += changes
         if len(mesh.triangles) == 0:
             raise InputError(f"{source}: repair leaves nothing: {'; '.join(notes)}") from None
-        mesh, joined = _one(mesh, wishes.base)
+        mesh, joined = _make_single_body(mesh, wishes.base)
         notes += joined
-        faults.refuse(mesh, f"{source} ({'; '.join(notes)})" if notes else source)
+        faults.check_solid(mesh, f"{source} ({'; '.join(notes)})" if notes else source)
         return mesh, notes
-    return (base.under_mesh(mesh) if wishes.base else mesh), notes
+    return (base.add_to_mesh(mesh) if wishes.base else mesh), notes
 
 
-def _one(mesh: Mesh, plate: bool | None) -> tuple[Mesh, tuple[str, ...]]:
+def _make_single_body(mesh: Mesh, plate: bool | None) -> tuple[Mesh, tuple[str, ...]]:
     """One body of closed ones: on a plate, unless there shall be none, else the largest; and what was done."""
-    if any(map(len, faults.edges(mesh.triangles))):
+    if any(map(len, faults.faulty_edges(mesh.triangles))):
         return mesh, ()
     bodies = modeller.split_bodies(modeller.to_solid(mesh))
     if plate or (plate is None and len(bodies) > 1):
-        return base.under_mesh(mesh), (f"joined {len(bodies)} bodies by a base plate",) if len(bodies) > 1 else ()
+        return base.add_to_mesh(mesh), (f"joined {len(bodies)} bodies by a base plate",) if len(bodies) > 1 else ()
     if len(bodies) < 2:
         return mesh, ()
     return modeller.to_mesh(bodies[0]), (
@@ -118,17 +118,17 @@ def rotation(up: Axis, forward: Axis, key: str) -> Array:
             raise InputError(f"{key}: {name} = {axis!r}: must be one of {', '.join(get_args(Axis))}")
     if up[-1] == forward[-1]:
         raise InputError(f"{key}: up = {up!r} and forward = {forward!r} are one axis; change one")
-    x, y = _unit(forward), _unit(up)
+    x, y = _unit_vector(forward), _unit_vector(up)
     return np.array([x, y, np.cross(x, y)])
 
 
-def _unit(axis: str) -> Array:
+def _unit_vector(axis: str) -> Array:
     unit = np.zeros(3)
     unit["xyz".index(axis[-1])] = -1.0 if axis.startswith("-") else 1.0
     return unit
 
 
-def _placed(vertices: Array) -> Array:
+def _centre_vertices(vertices: Array) -> Array:
     """Vertices with the middle of their box at the origin in x and y, and z from 0."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     middle: Array = 0.5 * (low + high)

@@ -27,64 +27,64 @@ from walkergen.readers.walkers.forming import shape_of
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
 
-EDGE_MM = 0.2
+MIN_EDGE_MM = 0.2
 """Distance of a leg from the edge of the outline at least, mm: half a wall that printers draw."""
 
-NARROWEST_MM = 1.0
+MIN_LEG_WIDTH_MM = 1.0
 """Least width of a leg, mm."""
 
-SPAN = 13.0 / 28.0
+SPAN_PER_LENGTH = 13.0 / 28.0
 """Distance of the rows' feet over the length of the body, that of the paper's walker, where it fits."""
 
-LEAN_DEG = 10.0
+MIN_LEAN_DEG = 10.0
 """Least angle by which a walker may lean, in any direction, and still fall back on its feet, deg."""
 
-STEADY = 2.0 * math.tan(math.radians(LEAN_DEG))
+MIN_SPAN_PER_HEIGHT = 2.0 * math.tan(math.radians(MIN_LEAN_DEG))
 """Distance of the feet over the height of the centre of mass at least, by that angle."""
 
-WISHED = 0.5
+PREFERRED_SPAN_PER_HEIGHT = 0.5
 """Distance of the rows' feet over the height of the centre of mass that is wished where the body is short."""
 
-ROWS_APART_MM = 60.0
+MAX_ROW_DISTANCE_MM = 60.0
 """Distance of neighbouring rows at most: at 60 mm a plate of 3 mm of PLA has its lowest tone between them at
 590 Hz, six times the paper's drive, so that the body counts as rigid."""
 
-LONGEST = 180.0
+MAX_LENGTH_MM = 180.0
 """Length of a body, mm, that fits on the beds of all common printers."""
 
-LARGER = tuple(1.35**step for step in range(1, 8))
+LENGTH_FACTORS = tuple(1.35**step for step in range(1, 8))
 """Sizes, over a body's own, of which the first that stands is told."""
 
-SHORTER = (0.75, 0.5)
+LEG_LENGTH_FACTORS = (0.75, 0.5)
 """Lengths of legs, over the wished, of which the first that stands is told."""
 
-INCH_MM = units.UNITS["inches"]
+INCH_MM = units.UNITS_MM["inches"]
 
-SMALL_MM = 3.0
+MAX_INCH_SIZE_MM = 3.0
 """Length of the longest side of a mesh below which it may be in inches, mm."""
 
-STEEP_DEG = 20.0
+FAMILY_MAX_TILT_DEG = 20.0
 """Tilt of the steepest legs of a family by default, deg."""
 
-TRIES = 61
+SPAN_STEPS = 61
 """Distances of the feet that are tried."""
 
-SHIFTS = (0.0, 0.05, -0.05, 0.15, -0.15)
+MIDDLE_SHIFTS = (0.0, 0.05, -0.05, 0.15, -0.15)
 """Distances of the middle of the feet from the centre of mass, over theirs, that are tried in turn."""
 
-ROUNDED_MM = 0.01
+SIMPLIFY_MM = 0.01
 """Distance by which an outline may be simplified, mm."""
 
 Array = npt.NDArray[np.float64]
 
 
-INSETS = (0.0, 0.04, 0.08, 0.12, 0.16, 0.2)
+INSET_SHARES = (0.0, 0.04, 0.08, 0.12, 0.16, 0.2)
 """Shares of a mesh's depth by which its outline is drawn in, in turn, until all legs meet the mesh."""
 
-ROUNDING = 1e-9
+MARGIN_TOLERANCE = 1e-9
 """Largest relative error of a margin."""
 
-DIGITS = 6
+DECIMALS = 6
 """Decimals of places and widths, mm: what is symmetric is so to the last bit."""
 
 
@@ -162,91 +162,93 @@ def find_placement(body_key: str, legs_key: str) -> Placement:
     """
     body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
     try:
-        return _placed(body, legs)
+        return _place_legs(body, legs)
     except GeometryError as error:
-        mistake = UnplacedError(f"legs.place: {error.text}", "legs.place", helps=partial(_remedies, body_key, legs_key))
+        mistake = UnplacedError(
+            f"legs.place: {error.text}", "legs.place", helps=partial(_find_remedies, body_key, legs_key)
+        )
         mistake.body, mistake.legs = body, legs
         raise mistake from None
 
 
-def _placed(body: Body, legs: Legs) -> Placement:
+def _place_legs(body: Body, legs: Legs) -> Placement:
     """Legs for a body. Raises GeometryError."""
     import shapely
 
     size = shape_of(body).size
     leg = resolve_pair(legs, size.depth, -0.5 * size.thickness)[0]
-    ground, (along, up, across) = _ground(body.key)
-    centre, height, reach = (along, across), up - leg.foot_height, _reach(leg)
+    ground, (along, up, across) = _footprint_and_centre(body.key)
+    centre, height, reach = (along, across), up - leg.foot_height, _leg_reach(leg)
     if body.flat:
-        return _placement(leg, rows(ground, centre, height, reach), centre, height)
-    for inset in INSETS:
+        return _from_rows(leg, find_rows(ground, centre, height, reach), centre, height)
+    for inset in INSET_SHARES:
         drawn_in = shapely.buffer(ground, -inset * size.depth)
         if drawn_in.is_empty:
             break
-        found = _placement(leg, rows(drawn_in, centre, height, reach), centre, height)
+        found = _from_rows(leg, find_rows(drawn_in, centre, height, reach), centre, height)
         try:
-            return found._replace(limbs=landing.meet_body(body.key, found.limbs))
+            return found._replace(limbs=landing.extend_legs(body.key, found.limbs))
         except GeometryError:  # a leg misses the mesh: farther in there is more of it
             continue
     raise GeometryError("its underside is too narrow or too steep for legs")
 
 
-def room(body: Body, legs: Legs) -> Room:
+def available_space(body: Body, legs: Legs) -> Room:
     """Room for legs under a body. Raises GeometryError for a body that has no shape."""
     import shapely
 
     size = shape_of(body).size
     leg = resolve_pair(legs, size.depth, -0.5 * size.thickness)[0]
-    ground, (along, up, across) = _ground(body.key)
-    reach = _reach(leg)
+    ground, (along, up, across) = _footprint_and_centre(body.key)
+    reach = _leg_reach(leg)
     left, _, right, _ = ground.bounds
-    places = np.linspace(left - reach.front, right - reach.back, 4 * TRIES)
-    covered = _covered(ground.buffer(-EDGE_MM), places + reach.back, places + reach.front)
+    places = np.linspace(left - reach.front, right - reach.back, 4 * SPAN_STEPS)
+    covered = _covered_intervals(ground.buffer(-MIN_EDGE_MM), places + reach.back, places + reach.front)
     tops = [
         shapely.box(place + reach.back, low, place + reach.front, high)
         for place, pieces in zip(places.tolist(), covered, strict=True)
         for low, high in pieces
-        if high - low >= NARROWEST_MM
+        if high - low >= MIN_LEG_WIDTH_MM
     ]
-    radius = 0.5 * STEADY * (up - leg.foot_height)
+    radius = 0.5 * MIN_SPAN_PER_HEIGHT * (up - leg.foot_height)
     return Room(ground, shapely.union_all(tops), (along, across), radius)
 
 
 @lru_cache(maxsize=64)
-def _remedies(body_key: str, legs_key: str) -> list[Remedy]:
+def _find_remedies(body_key: str, legs_key: str) -> list[Remedy]:
     """Try what would make legs stand under a body; return the first of each kind that does, two at most."""
     body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
     length = shape_of(body).size.length
-    sizes = [float(math.ceil(larger * length)) for larger in LARGER] if body.wishful else []
+    sizes = [float(math.ceil(larger * length)) for larger in LENGTH_FACTORS] if body.wishful else []
     wishes: list[list[tuple[str, dict[str, Any]]]] = [
-        [("read it in inches", {"scale_mm": INCH_MM})] if _tiny(body) else [],
-        [("lay it down", axes) for axes in _other_sides(body)],
+        [("read it in inches", {"scale_mm": INCH_MM})] if _is_tiny(body) else [],
+        [("lay it down", axes) for axes in _other_orientations(body)],
         [("put a plate under it", {"base": True})] if body.sourced and not body.base else [],
-        [(f"make it {size:g} mm long", {"length_mm": size}) for size in sizes if size < LONGEST],
+        [(f"make it {size:g} mm long", {"length_mm": size}) for size in sizes if size < MAX_LENGTH_MM],
     ]
     remedies = []
     for tries in wishes:
-        helpful = ((words, keys) for words, keys in tries if _stands(body.with_keys(**keys), legs))
+        helpful = ((words, keys) for words, keys in tries if _can_stand(body.with_keys(**keys), legs))
         remedies += [Remedy(words, {f"body.{key}": keys[key] for key in keys}) for words, keys in islice(helpful, 1)]
-    lengths = (float(f"{share * legs.length_mm:.3g}") for share in SHORTER)
-    shorter = (mm for mm in lengths if _stands(body, legs.model_copy(update={"length_mm": mm})))
+    lengths = (float(f"{share * legs.length_mm:.3g}") for share in LEG_LENGTH_FACTORS)
+    shorter = (mm for mm in lengths if _can_stand(body, legs.model_copy(update={"length_mm": mm})))
     remedies += [Remedy(f"make the legs {mm:g} mm long", {"legs.length_mm": mm}) for mm in islice(shorter, 1)]
-    return [_alone(remedy) for remedy in remedies[:2]] or [Remedy("make the shape wider", {})]
+    return [_drop_other_size(remedy) for remedy in remedies[:2]] or [Remedy("make the shape wider", {})]
 
 
-def _alone(remedy: Remedy) -> Remedy:
+def _drop_other_size(remedy: Remedy) -> Remedy:
     """Remedy that leaves out the other key that gives a body's size."""
     other = {"body.length_mm": "body.scale_mm", "body.scale_mm": "body.length_mm"}
     return remedy._replace(values={**{other[key]: None for key in remedy.values if key in other}, **remedy.values})
 
 
-def auto(body: Body, legs: Legs) -> list[Remedy]:
+def auto_remedies(body: Body, legs: Legs) -> list[Remedy]:
     """Suggest automatic placement of the legs, if it works."""
     own = legs.model_copy(update={"place": "auto"})
-    return [Remedy("let the legs place themselves", {"legs.place": "auto"})] if _stands(body, own) else []
+    return [Remedy("let the legs place themselves", {"legs.place": "auto"})] if _can_stand(body, own) else []
 
 
-def _other_sides(body: Body) -> list[dict[str, Any]]:
+def _other_orientations(body: Body) -> list[dict[str, Any]]:
     """How a mesh may lie instead: about the axis that is forward, or on what was its front."""
     if body.mesh is None or body.legs_below_mm is not None:
         return []
@@ -254,24 +256,24 @@ def _other_sides(body: Body) -> list[dict[str, Any]]:
     return [{"up": across}, {"up": body.forward, "forward": body.up}]
 
 
-def _tiny(body: Body) -> bool:
+def _is_tiny(body: Body) -> bool:
     """Return whether a mesh states no unit and is too small for one in mm."""
     unsaid = body.mesh is not None and body.scale_mm is None and body.wished_mm is None
-    return unsaid and body.legs_below_mm is None and max(shape_of(body).size) < SMALL_MM
+    return unsaid and body.legs_below_mm is None and max(shape_of(body).size) < MAX_INCH_SIZE_MM
 
 
-def _stands(body: Body, legs: Legs) -> bool:
+def _can_stand(body: Body, legs: Legs) -> bool:
     """Return whether legs stand under a body, also when as steep as in a family."""
     try:
-        for tilt in {legs.tilt_deg, max(legs.tilt_deg, STEEP_DEG)}:
-            _placed(body, legs.model_copy(update={"tilt_deg": tilt}))
+        for tilt in {legs.tilt_deg, max(legs.tilt_deg, FAMILY_MAX_TILT_DEG)}:
+            _place_legs(body, legs.model_copy(update={"tilt_deg": tilt}))
     except (InputError, SolidError):
         return False
     return True
 
 
 @lru_cache(maxsize=16)
-def _ground(body_key: str) -> "tuple[BaseGeometry, tuple[float, float, float]]":
+def _footprint_and_centre(body_key: str) -> "tuple[BaseGeometry, tuple[float, float, float]]":
     """Return what a body covers, (along, across), and its centre of mass (along, up, across), from its middle."""
     import shapely
 
@@ -281,15 +283,15 @@ def _ground(body_key: str) -> "tuple[BaseGeometry, tuple[float, float, float]]":
         ground = shapely.Polygon(outer, holes)
         if shape.mesh is None:
             return ground, (ground.centroid.x, 0.0, ground.centroid.y)
-    ready = landing.ready(body_key)
-    along, up, across = landing.weighed(body_key).centre.tolist()
+    ready = landing.prepare_body(body_key)
+    along, up, across = landing.body_mass(body_key).centre.tolist()
     middle = 0.5 * shape.size.depth
     if not shape.plan:
         ground = shapely.affinity.translate(joining.plan_projection(ready.solid), 0.0, -middle)
     return ground, (along, up, across - middle)
 
 
-def _reach(leg: Limb) -> Reach:
+def _leg_reach(leg: Limb) -> Reach:
     """Return what a leg takes up along the run, from its foot."""
     anchor = -leg.anchor_to_foot[0]
     ends = [anchor - leg.half_width, anchor + leg.half_width]
@@ -298,17 +300,17 @@ def _reach(leg: Limb) -> Reach:
     return Reach(min(ends), max(ends))
 
 
-def _placement(leg: Limb, placed: Sequence[Row], centre: tuple[float, float], height: float) -> Placement:
+def _from_rows(leg: Limb, placed: Sequence[Row], centre: tuple[float, float], height: float) -> Placement:
     """Legs of rows, each like `leg`."""
     found = tuple(
-        leg._replace(along=round(row.along, DIGITS), across=round(across, DIGITS), width=round(width, DIGITS))
+        leg._replace(along=round(row.along, DECIMALS), across=round(across, DECIMALS), width=round(width, DECIMALS))
         for row in placed
         for across, width in row.legs
     )
-    return Placement(found, math.degrees(math.atan2(_margin(placed, centre), height)))
+    return Placement(found, math.degrees(math.atan2(_stability_margin(placed, centre), height)))
 
 
-def _margin(placed: Sequence[Row], centre: tuple[float, float]) -> float:
+def _stability_margin(placed: Sequence[Row], centre: tuple[float, float]) -> float:
     """Distance, mm, of the centre of mass from the edge of what the feet stand on; 0 outside."""
     import shapely
 
@@ -318,7 +320,7 @@ def _margin(placed: Sequence[Row], centre: tuple[float, float]) -> float:
     return float(ground.boundary.distance(point)) if ground.contains(point) else 0.0
 
 
-def rows(ground: "BaseGeometry", centre: tuple[float, float], height: float, reach: Reach) -> tuple[Row, ...]:
+def find_rows(ground: "BaseGeometry", centre: tuple[float, float], height: float, reach: Reach) -> tuple[Row, ...]:
     """Rows behind and before the centre of mass, (along, across), under a ground seen from above, mm.
 
     `height` is that of the centre of mass above the plate. Feet stand as far behind it as before it
@@ -326,59 +328,61 @@ def rows(ground: "BaseGeometry", centre: tuple[float, float], height: float, rea
     """
     import shapely
 
-    inner = ground.buffer(-EDGE_MM).simplify(ROUNDED_MM)
+    inner = ground.buffer(-MIN_EDGE_MM).simplify(SIMPLIFY_MM)
     left, _, right, _ = ground.bounds
-    least, most = STEADY * height, right - left
-    wished = max(SPAN * (right - left), WISHED * height)
-    spans = np.linspace(least, max(most, least), TRIES)
-    for share in SHIFTS:
+    least, most = MIN_SPAN_PER_HEIGHT * height, right - left
+    wished = max(SPAN_PER_LENGTH * (right - left), PREFERRED_SPAN_PER_HEIGHT * height)
+    spans = np.linspace(least, max(most, least), SPAN_STEPS)
+    for share in MIDDLE_SHIFTS:
         middles = centre[0] + share * spans
-        backs, fronts = (_rows(inner, middles + side * spans, centre[1], reach) for side in (-0.5, 0.5))
+        backs, fronts = (_widest_rows(inner, middles + side * spans, centre[1], reach) for side in (-0.5, 0.5))
         costs = {}
         for number, (back, front) in enumerate(zip(backs, fronts, strict=True)):
             if back is not None and front is not None:
                 narrow = 1.0 - min(back.width, front.width) / (ground.bounds[3] - ground.bounds[1])
-                costs[abs(math.log(spans[number] / wished)) + narrow] = _alike(back, front)
+                costs[abs(math.log(spans[number] / wished)) + narrow] = _match_widths(back, front)
         for cost in sorted(costs):
-            if _margin(costs[cost], centre) >= 0.5 * STEADY * height * (1.0 - ROUNDING):
-                return _between_rows(costs[cost], inner, centre[1], reach)
+            if _stability_margin(costs[cost], centre) >= 0.5 * MIN_SPAN_PER_HEIGHT * height * (1.0 - MARGIN_TOLERANCE):
+                return _add_middle_rows(costs[cost], inner, centre[1], reach)
     wide = 2.0 * shapely.maximum_inscribed_circle(ground).length
     raise GeometryError(
         f"{right - left:.3g} mm long, {wide:.2g} wide, centre of mass {height:.3g} mm up, it tips from any legs"
     )
 
 
-def _between_rows(outer: tuple[Row, Row], inner: "BaseGeometry", across: float, reach: Reach) -> tuple[Row, ...]:
+def _add_middle_rows(outer: tuple[Row, Row], inner: "BaseGeometry", across: float, reach: Reach) -> tuple[Row, ...]:
     """Rows with others between them, where these are far apart and there is room."""
     back, front = outer
-    number = math.ceil((front.along - back.along) / ROWS_APART_MM - ROUNDING)
+    number = math.ceil((front.along - back.along) / MAX_ROW_DISTANCE_MM - MARGIN_TOLERANCE)
     places = np.linspace(back.along, front.along, number + 1)[1:-1]
-    middle = _rows(inner, places, across, reach) if len(places) else []
+    middle = _widest_rows(inner, places, across, reach) if len(places) else []
     return back, *(row for row in middle if row is not None), front
 
 
-def _rows(inner: "BaseGeometry", places: Array, across: float, reach: Reach) -> list[Row | None]:
+def _widest_rows(inner: "BaseGeometry", places: Array, across: float, reach: Reach) -> list[Row | None]:
     """Legs whose feet stand at each place along the run, as wide as the ground allows; None for no room.
 
     They are their own mirror image about the centre of mass, where such pieces are wide enough.
     """
     found: list[Row | None] = []
-    for along, pieces in zip(places.tolist(), _covered(inner, places + reach.back, places + reach.front), strict=True):
+    for along, pieces in zip(
+        places.tolist(), _covered_intervals(inner, places + reach.back, places + reach.front), strict=True
+    ):
         mirrored = [(2.0 * across - high, 2.0 * across - low) for low, high in pieces]
         both = [(max(a, c), min(b, d)) for a, b in pieces for c, d in mirrored]
-        found.append(_row(along, across, both) or _row(along, across, pieces))
+        found.append(_build_row(along, across, both) or _build_row(along, across, pieces))
     return found
 
 
-def _row(along: float, across: float, pieces: Sequence[tuple[float, float]]) -> Row | None:
+def _build_row(along: float, across: float, pieces: Sequence[tuple[float, float]]) -> Row | None:
     """Legs in those pieces that are wide enough, if the centre of mass lies between the outer ones."""
-    wide = sorted((low, high) for low, high in pieces if high - low >= NARROWEST_MM)
+    wide = sorted((low, high) for low, high in pieces if high - low >= MIN_LEG_WIDTH_MM)
     if not wide or not wide[0][0] <= across <= wide[-1][1]:
         return None
     return Row(along, tuple((0.5 * (low + high), high - low) for low, high in wide))
 
 
-def _covered(inner: "BaseGeometry", backs: Array, fronts: Array) -> list[list[tuple[float, float]]]:
+def _covered_intervals(inner: "BaseGeometry", backs: Array, fronts: Array) -> list[list[tuple[float, float]]]:
     """Intervals across the run over which each strip along it is wholly under a ground."""
     import shapely
 
@@ -392,10 +396,10 @@ def _covered(inner: "BaseGeometry", backs: Array, fronts: Array) -> list[list[tu
     for owner, (_, begin, _, end), area in zip(owners, bounds, shapely.area(parts), strict=True):
         if area > 0.0:
             shadows[owner].append((begin, end))
-    return [list(_between(sorted(own), low, high)) for own in shadows]
+    return [list(_free_intervals(sorted(own), low, high)) for own in shadows]
 
 
-def _between(shadows: Sequence[tuple[float, float]], low: float, high: float) -> Iterator[tuple[float, float]]:
+def _free_intervals(shadows: Sequence[tuple[float, float]], low: float, high: float) -> Iterator[tuple[float, float]]:
     """Intervals of a range that no shadow, in their order, covers."""
     for begin, end in shadows:
         if begin > low:
@@ -405,9 +409,9 @@ def _between(shadows: Sequence[tuple[float, float]], low: float, high: float) ->
         yield low, high
 
 
-def _alike(back: Row, front: Row) -> tuple[Row, Row]:
+def _match_widths(back: Row, front: Row) -> tuple[Row, Row]:
     """Rows of one leg each at one place across: both as wide as the narrower, so that they are equal."""
-    if len(back.legs) != 1 or len(front.legs) != 1 or abs(back.legs[0][0] - front.legs[0][0]) > EDGE_MM:
+    if len(back.legs) != 1 or len(front.legs) != 1 or abs(back.legs[0][0] - front.legs[0][0]) > MIN_EDGE_MM:
         return back, front
     leg = front.legs[0][0], min(back.width, front.width)
     return back._replace(legs=(leg,)), front._replace(legs=(leg,))

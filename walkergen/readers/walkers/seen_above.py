@@ -17,11 +17,11 @@ from walkergen.readers.walkers import landing
 
 Array = npt.NDArray[np.float64]
 
-MOVED = 0.01
+MAX_DEVIATION_MM = 0.01
 """Distance between an outline and its simplification at most, mm: below what a printer resolves."""
 
 
-def contours(design: Design) -> tuple[Array, ...]:
+def body_contours(design: Design) -> tuple[Array, ...]:
     """Return contours of the body, from the middle of its box, shape (n, 2) each, mm.
 
     Outer ones are counter-clockwise, then holes clockwise. A body in side view has its rectangle, a mesh its
@@ -32,7 +32,7 @@ def contours(design: Design) -> tuple[Array, ...]:
         return (half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]),)
     if shape.mesh is None:
         return shape.plan
-    turned_up = landing.ready(design.body.key).solid.rotate((90.0, 0.0, 0.0))  # z to -y
+    turned_up = landing.prepare_body(design.body.key).solid.rotate((90.0, 0.0, 0.0))  # z to -y
     rings = [np.add(ring, (0.0, half[1])) for ring in turned_up.project().to_polygons()]
     return tuple(sorted(rings, key=lambda ring: area(ring) < 0.0))
 
@@ -46,8 +46,8 @@ def outline_of(design: Design, mass: MassProperties | None = None) -> list[Array
     mass = solids.mass_of(design) if mass is None else mass
     shift = to_centre_frame(design.limbs, mass, np.zeros((1, 2)))[0, 0], 0.0
     round_one = design.body.outline in ("disc", "ellipse")
-    thinned = _evenly if round_one else _simplified
-    return [np.add(thinned(ring), shift) for ring in contours(design) if area(ring) > 0.0]
+    thinned = _thin_evenly if round_one else _simplify_ring
+    return [np.add(thinned(ring), shift) for ring in body_contours(design) if area(ring) > 0.0]
 
 
 def area_of(outline: Sequence[Array]) -> float:
@@ -55,25 +55,25 @@ def area_of(outline: Sequence[Array]) -> float:
     return float(sum(area(contour) for contour in outline))
 
 
-def _simplified(ring: Array) -> Array:
+def _simplify_ring(ring: Array) -> Array:
     """Contour without the points that it can spare."""
     import shapely
 
-    exterior = shapely.polygons(ring).simplify(MOVED, preserve_topology=True).exterior
+    exterior = shapely.polygons(ring).simplify(MAX_DEVIATION_MM, preserve_topology=True).exterior
     points = np.asarray(exterior.coords, dtype=np.float64)[:-1]
     return points if area(points) > 0.0 else points[::-1]
 
 
-def _evenly(ring: Array) -> Array:
+def _thin_evenly(ring: Array) -> Array:
     """Every k-th point of a round contour, which stays its own mirror image."""
     half = len(ring) // 2
     for step in range(half // 2, 1, -1):
-        if half % step == 0 and _moved(ring, step) <= MOVED:
+        if half % step == 0 and _thinning_error(ring, step) <= MAX_DEVIATION_MM:
             return ring[::step]
     return ring
 
 
-def _moved(ring: Array, step: int) -> float:
+def _thinning_error(ring: Array, step: int) -> float:
     """Distance of a contour from that of every `step`-th of its points, mm."""
     import shapely
 

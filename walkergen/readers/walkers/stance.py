@@ -19,7 +19,7 @@ from walkergen.core.walker.body import Body
 from walkergen.core.walker.limbs import Leg, Limb, resolve_leg
 from walkergen.readers.walkers.forming import shape_of
 
-STEEPEST = math.radians(60.0)
+MAX_LEAN_RAD = math.radians(60.0)
 """Largest lean of a body, rad."""
 
 
@@ -30,7 +30,7 @@ class _Parts(Section):
     legs: list[Leg]
 
 
-def level(data: Mapping[str, Any], follow_deg: float) -> dict[str, Any]:
+def level_feet(data: Mapping[str, Any], follow_deg: float) -> dict[str, Any]:
     """Turn a design that stands as built until it stands on two feet, and return its data.
 
     Its body becomes a profile and its legs keep their shapes; braces are upright as it stands. Raises GeometryError if
@@ -39,7 +39,7 @@ def level(data: Mapping[str, Any], follow_deg: float) -> dict[str, Any]:
     for name in ("motor", "battery"):
         if data.get(name) is not None:
             raise GeometryError(f"{name} = ...: a walker with stance = 'as built' carries none: make the feet level")
-    parts = _Parts.model_validate({"body": data.get("body", {}), "legs": _listed(data)})
+    parts = _Parts.model_validate({"body": data.get("body", {}), "legs": _leg_list(data)})
     legs, shape = parts.legs, shape_of(parts.body)
     if shape.side is None:
         raise GeometryError(
@@ -52,8 +52,8 @@ def level(data: Mapping[str, Any], follow_deg: float) -> dict[str, Any]:
     built = [resolve_leg(leg, follow_deg, shape.size.depth, -0.5 * shape.size.thickness) for leg in legs]
     back = min(built, key=lambda limb: limb.along)
     front = max(built, key=lambda limb: limb.along)
-    lean = _lean(back, front)
-    side = _turned(np.asarray(shape.side), lean)
+    lean = _find_lean(back, front)
+    side = _rotate(np.asarray(shape.side), lean)
     low, high = side.min(axis=0), side.max(axis=0)
     side, middle = side - 0.5 * (low + high), 0.5 * (low + high)
     table = dict(data.get("body", {}))
@@ -61,49 +61,49 @@ def level(data: Mapping[str, Any], follow_deg: float) -> dict[str, Any]:
         table.pop(key, None)
     table["profile_mm"] = side.tolist()
     stood = [
-        _standing(leg, limb, lean, middle, -0.5 * float(high[1] - low[1]))
-        for leg, limb in zip(_listed(data), built, strict=True)
+        _standing_leg(leg, limb, lean, middle, -0.5 * float(high[1] - low[1]))
+        for leg, limb in zip(_leg_list(data), built, strict=True)
     ]
     return {**data, "stance": "level", "body": table, "legs": stood}
 
 
-def _listed(data: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+def _leg_list(data: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     legs = data.get("legs")
     if not isinstance(legs, list) or len(legs) < 2:
         raise GeometryError("stance = 'as built': needs a list [[legs]] of two legs or more")
     return legs
 
 
-def _lean(back: Limb, front: Limb) -> float:
+def _find_lean(back: Limb, front: Limb) -> float:
     """Angle (rad, counter-clockwise) by which a body turns until two feet are level."""
     from scipy.optimize import brentq
 
-    def higher(lean: float) -> float:
-        return float(_foot(front, lean)[1] - _foot(back, lean)[1])
+    def height_difference(lean: float) -> float:
+        return float(_foot_position(front, lean)[1] - _foot_position(back, lean)[1])
 
-    if higher(-STEEPEST) * higher(STEEPEST) > 0.0:
+    if height_difference(-MAX_LEAN_RAD) * height_difference(MAX_LEAN_RAD) > 0.0:
         raise GeometryError(
             "stance = 'as built': the body would lean by more than "
-            f"{math.degrees(STEEPEST):g} deg: make the legs more alike, or put them farther apart"
+            f"{math.degrees(MAX_LEAN_RAD):g} deg: make the legs more alike, or put them farther apart"
         )
-    return float(brentq(higher, -STEEPEST, STEEPEST, xtol=1e-14))
+    return float(brentq(height_difference, -MAX_LEAN_RAD, MAX_LEAN_RAD, xtol=1e-14))
 
 
-def _turned(points: Array, lean: float) -> Array:
+def _rotate(points: Array, lean: float) -> Array:
     sin, cos = math.sin(lean), math.cos(lean)
     return np.asarray(points @ np.array([[cos, sin], [-sin, cos]]))
 
 
-def _foot(limb: Limb, lean: float) -> Array:
+def _foot_position(limb: Limb, lean: float) -> Array:
     """Place at which a leg of a turned walker touches, shape (2,), mm."""
     turned = limb._replace(tilt=limb.tilt - lean)
-    return _turned(np.array(limb.anchor), lean) + turned.anchor_to_foot
+    return _rotate(np.array(limb.anchor), lean) + turned.anchor_to_foot
 
 
-def _standing(leg: Mapping[str, Any], limb: Limb, lean: float, middle: Array, bottom: float) -> dict[str, Any]:
+def _standing_leg(leg: Mapping[str, Any], limb: Limb, lean: float, middle: Array, bottom: float) -> dict[str, Any]:
     """Keys of a leg of the walker as it stands; lengths count from its lowest level, `bottom`."""
     tilt = limb.tilt - lean
-    anchor, foot = _turned(np.array(limb.anchor), lean) - middle, _foot(limb, lean) - middle
+    anchor, foot = _rotate(np.array(limb.anchor), lean) - middle, _foot_position(limb, lean) - middle
     end = anchor[1] - limb.length * math.cos(tilt)
     keys = {key: value for key, value in leg.items() if key != "mirrored"}
     return keys | {

@@ -16,12 +16,12 @@ from walkergen.core.shapes import modeller
 from walkergen.core.shapes.mesh import Array, Mesh
 from walkergen.core.walker.limbs import Kind, Legs, Limb
 
-FOOT_TOLERANCE = 1e-3
+FOOT_TOLERANCE_MM = 1e-3
 """Height above a leg's lowest point up to which points touch the plate, mm: a micrometre."""
 
-MOST_LEGS = 100
+MAX_LEGS = 100
 
-SMALLEST_STRUT = 1e-6
+MIN_STRUT_SHARE = 1e-6
 """Area of a strut's section over the largest of a leg, below which it is rounding."""
 
 
@@ -60,7 +60,7 @@ class CutWalker(NamedTuple):
 
     def limbs(self, kind: Kind, depth: float) -> tuple[Limb, ...]:
         """Return its legs with all their numbers. Raises GeometryError for flexible ones with a brace."""
-        return tuple(_limb_of(leg, kind, number, depth) for number, leg in enumerate(self.legs, start=1))
+        return tuple(_to_limb(leg, kind, number, depth) for number, leg in enumerate(self.legs, start=1))
 
 
 def cut_legs(mesh: Mesh, below_mm: float, key: str = "walker.legs_below_mm") -> CutWalker:
@@ -79,40 +79,40 @@ def cut_legs(mesh: Mesh, below_mm: float, key: str = "walker.legs_below_mm") -> 
         raise GeometryError(
             f"{key} = {below_mm:g}: above it are {len(tops)} pieces, must be one body; cut lower or higher"
         )
-    if not 0 < len(pieces) <= MOST_LEGS:
+    if not 0 < len(pieces) <= MAX_LEGS:
         raise GeometryError(
-            f"{key} = {below_mm:g}: below it are {len(pieces)} pieces, must be 1..{MOST_LEGS} legs; cut elsewhere"
+            f"{key} = {below_mm:g}: below it are {len(pieces)} pieces, must be 1..{MAX_LEGS} legs; cut elsewhere"
         )
-    legs = [_measured(piece, height, f"{key} = {below_mm:g}") for piece in pieces]
+    legs = [_measure_leg(piece, height, f"{key} = {below_mm:g}") for piece in pieces]
     ordered = sorted(legs, key=lambda leg: (round(float(leg.anchor[0]), 6), leg.z))
     return CutWalker(modeller.to_mesh(tops[0]), tuple(ordered), mesh)
 
 
-def centred(cut: CutWalker) -> CutWalker:
+def centre_on_body(cut: CutWalker) -> CutWalker:
     """Walker in the design's frame, that of its body's box."""
     low, high = cut.body.vertices.min(axis=0), cut.body.vertices.max(axis=0)
     shift = -0.5 * (low + high)
     shift[2] = -low[2]
     return CutWalker(
-        _shifted(cut.body, shift),
+        _shift_mesh(cut.body, shift),
         tuple(
             leg._replace(
-                mesh=_shifted(leg.mesh, shift),
+                mesh=_shift_mesh(leg.mesh, shift),
                 anchor=leg.anchor + shift,
                 foot=leg.foot + shift,
                 z=leg.z + float(shift[2]),
             )
             for leg in cut.legs
         ),
-        _shifted(cut.whole, shift),
+        _shift_mesh(cut.whole, shift),
     )
 
 
-def _shifted(mesh: Mesh, shift: Array) -> Mesh:
+def _shift_mesh(mesh: Mesh, shift: Array) -> Mesh:
     return mesh._replace(vertices=mesh.vertices + shift)
 
 
-def _limb_of(leg: CutLeg, kind: Kind, number: int, depth: float) -> Limb:
+def _to_limb(leg: CutLeg, kind: Kind, number: int, depth: float) -> Limb:
     """Return a leg of a finished walker with all its numbers; its foot counts as flat.
 
     Raises GeometryError for a leg with a brace that is said to be flexible.
@@ -141,15 +141,15 @@ def _limb_of(leg: CutLeg, kind: Kind, number: int, depth: float) -> Limb:
     )
 
 
-def _measured(piece: manifold3d.Manifold, height: float, source: str) -> CutLeg:
+def _measure_leg(piece: manifold3d.Manifold, height: float, source: str) -> CutLeg:
     """Leg of a piece below the cut. Raises GeometryError when it is not a leg that reaches up."""
     mesh = modeller.to_mesh(piece)
-    struts = _struts(mesh, height)
+    struts = _find_struts(mesh, height)
     if not struts:
         raise GeometryError(f"{source}: a piece below it has no section there; cut elsewhere")
     points, anchor = struts[0]
     extent = points.max(axis=0) - points.min(axis=0)
-    foot = _foot(mesh)
+    foot = _find_foot(mesh)
     dx, dy = anchor[0] - foot[0], anchor[1] - foot[1]
     tilt = math.atan2(dx, dy)
     return CutLeg(
@@ -165,16 +165,16 @@ def _measured(piece: manifold3d.Manifold, height: float, source: str) -> CutLeg:
     )
 
 
-def _foot(mesh: Mesh) -> Array:
+def _find_foot(mesh: Mesh) -> Array:
     """Middle in x and z of the lowest points; y of the lowest."""
     lowest = float(mesh.vertices[:, 1].min())
-    touching = mesh.vertices[mesh.vertices[:, 1] <= lowest + FOOT_TOLERANCE]
+    touching = mesh.vertices[mesh.vertices[:, 1] <= lowest + FOOT_TOLERANCE_MM]
     foot: Array = 0.5 * (touching.min(axis=0) + touching.max(axis=0))
     foot[1] = lowest
     return foot
 
 
-def _struts(mesh: Mesh, height: float) -> list[tuple[Array, Array]]:
+def _find_struts(mesh: Mesh, height: float) -> list[tuple[Array, Array]]:
     """Corners, shape (n, 3), and centroid, shape (3,), of every section at a height, largest first.
 
     The sections are the flat faces that the cut has left at the top of a leg.
@@ -197,4 +197,4 @@ def _struts(mesh: Mesh, height: float) -> list[tuple[Array, Array]]:
             centroid = areas[mine] @ corners[mine].mean(axis=1) / area
             struts.append((area, corners[mine].reshape(-1, 3), centroid))
     struts.sort(key=lambda strut: -strut[0])
-    return [(points, middle) for area, points, middle in struts if area > SMALLEST_STRUT * struts[0][0]]
+    return [(points, middle) for area, points, middle in struts if area > MIN_STRUT_SHARE * struts[0][0]]

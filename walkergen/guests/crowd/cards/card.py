@@ -30,11 +30,11 @@ Corner = Annotated[list[Value], Field(min_length=2, max_length=2)]
 Contour = Annotated[list[Corner], Field(min_length=3, max_length=100_000)]
 
 
-SMALLEST_MM2 = 1e-6
+MIN_AREA_MM2 = 1e-6
 """Least area of a contour, mm^2."""
 
 
-UNITS = ("g_mm2_s2", "mm2_s", "rad2_s", "rad_s", "mm_s", "per_mm", "s")
+KEY_UNITS = ("g_mm2_s2", "mm2_s", "rad2_s", "rad_s", "mm_s", "per_mm", "s")
 """Units that keys of a card end in, those first that end in others."""
 
 
@@ -48,32 +48,32 @@ class _Number(Section):
     """Independent runs or films that it is from: one more than the degrees of freedom of the error."""
 
 
-def _read(data: Any, validate: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Quantity:
+def _to_quantity(data: Any, validate: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Quantity:
     """Quantity of a number of the file, by the key of its field."""
     if isinstance(data, Quantity):
         return data
     number: _Number = validate(data)
-    return measured(str(info.field_name), number.value, number.se, number.runs)
+    return field_quantity(str(info.field_name), number.value, number.se, number.runs)
 
 
-def _written(quantity: Quantity) -> dict[str, Any]:
+def _to_dict(quantity: Quantity) -> dict[str, Any]:
     """Return a quantity as the file stores it."""
-    return {"value": quantity.value, "se": quantity.se, "runs": runs_of(quantity)}
+    return {"value": quantity.value, "se": quantity.se, "runs": run_count(quantity)}
 
 
 if TYPE_CHECKING:
     Measured = Quantity
 else:  # what a file has is a table, of which a quantity is made
-    Measured = Annotated[_Number, WrapValidator(_read), PlainSerializer(_written)]
+    Measured = Annotated[_Number, WrapValidator(_to_quantity), PlainSerializer(_to_dict)]
 
 
-def measured(field: str, value: float, se: float | None = None, runs: int | None = None) -> Quantity:
+def field_quantity(field: str, value: float, se: float | None = None, runs: int | None = None) -> Quantity:
     """Quantity of a field of a card, from so many independent runs."""
-    unit = next((unit for unit in UNITS if field.endswith(f"_{unit}")), "")
+    unit = next((unit for unit in KEY_UNITS if field.endswith(f"_{unit}")), "")
     return Quantity(field.removesuffix(f"_{unit}"), unit, value, se, math.inf if runs is None else runs - 1.0)
 
 
-def runs_of(quantity: Quantity) -> int | None:
+def run_count(quantity: Quantity) -> int | None:
     """Independent runs that a card's number is from; None where it does not say."""
     return None if math.isinf(quantity.freedom) else round(quantity.freedom) + 1
 
@@ -137,13 +137,13 @@ class Card(Section):
 
     @field_validator("outline_mm")
     @classmethod
-    def _turning_left(cls, contours: list[Contour]) -> list[Contour]:
+    def _check_contours(cls, contours: list[Contour]) -> list[Contour]:
         for number, contour in enumerate(contours, start=1):
             size = area(contour)
-            if size < SMALLEST_MM2:
+            if size < MIN_AREA_MM2:
                 raise ValueError(
                     f"contour {number} encloses {size:.3g} mm2: must be counter-clockwise and >= "
-                    f"{SMALLEST_MM2:g} mm2; turn the order of its corners round, or mend them"
+                    f"{MIN_AREA_MM2:g} mm2; turn the order of its corners round, or mend them"
                 )
         return contours
 
@@ -166,7 +166,7 @@ class Card(Section):
         return self.speed_mm_s.number * (1.0 + rotation * along + turned / (1.0 + rotation * across))
 
     @model_validator(mode="after")
-    def _possible(self) -> "Card":
+    def _check_nonnegative(self) -> "Card":
         for key in (
             "velocity_relaxation_s",
             "rotational_diffusion_rad2_s",
@@ -187,7 +187,7 @@ def area(contour: Contour) -> float:
     return 0.5 * sum(x * v - u * y for (x, y), (u, v) in zip(contour, after, strict=True))
 
 
-def read(path: Path) -> Card:
+def read_card(path: Path) -> Card:
     """Read a card. Raises InputError for a file that is cut off, or a number that is none."""
     data = reading.read_json(path)
     if not isinstance(data, dict):

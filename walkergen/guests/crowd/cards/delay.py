@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis import lagged, moments
-from walkergen.analysis.estimates import FEWEST_SAMPLES
+from walkergen.analysis.estimates import MIN_SAMPLES
 from walkergen.analysis.motion import Curve
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.core.numerics import statistics
@@ -23,13 +23,13 @@ from walkergen.core.numerics.quantity import Quantity
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
-HALF = 0.5
+CUTOFF_SHARE = 0.5
 """Share of the direction at whose loss the integral ends, if a quarter of a track shows it."""
 
-CUTS = 16
+MIN_PIECES = 16
 """Samples that tracks of few walkers are cut into, at least."""
 
-MOST_LAGS = 4000
+MAX_LAGS = 4000
 
 
 class Delay(NamedTuple):
@@ -45,35 +45,35 @@ class Delay(NamedTuple):
 
 def measure(tracks: Tracks) -> Delay:
     """Delay function of tracks with headings, and the mean delay, by a jackknife over walkers."""
-    series = [_series(track, tracks.interval) for track in tracks.tracks if _turns(track)]
-    if len(series) < moments.ENOUGH_PARTICLES:
-        cuts = math.ceil(CUTS / max(len(series), 1))
+    series = [_velocities_and_headings(track, tracks.interval) for track in tracks.tracks if _has_heading(track)]
+    if len(series) < moments.MIN_PARTICLES:
+        cuts = math.ceil(MIN_PIECES / max(len(series), 1))
         series = [
             (velocity, unit)
             for whole, headings in series
-            for velocity, unit in zip(np.array_split(whole, cuts), _cut(headings, cuts), strict=True)
+            for velocity, unit in zip(np.array_split(whole, cuts), _split_headings(headings, cuts), strict=True)
         ]
     longest = max((len(velocity) for velocity, _ in series), default=0) // 4
     none = np.zeros(0)
-    if len(series) < FEWEST_SAMPLES or longest < 4:
-        reason = f"{len(series)} independent samples; at least {FEWEST_SAMPLES}: film for longer"
+    if len(series) < MIN_SAMPLES or longest < 4:
+        reason = f"{len(series)} independent samples; at least {MIN_SAMPLES}: film for longer"
         return Delay(Quantity("delay", "s", None, refused=reason), math.nan, Curve(none, none, none))
-    lags = np.arange(min(longest, MOST_LAGS), dtype=np.int64)
-    sums = np.array([_sums(velocity, unit, lags) for velocity, unit in series])
+    lags = np.arange(min(longest, MAX_LAGS), dtype=np.int64)
+    sums = np.array([_correlation_sums(velocity, unit, lags) for velocity, unit in series])
     whole = sums.sum(axis=0)
     both = np.array([_correlations(one) for one in (whole, *(whole - own for own in sums))])
     function = both[:, 0] - both[:, 1]
     mean = both.mean(axis=1)
     at_once = 1.5 * mean[:, 0] - 0.5 * mean[:, 1]
-    fallen = np.flatnonzero(mean[0] < HALF * at_once[0])
+    fallen = np.flatnonzero(mean[0] < CUTOFF_SHARE * at_once[0])
     end = max(int(fallen[0]), 2) if len(fallen) else len(lags) - 1
     lost = at_once - 0.5 * (mean[:, end] + mean[:, end - 1])
     areas = tracks.interval * function[:, :end].sum(axis=1)
     curve = Curve(tracks.interval * (lags.astype(float) + 0.5), function[0], statistics.jackknife_error(function[1:]))
-    return Delay(_mean(areas, lost), end * tracks.interval, curve)
+    return Delay(_mean_delay(areas, lost), end * tracks.interval, curve)
 
 
-def expected(lag: Array, speed: float, rate: float, turn: float, relaxation: float) -> Array:
+def inertial_delay(lag: Array, speed: float, rate: float, turn: float, relaxation: float) -> Array:
     """Delay function (mm/s) of a particle with inertia, at lags in s.
 
     `speed` of its propulsion (mm/s), `rate` of diffusion of its heading (rad^2/s), which forgets at
@@ -87,7 +87,7 @@ def expected(lag: Array, speed: float, rate: float, turn: float, relaxation: flo
     return np.asarray(speed * (after - before).real)
 
 
-def _mean(areas: Array, lost: Array) -> Quantity:
+def _mean_delay(areas: Array, lost: Array) -> Quantity:
     """Half of the areas over what was lost of the correlation, first of all samples."""
     error = float(statistics.jackknife_error(lost[1:, None])[0])
     if not lost[0] > 3.0 * error:
@@ -98,26 +98,26 @@ def _mean(areas: Array, lost: Array) -> Quantity:
     return Quantity("delay", "s", float(delays[0]), se, len(delays) - 2.0)
 
 
-def _turns(track: Track) -> bool:
+def _has_heading(track: Track) -> bool:
     return track.heading is not None and len(track.position) > 1
 
 
-def _series(track: Track, interval: float) -> tuple[Complex, Complex]:
+def _velocities_and_headings(track: Track, interval: float) -> tuple[Complex, Complex]:
     """Velocities over each interval, mm/s, and unit vectors of the headings at all samples."""
     assert track.heading is not None
-    return np.diff(moments.planar(track)) / interval, np.exp(1j * track.heading)
+    return np.diff(moments.complex_position(track)) / interval, np.exp(1j * track.heading)
 
 
-def _cut(unit: Complex, cuts: int) -> list[Complex]:
+def _split_headings(unit: Complex, cuts: int) -> list[Complex]:
     """Headings of pieces that have one more of them than velocities."""
     parts = np.array_split(np.arange(len(unit) - 1), cuts)
     return [unit[part[0] : part[-1] + 2] if len(part) else unit[:1] for part in parts]
 
 
-def _sums(velocity: Complex, unit: Complex, lags: lagged.Lags) -> Array:
+def _correlation_sums(velocity: Complex, unit: Complex, lags: lagged.Lags) -> Array:
     """Sum v(t) . e(0), then v(0) . e(t), and count their pairs, at half an interval more than each lag."""
-    after, pairs = lagged.crossed(unit[:-1], velocity, lags)
-    before, others = lagged.crossed(velocity, unit[1:], lags)
+    after, pairs = lagged.sum_cross_products(unit[:-1], velocity, lags)
+    before, others = lagged.sum_cross_products(velocity, unit[1:], lags)
     return np.array([after.real, pairs, before.real, others])
 
 

@@ -7,41 +7,41 @@ from matplotlib.figure import Figure
 from walkergen.analysis import walks
 from walkergen.analysis.walks import Spread
 from walkergen.files import figures as plots
-from walkergen.files.figures import COLUMN, FITTED, GREY, MEASURED, SERIES, Look, grid_of, panels_of, style
+from walkergen.files.figures import COLUMN_INCHES, FITTED, GREY, MEASURED, SERIES, Look, new_grid, new_panels, style
 from walkergen.guests.crowd.cards import delay
 from walkergen.guests.crowd.cards.card import Card
 from walkergen.guests.crowd.cards.relaxation import Relaxation
 from walkergen.guests.crowd.cards.walker_motion import Measured
 from walkergen.guests.crowd.cards.walled import Walled
 
-SHOWN = 5.0
+CORRELATION_SPAN = 5.0
 """Times of relaxation over which correlations are drawn."""
 
-DELAYS = 60
+MAX_DELAY_POINTS = 60
 """Most points of the delay function that are drawn."""
 
 
 @style()
-def of_card(card: Card, measured: Measured) -> Figure:
+def draw_card(card: Card, measured: Measured) -> Figure:
     """Draw squared displacement with its parts, correlations of fluctuations, delay function."""
     title = ", ".join(filter(None, (f"Card of {card.name}", card.scene)))
-    figure, (spread, memory, late) = grid_of(title, 3, 1, 2.2, COLUMN)
-    _spread(spread, card, measured)
-    _memory(memory, measured)
-    _delay(late, card, measured)
+    figure, (spread, memory, late) = new_grid(title, 3, 1, 2.2, COLUMN_INCHES)
+    _draw_spread(spread, card, measured)
+    _draw_correlations(memory, measured)
+    _draw_delay(late, card, measured)
     return figure
 
 
-def _spread(axes: Axes, card: Card, measured: Measured) -> None:
+def _draw_spread(axes: Axes, card: Card, measured: Measured) -> None:
     """Squared displacement measured, and what run and diffusion of the card make of it."""
     at, value, _ = measured.motion.msd
     speed, turning = card.speed_mm_s.number, card.turning_rad_s.number
     time, rotation = card.velocity_relaxation_s.number, card.rotational_diffusion_rad2_s.number
     fine = np.geomspace(at[0], at[-1], 200)
-    run = walks.squared(fine, Spread(speed**2, rotation, 0.0, 0.0, turning))
-    late = walks.late(fine, time) if time > 0.0 else fine  # less the time in which pushes are remembered
+    run = walks.squared_displacement(fine, Spread(speed**2, rotation, 0.0, 0.0, turning))
+    late = walks.delayed_lag(fine, time) if time > 0.0 else fine  # less the time in which pushes are remembered
     pushed = 4.0 * card.translational_diffusion_mm2_s.number * late
-    plots.points(axes, measured.motion.msd, label="measured")
+    plots.draw_points(axes, measured.motion.msd, label="measured")
     axes.plot(fine, run + pushed, color=FITTED.colour, label="card: sum")
     axes.plot(fine, run, "--", color=GREY, label="run, turning")
     axes.plot(fine, pushed, ":", color=GREY, label="pushes")
@@ -50,52 +50,52 @@ def _spread(axes: Axes, card: Card, measured: Measured) -> None:
     if len(positive):
         axes.set_ylim(0.3 * positive.min(), 3.0 * positive.max())
     axes.legend(loc="upper left")
-    plots.name(axes, "lag (s)", "squared displacement (mm²)", log="xy")
+    plots.label_axes(axes, "lag (s)", "squared displacement (mm²)", log="xy")
 
 
-def _memory(axes: Axes, measured: Measured) -> None:
+def _draw_correlations(axes: Axes, measured: Measured) -> None:
     """Correlations of velocity and of turning, each over its first value, with exponentials."""
     longest = 0.0
     for relaxed, look, name in ((measured.velocity, SERIES[0], "velocity"), (measured.turning, SERIES[1], "turning")):
         curve = relaxed.correlation
         if not len(curve.at) or not curve.value[0] > 0.0 or relaxed.time.value is None:
             continue
-        shown = curve.at <= max(SHOWN * relaxed.time.value, 6.0 * measured.interval)
+        shown = curve.at <= max(CORRELATION_SPAN * relaxed.time.value, 6.0 * measured.interval)
         longest = max(longest, float(curve.at[shown][-1]))
-        _correlation(axes, relaxed, int(shown.sum()), look, name)
-    plots.level(axes)
+        _draw_correlation(axes, relaxed, int(shown.sum()), look, name)
+    plots.draw_level(axes)
     if longest:
         axes.set_xlim(-0.02 * longest, 1.02 * longest)
         axes.legend(loc="upper right")
-    plots.name(axes, "lag (s)", "correlation")
+    plots.label_axes(axes, "lag (s)", "correlation")
 
 
-def _correlation(axes: Axes, relaxed: Relaxation, shown: int, look: Look, name: str) -> None:
+def _draw_correlation(axes: Axes, relaxed: Relaxation, shown: int, look: Look, name: str) -> None:
     """First points of a correlation, and its exponential."""
     at, value, se = (part[:shown] for part in relaxed.correlation)
     first, time = value[0], relaxed.time.value
-    plots.points(axes, (at, value / first, se / first), look, f"of {name}")
+    plots.draw_points(axes, (at, value / first, se / first), look, f"of {name}")
     if relaxed.resolved and time:
         fine = np.linspace(0.0, float(at[-1]), 200)
         height = relaxed.deviation**2 / first
         axes.plot(fine, height * np.exp(-fine / time), color=look.colour, lw=0.8, label=f"exp(-t / {time:.2g} s)")
 
 
-def _delay(axes: Axes, card: Card, measured: Measured) -> None:
+def _draw_delay(axes: Axes, card: Card, measured: Measured) -> None:
     """Delay function measured, and that of a particle with the card's numbers."""
     function = measured.delay.function
-    stride = max(len(function.at) // DELAYS, 1)
+    stride = max(len(function.at) // MAX_DELAY_POINTS, 1)
     at, value, se = (part[::stride] for part in function)
-    plots.level(axes)
-    plots.name(axes, "lag (s)", "delay function (mm/s)")
+    plots.draw_level(axes)
+    plots.label_axes(axes, "lag (s)", "delay function (mm/s)")
     if not len(at):
         return
-    plots.points(axes, (at, value, se), label="measured")
+    plots.draw_points(axes, (at, value, se), label="measured")
     time = card.velocity_relaxation_s.number
     if time > 0.0:
         fine = np.linspace(0.0, float(at[-1]), 300)
         rate, turn = card.rotational_diffusion_rad2_s.number, card.turning_rad_s.number
-        expected = delay.expected(fine, card.propulsion_mm_s, rate, turn, time)
+        expected = delay.inertial_delay(fine, card.propulsion_mm_s, rate, turn, time)
         axes.plot(fine, expected, color=FITTED.colour, label="card: inertia alone")
     low, high = axes.get_ylim()
     axes.set_ylim(low, high + 0.2 * (high - low))
@@ -103,17 +103,17 @@ def _delay(axes: Axes, card: Card, measured: Measured) -> None:
 
 
 @style()
-def of_walls(card: Card, walled: Walled) -> Figure:
+def draw_walls(card: Card, walled: Walled) -> Figure:
     """Draw how often a walker stands to a wall at each angle, and how it turns there."""
-    figure, (often, turns) = panels_of(f"{card.name} by the wall of {walled.dish.words}", (1.6, 1.9))
+    figure, (often, turns) = new_panels(f"{card.name} by the wall of {walled.dish.words}", (1.6, 1.9))
     by_wall = walled.by_wall
     angles = np.degrees(by_wall.angles)
     edges = np.linspace(-180.0, 180.0, len(angles) + 1)
     often.stairs(by_wall.density, edges, color=MEASURED.colour, fill=True, alpha=0.6)
     seen = np.isfinite(by_wall.rates) & np.isfinite(by_wall.rates_se)
-    plots.points(turns, (angles[seen], by_wall.rates[seen], by_wall.rates_se[seen]))
-    plots.level(turns)
+    plots.draw_points(turns, (angles[seen], by_wall.rates[seen], by_wall.rates_se[seen]))
+    plots.draw_level(turns)
     turns.set(xlim=(-180.0, 180.0), xticks=np.arange(-180, 181, 90))
-    plots.name(often, y="density (1/rad)")
-    plots.name(turns, "heading from the way out (deg)", "turning by it (rad/s)")
+    plots.label_axes(often, y="density (1/rad)")
+    plots.label_axes(turns, "heading from the way out (deg)", "turning by it (rad/s)")
     return figure

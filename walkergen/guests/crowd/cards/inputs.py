@@ -10,29 +10,32 @@ from pathlib import Path
 
 from walkergen.guests.crowd.cards.card import Card
 
-HERE = "#CARD#"
+CARD_PLACEHOLDER = "#CARD#"
 """Line of a script that the numbers replace."""
 
 SCRIPTS = {"crowd_pymunk.py": "pymunk.txt", "crowd_hoomd.py": "hoomd.txt"}
 """Scripts by the names of their files, and the assets that they are made of."""
 
 
-def all_of(card: Card) -> dict[str, bytes]:
+def input_files(card: Card) -> dict[str, bytes]:
     """Write the inputs of each program, by the names of their files; equal cards give equal bytes."""
-    numbers = numbers_of(card)
+    numbers = model_parameters(card)
     lines = [f"# {card.name}, {card.scene or 'no scene'}: mm, g, s, rad"]
-    lines += [f"{name} = {_text(value)}" for name, value in numbers.items()]
-    corners = ["[" + ", ".join(f"({_text(x)}, {_text(y)})" for x, y in contour) + "]" for contour in card.outline_mm]
+    lines += [f"{name} = {_format_number(value)}" for name, value in numbers.items()]
+    corners = [
+        "[" + ", ".join(f"({_format_number(x)}, {_format_number(y)})" for x, y in contour) + "]"
+        for contour in card.outline_mm
+    ]
     lines.append(f"OUTLINE = [{', '.join(corners)}]")
     head, assets = "\n".join(lines), Path(__file__).with_name("assets")
     made = {
-        name: assets.joinpath(asset).read_text(encoding="utf-8").replace(HERE, head).encode()
+        name: assets.joinpath(asset).read_text(encoding="utf-8").replace(CARD_PLACEHOLDER, head).encode()
         for name, asset in SCRIPTS.items()
     }
-    return made | {"card.lammps": _variables(card, numbers).encode()}
+    return made | {"card.lammps": _lammps_variables(card, numbers).encode()}
 
 
-def numbers_of(card: Card) -> dict[str, float]:
+def model_parameters(card: Card) -> dict[str, float]:
     """Numbers of a flat model, by the names of the scripts; what was not measured is 0."""
     late, sd, aside = card.turning_relaxation_s, card.turning_sd_rad_s, card.sideways_relaxation_s
     return {
@@ -53,7 +56,7 @@ def numbers_of(card: Card) -> dict[str, float]:
     }
 
 
-def _variables(card: Card, numbers: Mapping[str, float]) -> str:
+def _lammps_variables(card: Card, numbers: Mapping[str, float]) -> str:
     """Variables of LAMMPS: `include card.lammps` in a script, then ${propulsion} and so on."""
     time = max(card.velocity_relaxation_s.number, 1e-3)
     drag, spread = card.mass_g / time, math.sqrt(numbers["DIFFUSION"] / time)
@@ -61,11 +64,11 @@ def _variables(card: Card, numbers: Mapping[str, float]) -> str:
     lines = [
         f"# {card.name}, {card.scene or 'no scene'}: numbers of a walker, mm, g, s, rad",
         "# thrust = drag * propulsion (fix propel/self), velocity_sd of each axis (fix langevin)",
-        *(f"variable {name.lower()} equal {_text(value)}" for name, value in {**numbers, **more}.items()),
+        *(f"variable {name.lower()} equal {_format_number(value)}" for name, value in {**numbers, **more}.items()),
     ]
     return "\n".join(lines) + "\n"
 
 
-def _text(value: float) -> str:
+def _format_number(value: float) -> str:
     """Format a number with every digit that distinguishes it from others."""
     return repr(float(value))

@@ -20,53 +20,53 @@ from walkergen.core.walker.mass import MassProperties
 from walkergen.files import web_page
 from walkergen.guests.crowd.cards import card as cards
 from walkergen.guests.crowd.cards import inputs, overdamped, report, walker_motion, walled
-from walkergen.guests.crowd.cards.card import Card, measured
+from walkergen.guests.crowd.cards.card import Card, field_quantity
 from walkergen.guests.crowd.cards.report import CardReport
 from walkergen.guests.crowd.cards.walker_motion import Measured
 from walkergen.readers.walkers import seen_above
 
-FILE = "card.json"
+CARD_FILE = "card.json"
 
 
-def folder_of(design: Design) -> Path:
+def default_folder(design: Design) -> Path:
     """Folder of a card by default: below out/ and the walker's name."""
     return Path("out") / design.name / f"card_{names.part_name(design)}"
 
 
-def of_design(scene: Scene, design: Design, walls: bool, progress: Progress) -> CardReport:
+def from_design(scene: Scene, design: Design, walls: bool, progress: Progress) -> CardReport:
     """Card of simulated runs of a walker alone, and if wanted against the wall of the scene's dish.
 
     Raises InputError before or after they run.
     """
     mass = solids.mass_of(design)
     if walls:
-        walled.check(scene.crowd.dish)
-    motion = walker_motion.simulated(scene, design, mass, progress)
-    card = card_of(scene, design, mass, motion)
+        walled.check_dish(scene.crowd.dish)
+    motion = walker_motion.simulate_walker(scene, design, mass, progress)
+    card = make_card(scene, design, mass, motion)
     if not walls:
-        return report.of(card, motion)
-    by_wall = walled.simulated(scene, design, mass, card.speed_mm_s, progress)
+        return report.make_report(card, motion)
+    by_wall = walled.simulate_wall_runs(scene, design, mass, card.speed_mm_s, progress)
     numbers = {
         "wall_alignment": by_wall.by_wall.alignment,
         "wall_turning_rad_s": by_wall.by_wall.turning,
-        "wall_torque_g_mm2_s2": walled.torque(by_wall.by_wall.turning, motion.turning.time, card.inertia_g_mm2),
+        "wall_torque_g_mm2_s2": walled.wall_torque(by_wall.by_wall.turning, motion.turning.time, card.inertia_g_mm2),
     }
-    known = {field: _known(field, number, by_wall.runs) for field, number in numbers.items()}
-    return report.of(card.model_copy(update=known), motion, by_wall)
+    known = {field: _optional_quantity(field, number, by_wall.runs) for field, number in numbers.items()}
+    return report.make_report(card.model_copy(update=known), motion, by_wall)
 
 
-def of_film(path: Path, units: Units, scene: Scene, design: Design) -> CardReport:
+def from_film(path: Path, units: Units, scene: Scene, design: Design) -> CardReport:
     """Card of filmed walkers of a design, on the plate of a scene. Raises InputError."""
-    motion = walker_motion.filmed(path, units, scene)
-    return report.of(card_of(scene, design, solids.mass_of(design), motion), motion)
+    motion = walker_motion.measure_film(path, units, scene)
+    return report.make_report(make_card(scene, design, solids.mass_of(design), motion), motion)
 
 
-def of_file(path: Path) -> CardReport:
+def from_file(path: Path) -> CardReport:
     """Card that was written before, or by hand. Raises InputError for what is none."""
-    return report.of(cards.read(path), None)
+    return report.make_report(cards.read_card(path), None)
 
 
-def card_of(scene: Scene, design: Design, mass: MassProperties, motion: Measured) -> Card:
+def make_card(scene: Scene, design: Design, mass: MassProperties, motion: Measured) -> Card:
     """Card of a walker whose motion was measured.
 
     Raises InputError where one of the numbers that every card has is not known.
@@ -91,10 +91,10 @@ def card_of(scene: Scene, design: Design, mass: MassProperties, motion: Measured
         if number.value is None:
             raise InputError(f"the {what} is not known: {number.refused}; ‹runs=›16, or more tracks")
     numbers: dict[str, Any] = {
-        field: _known(field, number, motion.runs)
+        field: _optional_quantity(field, number, motion.runs)
         for field, number in [*((field, number) for field, (_, number) in needed.items()), *other.items()]
     }
-    away = walker_motion.centre(mass)
+    away = walker_motion.centre_of_mass(mass)
     outline = [contour - away for contour in seen_above.outline_of(design, mass)]
     length = float(np.ptp(np.concatenate(outline)[:, 0]))
     speed, turning, rotation = (found[key] for key in ("speed", "turning_bias", "rotational_diffusion"))
@@ -102,7 +102,7 @@ def card_of(scene: Scene, design: Design, mass: MassProperties, motion: Measured
         name=design.name,
         scene=scene.name,
         mass_g=float(mass.total),
-        inertia_g_mm2=walker_motion.inertia(mass),
+        inertia_g_mm2=walker_motion.yaw_inertia(mass),
         outline_mm=[[[float(x), float(y)] for x, y in contour] for contour in outline],
         restitution=scene.crowd.restitution,
         friction=scene.crowd.friction,
@@ -113,27 +113,27 @@ def card_of(scene: Scene, design: Design, mass: MassProperties, motion: Measured
     )
 
 
-def _known(field: str, number: Quantity, runs: int) -> Quantity | None:
+def _optional_quantity(field: str, number: Quantity, runs: int) -> Quantity | None:
     """Return the quantity of a card's field; None if it has no value."""
     if number.value is None:
         return None
-    return measured(field, float(number.value), None if number.se is None else float(number.se), runs)
+    return field_quantity(field, float(number.value), None if number.se is None else float(number.se), runs)
 
 
 def write(result: CardReport, asked: Mapping[str, Any], folder: Path, pictures: bool) -> CardReport:
     """Write card.json, tables, page, figure and inputs for other programs into a folder."""
     result = replace(result, folder=folder)
     with Folder(folder) as target:
-        target.write(FILE, cards.to_json(result.card))
+        target.write(CARD_FILE, cards.to_json(result.card))
         result.write(target, pictures)
-        target.write("card.html", page(result, pictures))
-        for name, text in inputs.all_of(result.card).items():
+        target.write("card.html", render_page(result, pictures))
+        for name, text in inputs.input_files(result.card).items():
             target.write(name, text)
         target.finish(dict(asked))
     return result
 
 
-def page(result: CardReport, pictures: bool) -> bytes:
+def render_page(result: CardReport, pictures: bool) -> bytes:
     """Return one HTML file with tables and notes, and figures if `pictures` are wanted."""
     parts = [web_page.from_markdown(result.markdown())]
     if pictures:

@@ -12,7 +12,7 @@ from walkergen.core.numerics.quantity import Quantity, Verdict
 from walkergen.guests.crowd.cards.card import Overdamped
 from walkergen.guests.crowd.cards.relaxation import Relaxation
 
-LIMIT = 0.1
+NEGLIGIBLE_SHARE = 0.1
 """Share of a direction or a length below which it is neglected: our choice, about the error of the
 numbers themselves."""
 
@@ -27,9 +27,9 @@ SOURCES = (
 
 def judge(speed: Quantity, turning: Quantity, rotation: Quantity, velocity: Relaxation, length_mm: float) -> Overdamped:
     """Judge by what a walker turns and coasts while its velocity relaxes."""
-    shares = shares_of(speed, turning, rotation, velocity, length_mm)
-    reason = "; ".join(map(_stated, shares))
-    verdicts = {share.compare_with_range(-math.inf, LIMIT) for share in shares}
+    shares = inertial_shares(speed, turning, rotation, velocity, length_mm)
+    reason = "; ".join(map(_format_share, shares))
+    verdicts = {share.compare_with_range(-math.inf, NEGLIGIBLE_SHARE) for share in shares}
     if Verdict.DISAGREE in verdicts:
         return Overdamped(enough=False, reason=reason)
     if verdicts == {Verdict.AGREE}:
@@ -37,7 +37,7 @@ def judge(speed: Quantity, turning: Quantity, rotation: Quantity, velocity: Rela
     return Overdamped(enough=None, reason=f"{reason}: too near to tell")
 
 
-def shares_of(
+def inertial_shares(
     speed: Quantity, turning: Quantity, rotation: Quantity, velocity: Relaxation, length_mm: float
 ) -> tuple[Quantity, Quantity]:
     """Share of its direction by which a walker turns, and of its length over which it coasts."""
@@ -55,13 +55,13 @@ def shares_of(
     )
 
 
-def _stated(share: Quantity) -> str:
+def _format_share(share: Quantity) -> str:
     """Share with its error, and on which side of the limit it is."""
-    side = "above" if share.number > LIMIT else "below"
-    return f"{share.key}: {words.format_with_error(share.number, share.se or 0.0)}, {side} {LIMIT:g}"
+    side = "above" if share.number > NEGLIGIBLE_SHARE else "below"
+    return f"{share.key}: {words.format_with_error(share.number, share.se or 0.0)}, {side} {NEGLIGIBLE_SHARE:g}"
 
 
-def in_words(verdict: Overdamped) -> str:
+def format_verdict(verdict: Overdamped) -> str:
     """Verdict as a sentence."""
     answer = {
         True: "is enough for this walker",

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from scipy import optimize, signal
 
 from walkergen.analysis import lagged, moments, walks
-from walkergen.analysis.estimates import FEWEST_SAMPLES, quantity, refusal
+from walkergen.analysis.estimates import MIN_SAMPLES, quantity, refusal
 from walkergen.analysis.motion import Curve
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.analysis.turning import PIECES
@@ -27,23 +27,23 @@ from walkergen.core.numerics.quantity import Quantity
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
-FALLEN = math.exp(-1.0)
+FIT_CUTOFF = math.exp(-1.0)
 """Share of the first correlation at which its fit ends. Later lags lower no error: of ten ensembles
 of one walker, times scatter by as much as their errors say."""
 
-FINE, FINEST = 4, 40
+MIN_STEPS_PER_RELAXATION, MAX_STEPS_PER_SAMPLE = 4, 40
 """Steps of a following velocity in a time of relaxation, at least, and in a sample, at most."""
 
-SETTLED = 3.0
+TRANSIENT_RELAXATIONS = 3.0
 """Times of relaxation after which a walker's first velocity, which nobody knows, is forgotten."""
 
-SAMPLES, ROUNDS = 16, 4
+MIN_PIECES, MAX_ITERATIONS = 16, 4
 """Samples that tracks of few walkers are cut into, at least; repetitions that find the time of
 relaxation with which headings are followed (of five walkers all agreed to 1e-4 after three)."""
 
-MOST_LAGS = 1000
+MAX_LAGS = 1000
 
-VELOCITY, DIFFUSION = "velocity_relaxation", "translational_diffusion"
+VELOCITY_KEY, DIFFUSION_KEY = "velocity_relaxation", "translational_diffusion"
 """Names of what a velocity tells."""
 
 
@@ -64,22 +64,22 @@ class Relaxation(NamedTuple):
     """Their correlation by lag, of each axis, in the square of their unit."""
 
 
-def velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Quantity]:
+def measure_velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Quantity]:
     """Relaxation of the velocity (mm/s), and translational diffusion (mm^2/s) of each axis.
 
     Tracks have headings; `exact` says that places have no noise, as of a simulation.
     """
     seconds, size = 0.0, max(len(track.position) for track in tracks.tracks) // PIECES
-    relaxed, diffusion = _unknown(VELOCITY, "no walker has a heading"), refusal(DIFFUSION, "")
-    for _ in range(ROUNDS):
-        followed = [_followed(track, seconds / tracks.interval) for track in tracks.tracks]
-        skip = math.ceil(SETTLED * seconds / tracks.interval)
+    relaxed, diffusion = _missing_relaxation(VELOCITY_KEY, "no walker has a heading"), refusal(DIFFUSION_KEY, "")
+    for _ in range(MAX_ITERATIONS):
+        followed = [_lagged_heading(track, seconds / tracks.interval) for track in tracks.tracks]
+        skip = math.ceil(TRANSIENT_RELAXATIONS * seconds / tracks.interval)
         rest = [
-            _unexplained(track, unit, skip, tracks.interval)
+            _residual_velocity(track, unit, skip, tracks.interval)
             for track, unit in zip(tracks.tracks, followed, strict=True)
         ]
-        diffusion = _diffusion(tracks, followed, skip, size, seconds)
-        relaxed = fluctuations(VELOCITY, rest, tracks.interval, exact, diffusion)
+        diffusion = _residual_diffusion(tracks, followed, skip, size, seconds)
+        relaxed = fit_relaxation(VELOCITY_KEY, rest, tracks.interval, exact, diffusion)
         found = relaxed.time.value
         if found is None or abs(found - seconds) < 1e-3 * seconds:
             break
@@ -87,36 +87,36 @@ def velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Quantity]:
     piece = size * tracks.interval
     if (relaxed.time.value or 0.0) > piece:
         reason = f"relaxes within {relaxed.time.value:.2g} s, longer than pieces of {piece:.2g} s"
-        relaxed = _unknown(VELOCITY, f"{reason}: longer runs, or film for longer")
+        relaxed = _missing_relaxation(VELOCITY_KEY, f"{reason}: longer runs, or film for longer")
     if relaxed.time.value is None:
-        diffusion = refusal(DIFFUSION, relaxed.time.refused)
+        diffusion = refusal(DIFFUSION_KEY, relaxed.time.refused)
     if relaxed.noise and diffusion.value is not None:
         raised = relaxed.noise**2 / piece
         diffusion = diffusion._replace(value=max(diffusion.value - raised, 0.0))
     return relaxed, diffusion
 
 
-def along(tracks: Tracks, exact: bool, both: Relaxation, diffusion: Quantity) -> Relaxation:
+def measure_along_heading(tracks: Tracks, exact: bool, both: Relaxation, diffusion: Quantity) -> Relaxation:
     """Relaxation of the velocity along the heading that a walker had, once that of both axes is known."""
     rests, ahead = [], []
     for track in tracks.tracks:
-        rest, middle, _ = _beside_its_heading(track, both.time.value or 0.0, tracks.interval)
+        rest, middle, _ = _residuals_and_turns(track, both.time.value or 0.0, tracks.interval)
         rests.append(rest)
         ahead.append((rest * np.conj(middle)).real * middle)
-    return fluctuations(VELOCITY, rests, tracks.interval, exact, diffusion, axes=1, parts=ahead)
+    return fit_relaxation(VELOCITY_KEY, rests, tracks.interval, exact, diffusion, axes=1, parts=ahead)
 
 
-def turning(tracks: Tracks, exact: bool, diffusion: Quantity) -> Relaxation:
+def measure_turning(tracks: Tracks, exact: bool, diffusion: Quantity) -> Relaxation:
     """Relaxation of the rate of turning (rad/s) with this diffusion of the heading, rad^2/s."""
     rates = []
     for track in tracks.tracks:
         unit = np.exp(1j * _headings(track))
         turned = np.angle(unit[1:] * np.conj(unit[:-1])) / tracks.interval
         rates.append((turned - np.nanmean(turned)).astype(complex))
-    return fluctuations("turning_relaxation", rates, tracks.interval, exact, diffusion, axes=1)
+    return fit_relaxation("turning_relaxation", rates, tracks.interval, exact, diffusion, axes=1)
 
 
-def leaning(tracks: Tracks, relaxed: float) -> Quantity:
+def lateral_coupling(tracks: Tracks, relaxed: float) -> Quantity:
     """Velocity to the left that goes with a rate of turning to the left, mm/s by rad/s.
 
     Of what the heading does not explain, with velocities that relax within `relaxed` s. A walker
@@ -124,21 +124,21 @@ def leaning(tracks: Tracks, relaxed: float) -> Quantity:
     """
     rows = []
     for track in tracks.tracks:
-        rest, middle, turned = _beside_its_heading(track, relaxed, tracks.interval)
+        rest, middle, turned = _residuals_and_turns(track, relaxed, tracks.interval)
         if not len(rest) or np.isnan(turned).all():
             continue
         rate, left = (turned - np.nanmean(turned)) / tracks.interval, (rest * np.conj(middle)).imag
         rows.append((np.nansum(left * rate), np.nansum(rate[~np.isnan(left)] ** 2)))
     sums = np.array(rows, dtype=float).reshape(-1, 2)
-    if len(sums) < FEWEST_SAMPLES or not (sums[:, 1] > 0).any():
-        reason = f"{len(sums)} walkers that turn; at least {FEWEST_SAMPLES}"
+    if len(sums) < MIN_SAMPLES or not (sums[:, 1] > 0).any():
+        reason = f"{len(sums)} walkers that turn; at least {MIN_SAMPLES}"
         return Quantity("leaning", "mm", None, refused=reason)
     whole, others = sums.sum(axis=0), sums.sum(axis=0) - sums
     se = float(statistics.jackknife_error((others[:, 0] / others[:, 1])[:, None])[0])
     return Quantity("leaning", "mm", float(whole[0] / whole[1]), se, len(sums) - 1.0)
 
 
-def fluctuations(
+def fit_relaxation(
     key: str,
     rest: Sequence[Complex],
     interval: float,
@@ -152,19 +152,19 @@ def fluctuations(
     Where a place has noise, neighbours share it: their correlation starts at the second lag. With `parts` of the
     series, what is left of them later.
     """
-    pieces = _samples(rest)
-    earlier = pieces if parts is None else _samples(parts)
+    pieces = _independent_samples(rest)
+    earlier = pieces if parts is None else _independent_samples(parts)
     length = max((len(piece) for piece in pieces), default=0)
     longest = length // 4
-    lags = np.arange(min(longest, MOST_LAGS) + 1, dtype=np.int64)
+    lags = np.arange(min(longest, MAX_LAGS) + 1, dtype=np.int64)
     first = 1 if exact else 2
-    if len(pieces) < FEWEST_SAMPLES or longest < first + 3 or diffusion.value is None:
+    if len(pieces) < MIN_SAMPLES or longest < first + 3 or diffusion.value is None:
         few = (
             f"{len(pieces)} independent samples of {length} intervals; at least "
-            f"{FEWEST_SAMPLES} of {4 * (first + 3)}: more runs, or film for longer"
+            f"{MIN_SAMPLES} of {4 * (first + 3)}: more runs, or film for longer"
         )
-        return _unknown(key, diffusion.refused or few)
-    sums = [lagged.crossed(part, piece, lags) for part, piece in zip(earlier, pieces, strict=True)]
+        return _missing_relaxation(key, diffusion.refused or few)
+    sums = [lagged.sum_cross_products(part, piece, lags) for part, piece in zip(earlier, pieces, strict=True)]
     # Each track's own mean was taken off: what that removed of every product.
     seconds = float(np.mean([np.count_nonzero(~np.isnan(series)) for series in rest])) * interval
     removed = 2.0 * diffusion.value / seconds
@@ -174,7 +174,7 @@ def fluctuations(
     ]
     errors = statistics.jackknife_error(np.array(without))
     curve = Curve(interval * lags.astype(float), whole, errors)
-    fits = _fits([whole, *without], errors, interval, first)
+    fits = _fit_exponentials([whole, *without], errors, interval, first)
     if fits is not None and fits[0][1] > interval:
         times = np.array([time for _, time in fits])
         height, time = fits[0]
@@ -185,26 +185,26 @@ def fluctuations(
         se = float(statistics.jackknife_error(times[1:, None])[0])
         relaxed = Quantity(key, "s", float(time), se, len(pieces) - 1.0)
         return Relaxation(relaxed, True, math.sqrt(max(variance, 0.0)), noise, curve)
-    return _unresolved(key, whole[0], np.array(without)[:, 0], diffusion, interval, curve)
+    return _unresolved_relaxation(key, whole[0], np.array(without)[:, 0], diffusion, interval, curve)
 
 
-def _unresolved(
+def _unresolved_relaxation(
     key: str, square: float, squares: Array, diffusion: Quantity, interval: float, curve: Curve
 ) -> Relaxation:
     """Find a relaxation within a sample: the time of an Ornstein-Uhlenbeck process of this spread and diffusion."""
     assert diffusion.value is not None
-    whole = _time_of(square, diffusion.value, interval)
-    others = [_time_of(own, diffusion.value, interval) for own in squares]
+    whole = _relaxation_time(square, diffusion.value, interval)
+    others = [_relaxation_time(own, diffusion.value, interval) for own in squares]
     se = float(statistics.jackknife_error(np.array(others)[:, None])[0])
     if diffusion.se is not None:
-        more = _time_of(square, diffusion.value + diffusion.se, interval)
+        more = _relaxation_time(square, diffusion.value + diffusion.se, interval)
         se = math.hypot(se, more - whole)
     deviation = math.sqrt(diffusion.value / whole) if whole else math.sqrt(max(square, 0.0))
     relaxed = Quantity(key, "s", whole, se, len(squares) - 1.0)
     return Relaxation(relaxed, False, deviation, 0.0, curve)
 
 
-def _time_of(square: float, diffusion: float, interval: float) -> float:
+def _relaxation_time(square: float, diffusion: float, interval: float) -> float:
     """Time of relaxation (s) of which means over `interval` have this mean square; 0: none has."""
     ratio = square * interval / (2.0 * diffusion) if diffusion > 0 else 0.0
     if not 0.0 < ratio < 1.0:
@@ -218,7 +218,9 @@ def _time_of(square: float, diffusion: float, interval: float) -> float:
     return interval / float(optimize.brentq(excess, 1e-6, 1e9))
 
 
-def _fits(values: Sequence[Array], errors: Array, interval: float, first: int) -> list[tuple[float, float]] | None:
+def _fit_exponentials(
+    values: Sequence[Array], errors: Array, interval: float, first: int
+) -> list[tuple[float, float]] | None:
     """Height and time (s) of an exponential, of all samples and without each; None where none fits.
 
     Fitted from the first lag to that at which the first values have fallen to FALLEN.
@@ -226,7 +228,7 @@ def _fits(values: Sequence[Array], errors: Array, interval: float, first: int) -
     whole = values[0]
     if not whole[first] > 3.0 * errors[first] > 0.0:
         return None
-    low = np.flatnonzero(whole[first:] < FALLEN * whole[first])
+    low = np.flatnonzero(whole[first:] < FIT_CUTOFF * whole[first])
     end = first + (max(int(low[0]) + 1, 3) if len(low) else len(whole))
     window = slice(first, min(end, len(whole)))
     lag: Array = interval * np.arange(len(whole), dtype=float)[window]
@@ -244,12 +246,12 @@ def _fits(values: Sequence[Array], errors: Array, interval: float, first: int) -
     return fits
 
 
-def _samples(rest: Sequence[Complex]) -> list[Complex]:
+def _independent_samples(rest: Sequence[Complex]) -> list[Complex]:
     """Independent samples: a track each, or pieces of the tracks of few walkers."""
     long = [series for series in rest if len(series)]
-    if len(long) >= moments.ENOUGH_PARTICLES:
+    if len(long) >= moments.MIN_PARTICLES:
         return long
-    cuts = math.ceil(SAMPLES / max(len(long), 1))
+    cuts = math.ceil(MIN_PIECES / max(len(long), 1))
     return [piece for series in long for piece in np.array_split(series, cuts) if len(piece)]
 
 
@@ -258,7 +260,7 @@ def _headings(track: Track) -> Array:
     return np.full(len(track.position), np.nan) if track.heading is None else track.heading
 
 
-def _followed(track: Track, samples: float) -> Complex:
+def _lagged_heading(track: Track, samples: float) -> Complex:
     """Mean over each interval of a unit velocity that follows the heading within `samples` of them.
 
     Headings turn steadily between samples, gaps included.
@@ -267,10 +269,16 @@ def _followed(track: Track, samples: float) -> Complex:
     (known,) = np.nonzero(~np.isnan(heading))
     if len(known) < 2:
         return np.full(count - 1, np.nan, complex)
-    fine = min(max(FINE, math.ceil(FINE / samples) if samples else FINE), FINEST)
+    fine = min(
+        max(
+            MIN_STEPS_PER_RELAXATION,
+            math.ceil(MIN_STEPS_PER_RELAXATION / samples) if samples else MIN_STEPS_PER_RELAXATION,
+        ),
+        MAX_STEPS_PER_SAMPLE,
+    )
     at = np.linspace(0.0, count - 1.0, (count - 1) * fine + 1)
     unit = np.exp(1j * np.interp(at, known, np.unwrap(heading[known])))
-    if samples > 1.0 / FINEST:
+    if samples > 1.0 / MAX_STEPS_PER_SAMPLE:
         kept = math.exp(-1.0 / (fine * samples))
         half = [0.5 * (1.0 - kept)] * 2
         start = signal.lfiltic(half, [1.0, -kept], unit[:1], unit[:1])
@@ -279,9 +287,9 @@ def _followed(track: Track, samples: float) -> Complex:
     return np.asarray(means.reshape(count - 1, fine).mean(axis=1))
 
 
-def _unexplained(track: Track, followed: Complex, skip: int, interval: float) -> Complex:
+def _residual_velocity(track: Track, followed: Complex, skip: int, interval: float) -> Complex:
     """Velocity less the share of the `followed` one that fits best, mm/s."""
-    moved = np.diff(moments.planar(track))[skip:] / interval
+    moved = np.diff(moments.complex_position(track))[skip:] / interval
     unit = followed[skip:]
     known = ~np.isnan(moved) & ~np.isnan(unit)
     if not known.any():
@@ -290,16 +298,16 @@ def _unexplained(track: Track, followed: Complex, skip: int, interval: float) ->
     return np.asarray(np.where(known, moved - share * unit, np.nan))
 
 
-def _beside_its_heading(track: Track, relaxed: float, interval: float) -> tuple[Complex, Complex, Array]:
+def _residuals_and_turns(track: Track, relaxed: float, interval: float) -> tuple[Complex, Complex, Array]:
     """Of each interval the velocity that the heading does not explain, mm/s, its mean heading, and its turn, rad."""
-    skip = math.ceil(SETTLED * relaxed / interval)
-    rest = _unexplained(track, _followed(track, relaxed / interval), skip, interval)
+    skip = math.ceil(TRANSIENT_RELAXATIONS * relaxed / interval)
+    rest = _residual_velocity(track, _lagged_heading(track, relaxed / interval), skip, interval)
     heading = np.exp(1j * _headings(track))
     turned = np.angle(heading[1:] * np.conj(heading[:-1]))[skip:]
     return rest, (heading[skip:-1] * np.exp(0.5j * turned))[: len(rest)], turned
 
 
-def _diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, size: int, relaxed: float) -> Quantity:
+def _residual_diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, size: int, relaxed: float) -> Quantity:
     """Diffusion (mm^2/s) of each axis, from what headings leave unexplained in pieces of tracks.
 
     In each piece of t s that is 4 D t on average, once a share of the way along the headings is
@@ -307,7 +315,7 @@ def _diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, size: int
     """
     shares: list[Array] = []
     for track, unit in zip(tracks.tracks, followed, strict=True):
-        ways, paths, seconds = _pieces(track, unit, skip, size, tracks.interval)
+        ways, paths, seconds = _piece_displacements(track, unit, skip, size, tracks.interval)
         if len(ways) < 2:
             continue
         fitted = np.sum(np.conj(paths) * ways / seconds) / np.sum(np.abs(paths) ** 2 / seconds)
@@ -315,17 +323,19 @@ def _diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, size: int
         rest = np.abs(ways - fitted * paths) ** 2 / (4.0 * seconds * late)
         shares.append(rest * len(ways) / (len(ways) - 1.0))
     count = sum(len(own) - 1 for own in shares)
-    if count < FEWEST_SAMPLES:
-        reason = f"{count} independent pieces of tracks; at least {FEWEST_SAMPLES}: more runs, "
-        return refusal(DIFFUSION, f"{reason}or film for longer")
+    if count < MIN_SAMPLES:
+        reason = f"{count} independent pieces of tracks; at least {MIN_SAMPLES}: more runs, "
+        return refusal(DIFFUSION_KEY, f"{reason}or film for longer")
     values = np.concatenate(shares)
     se = float(values.std(ddof=1)) / math.sqrt(count)
-    return quantity(DIFFUSION, float(values.mean()), se, float(count))
+    return quantity(DIFFUSION_KEY, float(values.mean()), se, float(count))
 
 
-def _pieces(track: Track, followed: Complex, skip: int, size: int, interval: float) -> tuple[Complex, Complex, Array]:
+def _piece_displacements(
+    track: Track, followed: Complex, skip: int, size: int, interval: float
+) -> tuple[Complex, Complex, Array]:
     """Ways of a track in pieces of about `size` samples, those along its heading, and times, s."""
-    place = moments.planar(track)
+    place = moments.complex_position(track)
     count = max((len(place) - 1 - skip) // max(size, 1), 0)
     rows: list[tuple[complex, complex, float]] = []
     for start, end in pairwise(np.linspace(skip, len(place) - 1, count + 1).astype(int)):
@@ -339,6 +349,6 @@ def _pieces(track: Track, followed: Complex, skip: int, size: int, interval: flo
     return ways, paths, seconds.real
 
 
-def _unknown(key: str, reason: str) -> Relaxation:
+def _missing_relaxation(key: str, reason: str) -> Relaxation:
     none = np.zeros(0)
     return Relaxation(Quantity(key, "s", None, refused=reason), False, math.nan, 0.0, Curve(none, none, none))

@@ -10,14 +10,14 @@ from walkergen.core.files import words
 from walkergen.files import report
 from walkergen.files.report import Column, Report, Table
 from walkergen.guests.crowd.cards import overdamped, walls
-from walkergen.guests.crowd.cards.card import Card, runs_of
+from walkergen.guests.crowd.cards.card import Card, run_count
 from walkergen.guests.crowd.cards.walker_motion import Measured
 from walkergen.guests.crowd.cards.walled import Walled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-NUMBERS = {
+QUANTITY_LABELS = {
     "speed_mm_s": ("speed along the heading", "mm/s"),
     "sideways_mm_s": ("velocity to its left", "mm/s"),
     "velocity_relaxation_s": ("velocity along the heading relaxes within", "s"),
@@ -35,7 +35,7 @@ NUMBERS = {
 }
 """Names and units that people read, by the keys of a card; those of a wall only where runs against it tell them."""
 
-CONTACTS = ("restitution", "friction", "wall_restitution", "wall_friction")
+CONTACT_KEYS = ("restitution", "friction", "wall_restitution", "wall_friction")
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -49,7 +49,7 @@ class CardReport(Report):
     """None for a walker that did not run against walls."""
 
 
-def of(card: Card, measured: Measured | None, walled: Walled | None = None) -> CardReport:
+def make_report(card: Card, measured: Measured | None, walled: Walled | None = None) -> CardReport:
     """Report of a card; of one that was measured also how."""
     about = [card.scene] if card.scene else []
     about += [
@@ -59,12 +59,12 @@ def of(card: Card, measured: Measured | None, walled: Walled | None = None) -> C
     ]
     draw: dict[str, Callable[[], Figure]] = {}
     if measured is not None:
-        draw["card"] = partial(_draw, card, measured)
+        draw["card"] = partial(_draw_card, card, measured)
     if walled is not None:
         draw["walls"] = partial(_draw_walls, card, walled)
     notes = list(_notes(card, measured, walled))
-    contacts = [(key, getattr(card, key)) for key in CONTACTS]
-    assumed = report.every(("quantity", "assumed"), ("quantity",))
+    contacts = [(key, getattr(card, key)) for key in CONTACT_KEYS]
+    assumed = report.key_columns(("quantity", "assumed"), ("quantity",))
     return CardReport(
         name="card",
         title=f"Card of {card.name}",
@@ -84,12 +84,12 @@ def of(card: Card, measured: Measured | None, walled: Walled | None = None) -> C
 
 def _table(card: Card, measured: Measured | None) -> Table:
     """Numbers of a card; a note says why one is not known, or why less is known of it."""
-    notes = {} if measured is None else _reasons(measured)
+    notes = {} if measured is None else _missing_reasons(measured)
     rows = []
-    for key in NUMBERS:
+    for key in QUANTITY_LABELS:
         number, note = getattr(card, key), notes.get(key, "")
         if number is not None:
-            rows.append((key, number.value, number.se, runs_of(number), note))
+            rows.append((key, number.value, number.se, run_count(number), note))
         elif not key.startswith("wall_"):
             rows.append((key, None, None, None, note or "not known"))
 
@@ -100,15 +100,15 @@ def _table(card: Card, measured: Measured | None) -> Table:
         return words.format_with_error(value, se or 0.0) + (f" ({note})" if note else "")
 
     columns = (
-        Column("", lambda row: NUMBERS[row[0]][0]),
-        Column("", lambda row: NUMBERS[row[0]][1]),
+        Column("", lambda row: QUANTITY_LABELS[row[0]][0]),
+        Column("", lambda row: QUANTITY_LABELS[row[0]][1]),
         Column("value ± standard error", value),
         Column("runs", lambda row: "" if row[3] is None else str(row[3]), right=True),
     )
     return Table("card", rows, ("quantity", "value", "se", "runs", "note"), columns, "Motion of a walker alone")
 
 
-def _reasons(measured: Measured) -> dict[str, str]:
+def _missing_reasons(measured: Measured) -> dict[str, str]:
     """Why numbers are not known, or what bounds them."""
     found = measured.motion.estimates
     reasons = {
@@ -128,13 +128,13 @@ def _reasons(measured: Measured) -> dict[str, str]:
 def _notes(card: Card, measured: Measured | None, walled: Walled | None) -> Iterator[str]:
     """Whether a model without inertia is enough, how numbers were measured, and what is assumed."""
     if card.overdamped is not None:
-        yield overdamped.in_words(card.overdamped)
+        yield overdamped.format_verdict(card.overdamped)
         yield overdamped.SOURCES
     if measured is not None:
         yield from measured.notes
-        yield from _of_motion(measured)
+        yield from _motion_notes(measured)
     if walled is not None:
-        low, high = (round(math.degrees(angle)) for angle in walls.ASKEW)
+        low, high = (round(math.degrees(angle)) for angle in walls.OBLIQUE_ANGLES)
         yield (
             f"by the wall of {walled.dish.words}: {walled.runs} runs, let go beside it at angles from "
             "head on to along it; alignment is -1 head on, 1 along it, over the second half of each; "
@@ -146,7 +146,7 @@ def _notes(card: Card, measured: Measured | None, walled: Walled | None) -> Iter
     )
 
 
-def _of_motion(measured: Measured) -> Iterator[str]:
+def _motion_notes(measured: Measured) -> Iterator[str]:
     """Yield the method of speeds and their errors, and what a delay was found with."""
     yield measured.motion.method
     yield (
@@ -164,13 +164,13 @@ def _of_motion(measured: Measured) -> Iterator[str]:
         )
 
 
-def _draw(card: Card, measured: Measured) -> "Figure":
+def _draw_card(card: Card, measured: Measured) -> "Figure":
     from walkergen.guests.crowd.cards import figures
 
-    return figures.of_card(card, measured)
+    return figures.draw_card(card, measured)
 
 
 def _draw_walls(card: Card, walled: Walled) -> "Figure":
     from walkergen.guests.crowd.cards import figures
 
-    return figures.of_walls(card, walled)
+    return figures.draw_walls(card, walled)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.analysis import alignment, doubts, motion, track_files, tracks
-from walkergen.analysis.estimates import ALIGNED
+from walkergen.analysis.estimates import ALIGNMENT_NAMES
 from walkergen.analysis.motion import Motion
 from walkergen.analysis.track_files import Units
 from walkergen.analysis.tracks import Tracks
@@ -30,16 +30,16 @@ from walkergen.guests.crowd.cards.relaxation import Relaxation
 from walkergen.points import trajectory, walkers
 from walkergen.points.experiments import Walker
 
-PLANE = "plane-90hz"
+DEFAULT_SCENE = "plane-90hz"
 """Scene of a card by default: a walker alone has to have room to turn."""
 
 SLOPE_DEG = 1.0
 """Slope that pushes a walker aside, a sixtieth of its weight: about a fifth of what drives the paper's."""
 
-SLOPE = {"plate.slope_deg": SLOPE_DEG, "run.heading_deg": "uniform"}
+SLOPE_SETTINGS = {"plate.slope_deg": SLOPE_DEG, "run.heading_deg": "uniform"}
 """Keys of a scene whose walkers are pushed, whichever way they head."""
 
-RESOLVED = 0.75
+MIN_INTERVAL_PERIODS = 0.75
 """Part of a drive's period from which on frames are taken as they are: more of them in a period
 would show the bouncing."""
 
@@ -68,7 +68,7 @@ class Measured(NamedTuple):
     """How it was measured, in words."""
 
 
-def simulated(scene: Scene, design: Design, mass: MassProperties, progress: Progress) -> Measured:
+def simulate_walker(scene: Scene, design: Design, mass: MassProperties, progress: Progress) -> Measured:
     """Measure runs of a walker alone, each another print where the scene says so; and others of it on a slope.
 
     Raises InputError for a scene in which it cannot turn, or whose plate sways, and where too few runs end well.
@@ -77,26 +77,26 @@ def simulated(scene: Scene, design: Design, mass: MassProperties, progress: Prog
     if scene.arena.kind != "plane":
         raise InputError(
             f"scene.arena.kind = {scene.arena.kind!r}: a card is of a walker that may turn: "
-            f"‹scene=›{PLANE}, or ‹set› scene.arena.kind=plane"
+            f"‹scene=›{DEFAULT_SCENE}, or ‹set› scene.arena.kind=plane"
         )
-    own, ended = _runs(scene, design, mass, progress)
+    own, ended = _simulate_tracks(scene, design, mass, progress)
     note = (
         f"{len(own.tracks)} runs of {scene.run.seconds:g} s, seen once in a period of the drive "
         f"({words.format_number(1e3 * own.interval)} ms), so that the bouncing itself is not seen: {ended}"
     )
-    sloping, _ = _runs(scene.variant(**SLOPE), design, mass, progress)
+    sloping, _ = _simulate_tracks(scene.variant(**SLOPE_SETTINGS), design, mass, progress)
     groups = [[track] for track in sloping.tracks]
-    return of_tracks(own, True, (note,))._replace(
-        sideways=sideways(sloping, GRAVITY * math.sin(math.radians(SLOPE_DEG))),
-        aligning=alignment.of(groups, sloping.interval, 0.0)[ALIGNED[0]],
+    return measure_tracks(own, True, (note,))._replace(
+        sideways=sideways_relaxation(sloping, GRAVITY * math.sin(math.radians(SLOPE_DEG))),
+        aligning=alignment.self_alignment(groups, sloping.interval, 0.0)[ALIGNMENT_NAMES[0]],
     )
 
 
-def _runs(scene: Scene, design: Design, mass: MassProperties, progress: Progress) -> tuple[Tracks, str]:
+def _simulate_tracks(scene: Scene, design: Design, mass: MassProperties, progress: Progress) -> tuple[Tracks, str]:
     """Tracks of the centre of mass, of runs that ended well, and how all ended."""
     experiment = Walker(scene, design, mass)
     interval = 1.0 / experiment.shaken.frequency
-    trajectory.check(scene, interval, scene.run.runs)
+    trajectory.check_sample_count(scene, interval, scene.run.runs)
     results = walkers.simulate(experiment._replace(sample_interval=interval), progress)
     if results.partial:
         raise KeyboardInterrupt
@@ -104,12 +104,12 @@ def _runs(scene: Scene, design: Design, mass: MassProperties, progress: Progress
     ended = ensemble.format_outcomes(results.summary.outcomes)
     if not good:
         raise InputError(f"no run ended well ({ended}): another scene, or other feet")
-    shift = centre(mass)
-    places = [moved(trajectory.sampled(result)[:, 1:4], shift) for result in good]
-    return tracks.of_places(places, interval, lane=False), ended
+    shift = centre_of_mass(mass)
+    places = [shift_poses(trajectory.sample_rows(result)[:, 1:4], shift) for result in good]
+    return tracks.from_places(places, interval, lane=False), ended
 
 
-def sideways(sloping: Tracks, force: float) -> Quantity:
+def sideways_relaxation(sloping: Tracks, force: float) -> Quantity:
     """Estimate the time (s) after which a velocity across the heading has forgotten a push.
 
     The push is `force` (mm/s^2) toward +x, at any heading. Fluctuations would give another time: pushes that turn a
@@ -132,12 +132,12 @@ def sideways(sloping: Tracks, force: float) -> Quantity:
     return Quantity("sideways_relaxation", "s", float(times[0]), se, len(rows) - 1.0)
 
 
-def filmed(path: Path, units: Units, scene: Scene) -> Measured:
+def measure_film(path: Path, units: Units, scene: Scene) -> Measured:
     """Measure the motion from tracks in a file. Raises InputError for tracks without headings.
 
     If a period of the scene's drive has many frames, only one of each period is taken.
     """
-    read = track_files.read(path, units)
+    read = track_files.read_tracks(path, units)
     if read.lane or all(track.heading is None for track in read.tracks):
         raise InputError(
             f"{path}: has no headings (theta or theta_rad), so that nobody knows how late a "
@@ -145,32 +145,32 @@ def filmed(path: Path, units: Units, scene: Scene) -> Measured:
         )
     stride = 1
     if scene.drive.kind != "motor" and (period := 1.0 / scene.drive.frequency):
-        stride = max(round(period / read.interval), 1) if read.interval < RESOLVED * period else 1
+        stride = max(round(period / read.interval), 1) if read.interval < MIN_INTERVAL_PERIODS * period else 1
     notes = [f"{len(read.tracks)} walkers filmed", *([read.note] if read.note else [])]
     if stride > 1:
         notes.append(
             f"every {stride}th frame, once in a period of the drive "
             f"({scene.drive.frequency:g} Hz), so that the bouncing itself is not seen"
         )
-    return of_tracks(_every(read, stride), False, tuple(notes))
+    return measure_tracks(_subsample(read, stride), False, tuple(notes))
 
 
-def of_tracks(own: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured:
+def measure_tracks(own: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured:
     """Measure tracks with headings; `exact` says that places have no noise."""
     moved = motion.analyse(own)
-    both, translation = relaxation.velocity(own, exact)
-    velocity = relaxation.along(own, exact, both, translation)
+    both, translation = relaxation.measure_velocity(own, exact)
+    velocity = relaxation.measure_along_heading(own, exact, both, translation)
     rotation = moved.estimates["rotational_diffusion"]
-    turning = relaxation.turning(own, exact, rotation)
-    leaning = relaxation.leaning(own, both.time.value or 0.0)
-    reasons = () if exact else (*doubts.of(own), *moved.doubts)
+    turning = relaxation.measure_turning(own, exact, rotation)
+    leaning = relaxation.lateral_coupling(own, both.time.value or 0.0)
+    reasons = () if exact else (*doubts.find_all(own), *moved.doubts)
     return Measured(
         moved,
         velocity,
         Quantity("sideways_relaxation", "s", None, refused="nobody pushes it aside"),
         translation,
         turning,
-        moved.estimates[ALIGNED[0]],
+        moved.estimates[ALIGNMENT_NAMES[0]],
         delay.measure(own),
         leaning,
         own.interval,
@@ -179,17 +179,17 @@ def of_tracks(own: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured:
     )
 
 
-def centre(mass: MassProperties) -> Array:
+def centre_of_mass(mass: MassProperties) -> Array:
     """Centre of mass seen from the place that a trajectory shows, forward and to the left, mm."""
-    return np.array([1.0, -1.0]) * _whole(mass)[0][[0, 2]]
+    return np.array([1.0, -1.0]) * _centre_and_inertia(mass)[0][[0, 2]]
 
 
-def inertia(mass: MassProperties) -> float:
+def yaw_inertia(mass: MassProperties) -> float:
     """Moment of inertia about the vertical axis through the centre of mass, g mm^2."""
-    return float(_whole(mass)[1][1, 1])
+    return float(_centre_and_inertia(mass)[1][1, 1])
 
 
-def _whole(mass: MassProperties) -> tuple[Array, Array]:
+def _centre_and_inertia(mass: MassProperties) -> tuple[Array, Array]:
     """Centre of mass from O at half depth, and inertia tensor about it."""
     assert mass.spatial is not None
     each = np.array([mass.M, *(leg.m for leg in mass.legs)], dtype=float)
@@ -197,7 +197,7 @@ def _whole(mass: MassProperties) -> tuple[Array, Array]:
     return masses.centre_and_inertia(mass.spatial, mass.legs, each, centres)
 
 
-def moved(rows: Array, shift: Array) -> Array:
+def shift_poses(rows: Array, shift: Array) -> Array:
     """Places and headings of a point that lies forward and to the left of those of `rows`."""
     cos, sin = np.cos(rows[:, 2]), np.sin(rows[:, 2])
     x = rows[:, 0] + cos * shift[0] - sin * shift[1]
@@ -205,7 +205,7 @@ def moved(rows: Array, shift: Array) -> Array:
     return np.column_stack([x, y, rows[:, 2]])
 
 
-def _every(own: Tracks, stride: int) -> Tracks:
+def _subsample(own: Tracks, stride: int) -> Tracks:
     """Every so many frames of each track."""
     thinned = tuple(
         track._replace(

@@ -13,24 +13,24 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis.estimates import FEWEST_SAMPLES
+from walkergen.analysis.estimates import MIN_SAMPLES
 from walkergen.core.dish import Dish
 from walkergen.core.numerics import statistics
 from walkergen.core.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
 
-REACH = 0.5
+WALL_RANGE_MM = 0.5
 """Distance (mm) within which a walker is by a wall: some hops of a tenth of a millimetre."""
 
-ASKEW = math.radians(20.0), math.radians(70.0)
+OBLIQUE_ANGLES = math.radians(20.0), math.radians(70.0)
 """Angles between heading and way out between which a walker runs against a wall askew."""
 
-BINS = 36
+ANGLE_BINS = 36
 """Number of angles between heading and way out, from -pi to pi."""
 
 
-UNITS = {"wall_share": "", "wall_alignment": "", "wall_turning": "rad_s"}
+QUANTITY_UNITS = {"wall_share": "", "wall_alignment": "", "wall_turning": "rad_s"}
 """Names and units of the numbers of `ByWall`."""
 
 
@@ -59,15 +59,15 @@ def measure(runs: Sequence[Array], interval: float, outline: Array, dish: Dish) 
     Each of `runs` has rows of x, y (mm, of the place that `outline`, shape (n, 2), is from) and
     heading (rad), `interval` s apart.
     """
-    edges = np.linspace(-math.pi, math.pi, BINS + 1)
+    edges = np.linspace(-math.pi, math.pi, ANGLE_BINS + 1)
     angles, width = 0.5 * (edges[1:] + edges[:-1]), edges[1] - edges[0]
-    if len(runs) < FEWEST_SAMPLES:
-        few = f"{len(runs)} runs in a dish; at least {FEWEST_SAMPLES}"
-        empty = np.full(BINS, np.nan)
-        share, alignment, turning = (Quantity(key, unit, None, refused=few) for key, unit in UNITS.items())
+    if len(runs) < MIN_SAMPLES:
+        few = f"{len(runs)} runs in a dish; at least {MIN_SAMPLES}"
+        empty = np.full(ANGLE_BINS, np.nan)
+        share, alignment, turning = (Quantity(key, unit, None, refused=few) for key, unit in QUANTITY_UNITS.items())
         return ByWall(share, alignment, turning, angles, empty, empty, empty)
-    sums = np.array([_sums(rows, interval, outline, dish, edges) for rows in runs])
-    of = zip(UNITS, (1, 2, 3), (0, 1, 4), strict=True)
+    sums = np.array([_run_sums(rows, interval, outline, dish, edges) for rows in runs])
+    of = zip(QUANTITY_UNITS, (1, 2, 3), (0, 1, 4), strict=True)
     share, alignment, turning = (_ratio(key, sums[:, over], sums[:, under]) for key, over, under in of)
     counts, turned, samples = np.split(sums[:, 5:], 3, axis=1)
     density = counts.sum(axis=0) / max(counts.sum(), 1.0) / width
@@ -77,7 +77,7 @@ def measure(runs: Sequence[Array], interval: float, outline: Array, dish: Dish) 
     return ByWall(share, alignment, turning, angles, density, rates, statistics.jackknife_error(others))
 
 
-def nearest(rows: Array, outline: Array, dish: Dish) -> tuple[Array, Array]:
+def nearest_wall(rows: Array, outline: Array, dish: Dish) -> tuple[Array, Array]:
     """Distance of an outline from the nearest wall (mm), and the angle of the way out there (rad).
 
     Shape (n,) each, for places and headings `rows`, shape (n, 3).
@@ -104,20 +104,20 @@ def nearest(rows: Array, outline: Array, dish: Dish) -> tuple[Array, Array]:
     return gap, out
 
 
-def _sums(rows: Array, interval: float, outline: Array, dish: Dish, edges: Array) -> Array:
+def _run_sums(rows: Array, interval: float, outline: Array, dish: Dish, edges: Array) -> Array:
     """Sum what a run shows by the wall, shape (5 + 3 bins,); the angle a is from the way out to the heading.
 
     First, of the second half: samples, those by a wall, and their -cos 2a. Then turning toward the wall of samples that
     run against it askew, and their number. Last, in the bins of a: samples of the second half, turning, and its
     samples.
     """
-    gap, out = nearest(rows, outline, dish)
+    gap, out = nearest_wall(rows, outline, dish)
     angle = np.mod(rows[:, 2] - out + math.pi, 2.0 * math.pi) - math.pi
-    by_wall, half = gap < REACH, len(rows) // 2
+    by_wall, half = gap < WALL_RANGE_MM, len(rows) // 2
     late = angle[half:][by_wall[half:]]
     both, rate = by_wall[:-1] & by_wall[1:], np.diff(rows[:, 2]) / interval
     before = angle[:-1]
-    askew = both & (np.abs(before) > ASKEW[0]) & (np.abs(before) < ASKEW[1])
+    askew = both & (np.abs(before) > OBLIQUE_ANGLES[0]) & (np.abs(before) < OBLIQUE_ANGLES[1])
     toward = (np.sign(before) * rate)[askew]
     counts = np.histogram(late, edges)[0]
     turned = np.histogram(before[both], edges, weights=rate[both])[0]
@@ -130,7 +130,9 @@ def _ratio(key: str, over: Array, under: Array) -> Quantity:
     """Ratio of sums over runs, with the error of a jackknife."""
     left = under.sum() - under
     if not (left > 0.0).all():
-        return Quantity(key, UNITS[key], None, refused="hardly a run meets a wall: a smaller dish, or longer runs")
+        return Quantity(
+            key, QUANTITY_UNITS[key], None, refused="hardly a run meets a wall: a smaller dish, or longer runs"
+        )
     value = float(over.sum() / under.sum())
     se = float(statistics.jackknife_error(((over.sum() - over) / left)[:, None])[0])
-    return Quantity(key, UNITS[key], value, se, len(over) - 1.0)
+    return Quantity(key, QUANTITY_UNITS[key], value, se, len(over) - 1.0)

@@ -14,10 +14,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 from walkergen.guests.crowd.cards.card import Card
-from walkergen.guests.crowd.flat.discs import Discs, rim
+from walkergen.guests.crowd.flat.discs import Discs, outline_rim
 from walkergen.guests.crowd.flat.motion import Motion
 
-GIVE = 0.06
+TYPICAL_OVERLAP = 0.06
 """Overlap of a typical head-on hit, as a share of the narrowest walker's widest disc's radius."""
 
 STEPS_IN_TOUCH = 12
@@ -30,10 +30,10 @@ With two, as a restitution of 0.1 would have it, one of six dense crowds flew ap
 STEPS_IN_MEMORY = 100
 """Least number of steps in which a velocity forgets a push."""
 
-SMALLEST, LARGEST = 0.05, 0.98
+MIN_RESTITUTION, MAX_RESTITUTION = 0.05, 0.98
 """Restitutions that a dashpot gives: below, it would need steps too short; above, it slips."""
 
-GRIP = 2.0
+TANGENTIAL_DAMPING = 2.0
 """Drag of a contact that sticks, over the root of stiffness and mass: stops sliding in a hit."""
 
 
@@ -73,28 +73,28 @@ def restitution(zeta: float) -> float:
     return math.exp(-zeta / root * math.log((zeta + root) / (zeta - root)))
 
 
-def damping_share(wanted: float) -> float:
+def damping_ratio(wanted: float) -> float:
     """Damping over its critical value, of a restitution between SMALLEST and LARGEST."""
-    wanted = min(max(wanted, SMALLEST), LARGEST)
+    wanted = min(max(wanted, MIN_RESTITUTION), MAX_RESTITUTION)
     return float(brentq(lambda zeta: restitution(zeta) - wanted, 0.0, 10.0))
 
 
-def lightness(card: Card) -> float:
+def typical_inverse_mass(card: Card) -> float:
     """Inverse mass at a typical point of the outline, across it, 1/g: the mean along it."""
-    edge = rim(card)
+    edge = outline_rim(card)
     arms = edge.points[:, 0] * edge.inwards[:, 1] - edge.points[:, 1] * edge.inwards[:, 0]
     return float(np.mean(1.0 / card.mass_g + arms**2 / card.inertia_g_mm2))
 
 
-def of(cards: Sequence[Card], motions: Sequence[Motion], discs: Sequence[Discs]) -> Contacts:
+def contact_laws(cards: Sequence[Card], motions: Sequence[Motion], discs: Sequence[Discs]) -> Contacts:
     """Contacts of the kinds among each other and with walls."""
-    light = [lightness(card) for card in cards]
-    give = GIVE * min(float(body.radii.max()) for body in discs)
-    speed = max(2.0 * _approach(motion) for motion in motions)
+    light = [typical_inverse_mass(card) for card in cards]
+    give = TYPICAL_OVERLAP * min(float(body.radii.max()) for body in discs)
+    speed = max(2.0 * _approach_speed(motion) for motion in motions)
     stiffness = 1.0 / min(light) * (max(speed, 1.0) / give) ** 2
     masses = {(i, j): 1.0 / (light[i] + light[j]) for i, j in combinations_with_replacement(range(len(cards)), 2)}
     pairs = {
-        (i, j): _contact(
+        (i, j): _contact_law(
             stiffness,
             mass,
             math.sqrt(cards[i].restitution * cards[j].restitution),
@@ -103,7 +103,7 @@ def of(cards: Sequence[Card], motions: Sequence[Motion], discs: Sequence[Discs])
         for (i, j), mass in masses.items()
     }
     walls = [
-        _contact(stiffness, 1.0 / one, card.wall_restitution, card.wall_friction)
+        _contact_law(stiffness, 1.0 / one, card.wall_restitution, card.wall_friction)
         for one, card in zip(light, cards, strict=True)
     ]
     touch = math.pi * math.sqrt(min(masses.values()) / stiffness)
@@ -116,12 +116,12 @@ def of(cards: Sequence[Card], motions: Sequence[Motion], discs: Sequence[Discs])
     return Contacts(pairs, walls, step)
 
 
-def _approach(motion: Motion) -> float:
+def _approach_speed(motion: Motion) -> float:
     """Typical speed of a point at the radius of gyration, mm/s."""
     speed, rate = motion.typical
     return speed + rate * math.sqrt(motion.inertia / motion.mass)
 
 
-def _contact(stiffness: float, mass: float, wanted: float, friction: float) -> Contact:
+def _contact_law(stiffness: float, mass: float, wanted: float, friction: float) -> Contact:
     root = math.sqrt(stiffness * mass)
-    return Contact(stiffness, 2.0 * damping_share(wanted) * root, GRIP * root, friction)
+    return Contact(stiffness, 2.0 * damping_ratio(wanted) * root, TANGENTIAL_DAMPING * root, friction)

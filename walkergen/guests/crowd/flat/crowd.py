@@ -36,32 +36,32 @@ def simulate(crowd: Crowd, ranks: int = 1, progress: Progress = silent) -> FlatR
     stopped; OutputError where the disk is full.
     """
     if ranks < 1:
-        raise doors.wrong("ranks", ranks, ">= 1")
-    program = engine.locate()
+        raise doors.argument_error("ranks", ranks, ">= 1")
+    program = engine.find_lammps()
     parts = deck.mechanics(crowd.cards)
     stride = deck.steps_per_frame(crowd, parts)
 
-    def count(what: str, step: int, _: int) -> None:
+    def report_frames(what: str, step: int, _: int) -> None:
         progress(what, step // stride, crowd.frames - 1)
 
     with tempfile.TemporaryDirectory(prefix="walkergen-crowd-") as place:
         folder = Path(place)
-        for name, data in deck.files(crowd, parts).items():
+        for name, data in deck.input_files(crowd, parts).items():
             output.write(folder / name, data)
-        engine.run(program, folder, deck.INPUT, ranks, count)
-        frames = dump.read(folder / deck.DUMP, len(crowd.places), crowd.frames)
+        engine.run_script(program, folder, deck.INPUT_FILE, ranks, report_frames)
+        frames = dump.read_frames(folder / deck.DUMP_FILE, len(crowd.places), crowd.frames)
     return FlatRun(np.arange(crowd.frames) / crowd.rate_hz, frames.poses)
 
 
-def files(crowd: Crowd) -> dict[str, bytes]:
+def input_files(crowd: Crowd) -> dict[str, bytes]:
     """LAMMPS input of the same run, by names of files, for a cluster: `lmp -in crowd.in`.
 
     It needs no LAMMPS here. Its dump is read back by `read`.
     """
-    return deck.files(crowd, deck.mechanics(crowd.cards))
+    return deck.input_files(crowd, deck.mechanics(crowd.cards))
 
 
-def read(path: Path, walkers: int, seconds: float, rate_hz: float) -> FlatRun:
+def read_dump(path: Path, walkers: int, seconds: float, rate_hz: float) -> FlatRun:
     """Dump that a cluster has made of the input of so many walkers, seconds and frames a second."""
-    count = deck.frames(seconds, rate_hz)
-    return FlatRun(np.arange(count) / rate_hz, dump.read(path, walkers, count).poses)
+    count = deck.frame_count(seconds, rate_hz)
+    return FlatRun(np.arange(count) / rate_hz, dump.read_frames(path, walkers, count).poses)

@@ -20,19 +20,19 @@ from walkergen.guests.crowd.flat import contact, discs, motion
 Array = npt.NDArray[np.float64]
 Kinds = npt.NDArray[np.int64]
 
-INPUT, DATA, BODIES, DUMP = "crowd.in", "crowd.data", "crowd.bodies", "crowd.dump"
+INPUT_FILE, DATA_FILE, BODIES_FILE, DUMP_FILE = "crowd.in", "crowd.data", "crowd.bodies", "crowd.dump"
 """Names of the files that LAMMPS reads, and of the one that it writes."""
 
-TOLERANCE = 0.025
+DISC_TOLERANCE = 0.025
 """Bumps of a row of discs, as a share of the widest disc's radius of the narrowest walker."""
 
-FOREVER = 1e9
+INFINITE_RELAXATION_S = 1e9
 """Relaxation of the noise that only turns: of what it does to velocities nothing is left, s."""
 
-MARGIN = 20.0
+BOX_MARGIN_MM = 20.0
 """Room between the walls of a dish and the edge of the box, mm."""
 
-MOST_BINS = 500
+MAX_BINS = 500
 """Most neighbour bins along a side of the box."""
 
 
@@ -56,10 +56,10 @@ class Crowd(NamedTuple):
     @property
     def frames(self) -> int:
         """Frames that are written, the first at the start."""
-        return frames(self.seconds, self.rate_hz)
+        return frame_count(self.seconds, self.rate_hz)
 
 
-def frames(seconds: float, rate_hz: float) -> int:
+def frame_count(seconds: float, rate_hz: float) -> int:
     """Frames in a time, the first at the start."""
     return math.floor(seconds * rate_hz + 1e-9) + 1
 
@@ -72,16 +72,16 @@ class Mechanics(NamedTuple):
     contacts: contact.Contacts
 
 
-def tolerance(cards: Sequence[Card]) -> float:
+def outline_tolerance(cards: Sequence[Card]) -> float:
     """How finely discs follow outlines, mm."""
-    return TOLERANCE * min(discs.widest(card) for card in cards)
+    return DISC_TOLERANCE * min(discs.inscribed_radius(card) for card in cards)
 
 
 def mechanics(cards: Sequence[Card]) -> Mechanics:
     """Compute forces, discs and contacts from the cards."""
-    motions = [motion.of(card) for card in cards]
-    bodies = [discs.cover(card, tolerance(cards)) for card in cards]
-    return Mechanics(motions, bodies, contact.of(cards, motions, bodies))
+    motions = [motion.from_card(card) for card in cards]
+    bodies = [discs.cover_outline(card, outline_tolerance(cards)) for card in cards]
+    return Mechanics(motions, bodies, contact.contact_laws(cards, motions, bodies))
 
 
 def steps_per_frame(crowd: Crowd, parts: Mechanics) -> int:
@@ -89,16 +89,20 @@ def steps_per_frame(crowd: Crowd, parts: Mechanics) -> int:
     return max(1, math.ceil(1.0 / (crowd.rate_hz * parts.contacts.longest_step)))
 
 
-def files(crowd: Crowd, parts: Mechanics) -> dict[str, bytes]:
+def input_files(crowd: Crowd, parts: Mechanics) -> dict[str, bytes]:
     """Files by name: the input, the particles and the bodies. The same crowd gives the same."""
-    texts = {INPUT: _input(crowd, parts), DATA: _data(crowd, parts), BODIES: _bodies(crowd, parts)}
+    texts = {
+        INPUT_FILE: _input_script(crowd, parts),
+        DATA_FILE: _particle_data(crowd, parts),
+        BODIES_FILE: _body_data(crowd, parts),
+    }
     return {name: text.encode("ascii") for name, text in texts.items()}
 
 
 # Types of particles: 1..K at C, by kind; K + 1 the sideways push; then discs by kind
 
 
-def _input(crowd: Crowd, parts: Mechanics) -> str:
+def _input_script(crowd: Crowd, parts: Mechanics) -> str:
     """Write the input script."""
     count = len(crowd.cards)
     stride = steps_per_frame(crowd, parts)
@@ -106,7 +110,7 @@ def _input(crowd: Crowd, parts: Mechanics) -> str:
     widest = max(float(body.radii.max()) for body in parts.discs)
     skin = 0.4 * widest
     reach = max(body.reach for body in parts.discs)
-    bins = max(widest + 0.5 * skin, 2.0 * max(_half_box(crowd, parts)) / MOST_BINS)
+    bins = max(widest + 0.5 * skin, 2.0 * max(_half_box(crowd, parts)) / MAX_BINS)
     lines = [
         f"# {len(crowd.places)} walkers in {crowd.dish.words}; mm, g, s",
         "units lj",
@@ -114,31 +118,34 @@ def _input(crowd: Crowd, parts: Mechanics) -> str:
         f"boundary {'p p p' if crowd.dish.period else 'f f p'}",
         "atom_style hybrid sphere dipole ellipsoid",
         "atom_modify map array sort 0 0.0",  # sorted by place, the discs of a body would lie apart in memory
-        f"comm_modify vel yes cutoff {_n(max(reach, 2.0 * widest) + 2.0 * skin)}",
+        f"comm_modify vel yes cutoff {_format_number(max(reach, 2.0 * widest) + 2.0 * skin)}",
         "processors * * 1",
         "newton on",
         "fix member all property/atom mol ghost yes",
-        f"read_data {DATA} fix member NULL Molecules",
-        f"group core type {_span(1, count)}",
-        f"group points type {_span(1, count + 1)}",
-        *(f"set type {k + 1} mass {_n(parts.motions[k].mass)}" for k in range(count)),
-        f"neighbor {_n(skin)} bin",
-        f"neigh_modify delay 0 every 1 check yes binsize {_n(bins)}",
+        f"read_data {DATA_FILE} fix member NULL Molecules",
+        f"group core type {_format_types(1, count)}",
+        f"group points type {_format_types(1, count + 1)}",
+        *(f"set type {k + 1} mass {_format_number(parts.motions[k].mass)}" for k in range(count)),
+        f"neighbor {_format_number(skin)} bin",
+        f"neigh_modify delay 0 every 1 check yes binsize {_format_number(bins)}",
         "neigh_modify exclude molecule/intra all",
         "neigh_modify exclude group points all",
         "pair_style granular",
-        f"pair_coeff * * {_law(next(iter(parts.contacts.pairs.values())))}",
-        *(f"pair_coeff {count + 2 + i} {count + 2 + j} {_law(one)}" for (i, j), one in parts.contacts.pairs.items()),
-        f"fix body all rigid/small molecule infile {BODIES}",
-        *_walls(crowd, parts),
+        f"pair_coeff * * {_format_contact(next(iter(parts.contacts.pairs.values())))}",
+        *(
+            f"pair_coeff {count + 2 + i} {count + 2 + j} {_format_contact(one)}"
+            for (i, j), one in parts.contacts.pairs.items()
+        ),
+        f"fix body all rigid/small molecule infile {BODIES_FILE}",
+        *_wall_commands(crowd, parts),
         "fix push points propel/self dipole 1.0",
         "compute heading core property/atom quatw quatk",
-        *_noise(crowd, parts),
-        *_sideways(parts),
+        *_noise_commands(crowd, parts),
+        *_sideways_drag_commands(parts),
         "fix plane all enforce2d",
-        f"dump track core custom {stride} {DUMP} id xu yu c_heading[1] c_heading[2]",
+        f"dump track core custom {stride} {DUMP_FILE} id xu yu c_heading[1] c_heading[2]",
         "dump_modify track sort id format float %.10g",
-        f"timestep {_n(step)}",
+        f"timestep {_format_number(step)}",
         f"thermo {stride * max(1, crowd.frames // 200)}",
         "thermo_style custom step",
         f"run {stride * (crowd.frames - 1)}",
@@ -146,50 +153,52 @@ def _input(crowd: Crowd, parts: Mechanics) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _law(one: contact.Contact) -> str:
+def _format_contact(one: contact.Contact) -> str:
     """Contact as pair granular and fix wall/gran write it."""
     return (
-        f"hooke {_n(one.stiffness)} {_n(one.damping)} damping velocity tangential "
-        f"linear_nohistory {_n(one.grip / one.damping)} {_n(one.friction)} limit_damping"
+        f"hooke {_format_number(one.stiffness)} {_format_number(one.damping)} damping velocity tangential "
+        f"linear_nohistory {_format_number(one.grip / one.damping)} {_format_number(one.friction)} limit_damping"
     )
 
 
-def _walls(crowd: Crowd, parts: Mechanics) -> list[str]:
+def _wall_commands(crowd: Crowd, parts: Mechanics) -> list[str]:
     """Walls of the dish, which discs of each kind meet in their way."""
     kind, sizes, count = crowd.dish.kind, crowd.dish.sizes, len(crowd.cards)
     lines: list[str] = []
     if kind == "ring":
-        lines.append(f"region inner cylinder z 0 0 {_n(0.5 * sizes[1])} INF INF side out")
+        lines.append(f"region inner cylinder z 0 0 {_format_number(0.5 * sizes[1])} INF INF side out")
     for k in range(count):
-        law = f"granular {_law(parts.contacts.walls[k])}"
+        law = f"granular {_format_contact(parts.contacts.walls[k])}"
         lines.append(f"group kind{k + 1} type {count + 2 + k}")
         if kind == "rectangle":
             for axis, size in zip("xy", sizes, strict=True):
-                half = _n(0.5 * size)
+                half = _format_number(0.5 * size)
                 lines.append(f"fix wall{axis}{k + 1} kind{k + 1} wall/gran {law} {axis}plane -{half} {half}")
         elif kind in ("disc", "ring"):
-            radius = _n(0.5 * sizes[0])
+            radius = _format_number(0.5 * sizes[0])
             lines.append(f"fix outer{k + 1} kind{k + 1} wall/gran {law} zcylinder {radius}")
         if kind == "ring":
             lines.append(f"fix inner{k + 1} kind{k + 1} wall/gran/region {law} region inner")
     return lines
 
 
-def _noise(crowd: Crowd, parts: Mechanics) -> list[str]:
+def _noise_commands(crowd: Crowd, parts: Mechanics) -> list[str]:
     """Drag and noise of each kind: on velocities, and on turning rates."""
     lines = []
     for k, one in enumerate(parts.motions):
         first, second = np.random.SeedSequence([crowd.seed, k]).generate_state(2) % 899_999_999
         lines += [
             f"group core{k + 1} type {k + 1}",
-            f"fix drag{k + 1} core{k + 1} langevin {_n(one.heat)} {_n(one.heat)} {_n(one.relaxation)} {first + 1}",
-            f"fix turn{k + 1} core{k + 1} langevin {_n(one.spin_heat)} {_n(one.spin_heat)} "
-            f"{_n(FOREVER)} {second + 1} angmom {_n(FOREVER / one.turning_relaxation)}",
+            f"fix drag{k + 1} core{k + 1} langevin {_format_number(one.heat)} {_format_number(one.heat)} "
+            f"{_format_number(one.relaxation)} {first + 1}",
+            f"fix turn{k + 1} core{k + 1} langevin {_format_number(one.spin_heat)} {_format_number(one.spin_heat)} "
+            f"{_format_number(INFINITE_RELAXATION_S)} {second + 1} angmom "
+            f"{_format_number(INFINITE_RELAXATION_S / one.turning_relaxation)}",
         ]
     return lines
 
 
-def _sideways(parts: Mechanics) -> list[str]:
+def _sideways_drag_commands(parts: Mechanics) -> list[str]:
     """Write the extra drag across the heading for kinds with other drag across than along it."""
     lines = [
         'variable cosine atom "c_heading[1]*c_heading[1] - c_heading[2]*c_heading[2]"',
@@ -200,8 +209,8 @@ def _sideways(parts: Mechanics) -> list[str]:
         more = one.mass / one.sideways_relaxation - one.mass / one.relaxation
         if more:
             lines += [
-                f'variable sidex{k + 1} atom "{_n(more)}*v_left*v_sine"',
-                f'variable sidey{k + 1} atom "{_n(-more)}*v_left*v_cosine"',
+                f'variable sidex{k + 1} atom "{_format_number(more)}*v_left*v_sine"',
+                f'variable sidey{k + 1} atom "{_format_number(-more)}*v_left*v_cosine"',
                 f"fix side{k + 1} core{k + 1} addforce v_sidex{k + 1} v_sidey{k + 1} 0.0",
             ]
     return lines if len(lines) > 3 else []
@@ -209,12 +218,12 @@ def _sideways(parts: Mechanics) -> list[str]:
 
 def _half_box(crowd: Crowd, parts: Mechanics) -> tuple[float, float]:
     """Half the box along x and y, mm."""
-    room = 0.0 if crowd.dish.period else MARGIN + 2.0 * max(one.reach for one in parts.discs)
+    room = 0.0 if crowd.dish.period else BOX_MARGIN_MM + 2.0 * max(one.reach for one in parts.discs)
     length, width = crowd.dish.box
     return 0.5 * length + room, 0.5 * width + room
 
 
-def _data(crowd: Crowd, parts: Mechanics) -> str:
+def _particle_data(crowd: Crowd, parts: Mechanics) -> str:
     """Particles of all bodies, walker by walker: the one at C, the sideways one, the discs."""
     count = len(crowd.cards)
     atoms: list[str] = []
@@ -232,15 +241,15 @@ def _data(crowd: Crowd, parts: Mechanics) -> str:
         ]
         for row, (kind, u, v, diameter, ahead, left) in enumerate(rows):
             name = len(atoms) + 1
-            place = f"{_n(x + c * u - s * v)} {_n(y + s * u + c * v)} 0"
-            force = f"{_n(c * ahead - s * left)} {_n(s * ahead + c * left)} 0"
-            atoms.append(f"{name} {kind} {place} {_n(diameter)} 1 0 {force} {int(row == 0)}")
+            place = f"{_format_number(x + c * u - s * v)} {_format_number(y + s * u + c * v)} 0"
+            force = f"{_format_number(c * ahead - s * left)} {_format_number(s * ahead + c * left)} 0"
+            atoms.append(f"{name} {kind} {place} {_format_number(diameter)} 1 0 {force} {int(row == 0)}")
             members.append(f"{name} {number}")
         # A ball of this radius and the walker's mass has the walker's inertia
-        size = _n(2.0 * math.sqrt(2.5) * lever)
+        size = _format_number(2.0 * math.sqrt(2.5) * lever)
         ellipsoids.append(
             f"{len(atoms) - len(rows) + 1} {size} {size} {size} "
-            f"{_n(math.cos(0.5 * angle))} 0 0 {_n(math.sin(0.5 * angle))}"
+            f"{_format_number(math.cos(0.5 * angle))} 0 0 {_format_number(math.sin(0.5 * angle))}"
         )
     half = _half_box(crowd, parts)
     head = [
@@ -249,7 +258,7 @@ def _data(crowd: Crowd, parts: Mechanics) -> str:
         f"{len(atoms)} atoms",
         f"{2 * count + 1} atom types",
         f"{len(ellipsoids)} ellipsoids",
-        *(f"-{_n(h)} {_n(h)} {a}lo {a}hi" for h, a in zip(half, "xy", strict=True)),
+        *(f"-{_format_number(h)} {_format_number(h)} {a}lo {a}hi" for h, a in zip(half, "xy", strict=True)),
         "-0.5 0.5 zlo zhi",
     ]
     sections = {"Atoms": atoms, "Ellipsoids": ellipsoids, "Molecules": members}
@@ -257,27 +266,28 @@ def _data(crowd: Crowd, parts: Mechanics) -> str:
     return "\n".join([*head, *tail]) + "\n"
 
 
-def _bodies(crowd: Crowd, parts: Mechanics) -> str:
+def _body_data(crowd: Crowd, parts: Mechanics) -> str:
     """Mass, centre, inertia, velocity and angular momentum of each body, as it starts."""
     rows = [str(len(crowd.places))]
     for number, (k, (x, y, angle)) in enumerate(zip(crowd.kinds, crowd.places, strict=True), 1):
         one = parts.motions[k]
-        inertia = _n(one.inertia)
+        inertia = _format_number(one.inertia)
         speed = crowd.cards[k].speed_mm_s.number if crowd.running else 0.0
         vx, vy = speed * math.cos(angle), speed * math.sin(angle)
         spin = one.inertia * crowd.turning[number - 1] if crowd.running else 0.0
         rows.append(
-            f"{number} {_n(one.mass)} {_n(x)} {_n(y)} 0 {inertia} {inertia} {inertia} 0 0 0 "
-            f"{_n(vx)} {_n(vy)} 0 0 0 {_n(spin)} 0 0 0"
+            f"{number} {_format_number(one.mass)} {_format_number(x)} {_format_number(y)} 0 {inertia} "
+            f"{inertia} {inertia} 0 0 0 "
+            f"{_format_number(vx)} {_format_number(vy)} 0 0 0 {_format_number(spin)} 0 0 0"
         )
     return "\n".join(rows) + "\n"
 
 
-def _span(first: int, last: int) -> str:
+def _format_types(first: int, last: int) -> str:
     """Types from first to last, as LAMMPS writes them."""
     return f"{first}" if first == last else f"{first}:{last}"
 
 
-def _n(number: float) -> str:
+def _format_number(number: float) -> str:
     """Format a number for the input: the shortest text that reads back the same to twelve digits."""
     return f"{number:.12g}"

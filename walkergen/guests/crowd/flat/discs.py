@@ -17,7 +17,7 @@ from walkergen.guests.crowd.cards.card import Card
 
 Array = npt.NDArray[np.float64]
 
-SAMPLES = 900
+OUTLINE_POINTS = 900
 """About as many points stand along an outline when its discs are chosen."""
 
 ARC_SEGMENTS = 16
@@ -47,7 +47,7 @@ class Rim(NamedTuple):
     """Unit vectors, shape (S, 2)."""
 
 
-def region(card: Card) -> BaseGeometry:
+def covered_region(card: Card) -> BaseGeometry:
     """Ground that a walker covers, corners rounded. Raises InputError where it has no area."""
     ground = union_all([Polygon(contour).buffer(0.0) for contour in card.outline_mm])
     radius = card.corner_radius_mm
@@ -60,12 +60,12 @@ def region(card: Card) -> BaseGeometry:
     return rounded
 
 
-def rim(card: Card) -> Rim:
+def outline_rim(card: Card) -> Rim:
     """Points along the outline, equally spaced on each straight piece, none at a corner."""
-    ground = region(card)
+    ground = covered_region(card)
     pieces = [ground] if isinstance(ground, Polygon) else list(ground.geoms)
     contours = [np.asarray(piece.exterior.normalize().coords)[:, :2] for piece in pieces]
-    spacing = sum(piece.exterior.length for piece in pieces) / SAMPLES
+    spacing = sum(piece.exterior.length for piece in pieces) / OUTLINE_POINTS
     points, inwards = [], []
     for contour in contours:
         if np.sum(contour[:-1, 0] * contour[1:, 1] - contour[1:, 0] * contour[:-1, 1]) < 0.0:
@@ -82,19 +82,19 @@ def rim(card: Card) -> Rim:
     return Rim(np.concatenate(points), np.concatenate(inwards))
 
 
-def widest(card: Card) -> float:
+def inscribed_radius(card: Card) -> float:
     """Radius of the widest disc inside the outline, mm."""
-    return float(_widest(rim(card)).max())
+    return float(_inscribed_radii(outline_rim(card)).max())
 
 
-def cover(card: Card, tolerance: float) -> Discs:
+def cover_outline(card: Card, tolerance: float) -> Discs:
     """Discs of a card's outline: no point of it is farther from them than the tolerance, mm.
 
     Tips that need discs below half the tolerance stay out. Greedy: next comes the disc that
     covers most of what is bare.
     """
-    edge = rim(card)
-    radii = _widest(edge)
+    edge = outline_rim(card)
+    radii = _inscribed_radii(edge)
     centres = edge.points + radii[:, None] * edge.inwards
     usable = np.flatnonzero(radii >= 0.5 * tolerance)
     if not usable.size:
@@ -118,7 +118,7 @@ def cover(card: Card, tolerance: float) -> Discs:
     return Discs(centres[chosen], radii[chosen])
 
 
-def _widest(edge: Rim) -> Array:
+def _inscribed_radii(edge: Rim) -> Array:
     """Radius of the widest disc inside that touches the outline at each point, shape (S,)."""
     between = edge.points[None, :, :] - edge.points[:, None, :]
     ahead = np.einsum("ijk,ik->ij", between, edge.inwards)

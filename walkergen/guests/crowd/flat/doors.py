@@ -14,17 +14,17 @@ from walkergen.guests.crowd.flat import deck, discs
 
 Array = npt.NDArray[np.float64]
 
-MOST_KINDS = 14
+MAX_KINDS = 14
 """LAMMPS has 32 groups of particles; a kind takes two."""
 
-MOST_NUMBERS = 2_000_000_000
+MAX_NUMBERS = 2_000_000_000
 """Most numbers in the poses of a run: 16 GB."""
 
-DEEPEST = 0.05
+MAX_OVERLAP_MM = 0.05
 """Deepest overlap of two bodies at the start, mm."""
 
 
-def crowd(
+def make_crowd(
     cards: Sequence[Card],
     kinds: npt.ArrayLike,
     dish: Dish,
@@ -39,44 +39,52 @@ def crowd(
     They start at rest, or if `running` at their speeds. `kinds` are numbers of cards, shape (N,), `places` x, y (mm)
     and heading (rad), shape (N, 3), where no bodies overlap.
     """
-    if not 1 <= len(cards) <= MOST_KINDS:
-        raise wrong("cards", len(cards), f"1 to {MOST_KINDS} kinds")
+    if not 1 <= len(cards) <= MAX_KINDS:
+        raise argument_error("cards", len(cards), f"1 to {MAX_KINDS} kinds")
     where, numbers = np.asarray(places, float), np.asarray(kinds)
     if where.ndim != 2 or where.shape[1:] != (3,) or not len(where):
-        raise wrong("places", where.shape, "of shape (N, 3), N >= 1")
+        raise argument_error("places", where.shape, "of shape (N, 3), N >= 1")
     if not np.isfinite(where).all():
         row = int(np.argmin(np.isfinite(where).all(axis=1)))
-        raise wrong(f"places[{row}]", where[row].tolist(), "numbers: x, y in mm, heading in rad")
+        raise argument_error(f"places[{row}]", where[row].tolist(), "numbers: x, y in mm, heading in rad")
     if numbers.shape != (len(where),) or not np.issubdtype(numbers.dtype, np.integer):
-        raise wrong("kinds", f"{numbers.dtype} of shape {numbers.shape}", f"{len(where)} integers")
+        raise argument_error("kinds", f"{numbers.dtype} of shape {numbers.shape}", f"{len(where)} integers")
     if numbers.min() < 0 or numbers.max() >= len(cards):
-        raise wrong("kinds", f"{numbers.min()} to {numbers.max()}", f"0 to {len(cards) - 1}")
+        raise argument_error("kinds", f"{numbers.min()} to {numbers.max()}", f"0 to {len(cards) - 1}")
     for name, value in (("seconds", seconds), ("rate_hz", rate_hz)):
         if not (math.isfinite(value) and value > 0.0):
-            raise wrong(name, value, "> 0")
+            raise argument_error(name, value, "> 0")
     if not 0 <= seed < 2**63:
-        raise wrong("seed", seed, "0 to 2^63 - 1")
-    count = deck.frames(seconds, rate_hz)
-    if count < 2 or 3 * count * len(where) > MOST_NUMBERS:
-        raise wrong(
+        raise argument_error("seed", seed, "0 to 2^63 - 1")
+    count = deck.frame_count(seconds, rate_hz)
+    if count < 2 or 3 * count * len(where) > MAX_NUMBERS:
+        raise argument_error(
             "seconds times rate_hz",
             seconds * rate_hz,
-            f">= 1, and below {MOST_NUMBERS // (3 * len(where))} for {len(where)} walkers",
+            f">= 1, and below {MAX_NUMBERS // (3 * len(where))} for {len(where)} walkers",
         )
     asked = deck.Crowd(
-        cards, numbers.astype(np.int64), dish, where, _turning(cards, numbers, seed), seconds, rate_hz, seed, running
+        cards,
+        numbers.astype(np.int64),
+        dish,
+        where,
+        _turning_rates(cards, numbers, seed),
+        seconds,
+        rate_hz,
+        seed,
+        running,
     )
     _check_rate(asked)
     _check_room(asked)
     return asked
 
 
-def wrong(name: str, value: object, allowed: str) -> InputError:
+def argument_error(name: str, value: object, allowed: str) -> InputError:
     """Error for an argument."""
     return InputError(f"{name} = {value}: must be {allowed}")
 
 
-def _turning(cards: Sequence[Card], kinds: npt.NDArray[np.int64], seed: int) -> Array:
+def _turning_rates(cards: Sequence[Card], kinds: npt.NDArray[np.int64], seed: int) -> Array:
     """Mean turning rate of each walker, rad/s: a print's own where the card knows their spread."""
     generator = np.random.default_rng([seed, 1])
     means = np.array([card.turning_rad_s.number for card in cards])
@@ -91,39 +99,39 @@ def _check_rate(asked: deck.Crowd) -> None:
     turn = float(np.abs(asked.turning).max()) * interval + 4.0 * math.sqrt(2.0 * spread * interval)
     if turn > math.pi:
         least = asked.rate_hz * (turn / math.pi) ** 2
-        raise wrong("rate_hz", f"{asked.rate_hz:g}", f">= {least:.3g}, to follow the headings")
+        raise argument_error("rate_hz", f"{asked.rate_hz:g}", f">= {least:.3g}, to follow the headings")
 
 
 def _check_room(asked: deck.Crowd) -> None:
     """Raise InputError where bodies overlap each other or a wall, or a ground is too small."""
-    shapes = [discs.cover(card, deck.tolerance(asked.cards)) for card in asked.cards]
+    shapes = [discs.cover_outline(card, deck.outline_tolerance(asked.cards)) for card in asked.cards]
     reach = max(shape.reach for shape in shapes)
     period = asked.dish.period
     if period and period < 4.0 * reach:
-        raise wrong(f"dish {asked.dish.words}: side", f"{period:g} mm", f">= {4.0 * reach:.4g} mm")
-    points, radii, owners = _spread(asked, shapes)
-    gaps = gaps_to_walls(asked.dish, points, radii)
-    if gaps.min() < -DEEPEST:
+        raise argument_error(f"dish {asked.dish.words}: side", f"{period:g} mm", f">= {4.0 * reach:.4g} mm")
+    points, radii, owners = _place_discs(asked, shapes)
+    gaps = wall_gaps(asked.dish, points, radii)
+    if gaps.min() < -MAX_OVERLAP_MM:
         walker = int(owners[np.argmin(gaps)])
         raise InputError(
             f"places[{walker}] = {asked.places[walker].round(3).tolist()}: is "
             f"{-gaps.min():.3g} mm inside a wall of {asked.dish.words}; move it"
         )
-    tree = cKDTree(_wrapped(points, period), boxsize=period or None)
+    tree = cKDTree(_wrap_points(points, period), boxsize=period or None)
     pairs = tree.query_pairs(2.0 * float(radii.max()), output_type="ndarray")
     pairs = pairs[owners[pairs[:, 0]] != owners[pairs[:, 1]]]
     apart = points[pairs[:, 0]] - points[pairs[:, 1]]
     if period:
         apart -= period * np.round(apart / period)
     overlaps = radii[pairs].sum(axis=1) - np.hypot(*apart.T)
-    if len(overlaps) and overlaps.max() > DEEPEST:
+    if len(overlaps) and overlaps.max() > MAX_OVERLAP_MM:
         first, second = sorted(owners[pairs[np.argmax(overlaps)]].tolist())
         raise InputError(
             f"places[{first}] and places[{second}]: the bodies overlap by {overlaps.max():.3g} mm; move them apart"
         )
 
 
-def _wrapped(points: Array, period: float) -> Array:
+def _wrap_points(points: Array, period: float) -> Array:
     """Points in a square from 0 to its side, which is outside; as they are without a period."""
     if not period:
         return points
@@ -131,7 +139,7 @@ def _wrapped(points: Array, period: float) -> Array:
     return np.where(wrapped < period, wrapped, 0.0)  # a hair below 0 is rounded up to the side
 
 
-def _spread(asked: deck.Crowd, shapes: Sequence[discs.Discs]) -> tuple[Array, Array, npt.NDArray[np.int64]]:
+def _place_discs(asked: deck.Crowd, shapes: Sequence[discs.Discs]) -> tuple[Array, Array, npt.NDArray[np.int64]]:
     """Centres, shape (A, 2), radii and walkers of all discs at the start."""
     points, radii, owners = [], [], []
     for kind, shape in enumerate(shapes):
@@ -146,7 +154,7 @@ def _spread(asked: deck.Crowd, shapes: Sequence[discs.Discs]) -> tuple[Array, Ar
     return np.concatenate(points), np.concatenate(radii), np.concatenate(owners)
 
 
-def gaps_to_walls(dish: Dish, points: Array, radii: Array) -> Array:
+def wall_gaps(dish: Dish, points: Array, radii: Array) -> Array:
     """Distance of each disc from the nearest wall, mm; negative inside one."""
     if dish.kind == "rectangle":
         return np.asarray((0.5 * np.array(dish.sizes) - np.abs(points)).min(axis=1) - radii)

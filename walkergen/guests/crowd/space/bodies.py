@@ -15,7 +15,7 @@ from walkergen.guests.crowd.space.shape import Shape, common_heights
 DISC, RING, RECTANGLE, PERIODIC, ENDLESS = range(5)
 """Kinds of ground, by numbers."""
 
-NUMBERS = {"disc": DISC, "ring": RING, "rectangle": RECTANGLE, "periodic": PERIODIC}
+GROUND_NUMBERS = {"disc": DISC, "ring": RING, "rectangle": RECTANGLE, "periodic": PERIODIC}
 
 X, Z, COS, SIN, LEAN_X, LEAN_Z, SPEED, LIFTED = range(8)
 """Columns of `Crowd.planar`: what a body shows from above. Place of C with the legs' give (mm),
@@ -134,7 +134,7 @@ class Crowd(NamedTuple):
     """Time step of contacts now, shape (1,), s."""
 
 
-def bodies_of(kinds: Sequence[int], shapes: tuple[Shape, ...]) -> Bodies:
+def make_bodies(kinds: Sequence[int], shapes: tuple[Shape, ...]) -> Bodies:
     """Bodies of walkers of these kinds."""
     first = np.cumsum([0, *(len(shape.corners) for shape in shapes)])
     edges = [shape.edges + start for shape, start in zip(shapes, first, strict=False)]
@@ -148,25 +148,25 @@ def bodies_of(kinds: Sequence[int], shapes: tuple[Shape, ...]) -> Bodies:
         np.array([shape.reach for shape in shapes]),
         common_heights(shapes),
         np.array([(shape.bottom, shape.top) for shape in shapes]),
-        np.array([_box(shape.corners) for shape in shapes]),
+        np.array([_bounding_box(shape.corners) for shape in shapes]),
     )
 
 
-def _box(corners: Array) -> Array:
+def _bounding_box(corners: Array) -> Array:
     """Middle and half sizes of the box of corners, shape (4,)."""
     low, high = corners.min(axis=0), corners.max(axis=0)
     return np.concatenate([0.5 * (low + high), 0.5 * (high - low)])
 
 
-def ground_of(dish: Dish | None) -> Ground:
+def make_ground(dish: Dish | None) -> Ground:
     """Ground of a dish; None: an endless plane."""
     if dish is None:
         return Ground(ENDLESS, 0.0, 0.0, 0.0)
     inner = dish.sizes[1] if len(dish.sizes) > 1 else 0.0
-    return Ground(NUMBERS[dish.kind], 0.5 * dish.sizes[0], 0.5 * inner, dish.period)
+    return Ground(GROUND_NUMBERS[dish.kind], 0.5 * dish.sizes[0], 0.5 * inner, dish.period)
 
 
-def movers_of(worlds: Sequence[World], states: Sequence[State], tallies: Sequence[Tally]) -> tuple[list[Mover], Free]:
+def make_movers(worlds: Sequence[World], states: Sequence[State], tallies: Sequence[Tally]) -> tuple[list[Mover], Free]:
     """Movers of walkers, and the arrays over all of them that they share."""
     count = len(worlds)
     most = max(len(world.walker.stiffness) for world in worlds)

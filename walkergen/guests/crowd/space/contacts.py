@@ -34,11 +34,11 @@ from walkergen.guests.crowd.space.bodies import (
     X,
     Z,
 )
-from walkergen.guests.crowd.space.gaps import closest, from_box, image, inward, outward
+from walkergen.guests.crowd.space.gaps import box_distance, closest_point, minimum_image, to_body_frame, to_plane
 
 
 @lean
-def _seen_from(free, i, x, y, z):
+def _to_body_axes(free, i, x, y, z):
     """Point of the world in the body axes of walker i, from C."""
     R, state = free.R, free.state
     d_x, d_y, d_z = x - state[i, C_X], y - state[i, C_Y], z - state[i, C_Z]
@@ -76,7 +76,7 @@ def _velocity(free, i, a_x, a_y, a_z):
 
 
 @lean
-def _turned_by(free, i, a_x, a_y, a_z, f_x, f_y, f_z):
+def _body_wrench(free, i, a_x, a_y, a_z, f_x, f_y, f_z):
     """Vector f of the world in body axes, and its moment at a point of body i."""
     R = free.R
     b_x = R[i, 0, 0] * f_x + R[i, 1, 0] * f_y + R[i, 2, 0] * f_z
@@ -88,7 +88,7 @@ def _turned_by(free, i, a_x, a_y, a_z, f_x, f_y, f_z):
 @lean
 def _mobility(free, i, a_x, a_y, a_z, d_x, d_y, d_z):
     """Inverse mass (1/g) of a point of body i along a direction of the world, legs locked."""
-    _, _, _, t_x, t_y, t_z = _turned_by(free, i, a_x, a_y, a_z, d_x, d_y, d_z)
+    _, _, _, t_x, t_y, t_z = _body_wrench(free, i, a_x, a_y, a_z, d_x, d_y, d_z)
     I = free.inverse_inertia  # noqa: E741
     return free.inverse_mass[i] + (
         t_x * (I[i, 0, 0] * t_x + I[i, 0, 1] * t_y + I[i, 0, 2] * t_z)
@@ -98,7 +98,7 @@ def _mobility(free, i, a_x, a_y, a_z, d_x, d_y, d_z):
 
 
 @lean
-def _push(free, i, a_x, a_y, a_z, f_x, f_y, f_z):
+def _apply_impulse(free, i, a_x, a_y, a_z, f_x, f_y, f_z):
     """Give an impulse (world, g mm/s) to a point of body i (body axes), and book its work.
 
     Returns the point's velocity then. Legs are left behind as far as their joints let them.
@@ -106,7 +106,7 @@ def _push(free, i, a_x, a_y, a_z, f_x, f_y, f_z):
     state, now, n, m = free.state, free.now, free.coordinates[i], free.inverse_mass[i]
     shift, lock, I = free.shift, free.lock, free.inverse_inertia  # noqa: E741
     u_x, u_y, u_z = _velocity(free, i, a_x, a_y, a_z)
-    b_x, b_y, b_z, t_x, t_y, t_z = _turned_by(free, i, a_x, a_y, a_z, f_x, f_y, f_z)
+    b_x, b_y, b_z, t_x, t_y, t_z = _body_wrench(free, i, a_x, a_y, a_z, f_x, f_y, f_z)
     state[i, V_X] += m * f_x
     state[i, V_X + 1] += m * f_y
     state[i, V_X + 2] += m * f_z
@@ -160,7 +160,7 @@ def _normal_impulse(stiffness, kept, depth, u, mobility, tick):
 
 
 @kernel_without_refcount
-def _resolve(crowd, i, j, x, z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth, pushes):
+def _resolve_contact(crowd, i, j, x, z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth, pushes):
     """Push bodies i and j (or a wall, -1) apart where they touch; or store the energy of that.
 
     The touch is at (x, z) of the plane in i's image, its normal (n_x, n_z) points from j to i; on i
@@ -172,10 +172,10 @@ def _resolve(crowd, i, j, x, z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth, p
     x_j, z_j = x, z
     if not wall:
         y = 0.5 * (y + _height(free, j, c_x, c_z, y_j))
-        x_j = crowd.planar[j, X] + image(crowd.ground, x - crowd.planar[j, X])
-        z_j = crowd.planar[j, Z] + image(crowd.ground, z - crowd.planar[j, Z])
-    a_x, a_y, a_z = _seen_from(free, i, x, y, z)
-    d_x, d_y, d_z = _seen_from(free, max(j, 0), x_j, y, z_j)
+        x_j = crowd.planar[j, X] + minimum_image(crowd.ground, x - crowd.planar[j, X])
+        z_j = crowd.planar[j, Z] + minimum_image(crowd.ground, z - crowd.planar[j, Z])
+    a_x, a_y, a_z = _to_body_axes(free, i, x, y, z)
+    d_x, d_y, d_z = _to_body_axes(free, max(j, 0), x_j, y, z_j)
     u_x, u_y, u_z = 0.0, 0.0, 0.0
     if moves_i:
         u_x, u_y, u_z = _velocity(free, i, a_x, a_y, a_z)
@@ -210,9 +210,9 @@ def _resolve(crowd, i, j, x, z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth, p
     f_x, f_y, f_z = push * n_x - rub * t_x, -rub * t_y, push * n_z - rub * t_z
     w_x, w_y, w_z = 0.0, 0.0, 0.0
     if moves_i:
-        w_x, w_y, w_z = _push(free, i, a_x, a_y, a_z, f_x, f_y, f_z)
+        w_x, w_y, w_z = _apply_impulse(free, i, a_x, a_y, a_z, f_x, f_y, f_z)
     if moves_j:
-        v_x, v_y, v_z = _push(free, j, d_x, d_y, d_z, -f_x, -f_y, -f_z)
+        v_x, v_y, v_z = _apply_impulse(free, j, d_x, d_y, d_z, -f_x, -f_y, -f_z)
     w_x, w_y, w_z = w_x - v_x, w_y - v_y, w_z - v_z
     w_n = w_x * n_x + w_z * n_z
     rubbed = t_x * (u_x + w_x) + t_y * (u_y + w_y) + t_z * (u_z + w_z)
@@ -224,12 +224,12 @@ def _resolve(crowd, i, j, x, z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth, p
     book[UP] += rub * abs(t_y)
 
 
-FLUSH = 0.05
+FLUSH_DISTANCE_MM = 0.05
 """Distance of two corners along their faces, mm, within which these faces end together."""
 
 
 @lean
-def _counted_twice(crowd, i, j, layer, first, is_corner, c_x, c_z, end):
+def _is_counted_twice(crowd, i, j, layer, first, is_corner, c_x, c_z, end):
     """Return whether another corner counts the touch of a corner of body i with point (c_x, c_z) of body j.
 
     Corner on corner is found from either side: the `first` counts it, if each is the other's closest point; else a face
@@ -241,18 +241,18 @@ def _counted_twice(crowd, i, j, layer, first, is_corner, c_x, c_z, end):
     bodies, planar = crowd.bodies, crowd.planar
     own, other = bodies.kind[i], bodies.kind[j]
     e_x, e_z = bodies.corners[end, 0], bodies.corners[end, 1]
-    if not is_corner and (first or math.hypot(c_x - e_x, c_z - e_z) > FLUSH):
+    if not is_corner and (first or math.hypot(c_x - e_x, c_z - e_z) > FLUSH_DISTANCE_MM):
         return False
-    x, z = outward(planar, j, bodies.heights[other, own, layer], e_x, e_z)
-    x = planar[i, X] + image(crowd.ground, x - planar[i, X])
-    z = planar[i, Z] + image(crowd.ground, z - planar[i, Z])
-    q_x, q_z = inward(planar, i, bodies.heights[own, other, layer], x, z)
-    _, _, _, at_corner, _ = closest(bodies, own, q_x, q_z)
+    x, z = to_plane(planar, j, bodies.heights[other, own, layer], e_x, e_z)
+    x = planar[i, X] + minimum_image(crowd.ground, x - planar[i, X])
+    z = planar[i, Z] + minimum_image(crowd.ground, z - planar[i, Z])
+    q_x, q_z = to_body_frame(planar, i, bodies.heights[own, other, layer], x, z)
+    _, _, _, at_corner, _ = closest_point(bodies, own, q_x, q_z)
     return not at_corner
 
 
 @lean
-def _corners_of(crowd, i, j, layer, first, pushes):
+def _resolve_corners(crowd, i, j, layer, first, pushes):
     """Meet the corners of body i with body j at one end of their edges; returns how many touch.
 
     With `pushes` they push; else their energy is stored in the book.
@@ -263,47 +263,49 @@ def _corners_of(crowd, i, j, layer, first, pushes):
     r, r_j = bodies.radius[own], bodies.radius[other]
     for v in range(bodies.first[own], bodies.first[own + 1]):
         b_x, b_z = bodies.corners[v, 0], bodies.corners[v, 1]
-        x, z = outward(planar, i, y_i, b_x, b_z)
-        s_x = image(crowd.ground, x - planar[j, X]) - (x - planar[j, X])
-        s_z = image(crowd.ground, z - planar[j, Z]) - (z - planar[j, Z])
-        q_x, q_z = inward(planar, j, y_j, x + s_x, z + s_z)
-        if from_box(bodies, other, q_x, q_z) >= r + r_j:
+        x, z = to_plane(planar, i, y_i, b_x, b_z)
+        s_x = minimum_image(crowd.ground, x - planar[j, X]) - (x - planar[j, X])
+        s_z = minimum_image(crowd.ground, z - planar[j, Z]) - (z - planar[j, Z])
+        q_x, q_z = to_body_frame(planar, j, y_j, x + s_x, z + s_z)
+        if box_distance(bodies, other, q_x, q_z) >= r + r_j:
             continue
-        distance, c_x, c_z, is_corner, end = closest(bodies, other, q_x, q_z)
+        distance, c_x, c_z, is_corner, end = closest_point(bodies, other, q_x, q_z)
         depth = r + r_j - distance
         if depth <= 0.0 or distance == 0.0:
             continue
-        if _counted_twice(crowd, i, j, layer, first, is_corner, c_x, c_z, end):
+        if _is_counted_twice(crowd, i, j, layer, first, is_corner, c_x, c_z, end):
             continue
         count += 1
-        p_x, p_z = outward(planar, j, y_j, c_x, c_z)
+        p_x, p_z = to_plane(planar, j, y_j, c_x, c_z)
         n_x, n_z = (x + s_x - p_x) / distance, (z + s_z - p_z) / distance
         middle = r - 0.5 * depth
-        _resolve(crowd, i, j, x - middle * n_x, z - middle * n_z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth, pushes)
+        _resolve_contact(
+            crowd, i, j, x - middle * n_x, z - middle * n_z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth, pushes
+        )
     return count
 
 
 @kernel_without_refcount
-def meet(crowd, i, j, pushes):
+def resolve_pair(crowd, i, j, pushes):
     """Let bodies i and j push each other where they touch; returns how many corners do."""
     count = 0
     for layer in range(2):
-        count += _corners_of(crowd, i, j, layer, True, pushes)
-        count += _corners_of(crowd, j, i, layer, False, pushes)
+        count += _resolve_corners(crowd, i, j, layer, True, pushes)
+        count += _resolve_corners(crowd, j, i, layer, False, pushes)
     return count
 
 
 @lean
-def _at_wall(crowd, i, x, z, n_x, n_z, b_x, b_z, y, depth, pushes):
+def _push_off_wall(crowd, i, x, z, n_x, n_z, b_x, b_z, y, depth, pushes):
     """Push body i off a wall at a point, or store its energy; returns 1 where it touches."""
     if depth <= 0.0:
         return 0
-    _resolve(crowd, i, -1, x, z, n_x, n_z, b_x, b_z, y, 0.0, 0.0, 0.0, depth, pushes)
+    _resolve_contact(crowd, i, -1, x, z, n_x, n_z, b_x, b_z, y, 0.0, 0.0, 0.0, depth, pushes)
     return 1
 
 
 @kernel_without_refcount
-def meet_wall(crowd, i, pushes):
+def resolve_walls(crowd, i, pushes):
     """Let body i push off the walls that it touches; returns how many points do."""
     bodies, ground, count = crowd.bodies, crowd.ground, 0
     if ground.kind >= PERIODIC:
@@ -314,26 +316,26 @@ def meet_wall(crowd, i, pushes):
         y = bodies.ends[kind, layer]
         for v in range(bodies.first[kind], bodies.first[kind + 1]):
             b_x, b_z = bodies.corners[v, 0], bodies.corners[v, 1]
-            x, z = outward(crowd.planar, i, y, b_x, b_z)
+            x, z = to_plane(crowd.planar, i, y, b_x, b_z)
             if ground.kind == RECTANGLE:
                 for side in range(4):
                     n_x = (-1.0 if side == 0 else 1.0) if side < 2 else 0.0
                     n_z = (-1.0 if side == 2 else 1.0) if side >= 2 else 0.0
                     half = ground.outer if side < 2 else ground.inner
                     depth = r - half - n_x * x - n_z * z
-                    count += _at_wall(crowd, i, x - r * n_x, z - r * n_z, n_x, n_z, b_x, b_z, y, depth, pushes)
+                    count += _push_off_wall(crowd, i, x - r * n_x, z - r * n_z, n_x, n_z, b_x, b_z, y, depth, pushes)
             else:
                 size = math.sqrt(x * x + z * z)
                 n_x, n_z = -x / max(size, 1e-300), -z / max(size, 1e-300)
-                count += _at_wall(
+                count += _push_off_wall(
                     crowd, i, x - r * n_x, z - r * n_z, n_x, n_z, b_x, b_z, y, size + r - ground.outer, pushes
                 )
         if ground.kind == RING:
-            q_x, q_z = inward(crowd.planar, i, y, 0.0, 0.0)
-            distance, b_x, b_z, _, _ = closest(bodies, kind, q_x, q_z)
-            x, z = outward(crowd.planar, i, y, b_x, b_z)
+            q_x, q_z = to_body_frame(crowd.planar, i, y, 0.0, 0.0)
+            distance, b_x, b_z, _, _ = closest_point(bodies, kind, q_x, q_z)
+            x, z = to_plane(crowd.planar, i, y, b_x, b_z)
             size = max(math.sqrt(x * x + z * z), 1e-300)
-            count += _at_wall(
+            count += _push_off_wall(
                 crowd,
                 i,
                 x * ground.inner / size,

@@ -10,7 +10,7 @@ FAR = 1e9
 
 
 @lean
-def image(ground, d):
+def minimum_image(ground, d):
     """Shortest difference of two coordinates (mm) whose difference is d."""
     if ground.period > 0.0:
         return d - ground.period * math.floor(d / ground.period + 0.5)
@@ -18,7 +18,7 @@ def image(ground, d):
 
 
 @lean
-def closest(bodies, kind, x, z):
+def closest_point(bodies, kind, x, z):
     """Find the point of a kind's core closest to (x, z), all in its own frame.
 
     Returns distance, point, whether it is a corner, and the number of that corner, or of the closer end of the edge.
@@ -41,7 +41,7 @@ def closest(bodies, kind, x, z):
 
 
 @lean
-def from_box(bodies, kind, x, z):
+def box_distance(bodies, kind, x, z):
     """Distance of (x, z) from the box of a kind's core, all in its own frame."""
     box = bodies.box
     d_x = max(abs(x - box[kind, 0]) - box[kind, 2], 0.0)
@@ -50,7 +50,7 @@ def from_box(bodies, kind, x, z):
 
 
 @lean
-def outward(planar, i, height, b_x, b_z):
+def to_plane(planar, i, height, b_x, b_z):
     """Place in the plane of a point of body i, given in its own frame at a height over C."""
     c, s = planar[i, COS], planar[i, SIN]
     x = planar[i, X] + height * planar[i, LEAN_X] + c * b_x - s * b_z
@@ -58,7 +58,7 @@ def outward(planar, i, height, b_x, b_z):
 
 
 @lean
-def inward(planar, i, height, x, z):
+def to_body_frame(planar, i, height, x, z):
     """Point (x, z) of the plane in the frame of body i at a height over its C."""
     c, s = planar[i, COS], planar[i, SIN]
     d_x = x - planar[i, X] - height * planar[i, LEAN_X]
@@ -67,16 +67,16 @@ def inward(planar, i, height, x, z):
 
 
 @lean
-def apart(bodies, ground, planar, i, j):
+def gap_lower_bound(bodies, ground, planar, i, j):
     """Lower bound of the gap of bodies i and j by their reach, mm."""
-    d_x = image(ground, planar[i, X] - planar[j, X])
-    d_z = image(ground, planar[i, Z] - planar[j, Z])
+    d_x = minimum_image(ground, planar[i, X] - planar[j, X])
+    d_z = minimum_image(ground, planar[i, Z] - planar[j, Z])
     reach = bodies.reach[bodies.kind[i]] + bodies.reach[bodies.kind[j]]
-    return math.sqrt(d_x * d_x + d_z * d_z) - reach - 2.0 * leaning(bodies, planar, i, j)
+    return math.sqrt(d_x * d_x + d_z * d_z) - reach - 2.0 * lean_displacement(bodies, planar, i, j)
 
 
 @lean
-def leaning(bodies, planar, i, j):
+def lean_displacement(bodies, planar, i, j):
     """How far the ends of two bodies' edges are displaced as they lean, at most, mm."""
     largest = 0.0
     for body in (i, j):
@@ -88,7 +88,7 @@ def leaning(bodies, planar, i, j):
 
 
 @lean
-def one_sided(bodies, ground, planar, i, j, layer, least, cutoff):
+def corner_gap(bodies, ground, planar, i, j, layer, least, cutoff):
     """Least gap of the corners of body i from body j, mm, or `least`, which is smaller.
 
     Beyond `cutoff` a lower bound of it.
@@ -97,28 +97,28 @@ def one_sided(bodies, ground, planar, i, j, layer, least, cutoff):
     height, height_j = bodies.heights[own, other, layer], bodies.heights[other, own, layer]
     both = bodies.radius[own] + bodies.radius[other]
     for v in range(bodies.first[own], bodies.first[own + 1]):
-        x, z = outward(planar, i, height, bodies.corners[v, 0], bodies.corners[v, 1])
-        x = planar[j, X] + image(ground, x - planar[j, X])
-        z = planar[j, Z] + image(ground, z - planar[j, Z])
-        b_x, b_z = inward(planar, j, height_j, x, z)
-        gap = from_box(bodies, other, b_x, b_z) - both
+        x, z = to_plane(planar, i, height, bodies.corners[v, 0], bodies.corners[v, 1])
+        x = planar[j, X] + minimum_image(ground, x - planar[j, X])
+        z = planar[j, Z] + minimum_image(ground, z - planar[j, Z])
+        b_x, b_z = to_body_frame(planar, j, height_j, x, z)
+        gap = box_distance(bodies, other, b_x, b_z) - both
         if gap < least:
             if gap < cutoff:
-                distance, _, _, _, _ = closest(bodies, other, b_x, b_z)
+                distance, _, _, _, _ = closest_point(bodies, other, b_x, b_z)
                 gap = distance - both
             least = min(least, gap)
     return least
 
 
 @lean
-def gap_of(bodies, ground, planar, i, j, cutoff):
+def body_gap(bodies, ground, planar, i, j, cutoff):
     """Gap of bodies i and j at both ends of their edges, mm; beyond `cutoff` a lower bound."""
     least = FAR
     if math.isnan(bodies.heights[bodies.kind[i], bodies.kind[j], 0]):
         return least
     for layer in range(2):
-        least = one_sided(bodies, ground, planar, i, j, layer, least, cutoff)
-        least = one_sided(bodies, ground, planar, j, i, layer, least, cutoff)
+        least = corner_gap(bodies, ground, planar, i, j, layer, least, cutoff)
+        least = corner_gap(bodies, ground, planar, j, i, layer, least, cutoff)
     return least
 
 
@@ -131,14 +131,14 @@ def wall_gap(bodies, ground, planar, i):
     for layer in range(2):
         height = bodies.ends[kind, layer]
         for v in range(bodies.first[kind], bodies.first[kind + 1]):
-            x, z = outward(planar, i, height, bodies.corners[v, 0], bodies.corners[v, 1])
+            x, z = to_plane(planar, i, height, bodies.corners[v, 0], bodies.corners[v, 1])
             if ground.kind == RECTANGLE:
                 gap = min(ground.outer - abs(x), ground.inner - abs(z))
             else:
                 gap = ground.outer - math.sqrt(x * x + z * z)
             least = min(least, gap - bodies.radius[kind])
         if ground.kind == RING:
-            b_x, b_z = inward(planar, i, height, 0.0, 0.0)
-            distance, _, _, _, _ = closest(bodies, kind, b_x, b_z)
+            b_x, b_z = to_body_frame(planar, i, height, 0.0, 0.0)
+            distance, _, _, _, _ = closest_point(bodies, kind, b_x, b_z)
             least = min(least, distance - bodies.radius[kind] - ground.inner)
     return least

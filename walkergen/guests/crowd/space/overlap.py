@@ -19,7 +19,7 @@ Numbers = npt.NDArray[np.int64]
 
 DISC, RING, RECTANGLE, PERIODIC = range(4)
 
-NONE = -1
+NO_WALKER = -1
 """End of a list of the walkers in a cell; number of no walker."""
 
 
@@ -66,17 +66,17 @@ class Cells(NamedTuple):
     """Next walker of the same square, shape (N,)."""
 
 
-def cells_of(outlines: Outlines, bounds: Bounds) -> Cells:
+def empty_cells(outlines: Outlines, bounds: Bounds) -> Cells:
     """Empty grid whose squares are as wide as two walkers at least."""
     half = max(bounds.outer, bounds.inner)
     across = max(int(2.0 * half / (2.0 * float(outlines.outer.max()))), 1)
     across = min(across, 2000)
-    head = np.full(across * across, NONE, np.int64)
-    return Cells(2.0 * half / across, across, head, np.full(len(outlines.kind), NONE, np.int64))
+    head = np.full(across * across, NO_WALKER, np.int64)
+    return Cells(2.0 * half / across, across, head, np.full(len(outlines.kind), NO_WALKER, np.int64))
 
 
 @lean
-def _square(cells, bounds, x, y):
+def _cell_index(cells, bounds, x, y):
     """Column and row of the square of a place."""
     half = max(bounds.outer, bounds.inner)
     last = cells.across - 1
@@ -85,18 +85,18 @@ def _square(cells, bounds, x, y):
 
 
 @lean
-def _enter(cells, bounds, i, x, y):
+def _insert_walker(cells, bounds, i, x, y):
     """Enter walker i into the square of its place."""
-    column, row = _square(cells, bounds, x, y)
+    column, row = _cell_index(cells, bounds, x, y)
     at = row * cells.across + column
     cells.following[i] = cells.head[at]
     cells.head[at] = i
 
 
 @lean
-def _leave(cells, bounds, i, x, y):
+def _remove_walker(cells, bounds, i, x, y):
     """Take walker i out of the square of its place."""
-    column, row = _square(cells, bounds, x, y)
+    column, row = _cell_index(cells, bounds, x, y)
     at = row * cells.across + column
     if cells.head[at] == i:
         cells.head[at] = cells.following[i]
@@ -108,7 +108,7 @@ def _leave(cells, bounds, i, x, y):
 
 
 @lean
-def _within(outlines, kind, x, y):
+def _is_inside(outlines, kind, x, y):
     """Whether a point lies inside a kind's outline."""
     odd = False
     for e in range(outlines.first[kind], outlines.first[kind + 1]):
@@ -120,7 +120,7 @@ def _within(outlines, kind, x, y):
 
 
 @lean
-def _cuts(edge, p_x, p_y, q_x, q_y):
+def _has_intersection(edge, p_x, p_y, q_x, q_y):
     """Whether an edge and the segment from p to q have a point in common."""
     a_x, a_y, b_x, b_y = edge[0], edge[1], edge[2], edge[3]
     if max(a_x, b_x) < min(p_x, q_x) or max(p_x, q_x) < min(a_x, b_x):
@@ -138,7 +138,7 @@ def _cuts(edge, p_x, p_y, q_x, q_y):
 
 
 @lean
-def _overlap(outlines, own, other, d_x, d_y, turn, ratio):
+def _has_overlap(outlines, own, other, d_x, d_y, turn, ratio):
     """Return whether two outlines overlap, in the frame of kind `own`.
 
     Kind `other` is `ratio` times as large, its middle at (d_x, d_y) and its heading `turn`.
@@ -151,22 +151,22 @@ def _overlap(outlines, own, other, d_x, d_y, turn, ratio):
         if max(p_x, q_x) < -reach or min(p_x, q_x) > reach or max(p_y, q_y) < -reach or min(p_y, q_y) > reach:
             continue
         for f in range(outlines.first[own], outlines.first[own + 1]):
-            if _cuts(outlines.edges[f], p_x, p_y, q_x, q_y):
+            if _has_intersection(outlines.edges[f], p_x, p_y, q_x, q_y):
                 return True
     for k in range(outlines.first_start[other], outlines.first_start[other + 1]):
         b_x, b_y = outlines.starts[k, 0], outlines.starts[k, 1]
-        if _within(outlines, own, d_x + c * b_x - s * b_y, d_y + s * b_x + c * b_y):
+        if _is_inside(outlines, own, d_x + c * b_x - s * b_y, d_y + s * b_x + c * b_y):
             return True
     square = ratio * ratio
     for k in range(outlines.first_start[own], outlines.first_start[own + 1]):
         b_x, b_y = outlines.starts[k, 0] - d_x, outlines.starts[k, 1] - d_y
-        if _within(outlines, other, (c * b_x + s * b_y) / square, (c * b_y - s * b_x) / square):
+        if _is_inside(outlines, other, (c * b_x + s * b_y) / square, (c * b_y - s * b_x) / square):
             return True
     return False
 
 
 @lean
-def _meet(outlines, bounds, places, scales, i, j, x, y, heading, scale):
+def _has_pair_overlap(outlines, bounds, places, scales, i, j, x, y, heading, scale):
     """Whether walker i, at this pose and scale, overlaps walker j or an image of it."""
     own, other = outlines.kind[i], outlines.kind[j]
     far = scale * outlines.outer[own] + scales[j] * outlines.outer[other]
@@ -184,13 +184,13 @@ def _meet(outlines, bounds, places, scales, i, j, x, y, heading, scale):
             c, s = math.cos(heading) / scale, math.sin(heading) / scale
             b_x, b_y = c * d_x + s * d_y, c * d_y - s * d_x
             turn = places[j, 2] - heading
-            if _overlap(outlines, own, other, b_x, b_y, turn, scales[j] / scale):
+            if _has_overlap(outlines, own, other, b_x, b_y, turn, scales[j] / scale):
                 return True
     return False
 
 
 @lean
-def _walled(outlines, bounds, kind, x, y, heading, scale):
+def _has_wall_overlap(outlines, bounds, kind, x, y, heading, scale):
     """Whether an outline reaches into a wall."""
     if bounds.kind == PERIODIC:
         return False
@@ -213,16 +213,16 @@ def _walled(outlines, bounds, kind, x, y, heading, scale):
                 return True
     if bounds.kind == RING:
         square = scale * scale
-        return _within(outlines, kind, -(c * x + s * y) / square, (s * x - c * y) / square)
+        return _is_inside(outlines, kind, -(c * x + s * y) / square, (s * x - c * y) / square)
     return False
 
 
 @lean
-def free(outlines, bounds, cells, places, scales, i, x, y, heading, scale):
+def is_free(outlines, bounds, cells, places, scales, i, x, y, heading, scale):
     """Whether walker i at this pose and scale touches neither walls nor walkers of the cells."""
-    if _walled(outlines, bounds, outlines.kind[i], x, y, heading, scale):
+    if _has_wall_overlap(outlines, bounds, outlines.kind[i], x, y, heading, scale):
         return False
-    column, row = _square(cells, bounds, x, y)
+    column, row = _cell_index(cells, bounds, x, y)
     around = 1 if cells.across > 2 else 0
     first, last = (-1, 1) if around else (0, cells.across - 1)
     for over in range(first, last + 1):
@@ -233,19 +233,19 @@ def free(outlines, bounds, cells, places, scales, i, x, y, heading, scale):
             elif at_x < 0 or at_y < 0 or at_x >= cells.across or at_y >= cells.across:
                 continue
             j = cells.head[at_y * cells.across + at_x]
-            while j != NONE:
-                if j != i and _meet(outlines, bounds, places, scales, i, j, x, y, heading, scale):
+            while j != NO_WALKER:
+                if j != i and _has_pair_overlap(outlines, bounds, places, scales, i, j, x, y, heading, scale):
                     return False
                 j = cells.following[j]
     if bounds.period > 0.0:
         places[i, 0], places[i, 1], places[i, 2] = x, y, heading
         scales[i] = scale
-        return not _meet(outlines, bounds, places, scales, i, i, x, y, heading, scale)
+        return not _has_pair_overlap(outlines, bounds, places, scales, i, i, x, y, heading, scale)
     return True
 
 
 @kernel
-def add(outlines, bounds, cells, places, scales, order, done, randoms):
+def add_walkers(outlines, bounds, cells, places, scales, order, done, randoms):
     """Add walkers in an order, from the `done`-th on, each where a random place first is free.
 
     `randoms`: shape (tries, 3), 0 to 1. Returns how many are added when these are used up.
@@ -258,15 +258,15 @@ def add(outlines, bounds, cells, places, scales, order, done, randoms):
         i = order[done]
         x, y = half_x * (2.0 * randoms[t, 0] - 1.0), half_y * (2.0 * randoms[t, 1] - 1.0)
         heading = TWO_PI * randoms[t, 2]
-        if free(outlines, bounds, cells, places, scales, i, x, y, heading, scales[i]):
+        if is_free(outlines, bounds, cells, places, scales, i, x, y, heading, scales[i]):
             places[i, 0], places[i, 1], places[i, 2] = x, y, heading
-            _enter(cells, bounds, i, x, y)
+            _insert_walker(cells, bounds, i, x, y)
             done += 1
     return done
 
 
 @kernel
-def sweep(outlines, bounds, cells, places, scales, randoms, steps, growth, most):
+def move_and_grow(outlines, bounds, cells, places, scales, randoms, steps, growth, most):
     """Move every walker once at random and let it grow, to a scale of `most` at the utmost.
 
     `randoms`: shape (N, 4), 0 to 1; `steps`: largest shift (mm) and turn (rad); `growth`: largest
@@ -282,25 +282,25 @@ def sweep(outlines, bounds, cells, places, scales, randoms, steps, growth, most)
         if bounds.period > 0.0:
             new_x -= bounds.period * math.floor((new_x + half) / bounds.period)
             new_y -= bounds.period * math.floor((new_y + half) / bounds.period)
-        _leave(cells, bounds, i, x, y)
-        if free(outlines, bounds, cells, places, scales, i, new_x, new_y, turned, scale):
+        _remove_walker(cells, bounds, i, x, y)
+        if is_free(outlines, bounds, cells, places, scales, i, new_x, new_y, turned, scale):
             x, y, heading = new_x, new_y, turned
             moved += 1
         larger = min(most, scale * (1.0 + growth * randoms[i, 3]))
-        if larger > scale and free(outlines, bounds, cells, places, scales, i, x, y, heading, larger):
+        if larger > scale and is_free(outlines, bounds, cells, places, scales, i, x, y, heading, larger):
             scale = larger
         places[i, 0], places[i, 1], places[i, 2] = x, y, heading
         scales[i] = scale
-        _enter(cells, bounds, i, x, y)
+        _insert_walker(cells, bounds, i, x, y)
     return moved
 
 
 @kernel
-def overlapping(outlines, bounds, cells, places, scales):
+def find_overlap(outlines, bounds, cells, places, scales):
     """First walker that overlaps a wall or another one; NONE without any. Fills empty cells."""
     for i in range(len(places)):
         x, y, heading = places[i, 0], places[i, 1], places[i, 2]
-        if not free(outlines, bounds, cells, places, scales, i, x, y, heading, scales[i]):
+        if not is_free(outlines, bounds, cells, places, scales, i, x, y, heading, scales[i]):
             return i
-        _enter(cells, bounds, i, x, y)
-    return NONE
+        _insert_walker(cells, bounds, i, x, y)
+    return NO_WALKER

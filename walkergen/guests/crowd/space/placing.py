@@ -21,31 +21,31 @@ from walkergen.readers.drawings.outlines import area
 Array = npt.NDArray[np.float64]
 Outline = Sequence[Array]
 
-SPARSE = 0.4
+MAX_SPARSE_PACKING = 0.4
 """Packing up to which walkers are added at their full size."""
 
-TRIES = 400
+MAX_TRIES_PER_WALKER = 400
 """Random places that are tried for each walker at most, on average, before all start smaller."""
 
-SMALLEST = 0.02
+MIN_SCALE = 0.02
 """Scale at which walkers start at the least."""
 
-PACES = (0.1, 0.01, 0.001)
+GROWTH_RATES = (0.1, 0.01, 0.001)
 """Largest growth of a walker with a move: slower where a crowd has jammed."""
 
-LOOSENED = 0.9
+SHRINK_SCALE = 0.9
 """Scale by which all shrink before they grow at a slower pace."""
 
-TOGETHER = 1.05
+MAX_SCALE_RATIO = 1.05
 """Largest scale over the smallest: all grow together."""
 
-STALLED, LEAST_GROWTH = 200, 0.2
+STALL_MOVES, MIN_GROWTH = 200, 0.2
 """Moves of each walker within which the smallest scale must grow by so many paces."""
 
-MOST_MOVES = 30_000_000
+MAX_MOVES = 30_000_000
 """Moves of all walkers at a pace at most: half a minute."""
 
-ROUNDING = 0.01
+SIMPLIFY_MM = 0.01
 """Distance (mm) that simplified outlines may lie inside what they stand for."""
 
 
@@ -56,47 +56,47 @@ def place(outlines: Sequence[Outline], dish: Dish, rng: np.random.Generator, cle
     `clearance_mm` apart at least, and from walls half of it. Raises InputError when there is no
     room, with the densest packing that there is.
     """
-    shapes, middles = _shapes(outlines, 0.5 * clearance_mm)
-    bounds = bounds_of(dish)
-    _refuse_too_large(shapes, dish)
+    shapes, middles = _make_outlines(outlines, 0.5 * clearance_mm)
+    bounds = make_bounds(dish)
+    _check_size(shapes, dish)
     areas = np.array([sum(area(ring) for ring in outline) for outline in outlines])
     packing = float(areas.sum()) / dish.area
     if packing >= 1.0:
-        raise _too_dense(len(outlines), packing, None)
+        raise _density_error(len(outlines), packing, None)
     order = np.argsort(-areas, kind="stable")
-    scale = 1.0 if packing <= SPARSE else math.sqrt(0.75 * SPARSE / packing)
+    scale = 1.0 if packing <= MAX_SPARSE_PACKING else math.sqrt(0.75 * MAX_SPARSE_PACKING / packing)
     while True:
         scales = np.full(len(outlines), scale)
-        placed = _added(shapes, bounds, scales, order, rng)
+        placed = _add_walkers(shapes, bounds, scales, order, rng)
         if placed is not None:
             break
         scale *= 0.85
-        if scale < SMALLEST:
-            raise _too_dense(len(outlines), packing, None)
+        if scale < MIN_SCALE:
+            raise _density_error(len(outlines), packing, None)
     places, cells = placed
-    if scale < 1.0 and not _grown(shapes, bounds, cells, places, scales, rng):
-        raise _too_dense(len(outlines), packing, float(areas @ scales**2) / dish.area)
-    return _about_O(places, middles[shapes.kind])
+    if scale < 1.0 and not _grow_walkers(shapes, bounds, cells, places, scales, rng):
+        raise _density_error(len(outlines), packing, float(areas @ scales**2) / dish.area)
+    return _to_origin_poses(places, middles[shapes.kind])
 
 
-def overlapping(outlines: Sequence[Outline], dish: Dish, places: Array) -> int | None:
+def find_overlap(outlines: Sequence[Outline], dish: Dish, places: Array) -> int | None:
     """Find the first walker that overlaps another or a wall, placed by O; None without any."""
-    shapes, middles = _shapes(outlines, 0.0)
-    bounds = bounds_of(dish)
-    about_middle = _about_O(places, -middles[shapes.kind])
-    cells = overlap.cells_of(shapes, bounds)
-    first = int(overlap.overlapping(shapes, bounds, cells, about_middle, np.ones(len(places))))
-    return None if first == overlap.NONE else first
+    shapes, middles = _make_outlines(outlines, 0.0)
+    bounds = make_bounds(dish)
+    about_middle = _to_origin_poses(places, -middles[shapes.kind])
+    cells = overlap.empty_cells(shapes, bounds)
+    first = int(overlap.find_overlap(shapes, bounds, cells, about_middle, np.ones(len(places))))
+    return None if first == overlap.NO_WALKER else first
 
 
-def bounds_of(dish: Dish) -> Bounds:
+def make_bounds(dish: Dish) -> Bounds:
     """Return the walls of a dish as kernels read them."""
     number = ("disc", "ring", "rectangle", "periodic").index(dish.kind)
     inner = 0.5 * dish.sizes[1] if len(dish.sizes) > 1 else 0.0
     return Bounds(number, 0.5 * dish.sizes[0], inner, dish.period)
 
 
-def _shapes(outlines: Sequence[Outline], margin: float) -> tuple[Outlines, Array]:
+def _make_outlines(outlines: Sequence[Outline], margin: float) -> tuple[Outlines, Array]:
     """Outlines of all kinds, larger by a margin (mm), and their middles from O, (kinds, 2), mm."""
     import shapely
 
@@ -107,7 +107,7 @@ def _shapes(outlines: Sequence[Outline], margin: float) -> tuple[Outlines, Array
     for outline in kinds.values():
         whole = shapely.union_all([shapely.Polygon(ring) for ring in outline])
         if margin > 0.0:
-            whole = whole.buffer(margin + ROUNDING, join_style="mitre").simplify(ROUNDING)
+            whole = whole.buffer(margin + SIMPLIFY_MM, join_style="mitre").simplify(SIMPLIFY_MM)
         middle = shapely.minimum_bounding_circle(whole).centroid
         rings = [np.asarray(part.exterior.coords)[:-1] - (middle.x, middle.y) for part in shapely.get_parts(whole)]
         edges.append(np.vstack([np.hstack([ring, np.roll(ring, -1, axis=0)]) for ring in rings]))
@@ -127,7 +127,7 @@ def _shapes(outlines: Sequence[Outline], margin: float) -> tuple[Outlines, Array
     ), np.array(middles)
 
 
-def _about_O(places: Array, middles: Array) -> Array:
+def _to_origin_poses(places: Array, middles: Array) -> Array:
     """Poses of O of walkers whose middles, from O, have these poses."""
     c, s = np.cos(places[:, 2]), np.sin(places[:, 2])
     x, y = middles.T
@@ -135,56 +135,56 @@ def _about_O(places: Array, middles: Array) -> Array:
     return np.column_stack([places[:, :2] - turned, places[:, 2]])
 
 
-def _added(
+def _add_walkers(
     shapes: Outlines, bounds: Bounds, scales: Array, order: npt.NDArray[np.int64], rng: np.random.Generator
 ) -> tuple[Array, Cells] | None:
     """Places of middles, and cells, of walkers added one by one; None where one found no room."""
-    cells = overlap.cells_of(shapes, bounds)
+    cells = overlap.empty_cells(shapes, bounds)
     places = np.zeros((len(order), 3))
-    done, tries = 0, TRIES * len(order)
+    done, tries = 0, MAX_TRIES_PER_WALKER * len(order)
     while tries > 0:
         batch = min(tries, 100_000)
         randoms = rng.random((batch, 3))
-        done = overlap.add(shapes, bounds, cells, places, scales, order, done, randoms)
+        done = overlap.add_walkers(shapes, bounds, cells, places, scales, order, done, randoms)
         if done == len(order):
             return places, cells
         tries -= batch
     return None
 
 
-def _grown(
+def _grow_walkers(
     shapes: Outlines, bounds: Bounds, cells: Cells, places: Array, scales: Array, rng: np.random.Generator
 ) -> bool:
     """Move walkers and let them grow to their size; False where they find no room for it."""
-    for number, pace in enumerate(PACES):
+    for number, pace in enumerate(GROWTH_RATES):
         if number > 0:
-            scales *= LOOSENED
-        if _paced(shapes, bounds, cells, places, scales, rng, pace):
+            scales *= SHRINK_SCALE
+        if _grow_at_rate(shapes, bounds, cells, places, scales, rng, pace):
             return True
     return False
 
 
-def _paced(
+def _grow_at_rate(
     shapes: Outlines, bounds: Bounds, cells: Cells, places: Array, scales: Array, rng: np.random.Generator, pace: float
 ) -> bool:
     """Move walkers and let them grow at a pace, until all have their size or no room for it."""
     n, largest = len(places), float(shapes.outer.max())
     steps, smallest = np.array([0.3 * largest, 0.5]), float(scales.min())
     least, most_steps = np.array([1e-4 * largest, 1e-4]), np.array([largest, math.pi])
-    for number in range(max(MOST_MOVES // n, STALLED)):
-        most, randoms = min(1.0, TOGETHER * float(scales.min())), rng.random((n, 4))
-        moved = overlap.sweep(shapes, bounds, cells, places, scales, randoms, steps, pace, most)
+    for number in range(max(MAX_MOVES // n, STALL_MOVES)):
+        most, randoms = min(1.0, MAX_SCALE_RATIO * float(scales.min())), rng.random((n, 4))
+        moved = overlap.move_and_grow(shapes, bounds, cells, places, scales, randoms, steps, pace, most)
         if scales.min() == 1.0:
             return True
         steps = np.clip(steps * (1.1 if moved > 0.4 * n else 0.9), least, most_steps)
-        if number % STALLED == STALLED - 1:
-            if float(scales.min()) < smallest * (1.0 + LEAST_GROWTH * pace):
+        if number % STALL_MOVES == STALL_MOVES - 1:
+            if float(scales.min()) < smallest * (1.0 + MIN_GROWTH * pace):
                 return False
             smallest = float(scales.min())
     return False
 
 
-def _refuse_too_large(shapes: Outlines, dish: Dish) -> None:
+def _check_size(shapes: Outlines, dish: Dish) -> None:
     """Raise InputError for a dish in which the largest walker has no room alone."""
     across = 2.0 * float(shapes.outer.max())
     room = min(dish.box)
@@ -196,7 +196,7 @@ def _refuse_too_large(shapes: Outlines, dish: Dish) -> None:
         )
 
 
-def _too_dense(count: int, packing: float, reached: float | None) -> InputError:
+def _density_error(count: int, packing: float, reached: float | None) -> InputError:
     """Error of a crowd that has no room."""
     number = "one walker finds" if count == 1 else f"{count} walkers find"
     dense = "" if reached is None else f" beyond {reached:.2f} at most"

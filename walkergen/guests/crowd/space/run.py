@@ -27,12 +27,12 @@ from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
 from walkergen.guests.crowd.space import bodies, steps
 from walkergen.guests.crowd.space.result import CrowdRun, Impulses
-from walkergen.guests.crowd.space.shape import Shape, shape_of
+from walkergen.guests.crowd.space.shape import Shape, make_shape
 
-TOUCH_S = 1e-3 * 0.6
+CONTACT_TIME_S = 1e-3 * 0.6
 """Time (s) for which a corner and a face that keep nothing touch (docs/physics.md section 9)."""
 
-TICKS = 13.0
+MIN_TICKS_PER_TOUCH = 13.0
 """Ticks of a touch at least: what a crowd's contacts take is then 1 to 3 % off what restitution
 says, half of that with twice as many."""
 
@@ -57,7 +57,7 @@ class CrowdPlan(NamedTuple):
     ground: bodies.Ground
 
 
-def on_plane(scene: Scene) -> Scene:
+def plane_scene(scene: Scene) -> Scene:
     """Scene of a walker in a crowd: free to turn, on ground that the dish bounds, under the scene's lid.
 
     Raises InputError for headings at the start, which are drawn with the places, and for plates that sway.
@@ -80,10 +80,10 @@ def prepare(
 
     `endless` removes the scene's dish. Raises InputError if a scene or a design contradicts the model in space.
     """
-    flat = on_plane(scene)
+    flat = plane_scene(scene)
     every = tuple(plans.prepare(flat, design, mass) for design, mass in designs)
     shapes = tuple(
-        shape_of(design, mass, plan.world.walker) for (design, mass), plan in zip(designs, every, strict=True)
+        make_shape(design, mass, plan.world.walker) for (design, mass), plan in zip(designs, every, strict=True)
     )
     return CrowdPlan(
         flat,
@@ -91,13 +91,13 @@ def prepare(
         shapes,
         tuple(design.name for design, _ in designs),
         tuple(kinds),
-        _of_centres(places, [every[kind] for kind in kinds]),
-        _law(flat, every),
-        bodies.ground_of(None if endless else scene.crowd.dish),
+        _centre_places(places, [every[kind] for kind in kinds]),
+        _contact_law(flat, every),
+        bodies.make_ground(None if endless else scene.crowd.dish),
     )
 
 
-def _of_centres(places: Array, of_walkers: Sequence[Plan]) -> Array:
+def _centre_places(places: Array, of_walkers: Sequence[Plan]) -> Array:
     """Places of the centres of mass of walkers whose O are at `places`."""
     centres = np.asarray(places, float).copy()
     for row, plan in zip(centres, of_walkers, strict=True):
@@ -107,12 +107,12 @@ def _of_centres(places: Array, of_walkers: Sequence[Plan]) -> Array:
     return centres
 
 
-def _law(scene: Scene, every: Sequence[Plan]) -> bodies.Law:
+def _contact_law(scene: Scene, every: Sequence[Plan]) -> bodies.Law:
     """Law of contacts, and the tick that it needs: a number of steps of the walkers' own."""
     step = min(plan.world.options.step for plan in every)
-    tick = step * 2.0 ** math.floor(math.log2(TOUCH_S / TICKS / step))
+    tick = step * 2.0 ** math.floor(math.log2(CONTACT_TIME_S / MIN_TICKS_PER_TOUCH / step))
     return bodies.Law(
-        0.5 * (math.pi / TOUCH_S) ** 2,  # eq. 9.1, half of it at either end of an edge
+        0.5 * (math.pi / CONTACT_TIME_S) ** 2,  # eq. 9.1, half of it at either end of an edge
         (scene.crowd.restitution**2, scene.arena.wall_restitution**2),
         (scene.crowd.friction, scene.arena.wall_friction),
         scene.drive.peak_speed,
@@ -132,14 +132,14 @@ def simulate(
     A run that is `stopped` keeps the frames that it has.
     """
     started, run = time.thread_time(), plan.scene.run
-    walkers = let_go(plan, number)
-    crowd, walkers = gathered(plan, walkers)
-    blocks = 1 if len(walkers) == 1 else _blocks(plan, run.discard_seconds)
+    walkers = release_walkers(plan, number)
+    crowd, walkers = make_crowd(plan, walkers)
+    blocks = 1 if len(walkers) == 1 else _block_count(plan, run.discard_seconds)
     advance(crowd, run.discard_seconds, blocks, stopped)
     tallies = [record.new_tally(len(TRAJECTORY_COLUMNS), run.seconds, 1.0 / rate_hz) for _ in walkers]
-    crowd, walkers = recorded(plan, walkers, crowd, tallies)
-    energies, held = _energies(walkers), float(steps.stored(crowd))
-    done = advance(crowd, run.seconds, _blocks(plan, run.seconds), stopped, progress)
+    crowd, walkers = attach_records(plan, walkers, crowd, tallies)
+    energies, held = _energies(walkers), float(steps.contact_energy(crowd))
+    done = advance(crowd, run.seconds, _block_count(plan, run.seconds), stopped, progress)
     gained = _energies(walkers) - energies
     balanced = [
         record.energy_error(sums, change, before)
@@ -157,14 +157,14 @@ def simulate(
         int(book[bodies.TOUCHES]),
         float(book[bodies.DEEPEST]),
         max(balanced),
-        _unbalanced(book, float(steps.stored(crowd)) - held),
+        _contact_energy_error(book, float(steps.contact_energy(crowd)) - held),
         {"normal": -float(book[bodies.WORK]), "friction": float(book[bodies.RUBBED])},
         Impulses(*(float(book[row]) for row in (bodies.PRESSED, bodies.ALONG, bodies.UP))),
         time.thread_time() - started,
     )
 
 
-def let_go(plan: CrowdPlan, number: int) -> Walkers:
+def release_walkers(plan: CrowdPlan, number: int) -> Walkers:
     """World and state of each walker, at rest over its place; the first draws plate and phase."""
     walkers: Walkers = []
     seed, phase = plan.scene.run.seed, None
@@ -177,40 +177,40 @@ def let_go(plan: CrowdPlan, number: int) -> Walkers:
             acting = world.acting._replace(noise=plate.noise, roughness=plate.roughness)
             world = world._replace(acting=acting)
         phase = float(state[PHASE])
-        _put(world, state, *place_of)
+        _place_walker(world, state, *place_of)
         walkers.append((world, state))
     return walkers
 
 
-def _put(world: World, state: State, x: float, y: float, heading: float) -> None:
+def _place_walker(world: World, state: State, x: float, y: float, heading: float) -> None:
     """Put a walker with its centre of mass at (x, y), mm, on the plate, turned to a heading."""
     turn_to(state, heading)
     state[C_X], state[C_Z] = x, -y
     place(world, state, work_for(world.walker, state))
 
 
-def gathered(plan: CrowdPlan, walkers: Walkers) -> tuple[bodies.Crowd, Walkers]:
+def make_crowd(plan: CrowdPlan, walkers: Walkers) -> tuple[bodies.Crowd, Walkers]:
     """Crowd of walkers in these states, which nothing records; and they, with their states in it."""
-    return _crowd(plan, walkers, [record.new_tally() for _ in walkers])
+    return _assemble_crowd(plan, walkers, [record.new_tally() for _ in walkers])
 
 
-def recorded(
+def attach_records(
     plan: CrowdPlan, walkers: Walkers, before: bodies.Crowd, tallies: Sequence[record.Tally]
 ) -> tuple[bodies.Crowd, Walkers]:
     """Return the same crowd and walkers with these new records."""
-    crowd, walkers = _crowd(plan, walkers, tallies)
+    crowd, walkers = _assemble_crowd(plan, walkers, tallies)
     crowd.planar[:], crowd.status[:] = before.planar, before.status
     crowd.touching[:] = before.touching
     return crowd, walkers
 
 
-def _crowd(plan: CrowdPlan, walkers: Walkers, tallies: Sequence[record.Tally]) -> tuple[bodies.Crowd, Walkers]:
+def _assemble_crowd(plan: CrowdPlan, walkers: Walkers, tallies: Sequence[record.Tally]) -> tuple[bodies.Crowd, Walkers]:
     count, (worlds, states) = len(walkers), zip(*walkers, strict=True)
-    movers, free = bodies.movers_of(worlds, states, tallies)
+    movers, free = bodies.make_movers(worlds, states, tallies)
     crowd = bodies.Crowd(
         kernels.typed_list(movers),
         free,
-        bodies.bodies_of(plan.kinds, plan.shapes),
+        bodies.make_bodies(plan.kinds, plan.shapes),
         plan.ground,
         plan.law,
         np.zeros((count, 8)),
@@ -222,7 +222,7 @@ def _crowd(plan: CrowdPlan, walkers: Walkers, tallies: Sequence[record.Tally]) -
     return crowd, [(mover.world, mover.state) for mover in movers]
 
 
-def _blocks(plan: CrowdPlan, seconds: float) -> int:
+def _block_count(plan: CrowdPlan, seconds: float) -> int:
     """Blocks of a single walker's record, whose bits depend on them."""
     period = plan.plans[0].world.drive.period
     return min(max(round(seconds / (PERIODS_PER_BLOCK * period)), 1), MAX_BLOCKS)
@@ -259,7 +259,7 @@ def _energies(walkers: Walkers) -> Array:
     return np.array([energy(*walker) for walker in walkers])
 
 
-def _unbalanced(book: Array, held: float) -> float:
+def _contact_energy_error(book: Array, held: float) -> float:
     """Energy of contacts along their normals that nothing accounts for, over the energy taken."""
     lost = book[bodies.LOST]
     taken = max(abs(book[bodies.WORK]), lost, abs(held))

@@ -25,7 +25,7 @@ from walkergen.readers.walkers.seen_above import outline_of
 CORNER_MM = 0.2
 """Radius of a printed corner: half of a common nozzle's line."""
 
-ROUND_MM = 0.01
+CIRCLE_TOLERANCE_MM = 0.01
 """Largest distance of an outline from a circle that counts as one."""
 
 
@@ -49,10 +49,10 @@ class Shape(NamedTuple):
     """Height of C over the plate when it stands level."""
 
 
-def shape_of(design: Design, mass: MassProperties, walker: InSpace) -> Shape:
+def make_shape(design: Design, mass: MassProperties, walker: InSpace) -> Shape:
     """Shape of a design's body. Raises InputError for one too thin to have corners."""
     contours = [contour * (1.0, -1.0) + walker.centre[[0, 2]] for contour in outline_of(design, mass)]
-    corners, edges, radius = _core(design, contours)
+    corners, edges, radius = _make_core(design, contours)
     reach = float(np.hypot(*corners.T).max()) + radius
     feet = walker.root[:, 1] + walker.reach[:, 1]
     return Shape(
@@ -67,11 +67,11 @@ def shape_of(design: Design, mass: MassProperties, walker: InSpace) -> Shape:
     )
 
 
-def _core(design: Design, contours: list[Array]) -> tuple[Array, npt.NDArray[np.int64], float]:
+def _make_core(design: Design, contours: list[Array]) -> tuple[Array, npt.NDArray[np.int64], float]:
     """Corners and edges of the core of an outline, and the radius around it."""
     middle = contours[0].mean(axis=0)
     far = np.hypot(*(contours[0] - middle).T)
-    if len(contours) == 1 and len(far) > 12 and float(np.ptp(far)) < ROUND_MM:
+    if len(contours) == 1 and len(far) > 12 and float(np.ptp(far)) < CIRCLE_TOLERANCE_MM:
         return middle[None, :], np.zeros((1, 2), np.int64), float(far.mean())
     radius = CORNER_MM
     while True:

@@ -31,8 +31,8 @@ from walkergen.guests.crowd.space.bodies import (
     X,
     Z,
 )
-from walkergen.guests.crowd.space.contacts import meet, meet_wall
-from walkergen.guests.crowd.space.gaps import FAR, apart, gap_of, wall_gap
+from walkergen.guests.crowd.space.contacts import resolve_pair, resolve_walls
+from walkergen.guests.crowd.space.gaps import FAR, body_gap, gap_lower_bound, wall_gap
 
 LEVELS = 8
 """A round is 2^LEVELS ticks, about ten milliseconds."""
@@ -54,15 +54,15 @@ class Plans(NamedTuple):
     """Largest n of the 2^n ticks that it may move now, shape (N,)."""
 
 
-NEAR = 64.0
+NEAR_TICKS = 64.0
 """Ticks at their speed within which the gap of two bodies is worth more than a lower bound."""
 
 
-RECENT = 8.0
+RECENT_TICKS = 8.0
 """Ticks after which the rate at which a gap closed says nothing of how it closes now."""
 
 
-FORESEEN, IN_A_TICK = 2.0, 0.25
+FORESEEN_TICKS, LANDING_SHARE = 2.0, 0.25
 """Ticks for which a gap's rate says how it goes on, and the part of a landing's change of velocity
 that falls into them."""
 
@@ -75,11 +75,11 @@ def _move(crowd, i, t):
         place(mover.world, mover.state, mover.work)
     elif crowd.status[i] == OK:
         crowd.status[i] = advance_in(mover.world, mover.state, mover.work, t, mover.tally)
-    _show(crowd, i, mover)
+    _update_planar(crowd, i, mover)
 
 
 @lean
-def _show(crowd, i, mover):
+def _update_planar(crowd, i, mover):
     """Note what walker i shows from above, and a bound of how fast its outline moves."""
     state, work, walker, planar = mover.state, mover.work, mover.world.walker, crowd.planar
     R, now, n = work.R, work.now, len(walker.stiffness)
@@ -107,7 +107,7 @@ def _show(crowd, i, mover):
 
 
 @lean
-def _level_of(ticks, most):
+def _max_level(ticks, most):
     """Largest n with 2^n <= ticks, at most `most`."""
     level = 0
     while level < most and 2.0 ** (level + 1) <= ticks:
@@ -116,7 +116,7 @@ def _level_of(ticks, most):
 
 
 @lean
-def _note(crowd, row, column, count, late):
+def _record_touch(crowd, row, column, count, late):
     """Book whether a pair touches, and whether it was found deeper than a tick explains."""
     touches = 1 if count > 0 else 0
     if touches == 1 and crowd.touching[row, column] == 0:
@@ -127,7 +127,7 @@ def _note(crowd, row, column, count, late):
 
 
 @lean
-def _ticks_apart(crowd, fastest, margin, gap, past, ticks):
+def _ticks_to_contact(crowd, fastest, margin, gap, past, ticks):
     """Ticks for which a gap (mm) stays open, below 1 where it may close in the next.
 
     It closes at most as the `fastest` points of both sides can (mm/s). One that was `past` a few
@@ -136,15 +136,15 @@ def _ticks_apart(crowd, fastest, margin, gap, past, ticks):
     """
     tick = crowd.tick[0]
     sure = gap / (tick * fastest)
-    if sure >= FORESEEN or ticks > RECENT:
+    if sure >= FORESEEN_TICKS or ticks > RECENT_TICKS:
         return sure
     rate = (past - gap) / (ticks * tick)
-    likely = gap / (tick * (max(1.5 * rate, 0.0) + IN_A_TICK * margin))
-    return max(sure, min(likely, FORESEEN))
+    likely = gap / (tick * (max(1.5 * rate, 0.0) + LANDING_SHARE * margin))
+    return max(sure, min(likely, FORESEEN_TICKS))
 
 
 @lean
-def _pair(crowd, i, j, seen, now):
+def _meet_pair(crowd, i, j, seen, now):
     """Meet walkers i and j: ticks that pass before they can touch, 1 where they do.
 
     `seen`: their gap when it was last looked at, and that time in ticks, shape (2,).
@@ -152,37 +152,37 @@ def _pair(crowd, i, j, seen, now):
     if crowd.status[i] != OK and crowd.status[j] != OK:
         return FAR
     fastest = crowd.planar[i, SPEED] + crowd.planar[j, SPEED]
-    cutoff = NEAR * fastest * crowd.tick[0]
-    gap = gap_of(crowd.bodies, crowd.ground, crowd.planar, i, j, cutoff)
-    ticks = _ticks_apart(crowd, fastest, 2.0 * crowd.law.margin, gap, seen[0], now - seen[1])
+    cutoff = NEAR_TICKS * fastest * crowd.tick[0]
+    gap = body_gap(crowd.bodies, crowd.ground, crowd.planar, i, j, cutoff)
+    ticks = _ticks_to_contact(crowd, fastest, 2.0 * crowd.law.margin, gap, seen[0], now - seen[1])
     seen[0], seen[1] = gap, now
-    count = meet(crowd, i, j, True) if gap < 0.0 else 0
-    _note(crowd, i, j, count, -gap > fastest * crowd.tick[0])
+    count = resolve_pair(crowd, i, j, True) if gap < 0.0 else 0
+    _record_touch(crowd, i, j, count, -gap > fastest * crowd.tick[0])
     return max(ticks, 1.0)
 
 
 @lean
-def _wall(crowd, i, seen, now):
+def _meet_walls(crowd, i, seen, now):
     """Meet walker i with the walls: ticks that pass before it can touch one, 1 where it does."""
     if crowd.status[i] != OK:
         return FAR
     gap = wall_gap(crowd.bodies, crowd.ground, crowd.planar, i)
     fastest = crowd.planar[i, SPEED]
-    ticks = _ticks_apart(crowd, fastest, crowd.law.margin, gap, seen[0], now - seen[1])
+    ticks = _ticks_to_contact(crowd, fastest, crowd.law.margin, gap, seen[0], now - seen[1])
     seen[0], seen[1] = gap, now
-    count = meet_wall(crowd, i, True) if gap < 0.0 else 0
-    _note(crowd, i, i, count, -gap > fastest * crowd.tick[0])
+    count = resolve_walls(crowd, i, True) if gap < 0.0 else 0
+    _record_touch(crowd, i, i, count, -gap > fastest * crowd.tick[0])
     return max(ticks, 1.0)
 
 
 @kernel_without_refcount
-def _neighbours(crowd, span, pairs):
+def _list_neighbours(crowd, span, pairs):
     """List pairs that may touch within `span` seconds; returns how many."""
     count, n = 0, len(crowd.status)
     for i in range(n):
         for j in range(i + 1, n):
             closing = 2.0 * (crowd.planar[i, SPEED] + crowd.planar[j, SPEED])
-            if apart(crowd.bodies, crowd.ground, crowd.planar, i, j) < closing * span:
+            if gap_lower_bound(crowd.bodies, crowd.ground, crowd.planar, i, j) < closing * span:
                 if count == len(pairs):
                     return -1
                 pairs[count, 0], pairs[count, 1] = i, j
@@ -191,7 +191,7 @@ def _neighbours(crowd, span, pairs):
 
 
 @kernel_without_refcount
-def _round(crowd, pairs, count, plans, levels):
+def _advance_round(crowd, pairs, count, plans, levels):
     """Move the crowd by 2^levels ticks, in which the first `count` of `pairs` may touch."""
     n, ticks, tick = len(crowd.status), 1 << levels, crowd.tick[0]
     safe, seen, safe_wall, seen_wall = plans.safe, plans.seen, plans.safe_wall, plans.seen_wall
@@ -208,15 +208,15 @@ def _round(crowd, pairs, count, plans, levels):
             if until[i] != now:
                 continue
             if safe_wall[i] <= now + 1.0:
-                safe_wall[i] = now + _wall(crowd, i, seen_wall[i], now)
-            allowed[i] = _level_of(safe_wall[i] - now, most)
+                safe_wall[i] = now + _meet_walls(crowd, i, seen_wall[i], now)
+            allowed[i] = _max_level(safe_wall[i] - now, most)
         for p in range(count):
             i, j = pairs[p, 0], pairs[p, 1]
             if until[i] != now or until[j] != now:
                 continue
             if safe[p] <= now + 1.0:
-                safe[p] = now + _pair(crowd, i, j, seen[p], now)
-            free = _level_of(safe[p] - now, most)
+                safe[p] = now + _meet_pair(crowd, i, j, seen[p], now)
+            free = _max_level(safe[p] - now, most)
             allowed[i], allowed[j] = min(allowed[i], free), min(allowed[j], free)
         for i in range(n):
             if until[i] == now:
@@ -252,23 +252,23 @@ def advance(crowd, pairs, duration):
                 levels -= 1
             tick = left / 2.0**levels
         crowd.tick[0] = tick
-        count = _neighbours(crowd, tick * 2.0**levels, pairs)
+        count = _list_neighbours(crowd, tick * 2.0**levels, pairs)
         if count < 0:
             return passed
-        _round(crowd, pairs, count, plans, levels)
+        _advance_round(crowd, pairs, count, plans, levels)
         passed = passed + full if left > full else duration
     return passed
 
 
 @kernel
-def stored(crowd):
+def contact_energy(crowd):
     """Energy that contacts between bodies and with walls hold now, g mm^2/s^2."""
     deepest = crowd.book[DEEPEST]
     crowd.book[STORED] = 0.0
     for i in range(len(crowd.status)):
-        meet_wall(crowd, i, False)
+        resolve_walls(crowd, i, False)
         for j in range(i + 1, len(crowd.status)):
-            if apart(crowd.bodies, crowd.ground, crowd.planar, i, j) < 0.0:
-                meet(crowd, i, j, False)
+            if gap_lower_bound(crowd.bodies, crowd.ground, crowd.planar, i, j) < 0.0:
+                resolve_pair(crowd, i, j, False)
     crowd.book[DEEPEST] = deepest
     return crowd.book[STORED]

@@ -12,13 +12,13 @@ from walkergen.core.dish import Dish
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
-FEWEST = 3
+MIN_BOXES = 3
 """Least number of boxes along the shorter side: of two none lies inside a disc."""
 
-HALF = 0.5
+MIN_INSIDE_SHARE = 0.5
 """Share of a box inside the dish, at least, for it to count as a place."""
 
-ROUND = 128
+QUARTER_SEGMENTS = 128
 """Corners of a quarter of a circle whose area is that of a wall, to 3e-5."""
 
 
@@ -33,7 +33,7 @@ class Grid(NamedTuple):
     """Areas inside the dish of the boxes that count, shape (boxes,), mm^2."""
 
 
-def whole(dish: Dish, parts: int) -> Grid:
+def inner_grid(dish: Dish, parts: int) -> Grid:
     """Boxes wholly inside a dish, of `parts` along the shorter side of the rectangle around it."""
     side = min(dish.box) / parts
     across = [int(length / side * (1.0 + 1e-12)) for length in dish.box]
@@ -47,18 +47,18 @@ def whole(dish: Dish, parts: int) -> Grid:
     return Grid(side, used, np.full(used.sum(), side**2))
 
 
-def cut(dish: Dish, parts: int) -> Grid:
+def clipped_grid(dish: Dish, parts: int) -> Grid:
     """Boxes that cover a dish, cut by its walls, less those of which more than half is outside."""
     side = min(dish.box) / parts
     across = [math.ceil(length / side * (1.0 - 1e-12)) for length in dish.box]
     low = [side * (np.arange(n) - 0.5 * n) for n in across]
     x, y = np.meshgrid(*low, indexing="ij")
-    areas = shapely.area(shapely.intersection(shapely.box(x, y, x + side, y + side), _ground(dish)))
-    used = areas >= HALF * side**2
+    areas = shapely.area(shapely.intersection(shapely.box(x, y, x + side, y + side), _dish_polygon(dish)))
+    used = areas >= MIN_INSIDE_SHARE * side**2
     return Grid(side, used, areas[used])
 
 
-def sums(x: Array, y: Array, grid: Grid, weights: Array | None = None) -> Array:
+def sum_in_boxes(x: Array, y: Array, grid: Grid, weights: Array | None = None) -> Array:
     """Sum of the `weights` (N,) of the walkers in each box that counts, (F, boxes); of 1 without.
 
     Places have shape (F, N); those that are NaN are in no box.
@@ -76,10 +76,10 @@ def sums(x: Array, y: Array, grid: Grid, weights: Array | None = None) -> Array:
     return np.asarray(total[:, grid.used.ravel()], dtype=float)
 
 
-def _ground(dish: Dish) -> shapely.Geometry:
+def _dish_polygon(dish: Dish) -> shapely.Geometry:
     """Dish as a polygon, whose round walls have many corners."""
     if dish.kind in ("rectangle", "periodic"):
         half_x, half_y = (0.5 * side for side in dish.box)
         return shapely.box(-half_x, -half_y, half_x, half_y)
-    outer, *inner = (shapely.Point(0, 0).buffer(0.5 * size, ROUND) for size in dish.sizes)
+    outer, *inner = (shapely.Point(0, 0).buffer(0.5 * size, QUARTER_SEGMENTS) for size in dish.sizes)
     return outer.difference(inner[0]) if inner else outer

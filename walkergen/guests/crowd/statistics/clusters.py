@@ -18,7 +18,7 @@ from walkergen.guests.crowd.statistics.film import CrowdFilm
 Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
 
-TOUCHING = 0.05
+TOUCHING_GAP = 0.05
 """Gap up to which outlines touch, over the mean outer radius: films do not show less."""
 
 
@@ -47,8 +47,8 @@ def measure(film: CrowdFilm) -> Clusters:
         if not len(seen):
             rows.append((math.nan,) * 5)
             continue
-        links = contacts(film, frame, seen)
-        sizes = sizes_of(links, len(seen))
+        links = touching_pairs(film, frame, seen)
+        sizes = cluster_sizes(links, len(seen))
         own = np.repeat(sizes, sizes)  # of each walker's cluster
         octaves += np.bincount(np.log2(own).astype(int), minlength=len(octaves)) / len(own)
         rows.append(
@@ -58,10 +58,10 @@ def measure(film: CrowdFilm) -> Clusters:
     return Clusters(number, largest, size, alone, touching, octaves / octaves.sum())
 
 
-def contacts(film: CrowdFilm, frame: int, seen: Whole) -> Whole:
+def touching_pairs(film: CrowdFilm, frame: int, seen: Whole) -> Whole:
     """Pairs of touching walkers among those `seen`, by their order in it, shape (pairs, 2)."""
     x, y, radii = film.x[frame][seen], film.y[frame][seen], film.radii[seen]
-    gap = TOUCHING * float(radii.mean()) if film.outlines else 0.0
+    gap = TOUCHING_GAP * float(radii.mean()) if film.outlines else 0.0
     reach = 2.0 * float(radii.max()) + gap
     reach = min(reach, 0.5 * film.dish.period or reach)  # of images the nearest alone
     pairs, steps = ground.pairs_within(x, y, reach, film.dish)
@@ -70,13 +70,13 @@ def contacts(film: CrowdFilm, frame: int, seen: Whole) -> Whole:
     if not film.outlines or not len(pairs):
         return np.asarray(pairs)
     kinds, theta = [film.kinds[walker] for walker in seen], film.theta[frame][seen]
-    first = _turned(film, kinds, theta, pairs[:, 0], 0.0 * steps)
-    second = _turned(film, kinds, theta, pairs[:, 1], steps)
+    first = _transform_outlines(film, kinds, theta, pairs[:, 0], 0.0 * steps)
+    second = _transform_outlines(film, kinds, theta, pairs[:, 1], steps)
     touch: Whole = pairs[shapely.dwithin(first, second, gap)]
     return touch
 
 
-def sizes_of(links: Whole, walkers: int) -> Whole:
+def cluster_sizes(links: Whole, walkers: int) -> Whole:
     """Numbers of walkers in each cluster that `links` (pairs, 2) join, walkers alone included."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -86,11 +86,11 @@ def sizes_of(links: Whole, walkers: int) -> Whole:
     return np.bincount(labels).astype(np.int64)
 
 
-def _turned(
+def _transform_outlines(
     film: CrowdFilm, kinds: Sequence[str], theta: Array, walkers: Whole, places: Array
 ) -> npt.NDArray[np.object_]:
     """Outlines of `walkers`, each turned by its heading and moved to its place (pairs, 2)."""
-    shapes = {kind: _shape(contours) for kind, contours in film.outlines.items()}
+    shapes = {kind: _union(contours) for kind, contours in film.outlines.items()}
     outlines = np.array([shapes[kinds[walker]] for walker in walkers], dtype=object)
     corners = shapely.get_num_coordinates(outlines)
     angle = np.repeat(np.nan_to_num(theta[walkers]), corners)
@@ -103,5 +103,5 @@ def _turned(
     return np.asarray(shapely.transform(outlines, turn), dtype=object)
 
 
-def _shape(contours: Sequence[Array]) -> object:
+def _union(contours: Sequence[Array]) -> object:
     return shapely.union_all([shapely.Polygon(contour) for contour in contours])

@@ -63,24 +63,24 @@ class CrowdFilm(NamedTuple):
         """True where headings are known."""
         return not bool(np.isnan(self.theta).all())
 
-    def at(self, frames: Whole) -> "CrowdFilm":
+    def select_frames(self, frames: Whole) -> "CrowdFilm":
         """Film of these frames alone."""
         kept = {key: getattr(self, key)[frames] for key in ("times", "x", "y", "theta")}
         return self._replace(**kept)
 
 
-def of_places(times: Array, places: Array, kinds: Sequence[str], outlines: Outlines, dish: Dish) -> CrowdFilm:
+def from_places(times: Array, places: Array, kinds: Sequence[str], outlines: Outlines, dish: Dish) -> CrowdFilm:
     """Film of `places` of shape (F, N, 3 or more): x, y (mm) and heading (rad) come first.
 
     Each of `kinds` (N) has its contours in `outlines`, or there are no outlines at all.
     """
     x, y, theta = (np.ascontiguousarray(places[..., axis]) for axis in range(3))
-    size = {kind: _size(contours) for kind, contours in outlines.items()}
+    size = {kind: _area_and_radius(contours) for kind, contours in outlines.items()}
     sizes = np.array([size.get(kind, (np.nan, np.nan)) for kind in kinds]).reshape(-1, 2)
     return CrowdFilm(times, x, y, theta, sizes[:, 0], sizes[:, 1], tuple(kinds), dish, outlines)
 
 
-def of_tracks(tracks: Tracks, dish: Dish, contours: Sequence[Array] = ()) -> CrowdFilm:
+def from_tracks(tracks: Tracks, dish: Dish, contours: Sequence[Array] = ()) -> CrowdFilm:
     """Film of tracks on a plane, of walkers of one outline if there are `contours`.
 
     Headings are made continuous; where a track has a gap it may miss a full turn.
@@ -91,19 +91,19 @@ def of_tracks(tracks: Tracks, dish: Dish, contours: Sequence[Array] = ()) -> Cro
         span = slice(track.start, track.start + len(track.position))
         places[span, number, :2] = track.position
         if track.heading is not None:
-            places[span, number, 2] = _continuous(track.heading)
+            places[span, number, 2] = _unwrap_heading(track.heading)
     outlines = {"walker": contours} if contours else NO_OUTLINES
     times = tracks.interval * np.arange(frames, dtype=float)
-    return of_places(times, places, ["walker"] * len(tracks.tracks), outlines, dish)
+    return from_places(times, places, ["walker"] * len(tracks.tracks), outlines, dish)
 
 
-def _size(contours: Sequence[Array]) -> tuple[float, float]:
+def _area_and_radius(contours: Sequence[Array]) -> tuple[float, float]:
     """Area (mm^2) and outer radius (mm) of outlines."""
     area = sum(abs(float(polygons.area(contour))) for contour in contours)
     return area, max(float(np.hypot(*contour.T).max()) for contour in contours)
 
 
-def _continuous(heading: Array) -> Array:
+def _unwrap_heading(heading: Array) -> Array:
     seen = np.isfinite(heading)
     heading = heading.copy()
     heading[seen] = np.unwrap(heading[seen])

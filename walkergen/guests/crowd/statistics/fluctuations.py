@@ -16,10 +16,10 @@ from walkergen.guests.crowd.statistics.film import CrowdFilm
 
 Array = npt.NDArray[np.float64]
 
-SIZES = 12
+MAX_SIZES = 12
 """Sizes of boxes, at most."""
 
-LEAST_MEAN = 1.0
+MIN_MEAN = 1.0
 """Mean number of walkers in the smallest boxes, at least: below it any law looks like Poisson's."""
 
 
@@ -45,11 +45,11 @@ def measure(films: Sequence[CrowdFilm]) -> Fluctuations:
     more, where the runs are not long beside the time in which the density changes.
     """
     film = films[0]
-    parts = _parts(film)
+    parts = _box_counts(film)
     sides, means, variances = [], [], []
     for number in parts:
-        grid = boxes.whole(film.dish, number)
-        counts = [boxes.sums(*ground.wrapped(each.x, each.y, each.dish), grid) for each in films]
+        grid = boxes.inner_grid(film.dish, number)
+        counts = [boxes.sum_in_boxes(*ground.wrap_places(each.x, each.y, each.dish), grid) for each in films]
         own = np.concatenate(counts).mean(axis=0)
         fixed = 1.0 - grid.side**2 / film.dish.area
         sides.append(grid.side)
@@ -61,13 +61,13 @@ def measure(films: Sequence[CrowdFilm]) -> Fluctuations:
     )
 
 
-def _parts(film: CrowdFilm) -> list[int]:
+def _box_counts(film: CrowdFilm) -> list[int]:
     """Numbers of boxes along the dish, from few large ones to those that hold a walker or so."""
     count = film.walkers
-    smallest = math.sqrt(LEAST_MEAN * film.dish.area / max(count, 1.0))
+    smallest = math.sqrt(MIN_MEAN * film.dish.area / max(count, 1.0))
     most = int(min(film.dish.box) / smallest)
-    parts = np.unique(np.rint(np.geomspace(boxes.FEWEST, max(most, boxes.FEWEST), SIZES)))
-    return [int(n) for n in parts if boxes.whole(film.dish, int(n)).used.any()]
+    parts = np.unique(np.rint(np.geomspace(boxes.MIN_BOXES, max(most, boxes.MIN_BOXES), MAX_SIZES)))
+    return [int(n) for n in parts if boxes.inner_grid(film.dish, int(n)).used.any()]
 
 
 def _exponent(means: Array, variances: Array) -> float:

@@ -16,7 +16,7 @@ Whole = npt.NDArray[np.int64]
 Mask = npt.NDArray[np.bool_]
 
 
-def wrapped(x: Array, y: Array, dish: Dish) -> tuple[Array, Array]:
+def wrap_places(x: Array, y: Array, dish: Dish) -> tuple[Array, Array]:
     """Places inside a periodic square, from -side/2 to side/2; as they are in other dishes."""
     if not dish.period:
         return x, y
@@ -45,7 +45,7 @@ def wall_tangent(x: Array, y: Array, dish: Dish) -> Array:
     return np.asarray(np.arctan2(y, x) + 0.5 * math.pi)
 
 
-def deepest(dish: Dish) -> float:
+def max_wall_distance(dish: Dish) -> float:
     """Largest distance from a wall that there is."""
     if dish.kind == "ring":
         return 0.25 * (dish.sizes[0] - dish.sizes[1])
@@ -54,7 +54,7 @@ def deepest(dish: Dish) -> float:
 
 def area_beyond(depth: Array, dish: Dish) -> Array:
     """Area (mm^2) of the dish that lies further from all walls than `depth`."""
-    depth = np.clip(depth, 0.0, deepest(dish))
+    depth = np.clip(depth, 0.0, max_wall_distance(dish))
     if dish.kind == "rectangle":
         length, width = dish.sizes
         return np.asarray((length - 2.0 * depth) * (width - 2.0 * depth))
@@ -101,7 +101,7 @@ def pairs_within(x: Array, y: Array, reach: float, dish: Dish) -> tuple[Whole, A
     are finite; in a periodic square `reach` is at most half the side.
     """
     period = dish.period
-    places = np.column_stack(wrapped(x, y, dish))
+    places = np.column_stack(wrap_places(x, y, dish))
     if period:
         places = np.where(places >= 0.5 * period, places - period, places) + 0.5 * period
         places = np.clip(places, 0.0, np.nextafter(period, 0.0))

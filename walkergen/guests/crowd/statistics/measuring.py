@@ -46,24 +46,24 @@ UNITS = {
 """Names of the numbers and their units as keys write them ("" is a pure number). `milling` is the
 mean modulus of `circulation`, which may go either way; `wall_density` is over the mean."""
 
-TIMELESS = ("spread_exponent", "fluctuation_exponent")
+WHOLE_RUN_NUMBERS = ("spread_exponent", "fluctuation_exponent")
 """Numbers of a whole run, without a course in time."""
 
-MOST_FRAMES = 200
+MAX_PAIR_FRAMES = 200
 """Frames, evenly spaced, at most, for what is found pair by pair."""
 
-FEWEST_FRAMES = 4
+MIN_FRAMES = 4
 """Least number of frames of a run."""
 
-SAME = 1e-12
+EQUAL_TOLERANCE = 1e-12
 """Share by which runs differ, at most, in a number that they do not differ in, as the packing."""
 
 NO_OUTLINE = "no outlines known"
 NO_HEADING = "no headings known"
 NO_WALL = "a periodic dish has no wall"
 NO_PAIRS = "too few walkers"
-ONE_RUN = "no error of one run so short"
-ONE_NUMBER = "no error of one run"
+NO_ERROR_SHORT_RUN = "no error of one run so short"
+NO_ERROR_ONE_RUN = "no error of one run"
 
 
 class CrowdStatistics(NamedTuple):
@@ -106,22 +106,22 @@ def measure(films: Sequence[CrowdFilm]) -> CrowdStatistics:
 
     Raises InputError where there is no run, or where runs differ or are too short.
     """
-    _check(films)
+    _check_runs(films)
     shortest = min(len(film.times) for film in films)
-    films = [film.at(np.arange(shortest)) for film in films]
+    films = [film.select_frames(np.arange(shortest)) for film in films]
     varying = fluctuations.measure(films)
-    runs = [_of(film) for film in films]
+    runs = [_measure_run(film) for film in films]
     for run, exponent, variances in zip(runs, varying.exponents, varying.variances, strict=True):
         run.whole["fluctuation_exponent"] = float(exponent)
         run.curves["fluctuations"] = varying.means, variances
-    by_run = {name: _each(runs, name) for name in UNITS}
+    by_run = {name: _values_by_run(runs, name) for name in UNITS}
     film = films[0]
     return CrowdStatistics(
         {name: _quantity(name, by_run[name], runs, film) for name in UNITS},
-        _by_chance(film),
+        _random_values(film),
         by_run,
-        {name: _joined([run.series[name] for run in runs]) for name in runs[0].series},
-        {name: _joined([run.curves[name] for run in runs]) for name in runs[0].curves},
+        {name: _mean_curve([run.series[name] for run in runs]) for name in runs[0].series},
+        {name: _mean_curve([run.curves[name] for run in runs]) for name in runs[0].curves},
         len(films),
         round(film.walkers),
         shortest,
@@ -131,25 +131,25 @@ def measure(films: Sequence[CrowdFilm]) -> CrowdStatistics:
     )
 
 
-def _check(films: Sequence[CrowdFilm]) -> None:
+def _check_runs(films: Sequence[CrowdFilm]) -> None:
     if not films:
         raise InputError("no run of a crowd: nothing to measure")
     first = films[0]
     for film in films:
         if film.dish != first.dish or set(film.kinds) != set(first.kinds):
-            raise InputError(f"runs of a crowd differ: {_words(film)} and {_words(first)}; measure them apart")
-        if len(film.times) < FEWEST_FRAMES:
-            raise InputError(f"a run of a crowd has {len(film.times)} frames: needs {FEWEST_FRAMES} at least")
+            raise InputError(f"runs of a crowd differ: {_describe(film)} and {_describe(first)}; measure them apart")
+        if len(film.times) < MIN_FRAMES:
+            raise InputError(f"a run of a crowd has {len(film.times)} frames: needs {MIN_FRAMES} at least")
 
 
-def _words(film: CrowdFilm) -> str:
+def _describe(film: CrowdFilm) -> str:
     """Describe which walkers ran, and their dish."""
     return f"{', '.join(sorted(set(film.kinds)))} in {film.dish.words}"
 
 
-def _of(film: CrowdFilm) -> _Run:
+def _measure_run(film: CrowdFilm) -> _Run:
     """All statistics of one run but the fluctuations, which are about the mean of all runs."""
-    few = film.at(np.arange(0, len(film.times), -(-len(film.times) // MOST_FRAMES)))
+    few = film.select_frames(np.arange(0, len(film.times), -(-len(film.times) // MAX_PAIR_FRAMES)))
     run = _Run({}, {}, {})
     _add_motion(run, film)
     _add_pairs(run, few)
@@ -161,7 +161,7 @@ def _of(film: CrowdFilm) -> _Run:
             run.series["circulation"] = film.times, circulation
             run.series["milling"] = film.times, np.abs(circulation)
     if film.sized:
-        _add_sized(run, film, few)
+        _add_outline_statistics(run, film, few)
     if not film.dish.period:
         _add_walls(run, film)
     return run
@@ -173,12 +173,12 @@ def _add_motion(run: _Run, film: CrowdFilm) -> None:
     run.series["speed"] = between, mean_over_walkers(speed)
     if film.headed:
         run.series["speed_along_heading"] = between, mean_over_walkers(ahead)
-    run.curves["msd"] = spreading.squared(film)
-    run.whole["spread_exponent"] = spreading.growth(*run.curves["msd"])
+    run.curves["msd"] = spreading.squared_displacement(film)
+    run.whole["spread_exponent"] = spreading.growth_exponent(*run.curves["msd"])
 
 
 def _add_pairs(run: _Run, few: CrowdFilm) -> None:
-    found = pairs.measure(few, pairs.edges_of(few))
+    found = pairs.measure(few, pairs.bin_edges(few))
     run.curves["g"] = found.at, found.g
     if few.headed:
         run.curves["polar_correlation"] = found.at, found.polar
@@ -187,12 +187,12 @@ def _add_pairs(run: _Run, few: CrowdFilm) -> None:
         run.series["local_nematic_order"] = few.times, found.near_nematic
 
 
-def _add_sized(run: _Run, film: CrowdFilm, few: CrowdFilm) -> None:
-    local = packing.local(film)
-    run.series["packing"] = film.times, packing.packing(film)
+def _add_outline_statistics(run: _Run, film: CrowdFilm, few: CrowdFilm) -> None:
+    local = packing.local_packing(film)
+    run.series["packing"] = film.times, packing.total_packing(film)
     run.series["packing_scatter"] = film.times, packing.scatter(local)
     if local.shape[1] > 1:
-        run.curves["local_packing"] = packing.density_of(local)
+        run.curves["local_packing"] = packing.probability_density(local)
     joined = clusters.measure(few)
     run.curves["cluster_shares"] = (np.exp2(np.arange(len(joined.shares), dtype=float)), joined.shares)
     for name, values in (
@@ -217,10 +217,10 @@ def _add_walls(run: _Run, film: CrowdFilm) -> None:
         run.curves["wall_alignment"] = at_walls.at, at_walls.alignment
 
 
-def _each(runs: Sequence[_Run], name: str) -> Array:
+def _values_by_run(runs: Sequence[_Run], name: str) -> Array:
     """Return a number of each run: the mean of its course in time, or that of the whole; NaN without."""
     return np.array(
-        [_mean(run.series[name][1]) if name in run.series else run.whole.get(name, math.nan) for run in runs]
+        [_finite_mean(run.series[name][1]) if name in run.series else run.whole.get(name, math.nan) for run in runs]
     )
 
 
@@ -231,11 +231,11 @@ def _quantity(name: str, values: Array, runs: Sequence[_Run], film: CrowdFilm) -
         return Quantity(name, unit, None, refused=_refusal(name, film))
     first = float(values[0])
     if len(values) > 1:
-        if np.ptp(values) <= SAME * abs(first):
+        if np.ptp(values) <= EQUAL_TOLERANCE * abs(first):
             return Quantity(name, unit, first, 0.0)
         return Quantity(name, unit, *statistics.weighted_mean(values)[:2], freedom=len(values) - 1.0)
-    if name in TIMELESS:
-        return Quantity(name, unit, first, refused=ONE_NUMBER)
+    if name in WHOLE_RUN_NUMBERS:
+        return Quantity(name, unit, first, refused=NO_ERROR_ONE_RUN)
     return Quantity(name, unit, first, *_error_of_one_run(*runs[0].series[name]))
 
 
@@ -249,7 +249,7 @@ def _error_of_one_run(times: Array, course: Array) -> tuple[float | None, float,
         se = statistics.error_of_mean([course], interval, time)
         if se is not None:
             return se, len(course) * interval / (2.0 * time) - 1.0, ""
-    return None, math.inf, ONE_RUN
+    return None, math.inf, NO_ERROR_SHORT_RUN
 
 
 def _refusal(name: str, film: CrowdFilm) -> str:
@@ -263,7 +263,7 @@ def _refusal(name: str, film: CrowdFilm) -> str:
     return NO_PAIRS if film.headed or name in outlined else NO_HEADING
 
 
-def _joined(curves: Sequence[tuple[Array, Array]]) -> Curve:
+def _mean_curve(curves: Sequence[tuple[Array, Array]]) -> Curve:
     """Mean of the runs' curves with its error, at the places of the first.
 
     NaN where a run has no value; errors are NaN with one run.
@@ -275,16 +275,16 @@ def _joined(curves: Sequence[tuple[Array, Array]]) -> Curve:
     return Curve(curves[0][0], values.mean(axis=0), error)
 
 
-def _by_chance(film: CrowdFilm) -> dict[str, float]:
+def _random_values(film: CrowdFilm) -> dict[str, float]:
     """Numbers of walkers at random places and headings, where they are known."""
     walkers = max(film.walkers, 1.0)
     return {
-        "polar_order": order.by_chance(walkers),
-        "nematic_order": order.by_chance(walkers),
+        "polar_order": order.random_order(walkers),
+        "nematic_order": order.random_order(walkers),
         "local_polar_order": 0.0,
         "local_nematic_order": 0.0,
         "circulation": 0.0,
-        "milling": order.circulation_by_chance(walkers),
+        "milling": order.random_circulation(walkers),
         "fluctuation_exponent": 0.5,
         "wall_density": 1.0,
         "wall_alignment": 0.0,
@@ -302,19 +302,19 @@ def _notes(films: Sequence[CrowdFilm]) -> tuple[str, ...]:
     lines = [errors]
     if film.sized:
         how = (
-            f"outlines are nearer than {clusters.TOUCHING * float(film.radii.mean()):.3g} mm"
+            f"outlines are nearer than {clusters.TOUCHING_GAP * float(film.radii.mean()):.3g} mm"
             if film.outlines
             else "centres are nearer than the sum of the outer radii"
         )
         lines.append(f"walkers touch, and are of one cluster, where their {how}")
-    near = pairs.NEAR * pairs.scale(film)
+    near = pairs.NEIGHBOUR_DIAMETERS * pairs.length_scale(film)
     lines.append(f"local orders are means over pairs nearer than {near:.3g} mm")
     if not film.dish.period:
-        lines.append(f"at the wall means within {walls.near(film):.3g} mm of it")
+        lines.append(f"at the wall means within {walls.near_distance(film):.3g} mm of it")
     return tuple(lines)
 
 
-def _mean(values: Array) -> float:
+def _finite_mean(values: Array) -> float:
     """Mean of the values that are known; NaN without any."""
     known = values[np.isfinite(values)]
     return float(known.mean()) if len(known) else math.nan

@@ -33,7 +33,7 @@ def circulation(film: CrowdFilm) -> Array:
     return np.asarray(mean_over_walkers(about))
 
 
-def by_chance(walkers: float) -> float:
+def random_order(walkers: float) -> float:
     """Mean modulus of the mean of N random unit vectors: 1 of one, sqrt(pi / (4 N)) for N above some ten.
 
     Their sum is then normal in two directions, with variance N / 2 in each.
@@ -41,6 +41,6 @@ def by_chance(walkers: float) -> float:
     return 1.0 if walkers <= 1.0 else 0.5 * math.sqrt(math.pi / walkers)
 
 
-def circulation_by_chance(walkers: float) -> float:
+def random_circulation(walkers: float) -> float:
     """Mean |circulation| of N random headings: a half-normal of variance 1 / (2 N)."""
     return 1.0 / math.sqrt(math.pi * walkers)

@@ -10,36 +10,36 @@ from walkergen.guests.crowd.statistics.film import CrowdFilm
 
 Array = npt.NDArray[np.float64]
 
-WIDE = 4.0
+BOX_DIAMETERS = 4.0
 """Side of the boxes of the local packing, in mean outer diameters."""
 
 BINS = 24
 """Bins of the local packing from 0 to 1.2: boxes count a walker whole where its place is."""
 
-LARGEST = 1.2
+MAX_PACKING = 1.2
 
 
-def packing(film: CrowdFilm) -> Array:
+def total_packing(film: CrowdFilm) -> Array:
     """Area of all walkers that are seen over that of the dish, at each time, shape (F,)."""
     seen = np.isfinite(film.x)
     return np.asarray(seen @ film.areas / film.dish.area)
 
 
-def local(film: CrowdFilm) -> Array:
+def local_packing(film: CrowdFilm) -> Array:
     """Area of the walkers whose places lie in a box over that of its part in the dish, (F, boxes).
 
     Its mean is near `packing`; boxes with two likely values tell of a dense and a thin phase.
     """
-    parts = parts_of(film)
-    grid = boxes.cut(film.dish, parts)
-    x, y = ground.wrapped(film.x, film.y, film.dish)
-    return boxes.sums(x, y, grid, film.areas) / grid.areas
+    parts = box_count(film)
+    grid = boxes.clipped_grid(film.dish, parts)
+    x, y = ground.wrap_places(film.x, film.y, film.dish)
+    return boxes.sum_in_boxes(x, y, grid, film.areas) / grid.areas
 
 
-def parts_of(film: CrowdFilm) -> int:
+def box_count(film: CrowdFilm) -> int:
     """Boxes along the shorter side of the dish, each about `WIDE` mean outer diameters wide."""
     side = min(film.dish.box)
-    return max(round(side / (WIDE * 2.0 * float(film.radii.mean()))), boxes.FEWEST)
+    return max(round(side / (BOX_DIAMETERS * 2.0 * float(film.radii.mean()))), boxes.MIN_BOXES)
 
 
 def scatter(local_packing: Array) -> Array:
@@ -49,8 +49,8 @@ def scatter(local_packing: Array) -> Array:
     return np.asarray(local_packing.std(axis=1, ddof=1))
 
 
-def density_of(local_packing: Array) -> tuple[Array, Array]:
+def probability_density(local_packing: Array) -> tuple[Array, Array]:
     """Middles of bins, and the probability density of the local packing in each."""
-    edges = np.linspace(0.0, LARGEST, BINS + 1)
-    counts, _ = np.histogram(np.minimum(local_packing, LARGEST), edges)
+    edges = np.linspace(0.0, MAX_PACKING, BINS + 1)
+    counts, _ = np.histogram(np.minimum(local_packing, MAX_PACKING), edges)
     return 0.5 * (edges[1:] + edges[:-1]), counts / (counts.sum() * (edges[1] - edges[0]))

@@ -19,11 +19,11 @@ Array = npt.NDArray[np.float64]
 BINS = 60
 """Bins of the distance."""
 
-FAR, NEAR = 6.0, 1.25
+MAX_DIAMETERS, NEIGHBOUR_DIAMETERS = 6.0, 1.25
 """Longest distance of curves, and distance of neighbours, in mean outer diameters (without outlines
 in sides of the square that a walker has on average)."""
 
-NODES = np.array([0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0)])
+GAUSS_NODES = np.array([0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0)])
 """Places in a bin at which the share of a circle inside the dish is taken (Gauss, two nodes)."""
 
 
@@ -43,16 +43,16 @@ class Pairs(NamedTuple):
     near_nematic: Array
 
 
-def scale(film: CrowdFilm) -> float:
+def length_scale(film: CrowdFilm) -> float:
     """Mean outer diameter, mm; without outlines the side of the square a walker has on average."""
     if film.sized:
         return 2.0 * float(film.radii.mean())
     return float(np.sqrt(film.dish.area / max(film.walkers, 1.0)))
 
 
-def edges_of(film: CrowdFilm) -> Array:
+def bin_edges(film: CrowdFilm) -> Array:
     """Edges of the bins of distance, mm, up to half the dish's shorter side at most."""
-    far = min(FAR * scale(film), 0.5 * min(film.dish.box))
+    far = min(MAX_DIAMETERS * length_scale(film), 0.5 * min(film.dish.box))
     return np.linspace(0.0, far, BINS + 1)
 
 
@@ -61,7 +61,7 @@ def measure(film: CrowdFilm, edges: Array) -> Pairs:
     bins = len(edges) - 1
     counts, chance = np.zeros(bins), np.zeros(bins)
     headed, sums = np.zeros(bins), np.zeros((2, bins))
-    near = min(NEAR * scale(film), edges[-1])
+    near = min(NEIGHBOUR_DIAMETERS * length_scale(film), edges[-1])
     local = np.full((2, len(film.times)), np.nan)
     for frame in range(len(film.times)):
         seen = np.isfinite(film.x[frame]) & np.isfinite(film.y[frame])
@@ -69,7 +69,7 @@ def measure(film: CrowdFilm, edges: Array) -> Pairs:
         pairs, steps = ground.pairs_within(x, y, float(edges[-1]), film.dish)
         distance = np.hypot(*steps.T)
         counts += np.histogram(distance, edges)[0]
-        chance += _by_chance(x, y, edges, film)
+        chance += _random_pair_counts(x, y, edges, film)
         turn = theta[pairs[:, 1]] - theta[pairs[:, 0]]
         known = np.isfinite(turn)
         alike = np.cos(turn[known]), np.cos(2.0 * turn[known])
@@ -85,11 +85,11 @@ def measure(film: CrowdFilm, edges: Array) -> Pairs:
     return Pairs(0.5 * (edges[1:] + edges[:-1]), g, polar, nematic, local[0], local[1])
 
 
-def _by_chance(x: Array, y: Array, edges: Array, film: CrowdFilm) -> Array:
+def _random_pair_counts(x: Array, y: Array, edges: Array, film: CrowdFilm) -> Array:
     """Pairs in each bin if all other walkers of a frame were anywhere in the dish."""
     low, width = edges[:-1, None], np.diff(edges)[:, None]
-    radius = low + width * NODES
-    middle_x, middle_y = ground.wrapped(x, y, film.dish)
+    radius = low + width * GAUSS_NODES
+    middle_x, middle_y = ground.wrap_places(x, y, film.dish)
     share = ground.share_inside(middle_x[:, None, None], middle_y[:, None, None], radius[None], film.dish)
     rings = (2.0 * np.pi * radius * width * share.sum(axis=0)).mean(axis=1)
     return np.asarray(0.5 * (len(x) - 1) / film.dish.area * rings)

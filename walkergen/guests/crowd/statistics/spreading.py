@@ -10,10 +10,10 @@ from walkergen.guests.crowd.statistics.film import CrowdFilm
 
 Array = npt.NDArray[np.float64]
 
-LAGS = 24
+MAX_LAGS = 24
 """Lags of the mean squared displacement, at most."""
 
-LONGEST = 4
+LAG_DIVISOR = 4
 """Divisor of a film's length that gives the longest lag: longer ones have few pairs."""
 
 
@@ -28,21 +28,21 @@ def speeds(film: CrowdFilm) -> tuple[Array, Array]:
     return np.hypot(x, y), ahead
 
 
-def squared(film: CrowdFilm) -> tuple[Array, Array]:
+def squared_displacement(film: CrowdFilm) -> tuple[Array, Array]:
     """Lags (s) and the mean squared displacement (mm^2) at each, over walkers and times."""
-    longest = max((len(film.times) - 1) // LONGEST, 1)
-    lags = lagged.spread_out(longest, LAGS)
+    longest = max((len(film.times) - 1) // LAG_DIVISOR, 1)
+    lags = lagged.log_spaced_lags(longest, MAX_LAGS)
     total, pairs = np.zeros(len(lags)), np.zeros(len(lags))
     for walker in range(film.x.shape[1]):
         places = np.column_stack([film.x[:, walker], film.y[:, walker]])
-        sums, count = lagged.squares(places, lags)
+        sums, count = lagged.sum_squares(places, lags)
         total += sums
         pairs += count
     mean = np.where(pairs > 0, total / np.maximum(pairs, 1.0), np.nan)
     return np.asarray(lags * film.interval, dtype=float), mean
 
 
-def growth(lags: Array, squares: Array) -> float:
+def growth_exponent(lags: Array, squares: Array) -> float:
     """Local exponent d ln MSD / d ln lag over the last half decade: 2 straight, 1 diffusing."""
     use = (lags >= lags[-1] / math.sqrt(10.0)) & (squares > 0)
     if use.sum() < 3:

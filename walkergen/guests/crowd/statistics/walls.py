@@ -33,15 +33,15 @@ class Walls(NamedTuple):
     """Mean alignment there, shape (F,)."""
 
 
-def near(film: CrowdFilm) -> float:
+def near_distance(film: CrowdFilm) -> float:
     """Distance that counts as at the wall, mm: a mean outer diameter, as `pairs.scale` has it."""
-    return min(pairs.scale(film), 0.5 * ground.deepest(film.dish))
+    return min(pairs.length_scale(film), 0.5 * ground.max_wall_distance(film.dish))
 
 
 def measure(film: CrowdFilm) -> Walls:
     """Density, speed and alignment of one run in a dish with walls."""
-    dish, at_wall = film.dish, near(film)
-    edges = np.linspace(0.0, ground.deepest(dish), BINS + 1)
+    dish, at_wall = film.dish, near_distance(film)
+    edges = np.linspace(0.0, ground.max_wall_distance(dish), BINS + 1)
     distance = np.maximum(ground.wall_distance(film.x, film.y, dish), 0.0)
     seen = np.isfinite(distance)
     share = np.histogram(distance[seen], edges)[0] / max(seen.sum(), 1)
@@ -54,15 +54,15 @@ def measure(film: CrowdFilm) -> Walls:
     return Walls(
         0.5 * (edges[1:] + edges[:-1]),
         share / area,
-        _binned(between, speed, edges),
-        _binned(distance, along, edges),
+        _bin_means(between, speed, edges),
+        _bin_means(distance, along, edges),
         near_share / at_wall_area,
         mean_over_walkers(speed, between < at_wall),
         mean_over_walkers(along, distance < at_wall),
     )
 
 
-def _binned(distance: Array, values: Array, edges: Array) -> Array:
+def _bin_means(distance: Array, values: Array, edges: Array) -> Array:
     """Mean of values that are known in each bin of the distance; NaN where there are none."""
     known = np.isfinite(values) & np.isfinite(distance)
     counts = np.histogram(distance[known], edges)[0]

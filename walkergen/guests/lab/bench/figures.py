@@ -2,15 +2,15 @@
 
 from matplotlib.figure import Figure
 
-from walkergen.files.figures import BLUE, GREY, ORANGE, axes_of, name, style
+from walkergen.files.figures import BLUE, GREY, ORANGE, label_axes, new_axes, style
 from walkergen.guests.lab.bench.drop import Dropped
 from walkergen.guests.lab.inverse import Measured
 
 
 @style()
-def of_drop(dropped: Dropped, title: str, turn_deg: float, measured: Measured | None) -> Figure:
+def draw_drop(dropped: Dropped, title: str, turn_deg: float, measured: Measured | None) -> Figure:
     """Draw the rebound against the feet's restitution, let go flat and from the hand."""
-    figure, axes = axes_of(title)
+    figure, axes = new_axes(title)
     axes.plot((0, 1), (0, 1), ":", color=GREY, linewidth=0.9, label="a ball")
     flat, hand = dropped.curve(flat=True), dropped.curve(flat=False)
     if flat is not None:
@@ -27,6 +27,6 @@ def of_drop(dropped: Dropped, title: str, turn_deg: float, measured: Measured | 
         value, sd = measured.number.pair
         axes.axhspan(value - sd, value + sd, color=GREY, alpha=0.2, linewidth=0, label="measured")
         axes.axhline(value, color=GREY, linewidth=0.9)
-    name(axes, "restitution of the feet", "rebound of the whole walker")
+    label_axes(axes, "restitution of the feet", "rebound of the whole walker")
     axes.legend(loc="upper left", frameon=True, framealpha=0.9, edgecolor="none")
     return figure

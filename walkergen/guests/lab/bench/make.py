@@ -15,28 +15,28 @@ from walkergen.guests.lab.bench import drop
 from walkergen.guests.lab.bench.drop import Dropped
 from walkergen.guests.lab.calibrate.make import Job
 from walkergen.guests.lab.inverse import Answer, Curve, Measured
-from walkergen.guests.lab.report import LabReport, written
+from walkergen.guests.lab.report import LabReport, write_report
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-REBOUNDS = ("flat", "from_hand", "sd_of_a_drop", "fell_over")
+REBOUND_COLUMNS = ("flat", "from_hand", "sd_of_a_drop", "fell_over")
 """Columns of the rebounds under one condition."""
 
 Value = float | str | None
 
 
-def folder_of(design: Design) -> Path:
+def default_folder(design: Design) -> Path:
     """Folder of a drop by default: below out/ and the walker's name."""
     return Path("out") / design.name / f"bench_drop_{names.part_name(design)}"
 
 
-def dropped(job: Job, height: float, measured: Measured | None, folder: Path, progress: Progress) -> LabReport:
+def run_drop_test(job: Job, height: float, measured: Measured | None, folder: Path, progress: Progress) -> LabReport:
     """Drop a walker from a height (mm); writes drop.csv and a table for all else that counts, figure and page.
 
     Without a first turn only the flat drop counts. Raises InputError before anything is simulated.
     """
-    rebounds = drop.drop(job.scene, job.design, height, job.turn_deg, job.drops, progress)
+    rebounds = drop.simulate_drop_test(job.scene, job.design, height, job.turn_deg, job.drops, progress)
     hand = f"pitch and roll ± {job.turn_deg:g} deg"
     curves = {"let go flat": rebounds.curve(flat=True), f"from the hand ({hand})": rebounds.curve(flat=False)}
     if job.turn_deg == 0.0:
@@ -45,17 +45,17 @@ def dropped(job: Job, height: float, measured: Measured | None, folder: Path, pr
     notes = [
         f"from the hand: {hand}, {height:g} mm; rebound: root of the height regained over that "
         "of the drop, of the body's middle over where it stands",
-        *_on_flatness(rebounds),
+        *_flatness_notes(rebounds),
     ]
     settings = _settings(answers)
-    caption = f"{resting.in_words(job.scene, job.design)}; dropped by {height:g} mm"
+    caption = f"{resting.describe_test(job.scene, job.design)}; dropped by {height:g} mm"
     title = f"Drop of {job.design.name}, {job.design.tilt_deg:g} deg, {job.design.kind}"
-    tables = _tables_of_drop(rebounds)
+    tables = _drop_tables(rebounds)
 
     def draw() -> "Figure":
         from walkergen.guests.lab.bench import figures
 
-        return figures.of_drop(rebounds, title, job.turn_deg, measured)
+        return figures.draw_drop(rebounds, title, job.turn_deg, measured)
 
     lines = [f"{condition}: {answer.text}" for condition, answer in answers]
     if settings:
@@ -83,7 +83,7 @@ def dropped(job: Job, height: float, measured: Measured | None, folder: Path, pr
         scene=job.scene,
     )
     asked = {"height": height, "turn_deg": job.turn_deg, "drops": job.drops}
-    return written(made, job, {"bench": "drop", "measured": measured and measured.facts, **asked})
+    return write_report(made, job, {"bench": "drop", "measured": measured and measured.facts, **asked})
 
 
 def _answers(design: Design, measured: Measured | None, curves: Mapping[str, Curve | None]) -> list[tuple[str, Answer]]:
@@ -106,27 +106,27 @@ def _settings(answers: Sequence[tuple[str, Answer]]) -> dict[str, float]:
     return dict(zip(keys, number.pair, strict=True)) if number.known else {}
 
 
-def _rows(name: str, title: str, keys: Sequence[str], values: Sequence[Sequence[Value]]) -> Table:
+def _make_table(name: str, title: str, keys: Sequence[str], values: Sequence[Sequence[Value]]) -> Table:
     """Table of a bench test, every key of which people read."""
     texts = [key for key, first in zip(keys, values[0], strict=True) if isinstance(first, str)]
-    return Table(name, values, keys, report.every(keys, texts), title)
+    return Table(name, values, keys, report.key_columns(keys, texts), title)
 
 
-def _tables_of_drop(rebounds: Dropped) -> list[Table]:
+def _drop_tables(rebounds: Dropped) -> list[Table]:
     """Rebounds by restitution, by what else counts, and by the first turn."""
     conditions = {"restitution": list(zip(drops.RESTITUTIONS, rebounds.by_label, strict=True)), **rebounds.by}
     units = {"tilt": "tilt_deg", "height": "height_mm"}
     tables = []
     for what, table in conditions.items():
         name, title = ("drop", "the feet's restitution") if what == "restitution" else (f"{what}s", what)
-        keys = (units.get(what, what), *REBOUNDS)
+        keys = (units.get(what, what), *REBOUND_COLUMNS)
         rows = [(float(at), each.flat, each.mean, each.sd, each.fell) for at, each in table]
-        tables.append(_rows(name, f"rebound by {title}", keys, rows))
+        tables.append(_make_table(name, f"rebound by {title}", keys, rows))
     turns = ("turn_deg", "rebound_rolled", "rebound_pitched")
-    return [*tables, _rows("turns", "rebound by the first turn", turns, rebounds.by_turn)]
+    return [*tables, _make_table("turns", "rebound by the first turn", turns, rebounds.by_turn)]
 
 
-def _on_flatness(rebounds: Dropped) -> list[str]:
+def _flatness_notes(rebounds: Dropped) -> list[str]:
     """Note on how flat a drop has to be to count as flat."""
     alike = rebounds.flat_within
     if alike is None:

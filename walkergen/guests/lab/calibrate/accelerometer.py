@@ -18,19 +18,19 @@ from walkergen.core.scene import GRAVITY
 
 Array = npt.NDArray[np.float64]
 
-TIME = re.compile(r"(time|t|seconds[ _]?elapsed|elapsed)[ _]*(\(?(s|ms|us|ns)\)?)?", re.IGNORECASE)
-AXIS = re.compile(
+TIME_PATTERN = re.compile(r"(time|t|seconds[ _]?elapsed|elapsed)[ _]*(\(?(s|ms|us|ns)\)?)?", re.IGNORECASE)
+AXIS_PATTERN = re.compile(
     r"(?P<linear>linear[ _]*)?(acceleration|accelerometer|accel|acc|a|gf)?[ _]*(?P<axis>[xyz])[ _]*"
     r"(\(?(?P<unit>m/s\^?2|m/s²|m s-2|g|mm/s\^?2)\)?)?",
     re.IGNORECASE,
 )
-RATE = re.compile(
+RATE_PATTERN = re.compile(
     r"(gyroscope|gyro|rotation[ _]*rate|w|omega)[ _]*(?P<axis>[xyz])[ _]*(\(?(?P<unit>rad/s|deg/s|°/s)\)?)?",
     re.IGNORECASE,
 )
-SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+SECONDS_BY_UNIT = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
-FEWEST, SLOWEST_S = 400, 0.1
+MIN_SAMPLES, MAX_INTERVAL_S = 400, 0.1
 """Fewest samples of a recording, and longest time between two, s: longer ones are no seconds."""
 
 
@@ -52,40 +52,40 @@ class Recording(NamedTuple):
         return 1.0 / float(np.median(np.diff(self.times)))
 
 
-def read(path: Path) -> Recording:
+def read_recording(path: Path) -> Recording:
     """Read the recording in a CSV file. Raises InputError without times or axes, or with too few samples."""
     names = columns.read_header(path)
-    time, unit = _time(names, path)
-    axes, linear, scale = _axes(names, path)
-    rates, radians = _rates(names)
+    time, unit = _find_time_column(names, path)
+    axes, linear, scale = _find_axis_columns(names, path)
+    rates, radians = _find_rate_columns(names)
     found = columns.read_numbers(path, [time, *axes, *rates])
-    times = SECONDS[unit] * found.values[time]
+    times = SECONDS_BY_UNIT[unit] * found.values[time]
     felt = scale * np.column_stack([found.values[axis] for axis in axes])
     order = np.argsort(times, kind="stable")
     order = order[np.append(True, np.diff(times[order]) > 0.0)]  # a sample that is told twice counts once
     turned = radians * np.column_stack([found.values[name] for name in rates])[order] if rates else None
     recording = Recording(times[order] - times[order[0]], felt[order], linear, turned)
-    if len(order) < FEWEST:
-        raise InputError(f"{path}: {len(order)} samples: must be at least {FEWEST}; record for half a minute")
-    if 1.0 / recording.rate > SLOWEST_S:
+    if len(order) < MIN_SAMPLES:
+        raise InputError(f"{path}: {len(order)} samples: must be at least {MIN_SAMPLES}; record for half a minute")
+    if 1.0 / recording.rate > MAX_INTERVAL_S:
         raise InputError(
             f"{path}: {time} steps by {1.0 / recording.rate:.3g}: must be seconds, or name its unit, as in 'time (ms)'"
         )
     return recording
 
 
-def _time(names: list[str], path: Path) -> tuple[str, str]:
+def _find_time_column(names: list[str], path: Path) -> tuple[str, str]:
     """Name of the column of times, and its unit: of several that of elapsed seconds."""
-    found = {name: match for name in names if (match := TIME.fullmatch(name.strip()))}
+    found = {name: match for name in names if (match := TIME_PATTERN.fullmatch(name.strip()))}
     if not found:
-        raise InputError(f"{path}: no column of times, as 'Time (s)'; columns seen: {_listed(names)}")
+        raise InputError(f"{path}: no column of times, as 'Time (s)'; columns seen: {_format_names(names)}")
     name = next((name for name in found if "elapsed" in name.lower()), next(iter(found)))
     return name, (found[name][3] or "s").lower()
 
 
-def _axes(names: list[str], path: Path) -> tuple[list[str], bool, float]:
+def _find_axis_columns(names: list[str], path: Path) -> tuple[list[str], bool, float]:
     """Names of the three axes, whether gravity is taken off, and mm/s^2 of their unit; of both that with it."""
-    found = [(name, match) for name in names if (match := AXIS.fullmatch(name.strip()))]
+    found = [(name, match) for name in names if (match := AXIS_PATTERN.fullmatch(name.strip()))]
     for linear in (False, True):
         own = {match["axis"].lower(): (name, match) for name, match in found if bool(match["linear"]) is linear}
         if len(own) == 3:
@@ -94,18 +94,22 @@ def _axes(names: list[str], path: Path) -> tuple[list[str], bool, float]:
             scale = GRAVITY if unit == "g" else 1.0 if unit.startswith("mm") else 1e3
             return [name for name, _ in chosen], linear, scale
     raise InputError(
-        f"{path}: no three axes of accelerations, as 'Acceleration x (m/s^2)'; columns seen: {_listed(names)}"
+        f"{path}: no three axes of accelerations, as 'Acceleration x (m/s^2)'; columns seen: {_format_names(names)}"
     )
 
 
-def _rates(names: list[str]) -> tuple[list[str], float]:
+def _find_rate_columns(names: list[str]) -> tuple[list[str], float]:
     """Names of the three axes of a gyroscope, none where they are not all there, and rad/s of their unit."""
-    found = {match["axis"].lower(): (name, match["unit"]) for name in names if (match := RATE.fullmatch(name.strip()))}
+    found = {
+        match["axis"].lower(): (name, match["unit"])
+        for name in names
+        if (match := RATE_PATTERN.fullmatch(name.strip()))
+    }
     if len(found) < 3:
         return [], 1.0
     unit = (found["x"][1] or "rad/s").lower()
     return [found[axis][0] for axis in "xyz"], 1.0 if unit == "rad/s" else np.pi / 180.0
 
 
-def _listed(names: list[str]) -> str:
+def _format_names(names: list[str]) -> str:
     return plain.shorten_line(", ".join(names))[:200]

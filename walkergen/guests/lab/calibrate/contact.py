@@ -12,20 +12,20 @@ from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import GRAVITY
 from walkergen.guests.lab.beams import damping_ratio
 from walkergen.guests.lab.calibrate import filmed, form, parts
-from walkergen.guests.lab.calibrate.estimate import Estimate, Single, mean
+from walkergen.guests.lab.calibrate.estimate import Estimate, Single, weighted_mean
 from walkergen.guests.lab.calibrate.form import Reading, Readings
-from walkergen.guests.lab.calibrate.modulus import AT_SD_MM
+from walkergen.guests.lab.calibrate.modulus import POSITION_SD_MM
 from walkergen.guests.lab.inverse import Measured
 
 Array = npt.NDArray[np.float64]
 
-CARRIERS = ("block", "walker")
+SLIDING_PARTS = ("block", "walker")
 """Parts that slide."""
 
-LIGHTEST, HEAVIEST = 0.05, 25.0
+MIN_DENSITY_G_CM3, MAX_DENSITY_G_CM3 = 0.05, 25.0
 """Densities (g/cm^3) between foam and gold."""
 
-OF_DENSITY = ("mass_g", "length_mm", "width_mm", "height_mm")
+DENSITY_READINGS = ("mass_g", "length_mm", "width_mm", "height_mm")
 """Readings of the block that a density needs."""
 
 
@@ -50,16 +50,16 @@ class Rebound(NamedTuple):
 def density(readings: Readings) -> Estimate | None:
     """Density of the block, g/cm^3; None where its mass or a size is missing."""
     own = readings.get("block", {})
-    if any(name not in own for name in OF_DENSITY):
+    if any(name not in own for name in DENSITY_READINGS):
         return None
-    needed = [own[name][0] for name in OF_DENSITY]
+    needed = [own[name][0] for name in DENSITY_READINGS]
     (mass, *sizes), errors = zip(*(reading.number.pair for reading in needed), strict=True)
     volume = parts.block_volume(*sizes)
     value = 1e3 * mass / volume if volume > 0.0 else math.inf
-    if not LIGHTEST <= value <= HEAVIEST:
+    if not MIN_DENSITY_G_CM3 <= value <= MAX_DENSITY_G_CM3:
         raise InputError(
             f"block: mass and sizes tell a density of {value:.3g} g/cm3: must lie in "
-            f"{LIGHTEST:g}..{HEAVIEST:g}: are these grams and millimetres?"
+            f"{MIN_DENSITY_G_CM3:g}..{MAX_DENSITY_G_CM3:g}: are these grams and millimetres?"
         )
     sd = value * math.hypot(*(error / each for error, each in zip(errors, (mass, *sizes), strict=True)))
     number = Quantity("density", "g_cm3", value, sd)
@@ -72,17 +72,17 @@ def friction(readings: Readings) -> Estimate | None:
     None without any.
     """
     singles = []
-    for part in CARRIERS:
+    for part in SLIDING_PARTS:
         for reading in readings.get(part, {}).get("slides_deg", ()):
             degrees, error = reading.number.pair
             tangent = math.tan(math.radians(degrees))
             number = Quantity("friction", "", tangent, (1.0 + tangent**2) * math.radians(error))
             singles.append(Single(part, number, reading.tries))
-        for reading in readings.get(part, {}).get(form.FILMED, ()):
+        for reading in readings.get(part, {}).get(form.FILMED_ANGLE, ()):
             assert reading.tracks is not None
             number = filmed.friction(reading.tracks, *reading.number.pair)
             singles.append(Single(f"{part}'s film", number, reading.tries))
-    return mean("friction", singles, ("scene.contact.friction", "scene.contact.friction_sd"))
+    return weighted_mean("friction", singles, ("scene.contact.friction", "scene.contact.friction_sd"))
 
 
 def damping(readings: Readings) -> Estimate | None:
@@ -96,7 +96,7 @@ def damping(readings: Readings) -> Estimate | None:
             swings, error = reading.number.pair
             ratio = damping_ratio(math.log(2.0) / swings)
             singles.append(Single(part, Quantity("damping_ratio", "", ratio, ratio * error / swings), reading.tries))
-    return mean("damping ratio", singles, ("scene.legs.damping_ratio", "scene.legs.damping_ratio_sd"))
+    return weighted_mean("damping ratio", singles, ("scene.legs.damping_ratio", "scene.legs.damping_ratio_sd"))
 
 
 def rebound(readings: Readings) -> Rebound | None:
@@ -119,14 +119,14 @@ def rebound(readings: Readings) -> Rebound | None:
                 "slow motion, and millimetres?"
             )
     stated = np.array([flight.stated for flight in flights])
-    errors = ratios * np.hypot(stated / seconds, 0.5 * AT_SD_MM / heights)
+    errors = ratios * np.hypot(stated / seconds, 0.5 * POSITION_SD_MM / heights)
     tries = np.array([flight.tries for flight in flights])
     shares = tries / tries.sum()
     number = Quantity("rebound", "", float(shares @ ratios), float(np.hypot.reduce(shares * errors)))
-    return Rebound(Measured(number, int(tries.sum())), float(shares @ heights), _spread(flights, seconds, ratios))
+    return Rebound(Measured(number, int(tries.sum())), float(shares @ heights), _drop_scatter(flights, seconds, ratios))
 
 
-def _spread(flights: Sequence[Reading], seconds: Array, ratios: Array) -> float:
+def _drop_scatter(flights: Sequence[Reading], seconds: Array, ratios: Array) -> float:
     """Estimate the standard deviation from drop to drop at all heights, beyond that of the clock."""
     tries, per_second = np.array([flight.tries for flight in flights]), ratios / seconds
     within = np.array([(flight.tries - 1) * (flight.scatter or 0.0) ** 2 for flight in flights])

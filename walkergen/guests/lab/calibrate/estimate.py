@@ -8,13 +8,13 @@ import numpy as np
 
 from walkergen.core.numerics.quantity import Quantity
 
-DISAGREES = 0.05
+MIN_PROBABILITY = 0.05
 """Probability of so large a chi2 below which readings disagree."""
 
 DIGITS = 6
 """Significant digits of a value in a file: what lies beyond is rounding."""
 
-WORDS = {"gpa": "GPa", "g_cm3": "g/cm3", "percent": "%"}
+UNIT_LABELS = {"gpa": "GPa", "g_cm3": "g/cm3", "percent": "%"}
 """Units as people write them, by those of keys."""
 
 
@@ -42,7 +42,7 @@ class Estimate(NamedTuple):
     @property
     def agrees(self) -> bool:
         """False where the readings disagree beyond their errors."""
-        return self.probability is None or self.probability >= DISAGREES
+        return self.probability is None or self.probability >= MIN_PROBABILITY
 
     @property
     def settings(self) -> dict[str, float]:
@@ -52,7 +52,7 @@ class Estimate(NamedTuple):
     @property
     def row(self) -> tuple[str, float, float, str, int, float, int, str]:
         """Row of calibration.csv."""
-        unit = WORDS.get(self.number.unit, self.number.unit)
+        unit = UNIT_LABELS.get(self.number.unit, self.number.unit)
         key = self.sets[0] if self.sets else ""
         return (self.name, *self.number.pair, unit, self.readings, self.chi2, self.dof, key)
 
@@ -65,7 +65,7 @@ class Single(NamedTuple):
     tries: int
 
 
-def mean(name: str, singles: Sequence[Single], sets: tuple[str, ...]) -> Estimate | None:
+def weighted_mean(name: str, singles: Sequence[Single], sets: tuple[str, ...]) -> Estimate | None:
     """Mean of single numbers, weighted by their errors; None without any.
 
     Where they disagree its error grows by the root of chi2 over the degrees of freedom (Birge).

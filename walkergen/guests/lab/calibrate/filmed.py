@@ -19,16 +19,16 @@ from walkergen.core.scene import GRAVITY
 
 Array = npt.NDArray[np.float64]
 
-FEWEST = 10
+MIN_FRAMES = 10
 """Smallest number of frames of a slide."""
 
-INDEPENDENT = 10
+CORRELATED_FRAMES = 10
 """Number of neighbouring frames, about, that err alike."""
 
-STILL = 0.1
+MAX_STILL_SHARE = 0.1
 """Way of what stands still over that of what slides, at most: reading errors, a camera's shake."""
 
-STEADY, SURE = 0.1, 4.0
+MAX_FRICTION_CHANGE, MIN_SIGNIFICANCE = 0.1, 4.0
 """Change of the friction along the way from which a film holds more than one slide, and the number
 of its errors from which such a change is seen."""
 
@@ -39,23 +39,23 @@ def friction(path: Path, angle_deg: float, error_deg: float) -> Quantity:
     What stands still beside it, as caps that tell the camera's tilt, is left out. Raises InputError
     for tracks of several parts, of more than a slide, and of no friction.
     """
-    read = track_files.read(path, track_files.Units())
+    read = track_files.read_tracks(path, track_files.Units())
     name = plain.shorten_line(path.name)
-    seen = [_seen(track.position, read.interval) for track in read.tracks]
+    seen = [_visible_positions(track.position, read.interval) for track in read.tracks]
     ways = np.array([np.linalg.norm(places[-1] - places[0]) for _, places in seen])
-    moving = int((ways > STILL * ways.max()).sum())
+    moving = int((ways > MAX_STILL_SHARE * ways.max()).sum())
     if moving > 1:
         raise InputError(
             f"{name}: {moving} tracks that move: must be one, of the part that slides: cut the "
             "film by track ‹frames› and ‹region›"
         )
     times, places = seen[int(ways.argmax())]
-    if len(times) < FEWEST:
-        raise InputError(f"{name}: {len(times)} frames: must be at least {FEWEST} of a slide")
+    if len(times) < MIN_FRAMES:
+        raise InputError(f"{name}: {len(times)} frames: must be at least {MIN_FRAMES} of a slide")
     gained, error, change, change_error = _acceleration(times, places)
     angle, angle_error = math.radians(angle_deg), math.radians(error_deg)
     along = GRAVITY * math.cos(angle)
-    if abs(change) > max(STEADY * along, SURE * change_error):
+    if abs(change) > max(MAX_FRICTION_CHANGE * along, MIN_SIGNIFICANCE * change_error):
         raise InputError(
             f"{name}: the friction seems to change by {abs(change) / along:.2g} along the way: "
             "does the film begin before the slide, or go on after it? Cut it by track ‹frames›"
@@ -71,7 +71,7 @@ def friction(path: Path, angle_deg: float, error_deg: float) -> Quantity:
     return Quantity("friction", "", value, total)
 
 
-def _seen(position: Array, interval: float) -> tuple[Array, Array]:
+def _visible_positions(position: Array, interval: float) -> tuple[Array, Array]:
     """Return times, s, from the middle, and positions, mm, of the frames in which the walker was seen."""
     seen = ~np.isnan(position).any(axis=1)
     times = interval * np.flatnonzero(seen)
@@ -87,7 +87,7 @@ def _acceleration(times: Array, places: Array) -> tuple[float, float, float, flo
         terms = np.vander(times, degree + 1, increasing=True)
         solution, _, _, _ = np.linalg.lstsq(terms, ahead)
         rest = ahead - terms @ solution
-        noise = INDEPENDENT * float(rest @ rest) / max(len(times) - degree - 1, 1)
+        noise = CORRELATED_FRAMES * float(rest @ rest) / max(len(times) - degree - 1, 1)
         return solution, np.sqrt(noise * np.diag(np.linalg.pinv(terms.T @ terms)))
 
     (_, _, bend), (_, _, error) = fit(2)

@@ -20,13 +20,13 @@ from walkergen.core.files import columns, output, reading, words
 from walkergen.core.files.tables import csv_text
 from walkergen.core.numerics.quantity import Quantity
 
-FILE = "measurements.csv"
-BESIDE = ("unloaded_mm", "weight_g", "at_mm")
-HEADER = ("part", "measured", "reading", "error", *BESIDE)
-TRACKS = "tracks"
+FORM_FILE = "measurements.csv"
+CONDITION_COLUMNS = ("unloaded_mm", "weight_g", "at_mm")
+HEADER = ("part", "measured", "reading", "error", *CONDITION_COLUMNS)
+TRACKS_COLUMN = "tracks"
 """Column that a form may have: a file of tracks, by its name beside the form."""
-MOST_BYTES, MOST_ROWS = 1_000_000, 2000
-NAMED = 20
+MAX_BYTES, MAX_ROWS = 1_000_000, 2000
+MAX_LISTED_ERRORS = 20
 """Most mistakes that are told; the others are counted."""
 
 
@@ -49,18 +49,18 @@ class Kind(NamedTuple):
     """Question to somebody whose value is outside."""
 
 
-SLIDES = Kind(1.0, 80.0, 6, least=2.0, slip=": is it a friction? The angle of 0.25, in degrees, is 14")
+SLIDE_KIND = Kind(1.0, 80.0, 6, least=2.0, slip=": is it a friction? The angle of 0.25, in degrees, is 14")
 """Angle at which a part slides. Below 2 degrees is a friction of 0.035: no plastic on a solid."""
 
-FILMED = "filmed_deg"
+FILMED_ANGLE = "filmed_deg"
 """Angle of an incline on which a part was filmed as it slid; needs the film's tracks."""
 
-AIR = "air_percent"
+AIR_SHARE = "air_percent"
 """Share of a strip's outline that its lines leave open: round sides, gaps between. The form comes
 with what the printer's lines leave; it counts in the mass that rings."""
 
-SLIDING = {"slides_deg": SLIDES, FILMED: SLIDES._replace(rows=0)}
-STRIP = {
+SLIDING_KINDS = {"slides_deg": SLIDE_KIND, FILMED_ANGLE: SLIDE_KIND._replace(rows=0)}
+STRIP_KINDS = {
     "thickness_mm": Kind(0.02, 20.0, 3),
     "width_mm": Kind(0.05, 100.0, 2),
     "free_length_mm": Kind(0.5, 1000.0, 1),
@@ -68,16 +68,16 @@ STRIP = {
     "swings_20_s": Kind(0.01, 1000.0, 3, (), ("weight_g",)),
     "ring_hz": Kind(0.2, 1e5, 1, (), ("weight_g",)),
     "swings_to_half": Kind(1.0, 1e4, 2, least=0.5),
-    AIR: Kind(2.0, 60.0, 1, least=-1.0),
+    AIR_SHARE: Kind(2.0, 60.0, 1, least=-1.0),
 }
-BLOCK = {
+BLOCK_KINDS = {
     "mass_g": Kind(0.01, 1e4, 2),
     **{name: Kind(0.05, 1000.0, 2) for name in ("length_mm", "width_mm", "height_mm")},
-    **SLIDING,
+    **SLIDING_KINDS,
 }
-WALKER = {**SLIDING, "flight_s": Kind(0.002, 2.0, 6, ("at_mm",))}
+WALKER_KINDS = {**SLIDING_KINDS, "flight_s": Kind(0.002, 2.0, 6, ("at_mm",))}
 
-LEAST = 1e-6
+MIN_ERROR = 1e-6
 """Least error of a reading, in whatever unit."""
 
 
@@ -111,83 +111,83 @@ Readings = Mapping[str, Mapping[str, Sequence[Reading]]]
 """Readings by part and kind: one, or one for each condition."""
 
 
-def kinds(part: str) -> Mapping[str, Kind] | None:
+def reading_kinds(part: str) -> Mapping[str, Kind] | None:
     """Kinds of readings of a part by its name: strip_1, block, walker; None of other names."""
     stem, _, number = part.partition("_")
     if stem == "strip" and columns.parse_count(number, 99) is not None:
-        return STRIP
-    return {"block": BLOCK, "walker": WALKER}.get(part)
+        return STRIP_KINDS
+    return {"block": BLOCK_KINDS, "walker": WALKER_KINDS}.get(part)
 
 
-def template(air: Mapping[str, float]) -> str:
+def empty_form(air: Mapping[str, float]) -> str:
     """Text of an empty form for strips, block and walker, with proposed errors.
 
     `air` has the strips by name, with the share of air in percent, which stands there already.
     """
     lines: list[tuple[object, ...]] = []
     for part in (*air, "block", "walker"):
-        for name, kind in (kinds(part) or {}).items():
-            reading = f"{air[part]:.1f}" if name == AIR else ""
+        for name, kind in (reading_kinds(part) or {}).items():
+            reading = f"{air[part]:.1f}" if name == AIR_SHARE else ""
             lines += [(part, name, reading, kind.error, "", "", "")] * kind.rows
     return csv_text(HEADER, lines)
 
 
-def filled(path: Path) -> bool:
+def is_filled(path: Path) -> bool:
     """Return whether a path holds work to keep: anything that is not byte for byte a `template`."""
     if not os.path.lexists(path):
         return False
     try:
-        air = {row["part"]: float(row["reading"]) for _, row in _rows(path) if row["measured"] == AIR}
-        return reading.read_bytes(path, MOST_BYTES) != template(air).encode()
+        air = {row["part"]: float(row["reading"]) for _, row in _read_rows(path) if row["measured"] == AIR_SHARE}
+        return reading.read_bytes(path, MAX_BYTES) != empty_form(air).encode()
     except (InputError, ValueError):
         return True  # whatever it is, somebody wrote it
 
 
-def write_template(path: Path, air: Mapping[str, float]) -> bool:
+def write_empty_form(path: Path, air: Mapping[str, float]) -> bool:
     """Write the empty form unless somebody filled it in; returns whether. Raises OutputError."""
-    if filled(path):
+    if is_filled(path):
         return False
-    output.write(path, template(air).encode())
+    output.write(path, empty_form(air).encode())
     return True
 
 
-def read(path: Path) -> Readings:
+def read_form(path: Path) -> Readings:
     """Read a filled form; rows without a reading are left out.
 
     Tries under one condition are averaged: the error of their mean is the larger of the stated
     error and their scatter, over the root of their number. Raises InputError, a line for every
     mistake.
     """
-    rows = _rows(path)
-    if len(rows) > MOST_ROWS:
-        raise InputError(f"{path}: {len(rows)} rows; at most {MOST_ROWS}")
+    rows = _read_rows(path)
+    if len(rows) > MAX_ROWS:
+        raise InputError(f"{path}: {len(rows)} rows; at most {MAX_ROWS}")
     tries: dict[_Condition, list[tuple[float, float]]] = defaultdict(list)
     problems = []
     for line, row in rows:
         try:
-            if triple := _row(row):
+            if triple := _parse_row(row):
                 key, value, error = triple
                 tries[key].append((value, error))
         except InputError as problem:
             problems.append(f"{path}:{line}: {problem}")
     if problems:
-        more = len(problems) - NAMED
+        more = len(problems) - MAX_LISTED_ERRORS
         tail = [f"{path}: and {more} more mistakes"] if more > 0 else []
-        raise InputError("\n".join(problems[:NAMED] + tail))
-    if not any(condition.name != AIR for condition in tries):
+        raise InputError("\n".join(problems[:MAX_LISTED_ERRORS] + tail))
+    if not any(condition.name != AIR_SHARE for condition in tries):
         raise InputError(f"{path}: no readings; fill in the column reading of some row")
     readings: dict[str, dict[str, list[Reading]]] = defaultdict(lambda: defaultdict(list))
     for condition, pairs in tries.items():
         film = path.parent / condition.tracks if condition.tracks else None
-        readings[condition.part][condition.name].append(_mean(condition, pairs, film))
+        readings[condition.part][condition.name].append(_mean_reading(condition, pairs, film))
     return {part: dict(own) for part, own in readings.items()}
 
 
-def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
+def _read_rows(path: Path) -> list[tuple[int, dict[str, str]]]:
     """Rows by their lines, cells by column. Raises InputError for other columns."""
-    table = columns.parse_records(reading.read_lines(path, columns.FORMAT_NAME, MOST_BYTES), str(path))
+    table = columns.parse_records(reading.read_lines(path, columns.FORMAT_NAME, MAX_BYTES), str(path))
     missing = [name for name in HEADER if name not in table.names]
-    unknown = [name for name in table.names if name not in (*HEADER, TRACKS)]
+    unknown = [name for name in table.names if name not in (*HEADER, TRACKS_COLUMN)]
     if missing or unknown:
         what = f"no column {missing[0]!r}" if missing else f"unknown column {unknown[0][:60]!r}"
         raise InputError(
@@ -197,10 +197,10 @@ def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
     return table.rows
 
 
-def _row(row: Mapping[str, str]) -> tuple[_Condition, float, float] | None:
+def _parse_row(row: Mapping[str, str]) -> tuple[_Condition, float, float] | None:
     """Condition, value and error of a row; None without a reading. Raises InputError."""
     part, name = row["part"].strip(), row["measured"].strip()
-    measurable = kinds(part)
+    measurable = reading_kinds(part)
     if measurable is None:
         raise InputError(f"part {part[:40]!r}: must be strip_1, strip_2 ..., block or walker")
     if name not in measurable:
@@ -208,13 +208,13 @@ def _row(row: Mapping[str, str]) -> tuple[_Condition, float, float] | None:
     if not row["reading"].strip():
         return None
     kind = measurable[name]
-    beside = {column: _beside(row[column].strip(), column, name, kind) for column in BESIDE}
-    film = row.get(TRACKS, "").strip()
-    if film and name != FILMED:
-        raise InputError(f"{name} has no column {TRACKS}: leave it blank")
-    if name == FILMED and not film:
-        raise InputError(f"{name} needs the column {TRACKS}: the tracks.csv of the slide's film")
-    value, what = _number("reading", row["reading"], 1e5, zero=True), "reading"
+    beside = {column: _parse_condition(row[column].strip(), column, name, kind) for column in CONDITION_COLUMNS}
+    film = row.get(TRACKS_COLUMN, "").strip()
+    if film and name != FILMED_ANGLE:
+        raise InputError(f"{name} has no column {TRACKS_COLUMN}: leave it blank")
+    if name == FILMED_ANGLE and not film:
+        raise InputError(f"{name} needs the column {TRACKS_COLUMN}: the tracks.csv of the slide's film")
+    value, what = _parse_number("reading", row["reading"], 1e5, zero=True), "reading"
     differs = "unloaded_mm" in kind.beside
     if differs:
         value, what = abs(value - beside["unloaded_mm"]), "reading less unloaded_mm"  # a ruler stands either way up
@@ -225,29 +225,29 @@ def _row(row: Mapping[str, str]) -> tuple[_Condition, float, float] | None:
             raise InputError(f"{column} = {beside[column]:g}: must be > 0")
     if not row["error"].strip():
         raise InputError(f"{name}: no error; write how well you read it, as {kind.error:g}")
-    error = _number("error", row["error"], 1e5)
+    error = _parse_number("error", row["error"], 1e5)
     error *= math.sqrt(2.0) if differs else 1.0  # of a deflection: a difference of two readings
     return _Condition(part, name, beside["weight_g"], beside["at_mm"], film), value, error
 
 
-def _beside(cell: str, column: str, name: str, kind: Kind) -> float:
+def _parse_condition(cell: str, column: str, name: str, kind: Kind) -> float:
     """Read the number that belongs to a reading; 0 if it has none. Raises InputError."""
     if cell and column not in kind.beside + kind.may:
         raise InputError(f"{column} = {cell[:30]!r}: {name} has none: leave it blank")
     if not cell and column in kind.beside:
         raise InputError(f"{name} needs {column} as well")
-    return _number(column, cell, 1e5, zero=True) if cell else 0.0
+    return _parse_number(column, cell, 1e5, zero=True) if cell else 0.0
 
 
-def _number(what: str, cell: str, most: float, zero: bool = False) -> float:
+def _parse_number(what: str, cell: str, most: float, zero: bool = False) -> float:
     value = words.parse_number(cell)
-    least = 0.0 if zero else LEAST
+    least = 0.0 if zero else MIN_ERROR
     if value is None or not least <= value <= most:
         raise InputError(f"{what} = {cell.strip()[:30]!r}: must be a number >= {least:g} and <= {most:g}")
     return value
 
 
-def _mean(condition: _Condition, pairs: Sequence[tuple[float, float]], film: Path | None) -> Reading:
+def _mean_reading(condition: _Condition, pairs: Sequence[tuple[float, float]], film: Path | None) -> Reading:
     """Mean of tries (value, error), weighted by their stated errors where these differ."""
     values, errors = np.array(pairs).T
     weights = errors**-2 / (errors**-2).sum()

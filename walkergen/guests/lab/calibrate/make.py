@@ -18,9 +18,9 @@ from walkergen.guests.lab.calibrate.estimate import Estimate
 from walkergen.guests.lab.calibrate.form import Readings
 from walkergen.guests.lab.calibrate.modulus import Bent
 from walkergen.guests.lab.inverse import Answer
-from walkergen.guests.lab.report import LabReport, named, written
+from walkergen.guests.lab.report import LabReport, name_after, write_report
 
-LIKE = 0.3
+MAX_THICKNESS_DIFFERENCE = 0.3
 """Relative difference of thickness up to which a strip stands for a leg."""
 
 
@@ -45,53 +45,53 @@ def calibrate(path: Path, job: Job, folder: Path, progress: Progress) -> LabRepo
     manifest.json. A drop test simulates drops of the walker. Raises InputError, before anything is
     written, for readings that are unusable.
     """
-    readings = form.read(path)
+    readings = form.read_form(path)
     density = contact.density(readings)
-    strips, notes = specimens.read(readings)
-    bent = _bent(strips, density, job, notes) if strips else None
+    strips, notes = specimens.from_readings(readings)
+    bent = _fit_modulus(strips, density, job, notes) if strips else None
     means = {"friction": contact.friction(readings), "damping": contact.damping(readings)}
     estimates = [each for each in (*(bent.estimates if bent else ()), density, *means.values()) if each is not None]
-    design, scene = _with_settings(estimates, job, path)
+    design, scene = _apply_settings(estimates, job, path)
     rebound, drop = contact.rebound(readings), None
     if rebound is not None:
-        drop = _drop(rebound, design, scene, job, progress)
-    missing = _missing(readings, bent, density, means, drop)
+        drop = _invert_rebound(rebound, design, scene, job, progress)
+    missing = _missing_notes(readings, bent, density, means, drop)
     if drop is None and not any(each.sets for each in estimates):
         raise InputError(f"{path}: tells nothing: {'; '.join([*notes, *missing])}")
     if bent is not None:
-        notes += [*_on_strips(bent), *_on_leg(bent, design)]
+        notes += [*_strip_notes(bent), *_leg_notes(bent, design)]
     for what, each in means.items():
         if each is not None and not each.agrees:
             notes.append(f"{what}: {', '.join(each.parts)} disagree: the error is larger by that")
     if rebound is not None and drop is not None:
-        estimates, more = [*estimates, rebound.estimate, *_restitution(rebound, drop)], _on_drop(rebound, drop)
+        estimates, more = [*estimates, rebound.estimate, *_restitution(rebound, drop)], _drop_notes(rebound, drop)
         notes += more
-        design, scene = _with_settings(estimates, job, path)
-    made = report.of(estimates, bent, drop, [*notes, *missing], design, scene, path, folder)
+        design, scene = _apply_settings(estimates, job, path)
+    made = report.make_report(estimates, bent, drop, [*notes, *missing], design, scene, path, folder)
     choices = {"by": job.by, "roll_deg": job.turn_deg, "drops": job.drops, "settings": made.settings}
-    return written(made, job, {"file": path.name, **choices}, f"Measured: {path.name}")
+    return write_report(made, job, {"file": path.name, **choices}, f"Measured: {path.name}")
 
 
-def _bent(strips: Sequence[specimens.Specimen], measured: Estimate | None, job: Job, notes: list[str]) -> Bent:
+def _fit_modulus(strips: Sequence[specimens.Specimen], measured: Estimate | None, job: Job, notes: list[str]) -> Bent:
     """Modulus of the strips; a density that was not measured is the design's. Adds to `notes`."""
     material = job.design.material
     drawn = material.density_g_cm3
     density = Quantity("density", "g_cm3", drawn, modulus.DENSITY_SD * drawn) if measured is None else measured.number
-    rough = modulus.rough(strips, density)
-    specimens.refuse(rough)
-    notes += specimens.notes(rough, material.youngs_modulus_gpa)
-    chosen = strips if job.by == "both" else specimens.only(strips, job.by)
+    rough = modulus.rough_moduli(strips, density)
+    specimens.check_consistency(rough)
+    notes += specimens.slip_notes(rough, material.youngs_modulus_gpa)
+    chosen = strips if job.by == "both" else specimens.select_method(strips, job.by)
     if not chosen:
         raise InputError(f"‹by=›{job.by}: no strip has readings of that kind")
-    fit, points = modulus.fit(chosen, density), modulus.points(strips, density)
-    return Bent(fit, points, job.by, modulus.ring_over_bend(strips, density), modulus.offset(strips, density))
+    fit, points = modulus.fit(chosen, density), modulus.fit_each_strip(strips, density)
+    return Bent(fit, points, job.by, modulus.ring_excess(strips, density), modulus.thickness_offset(strips, density))
 
 
-def _drop(seen: Rebound, design: Design, scene: Scene, job: Job, progress: Progress) -> Answer | None:
+def _invert_rebound(seen: Rebound, design: Design, scene: Scene, job: Job, progress: Progress) -> Answer | None:
     """Find the feet's restitution that explains a rebound, from simulated drops with the other measured values."""
-    resting.one_material(design)
-    hand = drops.from_hand(seen.height, job.turn_deg, job.drops, scene.run.seed)
-    curve = drops.curve(drops.by_restitution(scene, design, hand, progress), flat=job.turn_deg == 0.0)
+    resting.check_one_material(design)
+    hand = drops.hand_drops(seen.height, job.turn_deg, job.drops, scene.run.seed)
+    curve = drops.rebound_curve(drops.rebounds_by_restitution(scene, design, hand, progress), flat=job.turn_deg == 0.0)
     if curve is None:
         return None
     # A hand may be less sure than the one that is simulated
@@ -107,21 +107,21 @@ def _restitution(seen: Rebound, drop: Answer) -> list[Estimate]:
     return [Estimate("restitution of the feet", number, tries, sets=sets)] if number.known else []
 
 
-def _with_settings(estimates: Sequence[Estimate], job: Job, path: Path) -> tuple[Design, Scene]:
+def _apply_settings(estimates: Sequence[Estimate], job: Job, path: Path) -> tuple[Design, Scene]:
     """Design and scene with what was estimated, named after the file of measurements."""
-    settings = report.settings_of(estimates)
+    settings = report.collect_settings(estimates)
     outside = {key.removeprefix("scene."): value for key, value in settings.items() if key.startswith("scene.")}
     inside = {key: value for key, value in settings.items() if not key.startswith("scene.")}
-    return _renamed(job.design, path, inside), _renamed(job.scene, path, outside)
+    return _make_variant(job.design, path, inside), _make_variant(job.scene, path, outside)
 
 
-def _renamed(original: Any, path: Path, keys: Mapping[str, float]) -> Any:
+def _make_variant(original: Any, path: Path, keys: Mapping[str, float]) -> Any:
     """Design or scene with these keys, named after the file of measurements."""
     description = f"As {original.name}, measured: {path.name[:200]}"
-    return original.variant(**keys, name=named(original.name, path), description=description)
+    return original.variant(**keys, name=name_after(original.name, path), description=description)
 
 
-def _on_drop(seen: Rebound, drop: Answer) -> list[str]:
+def _drop_notes(seen: Rebound, drop: Answer) -> list[str]:
     """Return the notes on a drop test, in addition to its value."""
     kept = [] if drop.number("restitution").known else ["contact.restitution stays as the scene has it"]
     value, _ = seen.measured.number.pair
@@ -132,7 +132,7 @@ def _on_drop(seen: Rebound, drop: Answer) -> list[str]:
     ]
 
 
-def _on_strips(bent: Bent) -> list[str]:
+def _strip_notes(bent: Bent) -> list[str]:
     """Return notes on whether the strips agree, and on what would make them agree."""
     notes = []
     if not bent.fit.agrees:
@@ -157,7 +157,7 @@ def _on_strips(bent: Bent) -> list[str]:
     return notes
 
 
-def _on_leg(bent: Bent, design: Design) -> list[str]:
+def _leg_notes(bent: Bent, design: Design) -> list[str]:
     """Note on a leg that prints thicker or thinner than drawn, by the strip that is most like it.
 
     It is not set: the key is also what is printed.
@@ -165,7 +165,10 @@ def _on_leg(bent: Bent, design: Design) -> list[str]:
     drawn = design.limbs[0].thickness
     near = min(bent.points, key=lambda point: abs(point.thickness.pair[0] - drawn))
     thick, sd = near.thickness.pair
-    if abs(thick - drawn) > LIKE * drawn or near.thickness.compare_with_range(drawn, drawn) is not Verdict.DISAGREE:
+    if (
+        abs(thick - drawn) > MAX_THICKNESS_DIFFERENCE * drawn
+        or near.thickness.compare_with_range(drawn, drawn) is not Verdict.DISAGREE
+    ):
         return []
     return [
         f"{near.strip} is {thick:.3f} ± {sd:.3f} mm thick; a leg drawn "
@@ -174,7 +177,7 @@ def _on_leg(bent: Bent, design: Design) -> list[str]:
     ]
 
 
-def _missing(
+def _missing_notes(
     readings: Readings,
     bent: Bent | None,
     density: Estimate | None,
@@ -186,8 +189,8 @@ def _missing(
     if bent is None:
         notes.append("no strip with sizes and a deflection or a ring: no Young's modulus")
     if density is None:
-        lacking = [name for name in contact.OF_DENSITY if name not in readings.get("block", {})]
-        some = len(lacking) < len(contact.OF_DENSITY)
+        lacking = [name for name in contact.DENSITY_READINGS if name not in readings.get("block", {})]
+        some = len(lacking) < len(contact.DENSITY_READINGS)
         lack = f"the block lacks {', '.join(lacking)}" if some else "the block has no readings"
         assumed = f": strips count with the design's, ± {100 * modulus.DENSITY_SD:g} %" if bent is not None else ""
         notes.append(f"{lack}: no density{assumed}")

@@ -18,34 +18,41 @@ from walkergen.core.scene import GRAVITY
 from walkergen.guests.lab import beams
 from walkergen.guests.lab.beams import Strip
 from walkergen.guests.lab.calibrate.estimate import Estimate
-from walkergen.guests.lab.calibrate.specimens import BENDS, RINGS, SIZES, Rough, Specimen, only
+from walkergen.guests.lab.calibrate.specimens import (
+    BEND_METHOD,
+    RING_METHOD,
+    SIZE_READINGS,
+    Rough,
+    Specimen,
+    select_method,
+)
 
 Array = npt.NDArray[np.float64]
 
-PA, GRAM = 1e9, 1e-3
+PA_PER_GPA, G_MM3_PER_G_CM3 = 1e9, 1e-3
 """Units inside over those outside: Pa in a GPa, g/mm^3 in a g/cm^3."""
 
-OFFSET = "offset"
+OFFSET_NAME = "offset"
 """Name of a length that is added to all thicknesses, which a fit may leave free; as RINGS, by which
 the ring has a modulus of its own."""
 
-WEIGHT_SD, AT_SD_MM = 0.01, 0.5
+WEIGHT_SD, POSITION_SD_MM = 0.01, 0.5
 """Errors assumed of weights, relative, and of the places where they hang."""
 
 DENSITY_SD = 0.03
 """Relative error of a density that was not measured."""
 
-OTHERS = 4
+SHARED_PARAMETERS = 4
 """Numbers that all strips share beside the modulus: density, root, clamp, air."""
 
-SOFTEST, STIFFEST = 1e-3, 30.0
+MIN_MODULUS_GPA, MAX_MODULUS_GPA = 1e-3, 30.0
 """Moduli (GPa) of plastics, from soft elastomers to those filled with short fibres (Ashby,
 Materials Selection in Mechanical Design, chart of modulus and density)."""
 
-LEFT_OPEN = 1e-7
+MIN_SINGULAR_RATIO = 1e-7
 """Least singular value of the slopes, over the largest, below which readings leave numbers open."""
 
-ROUNDS = 2
+FIT_ROUNDS = 2
 """Number of fits, one after the other: errors that grow with a deflection are those of the fit
 before."""
 
@@ -87,10 +94,10 @@ def fit(strips: Sequence[Specimen], density: Quantity) -> Estimate:
     modulus that no plastic has.
     """
     solved = _solve(strips, density, ())
-    if not SOFTEST <= solved.modulus <= STIFFEST:
+    if not MIN_MODULUS_GPA <= solved.modulus <= MAX_MODULUS_GPA:
         raise InputError(
             f"{', '.join(strip.name for strip in strips)}: the readings tell a modulus of "
-            f"{solved.modulus:.3g} GPa: plastics have {SOFTEST:g}..{STIFFEST:g}: are these mm, g, "
+            f"{solved.modulus:.3g} GPa: plastics have {MIN_MODULUS_GPA:g}..{MAX_MODULUS_GPA:g}: are these mm, g, "
             "s and Hz, and is a film's slow motion undone?"
         )
     number = Quantity("youngs_modulus", "gpa", solved.modulus, solved.modulus * float(solved.errors[0]))
@@ -102,32 +109,32 @@ def fit(strips: Sequence[Specimen], density: Quantity) -> Estimate:
     return agreed._replace(number=number._replace(se=number.pair[1] * math.sqrt(max(agreed.chi2 / agreed.dof, 1.0))))
 
 
-def points(strips: Sequence[Specimen], density: Quantity) -> list[Point]:
+def fit_each_strip(strips: Sequence[Specimen], density: Quantity) -> list[Point]:
     """Modulus by each strip and each method alone, with the error of all that it rests on."""
     by_method = []
     for strip in strips:
-        for method in (BENDS, RINGS):
-            for own in only([strip], method):
+        for method in (BEND_METHOD, RING_METHOD):
+            for own in select_method([strip], method):
                 alone = fit([own], density)
                 by_method.append(Point(strip.name, method, own.sizes["thickness_mm"], alone.number, alone.readings))
     return by_method
 
 
-def ring_over_bend(strips: Sequence[Specimen], density: Quantity) -> Quantity | None:
+def ring_excess(strips: Sequence[Specimen], density: Quantity) -> Quantity | None:
     """Excess, in percent, of the modulus by the ring over that by weights.
 
     Plastic that creeps while a weight hangs makes it positive. None without both, and where the
     readings leave it open.
     """
-    if not (only(strips, BENDS) and only(strips, RINGS)):
+    if not (select_method(strips, BEND_METHOD) and select_method(strips, RING_METHOD)):
         return None
-    solved = _solve(strips, density, (RINGS,))
+    solved = _solve(strips, density, (RING_METHOD,))
     excess, error = solved.extras[0], float(solved.errors[1])
     sd = math.exp(excess) * error
     return Quantity("ring_over_weights", "percent", 100.0 * math.expm1(excess), 100.0 * sd) if sd <= 1.0 else None
 
 
-def offset(strips: Sequence[Specimen], density: Quantity) -> Quantity | None:
+def thickness_offset(strips: Sequence[Specimen], density: Quantity) -> Quantity | None:
     """Length (mm) that, added to all thicknesses, makes strips agree best.
 
     A caliper measures over the ridges of layers, which stiffen little: that makes it negative. Ring
@@ -135,8 +142,8 @@ def offset(strips: Sequence[Specimen], density: Quantity) -> Quantity | None:
     """
     if len(strips) < 2:
         return None
-    both = bool(only(strips, BENDS)) and bool(only(strips, RINGS))
-    solved = _solve(strips, density, (OFFSET, RINGS) if both else (OFFSET,))
+    both = bool(select_method(strips, BEND_METHOD)) and bool(select_method(strips, RING_METHOD))
+    solved = _solve(strips, density, (OFFSET_NAME, RING_METHOD) if both else (OFFSET_NAME,))
     thinnest = min(strip.sizes["thickness_mm"].pair[0] for strip in strips)
     sd = float(solved.errors[1])
     return Quantity("offset", "mm", solved.extras[0], sd) if sd <= thinnest else None
@@ -163,81 +170,84 @@ def _solve(strips: Sequence[Specimen], density: Quantity, extras: Sequence[str])
     from scipy.optimize import least_squares
 
     own = 1 + len(extras)
-    at = np.zeros(own + OTHERS + 3 * len(strips))
-    at[0] = math.log(np.median([single.modulus for single in rough(strips, density)]))
+    at = np.zeros(own + SHARED_PARAMETERS + 3 * len(strips))
+    at[0] = math.log(np.median([single.modulus for single in rough_moduli(strips, density)]))
     sunk = np.array([bend.number.pair[0] for strip in strips for bend in strip.bends])
     heard = np.array([ring.number.pair for strip in strips for ring in strip.rings]).reshape(-1, 2)
-    spread = _errors(strips, sunk)
-    for _ in range(ROUNDS):
+    spread = _deflection_errors(strips, sunk)
+    for _ in range(FIT_ROUNDS):
 
         def misses(at: Array, spread: Array = spread) -> Array:
-            bends, rings = _model(strips, density, at, extras)
+            bends, rings = _predict_readings(strips, density, at, extras)
             return np.concatenate([(bends - sunk) / spread, (rings - heard[:, 0]) / heard[:, 1], at[own:]])
 
         solution = least_squares(misses, at, x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
         at = solution.x
-        spread = _errors(strips, _model(strips, density, at, extras)[0])
+        spread = _deflection_errors(strips, _predict_readings(strips, density, at, extras)[0])
     across = np.linalg.pinv(solution.jac)  # its product is the covariance
     errors = np.sqrt((across**2).sum(axis=1)[:own])
-    if np.linalg.matrix_rank(solution.jac, rtol=LEFT_OPEN) < len(at):
+    if np.linalg.matrix_rank(solution.jac, rtol=MIN_SINGULAR_RATIO) < len(at):
         errors[1:] = math.inf
     free = [float(extra) for extra in at[1:own]]
     return _Solved(float(math.exp(at[0])), free, errors, float(2.0 * solution.cost), len(solution.fun) - len(at))
 
 
-def rough(strips: Sequence[Specimen], density: Quantity) -> list[Rough]:
+def rough_moduli(strips: Sequence[Specimen], density: Quantity) -> list[Rough]:
     """Modulus by each reading alone: forms grow as it, or as its root."""
-    at = np.zeros(1 + OTHERS + 3 * len(strips))
+    at = np.zeros(1 + SHARED_PARAMETERS + 3 * len(strips))
     roughs = []
     for strip in strips:
         for bend in strip.bends:
-            sizes = [strip.sizes[name].pair[0] for name in SIZES]
+            sizes = [strip.sizes[name].pair[0] for name in SIZE_READINGS]
             stiff = bend.weight_g * GRAVITY * bend.at_mm**3 / (3.0 * bend.number.pair[0])
-            roughs.append(Rough(strip.name, BENDS, stiff / beams.stiffness(PA, Strip(*sizes))))
-        heard = _model([strip._replace(bends=())], density, at, ())[1]
+            roughs.append(Rough(strip.name, BEND_METHOD, stiff / beams.bending_stiffness(PA_PER_GPA, Strip(*sizes))))
+        heard = _predict_readings([strip._replace(bends=())], density, at, ())[1]
         roughs += [
-            Rough(strip.name, RINGS, (ring.number.pair[0] / hertz) ** 2)
+            Rough(strip.name, RING_METHOD, (ring.number.pair[0] / hertz) ** 2)
             for ring, hertz in zip(strip.rings, heard, strict=True)
         ]
     return roughs
 
 
-def _errors(strips: Sequence[Specimen], sunk: Array) -> Array:
+def _deflection_errors(strips: Sequence[Specimen], sunk: Array) -> Array:
     """Errors of deflections, mm: of the readings, of the weights, of the places where they hang."""
     bends = [bend for strip in strips for bend in strip.bends]
     reading = np.array([bend.number.pair[1] for bend in bends])
-    place = np.array([3.0 * AT_SD_MM / bend.at_mm for bend in bends])
+    place = np.array([3.0 * POSITION_SD_MM / bend.at_mm for bend in bends])
     errors: Array = np.sqrt(reading**2 + sunk**2 * (WEIGHT_SD**2 + place**2))
     return errors
 
 
-def _model(strips: Sequence[Specimen], density: Quantity, at: Array, extras: Sequence[str]) -> tuple[Array, Array]:
+def _predict_readings(
+    strips: Sequence[Specimen], density: Quantity, at: Array, extras: Sequence[str]
+) -> tuple[Array, Array]:
     """Deflections (mm) and frequencies (Hz) of strips at a place of the search."""
 
-    def moved(number: Quantity, by: float) -> float:
+    def perturb(number: Quantity, by: float) -> float:
         value, sd = number.pair
         return value + sd * by
 
     own = 1 + len(extras)
     free = dict(zip(extras, at[1:own], strict=True))
-    slow = PA * math.exp(at[0])
-    fast = slow * math.exp(free.get(RINGS, 0.0))
-    heavy = GRAM * moved(density, at[own])
-    root = beams.ROOT + beams.ROOT_SD * at[own + 1]
-    clamp = beams.CLAMP + beams.CLAMP_SD * at[own + 2]
+    slow = PA_PER_GPA * math.exp(at[0])
+    fast = slow * math.exp(free.get(RING_METHOD, 0.0))
+    heavy = G_MM3_PER_G_CM3 * perturb(density, at[own])
+    root = beams.ROOT_FACTOR + beams.ROOT_FACTOR_SD * at[own + 1]
+    clamp = beams.CLAMP_FACTOR + beams.CLAMP_FACTOR_SD * at[own + 2]
     bends, rings = [], []
     for number, specimen in enumerate(strips):
-        first = own + OTHERS + 3 * number
-        sizes = [moved(specimen.sizes[name], at[first + place]) for place, name in enumerate(SIZES)]
-        strip = Strip(max(sizes[0] + free.get(OFFSET, 0.0), 1e-6), max(sizes[1], 1e-6), sizes[2])
-        stiff = beams.stiffness(slow, strip)
+        first = own + SHARED_PARAMETERS + 3 * number
+        sizes = [perturb(specimen.sizes[name], at[first + place]) for place, name in enumerate(SIZE_READINGS)]
+        strip = Strip(max(sizes[0] + free.get(OFFSET_NAME, 0.0), 1e-6), max(sizes[1], 1e-6), sizes[2])
+        stiff = beams.bending_stiffness(slow, strip)
         bends += [
-            beams.sunk(bend.weight_g, beams.effective(bend.at_mm, strip, root, clamp), stiff) for bend in specimen.bends
+            beams.deflection(bend.weight_g, beams.effective_length(bend.at_mm, strip, root, clamp), stiff)
+            for bend in specimen.bends
         ]
         # A search that strays to a strip without length or mass is kept at a small one
-        long = strip._replace(length=max(beams.effective(strip.length, strip, root, clamp), strip.thickness))
+        long = strip._replace(length=max(beams.effective_length(strip.length, strip, root, clamp), strip.thickness))
         air, air_sd = specimen.air.pair
         mass = beams.moving_mass(max(heavy * (1.0 - air - air_sd * at[own + 3]), 1e-6), long)
-        stiff = beams.stiffness(fast, strip)
-        rings += [beams.rings(stiff, mass, long.length, ring.weight_g) for ring in specimen.rings]
+        stiff = beams.bending_stiffness(fast, strip)
+        rings += [beams.natural_frequency(stiff, mass, long.length, ring.weight_g) for ring in specimen.rings]
     return np.array(bends), np.array(rings)

@@ -20,20 +20,20 @@ from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker.design import Design
 from walkergen.guests.lab import beams
 from walkergen.guests.lab.beams import Strip
-from walkergen.readers.drawings.lettering import letters
+from walkergen.readers.drawings.lettering import text_outline
 
-STRIPS = (1, 2, 3, 4)
+STRIP_NUMBERS = (1, 2, 3, 4)
 """Numbers of the strips, which are about as many lines thick."""
 
 WIDTH_MM = 5.0
 """Width of the strips, which is the height of their print, to whole layers: wide enough for a nut,
 narrow enough for a beam (beams.CLAMP)."""
 
-RING_HZ = 40.0
+TARGET_RING_HZ = 40.0
 """Frequency at which strips shall ring: 3 pictures a swing at 120 a second, 6 at 240; and low
 enough for paper, coins and nuts to bend them by millimetres."""
 
-LENGTH_STEP_MM, SHORTEST_MM, SLENDER = 5.0, 25.0, 20.0
+LENGTH_STEP_MM, MIN_LENGTH_MM, MIN_SLENDERNESS = 5.0, 25.0, 20.0
 """Step of free lengths; the shortest; and the least over the thickness, below which shear counts:
 by 0.1 % there."""
 
@@ -49,7 +49,7 @@ BLOCK_MM = (30.0, 12.0, 12.0)
 CHAMFER_MM = 0.6
 """Chamfer of its edges on the bed, where a first layer spreads: it would ride on them."""
 
-BEND, LIGHT_BEND = 0.1, 0.05
+HEAVY_BEND_RATIO, LIGHT_BEND_RATIO = 0.1, 0.05
 """Depths over length to which the heaviest and a light weight shall bend a strip."""
 
 
@@ -65,7 +65,7 @@ class Drawn(NamedTuple):
     """Frequency at which it rings, at the design's modulus and density."""
 
 
-def strips(design: Design, printer: Printer) -> list[Drawn]:
+def make_strips(design: Design, printer: Printer) -> list[Drawn]:
     """Design strips of whole lines for a printer; one of them is as thick as the design's first leg.
 
     Their lengths follow from the design's material, and the printer's bed.
@@ -76,31 +76,31 @@ def strips(design: Design, printer: Printer) -> list[Drawn]:
     width = max(1, round(WIDTH_MM / layer)) * layer
     longest = printer.bed_width_mm - 2.0 * border_width(printer) - CLAMP_MM[0]
     drawn = []
-    for lines in STRIPS:
+    for lines in STRIP_NUMBERS:
         thickness = round(lines * spacing + rounding, 3)
         if abs(leg - thickness) < 0.5 * spacing:
             thickness = leg
-        strip = Strip(thickness, width, _length(thickness, design, longest))
-        drawn.append(_drawn(f"strip_{lines}", strip, design))
+        strip = Strip(thickness, width, _free_length(thickness, design, longest))
+        drawn.append(_make_strip(f"strip_{lines}", strip, design))
     return drawn
 
 
-def _length(thickness: float, design: Design, longest: float) -> float:
+def _free_length(thickness: float, design: Design, longest: float) -> float:
     """Free length, mm, at which a strip rings at RING_HZ, in whole steps, as far as it fits."""
     material = design.material
     speed = math.sqrt(material.youngs_modulus / (1e-3 * material.density_g_cm3 * 12.0))
-    length = math.sqrt(beams.FIRST_MODE * thickness * speed / (2.0 * math.pi * RING_HZ))
-    least = max(SHORTEST_MM, SLENDER * thickness)
+    length = math.sqrt(beams.FIRST_MODE * thickness * speed / (2.0 * math.pi * TARGET_RING_HZ))
+    least = max(MIN_LENGTH_MM, MIN_SLENDERNESS * thickness)
     most = max(least, LENGTH_STEP_MM * math.floor(longest / LENGTH_STEP_MM))
     return min(max(LENGTH_STEP_MM * round(length / LENGTH_STEP_MM), least), most)
 
 
-def _drawn(name: str, strip: Strip, design: Design) -> Drawn:
-    bending = beams.stiffness(design.material.youngs_modulus, strip)
-    length = beams.effective(strip.length, strip)
+def _make_strip(name: str, strip: Strip, design: Design) -> Drawn:
+    bending = beams.bending_stiffness(design.material.youngs_modulus, strip)
+    length = beams.effective_length(strip.length, strip)
     mass = beams.moving_mass(1e-3 * design.material.density_g_cm3, strip)
-    heavy, light = (3.0 * bending * bend / (GRAVITY * length**2) for bend in (BEND, LIGHT_BEND))
-    return Drawn(name, strip, heavy, light, beams.rings(bending, mass, length))
+    heavy, light = (3.0 * bending * bend / (GRAVITY * length**2) for bend in (HEAVY_BEND_RATIO, LIGHT_BEND_RATIO))
+    return Drawn(name, strip, heavy, light, beams.natural_frequency(bending, mass, length))
 
 
 def strip_mesh(drawn: Drawn) -> Mesh:
@@ -112,7 +112,7 @@ def strip_mesh(drawn: Drawn) -> Mesh:
     bar = np.array([(-0.5 * long, -half), (end, -half), (end, half), (-0.5 * long, half)])
     number = drawn.name.rpartition("_")[2]
     middle = np.array([-0.5 * long, 0.0])
-    digits = [glyph + middle for glyph in letters(number, DIGIT_MM, False, "strip")]
+    digits = [glyph + middle for glyph in text_outline(number, DIGIT_MM, False, "strip")]
     return extrude([block, bar], drawn.strip.width, 0, Engraving(digits, DIGIT_DEPTH_MM))
 
 

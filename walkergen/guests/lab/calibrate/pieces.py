@@ -46,7 +46,7 @@ class Laid(NamedTuple):
     findings: Sequence[Finding]
 
 
-def lay(pieces: Sequence[Piece], printer: Printer, max_plates: int | None) -> Laid:
+def arrange(pieces: Sequence[Piece], printer: Printer, max_plates: int | None) -> Laid:
     """Arrange and check pieces. Raises PlateError when they do not fit."""
     parts = [Part.from_mesh(piece.name, piece.mesh, piece.copies) for piece in pieces]
     plates = packing.pack(parts, printer, max_plates)
@@ -70,7 +70,9 @@ def loads(laid: Laid, density: float) -> list[Load]:
     ]
 
 
-def files(laid: Laid, material: Material, stem: str, pictures: bool, prusaslicer: bool) -> Iterator[tuple[str, bytes]]:
+def plate_files(
+    laid: Laid, material: Material, stem: str, pictures: bool, prusaslicer: bool
+) -> Iterator[tuple[str, bytes]]:
     """Names and bytes of settings, plates (3MF), pieces (STL) and, with pictures, maps."""
     start = f"{stem}_{laid.printer.name}"
     yield from slicer.settings_files(laid.printer, material, start)
@@ -81,7 +83,7 @@ def files(laid: Laid, material: Material, stem: str, pictures: bool, prusaslicer
             from walkergen.files import figures
 
             with figures.style({}):
-                map_figure = _map(laid, plate, name)
+                map_figure = _draw_map(laid, plate, name)
             picture = figures.png(map_figure, THUMBNAIL_DPI)
             yield f"{name}.png", figures.png(map_figure, 130)
         suffix, data = packing.plate_file(plate, laid.parts, meshes, laid.printer, name, picture, prusaslicer)
@@ -90,7 +92,7 @@ def files(laid: Laid, material: Material, stem: str, pictures: bool, prusaslicer
         yield f"{start}_stl/{piece.name}.stl", export.stl_bytes(piece.mesh, piece.name)
 
 
-def _map(laid: Laid, plate: Plate, title: str) -> "Figure":
+def _draw_map(laid: Laid, plate: Plate, title: str) -> "Figure":
     """Draw every piece of a plate at its place on the bed, from above, with its words."""
     from matplotlib.figure import Figure
 
@@ -99,15 +101,15 @@ def _map(laid: Laid, plate: Plate, title: str) -> "Figure":
     width, height = scale * wide + 0.8, scale * deep + 0.9
     figure = Figure(figsize=(width, height))
     axes = figure.add_axes((0.65 / width, 0.5 / height, scale * wide / width, scale * deep / height))
-    _draw(axes, laid, plate)
+    _draw_pieces(axes, laid, plate)
     axes.set_xlabel("x (mm), front")
     axes.set_ylabel("y (mm)")
     axes.set_title(f"{title}: {len(plate.placements)} parts", fontsize=10)
-    _label(axes, laid, plate)
+    _draw_labels(axes, laid, plate)
     return figure
 
 
-def _draw(axes: "Axes", laid: Laid, plate: Plate) -> None:
+def _draw_pieces(axes: "Axes", laid: Laid, plate: Plate) -> None:
     from matplotlib.collections import PolyCollection
 
     from walkergen.core.shapes import modeller
@@ -116,14 +118,14 @@ def _draw(axes: "Axes", laid: Laid, plate: Plate) -> None:
     for placed in plate.placements:
         mesh = laid.pieces[placed.part].mesh
         moved = mesh._replace(vertices=mesh.vertices - mesh.vertices.min(axis=0))
-        silhouette = plate_map.triangles(modeller.to_solid(moved).project())
+        silhouette = plate_map.triangulate(modeller.to_solid(moved).project())
         colour = (DARK, LIGHT)[placed.part % 2]
         faces = list(silhouette + np.array((placed.x, placed.y)))
         axes.add_collection(PolyCollection(faces, facecolors=[colour], edgecolors=[colour], linewidths=0.3))
     plate_map.draw_bed(axes, laid.printer)
 
 
-def _label(axes: "Axes", laid: Laid, plate: Plate) -> None:
+def _draw_labels(axes: "Axes", laid: Laid, plate: Plate) -> None:
     """Write the words of each piece on its upper edge, on white."""
     for placed in plate.placements:
         piece, part = laid.pieces[placed.part], laid.parts[placed.part]

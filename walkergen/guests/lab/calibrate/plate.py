@@ -52,33 +52,40 @@ class Place(NamedTuple):
     depth_mm: float
 
 
-def make(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequence[Finding]], None]) -> Report:
+def make_plate(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequence[Finding]], None]) -> Report:
     """Write a calibration plate for every printer below folder/calibration, and the empty form.
 
     For each printer 3MF, STL, map, settings, and a sheet on printing and measuring. A filled form
     stays. `tell` is called with the checks' findings. Raises, before anything is written,
     PlateError for parts that do not fit and PrintabilityError for those that would not print.
     """
-    drawings = [(parts.strips(order.design, printer), printer) for printer in order.printers]
-    laid = [pieces.lay(_pieces(order.design, drawn, printer), printer, order.max_plates) for drawn, printer in drawings]
+    drawings = [(parts.make_strips(order.design, printer), printer) for printer in order.printers]
+    laid = [
+        pieces.arrange(_make_pieces(order.design, drawn, printer), printer, order.max_plates)
+        for drawn, printer in drawings
+    ]
     findings = combine_printers([(batch.printer.name, batch.findings) for batch in laid])
     tell(findings)
     check_printable(findings, order.strict)
     paths: list[Path] = []
     for number, ((drawn, printer), batch) in enumerate(zip(drawings, laid, strict=True)):
         progress(printer.name, number, len(laid))
-        paths += _write(order, drawn, batch, folder / STEM)
-    path = folder / STEM / form.FILE
+        paths += _write_printer_files(order, drawn, batch, folder / STEM)
+    path = folder / STEM / form.FORM_FILE
     first, machine = drawings[0]
     air = {strip.name: parts.air_percent(strip, machine) for strip in first}
-    if form.write_template(path, air):
+    if form.write_empty_form(path, air):
         paths.append(path)
-    return _report([row for batch in laid for row in _places(batch)], paths, path)
+    return _make_report([row for batch in laid for row in _places(batch)], paths, path)
 
 
-def _report(rows: Sequence[Place], files: Sequence[Path], filled: Path) -> Report:
+def _make_report(rows: Sequence[Place], files: Sequence[Path], filled: Path) -> Report:
     """Report of what lies on which plate, and of what to do with the form."""
-    columns = (report.text("printer", "printer"), report.text("plate", "plate"), report.text("part", "item"))
+    columns = (
+        report.text_column("printer", "printer"),
+        report.text_column("plate", "plate"),
+        report.text_column("part", "item"),
+    )
     return Report(
         name="calibration",
         title="Calibration plate",
@@ -89,7 +96,7 @@ def _report(rows: Sequence[Place], files: Sequence[Path], filled: Path) -> Repor
     )
 
 
-def _pieces(design: Design, drawn: Sequence[Drawn], printer: Printer) -> list[Piece]:
+def _make_pieces(design: Design, drawn: Sequence[Drawn], printer: Printer) -> list[Piece]:
     """Build strips, block and walker as they lie on the bed, each with its findings."""
     checked = []
     for part in drawn:
@@ -105,23 +112,23 @@ def _pieces(design: Design, drawn: Sequence[Drawn], printer: Printer) -> list[Pi
     return [*checked, Piece("walker", mesh, f"walker, {design.tilt_deg:g} deg", seen)]
 
 
-def _write(order: Order, drawn: Sequence[Drawn], laid: Laid, folder: Path) -> list[Path]:
+def _write_printer_files(order: Order, drawn: Sequence[Drawn], laid: Laid, folder: Path) -> list[Path]:
     """Write the files of one printer; returns their paths."""
     start = f"{STEM}_{laid.printer.name}"
     with Folder(folder, f"{start}.json") as target:
         rows = csv_text(Place._fields, _places(laid))
         for name, data in (
             (f"{start}.csv", rows.encode()),
-            (f"{start}.md", _sheet(order.design, drawn, laid, start).encode()),
-            *pieces.files(laid, order.design.material, STEM, order.pictures, order.prusaslicer),
+            (f"{start}.md", _format_sheet(order.design, drawn, laid, start).encode()),
+            *pieces.plate_files(laid, order.design.material, STEM, order.pictures, order.prusaslicer),
         ):
             target.write(name, data)
         target.finish(_facts(order, drawn, laid))
     return [folder / name for name in (*target.hashes, target.manifest)]
 
 
-def _sheet(design: Design, drawn: Sequence[Drawn], laid: Laid, stem: str) -> str:
-    batch = sheet.Batch(stem, laid.printer, [design], laid.plates, laid.parts, form.FILE)
+def _format_sheet(design: Design, drawn: Sequence[Drawn], laid: Laid, stem: str) -> str:
+    batch = sheet.Batch(stem, laid.printer, [design], laid.plates, laid.parts, form.FORM_FILE)
     loads = pieces.loads(laid, design.material.density_g_cm3)
     printing = sheet.format_print_section(batch, loads, laid.findings, "")
     return f"{printing}\n\n{measuring.to_markdown(drawn, design, laid.printer)}"

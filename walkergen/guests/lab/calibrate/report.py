@@ -13,19 +13,19 @@ from walkergen.guests.lab.calibrate.modulus import Bent, Point
 from walkergen.guests.lab.inverse import Answer
 from walkergen.guests.lab.report import LabReport
 
-KEYS = ("quantity", "value", "se", "unit", "readings", "chi2", "dof", "key")
+ESTIMATE_COLUMNS = ("quantity", "value", "se", "unit", "readings", "chi2", "dof", "key")
 """Columns of calibration.csv."""
 
-STRIPS = ("strip", "by", "thickness_mm", "modulus_gpa", "modulus_se_gpa", "readings")
+STRIP_COLUMNS = ("strip", "by", "thickness_mm", "modulus_gpa", "modulus_se_gpa", "readings")
 """Columns of strips.csv: Young's modulus by a strip and a method alone."""
 
 
-def settings_of(estimates: Sequence[Estimate]) -> dict[str, float]:
+def collect_settings(estimates: Sequence[Estimate]) -> dict[str, float]:
     """Keys of design and scene that numbers set, with their values."""
     return {key: value for each in estimates for key, value in each.settings.items()}
 
 
-def of(
+def make_report(
     estimates: Sequence[Estimate],
     bent: Bent | None,
     drop: Answer | None,
@@ -43,19 +43,19 @@ def of(
         Column("sets", lambda row: row[-1]),
     )
     rows = [each.row for each in estimates]
-    tables, figures, lines = [Table("calibration", rows, KEYS, columns, "Measured")], {}, []
+    tables, figures, lines = [Table("calibration", rows, ESTIMATE_COLUMNS, columns, "Measured")], {}, []
     if bent is not None:
-        tables.append(_strips(bent))
-        figures["strips"] = lambda: _figure(bent, f"Young's modulus: {path.name}")
+        tables.append(_strip_table(bent))
+        figures["strips"] = lambda: _draw_strips(bent, f"Young's modulus: {path.name}")
         if bent.fit.probability is not None:
             chi2, dof, chance = bent.fit.chi2, bent.fit.dof, bent.fit.probability
             lines.append(f"strips: chi2 {chi2:.1f} for {dof} degrees of freedom, probability {chance:.2g}")
     if drop is not None:
         lines.append(f"drop: {drop.text}")
-    settings = settings_of(estimates)
+    settings = collect_settings(estimates)
     facts = {
         "measured": list(tables[0]),
-        "strips": [] if bent is None else [_facts(point) for point in bent.points],
+        "strips": [] if bent is None else [_point_facts(point) for point in bent.points],
         "probability": None if bent is None else bent.fit.probability,
         "drop": None
         if drop is None
@@ -78,20 +78,20 @@ def of(
     )
 
 
-def _figure(bent: Bent, title: str) -> Any:
+def _draw_strips(bent: Bent, title: str) -> Any:
     from walkergen.guests.lab.calibrate import figures
 
-    return figures.of_strips(bent, title)
+    return figures.draw_strips(bent, title)
 
 
-def _facts(point: Point) -> dict[str, Any]:
+def _point_facts(point: Point) -> dict[str, Any]:
     """Modulus by a strip and a method alone, for JSON."""
     (thickness, thickness_sd), (modulus, sd) = point.thickness.pair, point.modulus.pair
     names = {"strip": point.strip, "method": point.method, "thickness": thickness, "thickness_sd": thickness_sd}
     return {**names, "modulus": modulus, "sd": sd, "readings": point.readings}
 
 
-def _strips(bent: Bent) -> Table:
+def _strip_table(bent: Bent) -> Table:
     """Modulus by each strip and method alone: the points of the figure."""
     agreed, _ = bent.fit.number.pair
     rows = [
@@ -104,4 +104,4 @@ def _strips(bent: Bent) -> Table:
         Column("modulus GPa", lambda row: words.format_with_error(row[3], row[4])),
         Column("from all, errors", lambda row: f"{(row[3] - agreed) / row[4]:+.1f}", right=True),
     )
-    return Table("strips", rows, STRIPS, columns, "Young's modulus by each strip alone")
+    return Table("strips", rows, STRIP_COLUMNS, columns, "Young's modulus by each strip alone")

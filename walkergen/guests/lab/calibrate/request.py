@@ -21,15 +21,15 @@ if TYPE_CHECKING:
 FPS = 20
 """Frames per second of the film of a drop."""
 
-WHOLE = "form"
+FORM_KIND = "form"
 """What a form filled in is called in `OWN`."""
 
-SIMULATED = (WHOLE, "drop")
-OWN = {
-    "by": (WHOLE,),
-    "roll_deg": SIMULATED,
-    "drops": SIMULATED,
-    "seed": SIMULATED,
+SIMULATED_KINDS = (FORM_KIND, "drop")
+KINDS_BY_FIELD = {
+    "by": (FORM_KIND,),
+    "roll_deg": SIMULATED_KINDS,
+    "drops": SIMULATED_KINDS,
+    "seed": SIMULATED_KINDS,
     "restitution": ("drop",),
     "friction": ("drop",),
     "measured": ("drop",),
@@ -37,7 +37,7 @@ OWN = {
     "tries": ("drop",),
     "height_mm": ("drop",),
     "movie": ("drop",),
-    "scene": SIMULATED,
+    "scene": SIMULATED_KINDS,
     "printer": ("plate",),
     "max_plates": ("plate",),
     "prusaslicer": ("plate",),
@@ -72,10 +72,10 @@ class CalibrateRequest(request.Request):
         request.AsText,
         Flag("Form of `calibrate plate`, filled in; or plate; or drop.", "WHAT", takes="Name | None", argument=True),
     ] = None
-    design: request.Filmed = request.PAPER
+    design: request.Filmed = request.PAPER_WALKER
     tilt: request.Tilt = None
     legs: request.Legs = None
-    scene: request.Ground = request.LANE
+    scene: request.Ground = request.LANE_SCENE
     restitution: request.Restitution = None
     friction: request.Friction = None
     by: Annotated[
@@ -95,7 +95,7 @@ class CalibrateRequest(request.Request):
     movie: Annotated[
         Path | None, request.Target, Flag("GIF of a drop from the hand; MP4 beside it.", "FILE", takes="Name | None")
     ] = None
-    printer: request.Machines = request.PRUSA
+    printer: request.Machines = request.DEFAULT_PRINTER
     max_plates: request.MaxPlates = None
     prusaslicer: request.ForPrusaSlicer = False
     strict: request.Strict = False
@@ -109,59 +109,65 @@ class CalibrateRequest(request.Request):
     def run(self, progress: Progress) -> "Report":
         """Make a plate to measure, simulate drops, or estimate from a filled form."""
         if self.plate is not None:
-            return self._shaken(self.plate)
+            return self._calibrate_plate(self.plate)
         if self.what is None:
             raise InputError("‹what›: name a filled form, plate or drop; or ‹plate=›FILE", "what")
-        what = self.what if self.what in ("drop", "plate") else WHOLE
-        for field, owners in OWN.items():
+        what = self.what if self.what in ("drop", "plate") else FORM_KIND
+        for field, owners in KINDS_BY_FIELD.items():
             if what not in owners:
-                self.refuse(f"is of calibrate {', '.join(owners)}, not of {what}", field)
+                self.check_unset(f"is of calibrate {', '.join(owners)}, not of {what}", field)
         given = self.inputs()
         other = "scene" if what == "plate" else "printer"
-        given.refuse(given.of(other), f"this command takes no {other} for {what}; leave it out")
+        given.check_unset(given.keys_of(other), f"this command takes no {other} for {what}; leave it out")
         if what == "plate":
-            return self._plate(given, progress)
-        if what == WHOLE:
-            return self._form(given, progress)
-        return self._drop(given, progress)
+            return self._make_plate(given, progress)
+        if what == FORM_KIND:
+            return self._calibrate_form(given, progress)
+        return self._simulate_drops(given, progress)
 
-    def _shaken(self, path: Path) -> "Report":
+    def _calibrate_plate(self, path: Path) -> "Report":
         """Estimate the drive of the plate that was recorded."""
         from walkergen.core.files import output
         from walkergen.guests.lab.calibrate import make, shaken
-        from walkergen.guests.lab.report import written
+        from walkergen.guests.lab.report import write_report
 
-        self.refuse("is not of ‹plate›", "what", *(name for name in OWN if name != "scene"))
+        self.check_unset("is not of ‹plate›", "what", *(name for name in KINDS_BY_FIELD if name != "scene"))
         given = self.inputs()
-        job = make.Job(given.one(self.design, self.tilt, self.legs), given.scene(self.scene), 0.0, 2, self.pictures)
+        job = make.Job(
+            given.single_member(self.design, self.tilt, self.legs), given.scene(self.scene), 0.0, 2, self.pictures
+        )
         report = shaken.calibrate(path, job.design, job.scene, output.result_folder(path, self.out, "calibrate"))
-        return written(report, job, {"file": path.name, "settings": report.settings}, f"Measured: {path.name}")
+        return write_report(report, job, {"file": path.name, "settings": report.settings}, f"Measured: {path.name}")
 
-    def _form(self, given: "Inputs", progress: Progress) -> "Report":
+    def _calibrate_form(self, given: "Inputs", progress: Progress) -> "Report":
         """Estimate what a filled form tells."""
         from walkergen.core.files import output
         from walkergen.guests.lab.calibrate import make
 
-        walker, scene, path = given.one(self.design, self.tilt, self.legs), given.scene(self.scene), Path(self.what)
+        walker, scene, path = (
+            given.single_member(self.design, self.tilt, self.legs),
+            given.scene(self.scene),
+            Path(self.what),
+        )
         job = make.Job(walker, scene, self.roll_deg, self.drops, self.pictures, self.by)
         return make.calibrate(path, job, output.result_folder(path, self.out, "calibrate"), progress)
 
-    def _plate(self, given: "Inputs", progress: Progress) -> "Report":
+    def _make_plate(self, given: "Inputs", progress: Progress) -> "Report":
         """Make a plate to measure."""
         from walkergen.core.printing import findings as printed
         from walkergen.guests.lab.calibrate import form, plate
 
-        walker = given.one(self.design, self.tilt, self.legs)
+        walker = given.single_member(self.design, self.tilt, self.legs)
         printers, findings = given.printers(self.printer), list["Finding"]()
         order = plate.Order(walker, printers, self.max_plates, self.pictures, self.prusaslicer, self.strict)
         folder = self.out or Path("out") / walker.name
-        report = plate.make(order, folder, progress, findings.extend)
-        warnings, kept = printed.warning_lines(findings), folder / plate.STEM / form.FILE
+        report = plate.make_plate(order, folder, progress, findings.extend)
+        warnings, kept = printed.warning_lines(findings), folder / plate.STEM / form.FORM_FILE
         if kept not in report.files:
             warnings.append(f"{kept}: somebody has written in it: left as it is")
         return replace(report, warnings=warnings)
 
-    def _drop(self, given: "Inputs", progress: Progress) -> "Report":
+    def _simulate_drops(self, given: "Inputs", progress: Progress) -> "Report":
         """Simulate drops, and invert the rebound that was measured."""
         from walkergen.guests.lab import inverse
         from walkergen.guests.lab.bench import make
@@ -170,23 +176,25 @@ class CalibrateRequest(request.Request):
         if self.movie is not None and self.movie.suffix.lower() != ".gif":
             told = f"‹movie=›{str(self.movie)[:80]!r}: must end in .gif (the MP4 comes beside it)"
             raise InputError(told, "movie")
-        walker = given.one(self.design, self.tilt, self.legs)
-        seen = inverse.measured(self.measured, self.measured_sd, self.tries, 1.0)
+        walker = given.single_member(self.design, self.tilt, self.legs)
+        seen = inverse.parse_measured(self.measured, self.measured_sd, self.tries, 1.0)
         job = Job(walker, given.scene(self.scene), self.roll_deg, self.drops, self.pictures)
-        report = make.dropped(job, self.height_mm, seen, self.out or make.folder_of(walker), progress)
+        report = make.run_drop_test(job, self.height_mm, seen, self.out or make.default_folder(walker), progress)
         if self.movie is None:
             return report
-        return replace(report, files=[_filmed(job, self.height_mm, self.movie, progress).gif])
+        return replace(report, files=[_film_drop(job, self.height_mm, self.movie, progress).gif])
 
 
-def _filmed(dropped: "Job", height: float, path: Path, progress: Progress) -> "Made":
+def _film_drop(dropped: "Job", height: float, path: Path, progress: Progress) -> "Made":
     """Film of the first of the drops from the hand, from the release to where it rises no more."""
     from walkergen.core.simulation.plan import Release
     from walkergen.guests.lab import drops, resting
     from walkergen.guests.movie import make
 
-    let = drops.from_hand(height, dropped.turn_deg, dropped.drops, dropped.scene.run.seed)[0]
-    seconds = drops.seconds_of(height)
-    job = make.plan([dropped.design], resting.filmed(dropped.scene), seconds=seconds, fps=FPS, view="perspective")
+    let = drops.hand_drops(height, dropped.turn_deg, dropped.drops, dropped.scene.run.seed)[0]
+    seconds = drops.drop_seconds(height)
+    job = make.make_job(
+        [dropped.design], resting.film_scene(dropped.scene), seconds=seconds, fps=FPS, view="perspective"
+    )
     release = Release(let.height, let.pitch, let.roll)
-    return make.make(job._replace(release=release), path, progress)
+    return make.make_movie(job._replace(release=release), path, progress)

@@ -10,7 +10,7 @@ from walkergen.guests.lab import beams
 from walkergen.guests.lab.calibrate import form, parts
 from walkergen.guests.lab.calibrate.parts import Drawn
 
-ORDINARY = (
+HOUSEHOLD_WEIGHTS = (
     ("1 cm of office paper, 80 g/m2, as wide as A4 (21 cm)", 0.168),
     ("nut M3", 0.38),
     ("nut M4", 0.81),
@@ -34,31 +34,31 @@ ORDINARY = (
 )
 """Weights (g) at hand: coins by their mints, nuts of steel by DIN 934, paper by its grammage."""
 
-NEAR = 0.35
+MAX_WEIGHT_DIFFERENCE = 0.35
 """Relative distance up to which an ordinary weight is named for one that is wanted."""
 
 
-def near(grams: float) -> str:
+def nearest_weight(grams: float) -> str:
     """Ordinary weight next to one that is wanted, g; "" where none is near."""
-    name, weight = min(ORDINARY, key=lambda pair: abs(pair[1] - grams))
-    return f"{name} ({weight:g})" if abs(weight - grams) <= NEAR * grams else ""
+    name, weight = min(HOUSEHOLD_WEIGHTS, key=lambda pair: abs(pair[1] - grams))
+    return f"{name} ({weight:g})" if abs(weight - grams) <= MAX_WEIGHT_DIFFERENCE * grams else ""
 
 
 def to_markdown(drawn: Sequence[Drawn], design: Design, printer: Printer) -> str:
     """Sections on measuring, after those of the print; their words stand in assets."""
     words = Path(__file__).with_name("assets").joinpath("measuring.md").read_text(encoding="utf-8")
     return words.format(
-        form=form.FILE,
-        bend=f"{beams.LARGEST_BEND:.0%}",
-        parts=_parts(drawn, design, printer),
-        weights=_weights(drawn),
-        rings=_rings(drawn),
+        form=form.FORM_FILE,
+        bend=f"{beams.MAX_BEND:.0%}",
+        parts=_parts_table(drawn, design, printer),
+        weights=_weights_table(drawn),
+        rings=_rings_table(drawn),
     )
 
 
-def _parts(drawn: Sequence[Drawn], design: Design, printer: Printer) -> str:
+def _parts_table(drawn: Sequence[Drawn], design: Design, printer: Printer) -> str:
     rows = [
-        (part.name, f"{part.strip.thickness:g} x {part.strip.width:g}", f"{part.strip.length:g}", _number(part))
+        (part.name, f"{part.strip.thickness:g} x {part.strip.width:g}", f"{part.strip.length:g}", _number_label(part))
         for part in drawn
     ]
     long, wide, high = parts.block_size(printer)
@@ -67,20 +67,20 @@ def _parts(drawn: Sequence[Drawn], design: Design, printer: Printer) -> str:
     return markdown_table(("part", "drawn, mm", "free length, mm", "which"), rows)
 
 
-def _number(part: Drawn) -> str:
+def _number_label(part: Drawn) -> str:
     return f"number {part.name.rpartition('_')[2]} on its block"
 
 
-def _weights(drawn: Sequence[Drawn]) -> str:
+def _weights_table(drawn: Sequence[Drawn]) -> str:
     """Weights that bend a strip a little and much, and what is as heavy."""
     rows = []
     for part in drawn:
-        light, heavy = ((f"{grams:.2g}", near(grams)) for grams in (part.light_g, part.heavy_g))
-        rows.append((part.name, *light, *heavy, f"{parts.BEND * part.strip.length:.1f}"))
+        light, heavy = ((f"{grams:.2g}", nearest_weight(grams)) for grams in (part.light_g, part.heavy_g))
+        rows.append((part.name, *light, *heavy, f"{parts.HEAVY_BEND_RATIO * part.strip.length:.1f}"))
     return markdown_table(("strip", "light, g", "as", "heavy, g", "as", "sinks by about, mm"), rows)
 
 
-def _rings(drawn: Sequence[Drawn]) -> str:
+def _rings_table(drawn: Sequence[Drawn]) -> str:
     rows = [
         (part.name, f"{part.ring_hz:.0f}", f"{20.0 / part.ring_hz:.2f}", f"{part.ring_hz * 4.0:.0f}") for part in drawn
     ]

@@ -12,38 +12,38 @@ import numpy as np
 from walkergen.core.errors import InputError
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.guests.lab import beams
-from walkergen.guests.lab.calibrate.form import AIR, Reading, Readings
+from walkergen.guests.lab.calibrate.form import AIR_SHARE, Reading, Readings
 
-SIZES = ("thickness_mm", "width_mm", "free_length_mm")
-BENDS, RINGS = "deflection", "ring"
+SIZE_READINGS = ("thickness_mm", "width_mm", "free_length_mm")
+BEND_METHOD, RING_METHOD = "deflection", "ring"
 """Methods by which a strip tells its modulus."""
 
-SOLID = Quantity("air", "", 0.0, 0.05)
+DEFAULT_AIR = Quantity("air", "", 0.0, 0.05)
 """Share of air, and its error, in a strip of which nothing is said."""
 
-WORST, SHORTEST = 0.25, 10.0
+MAX_SIZE_ERROR, MIN_SLENDERNESS = 0.25, 10.0
 """Largest relative error of a size; least length of a strip over its thickness, for a beam."""
 
 
-APART = 3.0
+MAX_METHOD_RATIO = 3.0
 """Ratio of the moduli by ring and by weights beyond which neither creep nor a soft clamp explains
 it: plastics differ by tens of percent between a second and a hundredth."""
 
-ASTRAY = 8.0
+MAX_READING_RATIO = 8.0
 """Ratio of moduli by two readings of one method beyond which one is no modulus of that strip: a
 thickness that is off by half."""
 
-CLOSE = 1.5
+SLIP_TOLERANCE = 1.5
 """Ratio within which a number looks like that of a slip."""
 
-OF_TIMES = {
+TIME_SLIPS = {
     **{n**-2.0: f"1/{n}^2: are the times of a film in slow motion, {n} times too long?" for n in (2, 4, 8, 16, 32)},
     20.0**2: "20^2: are the times of one swing instead of 20?",
 }
 """Slips of times by the factor that they leave on the modulus by the ring. Phones film 60 to 960
 frames a second and play 30."""
 
-OF_WEIGHTS = {1e-3: "1/1000: are the weights in kg instead of g?"}
+WEIGHT_SLIPS = {1e-3: "1/1000: are the weights in kg instead of g?"}
 """Slips of weights by the factor that they leave on the modulus by weights."""
 
 
@@ -65,35 +65,35 @@ class Specimen(NamedTuple):
         return sum(reading.tries for reading in (*self.bends, *self.rings))
 
 
-def read(readings: Readings) -> tuple[list[Specimen], list[str]]:
+def from_readings(readings: Readings) -> tuple[list[Specimen], list[str]]:
     """Read the strips that give a modulus, and notes on the others. Raises InputError."""
     strips, notes = [], []
     for part in sorted(name for name in readings if name.startswith("strip_")):
         own = readings[part]
-        rings = [*own.get("ring_hz", ()), *(_as_frequency(time) for time in own.get("swings_20_s", ()))]
+        rings = [*own.get("ring_hz", ()), *(_to_frequency(time) for time in own.get("swings_20_s", ()))]
         bends = own.get("deflection_mm", ())
         if not (rings or bends):
             continue
-        missing = [name for name in SIZES if name not in own]
+        missing = [name for name in SIZE_READINGS if name not in own]
         if missing:
             notes.append(f"{part}: no {' and no '.join(missing)}: its modulus is not estimated")
             continue
-        sizes = {name: own[name][0].number for name in SIZES}
+        sizes = {name: own[name][0].number for name in SIZE_READINGS}
         _check_sizes(part, sizes)
         for bend in bends:
-            _check(part, bend, sizes["free_length_mm"].pair[0])
-        air = SOLID if AIR not in own else times(own[AIR][0].number, 0.01)
+            _check_bend(part, bend, sizes["free_length_mm"].pair[0])
+        air = DEFAULT_AIR if AIR_SHARE not in own else scale_quantity(own[AIR_SHARE][0].number, 0.01)
         strips.append(Specimen(part, sizes, bends, rings, air))
     return strips, notes
 
 
-def times(number: Quantity, scale: float) -> Quantity:
+def scale_quantity(number: Quantity, scale: float) -> Quantity:
     """Convert a number and its error to another unit."""
     value, se = number.pair
     return number._replace(value=scale * value, se=scale * se)
 
 
-def _as_frequency(time: Reading) -> Reading:
+def _to_frequency(time: Reading) -> Reading:
     """Frequency, Hz, of a time of 20 swings, s."""
     seconds, se = time.number.pair
     hertz = 20.0 / seconds
@@ -104,15 +104,15 @@ def _as_frequency(time: Reading) -> Reading:
 def _check_sizes(part: str, sizes: Mapping[str, Quantity]) -> None:
     """Raise InputError for sizes that are hardly known, or no beam's."""
     for name, (size, error) in ((name, number.pair) for name, number in sizes.items()):
-        if error > WORST * size:
+        if error > MAX_SIZE_ERROR * size:
             raise InputError(
                 f"{part}: {name} = {size:.3g} ± {error:.2g}: its error must be at most "
-                f"{WORST:.0%} of it: measure better or leave the strip out"
+                f"{MAX_SIZE_ERROR:.0%} of it: measure better or leave the strip out"
             )
-    thick, wide, long = (sizes[name].pair[0] for name in SIZES)
-    if long < SHORTEST * thick:
+    thick, wide, long = (sizes[name].pair[0] for name in SIZE_READINGS)
+    if long < MIN_SLENDERNESS * thick:
         raise InputError(
-            f"{part}: free_length_mm = {long:g}: must be at least {SHORTEST:g} times the "
+            f"{part}: free_length_mm = {long:g}: must be at least {MIN_SLENDERNESS:g} times the "
             f"thickness, {thick:.3g} mm, to bend as a beam"
         )
     if long < wide:
@@ -121,22 +121,22 @@ def _check_sizes(part: str, sizes: Mapping[str, Quantity]) -> None:
         )
 
 
-def _check(part: str, bend: Reading, length: float) -> None:
+def _check_bend(part: str, bend: Reading, length: float) -> None:
     """Raise InputError for a deflection that is no small bend of its strip."""
     if bend.at_mm > length:
         raise InputError(f"{part}: at_mm = {bend.at_mm:g}: beyond the strip's free_length_mm = {length:g}")
     depth, _ = bend.number.pair
-    if depth > beams.LARGEST_BEND * bend.at_mm:
+    if depth > beams.MAX_BEND * bend.at_mm:
         raise InputError(
             f"{part}: deflection_mm of {depth:.3g} under {bend.weight_g:g} g at "
             f"{bend.at_mm:g} mm: is {depth / bend.at_mm:.1%} of the length, at most "
-            f"{beams.LARGEST_BEND:.0%} counts as a bend: hang less, or nearer to the block"
+            f"{beams.MAX_BEND:.0%} counts as a bend: hang less, or nearer to the block"
         )
 
 
-def only(strips: Sequence[Specimen], method: str) -> list[Specimen]:
+def select_method(strips: Sequence[Specimen], method: str) -> list[Specimen]:
     """Return strips with the readings of one method alone; those without any are left out."""
-    kept = [strip._replace(rings=()) if method == BENDS else strip._replace(bends=()) for strip in strips]
+    kept = [strip._replace(rings=()) if method == BEND_METHOD else strip._replace(bends=()) for strip in strips]
     return [strip for strip in kept if strip.bends or strip.rings]
 
 
@@ -149,45 +149,45 @@ class Rough(NamedTuple):
     """GPa."""
 
 
-def refuse(rough: Sequence[Rough]) -> None:
+def check_consistency(rough: Sequence[Rough]) -> None:
     """Raise InputError for readings of which some cannot be of one plastic."""
-    for method in (BENDS, RINGS):
+    for method in (BEND_METHOD, RING_METHOD):
         own = sorted((single for single in rough if single.method == method), key=lambda single: single.modulus)
-        if own and own[-1].modulus > ASTRAY * own[0].modulus:
+        if own and own[-1].modulus > MAX_READING_RATIO * own[0].modulus:
             raise InputError(
                 f"{method}: {own[0].strip} tells a modulus of about {own[0].modulus:.2g} GPa and "
                 f"{own[-1].strip} one of {own[-1].modulus:.2g}: readings of one plastic differ by "
-                f"less than {ASTRAY:g} times: is one in another unit, or of another strip?"
+                f"less than {MAX_READING_RATIO:g} times: is one in another unit, or of another strip?"
             )
-    ring, bend = (middle(rough, method) for method in (RINGS, BENDS))
-    if ring and bend and not 1.0 / APART <= ring / bend <= APART:
-        slip = _slip(ring / bend, OF_TIMES) or _slip(bend / ring, OF_WEIGHTS)
+    ring, bend = (median_modulus(rough, method) for method in (RING_METHOD, BEND_METHOD))
+    if ring and bend and not 1.0 / MAX_METHOD_RATIO <= ring / bend <= MAX_METHOD_RATIO:
+        slip = _describe_slip(ring / bend, TIME_SLIPS) or _describe_slip(bend / ring, WEIGHT_SLIPS)
         raise InputError(
             f"the ring tells a modulus of about {ring:.2g} GPa and the weights {bend:.2g}: one "
-            f"plastic has both within {APART:g} times: correct the readings, or leave one kind out"
+            f"plastic has both within {MAX_METHOD_RATIO:g} times: correct the readings, or leave one kind out"
             f"{slip}"
         )
 
 
-def middle(rough: Sequence[Rough], method: str) -> float | None:
+def median_modulus(rough: Sequence[Rough], method: str) -> float | None:
     """Median modulus (GPa) by one method; None without readings."""
     own = [single.modulus for single in rough if single.method == method]
     return float(np.median(own)) if own else None
 
 
-def notes(rough: Sequence[Rough], usual: float) -> list[str]:
+def slip_notes(rough: Sequence[Rough], usual: float) -> list[str]:
     """Note on a modulus, known by one method alone, that differs from the usual one by a slip."""
-    ring, bend = (middle(rough, method) for method in (RINGS, BENDS))
+    ring, bend = (median_modulus(rough, method) for method in (RING_METHOD, BEND_METHOD))
     if ring and bend:
         return []
     alone = ring or bend or usual
-    slip = _slip(alone / usual, OF_TIMES if ring else OF_WEIGHTS)
-    if not slip or 1.0 / APART <= alone / usual <= APART:
+    slip = _describe_slip(alone / usual, TIME_SLIPS if ring else WEIGHT_SLIPS)
+    if not slip or 1.0 / MAX_METHOD_RATIO <= alone / usual <= MAX_METHOD_RATIO:
         return []
     return [f"a modulus of about {alone:.2g} GPa, where the design has {usual:g}{slip}"]
 
 
-def _slip(ratio: float, slips: Mapping[float, str]) -> str:
+def _describe_slip(ratio: float, slips: Mapping[float, str]) -> str:
     """Slip that leaves such a ratio, in words; "" for none."""
     like = min(slips, key=lambda usual: abs(math.log(ratio / usual)))
-    return f"; the ratio is near {slips[like]}" if 1 / CLOSE <= ratio / like <= CLOSE else ""
+    return f"; the ratio is near {slips[like]}" if 1 / SLIP_TOLERANCE <= ratio / like <= SLIP_TOLERANCE else ""

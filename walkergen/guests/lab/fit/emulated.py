@@ -18,7 +18,7 @@ from walkergen.core.scene import Drive, Scene
 from walkergen.core.theory import uncertain
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
-from walkergen.guests.lab.fit.parameters import ModelName, Unknown, values
+from walkergen.guests.lab.fit.parameters import ModelName, Unknown, prior_values
 from walkergen.points import emulator, expected, walkers
 from walkergen.points.emulator import Emulator
 from walkergen.points.experiments import Walker
@@ -26,13 +26,13 @@ from walkergen.points.store import Store
 
 Array = npt.NDArray[np.float64]
 
-SECONDS = 2.0
+RUN_SECONDS = 2.0
 """Measured time of a simulated run, s: prints differ by more than such runs of one print do."""
 
-DISCARDED = 0.5
+DISCARDED_SECONDS = 0.5
 """Start of a run that is not measured, s."""
 
-FAILING = 0.25
+MAX_FAILED_SHARE = 0.25
 """Largest share of simulated walkers that may have no speed."""
 
 
@@ -81,17 +81,17 @@ class Response(NamedTuple):
         return mean, sd, scatter
 
 
-STILL = 0.1
+STILL_SPEED_RATIO = 0.1
 """Speed over that of the plate below which a learnt scatter no longer falls with the speed."""
 
 
-def spread(ground: Ground, count: int) -> Array:
+def sample_parameters(ground: Ground, count: int) -> Array:
     """Parameters of `count` walkers over their priors, shape (count, simulated parameters).
 
     Points of a lattice (`uncertain.even`).
     """
     parameters = ground.unknown.simulated
-    return values(parameters, uncertain.lattice_points(len(parameters), count, ground.scene.run.seed))
+    return prior_values(parameters, uncertain.lattice_points(len(parameters), count, ground.scene.run.seed))
 
 
 def simulate(ground: Ground, setting: Setting, x: Array, progress: Progress, batch: int) -> Array:
@@ -100,10 +100,10 @@ def simulate(ground: Ground, setting: Setting, x: Array, progress: Progress, bat
     A print and a start each, from the scene's seed, the setting and the number of the batch. What
     was simulated before is not simulated again; Ctrl-C loses only the runs under way.
     """
-    prints, seeds = _prints(ground, setting, len(x), batch)
+    prints, seeds = _sample_prints(ground, setting, len(x), batch)
     names = [parameter.prior.name for parameter in ground.unknown.simulated]
     names += [varying.name for varying in ground.unknown.printed]
-    scene = _short(ground, setting)
+    scene = _short_scene(ground, setting)
     runs = []
     for row, seed in zip(np.column_stack([x, prints]), seeds, strict=True):
         run = scene.run.model_copy(update={"seed": seed})
@@ -115,9 +115,9 @@ def simulate(ground: Ground, setting: Setting, x: Array, progress: Progress, bat
     speeds = {key: record["speed_mm_s"] for key, record in store.get(keys).items()}
     missing = [place for place, key in enumerate(keys) if key not in speeds]
     wanted = [runs[place] for place in missing]
-    made = walkers.at_once(wanted, part_progress(progress, 0, 1, f"simulating tilt {setting.tilt:g}"))
+    made = walkers.simulate_parallel(wanted, part_progress(progress, 0, 1, f"simulating tilt {setting.tilt:g}"))
     fresh = {keys[missing[place]]: point.summary.speed_mm_s for place, point in made.items()}
-    store.put((key, {"speed_mm_s": speed}) for key, speed in fresh.items())
+    store.save((key, {"speed_mm_s": speed}) for key, speed in fresh.items())
     store.close()
     if len(made) < len(wanted):
         raise KeyboardInterrupt
@@ -125,12 +125,12 @@ def simulate(ground: Ground, setting: Setting, x: Array, progress: Progress, bat
     return np.array([np.nan if speeds[key] is None else speeds[key] for key in keys], dtype=float)
 
 
-def cost(ground: Ground, setting: Setting) -> float:
+def cpu_seconds(ground: Ground, setting: Setting) -> float:
     """CPU seconds of a run of a walker in a setting, as design and scene have it."""
-    return expected.of_run(Walker(_short(ground, setting), setting.design, solids.mass_of(setting.design)))
+    return expected.run_cpu_s(Walker(_short_scene(ground, setting), setting.design, solids.mass_of(setting.design)))
 
 
-def _prints(ground: Ground, setting: Setting, count: int, batch: int) -> tuple[Array, list[int]]:
+def _sample_prints(ground: Ground, setting: Setting, count: int, batch: int) -> tuple[Array, list[int]]:
     """Draw what differs from print to print, (count, inputs), and a seed for each print's run.
 
     Independent from setting to setting: otherwise errors of emulators would be the same at all tilts.
@@ -145,10 +145,10 @@ def _prints(ground: Ground, setting: Setting, count: int, batch: int) -> tuple[A
     return np.column_stack(columns) if columns else np.empty((count, 0)), seeds
 
 
-def _short(ground: Ground, setting: Setting) -> Scene:
+def _short_scene(ground: Ground, setting: Setting) -> Scene:
     """Scene of the short runs: endless ground, since a speed needs no end to run to."""
-    scene = on_plate(ground.scene, setting)
-    run = {"seconds": SECONDS, "discard_seconds": DISCARDED, "runs": 1}
+    scene = plate_scene(ground.scene, setting)
+    run = {"seconds": RUN_SECONDS, "discard_seconds": DISCARDED_SECONDS, "runs": 1}
     return scene.model_copy(
         update={
             "run": scene.run.model_copy(update=run),
@@ -157,7 +157,7 @@ def _short(ground: Ground, setting: Setting) -> Scene:
     )
 
 
-def on_plate(scene: Scene, setting: Setting) -> Scene:
+def plate_scene(scene: Scene, setting: Setting) -> Scene:
     """Scene whose plate has a setting's speed, at its own frequency; a motor's stays as it is."""
     drive = scene.drive
     if drive.kind == "motor" or math.isclose(setting.plate_speed, drive.peak_speed, rel_tol=1e-9):
@@ -171,7 +171,7 @@ def on_plate(scene: Scene, setting: Setting) -> Scene:
     return scene.model_copy(update={"drive": other})
 
 
-def response(x: Array, y: Array, setting: Setting, prints_differ: bool) -> Response:
+def fit_response(x: Array, y: Array, setting: Setting, prints_differ: bool) -> Response:
     """Emulate speeds y (n,), NaN where there is none, at x (n, simulated parameters).
 
     Scatter about the emulator grows with speed; it counts as that between prints where prints
@@ -179,25 +179,25 @@ def response(x: Array, y: Array, setting: Setting, prints_differ: bool) -> Respo
     """
     good = np.isfinite(y)
     fell = len(y) - int(good.sum())
-    if fell > FAILING * len(y) or len(y) - fell < emulator.FEWEST:
+    if fell > MAX_FAILED_SHARE * len(y) or len(y) - fell < emulator.MIN_VALUES:
         raise InputError(
             f"tilt {setting.tilt:g} deg: {fell} of {len(y)} simulated walkers have no speed (they "
             "topple, or their energy does not balance); leave this tilt out, or fix parameters"
         )
     x, y = x[good], y[good]
     first = emulator.fit(x, y)
-    floor, share = _scatter(y - first.left_out, first.left_out)
+    floor, share = _fit_scatter(y - first.left_out, first.left_out)
     noise = np.hypot(floor, share * (y - first.left_out))
     fitted = emulator.fit(x, y, noise)
     # The residuals hold the emulator's own error as well, which is no noise: taken out.
     excess = float(np.sqrt(np.mean((fitted.left_out / fitted.left_out_sd) ** 2)))
     floor, share = floor * excess, share * excess
     fitted = emulator.fit(x, y, noise * excess)
-    still = STILL * setting.plate_speed
+    still = STILL_SPEED_RATIO * setting.plate_speed
     return Response(fitted, *((floor, share) if prints_differ else (0.0, 0.0)), still)
 
 
-def _scatter(speed: Array, residual: Array) -> tuple[float, float]:
+def _fit_scatter(speed: Array, residual: Array) -> tuple[float, float]:
     """Scatter at speed 0 (mm/s) and its growth with speed, from residuals about the emulator."""
     from scipy.optimize import nnls
 
@@ -211,7 +211,9 @@ def _scatter(speed: Array, residual: Array) -> tuple[float, float]:
     return max(math.sqrt(floor), 0.1 * typical), math.sqrt(share)
 
 
-def batches(ground: Ground, settings: Sequence[Setting], x: Array, progress: Progress, batch: int) -> list[Array]:
+def simulate_batches(
+    ground: Ground, settings: Sequence[Setting], x: Array, progress: Progress, batch: int
+) -> list[Array]:
     """Speeds of walkers with parameters `x` in every setting, each of shape (n,)."""
     speeds = []
     for number, setting in enumerate(settings):

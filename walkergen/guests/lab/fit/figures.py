@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from walkergen.analysis.speeds import Measured
 from walkergen.core.walker.limbs import Kind
-from walkergen.files.figures import BLACK, STYLES, Look, axes_of, curve, name, points, style
+from walkergen.files.figures import BLACK, LEG_STYLES, Look, draw_curve, draw_points, label_axes, new_axes, style
 
 if TYPE_CHECKING:
     from walkergen.guests.lab.fit.learn import Band
@@ -19,7 +19,7 @@ Array = npt.NDArray[np.float64]
 
 
 @style()
-def fit_figure(seen: Measured, curves: Mapping[Kind, tuple[Array, Array, Array]], title: str) -> Figure:
+def draw_fit(seen: Measured, curves: Mapping[Kind, tuple[Array, Array, Array]], title: str) -> Figure:
     """Draw speed against tilt: measured with error bars, fitted with a band of one standard error.
 
     `curves` has tilt, speed over plate speed and its standard error by kind of legs. Where plate
@@ -28,20 +28,20 @@ def fit_figure(seen: Measured, curves: Mapping[Kind, tuple[Array, Array, Array]]
     plate = seen.plate_speed
     same = np.ptp(plate) < 1e-9 * plate.max()
     unit, scale = (1.0, float(plate[0])) if same else (plate, 1.0)
-    figure, axes = axes_of(title)
+    figure, axes = new_axes(title)
     speeds, errors = seen.speed / unit, None if seen.se is None else seen.se / unit
     for kind, (fine, speed, error) in curves.items():
-        curve(axes, (fine, scale * speed, scale * error), STYLES[kind], f"fit, {kind} legs")
+        draw_curve(axes, (fine, scale * speed, scale * error), LEG_STYLES[kind], f"fit, {kind} legs")
         own = np.array([legs == kind for legs in seen.legs])
         bars = None if errors is None else errors[own]
-        points(axes, (seen.tilt[own], speeds[own], bars), STYLES[kind], f"measured, {kind} legs", hollow=True)
-    name(axes, "tilt of the legs (deg)", "speed (mm/s)" if same else "speed / plate speed")
+        draw_points(axes, (seen.tilt[own], speeds[own], bars), LEG_STYLES[kind], f"measured, {kind} legs", hollow=True)
+    label_axes(axes, "tilt of the legs (deg)", "speed (mm/s)" if same else "speed / plate speed")
     axes.legend()
     return figure
 
 
 @style()
-def bands_figure(bands: "Sequence[Band]", seen: Measured, title: str) -> Figure:
+def draw_bands(bands: "Sequence[Band]", seen: Measured, title: str) -> Figure:
     """Draw speeds against tilt on the plate that is predicted: measured, and bands of one more.
 
     Bands are computed at the dots alone; between them they are joined by straight lines.
@@ -49,8 +49,8 @@ def bands_figure(bands: "Sequence[Band]", seen: Measured, title: str) -> Figure:
     plate = next((band for band in bands if not band.measured), bands[0]).plate_speed_mm_s
     chosen = [band for band in bands if band.plate_speed_mm_s == plate]
     tilt = [band.tilt_deg for band in chosen]
-    figure, axes = axes_of(title)
-    colour, line, _ = STYLES["flexible"]
+    figure, axes = new_axes(title)
+    colour, line, _ = LEG_STYLES["flexible"]
     for level, shade in ((95, 0.15), (90, 0.28), (68, 0.5)):
         low, high = ([getattr(band, f"{end}_{level}") for band in chosen] for end in ("low", "high"))
         paler = 1.0 - shade * (1.0 - np.array(to_rgb(colour)))
@@ -58,7 +58,7 @@ def bands_figure(bands: "Sequence[Band]", seen: Measured, title: str) -> Figure:
     axes.plot(tilt, [band.speed_mm_s for band in chosen], line, marker=".", color=colour, label="median")
     shown = seen.plate_speed == plate
     bars = None if seen.se is None else seen.se[shown]
-    points(axes, (seen.tilt[shown], seen.speed[shown], bars), Look(BLACK), "measured", hollow=True)
-    name(axes, "tilt of the legs (deg)", f"speed (mm/s) on a plate of {plate:.1f} mm/s")
+    draw_points(axes, (seen.tilt[shown], seen.speed[shown], bars), Look(BLACK), "measured", hollow=True)
+    label_axes(axes, "tilt of the legs (deg)", f"speed (mm/s) on a plate of {plate:.1f} mm/s")
     axes.legend()
     return figure

@@ -12,19 +12,19 @@ from walkergen.guests.lab.fit.posterior import Posterior
 
 Array = npt.NDArray[np.float64]
 
-UNLEARNT = 0.9
+MAX_LEARNT_RATIO = 0.9
 """Standard deviation over that of the prior from which a parameter counts as not learnt."""
 
-TRADED = 0.5
+MAX_TRADE_ERROR = 0.5
 """Error of a combination, over that of a parameter in it, up to which parameters trade."""
 
-PART = 0.3
+MIN_COMPONENT = 0.3
 """Component of a direction (of length 1) from which a parameter belongs to it."""
 
-DISAGREES = 2.0
+MAX_DEVIATIONS = 2.0
 """Standard deviations of a measured value beyond which speeds that lead elsewhere disagree with it."""
 
-UNLIKELY = 1e-3
+MIN_PROBABILITY = 1e-3
 """Probability of a misfit below which a model is said not to describe the speeds."""
 
 
@@ -43,7 +43,7 @@ class Learnt(NamedTuple):
     """Standard deviation over that of the prior."""
 
 
-def learnt(parameters: Sequence[Parameter], draws: Array) -> tuple[Learnt, ...]:
+def summarise_draws(parameters: Sequence[Parameter], draws: Array) -> tuple[Learnt, ...]:
     """Summarise draws (k, parameters) of the posterior, a row for each parameter."""
     rows = []
     grid = (np.arange(4096) + 0.5) / 4096
@@ -57,15 +57,15 @@ def learnt(parameters: Sequence[Parameter], draws: Array) -> tuple[Learnt, ...]:
     return tuple(rows)
 
 
-def unlearnt(rows: Sequence[Learnt]) -> list[str]:
+def unlearnt_notes(rows: Sequence[Learnt]) -> list[str]:
     """Note on parameters of which the speeds tell no more than was known before."""
-    names = [row.name for row in rows if row.narrowed > UNLEARNT]
+    names = [row.name for row in rows if row.narrowed > MAX_LEARNT_RATIO]
     if not names:
         return []
-    return [f"not learnt from these speeds: {_listed(names)}, as uncertain as before"]
+    return [f"not learnt from these speeds: {_join_names(names)}, as uncertain as before"]
 
 
-def trades(parameters: Sequence[Parameter], draws: Array) -> list[str]:
+def trade_off_notes(parameters: Sequence[Parameter], draws: Array) -> list[str]:
     """Return notes on parameters that are known only in combination.
 
     Directions are eigenvectors of the correlation of the parameters' logarithms, so that what is known is a product of
@@ -78,30 +78,30 @@ def trades(parameters: Sequence[Parameter], draws: Array) -> list[str]:
     levels, vectors = np.linalg.eigh(np.corrcoef(logs.T))
     notes = []
     for level, vector in zip(levels, vectors.T, strict=True):
-        parts = [place for place, part in enumerate(vector) if abs(part) > PART]
+        parts = [place for place, part in enumerate(vector) if abs(part) > MIN_COMPONENT]
         parts.sort(key=lambda place: -abs(vector[place]))
         first = parts[0]
         power = vector / sd / (vector[first] / sd[first])
         error = float(np.std(logs[:, parts] @ power[parts]))
-        if len(parts) < 2 or np.sqrt(level) > TRADED or error > TRADED * sd[first]:
+        if len(parts) < 2 or np.sqrt(level) > MAX_TRADE_ERROR or error > MAX_TRADE_ERROR * sd[first]:
             continue
         names = [parameters[place].name for place in parts]
         product = " x ".join(
             parameters[place].name + ("" if place == first else f"^{power[place]:.2g}") for place in parts
         )
         notes.append(
-            f"{_listed(names)} trade: only {product} is known, to {100 * error:.0f} %, where "
+            f"{_join_names(names)} trade: only {product} is known, to {100 * error:.0f} %, where "
             f"{parameters[first].name} alone is known to {100 * sd[first]:.0f} %"
         )
     return notes
 
 
-def misfit(sampled: Posterior, count: int, model: str) -> list[str]:
+def misfit_notes(sampled: Posterior, count: int, model: str) -> list[str]:
     """Note on `count` speeds that no parameters explain."""
     from scipy.stats import chi2
 
     chance = float(chi2.sf(sampled.chi2, count))
-    if chance > UNLIKELY:
+    if chance > MIN_PROBABILITY:
         return []
     return [
         f"the model {model} does not describe these speeds: chi2 {sampled.chi2:.3g} for {count} "
@@ -109,7 +109,7 @@ def misfit(sampled: Posterior, count: int, model: str) -> list[str]:
     ]
 
 
-def disagreements(parameters: Sequence[Parameter], rows: Sequence[Learnt]) -> list[str]:
+def disagreement_notes(parameters: Sequence[Parameter], rows: Sequence[Learnt]) -> list[str]:
     """Note each measured value from which the speeds lead more than `DISAGREES` standard deviations away."""
     notes = []
     for parameter, row in zip(parameters, rows, strict=True):
@@ -117,7 +117,7 @@ def disagreements(parameters: Sequence[Parameter], rows: Sequence[Learnt]) -> li
         if parameter.flat or not prior.mean > 0.0:
             continue
         off = math.log(row.mean / prior.mean) if prior.factor else row.mean - prior.mean
-        if abs(off) > DISAGREES * prior.sd:
+        if abs(off) > MAX_DEVIATIONS * prior.sd:
             notes.append(
                 f"{row.name} = {row.mean:.3g}: the speeds disagree with the measured {parameter.told}. "
                 "Check both, or the model itself is off for this walker"
@@ -125,5 +125,5 @@ def disagreements(parameters: Sequence[Parameter], rows: Sequence[Learnt]) -> li
     return notes
 
 
-def _listed(names: Sequence[str]) -> str:
+def _join_names(names: Sequence[str]) -> str:
     return names[0] if len(names) == 1 else ", ".join(names[:-1]) + f" and {names[-1]}"

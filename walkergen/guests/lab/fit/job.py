@@ -9,9 +9,9 @@ from walkergen.core.files import words
 from walkergen.core.scene import MIN_RESTITUTION, Scene
 from walkergen.core.walker.design import Design
 from walkergen.guests.lab.fit.least_squares import RANGES
-from walkergen.guests.lab.fit.parameters import FLAT, PRIORS, TABLED_FROM
+from walkergen.guests.lab.fit.parameters import FLAT_RANGES, MIN_TABLE_FRICTION, PRIORS
 
-OF_MODEL = {
+MODEL_RANGES = {
     "restitution": (MIN_RESTITUTION, 1.0),
     "friction": (0.0, 5.0),
     "tip_radius_um": (1e-3, 1e6),
@@ -70,7 +70,7 @@ class Job(NamedTuple):
         return ", ".join([*parts, *([f"given {held}"] if held else [])])
 
 
-def completed(job: Job) -> Job:
+def with_default_prior(job: Job) -> Job:
     """Job with its prior, of which a fit of the theory has none."""
     return job if job.model == "theory" or job.prior is not None else job._replace(prior=PRIORS[0])
 
@@ -79,8 +79,8 @@ def _ranges(model: str) -> Mapping[str, tuple[float, float]]:
     """Ranges of the parameters that a fit by a model may hold."""
     if model == "theory":
         return RANGES
-    ranges = dict(OF_MODEL)
+    ranges = dict(MODEL_RANGES)
     if model == "prediction":
         del ranges["damping_ratio"]
-        ranges["friction"] = (TABLED_FROM, FLAT["friction"][1])
+        ranges["friction"] = (MIN_TABLE_FRICTION, FLAT_RANGES["friction"][1])
     return ranges

@@ -21,26 +21,26 @@ from walkergen.guests.lab.fit import emulated, identifiability, posterior, table
 from walkergen.guests.lab.fit.emulated import Ground, Setting
 from walkergen.guests.lab.fit.identifiability import Learnt
 from walkergen.guests.lab.fit.job import Job
-from walkergen.guests.lab.fit.parameters import KEYS, OF_SCENE, ModelName, held, unknown
+from walkergen.guests.lab.fit.parameters import PARAMETER_KEYS, SCENE_PARAMETERS, ModelName, apply_fixed, list_unknowns
 from walkergen.guests.lab.fit.posterior import Observed, Posterior, Responds
-from walkergen.guests.lab.report import named
+from walkergen.guests.lab.report import name_after
 from walkergen.points import expected, simplest
 
 Array = npt.NDArray[np.float64]
 
-FIRST, SECOND, AHEAD = 64, 32, 48
+PRIOR_WALKERS, POSTERIOR_WALKERS, AHEAD_WALKERS = 64, 32, 48
 """Walkers simulated in a setting: over the prior, over the posterior, and ahead of measuring."""
 
 LEARNING_S = 15.0
 """CPU time of both posteriors and of the emulators, of one core, s: 14 with two settings, 17 with four."""
 
-DEVIATIONS = {"frequency_hz": "frequency_sd_hz", "eccentric_g_mm": "eccentric_sd_g_mm"}
+DEVIATION_KEYS = {"frequency_hz": "frequency_sd_hz", "eccentric_g_mm": "eccentric_sd_g_mm"}
 """Keys of standard deviations that do not end in _sd."""
 
-MOST_SETTINGS = 40
+MAX_SETTINGS = 40
 """Number of settings (tilts on plates), measured and predicted, that a fit knows at most."""
 
-LEVELS = (0.5, 0.025, 0.05, 0.1587, 0.8413, 0.95, 0.975)
+BAND_LEVELS = (0.5, 0.025, 0.05, 0.1587, 0.8413, 0.95, 0.975)
 """Median and ends of the 95, 90 and 68 % bands."""
 
 
@@ -85,35 +85,39 @@ def learn(path: Path, job: Job, progress: Progress, expect: Expect = ignore_esti
     """
     model, fixed = job.model, job.held
     total = float(solids.mass_of(job.design).total)
-    table = measured.read(path, job.design.kind, job.scene.drive.equivalent_plate_drive(total).peak_speed)
-    measured.refuse_slips(path, table)
-    seen, notes = _flexible(table, path, model)
-    scene, design = held(job.scene, job.design, fixed)
-    ground = Ground(scene, model, unknown(scene, design, model, job.prior, fixed, seen.se is not None))
-    settings, observed = _observed(design, seen)
-    ahead = _ahead(job.ahead, design, seen, settings)
+    table = measured.read_speeds(path, job.design.kind, job.scene.drive.equivalent_plate_drive(total).peak_speed)
+    measured.check_units(path, table)
+    seen, notes = _select_flexible(table, path, model)
+    scene, design = apply_fixed(job.scene, job.design, fixed)
+    ground = Ground(scene, model, list_unknowns(scene, design, model, job.prior, fixed, seen.se is not None))
+    settings, observed = _group_by_setting(design, seen)
+    ahead = _predicted_settings(job.ahead, design, seen, settings)
     if model != "prediction":
-        simplest.refuse(scene, "a fit is of one model, and all that the scene calls for")
-        expect(lambda: _time(ground, settings, ahead))
-    respond = _by_table if model == "prediction" else _by_runs
+        simplest.check_no_accepted_error(scene, "a fit is of one model, and all that the scene calls for")
+        expect(lambda: _expected_time(ground, settings, ahead))
+    respond = _sample_by_table if model == "prediction" else _sample_by_runs
     sampled, responses, later = respond(ground, settings, observed, ahead, progress)
     parameters = ground.unknown.parameters
-    bands = _bands(ground, settings, responses, sampled, True) + _bands(ground, ahead, later, sampled, False)
+    bands = _predict_bands(ground, settings, responses, sampled, True) + _predict_bands(
+        ground, ahead, later, sampled, False
+    )
     bands.sort(key=lambda band: (band.plate_speed_mm_s, band.tilt_deg))
     sampled = sampled._replace(draws=sampled.draws[:, : len(parameters)])
-    rows = identifiability.learnt(parameters, sampled.draws)
+    rows = identifiability.summarise_draws(parameters, sampled.draws)
     notes = [
-        *identifiability.unlearnt(rows),
-        *identifiability.trades(ground.unknown.simulated, sampled.draws),
-        *identifiability.misfit(sampled, len(seen.speed), model),
-        *identifiability.disagreements(parameters, rows),
+        *identifiability.unlearnt_notes(rows),
+        *identifiability.trade_off_notes(ground.unknown.simulated, sampled.draws),
+        *identifiability.misfit_notes(sampled, len(seen.speed), model),
+        *identifiability.disagreement_notes(parameters, rows),
         *notes,
         *_caveats(ground),
     ]
-    return Learned(sampled, seen, rows, bands, notes, _scene(model, scene, rows, path), _design(design, rows, path))
+    return Learned(
+        sampled, seen, rows, bands, notes, _fitted_scene(model, scene, rows, path), _fitted_design(design, rows, path)
+    )
 
 
-def _flexible(table: Measured, path: Path, model: ModelName) -> tuple[Measured, list[str]]:
+def _select_flexible(table: Measured, path: Path, model: ModelName) -> tuple[Measured, list[str]]:
     """Rows of flexible walkers with their errors, and notes on those left out."""
     if not len(table.speed):
         raise InputError(f"{path}: no row is usable: {table.bad}")
@@ -139,23 +143,23 @@ def _flexible(table: Measured, path: Path, model: ModelName) -> tuple[Measured, 
     return Measured(table.tilt[kept], legs, table.speed[kept], se, table.plate_speed[kept], table.bad), notes
 
 
-def _observed(design: Design, seen: Measured) -> tuple[list[Setting], list[Observed]]:
+def _group_by_setting(design: Design, seen: Measured) -> tuple[list[Setting], list[Observed]]:
     """Group the rows by settings, and return these with the speeds of each. Raises InputError for too many."""
     pairs = np.column_stack([seen.tilt, seen.plate_speed])
     different, places = np.unique(pairs, axis=0, return_inverse=True)
-    if len(different) > MOST_SETTINGS:
+    if len(different) > MAX_SETTINGS:
         raise InputError(
-            f"{len(different)} pairs of tilt and plate speed; at most {MOST_SETTINGS}: give prints "
+            f"{len(different)} pairs of tilt and plate speed; at most {MAX_SETTINGS}: give prints "
             "of one tilt the same tilt_deg and plate_speed_mm_s"
         )
     members = design.members([float(tilt) for tilt, _ in different], ["flexible"])
     settings = [Setting(member, float(plate)) for member, (_, plate) in zip(members, different, strict=True)]
     rows = [np.ravel(places) == place for place in range(len(different))]
-    se = np.full(len(seen.speed), measured.LEAST) if seen.se is None else seen.se
+    se = np.full(len(seen.speed), measured.MIN_VALUE_MM_S) if seen.se is None else seen.se
     return settings, [Observed(seen.speed[row], se[row]) for row in rows]
 
 
-def _ahead(
+def _predicted_settings(
     wanted: Sequence[float] | None, design: Design, seen: Measured, settings: Sequence[Setting]
 ) -> list[Setting]:
     """Return the settings to predict: tilts not measured, on the plate that most rows were measured on."""
@@ -164,14 +168,14 @@ def _ahead(
     tilts = design.family.tilt_deg if wanted is None else wanted
     measured_tilts = [setting.tilt for setting in settings if setting.plate_speed == plate]
     missing = sorted({float(tilt) for tilt in tilts} - set(measured_tilts))
-    if len(missing) + len(settings) > MOST_SETTINGS:
+    if len(missing) + len(settings) > MAX_SETTINGS:
         raise InputError(
-            f"‹predict›: {len(missing)} tilts beside {len(settings)} measured ones; at most {MOST_SETTINGS} together"
+            f"‹predict›: {len(missing)} tilts beside {len(settings)} measured ones; at most {MAX_SETTINGS} together"
         )
     return [Setting(member, plate) for member in design.members(missing, ["flexible"])]
 
 
-def _by_table(
+def _sample_by_table(
     ground: Ground,
     settings: Sequence[Setting],
     observed: Sequence[Observed],
@@ -185,7 +189,7 @@ def _by_table(
     return sampled, responses, later
 
 
-def _by_runs(
+def _sample_by_runs(
     ground: Ground,
     settings: Sequence[Setting],
     observed: Sequence[Observed],
@@ -198,49 +202,51 @@ def _by_runs(
     """
     progress("kernels", 0, 1)
     seed = ground.scene.run.seed
-    x = emulated.spread(ground, FIRST)
-    y = emulated.batches(ground, settings, x, progress, 0)
-    first = posterior.sample(ground.unknown.parameters, observed, _responses(ground, settings, x, y), seed, progress)
-    drawn = _some(first, ground, SECOND)
-    more = emulated.batches(ground, settings, drawn, progress, 1)
+    x = emulated.sample_parameters(ground, PRIOR_WALKERS)
+    y = emulated.simulate_batches(ground, settings, x, progress, 0)
+    first = posterior.sample(
+        ground.unknown.parameters, observed, _fit_responses(ground, settings, x, y), seed, progress
+    )
+    drawn = _thin_draws(first, ground, POSTERIOR_WALKERS)
+    more = emulated.simulate_batches(ground, settings, drawn, progress, 1)
     x = np.concatenate([x, drawn])
     y = [np.concatenate(both) for both in zip(y, more, strict=True)]
-    responses = _responses(ground, settings, x, y)
+    responses = _fit_responses(ground, settings, x, y)
     sampled = posterior.sample(ground.unknown.parameters, observed, responses, seed, progress)
-    drawn = _some(sampled, ground, AHEAD)
-    y = emulated.batches(ground, ahead, drawn, progress, 2)
-    return sampled, responses, _responses(ground, ahead, drawn, y)
+    drawn = _thin_draws(sampled, ground, AHEAD_WALKERS)
+    y = emulated.simulate_batches(ground, ahead, drawn, progress, 2)
+    return sampled, responses, _fit_responses(ground, ahead, drawn, y)
 
 
-def _time(ground: Ground, settings: Sequence[Setting], ahead: Sequence[Setting]) -> Expected:
+def _expected_time(ground: Ground, settings: Sequence[Setting], ahead: Sequence[Setting]) -> Expected:
     """Time of a fit: of its runs, by a moment in each setting, and of learning from them."""
-    counts = [FIRST + SECOND] * len(settings) + [AHEAD] * len(ahead)
-    costs = (emulated.cost(ground, setting) for setting in [*settings, *ahead])
-    runs_s = sum(expected.by_clock(each_s, count) for each_s, count in zip(costs, counts, strict=True))
+    counts = [PRIOR_WALKERS + POSTERIOR_WALKERS] * len(settings) + [AHEAD_WALKERS] * len(ahead)
+    costs = (emulated.cpu_seconds(ground, setting) for setting in [*settings, *ahead])
+    runs_s = sum(expected.wall_time(each_s, count) for each_s, count in zip(costs, counts, strict=True))
     return Expected(runs_s + LEARNING_S)
 
 
-def _some(sampled: Posterior, ground: Ground, count: int) -> Array:
+def _thin_draws(sampled: Posterior, ground: Ground, count: int) -> Array:
     """Draws of the posterior far from one another in the chain, (count, simulated parameters)."""
     wide = len(ground.unknown.simulated)
     return sampled.draws[:: len(sampled.draws) // count][:count, :wide]
 
 
-def _responses(ground: Ground, settings: Sequence[Setting], x: Array, y: Sequence[Array]) -> list[Responds]:
+def _fit_responses(ground: Ground, settings: Sequence[Setting], x: Array, y: Sequence[Array]) -> list[Responds]:
     differ = ground.unknown.prints_differ
-    return [emulated.response(x, speeds, setting, differ) for setting, speeds in zip(settings, y, strict=True)]
+    return [emulated.fit_response(x, speeds, setting, differ) for setting, speeds in zip(settings, y, strict=True)]
 
 
-def _bands(
+def _predict_bands(
     ground: Ground, settings: Sequence[Setting], responses: Sequence[Responds], sampled: Posterior, is_measured: bool
 ) -> list[Band]:
     """Bands in settings from the posterior, the emulators' errors and the scatter of prints."""
     bands = []
     for number, (setting, response) in enumerate(zip(settings, responses, strict=True)):
         rng = np.random.default_rng([ground.scene.run.seed, number, is_measured])
-        speeds = posterior.speeds(sampled.draws, response, rng)
-        _, _, scatter = response(sampled.draws[:: posterior.KEPT // 64])
-        ends = [float(end) for end in np.quantile(speeds, LEVELS)]
+        speeds = posterior.speed_draws(sampled.draws, response, rng)
+        _, _, scatter = response(sampled.draws[:: posterior.KEPT_DRAWS // 64])
+        ends = [float(end) for end in np.quantile(speeds, BAND_LEVELS)]
         place = (setting.tilt, setting.plate_speed, int(is_measured))
         bands.append(Band._make((*place, *ends, float(np.median(scatter)))))
     return bands
@@ -257,22 +263,22 @@ def _caveats(ground: Ground) -> list[str]:
     return notes
 
 
-def _scene(model: ModelName, scene: Scene, rows: Sequence[Learnt], path: Path) -> Scene:
+def _fitted_scene(model: ModelName, scene: Scene, rows: Sequence[Learnt], path: Path) -> Scene:
     """Scene with what was learnt; held values keep the standard deviations of the scene."""
     data: dict[str, Any] = scene.model_dump(exclude_none=True)
     for row in rows:
         if row.name == "tip_radius_um":  # log-normal: the factor from the 68 % interval
             factor = math.sqrt(row.high_68 / row.low_68)
             data["feet"] |= {"tip_radius_um": math.sqrt(row.high_68 * row.low_68), "tip_radius_sd_factor": factor}
-        elif row.name in OF_SCENE:
-            table, _, key = KEYS[row.name].partition(".")
-            data[table] |= {key: row.mean, DEVIATIONS.get(key, f"{key}_sd"): row.sd}
+        elif row.name in SCENE_PARAMETERS:
+            table, _, key = PARAMETER_KEYS[row.name].partition(".")
+            data[table] |= {key: row.mean, DEVIATION_KEYS.get(key, f"{key}_sd"): row.sd}
     data["description"] = f"As {scene.name}, as learnt from {path.name[:200]} by {model}"
-    data["name"] = named(scene.name, path, "fit-")
+    data["name"] = name_after(scene.name, path, "fit-")
     return validate(data, Scene, "fitted scene")
 
 
-def _design(design: Design, rows: Sequence[Learnt], path: Path) -> Design:
+def _fitted_design(design: Design, rows: Sequence[Learnt], path: Path) -> Design:
     """Design with what was learnt of its legs and material."""
     data: dict[str, Any] = {"legs": {}, "material": {}} | design.model_dump(exclude_unset=True)
     for row in rows:
@@ -281,5 +287,5 @@ def _design(design: Design, rows: Sequence[Learnt], path: Path) -> Design:
         elif row.name == "youngs_modulus_gpa":
             data["material"] |= {row.name: row.mean, "youngs_modulus_sd_gpa": row.sd}
     data["description"] = f"As {design.name}, legs and material learnt from {path.name[:200]}"
-    data["name"] = named(design.name, path, "fit-")
+    data["name"] = name_after(design.name, path, "fit-")
     return validate(data, Design, "fitted design")

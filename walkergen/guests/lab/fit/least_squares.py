@@ -22,20 +22,20 @@ Array = npt.NDArray[np.float64]
 RANGES = {"restitution": (0.0, 1.0), "friction": (1e-3, 5.0), "impact_speed_factor": (1e-3, 100.0)}
 """Names of the parameters that can be fitted, and the range in which each is sought."""
 
-GRID = {"restitution": np.linspace(0.0, 1.0, 33), "friction": np.geomspace(1e-3, 5.0, 145)}
+SEARCH_GRID = {"restitution": np.linspace(0.0, 1.0, 33), "friction": np.geomspace(1e-3, 5.0, 145)}
 """Grid that the search starts from: speeds have kinks and several minima in friction."""
 
-ALIGNED = 0.05
+MIN_EIGENVALUE = 0.05
 """Smallest eigenvalue of the normalised information below which parameters are called aligned; for
 two parameters it is 1 - |correlation|."""
 
-NEARLY_STILL = 0.05
+MIN_SPEED_RATIO = 0.05
 """Speed over plate speed below which walkers are not fitted; rigid legs reach some 1e-3."""
 
-SINGULAR = 1e-6
+SINGULAR_SHARE = 1e-6
 """Share of the information that counts as none: differences of speeds are known to 1e-9."""
 
-VAGUE = 3.0
+MAX_INTERVAL_RATIO = 3.0
 """Ratio of an interval's ends from which a parameter counts as not determined."""
 
 
@@ -81,7 +81,7 @@ class ContactFit(NamedTuple):
         return list(self.errors)
 
 
-def tensors(masses: Sequence[MassProperties]) -> tuple[InverseMass, InverseMass]:
+def inverse_mass_tensors(masses: Sequence[MassProperties]) -> tuple[InverseMass, InverseMass]:
     """Inverse-mass tensors at the back and the front feet of n walkers, entries of shape (n,)."""
     both = [foot_tensors(mass) for mass in masses]
     return tuple(InverseMass(*np.array([pair[foot] for pair in both]).T) for foot in (0, 1))  # type: ignore[return-value]
@@ -110,18 +110,19 @@ def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = Tru
             f"at least {len(free) + 1}, or fix some: ‹fix› restitution=0.8; without ‹model› "
             "theory, which knows no priors, any number will do"
         )
-    if np.abs(unit_speeds(speeds, 0.5, 0.1)).max() < NEARLY_STILL * speeds.plate_speed.max():
+    if np.abs(unit_speeds(speeds, 0.5, 0.1)).max() < MIN_SPEED_RATIO * speeds.plate_speed.max():
         raise InputError(
             "the theory gives nearly speed 0 to all these walkers, as to all rigid legs: they tell "
             "nothing of the contact; add walkers with flexible, tilted legs"
         )
-    values, least = _best(speeds, fixed)
+    values, least = _find_best(speeds, fixed)
     scale = 1.0 if speeds.se is not None else least / dof
-    slopes = jacobian(speeds, values, free) / _errors(speeds)[:, None]
-    knowledge = _knowledge(slopes / math.sqrt(max(scale, 1e-300)), values, free)
+    slopes = jacobian(speeds, values, free) / _speed_errors(speeds)[:, None]
+    knowledge = _find_covariance(slopes / math.sqrt(max(scale, 1e-300)), values, free)
     errors = knowledge.errors
     intervals = {
-        name: _interval(speeds, fixed, values, name, errors[name], least, scale) for name in (free if profiles else ())
+        name: _profile_interval(speeds, fixed, values, name, errors[name], least, scale)
+        for name in (free if profiles else ())
     }
     chi2 = p_value = None
     if speeds.se is not None:
@@ -140,21 +141,21 @@ def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = Tru
     )
 
 
-def _errors(speeds: Speeds) -> Array:
+def _speed_errors(speeds: Speeds) -> Array:
     return np.ones_like(speeds.speed) if speeds.se is None else speeds.se
 
 
-def _best(speeds: Speeds, fixed: Mapping[str, float]) -> tuple[dict[str, float], float]:
+def _find_best(speeds: Speeds, fixed: Mapping[str, float]) -> tuple[dict[str, float], float]:
     """Search the best parameters, with some held, and their chi2: by a grid, then by descent."""
     from scipy.optimize import least_squares
 
-    names = [name for name in GRID if name not in fixed]
-    axes = [GRID[name] if name in names else np.array([fixed[name]]) for name in GRID]
+    names = [name for name in SEARCH_GRID if name not in fixed]
+    axes = [SEARCH_GRID[name] if name in names else np.array([fixed[name]]) for name in SEARCH_GRID]
     e, mu = np.meshgrid(*axes, indexing="ij")
-    errors, held = _errors(speeds), fixed.get("impact_speed_factor")
+    errors, held = _speed_errors(speeds), fixed.get("impact_speed_factor")
 
     def residuals(unit: Array) -> Array:
-        scaled = (_scale(unit, speeds, held)[..., None] * unit - speeds.speed) / errors
+        scaled = (_best_factor(unit, speeds, held)[..., None] * unit - speeds.speed) / errors
         return np.asarray(scaled, dtype=float)
 
     misfit = np.sum(residuals(unit_speeds(speeds, e, mu)) ** 2, axis=-1)
@@ -164,24 +165,24 @@ def _best(speeds: Speeds, fixed: Mapping[str, float]) -> tuple[dict[str, float],
     if names:
         low, high = np.array([RANGES[name] for name in names]).T
 
-        def at(trial: Array) -> Array:
+        def trial_residuals(trial: Array) -> Array:
             now = point | dict(zip(names, trial, strict=True))
             return residuals(unit_speeds(speeds, now["restitution"], now["friction"]))
 
         start = np.clip([point[name] for name in names], low, high)
-        solution = least_squares(at, start, bounds=(low, high), x_scale=np.maximum(start, 0.01))
+        solution = least_squares(trial_residuals, start, bounds=(low, high), x_scale=np.maximum(start, 0.01))
         if 2.0 * solution.cost < least:
             least = 2.0 * float(solution.cost)
             point |= {name: float(value) for name, value in zip(names, solution.x, strict=True)}
     unit = unit_speeds(speeds, point["restitution"], point["friction"])
-    return point | {"impact_speed_factor": float(_scale(unit, speeds, held))}, least
+    return point | {"impact_speed_factor": float(_best_factor(unit, speeds, held))}, least
 
 
-def _scale(unit: Array, speeds: Speeds, held: float | None) -> Array:
+def _best_factor(unit: Array, speeds: Speeds, held: float | None) -> Array:
     """Best impact_speed_factor for speeds computed at factor 1, shape (..., n) to (...)."""
     if held is not None:
         return np.full(unit.shape[:-1], held)
-    weights = _errors(speeds) ** -2.0
+    weights = _speed_errors(speeds) ** -2.0
     norm = np.sum(weights * unit**2, axis=-1)
     best = np.sum(weights * unit * speeds.speed, axis=-1) / np.where(norm > 0, norm, 1.0)
     result: Array = np.clip(best, *RANGES["impact_speed_factor"])
@@ -203,7 +204,7 @@ def jacobian(speeds: Speeds, values: Mapping[str, float], free: Sequence[str]) -
     return np.stack(columns, axis=1)
 
 
-def _interval(
+def _profile_interval(
     speeds: Speeds,
     fixed: Mapping[str, float],
     values: Mapping[str, float],
@@ -218,7 +219,7 @@ def _interval(
     def excess(value: float) -> float:
         if value == values[name]:  # the search from a grid need not give `least` to every digit
             return -scale
-        return _best(speeds, {**fixed, name: value})[1] - least - scale
+        return _find_best(speeds, {**fixed, name: value})[1] - least - scale
 
     ends: list[float | None] = []
     for side, limit in zip((-1, 1), RANGES[name], strict=True):
@@ -248,16 +249,16 @@ class _Knowledge(NamedTuple):
     """Eigenvalue of the normalised information for that combination."""
 
 
-def _knowledge(slopes: Array, values: Mapping[str, float], free: Sequence[str]) -> _Knowledge:
+def _find_covariance(slopes: Array, values: Mapping[str, float], free: Sequence[str]) -> _Knowledge:
     """Covariance from the information's eigenvectors; `slopes` (n, free) in standard errors."""
     information = slopes.T @ slopes
     norm = np.sqrt(np.diag(information))
     weight = norm * np.maximum([abs(values[name]) for name in free], 0.01)
-    unseen = weight <= SINGULAR * weight.max()
+    unseen = weight <= SINGULAR_SHARE * weight.max()
     norm = np.where(unseen, 1.0, norm)
     normalised = np.where(unseen[:, None] | unseen, 0.0, information / np.outer(norm, norm))
     levels, vectors = np.linalg.eigh(normalised)
-    resolved = levels > SINGULAR
+    resolved = levels > SINGULAR_SHARE
     inverse = (vectors[:, resolved] / levels[resolved]) @ vectors[:, resolved].T
     covariance = inverse / np.outer(norm, norm)
     widths = np.sqrt(np.diag(covariance))
@@ -280,26 +281,26 @@ def _notes(
     """Return notes on parameters that the speeds do not determine, alone or together, or at an end of their range."""
     errors, together = knowledge.errors, knowledge.together
 
-    def vague(name: str) -> bool:
+    def is_vague(name: str) -> bool:
         error = errors[name]
         if error is None:
             return True
         low, high = intervals.get(name) or (values[name] - error, values[name] + error)
-        return low is None or high is None or high > VAGUE * low
+        return low is None or high is None or high > MAX_INTERVAL_RATIO * low
 
     notes = [f"{name}: none of these speeds depends on it; measure other tilts, or fix it" for name in knowledge.unseen]
-    if knowledge.level <= ALIGNED and len(together) >= 2:
+    if knowledge.level <= MIN_EIGENVALUE and len(together) >= 2:
         names = ", ".join(together[:-1]) + f" and {together[-1]}"
         evidence = f"(smallest eigenvalue of the information {max(knowledge.level, 0.0):.2g})"
         notes.append(
             f"{names} cannot be told apart {evidence}: fix one, ‹fix› {together[0]}=..."
-            if any(map(vague, together))
+            if any(map(is_vague, together))
             else f"{names} are strongly correlated {evidence}: quote them together"
         )
     notes += [
-        f"{name} is hardly determined: its interval spans more than a factor of {VAGUE:g}"
+        f"{name} is hardly determined: its interval spans more than a factor of {MAX_INTERVAL_RATIO:g}"
         for name, error in errors.items()
-        if error is not None and vague(name)
+        if error is not None and is_vague(name)
     ]
     return notes + [
         f"{name} lies at the limit {limit:g} of its range: its standard error means nothing there"

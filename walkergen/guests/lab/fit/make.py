@@ -4,9 +4,9 @@ from pathlib import Path
 
 from walkergen.core.files.progress import Expect, Progress, ignore_estimate
 from walkergen.guests.lab.fit import learn, report, theory
-from walkergen.guests.lab.fit.job import Job, completed
+from walkergen.guests.lab.fit.job import Job, with_default_prior
 from walkergen.guests.lab.fit.report import FitReport
-from walkergen.guests.lab.report import written
+from walkergen.guests.lab.report import write_report
 
 
 def fit(path: Path, job: Job, folder: Path, progress: Progress, expect: Expect = ignore_estimate) -> FitReport:
@@ -16,12 +16,15 @@ def fit(path: Path, job: Job, folder: Path, progress: Progress, expect: Expect =
     given) and a manifest. See `learn.learn` and `theory.fit`. Raises InputError, before anything is
     written, for unusable input and for choices that do not go together.
     """
-    job = completed(job)
+    job = with_default_prior(job)
     choices = {"file": path.name, "fixed": job.held}
     if job.model == "theory":
-        fitted, word = report.of_theory(theory.fit(path, job, progress), job, path, folder), "Fitted to"
+        fitted, word = report.make_theory_report(theory.fit(path, job, progress), job, path, folder), "Fitted to"
         choices["mode"] = job.mode
     else:
-        fitted, word = report.of_model(learn.learn(path, job, progress, expect), job, path, folder), "Learnt from"
+        fitted, word = (
+            report.make_model_report(learn.learn(path, job, progress, expect), job, path, folder),
+            "Learnt from",
+        )
         choices |= {"model": job.model, "prior": job.prior}
-    return written(fitted, job, choices, f"{word} {path.name}: {job.caption}", every=True)
+    return write_report(fitted, job, choices, f"{word} {path.name}: {job.caption}", every=True)

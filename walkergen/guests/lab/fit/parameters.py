@@ -25,7 +25,7 @@ is the default.
 ModelName = Literal["prediction", "space"]
 """Models whose speeds are learnt from: the table by which speeds are predicted, and runs."""
 
-KEYS = {
+PARAMETER_KEYS = {
     "restitution": "contact.restitution",
     "friction": "contact.friction",
     "tip_radius_um": "feet.tip_radius_um",
@@ -38,20 +38,20 @@ KEYS = {
 """Names of the parameters and their keys among `uncertain.inputs`: those of all prints alike, the
 last two of a motor."""
 
-OF_SCENE = ("restitution", "friction", "tip_radius_um", "damping_ratio", "frequency_hz", "eccentric_g_mm")
+SCENE_PARAMETERS = ("restitution", "friction", "tip_radius_um", "damping_ratio", "frequency_hz", "eccentric_g_mm")
 """Names of those that a scene holds; a design has the others."""
 
-PRINTED = ("body mass", "leg mass", "feet.unevenness_um")
+PRINT_INPUTS = ("body mass", "leg mass", "feet.unevenness_um")
 """Inputs in which one print differs from the next: drawn anew for every simulated walker."""
 
-FLAT = {"restitution": (0.0, 1.0), "friction": (0.02, 0.6)}
+FLAT_RANGES = {"restitution": (0.0, 1.0), "friction": (0.02, 0.6)}
 """Ranges of the flat priors. Dry friction of plastics on plates lies within (0.1 to 0.5)."""
 
-TABLED_FROM = 0.05
+MIN_TABLE_FRICTION = 0.05
 """Least friction of the table by which speeds are predicted."""
 
-SCATTER = "print_scatter"
-PRINT_SCATTER = 0.15
+SCATTER_NAME = "print_scatter"
+PRIOR_SCATTER_SD = 0.15
 """Name and prior standard deviation of the scatter of speeds between prints, over their speed, where speeds have no
 errors: an unevenness of 5 um brings 25 % at 10 deg, 5 % from 15 deg on."""
 
@@ -108,7 +108,7 @@ class Unknown(NamedTuple):
         return any(varying.name == "feet.unevenness_um" for varying in self.printed)
 
 
-def unknown(
+def list_unknowns(
     scene: Scene, design: Design, model: ModelName, prior: PriorName, fixed: Mapping[str, float], errors: bool = True
 ) -> Unknown:
     """List what is to be learnt and what differs from print to print.
@@ -119,15 +119,15 @@ def unknown(
     """
     inputs = {entry.name: entry for entry in uncertain.inputs(scene, design, model)}
     parameters: list[Parameter] = []
-    for name, key in KEYS.items():
+    for name, key in PARAMETER_KEYS.items():
         if name in fixed:
             continue
-        if prior == "flat" and name in FLAT:
-            low, high = FLAT[name]
+        if prior == "flat" and name in FLAT_RANGES:
+            low, high = FLAT_RANGES[name]
             if name == "restitution":
                 low = MIN_RESTITUTION
             if name == "friction" and model == "prediction":
-                low = TABLED_FROM
+                low = MIN_TABLE_FRICTION
             middle, sd = 0.5 * (low + high), (high - low) / 12**0.5
             parameters.append(Parameter(name, Input(key, middle, sd, low, high), True))
         elif key in inputs:
@@ -137,21 +137,21 @@ def unknown(
             "‹fix›: nothing is left to learn; leave one of them free, or take ‹prior=›flat where "
             "the scene's standard deviations are 0"
         )
-    printed = tuple(inputs[name] for name in PRINTED if name in inputs)
-    scatter = Parameter(SCATTER, Input(SCATTER, 0.0, PRINT_SCATTER), False)
+    printed = tuple(inputs[name] for name in PRINT_INPUTS if name in inputs)
+    scatter = Parameter(SCATTER_NAME, Input(SCATTER_NAME, 0.0, PRIOR_SCATTER_SD), False)
     return Unknown(tuple(parameters), printed, () if errors else (scatter,))
 
 
-def held(scene: Scene, design: Design, fixed: Mapping[str, float]) -> tuple[Scene, Design]:
+def apply_fixed(scene: Scene, design: Design, fixed: Mapping[str, float]) -> tuple[Scene, Design]:
     """Scene and design with the fixed values. Raises GeometryError for legs too thick."""
-    values = {KEYS[name]: value for name, value in fixed.items()}
+    values = {PARAMETER_KEYS[name]: value for name, value in fixed.items()}
     if scene.drive.kind == "plate" and (wrong := {uncertain.FREQUENCY_KEY, uncertain.MOMENT_KEY} & set(values)):
         raise InputError(f"‹fix›: {sorted(wrong)[0]} is a motor's, and the scene has a plate")
     scene, design, _ = uncertain.apply_inputs(scene, design, values)
     return scene, design
 
 
-def values(parameters: Sequence[Parameter], shares: Array) -> Array:
+def prior_values(parameters: Sequence[Parameter], shares: Array) -> Array:
     """Values of the parameters from shares of their priors, shape (n, parameters)."""
     columns = [parameter.quantiles(shares[:, place]) for place, parameter in enumerate(parameters)]
     return np.column_stack(columns)

@@ -12,8 +12,8 @@ import numpy.typing as npt
 
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress
-from walkergen.guests.lab.fit.parameters import Parameter, values
-from walkergen.points.emulator import alone
+from walkergen.guests.lab.fit.parameters import Parameter, prior_values
+from walkergen.points.emulator import single_thread
 
 Array = npt.NDArray[np.float64]
 
@@ -28,17 +28,17 @@ class Responds(Protocol):
         """
 
 
-WALKERS = 48
-CHUNK, LONGEST = 500, 30_000
+CHAIN_COUNT = 48
+FIRST_STEPS, MAX_STEPS = 500, 30_000
 """Steps before the first look at the correlation time, and steps after which sampling gives up."""
 
-ENOUGH = 50
+MIN_CORRELATION_TIMES = 50
 """Correlation times that a chain needs before its own estimate of them holds (emcee's rule)."""
 
-KEPT = 4096
+KEPT_DRAWS = 4096
 """Draws that are kept, of many more that depend on one another."""
 
-TRIED = 4096
+PRIOR_DRAWS = 4096
 """Draws of the prior among which the chains' starts are chosen."""
 
 
@@ -79,57 +79,57 @@ def sample(
     """
     from scipy.special import ndtr
 
-    def logarithm(z: Array) -> Array:
-        speeds = likelihood(values(parameters, ndtr(z)), observed, responses)[0]
+    def log_posterior(z: Array) -> Array:
+        speeds = log_likelihood(prior_values(parameters, ndtr(z)), observed, responses)[0]
         return np.asarray(speeds - 0.5 * np.sum(z**2, axis=1))
 
     rng = np.random.default_rng([seed, len(observed)])
-    with alone():
-        z, steps, time = _chain(logarithm, len(parameters), rng, progress)
-        picked = np.linspace(0, len(z) - 1, KEPT).round().astype(int)
-        draws = values(parameters, ndtr(z[picked]))
-        chi2 = float(likelihood(draws, observed, responses)[1].min())
+    with single_thread():
+        z, steps, time = _run_chains(log_posterior, len(parameters), rng, progress)
+        picked = np.linspace(0, len(z) - 1, KEPT_DRAWS).round().astype(int)
+        draws = prior_values(parameters, ndtr(z[picked]))
+        chi2 = float(log_likelihood(draws, observed, responses)[1].min())
     return Posterior(draws, steps, time, len(z) / time, chi2)
 
 
-def _chain(
+def _run_chains(
     logarithm: Callable[[Array], Array], wide: int, rng: np.random.Generator, progress: Progress
 ) -> tuple[Array, int, float]:
     """Draws in z of all chains, (n, wide), how many steps they took, and their correlation time."""
     from emcee import EnsembleSampler, State, moves
 
-    start = _start(logarithm, wide, rng)
+    start = _chain_starts(logarithm, wide, rng)
     mixed = [(moves.DEMove(), 0.8), (moves.DESnookerMove(), 0.2)]
     sampler = EnsembleSampler(*start.shape, logarithm, moves=mixed, vectorize=True)
     stream = np.random.RandomState(int(rng.integers(2**32))).get_state()
     state, time = State(start, random_state=stream), np.inf
-    while sampler.iteration < ENOUGH * time:
-        if sampler.iteration >= LONGEST:
+    while sampler.iteration < MIN_CORRELATION_TIMES * time:
+        if sampler.iteration >= MAX_STEPS:
             raise InputError(
-                f"the posterior did not converge in {LONGEST} steps (correlation time {time:.0f} "
+                f"the posterior did not converge in {MAX_STEPS} steps (correlation time {time:.0f} "
                 "of them): hold a parameter, ‹fix› NAME=VALUE, or take ‹prior=›scene"
             )
         done = sampler.iteration
-        progress("learning", done, max(3 * CHUNK, 2 * done))
-        sampler.run_mcmc(state if done == 0 else None, max(CHUNK, done // 2))
+        progress("learning", done, max(3 * FIRST_STEPS, 2 * done))
+        sampler.run_mcmc(state if done == 0 else None, max(FIRST_STEPS, done // 2))
         time = max(1.0, float(np.max(sampler.get_autocorr_time(tol=0))))
     chain = sampler.get_chain(discard=int(4 * time), flat=True)
     return chain, sampler.iteration, time
 
 
-def _start(logarithm: Callable[[Array], Array], wide: int, rng: np.random.Generator) -> Array:
+def _chain_starts(logarithm: Callable[[Array], Array], wide: int, rng: np.random.Generator) -> Array:
     """Draw starts of the chains in z, from the prior weighted by the likelihood, (WALKERS, wide).
 
     A little of the prior is added, because equal starts could not span what is to be sampled.
     """
-    z = rng.normal(size=(TRIED, wide))
+    z = rng.normal(size=(PRIOR_DRAWS, wide))
     weight = logarithm(z) + 0.5 * np.sum(z**2, axis=1)
     weight = np.exp(weight - weight.max())
-    chosen = rng.choice(TRIED, WALKERS, p=weight / weight.sum())
-    return np.asarray(z[chosen] + 0.05 * rng.normal(size=(WALKERS, wide)))
+    chosen = rng.choice(PRIOR_DRAWS, CHAIN_COUNT, p=weight / weight.sum())
+    return np.asarray(z[chosen] + 0.05 * rng.normal(size=(CHAIN_COUNT, wide)))
 
 
-def likelihood(x: Array, observed: Sequence[Observed], responses: Sequence[Responds]) -> tuple[Array, Array]:
+def log_likelihood(x: Array, observed: Sequence[Observed], responses: Sequence[Responds]) -> tuple[Array, Array]:
     """Logarithm of the likelihood of parameters x (k, parameters), and chi2, each of shape (k,).
 
     Prints scatter on their own; the error of an emulator is common to all prints of its setting.
@@ -149,8 +149,8 @@ def likelihood(x: Array, observed: Sequence[Observed], responses: Sequence[Respo
     return total, squares
 
 
-def speeds(x: Array, response: Responds, rng: np.random.Generator) -> Array:
+def speed_draws(x: Array, response: Responds, rng: np.random.Generator) -> Array:
     """Draws of the speed of a new print for each draw of the parameters, shape (k,)."""
-    with alone():
+    with single_thread():
         mean, sd, scatter = response(x)
     return np.asarray(mean + np.hypot(sd, scatter) * rng.normal(size=len(x)))

@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-DRAWS = 512
+MAX_DRAWS = 512
 """Draws of the posterior that are written."""
 
-SPEEDS = ("tilt_deg", "legs", "plate_speed_mm_s", "speed_mm_s", "speed_se_mm_s", "fit_mm_s")
+SPEED_COLUMNS = ("tilt_deg", "legs", "plate_speed_mm_s", "speed_mm_s", "speed_se_mm_s", "fit_mm_s")
 """Columns of speeds.csv: measured beside fitted."""
 
 
@@ -40,7 +40,7 @@ class FitReport(LabReport):
         return self["bands"]
 
 
-def of_theory(fitted: Fitted, job: Job, path: Path, folder: Path) -> FitReport:
+def make_theory_report(fitted: Fitted, job: Job, path: Path, folder: Path) -> FitReport:
     """Report of the theory's contact, fitted to a file of speeds."""
     fit = fitted.fit
     rows = [
@@ -49,7 +49,7 @@ def of_theory(fitted: Fitted, job: Job, path: Path, folder: Path) -> FitReport:
     ]
     columns = (
         Column("parameter", lambda row: row[0].replace("_", " ")),
-        Column("value ± standard error", lambda row: _value(row[1], row[2], row[-1])),
+        Column("value ± standard error", lambda row: _format_value(row[1], row[2], row[-1])),
         Column(
             "68 % interval (profile)", lambda row: "given" if row[-1] == "given" else words.format_range(row[3], row[4])
         ),
@@ -75,35 +75,35 @@ def of_theory(fitted: Fitted, job: Job, path: Path, folder: Path) -> FitReport:
     }
     tables = [
         Table("fit", rows, keys, columns, "Parameters"),
-        _points(fitted.seen, [(speed,) for speed in fit.predicted], SPEEDS),
+        _speed_table(fitted.seen, [(speed,) for speed in fit.predicted], SPEED_COLUMNS),
     ]
 
     def draw() -> "Figure":
         from walkergen.guests.lab.fit import figures
 
-        return figures.fit_figure(fitted.seen, fitted.curves, path.name)
+        return figures.draw_fit(fitted.seen, fitted.curves, path.name)
 
-    said = [quality(fit), *correlations(fit)]
-    return _report(path, f"fitted with {job.caption}", tables, facts, said, fitted, job.design, draw, folder)
+    said = [format_quality(fit), *format_correlations(fit)]
+    return _make_report(path, f"fitted with {job.caption}", tables, facts, said, fitted, job.design, draw, folder)
 
 
-def of_model(learned: Learned, job: Job, path: Path, folder: Path) -> FitReport:
+def make_model_report(learned: Learned, job: Job, path: Path, folder: Path) -> FitReport:
     """Report of what a model learnt from a file of speeds."""
     posterior = learned.posterior
     columns = (
         Column("parameter", lambda row: row.name.replace("_", " ")),
-        report.with_error("mean ± sd", "mean", "sd"),
-        report.span("95 % interval", "low_95", "high_95", 3),
-        report.text("before", "prior"),
+        report.error_column("mean ± sd", "mean", "sd"),
+        report.interval_column("95 % interval", "low_95", "high_95", 3),
+        report.text_column("before", "prior"),
     )
-    few = np.linspace(0, len(posterior.draws) - 1, min(DRAWS, len(posterior.draws))).round().astype(int)
+    few = np.linspace(0, len(posterior.draws) - 1, min(MAX_DRAWS, len(posterior.draws))).round().astype(int)
     by = {(band.tilt_deg, band.plate_speed_mm_s): band for band in learned.bands}
     settings = zip(map(float, learned.seen.tilt), map(float, learned.seen.plate_speed), strict=True)
     bounds = [(by[setting].speed_mm_s, by[setting].low_95, by[setting].high_95) for setting in settings]
     tables = [
         Table("fit", learned.rows, ("parameter", *learned.rows[0]._fields[1:]), columns, "Parameters"),
-        report.table("bands", learned.bands, BANDS, "Speeds of one more print"),
-        _points(learned.seen, bounds, (*SPEEDS, "low_95", "high_95")),
+        report.table_from_rows("bands", learned.bands, BAND_COLUMNS, "Speeds of one more print"),
+        _speed_table(learned.seen, bounds, (*SPEED_COLUMNS, "low_95", "high_95")),
         Table("posterior", posterior.draws[few].tolist(), [row.name for row in learned.rows]),
     ]
     facts = {
@@ -123,13 +123,13 @@ def of_model(learned: Learned, job: Job, path: Path, folder: Path) -> FitReport:
     def draw() -> "Figure":
         from walkergen.guests.lab.fit import figures
 
-        return figures.bands_figure(learned.bands, learned.seen, path.name)
+        return figures.draw_bands(learned.bands, learned.seen, path.name)
 
     caption = f"learnt with {job.caption}"
-    return _report(path, caption, tables, facts, [sampled], learned, learned.design, draw, folder)
+    return _make_report(path, caption, tables, facts, [sampled], learned, learned.design, draw, folder)
 
 
-def _report(
+def _make_report(
     path: Path,
     caption: str,
     tables: Sequence[Table],
@@ -157,7 +157,7 @@ def _report(
     )
 
 
-def _points(seen: Measured, fitted: Sequence[tuple[float, ...]], keys: Sequence[str]) -> Table:
+def _speed_table(seen: Measured, fitted: Sequence[tuple[float, ...]], keys: Sequence[str]) -> Table:
     """Measured speeds beside those that are fitted, or predicted for one more print."""
     errors = [None] * len(seen.speed) if seen.se is None else seen.se
     measured = zip(seen.tilt, seen.legs, seen.plate_speed, seen.speed, errors, strict=True)
@@ -168,14 +168,14 @@ def _origin(fit: ContactFit, name: str) -> str:
     return "fitted" if name in fit.errors else "given"
 
 
-def _value(value: float, se: float | None, origin: str) -> str:
+def _format_value(value: float, se: float | None, origin: str) -> str:
     """Value of a parameter with its error, as people read it."""
     if origin == "given":
         return words.format_number(value, 6)
     return f"{words.format_number(value, 4)} ± unknown" if se is None else words.format_with_error(value, se)
 
 
-def quality(fit: ContactFit) -> str:
+def format_quality(fit: ContactFit) -> str:
     """Statement of how well the theory describes the speeds."""
     if fit.chi2 is None:
         return (
@@ -184,7 +184,7 @@ def quality(fit: ContactFit) -> str:
     return f"chi² {fit.chi2:.3g} for {fit.dof} degrees of freedom, probability {fit.p_value:.2g}"
 
 
-def correlations(fit: ContactFit) -> Iterator[str]:
+def format_correlations(fit: ContactFit) -> Iterator[str]:
     """Correlations of all pairs of fitted parameters in one line; none of a single parameter."""
     pairs = [
         f"{first}, {second}: {fit.correlation[i, j]:+.3f}"
@@ -194,7 +194,7 @@ def correlations(fit: ContactFit) -> Iterator[str]:
         yield "correlations: " + "; ".join(pairs)
 
 
-BANDS = (
+BAND_COLUMNS = (
     Column("tilt", lambda band: f"{band.tilt_deg:g}"),
     Column("plate, mm/s", lambda band: f"{band.plate_speed_mm_s:.1f}"),
     Column("one more print, mm/s", lambda band: f"{band.speed_mm_s:.1f}"),

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from walkergen.guests.lab.fit.report import FitReport
 
 
-def _held(value: Any) -> list[str]:
+def _parse_fixed(value: Any) -> list[str]:
     """Parameters to hold, NAME=VALUE, of texts or of {NAME: VALUE}."""
     return (
         [f"{name}={number!r}" for name, number in value.items()]
@@ -37,15 +37,15 @@ class FitRequest(request.Request):
     by_position: ClassVar = ("speeds", "design", "scene")
 
     speeds: Annotated[Path, request.File, Flag("File of measured speeds.", "SPEEDS.csv", takes="Name", argument=True)]
-    design: request.Filmed = request.PAPER
-    scene: request.Ground = request.LANE
+    design: request.Filmed = request.PAPER_WALKER
+    scene: request.Ground = request.LANE_SCENE
     model: Annotated[
         Literal["prediction", "theory", "space"],
         Flag("Model: prediction, as family prints it; theory; space, simulated (minutes).", "MODEL"),
     ] = "prediction"
     fix: Annotated[
         list[str],
-        BeforeValidator(_held),
+        BeforeValidator(_parse_fixed),
         Flag(
             "Parameter to hold: friction=0.25.", "NAME=VALUE", takes="Mapping[str, float] | Iterable[str]", repeats=True
         ),
@@ -76,9 +76,9 @@ class FitRequest(request.Request):
         from walkergen.guests.lab.fit.job import Job
 
         if self.model == "theory":
-            self.refuse("‹model=›theory has none", "predict", "prior", "seed")
+            self.check_unset("‹model=›theory has none", "predict", "prior", "seed")
         else:
-            self.refuse(f"a mode of the theory; ‹model=›{self.model} has none", "mode")
+            self.check_unset(f"a mode of the theory; ‹model=›{self.model} has none", "mode")
         given = self.inputs()
         design, scene = given.design(self.design), given.scene(self.scene)
         job = Job(design, scene, self.model, self.fix, self.prior, self.predict, self.mode, self.pictures)

@@ -16,8 +16,8 @@ from walkergen.core.theory.networks import LINEAR_BELOW
 from walkergen.core.theory.surrogate import UnknownError
 from walkergen.core.theory.uncertain import Drawn
 from walkergen.core.walker import solids
-from walkergen.guests.lab.fit.emulated import STILL, Ground, Setting, on_plate
-from walkergen.guests.lab.fit.parameters import SCATTER
+from walkergen.guests.lab.fit.emulated import STILL_SPEED_RATIO, Ground, Setting, plate_scene
+from walkergen.guests.lab.fit.parameters import SCATTER_NAME
 
 Array = npt.NDArray[np.float64]
 
@@ -39,7 +39,7 @@ class Tabled(NamedTuple):
         plate, speeds = self.setting.plate_speed, self.known.sample_speeds(drawn)
         slope = plate * LINEAR_BELOW * np.cosh(speeds.centre)
         mean = plate * speeds.speed_ratios(0.0)
-        learnt = drawn.input_values(SCATTER, 0.0) * np.hypot(mean, STILL * plate)
+        learnt = drawn.input_values(SCATTER_NAME, 0.0) * np.hypot(mean, STILL_SPEED_RATIO * plate)
         shared = np.hypot(slope * speeds.error, prediction.model_error_sd(mean, self.known.scene))
         return mean, shared, np.hypot(slope * speeds.between_prints, learnt)
 
@@ -49,7 +49,7 @@ def responses(ground: Ground, settings: Sequence[Setting]) -> list[Tabled]:
     names = tuple(parameter.prior.name for parameter in ground.unknown.sampled)
     by_setting = []
     for setting in settings:
-        scene, design = on_plate(ground.scene, setting), setting.design
+        scene, design = plate_scene(ground.scene, setting), setting.design
         try:
             known = surrogate.case_in_domain(scene, design, solids.mass_of(design), within_goal=False)
         except UnknownError as error:

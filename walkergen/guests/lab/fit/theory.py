@@ -17,7 +17,7 @@ from walkergen.core.walker.limbs import KINDS, Kind
 from walkergen.guests.lab.fit import least_squares
 from walkergen.guests.lab.fit.job import Job
 from walkergen.guests.lab.fit.least_squares import RANGES, ContactFit, Speeds
-from walkergen.guests.lab.report import named
+from walkergen.guests.lab.report import name_after
 
 Array = npt.NDArray[np.float64]
 
@@ -26,7 +26,7 @@ CURVE_POINTS = 121
 DECIMALS = 12
 """Decimals of fitted numbers in scene.toml: what lies beyond is the search's rounding."""
 
-OF_THEORY = (
+THEORY_NOTE = (
     "this is the theory's contact, with which theory_mm_s meets the speeds; without ‹model=›theory "
     "fit learns that by which speeds are predicted"
 )
@@ -47,7 +47,7 @@ class Fitted(NamedTuple):
     @property
     def curves(self) -> dict[Kind, tuple[Array, Array, Array]]:
         """Tilt (deg), speed over plate speed, and its standard error, over the measured tilts, by kind."""
-        return {kind: _curve(self, kind) for kind in KINDS if kind in self.seen.legs}
+        return {kind: _fitted_curve(self, kind) for kind in KINDS if kind in self.seen.legs}
 
 
 def fit(path: Path, job: Job, progress: Progress) -> Fitted:
@@ -63,23 +63,23 @@ def fit(path: Path, job: Job, progress: Progress) -> Fitted:
             "not two equal ones: learn from simulated speeds, ‹model=›space"
         )
     held = job.held
-    seen = measured.read(path, design.kind, scene.drive.peak_speed)
-    measured.refuse_slips(path, seen)
-    speeds = _with_tensors(job, seen.tilt, seen.legs, seen.speed, seen.se, seen.plate_speed)
+    seen = measured.read_speeds(path, design.kind, scene.drive.peak_speed)
+    measured.check_units(path, seen)
+    speeds = _make_speeds(job, seen.tilt, seen.legs, seen.speed, seen.se, seen.plate_speed)
     progress("fitting", 0, 1)
     result = least_squares.fit_contact(speeds, held)
-    notes = [*result.notes, *seen.notes, OF_THEORY]
-    return Fitted(result, seen, speeds, job, notes, _scene(scene, result, path))
+    notes = [*result.notes, *seen.notes, THEORY_NOTE]
+    return Fitted(result, seen, speeds, job, notes, _fitted_scene(scene, result, path))
 
 
-def _with_tensors(job: Job, tilt: Array, legs: list[Kind], speed: Array, se: Array | None, plate: Array) -> Speeds:
+def _make_speeds(job: Job, tilt: Array, legs: list[Kind], speed: Array, se: Array | None, plate: Array) -> Speeds:
     """Speeds with what the theory needs of walkers with these tilts (deg) and legs."""
     pairs = zip(tilt, legs, strict=True)
     masses = [solids.mass_of(job.design.members([float(angle)], [kind])[0]) for angle, kind in pairs]
-    return Speeds(speed, se, plate, *least_squares.tensors(masses), job.mode)
+    return Speeds(speed, se, plate, *least_squares.inverse_mass_tensors(masses), job.mode)
 
 
-def _scene(scene: Scene, result: ContactFit, source: Path) -> Scene:
+def _fitted_scene(scene: Scene, result: ContactFit, source: Path) -> Scene:
     """Scene with the fitted values; fixed values keep the scene's standard deviations."""
     data: dict[str, Any] = scene.model_dump(exclude_none=True)
     for name, value in result.values.items():
@@ -90,15 +90,15 @@ def _scene(scene: Scene, result: ContactFit, source: Path) -> Scene:
             error = result.errors[name]
             table[f"{name}_sd"] = min(error if error is not None else high - low, high)
     data["description"] = f"As {scene.name}, with the contact fitted to {source.name[:200]}"
-    data["name"] = named(scene.name, source, "fit-")
+    data["name"] = name_after(scene.name, source, "fit-")
     return validate(data, Scene, "fitted scene")
 
 
-def _curve(fitted: Fitted, kind: Kind) -> tuple[Array, Array, Array]:
+def _fitted_curve(fitted: Fitted, kind: Kind) -> tuple[Array, Array, Array]:
     """Tilt (deg), speed over plate speed, and its standard error, over the measured tilts."""
     tilt = np.linspace(fitted.seen.tilt.min(), fitted.seen.tilt.max(), CURVE_POINTS)
     ones, result = np.ones_like(tilt), fitted.fit
-    along = _with_tensors(fitted.job, tilt, [kind] * len(tilt), ones, None, ones)
+    along = _make_speeds(fitted.job, tilt, [kind] * len(tilt), ones, None, ones)
     values = result.values
     unit = least_squares.unit_speeds(along, values["restitution"], values["friction"])
     slopes = least_squares.jacobian(along, values, result.free)

@@ -13,18 +13,18 @@ import numpy.typing as npt
 
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress
-from walkergen.guests.lab.fit.parameters import Parameter, values
-from walkergen.guests.lab.fit.posterior import KEPT, Observed, Posterior, Responds, likelihood
+from walkergen.guests.lab.fit.parameters import Parameter, prior_values
+from walkergen.guests.lab.fit.posterior import KEPT_DRAWS, Observed, Posterior, Responds, log_likelihood
 
 Array = npt.NDArray[np.float64]
 
-DRAWS, ROUNDS = 2**13, 24
+DRAWS_PER_ROUND, MAX_ROUNDS = 2**13, 24
 """Draws of a round, which count with those of all before, and rounds until sampling gives up."""
 
-ENOUGH = 1000.0
+MIN_INDEPENDENT = 1000.0
 """Independent draws that the weighted ones must be worth: bounds of 95 % then err by 0.1 sd."""
 
-OF_PRIOR, WIDER = 0.1, 1.4
+PRIOR_SHARE, SPREAD_FACTOR = 0.1, 1.4
 """Share of the draws that are the prior's, and factor on the spread of the others."""
 
 
@@ -46,24 +46,24 @@ def sample(
     middle: Array = np.zeros(wide)
     root: Array = np.eye(wide)
     rounds: list[tuple[Array, Array, Array]] = []
-    for done in range(ROUNDS):
-        progress("learning", done, ROUNDS)
-        z = rng.standard_normal((DRAWS, wide))
-        narrow = rng.uniform(size=DRAWS) >= OF_PRIOR
+    for done in range(MAX_ROUNDS):
+        progress("learning", done, MAX_ROUNDS)
+        z = rng.standard_normal((DRAWS_PER_ROUND, wide))
+        narrow = rng.uniform(size=DRAWS_PER_ROUND) >= PRIOR_SHARE
         z[narrow] = middle + z[narrow] @ root.T
-        logs, chi2 = likelihood(values(parameters, ndtr(z)), observed, responses)
-        rounds.append((z, logs - 0.5 * np.sum(z**2, axis=1) - _density(z, middle, root), chi2))
+        logs, chi2 = log_likelihood(prior_values(parameters, ndtr(z)), observed, responses)
+        rounds.append((z, logs - 0.5 * np.sum(z**2, axis=1) - _log_density(z, middle, root), chi2))
         every, logarithm, squares = (np.concatenate(parts) for parts in zip(*rounds, strict=True))
-        weight = _weights(logarithm)
+        weight = _normalise_weights(logarithm)
         worth = float(1.0 / (weight @ weight))
-        if worth >= ENOUGH:
-            picked = rng.choice(len(every), KEPT, p=weight)
-            draws = values(parameters, ndtr(every[picked]))
+        if worth >= MIN_INDEPENDENT:
+            picked = rng.choice(len(every), KEPT_DRAWS, p=weight)
+            draws = prior_values(parameters, ndtr(every[picked]))
             return Posterior(draws, len(every), None, worth, float(squares.min()))
-        weight = _tempered(logarithm)
+        weight = _temper_weights(logarithm)
         middle = weight @ every
         off = (every - middle) * np.sqrt(weight)[:, None]
-        spread = WIDER**2 * (off.T @ off) + 1e-9 * np.eye(wide)
+        spread = SPREAD_FACTOR**2 * (off.T @ off) + 1e-9 * np.eye(wide)
         root = np.asarray(np.linalg.cholesky(spread))
     raise InputError(
         f"the posterior did not converge: {len(every)} draws are worth {worth:.0f} independent "
@@ -71,28 +71,28 @@ def sample(
     )
 
 
-def _density(z: Array, middle: Array, root: Array) -> Array:
+def _log_density(z: Array, middle: Array, root: Array) -> Array:
     """Logarithm of the density, up to a constant, of which rows of z were drawn."""
     inner = np.linalg.solve(root, (z - middle).T)
     narrow = -0.5 * np.sum(inner**2, axis=0) - np.log(np.diag(root)).sum()
     prior = -0.5 * np.sum(z**2, axis=1)
-    logs = np.logaddexp(np.log(1.0 - OF_PRIOR) + narrow, np.log(OF_PRIOR) + prior)
+    logs = np.logaddexp(np.log(1.0 - PRIOR_SHARE) + narrow, np.log(PRIOR_SHARE) + prior)
     return np.asarray(logs)
 
 
-def _weights(logarithm: Array) -> Array:
+def _normalise_weights(logarithm: Array) -> Array:
     weight = np.exp(logarithm - logarithm.max())
     return np.asarray(weight / weight.sum())
 
 
-def _tempered(logarithm: Array) -> Array:
+def _temper_weights(logarithm: Array) -> Array:
     """Weights to the power, at most 1, at which they are worth a tenth of ENOUGH at least.
 
     By a few heavy draws alone the next ones would be drawn from too narrow a spread.
     """
     power = 1.0
     while True:
-        weight = _weights(power * logarithm)
-        if 1.0 / (weight @ weight) >= 0.1 * ENOUGH:
+        weight = _normalise_weights(power * logarithm)
+        if 1.0 / (weight @ weight) >= 0.1 * MIN_INDEPENDENT:
             return weight
         power *= 0.7

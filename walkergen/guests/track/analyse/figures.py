@@ -9,22 +9,33 @@ from matplotlib.figure import Figure
 from walkergen.analysis import walks
 from walkergen.analysis.motion import Curve, Motion
 from walkergen.core.files import words
-from walkergen.files.figures import FITTED, INK, MEASURED, SMALLEST, axes_of, level, name, panels_of, points, style
-from walkergen.points.track_figure import MOST_TRACKS
+from walkergen.files.figures import (
+    FITTED,
+    INK,
+    MEASURED,
+    MIN_FONT_PT,
+    draw_level,
+    draw_points,
+    label_axes,
+    new_axes,
+    new_panels,
+    style,
+)
+from walkergen.points.track_figure import MAX_TRACKS
 
-DRAWN = 0.5
+MAX_EXPONENT_SE = 0.5
 """Standard error of a local exponent beyond which it is not drawn: it tells 1 from 2 no more."""
 
 
 @style()
-def msd_figure(motion: Motion, title: str) -> Figure:
+def draw_msd(motion: Motion, title: str) -> Figure:
     """Draw the mean squared displacement, with its ballistic and diffusive limits (fig. 6a).
 
     Below it stands its local exponent.
     """
-    figure, (axes, lower) = panels_of(title, (2.5, 1.2))
+    figure, (axes, lower) = new_panels(title, (2.5, 1.2))
     lag, value = motion.msd.at, motion.msd.value
-    points(axes, motion.msd, label="measured")
+    draw_points(axes, motion.msd, label="measured")
     axes.set_xscale("log")
     axes.set_yscale("log")
     limits = axes.get_xlim(), axes.get_ylim()
@@ -33,7 +44,7 @@ def msd_figure(motion: Motion, title: str) -> Figure:
         spread = motion.msd_fit.spreads[0]
         speed2 = spread.mean_square
         fine = np.geomspace(lag[0], lag[-1], 200)
-        axes.plot(fine, walks.squared(fine, spread), color=FITTED.colour, label="fit", zorder=2.5)
+        axes.plot(fine, walks.squared_displacement(fine, spread), color=FITTED.colour, label="fit", zorder=2.5)
         diffusivity = motion.estimates["diffusivity"].value
     elif (speed := motion.estimates["lane_speed"].value) is not None:
         speed2 = speed**2
@@ -45,50 +56,50 @@ def msd_figure(motion: Motion, title: str) -> Figure:
         axes.plot(lag, 4 * diffusivity * lag, ":", color=INK, label=label)
     crossover = motion.estimates["crossover_time"].value
     if crossover is not None and limits[0][0] < crossover < limits[0][1]:
-        level(axes, crossover, upright=True)
+        draw_level(axes, crossover, upright=True)
         text = f"crossover {crossover:.2g} s "
         at, of = (crossover, 0.98), ("data", "axes fraction")
-        axes.annotate(text, at, xycoords=of, ha="right", va="top", color=INK, fontsize=SMALLEST)
+        axes.annotate(text, at, xycoords=of, ha="right", va="top", color=INK, fontsize=MIN_FONT_PT)
     axes.set_xlim(limits[0])
     axes.set_ylim(max(limits[1][0], 0.3 * value[value > 0].min(initial=np.inf)), limits[1][1])
-    name(axes, y="mean squared displacement (mm²)", log="xy")
+    label_axes(axes, y="mean squared displacement (mm²)", log="xy")
     axes.legend(loc="lower right")
-    _exponents(lower, motion.exponent)
+    _draw_exponents(lower, motion.exponent)
     return figure
 
 
-def _exponents(axes: Axes, exponent: Curve) -> None:
+def _draw_exponents(axes: Axes, exponent: Curve) -> None:
     """Draw local exponents between those of diffusion and of a straight run."""
     # Walkers begin straight and end diffusing: words stand where the points are not.
     for value, limit, at, side in ((1.0, " diffusive: 1", 0.0, "left"), (2.0, "ballistic: 2", 1.0, "right")):
-        level(axes, value)
+        draw_level(axes, value)
         of = ("axes fraction", "data")
-        axes.annotate(limit, (at, value), xycoords=of, ha=side, va="bottom", color=INK, fontsize=SMALLEST)
-    precise = exponent.se < DRAWN
-    points(axes, Curve(*(column[precise] for column in exponent)))
+        axes.annotate(limit, (at, value), xycoords=of, ha=side, va="bottom", color=INK, fontsize=MIN_FONT_PT)
+    precise = exponent.se < MAX_EXPONENT_SE
+    draw_points(axes, Curve(*(column[precise] for column in exponent)))
     axes.set_ylim(min(axes.get_ylim()[0], 0.75), max(axes.get_ylim()[1], 2.45))
-    name(axes, "lag t (s)", "local exponent")
+    label_axes(axes, "lag t (s)", "local exponent")
 
 
 @style()
-def density_figure(motion: Motion, title: str) -> Figure:
+def draw_density(motion: Motion, title: str) -> Figure:
     """Draw densities of the displacement along and across the body at one lag (fig. 6c)."""
-    figure, axes = axes_of(title)
+    figure, axes = new_axes(title)
     for curve, label, look in ((motion.parallel, "along", MEASURED), (motion.orthogonal, "across", FITTED)):
         if len(curve.at):
             axes.plot(curve.at, curve.value, look.line, color=look.colour, drawstyle="steps-mid", label=label)
             axes.errorbar(*curve, fmt="none", ecolor=look.colour, alpha=0.6)
     axes.set_ylim(bottom=0)
-    name(axes, f"displacement within {1e3 * motion.lag_s:g} ms (mm)", "probability density (1/mm)")
+    label_axes(axes, f"displacement within {1e3 * motion.lag_s:g} ms (mm)", "probability density (1/mm)")
     axes.legend()
     return figure
 
 
 @style()
-def correlation_figure(motion: Motion, title: str) -> Figure:
+def draw_correlation(motion: Motion, title: str) -> Figure:
     """Draw how direction is lost: the modulus of its autocorrelation, with the fitted decay."""
-    figure, axes = axes_of(title)
-    points(axes, motion.correlation, label="measured")
+    figure, axes = new_axes(title)
+    draw_points(axes, motion.correlation, label="measured")
     rate = motion.estimates["persistence_rate"].value
     if rate is not None:
         lag = np.linspace(0.0, motion.correlation.at[-1], 200)
@@ -98,20 +109,20 @@ def correlation_figure(motion: Motion, title: str) -> Figure:
     axes.set_xlim(left=0)
     axes.set_ylim(bottom=0)
     headed = motion.estimates["motion_speed"].value is None
-    name(axes, "lag (s)", f"autocorrelation of {'headings' if headed else 'displacements (mm²)'}")
+    label_axes(axes, "lag (s)", f"autocorrelation of {'headings' if headed else 'displacements (mm²)'}")
     axes.legend()
     return figure
 
 
 @style()
-def walkers_figure(motion: Motion, title: str) -> Figure:
+def draw_walkers(motion: Motion, title: str) -> Figure:
     """Draw the speed of each walker with its error, and their mean with its bounds of 95 %."""
-    figure, axes = axes_of(title)
-    speeds = [(walker.particle, walker.of("speed")) for walker in motion.walkers]
+    figure, axes = new_axes(title)
+    speeds = [(walker.particle, walker.mean("speed")) for walker in motion.walkers]
     rows = [(who, speed.value, speed.se) for who, speed in speeds if speed.value is not None]
     names, values, errors = zip(*rows, strict=True)
     at = range(1, len(names) + 1)
-    points(axes, (at, values, errors), label="each, ± standard error in its track")
+    draw_points(axes, (at, values, errors), label="each, ± standard error in its track")
     mean = motion.estimates["speed"]
     if (ends := mean.interval()) and mean.value is not None:
         axes.axhline(mean.value, color=FITTED.colour, label="mean, and where it lies with 95 %")
@@ -120,37 +131,37 @@ def walkers_figure(motion: Motion, title: str) -> Figure:
         # Bounds over two walkers are many times as wide as the points lie apart.
         low, high = limits
         axes.set_ylim(min(max(ends[0], 2 * low - high), low), max(min(ends[1], 2 * high - low), high))
-    few = len(names) <= MOST_TRACKS
+    few = len(names) <= MAX_TRACKS
     if few:
         axes.set_xticks(at, [str(name) for name in names])
-    name(axes, "walker" if few else "walkers, in the order of their numbers", "speed (mm/s)")
+    label_axes(axes, "walker" if few else "walkers, in the order of their numbers", "speed (mm/s)")
     axes.legend()
     return figure
 
 
 @style()
-def plate_speed_figure(motion: Motion, title: str) -> Figure:
+def draw_plate_speed(motion: Motion, title: str) -> Figure:
     """Draw speed against plate speed with the line through the origin (fig. 5, inset)."""
-    figure, axes = axes_of(title)
+    figure, axes = new_axes(title)
     rows = [(plate, speed.value, speed.se) for plate, speed in motion.by_plate_speed if speed.value is not None]
     measured = np.array(rows, dtype=float).reshape(-1, 3).T
-    points(axes, [*measured], label="measured")
+    draw_points(axes, [*measured], label="measured")
     if motion.line is not None:
         ends = np.array([0.0, measured[0].max()])
         slope, se = motion.line.slope, motion.line.slope_se
         label = f"through the origin, slope {words.format_with_error(slope, se)}"
         axes.plot(ends, slope * ends, color=FITTED.colour, label=label)
     axes.set_xlim(left=0)
-    name(axes, "plate speed (mm/s)", "speed (mm/s)")
+    label_axes(axes, "plate speed (mm/s)", "speed (mm/s)")
     axes.legend()
     return figure
 
 
-OF_MOTION = {
-    "plate_speed": plate_speed_figure,
-    "walkers": walkers_figure,
-    "msd": msd_figure,
-    "density": density_figure,
-    "correlation": correlation_figure,
+MOTION_FIGURES = {
+    "plate_speed": draw_plate_speed,
+    "walkers": draw_walkers,
+    "msd": draw_msd,
+    "density": draw_density,
+    "correlation": draw_correlation,
 }
 """Figures of a motion beside its tracks, by the stems of their files."""

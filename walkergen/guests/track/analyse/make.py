@@ -30,10 +30,10 @@ def analyse(
     before anything is written.
     """
     progress("reading", 0, 3)
-    read = track_files.read(path, units)
+    read = track_files.read_tracks(path, units)
     progress("measuring", 1, 3)
-    measured = motion.analyse(read, lag_s, walls.of(read, arena), descent)._replace(scale_se=read.scale_se)
-    analysis = report.of(read, measured, path.name, folder)
+    measured = motion.analyse(read, lag_s, walls.find_walls(read, arena), descent)._replace(scale_se=read.scale_se)
+    analysis = report.make_report(read, measured, path.name, folder)
     if folder is not None:
         with Folder(folder) as target:
             progress("drawing", 2, 3)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from walkergen.analysis import doubts, facts
 from walkergen.analysis.between import Alone
-from walkergen.analysis.estimates import HEADINGS_KNOWN, IN_A_LANE, LEVEL, NO_HEADINGS, UNITS
-from walkergen.analysis.facts import OF_WALKERS
+from walkergen.analysis.estimates import HEADINGS_KNOWN_REASON, LANE_REASON, NO_HEADINGS_REASON, NO_SLOPE_REASON, UNITS
+from walkergen.analysis.facts import WALKER_ESTIMATES
 from walkergen.analysis.motion import Motion
 from walkergen.analysis.tracks import Tracks
 from walkergen.core.files import words
@@ -20,10 +20,10 @@ from walkergen.files.report import Column, Report, Table
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MOST_WALKERS = 24
+MAX_WALKERS = 24
 """Largest number of walkers in a table that is printed."""
 
-TURNED = 0.05
+MIN_TURNED_SHARE = 0.05
 """Share of the direction that is lost, below which walkers do not turn."""
 
 
@@ -47,15 +47,15 @@ class AnalysisReport(Report):
         return self.estimates["speed"]
 
 
-ESTIMATES = ("quantity", "value", "se", "scale_se", "low_95", "high_95", "refused")
+ESTIMATE_COLUMNS = ("quantity", "value", "se", "scale_se", "low_95", "high_95", "refused")
 """Columns of analysis.csv: a number with its unit, its error, and that by the scale of the film, which
 all lengths share; refused is the reason why it is not known."""
 
-SPEED = ("speed_mm_s", "speed_se_mm_s")
-ALONE = (
+SPEED_COLUMNS = ("speed_mm_s", "speed_se_mm_s")
+WALKER_COLUMNS = (
     "particle",
     "seen_s",
-    *SPEED,
+    *SPEED_COLUMNS,
     "speed_low_95_mm_s",
     "speed_high_95_mm_s",
     "turning_rad_s",
@@ -64,30 +64,30 @@ ALONE = (
 )
 """Columns of walkers.csv, a walker by itself a row."""
 
-AT_PLATES = ("plate_speed_mm_s", *SPEED, "speed_scale_se_mm_s", "refused")
+PLATE_SPEED_COLUMNS = ("plate_speed_mm_s", *SPEED_COLUMNS, "speed_scale_se_mm_s", "refused")
 """Columns of plate_speed.csv."""
 
 
-def of(tracks: Tracks, motion: Motion, title: str, folder: Path | None = None) -> AnalysisReport:
+def make_report(tracks: Tracks, motion: Motion, title: str, folder: Path | None = None) -> AnalysisReport:
     """Report of the motion of tracks, of a file called `title`."""
     fit = motion.msd_fit.goodness if motion.msd_fit else ""
-    reasons = [*doubts.of(tracks), *motion.doubts, doubts.of_scale(motion.scale_se)]
+    reasons = [*doubts.find_all(tracks), *motion.doubts, doubts.describe_scale_error(motion.scale_se)]
     lines = [motion.method, fit, *reasons, tracks.note]
     notes = [f"{line}." for line in lines if line]
     more = {"bad_rows": tracks.bad_rows, "notes": notes}
-    hidden = len(motion.walkers) - MOST_WALKERS
+    hidden = len(motion.walkers) - MAX_WALKERS
     counted = [f"and {hidden} more walkers in walkers.csv"] if hidden > 0 else []
-    headless = sum(number.refused == NO_HEADINGS for number in motion.estimates.values())
-    counted += [f"{NO_HEADINGS}, which {headless} more numbers need"] if headless else []
-    draw = partial(_draw, tracks=tracks, motion=motion, title=title)
+    headless = sum(number.refused == NO_HEADINGS_REASON for number in motion.estimates.values())
+    counted += [f"{NO_HEADINGS_REASON}, which {headless} more numbers need"] if headless else []
+    draw = partial(_draw_figure, tracks=tracks, motion=motion, title=title)
     return AnalysisReport(
         name="analysis",
         title=title,
         caption=f"{title}, displacements within {1e3 * motion.lag_s:g} ms",
         tables=list(_tables(motion)),
-        facts=facts.of(motion) | more,
-        lines=[*counted, *_line(motion), *notes],
-        figures={name: partial(draw, name) for name in _drawn(motion)},
+        facts=facts.from_motion(motion) | more,
+        lines=[*counted, *_format_line(motion), *notes],
+        figures={name: partial(draw, name) for name in _figure_names(motion)},
         folder=folder,
         motion=motion,
         notes=notes,
@@ -97,65 +97,70 @@ def of(tracks: Tracks, motion: Motion, title: str, folder: Path | None = None) -
 def _tables(motion: Motion) -> Iterator[Table]:
     estimates = {number.column: number for number in map(motion.estimates.__getitem__, UNITS)}
     rows = [
-        (key, number.value, number.se, facts.scale_se(number, motion), *facts.ends(number), number.refused)
+        (key, number.value, number.se, facts.scale_se(number, motion), *facts.interval_bounds(number), number.refused)
         for key, number in estimates.items()
     ]
     if motion.by_plate_speed:
-        yield _at_plates(motion)
-        yield Table("analysis", rows, ESTIMATES)
-        yield _walkers(motion)
+        yield _plate_speed_table(motion)
+        yield Table("analysis", rows, ESTIMATE_COLUMNS)
+        yield _walker_table(motion)
         return
     name, unit, value, bounds = quantities.columns(lambda row: estimates[row[0]])
-    value = value._replace(cell=lambda row: _with_scale(estimates[row[0]], motion))
+    value = value._replace(cell=lambda row: _format_with_scale(estimates[row[0]], motion))
     columns = [name, unit, value, bounds]
-    readable = [row for row in rows if row[-1] not in (IN_A_LANE, HEADINGS_KNOWN, NO_HEADINGS, LEVEL)]
-    yield Table("analysis", rows, ESTIMATES, columns, "Motion", read=readable)
-    yield _walkers(motion)
-    yield from _curves(motion)
+    readable = [
+        row for row in rows if row[-1] not in (LANE_REASON, HEADINGS_KNOWN_REASON, NO_HEADINGS_REASON, NO_SLOPE_REASON)
+    ]
+    yield Table("analysis", rows, ESTIMATE_COLUMNS, columns, "Motion", read=readable)
+    yield _walker_table(motion)
+    yield from _curve_tables(motion)
 
 
-def _with_scale(number: Quantity, motion: Motion) -> str:
+def _format_with_scale(number: Quantity, motion: Motion) -> str:
     """Value with its error and, where the scale has one, that of the scale beside it."""
     by_scale = facts.scale_se(number, motion)
     scale = f" ± {words.format_number(by_scale, 2)} (scale)" if by_scale and number.known else ""
     return quantities.format_value(number) + scale
 
 
-def _at_plates(motion: Motion) -> Table:
+def _plate_speed_table(motion: Motion) -> Table:
     speeds = dict(motion.by_plate_speed)
     rows = [
         (plate, speed.value, speed.se, facts.scale_se(speed, motion), speed.refused) for plate, speed in speeds.items()
     ]
     columns = (
         Column("plate speed (mm/s)", lambda row: f"{row[0]:g}"),
-        Column("speed (mm/s)", lambda row: _with_scale(speeds[row[0]], motion)),
+        Column("speed (mm/s)", lambda row: _format_with_scale(speeds[row[0]], motion)),
     )
-    return Table("plate_speed", rows, AT_PLATES, columns, "Speed by plate speed")
+    return Table("plate_speed", rows, PLATE_SPEED_COLUMNS, columns, "Speed by plate speed")
 
 
-def _walkers(motion: Motion) -> Table:
+def _walker_table(motion: Motion) -> Table:
     """Table of each walker by itself; people read the first."""
     rows, alone = [], {walker.particle: walker for walker in motion.walkers}
     for walker in motion.walkers:
-        speed, turning = (walker.of(name) for name in OF_WALKERS)
-        numbers = (speed.value, speed.se, *facts.ends(speed), turning.value, turning.se)
+        speed, turning = (walker.mean(name) for name in WALKER_ESTIMATES)
+        numbers = (speed.value, speed.se, *facts.interval_bounds(speed), turning.value, turning.se)
         rows.append((walker.particle, walker.seconds, *numbers, speed.refused))
     turns = any("turning_bias" in walker.means for walker in motion.walkers)
     headings = ("speed (mm/s)", "turning (rad/s)")[: 1 + turns]
     columns = [
         Column("walker", lambda row: str(row[0])),
         Column("seen (s)", lambda row: words.format_number(row[1], 3), right=True),
-        *(Column(heading, _own(name, alone)) for heading, name in zip(headings, OF_WALKERS, strict=False)),
+        *(
+            Column(heading, _walker_cell(name, alone))
+            for heading, name in zip(headings, WALKER_ESTIMATES, strict=False)
+        ),
     ]
-    return Table("walkers", rows, ALONE, columns, "Walkers", read=rows[:MOST_WALKERS])
+    return Table("walkers", rows, WALKER_COLUMNS, columns, "Walkers", read=rows[:MAX_WALKERS])
 
 
-def _own(name: str, alone: Mapping[int, Alone]) -> Callable[[tuple[int, ...]], str]:
+def _walker_cell(name: str, alone: Mapping[int, Alone]) -> Callable[[tuple[int, ...]], str]:
     """Return the cell of a number of each walker by itself."""
-    return lambda row: quantities.format_value(alone[row[0]].of(name))
+    return lambda row: quantities.format_value(alone[row[0]].mean(name))
 
 
-def _line(motion: Motion) -> Iterator[str]:
+def _format_line(motion: Motion) -> Iterator[str]:
     """Describe the line through the origin, for tracks at several plate speeds."""
     line = motion.line
     if line is None:
@@ -169,38 +174,38 @@ def _line(motion: Motion) -> Iterator[str]:
     )
 
 
-def _curves(motion: Motion) -> Iterator[Table]:
+def _curve_tables(motion: Motion) -> Iterator[Table]:
     """Tables of the curves, for CSV and Python alone."""
     squared = (*motion.msd, facts.scale_errors(motion), *motion.exponent[1:])
     keys = ("lag_s", "msd_mm2", "se_mm2", "scale_se_mm2", "exponent", "exponent_se")
-    yield Table("msd", facts.points(squared), keys)
-    yield Table("correlation", facts.points(motion.correlation), ("lag_s", "value", "se"))
+    yield Table("msd", facts.curve_points(squared), keys)
+    yield Table("correlation", facts.curve_points(motion.correlation), ("lag_s", "value", "se"))
     sides = {"parallel": motion.parallel, "orthogonal": motion.orthogonal}
-    rows = [(name, *point) for name, curve in sides.items() for point in facts.points(curve)]
+    rows = [(name, *point) for name, curve in sides.items() for point in facts.curve_points(curve)]
     yield Table("density", rows, ("direction", "mm", "density_per_mm", "se_per_mm"))
 
 
-def _drawn(motion: Motion) -> Iterator[str]:
+def _figure_names(motion: Motion) -> Iterator[str]:
     """Names of the figures that the motion allows."""
     yield "trajectories"
     if motion.by_plate_speed:
         yield "plate_speed"
         return
-    if sum(walker.of("speed").value is not None for walker in motion.walkers) > 1:
+    if sum(walker.mean("speed").value is not None for walker in motion.walkers) > 1:
         yield "walkers"
     if (motion.msd.value > 0).any():
         yield "msd"
     if len(motion.parallel.at):
         yield "density"
     correlation = motion.correlation.value
-    if (correlation < (1.0 - TURNED) * correlation[:1]).any():  # less is lost: nothing to see
+    if (correlation < (1.0 - MIN_TURNED_SHARE) * correlation[:1]).any():  # less is lost: nothing to see
         yield "correlation"
 
 
-def _draw(name: str, tracks: Tracks, motion: Motion, title: str) -> "Figure":
+def _draw_figure(name: str, tracks: Tracks, motion: Motion, title: str) -> "Figure":
     from walkergen.guests.track.analyse import figures
-    from walkergen.points.track_figure import tracks_figure
+    from walkergen.points.track_figure import draw_tracks
 
     if name == "trajectories":
-        return tracks_figure(tracks, title)
-    return figures.OF_MOTION[name](motion, title)
+        return draw_tracks(tracks, title)
+    return figures.MOTION_FIGURES[name](motion, title)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from walkergen.core.dish import Dish
     from walkergen.guests.track.analyse.report import AnalysisReport
 
-NAME = "tracks"
+UNNAMED_TRACKS = "tracks"
 """Name by which messages and titles call tracks that come from no file."""
 
 
@@ -81,30 +81,30 @@ class AnalyseRequest(request.Request):
     def run(self, progress: Progress) -> "AnalysisReport":
         """Measure the walkers; the report of a crowd is a plain one."""
         if isinstance(self.tracks, Path):
-            return self._measured(self.tracks, progress)
+            return self._measure_file(self.tracks, progress)
         with tempfile.TemporaryDirectory() as place:
-            path = Path(place) / NAME
-            path.write_text(_csv_of(self.tracks), encoding="utf-8")
+            path = Path(place) / UNNAMED_TRACKS
+            path.write_text(_to_csv(self.tracks), encoding="utf-8")
             try:
-                return self._measured(path, progress)
+                return self._measure_file(path, progress)
             except InputError as error:  # a person knows nothing of that file
-                raise InputError(error.text.replace(str(path), NAME), "tracks") from None
+                raise InputError(error.text.replace(str(path), UNNAMED_TRACKS), "tracks") from None
 
-    def _walls(self) -> "Dish | None":
+    def _parse_walls(self) -> "Dish | None":
         """Dish whose walls are told; an endless one where there are none."""
         from walkergen.core import dish
 
         return None if self.arena is None else dish.OPEN_GROUND if self.arena == "open" else dish.parse_dish(self.arena)
 
-    def _measured(self, path: Path, progress: Progress) -> "AnalysisReport":
+    def _measure_file(self, path: Path, progress: Progress) -> "AnalysisReport":
         """Measure what the tracks of a file are of."""
         from walkergen.core.files import output
 
         if self.dish is None:
-            self.refuse("is of a crowd: give ‹dish›, or", "body", "middle", "runs")
+            self.check_unset("is of a crowd: give ‹dish›, or", "body", "middle", "runs")
         else:
-            self.refuse("is of single walkers, not of a ‹dish›", "lag_ms", "arena", "descent_deg")
-        units = request.units(self.fps, self.mm_per_px, self.y_down, self.unit, self.lane)
+            self.check_unset("is of single walkers, not of a ‹dish›", "lag_ms", "arena", "descent_deg")
+        units = request.track_units(self.fps, self.mm_per_px, self.y_down, self.unit, self.lane)
         folder = output.result_folder(path, self.out, "analysis") if self.out or self._shell else None
         if self.dish is None:
             from walkergen.guests.track.analyse import make
@@ -113,14 +113,14 @@ class AnalyseRequest(request.Request):
             descent = None if self.descent_deg is None else math.radians(self.descent_deg)
             if descent is not None and self.y_down:
                 descent = -descent  # as all angles of the file
-            return make.analyse(path, units, lag_s, self._walls(), descent, folder, self.pictures, progress)
+            return make.analyse(path, units, lag_s, self._parse_walls(), descent, folder, self.pictures, progress)
         from walkergen.guests.crowd import filmed
 
-        crowd = filmed.asked(self.dish, self.body, self.middle, self.runs)
+        crowd = filmed.parse_crowd(self.dish, self.body, self.middle, self.runs)
         return filmed.analyse(path, units, crowd, folder, self.pictures, progress)  # type: ignore[return-value]
 
 
-def _csv_of(tracks: Any) -> str:
+def _to_csv(tracks: Any) -> str:
     """Columns as the text of a CSV file, with every digit. Raises InputError."""
     import numpy as np
 
@@ -136,12 +136,12 @@ def _csv_of(tracks: Any) -> str:
         columns = columns.to_dict("list")
     if not isinstance(columns, Mapping):
         raise InputError(
-            f"{NAME}: {type(tracks).__name__} seen: must be the path of a CSV file, a frame of "
+            f"{UNNAMED_TRACKS}: {type(tracks).__name__} seen: must be the path of a CSV file, a frame of "
             "pandas, or columns by name",
             "tracks",
         )
     lists = {str(name): np.asarray(values).tolist() for name, values in columns.items()}
     if len({len(values) for values in lists.values()}) > 1:
         lengths = ", ".join(f"{name} {len(values)}" for name, values in lists.items())
-        raise InputError(f"{NAME}: columns must be of one length, seen {lengths}", "tracks")
+        raise InputError(f"{UNNAMED_TRACKS}: columns must be of one length, seen {lengths}", "tracks")
     return csv_text(list(lists), zip(*lists.values(), strict=True))

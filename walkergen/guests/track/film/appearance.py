@@ -22,43 +22,43 @@ from walkergen.guests.track.film.films import Grey
 Array = npt.NDArray[np.float32]
 Mask = npt.NDArray[np.bool_]
 
-LOOKED = 40_000
+MEDIAN_PIXELS = 40_000
 """Number of pixels, about, of which medians are taken."""
 
-BRIGHT = 0.9
+BRIGHT_QUANTILE = 0.9
 """Share of the ground that is darker than where it counts as bright."""
 
-NOISY, FAINTEST, STRONGEST = 5.0, 16.0, 100.0
+NOISE_FACTOR, MIN_CONTRAST, MAX_CONTRAST = 5.0, 16.0, 100.0
 """Smallest contrast of a walker: so many deviations of the noise, but within these steps of 255."""
 
-STEPS = 4
+THRESHOLD_STEPS = 4
 """Number of thresholds that are tried, each twice as high."""
 
-THINNEST = 3.0
+MIN_WIDTH_PX = 3.0
 """Smallest width of a walker, pixels."""
 
-WIDEST, BESIDE = 0.7, 4.0
+MAX_WINDOW_SHARE, WINDOW_WIDTHS = 0.7, 4.0
 """Widest window over the shorter side of the frame, and over the width of a walker, so that a few
 may touch: what is wider is ground."""
 
-WINDOWS, AROUND, SAME = (1.0, 0.85, 0.5), 1.6, 0.25
+WINDOW_SHARES, MIN_WINDOW_WIDTHS, WIDTH_TOLERANCE = (1.0, 0.85, 0.5), 1.6, 0.25
 """Windows over the widest; least window over a walker's width; share by which that may depend on
 them."""
 
-DARKEST = 0.2
+MIN_GROUND_SHARE = 0.2
 """Brightness of the ground, over where it is bright, below which contrasts grow no more."""
 
-BLUR = 1.5
+FIRST_BLUR_PX = 1.5
 """Deviation of the blur by which walkers are first looked for, pixels."""
 
-BLURS, SOFTEST = (0.0, 1.0, 1.5, 2.0, 3.0), 0.2
+BLURS, MAX_BLUR_SHARE = (0.0, 1.0, 1.5, 2.0, 3.0), 0.2
 """Blurs against noise, of which the first that is enough is taken; largest over the width."""
 
-EDGE, ALONG = 0.06, 0.2
+MIN_EDGE_SLOPE, MAX_SOFT_SHARE = 0.06, 0.2
 """Least slope of the brightness at a walker's edge, over its contrast, 1/pixel: shades of the light
 are softer; and the share of the edge that may lack it."""
 
-EIGHT = np.ones((3, 3), dtype=bool)
+EIGHT_NEIGHBOURS = np.ones((3, 3), dtype=bool)
 """Neighbours of a pixel, those at its corners included."""
 
 
@@ -71,7 +71,7 @@ class Appearance(NamedTuple):
     """Brightness of the ground, shape (height, width)."""
     dark: bool
     """True when walkers are darker than the ground."""
-    blur: float = BLUR
+    blur: float = FIRST_BLUR_PX
     """Deviation of the blur that takes out noise, pixels; 0 where there is little."""
     noise: float = 0.0
     """Standard deviation of a pixel's contrast, as it is filmed."""
@@ -84,89 +84,92 @@ class Appearance(NamedTuple):
 
     def contrasts(self, frame: Grey) -> Array:
         """Contrasts of pixels with the ground, positive on walkers; lamps that flicker undone."""
-        lamp, gain = self._light(frame)
+        lamp, gain = self._light_and_gain(frame)
         sharp = (frame - lamp * self.ground) * (-gain if self.dark else gain)
         return np.asarray(ndimage.gaussian_filter(sharp, self.blur), np.float32)
 
     def slopes(self, frame: Grey) -> Array:
         """Change of the brightness from pixel to pixel, in the unit of contrasts."""
-        _, gain = self._light(frame)
+        _, gain = self._light_and_gain(frame)
         slope = ndimage.gaussian_gradient_magnitude(frame, math.hypot(self.blur, 1.0), output=float)
         return np.asarray(slope * gain, np.float32)
 
-    def _light(self, frame: Grey) -> tuple[float, Array]:
+    def _light_and_gain(self, frame: Grey) -> tuple[float, Array]:
         """Light of a frame over that of the picture, and the factor of contrasts in dark places."""
-        step = max(1, int(np.sqrt(frame.size / LOOKED)))
+        step = max(1, int(np.sqrt(frame.size / MEDIAN_PIXELS)))
         few = np.s_[::step, ::step]
         lamp = float(np.median(frame[few] / np.maximum(self.picture[few], 1.0)))
-        bright = np.quantile(self.ground[few], BRIGHT)
-        gain = bright / (lamp * np.maximum(self.ground, DARKEST * bright))
+        bright = np.quantile(self.ground[few], BRIGHT_QUANTILE)
+        gain = bright / (lamp * np.maximum(self.ground, MIN_GROUND_SHARE * bright))
         return lamp, np.asarray(gain, np.float32)
 
 
-def learn(samples: Sequence[Grey], dark: bool | None, threshold: float | None, width: float | None) -> Appearance:
+def learn_appearance(
+    samples: Sequence[Grey], dark: bool | None, threshold: float | None, width: float | None
+) -> Appearance:
     """Appearance of a film from some of its frames, which also decide what is None here.
 
     Raises InputError when nothing stands out, with what was seen.
     """
     picture = ndimage.gaussian_filter(np.median(np.stack(samples), axis=0).astype(np.float32), 1.0)
-    widest = WIDEST * min(picture.shape)
+    widest = MAX_WINDOW_SHARE * min(picture.shape)
     sides = (True, False) if dark is None else (dark,)
     few = samples[:: max(1, len(samples) // 2)]
-    tries = [_tried(few, picture, side, threshold) for side in sides]
+    tries = [_try_side(few, picture, side, threshold) for side in sides]
     look = max(tries, key=lambda tried: tried.width)
-    if look.width < (THINNEST if width is None else min(width, THINNEST)):
+    if look.width < (MIN_WIDTH_PX if width is None else min(width, MIN_WIDTH_PX)):
         what = "light or dark" if dark is None else "dark" if dark else "light"
         raise InputError(
             f"no walker found: nothing {what} differs from the ground by {look.threshold:.3g} of "
-            f"255 steps and is {THINNEST:g} pixels wide (widest: {look.width:.3g}): try "
+            f"255 steps and is {MIN_WIDTH_PX:g} pixels wide (widest: {look.width:.3g}): try "
             "‹threshold›, ‹walkers› or ‹region›"
         )
-    local = ground(picture, look.dark, min(BESIDE * (width or look.width), widest))
-    look = _seen(few, look._replace(ground=local), threshold)
+    local = estimate_ground(picture, look.dark, min(WINDOW_WIDTHS * (width or look.width), widest))
+    look = _measure_contrast(few, look._replace(ground=local), threshold)
     look = look._replace(threshold=0.5 * look.contrast if threshold is None else threshold)
-    blurs = [blur for blur in BLURS if blur <= SOFTEST * look.width]
+    blurs = [blur for blur in BLURS if blur <= MAX_BLUR_SHARE * look.width]
     fields = [[look._replace(blur=blur).contrasts(sample) for sample in samples] for blur in blurs]
-    noises = [_noise(field) for field in fields]
-    enough = [at for at, noise in enumerate(noises) if NOISY * noise <= 0.5 * look.contrast]
+    noises = [_frame_noise(field) for field in fields]
+    enough = [at for at, noise in enumerate(noises) if NOISE_FACTOR * noise <= 0.5 * look.contrast]
     at = enough[0] if enough else -1
     look = look._replace(blur=blurs[at], noise=noises[0])
     slopes = [look.slopes(sample) for sample in samples]
-    return look._replace(width=width or next(_widest(fields[at], slopes, (look.threshold,)))[0])
+    return look._replace(width=width or next(_widest_spots(fields[at], slopes, (look.threshold,)))[0])
 
 
-def _tried(samples: Sequence[Grey], picture: Array, dark: bool, threshold: float | None) -> Appearance:
+def _try_side(samples: Sequence[Grey], picture: Array, dark: bool, threshold: float | None) -> Appearance:
     """Appearance by the widest window that may hold a walker; width 0 unless smaller ones agree.
 
     What lies between walkers stands out as well, on their other side, but as wide as the window
     lets it.
     """
-    widest = WIDEST * min(picture.shape)
+    widest = MAX_WINDOW_SHARE * min(picture.shape)
     looks = [
-        _seen(samples, Appearance(picture, ground(picture, dark, share * widest), dark), threshold) for share in WINDOWS
+        _measure_contrast(samples, Appearance(picture, estimate_ground(picture, dark, share * widest), dark), threshold)
+        for share in WINDOW_SHARES
     ]
     whole = looks[0]
     differences = [
         abs(look.width - whole.width)
-        for look, share in zip(looks, WINDOWS, strict=True)
-        if share * widest > AROUND * whole.width
+        for look, share in zip(looks, WINDOW_SHARES, strict=True)
+        if share * widest > MIN_WINDOW_WIDTHS * whole.width
     ]
-    agree = len(differences) > 1 and max(differences) <= SAME * whole.width
+    agree = len(differences) > 1 and max(differences) <= WIDTH_TOLERANCE * whole.width
     return whole if agree else whole._replace(width=0.0)
 
 
-def ground(picture: Array, dark: bool, widest: float) -> Array:
+def estimate_ground(picture: Array, dark: bool, widest: float) -> Array:
     """Brightness of the ground, without what is dark, or light, and narrower than that, pixels."""
     side, window = 1.0 if dark else -1.0, round(widest) | 1
     # A closing, but of what is seen alone: beyond the frame there is neither ground nor walker.
     high = ndimage.maximum_filter(side * picture, window, mode="constant", cval=-np.inf)
     closed = ndimage.minimum_filter(high, window, mode="constant", cval=np.inf)
     off = closed - side * picture
-    bias = np.median(off[off < FAINTEST])  # it follows noise upward
+    bias = np.median(off[off < MIN_CONTRAST])  # it follows noise upward
     return np.asarray(np.maximum(side * (closed - bias), 1.0))
 
 
-def _seen(samples: Sequence[Grey], look: Appearance, threshold: float | None) -> Appearance:
+def _measure_contrast(samples: Sequence[Grey], look: Appearance, threshold: float | None) -> Appearance:
     """Appearance with what stands out from its ground, sharp-edged; its width is 0 without any.
 
     Where the ground is not known well, shades of the light that are fainter than walkers run into
@@ -174,50 +177,52 @@ def _seen(samples: Sequence[Grey], look: Appearance, threshold: float | None) ->
     """
     fields = [look.contrasts(sample) for sample in samples]
     slopes = [look.slopes(sample) for sample in samples]
-    noise = _noise(fields)
-    least = min(max(NOISY * noise, FAINTEST), STRONGEST) if threshold is None else threshold
-    steps = [least * 2**n for n in range(STEPS) if threshold is None or n == 0]
-    width, level = max(_widest(fields, slopes, steps), key=lambda spot: spot[0])
+    noise = _frame_noise(fields)
+    least = min(max(NOISE_FACTOR * noise, MIN_CONTRAST), MAX_CONTRAST) if threshold is None else threshold
+    steps = [least * 2**n for n in range(THRESHOLD_STEPS) if threshold is None or n == 0]
+    width, level = max(_widest_spots(fields, slopes, steps), key=lambda spot: spot[0])
     return look._replace(noise=noise, threshold=least, contrast=max(level, least), width=width)
 
 
-def _noise(fields: Sequence[Array]) -> float:
+def _frame_noise(fields: Sequence[Array]) -> float:
     """Deviation of contrasts from frame to frame, by its median size: little moves."""
     steps = [np.median(np.abs(now - before)) for before, now in pairwise(fields)]
     return 1.4826 / math.sqrt(2.0) * float(np.median(steps)) if steps else 0.0
 
 
-def _widest(
+def _widest_spots(
     fields: Sequence[Array], slopes: Sequence[Array], thresholds: Sequence[float]
 ) -> Iterator[tuple[float, float]]:
     """Median width of the widest things with a sharp edge, pixels, and their contrast, at each."""
     for threshold in thresholds:
-        spots = [spot for field, slope in zip(fields, slopes, strict=True) for spot in _sharp(field, slope, threshold)]
+        spots = [
+            spot for field, slope in zip(fields, slopes, strict=True) for spot in _sharp_spots(field, slope, threshold)
+        ]
         widest = max((width for width, _ in spots), default=0.0)
         wide = [spot for spot in spots if spot[0] > 0.5 * widest]  # marks and letters are not
         width, level = np.median(wide, axis=0) if wide else (0.0, 0.0)
         yield float(width), float(level)
 
 
-def _sharp(field: Array, slope: Array, threshold: float) -> Iterator[tuple[float, float]]:
+def _sharp_spots(field: Array, slope: Array, threshold: float) -> Iterator[tuple[float, float]]:
     """Width, pixels, and contrast in the middle, of all things whose edge is sharp all around."""
-    for box, piece in pieces(field > threshold, THINNEST):
+    for box, piece in connected_pieces(field > threshold, MIN_WIDTH_PX):
         inside = piece[1:-1, 1:-1]
-        edge = inside & ~ndimage.binary_erosion(piece, EIGHT)[1:-1, 1:-1]
+        edge = inside & ~ndimage.binary_erosion(piece, EIGHT_NEIGHBOURS)[1:-1, 1:-1]
         level = float(np.median(field[box][inside]))
-        if np.quantile(slope[box][edge], ALONG) > EDGE * level:
+        if np.quantile(slope[box][edge], MAX_SOFT_SHARE) > MIN_EDGE_SLOPE * level:
             deep = ndimage.distance_transform_edt(piece)[1:-1, 1:-1]
             middle = np.median(field[box][deep > 0.5 * deep.max()])
             yield 2.0 * float(deep.max()), float(middle)
 
 
-def pieces(mask: Mask, width: float) -> Iterator[tuple[tuple[slice, slice], Mask]]:
+def connected_pieces(mask: Mask, width: float) -> Iterator[tuple[tuple[slice, slice], Mask]]:
     """Yield the connected pieces of a mask, each alone in its own box, after the box's place.
 
     Only those that may hold something `width` pixels wide, and none that touches the mask's border, as a table around
     the plate does.
     """
-    labels, _ = ndimage.label(mask, EIGHT)
+    labels, _ = ndimage.label(mask, EIGHT_NEIGHBOURS)
     for number, box in enumerate(ndimage.find_objects(labels), start=1):
         sizes = [side.stop - side.start for side in box]
         inside = all(side.start > 0 and side.stop < whole for side, whole in zip(box, mask.shape, strict=True))

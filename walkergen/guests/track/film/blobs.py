@@ -11,34 +11,34 @@ import numpy as np
 import numpy.typing as npt
 from scipy import ndimage
 
-from walkergen.guests.track.film.appearance import EIGHT, Appearance, Array, Mask, pieces
+from walkergen.guests.track.film.appearance import EIGHT_NEIGHBOURS, Appearance, Array, Mask, connected_pieces
 from walkergen.guests.track.film.films import Grey
 
 Column = npt.NDArray[np.float64]
 
-RUBBED = 0.3
+OPENING_RADIUS = 0.3
 """Radius of the disc that rubs out what is thin, over the walkers' width."""
 
-THICK = 0.38
+MIN_HALF_WIDTH = 0.38
 """Least distance from the edge to the middle of a walker, over the width: letters have less."""
 
-DIAGONAL = 1.415
+CHESSBOARD_RATIO = 1.415
 """Largest true distance over a chessboard's."""
 
-HOLE = 0.8
+MAX_HOLE_AREA = 0.8
 """Largest hole that is filled, a mark as bright as the ground, over the square of the width."""
 
-DEEP = 0.12
+MARK_DEPTH = 0.12
 """Distance from the edge, over the width, at which a mark is looked for."""
 
-MARKED, SPOT = 0.25, 0.3
+MIN_MARK_CONTRAST, MAX_MARK_SHARE = 0.25, 0.3
 """Smallest contrast of a mark over that of the walkers; its largest share of a walker's area."""
 
-OFF_CENTRE = 0.08
+MIN_MARK_OFFSET = 0.08
 """Smallest distance of a mark from the centre, over a walker's length."""
 
 
-FULL, MOSTLY = 0.8, 0.7
+MIN_CORE_CONTRAST, CORE_QUANTILE = 0.8, 0.7
 """Least contrast of a walker's inside over its own, where a shadow has less; its own is that below
 which this share of all that is taken for it lies."""
 
@@ -76,62 +76,62 @@ class Blobs(NamedTuple):
     pull_y: Column
 
 
-def find(frame: Grey, look: Appearance, marked: bool) -> list[Blob]:
+def find_blobs(frame: Grey, look: Appearance, marked: bool) -> list[Blob]:
     """Things at least as thick as walkers in a frame, from the upper one down; marks if wanted."""
     field = look.contrasts(frame)
     blobs = []
-    for box, piece in pieces(field > look.threshold, 0.5 * look.width):
-        whole = _filled(piece, look.width)
-        if DIAGONAL * ndimage.distance_transform_cdt(whole).max() < THICK * look.width:
+    for box, piece in connected_pieces(field > look.threshold, 0.5 * look.width):
+        whole = _fill_holes(piece, look.width)
+        if CHESSBOARD_RATIO * ndimage.distance_transform_cdt(whole).max() < MIN_HALF_WIDTH * look.width:
             continue  # a letter, or a line around the plate: a true distance takes long to find
         left, top = box[1].start - 1, box[0].start - 1  # a piece is padded, within the frame
         inside = field[top : box[0].stop + 1, left : box[1].stop + 1]
-        labels, count = ndimage.label(_opened(whole, RUBBED * look.width), EIGHT)
+        labels, count = ndimage.label(_open_mask(whole, OPENING_RADIUS * look.width), EIGHT_NEIGHBOURS)
         for number in range(1, count + 1):
             mask = labels == number
-            if ndimage.distance_transform_edt(mask).max() < THICK * look.width:
+            if ndimage.distance_transform_edt(mask).max() < MIN_HALF_WIDTH * look.width:
                 continue
-            blob = _blob(_covered(mask, inside), left, top)
-            pull_x, pull_y = _pull(mask, inside)
+            blob = _measure_blob(_coverage(mask, inside), left, top)
+            pull_x, pull_y = _shadow_pull(mask, inside)
             blob = blob._replace(pull_x=pull_x, pull_y=pull_y)
             if marked:
-                blob = blob._replace(mark=_mark(mask, inside, blob, left, top, look))
+                blob = blob._replace(mark=_mark_direction(mask, inside, blob, left, top, look))
             blobs.append(blob)
     return blobs
 
 
-def _covered(mask: Mask, field: Array) -> Array:
+def _coverage(mask: Mask, field: Array) -> Array:
     """Share of each pixel that a walker covers: at its edge what the contrast says, inside 1."""
-    near = ndimage.binary_dilation(mask, EIGHT)
-    deep = ndimage.binary_erosion(mask, EIGHT, iterations=2)
+    near = ndimage.binary_dilation(mask, EIGHT_NEIGHBOURS)
+    deep = ndimage.binary_erosion(mask, EIGHT_NEIGHBOURS, iterations=2)
     level = np.median(field[deep if deep.any() else mask])  # light may differ from place to place
     share = np.where(near, (field / level).clip(0.0, 1.0), 0.0)
     share[deep] = 1.0
     return share
 
 
-def _pull(piece: Mask, field: Array) -> tuple[float, float]:
+def _shadow_pull(piece: Mask, field: Array) -> tuple[float, float]:
     """Way from the middle of a walker's own contrast to that of all that is taken for it, pixels.
 
     Marks within do not count.
     """
-    core = ndimage.binary_fill_holes(piece & (field > FULL * np.quantile(field[piece], MOSTLY)))
+    core = ndimage.binary_fill_holes(piece & (field > MIN_CORE_CONTRAST * np.quantile(field[piece], CORE_QUANTILE)))
     (row, col), (own_row, own_col) = (ndimage.center_of_mass(mask) for mask in (piece, core))
     return float(col - own_col), float(row - own_row)
 
 
-def _filled(piece: Mask, width: float) -> Mask:
+def _fill_holes(piece: Mask, width: float) -> Mask:
     """Piece without its small holes."""
     holes, count = ndimage.label(~piece)  # its outside is the first of them
     if count < 2:
         return piece
     areas = np.bincount(holes.ravel())
-    small = (areas <= HOLE * width * width) & (np.arange(count + 1) > 0)
+    small = (areas <= MAX_HOLE_AREA * width * width) & (np.arange(count + 1) > 0)
     small[holes[0, 0]] = False
     return np.asarray(piece | small[holes])
 
 
-def _opened(piece: Mask, radius: float) -> Mask:
+def _open_mask(piece: Mask, radius: float) -> Mask:
     """Piece without what is thinner than a disc of that radius, pixels."""
     core: Mask = ndimage.distance_transform_edt(piece) > radius
     if not core.any():
@@ -139,7 +139,7 @@ def _opened(piece: Mask, radius: float) -> Mask:
     return np.asarray(ndimage.distance_transform_edt(~core) <= radius)
 
 
-def _blob(covered: Array, left: int, top: int) -> Blob:
+def _measure_blob(covered: Array, left: int, top: int) -> Blob:
     """Centre, axis and extents of pixels that are covered by these shares."""
     rows, cols = np.nonzero(covered)
     weight = covered[rows, cols].astype(float)
@@ -164,23 +164,23 @@ def _extent(weight: Array, off: Array, half: float) -> float:
     return float((weight * (half + 0.5 - np.abs(off)).clip(0.0, 1.0)).sum()) / (2.0 * half)
 
 
-def _mark(own: Mask, field: Array, blob: Blob, left: int, top: int, look: Appearance) -> float:
+def _mark_direction(own: Mask, field: Array, blob: Blob, left: int, top: int, look: Appearance) -> float:
     """Direction to the spot that differs most from the rest of a walker; NaN without one."""
-    deep = ndimage.distance_transform_edt(own) > max(1.5, DEEP * look.width)
+    deep = ndimage.distance_transform_edt(own) > max(1.5, MARK_DEPTH * look.width)
     if not deep.any():
         return math.nan
     contrast = np.where(deep, field - np.median(field[deep]), 0.0)
     strongest = contrast.flat[np.abs(contrast).argmax()]
-    if abs(strongest) < MARKED * look.contrast:
+    if abs(strongest) < MIN_MARK_CONTRAST * look.contrast:
         return math.nan
-    spots, _ = ndimage.label(contrast * np.sign(strongest) > 0.5 * abs(strongest), EIGHT)
+    spots, _ = ndimage.label(contrast * np.sign(strongest) > 0.5 * abs(strongest), EIGHT_NEIGHBOURS)
     areas = np.bincount(spots.ravel())
     areas[0] = 0
     spot = spots == areas.argmax()
-    if areas.max() > SPOT * blob.area:
+    if areas.max() > MAX_MARK_SHARE * blob.area:
         return math.nan
     row, col = ndimage.center_of_mass(np.abs(contrast) * spot)
     x, y = left + col - blob.x, blob.y - top - row
-    if math.hypot(x, y) < OFF_CENTRE * blob.length:
+    if math.hypot(x, y) < MIN_MARK_OFFSET * blob.length:
         return math.nan
     return math.atan2(y, x)

@@ -19,22 +19,22 @@ from walkergen.guests.track.film.films import Grey
 
 Array = npt.NDArray[np.float64]
 
-SOFT = 2.0
+BLUR_PX = 2.0
 """Deviation of the blur, pixels, within about twice which a shift is found."""
 
-STEEP, LEAST_STEEP = 5.0, 0.5
+SLOPE_FACTOR, MIN_SLOPE = 5.0, 0.5
 """Least slope of a point over the noise of slopes, and in steps of 255 over a pixel."""
 
-MOST_POINTS, FEWEST_POINTS = 4000, 30
+MAX_POINTS, MIN_POINTS = 4000, 30
 """Number of points that are followed, and below which none are."""
 
-BESIDE = 0.75
+WALKER_MARGIN = 0.75
 """Distance from a walker, over its length, within which nothing counts as standing still."""
 
-ROUNDS = 5
+SHIFT_ROUNDS = 5
 """Rounds in which a shift is improved."""
 
-UNSURE = 0.1
+MAX_SHIFT_ERROR_PX = 0.1
 """Standard error of a shift beyond which it is not known, pixels."""
 
 
@@ -58,41 +58,41 @@ class Shake(NamedTuple):
     """Largest distance from the middle."""
 
 
-def fixed(samples: Sequence[Grey], look: Appearance, walkers: Sequence[Blob]) -> Fixed | None:
+def find_fixed_points(samples: Sequence[Grey], look: Appearance, walkers: Sequence[Blob]) -> Fixed | None:
     """Steepest points of the film's first frames away from `walkers`; None for too few."""
-    soft = ndimage.gaussian_filter(np.median(np.stack(samples), axis=0), SOFT, output=float)
-    first, last = (ndimage.gaussian_filter(samples[at], SOFT, output=float) for at in (0, -1))
+    soft = ndimage.gaussian_filter(np.median(np.stack(samples), axis=0), BLUR_PX, output=float)
+    first, last = (ndimage.gaussian_filter(samples[at], BLUR_PX, output=float) for at in (0, -1))
     noise = 1.4826 / math.sqrt(2.0) * float(np.median(np.abs(last - first)))
     slopes = np.stack(np.gradient(soft)[::-1])
     steep = np.hypot(*slopes)
-    steep[: int(2 * SOFT)] = steep[-int(2 * SOFT) :] = 0.0
-    steep[:, : int(2 * SOFT)] = steep[:, -int(2 * SOFT) :] = 0.0
+    steep[: int(2 * BLUR_PX)] = steep[-int(2 * BLUR_PX) :] = 0.0
+    steep[:, : int(2 * BLUR_PX)] = steep[:, -int(2 * BLUR_PX) :] = 0.0
     # A blurred slope has the noise of a blurred pixel over the blur's width
-    rows, columns = np.nonzero(steep > max(STEEP * noise / SOFT, LEAST_STEEP))
-    free = _apart(np.stack([columns, rows]), walkers)
+    rows, columns = np.nonzero(steep > max(SLOPE_FACTOR * noise / BLUR_PX, MIN_SLOPE))
+    free = _is_clear(np.stack([columns, rows]), walkers)
     rows, columns = rows[free], columns[free]
-    chosen = np.argsort(-steep[rows, columns], kind="stable")[:MOST_POINTS]
+    chosen = np.argsort(-steep[rows, columns], kind="stable")[:MAX_POINTS]
     rows, columns = rows[chosen], columns[chosen]
-    if len(rows) < FEWEST_POINTS:
+    if len(rows) < MIN_POINTS:
         return None
     places = np.stack([columns, rows]).astype(float)
     return Fixed(places, soft[rows, columns], slopes[:, rows, columns])
 
 
-def shift(points: Fixed, frame: Grey, walkers: Sequence[Blob]) -> Array:
+def find_shift(points: Fixed, frame: Grey, walkers: Sequence[Blob]) -> Array:
     """Displacement of what stands still since the first frames, pixels, x to the right, y down.
 
     NaN where too few points are free of walkers, or where they leave it open.
     """
-    free = _apart(points.places, walkers)
+    free = _is_clear(points.places, walkers)
     places, values, slopes = points.places[:, free], points.values[free], points.slopes[:, free]
     unknown = np.full(2, np.nan)
-    if len(values) < FEWEST_POINTS:
+    if len(values) < MIN_POINTS:
         return unknown
-    soft = ndimage.gaussian_filter(frame, SOFT, output=float)
+    soft = ndimage.gaussian_filter(frame, BLUR_PX, output=float)
     terms = np.stack([*slopes, np.ones_like(values), values], axis=1)
     moved_by, steady = np.zeros(2), np.ones(len(values), dtype=bool)
-    for _ in range(ROUNDS):
+    for _ in range(SHIFT_ROUNDS):
         moved = (places + moved_by[:, None])[::-1]
         change = ndimage.map_coordinates(soft, moved, order=1, mode="nearest") - values
         fit, _, rank, _ = np.linalg.lstsq(terms[steady], change[steady])
@@ -103,10 +103,10 @@ def shift(points: Fixed, frame: Grey, walkers: Sequence[Blob]) -> Array:
         steady = np.abs(off) <= 3.0 * scatter + 1e-9  # what moves, or shines, does not count
         moved_by = moved_by - fit[:2]
     spread = scatter**2 * np.linalg.pinv(terms[steady].T @ terms[steady])
-    return moved_by if np.sqrt(np.diag(spread)[:2]).max() < UNSURE else unknown
+    return moved_by if np.sqrt(np.diag(spread)[:2]).max() < MAX_SHIFT_ERROR_PX else unknown
 
 
-def shake(shifts: Sequence[Array]) -> Shake:
+def measure_shake(shifts: Sequence[Array]) -> Shake:
     """Size of the shifts of many frames about their middle."""
     known_shifts = np.array(shifts).reshape(-1, 2)
     known_shifts = known_shifts[~np.isnan(known_shifts).any(axis=1)]
@@ -116,10 +116,10 @@ def shake(shifts: Sequence[Array]) -> Shake:
     return Shake(float(np.sqrt(np.mean(off**2))), float(np.hypot(*off.T).max()))
 
 
-def _apart(places: npt.NDArray[np.generic], walkers: Sequence[Blob]) -> npt.NDArray[np.bool_]:
+def _is_clear(places: npt.NDArray[np.generic], walkers: Sequence[Blob]) -> npt.NDArray[np.bool_]:
     """Return which positions, shape (2, n), lie away from all walkers."""
     free = np.ones(places.shape[1], dtype=bool)
     for walker in walkers:
-        near = np.hypot(places[0] - walker.x, places[1] - walker.y) < BESIDE * walker.length + 2.0 * SOFT
+        near = np.hypot(places[0] - walker.x, places[1] - walker.y) < WALKER_MARGIN * walker.length + 2.0 * BLUR_PX
         free &= ~near
     return free

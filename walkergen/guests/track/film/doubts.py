@@ -11,13 +11,13 @@ from walkergen.guests.track.film.films import Clock, Film
 
 Array = npt.NDArray[np.float64]
 
-LEGS = 10.0
+LEG_JITTERS = 10.0
 """Length of the straight legs of a path over the jitter: noise lengthens each by its square."""
 
-READ, LEAST_S = 0.95, 0.5
+MIN_READ_SHARE, READ_MARGIN_S = 0.95, 0.5
 """Share of its duration, less this time (s) for its last frames, below which a film breaks off."""
 
-LOST = 0.05
+MAX_LOST_SHARE = 0.05
 """Share of frames in which a walker is lost that is worth a warning."""
 
 
@@ -51,13 +51,13 @@ def jitter(tracks: Sequence[tuple[Array, Array]]) -> float:
     return float(np.sqrt(np.mean(joined))) if len(joined) else math.nan
 
 
-def path(places: Array, noise: float) -> float:
+def path_length(places: Array, noise: float) -> float:
     """Length of a path through places, shape (n, 2), each off by `noise` along an axis.
 
     In legs of ten times the noise, or of a frame where that is longer: a sum over all frames would
     grow with their number even for a walker that stands.
     """
-    least, total, last = LEGS * noise, 0.0, places[0]
+    least, total, last = LEG_JITTERS * noise, 0.0, places[0]
     for place in places[1:]:
         leg = math.dist(place, last)
         if leg >= least:
@@ -65,9 +65,9 @@ def path(places: Array, noise: float) -> float:
     return total
 
 
-def broken_off(film: Film, clock: Clock, frames: tuple[int, int | None]) -> list[str]:
+def truncation_warnings(film: Film, clock: Clock, frames: tuple[int, int | None]) -> list[str]:
     """Warning of a film that ends before it should, when it was read to its end."""
     end, announced = clock.played_s, film.seconds
-    if frames[1] is not None or end >= READ * announced - LEAST_S:
+    if frames[1] is not None or end >= MIN_READ_SHARE * announced - READ_MARGIN_S:
         return []
     return [f"the film breaks off: {end:.3g} s of {announced:.3g} s could be read"]

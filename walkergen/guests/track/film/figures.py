@@ -9,7 +9,7 @@ from matplotlib.patheffects import withStroke
 
 from walkergen.guests.track.film.result import Tracked, Walker
 
-WIDE, TALLEST = 8.0, 9.0
+WIDTH_INCHES, MAX_FRAME_INCHES = 8.0, 9.0
 """Width of the figure, and largest height of the film's frame in it, inches."""
 
 COLOURS = ("#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
@@ -18,16 +18,16 @@ COLOURS = ("#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 HALO = (withStroke(linewidth=2.5, foreground="white"),)
 """Rim around lines and letters, so that they are seen on any film."""
 
-MOST_ROWS = 40
+MAX_ROWS = 40
 """Largest number of walkers that have a row of their own in the lower panel."""
 
 
-def check_figure(tracked: Tracked) -> Figure:
+def draw_check(tracked: Tracked) -> Figure:
     """Draw the first frame with what was found in it, all tracks, and when each was seen."""
     left, top, right, bottom = tracked.part
-    tall = min(WIDE * (bottom - top) / (right - left), TALLEST)
-    low = 0.9 + 0.16 * min(len(tracked.walkers), MOST_ROWS)
-    figure = Figure(figsize=(WIDE, tall + low + 0.5), layout="constrained")
+    tall = min(WIDTH_INCHES * (bottom - top) / (right - left), MAX_FRAME_INCHES)
+    low = 0.9 + 0.16 * min(len(tracked.walkers), MAX_ROWS)
+    figure = Figure(figsize=(WIDTH_INCHES, tall + low + 0.5), layout="constrained")
     axes, lower = figure.subplots(2, 1, height_ratios=(tall, low))
     axes.imshow(tracked.picture, cmap="gray", vmin=0, vmax=255, extent=(left, right, bottom, top), alpha=0.75)
     axes.set_xlim(left, right)  # what is drawn later changes no limits
@@ -36,17 +36,17 @@ def check_figure(tracked: Tracked) -> Figure:
     axes.set_ylabel("y (pixels)")
     first = tracked.options.frames[0]
     for row, walker in enumerate(tracked.walkers):
-        _draw(axes, walker, first, COLOURS[row % len(COLOURS)])
+        _draw_walker(axes, walker, first, COLOURS[row % len(COLOURS)])
     axes.set_title(
         f"{tracked.film.path.name}, frame {first}: walkers there (solid), first seen later "
         "(dotted), last seen (dashed)",
         fontsize=10,
     )
-    _when(lower, tracked.walkers, first, tracked.looked)
+    _draw_timeline(lower, tracked.walkers, first, tracked.looked)
     return figure
 
 
-def _draw(axes: Axes, walker: Walker, first: int, colour: str) -> None:
+def _draw_walker(axes: Axes, walker: Walker, first: int, colour: str) -> None:
     """Draw a walker's outline and front where it was first and last seen, its track and number."""
     gaps = np.flatnonzero(np.diff(walker.frames) > 1) + 1
     x, y = (np.insert(values, gaps, np.nan) for values in walker.pixels.T)
@@ -62,9 +62,9 @@ def _draw(axes: Axes, walker: Walker, first: int, colour: str) -> None:
     axes.text(at_x, at_y, number, fontsize=9, weight="bold", ha="center", va="center", path_effects=HALO)
 
 
-def _when(axes: Axes, walkers: Sequence[Walker], first: int, looked: int) -> None:
+def _draw_timeline(axes: Axes, walkers: Sequence[Walker], first: int, looked: int) -> None:
     """Draw the frames in which each walker was seen, a row each, of `looked` from `first` on."""
-    shown = walkers[:MOST_ROWS]
+    shown = walkers[:MAX_ROWS]
     for row, walker in enumerate(shown):
         cuts = np.flatnonzero(np.diff(walker.frames) > 1) + 1
         parts = [(int(run[0]), int(run[-1] - run[0] + 1)) for run in np.split(walker.frames, cuts)]

@@ -31,15 +31,15 @@ Grey = npt.NDArray[np.uint8]
 Box = tuple[int, int, int, int]
 """Left, top, right and bottom of a part of the frame, pixels."""
 
-MOST_PIXELS = 36_000_000
+MAX_PIXELS = 36_000_000
 """Largest frame: 8K."""
 
-MOST_FRAMES = 1_000_000
+MAX_FRAMES = 1_000_000
 
-MOST_LETTERS = 4096
+MAX_LINE_BYTES = 4096
 """Longest line between frames."""
 
-REGULAR = 0.01
+RATE_TOLERANCE = 0.01
 """Share of the time between frames by which their times may lie off a constant rate."""
 
 
@@ -94,32 +94,32 @@ class Clock(NamedTuple):
         return f"{rate} in the mean, {words.format_range(steps.min(), steps.max(), 3)} ms apart by the film's times"
 
 
-def require() -> None:
+def require_extra() -> None:
     """Raise InputError when the packages of the extra `film` are not installed."""
     extras.require("film", "track")
 
 
-def about(path: Path) -> Film:
+def probe_film(path: Path) -> Film:
     """Read size, rate and duration of a film or a folder of pictures. Raises InputError for others, or if too large."""
-    shots = pictures.listed(path) if path.is_dir() else ()
+    shots = pictures.list_pictures(path) if path.is_dir() else ()
     if not shots:
         reading.check_readable(path, "a film")
-    with _playing(path, shots[:1]) as (process, messages):
+    with _run_ffmpeg(path, shots[:1]) as (process, messages):
         assert process.stdout is not None
-        first = process.stdout.readline(MOST_LETTERS)
+        first = process.stdout.readline(MAX_LINE_BYTES)
         header = {word[:1]: word[1:] for word in first.split()[1:]}
         if b"W" not in header:
-            raise InputError(f"{path}: cannot be read as a film: {_reason(messages)}")
+            raise InputError(f"{path}: cannot be read as a film: {_last_message(messages)}")
         width, height = int(header[b"W"]), int(header[b"H"])
-        fps, aspect = _ratio(header[b"F"]), _ratio(header.get(b"A", b"")) or Fraction(1)
-        seconds = _duration(messages)
+        fps, aspect = _parse_ratio(header[b"F"]), _parse_ratio(header.get(b"A", b"")) or Fraction(1)
+        seconds = _parse_duration(messages)
     if aspect > 1:
         width = round(width * aspect)
     else:
         height = round(height / aspect)
-    if width * height > MOST_PIXELS:
+    if width * height > MAX_PIXELS:
         raise InputError(
-            f"{path}: {width} x {height} pixels a frame: at most {MOST_PIXELS / 1e6:g} million; "
+            f"{path}: {width} x {height} pixels a frame: at most {MAX_PIXELS / 1e6:g} million; "
             "make it smaller: ffmpeg -i FILM -vf scale=1920:-2 SMALL.mp4"
         )
     if shots:
@@ -127,7 +127,7 @@ def about(path: Path) -> Film:
     return Film(path, width, height, float(fps) or None, seconds, aspect)
 
 
-def _ratio(text: bytes) -> Fraction:
+def _parse_ratio(text: bytes) -> Fraction:
     """Ratio that ffmpeg writes as 4:3; 0 where it does not know."""
     numbers = [int(part) for part in text.split(b":")] if text else [0]
     return Fraction(*numbers) if len(numbers) == 2 and numbers[1] else Fraction(0)
@@ -154,12 +154,12 @@ def play(film: Film, part: Box, frames: tuple[int, int | None], progress: Progre
             *(() if last is None else ("-frames:v", str(last))),
             *(() if film.aspect == 1 else ("-vf", f"scale={film.width}:{film.height},setsar=1")),
         ]
-        with _playing(film.path, film.pictures, options) as (process, messages):
-            whole = _frames(film, first, process, messages)
-            yield Reel(_parts(whole, part, expected, progress), expected, stamps)
+        with _run_ffmpeg(film.path, film.pictures, options) as (process, messages):
+            whole = _read_frames(film, first, process, messages)
+            yield Reel(_crop_frames(whole, part, expected, progress), expected, stamps)
 
 
-def _parts(frames: Iterator[Grey], part: Box, expected: int, progress: Progress) -> Iterator[Grey]:
+def _crop_frames(frames: Iterator[Grey], part: Box, expected: int, progress: Progress) -> Iterator[Grey]:
     """Parts of frames, each told of once it is done with."""
     left, top, right, bottom = part
     for done, whole in enumerate(frames, 1):
@@ -167,32 +167,32 @@ def _parts(frames: Iterator[Grey], part: Box, expected: int, progress: Progress)
         progress("frames", done, max(expected, done))
 
 
-def refuse_few(frames: int, first: int) -> None:
+def check_frame_count(frames: int, first: int) -> None:
     """Raise InputError for fewer than two frames from the first on."""
     if frames < 2:
         raise InputError(f"{frames} frame{'' if frames == 1 else 's'} from {first} on: at least 2 are needed")
 
 
-def _frames(film: Film, first: int, process: "subprocess.Popen[bytes]", messages: IO[bytes]) -> Iterator[Grey]:
+def _read_frames(film: Film, first: int, process: "subprocess.Popen[bytes]", messages: IO[bytes]) -> Iterator[Grey]:
     """Whole frames from the first on."""
     size = film.width * film.height
     assert process.stdout is not None
-    process.stdout.readline(MOST_LETTERS)
+    process.stdout.readline(MAX_LINE_BYTES)
     for number in count():
-        if not process.stdout.readline(MOST_LETTERS):
+        if not process.stdout.readline(MAX_LINE_BYTES):
             break
         data = process.stdout.read(size)
         if len(data) < size:
-            why = _reason(messages)
+            why = _last_message(messages)
             raise InputError(f"{film.path}: breaks off in frame {number}: {why}")
-        if number >= MOST_FRAMES:
-            raise InputError(f"{film.path}: more than {MOST_FRAMES} frames: cut the film")
+        if number >= MAX_FRAMES:
+            raise InputError(f"{film.path}: more than {MAX_FRAMES} frames: cut the film")
         if number >= first:
             yield np.frombuffer(data, np.uint8).reshape(film.height, film.width)
     process.wait()  # it writes the last of the times at its end
 
 
-def clock(film: Film, stamps: Path, filmed_fps: float | None) -> Clock:
+def read_clock(film: Film, stamps: Path, filmed_fps: float | None) -> Clock:
     """Find the times of the frames that were played: the container's, or of a constant rate that fits them.
 
     `filmed_fps` is the rate at which it was filmed, if it plays slower: times shrink accordingly. Raises InputError if
@@ -211,7 +211,7 @@ def clock(film: Film, stamps: Path, filmed_fps: float | None) -> Clock:
         if rate is None:
             continue
         even = np.arange(len(times)) / rate
-        if np.abs(times - even).max() <= max(float(unit), REGULAR / rate):
+        if np.abs(times - even).max() <= max(float(unit), RATE_TOLERANCE / rate):
             fps = filmed_fps or rate
             return Clock(np.arange(len(times)) / fps, fps, True, float(times[-1]))
     fps = filmed_fps or played
@@ -219,7 +219,7 @@ def clock(film: Film, stamps: Path, filmed_fps: float | None) -> Clock:
 
 
 @contextmanager
-def _playing(
+def _run_ffmpeg(
     path: Path, shots: Sequence[Path], more: Sequence[str] = ()
 ) -> Iterator[tuple["subprocess.Popen[bytes]", IO[bytes]]]:
     """Ffmpeg at work on a film or on pictures, sending its frames, and its messages; ended at the end."""
@@ -248,20 +248,20 @@ def _playing(
             process.kill()
 
 
-def _lines(messages: IO[bytes]) -> list[str]:
+def _message_lines(messages: IO[bytes]) -> list[str]:
     """Lines that ffmpeg has written so far."""
     messages.seek(0)
     return [line.strip() for line in messages.read().decode(errors="replace").splitlines()]
 
 
-def _reason(messages: IO[bytes]) -> str:
+def _last_message(messages: IO[bytes]) -> str:
     """Last of ffmpeg's lines."""
-    return next((line[:120] for line in reversed(_lines(messages)) if line), "no reason is given")
+    return next((line[:120] for line in reversed(_message_lines(messages)) if line), "no reason is given")
 
 
-def _duration(messages: IO[bytes]) -> float:
+def _parse_duration(messages: IO[bytes]) -> float:
     """Duration by the film's own account, s; 0 where it says nothing."""
-    match = re.search(r"Duration: (\d+):(\d+):(\d+\.\d+)", " ".join(_lines(messages)))
+    match = re.search(r"Duration: (\d+):(\d+):(\d+\.\d+)", " ".join(_message_lines(messages)))
     if match is None:
         return 0.0
     hours, minutes, seconds = map(float, match.groups())

@@ -17,20 +17,20 @@ from walkergen.guests.track.film.linking import Seen
 Array = npt.NDArray[np.float64]
 
 By = Literal["motion", "mark"]
-BY: tuple[By, ...] = get_args(By)
+HEADING_SOURCES: tuple[By, ...] = get_args(By)
 """What tells which end is the front."""
 
-LONG = 1.2
+MIN_ELONGATION = 1.2
 """Smallest length over width of a walker whose long axis is known."""
 
-MOST_TURN = math.radians(40.0)
+MAX_TURN = math.radians(40.0)
 """Largest turn of a long axis between two frames in which it was seen; it may be either beyond 90
 degrees."""
 
-MOST_GAP = 3
+MAX_GAP_FRAMES = 3
 """Largest number of frames for which a walker may be lost and its axis followed."""
 
-MOVED = 0.1
+MIN_RUN_LENGTHS = 0.1
 """Shortest way along the axis, over a walker's length, that tells which end is the front."""
 
 
@@ -44,58 +44,58 @@ class Headed(NamedTuple):
     """What they rest on, or the reason why there is none."""
 
 
-def of(walker: Seen, by: By) -> Headed:
+def find_headings(walker: Seen, by: By) -> Headed:
     """Headings of one walker, by its mark or by its motion."""
     axis, mark = walker.blobs.axis, walker.blobs.mark
     elongation = float(np.median(walker.blobs.length / walker.blobs.width))
     seen = ~np.isnan(mark)
     if by == "mark" and not seen.any():
-        return _unknown(walker, "no mark was seen")
-    if elongation < LONG and by == "mark":
+        return _no_heading(walker, "no mark was seen")
+    if elongation < MIN_ELONGATION and by == "mark":
         how = f"the mark, seen in {seen.sum()} of {len(seen)} frames"
-        return Headed(unwrapped(np.where(seen, mark, np.nan)), how)
-    if elongation < LONG:
-        return _unknown(walker, f"{elongation:.2f} times as long as wide: mark the front, ‹heading=›mark")
+        return Headed(unwrap(np.where(seen, mark, np.nan)), how)
+    if elongation < MIN_ELONGATION:
+        return _no_heading(walker, f"{elongation:.2f} times as long as wide: mark the front, ‹heading=›mark")
     theta = np.full(len(axis), np.nan)
-    for part in _parts(walker.frames, axis):
+    for part in _continuous_parts(walker.frames, axis):
         followed = np.unwrap(axis[part], period=math.pi)
-        votes = _marked(followed, mark[part]) if by == "mark" else _ran(followed, walker, part)
+        votes = _mark_votes(followed, mark[part]) if by == "mark" else _distance_ahead(followed, walker, part)
         if votes:
             theta[part] = followed + (math.pi if votes < 0 else 0.0)
     headed = int((~np.isnan(theta)).sum())
     if not headed:
-        why = f"it ran less than {MOVED:g} of its length" if by == "motion" else "marks disagree"
-        return _unknown(walker, f"{why}, so that front and back are alike")
+        why = f"it ran less than {MIN_RUN_LENGTHS:g} of its length" if by == "motion" else "marks disagree"
+        return _no_heading(walker, f"{why}, so that front and back are alike")
     front = "the mark" if by == "mark" else "the way it runs"
-    return Headed(unwrapped(theta), f"the long axis and {front}, in {headed} of {len(axis)} frames")
+    return Headed(unwrap(theta), f"the long axis and {front}, in {headed} of {len(axis)} frames")
 
 
-def _unknown(walker: Seen, why: str) -> Headed:
+def _no_heading(walker: Seen, why: str) -> Headed:
     return Headed(np.full(len(walker.frames), np.nan), why)
 
 
-def _parts(frames: npt.NDArray[np.int64], axis: Array) -> list[slice]:
+def _continuous_parts(frames: npt.NDArray[np.int64], axis: Array) -> list[slice]:
     """Parts of a track in which the long axis can be followed from frame to frame."""
     turns = np.abs((np.diff(axis) + 0.5 * math.pi) % math.pi - 0.5 * math.pi)
-    cuts = np.flatnonzero((turns > MOST_TURN) | (np.diff(frames) > MOST_GAP)) + 1
+    cuts = np.flatnonzero((turns > MAX_TURN) | (np.diff(frames) > MAX_GAP_FRAMES)) + 1
     ends = [0, *cuts.tolist(), len(axis)]
     return [slice(low, high) for low, high in pairwise(ends)]
 
 
-def _marked(axis: Array, mark: Array) -> float:
+def _mark_votes(axis: Array, mark: Array) -> float:
     """Frames in which the mark lies ahead on an axis less those in which it lies behind."""
     return float(np.nansum(np.sign(np.cos(mark - axis))))
 
 
-def _ran(axis: Array, walker: Seen, part: slice) -> float:
+def _distance_ahead(axis: Array, walker: Seen, part: slice) -> float:
     """Way run along an axis, pixels; 0 where it is too short to tell."""
     x, y = walker.blobs.x[part], -walker.blobs.y[part]
     middle = 0.5 * (axis[1:] + axis[:-1])
     run = float(np.diff(x) @ np.cos(middle) + np.diff(y) @ np.sin(middle))
-    return run if abs(run) > MOVED * float(np.median(walker.blobs.length)) else 0.0
+    return run if abs(run) > MIN_RUN_LENGTHS * float(np.median(walker.blobs.length)) else 0.0
 
 
-def unwrapped(theta: Array) -> Array:
+def unwrap(theta: Array) -> Array:
     """Angles with whole turns counted, each from the one before that is known."""
     unwrapped, certain = theta.copy(), ~np.isnan(theta)
     unwrapped[certain] = np.unwrap(theta[certain])

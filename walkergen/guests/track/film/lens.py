@@ -19,18 +19,18 @@ from walkergen.guests.track.film.blobs import Blobs
 
 Array = npt.NDArray[np.float64]
 
-MOST_BYTES = 1_000_000
-COUNTS = (4, 5, 8, 12, 14)
+MAX_BYTES = 1_000_000
+COEFFICIENT_COUNTS = (4, 5, 8, 12, 14)
 """Numbers of coefficients that OpenCV knows."""
 
-ASPECT = 0.01
+ASPECT_TOLERANCE = 0.01
 """Largest relative difference of the shapes of two pictures of one lens, width over height."""
 
-FOLDS_PX = 0.05
+MAX_RESIDUAL_PX = 0.05
 """Distance of a straightened place, bent again, from where it was seen, pixels: beyond it the
 coefficients have no answer there."""
 
-STEP = 1.0
+STRETCH_STEP_PX = 1.0
 """Half of the way over which a lens's local stretch is taken, pixels."""
 
 
@@ -46,9 +46,9 @@ class Lens(NamedTuple):
     """Place of the optical axis, pixels whose middles are whole numbers."""
     distortion: tuple[float, ...]
 
-    def of_film(self, width: int, height: int) -> "Lens":
+    def for_film(self, width: int, height: int) -> "Lens":
         """Lens for pictures of another size. Raises InputError for those of another shape."""
-        if abs(width * self.height / (height * self.width) - 1.0) > ASPECT:
+        if abs(width * self.height / (height * self.width) - 1.0) > ASPECT_TOLERANCE:
             raise InputError(
                 f"‹lens›: calibrated with pictures of {self.width} x {self.height}, the film has "
                 f"{width} x {height}: film the checkerboard as you film walkers"
@@ -68,7 +68,7 @@ class Lens(NamedTuple):
         """Camera matrix, shape (3, 3)."""
         return np.array([(self.focal[0], 0.0, self.middle[0]), (0.0, self.focal[1], self.middle[1]), (0.0, 0.0, 1.0)])
 
-    def straight(self, pixels: Array) -> Array:
+    def undistort(self, pixels: Array) -> Array:
         """Places by a lens that does not bend, of the same focal length, shape (..., 2).
 
         Pixels count from the picture's upper left corner. Raises InputError where there are none.
@@ -81,21 +81,21 @@ class Lens(NamedTuple):
         ahead = np.column_stack([rays, np.ones(len(rays))])
         again, _ = cv2.projectPoints(ahead, np.zeros(3), np.zeros(3), matrix, distortion)
         off = np.hypot(*(np.asarray(again).reshape(-1, 2) - seen.reshape(-1, 2)).T)
-        if not (off < FOLDS_PX).all():
+        if not (off < MAX_RESIDUAL_PX).all():
             raise InputError(
                 f"‹lens›: its distortion is off by {np.nanmax(off):.2g} pixels where walkers are: "
                 "calibrate with a checkerboard that reaches the edges of the picture"
             )
         return np.asarray(rays * self.focal + self.middle + 0.5).reshape(pixels.shape)
 
-    def most(self) -> float:
+    def max_shift(self) -> float:
         """Compute the largest shift of a corner of the picture, over its distance from the optical axis."""
         corners = np.array([(0, 0), (1, 0), (0, 1), (1, 1)]) * (self.width, self.height)
-        shift = np.linalg.norm(self.straight(corners.astype(float)) - corners, axis=1)
+        shift = np.linalg.norm(self.undistort(corners.astype(float)) - corners, axis=1)
         away = np.linalg.norm(corners - np.array(self.middle) - 0.5, axis=1)
         return float((shift / away).max())
 
-    def straight_blobs(self, blobs: Blobs, offset: tuple[int, int]) -> Blobs:
+    def undistort_blobs(self, blobs: Blobs, offset: tuple[int, int]) -> Blobs:
         """Blobs by a lens that does not bend: places, directions, lengths and areas.
 
         `offset` is the place of their upper left corner in the whole picture, pixels.
@@ -104,9 +104,9 @@ class Lens(NamedTuple):
 
         def along(angle: Array) -> Array:
             """Stretched unit vectors at angles that count as one sees them, shape (n, 2)."""
-            step = STEP * np.column_stack([np.cos(angle), -np.sin(angle)])
-            ways = self.straight(places + step) - self.straight(places - step)
-            return np.asarray(0.5 * ways / STEP)
+            step = STRETCH_STEP_PX * np.column_stack([np.cos(angle), -np.sin(angle)])
+            ways = self.undistort(places + step) - self.undistort(places - step)
+            return np.asarray(0.5 * ways / STRETCH_STEP_PX)
 
         def direction(angle: Array) -> Array:
             known = ~np.isnan(angle)
@@ -115,7 +115,7 @@ class Lens(NamedTuple):
             return np.where(known, turned, np.nan)
 
         ahead, across = along(blobs.axis), along(blobs.axis + 0.5 * math.pi)
-        x, y = (self.straight(places) - np.array(offset) - 0.5).T
+        x, y = (self.undistort(places) - np.array(offset) - 0.5).T
         area = np.abs(ahead[:, 0] * across[:, 1] - ahead[:, 1] * across[:, 0])
         return blobs._replace(
             x=x,
@@ -128,14 +128,14 @@ class Lens(NamedTuple):
         )
 
 
-def read(path: Path) -> Lens:
+def read_lens(path: Path) -> Lens:
     """Lens of a file. Raises InputError for what is missing, or no lens."""
-    data = reading.read_json(path, MOST_BYTES)
+    data = reading.read_json(path, MAX_BYTES)
     if not isinstance(data, dict):
         raise InputError(f"{path}: must be a JSON object with camera_matrix and more, see ‹help›")
-    width, height = (_numbers(data, name, path, (1,))[0] for name in ("image_width", "image_height"))
-    matrix = _numbers(data, "camera_matrix", path, (9,))
-    distortion = _numbers(data, "distortion_coefficients", path, COUNTS)
+    width, height = (_parse_numbers(data, name, path, (1,))[0] for name in ("image_width", "image_height"))
+    matrix = _parse_numbers(data, "camera_matrix", path, (9,))
+    distortion = _parse_numbers(data, "distortion_coefficients", path, COEFFICIENT_COUNTS)
     fx, skew, x, zero, fy, y, *last = matrix
     if min(fx, fy, width, height) <= 0 or (skew, zero, *last) != (0.0, 0.0, 0.0, 0.0, 1.0):
         raise InputError(
@@ -145,7 +145,7 @@ def read(path: Path) -> Lens:
     return Lens(round(width), round(height), (fx, fy), (x, y), tuple(distortion))
 
 
-def _numbers(data: Mapping[str, Any], name: str, path: Path, counts: tuple[int, ...]) -> list[float]:
+def _parse_numbers(data: Mapping[str, Any], name: str, path: Path, counts: tuple[int, ...]) -> list[float]:
     """Numbers of a key, in rows or in one. Raises InputError."""
     value = data.get(name)
     if isinstance(value, dict):

@@ -11,16 +11,16 @@ from walkergen.guests.track.film.blobs import Blob, Blobs
 
 Array = npt.NDArray[np.float64]
 
-SMALL, MERGED = 0.5, 1.6
+MIN_AREA_RATIO, MAX_AREA_RATIO = 0.5, 1.6
 """Areas, over that of a walker, below which a thing is none, and above which it is several."""
 
-REACH = 0.5
+MAX_STEP_LENGTHS = 0.5
 """Largest way from frame to frame, over a walker's length."""
 
 MEMORY_S = 0.2
 """Time for which a walker may be lost and is known again."""
 
-SHORTEST, PART = 5, 0.05
+MIN_TRACK_FRAMES, MIN_TRACK_SHARE = 5, 0.05
 """Least number of frames of a track, and least part of the film's frames."""
 
 
@@ -59,15 +59,15 @@ def link(frames: Sequence[Sequence[Blob]], first: int, fps: float) -> Linked:
     if not blobs:
         raise InputError(f"no walker found in {len(frames)} frames: try ‹threshold›, ‹width› or ‹region›")
     areas = np.array([blob.area for blob in blobs])
-    area = typical(areas)
+    area = typical_area(areas)
     lengths = np.array([blob.length for blob in blobs])
     length = float(np.median(lengths[np.abs(areas - area) < 0.3 * area]))
-    fitting = [[blob for blob in frame if SMALL <= blob.area / area <= MERGED] for frame in frames]
-    names = _named(fitting, REACH * length, max(1, round(MEMORY_S * fps)))
+    fitting = [[blob for blob in frame if MIN_AREA_RATIO <= blob.area / area <= MAX_AREA_RATIO] for frame in frames]
+    names = _link_numbers(fitting, MAX_STEP_LENGTHS * length, max(1, round(MEMORY_S * fps)))
     numbers = np.array([number for number, frame in enumerate(fitting, first) for _ in frame])
     columns = np.array([blob for frame in fitting for blob in frame]).T
     owner = np.array([name for frame in names for name in frame])
-    least = max(SHORTEST, PART * len(frames))
+    least = max(MIN_TRACK_FRAMES, MIN_TRACK_SHARE * len(frames))
     groups = [Seen(numbers[owner == name], Blobs(*columns[:, owner == name])) for name in np.unique(owner)]
     good = sorted(
         (walker for walker in groups if len(walker.frames) >= least),
@@ -76,7 +76,7 @@ def link(frames: Sequence[Sequence[Blob]], first: int, fps: float) -> Linked:
     if not good:
         raise InputError(
             f"no walker found for {least:.3g} frames in a row, of {len(frames)}: what was found "
-            f"jumps by more than {REACH * length:.3g} pixels a frame, or vanishes: film faster, or "
+            f"jumps by more than {MAX_STEP_LENGTHS * length:.3g} pixels a frame, or vanishes: film faster, or "
             "try ‹threshold›, ‹width› or ‹region›"
         )
     return Linked(
@@ -84,12 +84,12 @@ def link(frames: Sequence[Sequence[Blob]], first: int, fps: float) -> Linked:
         area,
         length,
         empty=sum(not frame for frame in frames),
-        merged=sum(any(blob.area > MERGED * area for blob in frame) for frame in frames),
+        merged=sum(any(blob.area > MAX_AREA_RATIO * area for blob in frame) for frame in frames),
         short=len(groups) - len(good),
     )
 
 
-def typical(areas: Array) -> float:
+def typical_area(areas: Array) -> float:
     """Area of a walker: half of all that was found, by area, is larger.
 
     Many small things, or a few walkers that touch, do not change it.
@@ -98,7 +98,7 @@ def typical(areas: Array) -> float:
     return float(ordered[np.searchsorted(np.cumsum(ordered), 0.5 * ordered.sum())])
 
 
-def _named(frames: Sequence[Sequence[Blob]], reach: float, memory: int) -> list[list[int]]:
+def _link_numbers(frames: Sequence[Sequence[Blob]], reach: float, memory: int) -> list[list[int]]:
     """Find the number of the walker that each thing of each frame belongs to. Raises InputError."""
     import trackpy
 

@@ -13,16 +13,16 @@ from walkergen.guests.track.film.report import TrackReport
 from walkergen.guests.track.film.result import Options, Tracked
 from walkergen.guests.track.film.unmarked import Unmarked
 
-SIDES: tuple[str, ...] = ("dark", "light")
+CONTRAST_SIDES: tuple[str, ...] = ("dark", "light")
 """How walkers may differ from the ground."""
 
-MARKERS: tuple[str, ...] = ("aruco",)
+MARKER_KINDS: tuple[str, ...] = ("aruco",)
 """Markers that are read: OpenCV's ArUco."""
 
-SMALLEST = 8
+MIN_SIZE_PX = 8
 """Smallest width and height of what is looked at, pixels."""
 
-LEAST, LARGEST = 1e-6, 1e9
+MIN_VALUE, MAX_VALUE = 1e-6, 1e9
 
 
 def track(path: Path, options: Options, folder: Path, progress: Progress) -> TrackReport:
@@ -31,39 +31,39 @@ def track(path: Path, options: Options, folder: Path, progress: Progress) -> Tra
     Raises InputError, before anything is written, when the film cannot be read or no walker is
     found in it.
     """
-    tracks = report.of(*find(path, options, progress), folder)
+    tracks = report.make_report(*find_walkers(path, options, progress), folder)
     from walkergen.files import figures  # brings matplotlib
 
     with Folder(folder) as target:
-        target.write(report.TRACKS, tracks.table.csv().encode())
-        target.write(report.PICTURE, figures.png(tracks.figures["check"]()))
+        target.write(report.TRACKS_FILE, tracks.table.csv().encode())
+        target.write(report.PICTURE_FILE, figures.png(tracks.figures["check"]()))
         target.finish(dict(tracks.facts))
     return tracks
 
 
-def find(path: Path, options: Options, progress: Progress) -> tuple[Tracked, Unmarked | Marked, Told]:
+def find_walkers(path: Path, options: Options, progress: Progress) -> tuple[Tracked, Unmarked | Marked, Told]:
     """Walkers of a film, what they rest on, and what is to be said of it. Raises InputError."""
-    films.require()
-    check(options)
-    film = films.about(path)
+    films.require_extra()
+    check_options(options)
+    film = films.probe_film(path)
     if film.pictures and options.fps is None:
         raise InputError(f"{path}: pictures do not say when they were taken; give ‹fps›, how many a second")
-    part = part_of(film, options.region)
+    part = select_part(film, options.region)
     found: Unmarked | Marked
-    lens = None if options.lens is None else options.lens.of_film(film.width, film.height)
+    lens = None if options.lens is None else options.lens.for_film(film.width, film.height)
     try:
         if options.markers is None:
             tracked, seen = unmarked.track(film, part, options, lens, progress)
-            found, told = seen, unmarked_doubts.of(tracked, seen)
+            found, told = seen, unmarked_doubts.collect_doubts(tracked, seen)
         else:
             tracked, read = marked.track(film, part, options, lens, progress)
-            found, told = read, marked_doubts.of(tracked, read)
-        return tracked, found, told._replace(notes=[*_taken(film), *told.notes])
+            found, told = read, marked_doubts.collect_doubts(tracked, read)
+        return tracked, found, told._replace(notes=[*_conversion_notes(film), *told.notes])
     except InputError as error:
         raise error if str(path) in error.text else InputError(f"{path}: {error.text}") from None
 
 
-def _taken(film: Film) -> list[str]:
+def _conversion_notes(film: Film) -> list[str]:
     """Return notes on how a film was changed before tracking."""
     notes = []
     if film.pictures:
@@ -79,22 +79,22 @@ def _taken(film: Film) -> list[str]:
     return notes
 
 
-def check(options: Options) -> None:
+def check_options(options: Options) -> None:
     """Raise InputError for wishes that contradict each other or are out of range."""
     for field, value, most in (
-        ("mm_per_px", options.mm_per_px, LARGEST),
-        ("length", options.length_mm, LARGEST),
-        ("fps", options.fps, LARGEST),
+        ("mm_per_px", options.mm_per_px, MAX_VALUE),
+        ("length", options.length_mm, MAX_VALUE),
+        ("fps", options.fps, MAX_VALUE),
         ("threshold", options.threshold, 255.0),
         ("width", options.width_px, 1e5),
-        ("marker_mm", options.marker_mm, LARGEST),
+        ("marker_mm", options.marker_mm, MAX_VALUE),
     ):
-        if value is not None and not LEAST <= value <= most:
-            raise InputError(f"‹{field}=›{value:g}: must be a number in {LEAST:g}..{most:g}")
+        if value is not None and not MIN_VALUE <= value <= most:
+            raise InputError(f"‹{field}=›{value:g}: must be a number in {MIN_VALUE:g}..{most:g}")
     for field, name, names in (
-        ("walkers", options.walkers, SIDES),
-        ("heading", options.heading, heading.BY),
-        ("markers", options.markers, MARKERS),
+        ("walkers", options.walkers, CONTRAST_SIDES),
+        ("heading", options.heading, heading.HEADING_SOURCES),
+        ("markers", options.markers, MARKER_KINDS),
     ):
         if name is not None and name not in names:
             raise InputError(f"‹{field}=›{name[:30]!r}: must be one of {', '.join(names)}")
@@ -130,18 +130,19 @@ def _check_scale(options: Options) -> None:
             raise InputError(f"‹markers=›{options.markers} tells it: leave ‹{field}› out")
 
 
-def part_of(film: Film, region: tuple[int, int, int, int] | None) -> Box:
+def select_part(film: Film, region: tuple[int, int, int, int] | None) -> Box:
     """Left, top, right and bottom of what is looked at, pixels. Raises InputError."""
-    if region is None and min(film.width, film.height) < SMALLEST:
+    if region is None and min(film.width, film.height) < MIN_SIZE_PX:
         raise InputError(
-            f"{film.path}: {film.width} x {film.height} pixels a frame: at least {SMALLEST} x {SMALLEST}: film larger"
+            f"{film.path}: {film.width} x {film.height} pixels a frame: at least {MIN_SIZE_PX} x "
+            f"{MIN_SIZE_PX}: film larger"
         )
     left, top, width, height = region or (0, 0, film.width, film.height)
     inside = left >= 0 and top >= 0 and left + width <= film.width and top + height <= film.height
-    if min(width, height) < SMALLEST or not inside:
+    if min(width, height) < MIN_SIZE_PX or not inside:
         raise InputError(
             f"‹region=›{left},{top},{width},{height}: left, top, width, height in pixels must lie "
-            f"within the {film.width} x {film.height} of {film.path}, and be {SMALLEST} or more "
+            f"within the {film.width} x {film.height} of {film.path}, and be {MIN_SIZE_PX} or more "
             "wide"
         )
     return left, top, left + width, top + height

@@ -14,10 +14,10 @@ from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress
 from walkergen.guests.track.film import films, plane
 from walkergen.guests.track.film.films import Box, Clock, Film, Grey
-from walkergen.guests.track.film.heading import unwrapped
+from walkergen.guests.track.film.heading import unwrap
 from walkergen.guests.track.film.lens import Lens
-from walkergen.guests.track.film.linking import PART, SHORTEST
-from walkergen.guests.track.film.markers import SMALLEST, Reader, Sighted
+from walkergen.guests.track.film.linking import MIN_TRACK_FRAMES, MIN_TRACK_SHARE
+from walkergen.guests.track.film.markers import MIN_SIDE_PX, Reader, Sighted
 from walkergen.guests.track.film.plane import Plane, Pose
 from walkergen.guests.track.film.result import Array, Options, Outline, Tracked, Walker, Whole
 from walkergen.readers.walkers import caps
@@ -25,14 +25,14 @@ from walkergen.readers.walkers import caps
 MARKER_MM = 7.2
 """Side of the markers that `plate --caps` prints by default, black frame included."""
 
-EDGES = 0.2
+EDGE_ERROR_PX = 0.2
 """Standard error of a marker's side in the picture, pixels: what its blurred edges leave of the
 scale. Drawn films err by that where walkers blur by 2 pixels a frame, by a tenth where none do."""
 
-LOOKED_AT = 8
+MIRROR_SAMPLES = 8
 """Number of frames in which markers are looked for in the mirror where there are none."""
 
-TWICE = 0.02
+MAX_DOUBLE_SHARE = 0.02
 """Part of a marker's frames in which it may be seen at two places at once: misread, not printed
 twice."""
 
@@ -68,24 +68,26 @@ def track(film: Film, part: Box, options: Options, lens: Lens | None, progress: 
     Returns also the plane and the corners that the tracks are based on. Raises InputError if there are none.
     """
     left, top, right, bottom = part
-    if min(right - left, bottom - top) < 2.0 * SMALLEST:
-        raise InputError(f"{right - left} x {bottom - top} pixels: a marker needs {SMALLEST:g} and a rim: film larger")
-    seen, clock, picture, mirrored = _read(film, part, options, progress)
+    if min(right - left, bottom - top) < 2.0 * MIN_SIDE_PX:
+        raise InputError(
+            f"{right - left} x {bottom - top} pixels: a marker needs {MIN_SIDE_PX:g} and a rim: film larger"
+        )
+    seen, clock, picture, mirrored = _read_markers(film, part, options, progress)
     first, side = options.frames[0], options.marker_mm or MARKER_MM
     empty = [at for at, sighted in enumerate(seen, first) if not len(sighted.numbers)]
-    tracks, twice, rare = _sorted(seen, first)
-    unbent = {number: corners if lens is None else lens.straight(corners) for number, (_, corners) in tracks.items()}
-    flat = plane.fit(np.concatenate([*unbent.values()]), side, film.width, film.height)
+    tracks, twice, rare = _sort_by_number(seen, first)
+    unbent = {number: corners if lens is None else lens.undistort(corners) for number, (_, corners) in tracks.items()}
+    flat = plane.fit_plane(np.concatenate([*unbent.values()]), side, film.width, film.height)
     walkers, straight, bent = list[Walker](), list[Array](), dict[int, int]()
-    poses = {number: plane.pose(flat, corners, side) for number, corners in unbent.items()}
-    sound = plane.sound(np.concatenate([pose.off_px for pose in poses.values()]))
+    poses = {number: plane.find_poses(flat, corners, side) for number, corners in unbent.items()}
+    sound = plane.is_square(np.concatenate([pose.off_px for pose in poses.values()]))
     for number, (frames, corners) in tracks.items():
         good, sound = np.split(sound, [len(frames)])
         if not good.all():
             bent[number] = int((~good).sum())
         if good.any():
             pose = Pose(*(values[good] for values in poses[number]))
-            walkers.append(_walker(number, frames[good], corners[good], pose))
+            walkers.append(_make_walker(number, frames[good], corners[good], pose))
             straight.append(unbent[number][good])
     scale = flat.mm_per_px
     scale_se = scale * _scale_error(options, side, float(np.median([walker.size_px for walker in walkers])))
@@ -95,10 +97,10 @@ def track(film: Film, part: Box, options: Options, lens: Lens | None, progress: 
 
 def _scale_error(options: Options, side_mm: float, side_px: float) -> float:
     """Compute the standard error of all lengths as a share, from the markers' true size and their edges."""
-    return math.hypot((options.marker_se_mm or 0.0) / side_mm, EDGES / side_px)
+    return math.hypot((options.marker_se_mm or 0.0) / side_mm, EDGE_ERROR_PX / side_px)
 
 
-def _walker(number: int, frames: Whole, corners: Array, pose: Pose) -> Walker:
+def _make_walker(number: int, frames: Whole, corners: Array, pose: Pose) -> Walker:
     """Walker by the corners of its marker in the picture, and their pose in the plane."""
     ways = corners - np.roll(corners, 1, axis=1)
     side_px = float(np.median(np.hypot(ways[..., 0], ways[..., 1])))
@@ -107,7 +109,7 @@ def _walker(number: int, frames: Whole, corners: Array, pose: Pose) -> Walker:
         square = corners[at]
         ahead = 0.5 * (square[0] + square[1]) - middles[at]
         outlines.append(Outline(square[[0, 1, 2, 3, 0]], middles[at] + np.outer((1.4, 2.6), ahead)))
-    theta = unwrapped(pose.headings)
+    theta = unwrap(pose.headings)
     ends = (outlines[0], outlines[1])
     return Walker(number, frames, middles, pose.places, theta, "its marker", side_px, ends)
 
@@ -123,34 +125,34 @@ class _Read(NamedTuple):
     """Numbers that are read in the mirror."""
 
 
-def _read(film: Film, part: Box, options: Options, progress: Progress) -> _Read:
+def _read_markers(film: Film, part: Box, options: Options, progress: Progress) -> _Read:
     """Markers of all frames. Raises InputError."""
     left, top, right, bottom = part
     reader, seen = Reader(right - left, bottom - top), list[Sighted]()
     samples: list[Grey] = []
     with films.play(film, part, options.frames, progress) as reel:
         for grey in reel.frames:
-            sighted = reader.read(grey)
-            if len(seen) % max(1, reel.expected // LOOKED_AT) == 0 and len(samples) < LOOKED_AT:
+            sighted = reader.find_markers(grey)
+            if len(seen) % max(1, reel.expected // MIRROR_SAMPLES) == 0 and len(samples) < MIRROR_SAMPLES:
                 samples.append(grey)
             seen.append(sighted._replace(corners=sighted.corners + np.array([left, top])))
-        films.refuse_few(len(seen), options.frames[0])
-        clock = films.clock(film, reel.stamps, options.fps)
+        films.check_frame_count(len(seen), options.frames[0])
+        clock = films.read_clock(film, reel.stamps, options.fps)
     upright = {number for sighted in seen for number in sighted.numbers.tolist()}
-    mirrored = [number for number in _mirrored(reader, samples) if number not in upright]
-    if not upright or (mirrored and upright <= caps.symmetric()):
-        raise InputError(_none(mirrored, len(seen)))
+    mirrored = [number for number in _find_mirrored(reader, samples) if number not in upright]
+    if not upright or (mirrored and upright <= caps.symmetric_numbers()):
+        raise InputError(_no_marker_reason(mirrored, len(seen)))
     return _Read(seen, clock, samples[0], mirrored)
 
 
-def _mirrored(reader: Reader, samples: list[Grey]) -> list[int]:
+def _find_mirrored(reader: Reader, samples: list[Grey]) -> list[int]:
     """Numbers of markers that are read in the mirror image of most of some frames."""
     images = (np.ascontiguousarray(grey[:, ::-1]) for grey in samples)
-    counts = Counter(number for image in images for number in reader.read(image).numbers.tolist())
+    counts = Counter(number for image in images for number in reader.find_markers(image).numbers.tolist())
     return sorted(number for number, count in counts.items() if count > 0.5 * len(samples))
 
 
-def _none(mirrored: list[int], count: int) -> str:
+def _no_marker_reason(mirrored: list[int], count: int) -> str:
     """Reason why no marker was read."""
     if mirrored:
         return (
@@ -158,7 +160,7 @@ def _none(mirrored: list[int], count: int) -> str:
             "ffmpeg -i FILM -vf hflip RIGHT.mp4"
         )
     return (
-        f"no marker (ArUco, 4x4, 0 to 99) is read in {count} frames: it must be {SMALLEST:g} "
+        f"no marker (ArUco, 4x4, 0 to 99) is read in {count} frames: it must be {MIN_SIDE_PX:g} "
         "pixels wide or more, sharp, in a white rim; of walkers without: leave ‹markers› out"
     )
 
@@ -174,7 +176,7 @@ class _Sorted(NamedTuple):
     """Frames of those that were read too rarely."""
 
 
-def _sorted(seen: list[Sighted], first: int) -> _Sorted:
+def _sort_by_number(seen: list[Sighted], first: int) -> _Sorted:
     """Markers of frames from the first on by their numbers. Raises InputError for no walker."""
     frames: dict[int, list[int]] = defaultdict(list)
     corners: dict[int, list[Array]] = defaultdict(list)
@@ -187,11 +189,11 @@ def _sorted(seen: list[Sighted], first: int) -> _Sorted:
             if counts[number] == 1:
                 frames[number].append(at)
                 corners[number].append(square)
-    least = max(SHORTEST, PART * len(seen))
+    least = max(MIN_TRACK_FRAMES, MIN_TRACK_SHARE * len(seen))
     twice = {
         number: double[number]
         for number in sorted(double)
-        if double[number] > TWICE * (double[number] + len(frames[number]))
+        if double[number] > MAX_DOUBLE_SHARE * (double[number] + len(frames[number]))
     }
     once = {number: frames[number] for number in sorted(frames) if number not in twice}
     tracks = {
@@ -201,11 +203,11 @@ def _sorted(seen: list[Sighted], first: int) -> _Sorted:
     }
     rare = {number: len(own) for number, own in once.items() if 0 < len(own) < least}
     if not tracks:
-        raise InputError(_no_walker(twice, rare, least, len(seen)))
+        raise InputError(_no_walker_reason(twice, rare, least, len(seen)))
     return _Sorted(tracks, twice, rare)
 
 
-def _no_walker(twice: Mapping[int, int], rare: Mapping[int, int], least: float, count: int) -> str:
+def _no_walker_reason(twice: Mapping[int, int], rare: Mapping[int, int], least: float, count: int) -> str:
     """Reason why no marker that was read is a walker's."""
     if twice:
         return (

@@ -7,32 +7,32 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.core.files import words
-from walkergen.guests.track.film.doubts import LOST, Told
+from walkergen.guests.track.film.doubts import MAX_LOST_SHARE, Told
 from walkergen.guests.track.film.marked import MARKER_MM, Marked
-from walkergen.guests.track.film.plane import ALIKE
+from walkergen.guests.track.film.plane import CORRELATED_SIGHTINGS
 from walkergen.guests.track.film.result import Tracked, Walker
 
-CROOKED = 0.7
+MAX_CORNER_OFFSET_PX = 0.7
 """Distance of corners from those of squares that is worth a warning, pixels."""
 
-LONG_S = 0.5
+LONG_GAP_S = 0.5
 """Time without any marker that is worth a warning, s."""
 
-ASKEW = 45.0
+MAX_TILT_DEG = 45.0
 """Tilt of the camera that is worth a warning, deg: far markers are few pixels high."""
 
-INSIDE = 3.0
+EDGE_MARGIN_SIDES = 3.0
 """Sides of a marker between its middle and the edge of what is looked at, beyond which it has not
 come in, or gone, over that edge."""
 
-BENT, SURE = 0.005, 3.0
+MIN_SIZE_CHANGE, MIN_SIGNIFICANCE = 0.005, 3.0
 """Change of the size of markers by a lens that is worth a warning, and how many of its errors."""
 
-NAMED = 10
+MAX_NAMES = 10
 """Most numbers that are named."""
 
 
-def of(tracked: Tracked, found: Marked) -> Told:
+def collect_doubts(tracked: Tracked, found: Marked) -> Told:
     """All that is to be said of a film."""
     flat, out = found.plane, found.left_out
     change = _scale_change(found)
@@ -50,7 +50,9 @@ def of(tracked: Tracked, found: Marked) -> Told:
         "sightings_left_out": sum(out.bent.values()),
         "mirrored": list(out.mirrored),
     }
-    return Told(facts, list(_notes(tracked, found, change)), [*_left_out(tracked, found), *_bent(found)])
+    return Told(
+        facts, list(_notes(tracked, found, change)), [*_left_out_warnings(tracked, found), *_lens_warnings(found)]
+    )
 
 
 def _scale_change(found: Marked) -> float:
@@ -80,7 +82,7 @@ def _notes(tracked: Tracked, found: Marked, change: float) -> Iterator[str]:
     )
 
 
-def _left_out(tracked: Tracked, found: Marked) -> Iterator[str]:
+def _left_out_warnings(tracked: Tracked, found: Marked) -> Iterator[str]:
     """Warnings of markers that are in no track, or missing in some frames."""
     out = found.left_out
     for number, count in out.twice.items():
@@ -91,34 +93,34 @@ def _left_out(tracked: Tracked, found: Marked) -> Iterator[str]:
     for number in out.mirrored:
         yield f"marker {number} is read in the mirror only, and left out: print it anew"
     if out.rare:
-        yield f"read too rarely to be walkers, and left out: marker {_counted(out.rare)} frames"
+        yield f"read too rarely to be walkers, and left out: marker {_format_counts(out.rare)} frames"
     if out.bent:
         yield (
-            f"sightings left out: marker {_counted(out.bent)} frames, no squares in the plane of "
+            f"sightings left out: marker {_format_counts(out.bent)} frames, no squares in the plane of "
             "the others (a cap that leans, or is half covered)"
         )
-    yield from _gaps(tracked, found)
-    yield from _lost(tracked)
-    yield from _between(tracked, found)
+    yield from _gap_warnings(tracked, found)
+    yield from _lost_warnings(tracked)
+    yield from _absent_warnings(tracked, found)
 
 
-def _bent(found: Marked) -> Iterator[str]:
+def _lens_warnings(found: Marked) -> Iterator[str]:
     """Warnings of a lens that bends, and a camera that looks askew."""
-    flat, bend = found.plane, of_lens(found)
-    if abs(bend.share) > max(BENT, SURE * bend.error):
+    flat, bend = found.plane, lens_bend(found)
+    if abs(bend.share) > max(MIN_SIZE_CHANGE, MIN_SIGNIFICANCE * bend.error):
         size = "smaller" if bend.share < 0.0 else "larger"
         yield (
             f"markers are {100.0 * abs(bend.share):.2g} % {size} {bend.away_px:.0f} pixels from "
             "the picture's middle than in it, and so are all lengths there: the lens bends: "
             "calibrate it, and give ‹lens›"
         )
-    if flat.residual_px > CROOKED:
+    if flat.residual_px > MAX_CORNER_OFFSET_PX:
         yield (
             f"corners lie {flat.residual_px:.2g} pixels off those of squares: a lens that "
             "bends, caps that are not flat, or motion blur"
         )
-    if flat.tilt_deg > ASKEW:
-        yield f"the camera is tilted by {flat.tilt_deg:.0f} deg: film from above, within {ASKEW:g} deg"
+    if flat.tilt_deg > MAX_TILT_DEG:
+        yield f"the camera is tilted by {flat.tilt_deg:.0f} deg: film from above, within {MAX_TILT_DEG:g} deg"
 
 
 class Bend(NamedTuple):
@@ -130,7 +132,7 @@ class Bend(NamedTuple):
     away_px: float
 
 
-def of_lens(found: Marked) -> Bend:
+def lens_bend(found: Marked) -> Bend:
     """Change of markers' sizes with the square of the way from the middle: a lens that bends.
 
     Perspective changes them in a line, which the plane undoes.
@@ -142,9 +144,9 @@ def of_lens(found: Marked) -> Bend:
     square = (away / found.plane.half) ** 2
     terms = np.column_stack([np.ones_like(square), square])
     fitted, _, rank, _ = np.linalg.lstsq(terms, size)
-    if rank < 2 or len(size) <= ALIKE:
+    if rank < 2 or len(size) <= CORRELATED_SIGHTINGS:
         return Bend(0.0, math.inf, float(away.max()))
-    variance = ALIKE * float(np.mean((size - terms @ fitted) ** 2))
+    variance = CORRELATED_SIGHTINGS * float(np.mean((size - terms @ fitted) ** 2))
     error = math.sqrt(variance * float(np.linalg.pinv(terms.T @ terms)[1, 1]))
     reach = float(square.max())
     return Bend(math.expm1(float(fitted[1]) * reach), error * reach, float(away.max()))
@@ -166,7 +168,7 @@ class Missing(NamedTuple):
         return self.frames / self.of
 
 
-def missing(tracked: Tracked) -> list[Missing]:
+def count_missing(tracked: Tracked) -> list[Missing]:
     """Frames in which each walker is missing, of those in which it must be there.
 
     It must from its first frame to its last, and before and after these where it was seen in the
@@ -181,8 +183,8 @@ def missing(tracked: Tracked) -> list[Missing]:
         seen = np.zeros(tracked.looked, bool)
         seen[walker.frames - first] = True
         there = slice(
-            0 if _inside(tracked, walker, 0) else int(walker.frames[0]) - first,
-            None if _inside(tracked, walker, -1) else int(walker.frames[-1]) - first + 1,
+            0 if _is_inside(tracked, walker, 0) else int(walker.frames[0]) - first,
+            None if _is_inside(tracked, walker, -1) else int(walker.frames[-1]) - first + 1,
         )
         gone = ~seen[there]
         beside = gone & (read[there] > 0)
@@ -190,17 +192,17 @@ def missing(tracked: Tracked) -> list[Missing]:
     return counts
 
 
-def _inside(tracked: Tracked, walker: Walker, at: int) -> bool:
+def _is_inside(tracked: Tracked, walker: Walker, at: int) -> bool:
     """Return whether a sighting of a walker lies away from the edges of the part that is searched."""
     left, top, right, bottom = tracked.part
     x, y = walker.pixels[at]
-    return bool(min(x - left, y - top, right - x, bottom - y) > INSIDE * walker.size_px)
+    return bool(min(x - left, y - top, right - x, bottom - y) > EDGE_MARGIN_SIDES * walker.size_px)
 
 
-def _lost(tracked: Tracked) -> Iterator[str]:
+def _lost_warnings(tracked: Tracked) -> Iterator[str]:
     """Walkers that are missing in more than a few frames, with the share of them."""
-    for walker in missing(tracked):
-        if walker.share > LOST:
+    for walker in count_missing(tracked):
+        if walker.share > MAX_LOST_SHARE:
             others = (
                 f"; in {walker.beside} of them others are read, and it is hidden, half covered or blurred"
                 if walker.beside
@@ -212,27 +214,27 @@ def _lost(tracked: Tracked) -> Iterator[str]:
             )
 
 
-def _between(tracked: Tracked, found: Marked) -> Iterator[str]:
+def _absent_warnings(tracked: Tracked, found: Marked) -> Iterator[str]:
     """Numbers between those that are read, which no frame has; where most others are there."""
     out = found.left_out
     numbers = {walker.number for walker in tracked.walkers}
     known = numbers | set(out.twice) | set(out.rare) | set(out.mirrored)
     absent = [number for number in range(min(known), max(known)) if number not in known]
     if 0 < len(absent) < len(numbers):
-        names = ", ".join(map(str, absent[:NAMED])) + (" ..." if len(absent) > NAMED else "")
+        names = ", ".join(map(str, absent[:MAX_NAMES])) + (" ..." if len(absent) > MAX_NAMES else "")
         yield (
             f"marker {names}: read in none of {tracked.looked} frames, and numbers around are: half "
             "covered all the time, or not in the film"
         )
 
 
-def _counted(frames: Mapping[int, int]) -> str:
+def _format_counts(frames: Mapping[int, int]) -> str:
     """Numbers of markers with their numbers of frames."""
-    named = ", ".join(f"{number} in {count}" for number, count in list(frames.items())[:NAMED])
-    return named + (" ..." if len(frames) > NAMED else "")
+    named = ", ".join(f"{number} in {count}" for number, count in list(frames.items())[:MAX_NAMES])
+    return named + (" ..." if len(frames) > MAX_NAMES else "")
 
 
-def _gaps(tracked: Tracked, found: Marked) -> Iterator[str]:
+def _gap_warnings(tracked: Tracked, found: Marked) -> Iterator[str]:
     """Frames without any marker, and the longest time of them."""
     if not len(found.empty):
         return
@@ -242,4 +244,4 @@ def _gaps(tracked: Tracked, found: Marked) -> Iterator[str]:
     end = min(int(longest[-1]) + 1, len(times) - 1)
     seconds = float(times[end] - times[longest[0]])
     line = f"no marker is read in {len(found.empty)} of {tracked.looked} frames"
-    yield line if seconds < LONG_S else f"{line}; for {seconds:.2g} s on end from {times[longest[0]]:.4g} s on"
+    yield line if seconds < LONG_GAP_S else f"{line}; for {seconds:.2g} s on end from {times[longest[0]]:.4g} s on"

@@ -18,26 +18,26 @@ from walkergen.guests.track.film.films import Grey
 
 Array = npt.NDArray[np.float64]
 
-SMALLEST = 12.0
+MIN_SIDE_PX = 12.0
 """Smallest side of a marker that is read, pixels: two a cell."""
 
 CELL_PIXELS = 8
 """Pixels a cell to which a marker is turned upright before it is read: of films at low bitrate 89 %
 of the markers are read so, 85 % by OpenCV's 4."""
 
-ALONG, ENDS = 24, 0.15
+EDGE_PLACES, END_SHARE = 24, 0.15
 """Number of places along a side where its edge is found, and part of a side free at both ends."""
 
-ACROSS = 0.45
+WINDOW_CELLS = 0.45
 """Half width of the window across a side, cells: black frame inside, white rim outside."""
-NARROWEST = 1.5
+MIN_WINDOW_PX = 1.5
 """Least half width of that window, pixels."""
-FINE = 4
+SAMPLES_PER_PIXEL = 4
 """Samples a pixel across a side."""
-ROUNDS = 2
+REFINE_ROUNDS = 2
 """Rounds in which edges are found: the second in windows about the first."""
 
-STEEP = 0.5
+MIN_STEP_RATIO = 0.5
 """Least step of a place on a side over the side's median step: less is covered or in glare."""
 
 
@@ -58,13 +58,13 @@ class Reader:
         import cv2
 
         parameters = cv2.aruco.DetectorParameters()
-        parameters.minMarkerPerimeterRate = 4.0 * SMALLEST / max(width, height)
+        parameters.minMarkerPerimeterRate = 4.0 * MIN_SIDE_PX / max(width, height)
         parameters.perspectiveRemovePixelPerCell = CELL_PIXELS
         parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
         dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_100)
         self._detector: Any = cv2.aruco.ArucoDetector(dictionary, parameters)
 
-    def read(self, frame: Grey) -> Sighted:
+    def find_markers(self, frame: Grey) -> Sighted:
         """Markers of a frame, in the order of their numbers; a number may come twice."""
         corners, numbers, _ = self._detector.detectMarkers(frame)
         if numbers is None or not len(numbers):
@@ -72,17 +72,17 @@ class Reader:
         places = np.asarray(corners, float).reshape(-1, 4, 2)
         order = np.argsort(np.ravel(numbers), kind="stable")
         whole = np.asarray(np.ravel(numbers)[order], np.int64)
-        return Sighted(whole, refined(frame, places[order]) + 0.5)
+        return Sighted(whole, refine_corners(frame, places[order]) + 0.5)
 
 
-def refined(frame: Grey, corners: Array) -> Array:
+def refine_corners(frame: Grey, corners: Array) -> Array:
     """Corners by the edges of markers, shape (n, 4, 2), pixels whose middles are whole numbers."""
-    for _ in range(ROUNDS):
-        corners = _refined(frame, corners)
+    for _ in range(REFINE_ROUNDS):
+        corners = _refine_once(frame, corners)
     return corners
 
 
-def _refined(frame: Grey, squares: Array) -> Array:
+def _refine_once(frame: Grey, squares: Array) -> Array:
     """Corners where the sides of markers meet; as they were where a side has no edge.
 
     Axes of arrays: marker, side, place along it, sample across it.
@@ -91,27 +91,27 @@ def _refined(frame: Grey, squares: Array) -> Array:
     length = np.linalg.norm(ahead, axis=2)
     tangent = ahead / length[..., None]
     outward = np.stack([tangent[..., 1], -tangent[..., 0]], axis=-1)
-    reach = np.maximum(ACROSS * length.mean(axis=1) / MARKER_CELLS, NARROWEST)
-    share = np.linspace(ENDS, 1.0 - ENDS, ALONG)
-    across = np.linspace(-1.0, 1.0, 2 * int(np.ceil(FINE * reach.max())) + 1)
+    reach = np.maximum(WINDOW_CELLS * length.mean(axis=1) / MARKER_CELLS, MIN_WINDOW_PX)
+    share = np.linspace(END_SHARE, 1.0 - END_SHARE, EDGE_PLACES)
+    across = np.linspace(-1.0, 1.0, 2 * int(np.ceil(SAMPLES_PER_PIXEL * reach.max())) + 1)
     off = reach[:, None] * across
     places = squares[:, :, None] + share[:, None] * ahead[:, :, None]
     points = places[:, :, :, None] + off[:, None, None, :, None] * outward[:, :, None, None]
     levels = ndimage.map_coordinates(frame, np.moveaxis(points, -1, 0)[::-1], output=float, order=1, mode="nearest")
     change = np.diff(levels, axis=-1)
     step = change.sum(axis=-1)
-    good = step > np.maximum(STEEP * np.median(step, axis=-1, keepdims=True), 0.0)
+    good = step > np.maximum(MIN_STEP_RATIO * np.median(step, axis=-1, keepdims=True), 0.0)
     between = 0.5 * (off[:, 1:] + off[:, :-1])
     shift = np.einsum("nspk,nk->nsp", change, between) / np.where(good, step, 1.0)
     shift = np.clip(shift, -reach[:, None, None], reach[:, None, None])
-    offset, slope = _lines(share - 0.5, shift / length[..., None], good)
+    offset, slope = _fit_lines(share - 0.5, shift / length[..., None], good)
     normal = outward - slope[..., None] * tangent
     point = squares + 0.5 * ahead + (offset * length)[..., None] * outward
-    known = (good.sum(axis=-1) >= ALONG // 3).all(axis=1)
-    return np.where(known[:, None, None], _meeting(normal, point), squares)
+    known = (good.sum(axis=-1) >= EDGE_PLACES // 3).all(axis=1)
+    return np.where(known[:, None, None], _intersect_lines(normal, point), squares)
 
 
-def _lines(along: Array, shift: Array, good: npt.NDArray[np.bool_]) -> tuple[Array, Array]:
+def _fit_lines(along: Array, shift: Array, good: npt.NDArray[np.bool_]) -> tuple[Array, Array]:
     """Offset in the middle, and slope, of lines through shifts across, by a robust fit.
 
     `along` is of shape (p,), shifts are of shape (n, 4, p), both over a side's length.
@@ -130,7 +130,7 @@ def _lines(along: Array, shift: Array, good: npt.NDArray[np.bool_]) -> tuple[Arr
     return mean - slope * middle, slope
 
 
-def _meeting(normal: Array, point: Array) -> Array:
+def _intersect_lines(normal: Array, point: Array) -> Array:
     """Corners where each side's line, by a normal and a point, meets the one before it."""
     before = np.roll(normal, 1, axis=1)
     lines = np.stack([before, normal], axis=2)

@@ -9,10 +9,10 @@ from tempfile import TemporaryDirectory
 
 from walkergen.core.errors import InputError
 
-ENDINGS = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
+SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
 
 
-def listed(folder: Path) -> tuple[Path, ...]:
+def list_pictures(folder: Path) -> tuple[Path, ...]:
     """Pictures of a folder, number 2 before 10.
 
     Raises InputError where there are none, or they differ in kind or size.
@@ -20,12 +20,12 @@ def listed(folder: Path) -> tuple[Path, ...]:
     from PIL import Image
 
     try:
-        pictures = [path for path in folder.iterdir() if path.suffix.lower() in ENDINGS and path.is_file()]
+        pictures = [path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES and path.is_file()]
     except OSError as error:
         raise InputError(f"{folder}: cannot be read: {error.strerror}") from None
     if not pictures:
-        raise InputError(f"{folder}: a folder without pictures: give a film, or a folder of {', '.join(ENDINGS)}")
-    _refuse_several(folder, "kinds of pictures", Counter(path.suffix.lower() for path in pictures))
+        raise InputError(f"{folder}: a folder without pictures: give a film, or a folder of {', '.join(SUFFIXES)}")
+    _check_same(folder, "kinds of pictures", Counter(path.suffix.lower() for path in pictures))
     sizes: Counter[str] = Counter()
     for path in pictures:
         try:
@@ -33,18 +33,18 @@ def listed(folder: Path) -> tuple[Path, ...]:
                 sizes["{} x {} pixels".format(*picture.size)] += 1
         except (OSError, Image.DecompressionBombError) as error:  # Pillow's "cannot identify" is an OSError
             raise InputError(f"{path}: cannot be read as a picture: {error}") from None
-    _refuse_several(folder, "sizes", sizes)
-    return tuple(sorted(pictures, key=_by_number))
+    _check_same(folder, "sizes", sizes)
+    return tuple(sorted(pictures, key=_number_key))
 
 
-def _refuse_several(folder: Path, what: str, counts: Counter[str]) -> None:
+def _check_same(folder: Path, what: str, counts: Counter[str]) -> None:
     """Raise InputError where pictures are not of one kind."""
     if len(counts) > 1:
         seen = ", ".join(f"{number} of {name}" for name, number in counts.most_common(3))
         raise InputError(f"{folder}: {what} differ: {seen}; leave only the frames of one film there")
 
 
-def _by_number(path: Path) -> tuple[list[tuple[bool, int, str]], str]:
+def _number_key(path: Path) -> tuple[list[tuple[bool, int, str]], str]:
     """Parts of a name, digits as numbers."""
     parts = re.split(r"([0-9]+)", path.stem)
     return [(part.isdecimal(), int(part) if part.isdecimal() else 0, part) for part in parts], path.name

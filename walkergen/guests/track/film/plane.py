@@ -18,23 +18,23 @@ from walkergen.core.errors import InputError
 
 Array = npt.NDArray[np.float64]
 
-SQUARE = 0.5 * np.array([(1.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (-1.0, 1.0)])
+UNIT_SQUARE = 0.5 * np.array([(1.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (-1.0, 1.0)])
 """Corners of a marker of side 1 whose front is ahead, along x, y up: upper left one first."""
 
-MOST = 3000
+MAX_SIGHTINGS = 3000
 """Largest number of sightings that are fitted."""
 
 SMOOTH_PX = 0.5
 """Residual of a corner beyond which it counts by its size, no more by its square, pixels."""
 
-OFF, LEAST_OFF = 5.0, 0.5
+RESIDUAL_FACTOR, MIN_RESIDUAL_PX = 5.0, 0.5
 """Residual of a marker over the median one, and in pixels, beyond which it is misread or bent."""
 
-PRIOR_PX = 0.1
+PERSPECTIVE_PRIOR_PX = 0.1
 """Distance of one corner that counts as much as perspective of 1, which is a scale that has no end
 at the picture's edge: it holds what one marker in one place leaves open."""
 
-ALIKE = 25.0
+CORRELATED_SIGHTINGS = 25.0
 """Number of sightings that err alike: of one marker in neighbouring frames."""
 
 
@@ -59,7 +59,7 @@ class Plane(NamedTuple):
         lower left corner.
         """
         corner = np.array([self.middle[0], self.middle[1]]) * self.mm_per_px
-        return corner + _mapped(self.terms, self._centred(pixels))
+        return corner + _map_points(self.terms, self._to_centred(pixels))
 
     @property
     def mm_per_px(self) -> float:
@@ -76,10 +76,10 @@ class Plane(NamedTuple):
 
     def scales(self, pixels: Array) -> Array:
         """Millimetres per pixel at places in the picture, shape (n, 2), mean over directions."""
-        near = 1.0 + self._centred(pixels) @ self.terms[3:]
+        near = 1.0 + self._to_centred(pixels) @ self.terms[3:]
         return np.asarray(self.mm_per_px / np.abs(near) ** 1.5)
 
-    def _centred(self, pixels: Array) -> Array:
+    def _to_centred(self, pixels: Array) -> Array:
         return np.asarray((pixels - self.middle) * (1.0, -1.0) / self.half)
 
 
@@ -94,7 +94,7 @@ class Pose(NamedTuple):
     """Root mean square distance of corners from those of squares, along an axis, shape (n,)."""
 
 
-def fit(corners: Array, side: float, width: int, height: int) -> Plane:
+def fit_plane(corners: Array, side: float, width: int, height: int) -> Plane:
     """Plane in which markers are squares of a side, mm; corners of shape (n, 4, 2), pixels.
 
     Raises InputError when they are squares in no plane.
@@ -102,14 +102,14 @@ def fit(corners: Array, side: float, width: int, height: int) -> Plane:
     from scipy.optimize import least_squares
 
     middle, half = 0.5 * np.array([width, height]), 0.5 * max(width, height)
-    few = corners[np.unique(np.linspace(0, len(corners) - 1, MOST).round().astype(int))]
+    few = corners[np.unique(np.linspace(0, len(corners) - 1, MAX_SIGHTINGS).round().astype(int))]
     points = (few - middle) * (1.0, -1.0) / half
     sides = np.hypot(*np.moveaxis(points - np.roll(points, 1, axis=1), -1, 0))
     start = side / float(np.median(sides))
 
     def residuals(terms: Array) -> Array:
-        off, sizes = _off_square(_mapped(terms, points), points, side)
-        return np.append((half * off / sizes[:, None, None]).ravel(), PRIOR_PX * terms[3:])
+        off, sizes = _square_offsets(_map_points(terms, points), points, side)
+        return np.append((half * off / sizes[:, None, None]).ravel(), PERSPECTIVE_PRIOR_PX * terms[3:])
 
     found = least_squares(
         residuals,
@@ -120,7 +120,7 @@ def fit(corners: Array, side: float, width: int, height: int) -> Plane:
     )
     terms = np.asarray(found.x)
     size = float(np.sqrt(np.mean(residuals(terms)[:-2] ** 2)))
-    spread = np.linalg.pinv(found.jac.T @ found.jac) * size**2 * min(ALIKE, len(few))
+    spread = np.linalg.pinv(found.jac.T @ found.jac) * size**2 * min(CORRELATED_SIGHTINGS, len(few))
     plane = Plane(middle, half, terms, size, np.sqrt(np.diag(spread)))
     if terms[0] <= 0.0 or terms[2] <= 0.0 or (1.0 + points @ terms[3:]).min() <= 0.05:
         raise InputError(
@@ -130,21 +130,21 @@ def fit(corners: Array, side: float, width: int, height: int) -> Plane:
     return plane
 
 
-def pose(plane: Plane, corners: Array, side: float) -> Pose:
+def find_poses(plane: Plane, corners: Array, side: float) -> Pose:
     """Places and headings of markers by their corners, shape (n, 4, 2), pixels."""
     mapped = plane.to_mm(corners)
-    off, sizes = _off_square(mapped, corners, side)
+    off, sizes = _square_offsets(mapped, corners, side)
     centred = mapped - mapped.mean(axis=1, keepdims=True)
     residual = np.sqrt((off**2).mean(axis=(1, 2))) / sizes
-    return Pose(mapped.mean(axis=1), _turn(centred), residual)
+    return Pose(mapped.mean(axis=1), _turn_angles(centred), residual)
 
 
-def sound(off_px: Array) -> npt.NDArray[np.bool_]:
+def is_square(off_px: Array) -> npt.NDArray[np.bool_]:
     """Return which markers are squares in the plane; others are misread, or lean."""
-    return np.asarray(off_px <= max(OFF * float(np.median(off_px)), LEAST_OFF))
+    return np.asarray(off_px <= max(RESIDUAL_FACTOR * float(np.median(off_px)), MIN_RESIDUAL_PX))
 
 
-def _mapped(terms: Array, points: Array) -> Array:
+def _map_points(terms: Array, points: Array) -> Array:
     """Points of the picture, (..., 2), in the plane, by the five terms."""
     a, b, c, right, up = terms
     near = 1.0 + points[..., 0] * right + points[..., 1] * up
@@ -152,28 +152,28 @@ def _mapped(terms: Array, points: Array) -> Array:
     return np.stack([x, c * points[..., 1] / near], axis=-1)
 
 
-def _off_square(mapped: Array, points: Array, side: float) -> tuple[Array, Array]:
+def _square_offsets(mapped: Array, points: Array, side: float) -> tuple[Array, Array]:
     """Ways of corners from those of the nearest square; lengths in the plane over the picture's.
 
     Both `mapped` and `points` are of shape (n, 4, 2).
     """
     centred = mapped - mapped.mean(axis=1, keepdims=True)
-    turn = _turn(centred)
+    turn = _turn_angles(centred)
     c, s = np.cos(turn)[:, None], np.sin(turn)[:, None]
-    x, y = side * SQUARE.T
+    x, y = side * UNIT_SQUARE.T
     square = np.stack([c * x - s * y, s * x + c * y], axis=-1)
-    sizes = np.sqrt(np.abs(_area(mapped) / _area(points)))
+    sizes = np.sqrt(np.abs(_signed_areas(mapped) / _signed_areas(points)))
     return centred - square, sizes
 
 
-def _turn(centred: Array) -> Array:
+def _turn_angles(centred: Array) -> Array:
     """Angle by which squares about the origin, shape (n, 4, 2), are turned."""
-    cross = centred[..., 1] @ SQUARE[:, 0] - centred[..., 0] @ SQUARE[:, 1]
-    along = centred[..., 0] @ SQUARE[:, 0] + centred[..., 1] @ SQUARE[:, 1]
+    cross = centred[..., 1] @ UNIT_SQUARE[:, 0] - centred[..., 0] @ UNIT_SQUARE[:, 1]
+    along = centred[..., 0] @ UNIT_SQUARE[:, 0] + centred[..., 1] @ UNIT_SQUARE[:, 1]
     return np.asarray(np.arctan2(cross, along))
 
 
-def _area(corners: Array) -> Array:
+def _signed_areas(corners: Array) -> Array:
     """Signed areas of quadrilaterals, shape (n, 4, 2)."""
     first, second = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
     return np.asarray(0.5 * (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]))

@@ -26,7 +26,7 @@ that is not known: every length measured from the tracks is off by them. With ma
 the number of its marker.
 """
 
-TRACKS, PICTURE = "tracks.csv", "check.png"
+TRACKS_FILE, PICTURE_FILE = "tracks.csv", "check.png"
 """Files of tracks, and to check them by."""
 
 
@@ -62,23 +62,23 @@ class Row(NamedTuple):
     """Frames in which its heading is known."""
 
 
-WALKERS = (
-    report.number("walker", "particle"),
+WALKER_COLUMNS = (
+    report.number_column("walker", "particle"),
     Column("frames", lambda row: f"{row.first}..{row.last}", right=True),
     Column("lost", lambda row: str(row.lost), right=True),
-    report.number("net way (mm)", "net_mm", 3),
-    report.number("path (mm)", "path_mm", 3),
-    report.number("turned (deg)", "turned_deg", 3),
-    report.number("size (px)", "size_px", 3, wide=True),
-    report.text("heading by", "heading_by"),
+    report.number_column("net way (mm)", "net_mm", 3),
+    report.number_column("path (mm)", "path_mm", 3),
+    report.number_column("turned (deg)", "turned_deg", 3),
+    report.number_column("size (px)", "size_px", 3, wide=True),
+    report.text_column("heading by", "heading_by"),
 )
 
 
-def of(tracked: Tracked, found: "Unmarked | Marked", told: Told, folder: Path) -> TrackReport:
+def make_report(tracked: Tracked, found: "Unmarked | Marked", told: Told, folder: Path) -> TrackReport:
     """Report of a tracked film, to be written into a folder."""
-    walkers, title = _walkers(tracked), tracked.film.path.name
-    warnings = [*doubts.broken_off(tracked.film, tracked.clock, tracked.options.frames), *told.warnings]
-    picture, lines = folder / PICTURE, [*told.notes]
+    walkers, title = _walker_rows(tracked), tracked.film.path.name
+    warnings = [*doubts.truncation_warnings(tracked.film, tracked.clock, tracked.options.frames), *told.warnings]
+    picture, lines = folder / PICTURE_FILE, [*told.notes]
     if not math.isnan(tracked.jitter_mm):
         lines.append(
             f"Places jitter by {words.format_number(tracked.jitter_mm, 2)} mm between neighbouring frames. It is no "
@@ -88,12 +88,15 @@ def of(tracked: Tracked, found: "Unmarked | Marked", told: Told, folder: Path) -
     def draw() -> "Figure":
         from walkergen.guests.track.film import figures
 
-        return figures.check_figure(tracked)
+        return figures.draw_check(tracked)
 
     return TrackReport(
         name="track",
         title=title,
-        tables=[Table("tracks", rows(tracked), COLUMNS, title=title), report.table("walkers", walkers, WALKERS, title)],
+        tables=[
+            Table("tracks", track_rows(tracked), COLUMNS, title=title),
+            report.table_from_rows("walkers", walkers, WALKER_COLUMNS, title),
+        ],
         facts=_facts(tracked, told) | {"tracks": [row._asdict() for row in walkers], "warnings": warnings},
         lines=[*lines, f"{picture}: look at it before you believe the numbers"],
         figures={"check": draw},
@@ -105,7 +108,7 @@ def of(tracked: Tracked, found: "Unmarked | Marked", told: Told, folder: Path) -
     )
 
 
-def rows(tracked: Tracked) -> list[tuple[Any, ...]]:
+def track_rows(tracked: Tracked) -> list[tuple[Any, ...]]:
     """Rows of tracks.csv, frame by frame."""
     rows = []
     for walker in tracked.walkers:
@@ -118,7 +121,7 @@ def rows(tracked: Tracked) -> list[tuple[Any, ...]]:
     return sorted(rows, key=lambda row: row[:2])
 
 
-def _walkers(tracked: Tracked) -> list[Row]:
+def _walker_rows(tracked: Tracked) -> list[Row]:
     return [
         Row(
             walker.number,

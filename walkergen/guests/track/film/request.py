@@ -13,28 +13,28 @@ if TYPE_CHECKING:
     from walkergen.guests.track.film.report import TrackReport
 
 
-def _frames(value: Any) -> Any:
+def _parse_frames(value: Any) -> Any:
     """First frame, and the one after the last."""
     if not isinstance(value, str):
         return value
     first, colon, last = value.partition(":")
     cells = [cell.strip() for cell in (first, last)]
-    if not colon or any(cell and not _whole(cell) for cell in cells):
+    if not colon or any(cell and not _is_whole(cell) for cell in cells):
         raise ValueError("must be FIRST:LAST, as 25:100, or 25: or :100")
     return int(cells[0] or 0), int(cells[1]) if cells[1] else None
 
 
-def _region(value: Any) -> Any:
+def _parse_region(value: Any) -> Any:
     """Left, top, width and height."""
     if not isinstance(value, str):
         return value
     cells = [cell.strip() for cell in value.split(",")]
-    if len(cells) != 4 or not all(map(_whole, cells)):
+    if len(cells) != 4 or not all(map(_is_whole, cells)):
         raise ValueError("must be LEFT,TOP,WIDTH,HEIGHT in whole pixels")
     return tuple(map(int, cells))
 
 
-def _whole(cell: str) -> bool:
+def _is_whole(cell: str) -> bool:
     """Return whether a cell is a whole number of at most seven plain digits."""
     return cell.isascii() and cell.isdigit() and len(cell) <= 7
 
@@ -61,12 +61,12 @@ class TrackRequest(request.Request):
     fps: Annotated[float | None, Flag("Frames per second when filmed: of slow motion, of pictures.", "N")] = None
     frames: Annotated[
         tuple[int, int | None],
-        BeforeValidator(_frames),
+        BeforeValidator(_parse_frames),
         Flag("Frames to look at, from 0: 25:100, or 25:.", "FIRST:LAST", takes="tuple[int, int | None] | str"),
     ] = (0, None)
     region: Annotated[
         tuple[int, int, int, int] | None,
-        BeforeValidator(_region),
+        BeforeValidator(_parse_region),
         Flag(
             "Left, top, width and height to look at, pixels.", "X,Y,W,H", takes="tuple[int, int, int, int] | str | None"
         ),
@@ -120,7 +120,7 @@ class TrackRequest(request.Request):
             threshold=self.threshold,
             width_px=self.width,
             heading=self.heading,
-            lens=None if self.lens is None else lens.read(self.lens),
+            lens=None if self.lens is None else lens.read_lens(self.lens),
             markers=self.markers,
             marker_mm=side,
             marker_se_mm=side_se,

@@ -118,13 +118,13 @@ class Tracked(NamedTuple):
     @property
     def jitter_mm(self) -> float:
         """Error of a place that changes from frame to frame, mm; NaN for too few frames."""
-        return doubts.jitter([self._unbroken(walker) for walker in self.walkers])
+        return doubts.jitter([self._full_track(walker) for walker in self.walkers])
 
     def path_mm(self, walker: Walker) -> float:
         """Length of a walker's path, mm, its jitter left out."""
-        return doubts.path(walker.position, 0.0 if math.isnan(self.jitter_mm) else self.jitter_mm)
+        return doubts.path_length(walker.position, 0.0 if math.isnan(self.jitter_mm) else self.jitter_mm)
 
-    def _unbroken(self, walker: Walker) -> tuple[Array, Array]:
+    def _full_track(self, walker: Walker) -> tuple[Array, Array]:
         """Return times and positions of all frames from a walker's first to its last; NaN where lost."""
         first, last = walker.frames[[0, -1]]
         places = np.full((last - first + 1, 2), np.nan)

@@ -10,25 +10,25 @@ import numpy as np
 from walkergen.core.files.progress import Progress
 from walkergen.guests.track.film import appearance, camera, films, heading, linking
 from walkergen.guests.track.film.appearance import Appearance
-from walkergen.guests.track.film.blobs import Blob, find
+from walkergen.guests.track.film.blobs import Blob, find_blobs
 from walkergen.guests.track.film.camera import Shake
 from walkergen.guests.track.film.films import Box, Clock, Film, Grey
-from walkergen.guests.track.film.heading import LONG
+from walkergen.guests.track.film.heading import MIN_ELONGATION
 from walkergen.guests.track.film.lens import Lens
 from walkergen.guests.track.film.linking import Linked, Seen
 from walkergen.guests.track.film.result import Array, Options, Outline, Tracked, Walker
 
-SAMPLES = 8
+SAMPLE_FRAMES = 8
 """Number of frames, from the first on, that tell the look of a film."""
 
-SHIFTS = 200
+SHIFT_FRAMES = 200
 """Number of frames, about, that tell whether the camera shakes."""
 
-EDGES = 2.5
+LENGTH_ERROR_PX = 2.5
 """Standard error of a length in a picture, both ends together, pixels: blur, a dark rim, a shadow.
 Films that are drawn err by less."""
 
-STILL = 0.02
+MAX_STILL_PX = 0.02
 """Way from frame to frame, pixels, below which nothing moves but by the film's compression."""
 
 
@@ -46,18 +46,18 @@ class Unmarked(NamedTuple):
 
 def track(film: Film, part: Box, options: Options, lens: Lens | None, progress: Progress) -> tuple[Tracked, Unmarked]:
     """Walkers in a part of a film's frames, and what they rest on. Raises InputError for none."""
-    frames = _look_at(film, part, options, progress)
+    frames = _find_in_frames(film, part, options, progress)
     linked = linking.link(frames.blobs, options.frames[0], frames.clock.fps)
-    straight = [_straight(seen, lens, part) for seen in linked.walkers]
-    scale, scale_se = scale_of(options, _length(linked, straight))
+    straight = [_undistort(seen, lens, part) for seen in linked.walkers]
+    scale, scale_se = find_scale(options, _walker_length(linked, straight))
     by: heading.By = "mark" if options.heading == "mark" else "motion"
     walkers = [
-        _walker(number, seen, own, by, film, part, scale)
+        _make_walker(number, seen, own, by, film, part, scale)
         for number, (seen, own) in enumerate(zip(linked.walkers, straight, strict=True))
     ]
     looked = len(frames.blobs)
     tracked = Tracked(film, options, part, frames.picture, frames.clock, looked, walkers, scale, scale_se)
-    return tracked, Unmarked(frames.look, linked, straight, frames.shake, _still(frames.blobs))
+    return tracked, Unmarked(frames.look, linked, straight, frames.shake, _count_still(frames.blobs))
 
 
 class _Frames(NamedTuple):
@@ -71,48 +71,48 @@ class _Frames(NamedTuple):
     shake: Shake
 
 
-def _look_at(film: Film, part: Box, options: Options, progress: Progress) -> _Frames:
+def _find_in_frames(film: Film, part: Box, options: Options, progress: Progress) -> _Frames:
     dark = None if options.walkers is None else options.walkers == "dark"
     with films.play(film, part, options.frames, progress) as reel:
-        samples = list(islice(reel.frames, SAMPLES))
-        films.refuse_few(len(samples), options.frames[0])
-        look = appearance.learn(samples, dark, options.threshold, options.width_px)
-        near = [blob for grey in samples for blob in find(grey, look, marked=False)]
-        points = camera.fixed(samples, look, near)
+        samples = list(islice(reel.frames, SAMPLE_FRAMES))
+        films.check_frame_count(len(samples), options.frames[0])
+        look = appearance.learn_appearance(samples, dark, options.threshold, options.width_px)
+        near = [blob for grey in samples for blob in find_blobs(grey, look, marked=False)]
+        points = camera.find_fixed_points(samples, look, near)
         blobs: list[list[Blob]] = []
         shifts: list[Array] = []
         for number, grey in enumerate(chain(samples, reel.frames)):
-            blobs.append(find(grey, look, options.heading == "mark"))
-            if points is not None and number % max(1, reel.expected // SHIFTS) == 0:
-                shifts.append(camera.shift(points, grey, blobs[-1]))
-        clock = films.clock(film, reel.stamps, options.fps)
-    return _Frames(samples[0], look, blobs, clock, camera.shake(shifts))
+            blobs.append(find_blobs(grey, look, options.heading == "mark"))
+            if points is not None and number % max(1, reel.expected // SHIFT_FRAMES) == 0:
+                shifts.append(camera.find_shift(points, grey, blobs[-1]))
+        clock = films.read_clock(film, reel.stamps, options.fps)
+    return _Frames(samples[0], look, blobs, clock, camera.measure_shake(shifts))
 
 
-def _still(frames: Sequence[Sequence[Blob]]) -> int:
+def _count_still(frames: Sequence[Sequence[Blob]]) -> int:
     """Count the frames in which something is seen and nothing moves."""
 
-    def still(before: Sequence[Blob], now: Sequence[Blob]) -> bool:
+    def is_still(before: Sequence[Blob], now: Sequence[Blob]) -> bool:
         if not now or len(now) != len(before):
             return False
         pairs = zip(before, now, strict=True)
-        return all(math.hypot(b.x - a.x, b.y - a.y) < STILL for a, b in pairs)
+        return all(math.hypot(b.x - a.x, b.y - a.y) < MAX_STILL_PX for a, b in pairs)
 
-    return sum(still(before, now) for before, now in pairwise(frames))
+    return sum(is_still(before, now) for before, now in pairwise(frames))
 
 
-def _straight(seen: Seen, lens: Lens | None, part: Box) -> Seen:
+def _undistort(seen: Seen, lens: Lens | None, part: Box) -> Seen:
     """Walker as a lens that does not bend sees it."""
-    return seen if lens is None else seen._replace(blobs=lens.straight_blobs(seen.blobs, part[:2]))
+    return seen if lens is None else seen._replace(blobs=lens.undistort_blobs(seen.blobs, part[:2]))
 
 
-def _length(linked: Linked, straight: Sequence[Seen]) -> float:
+def _walker_length(linked: Linked, straight: Sequence[Seen]) -> float:
     """Length of a walker by a lens that does not bend, pixels."""
     bent, own = (np.concatenate([walker.blobs.length for walker in walkers]) for walkers in (linked.walkers, straight))
     return linked.length * float(np.median(own / bent))
 
 
-def scale_of(options: Options, length: float) -> tuple[float, float | None]:
+def find_scale(options: Options, length: float) -> tuple[float, float | None]:
     """Return the millimetres per pixel with their standard error, as given or from a walker's length, pixels.
 
     Errors of a scale from a length are those of blurred edges and of the given length.
@@ -122,25 +122,27 @@ def scale_of(options: Options, length: float) -> tuple[float, float | None]:
     assert options.length_mm is not None
     scale = options.length_mm / length
     share_se = (options.length_se_mm or 0.0) / options.length_mm
-    return scale, scale * math.hypot(EDGES / length, share_se)
+    return scale, scale * math.hypot(LENGTH_ERROR_PX / length, share_se)
 
 
-def _walker(number: int, seen: Seen, straight: Seen, by: heading.By, film: Film, part: Box, scale: float) -> Walker:
+def _make_walker(
+    number: int, seen: Seen, straight: Seen, by: heading.By, film: Film, part: Box, scale: float
+) -> Walker:
     """Walker with places in mm from the lower left corner of the whole frame."""
     left, top, _, _ = part
     bent, own = (np.column_stack([blobs.x + left + 0.5, blobs.y + top + 0.5]) for blobs in (seen.blobs, straight.blobs))
     position = scale * np.column_stack([own[:, 0], film.height - own[:, 1]])
-    headed = heading.of(straight, by)
-    outlines = [_outline(seen, at, bent[at], headed.theta[at]) for at in (0, -1)]
+    headed = heading.find_headings(straight, by)
+    outlines = [_make_outline(seen, at, bent[at], headed.theta[at]) for at in (0, -1)]
     size = float(np.median(seen.blobs.length))
     return Walker(number, seen.frames, bent, position, headed.theta, headed.how, size, (outlines[0], outlines[1]))
 
 
-def _outline(seen: Seen, at: int, middle: Array, theta: float) -> Outline:
+def _make_outline(seen: Seen, at: int, middle: Array, theta: float) -> Outline:
     """Box or ellipse around a walker in one of its frames, and the arrow that begins at its front."""
     blobs = seen.blobs
     unit = np.array([(1, 1), (1, -1), (-1, -1), (-1, 1), (1, 1)])
-    if np.median(blobs.length / blobs.width) < LONG:
+    if np.median(blobs.length / blobs.width) < MIN_ELONGATION:
         turn = np.linspace(0.0, 2.0 * np.pi, 60)
         unit = np.column_stack([np.cos(turn), np.sin(turn)])
     c, s = np.cos(blobs.axis[at]), np.sin(blobs.axis[at])

@@ -8,26 +8,26 @@ import numpy as np
 
 from walkergen.core.files import words
 from walkergen.guests.track.film.blobs import Blobs
-from walkergen.guests.track.film.doubts import LOST, Told
+from walkergen.guests.track.film.doubts import MAX_LOST_SHARE, Told
 from walkergen.guests.track.film.linking import Seen
 from walkergen.guests.track.film.result import Array, Tracked, Whole
 from walkergen.guests.track.film.unmarked import Unmarked
 
-INDEPENDENT = 10
+CORRELATED_FRAMES = 10
 """Number of neighbouring frames, about, that err alike."""
 
-SURE = 4.0
+MIN_SIGNIFICANCE = 4.0
 """Standard errors by which a shadow, or a change of size, must differ from 0."""
 
-SHAKY, PULLED, LARGER, UNSTEADY = 0.2, 0.3, 0.04, 0.02
+MAX_SHAKE_PX, MAX_PULL_PX, MAX_SIZE_CHANGE, MAX_SIZE_SCATTER = 0.2, 0.3, 0.04, 0.02
 """Shake and pull of shadows, pixels, and shares by which a walker's size differs from place to
 place, or from frame to frame, that are worth a warning."""
 
 
-def of(tracked: Tracked, found: Unmarked) -> Told:
+def collect_doubts(tracked: Tracked, found: Unmarked) -> Told:
     """All that is to be said of a film."""
     look, linked, shake = found.look, found.linked, found.shake
-    pull, size = shadow(linked.walkers), sizes(found.straight)
+    pull, size = shadow_pull(linked.walkers), size_change(found.straight)
     facts = {
         "frames_without_walkers": linked.empty,
         "frames_with_touching_walkers": linked.merged,
@@ -40,17 +40,21 @@ def of(tracked: Tracked, found: Unmarked) -> Told:
         "area_px": linked.area,
         "contrast": look.contrast,
         "noise": look.noise,
-        "shake_px": _finite(shake.rms),
-        "shake_most_px": _finite(shake.largest),
+        "shake_px": _finite_or_none(shake.rms),
+        "shake_most_px": _finite_or_none(shake.largest),
         "shadow_px": pull,
         "size_change_share": size.change,
-        "size_change_se_share": _finite(size.error),
+        "size_change_se_share": _finite_or_none(size.error),
         "size_scatter_share": size.scatter,
     }
-    return Told(facts, list(_notes(tracked, found)), [*_linked(tracked, found), *_seen(tracked, found, pull, size)])
+    return Told(
+        facts,
+        list(_notes(tracked, found)),
+        [*_link_warnings(tracked, found), *_image_warnings(tracked, found, pull, size)],
+    )
 
 
-def _finite(value: float) -> float | None:
+def _finite_or_none(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
@@ -71,7 +75,7 @@ def _notes(tracked: Tracked, found: Unmarked) -> Iterator[str]:
         yield "Nothing that stands still tells whether the camera shakes."
 
 
-def _linked(tracked: Tracked, found: Unmarked) -> Iterator[str]:
+def _link_warnings(tracked: Tracked, found: Unmarked) -> Iterator[str]:
     """Warnings of walkers that are missing, merged, lost or taken for others."""
     linked, count, walkers = found.linked, tracked.looked, tracked.walkers
     if linked.empty:
@@ -82,7 +86,7 @@ def _linked(tracked: Tracked, found: Unmarked) -> Iterator[str]:
             "they may have changed their numbers: look at check.png"
         )
     for walker in walkers:
-        if walker.lost > LOST * (walker.lost + len(walker.frames)):
+        if walker.lost > MAX_LOST_SHARE * (walker.lost + len(walker.frames)):
             yield f"walker {walker.number} is lost in {walker.lost} frames between its first and last"
     if linked.short:
         yield f"{linked.short} tracks were too short and are left out"
@@ -97,11 +101,11 @@ def _linked(tracked: Tracked, found: Unmarked) -> Iterator[str]:
         )
 
 
-def _seen(tracked: Tracked, found: Unmarked, pull: float, size: "Sizes") -> Iterator[str]:
+def _image_warnings(tracked: Tracked, found: Unmarked, pull: float, size: "Sizes") -> Iterator[str]:
     """Warnings of what light and camera do to the places, each with its size."""
     look, shake = found.look, found.shake
 
-    def length(pixels: float) -> str:
+    def format_length(pixels: float) -> str:
         return f"{words.format_number(pixels, 2)} pixels ({words.format_number(pixels * tracked.mm_per_px, 2)} mm)"
 
     if look.blur:
@@ -109,22 +113,22 @@ def _seen(tracked: Tracked, found: Unmarked, pull: float, size: "Sizes") -> Iter
             f"little contrast: walkers differ from the ground by {look.contrast:.3g} of 255 steps, "
             f"{look.contrast / look.noise:.2g} times the noise of a pixel: give more light"
         )
-    if shake.rms > SHAKY:
+    if shake.rms > MAX_SHAKE_PX:
         yield (
-            f"the camera shakes: what stands still moves by {length(shake.rms)} r.m.s., "
-            f"{length(shake.largest)} at most, and places with it: fix the camera"
+            f"the camera shakes: what stands still moves by {format_length(shake.rms)} r.m.s., "
+            f"{format_length(shake.largest)} at most, and places with it: fix the camera"
         )
-    if pull > PULLED:
+    if pull > MAX_PULL_PX:
         yield (
-            f"shadows are taken for walkers, and pull at their centres by {length(pull)}: light from all sides, "
+            f"shadows are taken for walkers, and pull at their centres by {format_length(pull)}: light from all sides, "
             "or give a higher ‹threshold›"
         )
-    if size.change > max(LARGER, SURE * size.error):
+    if size.change > max(MAX_SIZE_CHANGE, MIN_SIGNIFICANCE * size.error):
         yield (
             f"walkers look {100 * size.change:.2g} % larger in one place than in another, and "
             "lengths with them: the camera does not look straight down, or its lens bends (‹lens›)"
         )
-    if size.scatter > UNSTEADY:
+    if size.scatter > MAX_SIZE_SCATTER:
         yield (
             f"walkers change their size by {100 * size.scatter:.2g} % as they run: shadows, light "
             "or noise are taken for a part of them"
@@ -136,13 +140,13 @@ def _seen(tracked: Tracked, found: Unmarked, pull: float, size: "Sizes") -> Iter
         )
 
 
-def shadow(walkers: Sequence[Seen]) -> float:
+def shadow_pull(walkers: Sequence[Seen]) -> float:
     """Way by which shadows pull at the centres of walkers, pixels; 0 where none is resolved.
 
     A shadow lies on one side in the picture; what turns with walkers is their own shades. Of those
     that never turn the two cannot be told apart.
     """
-    blobs = _together(walkers)
+    blobs = _join_blobs(walkers)
     c, s = np.cos(blobs.axis), np.sin(blobs.axis)
     ones, none = np.ones_like(c), np.zeros_like(c)
     right = np.column_stack([ones, none, c, s])  # of shadow (2 columns) and shades (2 columns)
@@ -151,10 +155,10 @@ def shadow(walkers: Sequence[Seen]) -> float:
     fit, _, rank, _ = np.linalg.lstsq(terms, pulls)
     if rank < terms.shape[1]:
         return 0.0
-    variance = float(np.mean((pulls - terms @ fit) ** 2)) * INDEPENDENT
+    variance = float(np.mean((pulls - terms @ fit) ** 2)) * CORRELATED_FRAMES
     error = math.sqrt(variance * float(np.trace(np.linalg.inv(terms.T @ terms)[:2, :2])))
     pull = math.hypot(fit[0], fit[1])
-    return pull if pull > SURE * error else 0.0
+    return pull if pull > MIN_SIGNIFICANCE * error else 0.0
 
 
 class Sizes(NamedTuple):
@@ -166,20 +170,20 @@ class Sizes(NamedTuple):
     """Standard deviation of the rest, as a share: from frame to frame, and as walkers turn."""
 
 
-def sizes(walkers: Sequence[Seen]) -> Sizes:
+def size_change(walkers: Sequence[Seen]) -> Sizes:
     """Change of a walker's own size over the places that walkers reach: perspective, or a lens.
 
     Its logarithm is fitted with a plane and a bowl, each walker with a size of its own.
     """
-    blobs = _together(walkers)
+    blobs = _join_blobs(walkers)
     owner = np.repeat(np.arange(len(walkers)), [len(walker.frames) for walker in walkers])
     place = np.column_stack([blobs.x, blobs.y])
     place -= place.mean(axis=0)
     place /= np.abs(place).max() or 1.0
     terms = np.column_stack([place, (place**2).sum(axis=1)])
     size = 0.5 * np.log(blobs.area)
-    slopes = np.array([_centred(term, owner) for term in terms.T])
-    changes = _centred(size, owner)
+    slopes = np.array([_subtract_means(term, owner) for term in terms.T])
+    changes = _subtract_means(size, owner)
     fit, _, rank, _ = np.linalg.lstsq(slopes.T, changes)
     if rank < 3:
         return Sizes(0.0, math.inf, float(changes.std()))
@@ -187,16 +191,16 @@ def sizes(walkers: Sequence[Seen]) -> Sizes:
     fitted = terms @ fit
     ends = terms[[fitted.argmax(), fitted.argmin()]]
     span = ends[0] - ends[1]
-    spread = np.linalg.pinv(slopes @ slopes.T) * float(np.mean(rest**2)) * INDEPENDENT
+    spread = np.linalg.pinv(slopes @ slopes.T) * float(np.mean(rest**2)) * CORRELATED_FRAMES
     return Sizes(math.expm1(float(span @ fit)), math.sqrt(float(span @ spread @ span)), float(rest.std()))
 
 
-def _centred(values: Array, owner: Whole) -> Array:
+def _subtract_means(values: Array, owner: Whole) -> Array:
     """Values without the mean of their walker's."""
     means = np.bincount(owner, values) / np.bincount(owner)
     return np.asarray(values - means[owner])
 
 
-def _together(walkers: Sequence[Seen]) -> Blobs:
+def _join_blobs(walkers: Sequence[Seen]) -> Blobs:
     """Blobs of all walkers, one walker after the other."""
     return Blobs(*np.hstack([np.array(walker.blobs) for walker in walkers]))
