@@ -12,7 +12,7 @@ from walkergen import extras
 from walkergen.analysis import track_files
 from walkergen.analysis.track_files import Units
 from walkergen.commands.simulate import netcdf, trajectories
-from walkergen.commands.simulate.trajectories import Written
+from walkergen.commands.simulate.trajectories import TrajectoryData
 from walkergen.core.errors import InputError
 
 PLACES = np.stack(WALKERS, axis=-1)[:, :, None]
@@ -26,7 +26,7 @@ def same(tracks, places=WALKERS):
 
 @pytest.mark.parametrize(("arena", "lane"), [("plane", False), ("lane", False)])
 def test_our_own_runs_are_the_same_from_every_format(tmp_path, arena, lane):
-    written = Written(simulated(asked_of(arena)), WALKER)
+    written = TrajectoryData(simulated(asked_of(arena)), WALKER)
     csv, *others = (_read_back(tmp_path / f"all{suffix}", written) for suffix in (".csv", ".npz", ".nc"))
     assert csv.lane is lane
     for other in others:

@@ -140,11 +140,11 @@ def test_a_connection_that_is_quiet_whenever_it_is_looked_at_stays_open():
     closed = SimpleNamespace(is_closing=lambda: False, close=lambda: looks.append("closed"))
     later = SimpleNamespace(call_later=lambda _, look, before: looks.append(before))
     connection = SimpleNamespace(transport=closed, loop=later, cycle=message, _close_if_idle=None)
-    serving._Impatient._close_if_idle(connection, None)
+    serving._IdleTimeoutProtocol._close_if_idle(connection, None)
     connection.cycle = other = SimpleNamespace(response_complete=True)
-    serving._Impatient._close_if_idle(connection, message)
+    serving._IdleTimeoutProtocol._close_if_idle(connection, message)
     assert looks == [message, other]
-    serving._Impatient._close_if_idle(connection, other)
+    serving._IdleTimeoutProtocol._close_if_idle(connection, other)
     assert looks[-1] == "closed"
 
 

@@ -21,7 +21,7 @@ from walkergen.points import alone, kinds, walkers
 from walkergen.points import experiments as simulated
 from walkergen.points import point as points
 from walkergen.points.kinds import evaluate
-from walkergen.points.point import Went, point_key
+from walkergen.points.point import PointStatus, point_key
 
 LANE = templates.load("lane-90hz", "scenes", Scene)
 PAPER = templates.load("koumakis2016", "walkers", Design)
@@ -97,7 +97,7 @@ NO_TIME = {"scene__run__seconds": 0.004, "scene__run__discard_seconds": 0.0}
 def test_an_error_that_cannot_be_met_is_said():
     found = evaluate(point_at("space", error="0.001mm/s", **NO_TIME))
     assert found["runs"] == 512
-    assert found["went"] == Went.NOT_MET
+    assert found["went"] == PointStatus.NOT_MET
     assert found["status"].endswith("not within the 0.001 asked")
     assert math.isfinite(found["speed_mm_s"])
 
@@ -145,7 +145,7 @@ def test_a_point_that_cannot_be_says_why_on_one_line():
     ):
         record = request.try_point(values)
         assert isinstance(record, dict)
-        assert record["went"] == Went.REFUSED
+        assert record["went"] == PointStatus.REFUSED
         assert record["status"] == f"refused: {record['reason']}"
         assert told in record["reason"]
         assert "\n" not in record["reason"]

@@ -14,7 +14,7 @@ SLACK = 200
 """Lines by which a folder may be below its limit."""
 
 LIMITS = {
-    "walkergen/analysis": 5330,
+    "walkergen/analysis": 5350,
     "walkergen/api": 310,
     "walkergen/app": 2630,
     "walkergen/cli": 900,
@@ -26,8 +26,8 @@ LIMITS = {
     "walkergen/guests/movie": 1500,
     "walkergen/guests/sweep": 2400,
     "walkergen/guests/track": 3690,
-    "walkergen/points": 2960,
-    "walkergen/readers": 5330,
+    "walkergen/points": 2970,
+    "walkergen/readers": 5340,
     "walkergen/sheets": 530,
     "benchmarks": 2750,
     "docs": 650,

@@ -20,7 +20,7 @@ from walkergen.core.walker.design import Design
 from walkergen.readers.drawings import crossings
 from walkergen.readers.meshes import faults, repairs
 from walkergen.readers.walkers import own_mesh
-from walkergen.readers.walkers.own_mesh import Wishes
+from walkergen.readers.walkers.own_mesh import ReadOptions
 
 DUCK = hostile.duck()
 BOX = hostile.box()
@@ -29,7 +29,7 @@ BOX = hostile.box()
 def refused(path, **keys):
     """The one line with which a file is refused."""
     with pytest.raises(InputError) as refusal:
-        own_mesh.read_body(path, Wishes(**keys))
+        own_mesh.read_body(path, ReadOptions(**keys))
     (line,) = str(refusal.value).splitlines()
     assert line.startswith("body.mesh")
     return line
@@ -68,7 +68,7 @@ def test_axes_of_the_file_become_ours(tmp_path):
     assert head[0] > 0.2 * size[0]
     fallen = DUCK.vertices[:, [2, 0, 1]]  # y is forward, x is up
     other = hostile.to_stl(tmp_path / "fallen.stl", Mesh(fallen, DUCK.triangles))
-    turned = own_mesh.read_body(other, Wishes(up="x", forward="y")).mesh
+    turned = own_mesh.read_body(other, ReadOptions(up="x", forward="y")).mesh
     np.testing.assert_allclose(sorted(turned.vertices.tolist()), sorted(upright.tolist()), atol=1e-5)
     for up, forward in (("z", "x"), ("-y", "x"), ("x", "-z"), ("-z", "-y")):
         turn = own_mesh.rotation(up, forward, "key")
@@ -164,7 +164,7 @@ def test_a_size_that_no_walker_has_asks_for_the_unit(tmp_path):
     assert "metres: 28 mm, body.scale_mm = 1000" in line(0.001)
     assert "1..500 mm" in line(1e9)
     path = hostile.to_stl(tmp_path / "inch.stl", Mesh(DUCK.vertices / 25.4, DUCK.triangles))
-    found = own_mesh.read_body(path, Wishes(scale_mm=25.4)).mesh
+    found = own_mesh.read_body(path, ReadOptions(scale_mm=25.4)).mesh
     assert mass.weigh(found, 1.0).volume == pytest.approx(mass.weigh(DUCK, 1.0).volume, rel=1e-5)
 
 
@@ -257,7 +257,7 @@ def test_repair_says_what_it_changed(tmp_path):
         path = hostile.to_stl(tmp_path / "broken.stl", mesh)
         with pytest.raises(InputError):
             own_mesh.read_body(path)
-        found = own_mesh.read_body(path, Wishes(repair=True))
+        found = own_mesh.read_body(path, ReadOptions(repair=True))
         faults.check_solid(found.mesh, "repaired")
         return "; ".join(found.changes), mass.weigh(found.mesh, 1.0).volume
 
@@ -292,18 +292,18 @@ def test_what_repair_cannot_mend_is_refused_with_what_was_tried(tmp_path):
     assert "crosses itself" in refused(path, repair=True)
     floating = hostile.together(BOX, hostile.box(middle=(40.0, 0.0, 40.0)))
     with pytest.raises(GeometryError, match=r"^body\.base = true: 1 pieces float above the plate"):
-        own_mesh.read_body(hostile.to_stl(tmp_path / "b.stl", floating), Wishes(repair=True, base=True))
-    sound = own_mesh.read_body(hostile.to_stl(tmp_path / "box.stl", BOX), Wishes(repair=True))
+        own_mesh.read_body(hostile.to_stl(tmp_path / "b.stl", floating), ReadOptions(repair=True, base=True))
+    sound = own_mesh.read_body(hostile.to_stl(tmp_path / "box.stl", BOX), ReadOptions(repair=True))
     assert sound.changes == ()
 
 
 def test_bodies_apart_are_joined_by_a_plate_or_the_largest_is_taken(tmp_path):
     small = hostile.box(5.0, 5.0, 8.0, middle=(0.0, 20.0, 0.0))
     path = hostile.to_stl(tmp_path / "two.stl", hostile.together(BOX, small))
-    joined = own_mesh.read_body(path, Wishes(repair=True, base=None))
+    joined = own_mesh.read_body(path, ReadOptions(repair=True, base=None))
     faults.check_solid(joined.mesh, "joined")
     assert joined.changes == ("joined 2 bodies by a base plate",)
-    alone = own_mesh.read_body(path, Wishes(repair=True))
+    alone = own_mesh.read_body(path, ReadOptions(repair=True))
     assert alone.changes == ("left out 1 body beside the largest",)
     assert mass.weigh(alone.mesh, 1.0).volume == pytest.approx(960.0)
     assert mass.weigh(joined.mesh, 1.0).volume > 960.0 + 200.0
@@ -311,7 +311,9 @@ def test_bodies_apart_are_joined_by_a_plate_or_the_largest_is_taken(tmp_path):
 
 def test_a_mesh_is_scaled_to_a_length_and_mirrored(tmp_path):
     path = hostile.to_stl(tmp_path / "duck.stl", DUCK)
-    plain, turned = (own_mesh.read_body(path, Wishes(length_mm=40.0, mirror=mirror)).mesh for mirror in (False, True))
+    plain, turned = (
+        own_mesh.read_body(path, ReadOptions(length_mm=40.0, mirror=mirror)).mesh for mirror in (False, True)
+    )
     assert np.ptp(plain.vertices[:, 0]) == pytest.approx(40.0)
     np.testing.assert_allclose(np.sort(-plain.vertices[:, 0]), np.sort(turned.vertices[:, 0]), atol=1e-9)
     faults.check_solid(turned, "turned")

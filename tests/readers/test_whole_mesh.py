@@ -11,7 +11,7 @@ from walkergen.core.walker import mass, solids
 from walkergen.core.walker.design import Design
 from walkergen.readers.meshes import faults
 from walkergen.readers.walkers import own_mesh, whole_mesh
-from walkergen.readers.walkers.own_mesh import Wishes
+from walkergen.readers.walkers.own_mesh import ReadOptions
 
 DENSITY = 1.24e-3
 
@@ -73,7 +73,7 @@ def test_through_a_file_of_32_bits(tmp_path):
     design = design_of("flexible", "flat", 17.0)
     path = hostile.to_stl(tmp_path / "whole.stl", solids.build(design).walker)
     # The file has our own axes: y up, z across
-    read = own_mesh.read_body(path, Wishes(up="y", forward="x"), key="walker.mesh")
+    read = own_mesh.read_body(path, ReadOptions(up="y", forward="x"), key="walker.mesh")
     assert read.changes == ()
     found = whole_mesh.cut_legs(read.mesh, 7.0)
     for leg in found.legs:

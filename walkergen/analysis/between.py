@@ -37,7 +37,7 @@ MIN_CORRELATION_TIMES = 8.0
 """Correlation times that pieces must last to be independent: errors are then 7 % low at most."""
 
 
-class Alone(NamedTuple):
+class WalkerMeans(NamedTuple):
     """One walker by itself."""
 
     particle: int
@@ -51,7 +51,7 @@ class Alone(NamedTuple):
         return self.means.get(name, refusal(name, ""))
 
 
-class Together(NamedTuple):
+class WalkerComparison(NamedTuple):
     """At least two walkers beside one another, each counted once."""
 
     walkers: int
@@ -111,7 +111,7 @@ def walker_scatter(name: str, values: Array, noise: float, inside: float) -> Qua
     return quantity(name, value, se, free)._replace(noise=noise, power=2, least=least)
 
 
-def walker_means(tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[int, float]) -> list[Alone]:
+def walker_means(tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[int, float]) -> list[WalkerMeans]:
     """Every walker by itself.
 
     `shortened` is the share of a speed that displacements show (see `estimates.evaluate`), `turns`
@@ -123,7 +123,7 @@ def walker_means(tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[
         seconds = float(seen[-1] - seen[0]) * tracks.interval if len(seen) else 0.0
         series = _walker_series(track, frame, shortened, turns[track.particle])
         means = {name: _series_mean(name, own, frame) for name, own in series.items()}
-        alone.append(Alone(track.particle, seconds, means))
+        alone.append(WalkerMeans(track.particle, seconds, means))
     return alone
 
 
@@ -233,7 +233,7 @@ def _error_if_correlated(blocks: Array, block: float, lasting: float) -> tuple[f
     return error, ""
 
 
-def compare(alone: Sequence[Alone]) -> Together | None:
+def compare(alone: Sequence[WalkerMeans]) -> WalkerComparison | None:
     """Means and spread of the walkers that were seen for long enough.
 
     None for fewer than two, or where one of them has no speed.
@@ -251,11 +251,13 @@ def compare(alone: Sequence[Alone]) -> Together | None:
     errors = [speed.se for speed in speeds if speed.se is not None]
     if len(errors) < len(speeds):
         reason = next(speed.refused for speed in speeds if speed.refused)
-        return Together(len(walkers), means, refusal("speed_scatter", reason), "no error within a track is known")
+        return WalkerComparison(
+            len(walkers), means, refusal("speed_scatter", reason), "no error within a track is known"
+        )
     noise = float(np.mean(np.square(errors)))
     inside = sum(min(speed.freedom, statistics.MIN_SAMPLES) for speed in speeds)
     scatter = walker_scatter("speed_scatter", np.array([speed.value for speed in speeds]), noise, inside)
-    return Together(len(walkers), means, scatter, _limiting_error(scatter, noise))
+    return WalkerComparison(len(walkers), means, scatter, _limiting_error(scatter, noise))
 
 
 def add_shared_error(means: Mapping[str, Quantity], shortened: Quantity) -> dict[str, Quantity]:

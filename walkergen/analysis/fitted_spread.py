@@ -12,7 +12,7 @@ import numpy.typing as npt
 from walkergen.analysis import estimates, judgement, spreads
 from walkergen.analysis.estimates import Frame, mean
 from walkergen.analysis.moments import Moments
-from walkergen.analysis.spreads import Fitted
+from walkergen.analysis.spreads import DisplacementFit
 from walkergen.analysis.walks import Spread
 
 Array = npt.NDArray[np.float64]
@@ -20,7 +20,7 @@ Array = npt.NDArray[np.float64]
 
 def add_fit(
     numbers: list[dict[str, float]], sums: Sequence[Moments], frame: Frame, longest: int
-) -> tuple[list[dict[str, float]], Fitted | None]:
+) -> tuple[list[dict[str, float]], DisplacementFit | None]:
     """Numbers of all samples, then of those without each one, with those of their fit over lags."""
     if frame.lane:
         return numbers, None
@@ -30,7 +30,7 @@ def add_fit(
 
 
 def add_refit(
-    numbers: list[dict[str, float]], sums: Sequence[Moments], frame: Frame, fit: Fitted | None
+    numbers: list[dict[str, float]], sums: Sequence[Moments], frame: Frame, fit: DisplacementFit | None
 ) -> list[dict[str, float]]:
     """Numbers of other sums, with those of the same fit to them."""
     if fit is None or not len(fit.errors):

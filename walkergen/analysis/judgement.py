@@ -30,7 +30,7 @@ from walkergen.analysis.estimates import (
     refusal,
 )
 from walkergen.analysis.moments import Moments
-from walkergen.analysis.spreads import Fitted
+from walkergen.analysis.spreads import DisplacementFit
 from walkergen.core.numerics import statistics
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.numerics.tails import student_quantile
@@ -128,7 +128,7 @@ def judge(
     values: Mapping[str, float],
     replicates: Sequence[Mapping[str, float]],
     frame: Frame,
-    fitted: Fitted | None,
+    fitted: DisplacementFit | None,
     without_one: Sequence[Mapping[str, float]],
     longest_s: float,
     freedom: float,
@@ -189,7 +189,7 @@ class _Numbers(NamedTuple):
         return f"not resolved: below {bound:.2g} {unit} (95 %)" if math.isfinite(bound) else ""
 
 
-def _detection_share(numbers: _Numbers, frame: Frame, fitted: Fitted | None, longest_s: float) -> float:
+def _detection_share(numbers: _Numbers, frame: Frame, fitted: DisplacementFit | None, longest_s: float) -> float:
     """Share of the rate of a run, as it was found, from which on its diffusivity is told; 0 where there is none."""
     rate, error = numbers.values["msd_rate"], numbers.errors["msd_rate"]
     if fitted is None or not fitted.run or not rate > 0.0:
@@ -210,7 +210,9 @@ def _meaningless_reasons(frame: Frame) -> dict[str, str]:
     return dict.fromkeys((*HEADING_NAMES, *ALONG_NAMES, *ACROSS_NAMES), NO_HEADINGS_REASON)
 
 
-def _unresolved_reasons(numbers: _Numbers, frame: Frame, fitted: Fitted | None, longest_s: float) -> dict[str, str]:
+def _unresolved_reasons(
+    numbers: _Numbers, frame: Frame, fitted: DisplacementFit | None, longest_s: float
+) -> dict[str, str]:
     """Refuse roots of, and quotients by, what the data cannot tell from zero: no error holds."""
     if frame.lane or fitted is None:
         reason = "the spread about the mean run is too small to tell"
@@ -250,7 +252,7 @@ def _unresolved_persistence(numbers: _Numbers, frame: Frame, longest_s: float) -
     return dict.fromkeys(("persistence_time", "persistence_length"), reason)
 
 
-def _unresolved_spread(numbers: _Numbers, frame: Frame, fitted: Fitted, longest_s: float) -> dict[str, str]:
+def _unresolved_spread(numbers: _Numbers, frame: Frame, fitted: DisplacementFit, longest_s: float) -> dict[str, str]:
     """Refuse terms of the squared displacement that cannot be told from zero, or from others."""
     if math.isnan(fitted.spreads[0].offset):
         return {}  # nothing was fitted, which is reason enough
@@ -284,7 +286,7 @@ def _unresolved_spread(numbers: _Numbers, frame: Frame, fitted: Fitted, longest_
     return refused
 
 
-def _hidden_run(numbers: _Numbers, frame: Frame, fitted: Fitted, longest_s: float) -> dict[str, str]:
+def _hidden_run(numbers: _Numbers, frame: Frame, fitted: DisplacementFit, longest_s: float) -> dict[str, str]:
     """Refuse diffusivity where a run that lags are too short to show may add more to it than its bounds allow.
 
     Headings tell that: v^2 / (2 rate), with the largest speed v (95 %). Without them it is refused where products

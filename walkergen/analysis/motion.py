@@ -15,10 +15,10 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis import alignment, between, bounds, fitted_spread, judgement, lagged, moments, turning, walls
-from walkergen.analysis.between import Alone, Together
+from walkergen.analysis.between import WalkerComparison, WalkerMeans
 from walkergen.analysis.estimates import UNITS, Frame, mean, refusal
 from walkergen.analysis.moments import Grid, Moments
-from walkergen.analysis.spreads import Fitted
+from walkergen.analysis.spreads import DisplacementFit
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.analysis.turning import Turning
 from walkergen.analysis.walls import Walls
@@ -68,7 +68,7 @@ class Motion(NamedTuple):
     exponent: Curve
     """Local exponent d ln MSD / d ln lag at the lags of `msd`: 2 for a straight run, 1 for
     diffusion; NaN within half an octave of the ends. Noise of the positions lowers short lags'."""
-    msd_fit: Fitted | None
+    msd_fit: DisplacementFit | None
     """Fit of `msd` with its goodness; None where it was not fitted."""
     correlation: Curve
     """Modulus of the correlation of headings, less each walker's mean turning, by lag (without
@@ -78,7 +78,7 @@ class Motion(NamedTuple):
     parallel: Curve
     """Density (1/mm) of displacements along the heading over `lag_s`, at the middles of bins."""
     orthogonal: Curve
-    walkers: Sequence[Alone]
+    walkers: Sequence[WalkerMeans]
     """Every walker by itself."""
     by_plate_speed: tuple[tuple[float, Quantity], ...] = ()
     """Speed at each plate speed (mm/s), when the file has several."""
@@ -338,7 +338,9 @@ def _density_curve(edges: Array, counts: Sequence[Array]) -> Curve:
     return Curve(0.5 * (edges[1:] + edges[:-1]), densities[0], error)
 
 
-def _speed_means(alone: Sequence[Alone], together: Together | None, frame: Frame) -> Mapping[str, Quantity]:
+def _speed_means(
+    alone: Sequence[WalkerMeans], together: WalkerComparison | None, frame: Frame
+) -> Mapping[str, Quantity]:
     """Means over few walkers, or over the track of a lone one."""
     if together is not None:
         return together.means
@@ -357,7 +359,7 @@ def _mean_of_roots(judged: Mapping[str, Quantity], scatter: Quantity) -> Mapping
     return {"speed": speed, "motion_speed": speed}
 
 
-def _misfit_doubts(fit: Fitted | None) -> list[str]:
+def _misfit_doubts(fit: DisplacementFit | None) -> list[str]:
     if fit is None or not fit.p_value < MISFIT_P_VALUE:
         return []
     return [
@@ -377,7 +379,9 @@ def _scatter_doubts(judged: Mapping[str, Quantity], descent: float | None) -> li
     ]
 
 
-def _describe_method(frame: Frame, in_pieces: bool, together: Together | None, samples: int, length_s: float) -> str:
+def _describe_method(
+    frame: Frame, in_pieces: bool, together: WalkerComparison | None, samples: int, length_s: float
+) -> str:
     if frame.lane:
         speed = "along the lane"
     elif frame.headed:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis import track_columns
-from walkergen.analysis.track_columns import PIXEL, Named, Source
+from walkergen.analysis.track_columns import PIXEL, NamedColumn, Source
 from walkergen.core.errors import InputError
 from walkergen.core.files import columns, plain, reading
 from walkergen.core.files.columns import Columns
@@ -32,10 +32,10 @@ PICTURE_PATTERN = re.compile(r".*?(\d+)\.(?:png|jpe?g|bmp|tiff?),", re.IGNORECAS
 """Name of a picture, with its folders, which DeepLabCut has in place of a frame; it ends in the frame's number."""
 
 PIXEL_COLUMNS = {
-    "frame": Named("frame", ""),
-    "x": Named("x", PIXEL),
-    "y": Named("y", PIXEL),
-    "theta": Named("theta", "rad"),
+    "frame": NamedColumn("frame", ""),
+    "x": NamedColumn("x", PIXEL),
+    "y": NamedColumn("y", PIXEL),
+    "theta": NamedColumn("theta", "rad"),
 }
 """Columns of poses, with their units."""
 
@@ -89,7 +89,7 @@ def from_bodies(
     clock: str,
     times: Array,
     owned: Mapping[str, Mapping[str, Part]],
-    named: Mapping[str, Named],
+    named: Mapping[str, NamedColumn],
     program: str,
     said: tuple[str, ...] = (),
 ) -> Source:

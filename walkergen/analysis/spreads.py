@@ -57,7 +57,7 @@ MIN_RATE_DIFFERENCE = 0.1
 squared displacement changes with the square of their difference, by 0.1 % here."""
 
 
-class Fitted(NamedTuple):
+class DisplacementFit(NamedTuple):
     """Fit of the mean squared displacement."""
 
     spreads: tuple[Spread, ...]
@@ -101,7 +101,7 @@ class Fitted(NamedTuple):
         return f"no end of the run is resolved within {lag:.3g} s"
 
 
-def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> Fitted:
+def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> DisplacementFit:
     """Fit squared displacements (mm^2) at lags (s): first of all samples, then without each one.
 
     `turns` (rad/s) are the rates of turning of each. Parameters are NaN where lags are too few.
@@ -111,7 +111,7 @@ def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> Fitted:
     if len(values) > MIN_SAMPLES:
         use = use & (_replicate_errors(values) > 0).all(axis=0)
     if len(values) <= MIN_SAMPLES or use.sum() < 6 or not np.isfinite(turns).all():
-        return Fitted((NO_SPREAD,) * len(values), False, math.nan, math.nan)
+        return DisplacementFit((NO_SPREAD,) * len(values), False, math.nan, math.nan)
     weights = np.full(len(lag), np.nan)
     lag, values = lag[use], values[:, use]
     errors = np.stack([smooth_errors(lag, error) for error in _replicate_errors(values)])
@@ -126,10 +126,12 @@ def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> Fitted:
         fits = [_fit_smooth(lag, *row, start) for row in zip(values, errors, turns, strict=True)]
     residuals = (values - np.stack([walks.squared_displacement(lag, spread) for spread in fits])) / errors[0]
     weights[use] = errors[0]
-    return Fitted(tuple(fits), run, *_misfit_probability(residuals[0], residuals[1:]), weights, suspected and not run)
+    return DisplacementFit(
+        tuple(fits), run, *_misfit_probability(residuals[0], residuals[1:]), weights, suspected and not run
+    )
 
 
-def refit(lag: Array, squares: Sequence[Array], turns: Sequence[float], like: Fitted) -> list[Spread]:
+def refit(lag: Array, squares: Sequence[Array], turns: Sequence[float], like: DisplacementFit) -> list[Spread]:
     """Fit the law of another fit, with its weights, to squares of samples too few to tell either."""
     use, whole = np.isfinite(like.errors), like.spreads[0]
     if not use.any():

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from walkergen import extras
 from walkergen.analysis import poses, track_columns
-from walkergen.analysis.track_columns import PIXEL, WALKERGEN_PROGRAM, Named, Source
+from walkergen.analysis.track_columns import PIXEL, WALKERGEN_PROGRAM, NamedColumn, Source
 from walkergen.core.errors import InputError
 from walkergen.core.files import columns, plain, reading
 from walkergen.core.files.columns import Columns
@@ -54,7 +54,7 @@ LIKELIHOOD_PROGRAMS = ("DeepLabCut", "LightningPose")
 """Programs whose confidence of a part is a likelihood."""
 
 
-class Held(NamedTuple):
+class ArrayFile(NamedTuple):
     """What a file of arrays holds."""
 
     values: Mapping[str, Array]
@@ -122,7 +122,7 @@ def _is_npz(path: Path) -> bool:
     return bool(names) and all(name.endswith(".npy") for name in names)
 
 
-def _read_netcdf(path: Path) -> Held:
+def _read_netcdf(path: Path) -> ArrayFile:
     """Contents of a file of NetCDF 3, in which text is of letters along a dimension of its own."""
     from scipy.io import netcdf_file
 
@@ -137,7 +137,7 @@ def _read_netcdf(path: Path) -> Held:
             words[name] = _decode_texts(data)
         else:
             values[name] = data.astype(float)
-    return Held(values, dimensions, words, attributes)
+    return ArrayFile(values, dimensions, words, attributes)
 
 
 def _decode_texts(data: npt.NDArray[Any]) -> list[str]:
@@ -171,7 +171,7 @@ def _read_hdf5(path: Path, lane: bool) -> Source:
         raise InputError(f"{path}: {told}; it holds {plain.shorten_line(', '.join(sorted(names)))[:60]}")
 
 
-def _read_datasets(path: Path, file: Any, names: set[str]) -> Held:
+def _read_datasets(path: Path, file: Any, names: set[str]) -> ArrayFile:
     """Contents of datasets of an HDF5 file."""
     values, dimensions, words = {}, {}, {}
     attributes = {"": _decode_attributes(dict(file.attrs))}
@@ -189,7 +189,7 @@ def _read_datasets(path: Path, file: Any, names: set[str]) -> Held:
             words[name] = _decode_texts(data[:])
         else:
             values[name] = data[:].astype(float)
-    return Held(values, dimensions, words, attributes)
+    return ArrayFile(values, dimensions, words, attributes)
 
 
 def _dimension_names(file: Any, data: Any) -> tuple[str, ...]:
@@ -199,7 +199,7 @@ def _dimension_names(file: Any, data: Any) -> tuple[str, ...]:
     return tuple(json.loads(data.attrs.get("dims", "[]")))
 
 
-def _reorder_dimensions(held: Held, name: str, order: tuple[str, ...]) -> Array:
+def _reorder_dimensions(held: ArrayFile, name: str, order: tuple[str, ...]) -> Array:
     """Array with its dimensions in this order; those that it lacks, as of a single walker, have one place.
 
     Dimensions had plural names before movement's version 0.17.
@@ -211,7 +211,7 @@ def _reorder_dimensions(held: Held, name: str, order: tuple[str, ...]) -> Array:
     return np.expand_dims(array, [at for at, dimension in enumerate(order) if dimension not in seen])
 
 
-def _from_movement(path: Path, held: Held, lane: bool) -> Source:
+def _from_movement(path: Path, held: ArrayFile, lane: bool) -> Source:
     """Rows of a data set of movement, of poses or of boxes around walkers."""
     words = {name.removesuffix("s"): texts for name, texts in held.words.items()}
     if not {"position", "time"} <= set(held.values) or not {"x", "y"} <= set(words.get("space", ())):
@@ -230,8 +230,8 @@ def _from_movement(path: Path, held: Held, lane: bool) -> Source:
     if source.get("source_software", "").startswith(WALKERGEN_PROGRAM) and "heading" in held.values and unit == "mm":
         return _from_walkergen(held, x[:, 0], y[:, 0], people, lane)
     clock, second = ("time", "s") if source.get("time_unit") == "seconds" else ("frame", "")
-    named = {axis: Named("position", track_columns.canonical_unit(unit) if unit else PIXEL) for axis in "xy"}
-    named |= {clock: Named("time", second), "theta": Named("theta", "rad")}
+    named = {axis: NamedColumn("position", track_columns.canonical_unit(unit) if unit else PIXEL) for axis in "xy"}
+    named |= {clock: NamedColumn("time", second), "theta": NamedColumn("theta", "rad")}
     return _from_parts(x, y, words.get("keypoint", []), people, {clock: held.values["time"]}, named, "movement")
 
 
@@ -241,7 +241,7 @@ def _from_parts(
     parts: Sequence[str],
     people: Sequence[str],
     times: Mapping[str, Array],
-    named: Mapping[str, Named],
+    named: Mapping[str, NamedColumn],
     program: str,
 ) -> Source:
     """Rows of walkers whose parts are at x and y, shape (walkers, parts, times); both may have no names."""
@@ -258,7 +258,7 @@ def _from_parts(
     return poses.from_bodies(table, clock, ticks, owned, named, program)
 
 
-def _from_walkergen(held: Held, x: Array, y: Array, people: Sequence[str], lane: bool) -> Source:
+def _from_walkergen(held: ArrayFile, x: Array, y: Array, people: Sequence[str], lane: bool) -> Source:
     """Rows of runs that walkergen simulated; those that never leave y = 0 ran along a lane."""
     theta = _reorder_dimensions(held, "heading", ("individual", "time"))
     table = Columns({}, np.arange(1, x.shape[-1] + 1), {})
@@ -269,10 +269,10 @@ def _from_walkergen(held: Held, x: Array, y: Array, people: Sequence[str], lane:
     long = track_columns.to_long_table(table, "time", held.values["time"], walkers, numbers)
     if lane or not (np.nan_to_num(y).any() or np.nan_to_num(theta).any()):
         long = long._replace(values={name: long.values[name] for name in ("time", "x", "particle")})
-    return Source(long, {"time": Named("time", "s"), "x": Named("position", "mm")}, WALKERGEN_PROGRAM)
+    return Source(long, {"time": NamedColumn("time", "s"), "x": NamedColumn("position", "mm")}, WALKERGEN_PROGRAM)
 
 
-def _from_sleap(held: Held) -> Source:
+def _from_sleap(held: ArrayFile) -> Source:
     """Rows of SLEAP's analysis file, whose arrays are as its reader in MATLAB wants them unless they say otherwise."""
     held = held._replace(dimensions={"tracks": held.dimensions["tracks"] or ("track", "xy", "node", "frame")})
     x, y = _reorder_dimensions(held, "tracks", ("xy", "track", "node", "frame"))
@@ -280,9 +280,12 @@ def _from_sleap(held: Held) -> Source:
     return _from_parts(x, y, held.words["node_names"], held.words["track_names"], frames, poses.PIXEL_COLUMNS, "SLEAP")
 
 
-def _from_idtracker(held: Held, rate: float) -> Source:
+def _from_idtracker(held: ArrayFile, rate: float) -> Source:
     """Rows of idtracker.ai's trajectories, shape (frames, animals, 2)."""
     x, y = held.values["trajectories"].transpose(2, 1, 0)[:, :, None]
     times = {"time": np.arange(x.shape[-1]) / rate}
-    named = {"time": Named("frames_per_second", "s"), **{axis: Named("trajectories", PIXEL) for axis in "xy"}}
+    named = {
+        "time": NamedColumn("frames_per_second", "s"),
+        **{axis: NamedColumn("trajectories", PIXEL) for axis in "xy"},
+    }
     return _from_parts(x, y, (), (), times, named, "idtracker.ai")

@@ -118,7 +118,7 @@ SCALE_COLUMNS = ("mm_per_px", "mm_per_px_se")
 """Columns of a film's scale and its standard error, the same in all rows of a film."""
 
 
-class Named(NamedTuple):
+class NamedColumn(NamedTuple):
     """Column of a file."""
 
     name: str
@@ -132,7 +132,7 @@ class Source(NamedTuple):
 
     table: Columns
     """Columns frame, time, x, y, theta, particle, plate_speed_mm_s and SCALE, as far as the file has them."""
-    named: Mapping[str, Named]
+    named: Mapping[str, NamedColumn]
     """Names of the columns in the file, and the units that they state."""
     program: str = ""
     """Program that wrote it; "" where nothing tells."""
@@ -144,15 +144,15 @@ class Source(NamedTuple):
     """What was taken from the file in which way, in words."""
 
 
-def find_columns(names: Sequence[str]) -> dict[str, Named]:
+def find_columns(names: Sequence[str]) -> dict[str, NamedColumn]:
     """Columns of a file by what they hold, as far as their names tell it.
 
     Raises InputError for two columns of headings, whose units differ.
     """
-    held: dict[str, list[tuple[int, Named]]] = {}
+    held: dict[str, list[tuple[int, NamedColumn]]] = {}
     for name in names:
         for what, rank, unit in _meanings(name):
-            held.setdefault(what, []).append((rank, Named(name, unit)))
+            held.setdefault(what, []).append((rank, NamedColumn(name, unit)))
     if len(held.get("theta", [])) > 1 and {"theta", "theta_deg"} <= set(names):
         raise InputError("both theta (rad) and theta_deg; keep one")
     # Of equal names the one that states a unit beyond pixels

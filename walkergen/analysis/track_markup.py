@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from walkergen.analysis import track_columns
-from walkergen.analysis.track_columns import Named, Source
+from walkergen.analysis.track_columns import NamedColumn, Source
 from walkergen.core.errors import InputError
 from walkergen.core.files import columns, plain, reading
 from walkergen.core.files.columns import Columns
@@ -50,9 +50,9 @@ def _from_rows(
         raise InputError(f"{path}: no track in it")
     frame, particle, x, y = np.array(rows, dtype=float).T
     values = {"frame": frame, "particle": particle, "x": x, "y": y}
-    named = {"frame": Named("frame", ""), "x": Named("x", unit), "y": Named("y", unit)}
+    named = {"frame": NamedColumn("frame", ""), "x": NamedColumn("x", unit), "y": NamedColumn("y", unit)}
     if second:
-        values["time"], named["time"] = second * frame, Named("t", "s")
+        values["time"], named["time"] = second * frame, NamedColumn("t", "s")
     table = Columns(values, np.array(lines, np.int64), bad)
     beyond = ~(np.abs(np.array(rows)) <= columns.MAX_MAGNITUDE).all(axis=1)
     return Source(table.reject_rows(beyond, f"has no number within ±{columns.MAX_MAGNITUDE:g}"), named, program, True)

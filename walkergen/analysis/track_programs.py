@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis import poses, track_arrays, track_columns, track_markup, track_titled
-from walkergen.analysis.track_columns import SCALE_COLUMNS, WALKERGEN_PROGRAM, Named, Source
+from walkergen.analysis.track_columns import SCALE_COLUMNS, WALKERGEN_PROGRAM, NamedColumn, Source
 from walkergen.core.errors import InputError
 from walkergen.core.files import columns, plain, reading, words
 
@@ -160,7 +160,7 @@ def _program_warnings(program: str) -> tuple[str, ...]:
     return ()
 
 
-def _detect_program(names: Sequence[str], named: Mapping[str, Named], titled: bool) -> tuple[str, bool]:
+def _detect_program(names: Sequence[str], named: Mapping[str, NamedColumn], titled: bool) -> tuple[str, bool]:
     """Program that writes such columns, and whether its y counts downward."""
     held = set(names)
     if {"t_s", "x_mm"} <= held and "y" not in named:
@@ -197,7 +197,9 @@ def _is_word(label: str) -> bool:
     return False
 
 
-def _read_units_below(path: Path, names: list[str], named: dict[str, Named]) -> tuple[int, dict[str, Named]]:
+def _read_units_below(
+    path: Path, names: list[str], named: dict[str, NamedColumn]
+) -> tuple[int, dict[str, NamedColumn]]:
     """TrackMate's lines below the header that are no rows, and its columns with the units of the last of these."""
     lines = islice(reading.read_lines(path, columns.FORMAT_NAME), 1, 4)
     rows = [columns.split_cells(line, str(path), at) for at, line in enumerate(lines, 2)]
@@ -219,7 +221,9 @@ def _is_number(text: str) -> bool:
     return words.parse_number(text.strip()) is not None
 
 
-def _from_pairs(path: Path, named: Mapping[str, Named], several: Mapping[str, tuple[str, str]], titled: bool) -> Source:
+def _from_pairs(
+    path: Path, named: Mapping[str, NamedColumn], several: Mapping[str, tuple[str, str]], titled: bool
+) -> Source:
     """Rows of a table with a row a frame, in which every walker has columns of x and y."""
     clock = next((what for what in ("frame", "time") if what in named), "")
     wide = [name for pair in several.values() for name in pair]
@@ -233,6 +237,6 @@ def _from_pairs(path: Path, named: Mapping[str, Named], several: Mapping[str, tu
     numbers = [float(label) for label in several] if by_program else [float(n) for n in range(len(several))]
     long = track_columns.to_long_table(table, clock or "frame", times, walkers, numbers)
     unit = track_columns.PIXEL if by_program else ""
-    own = {"x": Named(wide[0], unit), "y": Named(wide[1], unit)}
-    own[clock or "frame"] = named[clock] if clock else Named("row", "")
+    own = {"x": NamedColumn(wide[0], unit), "y": NamedColumn(wide[1], unit)}
+    own[clock or "frame"] = named[clock] if clock else NamedColumn("row", "")
     return Source(long, own, "idtracker.ai" if by_program else "", by_program, said=said)

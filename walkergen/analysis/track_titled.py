@@ -9,7 +9,7 @@ from itertools import chain, islice
 from pathlib import Path
 
 from walkergen.analysis import track_columns
-from walkergen.analysis.track_columns import Named, Source
+from walkergen.analysis.track_columns import NamedColumn, Source
 from walkergen.core.errors import InputError
 from walkergen.core.files import columns, reading
 
@@ -58,7 +58,7 @@ def read_tracker(path: Path, count: int) -> Source:
     # A title of words between the blanks that separate cells is not told from two titles
     called = [titles[at] for at in range(1, len(titles)) if titles[at]] if mark != " " else []
     said = track_columns.format_labels(called) if len(called) == len(walkers) > 1 else ()
-    named = {"time": Named(TIME_COLUMN, "s"), "x": Named("x", ""), "y": Named("y", "")}
+    named = {"time": NamedColumn(TIME_COLUMN, "s"), "x": NamedColumn("x", ""), "y": NamedColumn("y", "")}
     return Source(long, named, "Tracker", said=said)
 
 

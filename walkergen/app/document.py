@@ -79,7 +79,7 @@ class Message(Section):
     values: Annotated[dict[str, Any], Field(max_length=MAX_KEYS)] = Field(default_factory=dict)
 
 
-class Place(NamedTuple):
+class PageFiles(NamedTuple):
     """Where a server finds what pages name."""
 
     uploads: Path
@@ -158,7 +158,7 @@ def _load_defaults(name: str, kind: str, model: type[Model]) -> tuple[Model, dic
     return assignments.read_with_data(templates.resolve_path(name, kind), model, {})
 
 
-def from_message(data: Any, place: Place) -> Document:
+def from_message(data: Any, place: PageFiles) -> Document:
     """Document that a page sends.
 
     Raises InputError for what is none, and for files that were not dropped onto a page.

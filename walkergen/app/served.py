@@ -5,7 +5,7 @@ import secrets
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from walkergen.app.document import Document, Place
+from walkergen.app.document import Document, PageFiles
 from walkergen.app.workers import Workers
 
 START_VALUES = {"scene.run.seconds": 10.0, "scene.run.runs": 8}
@@ -24,7 +24,7 @@ class Server(NamedTuple):
     """Hosts, with ports, by which its pages call it."""
     secret: str
     """Path below which its doors stand."""
-    place: Place
+    place: PageFiles
     first: Document
     """Document of the command line, with which a page begins."""
     running: Running
@@ -42,6 +42,6 @@ def make_server(
     folder: Path, hosts: frozenset[str], first: Document, own: str | None, away: bool, anew: bool = False
 ) -> Server:
     """Server with fresh secrets; `away` if other machines can reach it."""
-    place = Place(folder / "uploads", own)
+    place = PageFiles(folder / "uploads", own)
     once = secrets.token_urlsafe(9) if away else None
     return Server(folder, hosts, secrets.token_urlsafe(18), place, first, set(), Workers(), Workers(), anew, once)

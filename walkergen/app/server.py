@@ -69,14 +69,14 @@ CONTENT_POLICY = (
 Result = TypeVar("Result")
 
 
-Door = Callable[[Server, Request], Awaitable[Response]]
-Asked = dict[str, Any]
-Given = Callable[[Server, Asked], Any]
+Endpoint = Callable[[Server, Request], Awaitable[Response]]
+MessageFields = dict[str, Any]
+WorkArgument = Callable[[Server, MessageFields], Any]
 
 
 def application(server: Server) -> Any:
     """ASGI application of a server."""
-    doors: dict[str, Door] = {
+    doors: dict[str, Endpoint] = {
         "start": _send_start_data,
         "walker": _send_walker,
         "outlook": _answer_endpoint(answers.printing_outlook),
@@ -176,7 +176,7 @@ def _restrict_hosts(app: Any, hosts: frozenset[str]) -> Any:
     return handle_request
 
 
-def _handle_refusals(server: Server, door: Door) -> Any:
+def _handle_refusals(server: Server, door: Endpoint) -> Any:
     """Endpoint that refuses in words what a job refuses."""
 
     async def endpoint(request: Request) -> Response:
@@ -276,12 +276,12 @@ async def _send_walker(server: Server, request: Request) -> Response:
     return Response(packed, media_type="application/octet-stream")
 
 
-def _is_rough(server: Server, asked: Asked) -> bool:
+def _is_rough(server: Server, asked: MessageFields) -> bool:
     """Whether a few points do, as while a slider moves."""
     return asked.get("rough") is True
 
 
-def _slider_keys(server: Server, asked: Asked) -> list[str]:
+def _slider_keys(server: Server, asked: MessageFields) -> list[str]:
     """Keys of the sliders whose ranges are asked for. Raises InputError."""
     keys = asked.get("keys")
     if not isinstance(keys, list) or not all(isinstance(key, str) for key in keys):
@@ -289,25 +289,25 @@ def _slider_keys(server: Server, asked: Asked) -> list[str]:
     return keys
 
 
-def _target_speed(server: Server, asked: Asked) -> Any:
+def _target_speed(server: Server, asked: MessageFields) -> Any:
     """Wished speed, as the page sent it."""
     return asked.get("speed")
 
 
-def _output_folder(name: str) -> Given:
+def _output_folder(name: str) -> WorkArgument:
     """Folder of this name, in which a command leaves what it makes."""
     return lambda server, asked: server.folder / name
 
 
 async def _run_on_document(
-    work: Callable[..., Result], given: Sequence[Given], server: Server, request: Request
+    work: Callable[..., Result], given: Sequence[WorkArgument], server: Server, request: Request
 ) -> Result:
     """Run work on a page's walker and the further arguments from `given`, and return its result."""
     document, asked = await _read_request(server, request)
     return await _await_work(server.workers, request, work, document, *(one(server, asked) for one in given))
 
 
-def _answer_endpoint(work: Callable[..., Any], *given: Given, key: str = "") -> Door:
+def _answer_endpoint(work: Callable[..., Any], *given: WorkArgument, key: str = "") -> Endpoint:
     """Door that answers by work on a page's walker; with a key in a table of this one."""
 
     async def door(server: Server, request: Request) -> Response:
@@ -317,12 +317,12 @@ def _answer_endpoint(work: Callable[..., Any], *given: Given, key: str = "") -> 
     return door
 
 
-def _command_endpoint(words: Callable[..., list[str]], *given: Given) -> Door:
+def _command_endpoint(words: Callable[..., list[str]], *given: WorkArgument) -> Endpoint:
     """Door that runs a command of a page's walker."""
 
     async def door(server: Server, request: Request) -> Response:
         command = await _run_on_document(words, given, server, request)
-        return Streamed(children.run_module(server.running, children.COMMAND_MODULE, [command]))
+        return EventStream(children.run_module(server.running, children.COMMAND_MODULE, [command]))
 
     return door
 
@@ -335,7 +335,7 @@ async def _await_work(workers: Workers, request: Request, work: Callable[..., Re
     return result
 
 
-class Streamed(Response):
+class EventStream(Response):
     """Events as lines of JSON; a page that goes away ends what makes them."""
 
     media_type = "application/x-ndjson"
@@ -362,10 +362,10 @@ async def _run_simulation(server: Server, request: Request) -> Response:
     """Simulate the walker; if `short` only for a first number."""
     document, asked = await _read_request(server, request)
     sent = {"document": document._asdict(), "short": asked.get("short") is True}
-    return Streamed(children.run_module(server.running, children.SIMULATION_MODULE, sent))
+    return EventStream(children.run_module(server.running, children.SIMULATION_MODULE, sent))
 
 
-async def _read_order(server: Server, request: Request) -> taking.Order:
+async def _read_order(server: Server, request: Request) -> taking.FileOrder:
     document, asked = await _read_request(server, request)
     what, copies = asked.get("what"), asked.get("copies", 1)
     return await _await_work(server.workers, request, taking.make_order, document, what, copies, server.folder)
@@ -375,8 +375,8 @@ async def _make_files(server: Server, request: Request) -> Response:
     """Make files by their commands, for `take` to hand out."""
     order = await _read_order(server, request)
     if not order.commands:
-        return Response(b"", media_type=Streamed.media_type)
-    return Streamed(children.run_module(server.running, children.COMMAND_MODULE, order.commands))
+        return Response(b"", media_type=EventStream.media_type)
+    return EventStream(children.run_module(server.running, children.COMMAND_MODULE, order.commands))
 
 
 async def _send_files(server: Server, request: Request) -> Response:

@@ -29,7 +29,7 @@ IDLE_S = 10.0
 """Time after which a connection on which no message has begun to be answered is closed, s."""
 
 
-class _Impatient(H11Protocol):
+class _IdleTimeoutProtocol(H11Protocol):
     """Connection that is closed where nothing comes on it, or a message that does not get on."""
 
     def connection_made(self, transport: Any) -> None:
@@ -46,7 +46,7 @@ class _Impatient(H11Protocol):
             self.loop.call_later(IDLE_S, self._close_if_idle, self.cycle)
 
 
-class _Ending(uvicorn.Server):
+class _CleanupServer(uvicorn.Server):
     """Server that at its end first ends what runs for its pages, and says nothing any more."""
 
     def __init__(self, config: uvicorn.Config, served: servers.Server) -> None:
@@ -94,10 +94,10 @@ def serve(asked: Document, anew: bool, folder: Path, host: str, port: int, brows
             timeout_graceful_shutdown=1,
             ws="none",
             lifespan="off",
-            http=_Impatient,
+            http=_IdleTimeoutProtocol,
             loop="asyncio",
         )
-        _Ending(config, served).run(sockets=[listening])
+        _CleanupServer(config, served).run(sockets=[listening])
 
 
 def _allowed_hosts(names: Sequence[str], port: int) -> frozenset[str]:

@@ -28,7 +28,7 @@ SWEEP_OPTIONS = {
 """Sweep that searches for a wished speed, by the key of the tilt: two equal legs are predicted, others simulated."""
 
 
-class Order(NamedTuple):
+class FileOrder(NamedTuple):
     """Files to make, and where."""
 
     document: Document
@@ -38,7 +38,7 @@ class Order(NamedTuple):
     """Words after `walkergen` of the commands that make them, in order."""
 
 
-def make_order(document: Document, what: Any, copies: Any, folder: Path) -> Order:
+def make_order(document: Document, what: Any, copies: Any, folder: Path) -> FileOrder:
     """Order of files for a walker, in a folder of its own below `folder`.
 
     Raises InputError for files that are not known, and for a walker that is not sound.
@@ -56,10 +56,10 @@ def make_order(document: Document, what: Any, copies: Any, folder: Path) -> Orde
         "plate": documents.arguments(document, "plate", "--copies", str(copies), *out),
         "page": documents.arguments(document, "family", "--page", "--out", str(target / "family")),
     }
-    return Order(document, what, target, [words for name, words in made.items() if what in (name, "zip")])
+    return FileOrder(document, what, target, [words for name, words in made.items() if what in (name, "zip")])
 
 
-def collect_files(asked: Order) -> tuple[str, bytes]:
+def collect_files(asked: FileOrder) -> tuple[str, bytes]:
     """Name and contents of what the commands of an order made: a file, or several in an archive.
 
     Raises InputError where they have not run, OutputError for settings that cannot be written.

@@ -16,7 +16,7 @@ import time
 from typing import Any, NoReturn
 
 
-class _Named(io.FileIO):
+class _StandardOutput(io.FileIO):
     """Standard output: an error tells that it is meant."""
 
     def write(self, data: Any, /) -> int:
@@ -28,7 +28,7 @@ class _Named(io.FileIO):
             raise
 
 
-class _Heard(io.FileIO):
+class _StandardError(io.FileIO):
     """Standard error: what it cannot take is lost, and known to be."""
 
     lost = False
@@ -42,7 +42,7 @@ class _Heard(io.FileIO):
             return len(data)
 
 
-def prepare() -> _Heard:
+def prepare() -> _StandardError:
     """Make the standard streams safe to write to; returns what knows whether errors were heard.
 
     Streams that somebody has put in the place of Python's are left as they are.
@@ -52,12 +52,12 @@ def prepare() -> _Heard:
             os.fstat(number)
         except OSError:
             os.open(os.devnull, os.O_RDONLY)  # takes the number; nothing can be written there
-    heard = _Heard(2, "w", closefd=False)
+    heard = _StandardError(2, "w", closefd=False)
     if sys.platform == "win32":  # a console takes letters by other means than files do
         return heard
     encoding = next((stream.encoding for stream in (sys.stdout, sys.stderr, sys.stdin) if stream), "utf-8")
     if sys.stdout is sys.__stdout__:
-        sys.stdout = _text_stream(_Named(1, "w", closefd=False), encoding, "replace")
+        sys.stdout = _text_stream(_StandardOutput(1, "w", closefd=False), encoding, "replace")
     if sys.stderr is sys.__stderr__:
         sys.stderr = _text_stream(heard, encoding, "backslashreplace", lines=True)
     return heard

@@ -16,9 +16,9 @@ from walkergen.core.walker.mass import MassProperties
 from walkergen.points import expected, speeds, walkers
 from walkergen.points.experiments import Results, Walker
 from walkergen.points.kinds import Picture
-from walkergen.points.point import PREDICTION, SPACE, Point, Record, Went, status_record
+from walkergen.points.point import PREDICTION, SPACE, Point, PointStatus, Record, status_record
 from walkergen.points.simplest import find_simplest
-from walkergen.points.walkers import Met
+from walkergen.points.walkers import ErrorResult
 
 GROUPS = ("speed", "spread", "persistence", "alignment", "impacts", "masses", "printability")
 KEPT, SCENE, RUNS, MEETS_ERRORS = ("speed",), "lane-90hz", None, True
@@ -101,7 +101,7 @@ def evaluate(point: Point) -> Record:
     design, scene, keep = point.design, point.scene, point.keep
     weights.check_stated_masses(design)
     mass = solids.mass_of(design)
-    record = _simulate_point(point, mass) if point.simulated else status_record(Went.OK)
+    record = _simulate_point(point, mass) if point.simulated else status_record(PointStatus.OK)
     if point.predicted:
         row = speeds.predict(design, mass, scene, model="known")
         if point.simulated:
@@ -109,7 +109,7 @@ def evaluate(point: Point) -> Record:
         else:
             record |= {"speed_mm_s": row.speed_mm_s, "model": row.speed_by}
             if row.speed_mm_s is None:
-                record |= status_record(Went.OK, f"{row.note}: ‹model=›space")
+                record |= status_record(PointStatus.OK, f"{row.note}: ‹model=›space")
         record["theory_mm_s"] = row.theory_mm_s
         if "spread" in keep:
             record |= {name: getattr(row, name.replace("predicted", "speed")) for name in GROUP_COLUMNS["spread"]}
@@ -177,20 +177,20 @@ def _motion_record(results: Results, names: Sequence[str]) -> Record:
     return record
 
 
-def _status_record(summary: Summary, met: Met | None) -> Record:
+def _status_record(summary: Summary, met: ErrorResult | None) -> Record:
     """How the runs of a point went."""
     fine = [outcome.value for outcome in (*ENDED_WELL, Outcome.TOO_FEW, Outcome.ORBIT)]
     bad = {name: count for name, count in summary.outcomes.items() if name not in fine}
     if summary.speed_mm_s is None:
-        return status_record(Went.NO_SPEED, f"{Went.NO_SPEED}: {format_outcomes(summary.outcomes)}")
+        return status_record(PointStatus.NO_SPEED, f"{PointStatus.NO_SPEED}: {format_outcomes(summary.outcomes)}")
     if bad:
-        return status_record(Went.RUNS_ENDED_BADLY, f"{Went.RUNS_ENDED_BADLY}: {format_outcomes(bad)}")
+        return status_record(PointStatus.RUNS_ENDED_BADLY, f"{PointStatus.RUNS_ENDED_BADLY}: {format_outcomes(bad)}")
     if Outcome.TOO_FEW.value in summary.outcomes:
-        return status_record(Went.NOT_MET, "error unknown: too few data; take more runs, or longer ones")
+        return status_record(PointStatus.NOT_MET, "error unknown: too few data; take more runs, or longer ones")
     if Outcome.ORBIT.value in summary.outcomes:
         return status_record(
-            Went.NOT_MET, f"error unknown: all runs are {Outcome.ORBIT.value}, which other prints are not"
+            PointStatus.NOT_MET, f"error unknown: all runs are {Outcome.ORBIT.value}, which other prints are not"
         )
     if met is not None and met.error > met.allowed:
-        return status_record(Went.NOT_MET, f"error {met.error:.3g} mm/s, not within the {met.allowed:.3g} asked")
-    return status_record(Went.OK)
+        return status_record(PointStatus.NOT_MET, f"error {met.error:.3g} mm/s, not within the {met.allowed:.3g} asked")
+    return status_record(PointStatus.OK)

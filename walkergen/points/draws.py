@@ -37,7 +37,7 @@ JACKKNIFE_GROUPS = 8
 """Number of groups of draws that are left out in turn, for the errors of the shares."""
 
 
-class Uncertain(NamedTuple):
+class PrintScatter(NamedTuple):
     """Speed of a walker of which design and scene do not know everything, from many prints."""
 
     draws: int
@@ -67,7 +67,7 @@ class Uncertain(NamedTuple):
     """Speeds of the draws, mm/s."""
 
 
-def measure(scene: Scene, design: Design, draws: int, progress: Progress) -> Uncertain:
+def measure(scene: Scene, design: Design, draws: int, progress: Progress) -> PrintScatter:
     """Simulate `draws` prints, the scene's seconds each, and tell where their scatter comes from.
 
     Raises InputError for a number of draws out of range, when nothing is uncertain, and when too
@@ -81,7 +81,7 @@ def measure(scene: Scene, design: Design, draws: int, progress: Progress) -> Unc
     return result._replace(by_step_mm_s=drawn.by_step_mm_s, bounds_mm_s=ends)
 
 
-class Drawn(NamedTuple):
+class PrintRuns(NamedTuple):
     """Draws of uncertain prints whose runs ended well."""
 
     inputs: tuple[Input, ...]
@@ -94,7 +94,7 @@ class Drawn(NamedTuple):
     """Largest error of the mean speed by the time step (95 %); None where it is not known."""
 
 
-def simulate_prints(scene: Scene, design: Design, draws: int, progress: Progress) -> Drawn:
+def simulate_prints(scene: Scene, design: Design, draws: int, progress: Progress) -> PrintRuns:
     """Simulate `draws` prints, the scene's seconds each.
 
     Raises InputError when nothing is uncertain, and when fewer than FEWEST_DRAWS runs end well.
@@ -119,7 +119,7 @@ def simulate_prints(scene: Scene, design: Design, draws: int, progress: Progress
     outcomes = dict(Counter(point.results[0].outcome.value for point in points))
     summary = points[0].summary._replace(speed_mm_s=float(halves.mean()))
     step = resolution.judge(plan, summary)[observables.SPEED].error
-    return Drawn(inputs, values[good], halves, outcomes, step)
+    return PrintRuns(inputs, values[good], halves, outcomes, step)
 
 
 def add_step_error(ends: Bounds, mean: float, error: float | None) -> Bounds:
@@ -161,7 +161,9 @@ def _half_speeds(point: Results) -> tuple[float, float]:
     return float(blocks[:middle].mean()), float(blocks[middle:].mean())
 
 
-def analyse(inputs: tuple[Input, ...], values: Array, halves: Array, outcomes: dict[str, int], seed: int) -> Uncertain:
+def analyse(
+    inputs: tuple[Input, ...], values: Array, halves: Array, outcomes: dict[str, int], seed: int
+) -> PrintScatter:
     """Tell apart what prints and what short runs add to the scatter of speeds.
 
     Values of the inputs, shape (n, inputs); mean speeds of the halves of each run, shape (n, 2),
@@ -177,7 +179,7 @@ def analyse(inputs: tuple[Input, ...], values: Array, halves: Array, outcomes: d
         explained, errors = _variance_shares(inputs, values, speeds, between, seed)
         shares = uncertain.sort_shares(inputs, explained[:2], errors[:2])
         rest, rest_se = 1.0 - float(explained[2, 0]), float(errors[2, 0])
-    return Uncertain(
+    return PrintScatter(
         len(speeds),
         outcomes,
         mean,

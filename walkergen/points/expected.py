@@ -84,7 +84,7 @@ def total_time(walkers: Sequence[Walker]) -> Expected | None:
     return Expected(sum(wall_time(run_cpu_s(walker), walker.scene.run.runs) for walker in walkers))
 
 
-class Told(NamedTuple):
+class ErrorWithEstimate(NamedTuple):
     """Runs until an error is met, of which somebody is told how long they will take once the first ones are made."""
 
     until: Error

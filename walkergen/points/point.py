@@ -26,7 +26,7 @@ Record = dict[str, Value]
 """Numbers of a point by the names of their columns, with units; None where there is none."""
 
 
-class Went(StrEnum):
+class PointStatus(StrEnum):
     """How a point went."""
 
     OK = "ok"
@@ -68,7 +68,7 @@ class Point(NamedTuple):
         return bool(self.keep) or not self.simulated
 
 
-def status_record(how: Went, words: str = "") -> Record:
+def status_record(how: PointStatus, words: str = "") -> Record:
     """Beginning of a record: how a point went, and the same in words."""
     return {WENT_KEY: how, STATUS_KEY: words or how.value}
 
@@ -76,7 +76,7 @@ def status_record(how: Went, words: str = "") -> Record:
 def refused_record(error: WalkergenError) -> Record:
     """Record of a point that cannot be built or simulated."""
     reason = " ".join(error.text.split())[:300]
-    return status_record(Went.REFUSED, f"{Went.REFUSED}: {reason}") | {REASON_KEY: reason}
+    return status_record(PointStatus.REFUSED, f"{PointStatus.REFUSED}: {reason}") | {REASON_KEY: reason}
 
 
 def point_key(point: Point) -> str:

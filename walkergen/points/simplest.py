@@ -19,7 +19,7 @@ MAX_PAIRS = 64
 """Pairs of runs after which a change that is not decided counts as too large."""
 
 
-class Decided(NamedTuple):
+class UntilDecided(NamedTuple):
     """Pairs of runs until it is decided whether the change of the one variant is within an error."""
 
     tolerance: Tolerance
@@ -127,7 +127,7 @@ def find_simplest(walker: Walker, progress: Progress = silent, threads: int | No
             return found._replace(walker=variant.walker, left_out=(*found.left_out, change), cpu_s=spent)
         return found._replace(kept=(*found.kept, change), cpu_s=spent)
 
-    until = Decided(Tolerance(accepted, relative=True))
+    until = UntilDecided(Tolerance(accepted, relative=True))
     for rule in rules.all_rules():
         effect = rule.judge(found.walker.plan().case)
         if effect.on and rule.switch and rule.switch not in whole.scene.effects.on:

@@ -22,7 +22,7 @@ from walkergen.core.simulation.observables import SPEED
 from walkergen.core.simulation.run import RunResult
 from walkergen.core.tolerance import Tolerance
 from walkergen.points import expected, experiments, trajectory
-from walkergen.points.expected import Told
+from walkergen.points.expected import ErrorWithEstimate
 from walkergen.points.experiments import Results, Walker
 
 MAX_RUN_S = 4.0
@@ -59,7 +59,7 @@ def simulate_parallel(walkers: Sequence[Walker], progress: Progress = silent) ->
     )
 
 
-class Met(NamedTuple):
+class ErrorResult(NamedTuple):
     """Walker that was simulated until its error was met, or no more runs could help."""
 
     results: Results
@@ -107,7 +107,7 @@ def simulate_to_error(
     progress: Progress = silent,
     threads: int | None = None,
     expect: Expect = ignore_estimate,
-) -> Met:
+) -> ErrorResult:
     """Simulate short runs of a walker, and more of them until an observable has an error.
 
     The step is halved where it takes up more of the error than runs could make good. `expect` is told of the time that
@@ -119,11 +119,11 @@ def simulate_to_error(
     if of != SPEED and not wanted.relative:
         raise InputError(f"‹error=›{wanted}: only a mean speed is in mm/s; write a share: 5%")
     until = speed_error(wanted, walker.shaken) if of == SPEED else Error(wanted, of)
-    results = _simulate_short_runs(walker, Told(until, expect), progress, threads)
+    results = _simulate_short_runs(walker, ErrorWithEstimate(until, expect), progress, threads)
     if results.step_errors[of].error is None:
         raise InputError(f"‹error=›{wanted}: {of} is {results.step_errors[of].reason}")
     value = results.summary.speed_mm_s if of == SPEED else results.values[of]
-    return Met(results, of, _half_width(results, of), until.max_error(value))
+    return ErrorResult(results, of, _half_width(results, of), until.max_error(value))
 
 
 def simulate_with_limit(walker: Walker, wanted: Tolerance, most: int, progress: Progress = silent) -> Results:

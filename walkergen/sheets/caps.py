@@ -21,7 +21,7 @@ MIN_CELL_LINES = 2.0
 """Smallest side of a cell, lines: a white cell between black ones has a line on either side."""
 
 
-class Capped(NamedTuple):
+class CappedWalker(NamedTuple):
     """Walker, or copy of one, and the cap that it bears."""
 
     item: str
@@ -34,7 +34,7 @@ class Capped(NamedTuple):
         return mass.weigh(caps.build_tile(self.cap), 1e-3 * self.density_g_cm3).mass
 
 
-def number_caps(designs: Sequence[Design], items: Sequence[str]) -> list[Capped]:
+def number_caps(designs: Sequence[Design], items: Sequence[str]) -> list[CappedWalker]:
     """Caps of walkers that have one, numbered on from the first design's number.
 
     `items` are their names, copy by copy. Raises InputError for more than the dictionary has, and
@@ -43,7 +43,7 @@ def number_caps(designs: Sequence[Design], items: Sequence[str]) -> list[Capped]
     bearers = [
         (design, item, design.cap) for design, item in zip(designs, items, strict=True) if design.cap is not None
     ]
-    capped: list[Capped] = []
+    capped: list[CappedWalker] = []
     for offset, (design, item, own) in enumerate(bearers):
         first = bearers[0][2]
         number = first.number + offset
@@ -61,11 +61,11 @@ def number_caps(designs: Sequence[Design], items: Sequence[str]) -> list[Capped]
             )
         numbered_cap = own.model_copy(update={"number": number})
         density = own.density(design.material.density_g_cm3)
-        capped.append(Capped(item, numbered_cap, density))
+        capped.append(CappedWalker(item, numbered_cap, density))
     return capped
 
 
-def findings(capped: Sequence[Capped], printer: Printer) -> list[Finding]:
+def findings(capped: Sequence[CappedWalker], printer: Printer) -> list[Finding]:
     """Return the findings on printed caps whose cells are too small for the printer's lines."""
     printed = {entry.cap.model_copy(update={"number": 0}): entry for entry in capped if entry.cap.kind != "paper"}
     least = MIN_CELL_LINES * printer.line_width_mm
@@ -80,7 +80,7 @@ def findings(capped: Sequence[Capped], printer: Printer) -> list[Finding]:
     ]
 
 
-def files(capped: Sequence[Capped], printers: Sequence[Printer]) -> Iterator[tuple[str, bytes]]:
+def files(capped: Sequence[CappedWalker], printers: Sequence[Printer]) -> Iterator[tuple[str, bytes]]:
     """Names and bytes: caps.csv, caps.pdf, caps_PAGE.png, then caps_PRINTER_NUMBER.3mf (or .stl).
 
     Caps of paper are on the sheet only. Raises PlateError when a cap is too large for a printer.
@@ -102,7 +102,7 @@ def files(capped: Sequence[Capped], printers: Sequence[Printer]) -> Iterator[tup
             yield f"{name}{suffix}", data
 
 
-def advice(capped: Sequence[Capped]) -> list[str]:
+def advice(capped: Sequence[CappedWalker]) -> list[str]:
     """Lines that say how caps are made, glued, and what they weigh."""
     first, last = capped[0].cap, capped[-1].cap
     grams = [entry.grams for entry in capped]
@@ -120,7 +120,7 @@ def advice(capped: Sequence[Capped]) -> list[str]:
     ]
 
 
-def _table_row(entry: Capped) -> tuple[object, ...]:
+def _table_row(entry: CappedWalker) -> tuple[object, ...]:
     cap = entry.cap
     height = cap.thickness + (cap.relief_mm if cap.kind == "raised" else 0.0)
     return (

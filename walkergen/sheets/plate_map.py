@@ -37,7 +37,7 @@ FONT_PT = 10.0
 """Size of the words around a map, points."""
 
 
-class Around(NamedTuple):
+class Margins(NamedTuple):
     """Room around a map, inches: for numbers and name of each axis, heading and legend."""
 
     left: float
@@ -48,7 +48,7 @@ class Around(NamedTuple):
     above: float
 
 
-MARGINS_INCHES = Around(0.7, 0.4, 0.6, 0.65)
+MARGINS_INCHES = Margins(0.7, 0.4, 0.6, 0.65)
 MAX_LISTED_DESIGNS = 12
 """Most designs whose names stand below a map; the print sheet names all."""
 LEGS_SHADE = 0.6

@@ -10,7 +10,7 @@ import pytest
 from walkergen.commands.accuracy import answers, report, shape, statistics
 from walkergen.commands.accuracy import survey as surveys
 from walkergen.commands.accuracy.report import Answer, Ladder, Rung, convergence_order
-from walkergen.commands.accuracy.survey import Measured, Survey
+from walkergen.commands.accuracy.survey import StepMeasurement, Survey
 from walkergen.core import measure, tolerance
 from walkergen.core.errors import InputError
 from walkergen.core.numerics.quantity import Quantity
@@ -35,7 +35,7 @@ def known(survey, speeds, se=0.1, costs=(0.01,) * 5):
     """Fill a survey with made-up measurements: speeds of all steps, the finest first."""
     for step_us, speed, cost in zip(survey.steps, speeds, costs, strict=True):
         quantities = {SPEED: Quantity(SPEED, "", speed, se)}
-        survey.measured[step_us] = Measured(step_us, quantities, 16, 10.0, 1.0, cost * 16 * 11.0, 1.0, "16 ok")
+        survey.measured[step_us] = StepMeasurement(step_us, quantities, 16, 10.0, 1.0, cost * 16 * 11.0, 1.0, "16 ok")
     return survey
 
 
@@ -109,7 +109,7 @@ def test_parts_of_an_ensemble_use_no_block_twice_and_err_as_theory_says():
     [(1e4, 32, 50.0), (200.0, 32, 5.2), (60.0, 16, 2.8), (20.0, 8, 1.5), (0.0, 8, 1.0)],
 )
 def test_runs_that_are_compared_are_fewer_before_they_are_too_short(granted_s, runs, seconds):
-    own = Measured(23.0, {}, 4, 1.0, 1.0, 16.0, 8.0, "4 ok")  # a second by the clock for a simulated one
+    own = StepMeasurement(23.0, {}, 4, 1.0, 1.0, 16.0, 8.0, "4 ok")  # a second by the clock for a simulated one
     assert statistics._affordable_runs(granted_s, own) == (runs, seconds)
 
 
@@ -164,7 +164,7 @@ def test_what_cannot_be_promised_says_what_would_help():
     assert "known to 0.2 mm/s only; measure longer: walkergen accuracy ... --only steps --budget" in told
     assert "a day of simulations would not do" in answers.advise_budget(candidates, Tolerance(1e-5, True), survey)
     dead = survey_of()
-    dead.measured[dead.steps[0]] = Measured(dead.steps[0], {}, 16, 1.0, 1.0, 1.0, 1.0, "16 toppled")
+    dead.measured[dead.steps[0]] = StepMeasurement(dead.steps[0], {}, 16, 1.0, 1.0, 1.0, 1.0, "16 toppled")
     with pytest.raises(InputError, match="16 toppled"):
         dead.measure_reference(silent)
 

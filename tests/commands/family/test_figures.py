@@ -14,7 +14,7 @@ from walkergen.analysis import motion
 from walkergen.analysis.speeds import Measured as Speeds
 from walkergen.analysis.tracks import Track
 from walkergen.commands.accuracy.choice import RUN_COUNTS, Candidate
-from walkergen.commands.accuracy.figures import Mark, Point, Shown, choice_figure, compute_front
+from walkergen.commands.accuracy.figures import FigureData, Mark, Point, choice_figure, compute_front
 from walkergen.commands.family import chart_data
 from walkergen.commands.family import figures as family
 from walkergen.core.theory.prediction import Curve, Prediction
@@ -77,7 +77,7 @@ FLOOR = 0.015
 
 
 def choices():
-    return choice_figure(Shown(TITLE, CURVES, MARKS, POINTS, FLOOR))
+    return choice_figure(FigureData(TITLE, CURVES, MARKS, POINTS, FLOOR))
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from walkergen.analysis import track_files
 from walkergen.analysis.track_files import Units
 from walkergen.commands.simulate import make, trajectories
-from walkergen.commands.simulate.trajectories import Written
+from walkergen.commands.simulate.trajectories import TrajectoryData
 from walkergen.core.files.progress import silent
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.plan import prepare
@@ -57,7 +57,7 @@ def test_xarray_reads_all_runs_in_the_layout_of_movement(tmp_path):
     found = simulated(asked_of("plane"))
     own = dict(zip(found.columns, found.rows.T, strict=True))
     path = tmp_path / "all.nc"
-    path.write_bytes(trajectories.to_nc(Written(found, WALKER)))
+    path.write_bytes(trajectories.to_nc(TrajectoryData(found, WALKER)))
     with netcdf_file(path, "r", mmap=False) as file:
         position, heading = file.variables["position"], file.variables["heading"]
         assert position.dimensions == ("time", "space", "keypoint", "individual")
@@ -78,7 +78,7 @@ def test_xarray_reads_all_runs_in_the_layout_of_movement(tmp_path):
 def test_all_runs_are_read_back_as_a_film_in_mm_and_as_ours(tmp_path):
     found = simulated(asked_of("plane"))
     path = tmp_path / "all.csv"
-    path.write_bytes(trajectories.to_csv(Written(found, WALKER)))
+    path.write_bytes(trajectories.to_csv(TrajectoryData(found, WALKER)))
     ours = track_files.read_tracks(path, Units())
     assert [one.particle for one in ours.tracks] == [0, 1]
     film = tmp_path / "film.csv"  # as trackpy would have it: its columns alone
@@ -94,7 +94,7 @@ def test_all_runs_are_read_back_as_a_film_in_mm_and_as_ours(tmp_path):
 def test_ovito_sees_the_walker_as_it_stood():
     """Places and turns of the file are those of the body, as the movies have them."""
     one = asked_of("plane", runs=1)
-    frames = frames_of(trajectories.to_xyz(Written(simulated(one), WALKER)).decode())
+    frames = frames_of(trajectories.to_xyz(TrajectoryData(simulated(one), WALKER)).decode())
     seen = poses.sample(prepare(one.scene, WALKER, one.mass), INTERVAL)
     assert [time for time, _ in frames] == pytest.approx(seen.times)
     rows = np.concatenate([rows for _, rows in frames])
@@ -123,11 +123,11 @@ def test_a_run_that_ended_early_is_absent_from_later_frames_and_no_run_is_no_fra
     rows = np.zeros((3, len(columns)))
     rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 5] = (0.0, 0.01, 0.0), (0, 0, 1), (0.0, 1.0, 5.0), 9.0
     found = trajectories.with_film_columns(Trajectory(columns, rows), 0.01)
-    frames = frames_of(trajectories.to_xyz(Written(found, WALKER)).decode())
+    frames = frames_of(trajectories.to_xyz(TrajectoryData(found, WALKER)).decode())
     assert [values[:, 0].tolist() for _, values in frames] == [[0, 1], [0]]
     none = trajectories.with_film_columns(Trajectory(columns, rows[:0]), 0.01)
-    assert trajectories.to_xyz(Written(none, WALKER)) == b""
-    assert trajectories.to_csv(Written(none, WALKER)).count(b"\n") == 1
+    assert trajectories.to_xyz(TrajectoryData(none, WALKER)) == b""
+    assert trajectories.to_csv(TrajectoryData(none, WALKER)).count(b"\n") == 1
 
 
 def test_samples_kept_are_not_simulated_again(monkeypatch):

@@ -35,7 +35,7 @@ SAME_POINT_RATIO = 1.2
 MAX_BUDGET_S = 86_400.0
 """Longest time, s, that is advised for a survey."""
 
-Found = tuple[Answer, Choice | None]
+AnswerAndChoice = tuple[Answer, Choice | None]
 """Answer with the choice that it states; None where there is none."""
 
 
@@ -51,7 +51,7 @@ def answer_from_cells(estimate: Estimate, title: str, accepted: float | None) ->
     return Answers(rows, [*describe(estimate), *unmet], draw)
 
 
-def find_in_cells(estimate: Estimate, candidates: Sequence[Candidate], wanted: Tolerance) -> Found:
+def find_in_cells(estimate: Estimate, candidates: Sequence[Candidate], wanted: Tolerance) -> AnswerAndChoice:
     """Return the answer for one error from what is shipped."""
     choice = choose(candidates, wanted.value)
     if choice is None:
@@ -122,7 +122,7 @@ def answer_from_survey(survey: Survey, title: str, progress: Progress) -> Answer
     return Answers(rows, lines, draw)
 
 
-def _refine(before: Answer, candidates: Sequence[Candidate], survey: Survey) -> Found:
+def _refine(before: Answer, candidates: Sequence[Candidate], survey: Survey) -> AnswerAndChoice:
     """Return the answer of the budget; the one `before` with the reason, where the budget was too short for it."""
     wanted = before.error
     choice = choose_measured(candidates, wanted.value)
@@ -170,7 +170,7 @@ def advise_budget(candidates: Sequence[Candidate], wanted: Tolerance, survey: Su
 def draw_choice(
     title: str,
     candidates: Sequence[Candidate],
-    found: Sequence[Found],
+    found: Sequence[AnswerAndChoice],
     marks: Sequence[tuple[str, float, float, float]],
     floor: float,
 ) -> "Figure":
@@ -179,11 +179,11 @@ def draw_choice(
 
     points = [figures.Point(*point) for point in _list_points(found, floor)]
     return figures.choice_figure(
-        figures.Shown(title, candidates, [figures.Mark(*mark) for mark in marks], points, floor)
+        figures.FigureData(title, candidates, [figures.Mark(*mark) for mark in marks], points, floor)
     )
 
 
-def _list_points(found: Sequence[Found], floor: float) -> Iterator[tuple[float, float, str]]:
+def _list_points(found: Sequence[AnswerAndChoice], floor: float) -> Iterator[tuple[float, float, str]]:
     """Yield error, CPU time and words of choices; those that cost alike are one point, at the error of the last."""
     groups: list[list[tuple[Answer, Choice]]] = []
     for answer, choice in found:

@@ -51,7 +51,7 @@ class Point(NamedTuple):
     words: str
 
 
-class Shown(NamedTuple):
+class FigureData(NamedTuple):
     """All that the figure shows."""
 
     title: str
@@ -83,7 +83,7 @@ def compute_front(candidates: Sequence[Candidate], longest_s: float) -> Front:
 
 
 @style()
-def choice_figure(shown: Shown) -> Figure:
+def choice_figure(shown: FigureData) -> Figure:
     """Draw the least error against CPU time with its parts, answers on it, and measured biases."""
     figure, (axes,) = new_grid(f"What accuracy costs in time: {shown.title}", 1, 1, 3.6)
     axes.set_xscale("log")
@@ -130,7 +130,7 @@ def _draw_marks(axes: Axes, marks: Sequence[Mark], floor: float) -> None:
         _annotate_point(axes, mark.name, (mark.cpu_s, mark.bias), (5, -9), BLACK)
 
 
-def _draw_floor(axes: Axes, shown: Shown) -> None:
+def _draw_floor(axes: Axes, shown: FigureData) -> None:
     """Shade what the reference does not know."""
     axes.axhspan(axes.get_ylim()[0], shown.floor, color=PALE, linewidth=0, zorder=0)
     text = f"below {100 * shown.floor:.2g} % the reference itself is not known"

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from walkergen.commands.accuracy.report import Ladder, Rung
-from walkergen.commands.accuracy.survey import STATISTICS, Measured, Survey
+from walkergen.commands.accuracy.survey import STATISTICS, StepMeasurement, Survey
 from walkergen.core.files import words
 from walkergen.core.files.progress import Progress
 from walkergen.core.measure import Runs
@@ -64,7 +64,7 @@ def compare_parts(survey: Survey, progress: Progress) -> Ladder:
     )
 
 
-def _affordable_runs(granted_s: float, own: Measured) -> tuple[int, float]:
+def _affordable_runs(granted_s: float, own: StepMeasurement) -> tuple[int, float]:
     """Return the number of runs that a wall time allows, and their length: fewer where they would be too short."""
     simulated_s = granted_s / own.wall_s * own.runs * (own.seconds + own.discard_s)
     for runs, least_s in ENSEMBLE_SIZES:

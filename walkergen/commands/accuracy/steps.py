@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from walkergen.commands.accuracy.report import Ladder, Rung, format_order
-from walkergen.commands.accuracy.survey import OBSERVABLE_NAMES, Measured, Survey
+from walkergen.commands.accuracy.survey import OBSERVABLE_NAMES, StepMeasurement, Survey
 from walkergen.core.files import words
 from walkergen.core.files.progress import Progress
 from walkergen.core.numerics.quantity import Quantity
@@ -52,7 +52,7 @@ def format_reference(survey: Survey) -> str:
     return f"{truth}; NOT certified: {rival}, {abs(bias.value) / bias.se:.1f} errors away"
 
 
-def _speed_rung(survey: Survey, measured: Measured) -> Rung:
+def _speed_rung(survey: Survey, measured: StepMeasurement) -> Rung:
     """Return the rung of a step with its bias and cost."""
     bias, unit = survey.bias(measured), survey.unit
     return Rung(
@@ -103,7 +103,7 @@ def _is_clear(true: Quantity) -> bool:
     return not (true.key.startswith(shares) and true.value < MIN_IMPACT_SHARE)
 
 
-def _observable_rung(measured: Measured, true: Quantity) -> Rung:
+def _observable_rung(measured: StepMeasurement, true: Quantity) -> Rung:
     """Return the rung of an observable at a step that is not the finest."""
     assert true.value is not None
     size, seen = abs(true.value), measured.quantity(true.key)
@@ -127,7 +127,7 @@ def _observable_rung(measured: Measured, true: Quantity) -> Rung:
     )
 
 
-def _note(name: str, size: float, measurements: Sequence[Measured], true: Quantity) -> str:
+def _note(name: str, size: float, measurements: Sequence[StepMeasurement], true: Quantity) -> str:
     """Return the order of an observable's bias, and the longest step that resolves it to WITHIN, in words."""
     biases = [(measured.step_us, measured.quantity(name).minus(true)) for measured in measurements]  # finest first
     certain = [(step, abs(bias.value)) for step, bias in biases if bias.value and abs(bias.value) > bias.half_width()]

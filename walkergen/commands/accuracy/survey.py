@@ -51,7 +51,7 @@ OBSERVABLE_NAMES = (*observables.OBSERVABLE_NAMES, *MOTION_KEYS)
 """Names of all that is studied, as `simulate --json` has them."""
 
 
-class Measured(NamedTuple):
+class StepMeasurement(NamedTuple):
     """Quantities obtained with a step, and their cost."""
 
     step_us: float
@@ -105,7 +105,7 @@ class Survey:
         """Whether the fewest runs took longer than what the budget had for them."""
         self.due: dict[float | str, float] = {}
         """Weights in the budget of what is still to be simulated, by step or name."""
-        self.measured: dict[float, Measured] = {}
+        self.measured: dict[float, StepMeasurement] = {}
 
     @cached_property
     def plan(self) -> Plan:
@@ -140,14 +140,14 @@ class Survey:
         weight, left_s = self.due.pop(what, BUDGET_WEIGHTS[1]), max(self.budget_s - self.simulated_s, 0.0)
         return left_s * weight / (weight + sum(self.due.values()))
 
-    def measure(self, steps: Sequence[float], progress: Progress) -> list[Measured]:
+    def measure(self, steps: Sequence[float], progress: Progress) -> list[StepMeasurement]:
         """Measure the steps that are not measured yet; return all of them in their order."""
         for place, step_us in enumerate(steps):
             if step_us not in self.measured:
                 self.measured[step_us] = self._measure_step(step_us, part_progress(progress, place, len(steps)))
         return [self.measured[step_us] for step_us in steps]
 
-    def measure_reference(self, progress: Progress) -> Measured:
+    def measure_reference(self, progress: Progress) -> StepMeasurement:
         """Measure the step that counts as true: the finest.
 
         Raises InputError when it gives no speed with an error bar.
@@ -174,14 +174,14 @@ class Survey:
         """Speed of which an error is a share, mm/s, once the reference is measured."""
         return step_law.speed_scale(self.measured[self.steps[0]].speed.number, self.plan.shaken.peak_speed)
 
-    def bias(self, measured: Measured) -> Quantity:
+    def bias(self, measured: StepMeasurement) -> Quantity:
         """Return the difference of a step's speed from the reference's, mm/s; of the reference itself 0."""
         reference = self.measured[self.steps[0]]
         if measured is reference:
             return reference.speed._replace(value=0.0)
         return measured.speed.minus(reference.speed)
 
-    def bias_bound(self, measured: Measured) -> float:
+    def bias_bound(self, measured: StepMeasurement) -> float:
         """Return the upper limit of a step's bias with 95 % confidence, mm/s.
 
         It is infinite where the step, or a finer one, has no speed.
@@ -195,7 +195,7 @@ class Survey:
         certain = [abs(one.number) for one in finer if abs(one.number) > one.half_width()]
         return max(abs(bias.number), *certain, 0.0) + bias.half_width()
 
-    def to_candidate(self, measured: Measured) -> Candidate:
+    def to_candidate(self, measured: StepMeasurement) -> Candidate:
         """Return a measured step as one that may be chosen; its bias is infinite where it has no speed."""
         return Candidate(
             measured.step_us,
@@ -209,7 +209,7 @@ class Survey:
         changed = self.scene.run.model_copy(update={"step_us": step_us, **run})
         return self.scene.model_copy(update={"run": changed})
 
-    def _measure_step(self, step_us: float, progress: Progress) -> Measured:
+    def _measure_step(self, step_us: float, progress: Progress) -> StepMeasurement:
         """Simulate for as long as the step's part of the budget allows."""
         seconds, granted_s = (
             max(MIN_RUN_S, _round_two_digits(self.budget_s / BUDGET_PER_SECOND_S)),
@@ -225,7 +225,7 @@ class Survey:
             for name, (value, se) in _observable_values(results, self.scene.arena.kind == "lane").items()
         }
         run = self.scene.run
-        return Measured(
+        return StepMeasurement(
             step_us, quantities, summary.runs, seconds, run.discard_seconds, summary.cpu_s, summary.wall_s, outcomes
         )
 

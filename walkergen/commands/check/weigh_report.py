@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from walkergen.commands.check.weighing import Weighed, Weighing
+from walkergen.commands.check.weighing import ObjectMass, Weighing
 from walkergen.core.shapes.mesh import Array
 from walkergen.files import report
 from walkergen.files.report import Column, Report, Table
@@ -17,7 +17,7 @@ from walkergen.files.report import Column, Report, Table
 class WeighReport(Report):
     """Mass properties of a mesh file, in its own axes."""
 
-    total: Weighed
+    total: ObjectMass
     """All objects together, as one rigid body."""
 
 
@@ -63,12 +63,12 @@ def make_report(weighing: Weighing, path: Path, density_g_cm3: float, scale_mm: 
     )
 
 
-def _facts(part: Weighed) -> dict[str, Any]:
+def _facts(part: ObjectMass) -> dict[str, Any]:
     """Fields of an object as JSON has them: arrays as lists."""
     return {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in part._asdict().items()}
 
 
-def _lines(part: Weighed) -> Iterator[Line]:
+def _lines(part: ObjectMass) -> Iterator[Line]:
     for label, values, unit in (
         ("volume", np.array([part.volume_mm3]), "mm3"),
         ("mass", np.array([part.mass_g]), "g"),

@@ -16,7 +16,7 @@ PLA_DENSITY_G_CM3 = 1.24
 """Density of PLA, g/cm3."""
 
 
-class Weighed(NamedTuple):
+class ObjectMass(NamedTuple):
     """Mass properties of one object, or of all; axes are the file's."""
 
     name: str
@@ -36,8 +36,8 @@ class Weighed(NamedTuple):
 class Weighing(NamedTuple):
     """Results of weighing."""
 
-    parts: tuple[Weighed, ...]
-    total: Weighed
+    parts: tuple[ObjectMass, ...]
+    total: ObjectMass
     sha256: str
     """Hash of the file's bytes."""
     notes: tuple[str, ...]
@@ -93,7 +93,7 @@ def principal_axes(tensor: Array) -> tuple[Array, Array]:
     return moments, axes + 0.0
 
 
-def _mass_properties(name: str, triangles: int, solid: SolidMass) -> Weighed:
+def _mass_properties(name: str, triangles: int, solid: SolidMass) -> ObjectMass:
     tensor = 0.5 * (solid.tensor + solid.tensor.T)  # rounding alone makes it unequal
     volume, mass_g = float(solid.volume), float(solid.mass)
-    return Weighed(name, triangles, volume, mass_g, solid.centre, tensor, *principal_axes(tensor))
+    return ObjectMass(name, triangles, volume, mass_g, solid.centre, tensor, *principal_axes(tensor))

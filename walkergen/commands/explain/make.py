@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from walkergen.commands.explain import measured as measuring
-from walkergen.commands.explain.measured import Measured
+from walkergen.commands.explain.measured import EffectChanges
 from walkergen.core.files.output import Folder
 from walkergen.core.files.progress import Progress
 from walkergen.core.scene import Scene
@@ -73,7 +73,7 @@ def explain(
     walker = Walker(scene, design, solids.mass_of(design))
     plan = prepare(scene, design, walker.mass)
     effects = [effect for _, effect in variants.rule_effects(plan)]
-    found: Measured | None = None
+    found: EffectChanges | None = None
     if measure:
         found = measuring.measure(walker, progress)
     elif cost:
@@ -135,7 +135,7 @@ def _format_omissions(simple: Simplest, measured: bool) -> list[str]:
     return [key, *(f"{name}: {value}" for name, value in simple.lines)]
 
 
-def _facts(rows: Sequence[Row], found: Measured | None) -> dict[str, object]:
+def _facts(rows: Sequence[Row], found: EffectChanges | None) -> dict[str, object]:
     facts: dict[str, object] = {"rows": [row._asdict() for row in rows]}
     if found is not None:
         facts |= {"measured": [row._asdict() for row in measuring.rows(found)], "runs": found.pairs}

@@ -34,7 +34,7 @@ MAX_CPU_RATIO = 0.95
 NO_ADVICE = "leave nothing out: as far as these runs tell, whatever is on changes the speed, or costs no time"
 
 
-class Measured(NamedTuple):
+class EffectChanges(NamedTuple):
     """What variants of a scene change."""
 
     speed: Quantity
@@ -81,12 +81,12 @@ def format_change(value: float | None, se: float | None) -> str:
     return words.format_fixed(value, 2) if se is None else words.format_with_error(value, se)
 
 
-def measure_costs(walker: Walker, progress: Progress) -> Measured:
+def measure_costs(walker: Walker, progress: Progress) -> EffectChanges:
     """Measure from a few runs what the scene changes without each effect that is on."""
     return _measure_variants(walker, tuple(variants.effect_variants(walker, also_on=False)), Runs(COST_RUNS), progress)
 
 
-def measure(walker: Walker, progress: Progress) -> Measured:
+def measure(walker: Walker, progress: Progress) -> EffectChanges:
     """Measure what each effect changes, off or on at its usual size, and what the two largest change together."""
     told = _budget_progress(progress)
     every = tuple(variants.effect_variants(walker, also_on=True))
@@ -104,12 +104,14 @@ def measure(walker: Walker, progress: Progress) -> Measured:
     return alone._replace(changes=tuple(sorted(changes, key=_change_size, reverse=True)), advice=advice)
 
 
-def _measure_variants(walker: Walker, every: tuple[Variant, ...], until: Runs | Budget, progress: Progress) -> Measured:
+def _measure_variants(
+    walker: Walker, every: tuple[Variant, ...], until: Runs | Budget, progress: Progress
+) -> EffectChanges:
     measured = measuring.measure(Pairs(walker, every), until, progress)
     if measured.partial:
         raise KeyboardInterrupt
     pairs, records = measured.experiment, measured.records
-    return Measured(pairs.mean_speed(records), tuple(pairs.changes(records)), measured.runs)
+    return EffectChanges(pairs.mean_speed(records), tuple(pairs.changes(records)), measured.runs)
 
 
 def _budget_progress(progress: Progress) -> Progress:
@@ -130,19 +132,19 @@ def _change_size(change: Change) -> float:
     return -1.0 if change.speed.value is None else abs(change.speed.value)
 
 
-def _largest_variants(every: Sequence[Variant], alone: Measured) -> list[Variant]:
+def _largest_variants(every: Sequence[Variant], alone: EffectChanges) -> list[Variant]:
     """Find the two variants of the model itself that change the speed most."""
     sizes = {change.effect: _change_size(change) for change in alone.changes}
     own = sorted((variant for variant in every if variant.values), key=lambda variant: -sizes[variant.effect])
     return own[:2]
 
 
-def _is_within(walker: Walker, alone: Measured, change: Change, level: float) -> bool:
+def _is_within(walker: Walker, alone: EffectChanges, change: Change, level: float) -> bool:
     """Whether a change is within a share of the speed, with 95 % confidence."""
     return variants.verdict(walker, alone.speed, change, Tolerance(level, relative=True)) is Verdict.AGREE
 
 
-def _select_omissions(walker: Walker, every: Sequence[Variant], alone: Measured) -> tuple[list[Variant], float]:
+def _select_omissions(walker: Walker, every: Sequence[Variant], alone: EffectChanges) -> tuple[list[Variant], float]:
     """Variants without what changes little and costs time, and how little; of models the fastest alone."""
     for level in ADVICE_LEVELS:
         fitting = [
@@ -173,7 +175,7 @@ def _format_advice(change: Change, level: float) -> str:
     return f"leave out {change.effect}: {told} (simulate ‹effects=›auto:{100.0 * level:g}%)"
 
 
-def rows(measured: Measured) -> list[Row]:
+def rows(measured: EffectChanges) -> list[Row]:
     """Rows of all changes."""
     return [
         Row(
@@ -189,7 +191,7 @@ def rows(measured: Measured) -> list[Row]:
     ]
 
 
-def table(measured: Measured) -> Table:
+def table(measured: EffectChanges) -> Table:
     """Table of all changes, the largest first."""
     speed = format_change(measured.speed.value, measured.speed.se)
     title = f"What each effect changes: {measured.pairs} runs of each beside {speed} mm/s"
@@ -197,7 +199,7 @@ def table(measured: Measured) -> Table:
     return Table("measured", rows(measured), Row._fields, COLUMNS, title, [note])
 
 
-def draw_changes(measured: Measured, title: str) -> "Figure":
+def draw_changes(measured: EffectChanges, title: str) -> "Figure":
     """Picture of the changes of the speed, with bars of 95 %, beside those of the CPU time."""
     from walkergen.files import figures
     from walkergen.files.figures import FITTED, MEASURED

@@ -39,7 +39,7 @@ SINGLE_TILT_MARGIN_DEG = 5.0
 """Tilts that are shown on either side of a single tilt that has no curve."""
 
 
-class Shown(NamedTuple):
+class PlottedWalker(NamedTuple):
     """Place of a walker on the figure's axis, with what is known of it."""
 
     x: float
@@ -65,7 +65,7 @@ def speed_figure(
     figure, (axes,) = new_grid(title, 1, 1, 3.3, COLUMN_INCHES)
     places = range(len(rows)) if named else [row.tilt_deg for row in rows]
     with_runs = [*simulated, *[None] * (len(rows) - len(simulated))]
-    walkers = [Shown(*walker) for walker in zip(places, rows, with_runs, strict=True)]
+    walkers = [PlottedWalker(*walker) for walker in zip(places, rows, with_runs, strict=True)]
     legend: dict[str, Any] = {}
     for kind, curve in chart_data.curves.items():
         legend |= _draw_curve(axes, kind, curve)
@@ -92,7 +92,7 @@ def speed_figure(
     return figure
 
 
-def _set_limits(axes: Axes, walkers: Sequence[Shown], named: bool) -> None:
+def _set_limits(axes: Axes, walkers: Sequence[PlottedWalker], named: bool) -> None:
     """Set the ends of the axis of tilts: of a single one without a curve some degrees to either side."""
     if named:
         axes.set_xticks([walker.x for walker in walkers], [walker.row.legs for walker in walkers])
@@ -124,7 +124,7 @@ def _draw_theory(axes: Axes, curves: Mapping[Kind, Curve]) -> dict[str, Any]:
     return {THEORY_LABEL: axes.plot(curve.tilt_deg, curve.theory, "--", color=INK, linewidth=0.9)[0]}
 
 
-def _draw_predicted(axes: Axes, walkers: Sequence[Shown], kind: str, curve: Curve | None) -> dict[str, Any]:
+def _draw_predicted(axes: Axes, walkers: Sequence[PlottedWalker], kind: str, curve: Curve | None) -> dict[str, Any]:
     """Draw the members' speeds, with bounds as bars where no band of a curve shows them."""
     colour, _, marker = LEG_STYLES[kind]
     x, speeds = [walker.x for walker in walkers], np.array([walker.row.speed_mm_s for walker in walkers], float)
@@ -143,7 +143,7 @@ def _draw_predicted(axes: Axes, walkers: Sequence[Shown], kind: str, curve: Curv
     return {f"{kind}, {BOUNDS_LABEL}": marks}
 
 
-def _draw_simulated(axes: Axes, walkers: Sequence[Shown], kind: str) -> dict[str, Any]:
+def _draw_simulated(axes: Axes, walkers: Sequence[PlottedWalker], kind: str) -> dict[str, Any]:
     """Draw the members' simulated speeds, as far as there are any, with bars of 95 % where known."""
     runs = [(one.x, one.simulated) for one in walkers if one.simulated and one.simulated.sim_speed_mm_s is not None]
     if not runs:

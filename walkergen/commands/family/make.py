@@ -66,11 +66,11 @@ class Job(NamedTuple):
     """True to write report.html, one page of all of it that opens offline."""
 
 
-Tell = Callable[[Sequence[Finding]], None]
+FindingsCallback = Callable[[Sequence[Finding]], None]
 """Function called once, before writing, with the findings of the printability checks."""
 
 
-def make(job: Job, path: Path, progress: Progress, tell: Tell) -> FamilyReport:
+def make(job: Job, path: Path, progress: Progress, tell: FindingsCallback) -> FamilyReport:
     """Write a family's folder; finished files stay whole whatever happens later.
 
     Writes stl/, plates/, family.csv, family.md, weights.csv (unless somebody filled it in),

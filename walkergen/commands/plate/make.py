@@ -18,7 +18,7 @@ from walkergen.core.walker.design import Design
 from walkergen.files import report
 from walkergen.files.report import Report, Table
 from walkergen.sheets import caps
-from walkergen.sheets.caps import Capped
+from walkergen.sheets.caps import CappedWalker
 
 
 class Order(NamedTuple):
@@ -42,7 +42,7 @@ class Order(NamedTuple):
     """True to refuse what prints otherwise than predicted, not only what fails."""
 
 
-class Room(NamedTuple):
+class Capacity(NamedTuple):
     """Number of copies of one walker that fit on one plate."""
 
     printer: str
@@ -72,7 +72,7 @@ def count_fitting(members: Sequence[Design], printers: Sequence[Printer], max_pa
     """Count the copies of each member that fit on one plate of each printer with no other parts."""
     built = [solids.build(design) for design in members]
     rows = [
-        Room(printer.name, part.name, min(packing.capacity(part, printer), max_parts))
+        Capacity(printer.name, part.name, min(packing.capacity(part, printer), max_parts))
         for printer in printers
         for part in plates.layout_without_plates(members, built, [1] * len(built), printer).parts
     ]
@@ -140,7 +140,7 @@ def make(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequenc
     return _report(order, rows, paths, caps.advice(capped) if capped else [])
 
 
-def _list_caps(layout: plates.Layout) -> list[Capped]:
+def _list_caps(layout: plates.Layout) -> list[CappedWalker]:
     """Caps of all copies in the order of the map. Raises InputError."""
     placed = [placement for plate in layout.plates for placement in plate.placements]
     items = [packing.item_name(layout.parts[place.part], place.copy) for place in placed]

@@ -30,7 +30,7 @@ def read_orders(path: Path) -> tuple[list[Design], list[int]]:
         raise InputError(f"{path}: no rows after the header; give a row for each walker to print")
     if len(table.rows) > packing.MAX_PARTS:
         raise InputError(f"{path}: {len(table.rows)} rows; at most {packing.MAX_PARTS}")
-    shelf = _Shelf(path.parent)
+    shelf = _DesignCache(path.parent)
     members: dict[str, Design] = {}
     copies: dict[str, int] = {}
     problems: list[str] = []
@@ -51,7 +51,7 @@ def read_orders(path: Path) -> tuple[list[Design], list[int]]:
     return list(members.values()), list(copies.values())
 
 
-class _Shelf:
+class _DesignCache:
     """Designs that a list names, each read once; two that share a name must be the same."""
 
     def __init__(self, folder: Path) -> None:

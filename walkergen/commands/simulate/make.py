@@ -21,13 +21,13 @@ from walkergen.core.walker.mass import MassProperties
 from walkergen.points import resolution, trajectory, walkers
 from walkergen.points.experiments import Results, Walker
 from walkergen.points.simplest import Simplest
-from walkergen.points.walkers import Met
+from walkergen.points.walkers import ErrorResult
 
 MAX_LANDINGS_S = 500.0
 """Time of all runs together (s) up to which every landing is kept: 0.3 MB a second."""
 
 
-class Simulated(NamedTuple):
+class Simulation(NamedTuple):
     """Results of a simulation."""
 
     point: Results
@@ -42,7 +42,7 @@ class Simulated(NamedTuple):
     """Landings of each run that ended well; none where they were not kept."""
     legs: tuple[str, ...] = ()
     """Names of the legs, in the order of their landings."""
-    chosen: Met | None = None
+    chosen: ErrorResult | None = None
     """What was taken to meet an error; None where none was asked for."""
     simplest: Simplest | None = None
     """What was left out of the scene, within an error that it accepts; None where nothing was tried."""
@@ -65,7 +65,7 @@ def measure(
     wanted: Tolerance | None = None,
     of: str = SPEED,
     expect: Expect = ignore_estimate,
-) -> Simulated:
+) -> Simulation:
     """Simulate what is asked, and measure its motion and landings.
 
     With an error of the observable `of` as many runs as that needs, without landings; `expect` is told of their time
@@ -83,7 +83,7 @@ def measure(
     return analyse_point(met.results, progress)._replace(chosen=met)
 
 
-def analyse_point(point: Results, progress: Progress = silent) -> Simulated:
+def analyse_point(point: Results, progress: Progress = silent) -> Simulation:
     """Find shared orbits, motion and landings in the runs of a simulated point."""
     walker = point.walker
     errors = resolution.combined_errors(point.step_errors, point.summary)
@@ -91,7 +91,7 @@ def analyse_point(point: Results, progress: Progress = silent) -> Simulated:
     if shared is not None:
         point = point._replace(summary=orbit.with_print_bounds(point.summary, shared))
         errors = dict.fromkeys(errors)
-    simulated = Simulated(point, errors, shared)
+    simulated = Simulation(point, errors, shared)
     good = [result for result in point.results if result.outcome in ENDED_WELL]
     if not good:
         return simulated._replace(untold="no run ended well")

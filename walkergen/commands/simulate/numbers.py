@@ -8,7 +8,7 @@ import numpy as np
 
 from walkergen.analysis.estimates import LANE_REASON, NO_SLOPE_REASON
 from walkergen.analysis.landings import Landings
-from walkergen.commands.simulate.make import Simulated
+from walkergen.commands.simulate.make import Simulation
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import observables
@@ -54,7 +54,7 @@ def rename_motor_power(data: Any, scene: Scene) -> Any:
     return MOTOR_POWER_NAMES.get(data, data) if isinstance(data, str) else data
 
 
-def motion_numbers(simulated: Simulated) -> Iterator[Quantity]:
+def motion_numbers(simulated: Simulation) -> Iterator[Quantity]:
     """Yield how a walker in space moves; a reason that several estimates share comes once."""
     if simulated.motion is None:
         return
@@ -73,7 +73,7 @@ def motion_numbers(simulated: Simulated) -> Iterator[Quantity]:
         yield Quantity(f"msd exponent at {lags[at]:.2g} s", "", float(values[at]), float(errors[at]))
 
 
-def observed_numbers(simulated: Simulated) -> Iterator[Quantity]:
+def observed_numbers(simulated: Simulation) -> Iterator[Quantity]:
     """Yield impacts, shares of their types, contact and powers; errors are of the runs and the step together."""
     point = simulated.point
     for table, (title, unit, scale) in OBSERVABLE_UNITS.items():
@@ -88,7 +88,7 @@ def observed_numbers(simulated: Simulated) -> Iterator[Quantity]:
     yield Quantity("energy unaccounted", "percent", 100.0 * point.summary.energy_error, 0.0)
 
 
-def landing_numbers(simulated: Simulated) -> Iterator[Quantity]:
+def landing_numbers(simulated: Simulation) -> Iterator[Quantity]:
     """Yield landings per second that people read: of many legs only those of all feet."""
     if not simulated.landings:
         return
@@ -109,7 +109,7 @@ def count_landings(landings: Landings) -> list[int]:
     return [*landings.corners.tolist(), *landings.edges.tolist(), landings.pairs, landings.alone]
 
 
-def landing_rates(simulated: Simulated) -> list[Quantity]:
+def landing_rates(simulated: Simulation) -> list[Quantity]:
     """Return landings per second, corners with z > 0 on the right; errors are of the runs and the step together."""
     time = np.array([landings.duration for landings in simulated.landings])
     counts = np.array([count_landings(landings) for landings in simulated.landings], dtype=float)
@@ -124,7 +124,7 @@ def landing_rates(simulated: Simulated) -> list[Quantity]:
     return rates
 
 
-def notes(simulated: Simulated) -> Iterator[str]:
+def notes(simulated: Simulation) -> Iterator[str]:
     """Yield how motion was measured, and what makes it doubtful."""
     if simulated.motion is not None:
         yield from (simulated.motion.method, *simulated.motion.doubts)

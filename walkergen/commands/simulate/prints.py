@@ -13,7 +13,7 @@ from walkergen.core.numerics import statistics
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.walker.design import Design
 from walkergen.files.report import Report, Table
-from walkergen.points.draws import Uncertain
+from walkergen.points.draws import PrintScatter
 from walkergen.points.speed_table import SHARE_COLUMNS
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ UNEXPLAINED = "which print it is"
 """Name of the variance that no input explains: corner heights, and the emulator's error."""
 
 
-def make_report(spread: Uncertain, design: Design, scene: str, folder: Path | None = None) -> Report:
+def make_report(spread: PrintScatter, design: Design, scene: str, folder: Path | None = None) -> Report:
     """Report of uncertain prints of a walker in a scene of this name; written where folder says."""
     title = f"{design.name}, {design.tilt_deg:g} deg, {scene}"
     unexplained = spread.unexplained, spread.unexplained_se
@@ -63,7 +63,7 @@ def write(report: Report, folder: Path) -> None:
         report.write_figures(target)
 
 
-def summary_rows(spread: Uncertain) -> Iterator[tuple[str, str | Quantity]]:
+def summary_rows(spread: PrintScatter) -> Iterator[tuple[str, str | Quantity]]:
     """Rows of a summary: mean, scatter between prints, and statistical error apart from it."""
     low2, low1, high1, high2 = spread.bounds_mm_s
     scatter, step = spread.between_prints_mm_s or None, spread.by_step_mm_s
@@ -80,7 +80,7 @@ def summary_rows(spread: Uncertain) -> Iterator[tuple[str, str | Quantity]]:
         yield "note", note
 
 
-def notes(spread: Uncertain) -> Iterator[str]:
+def notes(spread: PrintScatter) -> Iterator[str]:
     """Statements on what the bounds hold, and on what was taken out of them."""
     if spread.draws < statistics.MIN_VALUES_FOR_95:
         yield (
@@ -97,7 +97,7 @@ def notes(spread: Uncertain) -> Iterator[str]:
         yield "the statistical error of short runs is taken out of the bounds"
 
 
-def _facts(spread: Uncertain) -> dict[str, Any]:
+def _facts(spread: PrintScatter) -> dict[str, Any]:
     """Results for JSON; shares are parts of the variance between prints."""
     low2, low1, high1, high2 = spread.bounds_mm_s
     unexplained = {"share": spread.unexplained, "se": spread.unexplained_se}
@@ -119,7 +119,7 @@ def _facts(spread: Uncertain) -> dict[str, Any]:
     }
 
 
-def draw_speeds(spread: Uncertain, title: str) -> "Figure":
+def draw_speeds(spread: PrintScatter, title: str) -> "Figure":
     """Draw the speeds of all prints with their bounds, and the shares of the variance."""
     from walkergen.files.figures import style
 
@@ -127,7 +127,7 @@ def draw_speeds(spread: Uncertain, title: str) -> "Figure":
         return _draw(spread, title)
 
 
-def _draw(spread: Uncertain, title: str) -> "Figure":
+def _draw(spread: PrintScatter, title: str) -> "Figure":
     from matplotlib.figure import Figure
 
     from walkergen.files.figures import PAGE_INCHES, wrap_text

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from walkergen.analysis import facts
 from walkergen.analysis.motion import Motion
 from walkergen.commands.simulate import numbers, tables, trajectories
-from walkergen.commands.simulate.make import Simulated
+from walkergen.commands.simulate.make import Simulation
 from walkergen.core.errors import InputError
 from walkergen.core.files import words
 from walkergen.core.files.progress import Progress, silent
@@ -68,7 +68,7 @@ FIRST_LINE_NAMES = (
 class SimulationReport(Report):
     """Runs of one walker in a scene, and what they say of its speed and motion."""
 
-    simulated: Simulated
+    simulated: Simulation
     """Everything that was measured."""
 
     @property
@@ -104,7 +104,7 @@ class SimulationReport(Report):
         return Table("trajectory", list(states.rows), states.columns, title=title)
 
 
-def make_report(simulated: Simulated, whole: bool = False) -> SimulationReport:
+def make_report(simulated: Simulation, whole: bool = False) -> SimulationReport:
     """Report of the runs of a walker in a scene, and of what an error that was asked for took.
 
     People read the first lines of the summary, or the `whole` of it.
@@ -124,14 +124,14 @@ def make_report(simulated: Simulated, whole: bool = False) -> SimulationReport:
     )
 
 
-def _select_first_lines(lines: Sequence[Line], simulated: Simulated) -> list[Line]:
+def _select_first_lines(lines: Sequence[Line], simulated: Simulation) -> list[Line]:
     """Lines that people read first: without refused numbers; how runs ended if not well."""
     ended_well = set(simulated.point.summary.outcomes) == {Outcome.OK.value}
     names = {*FIRST_LINE_NAMES, *(() if ended_well else ("outcomes",))}
     return [line for line in lines if line.name in names and (isinstance(line.value, str) or line.value.known)]
 
 
-def _summary_table(simulated: Simulated, design: Design) -> Table:
+def _summary_table(simulated: Simulation, design: Design) -> Table:
     """Table of the summary in one row; tables within it become columns with a dot."""
     named = {"name": design.name, "tilt_deg": design.tilt_deg, "legs": design.kind, "scene": simulated.scene.name}
     values = named | _flatten(numbers.rename_motor_power(simulated.point.summary._asdict(), simulated.scene))
@@ -149,7 +149,7 @@ def _flatten(values: Mapping[str, Any], before: str = "") -> dict[str, Any]:
     return flat
 
 
-def _mean_speed(simulated: Simulated) -> Speed:
+def _mean_speed(simulated: Simulation) -> Speed:
     summary = simulated.point.summary
     kind = "" if simulated.orbit is None else simulated.orbit.kind
     return make_speed(
@@ -157,7 +157,7 @@ def _mean_speed(simulated: Simulated) -> Speed:
     )
 
 
-def _figures(simulated: Simulated, design: Design) -> "dict[str, Callable[[], Figure]]":
+def _figures(simulated: Simulation, design: Design) -> "dict[str, Callable[[], Figure]]":
     """Return what draws the runs: distance against time in a lane, the view from above on a plane.
 
     Empty if no run ended well.
@@ -174,7 +174,7 @@ def _figures(simulated: Simulated, design: Design) -> "dict[str, Callable[[], Fi
     return {"runs": draw} if good else {}
 
 
-def _facts(simulated: Simulated, scene: Scene) -> dict[str, Any]:
+def _facts(simulated: Simulation, scene: Scene) -> dict[str, Any]:
     """Summary of the runs for JSON; it is partial when Ctrl-C left some out."""
     data: dict[str, Any]
     data = tables.contact_as_dict(scene) | simulated.point.summary._asdict()
@@ -195,7 +195,7 @@ def _facts(simulated: Simulated, scene: Scene) -> dict[str, Any]:
     return data if chosen is None else data | {"chosen": chosen.facts}
 
 
-def _lines(simulated: Simulated, scene: Scene, design: Design) -> Iterator[tuple[str, str | Quantity]]:
+def _lines(simulated: Simulation, scene: Scene, design: Design) -> Iterator[tuple[str, str | Quantity]]:
     summary = simulated.point.summary
     yield "walker", f"{design.name}, {design.kind} legs, tilt {design.tilt_deg:g} deg"
     yield scene.drive.kind, tables.format_drive(scene)
@@ -223,7 +223,7 @@ def _lines(simulated: Simulated, scene: Scene, design: Design) -> Iterator[tuple
     yield "time", f"{summary.wall_s:.1f} s, {rate:.0f} simulated s per CPU s"
 
 
-def _format_speed(simulated: Simulated, scene: Scene) -> str:
+def _format_speed(simulated: Simulation, scene: Scene) -> str:
     """Mean speed with the error of the runs and that of the step, or why it has none."""
     summary = simulated.point.summary
     se = summary.speed_se_mm_s

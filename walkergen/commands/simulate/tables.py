@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from walkergen.commands.simulate import numbers
-from walkergen.commands.simulate.make import Simulated
+from walkergen.commands.simulate.make import Simulation
 from walkergen.commands.simulate.orbit import Orbit
 from walkergen.core.files import words
 from walkergen.core.scene import Scene
@@ -30,7 +30,7 @@ def contact_as_dict(scene: Scene) -> dict[str, Any]:
     return {"tip_radius_um": radius, "restitution": contact.restitution, "friction": contact.friction}
 
 
-def format_step_error(simulated: Simulated) -> str:
+def format_step_error(simulated: Simulation) -> str:
     """Addition to the mean speed and its statistical error: what the step may do to it."""
     error, reason = simulated.point.step_errors[observables.SPEED]
     if error is None:
@@ -38,7 +38,7 @@ def format_step_error(simulated: Simulated) -> str:
     return f" ± {words.format_number(error, 2)} by the step (95 %)" if error else ""
 
 
-def bound_rows(simulated: Simulated) -> Iterator[tuple[str, str]]:
+def bound_rows(simulated: Simulation) -> Iterator[tuple[str, str]]:
     """Row of a summary with the bounds of the mean speed; of prints where runs share an orbit."""
     if simulated.orbit is not None:
         yield "prints", format_orbit_bounds(simulated.orbit)
@@ -50,7 +50,7 @@ def bound_rows(simulated: Simulated) -> Iterator[tuple[str, str]]:
     yield "your print", _format_print_bounds(simulated)
 
 
-def _format_print_bounds(simulated: Simulated) -> str:
+def _format_print_bounds(simulated: Simulation) -> str:
     """Bounds of the speed of a print, by what nobody knows of it, as `predict` has them."""
     walker = simulated.point.walker
     row = speeds.predict(walker.design, walker.mass, walker.scene, model="known")
@@ -71,13 +71,13 @@ def format_orbit_bounds(orbit: Orbit) -> str:
     )
 
 
-def landings_as_dict(simulated: Simulated) -> dict[str, Any]:
+def landings_as_dict(simulated: Simulation) -> dict[str, Any]:
     """Landings for JSON: rates per second, and their errors."""
     rates = numbers.landing_rates(simulated)
     return {rate.column: rate.value for rate in rates} | {"errors": {rate.column: rate.se for rate in rates}}
 
 
-def step_errors_as_dict(simulated: Simulated) -> dict[str, Any]:
+def step_errors_as_dict(simulated: Simulation) -> dict[str, Any]:
     """Return the step's error of each observable for JSON, or the reason why there is none."""
     errors = {name: simulated.point.step_errors[name].error for name in observables.OBSERVABLE_NAMES}
     errors = {name: error for name, error in errors.items() if error is not None}

@@ -34,7 +34,7 @@ BOX_MARGIN = 1.0
 """Room around all bodies in the box of extended XYZ, in half diagonals of a body."""
 
 
-class Written(NamedTuple):
+class TrajectoryData(NamedTuple):
     """What a file of trajectories is made of."""
 
     rows: Trajectory
@@ -62,17 +62,17 @@ def with_film_columns(trajectory: Trajectory, interval: float) -> Trajectory:
     return Trajectory((*FILM_COLUMNS, *ours), np.column_stack([*film, *ours.values()]))
 
 
-def to_csv(written: Written) -> bytes:
+def to_csv(written: TrajectoryData) -> bytes:
     """CSV with a header line, every digit kept."""
     return trajectory.to_csv(written.rows)
 
 
-def to_npz(written: Written) -> bytes:
+def to_npz(written: TrajectoryData) -> bytes:
     """NPZ archive with an array for each column."""
     return trajectory.to_npz(written.rows)
 
 
-def to_xyz(written: Written) -> bytes:
+def to_xyz(written: TrajectoryData) -> bytes:
     """Write extended XYZ for OVITO: a frame for each time, with the runs that had not ended."""
     own = dict(zip(written.rows.columns, written.rows.rows.T, strict=True))
     size = written.design.size
@@ -92,7 +92,7 @@ def _bounding_box(places: Array, reach: float) -> str:
     return extended_xyz.format_box(low, places.max(axis=0, initial=-np.inf) + margin - low)
 
 
-def to_nc(written: Written) -> bytes:
+def to_nc(written: TrajectoryData) -> bytes:
     """NetCDF for xarray and movement: a run is an individual."""
     own = dict(zip(written.rows.columns, written.rows.rows.T, strict=True))
     frames, at = np.unique(own["frame"], return_inverse=True)
@@ -103,7 +103,7 @@ def to_nc(written: Written) -> bytes:
     return netcdf.pack_poses(times, table[:, 1:3], table[:, 3], [f"run_{name}" for name in names])
 
 
-FORMATS: dict[str, Callable[[Written], bytes]] = {".csv": to_csv, ".npz": to_npz, ".xyz": to_xyz, ".nc": to_nc}
+FORMATS: dict[str, Callable[[TrajectoryData], bytes]] = {".csv": to_csv, ".npz": to_npz, ".xyz": to_xyz, ".nc": to_nc}
 """Writers of the formats, by the suffixes of their files."""
 
 
@@ -117,5 +117,5 @@ def check(path: Path) -> None:
 
 def write(path: Path, experiment: Walker, point: Results, progress: Progress) -> None:
     """Write the trajectories of all runs in the format that the file's suffix names."""
-    written = Written(collect(experiment, point, progress), experiment.design)
+    written = TrajectoryData(collect(experiment, point, progress), experiment.design)
     output.write(path, FORMATS[path.suffix.lower()](written))

@@ -13,7 +13,7 @@ from walkergen.guests.crowd import in_space, make, members
 from walkergen.guests.crowd.runs import Simulated
 from walkergen.guests.crowd.statistics.measuring import UNITS, WHOLE_RUN_NUMBERS
 from walkergen.points.kinds import Picture
-from walkergen.points.point import Point, Record, Went, status_record
+from walkergen.points.point import Point, PointStatus, Record, status_record
 
 GROUPS, SCENE, RUNS, MEETS_ERRORS = tuple(UNITS), "plane-90hz", members.DEFAULT_RUNS, False
 KEPT = "packing", "polar_order", "nematic_order", "speed", "largest_cluster", "wall_density"
@@ -83,14 +83,14 @@ def _run_status(simulated: Simulated) -> Record:
     if fallen := simulated.fallen:
         count = sum(simulated.outcomes.values())
         which = ", ".join(f"{count} {name}" for name, count in fallen.items())
-        how = Went.WALKERS_ENDED_BADLY
+        how = PointStatus.WALKERS_ENDED_BADLY
         return status_record(how, f"{how}: {which}, of {count} in all runs")
     if simulated.energy_error > ENERGY_TOLERANCE:
         share = words.format_number(100.0 * simulated.energy_error, 2)
         return status_record(
-            Went.UNBALANCED, f"{Went.UNBALANCED}: {share} % unaccounted for; take a smaller run.step_us"
+            PointStatus.UNBALANCED, f"{PointStatus.UNBALANCED}: {share} % unaccounted for; take a smaller run.step_us"
         )
     for name, number in simulated.statistics.numbers.items():
         if name not in WHOLE_RUN_NUMBERS and number.value is not None and number.se is None:
-            return status_record(Went.NOT_MET, f"error unknown: {number.refused}; take more runs")
-    return status_record(Went.OK)
+            return status_record(PointStatus.NOT_MET, f"error unknown: {number.refused}; take more runs")
+    return status_record(PointStatus.OK)

@@ -14,7 +14,7 @@ from matplotlib.colors import CenteredNorm, Normalize
 from matplotlib.ticker import MaxNLocator
 
 from walkergen.guests.sweep.scales import Array, Scale, cell_edges, format_axis
-from walkergen.points.point import Went
+from walkergen.points.point import PointStatus
 
 Mask = npt.NDArray[np.bool_]
 
@@ -81,7 +81,7 @@ class Columns(NamedTuple):
     @property
     def doubtful(self) -> Mask:
         """Points whose number is not to be taken as it is."""
-        doubtful: Mask = np.array([status != Went.OK for status in self.status], dtype=bool)
+        doubtful: Mask = np.array([status != PointStatus.OK for status in self.status], dtype=bool)
         return doubtful & ~self.missing
 
 

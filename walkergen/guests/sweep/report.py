@@ -13,7 +13,7 @@ from walkergen.guests.sweep import nearest
 from walkergen.guests.sweep.evaluation import Done
 from walkergen.guests.sweep.point_request import Request
 from walkergen.points.kinds import Picture
-from walkergen.points.point import STATUS_KEY, WENT_KEY, Went
+from walkergen.points.point import STATUS_KEY, WENT_KEY, PointStatus
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,7 +38,7 @@ class Points:
         """Count a point, and keep its row where rows are kept."""
         self.count += 1
         self.stored += done.stored
-        if (how := str(done.record[WENT_KEY])) != Went.OK:
+        if (how := str(done.record[WENT_KEY])) != PointStatus.OK:
             self.bad[how] = self.bad.get(how, 0) + 1
         if self.kept:
             self.rows.append((*values, *map(done.record.get, self.names)))

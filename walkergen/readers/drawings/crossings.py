@@ -42,7 +42,7 @@ class Crossings(NamedTuple):
     """One such pair; (-1, -1) without any."""
 
 
-class Shapes(NamedTuple):
+class OrderedTriangles(NamedTuple):
     """Triangles in the order of the tree, as its kernels read them."""
 
     triangles: Indices
@@ -105,7 +105,7 @@ def find(vertices: Array, triangles: Indices, tolerance: float) -> Crossings:
     low = np.minimum(np.minimum(first, second), third)
     high = np.maximum(np.maximum(first, second), third)
     inside = 0.5 * tolerance * (high - low > 2.0 * tolerance)
-    shapes = Shapes(ordered, corners, normals, low + inside, high - inside, apexes[order], vertices)
+    shapes = OrderedTriangles(ordered, corners, normals, low + inside, high - inside, apexes[order], vertices)
     scratch = Scratch(np.empty(STACK_SIZE, np.int64), np.empty((3, 3)), np.empty(3), np.empty(3))
     count, one, other = _count_crossings(
         shapes, Tree(leaves, *_build_tree(shapes, leaves, scratch)), scratch, tolerance

@@ -33,7 +33,7 @@ from walkergen.readers.drawings.contours import (
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
 
-    from walkergen.readers.drawings.svg_elements import Clip, Drawn, Tree
+    from walkergen.readers.drawings.svg_elements import Clip, Tree, VisibleShape
 
 MM_PER_UNIT = {"mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72.0, "pc": 25.4 / 6.0, "q": 0.25}
 """Units of length with a size of their own, in mm; a pixel has none until someone prints it."""
@@ -135,7 +135,9 @@ def _omission_notes(tree: "Tree") -> list[str]:
     return notes
 
 
-def _drop_page(drawn: "Sequence[Drawn]", shapes: list[Shape], page: Sequence[float]) -> tuple[list[Shape], list[str]]:
+def _drop_page(
+    drawn: "Sequence[VisibleShape]", shapes: list[Shape], page: Sequence[float]
+) -> tuple[list[Shape], list[str]]:
     """Shapes without the paper, and what is to be said of it."""
     whole = [_is_page_rectangle(shape, page) for shape in shapes]
     paper = [covers and one.white for covers, one in zip(whole, drawn, strict=True)]
@@ -233,7 +235,7 @@ def _length_mm(text: str) -> float | None:
         return None
 
 
-def _bounding_box(drawn: "Sequence[Drawn]") -> Array:
+def _bounding_box(drawn: "Sequence[VisibleShape]") -> Array:
     """Lower and upper corner of what is drawn, in the drawing's units, shape (2, 2)."""
     corners = [np.zeros((0, 2))]
     for one in drawn:
@@ -245,7 +247,7 @@ def _bounding_box(drawn: "Sequence[Drawn]") -> Array:
     return np.array([every.min(axis=0), every.max(axis=0)]) if len(every) else np.zeros((2, 2))
 
 
-def _clipped_shape(drawn: "Drawn", size: float, source: str) -> Shape:
+def _clipped_shape(drawn: "VisibleShape", size: float, source: str) -> Shape:
     """Contours of a shape in the drawing's units, cut by its clips; chords are for its `size`."""
     contours = list(_unclipped_contours(drawn, size, source))
     for clip in drawn.clips:
@@ -255,7 +257,7 @@ def _clipped_shape(drawn: "Drawn", size: float, source: str) -> Shape:
     return Shape(contours, drawn.nonzero)
 
 
-def _unclipped_contours(drawn: "Drawn", size: float, source: str) -> "Sequence[Array]":
+def _unclipped_contours(drawn: "VisibleShape", size: float, source: str) -> "Sequence[Array]":
     """Contours of a shape that nothing cuts. Raises InputError for an open path."""
     linear, offset = drawn.matrix[:, :2], drawn.matrix[:, 2]
     stretch, contours = float(np.linalg.norm(linear, 2)), []

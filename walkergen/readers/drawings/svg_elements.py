@@ -75,7 +75,7 @@ FONT_SIZES = {
 """Sizes of fonts that browsers have names of."""
 
 
-class Drawn(NamedTuple):
+class VisibleShape(NamedTuple):
     """Shape that somebody sees."""
 
     path: "svgelements.Path"
@@ -95,10 +95,10 @@ class Drawn(NamedTuple):
 class Clip(NamedTuple):
     """Window: the union of shapes."""
 
-    shapes: tuple[Drawn, ...]
+    shapes: tuple[VisibleShape, ...]
 
 
-class Place(NamedTuple):
+class Context(NamedTuple):
     """Where an element stands: what it has of those around it."""
 
     matrix: Array
@@ -124,18 +124,18 @@ class Tree:
         self.count = self.unseen = self.filtered = 0
         self.rem = DEFAULT_FONT_SIZE
 
-    def visible_shapes(self, view: tuple[float, float]) -> list[Drawn]:
+    def visible_shapes(self, view: tuple[float, float]) -> list[VisibleShape]:
         """Shapes that somebody sees, in their order; `view` is the page in the drawing's units."""
         if self.root.attrib.get("transform", "none").strip() not in ("", "none"):
             raise self._input_error("the page itself has a transform; apply it to the paths")
-        place = self._inner_place(self.root, Place(np.eye(2, 3), {}, view))
+        place = self._inner_place(self.root, Context(np.eye(2, 3), {}, view))
         self.rem = float(place.style["font-size"])
         return [shape for child in self.root for shape in self._walk(child, place)]
 
     def _input_error(self, what: str) -> InputError:
         return InputError(f"{self.source}: {what}")
 
-    def _inner_place(self, element: ET.Element, place: Place) -> Place:
+    def _inner_place(self, element: ET.Element, place: Context) -> Context:
         """Place of what an element holds."""
         own = {
             key: element.attrib[key]
@@ -146,7 +146,7 @@ class Tree:
         style["font-size"] = repr(self._font_size(element.attrib.get("font-size"), place))
         return place._replace(style=style, depth=place.depth + 1)
 
-    def _font_size(self, text: str | None, place: Place) -> float:
+    def _font_size(self, text: str | None, place: Context) -> float:
         around, word = float(place.style.get("font-size", DEFAULT_FONT_SIZE)), (text or "1em").strip().lower()
         if size := {**FONT_SIZES, "larger": 1.2 * around, "smaller": around / 1.2, "inherit": around}.get(word):
             return size
@@ -160,7 +160,7 @@ class Tree:
         """Units of length by the size of the font."""
         return {"em": font, "ex": 0.5 * font, "ch": 0.5 * font, "rem": self.rem}
 
-    def _walk(self, element: ET.Element, place: Place) -> Iterator[Drawn]:
+    def _walk(self, element: ET.Element, place: Context) -> Iterator[VisibleShape]:
         """Shapes that an element draws."""
         name = element_name(element)
         self.count += 1
@@ -192,7 +192,7 @@ class Tree:
             for child in children:
                 yield from self._walk(child, inner)
 
-    def _is_hidden(self, element: ET.Element, place: Place) -> bool:
+    def _is_hidden(self, element: ET.Element, place: Context) -> bool:
         """Whether an element and all that it holds is hidden, whatever its parts say."""
         filtered, name = element.attrib.get("filter", "none").strip(), element_name(element)
         if element.attrib.get("display") == "none":
@@ -208,13 +208,13 @@ class Tree:
             filtered, self.targets
         )
 
-    def _visible_paints(self, place: Place) -> tuple[svg_paints.Paint | None, svg_paints.Paint | None]:
+    def _visible_paints(self, place: Context) -> tuple[svg_paints.Paint | None, svg_paints.Paint | None]:
         """Fill and line of a shape; None for what does not show."""
         fill, line = (svg_paints.from_style(place.style, key, self.targets) for key in ("fill", "stroke"))
         lined = line.shows and not svg_paints.is_zero(place.style.get("stroke-width"))
         return fill if fill.shows else None, line if lined else None
 
-    def _visible_shape(self, element: ET.Element, place: Place) -> Iterator[Drawn]:
+    def _visible_shape(self, element: ET.Element, place: Context) -> Iterator[VisibleShape]:
         """Shape of an element, if anybody sees it."""
         style, (filled, lined) = place.style, self._visible_paints(place)
         if element_name(element) == "line":
@@ -232,9 +232,9 @@ class Tree:
         units = {**PIXELS_PER_UNIT, **self._relative_units(float(style.get("font-size", DEFAULT_FONT_SIZE)))}
         line = float(wide[1]) * units.get(wide[2].lower(), 1.0) * mean_stretch(place.matrix) if wide else 0.0
         nonzero, white = style.get("fill-rule", "nonzero") != "evenodd", all(paint.white for paint in paints)
-        yield Drawn(path, place.matrix, nonzero, white, line, place.clips)
+        yield VisibleShape(path, place.matrix, nonzero, white, line, place.clips)
 
-    def _build_path(self, element: ET.Element, place: Place) -> "svgelements.Path":
+    def _build_path(self, element: ET.Element, place: Context) -> "svgelements.Path":
         """Geometry of a shape in its own units."""
         import svgelements as svg
 
@@ -279,7 +279,9 @@ class Tree:
             pass  # as what does not match: numbers that lack others
         raise self._input_error(f"<{element_name(element)}> has {key} = {text[:40]!r}; give numbers")
 
-    def _parse_length(self, element: ET.Element, key: str, place: Place, whole: float, otherwise: float = 0.0) -> float:
+    def _parse_length(
+        self, element: ET.Element, key: str, place: Context, whole: float, otherwise: float = 0.0
+    ) -> float:
         """Length of an attribute in the drawing's units; percents are of `whole`."""
         text = element.attrib.get(key)
         if text is None or text.strip() == "auto":
@@ -295,7 +297,7 @@ class Tree:
             raise self._input_error(f"<{element_name(element)}> has {key} = {text[:40]!r}; give numbers")
         return value
 
-    def _element_matrix(self, element: ET.Element, place: Place) -> Array:
+    def _element_matrix(self, element: ET.Element, place: Context) -> Array:
         """Matrix of an element, its transform about its origin."""
         text = element.attrib.get("transform", "none").strip()
         if text in ("", "none"):
@@ -308,7 +310,7 @@ class Tree:
         own[:, 2] += origin - own[:, :2] @ origin
         return compose(place.matrix, own)
 
-    def _transform_origin(self, element: ET.Element, place: Place) -> tuple[float, float]:
+    def _transform_origin(self, element: ET.Element, place: Context) -> tuple[float, float]:
         """Point about which an element is transformed."""
         text = element.attrib.get("transform-origin")
         if text is None:
@@ -328,7 +330,7 @@ class Tree:
         x, y = (self._parse_length(held, key, place, whole) for key, whole in (("x", size[0]), ("y", size[1])))
         return low[0] + x, low[1] + y
 
-    def _use_shapes(self, element: ET.Element, place: Place) -> Iterator[Drawn]:
+    def _use_shapes(self, element: ET.Element, place: Context) -> Iterator[VisibleShape]:
         """Shapes of the element that a <use> stands for."""
         link = element.attrib.get("href", element.attrib.get(XLINK_HREF, ""))
         target = self.targets.get(link[1:]) if link[:1] == "#" else None
@@ -346,7 +348,9 @@ class Tree:
         else:
             yield from self._walk(target, place)
 
-    def _window_shapes(self, element: ET.Element, place: Place, attributes: Mapping[str, str]) -> Iterator[Drawn]:
+    def _window_shapes(
+        self, element: ET.Element, place: Context, attributes: Mapping[str, str]
+    ) -> Iterator[VisibleShape]:
         """Shapes of a nested <svg> or a <symbol>: in units of its own, cut at its edges."""
         held = ET.Element(element_name(element), dict(attributes))
         wide, high = place.view
@@ -375,13 +379,13 @@ class Tree:
                 if width > 0 and height > 0
                 else svgelements.Path()
             )
-            clips = (*clips, Clip((Drawn(edge, place.matrix, True, False, 0.0, ()),)))
+            clips = (*clips, Clip((VisibleShape(edge, place.matrix, True, False, 0.0, ()),)))
         place = place._replace(matrix=compose(place.matrix, inner), view=view, clips=clips)
         for child in element:
             if isinstance(child.tag, str):
                 yield from self._walk(child, place)
 
-    def _clips(self, element: ET.Element, place: Place) -> Iterator[Clip]:
+    def _clips(self, element: ET.Element, place: Context) -> Iterator[Clip]:
         """Clip path and mask of an element; a mask cuts like one where all of it is white."""
         for key in ("clip-path", "mask"):
             text = element.attrib.get(key, "none").strip()
@@ -395,7 +399,7 @@ class Tree:
                 raise self._input_error(f"a <{element_name(target)}> cuts itself without end")
             yield self._build_clip(element, target, place)
 
-    def _build_clip(self, element: ET.Element, target: ET.Element, place: Place) -> Clip:
+    def _build_clip(self, element: ET.Element, target: ET.Element, place: Context) -> Clip:
         """Window that a clip path or a mask opens."""
         matrix = place.matrix
         if target.attrib.get("clipPathUnits", target.attrib.get("maskContentUnits")) == "objectBoundingBox":
@@ -404,7 +408,7 @@ class Tree:
             x0, y0, x1, y1 = self._build_path(element, place).bbox() or (0.0, 0.0, 0.0, 0.0)
             matrix = compose(matrix, np.array([[x1 - x0, 0.0, x0], [0.0, y1 - y0, y0]]))
         rule = element_name(target) == "clipPath"
-        fresh = Place(matrix, {}, place.view, (), place.depth + 1, (*place.inside, target), rule)
+        fresh = Context(matrix, {}, place.view, (), place.depth + 1, (*place.inside, target), rule)
         fresh = fresh._replace(matrix=self._element_matrix(target, fresh))
         inner, counts = self._inner_place(target, fresh), (self.unseen, self.filtered)
         inner = inner._replace(clips=tuple(self._clips(target, inner)))

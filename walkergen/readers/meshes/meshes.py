@@ -41,7 +41,7 @@ Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
 
 
-class Loaded(NamedTuple):
+class MeshFile(NamedTuple):
     """Contents of a mesh file."""
 
     parts: tuple[Part, ...]
@@ -52,7 +52,7 @@ class Loaded(NamedTuple):
     """What was left out, cut away or merged, a few words each."""
 
 
-def read_mesh(path: Path, source: str) -> Loaded:
+def read_mesh(path: Path, source: str) -> MeshFile:
     """Read a mesh file. Raises InputError, beginning with `source`, for what is not one."""
     kind = path.suffix.lower().removeprefix(".")
     if kind not in FORMATS:
@@ -75,7 +75,7 @@ def read_mesh(path: Path, source: str) -> Loaded:
         raise InputError(f"{source}: holds no triangles; export the body as a mesh")
     if count > MAX_TRIANGLES:
         raise _too_many_error(count, source)
-    return Loaded(tuple(parts), hashlib.sha256(data).hexdigest(), tuple(notes))
+    return MeshFile(tuple(parts), hashlib.sha256(data).hexdigest(), tuple(notes))
 
 
 def _too_many_error(count: int, source: str) -> InputError:

@@ -75,7 +75,9 @@ def _file_hash(path: Path) -> str:
 def _mesh_shape(body: Body) -> Shape:
     """Shape of a mesh from a file."""
     assert body.mesh is not None
-    wishes = own_mesh.Wishes(body.scale_mm, body.wished_mm, body.up, body.forward, body.repair, body.base, body.mirror)
+    wishes = own_mesh.ReadOptions(
+        body.scale_mm, body.wished_mm, body.up, body.forward, body.repair, body.base, body.mirror
+    )
     own = own_mesh.read_body(Path(body.mesh), wishes)
     if body.legs_below_mm is not None:
         cut = whole_mesh.centre_on_body(whole_mesh.cut_legs(own.mesh, body.legs_below_mm))

@@ -19,7 +19,7 @@ from walkergen.readers.meshes import faults, meshes, repairs
 from walkergen.readers.walkers import base
 
 
-class Wishes(NamedTuple):
+class ReadOptions(NamedTuple):
     """How a file is to be read."""
 
     scale_mm: float | None = None
@@ -37,7 +37,7 @@ class Wishes(NamedTuple):
     """True to turn what points forward backward."""
 
 
-DEFAULT_WISHES = Wishes()
+DEFAULT_WISHES = ReadOptions()
 """Wishes of a file that is taken as it is."""
 
 
@@ -55,7 +55,7 @@ class OwnMesh(NamedTuple):
     """What was left out of the file or mended, in words; none when it was taken as it is."""
 
 
-def read_body(path: Path, wishes: Wishes = DEFAULT_WISHES, key: str = "body.mesh") -> OwnMesh:
+def read_body(path: Path, wishes: ReadOptions = DEFAULT_WISHES, key: str = "body.mesh") -> OwnMesh:
     """Read a mesh (STL, OBJ, PLY, OFF, 3MF, GLB) as one closed body.
 
     Raises InputError, one line that begins with `key`, when the file is no mesh, the mesh is unsound and stays so,
@@ -78,7 +78,7 @@ def read_body(path: Path, wishes: Wishes = DEFAULT_WISHES, key: str = "body.mesh
     return OwnMesh(Mesh(_centre_vertices(mesh.vertices), mesh.triangles), loaded.sha256, changes)
 
 
-def _make_sound(mesh: Mesh, wishes: Wishes, source: str, notes: tuple[str, ...]) -> tuple[Mesh, tuple[str, ...]]:
+def _make_sound(mesh: Mesh, wishes: ReadOptions, source: str, notes: tuple[str, ...]) -> tuple[Mesh, tuple[str, ...]]:
     """Mesh of one sound body, and what was left out or mended. Raises InputError."""
     if not wishes.repair and not wishes.base:
         faults.check_solid(mesh, f"{source} ({'; '.join(notes)})" if notes else source, [REPAIR_REMEDY])

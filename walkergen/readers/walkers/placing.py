@@ -95,7 +95,7 @@ class UnplacedError(GeometryError):
     legs: Legs
 
 
-class Room(NamedTuple):
+class LegSpace(NamedTuple):
     """Room for legs under a body, seen from above, (along, across), mm."""
 
     ground: "BaseGeometry"
@@ -193,7 +193,7 @@ def _place_legs(body: Body, legs: Legs) -> Placement:
     raise GeometryError("its underside is too narrow or too steep for legs")
 
 
-def available_space(body: Body, legs: Legs) -> Room:
+def available_space(body: Body, legs: Legs) -> LegSpace:
     """Room for legs under a body. Raises GeometryError for a body that has no shape."""
     import shapely
 
@@ -211,7 +211,7 @@ def available_space(body: Body, legs: Legs) -> Room:
         if high - low >= MIN_LEG_WIDTH_MM
     ]
     radius = 0.5 * MIN_SPAN_PER_HEIGHT * (up - leg.foot_height)
-    return Room(ground, shapely.union_all(tops), (along, across), radius)
+    return LegSpace(ground, shapely.union_all(tops), (along, across), radius)
 
 
 @lru_cache(maxsize=64)

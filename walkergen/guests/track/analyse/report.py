@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from walkergen.analysis import doubts, facts
-from walkergen.analysis.between import Alone
+from walkergen.analysis.between import WalkerMeans
 from walkergen.analysis.estimates import HEADINGS_KNOWN_REASON, LANE_REASON, NO_HEADINGS_REASON, NO_SLOPE_REASON, UNITS
 from walkergen.analysis.facts import WALKER_ESTIMATES
 from walkergen.analysis.motion import Motion
@@ -155,7 +155,7 @@ def _walker_table(motion: Motion) -> Table:
     return Table("walkers", rows, WALKER_COLUMNS, columns, "Walkers", read=rows[:MAX_WALKERS])
 
 
-def _walker_cell(name: str, alone: Mapping[int, Alone]) -> Callable[[tuple[int, ...]], str]:
+def _walker_cell(name: str, alone: Mapping[int, WalkerMeans]) -> Callable[[tuple[int, ...]], str]:
     """Return the cell of a number of each walker by itself."""
     return lambda row: quantities.format_value(alone[row[0]].mean(name))
 
