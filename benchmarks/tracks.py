@@ -8,8 +8,8 @@ goes on where the first ended, unless the code of the analysis has changed since
 
     python benchmarks/tracks.py [--films 200] [--seed 1] [--out out/tracks.csv] [--kind box]
 
-200 films a cell take an hour and a half of one free core. It ends with the tables of
-docs/measuring.md, from all cells, and with a list of those that miss the goal.
+200 films a cell take an hour and a half of one free core. It ends with tables
+of all cells and a list of those that miss the goal.
 """
 
 import argparse

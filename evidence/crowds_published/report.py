@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-TITLE = "Crowds beside published ones"
+TITLE = "Crowds and published experiments"
 
 LEGEND = (
-    "± one standard error over independent runs; signs are compared, not sizes, for what the sources state are numbers "
-    "of other grains: they agree where all of the bounds of 95 % of the change have the stated sign"
+    "Errors are standard errors over independent runs. Only signs are compared, because the sources use other grains. "
+    "A sign agrees if all of the 95 % bounds of the change have it."
 )
 
 KEYS = (

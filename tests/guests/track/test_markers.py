@@ -95,8 +95,8 @@ def test_a_good_film_is_read_to_a_hundredth_of_a_pixel(plain):
 
 
 CASES = {
-    # name: shot, a hand, least read, most: scale, place (mm), heading (deg). Measured: see
-    # docs/measuring.md; the limits are 1.5 to 2 times that, for other codecs and OpenCVs.
+    # name: shot, a hand, least read, most: scale, place (mm), heading (deg). The limits
+    # are 1.5 to 2 times the errors measured here, for other codecs and OpenCVs.
     "askew, uneven light": (Shot(ASKEW, Light(uneven=0.5)), False, 1.0, 0.002, 0.015, 0.25),
     "motion blur": (Shot(ASKEW, EXPOSED), False, 0.98, 0.005, 0.02, 0.3),
     "1 Mbit/s": (Shot(ASKEW, EXPOSED, rate=1000), False, 0.94, 0.008, 0.04, 0.7),
