@@ -1,7 +1,7 @@
 """Compiled kernels: in wheels by `make wheel`, and in the cache of who installs an editable copy.
 
 Those of a wheel are the ones that the commands below compile, for any CPU of a kind; they lie in
-walkergen/kernels, and `walkergen/core/numerics/shipped.py` says when they are used. A build with
+walkergen/kernels, and `walkergen/core/numerics/shipped_kernels.py` says when they are used. A build with
 WALKERGEN_KERNELS=all or =first makes one. `pip install -e .` compiles the first simulation's for
 this machine, as that simulation would do, unless WALKERGEN_KERNELS=none is set.
 """
@@ -66,9 +66,9 @@ def warm(root: Path) -> None:
 def compile_into(folder: Path, root: Path, commands: tuple[tuple[str, ...], ...]) -> None:
     """Compile what the commands need for CPUs of this kind, and write it with its manifest."""
     sys.path.insert(0, str(root))
-    from walkergen.core.numerics import kernels, shipped
+    from walkergen.core.numerics import kernels, shipped_kernels
 
-    own = shipped.machine_kind(kernels.source_digest())
+    own = shipped_kernels.machine_kind(kernels.source_digest())
     if not own.cpu:
         raise SystemExit("this CPU is no x86-64-v3: wheels with kernels are made on one that is")
     with tempfile.TemporaryDirectory() as place:
@@ -90,18 +90,18 @@ def compile_into(folder: Path, root: Path, commands: tuple[tuple[str, ...], ...]
             )
         sums = _gathered(cache, folder, root / "walkergen")
     manifest = own._asdict() | {"files": sums}
-    (folder / shipped.MANIFEST).write_text(json.dumps(manifest, indent=1, sort_keys=True))
+    (folder / shipped_kernels.MANIFEST).write_text(json.dumps(manifest, indent=1, sort_keys=True))
 
 
 def _gathered(cache: Path, folder: Path, package: Path) -> dict[str, str]:
     """Copy entries of the package's rooms out of a cache; their sums by their names."""
-    from walkergen.core.numerics import shipped
+    from walkergen.core.numerics import shipped_kernels
 
-    rooms = {shipped.cache_subpath(room): room for room in package.rglob("*") if room.is_dir()}
+    rooms = {shipped_kernels.cache_subpath(room): room for room in package.rglob("*") if room.is_dir()}
     sums = {}
     for path in sorted(cache.rglob("*.nb[ic]")):
         place = rooms[path.parent.name].relative_to(package) / path.name
         (folder / place).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(path, folder / place)
-        sums[place.as_posix()] = shipped.file_checksum(path)
+        sums[place.as_posix()] = shipped_kernels.file_checksum(path)
     return sums

@@ -34,14 +34,14 @@ from walkergen.core.errors import GeometryError, InputError
 from walkergen.core.files.tables import csv_text
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.plan import prepare
-from walkergen.core.theory import uncertain
+from walkergen.core.theory import uncertain_inputs
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.guests.lab.fit import learn
+from walkergen.guests.lab.fit import model_fit
 from walkergen.guests.lab.fit.job import Job
-from walkergen.points import draws as prints
-from walkergen.points import speeds as speed_of
+from walkergen.points import print_ensemble as prints
+from walkergen.points import speed_prediction as speed_of
 from walkergen.points import walkers
 from walkergen.points.experiments import Walker
 
@@ -123,8 +123,8 @@ def drawn(number: int, scene: Scene, seed: int) -> Hidden:
         except GeometryError:
             continue
         plate = scene.variant(**shake)
-        known = uncertain.inputs(plate, design, "space")
-        values = uncertain.sample_inputs(known, 1, int(rng.integers(2**31)))[0]
+        known = uncertain_inputs.inputs(plate, design, "space")
+        values = uncertain_inputs.sample_inputs(known, 1, int(rng.integers(2**31)))[0]
         names = [one.name for one in known]
         return Hidden(design, plate, dict(zip(names, values.tolist(), strict=True)), rng)
 
@@ -137,7 +137,7 @@ def speeds(hidden: Hidden, tilts: Sequence[float], seconds: float) -> list[float
     asked = []
     for tilt in tilts:
         design = hidden.design.variant(tilt_deg=tilt)
-        scene, printed, mass = uncertain.apply_inputs(hidden.scene, design, hidden.values)
+        scene, printed, mass = uncertain_inputs.apply_inputs(hidden.scene, design, hidden.values)
         keys = {"run.runs": 1, "run.seconds": seconds, "run.seed": int(hidden.rng.integers(2**31))}
         scene = scene.variant(**keys)
         step = prepare(scene, printed, mass).world.options.step
@@ -166,7 +166,7 @@ def bounds(method: str, hidden: Hidden, filmed: Sequence[tuple[float, float]], d
         path = Path(folder, "speeds.csv")
         lines = [(tilt, speed, FILM_SE) for tilt, speed in filmed]
         path.write_text(csv_text(("tilt_deg", "speed_mm_s", "speed_se_mm_s"), lines))
-        learned = learn.learn(path, job, silent)
+        learned = model_fit.learn(path, job, silent)
     (band,) = [one for one in learned.bands if not one.measured]
     return band.low_95, band.low_68, band.high_68, band.high_95
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from walkergen.core.dish import Dish
 from walkergen.guests.crowd.cards.card import Card
-from walkergen.guests.crowd.flat import crowd, deck, doors
+from walkergen.guests.crowd.flat import crowd, crowd_checks, lammps_input
 from walkergen.guests.crowd.space.placing import place
 
 LENGTH, WIDTH = 28.0, 8.0
@@ -45,7 +45,7 @@ def card() -> Card:
 def taken(one: Card, dish: Dish, places: np.ndarray, simulated: float, ranks: int) -> tuple[float, float]:
     """Time of the processors and of the clock in a run, s."""
     started, before = time.perf_counter(), os.times().children_user
-    asked = doors.make_crowd([one], np.zeros(len(places), int), dish, places, simulated, rate_hz=50.0, seed=1)
+    asked = crowd_checks.make_crowd([one], np.zeros(len(places), int), dish, places, simulated, rate_hz=50.0, seed=1)
     crowd.simulate(asked, ranks)
     return os.times().children_user - before, time.perf_counter() - started
 
@@ -56,7 +56,7 @@ def main() -> None:
     parser.add_argument("--ranks", type=int, default=1)
     arguments = parser.parse_args()
     one = card()
-    parts = deck.mechanics([one])
+    parts = lammps_input.mechanics([one])
     step = parts.contacts.longest_step
     print(f"{len(parts.discs[0].radii)} discs a body, {1e6 * step:.0f} us a step")
     print(f"{'walkers':>8} {'cpu_s_per_s':>12} {'wall_s_per_s':>13} {'cpu_us_per_walker_step':>23}")

@@ -33,7 +33,7 @@ from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker import mass
 from walkergen.readers.drawings import crossings
 from walkergen.readers.meshes import faults, meshes
-from walkergen.readers.walkers import own_mesh
+from walkergen.readers.walkers import body_mesh
 
 DENSITY = 1.24e-3
 LIMIT = 0.3
@@ -127,7 +127,7 @@ def read(body: Mesh, folder: Path) -> None:
     """Print the times of reading a file and of each check."""
     path = folder / "body.stl"
     path.write_bytes(stl.pack(body.vertices[body.triangles], "body"))
-    total, found = timed(lambda: own_mesh.read_body(path))
+    total, found = timed(lambda: body_mesh.read_body(path))
     mesh = found.mesh
     rows = {
         "file to merged vertices": timed(lambda: meshes.read_mesh(path, "body"))[0],
@@ -153,7 +153,7 @@ def million() -> None:
         path.write_bytes(stl.pack(body.vertices[body.triangles], "body"))
         del body
         before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-        seconds, found = timed(lambda: own_mesh.read_body(path))
+        seconds, found = timed(lambda: body_mesh.read_body(path))
         after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         print(f"a million: {len(found.mesh.triangles)} triangles, {path.stat().st_size / 1e6:.0f} MB")
         print(f"  read and checked in {seconds:.2f} s, peak {after / 1e6:.2f} GB (before {before / 1e6:.2f} GB)")

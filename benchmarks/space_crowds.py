@@ -22,7 +22,7 @@ from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.guests.crowd.space import run
 from walkergen.guests.crowd.space.placing import place
-from walkergen.readers.walkers import seen_above
+from walkergen.readers.walkers import top_outline
 
 DISCARDED_S = 0.5
 
@@ -35,8 +35,8 @@ def main() -> None:
     arguments = parser.parse_args()
     design = templates.load("koumakis2016", "walkers", Design)
     own = design, solids.mass_of(design)
-    outline = seen_above.outline_of(*own)
-    area = seen_above.area_of(outline)
+    outline = top_outline.outline_of(*own)
+    area = top_outline.area_of(outline)
     alone = cost(own, np.zeros((1, 3)), None, arguments.seconds)
     print(f"alone on a plane: {1e3 * alone:.1f} ms of CPU for a simulated second")
     print(f"{'walkers':>8} {'dish':>10} {'ms a walker':>12} {'over one alone':>15} {'LAMMPS, ms':>11}")
@@ -72,13 +72,13 @@ def flat_cost(outline, places: np.ndarray, dish: Dish) -> float:
     """CPU time of a simulated second of a body in LAMMPS, s: by two runs, without its start."""
     from crowds import card
 
-    from walkergen.guests.crowd.flat import crowd, doors
+    from walkergen.guests.crowd.flat import crowd, crowd_checks
 
     taken = []
     for simulated in (0.1, 0.6):
         before = os.times().children_user
         kinds = np.zeros(len(places), int)
-        crowd.simulate(doors.make_crowd([card()], kinds, dish, places, simulated, rate_hz=50.0, seed=1))
+        crowd.simulate(crowd_checks.make_crowd([card()], kinds, dish, places, simulated, rate_hz=50.0, seed=1))
         taken.append(os.times().children_user - before)
     return (taken[1] - taken[0]) / 0.5 / len(places)
 

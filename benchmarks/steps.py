@@ -25,7 +25,7 @@ from walkergen.core.simulation.plan import prepare
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.points import resolution, walkers
+from walkergen.points import step_errors, walkers
 from walkergen.points.experiments import Walker
 
 NOTHING: Mapping[str, object] = MappingProxyType({})
@@ -127,7 +127,7 @@ def measured(one: Setting, code: str, options: argparse.Namespace) -> Row:
     fine = {"run.seed": 2, "run.step_us": 1e6 * plan.world.options.step / options.finer}
     pair = [Walker(own, design, mass), Walker(own.variant(**fine), design, mass)]
     coarse, finer = (one.summary for one in walkers.simulate_parallel(pair).values())
-    stated = resolution.judge(plan, coarse)[observables.SPEED].error
+    stated = step_errors.judge(plan, coarse)[observables.SPEED].error
     speeds = (coarse.speed_mm_s, coarse.speed_se_mm_s, finer.speed_mm_s, finer.speed_se_mm_s)
     known = [math.nan if value is None else value for value in (*speeds, stated)]
     return Row(code, name(one), *known)

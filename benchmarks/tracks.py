@@ -33,7 +33,7 @@ from synthetic_tracks import Walker, film  # noqa: E402
 
 from walkergen.analysis import motion, walls  # noqa: E402
 from walkergen.analysis.tracks import Tracks  # noqa: E402
-from walkergen.cli import show  # noqa: E402
+from walkergen.cli import console  # noqa: E402
 from walkergen.core.files.tables import csv_text  # noqa: E402
 
 ACTIVE = Walker(lost=0.0)
@@ -267,7 +267,7 @@ def main() -> None:
     rows = kept(options.out, code, options.seed, options.films)
     done = {row.cell for row in rows}
     options.out.parent.mkdir(parents=True, exist_ok=True)
-    with show.progress("tracks", wanted=True) as progress:
+    with console.progress("tracks", wanted=True) as progress:
         cells = [cell for cell in CELLS if options.kind in cell.kind]
         for number, cell in enumerate(cells):
             progress(" ".join(map(str, cell)), number, len(cells))

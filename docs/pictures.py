@@ -53,7 +53,7 @@ MOVIE = "walkergen movie koumakis2016 --scene lane-90hz --tilt 10 --restitution 
 MAP = "walkergen sweep koumakis2016 --set legs.tilt_deg=0:40:1 --set scene.contact.restitution=0.4:1:0.05"
 CHOICE = "walkergen accuracy koumakis2016 --scene lane-90hz --tilt 5"
 ACCURACY = "walkergen/commands/accuracy"
-SHIPPED = ("answers.py", "cells.py", "cells.csv", "choice.py", "figures.py", "shipped.py", "step_law.py")
+SHIPPED = ("answers.py", "cells.py", "cells.csv", "choice.py", "figures.py", "cell_estimates.py", "step_law.py")
 SIMULATED = (
     "walkergen family koumakis2016 --scene plane-90hz --simulate --set scene.run.seconds=2 --set scene.run.runs=8"
 )

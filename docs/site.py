@@ -64,9 +64,9 @@ ROOMS = {
     ],
     "predictions": [
         "core/theory/prediction",
-        "core/theory/uncertain",
+        "core/theory/uncertain_inputs",
         "core/theory/surrogate",
-        "core/theory/places",
+        "core/theory/dimensionless",
         "core/theory/networks",
     ],
     "simulation": [
@@ -75,7 +75,7 @@ ROOMS = {
         "core/simulation/ensemble",
         "core/simulation/run",
         "core/simulation/observables",
-        "points/resolution",
+        "points/step_errors",
         "points/trajectory",
     ],
     "explorations": [
@@ -84,8 +84,8 @@ ROOMS = {
         "points/point",
         "core/measure",
         "points/walkers",
-        "points/kinds",
-        "points/alone",
+        "points/model_kinds",
+        "points/single_walker",
         "guests/sweep/evaluation",
         "points/worker_pool",
         "guests/lab/drops",

@@ -8,7 +8,7 @@ import typer
 from pydantic import BeforeValidator, Field
 
 from walkergen import request
-from walkergen.cli import build
+from walkergen.cli import command_builder
 from walkergen.cli.layout import HELP_OPTIONS, Command
 from walkergen.core.files.progress import Expected, Progress
 from walkergen.request import Flag
@@ -169,4 +169,4 @@ commands = typer.Typer(
     no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False, context_settings=HELP_OPTIONS
 )
 for _name, _request in REQUESTS.items():
-    commands.command(_name, cls=Command)(build.make_function(_name, _request))
+    commands.command(_name, cls=Command)(command_builder.make_function(_name, _request))

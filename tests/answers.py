@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from walkergen.cli import show
+from walkergen.cli import console
 from walkergen.core.errors import WalkergenError, spell_for_python
 from walkergen.files.report import Report
 
@@ -29,9 +29,9 @@ def assert_every_form(report, capsys):
     """Check that a report is shown on a terminal, as JSON, Markdown, HTML and text, and that its CSV has its keys."""
     assert isinstance(report, Report)
     capsys.readouterr()
-    show.report(report, json=True, quiet=False)
+    console.report(report, json=True, quiet=False)
     json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
-    show.report(report, json=False, quiet=False, width=80)
+    console.report(report, json=False, quiet=False, width=80)
     assert "nan" not in capsys.readouterr().out.lower().split()
     title = spell_for_python(report.title)
     assert report.markdown().startswith(f"# {title}\n")

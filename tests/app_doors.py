@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
-from walkergen.app import served, server
+from walkergen.app import server, server_state
 from walkergen.app.document import Document
 from walkergen.core.files import config
 from walkergen.core.printing.printers import Printer
@@ -67,8 +67,8 @@ class Doors:
     def __init__(self, folder: Path, away: bool = False, own: str | None = None) -> None:
         self.folder = folder / "out" / "app"
         walker = own or PAPER["walker"]
-        first = Document(walker, PAPER["scene"], PAPER["printer"], served.START_VALUES)
-        self.server = served.make_server(self.folder, frozenset([HOST]), first, own, away, own is not None)
+        first = Document(walker, PAPER["scene"], PAPER["printer"], server_state.START_VALUES)
+        self.server = server_state.make_server(self.folder, frozenset([HOST]), first, own, away, own is not None)
         self.app = server.application(self.server)
         Doors.begun.append(self.server)
         while len(Doors.begun) > 2:

@@ -9,12 +9,17 @@ pytest.register_assert_rewrite("answers", "soundness", "threemf")
 @pytest.fixture(scope="session", autouse=True)
 def _short_simulations():
     """Simulations in place of the surrogate are a tenth as long: what they give is tested in test_short.py."""
-    from walkergen.points import short
+    from walkergen.points import short_simulation
 
-    kept = short.MAX_RUN_S, short.PRINT_S, short.PRINT_COUNT, short.MAX_RUNS
-    short.MAX_RUN_S, short.PRINT_S, short.PRINT_COUNT, short.MAX_RUNS = 0.3, 0.2, 16, 8
+    kept = short_simulation.MAX_RUN_S, short_simulation.PRINT_S, short_simulation.PRINT_COUNT, short_simulation.MAX_RUNS
+    short_simulation.MAX_RUN_S, short_simulation.PRINT_S, short_simulation.PRINT_COUNT, short_simulation.MAX_RUNS = (
+        0.3,
+        0.2,
+        16,
+        8,
+    )
     yield
-    short.MAX_RUN_S, short.PRINT_S, short.PRINT_COUNT, short.MAX_RUNS = kept
+    short_simulation.MAX_RUN_S, short_simulation.PRINT_S, short_simulation.PRINT_COUNT, short_simulation.MAX_RUNS = kept
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@
 import numpy as np
 
 from walkergen.core import dish as dishes
-from walkergen.guests.crowd.statistics import film, ground
+from walkergen.guests.crowd.statistics import dish_geometry, film
 
 DISHES = ("disc:120", "ring:160,60", "rectangle:200x100", "periodic:150")
 
@@ -23,7 +23,7 @@ def gas(dish, walkers, frames, seed, outline=BOX):
     """Walkers anywhere in a dish and with any heading, anew in every frame."""
     rng, own = np.random.default_rng(seed), dishes.parse_dish(dish)
     places = rng.uniform(-0.5, 0.5, (8 * frames * walkers, 2)) * own.box
-    inside = ~(ground.wall_distance(*places.T, own) < 0)
+    inside = ~(dish_geometry.wall_distance(*places.T, own) < 0)
     places = places[inside][: frames * walkers].reshape(frames, walkers, 2)
     theta = rng.uniform(-np.pi, np.pi, (frames, walkers, 1))
     return of(np.concatenate([places, theta], axis=2), dish, outline)

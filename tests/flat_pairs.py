@@ -10,7 +10,7 @@ from shapely.ops import nearest_points
 
 from walkergen.core.dish import Dish
 from walkergen.core.theory.impact import impact
-from walkergen.guests.crowd.flat import crowd, doors
+from walkergen.guests.crowd.flat import crowd, crowd_checks
 
 ROOM = 90.0
 """Ground of a pair, mm."""
@@ -57,7 +57,7 @@ def collide(number, restitution, friction, seed, speed=100.0):
         places += [mover + np.array([x, y, 0.0]), rester + np.array([x, y, 0.0])]
     dish = Dish("rectangle", (side * ROOM + 40.0,) * 2)
     run = crowd.simulate(
-        doors.make_crowd(cards, kinds, dish, places, seconds=0.06, rate_hz=2000.0, seed=seed, running=True)
+        crowd_checks.make_crowd(cards, kinds, dish, places, seconds=0.06, rate_hz=2000.0, seed=seed, running=True)
     )
     hits = []
     for n, (kind, mover, rester) in enumerate(pairs):

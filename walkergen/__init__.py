@@ -46,7 +46,7 @@ def __getattr__(name: str) -> object:
     if name in _HOMES:
         value = getattr(import_module(f"walkergen.{_HOMES[name]}"), name)
     else:
-        value = import_module("walkergen.api.front").make_function(name)
+        value = import_module("walkergen.api.functions").make_function(name)
     globals()[name] = value
     return value
 

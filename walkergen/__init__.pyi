@@ -1,4 +1,4 @@
-# Made of the requests by `python -m walkergen.api.front`
+# Made of the requests by `python -m walkergen.api.functions`
 import os
 from collections.abc import Iterable, Mapping
 from typing import Any, Literal

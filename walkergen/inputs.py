@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from walkergen.core.scene import Scene
     from walkergen.core.walker.design import Design
     from walkergen.core.walker.limbs import Kind
-    from walkergen.core.walker.weights import Weighings
+    from walkergen.core.walker.weighed_masses import Weighings
     from walkergen.points.worker_pool import WorkerPool
 
 FAMILY_TILT_KEYS, FAMILY_KIND_KEYS = ("family.tilt_deg",), ("family.legs",)
@@ -57,9 +57,9 @@ class Inputs(NamedTuple):
         else:
             design = self._load_input(source, "walkers", Design, "design")
         if design.weighed.states:
-            from walkergen.core.walker import weights
+            from walkergen.core.walker import weighed_masses
 
-            weights.check_stated_masses(design)
+            weighed_masses.check_stated_masses(design)
         self.notes.extend(note for note in design.notes if note not in self.notes)
         return design
 
@@ -239,9 +239,9 @@ def read_masses(path: Path | None, members: "Sequence[Design]") -> "tuple[dict[s
     """Masses of members from a balance, by their names, and what is to be said of other walkers' rows."""
     if path is None:
         return {}, []
-    from walkergen.core.walker import weights
+    from walkergen.core.walker import weighed_masses
 
-    weighings, unused = weights.read_masses(path, members), weights.unused_parts(path, members)
+    weighings, unused = weighed_masses.read_masses(path, members), weighed_masses.unused_parts(path, members)
     few = ", ".join(unused[:2]) + (" ..." if len(unused) > 2 else "")
     return weighings, [f"{path}: {len(unused)} walkers beside those asked for: {few}"] if unused else []
 
@@ -258,10 +258,10 @@ def add_caps(members: "Sequence[Design]", markers: str | None) -> "list[Design]"
 
 def filled_form_warnings(folder: Path, members: "Sequence[Design]") -> list[str]:
     """Return notes on mass forms that were not replaced, because a user has written in them."""
-    from walkergen.core.walker import names, weights
+    from walkergen.core.walker import names, weighed_masses
 
-    paths = [folder / weights.form_name(members, name) for name in names.group_by_design(members)]
-    return [f"{path}: somebody has written in it: left as it is" for path in paths if weights.is_filled_in(path)]
+    paths = [folder / weighed_masses.form_name(members, name) for name in names.group_by_design(members)]
+    return [f"{path}: somebody has written in it: left as it is" for path in paths if weighed_masses.is_filled_in(path)]
 
 
 @contextmanager

@@ -17,7 +17,8 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr,
 from walkergen import inputs
 from walkergen.command_table import for_call, for_shell
 from walkergen.core.errors import InputError
-from walkergen.core.files import assignments, config, plain, reading, words
+from walkergen.core.files import assignments, config, file_reading, formatting
+from walkergen.core.files import safe_text as plain
 from walkergen.core.files.progress import Expect, Progress, ignore_estimate
 
 if TYPE_CHECKING:
@@ -196,7 +197,7 @@ def _format_mistake(request: type[Request], mistake: Any) -> str:
 
 
 def _parse_number(text: object) -> float:
-    value = words.parse_number(text) if isinstance(text, str) else text
+    value = formatting.parse_number(text) if isinstance(text, str) else text
     if value is None or isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ValueError(f"{str(text)[:30]!r} is not a number")
     return float(value) + 0.0
@@ -321,7 +322,7 @@ def parse_time(value: Any) -> float | None:
     seconds = value
     if isinstance(value, str):
         unit = next((unit for unit in units if value.endswith(unit)), "")
-        number = words.parse_number(value.removesuffix(unit))
+        number = formatting.parse_number(value.removesuffix(unit))
         if not unit or number is None:
             raise ValueError("write a time with its unit: 60s, 5min, 1h")
         seconds = number * units[unit]
@@ -334,7 +335,7 @@ def parse_effects(value: Any) -> float | None:
     """Share of the speed of a text, auto:1%, or of a number."""
     if not isinstance(value, str):
         return value  # type: ignore[no-any-return]
-    share = words.parse_number(value.removeprefix("auto:").removesuffix("%"))
+    share = formatting.parse_number(value.removeprefix("auto:").removesuffix("%"))
     if share is None or not (value.startswith("auto:") and value.endswith("%")) or not 1e-4 <= share <= 100.0:
         raise ValueError("write auto:1%, a share of the speed in 0.0001..100 %")
     return 0.01 * share
@@ -344,7 +345,7 @@ def parse_measured(entry: Any) -> Measured:
     """Parse a number above 0, with its standard error if it has one: 0.05, "0.05±0.001", "0.05+-0.001"."""
     if entry is None:
         return None
-    value, *errors = map(words.parse_number, ERROR_SIGN_PATTERN.split(str(entry)))
+    value, *errors = map(formatting.parse_number, ERROR_SIGN_PATTERN.split(str(entry)))
     error = errors[0] if errors else 0.0
     if value is None or value <= 0 or len(errors) > 1 or error is None or not 0 <= error < value:
         raise ValueError(
@@ -370,7 +371,7 @@ def _parse_target(value: Any) -> Path | None:
     """Path to write to. Raises ValueError for a name that could not be read again, OutputError where others are."""
     path = _parse_path(value)
     if isinstance(path, Path):
-        if not reading.has_safe_name(path):
+        if not file_reading.has_safe_name(path):
             raise ValueError("holds control characters; give another name")
         _check_writable(path)
     return path

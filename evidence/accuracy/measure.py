@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from walkergen import __version__
-from walkergen.cli import show
-from walkergen.commands.accuracy import cells, pace
+from walkergen.cli import console
+from walkergen.commands.accuracy import cells, machine_speed
 from walkergen.commands.accuracy.cells import REFERENCE_STEP_SHARE, Row
 from walkergen.core.numerics import kernels
 from walkergen.core.scene import Scene
@@ -99,7 +99,7 @@ def measured(setting: Setting, seed: int) -> Row:
     step_us = one.scene.run.step_us
     assert step_us is not None
     compile_kernels(one.plan())
-    loop_s = pace.measure_cpu_per_s(LOOPS)
+    loop_s = machine_speed.measure_cpu_per_s(LOOPS)
     results = walkers.simulate(one, threads=1)
     summary = results.summary
     well = set(summary.outcomes) <= {"on one periodic orbit", *(outcome.value for outcome in ENDED_WELL)}
@@ -133,7 +133,7 @@ def main() -> None:
     if not path.exists():
         stamp = f"# walkergen {__version__}, kernels {kernels.source_digest()}: python -m evidence.accuracy.measure\n"
         path.write_text(stamp + cells.to_csv([]), encoding="utf-8")
-    with show.progress("cells", wanted=True) as progress:
+    with console.progress("cells", wanted=True) as progress:
         for number, (seed, setting) in enumerate(todo, 1):
             row = measured(setting, seed)
             with path.open("a", encoding="utf-8") as stream:

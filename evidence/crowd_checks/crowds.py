@@ -16,10 +16,10 @@ from walkergen.core.walker.mass import MassProperties
 from walkergen.guests.crowd.cards.card import Card
 from walkergen.guests.crowd.space.placing import place
 from walkergen.guests.crowd.statistics import CrowdFilm, measure, pairs
+from walkergen.guests.crowd.statistics.displacements import speeds
 from walkergen.guests.crowd.statistics.film import from_places
-from walkergen.guests.crowd.statistics.measuring import UNITS
-from walkergen.guests.crowd.statistics.spreading import speeds
-from walkergen.readers.walkers import seen_above
+from walkergen.guests.crowd.statistics.summary import UNITS
+from walkergen.readers.walkers import top_outline
 
 CLEARANCE_MM = 0.2
 """Least distance of bodies at the start."""
@@ -75,7 +75,7 @@ def _of(size: Size, card: Card, packing: float, number: int, simulate: Simulate)
 def places(size: Size, card: Card, packing: float, number: int) -> Array:
     """Places of all walkers of a run, shape (N, 3)."""
     dish, outline = dishes.parse_dish(DISH, "DISH"), _outline(card)
-    count = round(packing * dish.area / seen_above.area_of(outline))
+    count = round(packing * dish.area / top_outline.area_of(outline))
     rng = np.random.default_rng(np.random.SeedSequence([size.seed, number, count], spawn_key=(1,)))
     return place([outline] * count, dish, rng, CLEARANCE_MM)
 

@@ -16,7 +16,7 @@ from walkergen.core.files.output import Folder
 from walkergen.core.files.progress import Progress
 from walkergen.core.walker import solids
 from walkergen.files.report import Report
-from walkergen.guests.crowd.flat import engine
+from walkergen.guests.crowd.flat import lammps_engine
 
 STEPS = 7
 
@@ -27,7 +27,7 @@ def make(size: Size, command: str, folder: Path, progress: Progress) -> Report:
     Equal sizes give equal bytes on one machine. What ends it loses one part, of some minutes: the same
     command goes on. Raises InputError where LAMMPS is absent.
     """
-    engine.find_lammps()
+    lammps_engine.find_lammps()
     parts = Parts(folder, size)
     result = report.of(run(size, parts, progress), folder, notes(size, command))
     with Folder(folder, "") as target:

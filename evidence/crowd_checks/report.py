@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from evidence.crowd_checks.checks import Cases
 from evidence.crowd_checks.reasons import DENSEST, Changed
-from walkergen.core.files import words
+from walkergen.core.files import formatting as words
 from walkergen.core.numerics.quantity import Quantity, Verdict
 from walkergen.files import report
 from walkergen.files.report import Column, Report, Table

@@ -15,7 +15,7 @@ from walkergen.core.walker.mass import MassProperties
 from walkergen.guests.crowd.cards import walker_motion
 from walkergen.guests.crowd.cards.card import Card
 from walkergen.guests.crowd.flat import crowd as flat
-from walkergen.guests.crowd.flat import doors
+from walkergen.guests.crowd.flat import crowd_checks
 from walkergen.guests.crowd.space import run as crowds
 from walkergen.guests.crowd.space.result import Impulses
 
@@ -62,7 +62,7 @@ def in_plane(card: Card, dish: Dish, places: Sequence[Array], seconds: float, ra
 
         own = int(np.random.SeedSequence([seed, number]).generate_state(1)[0])
         kinds = np.zeros(len(places[number]), int)
-        asked = doors.make_crowd([card], kinds, dish, places[number], seconds, rate_hz, own)
+        asked = crowd_checks.make_crowd([card], kinds, dish, places[number], seconds, rate_hz, own)
         run = flat.simulate(asked, progress=ending)
         return Run(run.times, run.poses)
 

@@ -13,8 +13,8 @@ from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.walker import solids
 from walkergen.files.report import Report
 from walkergen.guests.crowd import in_space
+from walkergen.guests.crowd.job import Simulated
 from walkergen.guests.crowd.make import simulate
-from walkergen.guests.crowd.runs import Simulated
 from walkergen.points import walkers
 from walkergen.points.experiments import Walker
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from evidence.crowds_published.compared import Compared
 from evidence.crowds_published.published import FINDINGS, Source
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.core.numerics.quantity import Verdict
 from walkergen.files import report
 from walkergen.files.report import Column, Report, Table
@@ -112,7 +112,7 @@ def _cells(row: Compared) -> tuple[Any, ...]:
 
 def _numbers(row: Compared) -> str:
     return "; ".join(
-        f"{words.format_number(at)}: {words.format_with_error(value.value or 0.0, value.se or 0.0)}"
+        f"{formatting.format_number(at)}: {formatting.format_with_error(value.value or 0.0, value.se or 0.0)}"
         for at, value in row.points
     )
 

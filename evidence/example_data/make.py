@@ -13,7 +13,7 @@ import numpy as np
 
 import walkergen as wg
 from walkergen import __version__
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.core.files.output import Folder
 from walkergen.core.files.progress import Progress
 from walkergen.core.scene import GRAVITY, Scene
@@ -184,10 +184,10 @@ def _page(size: Size, expected: Mapping[str, Any]) -> str:
     return text.format(
         version=__version__,
         runs=size.runs,
-        seconds=words.format_number(size.seconds),
-        record_s=words.format_number(size.record_s),
-        fps=words.format_number(FPS),
-        rate_hz=words.format_number(RATE_HZ),
+        seconds=formatting.format_number(size.seconds),
+        record_s=formatting.format_number(size.record_s),
+        fps=formatting.format_number(FPS),
+        rate_hz=formatting.format_number(RATE_HZ),
         mm_per_px=MM_PER_PX,
         noise_px=NOISE_PX,
         found="\n".join(lines),
@@ -197,7 +197,7 @@ def _page(size: Size, expected: Mapping[str, Any]) -> str:
 def _in_words(numbers: Mapping[str, Any]) -> str:
     def told(name: str, number: Any) -> str:
         value, error = number if isinstance(number, list) else (number, None)
-        shown = words.format_number(value, 4)
-        return f"{name} {shown}" + (f" ± {words.format_number(error, 2)}" if error else "")
+        shown = formatting.format_number(value, 4)
+        return f"{name} {shown}" + (f" ± {formatting.format_number(error, 2)}" if error else "")
 
     return ", ".join(told(name, number) for name, number in numbers.items())

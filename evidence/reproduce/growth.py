@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import lagged, motion
+from walkergen.analysis import lag_sums, motion
 from walkergen.analysis.motion import Curve
 from walkergen.analysis.tracks import Tracks
 from walkergen.core.numerics import statistics
@@ -54,8 +54,8 @@ def of(tracks: Tracks) -> Growth:
     longest = min(len(track.position) for track in tracks.tracks) // motion.FITTED_LAG_DIVISOR
     shortest = max(round(SHORTEST / tracks.interval), 1)
     count = round(PER_DECADE * math.log10(max(longest / shortest, 1.0))) + 1
-    lags = lagged.log_spaced_lags(longest, count, shortest)
-    sums = np.array([lagged.sum_squares(track.position, lags) for track in tracks.tracks])
+    lags = lag_sums.log_spaced_lags(longest, count, shortest)
+    sums = np.array([lag_sums.sum_squares(track.position, lags) for track in tracks.tracks])
     whole = sums.sum(axis=0)
     if len(lags) < 3 or not (whole - sums > 0.0).all():
         return Growth()

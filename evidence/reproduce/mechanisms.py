@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 from evidence.reproduce.runs import Point
 from walkergen.core.numerics.quantity import Quantity, Verdict
-from walkergen.core.theory import uncertain
+from walkergen.core.theory import uncertain_inputs
 from walkergen.core.theory.prediction import DRAW_COUNT, SEED, theory_speeds
 from walkergen.core.theory.stationary import stationary
-from walkergen.core.theory.uncertain import PREDICTION_READER
+from walkergen.core.theory.uncertain_inputs import PREDICTION_READER
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
@@ -66,10 +66,10 @@ def beside(ways: Sequence[tuple[str, Design]], points: Sequence[Point]) -> list[
 
 def _beside(what: str, design: Design, point: Point) -> Mechanism:
     assumption = point.assumption
-    mass, inputs = solids.mass_of(design), uncertain.inputs(assumption.scene, design, PREDICTION_READER)
-    contact, values = assumption.scene.contact, uncertain.sample_inputs(inputs, DRAW_COUNT, SEED)
+    mass, inputs = solids.mass_of(design), uncertain_inputs.inputs(assumption.scene, design, PREDICTION_READER)
+    contact, values = assumption.scene.contact, uncertain_inputs.sample_inputs(inputs, DRAW_COUNT, SEED)
     foot_speeds = stationary(design, mass, contact.restitution, contact.friction)
-    drawn = theory_speeds(design, mass, assumption.scene, "coulomb", uncertain.label_columns(inputs, values))
+    drawn = theory_speeds(design, mass, assumption.scene, "coulomb", uncertain_inputs.label_columns(inputs, values))
     used = "mean of both feet" if design.alike else "balance of both feet"
     speed = float(foot_speeds.factor) * assumption.scene.impact_speed
     return Mechanism(what, design, Quantity("theory", "mm_s", speed, float(drawn.std())), used, point)

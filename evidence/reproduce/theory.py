@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from evidence.reproduce.runs import Assumption
 from walkergen.core.scene import Scene
-from walkergen.core.theory import prediction, uncertain
+from walkergen.core.theory import prediction, uncertain_inputs
 from walkergen.core.theory.impact import Kind, resolve
 from walkergen.core.theory.prediction import SEED
 from walkergen.core.theory.speed import Mode, factor
@@ -63,8 +63,8 @@ def of(design: Design, assumption: Assumption, mode: Mode, tilts_deg: Sequence[f
 
 def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: float) -> Curve:
     """Speeds of a design's kind of legs over a fine range of tilts (91 points)."""
-    inputs = uncertain.inputs(scene, design, uncertain.PREDICTION_READER)
-    drawn = uncertain.label_columns(inputs, uncertain.sample_inputs(inputs, DRAWS, SEED))
+    inputs = uncertain_inputs.inputs(scene, design, uncertain_inputs.PREDICTION_READER)
+    drawn = uncertain_inputs.label_columns(inputs, uncertain_inputs.sample_inputs(inputs, DRAWS, SEED))
     contact = scene.contact
     tilts = np.linspace(low_deg, high_deg, 91)
     speed, sd, sticks = [], [], []

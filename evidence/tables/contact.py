@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from evidence.published import FACTS
 from walkergen.core.scene import Feet, Prediction, Scene
-from walkergen.core.theory import places, prediction, uncertain
+from walkergen.core.theory import dimensionless, prediction, uncertain_inputs
 from walkergen.core.theory.prediction import PRINT_INPUT
 from walkergen.core.theory.surrogate import Known
 from walkergen.core.walker import solids
@@ -54,10 +54,10 @@ def speeds() -> tuple[Array, Array]:
     for number, tilt in enumerate(TILTS_DEG):
         design = Design().variant(tilt_deg=tilt)
         inputs = prediction.prediction_inputs(scene, design)
-        drawn = uncertain.label_columns(inputs, uncertain.sample_inputs(inputs, DRAWS, SEED))
+        drawn = uncertain_inputs.label_columns(inputs, uncertain_inputs.sample_inputs(inputs, DRAWS, SEED))
         unevenness = np.random.default_rng([SEED, number]).standard_normal(DRAWS)
         prints = drawn._replace(columns={**drawn.columns, PRINT_INPUT.name: unevenness})
-        known = Known(design, scene, places.compute_place(scene, design, solids.mass_of(design)))
+        known = Known(design, scene, dimensionless.compute_place(scene, design, solids.mass_of(design)))
         rows.append(prediction.sample_speeds(known, prints))
     return drawn.columns["feet.tip_radius_um"], np.array(rows).T
 

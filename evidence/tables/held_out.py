@@ -17,7 +17,7 @@ import numpy as np
 
 from evidence.tables import settings
 from evidence.tables.settings import Row
-from walkergen.cli import show
+from walkergen.cli import console
 from walkergen.core.errors import WalkergenError
 from walkergen.core.scene import Run
 from walkergen.core.theory import surrogate
@@ -27,7 +27,7 @@ from walkergen.core.walker import solids
 from walkergen.files import figures
 from walkergen.points import walkers, worker_pool
 from walkergen.points.experiments import Walker
-from walkergen.points.short import MAX_FALL_SHARE
+from walkergen.points.short_simulation import MAX_FALL_SHARE
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -168,7 +168,7 @@ def main() -> None:
         islice(answered(settings.rows(100 * options.answered, SEED, held_out=False), counts), options.answered)
     )
     rows: list[Compared] = []
-    with worker_pool.local_pool(options.cores) as pool, show.progress("settings", wanted=True) as progress:
+    with worker_pool.local_pool(options.cores) as pool, console.progress("settings", wanted=True) as progress:
         for number, row in enumerate(pool.executor.map(compared, chosen), 1):
             rows += [] if row is None else [row]
             progress("settings", number, len(chosen))

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from evidence.tables import settings
 from evidence.tables.settings import Row
-from walkergen.cli import show
+from walkergen.cli import console
 from walkergen.core.errors import WalkergenError
 from walkergen.core.simulation.run import Outcome
 from walkergen.core.walker import solids
@@ -73,7 +73,7 @@ def add(path: Path, rows: Sequence[Row], cores: int) -> None:
     """Simulate rows, and add them to a file in their order."""
     with worker_pool.local_pool(cores) as pool, path.open("a", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream, lineterminator="\n")
-        with show.progress("rows", wanted=True) as progress:
+        with console.progress("rows", wanted=True) as progress:
             for number, row in enumerate(pool.executor.map(measured, rows, chunksize=CHUNK), 1):
                 writer.writerow(line(row))
                 stream.flush()

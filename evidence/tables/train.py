@@ -17,9 +17,10 @@ import numpy.typing as npt
 from evidence.tables import settings, simulate
 from evidence.tables.scatter import scatter
 from walkergen.core.files import output
-from walkergen.core.theory import networks, places
+from walkergen.core.theory import dimensionless as places
+from walkergen.core.theory import networks
+from walkergen.core.theory.dimensionless import Place
 from walkergen.core.theory.networks import LINEAR_BELOW, Layer
-from walkergen.core.theory.places import Place
 from walkergen.core.theory.surrogate import MAX_ERROR_MM_S, MAX_ERROR_SHARE, MAX_FALL_CHANCE, NORMAL_95
 from walkergen.core.walker import solids
 from walkergen.core.walker.limbs import Kind

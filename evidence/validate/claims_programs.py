@@ -14,8 +14,8 @@ import numpy as np
 from evidence.validate.claim import Claim, Effort, Outside
 from evidence.validate.claims_rivals import EXTRA, installed, version
 from evidence.validate.ensembles import paper_design
-from walkergen.analysis import lagged
-from walkergen.core.printing import export, sheet, slicer
+from walkergen.analysis import lag_sums
+from walkergen.core.printing import export, print_sheet, slicer
 from walkergen.core.printing.printers import Printer
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.plan import prepare
@@ -57,7 +57,7 @@ def displacement(effort: Effort) -> Iterator[Claim]:
     track = trajectory.sample(plan, INTERVAL)
     place = [track.columns.index(name) for name in ("x_mm", "y_mm")]
     position = np.ascontiguousarray(track.rows[:, place])
-    total, pairs = lagged.sum_squares(position, np.array(LAGS))
+    total, pairs = lag_sums.sum_squares(position, np.array(LAGS))
     film = pd.DataFrame({"frame": np.arange(len(position)), "particle": 0, "x": position[:, 0], "y": position[:, 1]})
     with warnings.catch_warnings(action="ignore"):  # trackpy calls pandas in ways it deprecates
         theirs = trackpy.imsd(film, mpp=1.0, fps=1.0, max_lagtime=max(LAGS))[0]
@@ -76,7 +76,7 @@ def plastic(effort: Effort) -> Iterator[Claim]:
         design = paper_design(tilt, "braced" if kind == "braced" else "flexible").unmarked
         built = solids.build(design)
         printer = templates.load("prusa-mk3s", "printers", Printer)
-        weight = sheet.weigh("walker", design, built, printer)
+        weight = print_sheet.weigh("walker", design, built, printer)
         mesh = export.stl_bytes(built.walker, "walker")
         volume = sliced(program, mesh, slicer.prusaslicer_print(printer))
         if volume is None:

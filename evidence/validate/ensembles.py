@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from evidence.validate.claim import Effort
-from walkergen.analysis import lagged, landings
+from walkergen.analysis import lag_sums, landings
 from walkergen.core.files.progress import silent
 from walkergen.core.numerics.quantity import Quantity, mean
 from walkergen.core.scene import GRAVITY, Scene, still_plate_drive
@@ -132,7 +132,7 @@ def _squares(tilt_deg: float, effort: Effort, lag_s: float) -> Array:
     squares = []
     for result in point.results:
         places = trajectory.sample_rows(result)[:, [1 + SHOWN_X, 1 + SHOWN_Y]]
-        total, pairs = lagged.sum_squares(np.ascontiguousarray(places), lags)
+        total, pairs = lag_sums.sum_squares(np.ascontiguousarray(places), lags)
         squares.append(total / pairs)
     return np.array(squares)
 

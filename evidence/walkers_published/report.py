@@ -7,7 +7,7 @@ from typing import Any
 
 from evidence.walkers_published.predicted import Predicted
 from evidence.walkers_published.published import Source
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.files import report
 from walkergen.files.report import Column, Report, Table
 
@@ -58,7 +58,7 @@ def bounds(row: Predicted) -> str:
     """Median and bounds in words; nothing where there are none."""
     if row.low is None or row.median is None or row.high is None:
         return ""
-    low, median, high = (words.format_number(value, 3) for value in (row.low, row.median, row.high))
+    low, median, high = (formatting.format_number(value, 3) for value in (row.low, row.median, row.high))
     return f"{median} [{low}, {high}]"
 
 

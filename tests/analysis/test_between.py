@@ -7,7 +7,7 @@ import pytest
 from synthetic_tracks import Walker, film, film_of, lane
 from typer.testing import CliRunner
 
-from walkergen.analysis import between, motion
+from walkergen.analysis import motion, particle_scatter
 from walkergen.cli import command_line
 
 SPEEDS = (45.0, 65.0, 85.0)
@@ -115,7 +115,7 @@ def test_a_spread_of_normal_values_covers_the_one_put_in():
     rng, inside = np.random.default_rng(5), []
     for _ in range(400):
         values = rng.normal(0.0, np.hypot(3.0, 0.5), size=4)
-        one = between.walker_scatter("speed_scatter", values, 0.25, 30.0)
+        one = particle_scatter.walker_scatter("speed_scatter", values, 0.25, 30.0)
         if one.value is not None:
             low, high = one.interval(0.95)
             inside.append(low < 3.0 < high)
@@ -151,5 +151,5 @@ def test_a_walker_whose_error_is_unknown_still_has_its_speed():
 
 
 def test_values_nearer_to_each_other_than_their_errors_have_no_bound_of_zero():
-    alike = between.walker_scatter("speed_scatter", np.array([50.0, 50.01, 49.99, 50.0]), 0.25, 30.0)
+    alike = particle_scatter.walker_scatter("speed_scatter", np.array([50.0, 50.01, 49.99, 50.0]), 0.25, 30.0)
     assert alike.refused == "not resolved: smaller than each one's own error makes it"

@@ -5,7 +5,7 @@ import pytest
 from night import by_day
 from synthetic_tracks import Walker, film
 
-from walkergen.analysis import doubts, motion
+from walkergen.analysis import motion, track_warnings
 from walkergen.analysis.tracks import Track
 
 KINDS = {
@@ -24,7 +24,7 @@ KINDS = {
 @pytest.mark.parametrize("walkers", by_day([1, 8], 1))
 def test_sound_tracks_raise_no_doubt(kind, walkers):
     films = [film(seed, walkers, 20.0, KINDS[kind], 1 / 30) for seed in range(6)]
-    assert not any(map(doubts.find_all, films))
+    assert not any(map(track_warnings.find_all, films))
     heard = [doubt for one in films for doubt in motion.analyse(one).doubts]
     # A misfit, or a scatter, of one in a hundred may come by chance.
     assert len(heard) <= 1, heard
@@ -43,7 +43,7 @@ def test_sound_tracks_raise_no_doubt(kind, walkers):
 def test_headings_that_cannot_be_right_are_doubted(turned, words):
     rng, one = np.random.default_rng(1), film(1, 8, 10.0)
     changed = tuple(track._replace(heading=turned(rng, track.heading)) for track in one.tracks)
-    assert any(words in doubt for doubt in doubts.find_all(one._replace(tracks=changed)))
+    assert any(words in doubt for doubt in track_warnings.find_all(one._replace(tracks=changed)))
 
 
 def test_a_jump_of_200_mm_is_noticed_with_its_time():
@@ -51,7 +51,7 @@ def test_a_jump_of_200_mm_is_noticed_with_its_time():
     places = one.tracks[3].position.copy()
     places[300:] += [200.0, 0.0]
     tracks = (*one.tracks[:3], one.tracks[3]._replace(position=places), *one.tracks[4:])
-    (doubt,) = [d for d in doubts.find_all(one._replace(tracks=tracks)) if "jump" in d]
+    (doubt,) = [d for d in track_warnings.find_all(one._replace(tracks=tracks)) if "jump" in d]
     for words in ("1 in all", "particle 3", "at 10 s"):
         assert words in doubt
 
@@ -64,7 +64,7 @@ def test_walkers_taken_for_one_another_are_noticed():
         one.tracks[n]._replace(position=np.concatenate([a[:200], b[200:]]))
         for n, (a, b) in enumerate(((left, right), (right, left)))
     ]
-    assert any("2 in all" in doubt for doubt in doubts.find_all(one._replace(tracks=tuple(swapped))))
+    assert any("2 in all" in doubt for doubt in track_warnings.find_all(one._replace(tracks=tuple(swapped))))
 
 
 def test_fragments_are_not_taken_for_walkers_without_a_word():
@@ -72,6 +72,6 @@ def test_fragments_are_not_taken_for_walkers_without_a_word():
     parts = [Track(8 + n, t.position[200:], t.heading[200:], None, 200) for n, t in enumerate(one.tracks[:6])]
     first = [t._replace(position=t.position[:190], heading=t.heading[:190]) for t in one.tracks[:6]]
     broken = one._replace(tracks=(*first, *one.tracks[6:], *parts))
-    (doubt,) = doubts.find_all(broken)
+    (doubt,) = track_warnings.find_all(broken)
     assert doubt.startswith("14 tracks, but never more than 8 at once")
-    assert not doubts.find_all(one)
+    assert not track_warnings.find_all(one)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from evidence.reproduce import growth
-from walkergen.analysis import walks
+from walkergen.analysis import persistent_walk
 from walkergen.analysis.tracks import Track, Tracks
 
 INTERVAL, LENGTH = 0.004, 2500
@@ -51,7 +51,9 @@ def test_a_random_walk_has_the_exponent_one_and_no_crossover():
 @pytest.mark.parametrize("rate", [2.0, 8.0])
 def test_a_persistent_walk_crosses_over_where_its_formula_does(rate):
     lag = np.geomspace(0.01, 10.0, 4001)
-    slope = np.gradient(np.log(walks.squared_displacement(lag, walks.Spread(1.0, rate, 0.0, 0.0))), np.log(lag))
+    slope = np.gradient(
+        np.log(persistent_walk.squared_displacement(lag, persistent_walk.Spread(1.0, rate, 0.0, 0.0))), np.log(lag)
+    )
     expected = float(np.interp(-growth.HALFWAY, -slope, lag))
     grown = growth.of(persistent(rate, runs=64))
     # The slope over a quarter of a decade shifts the crossing by less than 3 %
@@ -59,7 +61,9 @@ def test_a_persistent_walk_crosses_over_where_its_formula_does(rate):
     assert grown.crossover.value == pytest.approx(expected, abs=margin)
     assert margin < 0.3 * expected
     # To a quarter of 10 s
-    squares = walks.squared_displacement(np.array([growth.LATE, 2.5]), walks.Spread(1.0, rate, 0.0, 0.0))
+    squares = persistent_walk.squared_displacement(
+        np.array([growth.LATE, 2.5]), persistent_walk.Spread(1.0, rate, 0.0, 0.0)
+    )
     late = math.log(squares[1] / squares[0]) / math.log(2.5 / growth.LATE)
     assert grown.late.value == pytest.approx(late, abs=3.0 * grown.late.se + 0.01)
     assert grown.late.se < 0.1

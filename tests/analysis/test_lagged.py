@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from synthetic_tracks import Walker, film, track
 
-from walkergen.analysis import lagged
+from walkergen.analysis import lag_sums
 
 LAGS = np.array([1, 2, 3, 7, 20, 55, 180, 300])
 
@@ -21,7 +21,7 @@ def naive_squares(position, lag):
 def test_squares_equal_the_naive_double_loop(lost, dimensions):
     one = track(np.random.default_rng(1), Walker(lost=lost), 250, 0.01)
     position = one.position[:, :dimensions] + 1e4  # far from the origin: digits may not be lost
-    found, pairs = lagged.sum_squares(position, LAGS)
+    found, pairs = lag_sums.sum_squares(position, LAGS)
     for place, lag in enumerate(LAGS):
         expected, count = naive_squares(position, lag) if lag < 250 else (0.0, 0)
         assert pairs[place] == count
@@ -33,7 +33,7 @@ def test_a_long_straight_run_keeps_the_digits_of_its_short_lags():
     rng = np.random.default_rng(2)
     times = np.arange(200_000)
     position = (0.12 * times + 1e-3 * rng.normal(size=times.size))[:, None]
-    found, pairs = lagged.sum_squares(position, np.array([1]))
+    found, pairs = lag_sums.sum_squares(position, np.array([1]))
     expected, _ = naive_squares(position, 1)
     assert found[0] / pairs[0] == pytest.approx(expected / pairs[0], rel=1e-9)
 
@@ -41,7 +41,7 @@ def test_a_long_straight_run_keeps_the_digits_of_its_short_lags():
 def test_products_equal_the_naive_sum():
     one = track(np.random.default_rng(3), Walker(lost=0.2), 250, 0.01)
     unit = np.exp(1j * one.heading)
-    found, pairs = lagged.sum_products(unit, LAGS)
+    found, pairs = lag_sums.sum_products(unit, LAGS)
     for place, lag in enumerate(LAGS):
         expected = np.conj(unit[:-lag]) * unit[lag:] if lag < 250 else np.zeros(0)
         assert pairs[place] == np.count_nonzero(~np.isnan(expected))
@@ -65,7 +65,7 @@ def test_mean_squared_displacement_equals_trackpys():
         for one in filmed.tracks
     ]
     lags = np.arange(1, 80)
-    sums = [lagged.sum_squares(one.position, lags) for one in filmed.tracks]
+    sums = [lag_sums.sum_squares(one.position, lags) for one in filmed.tracks]
     with warnings.catch_warnings(action="ignore"):  # trackpy calls pandas in ways it deprecates
         each = trackpy.imsd(pd.concat(frames), mpp=1.0, fps=100.0, max_lagtime=79)
         pooled = trackpy.emsd(pd.concat(frames), mpp=1.0, fps=100.0, max_lagtime=5).to_numpy()
@@ -77,7 +77,7 @@ def test_mean_squared_displacement_equals_trackpys():
 
 
 def test_lags_are_spread_evenly_and_stay_within():
-    lags = lagged.log_spaced_lags(1000, 30, 5)
+    lags = lag_sums.log_spaced_lags(1000, 30, 5)
     assert (lags[0], lags[-1]) == (5, 1000)
     assert (np.diff(lags) > 0).all()
-    assert len(lagged.log_spaced_lags(3, 30, 5)) == 0
+    assert len(lag_sums.log_spaced_lags(3, 30, 5)) == 0

@@ -7,9 +7,9 @@ import pytest
 from night import by_day
 from synthetic_tracks import Walker, film, lane
 
-from walkergen.analysis import facts, motion, walks
+from walkergen.analysis import facts, motion, persistent_walk
+from walkergen.analysis.persistent_walk import Spread
 from walkergen.analysis.tracks import Track
-from walkergen.analysis.walks import Spread
 from walkergen.core.errors import InputError
 
 WALKER = Walker()
@@ -207,10 +207,14 @@ def test_a_lag_outside_the_film_is_refused():
 
 def test_the_walks_limits():
     lag = np.array([1e-6, 1e-3, 1.0])
-    np.testing.assert_allclose(walks.squared_displacement(lag, Spread(9.0, 1e-9, 0.0, 0.0)), 9.0 * lag**2, rtol=1e-6)
+    np.testing.assert_allclose(
+        persistent_walk.squared_displacement(lag, Spread(9.0, 1e-9, 0.0, 0.0)), 9.0 * lag**2, rtol=1e-6
+    )
     late = np.array([1e4])
     expected = 4 * Spread(9.0, 2.0, 0.0, 0.0, 0.5).diffusivity * late
-    np.testing.assert_allclose(walks.squared_displacement(late, Spread(9.0, 2.0, 0.0, 0.0, 0.5)), expected, rtol=1e-3)
+    np.testing.assert_allclose(
+        persistent_walk.squared_displacement(late, Spread(9.0, 2.0, 0.0, 0.0, 0.5)), expected, rtol=1e-3
+    )
     # The closed form of the window against the sum it stands for.
     inner = np.linspace(0, 0.3, 301)
     weights = np.ones(301)
@@ -218,7 +222,7 @@ def test_the_walks_limits():
     weights /= weights.sum()
     grid = 1.0 + inner[None, :] - inner[:, None]
     exact = weights @ np.exp((-2.0 + 0.5j) * grid) @ weights
-    found = walks.velocity_correlation(np.array([1.0]), 1.0, 2.0, 0.5, window=0.3)[0]
+    found = persistent_walk.velocity_correlation(np.array([1.0]), 1.0, 2.0, 0.5, window=0.3)[0]
     assert found == pytest.approx(exact, rel=1e-5)  # trapezium rule on 300 intervals
 
 

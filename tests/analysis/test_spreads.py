@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from synthetic_tracks import Walker, film, film_of
 
-from walkergen.analysis import bounds, estimates, motion
+from walkergen.analysis import estimates, interval_laws, motion
 
 SLOW = Walker(speed=15.0, rate=0.8, diffusion=20.0, lost=0.0)
 FAST = Walker(speed=45.0, rate=0.8, diffusion=100.0, lost=0.0)
@@ -141,8 +141,8 @@ def diffusivity_told(rate, told_from, freedom):
     known = estimates.quantity("diffusivity", 1.0 / rate, math.sqrt(2.0 / freedom) / rate)
     others = ("speed", "persistence_rate", "persistence_time", "persistence_length")
     numbers = {name: estimates.refusal(name, "") for name in others}
-    numbers["diffusivity"] = bounds.with_detection_limit(known, told_from / rate)
-    return bounds.with_variance_laws(numbers, run=True)["diffusivity"].interval()
+    numbers["diffusivity"] = interval_laws.with_detection_limit(known, told_from / rate)
+    return interval_laws.with_variance_laws(numbers, run=True)["diffusivity"].interval()
 
 
 def test_the_upper_bound_of_a_diffusivity_allows_for_its_rate_being_told_where_chance_made_it_large():

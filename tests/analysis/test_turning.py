@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from synthetic_tracks import Walker, film
 
-from walkergen.analysis import motion, turning, walks
-from walkergen.analysis.walks import Spread
+from walkergen.analysis import motion, persistent_walk, turning
+from walkergen.analysis.persistent_walk import Spread
 from walkergen.core.numerics.quantity import Quantity, exact
 
 SPEED, DRIFT, TURN, SCATTER, D_R = 60.0, 4.0, 0.8, 1.5, 0.1
@@ -199,14 +199,18 @@ def test_local_exponents_fall_from_ballistic_to_diffusive_as_the_walk_says():
 
 def test_local_exponents_follow_the_curvature():
     lags = np.unique(np.rint(np.geomspace(1, 300, 60)).astype(int))
-    found = motion._local_exponents(lags, walks.squared_displacement(0.02 * lags, Spread(1.0, 2.0, 0.0, 0.0, TURN)))
+    found = motion._local_exponents(
+        lags, persistent_walk.squared_displacement(0.02 * lags, Spread(1.0, 2.0, 0.0, 0.0, TURN))
+    )
     known = ~np.isnan(found)
     # Lines through the same lags, which lie unevenly on the scale of logarithms, are 0.02 off.
     np.testing.assert_allclose(found[known], _exact_exponent(0.02 * lags)[known], atol=0.01)
 
 
 def _exact_exponent(lag):
-    up, down = (walks.squared_displacement(lag * f, Spread(1.0, 2.0, 0.0, 0.0, TURN)) for f in (1.001, 1 / 1.001))
+    up, down = (
+        persistent_walk.squared_displacement(lag * f, Spread(1.0, 2.0, 0.0, 0.0, TURN)) for f in (1.001, 1 / 1.001)
+    )
     return np.log(up / down) / (2 * np.log(1.001))
 
 

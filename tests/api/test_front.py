@@ -19,7 +19,7 @@ from typer.testing import CliRunner
 
 import walkergen as wg
 from walkergen import request
-from walkergen.api import front
+from walkergen.api import functions as front
 from walkergen.cli import command_line
 from walkergen.command_table import COMMANDS
 from walkergen.core.errors import InputError, WalkergenError
@@ -58,7 +58,7 @@ def test_names_are_sorted_lazy_and_typed():
     tree = ast.parse((ROOT / "walkergen" / "__init__.pyi").read_text(encoding="utf-8"))
     functions = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
     assert functions == {name for name in wg.__all__ if name in COMMANDS and name != "templates"}
-    assert ast.dump(tree) == ast.dump(ast.parse(front.make_stub()))  # else: python -m walkergen.api.front
+    assert ast.dump(tree) == ast.dump(ast.parse(front.make_stub()))  # else: python -m walkergen.api.functions
     assert set(wg.__all__) <= set(dir(wg))
     submodules = {found.name for found in pkgutil.iter_modules(wg.__path__)}
     for name in submodules & set(wg.__all__):  # a room of that name does not take the function's place

@@ -7,12 +7,12 @@ import re
 import pytest
 import trimesh
 
-from walkergen.app import answers, form, spans
+from walkergen.app import form, slider_ranges, walker_answers
 from walkergen.app.document import Document
 from walkergen.core.errors import WalkergenError
 from walkergen.core.walker import solids
 from walkergen.files import templates
-from walkergen.readers.walkers.placing import UnplacedError
+from walkergen.readers.walkers.leg_placement import UnplacedError
 
 
 def document(walker="koumakis2016", **values):
@@ -80,7 +80,7 @@ def test_two_equal_legs_can_be_listed():
 
 def test_sliders_end_where_a_walker_can_no_longer_be_built():
     keys = ["legs.tilt_deg", "legs.contact_spacing_mm", "body.length_mm", "scene.contact.friction", "nosuch"]
-    ranges = spans.slider_ranges(document(), keys)
+    ranges = slider_ranges.slider_ranges(document(), keys)
     assert list(ranges) == keys[:3]
     assert ranges["legs.contact_spacing_mm"][1] < 28.0  # the body's length; the key's own range goes on
     for key, ends in ranges.items():
@@ -114,10 +114,10 @@ def test_what_helps_is_data_and_helps(tmp_path, mesh, words):
     with pytest.raises(WalkergenError) as error:
         document(**values).load_design()
     elsewhere = pickle.loads(pickle.dumps(error.value.resolve_remedies()))
-    *_, last = answers.format_refusal(elsewhere)
+    *_, last = walker_answers.format_refusal(elsewhere)
     assert [remedy["words"] for remedy in last["helps"]] == words
     assert not re.search(r"_mm|= true|--|\.\w+_|what helps|own\.stl", last["text"])
-    assert answers.trouble_picture(document(**values))["picture"].startswith("data:image/png;") is last["drawn"]
+    assert walker_answers.trouble_picture(document(**values))["picture"].startswith("data:image/png;") is last["drawn"]
     assert last["drawn"] is isinstance(error.value, UnplacedError)
     for remedy in last["helps"]:
         assert all(key in str(error.value) for key, value in remedy["values"].items() if value is not None)

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 from app_doors import LINUX, PAPER, Doors, Process, document, files, lives, until
 
-from walkergen.app import serving
+from walkergen.app import server_process
 
 LONG = document(scene__run__seconds=1e4, scene__run__runs=100)
 """A run that nobody waits for."""
@@ -140,11 +140,11 @@ def test_a_connection_that_is_quiet_whenever_it_is_looked_at_stays_open():
     closed = SimpleNamespace(is_closing=lambda: False, close=lambda: looks.append("closed"))
     later = SimpleNamespace(call_later=lambda _, look, before: looks.append(before))
     connection = SimpleNamespace(transport=closed, loop=later, cycle=message, _close_if_idle=None)
-    serving._IdleTimeoutProtocol._close_if_idle(connection, None)
+    server_process._IdleTimeoutProtocol._close_if_idle(connection, None)
     connection.cycle = other = SimpleNamespace(response_complete=True)
-    serving._IdleTimeoutProtocol._close_if_idle(connection, message)
+    server_process._IdleTimeoutProtocol._close_if_idle(connection, message)
     assert looks == [message, other]
-    serving._IdleTimeoutProtocol._close_if_idle(connection, other)
+    server_process._IdleTimeoutProtocol._close_if_idle(connection, other)
     assert looks[-1] == "closed"
 
 

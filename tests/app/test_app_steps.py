@@ -3,7 +3,7 @@
 import pytest
 from app_doors import PAPER, Doors, document
 
-from walkergen.app import answers, curves
+from walkergen.app import curves, walker_answers
 from walkergen.app.document import Document
 from walkergen.core.files import config
 
@@ -33,30 +33,30 @@ def test_a_curve_does_not_depend_on_the_tilt_and_is_none_where_legs_share_none(t
 @pytest.mark.parametrize("key", ["legs.tilt_deg", "body.length_mm", "scene.contact.friction"])
 def test_a_step_reads_no_file_of_a_template_again(monkeypatch, key):
     steps = [of_page(**{key: value}) for value in {"l": (11.5, 12.5), "b": (27.5, 28.5), "s": (0.31, 0.33)}[key[0]]]
-    for ask in (answers.pack_walker, answers.printing_outlook):
+    for ask in (walker_answers.pack_walker, walker_answers.printing_outlook):
         ask(steps[0])
 
     def read(path):
         pytest.fail(f"{path} was read again")
 
     monkeypatch.setattr(config, "read_toml", read)
-    for ask in (answers.pack_walker, answers.printing_outlook):
+    for ask in (walker_answers.pack_walker, walker_answers.printing_outlook):
         ask(steps[1])
 
 
 def test_a_finding_is_done_by_the_value_that_it_comes_with():
     page = Document(**PAPER | {"walker": "coinbot", "printer": "ender3"})
     page = page._replace(values={"legs.flexible_thickness_mm": 0.2} if page.load_design().pair else {})
-    does = [finding["does"] for finding in answers.printing_outlook(page)["findings"] if finding["does"]]
+    does = [finding["does"] for finding in walker_answers.printing_outlook(page)["findings"] if finding["does"]]
     assert does
     done = page._replace(values={**page.values, **{each["key"]: each["value"] for each in does}})
-    left = [finding["does"] for finding in answers.printing_outlook(done)["findings"]]
+    left = [finding["does"] for finding in walker_answers.printing_outlook(done)["findings"]]
     assert not [each for each in does if each in left]
     assert not [each for each in does if "_" in each["words"]]
 
 
 def test_parts_of_a_spread_name_the_keys_where_what_was_measured_is_written():
-    parts = answers.variance_shares(of_page())
+    parts = walker_answers.variance_shares(of_page())
     keys = {part["key"] for part in parts}
     assert {"scene.contact.restitution", "legs.flexible_thickness_mm", "material.youngs_modulus_gpa", ""} <= keys
-    assert answers.variance_shares(Document(**PAPER | {"walker": "coinbot", "scene": "table-motor"})) == []
+    assert walker_answers.variance_shares(Document(**PAPER | {"walker": "coinbot", "scene": "table-motor"})) == []

@@ -275,11 +275,11 @@ def test_a_command_loads_what_it_uses_and_no_more(words, more):
 
 
 def test_long_work_says_how_far_it_is_where_there_is_no_bar(monkeypatch, capsys):
-    from walkergen.cli import show
+    from walkergen.cli import console
     from walkergen.core.files.progress import Expected
 
-    monkeypatch.setattr(show, "FIRST_LINE_S", 0.01)
-    with show.progress("simulate", wanted=True) as update:
+    monkeypatch.setattr(console, "FIRST_LINE_S", 0.01)
+    with console.progress("simulate", wanted=True) as update:
         update("runs", 1, 4)
         update("runs", 3, 4)
         for _ in range(500):  # 5 s: a busy machine
@@ -289,14 +289,14 @@ def test_long_work_says_how_far_it_is_where_there_is_no_bar(monkeypatch, capsys)
                 break
     assert line == "simulate: runs, 3 of 4, about 0 s left\n"
     expects = []
-    with show.progress("accuracy", wanted=True, hear=expects.append) as update:
+    with console.progress("accuracy", wanted=True, hear=expects.append) as update:
         expects[0](lambda: Expected(60.0, "5 % would take 9 s"))
         assert capsys.readouterr().err == "accuracy: about 60 s; 5 % would take 9 s\n"  # also when piped
         expects[0](lambda: pytest.fail("asked for twice"))
         update("runs", 3, 4)
         time.sleep(0.05)
         assert capsys.readouterr().err.startswith("accuracy: runs, 3 of 4, about 60 s left\n")
-    with show.progress("simulate", wanted=False, hear=expects.append) as update:
+    with console.progress("simulate", wanted=False, hear=expects.append) as update:
         update("runs", 3, 4)
         time.sleep(0.05)
     assert len(expects) == 1

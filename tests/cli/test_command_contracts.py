@@ -15,7 +15,7 @@ from answers import assert_every_form, refused
 from synthetic_tracks import film
 
 import walkergen as wg
-from walkergen.api import front
+from walkergen.api import functions
 from walkergen.cli import command_line
 from walkergen.command_table import COMMANDS, load_request
 from walkergen.core.errors import WalkergenError
@@ -63,8 +63,8 @@ def test_command_function_and_request_have_the_same_parameters(name):
     for field, option in options_of(name).items():
         assert field not in fields or option == flag_name(request, field)
     assert all(field_flag(request, field).help.endswith(".") for field in fields)
-    if name in front.FUNCTION_NAMES:
-        assert set(front.make_signature(name).parameters) == fields | {"progress"}
+    if name in functions.FUNCTION_NAMES:
+        assert set(functions.make_signature(name).parameters) == fields | {"progress"}
 
 
 class AskedError(Exception):
@@ -72,7 +72,7 @@ class AskedError(Exception):
 
 
 @pytest.mark.parametrize("example", ["example", "other"])
-@pytest.mark.parametrize("name", front.FUNCTION_NAMES)
+@pytest.mark.parametrize("name", functions.FUNCTION_NAMES)
 def test_a_function_asks_what_its_command_asks(run, monkeypatch, name, example):
     @functools.wraps(load_request(name).run)
     def asked(request, progress):
@@ -84,7 +84,7 @@ def test_a_function_asks_what_its_command_asks(run, monkeypatch, name, example):
     values = {field: getattr(by_command, field) for field in by_command.model_fields_set}
     given = {field: value[0] if isinstance(value, tuple) else value for field, value in values.items()}
     with pytest.raises(AskedError) as told:
-        front.make_function(name)(**given)
+        functions.make_function(name)(**given)
     (by_function,) = told.value.args
     assert by_function.model_dump() == by_command.model_dump()
     assert (by_command._shell, by_function._shell) == (True, False)
@@ -132,7 +132,7 @@ def write_inputs(folder, name):
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(one, marks=[pytest.mark.slow] * (one in SLOW_CALLS)) for one in front.FUNCTION_NAMES]
+    "name", [pytest.param(one, marks=[pytest.mark.slow] * (one in SLOW_CALLS)) for one in functions.FUNCTION_NAMES]
 )
 def test_the_example_of_a_docstring_runs_and_its_report_is_sound(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

@@ -330,7 +330,7 @@ def test_letters_that_a_stream_has_not_are_replaced_and_in_json_escaped(encoding
         import io
         import json as plain
 
-        from walkergen.cli import show, streams
+        from walkergen.cli import console, streams
         from walkergen.files.report import Report
 
         for name in ("stdout", "__stdout__"):
@@ -339,7 +339,7 @@ def test_letters_that_a_stream_has_not_are_replaced_and_in_json_escaped(encoding
         streams.prepare()
         print("± 3 µm, −1")
         report = Report(name="r", title="r", tables=[], facts={"Läufer ±": "\udcff"})
-        show.report(report, json=True, quiet=False)
+        console.report(report, json=True, quiet=False)
         assert plain.loads('"\\udcff"') == "\udcff"
 
     code, out, told = forked(work)

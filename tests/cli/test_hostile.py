@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 from walkergen.cli import command_line
 from walkergen.command_table import load_request
 from walkergen.core.errors import InputError
-from walkergen.core.files import config, plain, reading
+from walkergen.core.files import config, file_reading, safe_text
 from walkergen.core.printing.printers import Printer
 from walkergen.core.scene import Scene
 from walkergen.core.walker.design import Design
@@ -66,9 +66,9 @@ def test_hundreds_of_hostile_files_are_read_or_refused_in_lines(kind, tmp_path):
 def test_what_is_no_file_is_not_read(kind, tmp_path):
     hostile.KINDS[kind](tmp_path / "x")
     with pytest.raises(InputError):
-        reading.read_bytes(tmp_path / "x", 1000)
+        file_reading.read_bytes(tmp_path / "x", 1000)
     with pytest.raises(InputError):
-        list(reading.read_lines(tmp_path / "x", "a CSV file", 1000))
+        list(file_reading.read_lines(tmp_path / "x", "a CSV file", 1000))
 
 
 @pytest.mark.nightly
@@ -138,15 +138,15 @@ def test_hidden_letters_are_written_as_json_writes_them():
     import json
 
     text = "a\x1b[31m\x9b\u202e\ud800\U000e0001\x00é\n"
-    seen = plain.escape_hidden(text)
+    seen = safe_text.escape_hidden(text)
     assert seen == "a\\u001b[31m\\u009b\\u202e\\ud800\\udb40\\udc01\\u0000é\n"
     told = json.dumps({"name": "b\u202e\x7fé"}, ensure_ascii=False)
-    assert json.loads(plain.escape_hidden(told)) == {"name": "b\u202e\x7fé"}
+    assert json.loads(safe_text.escape_hidden(told)) == {"name": "b\u202e\x7fé"}
 
 
 def test_a_line_keeps_its_beginning_and_its_end():
-    found = plain.shorten_line("file.toml: " + "x" * 5000 + "\ntry less")
-    assert len(found) == plain.MAX_LINE_LENGTH
+    found = safe_text.shorten_line("file.toml: " + "x" * 5000 + "\ntry less")
+    assert len(found) == safe_text.MAX_LINE_LENGTH
     assert found.startswith("file.toml: xx")
     assert found.endswith("x\\ntry less")
 
@@ -154,12 +154,12 @@ def test_a_line_keeps_its_beginning_and_its_end():
 def test_what_is_printed_is_plain_and_what_is_told_is_short(monkeypatch, capsys):
     monkeypatch.setattr(sys, "stdout", sys.stdout)
     monkeypatch.setattr(sys, "stderr", sys.stderr)
-    plain.guard_output()
+    safe_text.guard_output()
     print("name\x1b[31m" + "y" * 300)
     print("error: " + "y" * 300 + "\x07", "next", sep="\n", file=sys.stderr)
     seen = capsys.readouterr()
     assert seen.out == "name\\u001b[31m" + "y" * 300 + "\n"
-    assert [len(line) for line in seen.err.splitlines()] == [plain.MAX_LINE_LENGTH, 4]
+    assert [len(line) for line in seen.err.splitlines()] == [safe_text.MAX_LINE_LENGTH, 4]
     assert seen.err.endswith("y\\u0007\nnext\n")
 
 

@@ -9,17 +9,17 @@ import pytest
 from typer.testing import CliRunner
 
 import walkergen as wg
-from walkergen.cli import command_line, show
+from walkergen.cli import command_line, console
 from walkergen.command_table import COMMANDS, for_call, for_shell, load_request
 from walkergen.core.errors import FIELD_PATTERN, InputError, spell, spell_all, spell_for_python, use_spelling
 from walkergen.files.report import Report, Table, key_columns
 
 PACKAGE = Path(wg.__file__).parent
 
-DOORS = ("cli/", "command_table.py", "app/document.py", "app/effects.py", "app/taking.py", "app/crowding.py")
+DOORS = ("cli/", "command_table.py", "app/document.py", "app/effects.py", "app/downloads.py", "app/crowd_playback.py")
 """Files that make or read command lines."""
 
-SLICERS = ("core/printing/slicer.py", "core/printing/sheet.py")
+SLICERS = ("core/printing/slicer.py", "core/printing/print_sheet.py")
 """Files that write command lines of slicers."""
 
 NO_FIELD = {"help"}
@@ -72,8 +72,8 @@ def test_files_have_pythons_names_and_a_terminal_has_flags(capsys):
     assert rows.split() == ["speed,note", "1.5,tilt"]
     with use_spelling(for_shell):
         assert (report.markdown(), report.table.csv()) == (page, rows)
-        show.report(report, json=False, quiet=False)
-        show.report(report, json=True, quiet=False)
+        console.report(report, json=False, quiet=False)
+        console.report(report, json=True, quiet=False)
     table, _, facts = capsys.readouterr().out.partition("{")
     assert "--tilt" in table
     assert "--legs\n--runs 3\n" in table

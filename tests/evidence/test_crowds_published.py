@@ -13,7 +13,7 @@ from walkergen.core.dish import parse_dish
 from walkergen.core.numerics.quantity import Quantity, Verdict
 from walkergen.core.walker import solids
 from walkergen.guests.crowd.statistics.film import NO_OUTLINES, from_places
-from walkergen.readers.walkers import seen_above
+from walkergen.readers.walkers import top_outline
 
 SIZE = cases.Size(3, 0.5, 0.2, 1)
 
@@ -139,7 +139,7 @@ def test_page_and_table_name_every_source_and_what_was_read_of_it(tmp_path):
 @pytest.mark.parametrize("lean", cases.LEANS)
 def test_oblong_walkers_differ_in_the_tilt_of_their_right_legs_alone(lean):
     walking, design = cases.oblong(10.0), cases.oblong(lean)
-    assert seen_above.area_of(tuple(seen_above.outline_of(design, solids.mass_of(design)))) == pytest.approx(
+    assert top_outline.area_of(tuple(top_outline.outline_of(design, solids.mass_of(design)))) == pytest.approx(
         28.0 * 16.0
     )
     tilts = [math.degrees(limb.tilt) for limb in design.limbs]
@@ -150,7 +150,7 @@ def test_oblong_walkers_differ_in_the_tilt_of_their_right_legs_alone(lean):
 
 def test_tapered_walkers_narrow_toward_the_front_in_two_steps():
     design = cases.tapered()
-    (outline,) = seen_above.outline_of(design, solids.mass_of(design))
+    (outline,) = top_outline.outline_of(design, solids.mass_of(design))
     behind_tip = outline[:, 0].max() - outline[:, 0]
     widths = [np.ptp(outline[behind_tip < x, 1]) for x in (14.0, 4.0, 2.0)]
     assert widths == pytest.approx([8.0, 5.5, 3.0], abs=0.05)

@@ -28,7 +28,7 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import figures as pictures
 from walkergen.files import templates
-from walkergen.guests.sweep import ask
+from walkergen.guests.sweep import sweep_setup
 from walkergen.points import walkers
 
 FIGURES = ("figure2", "figure5", "figure6", "mechanisms")
@@ -127,7 +127,7 @@ def test_ctrl_c_keeps_the_figures_already_done(run, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("name", ["figure2", "figure2-restitutions", "figure5", "figure6"])
 def test_the_shipped_sweeps_are_requests_of_their_own(name):
-    request = ask.from_file(templates.folder() / "sweeps" / f"{name}.toml").make_request()
+    request = sweep_setup.from_file(templates.folder() / "sweeps" / f"{name}.toml").make_request()
     assert request.space.points == np.prod([len(values) for values in runs.swept(name)])
     assert request.point({}).simulated
 

@@ -19,7 +19,7 @@ from walkergen.core.errors import InputError
 from walkergen.core.scene import Scene
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.guests.sweep import ask, sweep_file
+from walkergen.guests.sweep import sweep_file, sweep_setup
 
 PAIRS = {
     "published/deseigne2010": "published/deseigne2010-plate",
@@ -73,7 +73,7 @@ def text_of(name):
 @pytest.mark.parametrize("name", SETS)
 def test_ranges_hold_the_templates_values_and_stand_in_their_comments(name):
     (source,) = {each.source for each in STATEMENTS if each.source.ranges == name}
-    asked = ask.from_file(source.sweep)
+    asked = sweep_setup.from_file(source.sweep)
     design, scene = (
         wg.load(sweep_file.read_sweep(source.sweep).design),
         wg.load(sweep_file.read_sweep(source.sweep).scene),

@@ -17,10 +17,10 @@ from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.guests.sweep.axes import Space
 from walkergen.guests.sweep.point_request import Request
-from walkergen.points import alone, kinds, walkers
 from walkergen.points import experiments as simulated
+from walkergen.points import model_kinds, single_walker, walkers
 from walkergen.points import point as points
-from walkergen.points.kinds import evaluate
+from walkergen.points.model_kinds import evaluate
 from walkergen.points.point import PointStatus, point_key
 
 LANE = templates.load("lane-90hz", "scenes", Scene)
@@ -112,7 +112,9 @@ def test_runs_that_tell_no_error_say_so():
 def test_what_is_not_asked_is_not_there():
     for model, keep in (("prediction", ("speed",)), ("prediction", ("speed", "spread", "masses")), ("space", ())):
         columns = (
-            alone.columns(model, keep) if keep else set(alone.SIMULATED_COLUMNS) - {"predicted_mm_s", "theory_mm_s"}
+            single_walker.columns(model, keep)
+            if keep
+            else set(single_walker.SIMULATED_COLUMNS) - {"predicted_mm_s", "theory_mm_s"}
         )
         assert set(evaluate(point_at(model)._replace(keep=keep))) == {"went", "status", *columns}
 
@@ -156,7 +158,7 @@ def test_a_point_that_cannot_be_says_why_on_one_line():
 
 def test_printability_needs_a_printer():
     with pytest.raises(InputError, match=r"^keep=printability: needs a printer"):
-        kinds.check(("printability",), "prediction", None)
+        model_kinds.check(("printability",), "prediction", None)
 
 
 CHANGES = {
@@ -231,6 +233,6 @@ def test_an_error_of_the_time_in_contact_is_met():
 
 
 def test_a_kind_that_is_not_installed_names_its_extra(monkeypatch):
-    monkeypatch.setitem(kinds.KIND_MODULES, "crowd", "walkergen.nowhere")
+    monkeypatch.setitem(model_kinds.KIND_MODULES, "crowd", "walkergen.nowhere")
     with pytest.raises(InputError, match=r"pip install 'walkergen\[crowd\]'"):
-        kinds.load_kind("crowd")
+        model_kinds.load_kind("crowd")

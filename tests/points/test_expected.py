@@ -13,11 +13,11 @@ from walkergen.core.simulation.effects.resolve import replace_without_validation
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.guests.lab.fit import learn
+from walkergen.guests.lab.fit import model_fit
 from walkergen.guests.sweep import cost
 from walkergen.guests.sweep.axes import Space, make_axis
 from walkergen.guests.sweep.point_request import Request
-from walkergen.points import alone, expected, walkers
+from walkergen.points import run_time, single_walker, walkers
 from walkergen.points.experiments import Walker
 from walkergen.points.store import Store
 
@@ -34,15 +34,15 @@ def walker(**keys):
     ("wanted", "cheaper"), [("1%", "2%"), ("2%", "5%"), ("3%", "5%"), ("5%", "10%"), ("0.5mm/s", "1mm/s")]
 )
 def test_the_next_cheaper_error_is_of_1_2_5_10(wanted, cheaper):
-    assert expected.next_cheaper(tolerance.parse_tolerance(wanted)) == tolerance.parse_tolerance(cheaper)
+    assert run_time.next_cheaper(tolerance.parse_tolerance(wanted)) == tolerance.parse_tolerance(cheaper)
 
 
 def test_a_moment_tells_what_runs_cost():
     asked = walker(**TIMES)
-    said = 2 * expected.run_cpu_s(asked)
+    said = 2 * run_time.run_cpu_s(asked)
     assert 0.5 < said / walkers.simulate(asked, threads=1).summary.cpu_s < 2.0  # 0.8 to 1.3 on a machine of its own
-    assert expected.total_time([asked]).seconds >= 0.4 * said
-    assert expected.total_time([walker(**TIMES | {"run.seconds": 1.0})]) is None
+    assert run_time.total_time([asked]).seconds >= 0.4 * said
+    assert run_time.total_time([walker(**TIMES | {"run.seconds": 1.0})]) is None
 
 
 def test_an_error_says_once_its_first_runs_are_made_what_is_left_and_what_the_next_one_would_take():
@@ -78,10 +78,10 @@ class HeardError(Exception):
     """What a job expects, said before it runs."""
 
 
-@pytest.mark.parametrize(("name", "values", "least_s"), [("fit", {"model": "space"}, learn.LEARNING_S)])
+@pytest.mark.parametrize(("name", "values", "least_s"), [("fit", {"model": "space"}, model_fit.LEARNING_S)])
 def test_what_a_job_does_beside_its_runs_is_counted(name, values, least_s, tmp_path, monkeypatch):
-    monkeypatch.setattr(expected, "run_cpu_s", lambda walker: 0.0)
-    monkeypatch.setattr(alone, "cost", lambda point: 0.0)
+    monkeypatch.setattr(run_time, "run_cpu_s", lambda walker: 0.0)
+    monkeypatch.setattr(single_walker, "cost", lambda point: 0.0)
     monkeypatch.setattr(inputs, "open_pool", lambda *_: nullcontext())
     if name == "fit":
         values["speeds"] = tmp_path / "speeds.csv"
@@ -98,7 +98,7 @@ def test_what_a_job_does_beside_its_runs_is_counted(name, values, least_s, tmp_p
 
 
 def test_a_sweep_costs_what_its_points_do_and_nothing_of_it_is_found_out_where_it_is_short(monkeypatch):
-    monkeypatch.setattr(expected, "MOMENT_S", 0.02)
+    monkeypatch.setattr(run_time, "MOMENT_S", 0.02)
     scene = replace_without_validation(
         templates.load("lane-90hz", "scenes", Scene), {"run.seconds": 1.0, "run.runs": 2}
     )

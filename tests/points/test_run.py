@@ -19,7 +19,7 @@ from walkergen.guests.sweep import evaluation as run
 from walkergen.guests.sweep.axes import Space
 from walkergen.guests.sweep.point_request import Request
 from walkergen.points import worker_pool
-from walkergen.points.kinds import evaluate
+from walkergen.points.model_kinds import evaluate
 from walkergen.points.point import Point, digest
 from walkergen.points.store import Store
 from walkergen.points.worker_pool import WorkerPool

@@ -7,13 +7,13 @@ from walkergen.core.scene import Scene
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.points import short, speeds
+from walkergen.points import short_simulation, speed_prediction
 from walkergen.points.store import Store
 
 
 @pytest.fixture(autouse=True)
 def own_store(tmp_path, monkeypatch):
-    monkeypatch.setattr(short, "Store", lambda: Store(tmp_path / "points.sqlite"))
+    monkeypatch.setattr(short_simulation, "Store", lambda: Store(tmp_path / "points.sqlite"))
 
 
 PLATE = {"frequency_hz": 90.0, "gamma": 1.8}
@@ -24,7 +24,7 @@ def on_plane(**tables):
 
 
 def predicted(design, scene, model="best"):
-    return speeds.predict(design, solids.mass_of(design), scene, model=model)
+    return speed_prediction.predict(design, solids.mass_of(design), scene, model=model)
 
 
 @pytest.mark.slow
@@ -46,26 +46,26 @@ def test_walkers_that_fall_have_no_speed():
     scene = on_plane(drive={"frequency_hz": 60.6, "gamma": 2.43}, contact={"restitution": 0.88, "friction": 0.073})
     row = predicted(Design.model_validate({"legs": legs, "body": body}), scene)
     assert row.speed_mm_s is None
-    assert row.falls >= short.MAX_FALL_SHARE
+    assert row.falls >= short_simulation.MAX_FALL_SHARE
 
 
 def test_a_record_becomes_bounds_with_the_models_own_error():
     record = {"nominal": 50.0, "low": 48.0, "high": 52.0, "falls": 0.0, "mean": 40.0, "sd": 10.0}
-    record |= dict(zip(short.BOUND_NAMES, (20.0, 30.0, 50.0, 60.0), strict=True))
-    spread = short.to_spread(record, on_plane(prediction={"model_sd": 0.0}))
+    record |= dict(zip(short_simulation.BOUND_NAMES, (20.0, 30.0, 50.0, 60.0), strict=True))
+    spread = short_simulation.to_spread(record, on_plane(prediction={"model_sd": 0.0}))
     assert spread.bounds == (20.0, 30.0, 50.0, 60.0)
-    wider = short.to_spread(record, on_plane(prediction={"model_sd": 0.15}))
+    wider = short_simulation.to_spread(record, on_plane(prediction={"model_sd": 0.15}))
     assert wider.bounds[3] == pytest.approx(40.0 + (20.0**2 + (1.96 * 6.0) ** 2) ** 0.5, rel=1e-3)
 
 
 def test_bounds_bear_the_error_of_what_was_left_out():
     record = {"nominal": 50.0, "low": 47.0, "high": 53.0, "falls": 0.0, "mean": 40.0, "sd": 10.0, "left_out_mm_s": 4.0}
-    record |= dict(zip(short.BOUND_NAMES, (37.0, 38.5, 41.5, 43.0), strict=True))
+    record |= dict(zip(short_simulation.BOUND_NAMES, (37.0, 38.5, 41.5, 43.0), strict=True))
     exact = on_plane(prediction={"model_sd": 0.0})
-    wider = short.to_spread(record, exact)
+    wider = short_simulation.to_spread(record, exact)
     assert wider.nominal_bounds == (45.0, 55.0)
     assert wider.bounds[0::3] == (35.0, 45.0)
-    few = short.to_spread(record | {"mean": None}, exact)
+    few = short_simulation.to_spread(record | {"mean": None}, exact)
     assert few.bounds[0::3] == (45.0, 55.0)
 
 
@@ -97,9 +97,9 @@ def would_begin(monkeypatch):
     def reached(*_):
         raise ReachedError
 
-    monkeypatch.setattr(short, "find_simplest", reached)
+    monkeypatch.setattr(short_simulation, "find_simplest", reached)
     for name, value in {"MAX_RUN_S": 4.0, "PRINT_S": 2.0, "PRINT_COUNT": 32}.items():
-        monkeypatch.setattr(short, name, value)
+        monkeypatch.setattr(short_simulation, name, value)
 
 
 @pytest.mark.parametrize(

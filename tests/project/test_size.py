@@ -14,25 +14,25 @@ SLACK = 200
 """Lines by which a folder may be below its limit."""
 
 LIMITS = {
-    "walkergen/analysis": 5350,
+    "walkergen/analysis": 5380,
     "walkergen/api": 310,
-    "walkergen/app": 2630,
+    "walkergen/app": 2640,
     "walkergen/cli": 900,
-    "walkergen/commands": 8690,
+    "walkergen/commands": 8710,
     "walkergen/core": 18520,
     "walkergen/files": 1410,
-    "walkergen/guests/crowd": 7820,
-    "walkergen/guests/lab": 5330,
+    "walkergen/guests/crowd": 7830,
+    "walkergen/guests/lab": 5340,
     "walkergen/guests/movie": 1500,
-    "walkergen/guests/sweep": 2400,
-    "walkergen/guests/track": 3690,
-    "walkergen/points": 2970,
-    "walkergen/readers": 5340,
+    "walkergen/guests/sweep": 2410,
+    "walkergen/guests/track": 3710,
+    "walkergen/points": 2980,
+    "walkergen/readers": 5350,
     "walkergen/sheets": 530,
     "benchmarks": 2750,
     "docs": 650,
     "evidence": 7080,
-    "tests": 39070,
+    "tests": 39110,
 }
 
 

@@ -17,7 +17,7 @@ from walkergen.core.walker.design import Design
 from walkergen.core.walker.spec import name_from_text
 from walkergen.files import templates
 from walkergen.readers.meshes import faults
-from walkergen.readers.walkers.placing import UnplacedError
+from walkergen.readers.walkers.leg_placement import UnplacedError
 
 PAPER = templates.load("koumakis2016", "walkers", Design)
 

@@ -19,8 +19,8 @@ from walkergen.core.walker import mass, solids
 from walkergen.core.walker.design import Design
 from walkergen.readers.drawings import crossings
 from walkergen.readers.meshes import faults, repairs
-from walkergen.readers.walkers import own_mesh
-from walkergen.readers.walkers.own_mesh import ReadOptions
+from walkergen.readers.walkers import body_mesh
+from walkergen.readers.walkers.body_mesh import ReadOptions
 
 DUCK = hostile.duck()
 BOX = hostile.box()
@@ -29,7 +29,7 @@ BOX = hostile.box()
 def refused(path, **keys):
     """The one line with which a file is refused."""
     with pytest.raises(InputError) as refusal:
-        own_mesh.read_body(path, ReadOptions(**keys))
+        body_mesh.read_body(path, ReadOptions(**keys))
     (line,) = str(refusal.value).splitlines()
     assert line.startswith("body.mesh")
     return line
@@ -40,7 +40,7 @@ def test_every_format_gives_the_same_body(tmp_path, kind):
     """Text formats keep eight digits, binary ones 24 bits: 1e-6 of the volume is ten times that."""
     path = tmp_path / f"duck.{kind.removesuffix('_ascii')}"
     path.write_bytes(_exported(to_trimesh(DUCK), kind))
-    found = own_mesh.read_body(path)
+    found = body_mesh.read_body(path)
     assert found.changes == ()
     assert len(found.mesh.triangles) == len(DUCK.triangles)
     mine, theirs = mass.weigh(found.mesh, 1.0), mass.weigh(DUCK, 1.0)
@@ -58,7 +58,7 @@ def _exported(mesh, kind):
 def test_axes_of_the_file_become_ours(tmp_path):
     """The duck looks forward and its head is up, whichever way the file has them."""
     path = hostile.to_stl(tmp_path / "duck.stl", DUCK)
-    upright = own_mesh.read_body(path).mesh.vertices
+    upright = body_mesh.read_body(path).mesh.vertices
     low, high = upright.min(axis=0), upright.max(axis=0)
     np.testing.assert_allclose(low[:2], -high[:2], atol=1e-5)
     assert low[2] == 0.0
@@ -68,10 +68,10 @@ def test_axes_of_the_file_become_ours(tmp_path):
     assert head[0] > 0.2 * size[0]
     fallen = DUCK.vertices[:, [2, 0, 1]]  # y is forward, x is up
     other = hostile.to_stl(tmp_path / "fallen.stl", Mesh(fallen, DUCK.triangles))
-    turned = own_mesh.read_body(other, ReadOptions(up="x", forward="y")).mesh
+    turned = body_mesh.read_body(other, ReadOptions(up="x", forward="y")).mesh
     np.testing.assert_allclose(sorted(turned.vertices.tolist()), sorted(upright.tolist()), atol=1e-5)
     for up, forward in (("z", "x"), ("-y", "x"), ("x", "-z"), ("-z", "-y")):
-        turn = own_mesh.rotation(up, forward, "key")
+        turn = body_mesh.rotation(up, forward, "key")
         assert np.linalg.det(turn) == 1.0
         np.testing.assert_array_equal(turn @ turn.T, np.eye(3))
     assert "are one axis" in refused(path, up="z", forward="-z")
@@ -81,7 +81,7 @@ def test_axes_of_the_file_become_ours(tmp_path):
 def test_the_name_may_lead_anywhere_and_the_hash_is_the_files(tmp_path):
     hostile.to_stl(tmp_path / "duck.stl", DUCK)
     (tmp_path / "below").mkdir()
-    here, there = (own_mesh.read_body(tmp_path / name) for name in ("duck.stl", "below/../duck.stl"))
+    here, there = (body_mesh.read_body(tmp_path / name) for name in ("duck.stl", "below/../duck.stl"))
     assert here.sha256 == there.sha256
     assert len(here.sha256) == 64
 
@@ -113,7 +113,7 @@ def test_what_is_no_mesh_is_refused(tmp_path):
 
 def _told(path):
     with pytest.raises(InputError) as refusal:
-        own_mesh.read_body(path)
+        body_mesh.read_body(path)
     (line,) = str(refusal.value).splitlines()
     return line
 
@@ -164,7 +164,7 @@ def test_a_size_that_no_walker_has_asks_for_the_unit(tmp_path):
     assert "metres: 28 mm, body.scale_mm = 1000" in line(0.001)
     assert "1..500 mm" in line(1e9)
     path = hostile.to_stl(tmp_path / "inch.stl", Mesh(DUCK.vertices / 25.4, DUCK.triangles))
-    found = own_mesh.read_body(path, ReadOptions(scale_mm=25.4)).mesh
+    found = body_mesh.read_body(path, ReadOptions(scale_mm=25.4)).mesh
     assert mass.weigh(found, 1.0).volume == pytest.approx(mass.weigh(DUCK, 1.0).volume, rel=1e-5)
 
 
@@ -256,8 +256,8 @@ def test_repair_says_what_it_changed(tmp_path):
     def mended(mesh):
         path = hostile.to_stl(tmp_path / "broken.stl", mesh)
         with pytest.raises(InputError):
-            own_mesh.read_body(path)
-        found = own_mesh.read_body(path, ReadOptions(repair=True))
+            body_mesh.read_body(path)
+        found = body_mesh.read_body(path, ReadOptions(repair=True))
         faults.check_solid(found.mesh, "repaired")
         return "; ".join(found.changes), mass.weigh(found.mesh, 1.0).volume
 
@@ -292,18 +292,18 @@ def test_what_repair_cannot_mend_is_refused_with_what_was_tried(tmp_path):
     assert "crosses itself" in refused(path, repair=True)
     floating = hostile.together(BOX, hostile.box(middle=(40.0, 0.0, 40.0)))
     with pytest.raises(GeometryError, match=r"^body\.base = true: 1 pieces float above the plate"):
-        own_mesh.read_body(hostile.to_stl(tmp_path / "b.stl", floating), ReadOptions(repair=True, base=True))
-    sound = own_mesh.read_body(hostile.to_stl(tmp_path / "box.stl", BOX), ReadOptions(repair=True))
+        body_mesh.read_body(hostile.to_stl(tmp_path / "b.stl", floating), ReadOptions(repair=True, base=True))
+    sound = body_mesh.read_body(hostile.to_stl(tmp_path / "box.stl", BOX), ReadOptions(repair=True))
     assert sound.changes == ()
 
 
 def test_bodies_apart_are_joined_by_a_plate_or_the_largest_is_taken(tmp_path):
     small = hostile.box(5.0, 5.0, 8.0, middle=(0.0, 20.0, 0.0))
     path = hostile.to_stl(tmp_path / "two.stl", hostile.together(BOX, small))
-    joined = own_mesh.read_body(path, ReadOptions(repair=True, base=None))
+    joined = body_mesh.read_body(path, ReadOptions(repair=True, base=None))
     faults.check_solid(joined.mesh, "joined")
     assert joined.changes == ("joined 2 bodies by a base plate",)
-    alone = own_mesh.read_body(path, ReadOptions(repair=True))
+    alone = body_mesh.read_body(path, ReadOptions(repair=True))
     assert alone.changes == ("left out 1 body beside the largest",)
     assert mass.weigh(alone.mesh, 1.0).volume == pytest.approx(960.0)
     assert mass.weigh(joined.mesh, 1.0).volume > 960.0 + 200.0
@@ -312,7 +312,7 @@ def test_bodies_apart_are_joined_by_a_plate_or_the_largest_is_taken(tmp_path):
 def test_a_mesh_is_scaled_to_a_length_and_mirrored(tmp_path):
     path = hostile.to_stl(tmp_path / "duck.stl", DUCK)
     plain, turned = (
-        own_mesh.read_body(path, ReadOptions(length_mm=40.0, mirror=mirror)).mesh for mirror in (False, True)
+        body_mesh.read_body(path, ReadOptions(length_mm=40.0, mirror=mirror)).mesh for mirror in (False, True)
     )
     assert np.ptp(plain.vertices[:, 0]) == pytest.approx(40.0)
     np.testing.assert_allclose(np.sort(-plain.vertices[:, 0]), np.sort(turned.vertices[:, 0]), atol=1e-9)
@@ -347,7 +347,7 @@ def test_a_leg_on_a_flat_face_against_closed_forms(scale):
 
 def test_a_duck_on_legs():
     """Anchors on a slope: cut flush, nothing is lost or counted twice, and it stays one body."""
-    turn = own_mesh.rotation("z", "x", "key")
+    turn = body_mesh.rotation("z", "x", "key")
     body = Mesh(DUCK.vertices @ turn.T, DUCK.triangles)
     legs = []
     for x, z in ((-6.0, 0.0), (4.0, 0.5)):
@@ -369,7 +369,7 @@ def test_a_duck_on_legs():
 @pytest.mark.parametrize("upward", [hostile.UP, UPWARD])
 def test_a_leg_reaches_as_high_as_the_modeller_says(upward):
     """Rival of the clipped triangles: what the modeller leaves of a leg below the body."""
-    turn = own_mesh.rotation("z", "x", "key")
+    turn = body_mesh.rotation("z", "x", "key")
     body = joining.prepare_body(Mesh(DUCK.vertices @ turn.T, DUCK.triangles))
     foot = np.array([-3.0, -10.0, 0.3])
     found = joining.find_footing(body, foot, upward, 0.8, 3.0)
@@ -431,7 +431,7 @@ def test_sound_unions_of_anything_stay_sound_in_32_bits(tmp_path):
             parts.append(shape.translate(tuple(np.round(rng.uniform(-2.0, 2.0, 3)))))
         whole = manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add)
         assert len(whole.decompose()) == 1  # they all hold the origin
-        found = own_mesh.read_body(hostile.to_stl(tmp_path / "union.stl", modeller.to_mesh(whole)))
+        found = body_mesh.read_body(hostile.to_stl(tmp_path / "union.stl", modeller.to_mesh(whole)))
         assert mass.weigh(found.mesh, 1.0).volume == pytest.approx(whole.volume(), rel=1e-6)
 
 

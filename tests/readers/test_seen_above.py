@@ -14,7 +14,7 @@ from walkergen.core.walker.mass import to_centre_frame
 from walkergen.files import templates
 from walkergen.points import poses
 from walkergen.readers.drawings.outlines import area
-from walkergen.readers.walkers import landing, seen_above
+from walkergen.readers.walkers import leg_attachment, top_outline
 
 HOOK = [[-14, -9], [14, -9], [14, 9], [6, 9], [6, -2], [-14, -2]]
 """A body whose left side ahead reaches out: no mirror image of it is the same."""
@@ -38,8 +38,8 @@ def test_an_outline_lies_where_the_simulation_has_the_body_and_its_mirror_image_
     )
     mass = solids.mass_of(TURNER)
     found = poses.sample(prepare(scene, TURNER, mass), 0.05)
-    outline = polygon_of(seen_above.outline_of(TURNER, mass))
-    mesh = landing.prepare_body(TURNER.body.key).mesh
+    outline = polygon_of(top_outline.outline_of(TURNER, mass))
+    mesh = leg_attachment.prepare_body(TURNER.body.key).mesh
     body = mesh.vertices - np.array([0.0, 0.0, 0.5 * TURNER.size.depth])
     body[:, :2] = to_centre_frame(TURNER.limbs, mass, body[:, :2])
     for place, turn, heading in zip(found.places, found.rotations, found.heading, strict=True):
@@ -60,26 +60,26 @@ def test_an_outline_lies_where_the_simulation_has_the_body_and_its_mirror_image_
 def test_outlines_are_counter_clockwise_and_no_point_moves_farther_than_promised():
     for name in templates.names("walkers"):
         design = templates.load(name, "walkers", Design)
-        outline = seen_above.outline_of(design)
+        outline = top_outline.outline_of(design)
         assert all(area(contour) > 0.0 for contour in outline)
-        full = [ring for ring in seen_above.body_contours(design) if area(ring) > 0.0]
+        full = [ring for ring in top_outline.body_contours(design) if area(ring) > 0.0]
         O = to_centre_frame(design.limbs, solids.mass_of(design), np.zeros((1, 2)))[0, 0]  # noqa: E741
         moved = shapely.hausdorff_distance(
             shapely.union_all([shapely.Polygon(np.add(ring, (O, 0.0))) for ring in full]).boundary,
             polygon_of(outline).boundary,
         )
-        assert moved <= seen_above.MAX_DEVIATION_MM
+        assert moved <= top_outline.MAX_DEVIATION_MM
         assert len(outline[0]) <= len(full[0])
 
 
 def test_a_rectangle_is_its_four_corners_about_the_centre_of_mass():
     design = templates.load("koumakis2016", "walkers", Design)
-    (outline,) = seen_above.outline_of(design)
+    (outline,) = top_outline.outline_of(design)
     assert len(outline) == 4
     assert np.ptp(outline, axis=0) == pytest.approx([28.0, 8.0])
-    assert seen_above.area_of([outline]) == pytest.approx(28.0 * 8.0)
+    assert top_outline.area_of([outline]) == pytest.approx(28.0 * 8.0)
     braced = design.variant(kind="braced", tilt_deg=30.0)
-    (other,) = seen_above.outline_of(braced)  # its legs, which lean, belong to its mass
+    (other,) = top_outline.outline_of(braced)  # its legs, which lean, belong to its mass
     middle = 0.5 * (other.max(axis=0) + other.min(axis=0))
     assert middle[0] == pytest.approx(-0.0, abs=1.0)
     assert abs(middle[0]) > 0.05
@@ -87,7 +87,7 @@ def test_a_rectangle_is_its_four_corners_about_the_centre_of_mass():
 
 
 def test_the_projection_of_a_mesh_is_the_plan_that_it_was_made_of(tmp_path):
-    mesh = landing.prepare_body(TURNER.body.key).mesh
+    mesh = leg_attachment.prepare_body(TURNER.body.key).mesh
     (tmp_path / "hook.stl").write_bytes(stl.pack(mesh.vertices[mesh.triangles], "hook"))
     design = Design.model_validate(
         {
@@ -96,23 +96,23 @@ def test_the_projection_of_a_mesh_is_the_plan_that_it_was_made_of(tmp_path):
             "body": {"mesh": str(tmp_path / "hook.stl"), "up": "y", "forward": "x"},
         }
     )
-    (ring,) = seen_above.body_contours(design)
-    (own,) = seen_above.body_contours(TURNER)
+    (ring,) = top_outline.body_contours(design)
+    (own,) = top_outline.body_contours(TURNER)
     off = shapely.Polygon(ring).symmetric_difference(shapely.Polygon(own)).area
     assert off < 1e-3 * shapely.Polygon(own).area
 
 
 def test_the_holes_of_letters_are_contours_but_no_outline():
     design = templates.load("name", "walkers", Design)
-    contours = seen_above.body_contours(design)
+    contours = top_outline.body_contours(design)
     assert [area(ring) > 0.0 for ring in contours] == [True, *[False] * (len(contours) - 1)]
     assert len(contours) > 2
-    assert len(seen_above.outline_of(design)) == 1
+    assert len(top_outline.outline_of(design)) == 1
 
 
 def test_a_disc_stays_round_about_its_middle():
     design = templates.load("rotator", "walkers", Design)
-    (outline,) = seen_above.outline_of(design)
+    (outline,) = top_outline.outline_of(design)
     middle = outline.mean(axis=0)
     assert np.hypot(*(outline - middle).T) == pytest.approx(14.0)
     assert middle[1] == pytest.approx(0.0, abs=1e-9)

@@ -10,8 +10,8 @@ from walkergen.core.errors import GeometryError
 from walkergen.core.walker import mass, solids
 from walkergen.core.walker.design import Design
 from walkergen.readers.meshes import faults
-from walkergen.readers.walkers import own_mesh, whole_mesh
-from walkergen.readers.walkers.own_mesh import ReadOptions
+from walkergen.readers.walkers import body_mesh, leg_cutting
+from walkergen.readers.walkers.body_mesh import ReadOptions
 
 DENSITY = 1.24e-3
 
@@ -30,7 +30,7 @@ def test_a_cut_at_the_bottom_face_gives_back_the_design(kind, foot, tilt):
     """
     design = design_of(kind, foot, tilt)
     parts, limb = solids.build(design), design.limbs[0]
-    found = whole_mesh.cut_legs(parts.walker, -limb.anchor_to_foot[1])
+    found = leg_cutting.cut_legs(parts.walker, -limb.anchor_to_foot[1])
     assert len(found.legs) == 2
     slack = 2e-2 if foot == "round" else 1e-9
     body = mass.weigh(found.body, DENSITY)
@@ -58,7 +58,7 @@ def test_a_lower_cut_leaves_stumps_on_the_body():
     """A hundredth of the leg stays above the cut: the tilt is the same, length and mass follow."""
     design = design_of("flexible", "flat", 10.0)
     limb, walker = design.limbs[0], solids.build(design).walker
-    found = whole_mesh.cut_legs(walker, 0.99 * -limb.anchor_to_foot[1])
+    found = leg_cutting.cut_legs(walker, 0.99 * -limb.anchor_to_foot[1])
     total = mass.weigh(walker, DENSITY).mass
     masses = [mass.weigh(mesh, DENSITY).mass for mesh in (found.body, *(f.mesh for f in found.legs))]
     assert sum(masses) == pytest.approx(total, rel=1e-13)
@@ -73,9 +73,9 @@ def test_through_a_file_of_32_bits(tmp_path):
     design = design_of("flexible", "flat", 17.0)
     path = hostile.to_stl(tmp_path / "whole.stl", solids.build(design).walker)
     # The file has our own axes: y up, z across
-    read = own_mesh.read_body(path, ReadOptions(up="y", forward="x"), key="walker.mesh")
+    read = body_mesh.read_body(path, ReadOptions(up="y", forward="x"), key="walker.mesh")
     assert read.changes == ()
-    found = whole_mesh.cut_legs(read.mesh, 7.0)
+    found = leg_cutting.cut_legs(read.mesh, 7.0)
     for leg in found.legs:
         assert leg.tilt == pytest.approx(design.limbs[0].tilt, abs=1e-6)
         assert leg.thickness == pytest.approx(0.4, abs=2e-6)
@@ -90,7 +90,7 @@ def test_a_table_has_four_legs_in_order():
     legs = [hostile.box(1.0, 5.0, 2.0, spot) for spot in spots]
     from walkergen.core.shapes import joining
 
-    found = whole_mesh.cut_legs(joining.unite_with_legs(joining.prepare_body(tops), legs), 4.0)
+    found = leg_cutting.cut_legs(joining.unite_with_legs(joining.prepare_body(tops), legs), 4.0)
     places = [(round(leg.foot[0], 9), round(leg.z, 9)) for leg in found.legs]
     assert places == [(x, z) for x, _, z in spots]
     for leg in found.legs:
@@ -101,8 +101,8 @@ def test_cuts_that_make_no_walker_are_refused():
     walker = solids.build(design_of("flexible", "flat", 10.0)).walker
     for height in (0.0, -1.0, 10.4, math.nan, math.inf):
         with pytest.raises(GeometryError, match=r"legs_below_mm = .*: must lie in 0..10.39 mm"):
-            whole_mesh.cut_legs(walker, height)
-    upside_down = own_mesh.rotation("-y", "x", "key")
+            leg_cutting.cut_legs(walker, height)
+    upside_down = body_mesh.rotation("-y", "x", "key")
     turned = walker._replace(vertices=walker.vertices @ upside_down.T)
     with pytest.raises(GeometryError, match="above it are 2 pieces, must be one body"):
-        whole_mesh.cut_legs(turned, 5.0)
+        leg_cutting.cut_legs(turned, 5.0)

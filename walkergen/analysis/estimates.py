@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import spreads, walks
+from walkergen.analysis import displacement_fit, persistent_walk
 from walkergen.analysis.moments import Grid, Moments
-from walkergen.analysis.walks import Spread
+from walkergen.analysis.persistent_walk import Spread
 from walkergen.core.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
@@ -197,7 +197,7 @@ def _fit_persistence(numbers: dict[str, float], sums: Moments, frame: Frame) -> 
         return
     lag, values = lag[use], values[use]
     # Turns of the few that are free scatter as the lag and their number say: weights without chance.
-    errors = lag / np.sqrt(sums.turn_pairs[use]) if frame.walls else spreads.smooth_errors(lag, errors[use])
+    errors = lag / np.sqrt(sums.turn_pairs[use]) if frame.walls else displacement_fit.smooth_errors(lag, errors[use])
     fitted = _fit_decay(lag, values, errors, frame, window)
     if fitted is None:
         return
@@ -214,7 +214,7 @@ def _fit_persistence(numbers: dict[str, float], sums: Moments, frame: Frame) -> 
 
         def correlation(samples: Array) -> Array:
             after = samples * frame.interval
-            return np.asarray(np.exp(-rate * (walks.delayed_lag(after, lasting) if lasting else after)))
+            return np.asarray(np.exp(-rate * (persistent_walk.delayed_lag(after, lasting) if lasting else after)))
 
         shortened = math.exp(-0.5 * variance) * _extrapolated_share(correlation)
         velocity = complex(_velocity(sums) / (shortened * frame.interval))
@@ -226,7 +226,9 @@ def _fit_persistence(numbers: dict[str, float], sums: Moments, frame: Frame) -> 
     else:
         numbers |= {"turning_bias": turn, "amplitude": amplitude, "lasting": float(values[0].real)}
         numbers["motion_speed"] = numbers["speed"] = math.sqrt(max(amplitude, 0.0)) / window
-        first = walks.velocity_correlation(np.array([frame.first_lag * frame.interval]), 1.0, rate, turn, window)
+        first = persistent_walk.velocity_correlation(
+            np.array([frame.first_lag * frame.interval]), 1.0, rate, turn, window
+        )
         numbers["shortened"] = window * math.sqrt(abs(first[0]))
     numbers["persistence_length"] = abs(numbers["speed"]) * numbers["persistence_time"]
 
@@ -236,15 +238,15 @@ def _fit_decay(lag: Array, values: Complex, errors: Array, frame: Frame, window:
 
     def model(at: Array, amplitude: float, rate: float, turn: float) -> Complex:
         # A mean over T takes the share at / T of the diffusion off (a Brownian bridge).
-        return walks.velocity_correlation(at * (1.0 - at / frame.own_s), amplitude, rate, turn, window)
+        return persistent_walk.velocity_correlation(at * (1.0 - at / frame.own_s), amplitude, rate, turn, window)
 
     def late(at: Array, amplitude: float, rate: float, turn: float, memory: float) -> Complex:
-        return model(walks.delayed_lag(at, memory), amplitude, rate, turn)
+        return model(persistent_walk.delayed_lag(at, memory), amplitude, rate, turn)
 
     if not frame.memory:
-        return walks.fit(model, lag, values, errors, _guess_start(lag, values, errors))
+        return persistent_walk.fit(model, lag, values, errors, _guess_start(lag, values, errors))
     lowest = (*[-math.inf] * 3, 0.0)
-    return walks.fit(late, lag, values, errors, _guess_memory(lag, values, errors), lowest)
+    return persistent_walk.fit(late, lag, values, errors, _guess_memory(lag, values, errors), lowest)
 
 
 def _guess_memory(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float, float]:
@@ -252,7 +254,7 @@ def _guess_memory(lag: Array, values: Complex, errors: Array) -> tuple[float, fl
     height, weights = np.log(np.maximum(np.abs(values), 1e-300)), np.abs(values) / errors
     guesses = []
     for memory in np.geomspace(lag[0], lag[-1] / 3.0, 8):
-        line, rest, *_ = np.polyfit(walks.delayed_lag(lag, memory), height, 1, w=weights, full=True)
+        line, rest, *_ = np.polyfit(persistent_walk.delayed_lag(lag, memory), height, 1, w=weights, full=True)
         guesses.append((float(rest.sum()), math.exp(line[1]), -float(line[0]), float(memory)))
     _, amplitude, rate, memory = min(guesses)
     return amplitude, rate, 0.0, memory

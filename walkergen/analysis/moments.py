@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import lagged
+from walkergen.analysis import lag_sums
 from walkergen.analysis.tracks import Track
 
 Array = npt.NDArray[np.float64]
@@ -32,8 +32,8 @@ class Grid(NamedTuple):
 
     step: int
     """Lag of the displacements along and across the heading."""
-    square_lags: lagged.Lags
-    turn_lags: lagged.Lags
+    square_lags: lag_sums.Lags
+    turn_lags: lag_sums.Lags
     bins: tuple[Array, Array]
     """Edges (mm) of bins for displacements along and across; empty when there is no density."""
 
@@ -144,7 +144,7 @@ def measure(track: Track, grid: Grid, mean_step: float = 0.0) -> Moments:
     about_mean = np.zeros_like(square)
     if lane:
         drift = mean_step * times[:, None]
-        about_mean, _ = lagged.sum_squares(track.position - drift, grid.square_lags)
+        about_mean, _ = lag_sums.sum_squares(track.position - drift, grid.square_lags)
     turn, turn_pairs = _sum_products(track, headings * np.exp(-1j * mean_step * times[: len(headings)]), grid)
     return Moments(
         net_displacement(track),
@@ -163,19 +163,19 @@ def measure(track: Track, grid: Grid, mean_step: float = 0.0) -> Moments:
     )
 
 
-def sum_squares(track: Track, lags: lagged.Lags) -> tuple[Array, Array]:
+def sum_squares(track: Track, lags: lag_sums.Lags) -> tuple[Array, Array]:
     """Sum squared displacements, mm^2, and count pairs by lag; between walls those of free motion."""
     if track.reach is None:
-        return lagged.sum_squares(track.position, lags)
-    return lagged.sum_free_squares(track.position, lags, track.reach)
+        return lag_sums.sum_squares(track.position, lags)
+    return lag_sums.sum_free_squares(track.position, lags, track.reach)
 
 
 def _sum_products(track: Track, series: Complex, grid: Grid) -> tuple[Complex, Array]:
     """Sum products of headings, or of displacements, and count pairs by lag; between walls those of free motion."""
     if track.reach is None:
-        return lagged.sum_products(series, grid.turn_lags)
+        return lag_sums.sum_products(series, grid.turn_lags)
     span = 0 if track.heading is not None else grid.step
-    return lagged.sum_free_products(series, grid.turn_lags, track.reach - span)
+    return lag_sums.sum_free_products(series, grid.turn_lags, track.reach - span)
 
 
 def mask_near_walls(values: npt.NDArray[Any], free: npt.NDArray[np.bool_] | None) -> npt.NDArray[Any]:

@@ -14,11 +14,21 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import alignment, between, bounds, fitted_spread, judgement, lagged, moments, turning, walls
-from walkergen.analysis.between import WalkerComparison, WalkerMeans
+from walkergen.analysis import (
+    alignment,
+    interval_laws,
+    lag_sums,
+    moments,
+    particle_scatter,
+    spread_numbers,
+    turning,
+    verdicts,
+    walls,
+)
+from walkergen.analysis.displacement_fit import DisplacementFit
 from walkergen.analysis.estimates import UNITS, Frame, mean, refusal
 from walkergen.analysis.moments import Grid, Moments
-from walkergen.analysis.spreads import DisplacementFit
+from walkergen.analysis.particle_scatter import WalkerComparison, WalkerMeans
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.analysis.turning import Turning
 from walkergen.analysis.walls import Walls
@@ -179,24 +189,24 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found: Walls | None, descen
         _jackknife([np.stack([values.real, values.imag]).ravel() for values in turn[1:]]),
         found is not None,
     )
-    frame, numbers = judgement.choose_memory(both, frame)
-    numbers, fit = fitted_spread.add_fit(numbers, both, frame, lags)
-    alone = between.walker_means(tracks, frame, numbers[0]["shortened"], mean_steps)
-    together = between.compare(alone)
+    frame, numbers = verdicts.choose_memory(both, frame)
+    numbers, fit = spread_numbers.add_fit(numbers, both, frame, lags)
+    alone = particle_scatter.walker_means(tracks, frame, numbers[0]["shortened"], mean_steps)
+    together = particle_scatter.compare(alone)
     if headed:
-        shortened = judgement.jackknife_quantity(numbers, "shortened")
-        alone = [walker._replace(means=between.add_shared_error(walker.means, shortened)) for walker in alone]
+        shortened = verdicts.jackknife_quantity(numbers, "shortened")
+        alone = [walker._replace(means=particle_scatter.add_shared_error(walker.means, shortened)) for walker in alone]
         if together is not None:
-            together = together._replace(means=between.add_shared_error(together.means, shortened))
+            together = together._replace(means=particle_scatter.add_shared_error(together.means, shortened))
     few = tracks.tracks if in_pieces and together is not None else ()
     without_one = [whole, *(moments.subtract(whole, sum_moments([track])) for track in few)]
-    unlike, between_turns = judgement.evaluate_all(without_one, frame), turning.scatter(turnings)
-    judged = judgement.judge(
+    unlike, between_turns = verdicts.evaluate_all(without_one, frame), turning.scatter(turnings)
+    judged = verdicts.judge(
         numbers[0],
         numbers[1:],
         frame,
         fit,
-        fitted_spread.add_refit(unlike[1:], without_one[1:], frame, fit),
+        spread_numbers.add_refit(unlike[1:], without_one[1:], frame, fit),
         lags * tracks.interval,
         _freedom(parts, int(fitted.sum()) - 1),
         between_turns.known or (together is not None and together.scatter.known),
@@ -208,9 +218,9 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found: Walls | None, descen
     lone = refusal("speed_scatter", "fewer than 2 walkers with speeds of their own")
     judged["speed_scatter"] = together.scatter if together else lone
     if on_plane:
-        judged |= bounds.turning_scatter_refusals(judged, between_turns) | {"turning_scatter": between_turns}
+        judged |= interval_laws.turning_scatter_refusals(judged, between_turns) | {"turning_scatter": between_turns}
         noise2, lasting = (
-            judgement.jackknife_quantity(numbers, name) for name in ("heading_variance", "turning_memory")
+            verdicts.jackknife_quantity(numbers, name) for name in ("heading_variance", "turning_memory")
         )
         judged["rotational_diffusion"] = turning.diffusion(turnings, noise2, lasting)
     if headed and not tracks.lane:
@@ -279,8 +289,8 @@ def _choose_grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Gri
     if reach:  # walls end the pairs that are free, not the tracks
         most = min(most, max(_longest_free_lag(reach, 1 if headed else 2 * step + 1), 1))
         last = min(last, most - (0 if headed else step))
-    turns = np.zeros(0, np.int64) if tracks.lane else lagged.log_spaced_lags(last, 32, first)
-    squares = lagged.log_spaced_lags(most, 64)
+    turns = np.zeros(0, np.int64) if tracks.lane else lag_sums.log_spaced_lags(last, 32, first)
+    squares = lag_sums.log_spaced_lags(most, 64)
     return Grid(step, squares, turns, (_bin_edges(along, step), _bin_edges(across, step)))
 
 
@@ -305,7 +315,7 @@ def _jackknife(replicates: Sequence[Array]) -> Array:
     return statistics.jackknife_error(np.stack(replicates))
 
 
-def _local_exponents(lags: lagged.Lags, values: Array) -> Array:
+def _local_exponents(lags: lag_sums.Lags, values: Array) -> Array:
     """Compute d ln(value) / d ln(lag) from parabolas through lags half an octave and more apart.
 
     Closer lags would show noise. NaN if there is no such lag on both sides, or no value > 0.

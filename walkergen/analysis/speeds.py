@@ -61,11 +61,11 @@ def read_speeds(path: Path, kind: Kind, plate_speed: float) -> Measured:
     optional = ("speed_se_mm_s", "plate_speed_mm_s")
     of_films: tuple[str, ...] = ()
     if TRACKS_COLUMN in columns.read_header(path):
-        from walkergen.analysis import filmed
+        from walkergen.analysis import track_speeds
 
-        more = (filmed.SPEED_COLUMN, filmed.PARTICLE_COLUMN)
+        more = (track_speeds.SPEED_COLUMN, track_speeds.PARTICLE_COLUMN)
         table = columns.read_numbers(path, ("tilt_deg",), (*optional, *more), {"legs": KINDS})
-        table, of_films = filmed.add_track_speeds(path, table)
+        table, of_films = track_speeds.add_track_speeds(path, table)
     else:
         table = columns.read_numbers(path, ("tilt_deg", "speed_mm_s"), optional, {"legs": KINDS})
     if len(table.lines) > MAX_SPEEDS:

@@ -16,10 +16,10 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen import extras
-from walkergen.analysis import poses, track_columns
+from walkergen.analysis import pose_tables, track_columns
 from walkergen.analysis.track_columns import PIXEL, WALKERGEN_PROGRAM, NamedColumn, Source
 from walkergen.core.errors import InputError
-from walkergen.core.files import columns, plain, reading
+from walkergen.core.files import columns, file_reading, safe_text
 from walkergen.core.files.columns import Columns
 
 Array = npt.NDArray[np.float64]
@@ -68,18 +68,18 @@ class ArrayFile(NamedTuple):
 
 def read_arrays(path: Path, lane: bool) -> Source | None:
     """Rows of a file of arrays; None for a file of text, or of columns (`lines`). Raises InputError."""
-    begin = reading.read_start(path, 16, columns.FORMAT_NAME)
+    begin = file_reading.read_start(path, 16, columns.FORMAT_NAME)
     for first, what in UNSUPPORTED_MAGIC.items():
         if begin.startswith(first):
             raise InputError(f"{path}: is {what}")
     if begin.startswith(ZIP_MAGIC) and not _is_npz(path):
         raise InputError(f"{path}: is a spreadsheet or another archive: save the table as CSV")
     if begin.startswith(NETCDF_MAGIC):
-        with reading.translate_library_errors(str(path), "NetCDF"):
+        with file_reading.translate_library_errors(str(path), "NetCDF"):
             return _from_movement(path, _read_netcdf(path), lane)
     if begin.startswith(HDF5_MAGIC):
         extras.require("poses", f"{path}: HDF5")
-        with reading.translate_library_errors(str(path), "HDF5"):
+        with file_reading.translate_library_errors(str(path), "HDF5"):
             return _read_hdf5(path, lane)
     return None
 
@@ -89,9 +89,9 @@ def npz_lines(path: Path) -> Iterator[str] | None:
 
     Columns are the arrays as long as that of frames or times; TRex names those of places without their unit.
     """
-    if not reading.read_start(path, 4, columns.FORMAT_NAME).startswith(ZIP_MAGIC):
+    if not file_reading.read_start(path, 4, columns.FORMAT_NAME).startswith(ZIP_MAGIC):
         return None
-    with reading.translate_library_errors(str(path), "NPZ"), zipfile.ZipFile(path) as archive:
+    with file_reading.translate_library_errors(str(path), "NPZ"), zipfile.ZipFile(path) as archive:
         if sum(entry.file_size for entry in archive.infolist()) > MAX_BYTES:
             raise InputError(f"{path}: more than {MAX_BYTES} bytes when unpacked; is it the right file?")
         with np.load(path, allow_pickle=False) as held:
@@ -99,7 +99,7 @@ def npz_lines(path: Path) -> Iterator[str] | None:
     clock = next((name for name in ("frame", "time", "t_s") if name in values), None)
     if clock is None:
         raise InputError(
-            f"{path}: no array frame, time or t_s; arrays seen: {plain.shorten_line(', '.join(values))[:80]}"
+            f"{path}: no array frame, time or t_s; arrays seen: {safe_text.shorten_line(', '.join(values))[:80]}"
         )
     kept = {name: array for name, array in values.items() if array.ndim == 1 and len(array) == len(values[clock])}
     trex = "cm_per_pixel" in values
@@ -126,7 +126,7 @@ def _read_netcdf(path: Path) -> ArrayFile:
     """Contents of a file of NetCDF 3, in which text is of letters along a dimension of its own."""
     from scipy.io import netcdf_file
 
-    file = netcdf_file(io.BytesIO(reading.read_bytes(path)), mmap=False)
+    file = netcdf_file(io.BytesIO(file_reading.read_bytes(path)), mmap=False)
     attributes = {"": _decode_attributes(file._attributes)}
     values, dimensions, words = {}, {}, {}
     for name, variable in file.variables.items():
@@ -168,7 +168,7 @@ def _read_hdf5(path: Path, lane: bool) -> Source:
             told = "is SLEAP's project: give its analysis CSV or HDF5 (File, Export)"
         elif any("pandas_type" in file[name].attrs for name in names):
             told = "is a table of pandas: save it as CSV (DeepLabCut: save_as_csv, or analyze_videos_converth5_to_csv)"
-        raise InputError(f"{path}: {told}; it holds {plain.shorten_line(', '.join(sorted(names)))[:60]}")
+        raise InputError(f"{path}: {told}; it holds {safe_text.shorten_line(', '.join(sorted(names)))[:60]}")
 
 
 def _read_datasets(path: Path, file: Any, names: set[str]) -> ArrayFile:
@@ -180,7 +180,9 @@ def _read_datasets(path: Path, file: Any, names: set[str]) -> ArrayFile:
         if not hasattr(data, "shape") or not data.shape:
             continue
         if data.size > MAX_NUMBERS:
-            raise InputError(f"{path}: {plain.shorten_line(name)[:30]} has {data.size} numbers; at most {MAX_NUMBERS}")
+            raise InputError(
+                f"{path}: {safe_text.shorten_line(name)[:30]} has {data.size} numbers; at most {MAX_NUMBERS}"
+            )
         dimensions[name] = _dimension_names(file, data)
         attributes[name] = _decode_attributes(
             {key: data.attrs[key] for key in (*UNIT_ATTRIBUTES, *PACKING_ATTRIBUTES) if key in data.attrs}
@@ -222,7 +224,7 @@ def _from_movement(path: Path, held: ArrayFile, lane: bool) -> Source:
     places = _reorder_dimensions(held, "position", ("individual", "keypoint", "space", "time"))
     if held.attributes[""].get("source_software") in LIKELIHOOD_PROGRAMS and "confidence" in held.values:
         sure = _reorder_dimensions(held, "confidence", ("individual", "keypoint", "time"))
-        places = np.where(sure[:, :, None] < poses.MIN_LIKELIHOOD, np.nan, places)
+        places = np.where(sure[:, :, None] < pose_tables.MIN_LIKELIHOOD, np.nan, places)
     x, y = (places[:, :, words["space"].index(axis)] for axis in "xy")
     people = words.get("individual", [])
     unit = next((attributes[name] for name in UNIT_ATTRIBUTES if name in attributes), "")
@@ -252,10 +254,10 @@ def _from_parts(
         long = track_columns.to_long_table(table, clock, ticks, walkers, range(len(x)))
         return Source(long, named, program, True, said=track_columns.format_labels(people))
     owned = {
-        who: {part: poses.Part(x[n, k], y[n, k]) for k, part in enumerate(parts)}
+        who: {part: pose_tables.Part(x[n, k], y[n, k]) for k, part in enumerate(parts)}
         for n, who in enumerate(people or map(str, range(len(x))))
     }
-    return poses.from_bodies(table, clock, ticks, owned, named, program)
+    return pose_tables.from_bodies(table, clock, ticks, owned, named, program)
 
 
 def _from_walkergen(held: ArrayFile, x: Array, y: Array, people: Sequence[str], lane: bool) -> Source:
@@ -277,7 +279,9 @@ def _from_sleap(held: ArrayFile) -> Source:
     held = held._replace(dimensions={"tracks": held.dimensions["tracks"] or ("track", "xy", "node", "frame")})
     x, y = _reorder_dimensions(held, "tracks", ("xy", "track", "node", "frame"))
     frames = {"frame": np.arange(x.shape[-1], dtype=float)}
-    return _from_parts(x, y, held.words["node_names"], held.words["track_names"], frames, poses.PIXEL_COLUMNS, "SLEAP")
+    return _from_parts(
+        x, y, held.words["node_names"], held.words["track_names"], frames, pose_tables.PIXEL_COLUMNS, "SLEAP"
+    )
 
 
 def _from_idtracker(held: ArrayFile, rate: float) -> Source:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.core.errors import InputError
-from walkergen.core.files import plain
+from walkergen.core.files import safe_text
 from walkergen.core.files.columns import Columns
 
 TRACKS_COLUMN = "tracks"
@@ -210,7 +210,7 @@ def coordinate_pairs(names: Sequence[str]) -> dict[str, tuple[str, str]]:
 def missing_column_error(path: object, names: Sequence[str], what: str) -> InputError:
     """Refusal of a file that no column of a kind is found in: which one to rename, and how."""
     rename = {"x": "x_mm, x_cm or x_px", "y": "y_mm, y_cm or y_px", "time": "t_s, or frame where it counts frames"}
-    seen = plain.shorten_line(", ".join(name for name in names if name))
+    seen = safe_text.shorten_line(", ".join(name for name in names if name))
     more = "" if len(seen) < MAX_SHOWN_LETTERS else " ..."
     return InputError(
         f"{path}: no column {what!r}; rename the one that holds it to {rename[what]} (seen: "
@@ -223,7 +223,9 @@ def format_labels(labels: Sequence[str]) -> tuple[str, ...]:
     """Numbers that walkers with labels have from here on."""
     if not labels:
         return ()
-    some = ", ".join(f"{number} {plain.shorten_line(label)[:30]}" for number, label in enumerate(labels[:MAX_LABELS]))
+    some = ", ".join(
+        f"{number} {safe_text.shorten_line(label)[:30]}" for number, label in enumerate(labels[:MAX_LABELS])
+    )
     return (f"walkers are numbered: {some}{', ...' if len(labels) > MAX_LABELS else ''}",)
 
 

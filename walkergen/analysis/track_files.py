@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import sampling, track_columns, track_programs
+from walkergen.analysis import sampling, track_columns, track_formats
 from walkergen.analysis.track_columns import (
     ANGLE_UNITS_RAD,
     LENGTH_UNITS_MM,
@@ -25,7 +25,7 @@ from walkergen.analysis.track_columns import (
 )
 from walkergen.analysis.tracks import Tracks
 from walkergen.core.errors import InputError
-from walkergen.core.files import plain, words
+from walkergen.core.files import formatting, safe_text
 from walkergen.core.files.columns import Columns
 
 Array = npt.NDArray[np.float64]
@@ -69,7 +69,7 @@ def read_tracks(path: Path, units: Units) -> Tracks:
     which also says what was taken for what.
     """
     given = _parse_units(units.unit)
-    source = track_programs.read_source(path, units.lane)
+    source = track_formats.read_source(path, units.lane)
     if source.program == WALKERGEN_PROGRAM:
         return _read_walkergen(path, source, units, given)
     _check_same_units(path, source, given)
@@ -111,7 +111,7 @@ def _parse_units(text: str) -> _Given:
         kind = next((kind for kind, known in kinds if unit in known), "")
         if not kind or kind in held:
             raise InputError(
-                f"‹unit=›{plain.shorten_line(text)[:40]}: must be a unit of places "
+                f"‹unit=›{safe_text.shorten_line(text)[:40]}: must be a unit of places "
                 f"({', '.join((*LENGTH_UNITS_MM, PIXEL))}), of times "
                 f"({', '.join((*TIME_UNITS_S, 'frame'))}), of headings ({', '.join(ANGLE_UNITS_RAD)}), or "
                 "one of each, as cm,deg",
@@ -238,7 +238,7 @@ def _angle_unit(path: Path, source: Source, given: _Given) -> tuple[float, str]:
     largest = float(np.nanmax(np.abs(source.table.values["theta"]), initial=0.0))
     if largest > MAX_TURN_RAD and _is_not_radians(source.table):
         raise InputError(
-            f"{path}: {named.name} has no unit and reaches {words.format_number(largest, 4)}, more than a "
+            f"{path}: {named.name} has no unit and reaches {formatting.format_number(largest, 4)}, more than a "
             "turn in radians; "
             "give ‹unit=›deg or ‹unit=›rad (beside that of places: ‹unit=›mm,deg), or call it theta_deg or theta_rad"
         )

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.analysis import between, lagged, moments
+from walkergen.analysis import lag_sums, moments, particle_scatter
 from walkergen.analysis.estimates import MIN_SAMPLES, quantity, refusal
 from walkergen.analysis.tracks import Track
 from walkergen.core.numerics.quantity import Quantity
@@ -70,7 +70,7 @@ def _longest_bridged_gap(units: Sequence[moments.Complex], size: int) -> int:
     lags = lags[(lags > 1) & (lags <= size)]
     total, pairs = np.zeros(len(lags)), np.zeros(len(lags))
     for unit in units:
-        products, count = lagged.sum_products(unit, lags)
+        products, count = lag_sums.sum_products(unit, lags)
         total, pairs = total + np.abs(products), pairs + count  # about each one's own mean turn
     unknown = lags[total < MIN_GAP_CORRELATION * pairs]
     bridged = lags[lags < unknown[0]] if len(unknown) else lags
@@ -119,7 +119,7 @@ def scatter(turnings: Sequence[Turning]) -> Quantity:
     rates, seconds = np.array([(turning.rate, turning.seconds) for turning in turnings]).T
     inside = _degrees_of_freedom(turnings)
     noise = _sum_squares(turnings) / inside * float((1.0 / seconds).mean())
-    return between.walker_scatter("turning_scatter", rates, noise, inside)
+    return particle_scatter.walker_scatter("turning_scatter", rates, noise, inside)
 
 
 def diffusion(turnings: Sequence[Turning], noise2: Quantity, memory: Quantity) -> Quantity:

@@ -13,10 +13,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import lagged
+from walkergen.analysis import lag_sums
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.core.dish import Dish
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.core.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
@@ -88,11 +88,11 @@ class Walls(NamedTuple):
     @property
     def said(self) -> str:
         """Walls, and what is measured between them, in words."""
-        size = " x ".join(words.format_number(width, 3) for width in self.extent)
+        size = " x ".join(formatting.format_number(width, 3) for width in self.extent)
         source = f"of ‹arena=›{self.dish.words}" if self.dish else f"about {size} mm, by the hull of the tracks"
         return (
-            f"walls {source}: run into {words.format_with_error(*self.contacts.pair)} times a second, "
-            f"{words.format_number(100 * self.along, 2)} % of the time along them; numbers are of free "
+            f"walls {source}: run into {formatting.format_with_error(*self.contacts.pair)} times a second, "
+            f"{formatting.format_number(100 * self.along, 2)} % of the time along them; numbers are of free "
             "motion, from places "
             "from which no wall could be reached meanwhile"
         )
@@ -168,8 +168,8 @@ def _is_confining(
 def _is_stationary(tracks: Tracks, places: Array) -> bool:
     """Whether the squared displacement of walkers is that of unrelated places, from short lags on."""
     longest = max(len(track.position) for track in tracks.tracks)
-    lags = lagged.log_spaced_lags(longest // LAST_LAG_DIVISOR, LAG_COUNT, max(longest // STATIONARY_SHARES[0][0], 1))
-    squares, pairs = np.sum([lagged.sum_squares(track.position, lags) for track in tracks.tracks], axis=0)
+    lags = lag_sums.log_spaced_lags(longest // LAST_LAG_DIVISOR, LAG_COUNT, max(longest // STATIONARY_SHARES[0][0], 1))
+    squares, pairs = np.sum([lag_sums.sum_squares(track.position, lags) for track in tracks.tracks], axis=0)
     share = squares / np.maximum(pairs, 1.0) / (2.0 * float(places.var(axis=0).sum()))
     return all((share[lags >= longest // part] > least).all() for part, least in STATIONARY_SHARES)
 

@@ -105,9 +105,9 @@ class Document(NamedTuple):
         """Walker of the page. Raises InputError, a line for every mistake."""
         design = self._load_section(self.walker, "walkers", Design, "")
         if design.weighed.states:
-            from walkergen.core.walker import weights
+            from walkergen.core.walker import weighed_masses
 
-            weights.check_stated_masses(design)
+            weighed_masses.check_stated_masses(design)
         return design
 
     def load_scene(self) -> Scene:

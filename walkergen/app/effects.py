@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from walkergen.app import answers
 from walkergen.app import document as documents
+from walkergen.app import walker_answers
 from walkergen.app.document import Document
 from walkergen.core.errors import InputError
 from walkergen.files import web_page
@@ -28,4 +28,4 @@ def read_picture(document: Document, folder: Path) -> dict[str, str]:
 
 
 def _folder(document: Document, folder: Path) -> Path:
-    return folder / answers.part_name(document)
+    return folder / walker_answers.part_name(document)

@@ -33,7 +33,7 @@ class AppRequest(request.Request):
 
     def run(self, progress: Progress) -> None:
         """Serve pages until Ctrl-C."""
-        from walkergen.app import serving
+        from walkergen.app import server_process
         from walkergen.app.document import Document
 
         given = self.inputs()
@@ -41,4 +41,4 @@ class AppRequest(request.Request):
         given.scene(scene), given.printer(self.printer)
         document = Document(self.design, scene, self.printer, given.values)
         anew = document != Document(request.PAPER_WALKER, request.LANE_SCENE, request.DEFAULT_PRINTER, {})
-        serving.serve(document, anew, FOLDER, self.host, self.port, self.browser)
+        server_process.serve(document, anew, FOLDER, self.host, self.port, self.browser)

@@ -5,7 +5,8 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any, Literal, NamedTuple
 
-from walkergen.core.files import config, words
+from walkergen.core.files import config
+from walkergen.core.files import formatting as words
 from walkergen.core.printing.printers import Printer
 from walkergen.core.scene import Scene
 from walkergen.core.theory import prediction

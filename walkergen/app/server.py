@@ -19,24 +19,24 @@ from starlette.responses import HTMLResponse, RedirectResponse, Response
 from starlette.routing import Mount, Route
 
 from walkergen.app import (
-    answers,
-    children,
-    crowding,
+    child_processes,
+    crowd_playback,
     curves,
+    downloads,
     effects,
     form,
-    pictures,
     sentences,
-    spans,
-    statics,
-    taking,
+    slider_ranges,
+    static_files,
+    template_pictures,
+    walker_answers,
 )
 from walkergen.app import document as documents
 from walkergen.app.document import Document
-from walkergen.app.served import START_VALUES, Server
+from walkergen.app.server_state import START_VALUES, Server
 from walkergen.app.workers import Workers
 from walkergen.core.errors import InputError, WalkergenError
-from walkergen.core.files import output, reading
+from walkergen.core.files import file_reading, output
 from walkergen.core.files.ledger import encode_manifest
 from walkergen.files import templates
 from walkergen.request import TABLE_SCENE
@@ -79,19 +79,19 @@ def application(server: Server) -> Any:
     doors: dict[str, Endpoint] = {
         "start": _send_start_data,
         "walker": _send_walker,
-        "outlook": _answer_endpoint(answers.printing_outlook),
+        "outlook": _answer_endpoint(walker_answers.printing_outlook),
         "curve": _answer_endpoint(curves.speed_curve_table, _is_rough),
-        "shares": _answer_endpoint(answers.variance_shares, key="shares"),
-        "trouble": _answer_endpoint(answers.trouble_picture),
+        "shares": _answer_endpoint(walker_answers.variance_shares, key="shares"),
+        "trouble": _answer_endpoint(walker_answers.trouble_picture),
         "form": _answer_endpoint(form.to_dict),
-        "spans": _answer_endpoint(spans.slider_ranges, _slider_keys, key="spans"),
+        "spans": _answer_endpoint(slider_ranges.slider_ranges, _slider_keys, key="spans"),
         "keep": _save_document,
         "run": _run_simulation,
-        "crowd": _command_endpoint(crowding.crowd_arguments, _output_folder("crowds")),
-        "crowded": _answer_endpoint(crowding.read_playback, _output_folder("crowds")),
+        "crowd": _command_endpoint(crowd_playback.crowd_arguments, _output_folder("crowds")),
+        "crowded": _answer_endpoint(crowd_playback.read_playback, _output_folder("crowds")),
         "effects": _command_endpoint(effects.explain_arguments, _output_folder("effects")),
         "effects_drawn": _answer_endpoint(effects.read_picture, _output_folder("effects")),
-        "nearest": _command_endpoint(taking.sweep_arguments, _target_speed, _output_folder("sweep")),
+        "nearest": _command_endpoint(downloads.sweep_arguments, _target_speed, _output_folder("sweep")),
         "make": _make_files,
         "take": _send_files,
         "upload": _receive_upload,
@@ -99,7 +99,7 @@ def application(server: Server) -> Any:
     inner: list[Any] = [
         *(Route(f"/{name}", _handle_refusals(server, door), methods=["POST"]) for name, door in doors.items()),
         Route("/picture/{name}.svg", _handle_refusals(server, _send_picture)),
-        *statics.routes(),
+        *static_files.routes(),
     ]
     word = (server.once or "").encode()
     used: list[bytes] = []
@@ -183,7 +183,7 @@ def _handle_refusals(server: Server, door: Endpoint) -> Any:
         try:
             return await door(server, request)
         except WalkergenError as error:
-            return _json_response({"refused": answers.format_refusal(error)}, 422)
+            return _json_response({"refused": walker_answers.format_refusal(error)}, 422)
         except (MemoryError, RecursionError):
             return _error_response(["too large for this machine: ask for less"], 422)
         except TimeoutError:
@@ -251,7 +251,7 @@ async def _send_start_data(server: Server, request: Request) -> Response:
 def _load_saved(server: Server) -> Any:
     """Load the stored document; None without one, if its files are gone, or if the command line names another."""
     try:
-        data = reading.read_bytes(server.folder / SAVED_DOCUMENT, MAX_SAVED_BYTES, "a JSON file")
+        data = file_reading.read_bytes(server.folder / SAVED_DOCUMENT, MAX_SAVED_BYTES, "a JSON file")
         kept = documents.parse_message(data).get("document")
         document = documents.from_message(kept, server.place)
     except WalkergenError:
@@ -272,7 +272,7 @@ async def _save_document(server: Server, request: Request) -> Response:
 async def _send_walker(server: Server, request: Request) -> Response:
     """Facts on the walker and its triangles: a line of JSON, then little-endian numbers."""
     document, _ = await _read_request(server, request)
-    packed = await _await_work(server.steps, request, answers.pack_walker, document)
+    packed = await _await_work(server.steps, request, walker_answers.pack_walker, document)
     return Response(packed, media_type="application/octet-stream")
 
 
@@ -322,14 +322,14 @@ def _command_endpoint(words: Callable[..., list[str]], *given: WorkArgument) -> 
 
     async def door(server: Server, request: Request) -> Response:
         command = await _run_on_document(words, given, server, request)
-        return EventStream(children.run_module(server.running, children.COMMAND_MODULE, [command]))
+        return EventStream(child_processes.run_module(server.running, child_processes.COMMAND_MODULE, [command]))
 
     return door
 
 
 async def _await_work(workers: Workers, request: Request, work: Callable[..., Result], *given: Any) -> Result:
     """Run slow work in a process and return its result. Raises ClientDisconnect if the page has gone meanwhile."""
-    result = await children.run_until_disconnect(request.receive, workers.answer(work, *given))
+    result = await child_processes.run_until_disconnect(request.receive, workers.answer(work, *given))
     if result is None:
         raise ClientDisconnect
     return result
@@ -340,7 +340,7 @@ class EventStream(Response):
 
     media_type = "application/x-ndjson"
 
-    def __init__(self, events: AsyncIterator[children.Event]) -> None:
+    def __init__(self, events: AsyncIterator[child_processes.Event]) -> None:
         super().__init__()
         del self.headers["content-length"]
         self._events = events
@@ -354,7 +354,7 @@ class EventStream(Response):
                 line = json.dumps(event).encode() + b"\n"
                 await send({"type": "http.response.body", "body": line, "more_body": True})
 
-        await children.run_until_disconnect(receive, lines())
+        await child_processes.run_until_disconnect(receive, lines())
         await send({"type": "http.response.body", "body": b""})
 
 
@@ -362,13 +362,13 @@ async def _run_simulation(server: Server, request: Request) -> Response:
     """Simulate the walker; if `short` only for a first number."""
     document, asked = await _read_request(server, request)
     sent = {"document": document._asdict(), "short": asked.get("short") is True}
-    return EventStream(children.run_module(server.running, children.SIMULATION_MODULE, sent))
+    return EventStream(child_processes.run_module(server.running, child_processes.SIMULATION_MODULE, sent))
 
 
-async def _read_order(server: Server, request: Request) -> taking.FileOrder:
+async def _read_order(server: Server, request: Request) -> downloads.FileOrder:
     document, asked = await _read_request(server, request)
     what, copies = asked.get("what"), asked.get("copies", 1)
-    return await _await_work(server.workers, request, taking.make_order, document, what, copies, server.folder)
+    return await _await_work(server.workers, request, downloads.make_order, document, what, copies, server.folder)
 
 
 async def _make_files(server: Server, request: Request) -> Response:
@@ -376,13 +376,13 @@ async def _make_files(server: Server, request: Request) -> Response:
     order = await _read_order(server, request)
     if not order.commands:
         return Response(b"", media_type=EventStream.media_type)
-    return EventStream(children.run_module(server.running, children.COMMAND_MODULE, order.commands))
+    return EventStream(child_processes.run_module(server.running, child_processes.COMMAND_MODULE, order.commands))
 
 
 async def _send_files(server: Server, request: Request) -> Response:
     """Hand out files that were made."""
     order = await _read_order(server, request)
-    name, data = await _await_work(server.workers, request, taking.collect_files, order)
+    name, data = await _await_work(server.workers, request, downloads.collect_files, order)
     shells = [documents.shell_command(words) for words in order.commands]
     headers = {"content-disposition": f'attachment; filename="{name}"', "walkergen-shell": json.dumps(shells)}
     return Response(data, media_type="application/octet-stream", headers=headers)
@@ -420,5 +420,5 @@ async def _send_picture(server: Server, request: Request) -> Response:
     name = request.path_params["name"]
     if name not in templates.names("walkers"):
         return _error_response(["no such picture"], 404)
-    text = await asyncio.to_thread(pictures.side_view, name)
+    text = await asyncio.to_thread(template_pictures.side_view, name)
     return Response(text, media_type="image/svg+xml")

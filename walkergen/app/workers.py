@@ -42,10 +42,12 @@ GRACE_S = 0.5
 POLL_S = 0.05
 
 START_METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
-PRELOADED_MODULES = [f"walkergen.app.{name}" for name in ("answers", "curves", "form", "taking", "crowding", "effects")]
+PRELOADED_MODULES = [
+    f"walkergen.app.{name}" for name in ("walker_answers", "curves", "form", "downloads", "crowd_playback", "effects")
+]
 """Modules that answers need: where processes can be copied, one imports them for all."""
 
-DEFERRED_MODULE, IDLE_S = "walkergen.points.short", 3.0
+DEFERRED_MODULE, IDLE_S = "walkergen.points.short_simulation", 3.0
 """Module for walkers that only runs know, imported once nobody has asked for so long, s: it takes half a second, and
 what compares the triangles of a mesh, loaded then as well, another one; a page that loads needs the cores itself."""
 

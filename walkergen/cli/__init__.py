@@ -13,11 +13,11 @@ import typer
 from typer.main import get_command
 
 from walkergen import __version__
-from walkergen.cli import build, streams
+from walkergen.cli import command_builder, streams
 from walkergen.cli.layout import HELP_OPTIONS, Group
 from walkergen.command_table import COMMANDS, for_shell
 from walkergen.core.errors import OutputError, WalkergenError, use_spelling
-from walkergen.core.files import plain
+from walkergen.core.files import safe_text
 
 INTERRUPTED_CODE = 130
 """Exit code after Ctrl-C."""
@@ -29,12 +29,12 @@ class Root(Group):
     """The command line, whose commands are imported when they are looked up."""
 
     def __init__(self, **settings: Any) -> None:
-        super().__init__(**settings | {"commands": build.Commands()})
+        super().__init__(**settings | {"commands": command_builder.Commands()})
 
     @cached_property
     def sentences(self) -> Mapping[str, tuple[str, str]]:  # type: ignore[override]
         """Headings and sentences of all commands."""
-        return {name: (own.heading, build.command_summary(name)) for name, own in COMMANDS.items()}
+        return {name: (own.heading, command_builder.command_summary(name)) for name, own in COMMANDS.items()}
 
 
 command_line = typer.Typer(
@@ -92,7 +92,7 @@ def main(commands: typer.Typer | Callable[[], None] = command_line) -> None:
     """
     heard = streams.prepare()
     lost = streams.catch_interrupts()
-    plain.guard_output()
+    safe_text.guard_output()
     # Ours to decide: what is drawn depends on no setting of other programs
     os.environ["MPLBACKEND"] = "agg"
     os.environ.pop("SOURCE_DATE_EPOCH", None)

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from walkergen.cli import build, show
+from walkergen.cli import command_builder, console
 from walkergen.cli.layout import Command, Group, epilog
 from walkergen.core.errors import InputError
 
@@ -23,19 +23,19 @@ TemplateName = Annotated[
     typer.Argument(
         metavar="NAME",
         help="Name of a template.",
-        autocompletion=build.name_completion(("walkers", "scenes", "printers")),
+        autocompletion=command_builder.name_completion(("walkers", "scenes", "printers")),
     ),
 ]
 
 
 @commands.callback()
-def list_templates(context: typer.Context, json: build.AsJson = False) -> None:
+def list_templates(context: typer.Context, json: command_builder.AsJson = False) -> None:
     """List the shipped walkers, scenes and printers."""
     if context.invoked_subcommand is not None:
         return
     from walkergen.files import templates
 
-    show.report(templates.list_templates(), json, quiet=False)
+    console.report(templates.list_templates(), json, quiet=False)
 
 
 @commands.command("show", cls=Command, epilog=epilog("templates show lane-90hz", "templates show prusa-mk3s"))
@@ -55,11 +55,11 @@ def copy_template(
 
     Of a drawing, a picture or a mesh it writes the walker that it stands for, with the legs found for it in numbers.
     """
-    from walkergen.core.files import output, reading
+    from walkergen.core.files import file_reading, output
     from walkergen.files import templates
 
     target = to or Path(f"{Path(name).stem}.toml")
-    if not reading.has_safe_name(target) or target.suffix != ".toml":
+    if not file_reading.has_safe_name(target) or target.suffix != ".toml":
         raise InputError(f"{str(target)!r}: name a file that ends in .toml, without control letters")
     text = _dump_shape(Path(name), target) if templates.is_path(name) else _rename_template(name, target)
     if os.path.lexists(target):

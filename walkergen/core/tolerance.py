@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from walkergen.core.errors import InputError
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 
 UNITS = {"%": (1e-6, 100.0), "mm/s": (1e-6, 1e6)}
 """Units of errors, with the least and the largest that can be asked for."""
@@ -23,7 +23,7 @@ class Tolerance(NamedTuple):
 def parse_tolerance(text: str) -> Tolerance:
     """Parse "5%" or "3mm/s". Raises InputError."""
     unit = next((unit for unit in UNITS if text.rstrip(" ").endswith(unit)), "")
-    value = words.parse_number(text.rstrip(" ").removesuffix(unit))
+    value = formatting.parse_number(text.rstrip(" ").removesuffix(unit))
     if not unit or value is None or value <= 0.0:
         raise InputError(f"‹error=›{text[:30]!r}: write a positive share or speed, 5% or 3mm/s")
     relative = unit == "%"

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from walkergen.core.errors import InputError, spell, spell_all, spell_for_python
-from walkergen.core.files import tables, words
+from walkergen.core.files import formatting, tables
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -51,7 +51,7 @@ def number_column(heading: str, key: str, digits: int = 4, scale: float = 1.0, w
 
     def cell(row: Any) -> str:
         value = getattr(row, key)
-        return "" if value is None else words.format_number(scale * value, digits)
+        return "" if value is None else formatting.format_number(scale * value, digits)
 
     return Column(heading, cell, True, wide)
 
@@ -61,7 +61,7 @@ def fixed_column(heading: str, key: str, digits: int, wide: bool = False) -> Col
 
     def cell(row: Any) -> str:
         value = getattr(row, key)
-        return "" if value is None else words.format_fixed(value, digits)
+        return "" if value is None else formatting.format_fixed(value, digits)
 
     return Column(heading, cell, True, wide)
 
@@ -71,14 +71,14 @@ def error_column(heading: str, key: str, se: str) -> Column:
 
     def cell(row: Any) -> str:
         value = getattr(row, key)
-        return "" if value is None else words.format_with_error(value, getattr(row, se) or 0.0)
+        return "" if value is None else formatting.format_with_error(value, getattr(row, se) or 0.0)
 
     return Column(heading, cell)
 
 
 def interval_column(heading: str, low: str, high: str, digits: int = 4) -> Column:
     """Column of intervals."""
-    return Column(heading, lambda row: words.format_range(getattr(row, low), getattr(row, high), digits))
+    return Column(heading, lambda row: formatting.format_range(getattr(row, low), getattr(row, high), digits))
 
 
 def key_columns(keys: Sequence[str], texts: Sequence[str] = ()) -> tuple[Column, ...]:
@@ -209,7 +209,7 @@ def format_value(value: Any) -> str:
     if value is None:
         return ""
     if isinstance(value, float):
-        return "" if math.isnan(value) else words.format_number(value, 4)
+        return "" if math.isnan(value) else formatting.format_number(value, 4)
     return str(value)
 
 

@@ -22,8 +22,8 @@ from walkergen.core.simulation.plan import Plan, prepare
 from walkergen.core.simulation.run import RunResult, compile_kernels
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
-from walkergen.points import resolution
-from walkergen.points.resolution import StepError
+from walkergen.points import step_errors as resolution
+from walkergen.points.step_errors import StepError
 
 MIN_STEP_US = 0.05
 """Step (us) below which none is halved."""

@@ -15,11 +15,11 @@ from walkergen.core.walker import names, solids
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
 from walkergen.core.walker.solids import Solids
-from walkergen.points import speeds
-from walkergen.points.speeds import Model
+from walkergen.points import speed_prediction
+from walkergen.points.speed_prediction import Model
 
 if TYPE_CHECKING:
-    from walkergen.core.walker.weights import Weighings
+    from walkergen.core.walker.weighed_masses import Weighings
 
 
 MAX_SIMULATED = 8
@@ -87,13 +87,17 @@ def predict_members(
     ]
     masses = [solids.weigh(design, parts) for design, parts in zip(final, built, strict=True)]
     first: Model = "theory" if model == "theory" else "known"
-    rows = [speeds.predict(design, mass, scene, mode, first) for design, mass in zip(final, masses, strict=True)]
+    rows = [
+        speed_prediction.predict(design, mass, scene, mode, first) for design, mass in zip(final, masses, strict=True)
+    ]
     if model == "best" and sum(row.speed_by == "theory" for row in rows) > MAX_SIMULATED:
         model = "known"
     told = zip(named, final, built, masses, rows, strict=True)
     for number, (name, design, parts, mass, row) in enumerate(told):
         if model == "best" and row.speed_by == "theory":
-            row = speeds.predict(design, mass, scene, mode, model, part_progress(progress, number, len(final), name))
+            row = speed_prediction.predict(
+                design, mass, scene, mode, model, part_progress(progress, number, len(final), name)
+            )
         member = Member(design, name, parts.walker, mass, row)
         if weighed:
             member = member._replace(weighing=_weighing(member, parts, scene, mode, weighed, model))
@@ -104,29 +108,29 @@ def _apply_weighings(design: Design, parts: Solids, weighed: "Mapping[str, Weigh
     """Design with its masses from the balance, if it or what it carries was weighed."""
     if not weighed:
         return design
-    from walkergen.core.walker import weights
+    from walkergen.core.walker import weighed_masses
 
-    design = weights.apply_carried_masses(design, weighed)
+    design = weighed_masses.apply_carried_masses(design, weighed)
     if name not in weighed:
         return design
-    return weights.apply_masses(design, parts, weighed[name], name)
+    return weighed_masses.apply_masses(design, parts, weighed[name], name)
 
 
 def _weighing(
     member: Member, parts: Solids, scene: Scene, mode: Mode, weighed: "Mapping[str, Weighings]", model: Model
 ) -> Weighing:
     """Mass of a member, and its mesh's with the speed that would go with it."""
-    from walkergen.core.walker import weights
+    from walkergen.core.walker import weighed_masses
 
-    plain = weights.without_weighed_masses(member.design)
+    plain = weighed_masses.without_weighed_masses(member.design)
     mesh = solids.weigh(plain, parts)
-    means = weighed.get(member.name, weights.Weighings())
+    means = weighed.get(member.name, weighed_masses.Weighings())
     return Weighing(
         weighings=sum(mean.weighings for mean in means if mean is not None),
         mass_g=float(member.mass.total),
-        mass_se_g=weights.total_error(means, len(member.mass.legs)),
+        mass_se_g=weighed_masses.total_error(means, len(member.mass.legs)),
         mass_mesh_g=float(mesh.total),
-        speed_mesh_mm_s=speeds.predict(plain, mesh, scene, mode, model).speed_mm_s,
+        speed_mesh_mm_s=speed_prediction.predict(plain, mesh, scene, mode, model).speed_mm_s,
     )
 
 

@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from typing import Any
 
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.core.scene import Scene
 from walkergen.core.theory import prediction
 from walkergen.core.theory.prediction import Prediction
-from walkergen.core.theory.uncertain import Share
+from walkergen.core.theory.uncertain_inputs import Share
 from walkergen.core.walker.design import Design
 from walkergen.files import report
 from walkergen.files.report import Column, Table
@@ -99,13 +99,15 @@ def columns(walkers: Sequence[Member], why: bool = True) -> tuple[Column, ...]:
         return f" [{notes.index(note) + 1}]" if note in notes and why else ""
 
     def format_designed(row: Any) -> str:
-        return (_format_outcome(row) or words.format_fixed(row.nominal_mm_s, 1)) + mark(row.note)
+        return (_format_outcome(row) or formatting.format_fixed(row.nominal_mm_s, 1)) + mark(row.note)
 
     def theory(row: Any) -> str:
-        return words.format_fixed(row.theory_mm_s, 1) + mark(row.theory_note)
+        return formatting.format_fixed(row.theory_mm_s, 1) + mark(row.theory_note)
 
     def format_speed(row: Any) -> str:
-        return "" if row.speed_mm_s is None or prediction.is_standing(row) else words.format_fixed(row.speed_mm_s, 1)
+        return (
+            "" if row.speed_mm_s is None or prediction.is_standing(row) else formatting.format_fixed(row.speed_mm_s, 1)
+        )
 
     alone = _has_theory_alone(walkers)
     given = (report.number_column("tilt\n(deg)", "tilt_deg", 6), report.text_column("legs", "legs"))
@@ -195,14 +197,14 @@ def _format_range(low: float | None, high: float | None) -> str:
     """Bounds in whole numbers; "" where there are none."""
     if low is None or high is None:
         return ""
-    return f"{words.format_fixed(low, 0)} to {words.format_fixed(high, 0)}"
+    return f"{formatting.format_fixed(low, 0)} to {formatting.format_fixed(high, 0)}"
 
 
 def _format_runs(row: Any) -> str:
     if row.sim_speed_mm_s is None:
         return "-"
     bounds = _format_range(row.sim_low_95_mm_s, row.sim_high_95_mm_s)
-    return f"{words.format_fixed(row.sim_speed_mm_s, 1)}, {bounds}"
+    return f"{formatting.format_fixed(row.sim_speed_mm_s, 1)}, {bounds}"
 
 
 RUN_COLUMNS = (
@@ -214,14 +216,14 @@ RUN_COLUMNS = (
 
 
 def _format_mass(row: Any) -> str:
-    error = "" if row.mass_se_g is None else f" ± {words.format_number(row.mass_se_g, 2)}"
-    return f"{words.format_number(row.mass_g, 4)}{error}"
+    error = "" if row.mass_se_g is None else f" ± {formatting.format_number(row.mass_se_g, 2)}"
+    return f"{formatting.format_number(row.mass_g, 4)}{error}"
 
 
 def _format_change(row: Any) -> str:
     if row.speed_mm_s is None or row.speed_mesh_mm_s is None:
         return ""
-    return words.format_fixed(row.speed_mm_s - row.speed_mesh_mm_s, 2)
+    return formatting.format_fixed(row.speed_mm_s - row.speed_mesh_mm_s, 2)
 
 
 MASS_COLUMNS = (

@@ -12,7 +12,7 @@ from walkergen.analysis.motion import Motion
 from walkergen.analysis.tracks import Tracks, from_places
 from walkergen.core.drive import Drive
 from walkergen.core.errors import InputError
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.core.files.progress import Expect, Progress, ignore_estimate, part_progress, silent
 from walkergen.core.measure import FIRST_RUNS, Error, Measured, Runs, Until, measure
 from walkergen.core.numerics.statistics import Mean
@@ -21,9 +21,9 @@ from walkergen.core.simulation import batch, observables
 from walkergen.core.simulation.observables import SPEED
 from walkergen.core.simulation.run import RunResult
 from walkergen.core.tolerance import Tolerance
-from walkergen.points import expected, experiments, trajectory
-from walkergen.points.expected import ErrorWithEstimate
+from walkergen.points import experiments, run_time, trajectory
 from walkergen.points.experiments import Results, Walker
+from walkergen.points.run_time import ErrorWithEstimate
 
 MAX_RUN_S = 4.0
 """Measured time of a run for an error, at most: more runs tell more than longer ones."""
@@ -76,10 +76,11 @@ class ErrorResult(NamedTuple):
         summary, step, run = self.results.summary, self.results.step_us, self.results.walker.scene.run
         unit = "mm/s" if self.of == SPEED else f"of {self.of}"
         within = "within" if self.error <= self.allowed else "NOT within"
-        stepping = "" if step is None else f", step {words.format_number(step, 3)} us"
-        by_step = words.format_number(self.results.step_errors[self.of].error or 0.0, 2)
+        stepping = "" if step is None else f", step {formatting.format_number(step, 3)} us"
+        by_step = formatting.format_number(self.results.step_errors[self.of].error or 0.0, 2)
         obtained = (
-            f"{words.format_number(self.error, 2)} {unit}, {within} the {words.format_number(self.allowed, 2)} asked"
+            f"{formatting.format_number(self.error, 2)} {unit}, {within} the "
+            f"{formatting.format_number(self.allowed, 2)} asked"
         )
         return [
             ("chosen", f"{summary.runs} x {run.seconds:g} s{stepping}"),
@@ -134,7 +135,7 @@ def simulate_with_limit(walker: Walker, wanted: Tolerance, most: int, progress: 
 def cost_to_error(walker: Walker, wanted: Tolerance) -> float:
     """CPU seconds that an error of the speed takes, as the first runs tell, which are made."""
     first = measure(_with_first_runs(walker), Runs(FIRST_RUNS))
-    return expected.total_cpu_s(first) + expected.cost_of_error(speed_error(wanted, walker.shaken), first)
+    return run_time.total_cpu_s(first) + run_time.cost_of_error(speed_error(wanted, walker.shaken), first)
 
 
 def _simulate_short_runs(walker: Walker, until: Until, progress: Progress, threads: int | None) -> Results:

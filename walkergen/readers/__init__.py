@@ -22,51 +22,51 @@ if TYPE_CHECKING:
 
 def shape_of(body: "Body") -> "Shape":
     """Return the shape of a body that is no rectangle. Raises GeometryError, and InputError for files."""
-    from walkergen.readers.walkers import forming
+    from walkergen.readers.walkers import body_shapes
 
-    return forming.shape_of(body)
+    return body_shapes.shape_of(body)
 
 
 def solid_of(body_key: str) -> "joining.Body":
     """Return the solid of a body, given by its JSON, ready for the modeller."""
-    from walkergen.readers.walkers import landing
+    from walkergen.readers.walkers import leg_attachment
 
-    return landing.prepare_body(body_key)
+    return leg_attachment.prepare_body(body_key)
 
 
 def mass_of(body_key: str) -> "SolidMass":
     """Return the mass of a body, given by its JSON, at 1 g/mm^3."""
-    from walkergen.readers.walkers import landing
+    from walkergen.readers.walkers import leg_attachment
 
-    return landing.body_mass(body_key)
+    return leg_attachment.body_mass(body_key)
 
 
 def meet_body(body_key: str, limbs: "tuple[Limb, ...]") -> "tuple[Limb, ...]":
     """Return legs that go on up to a body, given by its JSON. Raises GeometryError for those that miss it."""
-    from walkergen.readers.walkers import landing
+    from walkergen.readers.walkers import leg_attachment
 
-    return landing.extend_legs(body_key, limbs)
+    return leg_attachment.extend_legs(body_key, limbs)
 
 
 def place_legs(body_key: str, legs_key: str) -> "tuple[Limb, ...]":
     """Return legs that found their places under a body. Raises UnplacedError where there are none."""
-    from walkergen.readers.walkers import placing
+    from walkergen.readers.walkers import leg_placement
 
-    return placing.find_placement(body_key, legs_key).limbs
+    return leg_placement.find_placement(body_key, legs_key).limbs
 
 
 def describe_placement(body_key: str, legs_key: str) -> str:
     """Return in words where legs found their places under a body."""
-    from walkergen.readers.walkers import placing
+    from walkergen.readers.walkers import leg_placement
 
-    return placing.find_placement(body_key, legs_key).words
+    return leg_placement.find_placement(body_key, legs_key).words
 
 
 def suggest_placement(body: "Body", legs: "Legs") -> "Sequence[Remedy]":
     """Return what helps legs that do not stand where they were put: that they place themselves."""
-    from walkergen.readers.walkers import placing
+    from walkergen.readers.walkers import leg_placement
 
-    return placing.auto_remedies(body, legs)
+    return leg_placement.auto_remedies(body, legs)
 
 
 def stand_level(data: Mapping[str, Any], follow_deg: float) -> dict[str, Any]:

@@ -50,7 +50,7 @@ def test_a_study_of_steps(run, tmp_path):
 
 
 def test_without_a_budget_the_answer_is_what_is_shipped(run, tmp_path, monkeypatch):
-    monkeypatch.setattr("walkergen.commands.accuracy.pace.cpu_per_s", lambda: 0.05)
+    monkeypatch.setattr("walkergen.commands.accuracy.machine_speed.cpu_per_s", lambda: 0.05)
     result = run("accuracy", "--tilt", "5", "--json")
     assert result.exit_code == 0, result.exception
     facts = json.loads(result.stdout)
@@ -64,7 +64,7 @@ def test_without_a_budget_the_answer_is_what_is_shipped(run, tmp_path, monkeypat
 
 
 def test_a_folder_in_which_another_study_writes_is_left_alone(run, tmp_path, monkeypatch):
-    monkeypatch.setattr("walkergen.commands.accuracy.pace.cpu_per_s", lambda: 0.05)
+    monkeypatch.setattr("walkergen.commands.accuracy.machine_speed.cpu_per_s", lambda: 0.05)
     with Folder(tmp_path / "here") as folder:
         folder.claim()
         result = run("accuracy", "--tilt", "5", "--out", "here")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from evidence.accuracy import measure
-from walkergen.commands.accuracy import answers, cells, choice, pace, shipped, step_law
+from walkergen.commands.accuracy import answers, cell_estimates, cells, choice, machine_speed, step_law
 from walkergen.commands.accuracy.cells import REFERENCE_STEP_SHARE, Row
 from walkergen.commands.accuracy.request import AccuracyRequest
 from walkergen.core.scene import Scene
@@ -15,7 +15,7 @@ from walkergen.core.simulation import orbits
 from walkergen.core.tolerance import Tolerance
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.points import expected, walkers
+from walkergen.points import run_time, walkers
 
 PEAK = step_law.CELLS_PEAK_SPEED_MM_S
 SPACE = (REFERENCE_STEP_SHARE, 0.5, 1.0, 1.25, 1.6)
@@ -33,7 +33,7 @@ def made_up(slope, se, power, rng, cell=("lane-90hz", 10.0, 0.8), speed=50.0):
 def estimate(design="koumakis2016", scene="lane-90hz", restitution=0.8, **changed):
     walker = templates.load(design, "walkers", Design).variant(**changed)
     ground = templates.load(scene, "scenes", Scene).variant(**{"contact.restitution": restitution})
-    return shipped.estimate(walker, ground)
+    return cell_estimates.estimate(walker, ground)
 
 
 def test_every_cell_has_every_setting_and_the_file_is_small():
@@ -105,7 +105,7 @@ def test_what_the_cells_do_not_know_is_said_in_a_line():
     ("accepted", "row"), [(None, None), (0.005, None), (0.05, "5 %"), (0.15, "10 %"), (3.0, "20 %")]
 )
 def test_the_row_that_an_accepted_error_allows_is_marked(accepted, row, monkeypatch, tmp_path):
-    monkeypatch.setattr(pace, "cpu_per_s", lambda: 0.05)
+    monkeypatch.setattr(machine_speed, "cpu_per_s", lambda: 0.05)
     values = {} if accepted is None else {"set": {"scene.run.accepted_error": accepted}}
     told = AccuracyRequest.from_values(values | {"out": tmp_path / "out"}).run(lambda *_: None)
     assert [one["error"] for one in told.facts["answers"] if one["accepted"]] == ([] if row is None else [row])
@@ -123,9 +123,9 @@ def test_the_row_that_an_accepted_error_allows_is_marked(accepted, row, monkeypa
     ],
 )
 def test_the_papers_walker_on_its_plates_was_measured_and_others_are_scaled(design, scene, known, monkeypatch):
-    monkeypatch.setattr(expected, "rate_from_steps", lambda plan: math.inf)  # none is simulated
+    monkeypatch.setattr(run_time, "rate_from_steps", lambda plan: math.inf)  # none is simulated
     walker = templates.load(design, "walkers", Design)
-    at = shipped.estimate(walker, templates.load(scene, "scenes", Scene))
+    at = cell_estimates.estimate(walker, templates.load(scene, "scenes", Scene))
     assert at.known == known
     assert at.peak > 0.0
     assert choice.choose(at.candidates(0.05), 0.2) is not None
@@ -133,20 +133,22 @@ def test_the_papers_walker_on_its_plates_was_measured_and_others_are_scaled(desi
 
 def test_what_is_scaled_is_known_to_the_factor_that_is_told(monkeypatch):
     """Each tilt of the lane between two others is left out in turn, and read between those."""
-    monkeypatch.setattr(pace, "cpu_per_s", lambda: 0.05)
-    monkeypatch.setattr(expected, "rate_from_steps", lambda plan: math.inf)  # none is simulated
+    monkeypatch.setattr(machine_speed, "cpu_per_s", lambda: 0.05)
+    monkeypatch.setattr(run_time, "rate_from_steps", lambda plan: math.inf)  # none is simulated
     every = cells.read_rows()
-    tilts = sorted({row.tilt_deg for row in every if row.scene == shipped.LANE_SCENE})
+    tilts = sorted({row.tilt_deg for row in every if row.scene == cell_estimates.LANE_SCENE})
     ratios = []
     for tilt, restitution in product(tilts[1:-1], (0.5, 0.8, 0.9)):
-        others = tuple(row for row in every if row.cell[:2] != (shipped.LANE_SCENE, tilt))
+        others = tuple(row for row in every if row.cell[:2] != (cell_estimates.LANE_SCENE, tilt))
         shares = []
         for rows in (every, others):
             monkeypatch.setattr(cells, "read_rows", lambda rows=rows: rows)
             at = estimate(tilt=tilt, restitution=restitution)
             shares.append(math.sqrt(at.variance_time) / at.unit)
         ratios.append(math.log(shares[0] / shares[1]))
-    assert math.exp(math.sqrt(np.mean(np.square(ratios)))) == pytest.approx(shipped.SCALED_SCATTER_FACTOR, abs=0.1)
+    assert math.exp(math.sqrt(np.mean(np.square(ratios)))) == pytest.approx(
+        cell_estimates.SCALED_SCATTER_FACTOR, abs=0.1
+    )
     monkeypatch.setattr(cells, "read_rows", lambda: every)
     scaled, measured = (
         answers.answer_from_cells(estimate(tilt=tilt), "walker", None).rows[0].why for tilt in (12.0, 10.0)
@@ -159,8 +161,8 @@ def test_the_scatter_of_a_plate_goes_with_its_speed_squared(monkeypatch):
     scene = templates.load("lane-90hz", "scenes", Scene)
     faster = scene.model_copy(update={"drive": scene.drive.model_copy(update={"gamma": 3.6})})
     walker = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=5.0)
-    monkeypatch.setattr(expected, "rate_from_steps", lambda plan: math.inf)  # none is simulated
-    one, two = (shipped.estimate(walker, ground) for ground in (scene, faster))
+    monkeypatch.setattr(run_time, "rate_from_steps", lambda plan: math.inf)  # none is simulated
+    one, two = (cell_estimates.estimate(walker, ground) for ground in (scene, faster))
     assert two.peak == pytest.approx(2.0 * one.peak)
     assert two.speed == pytest.approx(2.0 * one.speed)
     assert two.variance_time == pytest.approx(4.0 * one.variance_time)
@@ -168,9 +170,9 @@ def test_the_scatter_of_a_plate_goes_with_its_speed_squared(monkeypatch):
 
 def test_what_is_scaled_has_its_own_speed_and_its_own_cost(monkeypatch):
     """Near the threshold, at 200 Hz and 1.05 g, it is far slower than its plate's speed alone says."""
-    monkeypatch.setattr(pace, "cpu_per_s", lambda: 0.05)
+    monkeypatch.setattr(machine_speed, "cpu_per_s", lambda: 0.05)
     scene = templates.load("lane-90hz", "scenes", Scene).variant(**{"drive.frequency_hz": 200.0, "drive.gamma": 1.05})
-    at = shipped.estimate(templates.load("koumakis2016", "walkers", Design), scene)
+    at = cell_estimates.estimate(templates.load("koumakis2016", "walkers", Design), scene)
     assert at.known == "scaled"
     assert at.speed < 6.0
     seconds = at.work(1.0) * 0.05  # of this walker, at its own step, by today's machine
@@ -178,7 +180,7 @@ def test_what_is_scaled_has_its_own_speed_and_its_own_cost(monkeypatch):
 
 
 def test_nothing_is_drawn_below_what_the_truth_is_known_to(monkeypatch):
-    monkeypatch.setattr(pace, "cpu_per_s", lambda: 0.05)
+    monkeypatch.setattr(machine_speed, "cpu_per_s", lambda: 0.05)
     at = estimate(tilt=5)
     made = answers.answer_from_cells(at, "walker", None)
     (axes,) = made.draw().axes
@@ -194,12 +196,12 @@ def test_nothing_is_drawn_below_what_the_truth_is_known_to(monkeypatch):
 def test_the_pace_is_measured_once_and_kept(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     calls = []
-    monkeypatch.setattr(pace, "measure_cpu_per_s", lambda: calls.append(1) or 0.25)
-    assert pace.cpu_per_s() == pace.cpu_per_s() == 0.25
+    monkeypatch.setattr(machine_speed, "measure_cpu_per_s", lambda: calls.append(1) or 0.25)
+    assert machine_speed.cpu_per_s() == machine_speed.cpu_per_s() == 0.25
     assert len(calls) == 1
     (kept,) = (tmp_path / "walkergen" / "pace").iterdir()
     kept.write_text("{")
-    assert pace.cpu_per_s() == 0.25
+    assert machine_speed.cpu_per_s() == 0.25
     assert len(calls) == 2
 
 

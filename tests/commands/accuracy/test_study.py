@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from walkergen.commands.accuracy import answers, report, shape, statistics
+from walkergen.commands.accuracy import answers, report, shape_ladder, statistics_ladder
 from walkergen.commands.accuracy import survey as surveys
 from walkergen.commands.accuracy.report import Answer, Ladder, Rung, convergence_order
 from walkergen.commands.accuracy.survey import StepMeasurement, Survey
@@ -55,13 +55,13 @@ def test_order_of_an_exact_power_is_its_exponent():
 def test_shape_ladder_agrees_with_the_closed_form_of_a_half_disc():
     """The round foot taken for exact, against the closed-form mass of quad and half disc."""
     design = Design.model_validate({"legs": {"foot": "round"}})
-    mass = solids.weigh(design, solids.build(design, shape.EXACT_SEGMENTS))
+    mass = solids.weigh(design, solids.build(design, shape_ladder.EXACT_SEGMENTS))
     limb = design.limbs[0]
     half = 0.5 * limb.thickness
     # The leg's centre line ends half a thickness early; its slanted top adds as much as it cuts.
     area = 2.0 * half * (limb.length - half) + 0.5 * math.pi * half**2
     exact = 1e-3 * design.material.density_g_cm3 * limb.width * area
-    ladder = shape.measure_shapes(Design(), Scene(), silent)
+    ladder = shape_ladder.measure_shapes(Design(), Scene(), silent)
     finest = next(rung for rung in ladder.rungs if rung.setting == "512 edges")
     assert mass.legs[0].m == pytest.approx(exact, rel=0.05 * finest.details["m"])
     far = {rung.setting: rung for rung in ladder.rungs if rung.series == "double precision"}
@@ -74,7 +74,7 @@ def test_shape_ladder_agrees_with_the_closed_form_of_a_half_disc():
 
 @pytest.mark.slow
 def test_braced_shape_has_no_error_at_the_origin():
-    ladder = shape.measure_shapes(Design().variant(kind="braced"), Scene(), silent)
+    ladder = shape_ladder.measure_shapes(Design().variant(kind="braced"), Scene(), silent)
     far = [rung for rung in ladder.rungs if rung.series == "double precision"]
     assert max(rung.error for rung in far) < 1e-9  # as above
     assert far[0].details["m"] is None
@@ -92,10 +92,10 @@ def made_runs(runs, blocks, rng):
 def test_parts_of_an_ensemble_use_no_block_twice_and_err_as_theory_says():
     results = made_runs(32, 500, np.random.default_rng(5))
     for runs, length in ((4, 5.0), (8, 10.0), (16, 10.0)):
-        parts = statistics._split_into_parts(results, runs, length)
+        parts = statistics_ladder._split_into_parts(results, runs, length)
         used = sum(len(result.block_speeds) for part in parts for result in part)
         assert used == 32 * 500
-        rung = statistics._rung(parts, results, 1.0, 0.01, 1.0)
+        rung = statistics_ladder._rung(parts, results, 1.0, 0.01, 1.0)
         expected = 2.0 / math.sqrt(runs * length / 0.1)
         # four standard errors of a standard deviation from that many parts
         assert rung.error == pytest.approx(expected, abs=4.0 * rung.error_sd)
@@ -110,7 +110,7 @@ def test_parts_of_an_ensemble_use_no_block_twice_and_err_as_theory_says():
 )
 def test_runs_that_are_compared_are_fewer_before_they_are_too_short(granted_s, runs, seconds):
     own = StepMeasurement(23.0, {}, 4, 1.0, 1.0, 16.0, 8.0, "4 ok")  # a second by the clock for a simulated one
-    assert statistics._affordable_runs(granted_s, own) == (runs, seconds)
+    assert statistics_ladder._affordable_runs(granted_s, own) == (runs, seconds)
 
 
 @pytest.mark.parametrize(("text", "expected"), [("5%", Tolerance(0.05, True)), (" 0.5 mm/s", Tolerance(0.5, False))])

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from walkergen.commands.explain import make, measured
+from walkergen.commands.explain import effect_costs, make
 from walkergen.commands.simulate.request import SimulateRequest
 from walkergen.core.errors import InputError
 from walkergen.core.measure import Runs, measure
@@ -13,10 +13,10 @@ from walkergen.core.scene import Scene
 from walkergen.core.simulation.effects import twist
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
-from walkergen.points import alone, variants
+from walkergen.points import single_walker, variants
+from walkergen.points.effect_selection import find_simplest
 from walkergen.points.experiments import Walker
 from walkergen.points.point import Point
-from walkergen.points.simplest import find_simplest
 from walkergen.points.variants import Pairs, Variant
 from walkergen.request import parse_effects
 
@@ -34,7 +34,7 @@ def walker_of(**keys):
 def short(monkeypatch):
     monkeypatch.setattr(variants, "MAX_RUN_S", 0.3)
     monkeypatch.setattr(variants, "MAX_DISCARD_S", 0.1)
-    monkeypatch.setattr(measured, "BUDGET_S", 1.0)
+    monkeypatch.setattr(effect_costs, "BUDGET_S", 1.0)
 
 
 COMMAND = ("explain",)
@@ -99,7 +99,7 @@ def test_a_sweep_leaves_out_what_its_accepted_error_allows():
     keys = {"run.runs": 1, "run.seconds": 0.05, "run.discard_seconds": 0.0, "effects.off": HELD}
     small = {"drive.second_harmonic_ratio": 1e-3}
     plain, whole, out = (
-        alone.evaluate(Point(DESIGN, LANE.variant(**keys | more), True, ("speed",)))["speed_mm_s"]
+        single_walker.evaluate(Point(DESIGN, LANE.variant(**keys | more), True, ("speed",)))["speed_mm_s"]
         for more in ({}, small, small | {"run.accepted_error": 0.9})
     )
     assert out == plain != whole
@@ -153,7 +153,7 @@ def test_a_forecast_counts_what_an_accepted_error_leaves_out():
     accepted = find_simplest(Walker(scene.variant(**{"run.accepted_error": 0.3}), DESIGN, solids.mass_of(DESIGN)))
     assert accepted.cpu_s > 0.0
     whole, simple = (
-        alone.cost(Point(DESIGN, scene.variant(**more), True)) for more in ({}, {"run.accepted_error": 0.3})
+        single_walker.cost(Point(DESIGN, scene.variant(**more), True)) for more in ({}, {"run.accepted_error": 0.3})
     )
     assert simple > whole + 0.5 * accepted.cpu_s
 

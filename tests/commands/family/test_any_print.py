@@ -17,11 +17,11 @@ from walkergen.commands.family import figures, preview
 from walkergen.commands.family import make as families
 from walkergen.commands.family.chart_data import ChartData
 from walkergen.core.errors import GeometryError, InputError
-from walkergen.core.printing import checks, legs_up, plates, sheet, walls
+from walkergen.core.printing import checks, plates, print_sheet, upside_down_checks, walls
 from walkergen.core.printing.printers import Printer
 from walkergen.core.scene import Scene
 from walkergen.core.shapes.mesh import Mesh
-from walkergen.core.walker import solids, weights
+from walkergen.core.walker import solids, weighed_masses
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import weigh
 from walkergen.files import templates
@@ -103,9 +103,9 @@ def test_legs_narrower_than_a_body_in_side_view_print_upright_unless_they_lie_on
 
 
 def test_the_sheet_says_how_each_design_lies():
-    (one,) = sheet.orientation_settings([PAPER])
+    (one,) = print_sheet.orientation_settings([PAPER])
     assert (one.name, one.value) == ("orientation", "as in the file: on its side, no supports")
-    both = sheet.orientation_settings([PAPER, DISC])
+    both = print_sheet.orientation_settings([PAPER, DISC])
     assert [row.name for row in both] == ["orientation of koumakis2016", "orientation of it"]
     assert "legs up; no supports up to 45 deg" in both[1].value
 
@@ -147,11 +147,11 @@ def test_overhang_of_a_ball_is_that_of_the_closed_form(tmp_path):
     design = ball(tmp_path)
     cap = 2.0 * math.pi * 64.0 * (1.0 - math.cos(math.pi / 4.0))
     # 5 %: whole triangles of 1.2 mm belong to the cap or not
-    assert legs_up.overhang_area(design, printed(design)) == pytest.approx(cap, rel=0.05)
+    assert upside_down_checks.overhang_area(design, printed(design)) == pytest.approx(cap, rel=0.05)
     (warning,) = [one for one in told(design) if "over air" in one.what]
     assert "turn the mesh by body.up" in warning.change
     for flat in (DISC, NARROW):
-        assert legs_up.overhang_area(flat, printed(flat)) == 0.0
+        assert upside_down_checks.overhang_area(flat, printed(flat)) == 0.0
 
 
 def test_the_first_layer_is_a_section_at_half_its_height(tmp_path):
@@ -203,34 +203,36 @@ def test_repairs_of_a_mesh_are_told(tmp_path):
     design = design_of({"mesh": str(path), "repair": True}, legs=keys)
     (warning,) = [one for one in told(design) if "not taken as it is" in one.what]
     assert warning.level == "warning"
-    facts = sheet.body_facts(design)
+    facts = print_sheet.body_facts(design)
     assert facts["changes"] == list(design.shape.changes) != []
     assert len(facts["sha256"]) == 64
 
 
 def test_the_sheet_weighs_every_distinct_leg():
     built = solids.build(UNLIKE)
-    weight = sheet.weigh("it", UNLIKE, built, MK3S)
+    weight = print_sheet.weigh("it", UNLIKE, built, MK3S)
     density = 1e-3 * UNLIKE.material.density_g_cm3
     assert [(name, leg.mesh_g) for leg, name in weight.legs] == [
         ("legs[1]", pytest.approx(weigh(built.legs[0], density).mass, abs=1e-7)),
         ("legs[2]", pytest.approx(weigh(built.legs[1], density).mass, abs=1e-7)),
     ]
-    assert [name for _, name in sheet.weigh("it", PAPER, solids.build(PAPER), MK3S).legs] == ["leg"]
+    assert [name for _, name in print_sheet.weigh("it", PAPER, solids.build(PAPER), MK3S).legs] == ["leg"]
 
 
 def test_a_weighed_leg_is_the_mean_of_unlike_legs():
     three = design_of(legs=[leg(-6.0), leg(0.0, width_mm=2.0), leg(6.0)])
     built = solids.build(three)
     meshed = solids.weigh(three, built)
-    whole, body = (weights.Mean(1.1 * grams, error, 2) for grams, error in ((meshed.total, 0.002), (meshed.M, 0.001)))
-    known = weights.Weighings(grams=whole, body_g=body)
-    found = solids.weigh(weights.apply_masses(three, built, known, "it"), built)
+    whole, body = (
+        weighed_masses.Mean(1.1 * grams, error, 2) for grams, error in ((meshed.total, 0.002), (meshed.M, 0.001))
+    )
+    known = weighed_masses.Weighings(grams=whole, body_g=body)
+    found = solids.weigh(weighed_masses.apply_masses(three, built, known, "it"), built)
     assert found.total == pytest.approx(1.1 * meshed.total, rel=1e-12)
     each = [own.m / mesh.m for own, mesh in zip(found.legs, meshed.legs, strict=True)]
     assert each == pytest.approx([1.1] * 3, rel=1e-9)
-    parts = weights.Weighings(body_g=known.body_g, leg_g=weights.Mean(0.03, 0.002, 2))
-    assert weights.total_error(parts, 3) == pytest.approx(math.hypot(0.001, 0.006))
+    parts = weighed_masses.Weighings(body_g=known.body_g, leg_g=weighed_masses.Mean(0.03, 0.002, 2))
+    assert weighed_masses.total_error(parts, 3) == pytest.approx(math.hypot(0.001, 0.006))
 
 
 @pytest.mark.parametrize("design", [DISC, NARROW, PAPER, UNLIKE, PROFILE, *PAPER.members([45.0, -40.0], ["flexible"])])
@@ -367,6 +369,6 @@ def test_check_tells_the_orientation(tmp_path):
     path.write_text('[body]\noutline = "disc"\nlength_mm = 20\n[legs]\nwidth_mm = 4\ncontact_spacing_mm = 10\n')
     result = CliRunner().invoke(command_line, ["check", str(path), "--tilt", "10", "--json"])
     assert result.exit_code == 0, result.exception
-    assert json.loads(result.stdout)["orientations"] == [sheet.LEGS_UP_TEXT]
+    assert json.loads(result.stdout)["orientations"] == [print_sheet.LEGS_UP_TEXT]
     (place,) = plates.layout_without_plates([DISC], [solids.build(DISC)], [1], MK3S).parts
     assert place.height == pytest.approx(2.0 + 7.5 * math.cos(math.radians(10.0)))

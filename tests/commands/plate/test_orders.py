@@ -14,7 +14,7 @@ from walkergen.commands.plate import order_list
 from walkergen.core.errors import InputError
 from walkergen.core.printing import checks, packing, plates
 from walkergen.core.printing.printers import Printer
-from walkergen.core.walker import names, solids, weights
+from walkergen.core.walker import names, solids, weighed_masses
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.sheets import plate_map
@@ -128,13 +128,13 @@ def test_a_design_reads_its_own_form_back(run, lists, tmp_path):
     filled = form.read_text().replace("-1,,,", "-1,0.5,,").replace("-2,,,", "-2,0.6,,")
     form.write_text(filled)
     duck = templates.load(str(tmp_path / "duck.toml"), "walkers", Design)
-    (weighings,) = weights.read_masses(form, [duck]).values()
+    (weighings,) = weighed_masses.read_masses(form, [duck]).values()
     assert weighings.grams is not None
     assert weighings.grams.mean == pytest.approx(0.55)
     assert run(*words).exit_code == 0
     assert form.read_text() == filled  # what somebody weighed is kept
     with pytest.raises(InputError, match=r"part 'duck_t10\.0_flexible_s0\.40-1' is not among"):
-        weights.read_masses(form, [PAPER])
+        weighed_masses.read_masses(form, [PAPER])
 
 
 def test_checks_of_a_mixed_plate_are_those_of_each_design_alone():

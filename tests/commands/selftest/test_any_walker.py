@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from walkergen.analysis import landings
-from walkergen.commands.simulate import numbers
+from walkergen.commands.simulate import quantities
 from walkergen.core.errors import InputError
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.effects import compliance
@@ -13,11 +13,11 @@ from walkergen.core.simulation.plan import prepare
 from walkergen.core.simulation.space.model import initial_state
 from walkergen.core.simulation.space.points import MAX_HULL_POINTS
 from walkergen.core.simulation.space.state import C_Z
-from walkergen.core.theory import uncertain
+from walkergen.core.theory import uncertain_inputs
 from walkergen.core.theory.stationary import stationary
 from walkergen.core.walker import names, solids
 from walkergen.core.walker.design import Design
-from walkergen.guests.lab import resting
+from walkergen.guests.lab import still_plate
 from walkergen.guests.movie import shot
 from walkergen.points import experiments, poses
 
@@ -59,8 +59,8 @@ def test_landings_of_three_feet_by_hand():
     assert found.corners.tolist() == [1, 1, 0, 1, 1, 1]
     assert found.edges.tolist() == [1, 0, 1]
     assert (found.pairs, found.alone, found.groups) == (1, 0, 2)
-    names = numbers.landing_names(("leg 1", "leg 2", "leg 3"))
-    counted = dict(zip(names, numbers.count_landings(found), strict=True))
+    names = quantities.landing_names(("leg 1", "leg 2", "leg 3"))
+    counted = dict(zip(names, quantities.count_landings(found), strict=True))
     assert counted["leg_3_edge"] == counted["leg_2_right"] == counted["several_feet"] == 1
     assert names.index("leg_2_right") < 2 * 3  # among single corners
 
@@ -97,9 +97,9 @@ def test_a_point_of_a_drawing_is_named_by_what_the_drawing_holds(tmp_path):
             f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide}mm" height="20mm" '
             f'viewBox="0 0 {wide} 20"><rect width="{wide}" height="20"/></svg>'
         )
-        from walkergen.readers.walkers import forming
+        from walkergen.readers.walkers import body_shapes
 
-        forming.shape_by_key.cache_clear()
+        body_shapes.shape_by_key.cache_clear()
         design = design_of(TWO, body={"outline": str(path), "thickness_mm": 2.0})
         keys.append(experiments.key_facts(Scene(), design))
     assert keys[0] != keys[1]
@@ -120,7 +120,7 @@ def test_feet_of_another_material_change_as_the_scenes_contact_is_drawn():
     design, scene = design_of(legs), Scene.model_validate({"contact": {"restitution": 0.5}})
     nominal = scene.contact.friction
     drawn = {"contact.friction": 1.5 * nominal, "contact.restitution": 0.6}
-    _, changed, _ = uncertain.apply_inputs(scene, design, drawn)
+    _, changed, _ = uncertain_inputs.apply_inputs(scene, design, drawn)
     assert changed.limbs[0].friction == pytest.approx(0.15, rel=1e-12)
     assert changed.limbs[0].restitution == 1.0  # 0.9 x 1.2, capped
     assert changed.limbs[1].friction is None
@@ -135,5 +135,5 @@ def test_feet_of_another_material_change_as_the_scenes_contact_is_drawn():
 def test_a_measurement_asks_for_one_material():
     two = design_of([TWO[0], TWO[1] | {"restitution": 0.4}])
     with pytest.raises(InputError, match=r"legs\[2\].restitution is that foot's own"):
-        resting.check_one_material(two)
-    resting.check_one_material(design_of([TWO[0], TWO[1] | {"friction": 0.4}]))
+        still_plate.check_one_material(two)
+    still_plate.check_one_material(design_of([TWO[0], TWO[1] | {"friction": 0.4}]))

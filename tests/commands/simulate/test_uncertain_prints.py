@@ -8,9 +8,9 @@ from scipy import stats
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
-from walkergen.commands.simulate import prints
-from walkergen.core.theory.uncertain import Input, sample_inputs
-from walkergen.points import draws as uncertain
+from walkergen.commands.simulate import uncertain_prints
+from walkergen.core.theory.uncertain_inputs import Input, sample_inputs
+from walkergen.points import print_ensemble as uncertain
 
 KNOWN = (Input("contact.restitution", 0.5, 0.1, 0.0, 1.0), Input("contact.friction", 0.25, 0.02))
 QUICK = ("simulate", "--uncertain", "--draws", "16", "--seconds", "0.3")
@@ -101,8 +101,8 @@ def test_scatter_that_runs_do_not_resolve_is_not_shared_out():
     assert found.between_prints_mm_s == 0.0
     low, _, _, high = found.bounds_mm_s
     assert low < 52.0 < high
-    assert "not resolved" in dict(prints.summary_rows(found))["deviation, print to print"].refused
-    assert "half of the variance is taken out" in " ".join(prints.notes(found))
+    assert "not resolved" in dict(uncertain_prints.summary_rows(found))["deviation, print to print"].refused
+    assert "half of the variance is taken out" in " ".join(uncertain_prints.notes(found))
     assert found.shares == ()
 
 
@@ -118,7 +118,7 @@ def test_json_tells_the_mean_the_scatter_and_the_shares(tmp_path):
     assert (out / "uncertain.png").read_bytes()[:4] == b"\x89PNG"
     lines = (out / "draws.csv").read_text(encoding="utf-8").splitlines()
     assert len(lines) == 1 + found["draws"]
-    assert prints.UNEXPLAINED in (out / "shares.csv").read_text(encoding="utf-8")
+    assert uncertain_prints.UNEXPLAINED in (out / "shares.csv").read_text(encoding="utf-8")
 
 
 @pytest.mark.slow
@@ -130,7 +130,7 @@ def test_equal_seeds_give_equal_bytes(tmp_path):
 
 
 def test_predict_says_what_to_measure_next(monkeypatch):
-    monkeypatch.setattr("walkergen.core.theory.uncertain.SHARE_POINTS", 64)  # seconds, and less sure
+    monkeypatch.setattr("walkergen.core.theory.uncertain_inputs.SHARE_POINTS", 64)  # seconds, and less sure
     result = CliRunner().invoke(command_line, ["predict", "--tilt", "10", "--uncertain", "--json"])
     (row,) = json.loads(result.stdout)["rows"]
     first = row["shares"][0]

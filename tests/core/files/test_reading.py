@@ -9,14 +9,14 @@ from hypothesis import strategies as st
 
 import walkergen as wg
 from walkergen.core.errors import InputError
-from walkergen.core.files import columns, config, reading, tables
+from walkergen.core.files import columns, config, file_reading, tables
 from walkergen.core.walker.design import Design
 
 
 def test_a_byte_order_mark_and_foreign_line_ends_are_forgiven(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_bytes(b"\xef\xbb\xbf[legs]\r\ntilt_deg = 12\r\n")
-    assert list(reading.read_lines(path, "a TOML file")) == ["[legs]\n", "tilt_deg = 12\n"]
+    assert list(file_reading.read_lines(path, "a TOML file")) == ["[legs]\n", "tilt_deg = 12\n"]
     assert config.read_section(path, Design).legs.tilt_deg == 12.0
 
 
@@ -37,7 +37,7 @@ def test_what_cannot_be_read_is_one_line_that_names_the_file(tmp_path, monkeypat
     (tmp_path / "large.csv").write_bytes(b"0123456789\n")
     monkeypatch.chdir(tmp_path)
     with pytest.raises(InputError) as caught:
-        list(reading.read_lines(Path(name), "a CSV file", 10))
+        list(file_reading.read_lines(Path(name), "a CSV file", 10))
     assert str(caught.value).endswith(told)
     assert name[:60] in str(caught.value).replace("\\x00", "\0").replace("\\udc80", "\udc80")
     assert "\n" not in str(caught.value)
@@ -53,7 +53,7 @@ def test_a_mistake_of_the_code_that_reads_is_not_blamed_on_the_file(tmp_path):
     path = tmp_path / "sound.csv"
     path.write_text("a\n1\n")
     with pytest.raises(ValueError, match="mine"):
-        [int(f"mine {line}") for line in reading.read_lines(path, "a CSV file")]
+        [int(f"mine {line}") for line in file_reading.read_lines(path, "a CSV file")]
 
 
 @given(st.text(alphabet="ab,'\"=- .\t\v\f\x1c\u2028é", max_size=12), st.sampled_from(["", "\n"]))

@@ -7,7 +7,7 @@ import pytest
 from rich.console import Console
 from rich.table import Table
 
-from walkergen.core.files import tables, words
+from walkergen.core.files import formatting, tables
 from walkergen.request import parse_time
 
 
@@ -30,7 +30,7 @@ from walkergen.request import parse_time
     ],
 )
 def test_numbers_have_exponents_only_far_from_one(value, digits, told):
-    assert words.format_number(value, digits) == told
+    assert formatting.format_number(value, digits) == told
 
 
 @pytest.mark.parametrize(
@@ -38,7 +38,7 @@ def test_numbers_have_exponents_only_far_from_one(value, digits, told):
     [(None, None, "any value"), (0.2, None, "above 0.2"), (None, 0.3, "below 0.3"), (0.25, 1234.6, "0.25 to 1235")],
 )
 def test_spans_name_the_end_that_is_known(low, high, told):
-    assert words.format_range(low, high) == told
+    assert formatting.format_range(low, high) == told
 
 
 @pytest.mark.parametrize(
@@ -54,12 +54,12 @@ def test_spans_name_the_end_that_is_known(low, high, told):
     ],
 )
 def test_durations_have_units_that_suit_them(seconds, told):
-    assert words.format_duration(seconds) == told
+    assert formatting.format_duration(seconds) == told
 
 
 @pytest.mark.parametrize("seconds", [1.0, 44.2, 119.0, 121.0, 5000.0, 7201.0, 86000.0])
 def test_an_advised_budget_is_understood_and_no_shorter(seconds):
-    assert seconds <= parse_time(words.format_budget(seconds)) <= 2.0 * seconds + 60.0
+    assert seconds <= parse_time(formatting.format_budget(seconds)) <= 2.0 * seconds + 60.0
 
 
 NUMBERS = [("-45.5", "123.456 ± 0.012", "-1234.5 to 1234.5", "9876543.21"), ("0", "1", "2", "3")]

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 import hatch_build
-from walkergen.core.numerics import kernels, shipped
-from walkergen.core.numerics.shipped import Kind
+from walkergen.core.numerics import kernels, shipped_kernels
+from walkergen.core.numerics.shipped_kernels import Kind
 
 OWN = Kind("0123", "0.68.1", "cpython-311", "linux-x86_64", "x86-64-v3")
 POSIX = pytest.mark.skipif(not hasattr(os, "getuid"), reason="owners and modes of POSIX")
@@ -22,12 +22,12 @@ def folder(tmp_path, monkeypatch):
         monkeypatch.delenv(name, raising=False)
     place = tmp_path / "kernels"
     place.mkdir(mode=0o755)
-    (place / shipped.MANIFEST).write_text(json.dumps(OWN._asdict() | {"files": {}}))
+    (place / shipped_kernels.MANIFEST).write_text(json.dumps(OWN._asdict() | {"files": {}}))
     return place
 
 
 def test_kernels_of_the_same_kind_are_used(folder):
-    assert shipped.mismatch_reason(shipped.read_manifest(folder), OWN, folder) == ""
+    assert shipped_kernels.mismatch_reason(shipped_kernels.read_manifest(folder), OWN, folder) == ""
 
 
 @pytest.mark.parametrize(
@@ -41,41 +41,41 @@ def test_kernels_of_the_same_kind_are_used(folder):
     ],
 )
 def test_kernels_of_another_kind_are_refused_by_name(folder, field, told):
-    made = shipped.read_manifest(folder) | {field: "other"}
-    assert told in shipped.mismatch_reason(made, OWN, folder)
+    made = shipped_kernels.read_manifest(folder) | {field: "other"}
+    assert told in shipped_kernels.mismatch_reason(made, OWN, folder)
 
 
 def test_a_cpu_that_is_asked_for_or_too_old_compiles_for_itself(folder, monkeypatch):
-    made = shipped.read_manifest(folder)
-    assert "another kind" in shipped.mismatch_reason(made, OWN._replace(cpu=""), folder)
+    made = shipped_kernels.read_manifest(folder)
+    assert "another kind" in shipped_kernels.mismatch_reason(made, OWN._replace(cpu=""), folder)
     monkeypatch.setenv("NUMBA_CPU_NAME", "skylake")
-    assert "another kind" in shipped.mismatch_reason(made, OWN, folder)
+    assert "another kind" in shipped_kernels.mismatch_reason(made, OWN, folder)
 
 
 @POSIX
 @pytest.mark.parametrize("mode", [0o757, 0o777])
 def test_a_folder_that_others_may_write_to_is_not_read(folder, mode):
     folder.chmod(mode)
-    assert "written by others" in shipped.mismatch_reason(shipped.read_manifest(folder), OWN, folder)
+    assert "written by others" in shipped_kernels.mismatch_reason(shipped_kernels.read_manifest(folder), OWN, folder)
 
 
 @POSIX
 def test_a_link_in_the_folder_is_not_followed(folder, tmp_path):
     (folder / "space").symlink_to(tmp_path)
-    assert "written by others" in shipped.mismatch_reason(shipped.read_manifest(folder), OWN, folder)
+    assert "written by others" in shipped_kernels.mismatch_reason(shipped_kernels.read_manifest(folder), OWN, folder)
 
 
 @pytest.mark.parametrize("text", [None, "", "{", "[1]", "\x00"])
 def test_a_manifest_that_is_none_is_no_kernels(folder, text):
-    path = folder / shipped.MANIFEST
+    path = folder / shipped_kernels.MANIFEST
     path.unlink()
     if text is not None:
         path.write_text(text)
-    assert shipped.read_manifest(folder) is None
+    assert shipped_kernels.read_manifest(folder) is None
 
 
 def test_the_kind_of_this_machine_is_told_apart_by_its_sources():
-    here = shipped.machine_kind(kernels.source_digest())
+    here = shipped_kernels.machine_kind(kernels.source_digest())
     assert here.sources == kernels.source_digest()
     assert here.cpu in ("x86-64-v3", "generic", "")
 
@@ -102,10 +102,10 @@ def test_shipped_entries_come_first_and_only_with_their_sums(folder, tmp_path):
     room.mkdir()
     (room / "f.nbi").write_text('{"int": "f.1.nbc"}')
     (room / "f.1.nbc").write_text("shipped")
-    sums = {f"theory/{path.name}": shipped.file_checksum(path) for path in room.iterdir()}
-    own = tmp_path / shipped.cache_subpath(shipped.PACKAGE_FOLDER / "theory")
+    sums = {f"theory/{path.name}": shipped_kernels.file_checksum(path) for path in room.iterdir()}
+    own = tmp_path / shipped_kernels.cache_subpath(shipped_kernels.PACKAGE_FOLDER / "theory")
     own.mkdir()
-    read = shipped.add_shipped_files(Plain, sums, folder)
+    read = shipped_kernels.add_shipped_files(Plain, sums, folder)
     assert read(str(own), "f", b"").load("int") == "shipped"
     assert read(str(own), "g", b"").load("int") is None  # none came: what is compiled here
     (own / "g.nbi").write_text('{"int": "g.1.nbc"}')

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy import fft, special
 
-from walkergen.analysis.lagged import fft_length
-from walkergen.core.numerics.tails import fisher_tail, student_quantile
+from walkergen.analysis.lag_sums import fft_length
+from walkergen.core.numerics.distributions import fisher_tail, student_quantile
 
 FREEDOMS = (0.5, 1.0, 2.0, 3.0, 10.9, 31.0, 100.0, 9.9e3, 1e4)
 
@@ -41,5 +41,5 @@ def test_lengths_that_transform_quickly_are_those_of_scipy() -> None:
 
 
 def test_motion_is_analysed_without_scipy() -> None:
-    code = "import sys; from walkergen.analysis import motion, doubts; assert 'scipy' not in sys.modules"
+    code = "import sys; from walkergen.analysis import motion, track_warnings; assert 'scipy' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -12,7 +12,7 @@ import pytest
 import threemf
 import trimesh
 
-from walkergen.core.printing import estimate, export, plates, sheet, slicer
+from walkergen.core.printing import estimate, export, plates, print_sheet, slicer
 from walkergen.core.printing import packing as plate
 from walkergen.core.printing.printers import Printer
 from walkergen.core.shapes.mesh import Mesh
@@ -198,7 +198,9 @@ def test_the_sheet_says_how_to_load_the_settings_and_what_a_plate_takes():
         assert word in told
     assert all(name in files for name in re.findall(r"`(p_[\w-]+\.\w+)`", told) if ".gc" not in name)
     (one,) = made.plates
-    weighed = [sheet.weigh("", design, built, MK3S) for design, built in zip(made.members, made.built, strict=True)]
+    weighed = [
+        print_sheet.weigh("", design, built, MK3S) for design, built in zip(made.members, made.built, strict=True)
+    ]
     found = estimate.plate_totals(one, made.parts, [each.load for each in weighed], MK3S)
     grams = 2 * weighed[0].load.grams + 3 * weighed[1].load.grams
     assert found.grams == pytest.approx(grams)

@@ -22,7 +22,7 @@ from walkergen.core.simulation.space.state import HEIGHT, LEGS, PHASE, Q_X, Q_Z,
 from walkergen.core.simulation.world import OK
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
-from walkergen.points import speeds
+from walkergen.points import speed_prediction as speeds
 
 OFF = {"along_mm": 5.0, "up_mm": 3.0, "across_mm": 2.0}
 """Place of a motor off the centre of mass."""

@@ -12,7 +12,7 @@ from walkergen.core.simulation.plan import prepare
 from walkergen.core.simulation.run import recorded_impacts
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
-from walkergen.points import resolution
+from walkergen.points import step_errors
 
 FRICTION = f"{observables.POWERS}.friction"
 
@@ -32,7 +32,7 @@ def measured(plan):
     """Values, standard errors and verdicts of a plan, each by name."""
     found, _ = ensemble.measure(plan, silent)
     errors = {**found.errors, observables.SPEED: found.speed_se_mm_s}
-    return resolution.observable_values(found), errors, resolution.judge(plan, found)
+    return step_errors.observable_values(found), errors, step_errors.judge(plan, found)
 
 
 def test_error_of_a_quotient_is_the_scatter_of_its_replicates():
@@ -61,7 +61,7 @@ def test_impulses_by_type_are_those_of_all_impacts_kept():
         share = rows[rows[:, 6] == kind, 3].sum() / rows[:, 3].sum()
         assert found.type_fractions_by_impulse[name] == pytest.approx(share, abs=1e-12)
     assert sum(found.type_fractions_by_impulse.values()) == pytest.approx(1.0)
-    assert set(resolution.observable_values(found)) == set(observables.OBSERVABLE_NAMES)
+    assert set(step_errors.observable_values(found)) == set(observables.OBSERVABLE_NAMES)
     assert set(found.errors) == set(observables.OBSERVABLE_NAMES) - {observables.SPEED}
 
 
@@ -113,11 +113,11 @@ def test_finer_steps_have_smaller_errors_and_coarser_none():
     found, _ = ensemble.measure(whole, silent)
     errors = []
     for part in (1.0, 0.9, 0.5, 0.499, 0.1):
-        judged = resolution.judge(plan_of(step_us=1e6 * part * own), found)
+        judged = step_errors.judge(plan_of(step_us=1e6 * part * own), found)
         errors.append(judged[observables.IMPACTS].error)
     assert errors == sorted(errors, reverse=True)
     assert errors[2] == pytest.approx(errors[3], rel=0.01)
-    coarser = resolution.judge(plan_of(step_us=1.2e6 * own), found)
+    coarser = step_errors.judge(plan_of(step_us=1.2e6 * own), found)
     assert all(one.error is None for one in coarser.values())
 
 

@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 from walkergen.core.scene import Scene
-from walkergen.core.theory import prediction, surrogate, uncertain
+from walkergen.core.theory import prediction, surrogate, uncertain_inputs
 from walkergen.core.theory.stationary import stationary
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
-from walkergen.points import speeds
+from walkergen.points import speed_prediction
 
 
 def row_of(design=None, mode="coulomb", **contact):
     design = design or Design()
     scene = Scene.model_validate({"contact": contact})
     mass = solids.mass_of(design)
-    return speeds.predict(design, mass, scene, mode, "known"), mass, scene
+    return speed_prediction.predict(design, mass, scene, mode, "known"), mass, scene
 
 
 def by_theory(design, mode="coulomb"):
@@ -163,7 +163,7 @@ def test_the_first_number_of_a_newcomer_holds_the_papers_speed():
 def test_draws_stay_in_the_physical_range_and_repeat():
     scene = Scene.model_validate({"contact": {"restitution": 1.0, "friction": 0.0, "friction_sd": 1.0}})
     known = prediction.prediction_inputs(scene, Design())
-    one, two = (uncertain.sample_inputs(known, 64, prediction.SEED) for _ in range(2))
+    one, two = (uncertain_inputs.sample_inputs(known, 64, prediction.SEED) for _ in range(2))
     np.testing.assert_array_equal(one, two)
     drawn = {each.name: one[:, place] for place, each in enumerate(known)}
     assert drawn["contact.restitution"].max() <= 1.0

@@ -9,7 +9,7 @@ from evidence.tables import settings, simulate
 from evidence.tables.scatter import scatter
 from walkergen.core.errors import InputError
 from walkergen.core.scene import Scene
-from walkergen.core.theory import networks, places, surrogate, uncertain
+from walkergen.core.theory import dimensionless, networks, surrogate, uncertain_inputs
 from walkergen.core.theory.surrogate import UnknownError
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
@@ -137,7 +137,7 @@ READ = {
 def test_every_key_that_it_reads_moves_its_speed(key):
     scene = Scene().variant(**{key: READ[key]})
     mass = solids.mass_of(TEN)
-    at = [surrogate.Known(TEN, one, places.compute_place(one, TEN, mass)).nominal[0] for one in (Scene(), scene)]
+    at = [surrogate.Known(TEN, one, dimensionless.compute_place(one, TEN, mass)).nominal[0] for one in (Scene(), scene)]
     assert at[0] != at[1]
 
 
@@ -175,11 +175,11 @@ def test_places_of_draws_are_those_of_walkers_so_built():
         "feet.tip_radius_um": 7.0,
         "legs.thickness_mm": 0.42,
     }
-    scene, design, mass = uncertain.apply_inputs(Scene(), TEN, values)
-    built = places.compute_place(scene, design, mass)
-    drawn = uncertain.Drawn({name: np.array([value]) for name, value in values.items()}, 1)
-    place = places.compute_place(Scene(), TEN, solids.mass_of(TEN)).with_inputs(TEN, Scene(), drawn)
-    for name, one, other in zip(places.Place._fields, place, built, strict=True):
+    scene, design, mass = uncertain_inputs.apply_inputs(Scene(), TEN, values)
+    built = dimensionless.compute_place(scene, design, mass)
+    drawn = uncertain_inputs.Drawn({name: np.array([value]) for name, value in values.items()}, 1)
+    place = dimensionless.compute_place(Scene(), TEN, solids.mass_of(TEN)).with_inputs(TEN, Scene(), drawn)
+    for name, one, other in zip(dimensionless.Place._fields, place, built, strict=True):
         # A thicker leg moves the centre of mass a little, which draws leave out
         assert float(np.ravel(one)[0]) == pytest.approx(float(other), rel=1e-2, abs=1e-3), name
 

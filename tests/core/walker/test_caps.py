@@ -13,7 +13,7 @@ from PIL import Image
 from walkergen.commands.family import preview
 from walkergen.core.errors import GeometryError
 from walkergen.core.shapes.mesh import Mesh
-from walkergen.core.walker import mass, solids, weights
+from walkergen.core.walker import mass, solids, weighed_masses
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.fittings import Cap
 from walkergen.readers.walkers import caps
@@ -133,8 +133,8 @@ def test_a_design_without_a_cap_is_written_as_before():
 def test_a_walker_is_weighed_with_its_cap():
     design = capped()
     built = solids.build(design)
-    heavier = weights.Weighings(grams=weights.Mean(1.1, None, 1))
-    scaled = weights.apply_masses(design, built, heavier, "walker")
+    heavier = weighed_masses.Weighings(grams=weighed_masses.Mean(1.1, None, 1))
+    scaled = weighed_masses.apply_masses(design, built, heavier, "walker")
     assert float(solids.weigh(scaled, built).total) == pytest.approx(1.1, rel=1e-12)
 
 

@@ -14,7 +14,7 @@ from walkergen.core.files import config
 from walkergen.core.printing import checks
 from walkergen.core.printing.pocket_checks import ceiling_span, thinnest_wall
 from walkergen.core.printing.printers import Printer
-from walkergen.core.walker import names, pockets, solids, weights
+from walkergen.core.walker import names, pockets, solids, weighed_masses
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
 
@@ -267,30 +267,30 @@ def test_designs_that_carry_nothing_are_written_as_before():
 
 def test_weights_have_rows_of_what_is_carried(tmp_path):
     design = shipped("coinbot").variant(tilt_deg=10.0)
-    part, path = names.part_name(design), tmp_path / weights.FILE_NAME
-    weights.write_template(tmp_path, [part, *weights.carried_rows(design)])
+    part, path = names.part_name(design), tmp_path / weighed_masses.FILE_NAME
+    weighed_masses.write_template(tmp_path, [part, *weighed_masses.carried_rows(design)])
     rows = [line.split(",")[0] for line in path.read_text().splitlines()[1:]]
     assert rows == [part, "motor", "battery", "wires", "glue"]
-    assert not weights.is_filled_in(path)
+    assert not weighed_masses.is_filled_in(path)
     path.write_text("part,grams\nmotor,1.2\nmotor,1.4\nbattery,3.1\nglue,0.3\n")
-    assert weights.is_filled_in(path)
-    weighed = weights.apply_carried_masses(design, weights.read_masses(path, [design]))
-    assert weights.unused_parts(path, [design]) == []
+    assert weighed_masses.is_filled_in(path)
+    weighed = weighed_masses.apply_carried_masses(design, weighed_masses.read_masses(path, [design]))
+    assert weighed_masses.unused_parts(path, [design]) == []
     gained = solids.mass_of(weighed).total - solids.mass_of(design).total
     assert gained == pytest.approx(0.3 + 0.2 + 0.2, rel=1e-9)
 
 
 def test_weights_of_what_is_carried_are_refused_when_wrong(tmp_path):
-    design, path = shipped("coinbot"), tmp_path / weights.FILE_NAME
+    design, path = shipped("coinbot"), tmp_path / weighed_masses.FILE_NAME
     path.write_text("part,grams,body_g\nmotor,,1.2\n")
     with pytest.raises(InputError, match="motor: body_g: has neither"):
-        weights.read_masses(path, [design])
+        weighed_masses.read_masses(path, [design])
     path.write_text("part,grams\nmotor,1200\n")
     with pytest.raises(InputError, match="motor: 1200 g by the balance, 1 g by the design"):
-        weights.apply_carried_masses(design, weights.read_masses(path, [design]))
+        weighed_masses.apply_carried_masses(design, weighed_masses.read_masses(path, [design]))
     path.write_text("part,grams\nmotor,1.2\n")
     with pytest.raises(InputError, match="'motor' is not among"):
-        weights.read_masses(path, [shipped("koumakis2016")])
+        weighed_masses.read_masses(path, [shipped("koumakis2016")])
 
 
 WIDE = {"length_mm": 40.0, "depth_mm": 24.0, "thickness_mm": 6.0}

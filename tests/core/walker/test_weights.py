@@ -7,11 +7,11 @@ from typer.testing import CliRunner
 from walkergen.cli import command_line
 from walkergen.core.errors import InputError
 from walkergen.core.scene import Scene
-from walkergen.core.walker import mass, names, solids, weights
+from walkergen.core.walker import mass, names, solids, weighed_masses
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.points import kinds
 from walkergen.points import members as predictions
+from walkergen.points import model_kinds
 from walkergen.points.point import Point
 
 PAPER = templates.load("koumakis2016", "walkers", Design)
@@ -25,7 +25,7 @@ def read(tmp_path):
     def call(text: str):
         path = tmp_path / "weights.csv"
         path.write_text(text)
-        return weights.read_masses(path, MEMBERS)
+        return weighed_masses.read_masses(path, MEMBERS)
 
     return call
 
@@ -50,36 +50,36 @@ def test_copies_are_averaged_with_their_standard_error(read):
 
 
 def test_a_template_has_no_masses_and_can_be_filled(read, tmp_path):
-    text = weights.format_template([FIVE, TEN])
+    text = weighed_masses.format_template([FIVE, TEN])
     with pytest.raises(InputError, match="no masses; fill in grams, body_g, leg_g"):
         read(text)
-    assert not weights.is_filled_in(tmp_path / "weights.csv")
+    assert not weighed_masses.is_filled_in(tmp_path / "weights.csv")
     found = read(text.replace(f"{TEN},,,", f"{TEN},,0.8,0.03"))
-    assert weights.is_filled_in(tmp_path / "weights.csv")
-    assert found == {TEN: weights.Weighings(None, (0.8, None, 1), (0.03, None, 1))}
+    assert weighed_masses.is_filled_in(tmp_path / "weights.csv")
+    assert found == {TEN: weighed_masses.Weighings(None, (0.8, None, 1), (0.03, None, 1))}
 
 
 @pytest.mark.parametrize("header", ["part,grams,body_g,leg_g", "part,grams"])
 @pytest.mark.parametrize("line", ["x,1", "x;1", "x\t1", "x,,1,", 'x,"0,81"', "x,,, ", "x,,,\n\n", "x,,,\r", "x"])
 def test_whatever_is_filled_in_is_kept(tmp_path, header, line):
     path = tmp_path / "weights.csv"
-    weights.write_template(tmp_path, ["x"])
+    weighed_masses.write_template(tmp_path, ["x"])
     written = f"{header}\n{line}\n".encode()
     path.write_bytes(written)
-    weights.write_template(tmp_path, ["y"])
+    weighed_masses.write_template(tmp_path, ["y"])
     assert path.read_bytes() == written
 
 
 def test_a_form_that_somebody_sorted_stays(tmp_path):
-    path = weights.write_template(tmp_path, [FIVE, TEN])
-    path.write_text(ours := weights.format_template([TEN, FIVE]))
-    assert weights.write_template(tmp_path, [FIVE, TEN]) == path
+    path = weighed_masses.write_template(tmp_path, [FIVE, TEN])
+    path.write_text(ours := weighed_masses.format_template([TEN, FIVE]))
+    assert weighed_masses.write_template(tmp_path, [FIVE, TEN]) == path
     assert path.read_text() == ours
 
 
 def test_an_empty_template_follows_the_print(tmp_path):
-    weights.write_template(tmp_path, [FIVE])
-    weights.write_template(tmp_path, [TEN])
+    weighed_masses.write_template(tmp_path, [FIVE])
+    weighed_masses.write_template(tmp_path, [TEN])
     assert (tmp_path / "weights.csv").read_text() == f"part,grams,body_g,leg_g\n{TEN},,,\n"
 
 
@@ -117,7 +117,7 @@ def test_braced_walkers_are_weighed_whole_or_with_their_braces(tmp_path):
     (design,) = PAPER.members([10.0], ["braced"])
     path = tmp_path / "w.csv"
     path.write_text("part,grams,leg_g\nwalker_t10.0_braced_s1.00,1.1,0.1\n")
-    (member,) = predicted(weights.read_masses(path, [design]), [design])
+    (member,) = predicted(weighed_masses.read_masses(path, [design]), [design])
     assert member.row.M_g == pytest.approx(1.1)
     assert member.weighing.mass_g == pytest.approx(1.1)
     assert member.row.m_g is None
@@ -126,8 +126,8 @@ def test_braced_walkers_are_weighed_whole_or_with_their_braces(tmp_path):
 def test_the_error_of_a_whole_walker_adds_those_of_its_parts(read):
     rows = "".join(f"{TEN},{body},{leg}\n" for body, leg in ((0.80, 0.03), (0.82, 0.034)))
     found = read("part,body_g,leg_g\n" + rows)[TEN]
-    assert weights.total_error(found, 2) == pytest.approx(np.hypot(0.01, 2 * 0.002))
-    assert weights.total_error(read(f"part,leg_g\n{TEN},0.03\n{TEN},0.04\n")[TEN], 2) is None
+    assert weighed_masses.total_error(found, 2) == pytest.approx(np.hypot(0.01, 2 * 0.002))
+    assert weighed_masses.total_error(read(f"part,leg_g\n{TEN},0.03\n{TEN},0.04\n")[TEN], 2) is None
 
 
 def test_a_form_of_the_whole_family_serves_some_of_its_walkers(read, tmp_path):
@@ -136,7 +136,7 @@ def test_a_form_of_the_whole_family_serves_some_of_its_walkers(read, tmp_path):
     rows += [f"{FIVE}-2,0.9", "walker_t07.5_flexible_s0.40-3,1"]
     found = read("part,grams\n" + "\n".join(rows))
     assert {name: one.grams.weighings for name, one in found.items()} == {FIVE: 2, TEN: 1}
-    unused = weights.unused_parts(tmp_path / "weights.csv", MEMBERS)
+    unused = weighed_masses.unused_parts(tmp_path / "weights.csv", MEMBERS)
     others = [name for name in names_of_family() if name not in (FIVE, TEN)]
     assert unused == [*others, "walker_t07.5_flexible_s0.40"]
     with pytest.raises(InputError, match="no masses of the walkers of tilt and legs"):
@@ -158,25 +158,25 @@ def test_files_that_cannot_be_read_are_one_line(tmp_path):
     binary.write_bytes(b"\xff\xfe\x00")
     for path in (binary, tmp_path, tmp_path / "none.csv", tmp_path / ("x" * 300)):
         with pytest.raises(InputError) as caught:
-            weights.read_masses(path, MEMBERS)
+            weighed_masses.read_masses(path, MEMBERS)
         assert len(str(caught.value).splitlines()) == 1
 
 
 def test_a_spreadsheet_s_byte_order_mark_is_ignored(tmp_path):
     path = tmp_path / "w.csv"
     path.write_bytes(f"part,grams\r\n{FIVE},0.9\r\n".encode("utf-8-sig"))
-    assert weights.read_masses(path, MEMBERS)[FIVE].grams.mean == 0.9
+    assert weighed_masses.read_masses(path, MEMBERS)[FIVE].grams.mean == 0.9
 
 
 @pytest.mark.parametrize("row", ["my own grain,,,", "walker,,,", "note to self,,,", f"{FIVE},,,1"])
 def test_a_form_with_a_row_of_somebodys_own_is_kept(row, tmp_path):
-    path = tmp_path / weights.FILE_NAME
-    path.write_text(f"{weights.format_template([FIVE, TEN])}{row}\n")
+    path = tmp_path / weighed_masses.FILE_NAME
+    path.write_text(f"{weighed_masses.format_template([FIVE, TEN])}{row}\n")
     mine = path.read_bytes()
-    assert weights.write_template(tmp_path, [FIVE]) is None
+    assert weighed_masses.write_template(tmp_path, [FIVE]) is None
     assert path.read_bytes() == mine
-    path.write_text(weights.format_template([FIVE, f"{TEN}-12", f"polar-disc{FIVE.removeprefix('walker')}"]))
-    assert weights.write_template(tmp_path, [TEN]) == path  # nothing but a form of ours
+    path.write_text(weighed_masses.format_template([FIVE, f"{TEN}-12", f"polar-disc{FIVE.removeprefix('walker')}"]))
+    assert weighed_masses.write_template(tmp_path, [TEN]) == path  # nothing but a form of ours
 
 
 @pytest.mark.parametrize(
@@ -186,14 +186,14 @@ def test_a_form_with_a_row_of_somebodys_own_is_kept(row, tmp_path):
 def test_masses_in_a_design_are_of_the_walker_that_it_draws(key, value, drawn):
     """A thousandth or a thousand times as much: a unit, or another part."""
     with pytest.raises(InputError, match=rf"weighed\.{key} = .*: {drawn} g as it is drawn, more than 10 times"):
-        weights.check_stated_masses(PAPER.variant(**{f"weighed.{key}": value}))
+        weighed_masses.check_stated_masses(PAPER.variant(**{f"weighed.{key}": value}))
     refused = CliRunner().invoke(command_line, ["predict", "--set", f"weighed.{key}={value}"])
     assert isinstance(refused.exception, InputError)
     assert f"weighed.{key} = " in str(refused.exception)
     point = Point(PAPER.variant(**{f"weighed.{key}": value}), SCENE)
-    assert kinds.evaluate(point)["status"].startswith(f"refused: koumakis2016: weighed.{key} = ")
+    assert model_kinds.evaluate(point)["status"].startswith(f"refused: koumakis2016: weighed.{key} = ")
 
 
 def test_masses_that_a_walker_may_have_pass():
-    weights.check_stated_masses(PAPER)
-    weights.check_stated_masses(PAPER.variant(**{"weighed.body_mass_g": 0.87, "weighed.leg_mass_g": 0.04}))
+    weighed_masses.check_stated_masses(PAPER)
+    weighed_masses.check_stated_masses(PAPER.variant(**{"weighed.body_mass_g": 0.87, "weighed.leg_mass_g": 0.04}))

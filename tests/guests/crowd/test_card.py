@@ -22,7 +22,7 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.guests.crowd.cards import card as cards
-from walkergen.guests.crowd.cards import inputs, make, overdamped, relaxation, walled
+from walkergen.guests.crowd.cards import exports, make, overdamped, relaxation, wall_runs
 from walkergen.guests.crowd.cards import walker_motion as measured
 from walkergen.guests.crowd.cards.card import Card
 from walkergen.guests.crowd.flat import motion as flat_motion
@@ -70,7 +70,7 @@ def test_a_card_of_a_person_makes_inputs_again(run, tmp_path):
     assert run("mine.json").exit_code == 0
     folder = tmp_path / "out" / "mine" / "card"
     assert (folder / "card.json").read_bytes() == cards.to_json(CARD)
-    assert (folder / "crowd_pymunk.py").read_bytes() == inputs.input_files(CARD)["crowd_pymunk.py"]
+    assert (folder / "crowd_pymunk.py").read_bytes() == exports.input_files(CARD)["crowd_pymunk.py"]
     assert "variable mass equal 0.9\n" in (folder / "card.lammps").read_text()
 
 
@@ -216,7 +216,7 @@ def test_a_model_without_inertia_is_enough_for_what_neither_turns_nor_coasts():
 
 
 def scripts(tmp_path, card):
-    for name, text in inputs.input_files(card).items():
+    for name, text in exports.input_files(card).items():
         (tmp_path / name).write_bytes(text)
     return runpy.run_path(str(tmp_path / "crowd_pymunk.py"))
 
@@ -286,11 +286,11 @@ def test_pymunk_collides_with_the_card_s_restitution(tmp_path):
 
 
 def test_scripts_of_others_name_every_number_and_are_python(tmp_path):
-    made = inputs.input_files(CARD)
+    made = exports.input_files(CARD)
     for name in ("crowd_pymunk.py", "crowd_hoomd.py"):
         compile(made[name], name, "exec")
         text = made[name].decode()
-        for number, value in inputs.model_parameters(CARD).items():
+        for number, value in exports.model_parameters(CARD).items():
             assert f"{number} = {value!r}" in text
     values = {
         words[1]: float(words[3])
@@ -335,4 +335,4 @@ def test_dishes_in_which_a_walker_meets_no_wall_are_refused(run, tmp_path):
     scene, walker = templates.load("plane-90hz", "scenes", Scene), design()
     small = scene.model_copy(update={"crowd": scene.crowd.model_copy(update={"arena_mm": "disc:35"})})
     with pytest.raises(InputError, match="too small"):
-        walled.simulate_wall_runs(small, walker, solids.mass_of(walker), CARD.speed_mm_s, silent)
+        wall_runs.simulate_wall_runs(small, walker, solids.mass_of(walker), CARD.speed_mm_s, silent)

@@ -17,7 +17,7 @@ from evidence.crowd_checks.setting import RATE_HZ
 from walkergen.core.errors import InputError
 from walkergen.core.numerics.quantity import Quantity, Verdict
 from walkergen.guests.crowd import in_plane
-from walkergen.guests.crowd.flat import engine
+from walkergen.guests.crowd.flat import lammps_engine
 
 OUTLINE = np.array(BOX)
 
@@ -161,7 +161,7 @@ def test_without_lammps_nothing_is_simulated(monkeypatch):
     def absent():
         raise InputError("needs LAMMPS")
 
-    monkeypatch.setattr(engine, "find_lammps", absent)
+    monkeypatch.setattr(lammps_engine, "find_lammps", absent)
     result = CliRunner().invoke(commands, ["crowd-checks"])
     assert "needs LAMMPS" in str(result.exception)
 

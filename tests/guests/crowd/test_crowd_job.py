@@ -18,7 +18,7 @@ from walkergen.core.scene import Scene
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.guests.crowd import in_space as crowd_space
-from walkergen.guests.crowd import make, members
+from walkergen.guests.crowd import make, walker_counts
 from walkergen.guests.crowd.space import placing
 from walkergen.guests.crowd.space import run as crowds
 from walkergen.guests.crowd.space.result import CrowdRun, Impulses
@@ -83,9 +83,9 @@ def test_a_disc_with_a_hole_has_nobody_in_its_hole(tmp_path):
 
 
 def test_counts_are_numbers_or_designs_with_theirs():
-    assert members.parse_count(" 30 ") == 30
-    assert members.parse_count("polar-disc:20, my/rotator.toml:10") == {"polar-disc": 20, "my/rotator.toml": 10}
-    assert members.parse_count("C:\\walkers\\mine.toml:3,b:2")["C:\\walkers\\mine.toml"] == 3
+    assert walker_counts.parse_count(" 30 ") == 30
+    assert walker_counts.parse_count("polar-disc:20, my/rotator.toml:10") == {"polar-disc": 20, "my/rotator.toml": 10}
+    assert walker_counts.parse_count("C:\\walkers\\mine.toml:3,b:2")["C:\\walkers\\mine.toml"] == 3
 
 
 def test_one_walker_in_a_dish_is_a_crowd_of_one(run, walking):
@@ -103,7 +103,7 @@ def test_a_packing_says_how_many_and_the_report_how_dense():
     job = job_of(["koumakis2016"], None, **{"crowd.packing": 0.3, "crowd.arena_mm": "disc:200"})
     assert sum(kind.walkers for kind in job.kinds) == round(0.3 * np.pi * 100.0**2 / 224.0)
     assert job.packing == pytest.approx(0.3, rel=0.02)
-    assert [kind.walkers for kind in job_of(["koumakis2016"], None).kinds] == [members.DEFAULT_COUNT]
+    assert [kind.walkers for kind in job_of(["koumakis2016"], None).kinds] == [walker_counts.DEFAULT_COUNT]
 
 
 def test_the_folder_holds_numbers_with_errors_and_every_run(run, walking, tmp_path):

@@ -14,9 +14,9 @@ from test_crowd_job import walk
 from walkergen.core.files.progress import silent
 from walkergen.guests.crowd import in_space as crowd_space
 from walkergen.guests.crowd.make import simulate
-from walkergen.guests.crowd.members import DEFAULT_RATE_HZ
 from walkergen.guests.crowd.space import run as crowds
-from walkergen.guests.sweep import ask, axes, make
+from walkergen.guests.crowd.walker_counts import DEFAULT_RATE_HZ
+from walkergen.guests.sweep import axes, make, sweep_setup
 from walkergen.points.store import Store
 
 PACKINGS = "scene.crowd.packing=0.1,0.2"
@@ -45,9 +45,9 @@ def store(tmp_path):
 
 
 def request_of(*texts, keep=None, design="polar-disc", model=None, error=None):
-    space, constants = ask.make_space([axes.parse(text) for text in texts], None, 1)
+    space, constants = sweep_setup.make_space([axes.parse(text) for text in texts], None, 1)
     names = design, None, None
-    asked = ask.make_ask(names, Path(), space, constants, model, error, keep, "--set")
+    asked = sweep_setup.make_ask(names, Path(), space, constants, model, error, keep, "--set")
     return asked.make_request(), asked.title()
 
 
@@ -192,4 +192,4 @@ def test_a_file_asks_for_crowds_as_the_command_line_does(tmp_path):
         '[grid]\n"scene.crowd.packing" = [0.1, 0.2]\n'
     )
     line, _ = request_of(PACKINGS, "scene.run.seconds=2", keep=["milling"])
-    assert ask.from_file(file).make_request() == line._replace(data=line.data)
+    assert sweep_setup.from_file(file).make_request() == line._replace(data=line.data)

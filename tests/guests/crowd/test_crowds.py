@@ -8,7 +8,7 @@ from crowd_films import BOX, DISHES, gas, of
 from walkergen.core import dish as dishes
 from walkergen.core.errors import InputError
 from walkergen.guests.crowd import statistics as crowds
-from walkergen.guests.crowd.statistics import boxes, clusters, fluctuations, ground, order, packing, pairs, walls
+from walkergen.guests.crowd.statistics import boxes, clusters, dish_geometry, fluctuations, order, packing, pairs, walls
 
 
 def polygon_of(dish):
@@ -44,10 +44,10 @@ def test_circles_are_cut_by_walls_as_polygons_are(words):
     dish, rng = dishes.parse_dish(words), np.random.default_rng(1)
     whole, angle = polygon_of(dish), np.linspace(0.0, 2.0 * np.pi, 4001)
     x, y = (rng.uniform(-0.5, 0.5, 400) * side for side in dish.box)
-    inside = ground.wall_distance(x, y, dish) > 0
+    inside = dish_geometry.wall_distance(x, y, dish) > 0
     x, y = x[inside], y[inside]
     radius = rng.uniform(0.5, 0.5 * min(dish.box), len(x))
-    share = ground.share_inside(x, y, radius, dish)
+    share = dish_geometry.share_inside(x, y, radius, dish)
     for own, *circle in zip(share, x, y, radius, strict=True):
         line = np.column_stack([np.cos(angle), np.sin(angle)]) * circle[2] + circle[:2]
         cut = shapely.LineString(line).intersection(whole).length
@@ -58,9 +58,9 @@ def test_circles_are_cut_by_walls_as_polygons_are(words):
 @pytest.mark.parametrize("words", DISHES[:3])
 def test_the_area_beyond_a_depth_is_that_of_the_dish_shrunk(words):
     dish = dishes.parse_dish(words)
-    for depth in np.linspace(0.0, ground.max_wall_distance(dish), 7):
+    for depth in np.linspace(0.0, dish_geometry.max_wall_distance(dish), 7):
         shrunk = polygon_of(dish).buffer(-depth, quad_segs=500, join_style="mitre").area
-        assert ground.area_beyond(np.array(depth), dish) == pytest.approx(shrunk, abs=1e-3 * dish.area)
+        assert dish_geometry.area_beyond(np.array(depth), dish) == pytest.approx(shrunk, abs=1e-3 * dish.area)
 
 
 @pytest.mark.parametrize("words", DISHES)

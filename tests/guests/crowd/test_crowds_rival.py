@@ -6,7 +6,7 @@ import pytest
 from crowd_films import of
 
 from walkergen.core import dish as dishes
-from walkergen.guests.crowd.statistics import clusters, ground, order, pairs
+from walkergen.guests.crowd.statistics import clusters, dish_geometry, order, pairs
 
 SIDE = 100.0
 
@@ -18,7 +18,7 @@ def crowd(frames, walkers=300, seed=1):
     for frame in range(frames):
         kept = rng.uniform(0.0, SIDE, (8 * walkers, 2))
         for _ in range(4):  # of two nearer than 3 mm the second goes
-            near, _ = ground.pairs_within(*(kept - 0.5 * SIDE).T, 3.0, dish)
+            near, _ = dish_geometry.pairs_within(*(kept - 0.5 * SIDE).T, 3.0, dish)
             kept = np.delete(kept, np.unique(near[:, 1]), axis=0)
         places[frame, :, :2] = kept[:walkers] - 0.5 * SIDE
         places[frame, :, 2] = 0.4 * rng.normal(size=walkers) + np.pi * rng.integers(0, 2, walkers)

@@ -7,7 +7,7 @@ import pytest
 from flat_cards import DISC, card, with_lammps
 
 from walkergen.core.dish import Dish
-from walkergen.guests.crowd.flat import crowd, deck, doors
+from walkergen.guests.crowd.flat import crowd, crowd_checks, lammps_input
 from walkergen.guests.crowd.space.placing import place
 
 WIDTH = 8.0
@@ -46,9 +46,9 @@ def test_discs_that_only_diffuse_touch_as_often_as_hard_discs_do(packing):
     outlines = [(np.array(DISC),)] * NUMBER
     dish = Dish("periodic", (side,))
     places = place(outlines, dish, np.random.default_rng(1), 0.2)
-    run = crowd.simulate(doors.make_crowd([one], [0] * NUMBER, dish, places, seconds=12.0, rate_hz=50.0, seed=1))
+    run = crowd.simulate(crowd_checks.make_crowd([one], [0] * NUMBER, dish, places, seconds=12.0, rate_hz=50.0, seed=1))
     # Soft discs are hard ones of the diameter of Barker and Henderson: the mean overlap less
-    parts = deck.mechanics([one])
+    parts = lammps_input.mechanics([one])
     soft = math.sqrt(0.5 * math.pi * parts.motions[0].heat / parts.contacts.pairs[0, 0].stiffness)
     hard = WIDTH - soft
     filled = packing * (hard / WIDTH) ** 2

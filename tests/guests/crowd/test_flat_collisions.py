@@ -9,7 +9,7 @@ from flat_pairs import collide
 
 from walkergen.core.dish import Dish
 from walkergen.core.theory.impact import impact
-from walkergen.guests.crowd.flat import contact, crowd, deck, discs, doors
+from walkergen.guests.crowd.flat import contact, crowd, crowd_checks, discs, lammps_input
 
 SPEED = 100.0
 
@@ -37,7 +37,7 @@ def test_dashpot_of_a_restitution_has_it_when_integrated(wanted):
 
 
 def test_steps_resolve_the_dashpot_of_what_gives_little_back():
-    steps = [deck.mechanics([glider(restitution=one)]).contacts.longest_step for one in (0.5, 0.3, 0.1)]
+    steps = [lammps_input.mechanics([glider(restitution=one)]).contacts.longest_step for one in (0.5, 0.3, 0.1)]
     assert steps[0] > steps[1] > 1.9 * steps[2]
 
 
@@ -48,7 +48,7 @@ def test_discs_that_meet_head_on_part_with_the_restitution_of_their_cards():
     rows = [(side, 40.0 * k) for k in range(3) for side in (-1, 1)]
     places = [(side * 5.0, y, 0.0 if side < 0 else math.pi) for side, y in rows]
     run = crowd.simulate(
-        doors.make_crowd(
+        crowd_checks.make_crowd(
             cards, kinds, Dish("rectangle", (300.0, 200.0)), places, seconds=0.06, rate_hz=500.0, seed=1, running=True
         )
     )
@@ -65,7 +65,7 @@ def test_discs_that_meet_off_centre_slide_or_stick_as_the_closed_form_has_it(fri
     offset = 8.0 * math.sin(math.radians(30.0))
     places = [(-9.0, offset, 0.0), (9.0, 0.0, math.pi)]
     run = crowd.simulate(
-        doors.make_crowd(
+        crowd_checks.make_crowd(
             [one], [0, 0], Dish("rectangle", (300.0, 200.0)), places, seconds=0.15, rate_hz=500.0, seed=1, running=True
         )
     )
@@ -88,7 +88,7 @@ def test_a_wall_has_its_own_restitution_and_friction():
     one = glider(wall_restitution=0.7, wall_friction=0.1, restitution=0.1, friction=0.9)
     places = [(30.0, 0.0, math.radians(45.0))]
     run = crowd.simulate(
-        doors.make_crowd(
+        crowd_checks.make_crowd(
             [one], [0], Dish("rectangle", (100.0, 200.0)), places, seconds=0.3, rate_hz=500.0, seed=1, running=True
         )
     )
@@ -103,10 +103,10 @@ def test_nobody_leaves_a_dish(kind, sizes):
     one, dish = glider(restitution=0.9, wall_restitution=0.9), Dish(kind, sizes)
     places = [(25.0, 0.0, 2.0), (-20.0, 0.0, 0.4), (0.0, 18.0, 3.0), (0.0, -20.0, 1.3)]
     run = crowd.simulate(
-        doors.make_crowd([one], [0] * 4, dish, places, seconds=1.0, rate_hz=100.0, seed=1, running=True)
+        crowd_checks.make_crowd([one], [0] * 4, dish, places, seconds=1.0, rate_hz=100.0, seed=1, running=True)
     )
     parts = discs.Discs(np.zeros((1, 2)), np.array([4.0]))
-    gaps = [doors.wall_gaps(dish, frame[:, :2], parts.radii) for frame in run.poses]
+    gaps = [crowd_checks.wall_gaps(dish, frame[:, :2], parts.radii) for frame in run.poses]
     assert np.min(gaps) > -0.5
     assert np.ptp(run.poses[:, :, 0], axis=0).min() > 10.0
 

@@ -16,7 +16,7 @@ from flat_cards import DISC, card, silent, with_lammps
 from walkergen.core.dish import Dish
 from walkergen.core.errors import InputError, OutputError
 from walkergen.guests.crowd.cards.card import Card
-from walkergen.guests.crowd.flat import crowd, deck, doors, dump, engine
+from walkergen.guests.crowd.flat import crowd, crowd_checks, dump, lammps_engine, lammps_input
 
 HELP = """
 Large-scale Atomic/Molecular Massively Parallel Simulator - {release}
@@ -26,7 +26,7 @@ Installed packages:
 
 List of individual style options included in this LAMMPS executable
 """
-WHOLE = " ".join(engine.REQUIRED_PACKAGES)
+WHOLE = " ".join(lammps_engine.REQUIRED_PACKAGES)
 PLACES = [[-20.0, 0.0, 0.0], [20.0, 0.0, 3.0]]
 posix = pytest.mark.skipif(os.name != "posix", reason="a script as a program")
 
@@ -35,7 +35,7 @@ def simulate(places=PLACES, one=None, dish=None, ranks=1, progress=lambda *_: No
     """Run of two walkers."""
     keys = {"seconds": 0.02, "rate_hz": 100.0, "seed": 1, **keys}
     ground = dish or Dish("disc", (200.0,))
-    asked = doors.make_crowd([one or card()], [0] * len(places), ground, places, **keys)
+    asked = crowd_checks.make_crowd([one or card()], [0] * len(places), ground, places, **keys)
     return crowd.simulate(asked, ranks, progress)
 
 
@@ -126,7 +126,7 @@ def test_a_dump_that_a_full_disk_cut_short_is_named_with_its_frame(lammps):
     frame = "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS\n0 1\n0 1\n0 1\n"
     rows = f"ITEM: ATOMS {dump.COLUMNS}\n1 0 0 1 0\n4 1 1 1 0\n"
     whole = frame.format(0) + rows + frame.format(9) + rows[:-6]
-    lammps(f"cat > {deck.DUMP_FILE} <<'END'\n{whole}END")
+    lammps(f"cat > {lammps_input.DUMP_FILE} <<'END'\n{whole}END")
     with pytest.raises(OutputError, match="frame 2 of 3"):
         simulate()
 
@@ -135,11 +135,12 @@ def test_a_dump_that_a_full_disk_cut_short_is_named_with_its_frame(lammps):
 @with_lammps
 def test_lammps_itself_says_when_the_disk_is_full(tmp_path):
     write(
-        tmp_path, doors.make_crowd([card()], [0, 0], Dish("disc", (200.0,)), PLACES, seconds=1, rate_hz=200.0, seed=1)
+        tmp_path,
+        crowd_checks.make_crowd([card()], [0, 0], Dish("disc", (200.0,)), PLACES, seconds=1, rate_hz=200.0, seed=1),
     )
-    (tmp_path / deck.DUMP_FILE).symlink_to("/dev/full")
+    (tmp_path / lammps_input.DUMP_FILE).symlink_to("/dev/full")
     with pytest.raises(OutputError, match="No space left"):
-        engine.run_script(engine.find_lammps(), tmp_path, deck.INPUT_FILE, 1, lambda *_: None)
+        lammps_engine.run_script(lammps_engine.find_lammps(), tmp_path, lammps_input.INPUT_FILE, 1, lambda *_: None)
 
 
 @posix
@@ -205,25 +206,27 @@ def test_the_input_alone_needs_no_lammps_and_is_the_same_each_time(tmp_path, mon
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setitem(sys.modules, "lammps", None)
     places = [[40, 40, 0.0], [-40, 40, 1.0]]
-    asked = doors.make_crowd([card()], [0, 0], Dish("ring", (200.0, 20.0)), places, seconds=1.0, rate_hz=50.0, seed=4)
+    asked = crowd_checks.make_crowd(
+        [card()], [0, 0], Dish("ring", (200.0, 20.0)), places, seconds=1.0, rate_hz=50.0, seed=4
+    )
     assert crowd.input_files(asked) == crowd.input_files(asked)
 
 
 def test_a_walker_a_hair_off_the_seam_of_a_periodic_square_is_inside_it():
     one, seam = silent(outline_mm=[DISC]), Dish("periodic", (100.0,))
     assert crowd.input_files(
-        doors.make_crowd([one], [0], seam, [[0.0, -1e-15, 0.0]], seconds=1.0, rate_hz=10.0, seed=1)
+        crowd_checks.make_crowd([one], [0], seam, [[0.0, -1e-15, 0.0]], seconds=1.0, rate_hz=10.0, seed=1)
     )
 
 
 @with_lammps
 def test_the_dump_of_written_files_is_read_back_as_the_run(tmp_path):
     dish, keys = Dish("periodic", (150.0,)), {"seconds": 0.04, "rate_hz": 50.0, "seed": 4}
-    asked = doors.make_crowd([card()], [0, 0], dish, PLACES, **keys)
+    asked = crowd_checks.make_crowd([card()], [0, 0], dish, PLACES, **keys)
     run = crowd.simulate(asked)
     write(tmp_path, asked)
-    engine.run_script(engine.find_lammps(), tmp_path, deck.INPUT_FILE, 1, lambda *_: None)
-    again = crowd.read_dump(tmp_path / deck.DUMP_FILE, 2, 0.04, 50.0)
+    lammps_engine.run_script(lammps_engine.find_lammps(), tmp_path, lammps_input.INPUT_FILE, 1, lambda *_: None)
+    again = crowd.read_dump(tmp_path / lammps_input.DUMP_FILE, 2, 0.04, 50.0)
     assert again.poses.tobytes() == run.poses.tobytes()
     assert again.times == pytest.approx([0.0, 0.02, 0.04])
     assert run.poses[0] == pytest.approx(np.array(PLACES))
@@ -267,9 +270,9 @@ def test_a_card_edited_by_hand_may_hold_no_nan():
 
 
 def test_a_round_outline_is_one_disc_and_a_box_is_followed_to_its_tolerance():
-    parts = deck.mechanics([silent(outline_mm=[DISC])])
+    parts = lammps_input.mechanics([silent(outline_mm=[DISC])])
     assert len(parts.discs[0].radii) < 4
-    box = deck.mechanics([card()]).discs[0]
+    box = lammps_input.mechanics([card()]).discs[0]
     x = np.linspace(-13.5, 13.5, 200)
     squares = box.radii**2 - (x[:, None] - box.places[:, 0]) ** 2
     tops = np.where(squares > 0.0, box.places[:, 1] + np.sqrt(np.maximum(squares, 0.0)), -np.inf)

@@ -7,7 +7,7 @@ import pytest
 from flat_cards import DISC, card, silent, with_lammps
 
 from walkergen.core.dish import Dish
-from walkergen.guests.crowd.flat import crowd, doors, motion
+from walkergen.guests.crowd.flat import crowd, crowd_checks, motion
 
 pytestmark = with_lammps
 
@@ -20,7 +20,9 @@ def run(one, side, spacing, seconds, rate_hz, seed=1, turn=0.0):
     places = np.column_stack((x.ravel(), y.ravel(), headings))
     kinds = np.zeros(side**2, int)
     dish = Dish("periodic", (side * spacing,))
-    return crowd.simulate(doors.make_crowd([one], kinds, dish, places, seconds=seconds, rate_hz=rate_hz, seed=seed))
+    return crowd.simulate(
+        crowd_checks.make_crowd([one], kinds, dish, places, seconds=seconds, rate_hz=rate_hz, seed=seed)
+    )
 
 
 @pytest.mark.parametrize("aside", [0.05, 0.02])

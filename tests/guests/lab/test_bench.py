@@ -15,7 +15,7 @@ from walkergen.core.simulation.space.state import HEIGHT, V_X
 from walkergen.core.simulation.space.walker import mobility
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.guests.lab import drops, inverse, resting
+from walkergen.guests.lab import drops, inverse, still_plate
 from walkergen.guests.lab.drops import Let
 from walkergen.guests.lab.inverse import Curve, Measured
 
@@ -27,11 +27,11 @@ steps of a drop (heights of 8 to 12 mm, 10 deg), three of them."""
 
 
 def plan_of(tilt=10.0, kind="flexible", damping=None, rigid=False, **contact):
-    scene = resting.with_contact(LANE.variant(**{"feet.rigid_tips": rigid}), **contact)
+    scene = still_plate.with_contact(LANE.variant(**{"feet.rigid_tips": rigid}), **contact)
     if damping is not None:
         legs = scene.legs.model_copy(update={"damping_ratio": damping})
         scene = scene.model_copy(update={"legs": legs})
-    return resting.make_plan(scene, PAPER.variant(tilt_deg=tilt, kind=kind))
+    return still_plate.make_plan(scene, PAPER.variant(tilt_deg=tilt, kind=kind))
 
 
 def flat(height=10.0, **choices):
@@ -157,9 +157,9 @@ def test_the_film_shows_the_drop_that_was_asked_for():
 
 def test_a_still_plate_keeps_feet_and_gravity_and_loses_its_drive():
     scene = templates.load("plane-noisy", "scenes", Scene)
-    quiet = resting.still_scene(scene)
+    quiet = still_plate.still_scene(scene)
     assert (quiet.contact, quiet.feet) == (scene.contact, scene.feet)
-    plan = resting.make_plan(scene, PAPER)
+    plan = still_plate.make_plan(scene, PAPER)
     assert len(plan.world.acting.noise.heights) == 0
     assert plan.world.acting.gravity.into == GRAVITY
     state = plan.initial_state(0.0, 0.0, 0.0)

@@ -9,7 +9,7 @@ from walkergen.core.scene import Scene
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.guests.lab.fit import emulated, learn
+from walkergen.guests.lab.fit import emulated_speeds, model_fit
 from walkergen.points import experiments, walkers
 
 
@@ -25,8 +25,8 @@ HEAD = "tilt_deg,speed_mm_s,speed_se_mm_s\n"
 def short(monkeypatch):
     """Fits by a third of the walkers, simulated for less long."""
     for name, count in (("FIRST", 32), ("SECOND", 12), ("AHEAD", 16)):
-        monkeypatch.setattr(learn, name, count)
-    monkeypatch.setattr(emulated, "RUN_SECONDS", 1.0)
+        monkeypatch.setattr(model_fit, name, count)
+    monkeypatch.setattr(emulated_speeds, "RUN_SECONDS", 1.0)
 
 
 def filmed(tilts, restitution, friction):

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from walkergen.core.scene import Scene
-from walkergen.core.theory import uncertain
+from walkergen.core.theory import uncertain_inputs
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.guests.lab.fit import emulated, parameters, posterior
+from walkergen.guests.lab.fit import emulated_speeds, parameters, posterior
 from walkergen.guests.lab.fit.posterior import Observed
 from walkergen.points import experiments, walkers
 
@@ -30,7 +30,7 @@ def hidden(ground, rng):
     names = [one.prior.name for one in ground.unknown.simulated]
     found = dict(zip(names, x, strict=True))
     (uneven,) = (one for one in ground.unknown.printed if one.name == "feet.unevenness_um")
-    return found | {uneven.name: float(uncertain.input_quantiles(uneven, rng.uniform(size=1))[0])}
+    return found | {uneven.name: float(uncertain_inputs.input_quantiles(uneven, rng.uniform(size=1))[0])}
 
 
 def true_speeds(ground, settings, rng):
@@ -41,7 +41,7 @@ def true_speeds(ground, settings, rng):
         for setting in settings:
             run = {"seconds": TRUE_SECONDS, "discard_seconds": 0.5, "runs": 1, "seed": int(rng.integers(2**62))}
             scene = ground.scene.model_copy(update={"run": ground.scene.run.model_copy(update=run)})
-            asked.append(experiments.Walker(*uncertain.apply_inputs(scene, setting.design, values)))
+            asked.append(experiments.Walker(*uncertain_inputs.apply_inputs(scene, setting.design, values)))
     found = [one.summary.speed_mm_s for one in walkers.simulate_parallel(asked).values()]
     return np.array(found, dtype=float).reshape(REPETITIONS, len(settings))
 
@@ -52,11 +52,13 @@ def world():
     scene = templates.load("plane-90hz", "scenes", Scene)
     design = templates.load("koumakis2016", "walkers", Design)
     unknown = parameters.list_unknowns(scene, design, "space", "flat", {})
-    ground = emulated.Ground(scene, "space", unknown)
-    settings = [emulated.Setting(design.variant(tilt_deg=tilt), scene.drive.peak_speed) for tilt in TILTS]
-    x = emulated.sample_parameters(ground, 128)
-    y = emulated.simulate_batches(ground, settings, x, silent, 0)
-    responses = [emulated.fit_response(x, speeds, setting, True) for speeds, setting in zip(y, settings, strict=True)]
+    ground = emulated_speeds.Ground(scene, "space", unknown)
+    settings = [emulated_speeds.Setting(design.variant(tilt_deg=tilt), scene.drive.peak_speed) for tilt in TILTS]
+    x = emulated_speeds.sample_parameters(ground, 128)
+    y = emulated_speeds.simulate_batches(ground, settings, x, silent, 0)
+    responses = [
+        emulated_speeds.fit_response(x, speeds, setting, True) for speeds, setting in zip(y, settings, strict=True)
+    ]
     truth = true_speeds(ground, settings, np.random.default_rng(7))
     return unknown, responses, truth
 

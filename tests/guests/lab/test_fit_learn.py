@@ -5,11 +5,11 @@ import pytest
 from scipy import stats
 
 from walkergen.core.scene import PAPER_CONTACT, Scene
-from walkergen.core.theory.uncertain import Input
+from walkergen.core.theory.uncertain_inputs import Input
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.guests.lab.fit import emulated, identifiability, parameters, posterior
-from walkergen.guests.lab.fit.emulated import Response
+from walkergen.guests.lab.fit import emulated_speeds, identifiability, parameters, posterior
+from walkergen.guests.lab.fit.emulated_speeds import Response
 from walkergen.guests.lab.fit.parameters import Parameter, prior_values
 from walkergen.guests.lab.fit.posterior import Observed
 
@@ -26,7 +26,7 @@ def silent(what, done, total):
 
 def setting(tilt=10.0):
     design = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=tilt)
-    return emulated.Setting(design, 31.2)
+    return emulated_speeds.Setting(design, 31.2)
 
 
 def speed_of(x, number):
@@ -45,7 +45,7 @@ def responses(count, numbers, scatter=0.12, function=speed_of):
         x = prior_values(THREE, qmc.Sobol(3, rng=rng).random(count))
         speed = function(x, number)
         speed = speed * (1.0 + scatter * rng.normal(size=count))
-        found.append(emulated.fit_response(x, speed, setting(), scatter > 0))
+        found.append(emulated_speeds.fit_response(x, speed, setting(), scatter > 0))
     return found
 
 
@@ -82,7 +82,7 @@ def test_scatter_between_prints_is_found_with_its_growth():
     speed = rng.uniform(0.0, 100.0, 4000)
     residual = np.hypot(3.0, 0.1 * speed) * rng.normal(size=4000)
     # Standard deviations of 4000 values are known to 1 %, parts of them to a few percent.
-    assert emulated._fit_scatter(speed, residual) == pytest.approx((3.0, 0.1), rel=0.1)
+    assert emulated_speeds._fit_scatter(speed, residual) == pytest.approx((3.0, 0.1), rel=0.1)
 
 
 def test_without_information_the_posterior_is_the_prior():
@@ -151,12 +151,12 @@ def ground():
     scene = templates.load("lane-90hz", "scenes", Scene)
     design = templates.load("koumakis2016", "walkers", Design)
     unknown = parameters.list_unknowns(scene, design, "space", "flat", {})
-    return emulated.Ground(scene, "space", unknown)
+    return emulated_speeds.Ground(scene, "space", unknown)
 
 
 def test_runs_done_before_ctrl_c_are_not_done_again(ground, monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    x = emulated.sample_parameters(ground, 8)
+    x = emulated_speeds.sample_parameters(ground, 8)
     asked_for = []
 
     class Found:
@@ -169,20 +169,20 @@ def test_runs_done_before_ctrl_c_are_not_done_again(ground, monkeypatch, tmp_pat
         done = {number: Found(None if number == 1 else number + 1.0) for number in range(len(asked))}
         return {number: done[number] for number in range(3)} if first else done
 
-    monkeypatch.setattr(emulated.walkers, "simulate_parallel", until_third)
+    monkeypatch.setattr(emulated_speeds.walkers, "simulate_parallel", until_third)
     with pytest.raises(KeyboardInterrupt):
-        emulated.simulate(ground, setting(), x, silent, 0)
-    speeds = emulated.simulate(ground, setting(), x, silent, 0)
+        emulated_speeds.simulate(ground, setting(), x, silent, 0)
+    speeds = emulated_speeds.simulate(ground, setting(), x, silent, 0)
     assert len(asked_for) == 8 + 5
     assert speeds[[0, 2]] == pytest.approx([1.0, 3.0])
     assert np.isnan(speeds[1])
 
 
 def test_prints_of_two_settings_are_independent_and_of_one_repeatable(ground):
-    one, again = (emulated._sample_prints(ground, setting(10.0), 8, 0) for _ in range(2))
+    one, again = (emulated_speeds._sample_prints(ground, setting(10.0), 8, 0) for _ in range(2))
     other, later = (
-        emulated._sample_prints(ground, setting(12.0), 8, 0),
-        emulated._sample_prints(ground, setting(10.0), 8, 1),
+        emulated_speeds._sample_prints(ground, setting(12.0), 8, 0),
+        emulated_speeds._sample_prints(ground, setting(10.0), 8, 1),
     )
     assert np.array_equal(one[0], again[0])
     assert one[1] == again[1]
@@ -195,11 +195,11 @@ def test_walkers_that_fall_are_left_out_and_too_many_refused():
     x = prior_values(THREE, np.random.default_rng(2).uniform(size=(32, 3)))
     speed = speed_of(x, 1)
     speed[:8] = np.nan
-    found = emulated.fit_response(x, speed, setting(), False)
+    found = emulated_speeds.fit_response(x, speed, setting(), False)
     assert found(x)[0] == pytest.approx(speed_of(x, 1), abs=3.0)
     speed[8] = np.nan
-    with pytest.raises(emulated.InputError, match="9 of 32 simulated walkers have no speed"):
-        emulated.fit_response(x, speed, setting(), False)
+    with pytest.raises(emulated_speeds.InputError, match="9 of 32 simulated walkers have no speed"):
+        emulated_speeds.fit_response(x, speed, setting(), False)
 
 
 def test_priors_are_flat_or_the_scenes_and_held_values_leave_no_parameter():
@@ -231,9 +231,9 @@ def test_priors_are_flat_or_the_scenes_and_held_values_leave_no_parameter():
 def test_another_plate_speed_keeps_the_frequency_and_the_ground_has_no_end(ground):
     arena = ground.scene.arena.model_copy(update={"length_mm": 100.0})
     there = ground._replace(scene=ground.scene.model_copy(update={"arena": arena}))
-    scene = emulated._short_scene(there, setting()._replace(plate_speed=40.0))
+    scene = emulated_speeds._short_scene(there, setting()._replace(plate_speed=40.0))
     assert scene.drive.peak_speed == pytest.approx(40.0)
     assert scene.drive.frequency == pytest.approx(ground.scene.drive.frequency)
     assert scene.arena.length_mm is None
-    own = emulated._short_scene(there, setting()._replace(plate_speed=there.scene.drive.peak_speed))
+    own = emulated_speeds._short_scene(there, setting()._replace(plate_speed=there.scene.drive.peak_speed))
     assert own.drive == there.scene.drive

@@ -6,16 +6,16 @@ import pytest
 from walkergen.core.errors import InputError
 from walkergen.core.files.tables import csv_text
 from walkergen.core.scene import Scene
-from walkergen.core.theory import places, prediction, surrogate, uncertain
+from walkergen.core.theory import dimensionless, prediction, surrogate, uncertain_inputs
 from walkergen.core.theory.prediction import MODEL_INPUT, PRINT_INPUT, SURROGATE_INPUT
-from walkergen.core.theory.uncertain import Drawn
+from walkergen.core.theory.uncertain_inputs import Drawn
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.guests.lab.fit import emulated, make, parameters, posterior, tabled, weighed
+from walkergen.guests.lab.fit import emulated_speeds, importance_sampling, make, parameters, posterior, surrogate_speeds
 from walkergen.guests.lab.fit.job import Job
 from walkergen.guests.lab.fit.posterior import Observed
-from walkergen.points import speeds
+from walkergen.points import speed_prediction as speeds
 
 PAPER = templates.load("koumakis2016", "walkers", Design)
 LANE = templates.load("lane-90hz", "scenes", Scene)
@@ -34,7 +34,7 @@ def speed(tilt, columns):
     columns = {SURROGATE_INPUT.name: 0.0} | columns
     drawn = Drawn({name: np.array([value]) for name, value in columns.items()}, 1)
     mass = solids.mass_of(design)
-    known = surrogate.Known(design, LANE, places.compute_place(LANE, design, mass))
+    known = surrogate.Known(design, LANE, dimensionless.compute_place(LANE, design, mass))
     return float(prediction.sample_speeds(known, drawn)[0])
 
 
@@ -107,8 +107,8 @@ def test_without_errors_the_scatter_of_the_speeds_stands_in(tmp_path):
 def test_the_response_is_the_spread_of_the_prediction():
     rng = np.random.default_rng(2)
     unknown = parameters.list_unknowns(LANE, PAPER, "prediction", "flat", {})
-    setting = emulated.Setting(PAPER.variant(tilt_deg=10.0), LANE.drive.peak_speed)
-    (response,) = tabled.responses(emulated.Ground(LANE, "prediction", unknown), [setting])
+    setting = emulated_speeds.Setting(PAPER.variant(tilt_deg=10.0), LANE.drive.peak_speed)
+    (response,) = surrogate_speeds.responses(emulated_speeds.Ground(LANE, "prediction", unknown), [setting])
     truth = hidden(rng)
     names = [one.prior.name for one in unknown.sampled]
     truth.setdefault("feet.tip_radius_um", LANE.feet.tip_radius_um)
@@ -128,7 +128,7 @@ def test_the_response_is_the_spread_of_the_prediction():
 
 
 THREE = [
-    parameters.Parameter(name, uncertain.Input(name, 0.5, 0.3, 0.0, 1.0), flat)
+    parameters.Parameter(name, uncertain_inputs.Input(name, 0.5, 0.3, 0.0, 1.0), flat)
     for name, flat in (("a", True), ("b", True), ("c", False))
 ]
 
@@ -142,8 +142,8 @@ def bent(x):
 @pytest.mark.parametrize("error", [0.1, 5.0, 1e6])
 def test_weighted_draws_are_the_posterior_of_a_grid(error):
     seen = [Observed(np.array([30.0, 33.0]), np.full(2, error))]
-    found = weighed.sample(THREE, seen, [bent], 1, silent)
-    assert found.independent >= weighed.MIN_INDEPENDENT
+    found = importance_sampling.sample(THREE, seen, [bent], 1, silent)
+    assert found.independent >= importance_sampling.MIN_INDEPENDENT
     middles = (np.arange(100) + 0.5) / 100
     shares = np.stack(np.meshgrid(*[middles] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     x = parameters.prior_values(THREE, shares)
@@ -153,7 +153,7 @@ def test_weighted_draws_are_the_posterior_of_a_grid(error):
     # Means of so many draws err by sd / 32, standard deviations by 2 %
     assert np.abs((found.draws.mean(axis=0) - mean) / sd).max() < 4.0 / 32.0
     assert found.draws.std(axis=0) == pytest.approx(sd, rel=4.0 * 0.022)
-    assert np.array_equal(found.draws, weighed.sample(THREE, seen, [bent], 1, silent).draws)
+    assert np.array_equal(found.draws, importance_sampling.sample(THREE, seen, [bent], 1, silent).draws)
 
 
 @pytest.mark.nightly

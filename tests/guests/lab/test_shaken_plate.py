@@ -9,7 +9,7 @@ import walkergen as wg
 from walkergen.core.errors import InputError
 from walkergen.core.files import config
 from walkergen.core.scene import GRAVITY, Scene
-from walkergen.guests.lab.calibrate import accelerometer, shaken
+from walkergen.guests.lab.calibrate import accelerometer, plate_drive
 from walkergen.guests.lab.calibrate.accelerometer import Recording
 
 SCENE = Scene.model_validate({"drive": {"frequency_hz": 90.0, "gamma": 1.8}})
@@ -69,7 +69,7 @@ def made(rng, rate=500.0, seconds=20.0, truth=TRUTH, tilt=0.0, jitter=0.02, line
 
 
 def rows_of(recording, scene=SCENE):
-    rows, notes = shaken.measure(recording, scene, "plate.csv")
+    rows, notes = plate_drive.measure(recording, scene, "plate.csv")
     return {row.name: row.number for row in rows}, notes
 
 

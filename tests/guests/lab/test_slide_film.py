@@ -13,7 +13,7 @@ from walkergen.cli import command_line
 from walkergen.core.errors import InputError
 from walkergen.core.files.tables import csv_text
 from walkergen.core.scene import GRAVITY
-from walkergen.guests.lab.calibrate import filmed, form
+from walkergen.guests.lab.calibrate import form, slide_film
 from walkergen.guests.track.film import report
 
 HEADER = (*form.HEADER, form.TRACKS_COLUMN)
@@ -44,11 +44,11 @@ def test_hidden_frictions_are_found_within_their_errors(tmp_path, friction):
     found = []
     for seed in range(200):
         path = write(tmp_path / "t.csv", lambda t: 900.0 * t + 0.5 * gain(friction) * t**2, frames=30, seed=seed)
-        found.append(filmed.friction(path, ANGLE, 1e-6))
+        found.append(slide_film.friction(path, ANGLE, 1e-6))
     values, errors = np.array([one.pair for one in found]).T
     assert values.mean() == pytest.approx(friction, abs=4.0 * values.std() / math.sqrt(200))
     # noise here is independent from frame to frame, of which ten are taken to err alike
-    ratio = errors.mean() / values.std() / math.sqrt(filmed.CORRELATED_FRAMES)
+    ratio = errors.mean() / values.std() / math.sqrt(slide_film.CORRELATED_FRAMES)
     assert 0.8 < ratio < 1.2
 
 
@@ -58,12 +58,12 @@ def test_angle_and_scale_have_their_part_of_the_error(tmp_path):
     exact = write(tmp_path / "a.csv", lambda t: 0.5 * sliding * t**2, noise=0.0)
     longer = write(tmp_path / "b.csv", lambda t: 1.01 * 0.5 * sliding * t**2, noise=0.0)
     scaled = write(tmp_path / "c.csv", lambda t: 0.5 * sliding * t**2, noise=0.0, share=0.01)
-    plain = filmed.friction(exact, ANGLE, 1e-9)
+    plain = slide_film.friction(exact, ANGLE, 1e-9)
     assert plain.value == pytest.approx(0.3, abs=1e-9)
-    steeper = filmed.friction(exact, ANGLE + 0.1, 1e-9).value - plain.value
-    assert filmed.friction(exact, ANGLE, 0.1).se == pytest.approx(steeper, rel=0.01)
-    off = plain.value - filmed.friction(longer, ANGLE, 1e-9).value
-    assert filmed.friction(scaled, ANGLE, 1e-9).se == pytest.approx(off, rel=0.01)
+    steeper = slide_film.friction(exact, ANGLE + 0.1, 1e-9).value - plain.value
+    assert slide_film.friction(exact, ANGLE, 0.1).se == pytest.approx(steeper, rel=0.01)
+    off = plain.value - slide_film.friction(longer, ANGLE, 1e-9).value
+    assert slide_film.friction(scaled, ANGLE, 1e-9).se == pytest.approx(off, rel=0.01)
 
 
 def resting(t):
@@ -82,7 +82,7 @@ def resting(t):
 def test_what_is_no_slide_is_refused(tmp_path, made, angle, hint):
     path = write(tmp_path / "t.csv", **made)
     with pytest.raises(InputError, match=hint):
-        filmed.friction(path, angle, 0.5)
+        slide_film.friction(path, angle, 0.5)
 
 
 def test_calibrate_joins_films_with_angles(tmp_path):
@@ -119,6 +119,6 @@ def test_a_filmed_block_with_a_cap_tells_its_friction(tmp_path):
     shot = films.Shot(camera, films.Light(exposures=3), fps=120.0)
     path = films.film(tmp_path / "slide.mp4", ways, 45, shot)
     wg.track(path, markers="aruco", marker_mm="7.2+-0.05", fps=120.0, out=tmp_path / "t")
-    found = filmed.friction(tmp_path / "t" / "track" / "tracks.csv", ANGLE, 0.1)
+    found = slide_film.friction(tmp_path / "t" / "track" / "tracks.csv", ANGLE, 0.1)
     assert found.value == pytest.approx(hidden, abs=0.002)
     assert 0.001 < found.se < 0.004

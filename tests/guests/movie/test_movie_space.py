@@ -17,7 +17,7 @@ from walkergen.core.simulation.run import simulate
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.guests.movie import above, impacts, perspective, raster, shot
+from walkergen.guests.movie import impacts, perspective, raster, shot, top_view
 from walkergen.guests.movie import make as movie
 from walkergen.points import poses
 
@@ -50,13 +50,13 @@ def real():
 
 
 def from_above(one, job, gap=None):
-    return above.make_draw_function([one], movie.ABOVE_POSES_PER_FRAME, job.slow, "settings", 1.0 / 90.0, gap)
+    return top_view.make_draw_function([one], movie.ABOVE_POSES_PER_FRAME, job.slow, "settings", 1.0 / 90.0, gap)
 
 
 def reddest(frame):
     """Pixels of the trail."""
-    wanted = [int(above.TRAIL_COLOUR[i : i + 2], 16) for i in (1, 3, 5)]
-    return np.abs(frame[above.HEAD_PX + 30 :].astype(int) - wanted).max(axis=-1) < 8
+    wanted = [int(top_view.TRAIL_COLOUR[i : i + 2], 16) for i in (1, 3, 5)]
+    return np.abs(frame[top_view.HEAD_PX + 30 :].astype(int) - wanted).max(axis=-1) < 8
 
 
 def test_poses_are_those_of_the_simulation():
@@ -219,8 +219,11 @@ def test_several_tilts_run_in_an_arena_each(tmp_path):
     made = movie.make_movie(job, tmp_path / "a.gif", silent)
     assert [one.name for one in made.shots] == ["koumakis2016, 5°, flexible", "koumakis2016, 35°, flexible"]
     with Image.open(made.gif) as image:
-        assert image.size[0] == above.WIDTH_PX
-        assert image.size[1] <= above.HEAD_PX + above.MAX_ARENAS_PX + 2 * (above.TITLE_PX + 1) + above.FOOT_PX + 1
+        assert image.size[0] == top_view.WIDTH_PX
+        assert (
+            image.size[1]
+            <= top_view.HEAD_PX + top_view.MAX_ARENAS_PX + 2 * (top_view.TITLE_PX + 1) + top_view.FOOT_PX + 1
+        )
 
 
 def in_perspective(one, job):

@@ -10,7 +10,7 @@ from walkergen.core.simulation.plan import prepare
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.guests.movie import play
+from walkergen.guests.movie import viewer_run
 from walkergen.points import poses
 
 PLANE = templates.load("plane-90hz", "scenes", Scene)
@@ -29,14 +29,14 @@ def design():
 
 @pytest.fixture(scope="module")
 def run(design):
-    return play.record_run(design, PLANE, SECONDS)
+    return viewer_run.record_run(design, PLANE, SECONDS)
 
 
 @pytest.fixture(scope="module")
 def truth(design):
     changed = PLANE.run.model_copy(update={"seconds": SECONDS})
     scene = PLANE.model_copy(update={"run": changed})
-    return poses.sample(prepare(scene, design, solids.mass_of(design)), 1.0 / play.POSES_PER_SECOND)
+    return poses.sample(prepare(scene, design, solids.mass_of(design)), 1.0 / viewer_run.POSES_PER_SECOND)
 
 
 @pytest.mark.slow
@@ -56,7 +56,7 @@ def test_corners_are_those_of_the_part(design):
     """In the frame of the mesh that a viewer shows, whichever way the part prints."""
     vertices = solids.build(design).walker.vertices
     half = 0.2 / np.cos(np.radians(design.tilt_deg))  # of a flat foot's width
-    for corner in play.record_run(design, PLANE, 0.01)["corners"]:
+    for corner in viewer_run.record_run(design, PLANE, 0.01)["corners"]:
         assert np.linalg.norm(vertices - corner, axis=1).min() == pytest.approx(half, abs=0.05)
 
 

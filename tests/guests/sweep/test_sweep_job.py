@@ -23,7 +23,8 @@ from walkergen.files import templates
 from walkergen.guests.sweep import axes, budget, make, table
 from walkergen.guests.sweep.make import Job
 from walkergen.guests.sweep.point_request import Request
-from walkergen.points import kinds, speeds
+from walkergen.points import model_kinds
+from walkergen.points import speed_prediction as speeds
 from walkergen.points.store import Store
 
 TILTS = "legs.tilt_deg=2:20:2"
@@ -76,7 +77,7 @@ def test_a_finished_sweep_is_not_run_again_and_an_extended_one_runs_what_is_new(
     swept("--set", TILTS, "--out", "one")
     first = (home / "one" / "table.csv").read_bytes()
     counted = []
-    real = kinds.evaluate
+    real = model_kinds.evaluate
     monkeypatch.setattr("walkergen.guests.sweep.evaluation.evaluate", lambda p: counted.append(p) or real(p))
     assert "all 10 points were known before" in swept("--set", TILTS, "--out", "one").output
     swept("--set", "legs.tilt_deg=2:30:2", "--out", "one")

@@ -10,7 +10,7 @@ from rendered_films import Filmed
 
 from walkergen.analysis import track_files
 from walkergen.core.files.progress import silent
-from walkergen.guests.track.film import appearance, blobs, doubts, make
+from walkergen.guests.track.film import appearance, blobs, make, quality
 from walkergen.guests.track.film.result import Options
 
 
@@ -221,9 +221,9 @@ def test_a_path_does_not_grow_with_the_noise(noise):
     turn = np.linspace(0.0, 2.0 * np.pi, 2001)
     off = np.random.default_rng(4).normal(0.0, noise or 1e-12, (2001, 2))
     circle = 20.0 * np.stack([np.cos(turn), np.sin(turn)], axis=1) + off
-    assert doubts.path_length(circle, noise) == pytest.approx(40.0 * np.pi, rel=0.03)
-    assert doubts.path_length(off, noise) == pytest.approx(0.0, abs=1e-7)
-    assert doubts.jitter([(np.arange(2001.0), circle)]) == pytest.approx(noise, abs=0.01)
+    assert quality.path_length(circle, noise) == pytest.approx(40.0 * np.pi, rel=0.03)
+    assert quality.path_length(off, noise) == pytest.approx(0.0, abs=1e-7)
+    assert quality.jitter([(np.arange(2001.0), circle)]) == pytest.approx(noise, abs=0.01)
 
 
 def test_jitter_is_right_at_irregular_times():
@@ -231,4 +231,4 @@ def test_jitter_is_right_at_irregular_times():
     rng = np.random.default_rng(5)
     times = np.cumsum(rng.uniform(0.01, 0.05, 4000))
     places = np.stack([90.0 * times, -40.0 * times], 1) + rng.normal(0.0, 0.2, (4000, 2))
-    assert doubts.jitter([(times, places)]) == pytest.approx(0.2, rel=0.05)
+    assert quality.jitter([(times, places)]) == pytest.approx(0.2, rel=0.05)

@@ -13,7 +13,7 @@ from marker_films import Camera, Light, Shot
 
 import walkergen as wg
 from walkergen.core.errors import InputError
-from walkergen.guests.track.film import lens, marked_doubts
+from walkergen.guests.track.film import lens, marker_warnings
 from walkergen.guests.track.film.blobs import Blobs
 from walkergen.guests.track.film.lens import Lens
 
@@ -91,8 +91,8 @@ def test_a_barrel_is_told_with_its_size_and_undone_by_its_calibration(tmp_path):
     bare = wg.track(path, markers="aruco", out=tmp_path / "bare")
     (told,) = (line for line in bare.warnings if "the lens bends" in line)
     assert "smaller" in told
-    share = marked_doubts.lens_bend(bare.found).share
-    away = (marked_doubts.lens_bend(bare.found).away_px / NEAR.focal) ** 2
+    share = marker_warnings.lens_bend(bare.found).share
+    away = (marker_warnings.lens_bend(bare.found).away_px / NEAR.focal) ** 2
     assert share == pytest.approx(-2 * 0.1 * away, rel=0.4)  # (1 + k1 r2)(1 + 3 k1 r2), its root
     own = write(tmp_path / "lens.json", of(NEAR, -0.1, 3))
     made = wg.track(path, markers="aruco", lens=own, out=tmp_path / "made")
@@ -111,7 +111,7 @@ def test_a_straight_lens_is_not_suspected(tmp_path):
     path, _ = circling(tmp_path / "straight.mp4", 0.0)
     made = wg.track(path, markers="aruco", out=tmp_path / "t")
     assert made.warnings == []
-    bend = marked_doubts.lens_bend(made.found)
+    bend = marker_warnings.lens_bend(made.found)
     assert abs(bend.share) < 0.003
     assert abs(bend.share) < 3.0 * bend.error
 

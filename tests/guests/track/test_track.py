@@ -18,9 +18,9 @@ from walkergen.core.files.progress import silent
 from walkergen.core.scene import Scene
 from walkergen.core.walker.design import Design
 from walkergen.files import figures, templates
-from walkergen.guests.movie import above
 from walkergen.guests.movie import make as movie
-from walkergen.guests.track.film import appearance, blobs, films, heading, linking, make, report, unmarked
+from walkergen.guests.movie import top_view
+from walkergen.guests.track.film import appearance, blob_tracking, blobs, films, heading, linking, make, report
 from walkergen.guests.track.film import figures as film_figures
 from walkergen.guests.track.film.blobs import Blob, Blobs
 from walkergen.guests.track.film.linking import Seen
@@ -277,13 +277,13 @@ def movies_film(path, seconds):
     scene = templates.load("plane-90hz", "scenes", Scene)
     job = movie.make_job([paper], scene, seconds=seconds, fps=25)
     shot = movie.simulate_shot(job, paper, movie.ABOVE_POSES_PER_FRAME)
-    draw = above.make_draw_function([shot], movie.ABOVE_POSES_PER_FRAME, job.slow, "settings", 1.0 / 90.0, None)
+    draw = top_view.make_draw_function([shot], movie.ABOVE_POSES_PER_FRAME, job.slow, "settings", 1.0 / 90.0, None)
     grey = [np.asarray(Image.fromarray(draw(n)).convert("L")) for n in range(job.frames)]
     high, wide = (16 * (side // 16) for side in grey[0].shape)
     write(path, [one[-high:, :wide] for one in grey])
-    left, right, low, top = above._window(shot, None)
-    across = (right - left) / (above.WIDTH_PX - 2 * above.MARGIN_PX)
-    return shot, max(across, (top - low) / above.MAX_ARENAS_PX)
+    left, right, low, top = top_view._window(shot, None)
+    across = (right - left) / (top_view.WIDTH_PX - 2 * top_view.MARGIN_PX)
+    return shot, max(across, (top - low) / top_view.MAX_ARENAS_PX)
 
 
 @pytest.mark.slow
@@ -293,7 +293,7 @@ def test_the_movies_own_film_says_where_the_walker_was(tmp_path):
     shot, scale = movies_film(tmp_path / "film.mp4", 0.48)
     wish = Options(mm_per_px=scale)
     made = make.track(tmp_path / "film.mp4", wish, tmp_path / "out", silent)
-    by_length = unmarked.find_scale(Options(length_mm=28.0), made.found.linked.length)
+    by_length = blob_tracking.find_scale(Options(length_mm=28.0), made.found.linked.length)
     assert by_length[0] == pytest.approx(scale, abs=by_length[1])
     (one,) = made.tracked.walkers
     assert one.frames.tolist() == list(range(13))

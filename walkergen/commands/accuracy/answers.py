@@ -5,12 +5,12 @@ import os
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from walkergen.commands.accuracy import pace, shipped, steps
+from walkergen.commands.accuracy import cell_estimates, machine_speed, step_ladder
+from walkergen.commands.accuracy.cell_estimates import Estimate
 from walkergen.commands.accuracy.choice import MAX_BIAS_SHARE, Candidate, Choice, choose
 from walkergen.commands.accuracy.report import Answer, Answers, mark_accepted
-from walkergen.commands.accuracy.shipped import Estimate
 from walkergen.commands.accuracy.survey import Survey
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.core.files.progress import Progress
 from walkergen.core.tolerance import Tolerance
 
@@ -41,7 +41,7 @@ AnswerAndChoice = tuple[Answer, Choice | None]
 
 def answer_from_cells(estimate: Estimate, title: str, accepted: float | None) -> Answers:
     """Return the answers for all ERRORS from what is shipped; the one within an `accepted` error is marked."""
-    candidates = estimate.candidates(pace.cpu_per_s())
+    candidates = estimate.candidates(machine_speed.cpu_per_s())
     found = [find_in_cells(estimate, candidates, wanted) for wanted in ERROR_LEVELS]
     rows, unmet = mark_accepted([answer for answer, _ in found], accepted)
 
@@ -55,11 +55,11 @@ def find_in_cells(estimate: Estimate, candidates: Sequence[Candidate], wanted: T
     """Return the answer for one error from what is shipped."""
     choice = choose(candidates, wanted.value)
     if choice is None:
-        least = words.format_number(100.0 * candidates[-1].bias / MAX_BIAS_SHARE, 2)
+        least = formatting.format_number(100.0 * candidates[-1].bias / MAX_BIAS_SHARE, 2)
         why = f"below {least} % the shipped cells know no step: simulate ‹error=›{wanted} finds its own"
         return Answer(wanted, "-", None, None, None, estimate.known, why), None
     known = SOURCE_LAW if choice.error < estimate.law.floor else estimate.known
-    known_to = "" if estimate.cell else f", to a factor of {shipped.SCALED_SCATTER_FACTOR:g}"
+    known_to = "" if estimate.cell else f", to a factor of {cell_estimates.SCALED_SCATTER_FACTOR:g}"
     return _make_answer(wanted, choice, known, known_to), choice
 
 
@@ -73,12 +73,16 @@ def describe(estimate: Estimate) -> list[str]:
     """Return where the numbers come from, and what an error is, in lines."""
     law, size = estimate.law, estimate.unit
     own = law.slopes[-1]
-    of = "the speed" if size == estimate.speed else f"{words.format_number(size, 3)} mm/s, a fifth of the plate's speed"
+    of = (
+        "the speed"
+        if size == estimate.speed
+        else f"{formatting.format_number(size, 3)} mm/s, a fifth of the plate's speed"
+    )
     known = {
         "measured": "this walker on this plate was measured: speed, scatter and cost are its own",
         "scaled": "scaled from the paper's walker on its plate at tilts of 1 to 30 deg and restitutions of 0.5 to 0.9, "
         "by the plate and what a second of this one gives: its scatter is known to a factor of "
-        f"{shipped.SCALED_SCATTER_FACTOR:g}, as cells are from neighbours; ‹budget› measures it, simulate "
+        f"{cell_estimates.SCALED_SCATTER_FACTOR:g}, as cells are from neighbours; ‹budget› measures it, simulate "
         "‹error› meets it",
     }[estimate.known]
     return [
@@ -95,8 +99,8 @@ def answer_from_survey(survey: Survey, title: str, progress: Progress) -> Answer
     reference = survey.measure_reference(progress)
     measured = survey.measure(survey.steps, progress)
     candidates = [survey.to_candidate(one) for one in measured]
-    estimate = shipped.estimate(survey.design, survey.scene)
-    shipped_candidates = estimate.candidates(pace.cpu_per_s())
+    estimate = cell_estimates.estimate(survey.design, survey.scene)
+    shipped_candidates = estimate.candidates(machine_speed.cpu_per_s())
     found = [
         _refine(find_in_cells(estimate, shipped_candidates, wanted)[0], candidates, survey) for wanted in ERROR_LEVELS
     ]
@@ -108,7 +112,7 @@ def answer_from_survey(survey: Survey, title: str, progress: Progress) -> Answer
         if (bias := survey.bias(one)).known and one is not reference
     ]
     lines = [
-        f"truth: {steps.format_reference(survey)}",
+        f"truth: {step_ladder.format_reference(survey)}",
         f"refined by this budget: {', '.join(refined) or 'no row'}; the others are as shipped",
         *describe(estimate),
         *unmet,
@@ -156,7 +160,7 @@ def advise_budget(candidates: Sequence[Candidate], wanted: Tolerance, survey: Su
     """Return the reason why no measured step meets an error, with the budget that would make its bias known."""
     reference = survey.measured[survey.steps[0]].speed
     known_to = (
-        f"the most accurate setting is itself known to {words.format_number(reference.half_width(), 2)} mm/s only"
+        f"the most accurate setting is itself known to {formatting.format_number(reference.half_width(), 2)} mm/s only"
     )
     least = min((max(one.bias, _double_step_bias(one, candidates)) for one in candidates), default=math.inf)
     if math.isinf(least):
@@ -164,7 +168,9 @@ def advise_budget(candidates: Sequence[Candidate], wanted: Tolerance, survey: Su
     needed_s = survey.budget_s * max(least / (MAX_BIAS_SHARE * wanted.value), 1.0) ** 2
     if needed_s > MAX_BUDGET_S:
         return f"{known_to}; a day of simulations would not do"
-    return f"{known_to}; measure longer: walkergen accuracy ... --only steps --budget {words.format_budget(needed_s)}"
+    return (
+        f"{known_to}; measure longer: walkergen accuracy ... --only steps --budget {formatting.format_budget(needed_s)}"
+    )
 
 
 def draw_choice(
@@ -195,4 +201,4 @@ def _list_points(found: Sequence[AnswerAndChoice], floor: float) -> Iterator[tup
         answer, choice = same[-1]
         if choice.error >= floor:
             errors = ", ".join(str(one.error).removesuffix(" %") for one, _ in same)
-            yield choice.error, choice.cpu_s, f"{errors} %: {words.format_duration(answer.expected_s or 0.0)}"
+            yield choice.error, choice.cpu_s, f"{errors} %: {formatting.format_duration(answer.expected_s or 0.0)}"

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.core.files import words
-from walkergen.core.numerics.tails import student_quantile
+from walkergen.core.files import formatting
+from walkergen.core.numerics.distributions import student_quantile
 from walkergen.core.theory.surrogate import NORMAL_95
 
 Array = npt.NDArray[np.float64]
@@ -81,7 +81,7 @@ class Choice(NamedTuple):
     @property
     def reason(self) -> str:
         """Parts of the error, in words."""
-        bias, se = (words.format_number(100.0 * part, 2) for part in (self.candidate.bias, self.se))
+        bias, se = (formatting.format_number(100.0 * part, 2) for part in (self.candidate.bias, self.se))
         return f"bias at most {bias} %, ± {se} % for the runs"
 
 

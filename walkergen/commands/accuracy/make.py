@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-from walkergen.commands.accuracy import answers, shape, shipped, statistics, steps
+from walkergen.commands.accuracy import answers, cell_estimates, shape_ladder, statistics_ladder, step_ladder
 from walkergen.commands.accuracy.report import Answers, Ladder, make_report
 from walkergen.commands.accuracy.survey import Survey
 from walkergen.core.files.output import Folder, versions
@@ -19,12 +19,12 @@ the picture; the ladder of shape. Within a third."""
 
 
 def _measure_shape(survey: Survey, progress: Progress) -> Ladder:
-    return shape.measure_shapes(survey.design, survey.scene, progress)
+    return shape_ladder.measure_shapes(survey.design, survey.scene, progress)
 
 
 LADDERS: dict[str, Sequence[Callable[[Survey, Progress], Ladder]]] = {
-    "steps": (steps.measure_speed, steps.measure_observables),
-    "statistics": (statistics.compare_parts,),
+    "steps": (step_ladder.measure_speed, step_ladder.measure_observables),
+    "statistics": (statistics_ladder.compare_parts,),
     "shape": (_measure_shape,),
 }
 
@@ -46,7 +46,7 @@ def study(
     if only:
         survey.allot_budget(only)
     else:
-        found = answers.answer_from_cells(shipped.estimate(design, scene), title, scene.run.accepted_error)
+        found = answers.answer_from_cells(cell_estimates.estimate(design, scene), title, scene.run.accepted_error)
     ladders: list[Ladder] = []
 
     def write(given: Answers | None) -> Report:

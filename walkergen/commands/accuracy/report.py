@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from walkergen.commands.accuracy.pace import machine_description
-from walkergen.core.files import words
+from walkergen.commands.accuracy.machine_speed import machine_description
+from walkergen.core.files import formatting
 from walkergen.core.tolerance import Tolerance
 from walkergen.files import report
 from walkergen.files.report import Column, Report, Table
@@ -107,7 +107,7 @@ ANSWER_COLUMNS = (
     Column("error (95 %)", lambda row: f"{row.error}{', accepted' if row.accepted else ''}"),
     report.text_column("setting", "setting"),
     Column("runs x seconds", lambda row: "-" if row.runs is None else f"{row.runs} x {row.seconds:g} s"),
-    Column("takes", lambda row: "-" if row.expected_s is None else words.format_duration(row.expected_s)),
+    Column("takes", lambda row: "-" if row.expected_s is None else formatting.format_duration(row.expected_s)),
     report.text_column("known", "known"),
     report.text_column("why", "why"),
 )
@@ -117,7 +117,7 @@ RUNG_COLUMNS = (
     report.text_column("setting", "setting"),
     report.number_column("error", "error"),
     report.number_column("error sd", "error_sd"),
-    Column("CPU time", lambda rung: words.format_duration(rung.cpu_s), right=True),
+    Column("CPU time", lambda rung: formatting.format_duration(rung.cpu_s), right=True),
 )
 
 

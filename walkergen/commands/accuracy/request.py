@@ -69,7 +69,7 @@ class AccuracyRequest(request.Request):
     def run(self, progress: Progress) -> "Report":
         """Answer, and measure the ladders that are asked for."""
         from walkergen.commands.accuracy import make
-        from walkergen.core.files import words
+        from walkergen.core.files import formatting
         from walkergen.core.walker import names
 
         given = self.inputs()
@@ -91,7 +91,7 @@ class AccuracyRequest(request.Request):
         if least_s is None:
             return report
         warning = (
-            f"‹budget=›{words.format_budget(self._budget_s)}: too short for {','.join(only)}, which took "
-            f"{words.format_budget(least_s)}, the least that gives error bars here; ‹only› takes fewer"
+            f"‹budget=›{formatting.format_budget(self._budget_s)}: too short for {','.join(only)}, which took "
+            f"{formatting.format_budget(least_s)}, the least that gives error bars here; ‹only› takes fewer"
         )
         return replace(report, warnings=[warning, *report.warnings])

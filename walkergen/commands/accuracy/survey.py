@@ -24,7 +24,7 @@ from walkergen.core.simulation.plan import Plan, prepare
 from walkergen.core.simulation.run import ENDED_WELL
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
-from walkergen.points import experiments, resolution
+from walkergen.points import experiments, step_errors
 from walkergen.points.experiments import Results
 
 STEP_SHARES = (0.25, 0.5, 1.0, 1.25, 1.6)
@@ -235,7 +235,7 @@ def _observable_values(results: Results, lane: bool) -> dict[str, tuple[float | 
     summary = results.summary
     errors = {**summary.errors, SPEED: summary.speed_se_mm_s}
     quantities: dict[str, tuple[float | None, float | None]] = {
-        name: (value, errors[name]) for name, value in resolution.observable_values(summary).items()
+        name: (value, errors[name]) for name, value in step_errors.observable_values(summary).items()
     }
     good = [result for result in results.results if result.outcome in ENDED_WELL]
     if good and len(good[0].places) >= 4:

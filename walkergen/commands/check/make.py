@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from walkergen.core.printing import packing, plates, sheet, walls
+from walkergen.core.printing import packing, plates, print_sheet, walls
 from walkergen.core.printing.findings import Finding, group_findings
 from walkergen.core.printing.printers import Printer
 from walkergen.core.walker import solids
@@ -49,7 +49,7 @@ def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) ->
         for design in members
         for wall in walls.upright_walls(design)
     )
-    attitudes = list(dict.fromkeys(sheet.describe_orientation(design) for design in members))
+    attitudes = list(dict.fromkeys(print_sheet.describe_orientation(design) for design in members))
     return _report(list(unlike_walls), layout, attitudes, sum(copies))
 
 

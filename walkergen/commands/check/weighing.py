@@ -9,7 +9,7 @@ from walkergen.core.errors import InputError
 from walkergen.core.shapes.mesh import Array, Mesh
 from walkergen.core.walker import mass
 from walkergen.core.walker.mass import SolidMass
-from walkergen.readers.drawings import units
+from walkergen.readers.drawings import size_check
 from walkergen.readers.meshes import faults, meshes
 
 PLA_DENSITY_G_CM3 = 1.24
@@ -75,7 +75,7 @@ def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
 
 def _check_size(side_mm: float) -> list[str]:
     """Return a note on a size that no walker has; none for any other."""
-    if units.MIN_LENGTH_MM < side_mm <= units.MAX_LENGTH_MM:
+    if size_check.MIN_LENGTH_MM < side_mm <= size_check.MAX_LENGTH_MM:
         return []
     return [f"the longest side is {side_mm:.4g} mm: in another unit? ‹scale› is its length, mm: 25.4 for inches"]
 

@@ -5,8 +5,8 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from walkergen.commands.explain import measured as measuring
-from walkergen.commands.explain.measured import EffectChanges
+from walkergen.commands.explain import effect_costs as measuring
+from walkergen.commands.explain.effect_costs import EffectChanges
 from walkergen.core.files.output import Folder
 from walkergen.core.files.progress import Progress
 from walkergen.core.scene import Scene
@@ -16,9 +16,9 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import report
 from walkergen.files.report import Column, Report, Table
-from walkergen.points import simplest, variants
+from walkergen.points import effect_selection, variants
+from walkergen.points.effect_selection import Simplest
 from walkergen.points.experiments import Walker
-from walkergen.points.simplest import Simplest
 from walkergen.points.variants import Change
 
 
@@ -78,7 +78,11 @@ def explain(
         found = measuring.measure(walker, progress)
     elif cost:
         found = measuring.measure_costs(walker, progress)
-    simple = simplest.find_simplest(walker, progress) if cost or measure else Simplest(walker, scene.run.accepted_error)
+    simple = (
+        effect_selection.find_simplest(walker, progress)
+        if cost or measure
+        else Simplest(walker, scene.run.accepted_error)
+    )
     rows = _rows(effects, () if found is None else found.changes)
     on, off = ([row for row in rows if row.on == wanted] for wanted in (True, False))
     effects_table = Table(

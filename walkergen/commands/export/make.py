@@ -16,7 +16,7 @@ from walkergen.core.walker.design import Design
 from walkergen.files.report import Report
 from walkergen.readers.drawings.outlines import Polygon
 from walkergen.readers.walkers import caps as tiles
-from walkergen.sheets import caps
+from walkergen.sheets import cap_files
 
 SOLID_FORMATS: dict[str, Callable[[Mesh, str], bytes]] = {"stl": export.stl_bytes, "3mf": export.part_3mf}
 """Formats of meshes as they lie on the bed."""
@@ -40,8 +40,8 @@ def make(
     in folder/caps. Raises InputError, before anything is written, for the drawing of a walker that
     has none, and for a scene that MJCF cannot hold.
     """
-    capped = caps.number_caps(members, [names.part_name(design) for design in members])
-    of_caps = list(caps.files(capped, [])) if capped else []
+    capped = cap_files.number_caps(members, [names.part_name(design) for design in members])
+    of_caps = list(cap_files.files(capped, [])) if capped else []
     models = [_mjcf_files(design, scene) if MJCF in formats else [] for design in members]
     drawings = [
         profile.drawing_outlines(design) if any(form in profile.FORMATS for form in formats) else []
@@ -67,7 +67,7 @@ def make(
         for file, data in of_caps:
             target.write(f"caps/{file}", data)
             written.append(folder / "caps" / file)
-    return _report(written, caps.advice(capped) if capped else [])
+    return _report(written, cap_files.advice(capped) if capped else [])
 
 
 def _report(files: Sequence[Path], lines: Sequence[str]) -> Report:

@@ -70,12 +70,12 @@ class ExportRequest(request.Request):
         if self.scene is not None and not moving:
             raise InputError(f"‹scene=›{str(self.scene)[:60]}: only ‹format=›{make.MJCF} has a scene", "scene")
         if self.sweep is not None:
-            from walkergen.commands.export import swept
+            from walkergen.commands.export import sweep_export
 
             self.check_unset("not with ‹sweep›, whose file says it", "design", "tilt", "legs", "caps", "set")
             if single or moving:
                 raise InputError("‹sweep›: writes meshes and drawings, numbered, into a folder", "sweep")
-            return swept.write(self.sweep, self.format, self.out, progress)
+            return sweep_export.write(self.sweep, self.format, self.out, progress)
         given = self.inputs()
         if not moving:
             given.check_unset(given.keys_of("scene"), f"only ‹format=›{make.MJCF} has a scene")

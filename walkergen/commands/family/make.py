@@ -10,13 +10,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from walkergen.analysis.speeds import PLATE_SPEED_TOLERANCE, Measured
-from walkergen.commands.family import chart_data, report, runs
+from walkergen.commands.family import chart_data, member_runs, report
 from walkergen.commands.family.chart_data import ChartData
 from walkergen.commands.family.report import FamilyReport
 from walkergen.core.errors import GeometryError
 from walkergen.core.files.output import Folder, versions
 from walkergen.core.files.progress import Progress
-from walkergen.core.printing import export, plates, sheet
+from walkergen.core.printing import export, plates, print_sheet
 from walkergen.core.printing import packing as plate
 from walkergen.core.printing.findings import Finding, check_printable
 from walkergen.core.printing.printers import Printer
@@ -24,14 +24,14 @@ from walkergen.core.scene import Drive, Scene
 from walkergen.core.theory import networks, prediction
 from walkergen.core.theory.prediction import Curve
 from walkergen.core.theory.speed import Mode
-from walkergen.core.walker import names, solids, weights
+from walkergen.core.walker import names, solids, weighed_masses
 from walkergen.core.walker.body import Body
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.limbs import Kind, Legs
-from walkergen.core.walker.weights import Weighings
+from walkergen.core.walker.weighed_masses import Weighings
 from walkergen.points import members
 from walkergen.points.members import Member
-from walkergen.points.speeds import Model
+from walkergen.points.speed_prediction import Model
 
 CURVE_MARGIN_DEG = 10.0
 """Tilts around a single one at which its theory is drawn as well."""
@@ -103,13 +103,13 @@ def make(job: Job, path: Path, progress: Progress, tell: FindingsCallback) -> Fa
             progress(member.name, len(walkers), steps)
         for name, data in plates.layout_files(layout, "family", draw, job.prusaslicer):
             folder.write(f"plates/{name}", data)
-        parts = [*(member.name for member in walkers), *weights.carried_rows(job.design)]
-        weights.write_template(path, parts)  # people's: not in the manifest
+        parts = [*(member.name for member in walkers), *weighed_masses.carried_rows(job.design)]
+        weighed_masses.write_template(path, parts)  # people's: not in the manifest
         progress("plates", len(walkers) + 1, steps)
         written = report.make_report(job.design, job.scene, job.mode, walkers, path)
         written.write(folder, pictures=False)
         if job.simulate:  # takes long: everything else is already safe in the folder
-            walkers = runs.simulate_members(job.scene, walkers, progress)
+            walkers = member_runs.simulate_members(job.scene, walkers, progress)
         shown = _chart_data(job, walkers) if job.pictures else None
         if job.simulate or job.pictures:
             written = report.make_report(job.design, job.scene, job.mode, walkers, path, shown)
@@ -134,25 +134,25 @@ def attach_picture(error: GeometryError, path: Path | None) -> GeometryError:
 
     Raises OutputError.
     """
-    from walkergen.readers.walkers.placing import UnplacedError
+    from walkergen.readers.walkers.leg_placement import UnplacedError
 
     if path is None or not isinstance(error, UnplacedError):
         return error
-    from walkergen.commands.family import trouble
+    from walkergen.commands.family import unsupported_body
     from walkergen.files import figures
 
     with Folder(path, "") as folder:
-        folder.write("trouble.png", figures.png(trouble.draw_unsupported_body(error), 100))
+        folder.write("trouble.png", figures.png(unsupported_body.draw_unsupported_body(error), 100))
     return GeometryError(f"{error.text}; drawn in {path / 'trouble.png'}", *error.keys)
 
 
 def _trace_picture(design: Design) -> bytes | None:
     """Picture (PNG) of what was taken of a photograph; None for other bodies."""
-    from walkergen.commands.family import taken
+    from walkergen.commands.family import traced_outline
     from walkergen.files import figures
 
-    source = taken.find_picture(design)
-    return None if source is None else figures.png(taken.draw_outline(source), 100)
+    source = traced_outline.find_picture(design)
+    return None if source is None else figures.png(traced_outline.draw_outline(source), 100)
 
 
 def _preview_png(job: Job, walkers: Sequence[Member]) -> bytes:
@@ -231,7 +231,7 @@ def _facts(job: Job, findings: Sequence[Finding], seconds: float) -> dict[str, A
     """Facts for the manifest: inputs resolved, versions of the software, time taken."""
     return {
         "design": job.design.model_dump(mode="json"),
-        "body": sheet.body_facts(job.design),
+        "body": print_sheet.body_facts(job.design),
         "members": [names.part_name(member) for member in job.members],
         "legs_up": [names.part_name(member) for member in job.members if not solids.is_printed_on_side(member)],
         "copies": list(job.copies),
@@ -241,7 +241,7 @@ def _facts(job: Job, findings: Sequence[Finding], seconds: float) -> dict[str, A
         },
         "scene": job.scene.model_dump(mode="json"),
         "printer": job.printer.model_dump(mode="json"),
-        "print": sheet.manifest_facts(job.printer, findings),
+        "print": print_sheet.manifest_facts(job.printer, findings),
         "mode": job.mode,
         "draws": prediction.DRAW_COUNT,
         "seed": prediction.SEED,

@@ -9,16 +9,16 @@ from walkergen.core.files import output
 from walkergen.core.files.assignments import replace_values
 from walkergen.core.files.output import Folder
 from walkergen.core.files.progress import Progress
-from walkergen.core.printing import packing, plates, sheet
+from walkergen.core.printing import packing, plates, print_sheet
 from walkergen.core.printing.findings import Finding, check_printable, combine_printers
 from walkergen.core.printing.plates import Place
 from walkergen.core.printing.printers import Printer
-from walkergen.core.walker import names, solids, weights
+from walkergen.core.walker import names, solids, weighed_masses
 from walkergen.core.walker.design import Design
 from walkergen.files import report
 from walkergen.files.report import Report, Table
-from walkergen.sheets import caps
-from walkergen.sheets.caps import CappedWalker
+from walkergen.sheets import cap_files
+from walkergen.sheets.cap_files import CappedWalker
 
 
 class Order(NamedTuple):
@@ -106,7 +106,7 @@ def make(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequenc
     ]
     capped = _list_caps(layouts[0])
     findings = combine_printers(
-        [(one.printer.name, [*one.findings, *caps.findings(capped, one.printer)]) for one in layouts]
+        [(one.printer.name, [*one.findings, *cap_files.findings(capped, one.printer)]) for one in layouts]
     )
     tell(findings)
     check_printable(findings, order.strict)
@@ -116,7 +116,7 @@ def make(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequenc
         from walkergen.sheets import plate_map  # brings matplotlib
 
         draw = plate_map.draw_pictures
-    of_caps = list(caps.files(capped, order.printers)) if capped else []
+    of_caps = list(cap_files.files(capped, order.printers)) if capped else []
     paths: list[Path] = []
     for layout in layouts:
         # A manifest a printer, so that plates for one do not sweep away those for another.
@@ -137,14 +137,14 @@ def make(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequenc
             paths.append(target.path / target.manifest)
     rows = [row for layout in layouts for row in plates.list_places(layout)]
     paths += _write_forms(order.members, rows, folder)
-    return _report(order, rows, paths, caps.advice(capped) if capped else [])
+    return _report(order, rows, paths, cap_files.advice(capped) if capped else [])
 
 
 def _list_caps(layout: plates.Layout) -> list[CappedWalker]:
     """Caps of all copies in the order of the map. Raises InputError."""
     placed = [placement for plate in layout.plates for placement in plate.placements]
     items = [packing.item_name(layout.parts[place.part], place.copy) for place in placed]
-    return caps.number_caps([layout.members[place.part] for place in placed], items)
+    return cap_files.number_caps([layout.members[place.part] for place in placed], items)
 
 
 def _report(order: Order, rows: Sequence[Place], files: Sequence[Path], of_caps: Sequence[str]) -> PlateReport:
@@ -217,12 +217,12 @@ def _facts(layout: plates.Layout) -> dict[str, Any]:
     return {
         # Of several members of a design the first: names tell the tilts and kinds of the others.
         "designs": {name: members[0].model_dump(mode="json") for name, members in by_name.items()},
-        "bodies": {name: sheet.body_facts(members[0]) for name, members in by_name.items()},
+        "bodies": {name: print_sheet.body_facts(members[0]) for name, members in by_name.items()},
         "members": [part.name for part in layout.parts],
         "copies": [part.copies for part in layout.parts],
         "serial": [part.serial for part in layout.parts if part.serial is not None],
         "printer": layout.printer.model_dump(mode="json"),
-        "print": sheet.manifest_facts(layout.printer, layout.findings),
+        "print": print_sheet.manifest_facts(layout.printer, layout.findings),
         "versions": output.versions(),
     }
 
@@ -235,6 +235,6 @@ def _write_forms(members: Sequence[Design], rows: Sequence[Place], folder: Path)
         items.setdefault(design_of[row.name].name, {})[row.item] = None
     written = []
     for name, own in items.items():
-        rows_of = [*own, *weights.carried_rows(names.group_by_design(members)[name][0])]
-        written.append(weights.write_template(folder, rows_of, weights.form_name(members, name)))
+        rows_of = [*own, *weighed_masses.carried_rows(names.group_by_design(members)[name][0])]
+        written.append(weighed_masses.write_template(folder, rows_of, weighed_masses.form_name(members, name)))
     return [path for path in written if path is not None]

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from walkergen.core.errors import InputError
-from walkergen.core.files import columns, reading, words
+from walkergen.core.files import columns, file_reading, formatting
 from walkergen.core.printing import packing
 from walkergen.core.walker import names
 from walkergen.core.walker.design import Design
@@ -24,7 +24,7 @@ def read_orders(path: Path) -> tuple[list[Design], list[int]]:
     and legs (blank: the design's own) and copies (1 to packing.MOST_PARTS). Raises InputError, a
     line for each mistake, and PlateError for more parts than are arranged at once.
     """
-    table = columns.parse_records(reading.read_lines(path, columns.FORMAT_NAME, MAX_BYTES), str(path))
+    table = columns.parse_records(file_reading.read_lines(path, columns.FORMAT_NAME, MAX_BYTES), str(path))
     _check_columns(table.names, path)
     if not table.rows:
         raise InputError(f"{path}: no rows after the header; give a row for each walker to print")
@@ -107,7 +107,7 @@ def _parse_tilt(cell: str) -> float | None:
     """Tilt in a cell, deg, whose range the design checks; None in a blank one."""
     if not cell.strip():
         return None
-    value = words.parse_number(cell)
+    value = formatting.parse_number(cell)
     if value is None:
         raise InputError(
             f"tilt_deg = {cell.strip()[:30]!r}: must be a number in -85..85, or blank for the design's own"

@@ -12,15 +12,15 @@ from walkergen.core.scene import Scene
 from walkergen.core.theory import prediction
 from walkergen.core.theory.speed import Mode
 from walkergen.core.theory.surrogate import UnknownError
-from walkergen.core.theory.uncertain import Share
+from walkergen.core.theory.uncertain_inputs import Share
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.points import members
 from walkergen.points.members import Member
-from walkergen.points.speeds import Model
+from walkergen.points.speed_prediction import Model
 
 if TYPE_CHECKING:
-    from walkergen.core.walker.weights import Weighings
+    from walkergen.core.walker.weighed_masses import Weighings
 
 
 def predict(

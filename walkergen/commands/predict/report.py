@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from walkergen.core.scene import Scene
 from walkergen.core.theory import prediction
 from walkergen.core.theory.prediction import Prediction, Speed
-from walkergen.core.theory.uncertain import Share
+from walkergen.core.theory.uncertain_inputs import Share
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
 from walkergen.files.report import Report

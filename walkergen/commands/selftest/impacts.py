@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from walkergen.commands.selftest import exact
+from walkergen.commands.selftest import exact_impact
 from walkergen.commands.selftest.case import IMPACT_LAW, Case, Check, check_fact
 from walkergen.commands.selftest.scenes import LEG_LENGTH_MM, masses, paper_design
 from walkergen.core.theory import speed
@@ -17,7 +17,7 @@ from walkergen.core.theory.tensors import InverseMass, foot_tensors, rigid_tenso
 ROUNDING_REASON = "rounding of some ten operations, times the tensor's condition (up to 1e4)"
 
 
-def _random_impacts(count: int, seed: int) -> Iterator[tuple[exact.Tensor, tuple[float, float], float, float]]:
+def _random_impacts(count: int, seed: int) -> Iterator[tuple[exact_impact.Tensor, tuple[float, float], float, float]]:
     """Random tensors of condition up to 1e4, any sliding speed, all of e and mu with both ends."""
     rng = np.random.default_rng(seed)
     for _ in range(count):
@@ -47,7 +47,7 @@ def _check_against_exact() -> Iterator[Check]:
     worst, kinds = 0.0, set()
     for H, v, e, mu in _random_impacts(400, seed=1):
         impact = resolve(H, v, e, mu)
-        worst = max(worst, _relative_error(impact, exact.resolve_impact(H, v, e, mu), math.hypot(*v)))
+        worst = max(worst, _relative_error(impact, exact_impact.resolve_impact(H, v, e, mu), math.hypot(*v)))
         kinds.add((impact.kind, impact.sticks))
     yield Check("400 impacts in exact fractions", worst, 1e-9, ROUNDING_REASON)
     yield check_fact(
@@ -81,7 +81,7 @@ def _check_jamming() -> Iterator[Check]:
     yield check_fact("finite at the border of jamming", math.isfinite(just_out.F_y))
 
 
-def _rod_tensor(angle: float) -> exact.Tensor:
+def _rod_tensor(angle: float) -> exact_impact.Tensor:
     """Inverse mass at the lower end of a rod of 1 g and 2 mm, `angle` (rad) from the plate."""
     H = rigid_tensor(1.0, 1.0 / 3.0, np.array([math.cos(angle), -math.sin(angle)]))
     return float(H.xx), float(H.xy), float(H.yy)

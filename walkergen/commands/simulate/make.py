@@ -18,9 +18,9 @@ from walkergen.core.tolerance import Tolerance
 from walkergen.core.walker import names
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
-from walkergen.points import resolution, trajectory, walkers
+from walkergen.points import step_errors, trajectory, walkers
+from walkergen.points.effect_selection import Simplest
 from walkergen.points.experiments import Results, Walker
-from walkergen.points.simplest import Simplest
 from walkergen.points.walkers import ErrorResult
 
 MAX_LANDINGS_S = 500.0
@@ -86,7 +86,7 @@ def measure(
 def analyse_point(point: Results, progress: Progress = silent) -> Simulation:
     """Find shared orbits, motion and landings in the runs of a simulated point."""
     walker = point.walker
-    errors = resolution.combined_errors(point.step_errors, point.summary)
+    errors = step_errors.combined_errors(point.step_errors, point.summary)
     shared = orbit.find_shared_orbit(point, progress)
     if shared is not None:
         point = point._replace(summary=orbit.with_print_bounds(point.summary, shared))

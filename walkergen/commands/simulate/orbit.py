@@ -12,7 +12,7 @@ from walkergen.core.simulation.run import ENDED_WELL
 from walkergen.points.experiments import Results
 
 if TYPE_CHECKING:
-    from walkergen.points.draws import Bounds
+    from walkergen.points.print_ensemble import Bounds
 
 PRINT_DRAWS, MAX_RUN_S = 24, 4.0
 """Number of prints drawn in place of runs, and measured time of a print's run at most, s."""
@@ -41,7 +41,7 @@ def find_shared_orbit(point: Results, progress: Progress) -> Orbit | None:
     kind = orbits.common_orbit(np.array(good), walker.shaken.peak_speed)
     if not kind or len(good) < scene.run.runs:
         return None
-    from walkergen.points import draws
+    from walkergen.points import print_ensemble as draws
 
     run = scene.run.model_copy(update={"seconds": min(scene.run.seconds, MAX_RUN_S)})
     short = scene.model_copy(update={"run": run})

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from walkergen.analysis import facts
 from walkergen.analysis.motion import Motion
-from walkergen.commands.simulate import numbers, tables, trajectories
+from walkergen.commands.simulate import quantities as numbers
+from walkergen.commands.simulate import tables, trajectories
 from walkergen.commands.simulate.make import Simulation
 from walkergen.core.errors import InputError
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.core.files.progress import Progress, silent
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import Scene
@@ -18,7 +19,7 @@ from walkergen.core.simulation.ensemble import Summary
 from walkergen.core.simulation.run import ENDED_WELL, Outcome
 from walkergen.core.theory.prediction import Speed, make_speed
 from walkergen.core.walker.design import Design
-from walkergen.files import quantities, report
+from walkergen.files import quantity_format, report
 from walkergen.files.report import Column, Report, Table
 from walkergen.points.walkers import tracks_of
 
@@ -39,7 +40,9 @@ class Line(NamedTuple):
 def _format_line(line: Line) -> str:
     """Return the text of a line; of a quantity with its unit."""
     number = line.value
-    return number if isinstance(number, str) else quantities.format_value(number, quantities.format_unit(number))
+    return (
+        number if isinstance(number, str) else quantity_format.format_value(number, quantity_format.format_unit(number))
+    )
 
 
 LINE_COLUMNS = (report.text_column("", "name"), Column("", _format_line))
@@ -209,8 +212,8 @@ def _lines(simulated: Simulation, scene: Scene, design: Design) -> Iterator[tupl
     if simulated.untold:
         yield "motion", f"unknown: {simulated.untold}"
     found = [numbers.motion_numbers(simulated), numbers.observed_numbers(simulated), numbers.landing_numbers(simulated)]
-    rest, marks = quantities.mark_reasons(chain(*found))
-    yield from ((quantities.format_name(number), number) for number in rest)
+    rest, marks = quantity_format.mark_reasons(chain(*found))
+    yield from ((quantity_format.format_name(number), number) for number in rest)
     yield from marks.items()
     yield from (("note", note) for note in numbers.notes(simulated))
     yield "runs", f"{summary.runs}, {summary.simulated_s:.1f} s simulated in all"
@@ -230,7 +233,7 @@ def _format_speed(simulated: Simulation, scene: Scene) -> str:
     if summary.speed_mm_s is None:
         return "none: no run ended well"
     mean = summary.speed_mm_s
-    speed = f"{words.format_fixed(mean, 2) if se is None else words.format_with_error(mean, se)} mm/s"
+    speed = f"{formatting.format_fixed(mean, 2) if se is None else formatting.format_with_error(mean, se)} mm/s"
     speed += " along the " + ("heading" if scene.arena.kind == "plane" else "lane")
     speed += tables.format_step_error(simulated)
     if simulated.orbit is not None:

@@ -99,16 +99,16 @@ class SimulateRequest(request.Request):
         from walkergen.commands.simulate import make, report, trajectories
         from walkergen.core.tolerance import parse_tolerance
         from walkergen.core.walker import solids
-        from walkergen.points import expected
+        from walkergen.points import run_time
+        from walkergen.points.effect_selection import find_simplest
         from walkergen.points.experiments import Walker
-        from walkergen.points.simplest import find_simplest
 
         interval = None if self.trajectory is None else 1.0 / self.rate_hz
         found = find_simplest(Walker(scene, design, solids.mass_of(design)), progress)
         walker = make.make_walker(found.walker.scene, design, found.walker.mass, interval)
         wanted = None if self.error is None else parse_tolerance(self.error)
         if wanted is None:
-            self._expect(lambda: expected.total_time([walker]))
+            self._expect(lambda: run_time.total_time([walker]))
         simulated = make.measure(walker, progress, wanted, self.of, self._expect)
         result = report.make_report(simulated._replace(simplest=found), self.all)
         done, wished = simulated.point.summary.runs, simulated.scene.run.runs
@@ -126,32 +126,35 @@ class SimulateRequest(request.Request):
 
         Raises InputError for one that cannot be simulated, before any is.
         """
-        from walkergen.commands.simulate import several
-        from walkergen.points import expected
+        from walkergen.commands.simulate import several_walkers
+        from walkergen.points import run_time
 
-        found, rows = several.prepare_walkers(scene, members, progress), list[several.Row]()
-        self._expect(lambda: expected.total_time([simple.walker for simple in found]))
+        found, rows = several_walkers.prepare_walkers(scene, members, progress), list[several_walkers.Row]()
+        self._expect(lambda: run_time.total_time([simple.walker for simple in found]))
         try:
-            rows.extend(several.simulate_each(found, progress))
+            rows.extend(several_walkers.simulate_each(found, progress))
         except KeyboardInterrupt:
             missing = ", ".join(f"{member.tilt_deg:g} deg {member.kind}" for member in members[len(rows) :])
-            result = several.make_report(rows, scene, found)
+            result = several_walkers.make_report(rows, scene, found)
             told = f"interrupted after {len(rows)} of {len(found)} walkers; missing: {missing}"
             return replace(result, warnings=[told, *result.warnings], code=130)
-        return several.make_report(rows, scene, found)
+        return several_walkers.make_report(rows, scene, found)
 
     def _simulate_uncertain(self, scene: "Scene", design: "Design", progress: Progress) -> "Report":
         """Simulate uncertain prints: their speeds, with what to measure next."""
-        from walkergen.commands.simulate import prints
+        from walkergen.commands.simulate import uncertain_prints
         from walkergen.core.walker import solids
-        from walkergen.points import draws, expected, simplest
+        from walkergen.points import effect_selection, run_time
+        from walkergen.points import print_ensemble as draws
         from walkergen.points.experiments import Walker
 
-        simplest.check_no_accepted_error(scene, "is of a mean speed, and ‹uncertain› asks how far prints lie apart")
+        effect_selection.check_no_accepted_error(
+            scene, "is of a mean speed, and ‹uncertain› asks how far prints lie apart"
+        )
         walker = Walker(scene, design, solids.mass_of(design)).with_run(runs=self.draws)
-        self._expect(lambda: expected.total_time([walker]))
+        self._expect(lambda: run_time.total_time([walker]))
         measured = draws.measure(scene, design, self.draws, progress)
-        result = prints.make_report(measured, design, scene.name, self.out)
+        result = uncertain_prints.make_report(measured, design, scene.name, self.out)
         if self.out is not None:
-            prints.write(result, self.out)
+            uncertain_prints.write(result, self.out)
         return result

@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 from typing import Any
 
-from walkergen.commands.simulate import numbers
+from walkergen.commands.simulate import quantities
 from walkergen.commands.simulate.make import Simulation
 from walkergen.commands.simulate.orbit import Orbit
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import observables
-from walkergen.points import speeds
+from walkergen.points import speed_prediction
 
 
 def format_drive(scene: Scene) -> str:
@@ -35,7 +35,7 @@ def format_step_error(simulated: Simulation) -> str:
     error, reason = simulated.point.step_errors[observables.SPEED]
     if error is None:
         return f"; {reason}"
-    return f" ± {words.format_number(error, 2)} by the step (95 %)" if error else ""
+    return f" ± {formatting.format_number(error, 2)} by the step (95 %)" if error else ""
 
 
 def bound_rows(simulated: Simulation) -> Iterator[tuple[str, str]]:
@@ -53,7 +53,7 @@ def bound_rows(simulated: Simulation) -> Iterator[tuple[str, str]]:
 def _format_print_bounds(simulated: Simulation) -> str:
     """Bounds of the speed of a print, by what nobody knows of it, as `predict` has them."""
     walker = simulated.point.walker
-    row = speeds.predict(walker.design, walker.mass, walker.scene, model="known")
+    row = speed_prediction.predict(walker.design, walker.mass, walker.scene, model="known")
     low, high = row.speed_low_95_mm_s, row.speed_high_95_mm_s
     if low is None or high is None:
         return "predict tells, or ‹uncertain›"
@@ -73,7 +73,7 @@ def format_orbit_bounds(orbit: Orbit) -> str:
 
 def landings_as_dict(simulated: Simulation) -> dict[str, Any]:
     """Landings for JSON: rates per second, and their errors."""
-    rates = numbers.landing_rates(simulated)
+    rates = quantities.landing_rates(simulated)
     return {rate.column: rate.value for rate in rates} | {"errors": {rate.column: rate.se for rate in rates}}
 
 

@@ -18,8 +18,8 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.core.errors import InputError
-from walkergen.core.files import plain, reading
-from walkergen.core.files import words as words_of
+from walkergen.core.files import file_reading, safe_text
+from walkergen.core.files import formatting as words_of
 from walkergen.core.files.tables import unquote_formula
 
 Array = npt.NDArray[np.float64]
@@ -69,7 +69,7 @@ class Records(NamedTuple):
 
 def read_header(path: Path) -> list[str]:
     """Names in the first line of a file; raises InputError for no name and for equal names."""
-    return first_two_rows(reading.read_lines(path, FORMAT_NAME), str(path))[0]
+    return first_two_rows(file_reading.read_lines(path, FORMAT_NAME), str(path))[0]
 
 
 def first_two_rows(lines: Iterable[str], source: str) -> tuple[list[str], list[str]]:
@@ -122,10 +122,10 @@ def read_numbers(
     mass). Raises InputError when the file cannot be read, when a required column is missing, and
     when no row is usable.
     """
-    names, stream = _read_names(iter(reading.read_lines(path, FORMAT_NAME) if lines is None else lines), str(path))
+    names, stream = _read_names(iter(file_reading.read_lines(path, FORMAT_NAME) if lines is None else lines), str(path))
     missing = [name for name in required if name not in names]
     if missing:
-        seen = plain.shorten_line(", ".join(name for name in names if name))
+        seen = safe_text.shorten_line(", ".join(name for name in names if name))
         raise InputError(f"{path}: no column {missing[0]!r}; columns seen: {seen}")
     wanted = (*required, *optional, *words)
     places = {name: names.index(name) for name in wanted if name in names}

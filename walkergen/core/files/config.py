@@ -16,7 +16,8 @@ from pydantic import BaseModel, ConfigDict, Field, Tag, ValidationError, field_v
 from pydantic.fields import FieldInfo
 
 from walkergen.core.errors import InputError
-from walkergen.core.files import plain, reading
+from walkergen.core.files import file_reading
+from walkergen.core.files import safe_text as plain
 
 MAX_BYTES, MAX_DEPTH, MAX_REPORTED_MISTAKES = 1_000_000, 32, 20
 """Largest file, most levels of lists and tables in it, and mistakes that are told, not counted."""
@@ -111,7 +112,7 @@ def read_data(path: Path, model: type[Section]) -> tuple[dict[str, Any], str]:
 
 def read_toml(path: Path) -> tuple[dict[str, Any], str]:
     """Contents of a TOML file, and its text. Raises InputError when it cannot be read."""
-    text = "".join(reading.read_lines(path, "a TOML file", MAX_BYTES))
+    text = "".join(file_reading.read_lines(path, "a TOML file", MAX_BYTES))
     try:
         return parse_toml(text), text
     except ValueError as error:

@@ -14,12 +14,12 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from walkergen.core import caches
-from walkergen.core.numerics import shipped
+from walkergen.core.numerics import shipped_kernels
 
 SOURCE_PATTERNS = (
     "core/drive.py",
     "core/numerics/kernels.py",
-    "core/numerics/shipped.py",
+    "core/numerics/shipped_kernels.py",
     "core/theory/balance.py",
     "core/theory/impact.py",
     "core/theory/paper_simulation.py",
@@ -44,7 +44,7 @@ def source_digest() -> str:
 
 _sums: dict[str, str] = {}
 if "numba" not in sys.modules and "NUMBA_CACHE_DIR" not in os.environ:
-    _sums, _unfit = shipped.find_fitting_kernels(source_digest())
+    _sums, _unfit = shipped_kernels.find_fitting_kernels(source_digest())
     _place = caches.prepare_version_folder("numba", source_digest())
     os.environ["NUMBA_CACHE_DIR"] = str(_place)
     if _unfit and not any(_place.iterdir()):
@@ -54,7 +54,7 @@ import numba  # noqa: E402  (the cache folder and the kind of CPU have to be set
 from numba.extending import intrinsic, typeof_impl  # noqa: E402
 
 if _sums:
-    shipped.install_in_cache(_sums)
+    shipped_kernels.install_in_cache(_sums)
 
 
 def _register_without_blas() -> None:
@@ -67,7 +67,7 @@ def _register_without_blas() -> None:
 
 
 # In a process of a command; elsewhere kernels of others may need one
-if "walkergen.cli.build" in sys.modules and not {"scipy.linalg", "numba.np.arraymath"} & set(sys.modules):
+if "walkergen.cli.command_builder" in sys.modules and not {"scipy.linalg", "numba.np.arraymath"} & set(sys.modules):
     _register_without_blas()
 
 F = TypeVar("F", bound=Callable[..., Any])

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.core.numerics.tails import student_quantile
+from walkergen.core.numerics.distributions import student_quantile
 
 Array = npt.NDArray[np.float64]
 

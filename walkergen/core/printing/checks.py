@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from walkergen.core.printing import legs_up, pocket_checks, walls
+from walkergen.core.printing import pocket_checks, upside_down_checks, walls
 from walkergen.core.printing.findings import ROUNDING_MM, About, Finding, Level, Setting, make_finding, with_place
 from walkergen.core.printing.packing import Part, Plate, border_width, spacing
 from walkergen.core.printing.printers import Printer
@@ -74,7 +74,7 @@ def check_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[
         *pocket_checks.check_part(design, printer),
     ]
     if not solids.is_printed_on_side(design):
-        findings += legs_up.check_part(design, mesh, printer)
+        findings += upside_down_checks.check_part(design, mesh, printer)
     if printer.brim_width_mm == 0.0:
         findings += _check_adhesion(design, mesh, printer)
     return with_place(name, findings)

@@ -4,11 +4,11 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 from walkergen.core.files.tables import csv_text
-from walkergen.core.printing import checks, packing, sheet, slicer
+from walkergen.core.printing import checks, packing, print_sheet, slicer
 from walkergen.core.printing.findings import Finding
 from walkergen.core.printing.printers import Printer
 from walkergen.core.shapes.mesh import Mesh
-from walkergen.core.walker import names, solids, weights
+from walkergen.core.walker import names, solids, weighed_masses
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.solids import Solids
 
@@ -148,13 +148,13 @@ def layout_files(
 
 def _print_sheet(layout: Layout, stem: str) -> str:
     weighed = [
-        sheet.weigh(part.name, design, built_solids, layout.printer)
+        print_sheet.weigh(part.name, design, built_solids, layout.printer)
         for part, design, built_solids in zip(layout.parts, layout.members, layout.built, strict=True)
     ]
-    form = weights.form_name(layout.members, "DESIGN")
-    printed = sheet.Batch(stem, layout.printer, layout.members, layout.plates, layout.parts, form)
+    form = weighed_masses.form_name(layout.members, "DESIGN")
+    printed = print_sheet.Batch(stem, layout.printer, layout.members, layout.plates, layout.parts, form)
     legend = names.legend(layout.members)
-    return sheet.to_markdown(printed, weighed, layout.findings, legend)
+    return print_sheet.to_markdown(printed, weighed, layout.findings, legend)
 
 
 def to_csv(rows: Sequence[Place]) -> str:

@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from walkergen.core.errors import InputError
 from walkergen.core.files.config import Name, Section
-from walkergen.core.printing import profile_file
+from walkergen.core.printing import slicer_profile
 
 DEFAULT_CLEARANCE_MM = 0.2
 """Gap on every side between a printed wall and a part that goes in by hand. Assumed, as usual."""
@@ -63,7 +63,7 @@ class Printer(Section):
     @classmethod
     def data_from_file(cls, path: Path) -> dict[str, Any] | None:
         """Read the printer of a slicer's profile; None for a TOML file."""
-        return profile_file.read_printer(path) if path.suffix.lower() in profile_file.SUFFIXES else None
+        return slicer_profile.read_printer(path) if path.suffix.lower() in slicer_profile.SUFFIXES else None
 
     @model_validator(mode="before")
     @classmethod

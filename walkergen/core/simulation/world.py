@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.core.simulation.drive import Drive
-from walkergen.core.simulation.effects.acting import Acting
+from walkergen.core.simulation.effects.active_effects import Acting
 
 State = npt.NDArray[np.float64]
 

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.core.errors import InputError
-from walkergen.core.theory.places import Place
+from walkergen.core.theory.dimensionless import Place
 from walkergen.core.walker.limbs import Kind
 
 Array = npt.NDArray[np.float64]

@@ -13,13 +13,13 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.core.scene import Scene
-from walkergen.core.theory import places, standing, surrogate, uncertain
+from walkergen.core.theory import dimensionless, standing, surrogate, uncertain_inputs
 from walkergen.core.theory.speed import Mode
 from walkergen.core.theory.stationary import Stationary, stationary
 from walkergen.core.theory.surrogate import NORMAL_95, FallsError, Known, UnknownError
-from walkergen.core.theory.uncertain import PREDICTION_READER, QUANTILES, Drawn, Input, Share
+from walkergen.core.theory.uncertain_inputs import PREDICTION_READER, QUANTILES, Drawn, Input, Share
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties, scale_masses
@@ -65,7 +65,7 @@ class Speed(NamedTuple):
             return f"{self.value:.2f} mm/s, {self.orbit}{self._format_print_bounds()}"
         if math.isnan(self.se):
             return f"{self.value:.2f} mm/s, standard error unknown"
-        text = f"{words.format_with_error(self.value, self.se)} mm/s"
+        text = f"{formatting.format_with_error(self.value, self.se)} mm/s"
         if math.isnan(self.low_95) or math.isnan(self.high_95):
             return f"{text}, bounds unknown"
         return f"{text}, with 95 % {self.low_95:.1f} to {self.high_95:.1f}"
@@ -159,12 +159,12 @@ def describe_briefly(row: Prediction) -> str:
     """Describe in a few words what a walker does: its speed, or that it stands, falls over or has no speed yet."""
     speed = row.speed_mm_s
     if row.has_theory_alone:
-        return f"{words.format_fixed(row.theory_mm_s, 1)} mm/s (theory)"
+        return f"{formatting.format_fixed(row.theory_mm_s, 1)} mm/s (theory)"
     if speed is None:
         return "falls over" if row.falls > 0.0 else "no speed yet"
     if is_standing(row):
         return "stands"
-    return f"{words.format_with_error(abs(speed), row.speed_sd_mm_s or 0.0)} mm/s{' back' if speed < 0.0 else ''}"
+    return f"{formatting.format_with_error(abs(speed), row.speed_sd_mm_s or 0.0)} mm/s{' back' if speed < 0.0 else ''}"
 
 
 def describe_speed(row: Prediction) -> str:
@@ -173,13 +173,13 @@ def describe_speed(row: Prediction) -> str:
     if row.falls > 0.0:
         falls = f"falls over in {100.0 * row.falls:.0f} % of its runs"
     if row.has_theory_alone:
-        return f"{words.format_fixed(row.theory_mm_s, 1)} mm/s in the paper's theory (eq. 15)"
+        return f"{formatting.format_fixed(row.theory_mm_s, 1)} mm/s in the paper's theory (eq. 15)"
     if speed is None or nominal is None:
         return falls if row.falls > 0.0 else f"no speed: {row.note}"
     if is_standing(row):
         return "stands" if row.speed_by == "statics" else f"stands: {_format_nominal(row)}"
     way = "runs backward, " if speed < 0.0 else ""
-    text = f"{way}{words.format_with_error(abs(speed), row.speed_sd_mm_s or 0.0)} mm/s"
+    text = f"{way}{formatting.format_with_error(abs(speed), row.speed_sd_mm_s or 0.0)} mm/s"
     text += f"; your print: {row.speed_low_95_mm_s:.1f} to {row.speed_high_95_mm_s:.1f} (95 %)"
     if abs(nominal - speed) > REPORTED_DIFFERENCE * abs(speed):
         text += f"; as designed {_format_nominal(row)}"
@@ -189,7 +189,7 @@ def describe_speed(row: Prediction) -> str:
 def _format_nominal(row: Prediction) -> str:
     """Speed as designed with its bounds of 95 %."""
     half = 0.5 * ((row.nominal_high_95_mm_s or 0.0) - (row.nominal_low_95_mm_s or 0.0))
-    return f"{words.format_with_error(row.nominal_mm_s or 0.0, half)} mm/s"
+    return f"{formatting.format_with_error(row.nominal_mm_s or 0.0, half)} mm/s"
 
 
 class Spread(NamedTuple):
@@ -208,7 +208,7 @@ class Spread(NamedTuple):
 
 def prediction_inputs(scene: Scene, design: Design) -> tuple[Input, ...]:
     """Return the inputs of a surrogate prediction: uncertain values, the print, and both models' errors."""
-    return (*uncertain.inputs(scene, design, PREDICTION_READER), PRINT_INPUT, SURROGATE_INPUT, MODEL_INPUT)
+    return (*uncertain_inputs.inputs(scene, design, PREDICTION_READER), PRINT_INPUT, SURROGATE_INPUT, MODEL_INPUT)
 
 
 def sample_speeds(known: Known, drawn: Drawn) -> Array:
@@ -240,7 +240,7 @@ def compute_spread(design: Design, mass: MassProperties, scene: Scene, drawn: Dr
 def theory_speeds(design: Design, mass: MassProperties, scene: Scene, mode: Mode, drawn: Drawn) -> Array:
     """Speeds by the theory at values of the inputs, mm/s, shape (count,)."""
     contact = scene.contact
-    masses = scale_masses(mass, drawn.input_values("body mass", 1.0), places.leg_mass_ratios(design, drawn))
+    masses = scale_masses(mass, drawn.input_values("body mass", 1.0), dimensionless.leg_mass_ratios(design, drawn))
     by_foot = stationary(
         design,
         masses,
@@ -265,15 +265,15 @@ def variance_shares(design: Design, mass: MassProperties, scene: Scene) -> tuple
     inputs, known = prediction_inputs(scene, design), surrogate.case_in_domain(scene, design, mass)
 
     def speeds(values: Array) -> Array:
-        return sample_speeds(known, uncertain.label_columns(inputs, values))
+        return sample_speeds(known, uncertain_inputs.label_columns(inputs, values))
 
-    return uncertain.variance_shares(inputs, speeds, SEED)
+    return uncertain_inputs.variance_shares(inputs, speeds, SEED)
 
 
 def sample_prediction_inputs(scene: Scene, design: Design) -> Drawn:
     """Draws of `known_inputs` behind a speed and its bounds."""
     inputs = prediction_inputs(scene, design)
-    return uncertain.label_columns(inputs, uncertain.sample_inputs(inputs, DRAW_COUNT, SEED))
+    return uncertain_inputs.label_columns(inputs, uncertain_inputs.sample_inputs(inputs, DRAW_COUNT, SEED))
 
 
 def predict(design: Design, mass: MassProperties, scene: Scene, mode: Mode = "coulomb") -> Prediction:
@@ -343,7 +343,7 @@ def _theory_note(design: Design, mass: MassProperties, scene: Scene, mode: Mode,
     if abs(own - others) <= REPORTED_DIFFERENCE * abs(own):
         return ""
     which = "sticking feet (mode coulomb) give" if mode == "paper" else "eq. 15, in which feet always slide, gives"
-    return f"friction can hold the feet: {which} {words.format_fixed(others * _impact_speed(scene, mass), 1)} mm/s"
+    return f"friction can hold the feet: {which} {formatting.format_fixed(others * _impact_speed(scene, mass), 1)} mm/s"
 
 
 CURVE_POINTS = 91

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from walkergen.core.theory.speed import Array, Factors, Mode, factor, factors
 from walkergen.core.theory.tensors import foot_tensors
-from walkergen.core.theory.uncertain import scale_proportionally
+from walkergen.core.theory.uncertain_inputs import scale_proportionally
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
 

@@ -17,10 +17,10 @@ import numpy.typing as npt
 
 from walkergen.core.errors import WalkergenError
 from walkergen.core.scene import DEPENDENT_KEYS, Scene
-from walkergen.core.theory import networks, places
+from walkergen.core.theory import dimensionless, networks
+from walkergen.core.theory.dimensionless import Place
 from walkergen.core.theory.networks import LINEAR_BELOW, Speeds
-from walkergen.core.theory.places import Place
-from walkergen.core.theory.uncertain import Drawn
+from walkergen.core.theory.uncertain_inputs import Drawn
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.limbs import Kind
 from walkergen.core.walker.mass import MassProperties
@@ -73,7 +73,7 @@ class Known(NamedTuple):
     def speeds_at(self, place: Place) -> Speeds:
         """Speeds at a place, or at places, beyond the sampled numbers as at their ends."""
         kind = self.design.kind
-        speeds = networks.speeds_at(kind, np.clip(places.to_matrix(place), *_input_bounds(kind)))
+        speeds = networks.speeds_at(kind, np.clip(dimensionless.to_matrix(place), *_input_bounds(kind)))
         return speeds._replace(centre=self.sign * speeds.centre)
 
     @property
@@ -99,7 +99,7 @@ def case_in_domain(scene: Scene, design: Design, mass: MassProperties, within_go
     """
     for reason in _domain_violations(scene, design):
         raise UnknownError(reason)
-    known = Known(design, scene, places.compute_place(scene, design, mass))
+    known = Known(design, scene, dimensionless.compute_place(scene, design, mass))
     _check_ranges(design.kind, known.place)
     speeds = known.speeds_at(known.place)
     if speeds.falls[0] >= SURE_FALL_CHANCE:
@@ -177,6 +177,6 @@ def _check_ranges(kind: Kind, place: Place) -> None:
     for name, value, low, high in zip(Place._fields, place, *_input_bounds(kind), strict=True):
         margin = RANGE_MARGIN * (high - low) + 1e-9
         if not low - margin <= float(value) <= high + margin:
-            words, ends = places.describe_number(name, low, high)
+            words, ends = dimensionless.describe_number(name, low, high)
             side = "less" if float(value) < low else "more"
             raise UnknownError(f"the surrogate knows a {words} of {ends}, and here it is {side}")

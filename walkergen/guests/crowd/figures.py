@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from walkergen.analysis.motion import Curve
 from walkergen.files import figures as plots
 from walkergen.files.figures import GREY, INK, MIN_FONT_PT, SERIES, Look, new_axes, new_panels, style
-from walkergen.guests.crowd.statistics.measuring import CrowdStatistics
+from walkergen.guests.crowd.statistics.summary import CrowdStatistics
 
 MAX_MARKERS = 40
 """Most points of a curve that have markers and bars; of longer ones the error is a band."""

@@ -19,7 +19,7 @@ from walkergen.core.errors import InputError, OutputError
 from walkergen.core.files import output, tables
 from walkergen.files import extended_xyz
 from walkergen.files.extended_xyz import Bodies
-from walkergen.guests.crowd.statistics import ground
+from walkergen.guests.crowd.statistics import dish_geometry
 from walkergen.guests.crowd.statistics.film import CrowdFilm
 
 Array = npt.NDArray[np.float64]
@@ -45,7 +45,7 @@ def to_csv(film: CrowdFilm) -> bytes:
 def to_xyz(film: CrowdFilm) -> bytes:
     """Write extended XYZ: a frame for each time, with the walkers seen, wrapped in a periodic square."""
     frame, walker = np.nonzero(np.isfinite(film.x))
-    x, y = ground.wrap_places(film.x[frame, walker], film.y[frame, walker], film.dish)
+    x, y = dish_geometry.wrap_places(film.x[frame, walker], film.y[frame, walker], film.dish)
     theta = np.nan_to_num(film.theta[frame, walker])
     kinds = list(dict.fromkeys(film.kinds))
     halves = np.array([_half_axes(film, kind) for kind in kinds])
@@ -73,7 +73,7 @@ def to_gsd(film: CrowdFilm) -> bytes:
     kinds = list(dict.fromkeys(film.kinds))
     numbers = np.array([kinds.index(name) for name in film.kinds])
     shapes = [_polygon(film, kind) for kind in kinds]
-    x, y = ground.wrap_places(film.x, film.y, film.dish)
+    x, y = dish_geometry.wrap_places(film.x, film.y, film.dish)
     period = film.dish.period or 1.0
     images = [np.rint((far - near) / period) for far, near in ((film.x, x), (film.y, y))]
     with tempfile.TemporaryDirectory(prefix="walkergen-gsd-") as folder:

@@ -9,14 +9,14 @@ from walkergen.core.errors import InputError
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.batch import OneRun, Stopped, Tell
-from walkergen.guests.crowd import members
-from walkergen.guests.crowd import runs as jobs
+from walkergen.guests.crowd import job as jobs
+from walkergen.guests.crowd import walker_counts
 from walkergen.guests.crowd.cards.card import Card
 from walkergen.guests.crowd.flat import crowd as flat
-from walkergen.guests.crowd.flat import deck, doors
-from walkergen.guests.crowd.runs import Job, Kind
+from walkergen.guests.crowd.flat import crowd_checks, lammps_input
+from walkergen.guests.crowd.job import Job, Kind
 from walkergen.guests.crowd.statistics import CrowdFilm, measure
-from walkergen.readers.walkers import seen_above
+from walkergen.readers.walkers import top_outline
 
 CONTACT_KEYS = ("restitution", "friction")
 """Keys of a scene's [crowd] that replace a card's own where they are set."""
@@ -45,8 +45,8 @@ def make_job(scene: Scene, cards: Sequence[Card], counts: Sequence[int] | None, 
     kinds = []
     for number, card in enumerate(cards):
         outline = tuple(np.array(contour) for contour in card.outline_mm)
-        area = seen_above.area_of(outline)
-        walkers = members.walker_count(scene, area) if counts is None else counts[number]
+        area = top_outline.area_of(outline)
+        walkers = walker_counts.walker_count(scene, area) if counts is None else counts[number]
         kinds.append(Kind(card.name, walkers, outline, card=card.model_copy(update=own)))
     return jobs.check_job(Job(scene, tuple(kinds), rate_hz, "flat"))
 
@@ -113,9 +113,11 @@ def _total_seconds(job: Job) -> float:
     return job.scene.run.seconds + job.scene.run.discard_seconds
 
 
-def _make_crowd(job: Job, number: int) -> deck.Crowd:
+def _make_crowd(job: Job, number: int) -> lammps_input.Crowd:
     """Create the input for a run in a plane, from its number."""
     seed = int(np.random.SeedSequence([job.scene.run.seed, number]).generate_state(1)[0])
     places = jobs.place_walkers(job, [kind.outline for kind in job.kinds], number)
     cards = [kind.card for kind in job.kinds if kind.card]
-    return doors.make_crowd(cards, job.numbers, job.scene.crowd.dish, places, _total_seconds(job), job.rate_hz, seed)
+    return crowd_checks.make_crowd(
+        cards, job.numbers, job.scene.crowd.dish, places, _total_seconds(job), job.rate_hz, seed
+    )

@@ -12,15 +12,15 @@ from walkergen.core.scene import Scene
 from walkergen.core.simulation.batch import OneRun, Stopped, Tell
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
-from walkergen.guests.crowd import members
-from walkergen.guests.crowd import runs as jobs
-from walkergen.guests.crowd.runs import Array, Job, Kind
+from walkergen.guests.crowd import job as jobs
+from walkergen.guests.crowd import walker_counts
+from walkergen.guests.crowd.job import Array, Job, Kind
 from walkergen.guests.crowd.space import run as crowds
 from walkergen.guests.crowd.space.result import CrowdRun
 from walkergen.guests.crowd.space.run import CrowdPlan
 from walkergen.guests.crowd.statistics import CrowdFilm, measure
-from walkergen.points import expected
-from walkergen.readers.walkers import seen_above
+from walkergen.points import run_time
+from walkergen.readers.walkers import top_outline
 
 MAX_WALKERS = 2000
 """Walkers of a crowd in space at most; a flat crowd has more."""
@@ -37,9 +37,9 @@ def make_job(scene: Scene, designs: Sequence[Design], counts: Sequence[int] | No
     kinds = []
     for number, design in enumerate(designs):
         mass = solids.mass_of(design)
-        outline = tuple(seen_above.outline_of(design, mass))
-        area = seen_above.area_of(outline)
-        walkers = members.walker_count(scene, area) if counts is None else counts[number]
+        outline = tuple(top_outline.outline_of(design, mass))
+        area = top_outline.area_of(outline)
+        walkers = walker_counts.walker_count(scene, area) if counts is None else counts[number]
         kinds.append(Kind(design.name, walkers, outline, design, mass))
     total = sum(kind.walkers for kind in kinds)
     if total > MAX_WALKERS:
@@ -88,13 +88,13 @@ def cpu_seconds(job: Job) -> float:
     """CPU seconds of a run of a crowd, by a moment of the first, once its walkers have landed."""
     plan, times = _placement_function(job)(0), list[tuple[float, float]]()
     _compile_kernels(plan, job.rate_hz)
-    over = expected.stop_after_moment()
+    over = run_time.stop_after_moment()
 
     def record_time(seconds: float) -> None:
-        if seconds >= expected.SETTLING_S:
+        if seconds >= run_time.SETTLING_S:
             times.append((time.thread_time(), seconds))
 
-    run = plan.scene.run.model_copy(update={"seconds": expected.MAX_MOMENT_S, "discard_seconds": 0.0})
+    run = plan.scene.run.model_copy(update={"seconds": run_time.MAX_MOMENT_S, "discard_seconds": 0.0})
     lasting = plan._replace(scene=plan.scene.model_copy(update={"run": run}))
     crowds.simulate(lasting, 0, job.rate_hz, lambda: len(times) > 1 and over(), record_time)
     if len(times) < 2:  # all have fallen

@@ -5,7 +5,7 @@ from walkergen.core.measure import Runs, measure
 from walkergen.guests.crowd import statistics
 from walkergen.guests.crowd.in_plane import InPlane
 from walkergen.guests.crowd.in_space import InSpace
-from walkergen.guests.crowd.runs import Job, Simulated
+from walkergen.guests.crowd.job import Job, Simulated
 
 
 def simulate(job: Job, threads: int | None, progress: Progress) -> Simulated:

@@ -21,7 +21,7 @@ from walkergen.files import animation
 from walkergen.files.animation import Draw, Pixels
 from walkergen.files.canvas import INK, LARGE_PT, PLATE_COLOUR, SMALL_PT, Canvas, set_scale
 from walkergen.files.figures import SERIES
-from walkergen.guests.crowd.statistics import ground
+from walkergen.guests.crowd.statistics import dish_geometry
 from walkergen.guests.crowd.statistics.film import CrowdFilm
 
 Array = npt.NDArray[np.float64]
@@ -132,7 +132,7 @@ def make_draw_function(film: CrowdFilm, title: str, colour: Colour = "heading", 
     canvas.add_moving_artists(*(kind.drawn for kind in bodies), clock)
 
     def draw(frame: int) -> Pixels:
-        x, y = ground.wrap_places(film.x[frame], film.y[frame], film.dish)
+        x, y = dish_geometry.wrap_places(film.x[frame], film.y[frame], film.dish)
         theta = film.theta[frame]
         faces = paint(theta)
         for kind in bodies:

@@ -5,17 +5,17 @@ A crowd takes minutes: its record holds every statistic, so that others may be s
 
 from collections.abc import Sequence
 
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.core.files.progress import silent
 from walkergen.core.printing.printers import Printer
 from walkergen.core.simulation.run import ENERGY_TOLERANCE
-from walkergen.guests.crowd import in_space, make, members
-from walkergen.guests.crowd.runs import Simulated
-from walkergen.guests.crowd.statistics.measuring import UNITS, WHOLE_RUN_NUMBERS
-from walkergen.points.kinds import Picture
+from walkergen.guests.crowd import in_space, make, walker_counts
+from walkergen.guests.crowd.job import Simulated
+from walkergen.guests.crowd.statistics.summary import UNITS, WHOLE_RUN_NUMBERS
+from walkergen.points.model_kinds import Picture
 from walkergen.points.point import Point, PointStatus, Record, status_record
 
-GROUPS, SCENE, RUNS, MEETS_ERRORS = tuple(UNITS), "plane-90hz", members.DEFAULT_RUNS, False
+GROUPS, SCENE, RUNS, MEETS_ERRORS = tuple(UNITS), "plane-90hz", walker_counts.DEFAULT_RUNS, False
 KEPT = "packing", "polar_order", "nematic_order", "speed", "largest_cluster", "wall_density"
 
 SIZE_COLUMNS = ("walkers", "runs", "seconds")
@@ -54,7 +54,7 @@ def pictures(keep: Sequence[str]) -> tuple[Picture, ...]:
 def cost(point: Point) -> float:
     """CPU seconds that a crowd takes, by a moment of it. Raises as `evaluate` does."""
     return point.scene.run.runs * in_space.cpu_seconds(
-        in_space.make_job(point.scene, [point.design], None, members.DEFAULT_RATE_HZ)
+        in_space.make_job(point.scene, [point.design], None, walker_counts.DEFAULT_RATE_HZ)
     )
 
 
@@ -64,7 +64,7 @@ def evaluate(point: Point) -> Record:
     Raises InputError where it has no room or too many walkers, and KeyboardInterrupt where runs
     are missing.
     """
-    job = in_space.make_job(point.scene, [point.design], None, members.DEFAULT_RATE_HZ)
+    job = in_space.make_job(point.scene, [point.design], None, walker_counts.DEFAULT_RATE_HZ)
     simulated = make.simulate(job, 1, silent)
     if len(simulated.films) < point.scene.run.runs:
         raise KeyboardInterrupt
@@ -86,7 +86,7 @@ def _run_status(simulated: Simulated) -> Record:
         how = PointStatus.WALKERS_ENDED_BADLY
         return status_record(how, f"{how}: {which}, of {count} in all runs")
     if simulated.energy_error > ENERGY_TOLERANCE:
-        share = words.format_number(100.0 * simulated.energy_error, 2)
+        share = formatting.format_number(100.0 * simulated.energy_error, 2)
         return status_record(
             PointStatus.UNBALANCED, f"{PointStatus.UNBALANCED}: {share} % unaccounted for; take a smaller run.step_us"
         )

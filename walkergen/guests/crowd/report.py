@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.core.files.output import Folder, versions
 from walkergen.core.files.progress import Progress
 from walkergen.core.simulation.run import ENERGY_TOLERANCE, Outcome
@@ -14,7 +14,7 @@ from walkergen.files.report import Report, Table
 from walkergen.guests.crowd import figures as crowd_figures
 from walkergen.guests.crowd import files as tracks
 from walkergen.guests.crowd import in_plane, tables
-from walkergen.guests.crowd.runs import GOOD_OUTCOMES, Job, Simulated
+from walkergen.guests.crowd.job import GOOD_OUTCOMES, Job, Simulated
 from walkergen.guests.crowd.space.result import CrowdRun
 from walkergen.guests.crowd.statistics import CrowdStatistics
 
@@ -137,7 +137,7 @@ def _warnings(simulated: Simulated) -> Iterator[str]:
     worst = simulated.energy_error
     if worst > ENERGY_TOLERANCE:
         yield (
-            f"{Outcome.ENERGY.value}: {words.format_number(100.0 * worst, 2)} % of the energy exchanged "
+            f"{Outcome.ENERGY.value}: {formatting.format_number(100.0 * worst, 2)} % of the energy exchanged "
             f"is unaccounted for, more than {100.0 * ENERGY_TOLERANCE:g} %"
         )
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from walkergen.core.scene import Scene
     from walkergen.core.walker.design import Design
     from walkergen.files.report import Report
-    from walkergen.guests.crowd.runs import Job
+    from walkergen.guests.crowd.job import Job
 
 MAX_FPS = 50
 """Frames a second of a movie at most; tracks may have more."""
@@ -24,9 +24,9 @@ MAX_FPS = 50
 
 def _parse_count(value: Any) -> Any:
     """Parse a number of walkers, or numbers by design: 30, "30", "polar-disc:20,rotator:10", {"polar-disc": 20}."""
-    from walkergen.guests.crowd import members
+    from walkergen.guests.crowd import walker_counts
 
-    return value if value is None else members.parse_count(value)
+    return value if value is None else walker_counts.parse_count(value)
 
 
 class CrowdRequest(request.Request):
@@ -117,9 +117,9 @@ class CrowdRequest(request.Request):
     def _simulate_crowd(self, progress: Progress) -> "Report":
         """Simulate the crowd, or write its input for LAMMPS."""
         from walkergen.guests.crowd import in_space, make, report
-        from walkergen.guests.crowd import members as crowd_members
         from walkergen.guests.crowd import movie as crowd_movie
-        from walkergen.points import expected
+        from walkergen.guests.crowd import walker_counts as crowd_members
+        from walkergen.points import run_time
 
         if self.movie is not None:
             crowd_movie.check_format(self.movie)
@@ -141,7 +141,7 @@ class CrowdRequest(request.Request):
             return report.write_inputs(job, folder or Path("out") / report.folder_name(job))
         if job.model == "space":
             runs = scene.run.runs
-            self._expect(lambda: Expected(expected.wall_time(in_space.cpu_seconds(job), runs, self.threads)))
+            self._expect(lambda: Expected(run_time.wall_time(in_space.cpu_seconds(job), runs, self.threads)))
         simulated = make.simulate(job, self.threads, progress)
         result = report.make_report(simulated, folder)
         if folder is not None:

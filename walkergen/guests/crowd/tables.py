@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.core.numerics.quantity import Quantity
-from walkergen.files import quantities
+from walkergen.files import quantity_format
 from walkergen.files.report import Column, Table
-from walkergen.guests.crowd.statistics.measuring import NO_WALL, CrowdStatistics
+from walkergen.guests.crowd.statistics.summary import NO_WALL, CrowdStatistics
 
 NUMBER_COLUMNS = ("quantity", "value", "se", "low_95", "high_95", "by_chance", "refused")
 """Columns of crowd.csv: a quantity, its bounds, and its value of as many walkers placed and turned at random."""
@@ -68,7 +68,7 @@ def summary_line(statistics: CrowdStatistics) -> str:
     """Describe in a sentence what was measured."""
     runs = "one run" if statistics.runs == 1 else f"{statistics.runs} independent runs"
     return (
-        f"{runs} of {words.format_duration(statistics.seconds)} each, {statistics.frames} frames, of "
+        f"{runs} of {formatting.format_duration(statistics.seconds)} each, {statistics.frames} frames, of "
         f"{_describe_walkers(statistics)}."
     )
 
@@ -92,9 +92,9 @@ def _columns(statistics: CrowdStatistics) -> tuple[Column, ...]:
     def chance(row: Sequence[Any]) -> str:
         number = numbers[row[0]]
         value = statistics.by_chance.get(number.key)
-        return "" if value is None or number.value is None else words.format_number(value)
+        return "" if value is None or number.value is None else formatting.format_number(value)
 
-    return (*quantities.columns(lambda row: numbers[row[0]]), Column("at random", chance, right=True))
+    return (*quantity_format.columns(lambda row: numbers[row[0]]), Column("at random", chance, right=True))
 
 
 def _curve_tables(statistics: CrowdStatistics) -> Iterator[Table]:

@@ -18,7 +18,7 @@ from walkergen.core.simulation.plan import Plan
 from walkergen.core.simulation.space.state import HEIGHT
 from walkergen.core.simulation.world import OK
 from walkergen.core.walker.design import Design
-from walkergen.guests.lab import resting
+from walkergen.guests.lab import still_plate
 from walkergen.guests.lab.inverse import Curve
 
 Array = npt.NDArray[np.float64]
@@ -90,7 +90,7 @@ def hand_drops(height: float, turn_deg: float, drops: int, seed: int) -> list[Le
 def drop_seconds(height: float) -> float:
     """Time (s) from the release until a perfect bounce would be back, and a little more."""
     # Contacts take 0.1 ms
-    return 2.1 * resting.fall_time(height, GRAVITY) + 2e-3
+    return 2.1 * still_plate.fall_time(height, GRAVITY) + 2e-3
 
 
 def simulate_drops(plan: Plan, hand: Sequence[Let]) -> Rebounds:
@@ -109,7 +109,7 @@ def rebounds_by_restitution(scene: Scene, design: Design, hand: Sequence[Let], p
     rows = []
     for number, restitution in enumerate(RESTITUTIONS):
         progress(f"restitution {restitution:g}", number, len(RESTITUTIONS))
-        plan = resting.make_plan(resting.with_contact(scene, restitution=restitution), design)
+        plan = still_plate.make_plan(still_plate.with_contact(scene, restitution=restitution), design)
         rows.append(simulate_drops(plan, hand))
     return rows
 

@@ -182,7 +182,7 @@ def _expected_time(draw: "Draw", frames: int) -> Expected:
 
 def _prepare_drawing(job: Job, progress: Progress) -> tuple["Draw", int, Sequence[Shot]]:
     """Movie of walkers: what draws its frames, their number, and what they show."""
-    from walkergen.guests.movie import above
+    from walkergen.guests.movie import top_view
 
     every = ABOVE_POSES_PER_FRAME if job.view == "above" else SLOW_POSES_PER_FRAME
     shots = [simulate_shot(job, design, every) for design in _with_progress(job, progress)]
@@ -195,7 +195,7 @@ def _prepare_drawing(job: Job, progress: Progress) -> tuple["Draw", int, Sequenc
         return perspective.make_draw_function(shots[0], every, job.slow, words), frames, shots
     case = Case(job.scene, job.members[0], solids.mass_of(job.members[0]))
     gap, period = walls.gap(case) if lane else None, 1.0 / job.scene.drive.frequency
-    return above.make_draw_function(shots, every, job.slow, words, period, gap), frames, shots
+    return top_view.make_draw_function(shots, every, job.slow, words, period, gap), frames, shots
 
 
 def _with_progress(job: Job, progress: Progress) -> Iterator[Design]:

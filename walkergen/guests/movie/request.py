@@ -46,7 +46,7 @@ class MovieRequest(request.Request):
     def run(self, progress: Progress) -> "Report":
         """Film the walkers."""
         from walkergen.guests.movie import make, report
-        from walkergen.points import simplest
+        from walkergen.points import effect_selection
 
         if self.out is not None and self.out.suffix.lower() != ".gif":
             told = f"‹out=›{str(self.out)[:80]!r}: must end in .gif (the MP4 comes beside it)"
@@ -54,7 +54,7 @@ class MovieRequest(request.Request):
         given = self.inputs()
         design = given.design(self.design)
         scene = given.scene(request.choose_scene(self.scene, [design]))
-        simplest.check_no_accepted_error(scene, "is of a speed, and a film shows all that its scene calls for")
+        effect_selection.check_no_accepted_error(scene, "is of a speed, and a film shows all that its scene calls for")
         members = given.members(design, self.tilt, self.legs, whole=False)
         times = {"seconds": self.seconds, "periods": self.periods, "slow": self.slow}
         job = make.make_job(members, scene, **times, fps=self.fps, view=self.view)

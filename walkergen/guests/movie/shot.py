@@ -12,7 +12,7 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties, to_centre_frame
 from walkergen.points.poses import Poses
-from walkergen.readers.walkers import seen_above
+from walkergen.readers.walkers import top_outline
 
 Array = npt.NDArray[np.float64]
 
@@ -122,7 +122,7 @@ def make_shot(title: Title, design: Design, mass: MassProperties, poses: Poses) 
         mesh=Mesh(mesh.vertices - O, mesh.triangles),
         base=np.array([-O[0], 0.0]),
         size=np.array([design.size.length, design.size.depth]),
-        contours=seen_above.body_contours(design),
+        contours=top_outline.body_contours(design),
         poses=poses,
         impacts=tuple(map(make_impact, poses.landings)),
     )

@@ -5,9 +5,9 @@ from itertools import islice
 from typing import NamedTuple
 
 from walkergen.core.errors import WalkergenError
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.guests.sweep.point_request import Request
-from walkergen.points import expected, kinds
+from walkergen.points import model_kinds, run_time
 from walkergen.points.point import PREDICTION, Point, point_key
 from walkergen.points.store import Store
 
@@ -48,7 +48,7 @@ def estimate(request: Request, store: Store, workers: int) -> Cost | None:
     pilots = list(_pilots(request, count))
     stored = store.get([point_key(pilot) for pilot in pilots])
     costs = [0.0 if point_key(pilot) in stored else _point_cost(pilot) for pilot in pilots]
-    each_s = expected.wall_time(sum(costs) / count, points, workers)
+    each_s = run_time.wall_time(sum(costs) / count, points, workers)
     return Cost(points, each_s, BYTES_PER_POINT * (1.0 + len(request.keep)) * points)
 
 
@@ -66,7 +66,7 @@ def _pilots(request: Request, count: int) -> Iterator[Point]:
 def _point_cost(point: Point) -> float:
     """CPU seconds of a point; none of one that cannot be simulated."""
     try:
-        return kinds.load_kind(point.kind).cost(point)
+        return model_kinds.load_kind(point.kind).cost(point)
     except WalkergenError:
         return 0.0
 
@@ -74,9 +74,9 @@ def _point_cost(point: Point) -> float:
 def format_cost(cost: Cost | None, points: int) -> str:
     """Cost of so many points as a line for a person."""
     if cost is None:
-        return f"{words.format_number(points, 4)} points"
-    needed = f"about {words.format_duration(cost.seconds)} and {_format_bytes(cost.bytes)} on the disk"
-    return f"{words.format_number(cost.points, 4)} points: {needed}"
+        return f"{formatting.format_number(points, 4)} points"
+    needed = f"about {formatting.format_duration(cost.seconds)} and {_format_bytes(cost.bytes)} on the disk"
+    return f"{formatting.format_number(cost.points, 4)} points: {needed}"
 
 
 def _format_bytes(size: float) -> str:

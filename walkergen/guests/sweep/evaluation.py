@@ -8,7 +8,7 @@ from itertools import islice
 from typing import NamedTuple
 
 from walkergen.core.errors import WalkergenError
-from walkergen.points.kinds import evaluate
+from walkergen.points.model_kinds import evaluate
 from walkergen.points.point import Point, Record, digest, point_key
 from walkergen.points.store import Store
 from walkergen.points.worker_pool import WorkerPool

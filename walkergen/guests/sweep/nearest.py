@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from walkergen.core.errors import InputError
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.files.report import Column, Table, format_value
 
 MAX_SHOWN = 5
@@ -57,4 +57,4 @@ def _column(heading: str, places: Sequence[int], text: Callable[..., str]) -> Co
 
 def _format_span(low: float | None, high: float | None) -> str:
     """Bounds in words, nothing where they are unknown."""
-    return "" if low is None or high is None else words.format_range(low, high)
+    return "" if low is None or high is None else formatting.format_range(low, high)

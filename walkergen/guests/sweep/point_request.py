@@ -12,8 +12,8 @@ from walkergen.core.tolerance import Tolerance
 from walkergen.core.walker.design import Design
 from walkergen.guests.sweep.axes import Space
 from walkergen.guests.sweep.evaluation import Asked
-from walkergen.points import kinds
-from walkergen.points.kinds import Kind
+from walkergen.points import model_kinds
+from walkergen.points.model_kinds import Kind
 from walkergen.points.point import ALONE, PREDICTION, REASON_KEY, Point, refused_record
 
 MAX_CHECKED_POINTS = 1000
@@ -41,18 +41,18 @@ class Request(NamedTuple):
     @property
     def kind(self) -> Kind:
         """What is known of points of this model."""
-        return kinds.load_kind(kinds.kind_of(self.model))
+        return model_kinds.load_kind(model_kinds.kind_of(self.model))
 
     def check(self) -> None:
         """Refuse unknown keys, words, groups and models before anything runs. Raises InputError."""
-        kinds.check(self.keep, self.model, self.printer)
+        model_kinds.check(self.keep, self.model, self.printer)
         if self.wanted is not None and self.model == PREDICTION:
             raise InputError(f"‹error=›{self.wanted}: the prediction has no runs: ‹model=›space")
         if self.wanted is not None and not self.kind.MEETS_ERRORS:
             raise InputError(f"‹error=›{self.wanted}: is of the speed of one walker: set scene.run.runs")
         for key in self.space.keys:
             check_key(key, f"‹set› {key}")
-            if kinds.kind_of(self.model) == ALONE:
+            if model_kinds.kind_of(self.model) == ALONE:
                 check_single_key(key, f"‹set› {key}")
         for axis in self.space.axes:
             for value in axis.values:
@@ -75,7 +75,7 @@ class Request(NamedTuple):
             return
         except InputError as error:
             faults = [fault.removeprefix(key)[:1] for fault in error.keys if fault.startswith(key)]
-            if kinds.kind_of_key(key) or {"", ".", "["} & {*faults}:
+            if model_kinds.kind_of_key(key) or {"", ".", "["} & {*faults}:
                 raise
 
     def try_point(self, values: Mapping[str, Any]) -> Asked:
@@ -88,7 +88,7 @@ class Request(NamedTuple):
     def point(self, values: Mapping[str, Any]) -> Point:
         """Point at values of the keys. Raises InputError for one that cannot be built."""
         design, scene = change_keys(self.design, self.scene, values, data=self.data)
-        if (kind := kinds.kind_of(self.model)) != ALONE:
+        if (kind := model_kinds.kind_of(self.model)) != ALONE:
             return Point(design, scene, True, (), kind=kind)
         return Point(design, scene, self.model != PREDICTION, self.keep, self.wanted, self.printer)
 
@@ -110,7 +110,7 @@ def check_key(key: str, source: str) -> None:
 
 def check_single_key(key: str, source: str) -> None:
     """Raise InputError, which begins with `source`, for a key that a walker alone never reads."""
-    if kinds.kind_of_key(key) == "crowd":
+    if model_kinds.kind_of_key(key) == "crowd":
         raise InputError(
             f"{source}: is of crowds, and a walker alone meets nobody: `walkergen sweep` without "
             "--model, or with --model crowd, is of crowds"

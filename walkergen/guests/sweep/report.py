@@ -12,7 +12,7 @@ from walkergen.files.report import Report, Table
 from walkergen.guests.sweep import nearest
 from walkergen.guests.sweep.evaluation import Done
 from walkergen.guests.sweep.point_request import Request
-from walkergen.points.kinds import Picture
+from walkergen.points.model_kinds import Picture
 from walkergen.points.point import STATUS_KEY, WENT_KEY, PointStatus
 
 if TYPE_CHECKING:

@@ -13,10 +13,10 @@ from walkergen.core.files.progress import Expected, Progress
 from walkergen.request import Flag
 
 if TYPE_CHECKING:
-    from walkergen.guests.sweep.ask import Ask
     from walkergen.guests.sweep.axes import Axis, Span
     from walkergen.guests.sweep.cost import Cost
     from walkergen.guests.sweep.report import SweepReport
+    from walkergen.guests.sweep.sweep_setup import Ask
 
 MAX_LOCAL_POINTS = 512
 """Number of predicted points that take less time here than processes take to start."""
@@ -114,7 +114,8 @@ class SweepRequest(request.Request):
     def _make_ask(self) -> "Ask":
         """Sweep that is asked for here, or by a file. Raises InputError."""
         from walkergen.core.tolerance import parse_tolerance
-        from walkergen.guests.sweep import ask, axes
+        from walkergen.guests.sweep import axes
+        from walkergen.guests.sweep import sweep_setup as ask
 
         if self.file is not None:
             self.check_unset("not with ‹file›, which says it", "design", "set", "scene", "printer", "error", "sample")

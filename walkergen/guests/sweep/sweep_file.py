@@ -13,13 +13,13 @@ from pydantic import Field, field_validator
 
 from walkergen.core import tolerance
 from walkergen.core.errors import InputError
-from walkergen.core.files import config, plain
+from walkergen.core.files import config, safe_text
 from walkergen.core.files.config import Section
 from walkergen.core.tolerance import Tolerance
 from walkergen.guests.sweep import axes
 from walkergen.guests.sweep import point_request as request
 from walkergen.guests.sweep.axes import Axis, Method, Sample, Space, Span
-from walkergen.points import kinds
+from walkergen.points import model_kinds
 from walkergen.points.point import ALONE
 
 Table = dict[str, Any]
@@ -58,16 +58,16 @@ class Contents(Section):
     @field_validator("model")
     @classmethod
     def _check_model(cls, name: str | None) -> str | None:
-        if name is not None and name not in kinds.ALL_MODELS:
-            raise ValueError(f"{name[:30]!r}: must be one of {', '.join(kinds.ALL_MODELS)}")
+        if name is not None and name not in model_kinds.ALL_MODELS:
+            raise ValueError(f"{name[:30]!r}: must be one of {', '.join(model_kinds.ALL_MODELS)}")
         return name
 
     @field_validator("keep")
     @classmethod
     def _check_groups(cls, names: list[str] | None) -> list[str] | None:
         for name in names or ():
-            if not any(name in kinds.load_kind(kind).GROUPS for kind in kinds.KIND_MODULES):
-                groups = {kind: ", ".join(kinds.load_kind(kind).GROUPS) for kind in kinds.KIND_MODULES}
+            if not any(name in model_kinds.load_kind(kind).GROUPS for kind in model_kinds.KIND_MODULES):
+                groups = {kind: ", ".join(model_kinds.load_kind(kind).GROUPS) for kind in model_kinds.KIND_MODULES}
                 every = "; ".join(f"of a {kind} {words}" if kind != ALONE else words for kind, words in groups.items())
                 raise ValueError(f"{name[:30]!r}: must be one of {every}")
         return names
@@ -143,7 +143,7 @@ def read_sweep(path: Path) -> SweepFile:
 def _format_place(table: str, key: str, source: str, text: str) -> str:
     """Beginning of a line on a key of a table: file, line and key."""
     location = (*table.split("."), *key.split("."))
-    return f"{config.format_location(location, source, text)}: {plain.shorten_line(f'{table}.{key}')}"
+    return f"{config.format_location(location, source, text)}: {safe_text.shorten_line(f'{table}.{key}')}"
 
 
 def _flatten_tables(data: Mapping[str, Any], source: str, text: str) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from walkergen.core.errors import InputError, OutputError
-from walkergen.core.files import reading
+from walkergen.core.files import file_reading
 from walkergen.core.files.columns import split_cells as cells_of
 from walkergen.core.files.ledger import open_flags
 from walkergen.core.files.tables import csv_text
@@ -81,7 +81,7 @@ def find_changed_lines(path: Path) -> list[int]:
     A last line that was cut short is as written, the header too. Raises InputError
     for a file that is no table of a sweep.
     """
-    lines = reading.read_lines(path, "a table of `walkergen sweep`", newline="")
+    lines = file_reading.read_lines(path, "a table of `walkergen sweep`", newline="")
     header = next(lines, "")
     if header.endswith("\n") and cells_of(header, str(path), 1)[-2:] != [POINT_COLUMN, CHECK_COLUMN]:
         raise InputError(

@@ -15,7 +15,7 @@ import numpy as np
 
 from walkergen import extras
 from walkergen.core.errors import InputError
-from walkergen.core.files import reading, words
+from walkergen.core.files import file_reading, formatting
 from walkergen.readers.drawings import dxf_curves
 from walkergen.readers.drawings.contours import (
     FLATNESS,
@@ -146,8 +146,8 @@ def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
     `source`, for a file that is no DXF, states no unit while `scale_mm` is None, or holds open or branching lines, or
     anything else than plane curves.
     """
-    data = reading.read_bytes(path, MAX_BYTES)
-    with reading.translate_library_errors(source, "DXF"):
+    data = file_reading.read_bytes(path, MAX_BYTES)
+    with file_reading.translate_library_errors(source, "DXF"):
         return _parse_drawing(data, scale_mm, source)
 
 
@@ -168,7 +168,7 @@ def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
     contours, closed = _close_contours(curves, size, source)
     contours, frames = _remove_frames([scale * contour for contour in contours])
     if doubles:
-        notes.append(f"left out {words.format_count(doubles, 'line that is', 'lines that are')} drawn twice")
+        notes.append(f"left out {formatting.format_count(doubles, 'line that is', 'lines that are')} drawn twice")
     if (wide := max(map(_polyline_width, entities))) > LINE_WIDTH_WARNING * size:
         notes.append(f"took lines without their width, up to {wide * scale:.3g} mm: their middle is the outline")
     return Drawing([Shape(contours, nonzero=False)], (*notes, *closed, *frames))

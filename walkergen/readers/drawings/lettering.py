@@ -15,7 +15,7 @@ import manifold3d
 import numpy as np
 
 from walkergen.core.errors import GeometryError, InputError, Remedy
-from walkergen.core.files import reading
+from walkergen.core.files import file_reading
 from walkergen.readers.drawings.contours import FLATNESS, Shape, flatten
 from walkergen.readers.drawings.outlines import Polygon, area, from_shapes
 
@@ -161,7 +161,7 @@ def _font_path(own: Path | None, where: str) -> str:
     if own is None:
         return str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
     try:
-        reading.read_bytes(own)
+        file_reading.read_bytes(own)
         FT2Font(str(own))
     except (RuntimeError, TypeError):
         raise InputError(f"{where}: {own.name!r} is no font: give a .ttf, .otf or .ttc") from None

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.core.errors import InputError
-from walkergen.core.files import reading, words
+from walkergen.core.files import file_reading, formatting
 from walkergen.readers.drawings.contours import Array, Drawing, NoUnitError, Shape
 
 MAX_BYTES, MAX_PIXELS = 50_000_000, 100_000_000
@@ -57,8 +57,8 @@ def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
 
 def trace(path: Path, source: str) -> Silhouette:
     """Shape in a picture. Raises InputError, which begins with `source`."""
-    data = reading.read_bytes(path, MAX_BYTES)
-    with reading.translate_library_errors(source, "picture"):
+    data = file_reading.read_bytes(path, MAX_BYTES)
+    with file_reading.translate_library_errors(source, "picture"):
         image, by = _brightness(data, source)
     threshold = _otsu_threshold(image)
     rim = np.concatenate([image[0], image[-1], image[:, 0], image[:, -1]])
@@ -72,7 +72,7 @@ def trace(path: Path, source: str) -> Silhouette:
     what = "what is opaque" if by == "opacity" else f"what is {'lighter' if light else 'darker'} than its background"
     notes = [f"traced {path.name}: {what}, divided at {100 * threshold:.0f} % of full {by}"]
     if specks:
-        notes.append(f"left out {words.format_count(specks, 'speck', 'specks')}")
+        notes.append(f"left out {formatting.format_count(specks, 'speck', 'specks')}")
     return Silhouette(image, rings, tuple(notes))
 
 

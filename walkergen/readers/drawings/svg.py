@@ -17,7 +17,7 @@ from xml.parsers import expat
 import numpy as np
 
 from walkergen.core.errors import InputError
-from walkergen.core.files import reading, words
+from walkergen.core.files import file_reading, formatting
 from walkergen.readers.drawings.contours import (
     FLATNESS,
     MAX_BYTES,
@@ -85,8 +85,8 @@ def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
     for a file that is no SVG, states no size in mm, cm, in, pt or pc while `scale_mm` is None, shows a picture or text,
     or an open path.
     """
-    data = reading.read_bytes(path, MAX_BYTES)
-    with reading.translate_library_errors(source, "SVG"):
+    data = file_reading.read_bytes(path, MAX_BYTES)
+    with file_reading.translate_library_errors(source, "SVG"):
         return _parse_drawing(data, scale_mm, source)
 
 
@@ -117,7 +117,7 @@ def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
     notes = [*_omission_notes(tree), *notes]
     if beyond := sum(_is_beyond_page(shape, page) for shape in shapes):
         notes.append(
-            f"took {words.format_count(beyond, 'shape', 'shapes')} whole that the page's edge cuts in a browser"
+            f"took {formatting.format_count(beyond, 'shape', 'shapes')} whole that the page's edge cuts in a browser"
         )
     if (line := max((one.line for one in drawn), default=0.0)) > LINE_WIDTH_WARNING * size:
         notes.append(f"took lines without their width, up to {line * scale[0]:.3g} mm: their middle is the outline")
@@ -127,10 +127,12 @@ def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
 
 def _omission_notes(tree: "Tree") -> list[str]:
     """Return notes on elements that were left out."""
-    notes = [f"left out {words.format_count(tree.unseen, 'shape', 'shapes')} that nobody sees"] if tree.unseen else []
+    notes = (
+        [f"left out {formatting.format_count(tree.unseen, 'shape', 'shapes')} that nobody sees"] if tree.unseen else []
+    )
     if tree.filtered:
         notes.append(
-            f"left out {words.format_count(tree.filtered, 'filter', 'filters')}: shadows and blurs have no edge"
+            f"left out {formatting.format_count(tree.filtered, 'filter', 'filters')}: shadows and blurs have no edge"
         )
     return notes
 

@@ -19,7 +19,8 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.core.errors import InputError
-from walkergen.core.files import reading, words
+from walkergen.core.files import file_reading
+from walkergen.core.files import formatting as words
 from walkergen.core.shapes import modeller, stl, threemf
 from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.shapes.threemf import MAX_TRIANGLES, Part
@@ -57,10 +58,10 @@ def read_mesh(path: Path, source: str) -> MeshFile:
     kind = path.suffix.lower().removeprefix(".")
     if kind not in FORMATS:
         raise InputError(f"{source}: ends in {path.suffix[:20]!r}; give a mesh: {', '.join(FORMATS)}")
-    data = reading.read_bytes(path, MAX_BYTES)
+    data = file_reading.read_bytes(path, MAX_BYTES)
     if (count := _estimate_triangles(data, kind)) > MAX_TRIANGLES:
         raise _too_many_error(count, source)
-    with reading.translate_library_errors(source, kind.upper()):
+    with file_reading.translate_library_errors(source, kind.upper()):
         raw, notes = _read_parts(data, kind, source)
         welded = [_weld_edges(_clean_part(source, part)) for part in raw]
     parts = _printable_parts([part for part, _ in welded], source)
@@ -214,7 +215,7 @@ def _read_with_trimesh(data: bytes, kind: str, source: str) -> list[Part]:
             scene: Any = trimesh.load_scene(io.BytesIO(data), file_type=kind, process=False)
             placed = [(name, *scene.graph[name]) for name in scene.graph.nodes_geometry]
     except Exception as error:  # trimesh raises anything: every kind means that it cannot be read
-        raise InputError(f"{source}: not a readable {kind} mesh: {reading.describe_error(error)}") from None
+        raise InputError(f"{source}: not a readable {kind} mesh: {file_reading.describe_error(error)}") from None
     parts = []
     for name, matrix, geometry in placed:
         mesh = scene.geometry[geometry]

@@ -12,7 +12,7 @@ from itertools import pairwise
 import manifold3d
 import numpy as np
 
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.core.shapes import modeller
 from walkergen.core.shapes.mesh import Array, Mesh
 from walkergen.readers.meshes import faults
@@ -123,7 +123,10 @@ def _fill_holes(mesh: Mesh) -> tuple[Mesh, str]:
     if not fans:
         return mesh, ""
     filled = Mesh(vertices, np.concatenate([mesh.triangles, np.array(fans, np.int64)]))
-    return filled, f"filled holes of {len(rim)} open edges by {words.format_count(len(fans), 'triangle', 'triangles')}"
+    return (
+        filled,
+        f"filled holes of {len(rim)} open edges by {formatting.format_count(len(fans), 'triangle', 'triangles')}",
+    )
 
 
 def _trace_holes(vertices: Array, edges: Sequence[tuple[int, int]]) -> list[list[int]]:
@@ -199,6 +202,6 @@ def _unite_bodies(mesh: Mesh) -> tuple[Mesh, str]:
     rest = sum(abs(body.volume()) for body in bodies[1:])
     change = f"united {len(solids)} bodies to {len(bodies)}" if len(bodies) < len(solids) else ""
     if len(bodies) > 1 and rest <= MAX_CRUMB_SHARE * bodies[0].volume():
-        dropped = f"dropped {words.format_count(len(bodies) - 1, 'body', 'bodies')} of {rest:.3g} mm^3 together"
+        dropped = f"dropped {formatting.format_count(len(bodies) - 1, 'body', 'bodies')} of {rest:.3g} mm^3 together"
         return modeller.to_mesh(bodies[0]), "; ".join(filter(None, (change, dropped)))
     return (modeller.to_mesh(whole), change) if change else (mesh, "")

@@ -17,7 +17,7 @@ from walkergen.core.files.config import Section
 from walkergen.core.shapes.mesh import Array
 from walkergen.core.walker.body import Body
 from walkergen.core.walker.limbs import Leg, Limb, resolve_leg
-from walkergen.readers.walkers.forming import shape_of
+from walkergen.readers.walkers.body_shapes import shape_of
 
 MAX_LEAN_RAD = math.radians(60.0)
 """Largest lean of a body, rad."""

@@ -5,8 +5,9 @@ from typing import Any, NamedTuple
 
 from walkergen.core.errors import InputError
 from walkergen.core.scene import Scene, forced_effect_line
-from walkergen.core.simulation.effects import idle, rules, turning
-from walkergen.core.simulation.effects.acting import Acting, acting_parameters
+from walkergen.core.simulation.effects import idle_keys as idle
+from walkergen.core.simulation.effects import rules, turning
+from walkergen.core.simulation.effects.active_effects import Acting, acting_parameters
 from walkergen.core.simulation.effects.effect import Case, Effect
 from walkergen.core.walker.design import Design
 

@@ -5,10 +5,10 @@ Walls, lid, noise, sway and motor are imported with the first scene that has the
 
 from walkergen.core.simulation.effects import (
     air_drag,
+    always_on,
     compliance,
     feet,
     harmonic,
-    parts,
     roughness,
     slope,
     tensor,
@@ -32,9 +32,9 @@ from walkergen.core.simulation.effects.effect import (
 COMMON_RULES: tuple[Rule, ...] = (
     tensor.RULE,
     compliance.RULE,
-    Rule(parts.judge_sticking),
-    Rule(parts.judge_sustained_contact),
-    Rule(parts.judge_pitch),
+    Rule(always_on.judge_sticking),
+    Rule(always_on.judge_sustained_contact),
+    Rule(always_on.judge_pitch),
     harmonic.RULE,
     slope.RULE,
     turning.RULE,
@@ -42,7 +42,7 @@ COMMON_RULES: tuple[Rule, ...] = (
     feet.RULE,
     unevenness.RULE,
     roughness.RULE,
-    Rule(parts.judge_neighbours),
+    Rule(always_on.judge_neighbours),
     air_drag.RULE,
 )
 """Rules that are judged in every scene, in the order in which `explain` shows them."""

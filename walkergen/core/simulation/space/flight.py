@@ -14,7 +14,7 @@ from walkergen.core.simulation.effects import noise as noises
 from walkergen.core.simulation.effects import rotor as motors
 from walkergen.core.simulation.effects import roughness as rough
 from walkergen.core.simulation.effects import sway as sways
-from walkergen.core.simulation.effects.acting import force_in_space, gravity_along, gravity_into
+from walkergen.core.simulation.effects.active_effects import force_in_space, gravity_along, gravity_into
 from walkergen.core.simulation.space.pose import plate_velocity, point_velocity, rotation_coefficients, turn
 from walkergen.core.simulation.space.state import (
     C_X,

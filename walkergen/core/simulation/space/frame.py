@@ -11,7 +11,7 @@ from walkergen.core.simulation.drive import acceleration
 from walkergen.core.simulation.effects import noise as noises
 from walkergen.core.simulation.effects import rotor as motors
 from walkergen.core.simulation.effects import sway as sways
-from walkergen.core.simulation.effects.acting import force_in_space, gravity_along, gravity_into
+from walkergen.core.simulation.effects.active_effects import force_in_space, gravity_along, gravity_into
 from walkergen.core.simulation.space.flight import lag_torque, pass_time
 from walkergen.core.simulation.space.pose import locate, normal_of, place, plate_sway, turn
 from walkergen.core.simulation.space.state import C_X, C_Z, LEGS, NOISE, PHASE, V_X, W_X

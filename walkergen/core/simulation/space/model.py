@@ -8,7 +8,7 @@ import numpy.typing as npt
 from walkergen.core.numerics.kernels import kernel
 from walkergen.core.simulation.effects import rotor as motors
 from walkergen.core.simulation.effects import roughness, unevenness
-from walkergen.core.simulation.effects.acting import gravity_along, gravity_into
+from walkergen.core.simulation.effects.active_effects import gravity_along, gravity_into
 from walkergen.core.simulation.effects.effect import NOISE, Case
 from walkergen.core.simulation.effects.resolve import Resolved
 from walkergen.core.simulation.space.flight import legs_energy

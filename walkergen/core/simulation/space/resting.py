@@ -2,7 +2,7 @@
 
 from walkergen.core.numerics.kernels import lean
 from walkergen.core.simulation import record
-from walkergen.core.simulation.effects.acting import gravity_into
+from walkergen.core.simulation.effects.active_effects import gravity_into
 from walkergen.core.simulation.space.flight import pass_time
 from walkergen.core.simulation.space.pose import plate_height, plate_velocity
 from walkergen.core.simulation.space.state import C_X, LEGS, MODE, OPEN, QUIET, ROW_LENGTH, STICK, V_X, W_X, first_row

@@ -13,7 +13,7 @@ from walkergen.core.simulation import record
 from walkergen.core.simulation.drive import TWO_PI
 from walkergen.core.simulation.effects import rotor as motors
 from walkergen.core.simulation.effects import sway as sways
-from walkergen.core.simulation.effects.acting import gravity_into
+from walkergen.core.simulation.effects.active_effects import gravity_into
 from walkergen.core.simulation.record import next_sample, take_sample
 from walkergen.core.simulation.space.flight import MAX_TURN_RAD, clear_time, fly, max_plate_acceleration, pass_time
 from walkergen.core.simulation.space.forces import guess, solve

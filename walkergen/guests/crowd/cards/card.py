@@ -20,7 +20,7 @@ from pydantic import (
 )
 
 from walkergen.core.errors import InputError, spell_for_python
-from walkergen.core.files import config, reading
+from walkergen.core.files import config, file_reading
 from walkergen.core.files.config import Fraction, Friction, Name, Section
 from walkergen.core.numerics.quantity import Quantity
 
@@ -189,7 +189,7 @@ def area(contour: Contour) -> float:
 
 def read_card(path: Path) -> Card:
     """Read a card. Raises InputError for a file that is cut off, or a number that is none."""
-    data = reading.read_json(path)
+    data = file_reading.read_json(path)
     if not isinstance(data, dict):
         raise InputError(f"{path}: holds no table of a card; give what `walkergen crowd --card` wrote")
     return config.validate(data, Card, str(path), "")

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import lagged, moments
+from walkergen.analysis import lag_sums, moments
 from walkergen.analysis.estimates import MIN_SAMPLES
 from walkergen.analysis.motion import Curve
 from walkergen.analysis.tracks import Track, Tracks
@@ -114,10 +114,10 @@ def _split_headings(unit: Complex, cuts: int) -> list[Complex]:
     return [unit[part[0] : part[-1] + 2] if len(part) else unit[:1] for part in parts]
 
 
-def _correlation_sums(velocity: Complex, unit: Complex, lags: lagged.Lags) -> Array:
+def _correlation_sums(velocity: Complex, unit: Complex, lags: lag_sums.Lags) -> Array:
     """Sum v(t) . e(0), then v(0) . e(t), and count their pairs, at half an interval more than each lag."""
-    after, pairs = lagged.sum_cross_products(unit[:-1], velocity, lags)
-    before, others = lagged.sum_cross_products(velocity, unit[1:], lags)
+    after, pairs = lag_sums.sum_cross_products(unit[:-1], velocity, lags)
+    before, others = lag_sums.sum_cross_products(velocity, unit[1:], lags)
     return np.array([after.real, pairs, before.real, others])
 
 

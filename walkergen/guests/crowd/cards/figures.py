@@ -4,15 +4,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from walkergen.analysis import walks
-from walkergen.analysis.walks import Spread
+from walkergen.analysis import persistent_walk
+from walkergen.analysis.persistent_walk import Spread
 from walkergen.files import figures as plots
 from walkergen.files.figures import COLUMN_INCHES, FITTED, GREY, MEASURED, SERIES, Look, new_grid, new_panels, style
 from walkergen.guests.crowd.cards import delay
 from walkergen.guests.crowd.cards.card import Card
 from walkergen.guests.crowd.cards.relaxation import Relaxation
 from walkergen.guests.crowd.cards.walker_motion import Measured
-from walkergen.guests.crowd.cards.walled import Walled
+from walkergen.guests.crowd.cards.wall_runs import Walled
 
 CORRELATION_SPAN = 5.0
 """Times of relaxation over which correlations are drawn."""
@@ -38,8 +38,10 @@ def _draw_spread(axes: Axes, card: Card, measured: Measured) -> None:
     speed, turning = card.speed_mm_s.number, card.turning_rad_s.number
     time, rotation = card.velocity_relaxation_s.number, card.rotational_diffusion_rad2_s.number
     fine = np.geomspace(at[0], at[-1], 200)
-    run = walks.squared_displacement(fine, Spread(speed**2, rotation, 0.0, 0.0, turning))
-    late = walks.delayed_lag(fine, time) if time > 0.0 else fine  # less the time in which pushes are remembered
+    run = persistent_walk.squared_displacement(fine, Spread(speed**2, rotation, 0.0, 0.0, turning))
+    late = (
+        persistent_walk.delayed_lag(fine, time) if time > 0.0 else fine
+    )  # less the time in which pushes are remembered
     pushed = 4.0 * card.translational_diffusion_mm2_s.number * late
     plots.draw_points(axes, measured.motion.msd, label="measured")
     axes.plot(fine, run + pushed, color=FITTED.colour, label="card: sum")

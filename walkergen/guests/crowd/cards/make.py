@@ -19,11 +19,11 @@ from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
 from walkergen.files import web_page
 from walkergen.guests.crowd.cards import card as cards
-from walkergen.guests.crowd.cards import inputs, overdamped, report, walker_motion, walled
+from walkergen.guests.crowd.cards import exports, overdamped, report, walker_motion, wall_runs
 from walkergen.guests.crowd.cards.card import Card, field_quantity
 from walkergen.guests.crowd.cards.report import CardReport
 from walkergen.guests.crowd.cards.walker_motion import Measured
-from walkergen.readers.walkers import seen_above
+from walkergen.readers.walkers import top_outline
 
 CARD_FILE = "card.json"
 
@@ -40,16 +40,16 @@ def from_design(scene: Scene, design: Design, walls: bool, progress: Progress) -
     """
     mass = solids.mass_of(design)
     if walls:
-        walled.check_dish(scene.crowd.dish)
+        wall_runs.check_dish(scene.crowd.dish)
     motion = walker_motion.simulate_walker(scene, design, mass, progress)
     card = make_card(scene, design, mass, motion)
     if not walls:
         return report.make_report(card, motion)
-    by_wall = walled.simulate_wall_runs(scene, design, mass, card.speed_mm_s, progress)
+    by_wall = wall_runs.simulate_wall_runs(scene, design, mass, card.speed_mm_s, progress)
     numbers = {
         "wall_alignment": by_wall.by_wall.alignment,
         "wall_turning_rad_s": by_wall.by_wall.turning,
-        "wall_torque_g_mm2_s2": walled.wall_torque(by_wall.by_wall.turning, motion.turning.time, card.inertia_g_mm2),
+        "wall_torque_g_mm2_s2": wall_runs.wall_torque(by_wall.by_wall.turning, motion.turning.time, card.inertia_g_mm2),
     }
     known = {field: _optional_quantity(field, number, by_wall.runs) for field, number in numbers.items()}
     return report.make_report(card.model_copy(update=known), motion, by_wall)
@@ -95,7 +95,7 @@ def make_card(scene: Scene, design: Design, mass: MassProperties, motion: Measur
         for field, number in [*((field, number) for field, (_, number) in needed.items()), *other.items()]
     }
     away = walker_motion.centre_of_mass(mass)
-    outline = [contour - away for contour in seen_above.outline_of(design, mass)]
+    outline = [contour - away for contour in top_outline.outline_of(design, mass)]
     length = float(np.ptp(np.concatenate(outline)[:, 0]))
     speed, turning, rotation = (found[key] for key in ("speed", "turning_bias", "rotational_diffusion"))
     return Card(
@@ -127,7 +127,7 @@ def write(result: CardReport, asked: Mapping[str, Any], folder: Path, pictures: 
         target.write(CARD_FILE, cards.to_json(result.card))
         result.write(target, pictures)
         target.write("card.html", render_page(result, pictures))
-        for name, text in inputs.input_files(result.card).items():
+        for name, text in exports.input_files(result.card).items():
             target.write(name, text)
         target.finish(dict(asked))
     return result

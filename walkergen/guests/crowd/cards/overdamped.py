@@ -7,7 +7,7 @@ places, and walkers that meet stop as if they had no mass.
 
 import math
 
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.core.numerics.quantity import Quantity, Verdict
 from walkergen.guests.crowd.cards.card import Overdamped
 from walkergen.guests.crowd.cards.relaxation import Relaxation
@@ -58,7 +58,7 @@ def inertial_shares(
 def _format_share(share: Quantity) -> str:
     """Share with its error, and on which side of the limit it is."""
     side = "above" if share.number > NEGLIGIBLE_SHARE else "below"
-    return f"{share.key}: {words.format_with_error(share.number, share.se or 0.0)}, {side} {NEGLIGIBLE_SHARE:g}"
+    return f"{share.key}: {formatting.format_with_error(share.number, share.se or 0.0)}, {side} {NEGLIGIBLE_SHARE:g}"
 
 
 def format_verdict(verdict: Overdamped) -> str:

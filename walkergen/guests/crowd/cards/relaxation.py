@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import optimize, signal
 
-from walkergen.analysis import lagged, moments, walks
+from walkergen.analysis import lag_sums, moments, persistent_walk
 from walkergen.analysis.estimates import MIN_SAMPLES, quantity, refusal
 from walkergen.analysis.motion import Curve
 from walkergen.analysis.tracks import Track, Tracks
@@ -164,7 +164,7 @@ def fit_relaxation(
             f"{MIN_SAMPLES} of {4 * (first + 3)}: more runs, or film for longer"
         )
         return _missing_relaxation(key, diffusion.refused or few)
-    sums = [lagged.sum_cross_products(part, piece, lags) for part, piece in zip(earlier, pieces, strict=True)]
+    sums = [lag_sums.sum_cross_products(part, piece, lags) for part, piece in zip(earlier, pieces, strict=True)]
     # Each track's own mean was taken off: what that removed of every product.
     seconds = float(np.mean([np.count_nonzero(~np.isnan(series)) for series in rest])) * interval
     removed = 2.0 * diffusion.value / seconds
@@ -239,7 +239,7 @@ def _fit_exponentials(
     start = float(whole[first]), 1.0 / (interval * end)
     fits = []
     for value in values:
-        fitted = walks.fit(model, lag, value[window], errors[window], start)
+        fitted = persistent_walk.fit(model, lag, value[window], errors[window], start)
         if fitted is None or not fitted[1] > 0.0:
             return None
         fits.append((float(fitted[0]), 1.0 / float(fitted[1])))

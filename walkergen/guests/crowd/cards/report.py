@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.files import report
 from walkergen.files.report import Column, Report, Table
 from walkergen.guests.crowd.cards import overdamped, walls
 from walkergen.guests.crowd.cards.card import Card, run_count
 from walkergen.guests.crowd.cards.walker_motion import Measured
-from walkergen.guests.crowd.cards.walled import Walled
+from walkergen.guests.crowd.cards.wall_runs import Walled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -53,9 +53,9 @@ def make_report(card: Card, measured: Measured | None, walled: Walled | None = N
     """Report of a card; of one that was measured also how."""
     about = [card.scene] if card.scene else []
     about += [
-        f"{words.format_number(card.mass_g)} g",
-        f"{words.format_number(card.inertia_g_mm2)} g mm² about the vertical axis",
-        f"{words.format_number(card.length_mm)} mm long",
+        f"{formatting.format_number(card.mass_g)} g",
+        f"{formatting.format_number(card.inertia_g_mm2)} g mm² about the vertical axis",
+        f"{formatting.format_number(card.length_mm)} mm long",
     ]
     draw: dict[str, Callable[[], Figure]] = {}
     if measured is not None:
@@ -97,7 +97,7 @@ def _table(card: Card, measured: Measured | None) -> Table:
         _, value, se, _, note = row
         if value is None:
             return note
-        return words.format_with_error(value, se or 0.0) + (f" ({note})" if note else "")
+        return formatting.format_with_error(value, se or 0.0) + (f" ({note})" if note else "")
 
     columns = (
         Column("", lambda row: QUANTITY_LABELS[row[0]][0]),
@@ -121,7 +121,7 @@ def _missing_reasons(measured: Measured) -> dict[str, str]:
     }
     for key, relaxed in (("velocity_relaxation_s", measured.velocity), ("turning_relaxation_s", measured.turning)):
         if relaxed.time.value is not None and not relaxed.resolved:
-            reasons[key] = f"not resolved: below {words.format_number(measured.interval)} s"
+            reasons[key] = f"not resolved: below {formatting.format_number(measured.interval)} s"
     return reasons
 
 
@@ -150,16 +150,17 @@ def _motion_notes(measured: Measured) -> Iterator[str]:
     """Yield the method of speeds and their errors, and what a delay was found with."""
     yield measured.motion.method
     yield (
-        f"velocities fluctuate by {words.format_number(measured.velocity.deviation)} mm/s along the heading; "
+        f"velocities fluctuate by {formatting.format_number(measured.velocity.deviation)} mm/s along the heading; "
         "the relaxation "
         "is that of their correlation, once what the heading explains is taken off"
     )
     if measured.delay.mean.value is not None:
-        yield f"the delay is from the delay function up to {words.format_number(measured.delay.until)} s"
+        yield f"the delay is from the delay function up to {formatting.format_number(measured.delay.until)} s"
     leaning = measured.leaning
     if leaning.value is not None and leaning.se is not None:
         yield (
-            f"pushes that turn it by 1 rad/s move it by {words.format_with_error(leaning.value, leaning.se)} mm/s to "
+            "pushes that turn it by 1 rad/s move it by "
+            f"{formatting.format_with_error(leaning.value, leaning.se)} mm/s to "
             "the same side: above 0 its velocity leads the heading by them, which the delay counts"
         )
 

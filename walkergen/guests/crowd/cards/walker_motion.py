@@ -6,13 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.analysis import alignment, doubts, motion, track_files, tracks
+from walkergen.analysis import alignment, motion, track_files, track_warnings, tracks
 from walkergen.analysis.estimates import ALIGNMENT_NAMES
 from walkergen.analysis.motion import Motion
 from walkergen.analysis.track_files import Units
 from walkergen.analysis.tracks import Tracks
 from walkergen.core.errors import InputError
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.core.files.progress import Progress
 from walkergen.core.numerics import statistics
 from walkergen.core.numerics.quantity import Quantity
@@ -82,7 +82,7 @@ def simulate_walker(scene: Scene, design: Design, mass: MassProperties, progress
     own, ended = _simulate_tracks(scene, design, mass, progress)
     note = (
         f"{len(own.tracks)} runs of {scene.run.seconds:g} s, seen once in a period of the drive "
-        f"({words.format_number(1e3 * own.interval)} ms), so that the bouncing itself is not seen: {ended}"
+        f"({formatting.format_number(1e3 * own.interval)} ms), so that the bouncing itself is not seen: {ended}"
     )
     sloping, _ = _simulate_tracks(scene.variant(**SLOPE_SETTINGS), design, mass, progress)
     groups = [[track] for track in sloping.tracks]
@@ -163,7 +163,7 @@ def measure_tracks(own: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured
     rotation = moved.estimates["rotational_diffusion"]
     turning = relaxation.measure_turning(own, exact, rotation)
     leaning = relaxation.lateral_coupling(own, both.time.value or 0.0)
-    reasons = () if exact else (*doubts.find_all(own), *moved.doubts)
+    reasons = () if exact else (*track_warnings.find_all(own), *moved.doubts)
     return Measured(
         moved,
         velocity,

@@ -13,8 +13,8 @@ import numpy.typing as npt
 
 from walkergen.core.files import output
 from walkergen.core.files.progress import Progress, silent
-from walkergen.guests.crowd.flat import deck, doors, dump, engine
-from walkergen.guests.crowd.flat.deck import Crowd
+from walkergen.guests.crowd.flat import crowd_checks, dump, lammps_engine, lammps_input
+from walkergen.guests.crowd.flat.lammps_input import Crowd
 
 Array = npt.NDArray[np.float64]
 
@@ -36,20 +36,20 @@ def simulate(crowd: Crowd, ranks: int = 1, progress: Progress = silent) -> FlatR
     stopped; OutputError where the disk is full.
     """
     if ranks < 1:
-        raise doors.argument_error("ranks", ranks, ">= 1")
-    program = engine.find_lammps()
-    parts = deck.mechanics(crowd.cards)
-    stride = deck.steps_per_frame(crowd, parts)
+        raise crowd_checks.argument_error("ranks", ranks, ">= 1")
+    program = lammps_engine.find_lammps()
+    parts = lammps_input.mechanics(crowd.cards)
+    stride = lammps_input.steps_per_frame(crowd, parts)
 
     def report_frames(what: str, step: int, _: int) -> None:
         progress(what, step // stride, crowd.frames - 1)
 
     with tempfile.TemporaryDirectory(prefix="walkergen-crowd-") as place:
         folder = Path(place)
-        for name, data in deck.input_files(crowd, parts).items():
+        for name, data in lammps_input.input_files(crowd, parts).items():
             output.write(folder / name, data)
-        engine.run_script(program, folder, deck.INPUT_FILE, ranks, report_frames)
-        frames = dump.read_frames(folder / deck.DUMP_FILE, len(crowd.places), crowd.frames)
+        lammps_engine.run_script(program, folder, lammps_input.INPUT_FILE, ranks, report_frames)
+        frames = dump.read_frames(folder / lammps_input.DUMP_FILE, len(crowd.places), crowd.frames)
     return FlatRun(np.arange(crowd.frames) / crowd.rate_hz, frames.poses)
 
 
@@ -58,10 +58,10 @@ def input_files(crowd: Crowd) -> dict[str, bytes]:
 
     It needs no LAMMPS here. Its dump is read back by `read`.
     """
-    return deck.input_files(crowd, deck.mechanics(crowd.cards))
+    return lammps_input.input_files(crowd, lammps_input.mechanics(crowd.cards))
 
 
 def read_dump(path: Path, walkers: int, seconds: float, rate_hz: float) -> FlatRun:
     """Dump that a cluster has made of the input of so many walkers, seconds and frames a second."""
-    count = deck.frame_count(seconds, rate_hz)
+    count = lammps_input.frame_count(seconds, rate_hz)
     return FlatRun(np.arange(count) / rate_hz, dump.read_frames(path, walkers, count).poses)

@@ -20,7 +20,7 @@ from walkergen.core.simulation.space.state import Array
 from walkergen.core.simulation.space.state import Walker as InSpace
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
-from walkergen.readers.walkers.seen_above import outline_of
+from walkergen.readers.walkers.top_outline import outline_of
 
 CORNER_MM = 0.2
 """Radius of a printed corner: half of a common nozzle's line."""

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from walkergen.guests.crowd.statistics import ground
+from walkergen.guests.crowd.statistics import dish_geometry
 from walkergen.guests.crowd.statistics.film import CrowdFilm
 
 Array = npt.NDArray[np.float64]
@@ -64,7 +64,7 @@ def touching_pairs(film: CrowdFilm, frame: int, seen: Whole) -> Whole:
     gap = TOUCHING_GAP * float(radii.mean()) if film.outlines else 0.0
     reach = 2.0 * float(radii.max()) + gap
     reach = min(reach, 0.5 * film.dish.period or reach)  # of images the nearest alone
-    pairs, steps = ground.pairs_within(x, y, reach, film.dish)
+    pairs, steps = dish_geometry.pairs_within(x, y, reach, film.dish)
     close = np.hypot(*steps.T) <= radii[pairs].sum(axis=1) + gap
     pairs, steps = pairs[close], steps[close]
     if not film.outlines or not len(pairs):

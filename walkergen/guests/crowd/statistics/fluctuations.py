@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.guests.crowd.statistics import boxes, ground
+from walkergen.guests.crowd.statistics import boxes, dish_geometry
 from walkergen.guests.crowd.statistics.film import CrowdFilm
 
 Array = npt.NDArray[np.float64]
@@ -49,7 +49,7 @@ def measure(films: Sequence[CrowdFilm]) -> Fluctuations:
     sides, means, variances = [], [], []
     for number in parts:
         grid = boxes.inner_grid(film.dish, number)
-        counts = [boxes.sum_in_boxes(*ground.wrap_places(each.x, each.y, each.dish), grid) for each in films]
+        counts = [boxes.sum_in_boxes(*dish_geometry.wrap_places(each.x, each.y, each.dish), grid) for each in films]
         own = np.concatenate(counts).mean(axis=0)
         fixed = 1.0 - grid.side**2 / film.dish.area
         sides.append(grid.side)

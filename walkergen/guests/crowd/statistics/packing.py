@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.guests.crowd.statistics import boxes, ground
+from walkergen.guests.crowd.statistics import boxes, dish_geometry
 from walkergen.guests.crowd.statistics.film import CrowdFilm
 
 Array = npt.NDArray[np.float64]
@@ -32,7 +32,7 @@ def local_packing(film: CrowdFilm) -> Array:
     """
     parts = box_count(film)
     grid = boxes.clipped_grid(film.dish, parts)
-    x, y = ground.wrap_places(film.x, film.y, film.dish)
+    x, y = dish_geometry.wrap_places(film.x, film.y, film.dish)
     return boxes.sum_in_boxes(x, y, grid, film.areas) / grid.areas
 
 

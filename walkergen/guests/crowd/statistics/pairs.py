@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.guests.crowd.statistics import ground
+from walkergen.guests.crowd.statistics import dish_geometry
 from walkergen.guests.crowd.statistics.film import CrowdFilm
 
 Array = npt.NDArray[np.float64]
@@ -66,7 +66,7 @@ def measure(film: CrowdFilm, edges: Array) -> Pairs:
     for frame in range(len(film.times)):
         seen = np.isfinite(film.x[frame]) & np.isfinite(film.y[frame])
         x, y, theta = (part[frame][seen] for part in (film.x, film.y, film.theta))
-        pairs, steps = ground.pairs_within(x, y, float(edges[-1]), film.dish)
+        pairs, steps = dish_geometry.pairs_within(x, y, float(edges[-1]), film.dish)
         distance = np.hypot(*steps.T)
         counts += np.histogram(distance, edges)[0]
         chance += _random_pair_counts(x, y, edges, film)
@@ -89,7 +89,7 @@ def _random_pair_counts(x: Array, y: Array, edges: Array, film: CrowdFilm) -> Ar
     """Pairs in each bin if all other walkers of a frame were anywhere in the dish."""
     low, width = edges[:-1, None], np.diff(edges)[:, None]
     radius = low + width * GAUSS_NODES
-    middle_x, middle_y = ground.wrap_places(x, y, film.dish)
-    share = ground.share_inside(middle_x[:, None, None], middle_y[:, None, None], radius[None], film.dish)
+    middle_x, middle_y = dish_geometry.wrap_places(x, y, film.dish)
+    share = dish_geometry.share_inside(middle_x[:, None, None], middle_y[:, None, None], radius[None], film.dish)
     rings = (2.0 * np.pi * radius * width * share.sum(axis=0)).mean(axis=1)
     return np.asarray(0.5 * (len(x) - 1) / film.dish.area * rings)

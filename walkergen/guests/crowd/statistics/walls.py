@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.guests.crowd.statistics import ground, pairs, spreading
+from walkergen.guests.crowd.statistics import dish_geometry, displacements, pairs
 from walkergen.guests.crowd.statistics.film import CrowdFilm, mean_over_walkers
 
 Array = npt.NDArray[np.float64]
@@ -35,21 +35,21 @@ class Walls(NamedTuple):
 
 def near_distance(film: CrowdFilm) -> float:
     """Distance that counts as at the wall, mm: a mean outer diameter, as `pairs.scale` has it."""
-    return min(pairs.length_scale(film), 0.5 * ground.max_wall_distance(film.dish))
+    return min(pairs.length_scale(film), 0.5 * dish_geometry.max_wall_distance(film.dish))
 
 
 def measure(film: CrowdFilm) -> Walls:
     """Density, speed and alignment of one run in a dish with walls."""
     dish, at_wall = film.dish, near_distance(film)
-    edges = np.linspace(0.0, ground.max_wall_distance(dish), BINS + 1)
-    distance = np.maximum(ground.wall_distance(film.x, film.y, dish), 0.0)
+    edges = np.linspace(0.0, dish_geometry.max_wall_distance(dish), BINS + 1)
+    distance = np.maximum(dish_geometry.wall_distance(film.x, film.y, dish), 0.0)
     seen = np.isfinite(distance)
     share = np.histogram(distance[seen], edges)[0] / max(seen.sum(), 1)
-    area = -np.diff(ground.area_beyond(edges, dish)) / dish.area
-    along = np.cos(2.0 * (film.theta - ground.wall_tangent(film.x, film.y, dish)))
-    speed, _ = spreading.speeds(film)
+    area = -np.diff(dish_geometry.area_beyond(edges, dish)) / dish.area
+    along = np.cos(2.0 * (film.theta - dish_geometry.wall_tangent(film.x, film.y, dish)))
+    speed, _ = displacements.speeds(film)
     between = 0.5 * (distance[1:] + distance[:-1])
-    at_wall_area = 1.0 - float(ground.area_beyond(np.array(at_wall), dish)) / dish.area
+    at_wall_area = 1.0 - float(dish_geometry.area_beyond(np.array(at_wall), dish)) / dish.area
     near_share = (distance < at_wall).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
     return Walls(
         0.5 * (edges[1:] + edges[:-1]),

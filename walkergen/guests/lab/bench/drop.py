@@ -9,7 +9,7 @@ from walkergen.core.files.progress import Progress
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.plan import Plan
 from walkergen.core.walker.design import Design
-from walkergen.guests.lab import drops, resting
+from walkergen.guests.lab import drops, still_plate
 from walkergen.guests.lab.drops import Let, Rebounds, simulate_drop, simulate_drops
 from walkergen.guests.lab.inverse import Curve
 
@@ -60,14 +60,14 @@ def simulate_drop_test(
     Lengths in mm. `tries` drops from the hand differ by pitch and roll, the same in every row.
     Raises InputError for feet of more than one material.
     """
-    resting.check_one_material(design)
-    own = resting.make_plan(scene, design)
+    still_plate.check_one_material(design)
+    own = still_plate.make_plan(scene, design)
     hand = drops.hand_drops(height, turn_deg, tries, scene.run.seed)
     by_label = drops.rebounds_by_restitution(scene, design, hand, progress)
     few = hand[:TABLE_DROPS]
-    rows = [("tilt", tilt, resting.make_plan(scene, variant), few) for tilt, variant in _tilt_variants(design)]
+    rows = [("tilt", tilt, still_plate.make_plan(scene, variant), few) for tilt, variant in _tilt_variants(design)]
     for friction in FRICTIONS:
-        plan = resting.make_plan(resting.with_contact(scene, friction=friction), design)
+        plan = still_plate.make_plan(still_plate.with_contact(scene, friction=friction), design)
         rows.append(("friction", friction, plan, few))
     rows += [("height", other, own, [let._replace(height=other) for let in few]) for other in HEIGHTS]
     by_condition: dict[str, list[tuple[float, Rebounds]]] = {}

@@ -4,13 +4,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.core.files.progress import Progress
 from walkergen.core.walker import names
 from walkergen.core.walker.design import Design
 from walkergen.files import report
 from walkergen.files.report import Table
-from walkergen.guests.lab import drops, inverse, resting
+from walkergen.guests.lab import drops, inverse, still_plate
 from walkergen.guests.lab.bench import drop
 from walkergen.guests.lab.bench.drop import Dropped
 from walkergen.guests.lab.calibrate.make import Job
@@ -48,7 +48,7 @@ def run_drop_test(job: Job, height: float, measured: Measured | None, folder: Pa
         *_flatness_notes(rebounds),
     ]
     settings = _settings(answers)
-    caption = f"{resting.describe_test(job.scene, job.design)}; dropped by {height:g} mm"
+    caption = f"{still_plate.describe_test(job.scene, job.design)}; dropped by {height:g} mm"
     title = f"Drop of {job.design.name}, {job.design.tilt_deg:g} deg, {job.design.kind}"
     tables = _drop_tables(rebounds)
 
@@ -59,7 +59,9 @@ def run_drop_test(job: Job, height: float, measured: Measured | None, folder: Pa
 
     lines = [f"{condition}: {answer.text}" for condition, answer in answers]
     if settings:
-        lines.append("set " + ", ".join(f"{key} = {words.format_number(value, 4)}" for key, value in settings.items()))
+        lines.append(
+            "set " + ", ".join(f"{key} = {formatting.format_number(value, 4)}" for key, value in settings.items())
+        )
     facts = {
         "bench": "drop",
         "caption": caption,

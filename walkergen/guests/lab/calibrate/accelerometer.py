@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.core.errors import InputError
-from walkergen.core.files import columns, plain
+from walkergen.core.files import columns, safe_text
 from walkergen.core.scene import GRAVITY
 
 Array = npt.NDArray[np.float64]
@@ -112,4 +112,4 @@ def _find_rate_columns(names: list[str]) -> tuple[list[str], float]:
 
 
 def _format_names(names: list[str]) -> str:
-    return plain.shorten_line(", ".join(names))[:200]
+    return safe_text.shorten_line(", ".join(names))[:200]

@@ -11,7 +11,7 @@ from walkergen.core.errors import InputError
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import GRAVITY
 from walkergen.guests.lab.beams import damping_ratio
-from walkergen.guests.lab.calibrate import filmed, form, parts
+from walkergen.guests.lab.calibrate import form, parts, slide_film
 from walkergen.guests.lab.calibrate.estimate import Estimate, Single, weighted_mean
 from walkergen.guests.lab.calibrate.form import Reading, Readings
 from walkergen.guests.lab.calibrate.modulus import POSITION_SD_MM
@@ -80,7 +80,7 @@ def friction(readings: Readings) -> Estimate | None:
             singles.append(Single(part, number, reading.tries))
         for reading in readings.get(part, {}).get(form.FILMED_ANGLE, ()):
             assert reading.tracks is not None
-            number = filmed.friction(reading.tracks, *reading.number.pair)
+            number = slide_film.friction(reading.tracks, *reading.number.pair)
             singles.append(Single(f"{part}'s film", number, reading.tries))
     return weighted_mean("friction", singles, ("scene.contact.friction", "scene.contact.friction_sd"))
 

@@ -16,7 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.core.errors import InputError
-from walkergen.core.files import columns, output, reading, words
+from walkergen.core.files import columns, formatting, output
+from walkergen.core.files import file_reading as reading
 from walkergen.core.files.tables import csv_text
 from walkergen.core.numerics.quantity import Quantity
 
@@ -240,7 +241,7 @@ def _parse_condition(cell: str, column: str, name: str, kind: Kind) -> float:
 
 
 def _parse_number(what: str, cell: str, most: float, zero: bool = False) -> float:
-    value = words.parse_number(cell)
+    value = formatting.parse_number(cell)
     least = 0.0 if zero else MIN_ERROR
     if value is None or not least <= value <= most:
         raise InputError(f"{what} = {cell.strip()[:30]!r}: must be a number >= {least:g} and <= {most:g}")

@@ -11,7 +11,7 @@ from walkergen.core.files.progress import Progress
 from walkergen.core.numerics.quantity import Quantity, Verdict
 from walkergen.core.scene import Scene
 from walkergen.core.walker.design import Design
-from walkergen.guests.lab import drops, inverse, resting
+from walkergen.guests.lab import drops, inverse, still_plate
 from walkergen.guests.lab.calibrate import contact, form, modulus, report, specimens
 from walkergen.guests.lab.calibrate.contact import Rebound
 from walkergen.guests.lab.calibrate.estimate import Estimate
@@ -89,7 +89,7 @@ def _fit_modulus(strips: Sequence[specimens.Specimen], measured: Estimate | None
 
 def _invert_rebound(seen: Rebound, design: Design, scene: Scene, job: Job, progress: Progress) -> Answer | None:
     """Find the feet's restitution that explains a rebound, from simulated drops with the other measured values."""
-    resting.check_one_material(design)
+    still_plate.check_one_material(design)
     hand = drops.hand_drops(seen.height, job.turn_deg, job.drops, scene.run.seed)
     curve = drops.rebound_curve(drops.rebounds_by_restitution(scene, design, hand, progress), flat=job.turn_deg == 0.0)
     if curve is None:

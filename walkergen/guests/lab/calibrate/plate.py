@@ -8,7 +8,7 @@ from walkergen.core.files import output
 from walkergen.core.files.output import Folder
 from walkergen.core.files.progress import Progress
 from walkergen.core.files.tables import csv_text
-from walkergen.core.printing import checks, packing, sheet
+from walkergen.core.printing import checks, packing, print_sheet
 from walkergen.core.printing.findings import Finding, check_printable, combine_printers
 from walkergen.core.printing.printers import Printer
 from walkergen.core.printing.walls import Wall
@@ -16,10 +16,10 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import report
 from walkergen.files.report import Report, Table
-from walkergen.guests.lab.calibrate import form, parts, pieces
+from walkergen.guests.lab.calibrate import form, parts, plate_files
 from walkergen.guests.lab.calibrate import sheet as measuring
 from walkergen.guests.lab.calibrate.parts import Drawn
-from walkergen.guests.lab.calibrate.pieces import Laid, Piece
+from walkergen.guests.lab.calibrate.plate_files import Laid, Piece
 
 STEM = "calibration"
 
@@ -61,7 +61,7 @@ def make_plate(order: Order, folder: Path, progress: Progress, tell: Callable[[S
     """
     drawings = [(parts.make_strips(order.design, printer), printer) for printer in order.printers]
     laid = [
-        pieces.arrange(_make_pieces(order.design, drawn, printer), printer, order.max_plates)
+        plate_files.arrange(_make_pieces(order.design, drawn, printer), printer, order.max_plates)
         for drawn, printer in drawings
     ]
     findings = combine_printers([(batch.printer.name, batch.findings) for batch in laid])
@@ -120,7 +120,7 @@ def _write_printer_files(order: Order, drawn: Sequence[Drawn], laid: Laid, folde
         for name, data in (
             (f"{start}.csv", rows.encode()),
             (f"{start}.md", _format_sheet(order.design, drawn, laid, start).encode()),
-            *pieces.plate_files(laid, order.design.material, STEM, order.pictures, order.prusaslicer),
+            *plate_files.plate_files(laid, order.design.material, STEM, order.pictures, order.prusaslicer),
         ):
             target.write(name, data)
         target.finish(_facts(order, drawn, laid))
@@ -128,9 +128,9 @@ def _write_printer_files(order: Order, drawn: Sequence[Drawn], laid: Laid, folde
 
 
 def _format_sheet(design: Design, drawn: Sequence[Drawn], laid: Laid, stem: str) -> str:
-    batch = sheet.Batch(stem, laid.printer, [design], laid.plates, laid.parts, form.FORM_FILE)
-    loads = pieces.loads(laid, design.material.density_g_cm3)
-    printing = sheet.format_print_section(batch, loads, laid.findings, "")
+    batch = print_sheet.Batch(stem, laid.printer, [design], laid.plates, laid.parts, form.FORM_FILE)
+    loads = plate_files.loads(laid, design.material.density_g_cm3)
+    printing = print_sheet.format_print_section(batch, loads, laid.findings, "")
     return f"{printing}\n\n{measuring.to_markdown(drawn, design, laid.printer)}"
 
 
@@ -149,9 +149,9 @@ def _facts(order: Order, drawn: Sequence[Drawn], laid: Laid) -> dict[str, Any]:
     """Facts for the manifest: inputs resolved, what is drawn, findings, versions."""
     return {
         "design": order.design.model_dump(mode="json"),
-        "bodies": {order.design.name: sheet.body_facts(order.design)},
+        "bodies": {order.design.name: print_sheet.body_facts(order.design)},
         "printer": laid.printer.model_dump(mode="json"),
         "strips": {part.name: part.strip._asdict() for part in drawn},
-        "print": sheet.manifest_facts(laid.printer, laid.findings),
+        "print": print_sheet.manifest_facts(laid.printer, laid.findings),
         "versions": output.versions(),
     }

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.core.scene import Scene
 from walkergen.core.walker.design import Design
 from walkergen.files.report import Column, Table
@@ -38,7 +38,7 @@ def make_report(
     """Report of what a filled form tells: numbers, the strips, and what a drop test answers."""
     columns = (
         Column("measured", lambda row: row[0]),
-        Column("value ± error", lambda row: f"{words.format_with_error(row[1], row[2])} {row[3]}".strip()),
+        Column("value ± error", lambda row: f"{formatting.format_with_error(row[1], row[2])} {row[3]}".strip()),
         Column("readings", lambda row: str(row[4] or ""), right=True),
         Column("sets", lambda row: row[-1]),
     )
@@ -101,7 +101,7 @@ def _strip_table(bent: Bent) -> Table:
         Column("strip", lambda row: row[0]),
         Column("by", lambda row: row[1]),
         Column("thickness mm", lambda row: f"{row[2]:.3f}", right=True),
-        Column("modulus GPa", lambda row: words.format_with_error(row[3], row[4])),
+        Column("modulus GPa", lambda row: formatting.format_with_error(row[3], row[4])),
         Column("from all, errors", lambda row: f"{(row[3] - agreed) / row[4]:+.1f}", right=True),
     )
     return Table("strips", rows, STRIP_COLUMNS, columns, "Young's modulus by each strip alone")

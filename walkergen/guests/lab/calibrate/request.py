@@ -128,7 +128,7 @@ class CalibrateRequest(request.Request):
     def _calibrate_plate(self, path: Path) -> "Report":
         """Estimate the drive of the plate that was recorded."""
         from walkergen.core.files import output
-        from walkergen.guests.lab.calibrate import make, shaken
+        from walkergen.guests.lab.calibrate import make, plate_drive
         from walkergen.guests.lab.report import write_report
 
         self.check_unset("is not of ‹plate›", "what", *(name for name in KINDS_BY_FIELD if name != "scene"))
@@ -136,7 +136,7 @@ class CalibrateRequest(request.Request):
         job = make.Job(
             given.single_member(self.design, self.tilt, self.legs), given.scene(self.scene), 0.0, 2, self.pictures
         )
-        report = shaken.calibrate(path, job.design, job.scene, output.result_folder(path, self.out, "calibrate"))
+        report = plate_drive.calibrate(path, job.design, job.scene, output.result_folder(path, self.out, "calibrate"))
         return write_report(report, job, {"file": path.name, "settings": report.settings}, f"Measured: {path.name}")
 
     def _calibrate_form(self, given: "Inputs", progress: Progress) -> "Report":
@@ -188,13 +188,13 @@ class CalibrateRequest(request.Request):
 def _film_drop(dropped: "Job", height: float, path: Path, progress: Progress) -> "Made":
     """Film of the first of the drops from the hand, from the release to where it rises no more."""
     from walkergen.core.simulation.plan import Release
-    from walkergen.guests.lab import drops, resting
+    from walkergen.guests.lab import drops, still_plate
     from walkergen.guests.movie import make
 
     let = drops.hand_drops(height, dropped.turn_deg, dropped.drops, dropped.scene.run.seed)[0]
     seconds = drops.drop_seconds(height)
     job = make.make_job(
-        [dropped.design], resting.film_scene(dropped.scene), seconds=seconds, fps=FPS, view="perspective"
+        [dropped.design], still_plate.film_scene(dropped.scene), seconds=seconds, fps=FPS, view="perspective"
     )
     release = Release(let.height, let.pitch, let.roll)
     return make.make_movie(job._replace(release=release), path, progress)

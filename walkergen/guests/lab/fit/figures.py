@@ -13,7 +13,7 @@ from walkergen.core.walker.limbs import Kind
 from walkergen.files.figures import BLACK, LEG_STYLES, Look, draw_curve, draw_points, label_axes, new_axes, style
 
 if TYPE_CHECKING:
-    from walkergen.guests.lab.fit.learn import Band
+    from walkergen.guests.lab.fit.model_fit import Band
 
 Array = npt.NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 from walkergen.core.drive import MOTOR_FREQUENCY_RANGE_HZ
 from walkergen.core.errors import InputError
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.core.scene import MIN_RESTITUTION, Scene
 from walkergen.core.walker.design import Design
 from walkergen.guests.lab.fit.least_squares import RANGES
@@ -50,7 +50,7 @@ class Job(NamedTuple):
             name, _, number = (word.strip(" ") for word in text.partition("="))
             if name not in ranges:
                 raise InputError(f"‹fix› {text[:60]!r}: write NAME=VALUE, NAME one of {', '.join(ranges)}{of}")
-            value, (low, high) = words.parse_number(number), ranges[name]
+            value, (low, high) = formatting.parse_number(number), ranges[name]
             if value is None:
                 raise InputError(f"‹fix› {text[:60]!r}: {number[:30]!r} is not a number")
             if not low <= value <= high:

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from walkergen.core.files.progress import Expect, Progress, ignore_estimate
-from walkergen.guests.lab.fit import learn, report, theory
+from walkergen.guests.lab.fit import model_fit, report, theory
 from walkergen.guests.lab.fit.job import Job, with_default_prior
 from walkergen.guests.lab.fit.report import FitReport
 from walkergen.guests.lab.report import write_report
@@ -23,7 +23,7 @@ def fit(path: Path, job: Job, folder: Path, progress: Progress, expect: Expect =
         choices["mode"] = job.mode
     else:
         fitted, word = (
-            report.make_model_report(learn.learn(path, job, progress, expect), job, path, folder),
+            report.make_model_report(model_fit.learn(path, job, progress, expect), job, path, folder),
             "Learnt from",
         )
         choices |= {"model": job.model, "prior": job.prior}

@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.core.errors import InputError
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.core.scene import MIN_RESTITUTION, Scene
-from walkergen.core.theory import uncertain
-from walkergen.core.theory.uncertain import Input
+from walkergen.core.theory import uncertain_inputs
+from walkergen.core.theory.uncertain_inputs import Input
 from walkergen.core.walker.design import Design
 
 Array = npt.NDArray[np.float64]
@@ -32,8 +32,8 @@ PARAMETER_KEYS = {
     "thickness_mm": "legs.thickness_mm",
     "youngs_modulus_gpa": "material.youngs_modulus_gpa",
     "damping_ratio": "legs.damping_ratio",
-    "frequency_hz": uncertain.FREQUENCY_KEY,
-    "eccentric_g_mm": uncertain.MOMENT_KEY,
+    "frequency_hz": uncertain_inputs.FREQUENCY_KEY,
+    "eccentric_g_mm": uncertain_inputs.MOMENT_KEY,
 }
 """Names of the parameters and their keys among `uncertain.inputs`: those of all prints alike, the
 last two of a motor."""
@@ -67,19 +67,19 @@ class Parameter(NamedTuple):
         """Values below which these shares of the prior lie; any shape."""
         if self.flat:
             return self.prior.low + shares * (self.prior.high - self.prior.low)
-        return uncertain.input_quantiles(self.prior, shares)
+        return uncertain_inputs.input_quantiles(self.prior, shares)
 
     @property
     def told(self) -> str:
         """Statement of the prior."""
         prior = self.prior
         if prior.factor:
-            return f"{words.format_number(prior.mean, 4)}, factor {math.exp(prior.sd):.3g}"
+            return f"{formatting.format_number(prior.mean, 4)}, factor {math.exp(prior.sd):.3g}"
         if prior.mean == 0.0:
             return f"half normal, {prior.sd:g}"
         if self.flat:
             return f"flat, {prior.low:g} to {prior.high:g}"
-        return f"{words.format_number(prior.mean, 4)} ± {words.format_number(prior.sd, 2)}"
+        return f"{formatting.format_number(prior.mean, 4)} ± {formatting.format_number(prior.sd, 2)}"
 
 
 class Unknown(NamedTuple):
@@ -117,7 +117,7 @@ def list_unknowns(
     priors; without one they are held. Speeds without `errors` of their own tell their scatter from
     print to print. Raises InputError when nothing is left to learn.
     """
-    inputs = {entry.name: entry for entry in uncertain.inputs(scene, design, model)}
+    inputs = {entry.name: entry for entry in uncertain_inputs.inputs(scene, design, model)}
     parameters: list[Parameter] = []
     for name, key in PARAMETER_KEYS.items():
         if name in fixed:
@@ -145,9 +145,11 @@ def list_unknowns(
 def apply_fixed(scene: Scene, design: Design, fixed: Mapping[str, float]) -> tuple[Scene, Design]:
     """Scene and design with the fixed values. Raises GeometryError for legs too thick."""
     values = {PARAMETER_KEYS[name]: value for name, value in fixed.items()}
-    if scene.drive.kind == "plate" and (wrong := {uncertain.FREQUENCY_KEY, uncertain.MOMENT_KEY} & set(values)):
+    if scene.drive.kind == "plate" and (
+        wrong := {uncertain_inputs.FREQUENCY_KEY, uncertain_inputs.MOMENT_KEY} & set(values)
+    ):
         raise InputError(f"‹fix›: {sorted(wrong)[0]} is a motor's, and the scene has a plate")
-    scene, design, _ = uncertain.apply_inputs(scene, design, values)
+    scene, design, _ = uncertain_inputs.apply_inputs(scene, design, values)
     return scene, design
 
 

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from walkergen.analysis.speeds import Measured
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.files import report
 from walkergen.files.report import Column, Table
 from walkergen.guests.lab.fit.job import Job
-from walkergen.guests.lab.fit.learn import Learned
 from walkergen.guests.lab.fit.least_squares import ContactFit
+from walkergen.guests.lab.fit.model_fit import Learned
 from walkergen.guests.lab.fit.theory import Fitted
 from walkergen.guests.lab.report import LabReport
 
@@ -51,7 +51,8 @@ def make_theory_report(fitted: Fitted, job: Job, path: Path, folder: Path) -> Fi
         Column("parameter", lambda row: row[0].replace("_", " ")),
         Column("value ± standard error", lambda row: _format_value(row[1], row[2], row[-1])),
         Column(
-            "68 % interval (profile)", lambda row: "given" if row[-1] == "given" else words.format_range(row[3], row[4])
+            "68 % interval (profile)",
+            lambda row: "given" if row[-1] == "given" else formatting.format_range(row[3], row[4]),
         ),
     )
     keys = ("parameter", "value", "se", "low_68", "high_68", "origin")
@@ -171,8 +172,8 @@ def _origin(fit: ContactFit, name: str) -> str:
 def _format_value(value: float, se: float | None, origin: str) -> str:
     """Value of a parameter with its error, as people read it."""
     if origin == "given":
-        return words.format_number(value, 6)
-    return f"{words.format_number(value, 4)} ± unknown" if se is None else words.format_with_error(value, se)
+        return formatting.format_number(value, 6)
+    return f"{formatting.format_number(value, 4)} ± unknown" if se is None else formatting.format_with_error(value, se)
 
 
 def format_quality(fit: ContactFit) -> str:

@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from walkergen.analysis import walks
+from walkergen.analysis import persistent_walk
 from walkergen.analysis.motion import Curve, Motion
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.files.figures import (
     FITTED,
     INK,
@@ -44,7 +44,9 @@ def draw_msd(motion: Motion, title: str) -> Figure:
         spread = motion.msd_fit.spreads[0]
         speed2 = spread.mean_square
         fine = np.geomspace(lag[0], lag[-1], 200)
-        axes.plot(fine, walks.squared_displacement(fine, spread), color=FITTED.colour, label="fit", zorder=2.5)
+        axes.plot(
+            fine, persistent_walk.squared_displacement(fine, spread), color=FITTED.colour, label="fit", zorder=2.5
+        )
         diffusivity = motion.estimates["diffusivity"].value
     elif (speed := motion.estimates["lane_speed"].value) is not None:
         speed2 = speed**2
@@ -149,7 +151,7 @@ def draw_plate_speed(motion: Motion, title: str) -> Figure:
     if motion.line is not None:
         ends = np.array([0.0, measured[0].max()])
         slope, se = motion.line.slope, motion.line.slope_se
-        label = f"through the origin, slope {words.format_with_error(slope, se)}"
+        label = f"through the origin, slope {formatting.format_with_error(slope, se)}"
         axes.plot(ends, slope * ends, color=FITTED.colour, label=label)
     axes.set_xlim(left=0)
     label_axes(axes, "plate speed (mm/s)", "speed (mm/s)")

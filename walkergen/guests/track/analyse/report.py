@@ -6,15 +6,15 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from walkergen.analysis import doubts, facts
-from walkergen.analysis.between import WalkerMeans
+from walkergen.analysis import facts, track_warnings
 from walkergen.analysis.estimates import HEADINGS_KNOWN_REASON, LANE_REASON, NO_HEADINGS_REASON, NO_SLOPE_REASON, UNITS
 from walkergen.analysis.facts import WALKER_ESTIMATES
 from walkergen.analysis.motion import Motion
+from walkergen.analysis.particle_scatter import WalkerMeans
 from walkergen.analysis.tracks import Tracks
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.core.numerics.quantity import Quantity
-from walkergen.files import quantities
+from walkergen.files import quantity_format
 from walkergen.files.report import Column, Report, Table
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ PLATE_SPEED_COLUMNS = ("plate_speed_mm_s", *SPEED_COLUMNS, "speed_scale_se_mm_s"
 def make_report(tracks: Tracks, motion: Motion, title: str, folder: Path | None = None) -> AnalysisReport:
     """Report of the motion of tracks, of a file called `title`."""
     fit = motion.msd_fit.goodness if motion.msd_fit else ""
-    reasons = [*doubts.find_all(tracks), *motion.doubts, doubts.describe_scale_error(motion.scale_se)]
+    reasons = [*track_warnings.find_all(tracks), *motion.doubts, track_warnings.describe_scale_error(motion.scale_se)]
     lines = [motion.method, fit, *reasons, tracks.note]
     notes = [f"{line}." for line in lines if line]
     more = {"bad_rows": tracks.bad_rows, "notes": notes}
@@ -105,7 +105,7 @@ def _tables(motion: Motion) -> Iterator[Table]:
         yield Table("analysis", rows, ESTIMATE_COLUMNS)
         yield _walker_table(motion)
         return
-    name, unit, value, bounds = quantities.columns(lambda row: estimates[row[0]])
+    name, unit, value, bounds = quantity_format.columns(lambda row: estimates[row[0]])
     value = value._replace(cell=lambda row: _format_with_scale(estimates[row[0]], motion))
     columns = [name, unit, value, bounds]
     readable = [
@@ -119,8 +119,8 @@ def _tables(motion: Motion) -> Iterator[Table]:
 def _format_with_scale(number: Quantity, motion: Motion) -> str:
     """Value with its error and, where the scale has one, that of the scale beside it."""
     by_scale = facts.scale_se(number, motion)
-    scale = f" ± {words.format_number(by_scale, 2)} (scale)" if by_scale and number.known else ""
-    return quantities.format_value(number) + scale
+    scale = f" ± {formatting.format_number(by_scale, 2)} (scale)" if by_scale and number.known else ""
+    return quantity_format.format_value(number) + scale
 
 
 def _plate_speed_table(motion: Motion) -> Table:
@@ -146,7 +146,7 @@ def _walker_table(motion: Motion) -> Table:
     headings = ("speed (mm/s)", "turning (rad/s)")[: 1 + turns]
     columns = [
         Column("walker", lambda row: str(row[0])),
-        Column("seen (s)", lambda row: words.format_number(row[1], 3), right=True),
+        Column("seen (s)", lambda row: formatting.format_number(row[1], 3), right=True),
         *(
             Column(heading, _walker_cell(name, alone))
             for heading, name in zip(headings, WALKER_ESTIMATES, strict=False)
@@ -157,7 +157,7 @@ def _walker_table(motion: Motion) -> Table:
 
 def _walker_cell(name: str, alone: Mapping[int, WalkerMeans]) -> Callable[[tuple[int, ...]], str]:
     """Return the cell of a number of each walker by itself."""
-    return lambda row: quantities.format_value(alone[row[0]].mean(name))
+    return lambda row: quantity_format.format_value(alone[row[0]].mean(name))
 
 
 def _format_line(motion: Motion) -> Iterator[str]:
@@ -166,11 +166,11 @@ def _format_line(motion: Motion) -> Iterator[str]:
     if line is None:
         return
     scale = facts.scale_se(Quantity("slope", "mm_s", line.slope), motion)
-    scale_error = f" ± {words.format_number(scale, 2)} by the scale" if scale else ""
+    scale_error = f" ± {formatting.format_number(scale, 2)} by the scale" if scale else ""
     yield (
-        f"speed = ({words.format_with_error(line.slope, line.slope_se)}{scale_error}) x plate speed, a "
-        f"line through the origin; chi² {words.format_number(line.chi2)} for {line.points - 1} degrees of "
-        f"freedom, probability {words.format_number(line.p_value, 2)}"
+        f"speed = ({formatting.format_with_error(line.slope, line.slope_se)}{scale_error}) x plate speed, a "
+        f"line through the origin; chi² {formatting.format_number(line.chi2)} for {line.points - 1} degrees of "
+        f"freedom, probability {formatting.format_number(line.p_value, 2)}"
     )
 
 

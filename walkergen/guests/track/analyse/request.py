@@ -114,10 +114,10 @@ class AnalyseRequest(request.Request):
             if descent is not None and self.y_down:
                 descent = -descent  # as all angles of the file
             return make.analyse(path, units, lag_s, self._parse_walls(), descent, folder, self.pictures, progress)
-        from walkergen.guests.crowd import filmed
+        from walkergen.guests.crowd import film_analysis
 
-        crowd = filmed.parse_crowd(self.dish, self.body, self.middle, self.runs)
-        return filmed.analyse(path, units, crowd, folder, self.pictures, progress)  # type: ignore[return-value]
+        crowd = film_analysis.parse_crowd(self.dish, self.body, self.middle, self.runs)
+        return film_analysis.analyse(path, units, crowd, folder, self.pictures, progress)  # type: ignore[return-value]
 
 
 def _to_csv(tracks: Any) -> str:

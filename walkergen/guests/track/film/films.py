@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from walkergen import extras
 from walkergen.core.errors import InputError
-from walkergen.core.files import reading, words
+from walkergen.core.files import file_reading, formatting
 from walkergen.core.files.progress import Progress
 from walkergen.guests.track.film import pictures
 
@@ -87,11 +87,13 @@ class Clock(NamedTuple):
     @property
     def in_words(self) -> str:
         """Rate of frames, and how far apart they are where that changes."""
-        rate = f"{words.format_number(self.fps, 4)} frames a second"
+        rate = f"{formatting.format_number(self.fps, 4)} frames a second"
         if self.regular:
             return rate
         steps = 1e3 * np.diff(self.times)
-        return f"{rate} in the mean, {words.format_range(steps.min(), steps.max(), 3)} ms apart by the film's times"
+        return (
+            f"{rate} in the mean, {formatting.format_range(steps.min(), steps.max(), 3)} ms apart by the film's times"
+        )
 
 
 def require_extra() -> None:
@@ -103,7 +105,7 @@ def probe_film(path: Path) -> Film:
     """Read size, rate and duration of a film or a folder of pictures. Raises InputError for others, or if too large."""
     shots = pictures.list_pictures(path) if path.is_dir() else ()
     if not shots:
-        reading.check_readable(path, "a film")
+        file_reading.check_readable(path, "a film")
     with _run_ffmpeg(path, shots[:1]) as (process, messages):
         assert process.stdout is not None
         first = process.stdout.readline(MAX_LINE_BYTES)

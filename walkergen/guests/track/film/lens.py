@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.core.errors import InputError
-from walkergen.core.files import plain, reading
+from walkergen.core.files import file_reading, safe_text
 from walkergen.guests.track.film.blobs import Blobs
 
 Array = npt.NDArray[np.float64]
@@ -130,7 +130,7 @@ class Lens(NamedTuple):
 
 def read_lens(path: Path) -> Lens:
     """Lens of a file. Raises InputError for what is missing, or no lens."""
-    data = reading.read_json(path, MAX_BYTES)
+    data = file_reading.read_json(path, MAX_BYTES)
     if not isinstance(data, dict):
         raise InputError(f"{path}: must be a JSON object with camera_matrix and more, see ‹help›")
     width, height = (_parse_numbers(data, name, path, (1,))[0] for name in ("image_width", "image_height"))
@@ -155,7 +155,7 @@ def _parse_numbers(data: Mapping[str, Any], name: str, path: Path, counts: tuple
         cells = [inner for cell in cells for inner in (cell if isinstance(cell, list) else [cell])]
     sound = all(isinstance(cell, int | float) and abs(cell) < 1e9 for cell in cells)
     if not sound or len(cells) not in counts:
-        seen = "is missing" if value is None else f"= {plain.shorten_line(str(value))[:40]}"
+        seen = "is missing" if value is None else f"= {safe_text.shorten_line(str(value))[:40]}"
         many = " or ".join(map(str, counts))
         raise InputError(f"{path}: {name} {seen}: must be {many} number{'s' * (many != '1')}")
     return [float(cell) for cell in cells]

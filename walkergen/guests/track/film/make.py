@@ -5,13 +5,21 @@ from pathlib import Path
 from walkergen.core.errors import InputError
 from walkergen.core.files.output import Folder
 from walkergen.core.files.progress import Progress
-from walkergen.guests.track.film import films, heading, marked, marked_doubts, report, unmarked, unmarked_doubts
-from walkergen.guests.track.film.doubts import Told
+from walkergen.guests.track.film import (
+    blob_tracking,
+    blob_warnings,
+    films,
+    heading,
+    marker_tracking,
+    marker_warnings,
+    report,
+)
+from walkergen.guests.track.film.blob_tracking import Unmarked
 from walkergen.guests.track.film.films import Box, Film
-from walkergen.guests.track.film.marked import Marked
+from walkergen.guests.track.film.marker_tracking import Marked
+from walkergen.guests.track.film.quality import Told
 from walkergen.guests.track.film.report import TrackReport
 from walkergen.guests.track.film.result import Options, Tracked
-from walkergen.guests.track.film.unmarked import Unmarked
 
 CONTRAST_SIDES: tuple[str, ...] = ("dark", "light")
 """How walkers may differ from the ground."""
@@ -53,11 +61,11 @@ def find_walkers(path: Path, options: Options, progress: Progress) -> tuple[Trac
     lens = None if options.lens is None else options.lens.for_film(film.width, film.height)
     try:
         if options.markers is None:
-            tracked, seen = unmarked.track(film, part, options, lens, progress)
-            found, told = seen, unmarked_doubts.collect_doubts(tracked, seen)
+            tracked, seen = blob_tracking.track(film, part, options, lens, progress)
+            found, told = seen, blob_warnings.collect_doubts(tracked, seen)
         else:
-            tracked, read = marked.track(film, part, options, lens, progress)
-            found, told = read, marked_doubts.collect_doubts(tracked, read)
+            tracked, read = marker_tracking.track(film, part, options, lens, progress)
+            found, told = read, marker_warnings.collect_doubts(tracked, read)
         return tracked, found, told._replace(notes=[*_conversion_notes(film), *told.notes])
     except InputError as error:
         raise error if str(path) in error.text else InputError(f"{path}: {error.text}") from None

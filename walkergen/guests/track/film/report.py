@@ -5,18 +5,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from walkergen.core.files import words
+from walkergen.core.files import formatting
 from walkergen.files import report
 from walkergen.files.report import Column, Report, Table
-from walkergen.guests.track.film import doubts
-from walkergen.guests.track.film.doubts import Told
+from walkergen.guests.track.film import quality
+from walkergen.guests.track.film.quality import Told
 from walkergen.guests.track.film.result import Tracked
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from walkergen.guests.track.film.marked import Marked
-    from walkergen.guests.track.film.unmarked import Unmarked
+    from walkergen.guests.track.film.blob_tracking import Unmarked
+    from walkergen.guests.track.film.marker_tracking import Marked
 
 COLUMNS = ("frame", "particle", "x", "y", "theta", "t_s", "x_mm", "y_mm", "theta_rad", "mm_per_px", "mm_per_px_se")
 """Columns of tracks.csv: trackpy's names, here in mm and rad, then walkergen's own.
@@ -77,11 +77,12 @@ WALKER_COLUMNS = (
 def make_report(tracked: Tracked, found: "Unmarked | Marked", told: Told, folder: Path) -> TrackReport:
     """Report of a tracked film, to be written into a folder."""
     walkers, title = _walker_rows(tracked), tracked.film.path.name
-    warnings = [*doubts.truncation_warnings(tracked.film, tracked.clock, tracked.options.frames), *told.warnings]
+    warnings = [*quality.truncation_warnings(tracked.film, tracked.clock, tracked.options.frames), *told.warnings]
     picture, lines = folder / PICTURE_FILE, [*told.notes]
     if not math.isnan(tracked.jitter_mm):
         lines.append(
-            f"Places jitter by {words.format_number(tracked.jitter_mm, 2)} mm between neighbouring frames. It is no "
+            f"Places jitter by {formatting.format_number(tracked.jitter_mm, 2)} mm between neighbouring "
+            "frames. It is no "
             "bound: what stays or changes slowly, as a shadow, the lens or a cap's height, is not in it."
         )
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.guests.track.film import doubts
+from walkergen.guests.track.film import quality
 from walkergen.guests.track.film.films import Box, Clock, Film, Grey
 from walkergen.guests.track.film.lens import Lens
 
@@ -118,11 +118,11 @@ class Tracked(NamedTuple):
     @property
     def jitter_mm(self) -> float:
         """Error of a place that changes from frame to frame, mm; NaN for too few frames."""
-        return doubts.jitter([self._full_track(walker) for walker in self.walkers])
+        return quality.jitter([self._full_track(walker) for walker in self.walkers])
 
     def path_mm(self, walker: Walker) -> float:
         """Length of a walker's path, mm, its jitter left out."""
-        return doubts.path_length(walker.position, 0.0 if math.isnan(self.jitter_mm) else self.jitter_mm)
+        return quality.path_length(walker.position, 0.0 if math.isnan(self.jitter_mm) else self.jitter_mm)
 
     def _full_track(self, walker: Walker) -> tuple[Array, Array]:
         """Return times and positions of all frames from a walker's first to its last; NaN where lost."""

@@ -1,0 +1,270 @@
+"""Mean squared displacement fitted: a run that turns, diffusion besides, noise of the positions.
+
+Whether data tell these terms apart is asked of the data: a run shows as curvature, the fit's misfit
+is held against what the scatter of independent samples makes of it.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis import persistent_walk
+from walkergen.analysis.persistent_walk import Spread
+from walkergen.core.numerics import statistics
+from walkergen.core.numerics.distributions import fisher_tail, student_quantile
+
+Array = npt.NDArray[np.float64]
+
+RATE_COUNT = 33
+"""Number of rates at which the fit's rate is sought first, from far below 1 / longest lag."""
+
+RUN_P_VALUE = 1e-3
+"""Probability, for walkers that only diffuse, of a curvature that counts as a run (Student's t)."""
+
+SUSPECTED_P_VALUE = 0.025
+"""The same of one that may be a run: what it might add is then not known."""
+
+INERTIA_P_VALUE = 0.025
+"""Probability, for runs that set in at once, of a diffusion below 0 that counts as inertia. It may
+be large: the law with inertia holds without it as well."""
+
+EXPONENT_LAG_RATIO = 1.1
+"""Ratio of lags between which a local exponent of the fit is taken."""
+
+MIN_BALLISTIC_EXPONENT = 1.8
+"""Local exponent from which growth is called ballistic (2), not a crossover to diffusion (1)."""
+
+START_RATE_RATIOS = (0.5, 2.0, 5.0, 11.0, 24.0)
+"""Ratios, less 1, of the rates of a run and of its beginning that are tried first."""
+
+NO_RUNS = ((0.0, 0.0), (0.0, 0.0))
+
+MIN_SAMPLES = 3
+"""Number of samples below which there is no fit: its weights need some without each one."""
+
+NO_SPREAD = Spread(*[math.nan] * 5)
+
+NO_ERRORS = np.zeros(0)
+
+MAX_RATE_RATIO = 1e6
+"""Ratio of rates of runs, of each other and of those that the lags show, at which they are at their limit."""
+
+MIN_RATE_DIFFERENCE = 0.1
+"""Ratio, less 1, of the rates of a run and of its beginning below which they are one rate, the fit's limit: the
+squared displacement changes with the square of their difference, by 0.1 % here."""
+
+
+class DisplacementFit(NamedTuple):
+    """Fit of the mean squared displacement."""
+
+    spreads: tuple[Spread, ...]
+    """Parameters of all samples, then of those without each one."""
+    run: bool
+    """Whether a run shows: without it speed2 and rate are 0, and diffusion is all there is."""
+    misfit: float
+    """Sum of squared residuals over its expectation: about 1 where the law holds."""
+    p_value: float
+    """Probability of a misfit at least as large where the law holds; NaN where nothing fits."""
+    errors: Array = NO_ERRORS
+    """Errors by lag that were its weights, mm^2; NaN at lags that were not fitted."""
+    suspected: bool = False
+    """Whether there may be a run though none shows."""
+
+    @property
+    def at_its_limit(self) -> bool:
+        """Whether both rates of a smooth run fall together, for all samples or without one of them.
+
+        Such a fit has a parameter less: errors of a jackknife know nothing of what lies beyond the limit.
+        """
+        return any(0.0 < spread.smooth_rate < (1.0 + MIN_RATE_DIFFERENCE) * spread.rate for spread in self.spreads)
+
+    @property
+    def goodness(self) -> str:
+        """Goodness of the fit, in words; '' where nothing fits, or nothing scatters."""
+        if math.isnan(self.p_value):
+            return ""
+        return (
+            f"fit of the squared displacement: misfit {self.misfit:.2g} of what chance makes on "
+            f"average, probability {self.p_value:.2g}"
+        )
+
+    def regime(self, lag: float) -> str:
+        """Growth of squared displacements up to a lag (s), in words, by the fit without noise."""
+        spread = self.spreads[0]._replace(offset=0.0)
+        near, far = persistent_walk.squared_displacement(np.array([lag / EXPONENT_LAG_RATIO, lag]), spread)
+        exponent = math.log(far / near) / math.log(EXPONENT_LAG_RATIO) if far > 0 and near > 0 else math.nan
+        if exponent > MIN_BALLISTIC_EXPONENT:
+            return f"ballistic at all lags up to {lag:.3g} s"
+        return f"no end of the run is resolved within {lag:.3g} s"
+
+
+def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> DisplacementFit:
+    """Fit squared displacements (mm^2) at lags (s): first of all samples, then without each one.
+
+    `turns` (rad/s) are the rates of turning of each. Parameters are NaN where lags are too few.
+    """
+    values = np.stack(squares)
+    use = np.isfinite(values).all(axis=0)
+    if len(values) > MIN_SAMPLES:
+        use = use & (_replicate_errors(values) > 0).all(axis=0)
+    if len(values) <= MIN_SAMPLES or use.sum() < 6 or not np.isfinite(turns).all():
+        return DisplacementFit((NO_SPREAD,) * len(values), False, math.nan, math.nan)
+    weights = np.full(len(lag), np.nan)
+    lag, values = lag[use], values[:, use]
+    errors = np.stack([smooth_errors(lag, error) for error in _replicate_errors(values)])
+    curvature = _max_curvature(lag, values, errors, turns)
+    run, suspected = (
+        bool(curvature > student_quantile(len(values) - 2, 1.0 - chance)) for chance in (RUN_P_VALUE, SUSPECTED_P_VALUE)
+    )
+    fits = [_fit_run(lag, *row, run) for row in zip(values, errors, turns, strict=True)]
+    if run and _is_negative([spread.diffusion for spread in fits]):
+        first = _fit_smooth(lag, values[0], errors[0], turns[0], None)
+        start = first.rate, first.smooth_rate
+        fits = [_fit_smooth(lag, *row, start) for row in zip(values, errors, turns, strict=True)]
+    residuals = (values - np.stack([persistent_walk.squared_displacement(lag, spread) for spread in fits])) / errors[0]
+    weights[use] = errors[0]
+    return DisplacementFit(
+        tuple(fits), run, *_misfit_probability(residuals[0], residuals[1:]), weights, suspected and not run
+    )
+
+
+def refit(lag: Array, squares: Sequence[Array], turns: Sequence[float], like: DisplacementFit) -> list[Spread]:
+    """Fit the law of another fit, with its weights, to squares of samples too few to tell either."""
+    use, whole = np.isfinite(like.errors), like.spreads[0]
+    if not use.any():
+        return [NO_SPREAD] * len(squares)
+    lag, errors, spreads = lag[use], like.errors[use], []
+    for values, turn in zip(squares, turns, strict=True):
+        if not np.isfinite(values[use]).all():
+            spreads.append(NO_SPREAD)
+        elif whole.smooth_rate:
+            spreads.append(_fit_smooth(lag, values[use], errors, turn, (whole.rate, whole.smooth_rate)))
+        else:
+            spreads.append(_fit_run(lag, values[use], errors, turn, like.run))
+    return spreads
+
+
+def _replicate_errors(values: Array) -> Array:
+    """Error of each row of `values`, those of all samples and of those without each one.
+
+    Where one error served all rows, what the weights owe to chance would not be in the jackknife.
+    """
+    count = len(values) - 1
+    samples = count * values[0] - (count - 1) * values[1:]
+    resamples = [samples, *(np.delete(samples, number, axis=0) for number in range(count))]
+    return np.stack([sample.std(axis=0, ddof=1) / math.sqrt(len(sample)) for sample in resamples])
+
+
+def smooth_errors(lag: Array, errors: Array) -> Array:
+    """Errors as a smooth function of the lag: weights that scatter would not be in the errors."""
+    at = np.log(lag)
+    smooth: Array = np.exp(np.polyval(np.polyfit(at, np.log(errors), 2), at))
+    return smooth
+
+
+def _max_curvature(lag: Array, values: Array, errors: Array, turns: Sequence[float]) -> float:
+    """Largest share of a run beside diffusion and noise, at any rate that the lags can show, in its errors."""
+    rates = np.geomspace(0.5 / lag[-1], 0.5 / lag[0], 7)
+    runs = np.array(
+        [
+            [_solve_linear(lag, value, error, (rate,), turn)[0].speed2 for rate in rates]
+            for value, error, turn in zip(values, errors, turns, strict=True)
+        ]
+    )
+    error = statistics.jackknife_error(runs[1:])
+    return float(np.divide(runs[0], error, out=np.where(runs[0] > 0.0, np.inf, 0.0), where=error > 0.0).max())
+
+
+def _is_negative(numbers: Sequence[float]) -> bool:
+    """Whether a number, of all samples and without each one, is below 0 beyond chance."""
+    error = float(statistics.jackknife_error(np.array(numbers[1:])[:, None])[0])
+    return numbers[0] < -student_quantile(len(numbers) - 2, 1.0 - INERTIA_P_VALUE) * error
+
+
+def _fit_run(lag: Array, values: Array, errors: Array, turn: float, run: bool) -> Spread:
+    """Least squares, exact for all but the rate, which is sought over a grid and between its nodes.
+
+    Variable projection (Golub and Pereyra 1973). Without a `run` there is diffusion only.
+    """
+    from scipy.optimize import minimize_scalar
+
+    if not run:
+        return _solve_linear(lag, values, errors, (), turn)[0]
+
+    def misfit(log_rate: float) -> float:
+        return _solve_linear(lag, values, errors, (math.exp(log_rate),), turn)[1]
+
+    logs = np.linspace(math.log(1e-3 / lag[-1]), math.log(2.0 / lag[0]), RATE_COUNT)
+    best = int(np.argmin([misfit(log) for log in logs]))
+    ends = logs[max(best - 1, 0)], logs[min(best + 1, len(logs) - 1)]
+    finest = minimize_scalar(misfit, bounds=ends, method="bounded", options={"xatol": 1e-7})
+    return _solve_linear(lag, values, errors, (math.exp(finest.x),), turn)[0]
+
+
+def _fit_smooth(lag: Array, values: Array, errors: Array, turn: float, start: tuple[float, float] | None) -> Spread:
+    """Fit a run that sets in smoothly by least squares, from the two rates of `start` or from a grid."""
+    from scipy.optimize import minimize
+
+    low, high, most = (
+        math.log(1.0 / (MAX_RATE_RATIO * lag[-1])),
+        math.log(MAX_RATE_RATIO / lag[0]),
+        math.log(MAX_RATE_RATIO),
+    )
+
+    def rates(logs: Sequence[float]) -> tuple[float, float]:
+        slow = math.exp(min(max(logs[0], low), high))
+        return slow, slow * (1.0 + math.exp(min(logs[1], most)))
+
+    def misfit(logs: Sequence[float]) -> float:
+        return _solve_linear(lag, values, errors, rates(logs), turn)[1]
+
+    if start is None:
+        slow = np.linspace(math.log(0.1 / lag[-1]), math.log(0.3 / lag[0]), 14)
+        logs = min(((log, math.log(ratio)) for log in slow for ratio in START_RATE_RATIOS), key=misfit)
+    else:
+        logs = math.log(start[0]), math.log(start[1] / start[0] - 1.0)
+    options = {"xatol": 1e-4, "fatol": 1e-6, "maxiter": 300}
+    finest = minimize(misfit, logs, method="Nelder-Mead", options=options)
+    return _solve_linear(lag, values, errors, rates(finest.x), turn)[0]
+
+
+def _solve_linear(
+    lag: Array, values: Array, errors: Array, rates: tuple[float, ...], turn: float
+) -> tuple[Spread, float]:
+    """Best parameters of runs at these rates, and the sum of squared residuals.
+
+    Beside two runs there is no diffusion, which is the limit of the second one at a high rate.
+    """
+    terms = [np.ones_like(lag), *(persistent_walk.run_squared_displacement(lag, rate, turn) for rate in rates)]
+    if len(rates) < 2:
+        terms.append(4.0 * lag)
+    design = np.stack(terms, axis=1) / errors[:, None]
+    scale = np.sqrt((design**2).sum(axis=0))
+    scaled = values / errors
+    solution = np.linalg.lstsq(design / scale, scaled)[0] / scale
+    residuals = scaled - design @ solution
+    offset, *others = map(float, solution)
+    diffusion = 0.0 if len(rates) > 1 else others.pop()
+    (speed2, rate), (smooth2, smooth_rate) = (*zip(others, rates, strict=True), *NO_RUNS)[:2]
+    spread = Spread(speed2, rate, diffusion, offset, turn, smooth2, smooth_rate)
+    return spread, float(residuals @ residuals)
+
+
+def _misfit_probability(residuals: Array, replicates: Array) -> tuple[float, float]:
+    """Misfit and its probability from residuals of all samples and of those without each one.
+
+    Residuals of neighbouring lags go together: their sum of squares is held against its expectation
+    by the jackknife's covariance, with degrees of freedom after Satterthwaite (1946).
+    """
+    deviations = replicates - replicates.mean(axis=0)
+    others = len(replicates) - 1
+    covariance = others / len(replicates) * deviations.T @ deviations
+    expected = float(np.trace(covariance))
+    if not expected > 0:
+        return math.nan, math.nan
+    ratio = float(residuals @ residuals) / expected
+    freedom = expected**2 / float((covariance**2).sum())
+    return ratio, fisher_tail(freedom, others, ratio)

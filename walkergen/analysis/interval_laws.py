@@ -1,0 +1,109 @@
+"""Laws of the bounds of numbers over tracks: errors over walkers that differ, numbers that go as a variance.
+
+A number whose error is that of a jackknife has Student's bounds, unless one of these laws holds.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from walkergen.core.numerics import statistics
+from walkergen.core.numerics.distributions import fisher_tail, student_quantile
+from walkergen.core.numerics.quantity import Quantity
+
+DIFFERENCE_P_VALUE = 0.05
+"""Probability, for walkers that are alike, that an error over walkers replaces that over pieces."""
+
+RUN_QUANTITIES = ("ballistic_speed", "diffusivity", "crossover_time")
+"""Numbers of the squared displacement, to which fast walkers, and those that turn little, give more than others."""
+
+SPREADING_QUANTITIES = ("diffusivity", "crossover_time")
+"""Those that a run decides by the rate at which it is lost, and without a run the square of displacements."""
+
+TURN_POWERS = {
+    "persistence_rate": 1,
+    **dict.fromkeys(("persistence_time", "persistence_length", *SPREADING_QUANTITIES), -1),
+}
+"""Numbers that the mean square of turns decides, and the power of each that goes as it does: it scatters as
+a variance, so that chance makes it small, and its error with it, more often than large."""
+
+
+def with_walker_error(within: Quantity, without_one: Sequence[float], surely: bool) -> Quantity:
+    """Return a number with its error over walkers if they differ, or always if `surely`.
+
+    `without_one` holds the number without each of the walkers.
+    """
+    few, values = len(without_one) - 1, np.array(without_one)[:, None]
+    if few < 1 or not within.se or not np.isfinite(values).all():
+        return within
+    error = float(statistics.jackknife_error(values)[0])
+    if not surely and fisher_tail(few, within.freedom, (error / within.se) ** 2) > DIFFERENCE_P_VALUE:
+        return within
+    return within._replace(se=error, freedom=float(few), least=0.0)
+
+
+def with_detection_limit(number: Quantity, share: float) -> Quantity:
+    """Diffusivity of a run, or its crossover time, told from a `share` of the run's rate on, as it was found.
+
+    Chance that makes a rate large, and such a number small, makes it told: its upper bound allows for that.
+    """
+    return number._replace(least=share / number.number) if share and number.key in SPREADING_QUANTITIES else number
+
+
+def with_variance_laws(estimates: Mapping[str, Quantity], run: bool) -> dict[str, Quantity]:
+    """Estimates with the laws of those that go as a variance; without a `run` that of diffusivity is displacements'."""
+    laws = TURN_POWERS if run else TURN_POWERS | dict.fromkeys(SPREADING_QUANTITIES, 1)
+    numbers = {**estimates, **_persistence_scales(estimates)}
+    return {
+        name: _with_variance_bounds(number, laws[name]) if name in laws else number for name, number in numbers.items()
+    }
+
+
+def _with_variance_bounds(number: Quantity, power: int) -> Quantity:
+    """Give a number the bounds that it has if its power `power` scatters as a variance does.
+
+    The degrees of freedom match its relative error; fewer if that is itself uncertain, but at least one. A rate that
+    may be 0 or less keeps its own bounds. A diffusivity with a value is above 0, however few the walkers are.
+    """
+    ends = number.interval()
+    if (
+        ends is None
+        or not number.se
+        or not (ends[0] > 0.0 or (number.key in SPREADING_QUANTITIES and number.number > 0.0))
+    ):
+        return number
+    wider = student_quantile(math.inf, 0.975) / student_quantile(number.freedom, 0.975)
+    freedom = max(2.0 * (wider * number.number / number.se) ** 2, 1.0)
+    return number._replace(freedom=freedom, noise=0.0, power=power)
+
+
+def turning_scatter_refusals(estimates: Mapping[str, Quantity], scatter: Quantity) -> dict[str, Quantity]:
+    """Refusals of what walkers' own turning rates, with this `scatter` (rad/s), may shift by more than bounds allow.
+
+    One fit to all knows only their mean rate of turning: what a run adds, v^2 rate / (2 (rate^2 + turn^2)), is off by
+    a share of (scatter / rate)^2 at most, to second order; the rate is that about each one's own turning.
+    """
+    rate = estimates["persistence_rate"]
+    if not (scatter.known and rate.known and rate.number > 0.0):
+        return {}
+    share = (scatter.number / rate.number) ** 2
+    reason = f"walkers turn at rates of their own, {scatter.number:.2g} rad/s apart: analyse them one by one"
+    numbers = (estimates[name] for name in SPREADING_QUANTITIES)
+    return {
+        number.key: number._replace(value=None, se=None, refused=reason)
+        for number in numbers
+        if number.known and number.half_width() < share * number.number
+    }
+
+
+def _persistence_scales(estimates: Mapping[str, Quantity]) -> dict[str, Quantity]:
+    """Return persistence time and length with the relative error of the rate; one sample can make 1 / rate huge."""
+    rate, speed = estimates["persistence_rate"], estimates["speed"]
+    times = {}
+    for name, other in (("persistence_time", None), ("persistence_length", speed)):
+        number = estimates[name]
+        if number.known and rate.value and rate.se:
+            shares = [each.se / each.value for each in (rate, other) if each and each.se and each.value]
+            times[name] = number._replace(se=number.number * math.hypot(*shares), freedom=rate.freedom)
+    return times

@@ -1,0 +1,280 @@
+"""Walkers one by one: the speed of each, their mean, and how much they differ.
+
+Prints of one design differ. So the mean over a few walkers has two errors: of each walker's speed
+in its own track, which longer films lessen, and of so few walkers, which only more of them lessen.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis import moments
+from walkergen.analysis.estimates import FAR_WEIGHT, MIN_SIGNIFICANCE, NEAR_WEIGHT, UNITS, Frame, quantity, refusal
+from walkergen.analysis.tracks import Track, Tracks
+from walkergen.core.numerics import statistics
+from walkergen.core.numerics.distributions import fisher_tail
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.files import quantity_format
+
+Array = npt.NDArray[np.float64]
+
+SCATTER_P_VALUE = 0.01
+"""Probability, for walkers that are alike, of a spread that counts as resolved (an F test)."""
+
+SHORTENED_SPEEDS = ("speed", "body_speed", "sideways_speed")
+"""Speeds that are corrected alike, by the share of a speed that displacements show."""
+
+MIN_TIME_SHARE = 0.25
+"""Share of the longest time seen from which a walker is compared with others."""
+
+TRACK_PIECES = 10
+"""Number of pieces of one track that give the error of its speed."""
+
+MIN_CORRELATION_TIMES = 8.0
+"""Correlation times that pieces must last to be independent: errors are then 7 % low at most."""
+
+
+class WalkerMeans(NamedTuple):
+    """One walker by itself."""
+
+    particle: int
+    seconds: float
+    """Time from the first to the last frame in which it was seen."""
+    means: Mapping[str, Quantity]
+    """Means by the names of `estimates.UNITS`, with their errors within this walker's track."""
+
+    def mean(self, name: str) -> Quantity:
+        """Mean by its name."""
+        return self.means.get(name, refusal(name, ""))
+
+
+class WalkerComparison(NamedTuple):
+    """At least two walkers beside one another, each counted once."""
+
+    walkers: int
+    means: Mapping[str, Quantity]
+    """Means over walkers by the names of `estimates.UNITS`, by Student's t with n - 1."""
+    scatter: Quantity
+    """Standard deviation of the speeds of walkers, mm/s."""
+    limit: str
+    """Statement of which error limits the mean speed: between walkers, or within their tracks."""
+
+
+class _Series(NamedTuple):
+    """Steps of one track whose mean is a speed or a rate."""
+
+    steps: npt.NDArray[Any]
+    """Shape (n,); NaN where one is not known."""
+    samples: Array
+    """Numbers of samples that they span, shape (n,)."""
+    unit: float
+    """Value of a mean step of 1 per sample."""
+    blocks: Array
+    """The mean itself over blocks of neighbouring samples, whose correlation its error needs."""
+    squared: bool = False
+    """True when steps are products, and the root of their modulus is a speed."""
+
+    def mean(self, sums: npt.NDArray[Any]) -> Array:
+        """Mean from sums of steps and samples, shape (..., 2)."""
+        ratio = sums[..., 0] / sums[..., 1].real
+        return np.asarray(self.unit * (np.sqrt(np.abs(ratio)) if self.squared else ratio.real))
+
+
+def walker_scatter(name: str, values: Array, noise: float, inside: float) -> Quantity:
+    """Estimate the standard deviation between walkers, without the part that errors of their values cause.
+
+    `values`, shape (n,) with n >= 2, have errors of mean variance `noise`, known with `inside` degrees of freedom. They
+    are assumed to be normally distributed between walkers. Refused with an upper bound if walkers may be equal.
+    """
+    free = len(values) - 1
+    total = float(values.var(ddof=1))
+    ratio = total / noise if noise > 0 else math.inf if total > 0 else 0.0
+    if fisher_tail(free, inside, ratio) > SCATTER_P_VALUE:
+        from scipy.special import chdtri
+
+        least = chdtri(free, 0.95)  # chi^2 lies above it with 95 %
+        most = math.sqrt(max(total * free / least - noise, 0.0))
+        bound = (
+            f"below {most:.2g} {quantity_format.UNITS[UNITS[name]]} (95 %)"
+            if most
+            else "smaller than each one's own error makes it"
+        )
+        return refusal(name, f"not resolved: {bound}")
+    from scipy.special import fdtri
+
+    value = math.sqrt(total - noise)
+    se = total * math.sqrt(2.0 / free) / (2.0 * value)
+    least = noise * float(fdtri(free, inside, 1.0 - SCATTER_P_VALUE))
+    return quantity(name, value, se, free)._replace(noise=noise, power=2, least=least)
+
+
+def walker_means(tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[int, float]) -> list[WalkerMeans]:
+    """Every walker by itself.
+
+    `shortened` is the share of a speed that displacements show (see `estimates.evaluate`), `turns`
+    each one's turn (rad) a sample.
+    """
+    alone = []
+    for track in tracks.tracks:
+        seen = np.flatnonzero(~np.isnan(track.position).any(axis=1))
+        seconds = float(seen[-1] - seen[0]) * tracks.interval if len(seen) else 0.0
+        series = _walker_series(track, frame, shortened, turns[track.particle])
+        means = {name: _series_mean(name, own, frame) for name, own in series.items()}
+        alone.append(WalkerMeans(track.particle, seconds, means))
+    return alone
+
+
+def _walker_series(track: Track, frame: Frame, shortened: float, turn: float) -> dict[str, _Series]:
+    step, interval = frame.grid.step, frame.interval
+    place = moments.complex_position(track)
+    seen = np.flatnonzero(~np.isnan(place))
+    blocks = np.diff(place[::step]).real / (step * interval)
+    along = _Series(np.diff(place[seen]).real, np.diff(seen), 1.0 / interval, blocks)
+    if frame.lane:
+        return {"lane_speed": along, "speed": along}
+    if not math.isfinite(shortened) or (frame.headed and track.heading is None):
+        none = _Series(np.zeros(0), np.zeros(0), math.nan, np.zeros(0))
+        return {"lane_speed": along, "speed": none}
+    if not frame.headed:
+        moved, lag = moments.direction_vectors(track, step), frame.first_lag
+        products = moments.mask_near_walls(np.conj(moved[:-lag]) * moved[lag:], track.free_samples(lag + step))
+        motion = _Series(products, np.ones(len(products)), 1.0 / shortened, np.zeros(0), squared=True)
+        return {"lane_speed": along, "speed": motion, "motion_speed": motion}
+    assert track.heading is not None
+    near, far = (_nanmean(moments.heading_displacements(track, turn, out)) for out in (0, 1))
+    moved = NEAR_WEIGHT * near + FAR_WEIGHT * far
+    speeds = moments.body_frame_displacements(track, step) / (step * interval * shortened)
+    ones, unit = np.ones(len(moved)), 1.0 / (shortened * interval)
+    ahead = _Series(moved.real, ones, unit, speeds.real)
+    heading = np.exp(1j * track.heading)
+    turned = moments.mask_near_walls(np.angle(heading[1:] * np.conj(heading[:-1])), track.free_samples(1))
+    return {
+        "lane_speed": along,
+        "speed": ahead,
+        "body_speed": ahead,
+        "sideways_speed": _Series(moved.imag, ones, unit, speeds.imag),
+        "turning_bias": _Series(turned, ones, 1.0 / interval, np.zeros(0)),
+    }
+
+
+def _nanmean(values: moments.Complex) -> moments.Complex:
+    """Mean of the rows that are known; NaN where none is."""
+    present = ~np.isnan(values)
+    mean = np.where(present, values, 0.0).sum(axis=0) / np.maximum(present.sum(axis=0), 1)
+    return np.where(present.any(axis=0), mean, np.nan)
+
+
+def _series_mean(name: str, series: _Series, frame: Frame) -> Quantity:
+    """Mean of a series with its error, by pieces or by its correlation time; that may be refused."""
+    present = ~np.isnan(series.steps)
+    values = np.stack([series.steps, series.samples])[:, present]
+    edges = np.linspace(0, values.shape[1], TRACK_PIECES + 1).astype(int)[:-1]
+    sums = np.add.reduceat(values, np.unique(edges), axis=1).T if present.any() else np.zeros((0, 2))
+    if not math.isfinite(series.unit):
+        return refusal(name, "no speed of all walkers is known: film for longer")
+    if not len(sums):
+        return refusal(name, "too short a track: film for longer")
+    if series.squared and (reason := _unresolved_reason(sums, series.unit)):
+        return refusal(name, reason)
+    mean = Quantity(name, UNITS[name], float(series.mean(sums.sum(axis=0))))
+    if len(sums) < TRACK_PIECES:
+        return mean._replace(refused="too short a track for an error: film for longer")
+    lasting = float(sums[:, 1].real.mean()) * frame.interval
+    correlated = _error_if_correlated(series.blocks, frame.grid.step * frame.interval, lasting)
+    if correlated is not None:
+        error, reason = correlated
+        return mean._replace(refused=reason) if reason else mean._replace(se=error)
+    left_out = series.mean(sums.sum(axis=0) - sums)
+    error = float(statistics.jackknife_error(left_out[:, None])[0])
+    return mean._replace(se=error, freedom=TRACK_PIECES - 1.0)
+
+
+def _unresolved_reason(sums: npt.NDArray[Any], unit: float) -> str:
+    """Reason why products of displacements tell no speed; '' where they do.
+
+    The modulus of a mean that is all noise would be a speed above 0.
+    """
+    if len(sums) < 2:
+        return "too short a track: film for longer"
+    whole, count = sums.sum(axis=0)
+    left_out = (whole - sums[:, 0]).real / (count - sums[:, 1]).real
+    product, error = (whole / count).real, statistics.jackknife_error(left_out[:, None])[0]
+    if product > MIN_SIGNIFICANCE * error:
+        return ""
+    most = unit * math.sqrt(max(product, 0.0) + 2.0 * error)
+    return f"no lasting direction is resolved: slower than {most:.2g} mm/s (95 %)"
+
+
+def _error_if_correlated(blocks: Array, block: float, lasting: float) -> tuple[float, str] | None:
+    """Error of the mean of blocks of `block` s that are correlated over much of `lasting` s.
+
+    Their own correlation time then gives the number of independent samples, or shows that they are
+    too few. None where pieces of `lasting` s are independent, and where blocks are empty: products
+    over a lag do not depend on the direction at its start.
+    """
+    if not len(blocks):
+        return None
+    values, fewest = blocks[~np.isnan(blocks)], statistics.MIN_SERIES_LENGTH
+    if len(values) < fewest:
+        return math.nan, f"no track lasts {fewest * block:.2g} s: film for longer"
+    time = statistics.correlation_time([values], block)
+    if time is None:
+        return math.nan, "changes too slowly for tracks so short: film for longer"
+    if lasting >= MIN_CORRELATION_TIMES * time:
+        return None
+    error = statistics.error_of_mean([values], block, time)
+    if error is None:
+        total = len(values) * block
+        reason = f"changes within {time:.2g} s, too few times in {total:.3g} s: film for longer"
+        return math.nan, reason
+    return error, ""
+
+
+def compare(alone: Sequence[WalkerMeans]) -> WalkerComparison | None:
+    """Means and spread of the walkers that were seen for long enough.
+
+    None for fewer than two, or where one of them has no speed.
+    """
+    longest = max(walker.seconds for walker in alone)
+    walkers = [walker for walker in alone if walker.seconds >= MIN_TIME_SHARE * longest]
+    if len(walkers) < 2 or any(walker.mean("speed").value is None for walker in walkers):
+        return None
+    means = {}
+    for name in walkers[0].means:
+        values = [value for walker in walkers if (value := walker.mean(name).value) is not None]
+        if len(values) == len(walkers):
+            means[name] = quantity(name, *statistics.weighted_mean(np.array(values)))
+    speeds = [walker.mean("speed") for walker in walkers]
+    errors = [speed.se for speed in speeds if speed.se is not None]
+    if len(errors) < len(speeds):
+        reason = next(speed.refused for speed in speeds if speed.refused)
+        return WalkerComparison(
+            len(walkers), means, refusal("speed_scatter", reason), "no error within a track is known"
+        )
+    noise = float(np.mean(np.square(errors)))
+    inside = sum(min(speed.freedom, statistics.MIN_SAMPLES) for speed in speeds)
+    scatter = walker_scatter("speed_scatter", np.array([speed.value for speed in speeds]), noise, inside)
+    return WalkerComparison(len(walkers), means, scatter, _limiting_error(scatter, noise))
+
+
+def add_shared_error(means: Mapping[str, Quantity], shortened: Quantity) -> dict[str, Quantity]:
+    """Means with the error of `shortened`, which those of all walkers share."""
+    relative = shortened.se / shortened.value if shortened.se and shortened.value else 0.0
+    return {
+        name: mean._replace(se=math.hypot(mean.se, relative * mean.value))
+        if name in SHORTENED_SPEEDS and mean.se is not None and mean.value is not None
+        else mean
+        for name, mean in means.items()
+    }
+
+
+def _limiting_error(scatter: Quantity, noise: float) -> str:
+    """Statement of which of the two errors limits a mean."""
+    if scatter.value is None:
+        return "walkers are alike within the errors of their tracks, which limit: film for longer"
+    if scatter.value**2 > noise:
+        return "differences between walkers limit: more walkers help, longer films do not"
+    return "errors within tracks limit, more than differences between walkers: film for longer"

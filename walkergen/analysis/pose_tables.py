@@ -1,0 +1,161 @@
+"""Poses: tables of parts of bodies, as DeepLabCut and SLEAP write them, as places and headings of walkers."""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain, islice
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis import track_columns
+from walkergen.analysis.track_columns import PIXEL, NamedColumn, Source
+from walkergen.core.errors import InputError
+from walkergen.core.files import columns, file_reading, safe_text
+from walkergen.core.files.columns import Columns
+
+Array = npt.NDArray[np.float64]
+
+MIN_LIKELIHOOD = 0.6
+"""Likelihood of a part from which it counts: the one that DeepLabCut draws parts from."""
+
+MIDDLE_NAMES = ("centroid", "center", "centre", "middle", "body", "thorax")
+FRONT_NAMES, BACK_NAMES = (
+    ("front", "head", "nose", "snout"),
+    ("back", "rear", "tail", "tail_base", "tailbase", "abdomen"),
+)
+"""Names of parts of a body: its middle, and the ends between which it heads."""
+
+
+PICTURE_PATTERN = re.compile(r".*?(\d+)\.(?:png|jpe?g|bmp|tiff?),", re.IGNORECASE)
+"""Name of a picture, with its folders, which DeepLabCut has in place of a frame; it ends in the frame's number."""
+
+PIXEL_COLUMNS = {
+    "frame": NamedColumn("frame", ""),
+    "x": NamedColumn("x", PIXEL),
+    "y": NamedColumn("y", PIXEL),
+    "theta": NamedColumn("theta", "rad"),
+}
+"""Columns of poses, with their units."""
+
+
+class Part(NamedTuple):
+    """Part of a body, pixels; NaN where it is not seen."""
+
+    x: Array
+    y: Array
+
+
+def read_deeplabcut(path: Path) -> Source:
+    """Rows of DeepLabCut's table, whose names stand in three lines, or in four with individuals.
+
+    Rows are of frames, or of pictures by whose names their frames are known.
+    """
+    top = islice(file_reading.read_lines(path, columns.FORMAT_NAME), 5)
+    head = [columns.split_cells(line, str(path), at) for at, line in enumerate(top, 1)]
+    titles = ("scorer", "individuals", "bodyparts", "coords")
+    rows = {row[0].lower(): [cell.strip() for cell in row] for row in head if row and row[0].lower() in titles}
+    if not {"bodyparts", "coords"} <= set(rows):
+        raise InputError(f"{path}: begins as DeepLabCut's tables do, but has no lines bodyparts and coords")
+    first = next((at for at, cell in enumerate(rows["coords"]) if at and cell), 1)  # behind a picture's folders
+    parts, coords = rows["bodyparts"][first:], rows["coords"][first:]
+    individuals = rows["individuals"][first:] if "individuals" in rows else [""] * len(parts)
+    if not len(parts) == len(coords) == len(individuals):
+        counts = (len(each) + first for each in (parts, coords, individuals))
+        raise InputError("{}: lines of its names have {}, {} and {} cells".format(path, *counts))
+    keys = [f"{person}/{part}/{coord}" for person, part, coord in zip(individuals, parts, coords, strict=True)]
+    header = ",".join([*[""] * (first - 1), "frame", *(f'"{key}"' for key in keys)]) + "\n"
+    below = ["\n"] * (len(rows) - 1)  # its other lines of names
+    body: Iterator[str] = islice(file_reading.read_lines(path, columns.FORMAT_NAME), len(rows), None)
+    pictures = len(head) > len(rows) and bool(PICTURE_PATTERN.match(",".join(head[len(rows)][:first]) + ","))
+    if pictures:
+        body = (PICTURE_PATTERN.sub("," * (first - 1) + r"\1,", line, count=1) for line in body)
+    table = columns.read_numbers(path, ["frame"], keys, lines=chain([header], below, body))
+    owned: dict[str, dict[str, Part]] = {}
+    for person, part in dict.fromkeys(zip(individuals, parts, strict=True)):
+        x, y, likelihood = (table.values.get(f"{person}/{part}/{coord}") for coord in ("x", "y", "likelihood"))
+        if x is None or y is None:
+            raise InputError(f"{path}: the part {safe_text.shorten_line(part)[:30]} has no x and y")
+        owned.setdefault(person, {})[part] = _likely_part(x, y, likelihood)
+    if len(owned) > 1:
+        owned.pop("single", None)  # parts of no individual, as corners of a box
+    said = ("frames are numbered by the names of pictures",) if pictures else ()
+    return from_bodies(table, "frame", table.values["frame"], owned, PIXEL_COLUMNS, "DeepLabCut", said)
+
+
+def from_bodies(
+    table: Columns,
+    clock: str,
+    times: Array,
+    owned: Mapping[str, Mapping[str, Part]],
+    named: Mapping[str, NamedColumn],
+    program: str,
+    said: tuple[str, ...] = (),
+) -> Source:
+    """Rows of all bodies in a frame, each with its parts by their names; bodies without a name are numbered alone."""
+    placed = [_body_pose(own) for own in owned.values()]
+    heads = all(len(places) == len(placed[0][0]) for places, _ in placed)
+    walkers = [places if heads else places[:2] for places, _ in placed]
+    long = track_columns.to_long_table(table, clock, times, walkers, range(len(walkers)))
+    told = (placed[0][1], *said, *track_columns.format_labels([person for person in owned if person]))
+    return Source(long, named, program, True, said=told)
+
+
+def read_sleap(path: Path, names: list[str]) -> Source:
+    """Rows of SLEAP's analysis table: a row for a walker in a frame, with x, y and score of each part."""
+    ends = (name.removesuffix(".x") for name in names if name.endswith(".x"))
+    parts = [part for part in ends if f"{part}.y" in names]
+    if not parts:
+        raise InputError(f"{path}: no part has both columns .x and .y")
+    labels = (
+        columns.distinct_texts(file_reading.read_lines(path, columns.FORMAT_NAME), str(path), "track")
+        if "track" in names
+        else []
+    )
+    wanted = [f"{part}.{coord}" for part in parts for coord in ("x", "y")]
+    words = {"track": labels} if labels else {}
+    table = columns.read_numbers(path, ["frame_idx"], wanted, words, file_reading.read_lines(path, columns.FORMAT_NAME))
+    own = {part: Part(table.values[f"{part}.x"], table.values[f"{part}.y"]) for part in parts}
+    (x, y, *theta), said = _body_pose(own)
+    values = {"frame": table.values["frame_idx"], "x": x, "y": y}
+    values |= {"particle": table.values["track"]} if labels else {}
+    values |= {"theta": theta[0]} if theta else {}
+    seen = np.isfinite(x)
+    table = Columns({name: column[seen] for name, column in values.items()}, table.lines[seen], table.bad)
+    return Source(table, PIXEL_COLUMNS, "SLEAP", True, said=(said, *track_columns.format_labels(labels)))
+
+
+def check_table_kind(path: Path, names: Sequence[str]) -> None:
+    """Raise InputError for tables of sleap-io that are not the analysis table: rows of parts, or of whole frames."""
+    if "node" in names or any(name.startswith("inst0.") for name in names):
+        what = "a part of a walker" if "node" in names else "all walkers of a frame"
+        raise InputError(f"{path}: has a row for {what}; give SLEAP's analysis CSV, which has one for a walker")
+
+
+def _likely_part(x: Array, y: Array, likelihood: Array | None) -> Part:
+    """Part of a body where its likelihood is large enough."""
+    if likelihood is not None:
+        unsure = likelihood < MIN_LIKELIHOOD
+        x, y = np.where(unsure, np.nan, x), np.where(unsure, np.nan, y)
+    return Part(x, y)
+
+
+def _body_pose(parts: Mapping[str, Part]) -> tuple[tuple[Array, ...], str]:
+    """Place of a body by its parts and, where names tell its ends, its heading; and in words which were taken."""
+    ends = ([part for part in parts if part.lower() in names] for names in (MIDDLE_NAMES, FRONT_NAMES, BACK_NAMES))
+    middle, front, back = (found[0] if found else "" for found in ends)
+    if middle or len(parts) == 1:
+        middle = middle or next(iter(parts))
+        place, said = parts[middle], f"places are those of the part {safe_text.shorten_line(middle)[:30]}"
+    else:
+        place = Part(*(np.mean([getattr(part, axis) for part in parts.values()], axis=0) for axis in "xy"))
+        said = f"places are the mean of all {len(parts)} parts, in frames in which all are seen"
+    if not (front and back):
+        return place, f"{said}; no headings, for no two parts are called head and tail"
+    ahead, behind = parts[front], parts[back]
+    theta = np.arctan2(ahead.y - behind.y, ahead.x - behind.x)
+    return (
+        *place,
+        theta,
+    ), f"{said}, headings from {safe_text.shorten_line(back)[:30]} to {safe_text.shorten_line(front)[:30]}"

@@ -1,0 +1,220 @@
+"""Rows of a file of speeds that name tracks in place of a speed, and the speeds of these tracks.
+
+A row stands for one walker of the tracks, by its number in the column `particle`, or for each of
+them. Its speed and standard error are those that `analyse` gives to that walker by itself. Where
+tracks are so short that none has an error, a row for all is their mean, as `analyse` gives it.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis import motion, track_files, track_warnings, walls
+from walkergen.analysis.track_columns import TRACKS_COLUMN
+from walkergen.core.errors import InputError
+from walkergen.core.files import columns, file_reading, safe_text
+from walkergen.core.files.columns import Columns
+from walkergen.core.numerics.quantity import Quantity
+
+Array = npt.NDArray[np.float64]
+
+PARTICLE_COLUMN = "particle"
+"""Column of a walker in a file of tracks."""
+
+SPEED_COLUMN, ERROR_COLUMN, PLATE_COLUMN = "speed_mm_s", "speed_se_mm_s", "plate_speed_mm_s"
+
+MAX_FILES = 200
+"""Largest number of files of tracks."""
+
+
+class _Film(NamedTuple):
+    """Walkers of a file of tracks."""
+
+    path: Path
+    speeds: dict[int, Quantity]
+    """Speed of each walker by itself, mm/s, by its number."""
+    mean: Quantity
+    """Mean speed of all, mm/s."""
+    plates: dict[int, float]
+    """Peak speed of the plate by walker, mm/s; NaN where the file does not say."""
+    scale_se: float | None
+    """Standard error of the scale as a share of it; None where it is not known."""
+    notes: list[str]
+    """Doubts about its tracks, and what was done to its rows."""
+
+    @property
+    def name(self) -> str:
+        """Name of the file, safe to show."""
+        return safe_text.shorten_line(self.path.name)
+
+
+class _Walker(NamedTuple):
+    """Walker, or the mean of several, that a row of the file of speeds stands for."""
+
+    at: int
+    """Place of that row among the usable ones."""
+    film: _Film
+    particles: tuple[int, ...]
+    estimate: Quantity
+    """Speed, mm/s."""
+
+    @property
+    def speed(self) -> float | None:
+        """Speed, mm/s; None where it, or its error, is not known."""
+        return None if self.estimate.se is None else self.estimate.value
+
+    @property
+    def reason(self) -> str:
+        """Reason why it has no speed, or no error of it."""
+        return self.estimate.refused
+
+    def error(self, crowd: int) -> float:
+        """Compute the standard error of the speed, mm/s, with the scale's error that `crowd` rows share."""
+        value, se = self.estimate.value, self.estimate.se
+        assert value is not None
+        assert se is not None
+        return math.hypot(se, math.sqrt(crowd) * (self.film.scale_se or 0.0) * value)
+
+
+def add_track_speeds(path: Path, table: Columns) -> tuple[Columns, tuple[str, ...]]:
+    """Rows with a speed and, of tracks, its standard error (mm/s), and what is to be said of them.
+
+    All walkers of a film share the error of its scale: each bears it times the root of their
+    number, so that their mean bears it once. Raises InputError for tracks that cannot be read, for
+    rows that have a speed as well, and for a walker in two rows.
+    """
+    names = _track_names(path)
+    filmed = np.array([int(line) in names for line in table.lines], bool)
+    both = filmed & ~np.isnan(_column_or_nan(table, SPEED_COLUMN))
+    if both.any():
+        raise InputError(f"{path}:{table.lines[both][0]}: both {SPEED_COLUMN} and {TRACKS_COLUMN}: leave one blank")
+    films: dict[str, _Film] = {}
+    walkers: list[_Walker] = []
+    for at in map(int, np.flatnonzero(filmed)):
+        name = names[int(table.lines[at])]
+        if name not in films:
+            if len(films) == MAX_FILES:
+                raise InputError(f"{path}: more than {MAX_FILES} files of tracks: split the file")
+            films[name] = _read_film(path.parent / name)
+        walkers += _row_walkers(films[name], at, _column_or_nan(table, PARTICLE_COLUMN)[at], path, table)
+    _check_duplicates(path, walkers)
+    known = [walker for walker in walkers if walker.speed is not None]
+    joined = _join_rows(table.reject_rows(filmed, ""), table, known)
+    bad = table.bad | _missing_speed_reasons(table, walkers, known)
+    notes = [note for film in films.values() for note in _film_notes(film, walkers)]
+    joined = joined._replace(bad=bad)
+    return joined.reject_rows(
+        np.isnan(joined.values[SPEED_COLUMN]), f"neither {SPEED_COLUMN} nor {TRACKS_COLUMN}"
+    ), tuple(notes)
+
+
+def _track_names(path: Path) -> dict[int, str]:
+    """Names of files of tracks by the line on which each stands."""
+    records = columns.parse_records(file_reading.read_lines(path, columns.FORMAT_NAME), str(path))
+    cells = ((line, row[TRACKS_COLUMN].strip()) for line, row in records.rows)
+    return {line: cell for line, cell in cells if cell}
+
+
+def _column_or_nan(table: Columns, name: str) -> Array:
+    """Column of a table, NaN where it has none."""
+    return table.values.get(name, np.full(len(table.lines), np.nan))
+
+
+def _read_film(path: Path) -> _Film:
+    """Walkers of a file of tracks that says its own lengths and times, as `analyse` reads it."""
+    read = track_files.read_tracks(path, track_files.Units())
+    measured = motion.analyse(read, found=walls.find_walls(read))
+    plates = {track.particle: math.nan if track.plate_speed is None else track.plate_speed for track in read.tracks}
+    speeds = {walker.particle: walker.mean("speed") for walker in measured.walkers}
+    mean = measured.estimates["speed"]
+    notes = [
+        *track_warnings.find_all(read),
+        *measured.doubts,
+        track_warnings.describe_scale_error(read.scale_se),
+        read.note,
+    ]
+    return _Film(path, speeds, mean, plates, read.scale_se, [note for note in notes if note])
+
+
+def _row_walkers(film: _Film, at: int, number: float, path: Path, table: Columns) -> Iterator[_Walker]:
+    """Walkers that a row stands for. Raises InputError for one that the tracks lack."""
+    lone = [_Walker(at, film, (particle,), speed) for particle, speed in film.speeds.items()]
+    if math.isnan(number):
+        unknown = all(walker.speed is None for walker in lone)
+        if unknown and len(lone) > 1 and film.mean.se is not None:
+            yield _Walker(at, film, tuple(film.speeds), film.mean)
+        else:
+            yield from lone
+    elif number in film.speeds:
+        yield _Walker(at, film, (int(number),), film.speeds[int(number)])
+    else:
+        seen = ", ".join(map(str, list(film.speeds)[:10]))
+        more = " ..." if len(film.speeds) > 10 else ""
+        raise InputError(
+            f"{path}:{table.lines[at]}: {PARTICLE_COLUMN} = {number:g}: must be a walker of {film.name}: {seen}{more}"
+        )
+
+
+def _check_duplicates(path: Path, walkers: Sequence[_Walker]) -> None:
+    """Raise InputError for the first walker that stands in two rows."""
+    seen: set[tuple[Path, int]] = set()
+    for walker in walkers:
+        for key in ((walker.film.path, particle) for particle in walker.particles):
+            if key in seen:
+                raise InputError(
+                    f"{path}: walker {key[1]} of {walker.film.name} is in two rows: give each "
+                    f"walker once, by the column {PARTICLE_COLUMN}"
+                )
+            seen.add(key)
+
+
+def _join_rows(rest: Columns, table: Columns, known: Sequence[_Walker]) -> Columns:
+    """Rows of numbers, then a row of each walker with what else stood in its row."""
+    at = np.array([walker.at for walker in known], np.int64)
+    crowds = [sum(other.film is walker.film for other in known) for walker in known]
+    of_film = np.array([walker.film.plates[walker.particles[0]] for walker in known])
+    plate = _column_or_nan(table, PLATE_COLUMN)[at]
+    own = {
+        SPEED_COLUMN: np.array([walker.speed for walker in known], float),
+        ERROR_COLUMN: np.array([walker.error(crowd) for walker, crowd in zip(known, crowds, strict=True)], float),
+        PLATE_COLUMN: np.where(np.isnan(plate), of_film, plate),
+    }
+    names = dict.fromkeys((*table.values, *own))
+    values = {
+        name: np.append(_column_or_nan(rest, name), own.get(name, _column_or_nan(table, name)[at])) for name in names
+    }
+    return Columns(values, np.append(rest.lines, table.lines[at]), {})
+
+
+def _missing_speed_reasons(table: Columns, walkers: Sequence[_Walker], known: Sequence[_Walker]) -> dict[int, str]:
+    """Reasons, by line, why rows have no walker with a speed."""
+    having = {walker.at for walker in known}
+    lacking = {walker.at: walker for walker in reversed(walkers) if walker.at not in having}
+    return {
+        int(table.lines[at]): f"{walker.film.name}: no walker has a speed: {walker.reason}"
+        for at, walker in lacking.items()
+    }
+
+
+def _film_notes(film: _Film, walkers: Sequence[_Walker]) -> Iterator[str]:
+    """Yield the notes on a film: its speeds, walkers left out, doubts, and the error of its scale."""
+    own = [walker for walker in walkers if walker.film is film]
+    refused = [walker for walker in own if walker.speed is None]
+    means = [walker for walker in own if len(walker.particles) > 1]
+    if means:
+        reason = next(iter(film.speeds.values())).refused
+        yield (
+            f"{film.name}: the mean speed of {len(film.speeds)} walkers, one row: no walker's own "
+            f"has an error: {reason}"
+        )
+    elif len(refused) < len(own):
+        count = len(own) - len(refused)
+        yield f"{film.name}: speeds of {count} walker{'' if count == 1 else 's'}, a row each"
+    if 0 < len(refused) < len(own):
+        which = ", ".join(str(walker.particles[0]) for walker in refused[:10])
+        yield f"{film.name}: left out: walker {which}: {refused[0].reason}"
+    yield from (f"{film.name}: {note}" for note in film.notes)

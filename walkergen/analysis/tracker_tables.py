@@ -1,0 +1,73 @@
+"""Tables of Tracker (Open Source Physics): names of tracks stand in a line of their own above those of columns.
+
+What it exports has the names over the first column of each track, a blank cell over the time and, of several
+tracks, `#multi:` above all; what it copies has one name. Frames without a mark have blank cells.
+"""
+
+from collections.abc import Iterator, Sequence
+from itertools import chain, islice
+from pathlib import Path
+
+from walkergen.analysis import track_columns
+from walkergen.analysis.track_columns import NamedColumn, Source
+from walkergen.core.errors import InputError
+from walkergen.core.files import columns, file_reading
+
+MULTI_TRACK_HEADER, TIME_COLUMN = "#multi:", "t"
+"""First line of a file of several tracks, and the first column of every table."""
+
+
+def title_line_count(head: Sequence[str]) -> int:
+    """Lines above the names of columns, by the first three lines of a file; 0 where it is none of Tracker's."""
+    count = 2 if head and head[0].strip() == MULTI_TRACK_HEADER else 1
+    if len(head) <= count:
+        return 0
+    mark = track_columns.find_separator(head[count])
+    title = head[count - 1].rstrip("\n")
+    named = title.startswith(mark) if mark and len(_split_cells(title, mark)) > 1 else bool(mark and title.strip())
+    return count if named and _split_cells(head[count], mark)[0] == TIME_COLUMN else 0
+
+
+def _split_cells(line: str, mark: str) -> list[str]:
+    return [cell.strip() for cell in line.rstrip("\n").split(mark)]
+
+
+def read_tracker(path: Path, count: int) -> Source:
+    """Rows of Tracker's table, which has `count` lines above the names of its columns. Raises InputError."""
+    head = list(islice(file_reading.read_lines(path, columns.FORMAT_NAME), count + 1))
+    mark = track_columns.find_separator(head[count])
+    names = _split_cells(head[count], mark)
+    wide = {axis: [at for at, name in enumerate(names) if name == axis] for axis in ("x", "y")}
+    for axis in ("x", "y"):
+        if not wide[axis]:
+            raise track_columns.missing_column_error(path, [name for name in names if name], axis)
+    if len(wide["x"]) != len(wide["y"]):
+        raise InputError(
+            f"{path}: {len(wide['x'])} columns x and {len(wide['y'])} columns y: export both of each track"
+        )
+    keys = [f"{axis} of track {n}" for n in range(len(wide["x"])) for axis in ("x", "y")]
+    places = [at for pair in zip(wide["x"], wide["y"], strict=True) for at in pair]
+    table = columns.read_numbers(
+        path, [TIME_COLUMN], keys, lines=_select_columns(path, count, mark, [TIME_COLUMN, *keys], [0, *places])
+    )
+    walkers = [(table.values[x], table.values[y]) for x, y in zip(keys[::2], keys[1::2], strict=True)]
+    long = track_columns.to_long_table(table, "time", table.values[TIME_COLUMN], walkers, range(len(walkers)))
+    if not len(long.lines):
+        raise InputError(f"{path}: nothing to read: no frame has both x and y")
+    titles = _split_cells(head[count - 1], mark)
+    # A title of words between the blanks that separate cells is not told from two titles
+    called = [titles[at] for at in range(1, len(titles)) if titles[at]] if mark != " " else []
+    said = track_columns.format_labels(called) if len(called) == len(walkers) > 1 else ()
+    named = {"time": NamedColumn(TIME_COLUMN, "s"), "x": NamedColumn("x", ""), "y": NamedColumn("y", "")}
+    return Source(long, named, "Tracker", said=said)
+
+
+def _select_columns(path: Path, count: int, mark: str, names: Sequence[str], places: Sequence[int]) -> Iterator[str]:
+    """Lines of a CSV file with these columns alone; the names stand on the first, whatever was above."""
+    yield ",".join(names) + "\n"
+    stream = file_reading.read_lines(path, columns.FORMAT_NAME)
+    for at, line in enumerate(chain(["\n"] * count, islice(stream, count + 1, None)), 2):
+        if mark != "," and "," in line:
+            raise InputError(f"{path}:{at}: a comma seen in {line.strip()[:40]!r}: {columns.SEPARATOR_HINT}")
+        cells = _split_cells(line, mark)
+        yield ",".join(cells[place] if place < len(cells) else "" for place in places if line.strip()) + "\n"

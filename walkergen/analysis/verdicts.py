@@ -1,0 +1,321 @@
+"""Errors of numbers by the jackknife, whether turning lasts, and reasons to refuse a number.
+
+Rates of turning may last for a while: tracks show it, exclude it, or leave it open. Where it is open,
+headings that lose direction late cannot be told from noise of the headings. An exponential would then
+give a persistence too long, with an error that knows nothing of it: so the rate is that of the fit
+with a memory, whose error holds for walkers without one as well.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.analysis import interval_laws
+from walkergen.analysis.displacement_fit import DisplacementFit
+from walkergen.analysis.estimates import (
+    ACROSS_NAMES,
+    ALONG_NAMES,
+    HEADING_NAMES,
+    HEADINGS_KNOWN_REASON,
+    LANE_REASON,
+    MIN_SAMPLES,
+    MIN_SIGNIFICANCE,
+    NO_HEADINGS_REASON,
+    TURNING_NAMES,
+    UNITS,
+    Frame,
+    evaluate,
+    quantity,
+    refusal,
+)
+from walkergen.analysis.moments import Moments
+from walkergen.core.numerics import statistics
+from walkergen.core.numerics.distributions import student_quantile
+from walkergen.core.numerics.quantity import Quantity
+
+TOO_FEW_REASON = "too few data for its fit: film for longer"
+
+POSITIVE_P_VALUE = 5e-3
+"""Probability of a number that counts as larger than 0 though it is not (Student's t)."""
+
+MEMORY_P_VALUE = 0.025
+"""Probability, for walkers whose memory lasts for a sample, of one that counts as shorter."""
+
+
+def jackknife_quantity(numbers: Sequence[Mapping[str, float]], name: str) -> Quantity:
+    """Return a number with its jackknife error, or a refusal.
+
+    `numbers` holds the numbers of all samples, then those without each sample.
+    """
+    value, error = numbers[0][name], _jackknife_error(numbers[1:], name)
+    if not (math.isfinite(value) and math.isfinite(error)):
+        return refusal(name, TOO_FEW_REASON)
+    return quantity(name, value, error, len(numbers) - 2.0)
+
+
+def is_resolved(number: Quantity) -> bool:
+    """Whether a number is larger than 0 beyond what chance makes of it."""
+    if number.value is None or number.se is None:
+        return False
+    return number.value > student_quantile(number.freedom, 1.0 - POSITIVE_P_VALUE) * number.se
+
+
+def _jackknife_error(replicates: Sequence[Mapping[str, float]], name: str) -> float:
+    """Jackknife error of a number; NaN with too few samples, or where one has no number."""
+    spread = np.array([[replicate[name]] for replicate in replicates])
+    if len(spread) < MIN_SAMPLES or not np.isfinite(spread).all():
+        return math.nan
+    return float(statistics.jackknife_error(spread)[0])
+
+
+def choose_memory(sums: Sequence[Moments], frame: Frame) -> tuple[Frame, list[dict[str, float]]]:
+    """Frame that says what the tracks tell of the memory, and the numbers that it gives.
+
+    `sums` are those of all samples, then of those without each one, and so are the numbers.
+    """
+    if frame.lane or not frame.headed:
+        return frame, evaluate_all(sums, frame)
+    late = frame._replace(memory=True)
+    lasting = evaluate_all(sums, late)
+    memory = jackknife_quantity(lasting, "turning_memory")
+    # Within a sample it cannot be told from less noise of the headings.
+    if is_resolved(memory) and lasting[0]["turning_memory"] > frame.interval:
+        return late, lasting
+    at_once = evaluate_all(sums, frame)
+    if _is_shorter(memory, frame.interval):
+        return frame, at_once
+    return frame._replace(memory_open=True), _merge_persistence(at_once, lasting)
+
+
+def evaluate_all(sums: Sequence[Moments], frame: Frame) -> list[dict[str, float]]:
+    """Numbers of each of the sums, with what `frame` says of the memory."""
+    values = [evaluate(sample, frame) for sample in sums]
+    if not frame.memory_open:
+        return values
+    late = frame._replace(memory=True)
+    return _merge_persistence(values, [evaluate(sample, late) for sample in sums])
+
+
+def _is_shorter(memory: Quantity, seconds: float) -> bool:
+    """Whether a memory is shorter than `seconds` beyond what chance makes of it."""
+    if memory.value is None or memory.se is None:
+        return False
+    errors = student_quantile(memory.freedom, 1.0 - MEMORY_P_VALUE)
+    return memory.value + errors * memory.se < seconds
+
+
+def _merge_persistence(
+    at_once: Sequence[Mapping[str, float]], lasting: Sequence[Mapping[str, float]]
+) -> list[dict[str, float]]:
+    """Numbers of walkers without memory, but for the persistence, which is that with one.
+
+    The memory itself is there to name a bound.
+    """
+    names = "persistence_rate", "persistence_time", "turning_memory"
+    return [
+        {
+            **plain,
+            **{name: late[name] for name in names},
+            "persistence_length": abs(plain["speed"]) * late["persistence_time"],
+        }
+        for plain, late in zip(at_once, lasting, strict=True)
+    ]
+
+
+def judge(
+    values: Mapping[str, float],
+    replicates: Sequence[Mapping[str, float]],
+    frame: Frame,
+    fitted: DisplacementFit | None,
+    without_one: Sequence[Mapping[str, float]],
+    longest_s: float,
+    freedom: float,
+    differ: bool,
+) -> dict[str, Quantity]:
+    """Attach jackknife errors to the values, or refuse them.
+
+    `replicates` leave out a sample each, `without_one` a walker each where samples are pieces of
+    few: where walkers differ by more than their pieces tell, the error is that over walkers, and of
+    their runs wherever they are known to `differ` in speed or turning.
+    `fitted` is the fit of the squared displacement (None in a lane), `longest_s` its longest lag, `freedom`
+    that of the samples, of which some may hold little free motion.
+    """
+    errors = {name: _jackknife_error(replicates, name) for name in values}
+    numbers = _Numbers(values, errors, freedom)
+    refused = _meaningless_reasons(frame) | _unresolved_reasons(numbers, frame, fitted, longest_s)
+    if len(replicates) < MIN_SAMPLES:
+        few = f"{len(replicates)} independent samples; at least {MIN_SAMPLES}: film for longer"
+        refused = dict.fromkeys(UNITS, few)
+    estimates, share = {}, _detection_share(numbers, frame, fitted, longest_s)
+    for name in UNITS:
+        reason = refused.get(name, "")
+        if not reason and not (math.isfinite(values[name]) and math.isfinite(errors[name])):
+            reason = TOO_FEW_REASON
+        if reason:
+            estimates[name] = refusal(name, reason)
+            continue
+        within = interval_laws.with_detection_limit(quantity(name, values[name], errors[name], freedom), share)
+        surely = differ and not frame.lane and name in interval_laws.RUN_QUANTITIES
+        estimates[name] = interval_laws.with_walker_error(within, [others[name] for others in without_one], surely)
+    return interval_laws.with_variance_laws(estimates, fitted is not None and fitted.run)
+
+
+class _Numbers(NamedTuple):
+    """Values with errors of some degrees of freedom."""
+
+    values: Mapping[str, float]
+    errors: Mapping[str, float]
+    freedom: float
+
+    def is_positive(self, *names: str) -> bool:
+        """Whether all are larger than 0, beyond what chance makes of it."""
+        return all(is_resolved(quantity(name, self.values[name], self.errors[name], self.freedom)) for name in names)
+
+    def has_positive_bounds(self, name: str) -> bool:
+        """Whether the bounds of a number lie above 0."""
+        ends = quantity(name, self.values[name], self.errors[name], self.freedom).interval()
+        return ends is not None and ends[0] > 0.0
+
+    def half_width(self, name: str) -> float:
+        """Half of the width of a number's bounds."""
+        return quantity(name, self.values[name], self.errors[name], self.freedom).half_width()
+
+    def upper_bound_reason(self, name: str, unit: str, scale: float = 1.0, root: bool = False) -> str:
+        """Reason that names a bound, in `unit`, on scale x the number, or on its root."""
+        most = max(self.values[name], 0.0) + 2.0 * self.errors[name]
+        bound = scale * (math.sqrt(most) if root else most)
+        return f"not resolved: below {bound:.2g} {unit} (95 %)" if math.isfinite(bound) else ""
+
+
+def _detection_share(numbers: _Numbers, frame: Frame, fitted: DisplacementFit | None, longest_s: float) -> float:
+    """Share of the rate of a run, as it was found, from which on its diffusivity is told; 0 where there is none."""
+    rate, error = numbers.values["msd_rate"], numbers.errors["msd_rate"]
+    if fitted is None or not fitted.run or not rate > 0.0:
+        return 0.0
+    decayed = frame.decayed / (rate * longest_s)
+    if fitted.spreads[0].smooth_rate:
+        return decayed
+    return max(decayed, student_quantile(numbers.freedom, 1.0 - POSITIVE_P_VALUE) * error / rate)
+
+
+def _meaningless_reasons(frame: Frame) -> dict[str, str]:
+    if frame.lane:
+        names = (*TURNING_NAMES, *HEADING_NAMES, *ACROSS_NAMES, "motion_speed", "ballistic_speed")
+        also = ("localisation_noise", "translational_diffusion")
+        return dict.fromkeys((*names, *also), LANE_REASON)
+    if frame.headed:
+        return {"motion_speed": HEADINGS_KNOWN_REASON}
+    return dict.fromkeys((*HEADING_NAMES, *ALONG_NAMES, *ACROSS_NAMES), NO_HEADINGS_REASON)
+
+
+def _unresolved_reasons(
+    numbers: _Numbers, frame: Frame, fitted: DisplacementFit | None, longest_s: float
+) -> dict[str, str]:
+    """Refuse roots of, and quotients by, what the data cannot tell from zero: no error holds."""
+    if frame.lane or fitted is None:
+        reason = "the spread about the mean run is too small to tell"
+        return {} if numbers.is_positive("diffusivity") else {"crossover_time": reason}
+    refused = _unresolved_persistence(numbers, frame, longest_s)
+    if frame.headed:
+        if frame.memory_open:
+            refused["turning_memory"] = numbers.upper_bound_reason("turning_memory", "s")
+        elif math.isnan(numbers.values["turning_memory"]):
+            refused["turning_memory"] = "not resolved: headings lose direction from the first on"
+        if not numbers.is_positive("heading_variance"):
+            refused["heading_noise"] = numbers.upper_bound_reason("heading_variance", "rad", root=True)
+        if abs(numbers.values["speed"]) <= MIN_SIGNIFICANCE * numbers.errors["speed"]:
+            refused["persistence_length"] = "the speed is not resolved"
+    elif not numbers.is_positive("amplitude"):
+        window = frame.grid.step * frame.interval
+        reason = numbers.upper_bound_reason("lasting", f"mm/s over {window:.2g} s", 1.0 / window, root=True)
+        refused |= dict.fromkeys(("speed", "motion_speed", *TURNING_NAMES), reason)
+    return refused | _unresolved_spread(numbers, frame, fitted, longest_s)
+
+
+def _unresolved_persistence(numbers: _Numbers, frame: Frame, longest_s: float) -> dict[str, str]:
+    """Refuse what is divided by a rate of persistence that is too small, or too uncertain."""
+    rate = numbers.values["persistence_rate"]
+    lost = rate * longest_s > frame.decayed
+    if lost and numbers.has_positive_bounds("persistence_rate"):
+        return {}
+    reason = f"hardly a loss of direction within {longest_s:.3g} s: {frame.advice}"
+    if lost and frame.memory_open:
+        reason = (
+            f"{longest_s:.3g} s do not tell how fast direction is lost where rates of turning may "
+            f"last for a while: {frame.advice}"
+        )
+    at_least = max(rate, 0.0) + 2.0 * numbers.errors["persistence_rate"]
+    if math.isfinite(at_least) and at_least > 0:
+        reason += f"; more than {1.0 / at_least:.3g} s (95 %)"
+    return dict.fromkeys(("persistence_time", "persistence_length"), reason)
+
+
+def _unresolved_spread(numbers: _Numbers, frame: Frame, fitted: DisplacementFit, longest_s: float) -> dict[str, str]:
+    """Refuse terms of the squared displacement that cannot be told from zero, or from others."""
+    if math.isnan(fitted.spreads[0].offset):
+        return {}  # nothing was fitted, which is reason enough
+    first_s = frame.interval
+    if not fitted.run:
+        refused = _noise_and_diffusion(numbers)
+        reason = f"no run shows: diffusive at all lags from {first_s:.2g} to {longest_s:.3g} s"
+        refused |= dict.fromkeys(("ballistic_speed", "crossover_time"), reason)
+        if numbers.is_positive("diffusivity"):
+            refused["translational_diffusion"] = (
+                f"diffusion and runs that turn within {first_s:.2g} s cannot be told apart: film more frames a second"
+            )
+        else:
+            refused["diffusivity"] = numbers.upper_bound_reason("diffusivity", "mm²/s")
+        return refused | _hidden_run(numbers, frame, fitted, longest_s)
+    refused = _noise_and_diffusion(numbers)
+    if not numbers.is_positive("msd_speed2"):
+        reason = numbers.upper_bound_reason("msd_speed2", "mm/s", root=True)
+        refused |= dict.fromkeys(("ballistic_speed", "crossover_time"), reason)
+    smooth = fitted.spreads[0].smooth_rate
+    if smooth:
+        refused["translational_diffusion"] = f"hidden by inertia: runs set in smoothly, over some {1.0 / smooth:.2g} s"
+        if fitted.at_its_limit:
+            reason = f"how slowly runs set in cannot be told from how long they last: {frame.advice}"
+            refused |= dict.fromkeys(("diffusivity", "crossover_time"), reason)
+    turned = numbers.values["msd_rate"] * longest_s > frame.decayed
+    needed = ("diffusivity",) if smooth else ("msd_rate", "diffusivity")
+    if not (turned and numbers.is_positive(*needed)):
+        reason = f"{fitted.regime(longest_s)}: {frame.advice}"
+        refused |= dict.fromkeys(("diffusivity", "crossover_time"), reason)
+    return refused
+
+
+def _hidden_run(numbers: _Numbers, frame: Frame, fitted: DisplacementFit, longest_s: float) -> dict[str, str]:
+    """Refuse diffusivity where a run that lags are too short to show may add more to it than its bounds allow.
+
+    Headings tell that: v^2 / (2 rate), with the largest speed v (95 %). Without them it is refused where products
+    of displacements show a run, or the squared displacement may have one.
+    """
+    if not frame.headed:
+        hidden = math.inf if fitted.suspected or numbers.is_positive("amplitude") else 0.0
+    else:
+        most = abs(numbers.values["speed"]) + 2.0 * numbers.errors["speed"]
+        rate = numbers.values["persistence_rate"]
+        hidden = most**2 / (2.0 * rate) if rate > 0.0 else math.inf
+    if hidden <= numbers.half_width("diffusivity"):
+        return {}
+    return {"diffusivity": f"lags up to {longest_s:.3g} s do not show what runs add: {frame.advice}"}
+
+
+def _noise_and_diffusion(numbers: _Numbers) -> dict[str, str]:
+    """Refuse noise of the positions and diffusion besides the run where these are not resolved."""
+    noise, diffusion = "localisation_noise", "translational_diffusion"
+    refused: dict[str, str] = {}
+    if not numbers.is_positive("msd_offset"):
+        refused[noise] = numbers.upper_bound_reason("msd_offset", "mm", 0.5, root=True)
+    if not numbers.is_positive(diffusion):
+        refused[diffusion] = numbers.upper_bound_reason(diffusion, "mm²/s")
+    if len(refused) == 2 and numbers.is_positive("msd_first"):
+        together = math.sqrt(numbers.values["msd_first"])
+        reason = (
+            f"noise and diffusion, {together:.2g} mm a sample together, cannot be told apart: film "
+            "a walker at rest, which shows noise alone, or for longer"
+        )
+        refused |= dict.fromkeys((noise, diffusion), reason)
+    return refused

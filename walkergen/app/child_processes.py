@@ -1,0 +1,175 @@
+"""Command lines that run for a page in processes of their own, so that the page never waits.
+
+A child that nobody listens to any more is ended, and one whose server was killed ends itself.
+"""
+
+import asyncio
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import AsyncIterator, Coroutine, Sequence
+from typing import Any, TypeVar
+
+from walkergen.app import sentences
+from walkergen.app.server_state import Running
+
+COMMAND_MODULE = "walkergen.cli.command_child"
+"""Module that runs command lines as a child."""
+
+SIMULATION_MODULE = "walkergen.app.simulation_child"
+"""Module that simulates a walker: a first number, a run to be played, then all that was asked for."""
+
+MAX_CHILDREN = 4
+"""Most children at once: a browser opens six connections to a server, for all its tabs together,
+and their sliders need some."""
+
+KILL_DELAY_S = 1.0
+"""Time after which a child that was interrupted is ended by force."""
+
+MAX_LINE_BYTES = 2**26
+"""Longest line of a child, bytes: a run that is played is one of 0.3 MB."""
+
+Event = dict[str, Any]
+Result = TypeVar("Result")
+
+
+async def run_module(running: Running, module: str, sent: Any) -> AsyncIterator[Event]:
+    """Run a module's main; `sent` reaches it as a line of JSON.
+
+    Yields its events, each a line of JSON on its standard output, and where it fails {"refused": lines}.
+    Closing the iterator, or cancelling its task, ends the child.
+    """
+    task = asyncio.current_task()
+    assert task is not None
+    if len(running - {task}) >= MAX_CHILDREN:
+        yield {
+            "refused": [
+                f"{MAX_CHILDREN} runs, searches or files are being made for pages of this server, which is the "
+                "most at once: stop one, or wait until one is done"
+            ]
+        }
+        return
+    running.add(task)
+    try:
+        async for event in _run_process(module, sent):
+            yield event
+    finally:
+        running.discard(task)
+
+
+async def _run_process(module: str, sent: Any) -> AsyncIterator[Event]:
+    try:
+        child = await asyncio.create_subprocess_exec(
+            sys.executable,
+            "-m",
+            module,
+            limit=MAX_LINE_BYTES,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            start_new_session=True,  # its own workers end with it
+        )
+    except OSError as error:
+        yield {"refused": [f"the command cannot be started: {error.strerror}"]}
+        return
+    assert child.stdin is not None
+    assert child.stdout is not None
+    assert child.stderr is not None
+    errors = asyncio.ensure_future(child.stderr.read())
+    try:
+        with contextlib.suppress(ConnectionError):  # it ended before it listened: its words tell
+            child.stdin.write(json.dumps(sent).encode() + b"\n")
+            await child.stdin.drain()
+        async for line in child.stdout:
+            yield json.loads(line)
+        code = await child.wait()
+        said = (await errors).decode(errors="replace").splitlines()
+    finally:
+        errors.cancel()
+        await _stop_child(child)
+    if code:
+        yield {"refused": _error_lines(said, code)}
+
+
+def _error_lines(said: Sequence[str], code: int) -> list[str]:
+    """Lines with which a child refused."""
+    lines = [sentences.to_plain_text(line.removeprefix("error: ")) for line in said if line.startswith("error: ")]
+    return lines or [*said[-1:], f"the command ended with exit code {code}"]
+
+
+def send_event(event: Event) -> None:
+    """Say an event of this child to its server."""
+    print(json.dumps(event), flush=True)
+
+
+async def _stop_child(child: asyncio.subprocess.Process) -> None:
+    """End a child that may still run, and its workers: first by Ctrl-C, which leaves no file half written."""
+    try:
+        _send_signal(child, "SIGINT")
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(child.wait(), KILL_DELAY_S)
+    finally:
+        _send_signal(child, "SIGKILL")
+    await child.wait()
+
+
+def _send_signal(child: asyncio.subprocess.Process, name: str) -> None:
+    """Send a signal to a child and all that it started; Windows has none but the end."""
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        if hasattr(os, "killpg"):
+            os.killpg(child.pid, getattr(signal, name))
+        elif child.returncode is None:
+            child.terminate()
+
+
+async def run_until_disconnect(receive: Any, work: Coroutine[Any, Any, Result]) -> Result | None:
+    """Run work and return its result; None if the page has gone or the server ends.
+
+    `receive` gives a message of ASGI when a page has gone.
+    """
+    working, gone = asyncio.ensure_future(work), asyncio.ensure_future(_wait_for_disconnect(receive))
+    try:
+        await asyncio.wait({working, gone}, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        gone.cancel()
+        working.cancel()
+        await asyncio.wait({working})
+    return None if working.cancelled() else working.result()
+
+
+async def _wait_for_disconnect(receive: Any) -> None:
+    while (await receive())["type"] != "http.disconnect":
+        pass
+
+
+async def stop_all(running: Running) -> None:
+    """End all children of a server, and what waits for them."""
+    for task in running:
+        task.cancel()
+    if running:
+        await asyncio.wait(set(running))
+
+
+def receive_and_watch() -> Any:
+    """Return what a child's server sent, and end the child from then on when the server ends.
+
+    The pipe closes with the process that holds it, no matter what the child is doing.
+    """
+    sent = json.loads(sys.stdin.buffer.readline() or b"null")
+
+    def watch() -> None:
+        while os.read(sys.stdin.fileno(), 4096):
+            pass
+        if hasattr(os, "killpg"):
+            os.kill(os.getpid(), signal.SIGINT)  # what is half written goes
+            time.sleep(KILL_DELAY_S)
+            os.killpg(0, signal.SIGKILL)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+    return sent

@@ -1,0 +1,139 @@
+"""Files of a page's walker, made by the commands that a person would type, and handed out."""
+
+import hashlib
+import io
+import json
+import zipfile
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from walkergen.app import document as documents
+from walkergen.app import walker_answers
+from walkergen.app.document import Document
+from walkergen.core.errors import InputError
+from walkergen.core.files import file_reading
+from walkergen.core.files.config import Section
+from walkergen.core.files.output import Folder
+from walkergen.core.printing.packing import MAX_PARTS
+from walkergen.core.walker.body import BUILTIN_OUTLINES
+from walkergen.files import templates
+
+FORMATS = ("stl", "3mf", "plate", "page", "toml", "zip")
+"""Files that a page hands out."""
+
+SWEEP_OPTIONS = {
+    "legs.tilt_deg": ("--set", "legs.tilt_deg=2:40:1", "--set", "legs.length_mm=5:10:0.5"),
+    "leg_tilt_deg": ("--set", "leg_tilt_deg=4:40:4", "--model", "space", "--error", "10%"),
+}
+"""Sweep that searches for a wished speed, by the key of the tilt: two equal legs are predicted, others simulated."""
+
+
+class FileOrder(NamedTuple):
+    """Files to make, and where."""
+
+    document: Document
+    what: str
+    folder: Path
+    commands: list[list[str]]
+    """Words after `walkergen` of the commands that make them, in order."""
+
+
+def make_order(document: Document, what: Any, copies: Any, folder: Path) -> FileOrder:
+    """Order of files for a walker, in a folder of its own below `folder`.
+
+    Raises InputError for files that are not known, and for a walker that is not sound.
+    """
+    if not isinstance(what, str) or what not in FORMATS:
+        raise InputError(f"{documents.SOURCE}: what: must be one of {', '.join(FORMATS)}")
+    if isinstance(copies, bool) or not isinstance(copies, int) or not 1 <= copies <= MAX_PARTS:
+        raise InputError(f"{documents.SOURCE}: copies: must be a whole number in 1..{MAX_PARTS}")
+    digest = hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()[:8]
+    target = folder / f"{walker_answers.part_name(document)}-{digest}"
+    out = ("--out", str(target))
+    made = {
+        "stl": documents.arguments(document, "export", "--format", "stl", *out),
+        "3mf": documents.arguments(document, "export", "--format", "3mf", *out),
+        "plate": documents.arguments(document, "plate", "--copies", str(copies), *out),
+        "page": documents.arguments(document, "family", "--page", "--out", str(target / "family")),
+    }
+    return FileOrder(document, what, target, [words for name, words in made.items() if what in (name, "zip")])
+
+
+def collect_files(asked: FileOrder) -> tuple[str, bytes]:
+    """Name and contents of what the commands of an order made: a file, or several in an archive.
+
+    Raises InputError where they have not run, OutputError for settings that cannot be written.
+    """
+    if asked.what in ("toml", "zip"):
+        _write_settings(asked.document, asked.folder)
+    folder, patterns = (
+        asked.folder,
+        {
+            "stl": "stl/*.stl",
+            "3mf": "3mf/*.3mf",
+            "plate": "plates/*",
+            "page": "family/report.html",
+            "toml": "settings/*",
+            "zip": "**/*",
+        },
+    )
+    paths = sorted(path for path in folder.glob(patterns[asked.what]) if path.is_file())
+    paths = [path for path in paths if not path.name.startswith(".")]
+    if not paths:
+        raise InputError(f"{documents.SOURCE}: these files are not made yet")
+    if len(paths) == 1:
+        return paths[0].name, paths[0].read_bytes()
+    what = "" if asked.what == "zip" else f"-{asked.what}"
+    return f"{folder.name}{what}.zip", _zip_files(folder, paths)
+
+
+def _zip_files(folder: Path, paths: list[Path]) -> bytes:
+    """Archive of files whose bytes depend on nothing but theirs."""
+    target = io.BytesIO()
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
+        for path in paths:
+            entry = zipfile.ZipInfo(path.relative_to(folder).as_posix())
+            archive.writestr(entry, path.read_bytes(), zipfile.ZIP_DEFLATED)
+    return target.getvalue()
+
+
+def _write_settings(document: Document, folder: Path) -> None:
+    """Write walker, scene and printer as TOML files, the file of a body beside them."""
+    design = document.load_design().with_numbered_legs()
+    alone: dict[str, Any] = {"tilt_deg": [design.tilt_deg]}  # a family of this walker alone
+    alone |= {"legs": [design.kind]} if design.pair else {}
+    family = design.family.model_copy(update=alone)
+    design = design.model_copy(update={"family": family})
+    with Folder(folder, "") as target:
+        for key, name in (("mesh", design.body.mesh), ("outline", design.body.outline)):
+            if name is not None and name not in BUILTIN_OUTLINES:
+                data = file_reading.read_bytes(Path(name))
+                target.write(f"settings/{Path(name).name}", data)
+                body = design.body.model_copy(update={key: Path(name).name})
+                design = design.model_copy(update={"body": body})
+        things: dict[str, Section] = {
+            "walker": design,
+            "scene": document.load_scene(),
+            "printer": document.load_printer(),
+        }
+        for name, thing in things.items():
+            text = templates.to_toml(thing, f"The {name} of {design.name}, by its page", every=False)
+            target.write(f"settings/{name}.toml", text.encode())
+
+
+def sweep_arguments(document: Document, speed: Any, folder: Path) -> list[str]:
+    """Return the words after `walkergen` that sweep tilts, and list those nearest to a wished speed first.
+
+    Raises InputError for what is no number, and for a walker whose legs share no tilt.
+    """
+    if isinstance(speed, bool) or not isinstance(speed, (int, float)):
+        raise InputError(f"{documents.SOURCE}: speed: must be a number")
+    design = document.load_design()
+    key = documents.tilt_key(design)
+    if key is None:
+        raise InputError(f"{documents.SOURCE}: {design.name}: its legs share no tilt to search")
+    words = SWEEP_OPTIONS[key]
+    varied = {word.partition("=")[0] for word in words}
+    free = document._replace(values={name: own for name, own in document.values.items() if name not in varied})
+    words += ("--keep", "speed,spread,printability", f"--wish={speed!r}")
+    return documents.arguments(free, "sweep", *words, "--no-pictures", "--json", "--out", str(folder))

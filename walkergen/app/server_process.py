@@ -1,0 +1,149 @@
+"""The server as a process: its port, its address, its end."""
+
+import contextlib
+import errno
+import ipaddress
+import logging
+import socket
+import threading
+import webbrowser
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import uvicorn
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+from walkergen.app import server_state as servers
+from walkergen.app.document import Document
+from walkergen.core.errors import InputError
+from walkergen.files import templates
+
+LOOPBACK = ("127.0.0.1", "localhost")
+
+PLAIN_PORT = 80
+"""Port that browsers leave out of an address."""
+
+
+IDLE_S = 10.0
+"""Time after which a connection on which no message has begun to be answered is closed, s."""
+
+
+class _IdleTimeoutProtocol(H11Protocol):
+    """Connection that is closed where nothing comes on it, or a message that does not get on."""
+
+    def connection_made(self, transport: Any) -> None:
+        super().connection_made(transport)
+        self.loop.call_later(IDLE_S, self._close_if_idle, None)
+
+    def _close_if_idle(self, before: Any) -> None:
+        """Close what has answered nothing since the last look, at the message `before`, and answers nothing now."""
+        if self.transport.is_closing():
+            return
+        if self.cycle is None or (self.cycle is before and self.cycle.response_complete):
+            self.transport.close()
+        else:
+            self.loop.call_later(IDLE_S, self._close_if_idle, self.cycle)
+
+
+class _CleanupServer(uvicorn.Server):
+    """Server that at its end first ends what runs for its pages, and says nothing any more."""
+
+    def __init__(self, config: uvicorn.Config, served: servers.Server) -> None:
+        super().__init__(config)
+        self._served = served
+
+    async def shutdown(self, sockets: Any = None) -> None:
+        from walkergen.app import child_processes
+
+        logging.getLogger("uvicorn.error").disabled = True
+        await child_processes.stop_all(self._served.running)
+        for workers in (self._served.steps, self._served.workers):
+            workers.stop()
+        await super().shutdown(sockets)
+
+
+def serve(asked: Document, anew: bool, folder: Path, host: str, port: int, browser: bool) -> None:
+    """Serve pages on a sound document until Ctrl-C; `anew` where a command line asked for it.
+
+    Raises InputError for addresses that are unusable.
+    """
+    own = None if asked.walker in templates.names("walkers") else asked.walker
+    first = asked._replace(values=servers.START_VALUES | dict(asked.values))
+    away = _is_remote(host)
+    listening = _open_socket(host, port)
+    port = listening.getsockname()[1]
+    names = (host,) if away else (host, *LOOPBACK)
+    served = servers.make_server(folder, _allowed_hosts(names, port), first, own, away, anew)
+    path = f"once/{served.once}" if served.once else f"{served.secret}/"
+    address = f"http://{_bracket_ipv6(host)}:{port}/{path}"
+    for workers in (served.steps, served.workers):
+        workers.start()
+    print(f"the page: {address}", flush=True)
+    print("Ctrl-C ends it" if not away else "for one device, once; Ctrl-C ends it", flush=True)
+    if browser and not away:
+        threading.Timer(0.3, webbrowser.open, [address]).start()
+    with contextlib.suppress(KeyboardInterrupt):  # the way to end it
+        from walkergen.app import server  # takes as long as a browser takes to start
+
+        config = uvicorn.Config(
+            server.application(served),
+            log_level="error",
+            access_log=False,
+            server_header=False,
+            timeout_graceful_shutdown=1,
+            ws="none",
+            lifespan="off",
+            http=_IdleTimeoutProtocol,
+            loop="asyncio",
+        )
+        _CleanupServer(config, served).run(sockets=[listening])
+
+
+def _allowed_hosts(names: Sequence[str], port: int) -> frozenset[str]:
+    """Hosts as browsers name them who call a port of these."""
+    bracketed = [_bracket_ipv6(name).lower() for name in names]
+    plain = bracketed if port == PLAIN_PORT else []
+    return frozenset([*(f"{name}:{port}" for name in bracketed), *plain])
+
+
+def _bracket_ipv6(host: str) -> str:
+    """Host as addresses of pages have it."""
+    return f"[{host}]" if ":" in host else host
+
+
+def _is_remote(host: str) -> bool:
+    """Return whether other machines can reach a host. Raises InputError for one that pages cannot open."""
+    if host in LOOPBACK:
+        return False
+    try:
+        address = ipaddress.ip_address(host or "0.0.0.0")
+    except ValueError:
+        return True
+    if address.is_unspecified:
+        raise InputError(
+            f"‹host=›{host or repr(host)}: stands for every address of this machine: give the one "
+            "that the other device shall call"
+        )
+    return not address.is_loopback
+
+
+def _open_socket(host: str, port: int) -> socket.socket:
+    """Socket that listens at an address. Raises InputError."""
+    listening = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET)
+    # Where others may take a port that is in use, Windows, it must be refused; elsewhere one that
+    # was in use a moment ago is free
+    alone = getattr(socket, "SO_EXCLUSIVEADDRUSE", None)
+    try:
+        listening.setsockopt(socket.SOL_SOCKET, alone or socket.SO_REUSEADDR, 1)
+        listening.bind((host, port))
+        listening.listen()  # a browser that is quicker than the server waits
+    except (OSError, UnicodeError) as error:
+        listening.close()
+        reason = getattr(error, "strerror", None) or "is no address"
+        if getattr(error, "errno", None) in (errno.EADDRINUSE, errno.EACCES):
+            advice = f"‹port=›{port}: {reason}: give another port, or 0 for any that is free"
+        else:
+            advice = f"‹host=›{host[:80]}: {reason}: give an address of this machine, or none"
+        raise InputError(advice) from None
+    return listening

@@ -1,0 +1,99 @@
+"""Child process of the server that simulates a walker, for its prediction or with all runs of its scene.
+
+A prediction takes runs of seconds. Before all runs come a first number and a run to be played.
+"""
+
+import contextlib
+import sys
+import time
+from typing import TYPE_CHECKING, Any
+
+from walkergen.app import child_processes, sentences
+from walkergen.app.document import SOURCE, Document
+from walkergen.command_table import for_shell
+from walkergen.core.errors import WalkergenError
+from walkergen.core.files.progress import range_progress
+
+if TYPE_CHECKING:
+    from walkergen.core.files.progress import Progress
+    from walkergen.core.scene import Scene
+    from walkergen.core.walker.design import Design
+
+FIRST_S, FIRST_RUNS = 1.0, 4
+"""Length (s) and number of the runs that give the first number."""
+
+PLAYBACK_S = 3.0
+"""Length of the run that is played, s."""
+
+EVENT_INTERVAL_S = 0.2
+"""Time between two events that say how far it is, s."""
+
+
+def main() -> int:
+    """Simulate the document that the server sent, `short` only what its prediction needs; returns the exit code."""
+    sent = child_processes.receive_and_watch()
+    document = Document(**sent["document"])
+    try:
+        if sent["short"]:
+            _predict(document.load_design(), document.load_scene())
+        else:
+            _simulate(document.load_design(), document.load_scene())
+    except WalkergenError as error:
+        for line in for_shell(error.text).splitlines():
+            print(f"error: {line.removeprefix(f'{SOURCE}: ')}", file=sys.stderr)
+        return 2
+    return 0
+
+
+def _predict(design: "Design", scene: "Scene") -> None:
+    """Predict a walker that nothing knows without runs, which the store then has for whoever asks again."""
+    from walkergen.commands.predict import make
+
+    make.predict(design, [design], scene, "coulomb", progress=_make_progress())
+    child_processes.send_event({"predicted": True})
+
+
+def _simulate(design: "Design", scene: "Scene") -> None:
+    from walkergen.guests.movie import viewer_run
+
+    run, tell = scene.run, _make_progress()
+    seconds, runs = min(FIRST_S, run.seconds), min(FIRST_RUNS, run.runs)
+    before, rest = seconds * runs, run.seconds * run.runs  # simulated time of both, by which one bar grows
+    if not rest > 2.0 * before:
+        before = 0.0
+    shares = before / (before + PLAYBACK_S + rest), (before + PLAYBACK_S) / (before + PLAYBACK_S + rest)
+    if before:
+        few = run.model_copy(update={"seconds": seconds, "runs": runs})
+        first = scene.model_copy(update={"run": few})
+        child_processes.send_event(
+            _measure_walker(design, first, range_progress(tell, 0.0, shares[0])) | {"first": True}
+        )
+    with contextlib.suppress(WalkergenError):  # it moves in a plane, or falls at once, which the runs tell
+        child_processes.send_event({"played": viewer_run.record_run(design, scene, PLAYBACK_S)})
+    child_processes.send_event(_measure_walker(design, scene, range_progress(tell, shares[1], 1.0)) | {"first": False})
+
+
+def _measure_walker(design: "Design", scene: "Scene", progress: "Progress") -> dict[str, Any]:
+    """Simulate a walker, and return the facts of `simulate` with a sentence."""
+    from walkergen.commands.simulate import make, report
+    from walkergen.core.walker import solids
+
+    facts = report.make_report(make.measure(make.make_walker(scene, design, solids.mass_of(design)), progress)).facts
+    return {"facts": facts, "text": sentences.format_runs(facts)}
+
+
+def _make_progress() -> "Progress":
+    """Progress that the page hears of, not too often."""
+    said = 0.0
+
+    def tell(what: str, done: int, total: int) -> None:
+        nonlocal said
+        if time.monotonic() - said > EVENT_INTERVAL_S:
+            said = time.monotonic()
+            child_processes.send_event({"progress": [what, done, total]})
+
+    return tell
+
+
+if __name__ == "__main__":
+    sys.exit(main())

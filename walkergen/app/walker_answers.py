@@ -1,0 +1,237 @@
+"""What a page shows of its walker: the part, how it prints and how it will run.
+
+Every number comes from the job that the command line calls for it.
+"""
+
+import json
+import re
+from collections.abc import Iterator, Sequence
+from itertools import zip_longest
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.app import document as documents
+from walkergen.app import sentences
+from walkergen.app.document import Document
+from walkergen.commands.check import make as checking
+from walkergen.commands.predict import make as predicting
+from walkergen.core.errors import InputError, WalkergenError
+from walkergen.core.files import safe_text
+from walkergen.core.printing import findings
+from walkergen.core.printing.findings import About, Finding
+from walkergen.core.scene import Scene
+from walkergen.core.shapes.mesh import Mesh
+from walkergen.core.walker import names, solids
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import MassProperties, to_centre_frame
+from walkergen.files import web_page
+from walkergen.readers.walkers.leg_placement import UnplacedError
+
+UPLOAD_PATH = re.compile(
+    r"""(?<!\S)(['"]?)(?:[A-Za-z]:)?[\\/][^:\n]*?\.(?:svg|dxf|stl|3mf|obj|ply|off|glb|png|jpe?g)\b\1""", re.IGNORECASE
+)
+"""Path of a file that somebody dropped onto a page, where they have never been."""
+
+LEG_GAP_MM = 1e-4
+"""Distance below the body's underside from which on a triangle belongs to a leg."""
+
+
+def walker_facts(document: Document) -> tuple[dict[str, Any], Mesh]:
+    """Facts on the walker and its speed, and its mesh as it stands.
+
+    Raises WalkergenError for what cannot be built or predicted.
+    """
+    design, scene = document.load_design(), document.load_scene()
+    report = predicting.predict(design, [design], scene, "coulomb", model="known", united=False)
+    (member,) = report.members
+    row = member.row._asdict()
+    facts = {
+        "name": design.name,
+        "part": member.name,
+        "tilt_deg": design.tilt_deg,
+        "tilt_key": documents.tilt_key(design),
+        "legs": len(design.limbs),
+        "kind": design.kind,
+        "size_mm": list(design.size),
+        "row": row,
+        "speed": str(member.row.speed),
+        "sentence": sentences.format_speed(member.row)._asdict(),
+        "note": sentences.to_plain_text(member.row.note),
+        "motor": design.motor is not None,
+        "shaken": scene.drive.kind == "plate",
+        "mass_g": float(member.mass.total),
+        "caption": sentences.to_plain_text(report.caption),
+        "dimensions": list(_dimensions(design)),
+        "centre": _centre_of_mass(design, member.mass),
+        "loads": list(_foot_loads(design, member.mass)),
+        "prints": "on its side" if solids.is_printed_on_side(design) else "legs up",
+    }
+    return facts, member.mesh
+
+
+def pack_walker(document: Document) -> bytes:
+    """Facts on the walker as a line of JSON, then the corners of its triangles, and which are of legs.
+
+    Raises WalkergenError, as `walker` does.
+    """
+    facts, mesh = walker_facts(document)
+    corners, legs = triangle_corners(mesh), leg_mask(document, mesh)
+    head = json.dumps(facts | {"triangles": len(corners)}, allow_nan=False).encode()
+    head += b" " * (-(len(head) + 1) % 4) + b"\n"  # numbers begin at a multiple of 4 bytes
+    return head + corners.tobytes() + legs.tobytes()
+
+
+def printing_outlook(document: Document) -> dict[str, Any]:
+    """Return the printer's findings on the walker, and its export as a shell command and Python code.
+
+    Raises WalkergenError, as `walker` does.
+    """
+    found = checking.check([document.load_design()], [1], document.load_printer()).findings
+    return {
+        "findings": [_format_finding(finding) for finding in findings.group_findings(found)],
+        "legs_at_fault": any(_is_leg_fault(finding) for finding in found),
+        "shell": documents.shell_command(documents.arguments(document, "export")),
+        "python": documents.python_code(document),
+    }
+
+
+def variance_shares(document: Document) -> list[dict[str, Any]]:
+    """Return each unknown input's part of the spread of the speed, largest first; none if only runs give the speed.
+
+    A part is what knowing that input alone would remove. The last one is what several inputs cause together. Each has
+    the key under which a measured value is entered, "" without one. Raises WalkergenError, as `walker` does.
+    """
+    design, scene = document.load_design(), document.load_scene()
+    report = predicting.predict(design, [design], scene, "coulomb", uncertain=True, model="known")
+    alone = [
+        {
+            "key": _page_key(share["name"], design),
+            "name": sentences.format_name(share["name"]),
+            "part": max(share["first"], 0.0),
+        }
+        for share in report.facts["rows"][0]["shares"]
+    ]
+    if not alone:
+        return []
+    rest = 1.0 - sum(part["part"] for part in alone)
+    together = [{"key": "", "name": "several of them together", "part": rest}] if rest > 0.0 else []
+    return sorted(alone, key=lambda part: -part["part"]) + together
+
+
+def _page_key(name: str, design: Design) -> str:
+    """Key on a page of what is not known, by its name in predictions; "" for what no key holds."""
+    table, _, key = name.partition(".")
+    if table == "legs":
+        return f"legs.{design.kind}_{key}" if design.pair else ""
+    return f"scene.{name}" if table in Scene.model_fields else name if key else ""
+
+
+def format_refusal(error: WalkergenError) -> list[dict[str, Any]]:
+    """Mistakes, each with its key where it has one, in words for people who click.
+
+    The last comes with what helps, and says whether `trouble` draws it.
+    """
+    mistaken = error if isinstance(error, InputError) else InputError(error.text)
+    keys, remedies = mistaken.keys, mistaken.remedies
+    texts = [line.removeprefix(f"{documents.SOURCE}: ") for line in mistaken.fault.splitlines()]
+    mistakes: list[dict[str, Any]] = [
+        {
+            "key": key,
+            "text": safe_text.shorten_line(sentences.to_plain_text(UPLOAD_PATH.sub("the file", text))),
+            "helps": [],
+            "drawn": False,
+        }
+        for text, key in zip_longest(texts, keys[: len(texts)], fillvalue="")
+    ]
+    for mistake in mistakes[-1:]:
+        mistake["helps"] = [{"words": remedy.words, "values": dict(remedy.values)} for remedy in remedies]
+        mistake["drawn"] = isinstance(error, UnplacedError)
+    return mistakes
+
+
+def trouble_picture(document: Document) -> dict[str, str]:
+    """Address of a picture of the body under which no legs stand, in red what has no room; "" of another walker."""
+    from walkergen.commands.family import unsupported_body as drawing
+    from walkergen.files import figures
+
+    try:
+        document.load_design()
+    except UnplacedError as error:
+        return {"picture": web_page.data_url("image/png", figures.png(drawing.draw_unsupported_body(error), 100))}
+    except WalkergenError:
+        pass  # the page says it already
+    return {"picture": ""}
+
+
+def triangle_corners(mesh: Mesh) -> npt.NDArray[np.float32]:
+    """Corners of all triangles, shape (k, 9), little-endian float32, mm."""
+    return mesh.vertices[mesh.triangles].reshape(-1, 9).astype("<f4")
+
+
+def leg_mask(document: Document, mesh: Mesh) -> npt.NDArray[np.uint8]:
+    """1 for each triangle of a leg, 0 for those of the body, shape (k,)."""
+    bottom = min(limb.bottom for limb in document.load_design().limbs)
+    middles = mesh.vertices[mesh.triangles][:, :, 1].mean(axis=1)
+    return np.asarray(middles < bottom - LEG_GAP_MM, dtype=np.uint8)
+
+
+def _format_finding(finding: Finding) -> dict[str, Any]:
+    """Return a finding in words, with the key and button text of the one setting that would mend it, if any."""
+    setting = finding.setting
+    text = sentences.to_plain_text(finding.text if setting is None else finding.seen_text)
+    does = None if setting is None else setting._asdict() | {"words": sentences.format_setting(*setting)}
+    return {"level": finding.level, "text": text, "does": does}
+
+
+def _is_leg_fault(finding: Finding) -> bool:
+    """Return whether a finding is a problem of a leg, and not only advice."""
+    return finding.level != "advice" and finding.part is About.LEGS
+
+
+def _dimensions(design: Design) -> Iterator[dict[str, Any]]:
+    """Lengths to draw on the part, from and to places in its frame, mm."""
+    length, thickness, depth = design.size
+    x, y = 0.5 * length, 0.5 * thickness
+
+    def line(start: Sequence[float], end: Sequence[float]) -> dict[str, Any]:
+        text = f"{np.linalg.norm(np.subtract(end, start)):.4g} mm"
+        return {"from": list(start), "to": list(end), "text": text}
+
+    yield line((-x, y, depth), (x, y, depth))
+    yield line((x, -y, depth), (x, y, depth))
+    yield line((x, y, 0.0), (x, y, depth))
+    limbs = sorted(design.limbs, key=lambda limb: limb.along)
+    for limb in limbs[-1:]:
+        front = 0.5 * (depth + limb.width) + limb.across
+        foot = np.add(limb.anchor, limb.anchor_to_foot)
+        yield line((*limb.anchor, front), (*foot.tolist(), front))
+    if len(limbs) > 1 and limbs[0].along < limbs[-1].along:
+        low = min(limb.foot_height for limb in limbs)
+        yield line((limbs[0].along, low, depth), (limbs[-1].along, low, depth))
+
+
+def _centre_of_mass(design: Design, mass: MassProperties) -> list[float]:
+    """Centre of mass of the whole walker in the frame of its mesh, mm."""
+    along, up = mass.centre - to_centre_frame(design.limbs, mass, np.zeros(2))
+    z = mass.spatial.z if mass.spatial is not None else 0.0
+    across = (mass.M * z + sum(leg.m * leg.across for leg in mass.legs)) / mass.total
+    return [float(along), float(up), float(0.5 * design.size.depth + across)]
+
+
+def _foot_loads(design: Design, mass: MassProperties) -> Iterator[dict[str, float]]:
+    """Share of the weight on the feet at each place along the run, at rest."""
+    places = sorted({round(limb.along, 6) for limb in design.limbs})
+    if len(places) != 2:
+        return
+    back, front = places
+    x = _centre_of_mass(design, mass)[0]
+    share = (x - back) / (front - back)
+    yield {"along_mm": back, "percent": 100.0 * (1.0 - share)}
+    yield {"along_mm": front, "percent": 100.0 * share}
+
+
+def part_name(document: Document) -> str:
+    """Name of the part's files."""
+    return names.part_name(document.load_design())

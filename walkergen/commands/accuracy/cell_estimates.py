@@ -1,0 +1,197 @@
+"""What the shipped cells say of a walker in a scene: speed, scatter and cost, before anything is simulated.
+
+For the paper's walker on its plate at a tilt and a restitution that were measured, they are those of the cell. For
+any other walker they are scaled: read between cells, and from the plate's speed, its frequency, the walker's own step
+and its number of legs; a simulated second gives its own speed and cost. Biases of the step are the law's, of all
+cells together (`step_law`).
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.commands.accuracy import cells, machine_speed, step_law
+from walkergen.commands.accuracy.cells import REFERENCE_STEP_SHARE, Row
+from walkergen.commands.accuracy.choice import Candidate
+from walkergen.commands.accuracy.step_law import Law
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.plan import Plan, prepare
+from walkergen.core.simulation.run import ENDED_WELL, compile_kernels, simulate
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.files import templates
+from walkergen.points import run_time, step_errors
+
+STEP_SHARES = (1.25, 1.0, 0.5, 0.25, 0.1)
+"""Steps over that which resolves the feet, of which is chosen: the next longer one was measured as well; those below
+0.5 are beyond what was measured, by the law."""
+
+LANE_SCENE = "lane-90hz"
+"""Scene of the cells between which is read."""
+
+SCALED_SCATTER_FACTOR = 1.3
+"""Factor to which the scatter of what is scaled is known: the root mean square of that by which a tilt which is left
+out scatters otherwise, for its speed, than is read between its neighbours."""
+
+CELLS_FREQUENCY_HZ = 90.0
+"""Frequency of the plate of the cells."""
+
+DISCARD_S = 0.4
+"""Start of the second of what is scaled that is not measured, s."""
+
+
+class Estimate(NamedTuple):
+    """Speed, scatter and cost of a walker in a scene."""
+
+    peak: float
+    """Peak speed of the plate, or of one that would move under the walker as its motor moves it, mm/s."""
+    speed: float
+    """Mean speed, mm/s."""
+    variance_time: float
+    """Squared standard error of the mean speed times measured time, (mm/s)^2 s."""
+    work: Callable[[float], float]
+    """Cost of a step (over what resolves the feet) of a simulated second, over that of the loop (`pace`)."""
+    own_us: float
+    """Step that resolves the feet, us."""
+    discard_s: float
+    """Start of every run that is not measured, s."""
+    cell: tuple[Row, ...]
+    """Rows of the cell, where this walker on this plate was measured with a reference; empty elsewhere."""
+
+    @property
+    def unit(self) -> float:
+        """Speed of which an error is a share, mm/s."""
+        return step_law.speed_scale(self.speed, self.peak)
+
+    @property
+    def law(self) -> Law:
+        """Biases of walkers as fast as this one."""
+        laws = step_law.fit_laws(step_law.CELLS_PEAK_SPEED_MM_S)
+        slow = step_law.is_slow(self.speed, self.peak)
+        return laws[slow] if slow in laws else next(iter(laws.values()))
+
+    @property
+    def known(self) -> str:
+        """Word on where the numbers come from."""
+        return "measured" if self.cell else "scaled"
+
+    def candidates(self, loop_s: float) -> list[Candidate]:
+        """Return all STEPS on a machine of a pace (`pace`), CPU seconds of a simulated second of the loop."""
+        return [
+            Candidate(
+                None if step == 1.0 else float(f"{step * self.own_us:.3g}"),
+                self.law.bias_bound(step),
+                self.variance_time / self.unit**2,
+                self.work(step) * loop_s,
+                self.discard_s,
+            )
+            for step in STEP_SHARES
+        ]
+
+
+def estimate(design: Design, scene: Scene) -> Estimate:
+    """Return what the cells say of a walker in a scene. One second of a walker that is scaled is simulated.
+
+    Raises InputError where the scene contradicts itself or the walker.
+    """
+    run = scene.run.model_copy(update={"step_us": None})
+    plan = prepare(scene.model_copy(update={"run": run}), design, solids.mass_of(design))
+    found = _estimate_from_cells(plan)
+    return found if found.cell else _refine_with_short_run(found, plan)
+
+
+def _refine_with_short_run(found: Estimate, plan: Plan) -> Estimate:
+    """Return the estimate with the walker's own speed and cost, its scatter a share of the speed as before.
+
+    It is returned as it is where a second takes long or does not end well.
+    """
+    if run_time.rate_from_steps(plan) > run_time.MAX_START_S:
+        return found
+    compile_kernels(plan)
+    run = simulate(plan.with_run_settings(seconds=machine_speed.LOOP_S, discard_seconds=DISCARD_S), 0)
+    if run.outcome not in ENDED_WELL:
+        return found
+    dearer = run.cpu_s / (machine_speed.LOOP_S + DISCARD_S) / (machine_speed.cpu_per_s() * found.work(1.0))
+    larger = step_law.speed_scale(run.speed, found.peak) / found.unit
+    return found._replace(
+        speed=abs(run.speed), variance_time=larger**2 * found.variance_time, work=lambda step: dearer * found.work(step)
+    )
+
+
+def _estimate_from_cells(plan: Plan) -> Estimate:
+    """Return what the cells say of a plan, without a simulation."""
+    scene, design = plan.scene, plan.case.design
+    every, measured = cells.read_rows(), _find_scene(plan)
+    tilt, restitution = abs(design.tilt_deg), scene.contact.restitution
+    own_s, drive = step_errors.resolving_step(plan), plan.shaken
+    cell = tuple(row for row in every if row.cell == (measured, tilt, restitution))
+    cell = cell if any(row.share == REFERENCE_STEP_SHARE for row in cell) else ()
+    rows = [row for row in every if row.scene == (measured if cell else LANE_SCENE)]
+    measured_us = _interpolate(rows, lambda of: of[1.0].step_us, tilt, restitution)
+    harder = 1.0 if cell else measured_us / (1e6 * own_s) * 0.5 * len(design.limbs)
+    scale = drive.peak_speed / step_law.CELLS_PEAK_SPEED_MM_S
+    slower = CELLS_FREQUENCY_HZ / drive.frequency
+
+    def work(step: float) -> float:
+        return harder * _interpolate(rows, lambda of: _fit_work(of, step), tilt, restitution, logarithmic=True)
+
+    return Estimate(
+        drive.peak_speed,
+        scale * _interpolate(rows, lambda of: abs(of[1.0].speed_mm_s or 0.0), tilt, restitution),
+        scale**2 * slower * _interpolate(rows, _mean_variance_time, tilt, restitution, logarithmic=True),
+        work,
+        1e6 * own_s,
+        scene.run.discard_seconds,
+        cell,
+    )
+
+
+def _fit_work(steps: dict[float, Row], step: float) -> float:
+    """Return the cost of a step in a cell: steps in contact, as many as they are short, and flights, from all rows."""
+    shares, works = np.array(list(steps)), np.array([row.work for row in steps.values()])
+    terms = np.column_stack([np.ones_like(shares), 1.0 / shares]) / works[:, None]
+    flights, contacts = np.linalg.lstsq(terms, np.ones_like(works), rcond=None)[0]
+    return float(max(flights, 0.0) + contacts / step)
+
+
+def _mean_variance_time(steps: dict[float, Row]) -> float:
+    """Return the variance times time of a cell, over all its steps: that of eight runs is itself known badly."""
+    return float(np.mean([row.variance_time for row in steps.values()]))
+
+
+def _find_scene(plan: Plan) -> str:
+    """Return the scene of the cells that a plan has, but for its restitution; "" for others and another walker."""
+    paper = templates.load(machine_speed.BENCHMARK_WALKER, "walkers", Design).variant(
+        tilt_deg=plan.case.design.tilt_deg
+    )
+    if plan.case.design != paper:
+        return ""
+    for name in dict.fromkeys(row.scene for row in cells.read_rows()):
+        scene = templates.load(name, "scenes", Scene)
+        contact = scene.contact.model_copy(update={"restitution": plan.scene.contact.restitution})
+        if plan.scene == scene.model_copy(update={"contact": contact, "legs": plan.scene.legs, "run": plan.scene.run}):
+            return name
+    return ""
+
+
+def _interpolate(
+    rows: Sequence[Row],
+    of: Callable[[dict[float, Row]], float],
+    tilt: float,
+    restitution: float,
+    logarithmic: bool = False,
+) -> float:
+    """Interpolate between cells, linearly in tilt and the logarithm of restitution; constant beyond them."""
+    by_cell = {cell[0][1:3]: {row.share: row for row in cell} for cell in step_law.rows_by_cell(rows)}
+    tilts, restitutions = (sorted({key[at] for key in by_cell}) for at in (0, 1))
+
+    def number(own_tilt: float, own_restitution: float) -> float:
+        found = of(by_cell[own_tilt, own_restitution])
+        return math.log(found) if logarithmic else found
+
+    at = math.log(max(restitution, 1e-3))
+    by_tilt = [float(np.interp(at, np.log(restitutions), [number(own, one) for one in restitutions])) for own in tilts]
+    found = float(np.interp(tilt, tilts, by_tilt))
+    return math.exp(found) if logarithmic else found

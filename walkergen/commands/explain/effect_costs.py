@@ -1,0 +1,230 @@
+"""What each effect changes of a walker's speed and of its CPU time, measured within some seconds."""
+
+import time
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+from walkergen.core import measure as measuring
+from walkergen.core.files import formatting
+from walkergen.core.files.progress import Progress
+from walkergen.core.measure import Budget, Runs
+from walkergen.core.numerics.quantity import Quantity, Verdict
+from walkergen.core.tolerance import Tolerance
+from walkergen.files.report import Column, Table, text_column
+from walkergen.points import variants
+from walkergen.points.experiments import Walker
+from walkergen.points.variants import Change, Pairs, Variant
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+BUDGET_S, SINGLE_EFFECT_SHARE = 10.0, 0.8
+"""Time of all runs, s, and the part of it in which each effect is measured alone."""
+
+MIN_RUNS, COST_RUNS = 4, 4
+"""Fewest runs of each scene, and those that tell prices alone."""
+
+ADVICE_LEVELS = (0.01, 0.02, 0.05, 0.1, 0.2)
+"""Changes, shares of the speed, of which the least is advised that leaves anything out."""
+
+MAX_CPU_RATIO = 0.95
+"""CPU time without an effect over that with it, above which nothing is said of leaving it out."""
+
+
+NO_ADVICE = "leave nothing out: as far as these runs tell, whatever is on changes the speed, or costs no time"
+
+
+class EffectChanges(NamedTuple):
+    """What variants of a scene change."""
+
+    speed: Quantity
+    """Mean speed of the scene, mm/s."""
+    changes: tuple[Change, ...]
+    """What each changes, the largest changes first."""
+    pairs: int
+    """Number of runs of each."""
+    advice: str = ""
+    """What can be left out."""
+
+
+class Row(NamedTuple):
+    """What a variant changes; the field names are keys of files."""
+
+    effect: str
+    change: str
+    change_mm_s: float | None
+    change_se_mm_s: float | None
+    refused: str
+    cpu_ratio: float | None
+    cpu_ratio_se: float | None
+
+
+COLUMNS = (
+    text_column("effect", "effect"),
+    text_column("how", "change"),
+    Column("change\nmm/s", lambda row: row.refused or format_change(row.change_mm_s, row.change_se_mm_s), True),
+    Column("CPU time", lambda row: format_factor(row.cpu_ratio, row.cpu_ratio_se), True),
+)
+
+
+def format_factor(value: float | None, se: float | None) -> str:
+    """Factor with its standard error, to hundredths."""
+    if value is None:
+        return "-"
+    return f"x {formatting.format_fixed(value, 2)}" + ("" if se is None else f" ± {formatting.format_fixed(se, 2)}")
+
+
+def format_change(value: float | None, se: float | None) -> str:
+    """Format a number with its standard error."""
+    if value is None:
+        return "-"
+    return formatting.format_fixed(value, 2) if se is None else formatting.format_with_error(value, se)
+
+
+def measure_costs(walker: Walker, progress: Progress) -> EffectChanges:
+    """Measure from a few runs what the scene changes without each effect that is on."""
+    return _measure_variants(walker, tuple(variants.effect_variants(walker, also_on=False)), Runs(COST_RUNS), progress)
+
+
+def measure(walker: Walker, progress: Progress) -> EffectChanges:
+    """Measure what each effect changes, off or on at its usual size, and what the two largest change together."""
+    told = _budget_progress(progress)
+    every = tuple(variants.effect_variants(walker, also_on=True))
+    alone = _measure_variants(walker, every, Budget(SINGLE_EFFECT_SHARE * BUDGET_S, MIN_RUNS), told)
+    spared, level = _select_omissions(walker, every, alone)
+    changes, joint = list(alone.changes), [_combine(walker, _largest_variants(every, alone)), _combine(walker, spared)]
+    further = tuple({variant.effect: variant for variant in joint if variant is not None}.values())
+    if further:
+        changes += _measure_variants(
+            walker, further, Budget((1.0 - SINGLE_EFFECT_SHARE) * BUDGET_S, MIN_RUNS), told
+        ).changes
+    names = {variant.effect for variant in (*spared, *joint[1:]) if variant is not None}
+    leaving = [change for change in changes if change.effect in names and _is_within(walker, alone, change, level)]
+    advice = _format_advice(min(leaving, key=lambda change: change.cpu.number), level) if leaving else NO_ADVICE
+    return alone._replace(changes=tuple(sorted(changes, key=_change_size, reverse=True)), advice=advice)
+
+
+def _measure_variants(
+    walker: Walker, every: tuple[Variant, ...], until: Runs | Budget, progress: Progress
+) -> EffectChanges:
+    measured = measuring.measure(Pairs(walker, every), until, progress)
+    if measured.partial:
+        raise KeyboardInterrupt
+    pairs, records = measured.experiment, measured.records
+    return EffectChanges(pairs.mean_speed(records), tuple(pairs.changes(records)), measured.runs)
+
+
+def _budget_progress(progress: Progress) -> Progress:
+    """Progress in seconds of the budget, from the first runs on."""
+    started: list[float] = []
+
+    def tell(what: str, done: int, total: int) -> None:
+        if what != "runs":
+            return progress(what, done, total)
+        started.append(time.perf_counter())
+        return progress("seconds", min(int(started[-1] - started[0]), int(BUDGET_S)), int(BUDGET_S))
+
+    return tell
+
+
+def _change_size(change: Change) -> float:
+    """Size of a change, mm/s; those that are not known come last."""
+    return -1.0 if change.speed.value is None else abs(change.speed.value)
+
+
+def _largest_variants(every: Sequence[Variant], alone: EffectChanges) -> list[Variant]:
+    """Find the two variants of the model itself that change the speed most."""
+    sizes = {change.effect: _change_size(change) for change in alone.changes}
+    own = sorted((variant for variant in every if variant.values), key=lambda variant: -sizes[variant.effect])
+    return own[:2]
+
+
+def _is_within(walker: Walker, alone: EffectChanges, change: Change, level: float) -> bool:
+    """Whether a change is within a share of the speed, with 95 % confidence."""
+    return variants.verdict(walker, alone.speed, change, Tolerance(level, relative=True)) is Verdict.AGREE
+
+
+def _select_omissions(walker: Walker, every: Sequence[Variant], alone: EffectChanges) -> tuple[list[Variant], float]:
+    """Variants without what changes little and costs time, and how little; of models the fastest alone."""
+    for level in ADVICE_LEVELS:
+        fitting = [
+            (change.cpu.number, variant)
+            for variant, change in zip(every, alone.changes, strict=True)
+            if variant.leaves_out and change.cpu.number < MAX_CPU_RATIO and _is_within(walker, alone, change, level)
+        ]
+        if fitting:
+            models = [pair for pair in fitting if not pair[1].values]
+            chosen = [min(models, key=lambda pair: pair[0])] if models else fitting
+            return [variant for _, variant in chosen], level
+    return [], 0.0
+
+
+def _combine(walker: Walker, chosen: Sequence[Variant]) -> Variant | None:
+    """Variant with all changes of several; None of fewer than two, and where it cannot be made."""
+    if len(chosen) < 2:
+        return None
+    whole: Variant | None = chosen[0]
+    for variant in chosen[1:]:
+        whole = None if whole is None else variants.combine(walker, whole, variant)
+    return whole
+
+
+def _format_advice(change: Change, level: float) -> str:
+    share, faster = f"{100.0 * level:g} %", formatting.format_number(1.0 / change.cpu.number, 2)
+    told = f"the speed changes by less than {share}, {faster} times as fast"
+    return f"leave out {change.effect}: {told} (simulate ‹effects=›auto:{100.0 * level:g}%)"
+
+
+def rows(measured: EffectChanges) -> list[Row]:
+    """Rows of all changes."""
+    return [
+        Row(
+            change.effect,
+            change.change,
+            change.speed.value,
+            change.speed.se,
+            change.speed.refused,
+            change.cpu.value,
+            change.cpu.se,
+        )
+        for change in measured.changes
+    ]
+
+
+def table(measured: EffectChanges) -> Table:
+    """Table of all changes, the largest first."""
+    speed = format_change(measured.speed.value, measured.speed.se)
+    title = f"What each effect changes: {measured.pairs} runs of each beside {speed} mm/s"
+    note = "CPU time: over that of the scene; ± is one standard error"
+    return Table("measured", rows(measured), Row._fields, COLUMNS, title, [note])
+
+
+def draw_changes(measured: EffectChanges, title: str) -> "Figure":
+    """Picture of the changes of the speed, with bars of 95 %, beside those of the CPU time."""
+    from walkergen.files import figures
+    from walkergen.files.figures import FITTED, MEASURED
+
+    known = [change for change in measured.changes if change.speed.value is not None][::-1]
+    places = list(range(len(known)))
+    drawn, (speeds, costs) = figures.new_grid(title, 2, 2, 0.6 + 0.19 * len(known), share_y=True)
+    for axes, numbers, look in (
+        (speeds, [change.speed for change in known], MEASURED),
+        (costs, [change.cpu for change in known], FITTED),
+    ):
+        halves = [0.0 if number.se is None else number.half_width() for number in numbers]
+        axes.errorbar(
+            [number.number for number in numbers],
+            places,
+            xerr=halves,
+            fmt=look.marker,
+            color=look.colour,
+            markersize=4.0,
+            capsize=2.0,
+            elinewidth=0.8,
+        )
+    figures.draw_level(speeds, 0.0, upright=True)
+    figures.draw_level(costs, 1.0, upright=True)
+    speeds.set_yticks(places, [f"{change.effect}: {change.change}" for change in known])
+    figures.label_axes(speeds, "change of speed (mm/s)")
+    figures.label_axes(costs, "CPU time, ratio")
+    return drawn

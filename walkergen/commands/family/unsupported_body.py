@@ -1,0 +1,33 @@
+"""Picture of a body under which no legs stand: in red what has no room for them, and what they would have to span."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from walkergen.files.figures import style
+from walkergen.readers.walkers import leg_placement
+from walkergen.readers.walkers.leg_placement import UnplacedError
+
+FAULT_COLOUR = "tab:red"
+
+
+@style()
+def draw_unsupported_body(error: UnplacedError) -> Figure:
+    """Draw a body from above. Raises GeometryError for one that has no shape."""
+    import shapely
+
+    room = leg_placement.available_space(error.body, error.legs)
+    drawn = Figure(figsize=(6.0, 5.0), layout="constrained")
+    axes = drawn.add_subplot()
+    for part, colour in ((room.ground, FAULT_COLOUR), (room.free, "0.75")):
+        for polygon in shapely.get_parts(part):
+            for ring, inside in ((polygon.exterior, colour), *((hole, "white") for hole in polygon.interiors)):
+                axes.fill(*np.asarray(ring.coords).T, color=inside)
+    angles = np.linspace(0.0, 2.0 * np.pi, 91)
+    circle = np.array(room.centre)[:, None] + room.radius * np.stack([np.cos(angles), np.sin(angles)])
+    axes.plot(*circle, "--", color=FAULT_COLOUR, label="feet must reach around this, or it tips")
+    axes.plot(*room.centre, "+", color="black", label="centre of mass, from above")
+    axes.set_aspect("equal")
+    axes.set_xlabel("along the run, mm, forward to the right")
+    axes.set_title("no legs stand under this body: red has no room for them")
+    drawn.legend(loc="outside lower center", ncols=2, fontsize=8)
+    return drawn

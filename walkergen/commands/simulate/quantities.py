@@ -1,0 +1,134 @@
+"""Numbers of a simulated walker other than its speed, each a quantity: motion, impacts, powers, landings."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from walkergen.analysis.estimates import LANE_REASON, NO_SLOPE_REASON
+from walkergen.analysis.landings import Landings
+from walkergen.commands.simulate.make import Simulation
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.scene import Scene
+from walkergen.core.simulation import observables
+from walkergen.points import step_errors
+
+MOTION_NAMES = (
+    *("lane_speed", "sideways_speed", "turning_bias", "turning_scatter", *("self_alignment", "slope_turning")),
+    *("rotational_diffusion", "persistence_time", "persistence_length", "diffusivity", "crossover_time"),
+)
+"""Names of the estimates that a summary shows."""
+
+OBSERVABLE_UNITS = {
+    observables.IMPACTS: ("impacts", "per_s", 1.0),
+    observables.BY_IMPULSE: ("by impulse", "percent", 100.0),
+    observables.BY_NUMBER: ("by number", "percent", 100.0),
+    observables.CONTACT: ("in contact", "percent", 100.0),
+    observables.POWERS: ("power", "uW", 1e-3),
+}
+"""Names, units and scales by which people read observables."""
+
+MIN_SHARE = 1e-3
+"""Share of a type below which a summary leaves it out; JSON has it."""
+
+MAX_LISTED_LEGS = 6
+"""Number of legs up to which a summary lists the landings of each; JSON has all."""
+
+
+MOTOR_POWER_NAMES = {"from_plate": "from_motor", f"{observables.POWERS}.from_plate": f"{observables.POWERS}.from_motor"}
+"""Names of the power that a motor gives, by those of a plate's."""
+
+
+def rename_motor_power(data: Any, scene: Scene) -> Any:
+    """Rename power as the motor's in data or a name, if a motor drives.
+
+    The tally's row of the plate's work holds a motor's.
+    """
+    if scene.drive.kind == "plate":
+        return data
+    if isinstance(data, Mapping):
+        return {rename_motor_power(key, scene): rename_motor_power(value, scene) for key, value in data.items()}
+    if isinstance(data, list):
+        return [rename_motor_power(entry, scene) for entry in data]
+    return MOTOR_POWER_NAMES.get(data, data) if isinstance(data, str) else data
+
+
+def motion_numbers(simulated: Simulation) -> Iterator[Quantity]:
+    """Yield how a walker in space moves; a reason that several estimates share comes once."""
+    if simulated.motion is None:
+        return
+    before, found = "", simulated.motion.estimates
+    in_lane = found["sideways_speed"].refused == LANE_REASON
+    for number in map(found.__getitem__, MOTION_NAMES):
+        known = number.value is not None or number.refused != before
+        is_mean_speed = in_lane and number.key == "lane_speed"
+        if known and not is_mean_speed and number.refused not in (LANE_REASON, NO_SLOPE_REASON):
+            yield number
+        before = number.refused
+    lags, values, errors = simulated.motion.exponent
+    defined = np.flatnonzero(np.isfinite(values) & np.isfinite(errors))
+    nearest = [defined[np.abs(lags[defined] / lag - 1.0).argmin()] for lag in (0.1, 1.0) if len(defined)]
+    for at in dict.fromkeys(nearest):
+        yield Quantity(f"msd exponent at {lags[at]:.2g} s", "", float(values[at]), float(errors[at]))
+
+
+def observed_numbers(simulated: Simulation) -> Iterator[Quantity]:
+    """Yield impacts, shares of their types, contact and powers; errors are of the runs and the step together."""
+    point = simulated.point
+    for table, (title, unit, scale) in OBSERVABLE_UNITS.items():
+        for name, value in point.values.items():
+            if name.partition(".")[0] != table or (unit == "percent" and value < MIN_SHARE and "." in name):
+                continue
+            step, se = point.step_errors[name], simulated.errors[name]
+            if simulated.orbit is not None and step.error is not None:
+                se = 0.0  # runs that share an orbit tell no error
+            key = f"{title} {rename_motor_power(name.partition('.')[2], simulated.scene)}".strip()
+            yield Quantity(key, unit, scale * value, None if se is None else scale * se, refused=step.reason)
+    yield Quantity("energy unaccounted", "percent", 100.0 * point.summary.energy_error, 0.0)
+
+
+def landing_numbers(simulated: Simulation) -> Iterator[Quantity]:
+    """Yield landings per second that people read: of many legs only those of all feet."""
+    if not simulated.landings:
+        return
+    first = 0 if len(simulated.legs) <= MAX_LISTED_LEGS else 3 * len(simulated.legs)
+    for rate in landing_rates(simulated)[first:]:
+        yield rate._replace(key=f"landings {rate.key}")
+
+
+def landing_names(legs: Sequence[str]) -> list[str]:
+    """Return names of landings: of each corner, of both corners of a leg, of several feet, of one corner alone."""
+    keys = [leg.replace(" ", "_") for leg in legs]
+    corners = [f"{leg}_{side}" for leg in keys for side in ("left", "right")]
+    return [*corners, *(f"{leg}_edge" for leg in keys), "both_feet" if len(legs) == 2 else "several_feet", "alone"]
+
+
+def count_landings(landings: Landings) -> list[int]:
+    """Return numbers of landings in the order of their names."""
+    return [*landings.corners.tolist(), *landings.edges.tolist(), landings.pairs, landings.alone]
+
+
+def landing_rates(simulated: Simulation) -> list[Quantity]:
+    """Return landings per second, corners with z > 0 on the right; errors are of the runs and the step together."""
+    time = np.array([landings.duration for landings in simulated.landings])
+    counts = np.array([count_landings(landings) for landings in simulated.landings], dtype=float)
+    rates = []
+    for at, name in enumerate(landing_names(simulated.legs)):
+        rate = observables.ratio_of_sums(name, counts[:, at], time)
+        kind = step_errors.LANDING_RATE if at < 2 * len(simulated.legs) else step_errors.GROUP_RATE
+        step, value, error = simulated.point.step_errors[kind].error, rate.value or 0.0, None
+        if rate.se is not None and step is not None:
+            error = math.hypot(rate.se, 0.5 * value * step)
+        rates.append(Quantity(name, "per_s", value, error))
+    return rates
+
+
+def notes(simulated: Simulation) -> Iterator[str]:
+    """Yield how motion was measured, and what makes it doubtful."""
+    if simulated.motion is not None:
+        yield from (simulated.motion.method, *simulated.motion.doubts)
+    if simulated.point.step_errors.get(step_errors.MOTION, None) == step_errors.StepError(
+        None, step_errors.TURNING_REASON
+    ):
+        yield step_errors.TURNING_REASON

@@ -1,0 +1,153 @@
+"""Simulation of several walkers in one scene: a row each, predicted and simulated."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from walkergen.commands.simulate import orbit, tables
+from walkergen.core.files import formatting
+from walkergen.core.files.progress import Progress, part_progress
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.ensemble import format_outcomes
+from walkergen.core.simulation.run import Outcome
+from walkergen.core.walker import names, solids
+from walkergen.core.walker.design import Design
+from walkergen.files import report
+from walkergen.files.report import Column, Report, Table
+from walkergen.points import speed_prediction, walkers
+from walkergen.points.effect_selection import Simplest, find_simplest
+from walkergen.points.experiments import Walker
+
+ORBIT_MARK = "(o)"
+"""Mark of a speed whose runs all end on one orbit."""
+
+
+class Row(NamedTuple):
+    """Walker with its predicted speed and that of its runs; the field names are keys of JSON."""
+
+    name: str
+    tilt_deg: float
+    legs: str
+    predicted_mm_s: float | None
+    theory_mm_s: float
+    speed_mm_s: float | None
+    """Mean speed of the runs; None when none ended well."""
+    speed_se_mm_s: float | None
+    speed_low_95_mm_s: float | None
+    speed_high_95_mm_s: float | None
+    """Bounds of 95 % by runs and step, or of prints on an orbit; None when they are unknown."""
+    runs: int
+    outcomes: Mapping[str, int]
+    warnings: Sequence[str]
+    orbit: Mapping[str, Any] | None
+    """Orbit that all runs share, so that they tell no error; None where they differ."""
+    effects: Mapping[str, Any] | None
+    """What an accepted error left out; None where none was accepted."""
+
+
+def prepare_walkers(scene: Scene, members: Sequence[Design], progress: Progress) -> list[Simplest]:
+    """Walkers in a scene, weighed, without what an accepted error allows to leave out.
+
+    Raises InputError for one that cannot be simulated.
+    """
+    whole = [Walker(scene, member, solids.mass_of(member)) for member in members]
+    for walker in whole:
+        walker.plan()
+    return [
+        find_simplest(walker, part_progress(progress, number, len(whole), names.part_name(walker.design)))
+        for number, walker in enumerate(whole)
+    ]
+
+
+def simulate_each(found: Sequence[Simplest], progress: Progress) -> Iterator[Row]:
+    """Simulate walkers in turn, all from the same random starts, and yield a row when one is done.
+
+    Raises KeyboardInterrupt rather than yield a row with runs missing.
+    """
+    wanted = [simple.walker for simple in found]
+    titles = [names.part_name(walker.design) for walker in wanted]
+    for simple, name, point in zip(found, titles, walkers.simulate_each(wanted, titles, progress), strict=True):
+        walker, summary = simple.walker, point.summary
+        shared = orbit.find_shared_orbit(point, progress)
+        if shared is not None:
+            summary = orbit.with_print_bounds(summary, shared)
+        predicted = speed_prediction.predict(walker.design, walker.mass, walker.scene, model="known")
+        yield Row(
+            name,
+            walker.design.tilt_deg,
+            walker.design.kind,
+            predicted.speed_mm_s,
+            predicted.theory_mm_s,
+            summary.speed_mm_s,
+            summary.speed_se_mm_s,
+            summary.speed_low_95_mm_s,
+            summary.speed_high_95_mm_s,
+            summary.runs,
+            summary.outcomes,
+            point.warnings,
+            None if shared is None else tables.orbit_as_dict(shared),
+            simple.facts.get("effects"),
+        )
+
+
+def make_report(rows: Sequence[Row], scene: Scene, found: Sequence[Simplest]) -> Report:
+    """Report of walkers that were simulated; it is partial when Ctrl-C left some out."""
+    title = f"{found[0].walker.design.name} on {scene.name}, {tables.format_drive(scene)}"
+    facts = {"rows": [row._asdict() for row in rows], "partial": len(rows) < len(found)}
+    kinds = {row.orbit["kind"]: None for row in rows if row.orbit is not None}
+    note = f"{ORBIT_MARK}: all runs end so ({' or '.join(kinds)}) and tell no error; 95 % are of prints"
+    return Report(
+        name="simulate",
+        title=title,
+        facts=facts,
+        lines=[*([note] if kinds else []), *_format_omissions(found[: len(rows)])],
+        tables=[Table("simulate", rows, Row._fields, COLUMNS, title)] if rows else [],
+        warnings=list(dict.fromkeys(warning for row in rows for warning in row.warnings)),
+    )
+
+
+def _format_omissions(found: Sequence[Simplest]) -> Iterator[str]:
+    """Yield in words what was left out of each walker's scene, and what was kept."""
+    for simple in found:
+        for name, value in simple.lines:
+            yield f"{names.part_name(simple.walker.design)}, {name}: {value}"
+
+
+def _format_speed(row: Row) -> str:
+    """Mean speed of the runs with its standard error."""
+    if row.speed_mm_s is None:
+        return "none"
+    if row.orbit is not None:
+        return f"{formatting.format_fixed(row.speed_mm_s, 2)} {ORBIT_MARK}"
+    if row.speed_se_mm_s is None:
+        return f"{formatting.format_fixed(row.speed_mm_s, 2)} ± ?"
+    return formatting.format_with_error(row.speed_mm_s, row.speed_se_mm_s)
+
+
+def _format_bounds(row: Row) -> str:
+    low, high = row.speed_low_95_mm_s, row.speed_high_95_mm_s
+    if low is None or high is None:
+        return "unknown"
+    return f"{formatting.format_fixed(low, 1)} to {formatting.format_fixed(high, 1)}"
+
+
+def _format_outcomes(row: Row) -> str:
+    """Outcomes of the runs, but for the orbit that the speed is marked by."""
+    return format_outcomes(
+        {
+            outcome: count
+            for outcome, count in row.outcomes.items()
+            if row.orbit is None or outcome != Outcome.ORBIT.value
+        }
+    )
+
+
+COLUMNS = (
+    Column("tilt\ndeg", lambda row: f"{row.tilt_deg:g}", right=True),
+    report.text_column("legs", "legs"),
+    report.fixed_column("predicted\nmm/s", "predicted_mm_s", 1),
+    Column("simulated\nmm/s", _format_speed, right=True),
+    Column("95 %\nmm/s", _format_bounds, right=True),
+    Column("runs", lambda row: str(row.runs), right=True),
+    Column("outcomes", _format_outcomes),
+)
+"""At most 80 letters while outcomes are few."""

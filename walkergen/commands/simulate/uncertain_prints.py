@@ -1,0 +1,173 @@
+"""Report of many uncertain prints: a summary, draws, shares of the variance and a figure."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from walkergen.commands.simulate.report import LINE_COLUMNS, Line
+from walkergen.core.files import formatting
+from walkergen.core.files.output import Folder
+from walkergen.core.numerics import statistics
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.walker.design import Design
+from walkergen.files.report import Report, Table
+from walkergen.points.print_ensemble import PrintScatter
+from walkergen.points.speed_table import SHARE_COLUMNS
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+UNEXPLAINED = "which print it is"
+"""Name of the variance that no input explains: corner heights, and the emulator's error."""
+
+
+def make_report(spread: PrintScatter, design: Design, scene: str, folder: Path | None = None) -> Report:
+    """Report of uncertain prints of a walker in a scene of this name; written where folder says."""
+    title = f"{design.name}, {design.tilt_deg:g} deg, {scene}"
+    unexplained = spread.unexplained, spread.unexplained_se
+    lines = []
+    if spread.shares:
+        share = " ± ".join(formatting.format_fixed(100.0 * value, 0) for value in unexplained)
+        lines += [f"{UNEXPLAINED}: {share} % (heights of its corners, and what the fit misses)"]
+    if folder is not None:
+        lines += [f"draws.csv, shares.csv, uncertain.png and .pdf in {folder}/"]
+    inputs = [quantity.name.replace(" ", "_") for quantity in spread.inputs]
+    shares = [*spread.shares, (UNEXPLAINED, *unexplained, None, None)]
+    return Report(
+        name="uncertain",
+        title=title,
+        facts=_facts(spread),
+        lines=lines,
+        tables=[
+            Table("summary", [Line(*row) for row in summary_rows(spread)], (), LINE_COLUMNS, title),
+            Table(
+                "shares",
+                shares,
+                ("input", "first", "first_se", "total", "total_se"),
+                SHARE_COLUMNS if spread.shares else (),
+                "share of the variance between prints",
+                read=spread.shares,
+            ),
+            Table("draws", np.column_stack([spread.values, spread.speeds]).tolist(), [*inputs, "speed_mm_s"]),
+        ],
+        figures={"uncertain": lambda: draw_speeds(spread, title)},
+    )
+
+
+def write(report: Report, folder: Path) -> None:
+    """Write draws.csv (inputs and speed of every print), shares.csv, uncertain.png and .pdf."""
+    with Folder(folder, "") as target:
+        report.write_tables(target)
+        report.write_figures(target)
+
+
+def summary_rows(spread: PrintScatter) -> Iterator[tuple[str, str | Quantity]]:
+    """Rows of a summary: mean, scatter between prints, and statistical error apart from it."""
+    low2, low1, high1, high2 = spread.bounds_mm_s
+    scatter, step = spread.between_prints_mm_s or None, spread.by_step_mm_s
+    yield "mean over prints", Quantity("mean", "mm_s", spread.speed_mm_s, spread.speed_se_mm_s)
+    yield (
+        "a print",
+        f"{formatting.format_range(low1, high1, 3)} mm/s (68 %), {formatting.format_range(low2, high2, 3)} (95 %)",
+    )
+    short = "not resolved by runs so short; longer ‹seconds› would"
+    yield "deviation, print to print", Quantity("deviation", "mm_s", scatter, 0.0, refused="" if scatter else short)
+    unknown = "not known: see `simulate` without ‹uncertain›" if step is None else ""
+    yield "error by the step", Quantity("step", "mm_s", step, 0.0, refused=unknown)
+    yield "error of each short run", Quantity("statistical", "mm_s", spread.statistical_mm_s, 0.0)
+    outcomes = ", ".join(f"{count} x {name}" for name, count in spread.outcomes.items())
+    yield "runs", f"a run a draw: {outcomes}"
+    for note in notes(spread):
+        yield "note", note
+
+
+def notes(spread: PrintScatter) -> Iterator[str]:
+    """Statements on what the bounds hold, and on what was taken out of them."""
+    if spread.draws < statistics.MIN_VALUES_FOR_95:
+        yield (
+            f"95 % of prints: {spread.draws} draws do not reach its ends, which are extrapolated "
+            "by Student's t; they hold 93 to 98 %, by the shape of the scatter; "
+            f"{statistics.MIN_VALUES_FOR_95} draws need none"
+        )
+    if spread.statistical_mm_s > spread.between_prints_mm_s:
+        yield (
+            "runs so short scatter more than prints do: half of the variance is taken out of the "
+            "bounds, which are too wide; longer ‹seconds› narrows them"
+        )
+    else:
+        yield "the statistical error of short runs is taken out of the bounds"
+
+
+def _facts(spread: PrintScatter) -> dict[str, Any]:
+    """Results for JSON; shares are parts of the variance between prints."""
+    low2, low1, high1, high2 = spread.bounds_mm_s
+    unexplained = {"share": spread.unexplained, "se": spread.unexplained_se}
+    return {
+        "draws": spread.draws,
+        "outcomes": spread.outcomes,
+        "speed_mm_s": spread.speed_mm_s,
+        "speed_se_mm_s": spread.speed_se_mm_s,
+        "speed_low_68_mm_s": low1,
+        "speed_high_68_mm_s": high1,
+        "speed_low_95_mm_s": low2,
+        "speed_high_95_mm_s": high2,
+        "between_prints_mm_s": spread.between_prints_mm_s,
+        "statistical_mm_s": spread.statistical_mm_s,
+        "by_step_mm_s": spread.by_step_mm_s,
+        "shares": [share._asdict() for share in spread.shares],
+        "unexplained": unexplained if spread.shares else None,
+        "notes": list(notes(spread)),
+    }
+
+
+def draw_speeds(spread: PrintScatter, title: str) -> "Figure":
+    """Draw the speeds of all prints with their bounds, and the shares of the variance."""
+    from walkergen.files.figures import style
+
+    with style():
+        return _draw(spread, title)
+
+
+def _draw(spread: PrintScatter, title: str) -> "Figure":
+    from matplotlib.figure import Figure
+
+    from walkergen.files.figures import PAGE_INCHES, wrap_text
+
+    drawn = Figure(figsize=(PAGE_INCHES, 2.8), layout="constrained")
+    left, right = drawn.subplots(1, 2)
+    left.hist(spread.speeds, bins="auto", color="#0072B2", alpha=0.6)
+    low2, low1, high1, high2 = spread.bounds_mm_s
+    left.axvspan(low2, high2, color="0.93", zorder=-2, label="95 % of prints")
+    left.axvspan(low1, high1, color="0.86", zorder=-1, label="68 % of prints")
+    left.axvline(spread.speed_mm_s, color="black", linewidth=1.2, label="mean")
+    left.set_xlabel("speed (mm/s)")
+    left.set_ylabel("prints")
+    drawn.suptitle(wrap_text(title, PAGE_INCHES - 0.2))
+    left.legend(frameon=True, framealpha=0.9, edgecolor="none", loc="upper left")
+    names = [*(share.name for share in spread.shares), UNEXPLAINED]
+    places = np.arange(len(names))[::-1]
+    error = {"ecolor": "0.3", "capsize": 2, "elinewidth": 0.8}
+    first = [*(share.first for share in spread.shares), spread.unexplained]
+    first_se = [*(share.first_se for share in spread.shares), spread.unexplained_se]
+    total = [share.total for share in spread.shares]
+    total_se = [share.total_se for share in spread.shares]
+    right.barh(places + 0.2, first, 0.36, xerr=first_se, error_kw=error, color="#0072B2", label="alone")
+    right.barh(
+        places[:-1] - 0.2,
+        total,
+        0.36,
+        xerr=total_se,
+        error_kw=error,
+        color="#D55E00",
+        hatch="////",
+        edgecolor="white",
+        linewidth=0.0,
+        label="with all others",
+    )
+    right.set_yticks(places, names)
+    right.set_xlim(left=0.0)
+    right.set_xlabel("share of the variance between prints")
+    right.legend()
+    return drawn

@@ -1,0 +1,342 @@
+"""Weighed masses of printed walkers: weights.csv in, masses of body and leg in the design out.
+
+Columns: part, and any of grams (the whole walker), body_g (the body alone), leg_g (one leg, of
+unlike legs their mean; braced: with its brace). Two of them give the third. Grams alone scale body
+and legs alike: the masses follow the balance, but not the predicted speed, which depends on their
+ratios only. They are of the printed part, with its cap; what it carries has rows of its own, with
+grams only.
+"""
+
+import difflib
+import math
+import os
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from walkergen.core.errors import GeometryError, InputError
+from walkergen.core.files import columns, file_reading, formatting, output
+from walkergen.core.files.tables import csv_text
+from walkergen.core.walker import mass, names, solids
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.solids import Solids
+from walkergen.core.walker.spec import Weighed
+
+FILE_NAME = "weights.csv"
+QUANTITIES = ("grams", "body_g", "leg_g")
+MAX_BYTES = 10_000_000
+MIN_MASS_G, MAX_MASS_G = 1e-6, 1e6
+"""Limits of masses that were weighed, g."""
+MAX_MASS_RATIO = 10.0
+"""Ratio of weighed and meshed masses, either way, beyond which a unit or part is wrong."""
+
+CARRIED_ROWS = ("motor", "battery", "wires", "glue")
+"""Rows of what a walker carries."""
+
+PART_NAME_PATTERN = re.compile(r"(?P<stem>.+)_t(?P<tilt>-?[0-9.]{1,20})_(?P<kind>[a-z]+)_s[0-9.]+")
+"""Name of a walker, as `names.part` writes it."""
+
+COPY_SUFFIX = re.compile(r"-[1-9][0-9]*$")
+
+
+class Mean(NamedTuple):
+    """Mean of repeated weighings of a quantity."""
+
+    mean: float
+    """Mean mass, g."""
+    error: float | None
+    """Standard error of the mean, g; None for a single weighing."""
+    weighings: int
+
+
+class Weighings(NamedTuple):
+    """Masses that were weighed of a part, over all its copies."""
+
+    grams: Mean | None = None
+    body_g: Mean | None = None
+    leg_g: Mean | None = None
+
+
+def form_name(members: Sequence[Design], name: str) -> str:
+    """Name of the file for the masses of a design's walkers, by the design's name, among others'.
+
+    Of one design alone it is FILE; several have a form each, since `read` takes those of one.
+    """
+    return FILE_NAME if len(names.group_by_design(members)) == 1 else f"weights_{name}.csv"
+
+
+def carried_rows(design: Design) -> tuple[str, ...]:
+    """Rows of what a design's walkers carry; none where it has neither motor nor battery."""
+    return tuple(name for name in CARRIED_ROWS if design.parts and name in (*design.parts, *CARRIED_ROWS[2:]))
+
+
+def format_template(parts: Iterable[str]) -> str:
+    """Text of a weights.csv to fill in: a line for every part, without numbers."""
+    return csv_text(("part", *QUANTITIES), ((part, *[""] * len(QUANTITIES)) for part in parts))
+
+
+def is_filled_in(path: Path) -> bool:
+    """Return whether a file holds a user's work: it is no `template` of walkers. Raises InputError."""
+    parts = _read_blank_form(path)
+    return parts is None or not all(names.is_part_name(part) or part in CARRIED_ROWS for part in parts)
+
+
+def _read_blank_form(path: Path) -> list[str] | None:
+    """Parts of a form as `template` writes it; none where there is no file, None of a file that says more.
+
+    Raises InputError.
+    """
+    if not os.path.lexists(path):
+        return []
+    data = file_reading.read_bytes(path, MAX_BYTES)
+    parts = [row.partition(",")[0] for row in data.decode("utf-8", "replace").splitlines()[1:]]
+    return parts if data == format_template(parts).encode() else None
+
+
+def read_masses(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
+    """Mean masses by the names of members, copies (NAME-3) taken together, and of what they carry.
+
+    Names may begin with the design's name, as on plates of several designs. Walkers of the same
+    designs that are not members are left out, and `unused` names them: a form is of a whole family.
+    Raises InputError when the file is no table of masses, or with every line of a wrong mass and
+    every unknown part with its near matches.
+    """
+    rows = _read_rows(path)
+    parts, others = _names_to_parts(members), False
+    masses: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
+    problems = []
+    for line, row in rows:
+        try:
+            if values := _parse_masses(row):
+                part = _match_row(row["part"].strip(), values, parts, members)
+                if part is None:
+                    others = True
+                    continue
+                for quantity, value in values.items():
+                    masses[part][quantity].append(value)
+        except InputError as error:
+            problems.append(f"{path}:{line}: {error.text}")
+    if problems:
+        raise InputError("\n".join(problems))
+    if others and not masses:
+        raise InputError(f"{path}: no masses of the walkers of ‹tilt› and ‹legs›, only of others")
+    if not masses:
+        raise InputError(f"{path}: no masses; fill in {', '.join(QUANTITIES)} of some part")
+    return {
+        part: Weighings(**{quantity: _mean_mass(values) for quantity, values in quantities.items()})
+        for part, quantities in masses.items()
+    }
+
+
+def unused_parts(path: Path, members: Sequence[Design]) -> list[str]:
+    """Parts with masses in a file that `read` leaves out: walkers of the same designs, not asked.
+
+    Raises InputError as `read` does.
+    """
+    own = _names_to_parts(members)
+    masses = (row["part"].strip() for _, row in _read_rows(path) if _parse_masses(row))
+    known = {*own, *CARRIED_ROWS}
+    return list(
+        dict.fromkeys(COPY_SUFFIX.sub("", name) for name in masses if not known & {name, COPY_SUFFIX.sub("", name)})
+    )
+
+
+def apply_masses(design: Design, parts: Solids, weighed: Weighings, name: str) -> Design:
+    """Design with weighed masses in place of the mesh's.
+
+    Raises InputError when the masses contradict each other or are far from the mesh's.
+    """
+    count, (body, leg) = len(parts.legs), _mesh_masses(design, parts)
+    grams, body_g, leg_g = (None if weighing is None else weighing.mean for weighing in weighed)
+    if grams is not None and body_g is not None and leg_g is not None:
+        raise InputError(f"{name}: grams, body_g and leg_g are one too many: leave one empty")
+    if grams is not None:
+        if leg_g is not None:
+            body_g = grams - count * leg_g
+        elif body_g is not None:
+            leg_g = (grams - body_g) / count
+        else:
+            scale = grams / (body + count * leg)
+            body_g, leg_g = scale * body, scale * leg
+    for what, value, meshed in (("body", body_g, body), ("leg", leg_g, leg)):
+        if value is not None and _is_implausible(value, meshed):
+            raise InputError(
+                f"{name}: a {what} of {value:.4g} g by the balance, {meshed:.4g} g by the mesh: "
+                f"more than {MAX_MASS_RATIO:g} times apart; are these grams, and of this part?"
+            )
+    masses = {"body_mass_g": body_g, "leg_mass_g": leg_g}
+    own = {key: value for key, value in masses.items() if value is not None}
+    return design.model_copy(update={"weighed": design.weighed.model_copy(update=own)})
+
+
+def check_stated_masses(design: Design) -> None:
+    """Raise InputError for masses that a design states of itself and that are far from what it draws."""
+    if not design.weighed.states:
+        return
+    stated = {"body_mass_g": design.weighed.body_mass_g, "leg_mass_g": design.weighed.leg_mass_g}
+    meshed = _mesh_masses(design, solids.build(design, united=False))
+    for (key, value), drawn in zip(stated.items(), meshed, strict=True):
+        if value is not None and _is_implausible(value, drawn):
+            raise InputError(
+                f"{design.name}: weighed.{key} = {value:.4g}: {drawn:.4g} g as it is drawn, more than "
+                f"{MAX_MASS_RATIO:g} times "
+                "apart; are these grams? Of another plastic set material.density_g_cm3",
+                f"weighed.{key}",
+            )
+
+
+def _mesh_masses(design: Design, parts: Solids) -> tuple[float, float]:
+    """Masses of the body with its cap, and of a leg (of unlike legs their mean), g, as they are drawn."""
+    density = 1e-3 * design.material.density_g_cm3
+    body = mass.weigh(parts.body, density).mass
+    if parts.cap is not None and design.cap is not None:
+        body += mass.weigh(parts.cap, 1e-3 * design.cap.density(design.material.density_g_cm3)).mass
+    return body, sum(mass.weigh(mesh, density).mass for mesh in parts.legs) / len(parts.legs)
+
+
+def _is_implausible(weighed: float, drawn: float) -> bool:
+    """Return whether masses differ by more than FACTOR, either way."""
+    return not drawn / MAX_MASS_RATIO <= weighed <= drawn * MAX_MASS_RATIO
+
+
+def apply_carried_masses(design: Design, weighed: Mapping[str, Weighings]) -> Design:
+    """Design with the weighed masses, by their rows, of what it carries.
+
+    Raises InputError when they are far from the design's.
+    """
+    tables: dict[str, dict[str, float]] = defaultdict(dict)
+    for name in carried_rows(design):
+        if name not in weighed or (grams := weighed[name].grams) is None:
+            continue
+        if part := design.parts.get(name):
+            stated = part.cylinder.mass
+            if _is_implausible(grams.mean, stated):
+                raise InputError(
+                    f"{name}: {grams.mean:.4g} g by the balance, {stated:.4g} g by the design: "
+                    f"more than {MAX_MASS_RATIO:g} times apart; are these grams, and of this part?"
+                )
+            tables[name]["mass_g"] = grams.mean
+        else:
+            tables["pockets"][f"{name}_g"] = grams.mean
+    own = {
+        key: (design.fit if key == "pockets" else design.parts[key]).model_copy(update=table)
+        for key, table in tables.items()
+    }
+    return design.model_copy(update=own)
+
+
+def without_weighed_masses(design: Design) -> Design:
+    """Design with its mesh's masses, whatever was weighed."""
+    plain = Weighed(mass_sd_percent=design.weighed.mass_sd_percent)
+    return design.model_copy(update={"weighed": plain})
+
+
+def total_error(weighed: Weighings, legs: int) -> float | None:
+    """Compute the standard error of a whole walker's mass, g, with this number of legs; None if unknown."""
+    if weighed.grams is not None:
+        return weighed.grams.error
+    body, leg = (weighing and weighing.error for weighing in (weighed.body_g, weighed.leg_g))
+    return None if body is None or leg is None else math.hypot(body, legs * leg)
+
+
+def _read_rows(path: Path) -> list[tuple[int, dict[str, str]]]:
+    """Rows of a weights.csv by their lines, cells by column; raises InputError."""
+    table = columns.parse_records(file_reading.read_lines(path, columns.FORMAT_NAME, MAX_BYTES), str(path))
+    wrong = [name for name in table.names if name not in ("part", *QUANTITIES)]
+    if wrong or "part" not in table.names or len(table.names) < 2:
+        raise InputError(
+            f"{path}:1: columns {', '.join(table.names)[:80]!r}: must be part and any of "
+            f"{', '.join(QUANTITIES)}, separated by commas"
+        )
+    return table.rows
+
+
+def _match_row(
+    name: str, values: Mapping[str, float], parts: Mapping[str, str], members: Sequence[Design]
+) -> str | None:
+    """Part of a row, or what walkers carry; None for another walker. Raises InputError."""
+    if not any(name in carried_rows(design) for design in members):
+        return _match_part(name, parts, members)
+    if wrong := [quantity for quantity in values if quantity != "grams"]:
+        raise InputError(f"{name}: {wrong[0]}: has neither body nor legs: write its mass as grams")
+    return name
+
+
+def _parse_masses(row: Mapping[str, str]) -> dict[str, float]:
+    """Masses of a row in g by quantity, without blank cells; raises InputError."""
+    values = {}
+    for quantity in QUANTITIES:
+        if cell := row.get(quantity, "").strip():
+            value = formatting.parse_number(cell)
+            if value is None or not MIN_MASS_G <= value <= MAX_MASS_G:
+                raise InputError(
+                    f"{quantity} = {cell[:30]!r}: must be a number in {MIN_MASS_G:g}..{MAX_MASS_G:g}, in grams"
+                )
+            values[quantity] = value
+    return values
+
+
+def _names_to_parts(members: Sequence[Design]) -> dict[str, str]:
+    """Names of members by the names that files may have for them."""
+    return {
+        names.part_name(design, stem): names.part_name(design)
+        for design in members
+        for stem in (design.name, names.DEFAULT_STEM)
+    }
+
+
+def _find_part(name: str, parts: Mapping[str, str]) -> str | None:
+    """Part of a name as in stl/ or, with the number of its copy, as on a plate map."""
+    return parts.get(name) or parts.get(COPY_SUFFIX.sub("", name))
+
+
+def _match_part(name: str, parts: Mapping[str, str], members: Sequence[Design]) -> str | None:
+    """Part of a name; None for another walker of the members' designs. Raises InputError."""
+    if (part := _find_part(name, parts)) or _is_other_member(COPY_SUFFIX.sub("", name), members):
+        return part
+    listed = list(dict.fromkeys(parts.values()))
+    near = difflib.get_close_matches(name, listed, n=3, cutoff=0.6)
+    hint = f"did you mean {', '.join(near)}?" if near else f"known: {', '.join(listed[:3])} ..."
+    raise InputError(f"part {name[:60]!r} is not among those of ‹tilt› and ‹legs›; {hint}")
+
+
+def _is_other_member(name: str, members: Sequence[Design]) -> bool:
+    """Return whether a member's design gives this name to its walker of another tilt or kind."""
+    match = PART_NAME_PATTERN.fullmatch(name)
+    if match is None:
+        return False
+    for own in names.group_by_design(members).values():
+        kind: Any = match["kind"]
+        try:
+            variant = own[0].variant(tilt_deg=float(match["tilt"]), kind=kind)
+        except (InputError, GeometryError, ValueError):  # the design has no such walker
+            continue
+        stem = match["stem"]
+        if stem in (variant.name, names.DEFAULT_STEM) and names.part_name(variant, stem) == name:
+            return True
+    return False
+
+
+def _mean_mass(values: Sequence[float]) -> Mean:
+    """Mean of masses in g, with its standard error from their spread."""
+    count = len(values)
+    error = float(np.std(values, ddof=1)) / math.sqrt(count) if count > 1 else None
+    return Mean(float(np.mean(values)), error, count)
+
+
+def write_template(folder: Path, parts: Iterable[str], name: str = FILE_NAME) -> Path | None:
+    """Write the form folder/NAME, and return its path, unless somebody changed it: then None.
+
+    A form of the same parts in another order stays as it is: somebody may have sorted it. Raises InputError and
+    OutputError.
+    """
+    path, rows = folder / name, list(parts)
+    if is_filled_in(path):
+        return None
+    if sorted(_read_blank_form(path) or ()) != sorted(rows):
+        output.write(path, format_template(rows).encode())
+    return path

@@ -1,0 +1,143 @@
+"""Analysis of tracks of a crowd: what many walkers do together in a dish, film by film."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis import track_files
+from walkergen.analysis.track_files import Units
+from walkergen.core import dish as dishes
+from walkergen.core.dish import Dish
+from walkergen.core.errors import InputError
+from walkergen.core.files import formatting, safe_text
+from walkergen.core.files.output import Folder
+from walkergen.core.files.progress import Progress
+from walkergen.core.walker.design import Design
+from walkergen.files import templates
+from walkergen.files.report import Report
+from walkergen.guests.crowd import figures as crowd_figures
+from walkergen.guests.crowd import statistics as crowds
+from walkergen.guests.crowd import tables as crowd_tables
+from walkergen.guests.crowd.statistics import dish_geometry as ground
+from walkergen.guests.crowd.statistics import film
+from walkergen.guests.crowd.statistics.film import CrowdFilm
+from walkergen.readers.walkers import top_outline
+
+Array = npt.NDArray[np.float64]
+
+DISC_CORNERS = 48
+"""Corners of a round body: its area is 0.3 % too small."""
+
+MAX_OUTSIDE_SHARE = 0.02
+"""Share of the places that may lie beyond the walls: tracks err by some of a walker."""
+
+MIN_SIZE_MM, MAX_SIZE_MM = 1e-3, 1e5
+"""Limits of a body's sizes, and of the middle's distance from the origin, mm."""
+
+
+class Asked(NamedTuple):
+    """Crowd that a person asks about."""
+
+    dish: Dish
+    contours: tuple[Array, ...]
+    """Outline of a body, none where it is not known."""
+    middle: tuple[float, float]
+    """Place of the dish's middle in the tracks, mm."""
+    others: tuple[Path, ...]
+    """Tracks of other independent runs of the same crowd."""
+
+
+def parse_crowd(dish: str, body: str | None, middle: str | None, others: Sequence[Path]) -> Asked:
+    """Crowd from a person's words, as in "disc:120", "24x8", "60,60". Raises InputError."""
+    ground = dishes.parse_dish(dish, "‹dish›")
+    return Asked(ground, _parse_body(body), _parse_middle(middle), tuple(others))
+
+
+def analyse(path: Path, units: Units, crowd: Asked, folder: Path | None, pictures: bool, progress: Progress) -> Report:
+    """Read tracks, measure the crowd and, if there is a folder, write tables and figures.
+
+    Writes crowd.csv, crowd.md, tables of its course, its runs and its curves, figures as PNG and
+    PDF, the last frame from above, and manifest.json. Raises InputError before anything is written.
+    """
+    paths = (path, *crowd.others)
+    films = []
+    for number, each in enumerate(paths):
+        progress("reading", number, len(paths) + 1)
+        films.append(_read_film(each, units, crowd))
+    progress("measuring", len(paths), len(paths) + 1)
+    statistics = crowds.measure(films)
+    written = Report(
+        name="crowd",
+        title=path.name,
+        tables=crowd_tables.make_tables(statistics),
+        facts=crowd_tables.facts(statistics),
+        lines=[crowd_tables.summary_line(statistics)],
+        figures=crowd_figures.draw_functions(statistics, path.name),
+        folder=folder,
+    )
+    if folder is not None:
+        with Folder(folder) as target:
+            written.write(target, pictures)
+            if pictures:
+                from walkergen.guests.crowd import movie as crowd_movie
+
+                target.write("crowd_above.png", crowd_movie.render_still(films[0], path.name))
+            files = [each.name for each in paths]
+            facts = {"dish": crowd.dish.words, "middle_mm": list(crowd.middle)}
+            target.finish({"files": files, **units._asdict(), **facts})
+    return written
+
+
+def _read_film(path: Path, units: Units, crowd: Asked) -> CrowdFilm:
+    """Film of a file of tracks, about the middle of the dish."""
+    read = track_files.read_tracks(path, units)
+    if read.lane:
+        raise InputError(f"‹dish›: {path} has walkers in a lane; a crowd runs on a plane")
+    made = film.from_tracks(read, crowd.dish, crowd.contours)
+    made = made._replace(x=made.x - crowd.middle[0], y=made.y - crowd.middle[1])
+    seen = np.isfinite(made.x)
+    beyond = float((ground.wall_distance(made.x[seen], made.y[seen], crowd.dish) < 0).mean())
+    if beyond > MAX_OUTSIDE_SHARE:
+        x, y = (round(0.5 * float(np.nanmin(part) + np.nanmax(part)), 3) for part in (made.x, made.y))
+        centre = f"{x + crowd.middle[0]:.4g},{y + crowd.middle[1]:.4g}"
+        raise InputError(
+            f"‹dish=›{crowd.dish.words}: {100 * beyond:.3g} % of the places in {path} lie beyond "
+            f"its walls; give ‹middle=›X,Y (mm), the place of its middle: that of the tracks is "
+            f"{centre}"
+        )
+    return made
+
+
+def _parse_body(body: str | None) -> tuple[Array, ...]:
+    """Outline of a body from its length and width, from its diameter, or from a walker's file."""
+    if body is None:
+        return ()
+    sizes = [formatting.parse_number(word) for word in body.split("x")]
+    if sizes[0] is None:
+        return tuple(top_outline.outline_of(templates.load(body, "walkers", Design)))
+    if len(sizes) > 2 or not all(size is not None and MIN_SIZE_MM <= size <= MAX_SIZE_MM for size in sizes):
+        raise InputError(
+            f"‹body=›{safe_text.shorten_line(body)[:40]}: must be LENGTHxWIDTH, as 24x8, or the DIAMETER of a "
+            f"disc, as 20, or a walker, mm, in {MIN_SIZE_MM:g}..{MAX_SIZE_MM:g}"
+        )
+    half = 0.5 * np.array([size for size in sizes if size is not None])
+    if len(half) == 2:
+        return (half * np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]),)
+    angle = np.linspace(0.0, 2.0 * np.pi, DISC_CORNERS, endpoint=False)
+    return (half * np.column_stack([np.cos(angle), np.sin(angle)]),)
+
+
+def _parse_middle(middle: str | None) -> tuple[float, float]:
+    """Place of the dish's middle; the origin where none is given."""
+    if middle is None:
+        return 0.0, 0.0
+    numbers = [formatting.parse_number(word) for word in middle.split(",")]
+    if len(numbers) != 2 or any(n is None or abs(n) > MAX_SIZE_MM for n in numbers):
+        raise InputError(
+            f"‹middle=›{safe_text.shorten_line(middle)[:40]}: must be X,Y in mm, as 60,55, within ±{MAX_SIZE_MM:g}"
+        )
+    x, y = (float(number or 0.0) for number in numbers)
+    return x, y

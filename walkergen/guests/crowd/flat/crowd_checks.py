@@ -1,0 +1,167 @@
+"""What a run of a crowd in a plane is asked for, checked once."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial import cKDTree
+
+from walkergen.core.dish import Dish
+from walkergen.core.errors import InputError
+from walkergen.guests.crowd.cards.card import Card
+from walkergen.guests.crowd.flat import discs, lammps_input
+
+Array = npt.NDArray[np.float64]
+
+MAX_KINDS = 14
+"""LAMMPS has 32 groups of particles; a kind takes two."""
+
+MAX_NUMBERS = 2_000_000_000
+"""Most numbers in the poses of a run: 16 GB."""
+
+MAX_OVERLAP_MM = 0.05
+"""Deepest overlap of two bodies at the start, mm."""
+
+
+def make_crowd(
+    cards: Sequence[Card],
+    kinds: npt.ArrayLike,
+    dish: Dish,
+    places: npt.ArrayLike,
+    seconds: float,
+    rate_hz: float,
+    seed: int,
+    running: bool = False,
+) -> lammps_input.Crowd:
+    """Create the input for a run of N walkers of the cards in a dish. Raises InputError if it is invalid.
+
+    They start at rest, or if `running` at their speeds. `kinds` are numbers of cards, shape (N,), `places` x, y (mm)
+    and heading (rad), shape (N, 3), where no bodies overlap.
+    """
+    if not 1 <= len(cards) <= MAX_KINDS:
+        raise argument_error("cards", len(cards), f"1 to {MAX_KINDS} kinds")
+    where, numbers = np.asarray(places, float), np.asarray(kinds)
+    if where.ndim != 2 or where.shape[1:] != (3,) or not len(where):
+        raise argument_error("places", where.shape, "of shape (N, 3), N >= 1")
+    if not np.isfinite(where).all():
+        row = int(np.argmin(np.isfinite(where).all(axis=1)))
+        raise argument_error(f"places[{row}]", where[row].tolist(), "numbers: x, y in mm, heading in rad")
+    if numbers.shape != (len(where),) or not np.issubdtype(numbers.dtype, np.integer):
+        raise argument_error("kinds", f"{numbers.dtype} of shape {numbers.shape}", f"{len(where)} integers")
+    if numbers.min() < 0 or numbers.max() >= len(cards):
+        raise argument_error("kinds", f"{numbers.min()} to {numbers.max()}", f"0 to {len(cards) - 1}")
+    for name, value in (("seconds", seconds), ("rate_hz", rate_hz)):
+        if not (math.isfinite(value) and value > 0.0):
+            raise argument_error(name, value, "> 0")
+    if not 0 <= seed < 2**63:
+        raise argument_error("seed", seed, "0 to 2^63 - 1")
+    count = lammps_input.frame_count(seconds, rate_hz)
+    if count < 2 or 3 * count * len(where) > MAX_NUMBERS:
+        raise argument_error(
+            "seconds times rate_hz",
+            seconds * rate_hz,
+            f">= 1, and below {MAX_NUMBERS // (3 * len(where))} for {len(where)} walkers",
+        )
+    asked = lammps_input.Crowd(
+        cards,
+        numbers.astype(np.int64),
+        dish,
+        where,
+        _turning_rates(cards, numbers, seed),
+        seconds,
+        rate_hz,
+        seed,
+        running,
+    )
+    _check_rate(asked)
+    _check_room(asked)
+    return asked
+
+
+def argument_error(name: str, value: object, allowed: str) -> InputError:
+    """Error for an argument."""
+    return InputError(f"{name} = {value}: must be {allowed}")
+
+
+def _turning_rates(cards: Sequence[Card], kinds: npt.NDArray[np.int64], seed: int) -> Array:
+    """Mean turning rate of each walker, rad/s: a print's own where the card knows their spread."""
+    generator = np.random.default_rng([seed, 1])
+    means = np.array([card.turning_rad_s.number for card in cards])
+    spreads = np.array([one.turning_sd_rad_s.number if one.turning_sd_rad_s else 0.0 for one in cards])
+    return np.asarray(means[kinds] + spreads[kinds] * generator.standard_normal(len(kinds)))
+
+
+def _check_rate(asked: lammps_input.Crowd) -> None:
+    """Raise InputError where a heading may turn by more than half a turn between frames."""
+    spread = max(card.rotational_diffusion_rad2_s.number for card in asked.cards)
+    interval = 1.0 / asked.rate_hz
+    turn = float(np.abs(asked.turning).max()) * interval + 4.0 * math.sqrt(2.0 * spread * interval)
+    if turn > math.pi:
+        least = asked.rate_hz * (turn / math.pi) ** 2
+        raise argument_error("rate_hz", f"{asked.rate_hz:g}", f">= {least:.3g}, to follow the headings")
+
+
+def _check_room(asked: lammps_input.Crowd) -> None:
+    """Raise InputError where bodies overlap each other or a wall, or a ground is too small."""
+    shapes = [discs.cover_outline(card, lammps_input.outline_tolerance(asked.cards)) for card in asked.cards]
+    reach = max(shape.reach for shape in shapes)
+    period = asked.dish.period
+    if period and period < 4.0 * reach:
+        raise argument_error(f"dish {asked.dish.words}: side", f"{period:g} mm", f">= {4.0 * reach:.4g} mm")
+    points, radii, owners = _place_discs(asked, shapes)
+    gaps = wall_gaps(asked.dish, points, radii)
+    if gaps.min() < -MAX_OVERLAP_MM:
+        walker = int(owners[np.argmin(gaps)])
+        raise InputError(
+            f"places[{walker}] = {asked.places[walker].round(3).tolist()}: is "
+            f"{-gaps.min():.3g} mm inside a wall of {asked.dish.words}; move it"
+        )
+    tree = cKDTree(_wrap_points(points, period), boxsize=period or None)
+    pairs = tree.query_pairs(2.0 * float(radii.max()), output_type="ndarray")
+    pairs = pairs[owners[pairs[:, 0]] != owners[pairs[:, 1]]]
+    apart = points[pairs[:, 0]] - points[pairs[:, 1]]
+    if period:
+        apart -= period * np.round(apart / period)
+    overlaps = radii[pairs].sum(axis=1) - np.hypot(*apart.T)
+    if len(overlaps) and overlaps.max() > MAX_OVERLAP_MM:
+        first, second = sorted(owners[pairs[np.argmax(overlaps)]].tolist())
+        raise InputError(
+            f"places[{first}] and places[{second}]: the bodies overlap by {overlaps.max():.3g} mm; move them apart"
+        )
+
+
+def _wrap_points(points: Array, period: float) -> Array:
+    """Points in a square from 0 to its side, which is outside; as they are without a period."""
+    if not period:
+        return points
+    wrapped = np.mod(points, period)
+    return np.where(wrapped < period, wrapped, 0.0)  # a hair below 0 is rounded up to the side
+
+
+def _place_discs(
+    asked: lammps_input.Crowd, shapes: Sequence[discs.Discs]
+) -> tuple[Array, Array, npt.NDArray[np.int64]]:
+    """Centres, shape (A, 2), radii and walkers of all discs at the start."""
+    points, radii, owners = [], [], []
+    for kind, shape in enumerate(shapes):
+        walkers = np.flatnonzero(asked.kinds == kind)
+        x, y, angle = asked.places[walkers].T[:, :, None]
+        u, v = shape.places.T
+        cosine, sine = np.cos(angle), np.sin(angle)
+        place = np.stack((x + cosine * u - sine * v, y + sine * u + cosine * v), axis=-1)
+        points.append(place.reshape(-1, 2))
+        radii.append(np.tile(shape.radii, len(walkers)))
+        owners.append(np.repeat(walkers, len(shape.radii)))
+    return np.concatenate(points), np.concatenate(radii), np.concatenate(owners)
+
+
+def wall_gaps(dish: Dish, points: Array, radii: Array) -> Array:
+    """Distance of each disc from the nearest wall, mm; negative inside one."""
+    if dish.kind == "rectangle":
+        return np.asarray((0.5 * np.array(dish.sizes) - np.abs(points)).min(axis=1) - radii)
+    if dish.kind == "periodic":
+        return np.full(len(radii), np.inf)
+    away = np.hypot(*points.T)
+    outer = 0.5 * dish.sizes[0] - away - radii
+    return np.asarray(outer if dish.kind == "disc" else np.minimum(outer, away - radii - 0.5 * dish.sizes[1]))

@@ -1,0 +1,133 @@
+"""Crowd that is asked for, where its walkers begin, and what came of it: in space and in a plane."""
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import InputError
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.run import ENDED_WELL
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import MassProperties
+from walkergen.guests.crowd.cards.card import Card
+from walkergen.guests.crowd.space.placing import place
+from walkergen.guests.crowd.space.result import CrowdRun
+from walkergen.guests.crowd.statistics import CrowdFilm, CrowdStatistics
+from walkergen.guests.crowd.statistics.film import from_places
+from walkergen.guests.crowd.statistics.summary import MIN_FRAMES
+from walkergen.points import effect_selection
+from walkergen.points.trajectory import check_sample_count
+from walkergen.readers.walkers import top_outline
+
+Array = npt.NDArray[np.float64]
+
+Model = Literal["space", "flat"]
+
+GOOD_OUTCOMES = tuple(outcome.value for outcome in ENDED_WELL)
+
+CLEARANCE_MM = 0.2
+"""Least distance of bodies at the start: they drop turned by up to a milliradian."""
+
+PLACES_STREAM_KEY = 1
+"""Key of the random stream of places, apart from those of the walkers."""
+
+
+class Kind(NamedTuple):
+    """Walkers of one kind in a crowd, by a design in space, by a card in a plane."""
+
+    name: str
+    walkers: int
+    outline: tuple[Array, ...]
+    """Outer contours seen from above, mm: from O in space, from C in a plane."""
+    design: Design | None = None
+    mass: MassProperties | None = None
+    card: Card | None = None
+
+    @property
+    def area(self) -> float:
+        """Area of the outline, mm^2."""
+        return top_outline.area_of(self.outline)
+
+
+class Job(NamedTuple):
+    """Crowd that is asked for."""
+
+    scene: Scene
+    kinds: tuple[Kind, ...]
+    rate_hz: float
+    """Frames a second of every run."""
+    model: Model
+
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        """Kind of each walker, those of one kind one after the other."""
+        return tuple(number for number, kind in enumerate(self.kinds) for _ in range(kind.walkers))
+
+    @property
+    def packing(self) -> float:
+        """Area of all outlines over that of the dish."""
+        return sum(kind.walkers * kind.area for kind in self.kinds) / self.scene.crowd.dish.area
+
+
+class Simulated(NamedTuple):
+    """Runs of a crowd that came to their end, and what they say."""
+
+    job: Job
+    films: tuple[CrowdFilm, ...]
+    runs: tuple[CrowdRun, ...]
+    """The runs themselves, by their numbers; none of a crowd in a plane."""
+    statistics: CrowdStatistics
+    wall_s: float
+
+    @property
+    def outcomes(self) -> Counter[str]:
+        """Walkers of all runs by how it ended for them."""
+        return Counter(outcome for run in self.runs for outcome in run.outcomes)
+
+    @property
+    def fallen(self) -> dict[str, int]:
+        """Walkers of all runs that did not come to the end, by how it ended for them."""
+        return {name: count for name, count in self.outcomes.items() if name not in GOOD_OUTCOMES}
+
+    @property
+    def energy_error(self) -> float:
+        """Largest energy of a run that nothing accounts for, over the energy exchanged."""
+        return max((run.energy_error for run in self.runs), default=0.0)
+
+
+def make_film(job: Job, times: Array, poses: Array) -> CrowdFilm:
+    """Film of a run, seen from above, from times (F,) and places and headings (F, N, 3 or more)."""
+    outlines = {kind.name: kind.outline for kind in job.kinds}
+    names = [job.kinds[number].name for number in job.numbers]
+    return from_places(times, poses, names, outlines, job.scene.crowd.dish)
+
+
+def check_job(job: Job) -> Job:
+    """Return a job. Raises InputError for kinds of one name, an accepted error, too few frames and too many."""
+    names = [kind.name for kind in job.kinds]
+    if len(set(names)) < len(names):
+        raise InputError(f"‹count›: two designs are called {max(names, key=names.count)!r}: rename one")
+    run = job.scene.run
+    effect_selection.check_no_accepted_error(
+        job.scene, "is of one walker's speed, and a crowd has all that its scene calls for"
+    )
+    if not run.seconds * job.rate_hz >= MIN_FRAMES:
+        raise InputError(
+            f"‹rate_hz=›{job.rate_hz:g} of {run.seconds:g} s: statistics need {MIN_FRAMES} frames "
+            "of a run at least: raise ‹rate_hz› or ‹seconds›"
+        )
+    check_sample_count(job.scene, 1.0 / (job.rate_hz * len(job.numbers)), run.runs)
+    return job
+
+
+def place_walkers(job: Job, contours: Sequence[Sequence[Array]], number: int) -> Array:
+    """Draw places and headings at which a run begins, shape (N, 3). Raises InputError if walkers do not fit.
+
+    Places are those of the origins of the contours of each kind.
+    """
+    stream = np.random.SeedSequence([job.scene.run.seed, number], spawn_key=(PLACES_STREAM_KEY,))
+    outlines = [contours[kind] for kind in job.numbers]
+    return place(outlines, job.scene.crowd.dish, np.random.default_rng(stream), CLEARANCE_MM)

@@ -1,0 +1,50 @@
+"""Speeds and mean squared displacements of the walkers of a crowd."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis import lag_sums
+from walkergen.guests.crowd.statistics.film import CrowdFilm
+
+Array = npt.NDArray[np.float64]
+
+MAX_LAGS = 24
+"""Lags of the mean squared displacement, at most."""
+
+LAG_DIVISOR = 4
+"""Divisor of a film's length that gives the longest lag: longer ones have few pairs."""
+
+
+def speeds(film: CrowdFilm) -> tuple[Array, Array]:
+    """Speed and its part along the heading, of each walker between frames, (F - 1, N) each, mm/s.
+
+    Over an interval in which walkers turn by half a radian or more both come out too small.
+    """
+    x, y = (np.diff(places, axis=0) / film.interval for places in (film.x, film.y))
+    heading = 0.5 * (film.theta[1:] + film.theta[:-1])
+    ahead: Array = x * np.cos(heading) + y * np.sin(heading)
+    return np.hypot(x, y), ahead
+
+
+def squared_displacement(film: CrowdFilm) -> tuple[Array, Array]:
+    """Lags (s) and the mean squared displacement (mm^2) at each, over walkers and times."""
+    longest = max((len(film.times) - 1) // LAG_DIVISOR, 1)
+    lags = lag_sums.log_spaced_lags(longest, MAX_LAGS)
+    total, pairs = np.zeros(len(lags)), np.zeros(len(lags))
+    for walker in range(film.x.shape[1]):
+        places = np.column_stack([film.x[:, walker], film.y[:, walker]])
+        sums, count = lag_sums.sum_squares(places, lags)
+        total += sums
+        pairs += count
+    mean = np.where(pairs > 0, total / np.maximum(pairs, 1.0), np.nan)
+    return np.asarray(lags * film.interval, dtype=float), mean
+
+
+def growth_exponent(lags: Array, squares: Array) -> float:
+    """Local exponent d ln MSD / d ln lag over the last half decade: 2 straight, 1 diffusing."""
+    use = (lags >= lags[-1] / math.sqrt(10.0)) & (squares > 0)
+    if use.sum() < 3:
+        return math.nan
+    return float(np.polyfit(np.log(lags[use]), np.log(squares[use]), 1)[0])

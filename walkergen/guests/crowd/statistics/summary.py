@@ -1,0 +1,320 @@
+"""Statistics of a crowd from independent runs: numbers, their course in time, and curves.
+
+Every error is from the scatter of the runs. Of one run alone the numbers that vary in time have an
+error if the run is long beside the time in which they change; curves then have none.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis.motion import Curve
+from walkergen.core.dish import Dish
+from walkergen.core.errors import InputError
+from walkergen.core.numerics import statistics
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.guests.crowd.statistics import clusters, displacements, fluctuations, order, packing, pairs, walls
+from walkergen.guests.crowd.statistics.film import CrowdFilm, mean_over_walkers
+
+Array = npt.NDArray[np.float64]
+
+UNITS = {
+    "packing": "",
+    "packing_scatter": "",
+    "polar_order": "",
+    "nematic_order": "",
+    "local_polar_order": "",
+    "local_nematic_order": "",
+    "circulation": "",
+    "milling": "",
+    "speed": "mm_s",
+    "speed_along_heading": "mm_s",
+    "spread_exponent": "",
+    "fluctuation_exponent": "",
+    "clusters": "",
+    "largest_cluster": "",
+    "cluster_size": "",
+    "alone": "",
+    "touching": "",
+    "wall_density": "",
+    "wall_speed": "mm_s",
+    "wall_alignment": "",
+}
+"""Names of the numbers and their units as keys write them ("" is a pure number). `milling` is the
+mean modulus of `circulation`, which may go either way; `wall_density` is over the mean."""
+
+WHOLE_RUN_NUMBERS = ("spread_exponent", "fluctuation_exponent")
+"""Numbers of a whole run, without a course in time."""
+
+MAX_PAIR_FRAMES = 200
+"""Frames, evenly spaced, at most, for what is found pair by pair."""
+
+MIN_FRAMES = 4
+"""Least number of frames of a run."""
+
+EQUAL_TOLERANCE = 1e-12
+"""Share by which runs differ, at most, in a number that they do not differ in, as the packing."""
+
+NO_OUTLINE = "no outlines known"
+NO_HEADING = "no headings known"
+NO_WALL = "a periodic dish has no wall"
+NO_PAIRS = "too few walkers"
+NO_ERROR_SHORT_RUN = "no error of one run so short"
+NO_ERROR_ONE_RUN = "no error of one run"
+
+
+class CrowdStatistics(NamedTuple):
+    """What a crowd did, over all runs."""
+
+    numbers: dict[str, Quantity]
+    """Numbers by their keys, those of `UNITS`."""
+    by_chance: dict[str, float]
+    """What the same numbers would be for walkers placed and turned at random."""
+    by_run: dict[str, Array]
+    """Numbers of each run, shape (runs,)."""
+    series: dict[str, Curve]
+    """Course in time (s) of numbers, mean over the runs; errors NaN with one run."""
+    curves: dict[str, Curve]
+    """g, polar_correlation, nematic_correlation by distance (mm); msd (mm^2) by lag (s);
+    fluctuations (variance) by mean number; local_packing (density) by packing; cluster_shares by
+    size; wall_density, wall_speed (mm/s), wall_alignment by distance from the wall (mm)."""
+    runs: int
+    walkers: int
+    frames: int
+    """Frames of a run."""
+    seconds: float
+    """Length of a run, s."""
+    dish: Dish
+    notes: tuple[str, ...]
+    """How numbers were found, a sentence without its full stop each."""
+
+
+class _Run(NamedTuple):
+    series: dict[str, tuple[Array, Array]]
+    """Times (s) and values of each number that has a course in time."""
+    curves: dict[str, tuple[Array, Array]]
+    """Places and values of each curve."""
+    whole: dict[str, float]
+    """Numbers of the whole run."""
+
+
+def measure(films: Sequence[CrowdFilm]) -> CrowdStatistics:
+    """Statistics of one crowd from its independent runs, of the same walkers in the same dish.
+
+    Raises InputError where there is no run, or where runs differ or are too short.
+    """
+    _check_runs(films)
+    shortest = min(len(film.times) for film in films)
+    films = [film.select_frames(np.arange(shortest)) for film in films]
+    varying = fluctuations.measure(films)
+    runs = [_measure_run(film) for film in films]
+    for run, exponent, variances in zip(runs, varying.exponents, varying.variances, strict=True):
+        run.whole["fluctuation_exponent"] = float(exponent)
+        run.curves["fluctuations"] = varying.means, variances
+    by_run = {name: _values_by_run(runs, name) for name in UNITS}
+    film = films[0]
+    return CrowdStatistics(
+        {name: _quantity(name, by_run[name], runs, film) for name in UNITS},
+        _random_values(film),
+        by_run,
+        {name: _mean_curve([run.series[name] for run in runs]) for name in runs[0].series},
+        {name: _mean_curve([run.curves[name] for run in runs]) for name in runs[0].curves},
+        len(films),
+        round(film.walkers),
+        shortest,
+        float(film.times[-1] - film.times[0]),
+        film.dish,
+        _notes(films),
+    )
+
+
+def _check_runs(films: Sequence[CrowdFilm]) -> None:
+    if not films:
+        raise InputError("no run of a crowd: nothing to measure")
+    first = films[0]
+    for film in films:
+        if film.dish != first.dish or set(film.kinds) != set(first.kinds):
+            raise InputError(f"runs of a crowd differ: {_describe(film)} and {_describe(first)}; measure them apart")
+        if len(film.times) < MIN_FRAMES:
+            raise InputError(f"a run of a crowd has {len(film.times)} frames: needs {MIN_FRAMES} at least")
+
+
+def _describe(film: CrowdFilm) -> str:
+    """Describe which walkers ran, and their dish."""
+    return f"{', '.join(sorted(set(film.kinds)))} in {film.dish.words}"
+
+
+def _measure_run(film: CrowdFilm) -> _Run:
+    """All statistics of one run but the fluctuations, which are about the mean of all runs."""
+    few = film.select_frames(np.arange(0, len(film.times), -(-len(film.times) // MAX_PAIR_FRAMES)))
+    run = _Run({}, {}, {})
+    _add_motion(run, film)
+    _add_pairs(run, few)
+    if film.headed:
+        circulation = order.circulation(film)
+        run.series["polar_order"] = film.times, order.polar(film)
+        run.series["nematic_order"] = film.times, order.nematic(film)
+        if not film.dish.period:
+            run.series["circulation"] = film.times, circulation
+            run.series["milling"] = film.times, np.abs(circulation)
+    if film.sized:
+        _add_outline_statistics(run, film, few)
+    if not film.dish.period:
+        _add_walls(run, film)
+    return run
+
+
+def _add_motion(run: _Run, film: CrowdFilm) -> None:
+    between = 0.5 * (film.times[1:] + film.times[:-1])
+    speed, ahead = displacements.speeds(film)
+    run.series["speed"] = between, mean_over_walkers(speed)
+    if film.headed:
+        run.series["speed_along_heading"] = between, mean_over_walkers(ahead)
+    run.curves["msd"] = displacements.squared_displacement(film)
+    run.whole["spread_exponent"] = displacements.growth_exponent(*run.curves["msd"])
+
+
+def _add_pairs(run: _Run, few: CrowdFilm) -> None:
+    found = pairs.measure(few, pairs.bin_edges(few))
+    run.curves["g"] = found.at, found.g
+    if few.headed:
+        run.curves["polar_correlation"] = found.at, found.polar
+        run.curves["nematic_correlation"] = found.at, found.nematic
+        run.series["local_polar_order"] = few.times, found.near_polar
+        run.series["local_nematic_order"] = few.times, found.near_nematic
+
+
+def _add_outline_statistics(run: _Run, film: CrowdFilm, few: CrowdFilm) -> None:
+    local = packing.local_packing(film)
+    run.series["packing"] = film.times, packing.total_packing(film)
+    run.series["packing_scatter"] = film.times, packing.scatter(local)
+    if local.shape[1] > 1:
+        run.curves["local_packing"] = packing.probability_density(local)
+    joined = clusters.measure(few)
+    run.curves["cluster_shares"] = (np.exp2(np.arange(len(joined.shares), dtype=float)), joined.shares)
+    for name, values in (
+        ("clusters", joined.number),
+        ("largest_cluster", joined.largest),
+        ("cluster_size", joined.size),
+        ("alone", joined.alone),
+        ("touching", joined.touching),
+    ):
+        run.series[name] = few.times, values
+
+
+def _add_walls(run: _Run, film: CrowdFilm) -> None:
+    at_walls = walls.measure(film)
+    between = 0.5 * (film.times[1:] + film.times[:-1])
+    run.series["wall_density"] = film.times, at_walls.near_density
+    run.series["wall_speed"] = between, at_walls.near_speed
+    run.curves["wall_density"] = at_walls.at, at_walls.density
+    run.curves["wall_speed"] = at_walls.at, at_walls.speed
+    if film.headed:
+        run.series["wall_alignment"] = film.times, at_walls.near_alignment
+        run.curves["wall_alignment"] = at_walls.at, at_walls.alignment
+
+
+def _values_by_run(runs: Sequence[_Run], name: str) -> Array:
+    """Return a number of each run: the mean of its course in time, or that of the whole; NaN without."""
+    return np.array(
+        [_finite_mean(run.series[name][1]) if name in run.series else run.whole.get(name, math.nan) for run in runs]
+    )
+
+
+def _quantity(name: str, values: Array, runs: Sequence[_Run], film: CrowdFilm) -> Quantity:
+    """Combine the values of all runs into a quantity, with the reason if it or its error is unknown."""
+    unit = UNITS[name]
+    if np.isnan(values).any():
+        return Quantity(name, unit, None, refused=_refusal(name, film))
+    first = float(values[0])
+    if len(values) > 1:
+        if np.ptp(values) <= EQUAL_TOLERANCE * abs(first):
+            return Quantity(name, unit, first, 0.0)
+        return Quantity(name, unit, *statistics.weighted_mean(values)[:2], freedom=len(values) - 1.0)
+    if name in WHOLE_RUN_NUMBERS:
+        return Quantity(name, unit, first, refused=NO_ERROR_ONE_RUN)
+    return Quantity(name, unit, first, *_error_of_one_run(*runs[0].series[name]))
+
+
+def _error_of_one_run(times: Array, course: Array) -> tuple[float | None, float, str]:
+    """Error of a mean over a run, by the time over which its course is correlated; its freedom; why there is none."""
+    known = np.isfinite(course)
+    if np.ptp(course[known]) == 0.0:
+        return 0.0, math.inf, ""
+    interval = float(times[1] - times[0])
+    if known.all() and (time := statistics.correlation_time([course], interval)) is not None:
+        se = statistics.error_of_mean([course], interval, time)
+        if se is not None:
+            return se, len(course) * interval / (2.0 * time) - 1.0, ""
+    return None, math.inf, NO_ERROR_SHORT_RUN
+
+
+def _refusal(name: str, film: CrowdFilm) -> str:
+    """Reason why a number is not known."""
+    walled = name.startswith("wall_") or name in ("circulation", "milling")
+    if walled and film.dish.period:
+        return NO_WALL
+    outlined = ("packing", "packing_scatter", "clusters", "largest_cluster", "cluster_size", "alone", "touching")
+    if name in outlined and not film.sized:
+        return NO_OUTLINE
+    return NO_PAIRS if film.headed or name in outlined else NO_HEADING
+
+
+def _mean_curve(curves: Sequence[tuple[Array, Array]]) -> Curve:
+    """Mean of the runs' curves with its error, at the places of the first.
+
+    NaN where a run has no value; errors are NaN with one run.
+    """
+    values = np.stack([values for _, values in curves])
+    error = np.full(values.shape[1], math.nan)
+    if len(values) > 1:
+        error = values.std(axis=0, ddof=1) / math.sqrt(len(values))
+    return Curve(curves[0][0], values.mean(axis=0), error)
+
+
+def _random_values(film: CrowdFilm) -> dict[str, float]:
+    """Numbers of walkers at random places and headings, where they are known."""
+    walkers = max(film.walkers, 1.0)
+    return {
+        "polar_order": order.random_order(walkers),
+        "nematic_order": order.random_order(walkers),
+        "local_polar_order": 0.0,
+        "local_nematic_order": 0.0,
+        "circulation": 0.0,
+        "milling": order.random_circulation(walkers),
+        "fluctuation_exponent": 0.5,
+        "wall_density": 1.0,
+        "wall_alignment": 0.0,
+    }
+
+
+def _notes(films: Sequence[CrowdFilm]) -> tuple[str, ...]:
+    film = films[0]
+    errors = (
+        f"errors are from the scatter of {len(films)} independent runs"
+        if len(films) > 1
+        else "one run: errors are from the time over which numbers are correlated in it, where it is "
+        "long beside that; changes rarer than the run is long escape"
+    )
+    lines = [errors]
+    if film.sized:
+        how = (
+            f"outlines are nearer than {clusters.TOUCHING_GAP * float(film.radii.mean()):.3g} mm"
+            if film.outlines
+            else "centres are nearer than the sum of the outer radii"
+        )
+        lines.append(f"walkers touch, and are of one cluster, where their {how}")
+    near = pairs.NEIGHBOUR_DIAMETERS * pairs.length_scale(film)
+    lines.append(f"local orders are means over pairs nearer than {near:.3g} mm")
+    if not film.dish.period:
+        lines.append(f"at the wall means within {walls.near_distance(film):.3g} mm of it")
+    return tuple(lines)
+
+
+def _finite_mean(values: Array) -> float:
+    """Mean of the values that are known; NaN without any."""
+    known = values[np.isfinite(values)]
+    return float(known.mean()) if len(known) else math.nan

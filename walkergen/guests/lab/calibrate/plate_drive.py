@@ -1,0 +1,319 @@
+"""A plate's drive from a phone that rides on it: frequency, amplitude, harmonic, motion along, rocking, noise.
+
+The recording is cut into equal pieces. In each, sines at the drive's frequency and its multiples are fitted to the
+acceleration along gravity and across it; pieces differ by noise and by drifts, which the errors come from (Student's
+t). Phases are those of `drive`: the plate is at A [sin(phi) + r sin(2 phi + s)], and along it at q A sin(phi + p).
+A gyroscope tells slopes: heights beside the phone's are A (g . r sin(phi) + k . r cos(phi)), with the gradient g of the
+amplitude and the rocking k; x and y of the scene are the phone's as it lies, on its back y to the left of x.
+What moves beside the sines is integrated to a velocity in the band of the scene's noise; the phone's own is in it.
+"""
+
+import math
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import InputError
+from walkergen.core.files import formatting
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.scene import DEPENDENT_KEYS, GRAVITY, Scene
+from walkergen.core.walker.design import Design
+from walkergen.files.report import Column, Table
+from walkergen.guests.lab.calibrate import accelerometer
+from walkergen.guests.lab.calibrate.accelerometer import Recording
+from walkergen.guests.lab.report import LabReport, name_after
+
+Array = npt.NDArray[np.float64]
+Complex = npt.NDArray[np.complex128]
+
+PIECES = 16
+"""Pieces of a recording."""
+
+MIN_PERIODS = 8
+"""Fewest periods of the drive in a piece."""
+
+HARMONICS = 4
+"""Multiples of the drive's frequency that are fitted; those beyond half the rate only to keep them out of the noise."""
+
+MIN_PEAK_RATIO = 30.0
+"""Power of the drive's line over the median of the spectrum, at least."""
+
+MIN_SIGNIFICANCE = 3.0
+"""Errors by which an amplitude must differ from 0 to be one."""
+
+NYQUIST = 0.5
+USED_BANDWIDTH = 0.8
+"""Share of half the rate up to which a spectrum counts: phones damp what is close to it."""
+
+MIN_SETTINGS = {
+    "plate.noise_ratio": 0.01,
+    "plate.along_ratio": 0.005,
+    "plate.across_ratio": 0.005,
+    "plate.gradient_percent_per_mm": 0.005,
+    "plate.rocking_percent_per_mm": 0.005,
+}
+"""Least numbers that a scene has: phones alone make as much noise, and less moves no walker."""
+
+SIDEWAYS_THRESHOLD = 0.8
+"""Upward part of the phone's x axis beyond which its y axis stands for it: the phone lies on its side."""
+
+FILTERED_FREQUENCY_RATIO = 0.25
+"""Frequency over the rate beyond which a phone's own filter may take off from an amplitude."""
+
+COLUMNS = ("quantity", "value", "se", "unit", "key", "refused")
+"""Columns of calibration.csv."""
+
+
+class Row(NamedTuple):
+    """Number of the plate: as people call it, with the key of a scene that it sets ("": none)."""
+
+    name: str
+    number: Quantity
+    key: str = ""
+
+
+class Sines(NamedTuple):
+    """What pieces of a recording fit."""
+
+    upward: Complex
+    """Amplitudes (mm/s^2) of upward accelerations, shape (pieces, MULTIPLES)."""
+    sideways: Complex
+    """Of those along both axes of the plate, at the drive's frequency, and of rates (rad/s) of turning about both, if
+    known: shape (pieces, 2) or (pieces, 4)."""
+    rest: Array
+    """What the upward acceleration has beside them, shape (n,), mm/s^2."""
+
+
+def calibrate(path: Path, design: Design, scene: Scene, folder: Path | None) -> LabReport:
+    """Report of what a recording tells of the plate, with the scene that has it. Raises InputError."""
+    if scene.drive.kind == "motor":
+        raise InputError(f"‹plate=›{path}: the plate of a scene with a motor is still; take a scene with a plate")
+    recording = accelerometer.read_recording(path)
+    rows, notes = measure(recording, scene, str(path))
+    settings: dict[str, Any] = {row.key: _round_value(row.number) for row in rows if row.key and row.number.known}
+    for key, least in MIN_SETTINGS.items():
+        if settings.get(key, least) < least:
+            settings = {name: value for name, value in settings.items() if name not in (key, *DEPENDENT_KEYS[key])}
+            notes.append(f"{key} below {least:g} is a phone's own, or moves no walker: not set")
+    if "plate.noise_ratio" in settings:
+        low, high = scene.plate.noise_band_hz
+        settings |= {"plate.noise_band_hz": [low, min(high, math.floor(_max_frequency(recording.rate)))]}
+    description = f"As {scene.name}, measured: {path.name[:200]}"
+    measured = scene.variant(**settings, name=name_after(scene.name, path), description=description)
+    cells = [(row.name, row.number.value, row.number.se, row.number.unit, row.key, row.number.refused) for row in rows]
+    columns = (
+        Column("measured", lambda cell: cell[0]),
+        Column("value ± error", _format_value),
+        Column("sets", lambda cell: cell[4] if cell[4] in settings else ""),
+    )
+    keyed = {f"scene.{key}": value for key, value in settings.items()}
+    return LabReport(
+        name="calibration",
+        title=path.name,
+        tables=[Table("calibration", cells, COLUMNS, columns, "Plate")],
+        facts={
+            "measured": [dict(zip(COLUMNS, cell, strict=True)) for cell in cells],
+            "settings": keyed,
+            "notes": notes,
+        },
+        lines=notes,
+        folder=folder,
+        design=design,
+        scene=measured,
+        settings=keyed,
+        notes=notes,
+    )
+
+
+def _format_value(cell: tuple[Any, ...]) -> str:
+    """Value of a row of KEYS with its error and unit, or why there is none."""
+    _, value, se, unit, _, refused = cell
+    return str(refused) if refused else f"{formatting.format_with_error(value, se)} {unit}".strip()
+
+
+def _round_value(number: Quantity) -> float:
+    """Value to six digits."""
+    return float(f"{number.pair[0]:.6g}")
+
+
+def measure(recording: Recording, scene: Scene, source: str) -> tuple[list[Row], list[str]]:
+    """Numbers of a plate, and notes on what they leave open. Raises InputError, which begins with `source`."""
+    rate, hinted = recording.rate, scene.drive.frequency
+    if hinted >= NYQUIST * rate:
+        raise InputError(
+            f"{source}: {rate:.0f} samples a second: the scene's drive of {hinted:g} Hz is at half of them or beyond, "
+            "where it looks like another; record faster, or say the drive: ‹set› scene.drive.frequency_hz=HZ"
+        )
+    upward, sideways, gravity = _resolve_axes(recording)
+    frequency, error = _find_frequency(recording, upward, source)
+    sines = _fit_sines(recording.times, upward, sideways, frequency)
+    omega, size = 2.0 * math.pi * frequency, np.abs(sines.upward[:, 0])
+    unit = sines.upward[:, 0] / size
+    off = 0.0 if gravity is None else abs(gravity / GRAVITY - 1.0)
+    amplitude = _mean_quantity("amplitude", "um", 1e3 * size / omega**2)
+    if amplitude.value is not None and amplitude.se is not None:
+        amplitude = amplitude._replace(se=math.hypot(amplitude.se, off * amplitude.value))
+    rows = [
+        Row("drive", Quantity("frequency", "hz", frequency, error, PIECES - 2.0), "drive.frequency_hz"),
+        Row("amplitude", amplitude, "drive.amplitude_um"),
+        Row("peak acceleration", _mean_quantity("gamma", "g", size / GRAVITY)),
+    ]
+    # upward is Re[Z exp(i omega t)] with Z = A omega^2 i exp(i phi), and -4 r A omega^2 sin(2 phi + s) beside it
+    second = sines.upward[:, 1] * np.conj(-1j * unit) ** 2 / (4j * size)
+    beyond = f"not seen at {rate:.0f} samples a second: at {2 * frequency:.4g} Hz it looks like another"
+    refused = "" if 2.0 * frequency < _max_frequency(rate) else beyond
+    rows += _sine_rows(
+        "second harmonic", second, "drive.second_harmonic_ratio", "drive.second_harmonic_phase_deg", refused
+    )
+    for axis, key, own in zip("xy", ("along", "across"), sines.sideways.T[:2], strict=True):
+        keys = f"plate.{key}_ratio", f"plate.{key}_phase_deg"
+        rows += _sine_rows(f"motion along the phone's {axis}", own * np.conj(unit) / size, *keys, "")
+    rows += _gradient_rows(sines.sideways[:, 2:], unit, size / omega)
+    rows.append(
+        Row("noise", _noise_ratio(sines.rest, recording, scene, omega, float(size.mean())), "plate.noise_ratio")
+    )
+    return rows, _notes(recording, frequency, gravity, scene)
+
+
+def _notes(recording: Recording, frequency: float, gravity: float | None, scene: Scene) -> list[str]:
+    """Return notes on what the numbers leave open."""
+    rate, notes = (recording.rate, ["x of the scene is the phone's, lying on its back: along the lane"])
+    if recording.linear:
+        notes.append(
+            "gravity is taken off: up is the axis that shakes most, and the harmonic's phase may be off by 180 deg"
+        )
+    if frequency > FILTERED_FREQUENCY_RATIO * rate:
+        notes.append(
+            f"{frequency:.4g} Hz at {rate:.0f} samples a second: the sensor's filter may take off from amplitudes"
+        )
+    if gravity is not None and abs(gravity / GRAVITY - 1.0) > 0.01:
+        notes.append(f"gravity reads {1e-3 * gravity:.4g} m/s²: the amplitude's error holds that difference")
+    if abs(frequency / scene.drive.frequency - 1.0) > 0.05:
+        notes.append(f"the scene had a drive of {scene.drive.frequency:g} Hz")
+    return notes
+
+
+def _gradient_rows(rates: Complex, unit: Complex, speed: Array) -> list[Row]:
+    """Gradient of the amplitude and rocking, by rates (rad/s) of turning about x and y of the plate, shape (pieces, 2).
+
+    `speed`: the plate's peak speed (mm/s). A plate that turns at W about x and y rises at W_x y - W_y x.
+    """
+    refused = "" if rates.size else "an accelerometer in one place does not see it: record the gyroscope too"
+    x, y = np.stack([-rates[:, 1], rates[:, 0]]) * 100j * np.conj(unit) / speed if rates.size else np.zeros((2, PIECES))
+    rows = []
+    for name, part in (("gradient", np.real), ("rocking", np.imag)):
+        keys = f"plate.{name}_percent_per_mm", f"plate.{name}_toward_deg"
+        rows += _sine_rows(name, part(x) + 1j * part(y), *keys, refused, "%/mm", "direction")
+    return rows
+
+
+def _resolve_axes(recording: Recording) -> tuple[Array, Array, float | None]:
+    """Return accelerations upward, shape (n,), and along the plate, shape (n, 2) or (n, 4), and gravity.
+
+    With four columns the last two are turning about the same axes. Gravity (mm/s^2) is None if it was taken off.
+    """
+    mean = recording.felt.mean(axis=0)
+    moved = recording.felt - mean
+    if recording.linear:
+        up, gravity = np.eye(3)[int(moved.var(axis=0).argmax())], None
+    else:
+        gravity = float(np.linalg.norm(mean))
+        up = mean / gravity
+    first = np.eye(3)[int(abs(up[0]) > SIDEWAYS_THRESHOLD)]
+    first = first - (first @ up) * up
+    first /= np.linalg.norm(first)
+    axes = np.column_stack([first, np.cross(up, first)])
+    sideways = [moved @ axes] if recording.turned is None else [moved @ axes, recording.turned @ axes]
+    return moved @ up, np.hstack(sideways), gravity
+
+
+def _find_frequency(recording: Recording, upward: Array, source: str) -> tuple[float, float]:
+    """Frequency of the strongest line and its error, Hz: by its phase from piece to piece."""
+    times, rate = recording.times, recording.rate
+    even = np.arange(0.0, times[-1], 1.0 / rate)
+    power = np.abs(np.fft.rfft(np.interp(even, times, upward) * np.hanning(len(even)))) ** 2
+    at = np.fft.rfftfreq(len(even), 1.0 / rate)
+    power[at < PIECES * MIN_PERIODS / times[-1]] = 0.0
+    peak = int(power.argmax())
+    if not power[peak] > MIN_PEAK_RATIO * np.median(power[power > 0.0]):
+        raise InputError(f"{source}: no line of a drive stands out: record while the plate shakes, for half a minute")
+    half = int(np.abs(at - 0.5 * at[peak]).argmin())
+    near = int(power[max(half - 2, 0) : half + 3].argmax()) + max(half - 2, 0)
+    if power[near] > power[peak] / 16.0:  # a harmonic of a quarter of the amplitude shakes as much as the drive
+        peak = near
+    frequency, error = float(at[peak]), math.inf
+    for _ in range(4):
+        amplitudes = _fit_sines(times, upward, np.zeros((len(times), 0)), frequency).upward[:, 0]
+        middles = np.array([piece.mean() for piece in np.array_split(times, PIECES)])
+        phases = np.unwrap(np.angle(amplitudes))
+        (slope, _), covariance = np.polyfit(middles, phases, 1, cov=True)
+        frequency += float(slope) / (2.0 * math.pi)
+        error = math.sqrt(covariance[0, 0]) / (2.0 * math.pi)
+    return frequency, error
+
+
+def _fit_sines(times: Array, upward: Array, sideways: Array, frequency: float) -> Sines:
+    """Sines at multiples of a frequency in every piece of a recording."""
+    amplitudes, across, rest = [], [], []
+    for piece in np.array_split(np.arange(len(times)), PIECES):
+        phase = 2.0 * math.pi * frequency * times[piece][:, None] * np.arange(1, HARMONICS + 1)
+        basis = np.column_stack([np.ones(len(piece)), np.cos(phase), -np.sin(phase)])
+        found, *_ = np.linalg.lstsq(basis, np.column_stack([upward[piece], sideways[piece]]), rcond=None)
+        waves = found[1 : HARMONICS + 1] + 1j * found[HARMONICS + 1 :]
+        amplitudes.append(waves[:, 0])
+        across.append(waves[0, 1:])
+        rest.append(upward[piece] - basis @ found[:, 0])
+    return Sines(np.array(amplitudes), np.array(across), np.concatenate(rest))
+
+
+def _mean_quantity(key: str, unit: str, values: Array) -> Quantity:
+    """Mean over pieces, with its error."""
+    return Quantity(
+        key, unit, float(values.mean()), float(values.std(ddof=1)) / math.sqrt(len(values)), len(values) - 1.0
+    )
+
+
+def _sine_rows(
+    name: str, waves: Complex, ratio: str, phase: str, refused: str, unit: str = "", turn: str = "phase"
+) -> list[Row]:
+    """Amplitude over the drive's, and phase, of a sine beside it; declined, or of none that differs from 0."""
+    mean, root = complex(waves.mean()), math.sqrt(len(waves))
+    turned = waves * np.exp(-1j * np.angle(mean))
+    along, across = (float(part.std(ddof=1)) / root for part in (turned.real, turned.imag))
+    size, freedom = abs(mean), len(waves) - 1.0
+    if not refused and size < MIN_SIGNIFICANCE * max(along, across):
+        of = unit or "of the drive's amplitude"
+        refused = f"not told from 0: below {size + 2.0 * along:.2g} {of} (95 %)"
+    if refused:
+        sizes, turns = (Quantity(key, of, None, refused=refused) for key, of in (("ratio", unit), (turn, "deg")))
+    else:
+        sizes = Quantity("ratio", unit, size, along, freedom)
+        turns = Quantity(turn, "deg", math.degrees(np.angle(mean)), math.degrees(across / size), freedom)
+    return [Row(name, sizes, ratio), Row(f"{turn} of {name}", turns, phase)]
+
+
+def _max_frequency(rate: float) -> float:
+    """Frequency (Hz) up to which noise is seen."""
+    return USED_BANDWIDTH * NYQUIST * rate
+
+
+def _noise_ratio(rest: Array, recording: Recording, scene: Scene, omega: float, size: float) -> Quantity:
+    """Root mean square velocity beside the sines, in the band of the scene's noise, over the drive's peak speed."""
+    low, high = scene.plate.noise_band_hz[0], min(scene.plate.noise_band_hz[1], _max_frequency(recording.rate))
+    if not low < high:
+        return Quantity("noise", "", None, refused=f"its band begins at {low:g} Hz, beyond what is seen")
+    squares = []
+    for piece, times in zip(np.array_split(rest, PIECES), np.array_split(recording.times, PIECES), strict=True):
+        window = np.hanning(len(piece))
+        at = np.fft.rfftfreq(len(piece), float(np.diff(times).mean()))
+        power = np.abs(np.fft.rfft(piece * window)) ** 2 * 2.0 / (len(piece) * (window**2).sum())
+        band = (at >= low) & (at <= high)
+        kept = 1.0 - HARMONICS / max(int(band.sum()), 2 * HARMONICS)  # of the band, once the sines are taken out
+        squares.append(float((power[band] / (2.0 * math.pi * at[band]) ** 2).sum()) / kept)
+    square = _mean_quantity("noise", "", np.array(squares) * (omega / size) ** 2)
+    assert square.value is not None
+    assert square.se is not None
+    ratio = math.sqrt(square.value)
+    return square._replace(value=ratio, se=0.5 * square.se / max(ratio, 1e-300))

@@ -1,0 +1,96 @@
+"""Friction from the film of a slide: how fast a part gains speed on an incline of known angle.
+
+A part that slides straight down an incline at theta gains a = g (sin(theta) - mu cos(theta)), with
+Coulomb's friction mu: mu = tan(theta) - a / (g cos(theta)). The film looks at the incline from
+right above it, so that its lengths are those along the incline.
+"""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis import track_files
+from walkergen.core.errors import InputError
+from walkergen.core.files import safe_text
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.scene import GRAVITY
+
+Array = npt.NDArray[np.float64]
+
+MIN_FRAMES = 10
+"""Smallest number of frames of a slide."""
+
+CORRELATED_FRAMES = 10
+"""Number of neighbouring frames, about, that err alike."""
+
+MAX_STILL_SHARE = 0.1
+"""Way of what stands still over that of what slides, at most: reading errors, a camera's shake."""
+
+MAX_FRICTION_CHANGE, MIN_SIGNIFICANCE = 0.1, 4.0
+"""Change of the friction along the way from which a film holds more than one slide, and the number
+of its errors from which such a change is seen."""
+
+
+def friction(path: Path, angle_deg: float, error_deg: float) -> Quantity:
+    """Friction of the one part that slides in a file of tracks, on an incline of this angle.
+
+    What stands still beside it, as caps that tell the camera's tilt, is left out. Raises InputError
+    for tracks of several parts, of more than a slide, and of no friction.
+    """
+    read = track_files.read_tracks(path, track_files.Units())
+    name = safe_text.shorten_line(path.name)
+    seen = [_visible_positions(track.position, read.interval) for track in read.tracks]
+    ways = np.array([np.linalg.norm(places[-1] - places[0]) for _, places in seen])
+    moving = int((ways > MAX_STILL_SHARE * ways.max()).sum())
+    if moving > 1:
+        raise InputError(
+            f"{name}: {moving} tracks that move: must be one, of the part that slides: cut the "
+            "film by track ‹frames› and ‹region›"
+        )
+    times, places = seen[int(ways.argmax())]
+    if len(times) < MIN_FRAMES:
+        raise InputError(f"{name}: {len(times)} frames: must be at least {MIN_FRAMES} of a slide")
+    gained, error, change, change_error = _acceleration(times, places)
+    angle, angle_error = math.radians(angle_deg), math.radians(error_deg)
+    along = GRAVITY * math.cos(angle)
+    if abs(change) > max(MAX_FRICTION_CHANGE * along, MIN_SIGNIFICANCE * change_error):
+        raise InputError(
+            f"{name}: the friction seems to change by {abs(change) / along:.2g} along the way: "
+            "does the film begin before the slide, or go on after it? Cut it by track ‹frames›"
+        )
+    value = math.tan(angle) - gained / along
+    by_angle = (1.0 - gained / GRAVITY * math.sin(angle)) / math.cos(angle) ** 2 * angle_error
+    total = math.hypot(by_angle, error / along, gained / along * (read.scale_se or 0.0))
+    if value <= 0.0:
+        raise InputError(
+            f"{name}: gains {gained:.3g} mm/s2, and without friction it would gain "
+            f"{GRAVITY * math.sin(angle):.3g}: are angle, millimetres and frames a second right?"
+        )
+    return Quantity("friction", "", value, total)
+
+
+def _visible_positions(position: Array, interval: float) -> tuple[Array, Array]:
+    """Return times, s, from the middle, and positions, mm, of the frames in which the walker was seen."""
+    seen = ~np.isnan(position).any(axis=1)
+    times = interval * np.flatnonzero(seen)
+    return times - times.mean(), position[seen]
+
+
+def _acceleration(times: Array, places: Array) -> tuple[float, float, float, float]:
+    """Acceleration along the way and its error, its change from end to end and that one's error."""
+    way = places[-1] - places[0]
+    ahead = places @ way / (np.linalg.norm(way) or 1.0)
+
+    def fit(degree: int) -> tuple[Array, Array]:
+        terms = np.vander(times, degree + 1, increasing=True)
+        solution, _, _, _ = np.linalg.lstsq(terms, ahead)
+        rest = ahead - terms @ solution
+        noise = CORRELATED_FRAMES * float(rest @ rest) / max(len(times) - degree - 1, 1)
+        return solution, np.sqrt(noise * np.diag(np.linalg.pinv(terms.T @ terms)))
+
+    (_, _, bend), (_, _, error) = fit(2)
+    (*_, third), (*_, third_error) = fit(3)
+    span = 6.0 * float(np.ptp(times))
+    return 2.0 * float(bend), 2.0 * float(error), span * float(third), span * float(third_error)

@@ -1,0 +1,226 @@
+"""Emulated speeds: short simulated runs over the parameters, and a Gaussian process through them.
+
+Every setting (a walker on a plate) has an emulator of its own. One over tilt as well predicts
+speeds left out no better (rms 9 to 11 mm/s at 10 deg with 64 walkers a tilt), and its errors are
+wrong: the scatter of prints, which it takes as one, falls from 13 mm/s at 8 deg to 1.4 at 35 deg.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import InputError
+from walkergen.core.files.progress import Progress, part_progress
+from walkergen.core.scene import Drive, Scene
+from walkergen.core.theory import uncertain_inputs
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.guests.lab.fit.parameters import ModelName, Unknown, prior_values
+from walkergen.points import emulator, run_time, walkers
+from walkergen.points.emulator import Emulator
+from walkergen.points.experiments import Walker
+from walkergen.points.store import Store
+
+Array = npt.NDArray[np.float64]
+
+RUN_SECONDS = 2.0
+"""Measured time of a simulated run, s: prints differ by more than such runs of one print do."""
+
+DISCARDED_SECONDS = 0.5
+"""Start of a run that is not measured, s."""
+
+MAX_FAILED_SHARE = 0.25
+"""Largest share of simulated walkers that may have no speed."""
+
+
+class Setting(NamedTuple):
+    """Walker on a plate whose speed was measured, or is to be predicted."""
+
+    design: Design
+    plate_speed: float
+    """Peak speed of the plate, mm/s."""
+
+    @property
+    def tilt(self) -> float:
+        """Tilt of the legs, deg."""
+        return self.design.tilt_deg
+
+
+class Ground(NamedTuple):
+    """What all simulated walkers of a fit have in common."""
+
+    scene: Scene
+    model: ModelName
+    unknown: Unknown
+
+
+class Response(NamedTuple):
+    """Speed of a setting over the parameters: its mean over prints, and their scatter."""
+
+    emulator: Emulator
+    floor: float
+    """Scatter between prints that stand, mm/s, as simulated; 0 where prints do not differ."""
+    share: float
+    """Scatter over speed, which joins `floor` as its square does."""
+    still: float
+    """Speed (mm/s) below which a scatter that is learnt no longer falls with the speed."""
+
+    def __call__(self, x: Array) -> tuple[Array, Array, Array]:
+        """Mean speed, the emulator's error of it, and the scatter between prints, each (k,), mm/s.
+
+        Columns of x (k, parameters) beyond those simulated are a scatter over speed.
+        """
+        wide = len(self.emulator.centre)
+        mean, sd = self.emulator(x[:, :wide])
+        scatter = np.hypot(self.floor, self.share * mean)
+        if x.shape[1] > wide:
+            scatter = x[:, wide] * np.hypot(mean, self.still)
+        return mean, sd, scatter
+
+
+STILL_SPEED_RATIO = 0.1
+"""Speed over that of the plate below which a learnt scatter no longer falls with the speed."""
+
+
+def sample_parameters(ground: Ground, count: int) -> Array:
+    """Parameters of `count` walkers over their priors, shape (count, simulated parameters).
+
+    Points of a lattice (`uncertain.even`).
+    """
+    parameters = ground.unknown.simulated
+    return prior_values(parameters, uncertain_inputs.lattice_points(len(parameters), count, ground.scene.run.seed))
+
+
+def simulate(ground: Ground, setting: Setting, x: Array, progress: Progress, batch: int) -> Array:
+    """Speeds (mm/s) of simulated walkers with parameters `x` (n, simulated), NaN where they fall.
+
+    A print and a start each, from the scene's seed, the setting and the number of the batch. What
+    was simulated before is not simulated again; Ctrl-C loses only the runs under way.
+    """
+    prints, seeds = _sample_prints(ground, setting, len(x), batch)
+    names = [parameter.prior.name for parameter in ground.unknown.simulated]
+    names += [varying.name for varying in ground.unknown.printed]
+    scene = _short_scene(ground, setting)
+    runs = []
+    for row, seed in zip(np.column_stack([x, prints]), seeds, strict=True):
+        run = scene.run.model_copy(update={"seed": seed})
+        mine = scene.model_copy(update={"run": run})
+        inputs = dict(zip(names, row, strict=True))
+        runs.append(Walker(*uncertain_inputs.apply_inputs(mine, setting.design, inputs)))
+    keys = [run.key for run in runs]
+    store = Store()
+    speeds = {key: record["speed_mm_s"] for key, record in store.get(keys).items()}
+    missing = [place for place, key in enumerate(keys) if key not in speeds]
+    wanted = [runs[place] for place in missing]
+    made = walkers.simulate_parallel(wanted, part_progress(progress, 0, 1, f"simulating tilt {setting.tilt:g}"))
+    fresh = {keys[missing[place]]: point.summary.speed_mm_s for place, point in made.items()}
+    store.save((key, {"speed_mm_s": speed}) for key, speed in fresh.items())
+    store.close()
+    if len(made) < len(wanted):
+        raise KeyboardInterrupt
+    speeds |= fresh
+    return np.array([np.nan if speeds[key] is None else speeds[key] for key in keys], dtype=float)
+
+
+def cpu_seconds(ground: Ground, setting: Setting) -> float:
+    """CPU seconds of a run of a walker in a setting, as design and scene have it."""
+    return run_time.run_cpu_s(Walker(_short_scene(ground, setting), setting.design, solids.mass_of(setting.design)))
+
+
+def _sample_prints(ground: Ground, setting: Setting, count: int, batch: int) -> tuple[Array, list[int]]:
+    """Draw what differs from print to print, (count, inputs), and a seed for each print's run.
+
+    Independent from setting to setting: otherwise errors of emulators would be the same at all tilts.
+    """
+    place = [round(1e6 * (setting.tilt + 90.0)), round(1e6 * setting.plate_speed)]
+    rng = np.random.default_rng([ground.scene.run.seed, batch, *place])
+    seeds = [int(seed) for seed in rng.integers(2**62, size=count)]
+    even = rng.uniform(1e-9, 1.0, (count, len(ground.unknown.printed)))
+    columns = [
+        uncertain_inputs.input_quantiles(varying, even[:, place])
+        for place, varying in enumerate(ground.unknown.printed)
+    ]
+    return np.column_stack(columns) if columns else np.empty((count, 0)), seeds
+
+
+def _short_scene(ground: Ground, setting: Setting) -> Scene:
+    """Scene of the short runs: endless ground, since a speed needs no end to run to."""
+    scene = plate_scene(ground.scene, setting)
+    run = {"seconds": RUN_SECONDS, "discard_seconds": DISCARDED_SECONDS, "runs": 1}
+    return scene.model_copy(
+        update={
+            "run": scene.run.model_copy(update=run),
+            "arena": scene.arena.model_copy(update={"length_mm": None, "width_mm": None}),
+        }
+    )
+
+
+def plate_scene(scene: Scene, setting: Setting) -> Scene:
+    """Scene whose plate has a setting's speed, at its own frequency; a motor's stays as it is."""
+    drive = scene.drive
+    if drive.kind == "motor" or math.isclose(setting.plate_speed, drive.peak_speed, rel_tol=1e-9):
+        return scene
+    other = Drive(
+        frequency_hz=drive.frequency,
+        peak_speed_mm_s=setting.plate_speed,
+        second_harmonic_ratio=drive.second_harmonic_ratio,
+        second_harmonic_phase_deg=drive.second_harmonic_phase_deg,
+    )
+    return scene.model_copy(update={"drive": other})
+
+
+def fit_response(x: Array, y: Array, setting: Setting, prints_differ: bool) -> Response:
+    """Emulate speeds y (n,), NaN where there is none, at x (n, simulated parameters).
+
+    Scatter about the emulator grows with speed; it counts as that between prints where prints
+    differ, and otherwise as noise of short runs. Raises InputError when too many walkers fell.
+    """
+    good = np.isfinite(y)
+    fell = len(y) - int(good.sum())
+    if fell > MAX_FAILED_SHARE * len(y) or len(y) - fell < emulator.MIN_VALUES:
+        raise InputError(
+            f"tilt {setting.tilt:g} deg: {fell} of {len(y)} simulated walkers have no speed (they "
+            "topple, or their energy does not balance); leave this tilt out, or fix parameters"
+        )
+    x, y = x[good], y[good]
+    first = emulator.fit(x, y)
+    floor, share = _fit_scatter(y - first.left_out, first.left_out)
+    noise = np.hypot(floor, share * (y - first.left_out))
+    fitted = emulator.fit(x, y, noise)
+    # The residuals hold the emulator's own error as well, which is no noise: taken out.
+    excess = float(np.sqrt(np.mean((fitted.left_out / fitted.left_out_sd) ** 2)))
+    floor, share = floor * excess, share * excess
+    fitted = emulator.fit(x, y, noise * excess)
+    still = STILL_SPEED_RATIO * setting.plate_speed
+    return Response(fitted, *((floor, share) if prints_differ else (0.0, 0.0)), still)
+
+
+def _fit_scatter(speed: Array, residual: Array) -> tuple[float, float]:
+    """Scatter at speed 0 (mm/s) and its growth with speed, from residuals about the emulator."""
+    from scipy.optimize import nnls
+
+    typical = float(np.sqrt(np.mean(residual**2))) or 1e-6
+    columns = np.column_stack([np.ones_like(speed), speed**2])
+    # Squares of residuals scatter as the square of what they estimate: weights from a first fit.
+    weight = np.full(len(speed), typical**-2)
+    for _ in range(3):
+        (floor, share), _ = nnls(columns * weight[:, None], residual**2 * weight)
+        weight = 1.0 / np.maximum(columns @ (floor, share), (0.3 * typical) ** 2)
+    return max(math.sqrt(floor), 0.1 * typical), math.sqrt(share)
+
+
+def simulate_batches(
+    ground: Ground, settings: Sequence[Setting], x: Array, progress: Progress, batch: int
+) -> list[Array]:
+    """Speeds of walkers with parameters `x` in every setting, each of shape (n,)."""
+    speeds = []
+    for number, setting in enumerate(settings):
+
+        def advance(what: str, done: int, total: int, number: int = number) -> None:
+            progress(what, number * len(x) + done, len(settings) * len(x))
+
+        speeds.append(simulate(ground, setting, x, advance, batch))
+    return speeds

@@ -1,0 +1,293 @@
+"""Fit of a model: measured speeds in, what they teach and what follows from it out."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis import speeds as measured
+from walkergen.analysis.speeds import Measured
+from walkergen.core.errors import InputError
+from walkergen.core.files.config import validate
+from walkergen.core.files.progress import Expect, Expected, Progress, ignore_estimate
+from walkergen.core.scene import Scene
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.limbs import Kind
+from walkergen.guests.lab.fit import emulated_speeds, identifiability, importance_sampling, posterior, surrogate_speeds
+from walkergen.guests.lab.fit.emulated_speeds import Ground, Setting
+from walkergen.guests.lab.fit.identifiability import Learnt
+from walkergen.guests.lab.fit.job import Job
+from walkergen.guests.lab.fit.parameters import PARAMETER_KEYS, SCENE_PARAMETERS, ModelName, apply_fixed, list_unknowns
+from walkergen.guests.lab.fit.posterior import Observed, Posterior, Responds
+from walkergen.guests.lab.report import name_after
+from walkergen.points import effect_selection, run_time
+
+Array = npt.NDArray[np.float64]
+
+PRIOR_WALKERS, POSTERIOR_WALKERS, AHEAD_WALKERS = 64, 32, 48
+"""Walkers simulated in a setting: over the prior, over the posterior, and ahead of measuring."""
+
+LEARNING_S = 15.0
+"""CPU time of both posteriors and of the emulators, of one core, s: 14 with two settings, 17 with four."""
+
+DEVIATION_KEYS = {"frequency_hz": "frequency_sd_hz", "eccentric_g_mm": "eccentric_sd_g_mm"}
+"""Keys of standard deviations that do not end in _sd."""
+
+MAX_SETTINGS = 40
+"""Number of settings (tilts on plates), measured and predicted, that a fit knows at most."""
+
+BAND_LEVELS = (0.5, 0.025, 0.05, 0.1587, 0.8413, 0.95, 0.975)
+"""Median and ends of the 95, 90 and 68 % bands."""
+
+
+class Band(NamedTuple):
+    """Predicted speeds (mm/s) of one more print in a setting: median, and ends of bands."""
+
+    tilt_deg: float
+    plate_speed_mm_s: float
+    measured: int
+    """1 where speeds were measured; the prediction there has learnt from them."""
+    speed_mm_s: float
+    low_95: float
+    low_90: float
+    low_68: float
+    high_68: float
+    high_90: float
+    high_95: float
+    print_scatter_mm_s: float
+    """Standard deviation between prints, which the bands contain."""
+
+
+class Learned(NamedTuple):
+    """Result of a fit by a model."""
+
+    posterior: Posterior
+    seen: Measured
+    """Speeds that were measured."""
+    rows: tuple[Learnt, ...]
+    bands: list[Band]
+    notes: list[str]
+    scene: Scene
+    """Scene with the contact and damping as learnt."""
+    design: Design
+    """Design with the thickness and Young's modulus as learnt."""
+
+
+def learn(path: Path, job: Job, progress: Progress, expect: Expect = ignore_estimate) -> Learned:
+    """Learn from a CSV file of speeds by a model.
+
+    Columns as in `theory.fit`; simulated models need speed_se_mm_s. Raises InputError for unusable
+    input.
+    """
+    model, fixed = job.model, job.held
+    total = float(solids.mass_of(job.design).total)
+    table = measured.read_speeds(path, job.design.kind, job.scene.drive.equivalent_plate_drive(total).peak_speed)
+    measured.check_units(path, table)
+    seen, notes = _select_flexible(table, path, model)
+    scene, design = apply_fixed(job.scene, job.design, fixed)
+    ground = Ground(scene, model, list_unknowns(scene, design, model, job.prior, fixed, seen.se is not None))
+    settings, observed = _group_by_setting(design, seen)
+    ahead = _predicted_settings(job.ahead, design, seen, settings)
+    if model != "prediction":
+        effect_selection.check_no_accepted_error(scene, "a fit is of one model, and all that the scene calls for")
+        expect(lambda: _expected_time(ground, settings, ahead))
+    respond = _sample_by_table if model == "prediction" else _sample_by_runs
+    sampled, responses, later = respond(ground, settings, observed, ahead, progress)
+    parameters = ground.unknown.parameters
+    bands = _predict_bands(ground, settings, responses, sampled, True) + _predict_bands(
+        ground, ahead, later, sampled, False
+    )
+    bands.sort(key=lambda band: (band.plate_speed_mm_s, band.tilt_deg))
+    sampled = sampled._replace(draws=sampled.draws[:, : len(parameters)])
+    rows = identifiability.summarise_draws(parameters, sampled.draws)
+    notes = [
+        *identifiability.unlearnt_notes(rows),
+        *identifiability.trade_off_notes(ground.unknown.simulated, sampled.draws),
+        *identifiability.misfit_notes(sampled, len(seen.speed), model),
+        *identifiability.disagreement_notes(parameters, rows),
+        *notes,
+        *_caveats(ground),
+    ]
+    return Learned(
+        sampled, seen, rows, bands, notes, _fitted_scene(model, scene, rows, path), _fitted_design(design, rows, path)
+    )
+
+
+def _select_flexible(table: Measured, path: Path, model: ModelName) -> tuple[Measured, list[str]]:
+    """Rows of flexible walkers with their errors, and notes on those left out."""
+    if not len(table.speed):
+        raise InputError(f"{path}: no row is usable: {table.bad}")
+    if table.se is None and model != "prediction":
+        raise InputError(
+            f"{path}: no column speed_se_mm_s; a simulated fit weighs speeds by their standard "
+            "errors: add them (walkergen analyse gives them), or leave ‹model› out"
+        )
+    braced = np.array([kind == "braced" for kind in table.legs])
+    if braced.all():
+        raise InputError(
+            f"{path}: all rows have braced legs, whose speeds near 0 tell nothing of the contact; "
+            "measure walkers with flexible legs"
+        )
+    notes = table.notes
+    if braced.any():
+        notes.append(f"rows of braced legs left out, which tell nothing of contact: {braced.sum()}")
+    if table.se is None:
+        notes.append("no standard errors given: those here come from the scatter of the speeds")
+    kept = ~braced
+    se = None if table.se is None else table.se[kept]
+    legs: list[Kind] = ["flexible"] * int(kept.sum())
+    return Measured(table.tilt[kept], legs, table.speed[kept], se, table.plate_speed[kept], table.bad), notes
+
+
+def _group_by_setting(design: Design, seen: Measured) -> tuple[list[Setting], list[Observed]]:
+    """Group the rows by settings, and return these with the speeds of each. Raises InputError for too many."""
+    pairs = np.column_stack([seen.tilt, seen.plate_speed])
+    different, places = np.unique(pairs, axis=0, return_inverse=True)
+    if len(different) > MAX_SETTINGS:
+        raise InputError(
+            f"{len(different)} pairs of tilt and plate speed; at most {MAX_SETTINGS}: give prints "
+            "of one tilt the same tilt_deg and plate_speed_mm_s"
+        )
+    members = design.members([float(tilt) for tilt, _ in different], ["flexible"])
+    settings = [Setting(member, float(plate)) for member, (_, plate) in zip(members, different, strict=True)]
+    rows = [np.ravel(places) == place for place in range(len(different))]
+    se = np.full(len(seen.speed), measured.MIN_VALUE_MM_S) if seen.se is None else seen.se
+    return settings, [Observed(seen.speed[row], se[row]) for row in rows]
+
+
+def _predicted_settings(
+    wanted: Sequence[float] | None, design: Design, seen: Measured, settings: Sequence[Setting]
+) -> list[Setting]:
+    """Return the settings to predict: tilts not measured, on the plate that most rows were measured on."""
+    plates, counts = np.unique(seen.plate_speed, return_counts=True)
+    plate = float(plates[np.argmax(counts)])
+    tilts = design.family.tilt_deg if wanted is None else wanted
+    measured_tilts = [setting.tilt for setting in settings if setting.plate_speed == plate]
+    missing = sorted({float(tilt) for tilt in tilts} - set(measured_tilts))
+    if len(missing) + len(settings) > MAX_SETTINGS:
+        raise InputError(
+            f"‹predict›: {len(missing)} tilts beside {len(settings)} measured ones; at most {MAX_SETTINGS} together"
+        )
+    return [Setting(member, plate) for member in design.members(missing, ["flexible"])]
+
+
+def _sample_by_table(
+    ground: Ground,
+    settings: Sequence[Setting],
+    observed: Sequence[Observed],
+    ahead: Sequence[Setting],
+    progress: Progress,
+) -> tuple[Posterior, Sequence[Responds], Sequence[Responds]]:
+    """Posterior by the table, and what it says of settings measured and ahead."""
+    responses, later = (surrogate_speeds.responses(ground, some) for some in (settings, ahead))
+    seed = ground.scene.run.seed
+    sampled = importance_sampling.sample(ground.unknown.sampled, observed, responses, seed, progress)
+    return sampled, responses, later
+
+
+def _sample_by_runs(
+    ground: Ground,
+    settings: Sequence[Setting],
+    observed: Sequence[Observed],
+    ahead: Sequence[Setting],
+    progress: Progress,
+) -> tuple[Posterior, Sequence[Responds], Sequence[Responds]]:
+    """Sample the posterior with emulators over the prior, refined by walkers drawn from a first posterior.
+
+    Returns also emulators of the measured settings and, over the posterior alone, of those ahead.
+    """
+    progress("kernels", 0, 1)
+    seed = ground.scene.run.seed
+    x = emulated_speeds.sample_parameters(ground, PRIOR_WALKERS)
+    y = emulated_speeds.simulate_batches(ground, settings, x, progress, 0)
+    first = posterior.sample(
+        ground.unknown.parameters, observed, _fit_responses(ground, settings, x, y), seed, progress
+    )
+    drawn = _thin_draws(first, ground, POSTERIOR_WALKERS)
+    more = emulated_speeds.simulate_batches(ground, settings, drawn, progress, 1)
+    x = np.concatenate([x, drawn])
+    y = [np.concatenate(both) for both in zip(y, more, strict=True)]
+    responses = _fit_responses(ground, settings, x, y)
+    sampled = posterior.sample(ground.unknown.parameters, observed, responses, seed, progress)
+    drawn = _thin_draws(sampled, ground, AHEAD_WALKERS)
+    y = emulated_speeds.simulate_batches(ground, ahead, drawn, progress, 2)
+    return sampled, responses, _fit_responses(ground, ahead, drawn, y)
+
+
+def _expected_time(ground: Ground, settings: Sequence[Setting], ahead: Sequence[Setting]) -> Expected:
+    """Time of a fit: of its runs, by a moment in each setting, and of learning from them."""
+    counts = [PRIOR_WALKERS + POSTERIOR_WALKERS] * len(settings) + [AHEAD_WALKERS] * len(ahead)
+    costs = (emulated_speeds.cpu_seconds(ground, setting) for setting in [*settings, *ahead])
+    runs_s = sum(run_time.wall_time(each_s, count) for each_s, count in zip(costs, counts, strict=True))
+    return Expected(runs_s + LEARNING_S)
+
+
+def _thin_draws(sampled: Posterior, ground: Ground, count: int) -> Array:
+    """Draws of the posterior far from one another in the chain, (count, simulated parameters)."""
+    wide = len(ground.unknown.simulated)
+    return sampled.draws[:: len(sampled.draws) // count][:count, :wide]
+
+
+def _fit_responses(ground: Ground, settings: Sequence[Setting], x: Array, y: Sequence[Array]) -> list[Responds]:
+    differ = ground.unknown.prints_differ
+    return [
+        emulated_speeds.fit_response(x, speeds, setting, differ) for setting, speeds in zip(settings, y, strict=True)
+    ]
+
+
+def _predict_bands(
+    ground: Ground, settings: Sequence[Setting], responses: Sequence[Responds], sampled: Posterior, is_measured: bool
+) -> list[Band]:
+    """Bands in settings from the posterior, the emulators' errors and the scatter of prints."""
+    bands = []
+    for number, (setting, response) in enumerate(zip(settings, responses, strict=True)):
+        rng = np.random.default_rng([ground.scene.run.seed, number, is_measured])
+        speeds = posterior.speed_draws(sampled.draws, response, rng)
+        _, _, scatter = response(sampled.draws[:: posterior.KEPT_DRAWS // 64])
+        ends = [float(end) for end in np.quantile(speeds, BAND_LEVELS)]
+        place = (setting.tilt, setting.plate_speed, int(is_measured))
+        bands.append(Band._make((*place, *ends, float(np.median(scatter)))))
+    return bands
+
+
+def _caveats(ground: Ground) -> list[str]:
+    """Return notes on what the bands leave out."""
+    notes = [
+        "scene.toml and design.toml hold means and standard deviations; how parameters go "
+        "together stands in posterior.csv, and only bands.csv knows it"
+    ]
+    if ground.model == "space" and not ground.unknown.prints_differ:
+        notes.insert(0, "the scene has no unevenness: bands leave out how prints differ")
+    return notes
+
+
+def _fitted_scene(model: ModelName, scene: Scene, rows: Sequence[Learnt], path: Path) -> Scene:
+    """Scene with what was learnt; held values keep the standard deviations of the scene."""
+    data: dict[str, Any] = scene.model_dump(exclude_none=True)
+    for row in rows:
+        if row.name == "tip_radius_um":  # log-normal: the factor from the 68 % interval
+            factor = math.sqrt(row.high_68 / row.low_68)
+            data["feet"] |= {"tip_radius_um": math.sqrt(row.high_68 * row.low_68), "tip_radius_sd_factor": factor}
+        elif row.name in SCENE_PARAMETERS:
+            table, _, key = PARAMETER_KEYS[row.name].partition(".")
+            data[table] |= {key: row.mean, DEVIATION_KEYS.get(key, f"{key}_sd"): row.sd}
+    data["description"] = f"As {scene.name}, as learnt from {path.name[:200]} by {model}"
+    data["name"] = name_after(scene.name, path, "fit-")
+    return validate(data, Scene, "fitted scene")
+
+
+def _fitted_design(design: Design, rows: Sequence[Learnt], path: Path) -> Design:
+    """Design with what was learnt of its legs and material."""
+    data: dict[str, Any] = {"legs": {}, "material": {}} | design.model_dump(exclude_unset=True)
+    for row in rows:
+        if row.name == "thickness_mm":
+            data["legs"] |= {"flexible_thickness_mm": row.mean, "thickness_sd_mm": row.sd}
+        elif row.name == "youngs_modulus_gpa":
+            data["material"] |= {row.name: row.mean, "youngs_modulus_sd_gpa": row.sd}
+    data["description"] = f"As {design.name}, legs and material learnt from {path.name[:200]}"
+    data["name"] = name_after(design.name, path, "fit-")
+    return validate(data, Design, "fitted design")

@@ -1,0 +1,61 @@
+"""Speeds of settings by the surrogate over the parameters: what `predict` and `family` print.
+
+Beside the parameters a row holds how uneven the printer's feet are and the errors of its masses,
+which all prints of a file share.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import InputError
+from walkergen.core.theory import prediction, surrogate
+from walkergen.core.theory.networks import LINEAR_BELOW
+from walkergen.core.theory.surrogate import UnknownError
+from walkergen.core.theory.uncertain_inputs import Drawn
+from walkergen.core.walker import solids
+from walkergen.guests.lab.fit.emulated_speeds import STILL_SPEED_RATIO, Ground, Setting, plate_scene
+from walkergen.guests.lab.fit.parameters import SCATTER_NAME
+
+Array = npt.NDArray[np.float64]
+
+
+class Tabled(NamedTuple):
+    """Speed of a setting over the parameters, by the surrogate."""
+
+    setting: Setting
+    known: surrogate.Known
+    inputs: tuple[str, ...]
+    """Inputs in the order of the columns."""
+
+    def __call__(self, x: Array) -> tuple[Array, Array, Array]:
+        """Mean speed, its error that prints share, and the scatter between prints, (k,), mm/s.
+
+        Shared are the errors of the surrogate and of the model itself, `prediction.model_sd`.
+        """
+        drawn = Drawn(dict(zip(self.inputs, x.T, strict=True)), len(x))
+        plate, speeds = self.setting.plate_speed, self.known.sample_speeds(drawn)
+        slope = plate * LINEAR_BELOW * np.cosh(speeds.centre)
+        mean = plate * speeds.speed_ratios(0.0)
+        learnt = drawn.input_values(SCATTER_NAME, 0.0) * np.hypot(mean, STILL_SPEED_RATIO * plate)
+        shared = np.hypot(slope * speeds.error, prediction.model_error_sd(mean, self.known.scene))
+        return mean, shared, np.hypot(slope * speeds.between_prints, learnt)
+
+
+def responses(ground: Ground, settings: Sequence[Setting]) -> list[Tabled]:
+    """Speeds of every setting by the surrogate. Raises InputError for those that it does not know."""
+    names = tuple(parameter.prior.name for parameter in ground.unknown.sampled)
+    by_setting = []
+    for setting in settings:
+        scene, design = plate_scene(ground.scene, setting), setting.design
+        try:
+            known = surrogate.case_in_domain(scene, design, solids.mass_of(design), within_goal=False)
+        except UnknownError as error:
+            raise InputError(
+                f"{design.name}, tilt {setting.tilt:g} deg: {error.text}: learn from simulated speeds, "
+                "‹model=›space, or leave that tilt out"
+            ) from None
+        by_setting.append(Tabled(setting, known, names))
+    return by_setting

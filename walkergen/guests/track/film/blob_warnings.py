@@ -1,0 +1,209 @@
+"""What goes wrong in a film of walkers without markers, each with its size: shadows, sizes, shake."""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.core.files import formatting
+from walkergen.guests.track.film.blob_tracking import Unmarked
+from walkergen.guests.track.film.blobs import Blobs
+from walkergen.guests.track.film.linking import Seen
+from walkergen.guests.track.film.quality import MAX_LOST_SHARE, Told
+from walkergen.guests.track.film.result import Array, Tracked, Whole
+
+CORRELATED_FRAMES = 10
+"""Number of neighbouring frames, about, that err alike."""
+
+MIN_SIGNIFICANCE = 4.0
+"""Standard errors by which a shadow, or a change of size, must differ from 0."""
+
+MAX_SHAKE_PX, MAX_PULL_PX, MAX_SIZE_CHANGE, MAX_SIZE_SCATTER = 0.2, 0.3, 0.04, 0.02
+"""Shake and pull of shadows, pixels, and shares by which a walker's size differs from place to
+place, or from frame to frame, that are worth a warning."""
+
+
+def collect_doubts(tracked: Tracked, found: Unmarked) -> Told:
+    """All that is to be said of a film."""
+    look, linked, shake = found.look, found.linked, found.shake
+    pull, size = shadow_pull(linked.walkers), size_change(found.straight)
+    facts = {
+        "frames_without_walkers": linked.empty,
+        "frames_with_touching_walkers": linked.merged,
+        "frames_without_motion": found.still,
+        "short_tracks": linked.short,
+        "walkers_are": "dark" if look.dark else "light",
+        "threshold": look.threshold,
+        "width_px": look.width,
+        "length_px": linked.length,
+        "area_px": linked.area,
+        "contrast": look.contrast,
+        "noise": look.noise,
+        "shake_px": _finite_or_none(shake.rms),
+        "shake_most_px": _finite_or_none(shake.largest),
+        "shadow_px": pull,
+        "size_change_share": size.change,
+        "size_change_se_share": _finite_or_none(size.error),
+        "size_scatter_share": size.scatter,
+    }
+    return Told(
+        facts,
+        list(_notes(tracked, found)),
+        [*_link_warnings(tracked, found), *_image_warnings(tracked, found, pull, size)],
+    )
+
+
+def _finite_or_none(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _notes(tracked: Tracked, found: Unmarked) -> Iterator[str]:
+    """Yield notes on what was searched for, and the scale with its error."""
+    look, linked = found.look, found.linked
+    error = " (its error is not known: give it as 0.05+-0.001)"
+    if tracked.mm_per_px_se is not None:
+        error = f" ± {formatting.format_number(100.0 * tracked.mm_per_px_se / tracked.mm_per_px, 2)} %"
+    yield (
+        f"Walkers {'darker' if look.dark else 'lighter'} than the ground by more than "
+        f"{formatting.format_number(look.threshold)} of 255 steps, {linked.length:.1f} pixels long and "
+        f"{look.width:.0f} wide, "
+        f"area {linked.area:.0f}; {formatting.format_number(tracked.mm_per_px, 4)} mm a pixel{error}; "
+        f"{tracked.clock.in_words}."
+    )
+    if math.isnan(found.shake.rms):
+        yield "Nothing that stands still tells whether the camera shakes."
+
+
+def _link_warnings(tracked: Tracked, found: Unmarked) -> Iterator[str]:
+    """Warnings of walkers that are missing, merged, lost or taken for others."""
+    linked, count, walkers = found.linked, tracked.looked, tracked.walkers
+    if linked.empty:
+        yield f"nothing was found in {linked.empty} of {count} frames"
+    if linked.merged:
+        yield (
+            f"walkers touch, and are left out, in {linked.merged} of {count} frames; afterwards "
+            "they may have changed their numbers: look at check.png"
+        )
+    for walker in walkers:
+        if walker.lost > MAX_LOST_SHARE * (walker.lost + len(walker.frames)):
+            yield f"walker {walker.number} is lost in {walker.lost} frames between its first and last"
+    if linked.short:
+        yield f"{linked.short} tracks were too short and are left out"
+    unknown = [str(walker.number) for walker in walkers if np.isnan(walker.theta).all()]
+    if unknown:
+        yield f"no heading of walker {', '.join(unknown[:10])}: see the table"
+    most = int(np.bincount(np.concatenate([walker.frames for walker in walkers])).max())
+    if most < len(walkers):
+        yield (
+            f"{len(walkers)} tracks, but never more than {most} walkers at once: one that was lost "
+            "may go on under another number, so that tracks are not independent samples"
+        )
+
+
+def _image_warnings(tracked: Tracked, found: Unmarked, pull: float, size: "Sizes") -> Iterator[str]:
+    """Warnings of what light and camera do to the places, each with its size."""
+    look, shake = found.look, found.shake
+
+    def format_length(pixels: float) -> str:
+        return (
+            f"{formatting.format_number(pixels, 2)} pixels "
+            f"({formatting.format_number(pixels * tracked.mm_per_px, 2)} mm)"
+        )
+
+    if look.blur:
+        yield (
+            f"little contrast: walkers differ from the ground by {look.contrast:.3g} of 255 steps, "
+            f"{look.contrast / look.noise:.2g} times the noise of a pixel: give more light"
+        )
+    if shake.rms > MAX_SHAKE_PX:
+        yield (
+            f"the camera shakes: what stands still moves by {format_length(shake.rms)} r.m.s., "
+            f"{format_length(shake.largest)} at most, and places with it: fix the camera"
+        )
+    if pull > MAX_PULL_PX:
+        yield (
+            f"shadows are taken for walkers, and pull at their centres by {format_length(pull)}: light from all sides, "
+            "or give a higher ‹threshold›"
+        )
+    if size.change > max(MAX_SIZE_CHANGE, MIN_SIGNIFICANCE * size.error):
+        yield (
+            f"walkers look {100 * size.change:.2g} % larger in one place than in another, and "
+            "lengths with them: the camera does not look straight down, or its lens bends (‹lens›)"
+        )
+    if size.scatter > MAX_SIZE_SCATTER:
+        yield (
+            f"walkers change their size by {100 * size.scatter:.2g} % as they run: shadows, light "
+            "or noise are taken for a part of them"
+        )
+    if found.still:
+        yield (
+            f"nothing moves in {found.still} of {tracked.looked} frames: if the film holds its last "
+            "picture, leave it out with ‹frames›"
+        )
+
+
+def shadow_pull(walkers: Sequence[Seen]) -> float:
+    """Way by which shadows pull at the centres of walkers, pixels; 0 where none is resolved.
+
+    A shadow lies on one side in the picture; what turns with walkers is their own shades. Of those
+    that never turn the two cannot be told apart.
+    """
+    blobs = _join_blobs(walkers)
+    c, s = np.cos(blobs.axis), np.sin(blobs.axis)
+    ones, none = np.ones_like(c), np.zeros_like(c)
+    right = np.column_stack([ones, none, c, s])  # of shadow (2 columns) and shades (2 columns)
+    down = np.column_stack([none, ones, -s, c])
+    terms, pulls = np.concatenate([right, down]), np.concatenate([blobs.pull_x, blobs.pull_y])
+    fit, _, rank, _ = np.linalg.lstsq(terms, pulls)
+    if rank < terms.shape[1]:
+        return 0.0
+    variance = float(np.mean((pulls - terms @ fit) ** 2)) * CORRELATED_FRAMES
+    error = math.sqrt(variance * float(np.trace(np.linalg.inv(terms.T @ terms)[:2, :2])))
+    pull = math.hypot(fit[0], fit[1])
+    return pull if pull > MIN_SIGNIFICANCE * error else 0.0
+
+
+class Sizes(NamedTuple):
+    """How much larger walkers look in one place than in another, as a share, and its error."""
+
+    change: float
+    error: float
+    scatter: float
+    """Standard deviation of the rest, as a share: from frame to frame, and as walkers turn."""
+
+
+def size_change(walkers: Sequence[Seen]) -> Sizes:
+    """Change of a walker's own size over the places that walkers reach: perspective, or a lens.
+
+    Its logarithm is fitted with a plane and a bowl, each walker with a size of its own.
+    """
+    blobs = _join_blobs(walkers)
+    owner = np.repeat(np.arange(len(walkers)), [len(walker.frames) for walker in walkers])
+    place = np.column_stack([blobs.x, blobs.y])
+    place -= place.mean(axis=0)
+    place /= np.abs(place).max() or 1.0
+    terms = np.column_stack([place, (place**2).sum(axis=1)])
+    size = 0.5 * np.log(blobs.area)
+    slopes = np.array([_subtract_means(term, owner) for term in terms.T])
+    changes = _subtract_means(size, owner)
+    fit, _, rank, _ = np.linalg.lstsq(slopes.T, changes)
+    if rank < 3:
+        return Sizes(0.0, math.inf, float(changes.std()))
+    rest = changes - fit @ slopes
+    fitted = terms @ fit
+    ends = terms[[fitted.argmax(), fitted.argmin()]]
+    span = ends[0] - ends[1]
+    spread = np.linalg.pinv(slopes @ slopes.T) * float(np.mean(rest**2)) * CORRELATED_FRAMES
+    return Sizes(math.expm1(float(span @ fit)), math.sqrt(float(span @ spread @ span)), float(rest.std()))
+
+
+def _subtract_means(values: Array, owner: Whole) -> Array:
+    """Values without the mean of their walker's."""
+    means = np.bincount(owner, values) / np.bincount(owner)
+    return np.asarray(values - means[owner])
+
+
+def _join_blobs(walkers: Sequence[Seen]) -> Blobs:
+    """Blobs of all walkers, one walker after the other."""
+    return Blobs(*np.hstack([np.array(walker.blobs) for walker in walkers]))

@@ -1,0 +1,247 @@
+"""What goes wrong in a film with markers, each with its size: what is missing, twice or bent."""
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.core.files import formatting
+from walkergen.guests.track.film.marker_tracking import MARKER_MM, Marked
+from walkergen.guests.track.film.plane import CORRELATED_SIGHTINGS
+from walkergen.guests.track.film.quality import MAX_LOST_SHARE, Told
+from walkergen.guests.track.film.result import Tracked, Walker
+
+MAX_CORNER_OFFSET_PX = 0.7
+"""Distance of corners from those of squares that is worth a warning, pixels."""
+
+LONG_GAP_S = 0.5
+"""Time without any marker that is worth a warning, s."""
+
+MAX_TILT_DEG = 45.0
+"""Tilt of the camera that is worth a warning, deg: far markers are few pixels high."""
+
+EDGE_MARGIN_SIDES = 3.0
+"""Sides of a marker between its middle and the edge of what is looked at, beyond which it has not
+come in, or gone, over that edge."""
+
+MIN_SIZE_CHANGE, MIN_SIGNIFICANCE = 0.005, 3.0
+"""Change of the size of markers by a lens that is worth a warning, and how many of its errors."""
+
+MAX_NAMES = 10
+"""Most numbers that are named."""
+
+
+def collect_doubts(tracked: Tracked, found: Marked) -> Told:
+    """All that is to be said of a film."""
+    flat, out = found.plane, found.left_out
+    change = _scale_change(found)
+    facts = {
+        "marker_mm": tracked.options.marker_mm or MARKER_MM,
+        "heading": "marker",
+        "tilt_deg": flat.tilt_deg,
+        "scale_change_share": change,
+        "plane_terms": flat.terms.tolist(),
+        "plane_terms_se": flat.errors.tolist(),
+        "corners_off_px": flat.residual_px,
+        "frames_without_markers": len(found.empty),
+        "seen_twice_frames": {str(key): count for key, count in out.twice.items()},
+        "seen_rarely_frames": {str(key): count for key, count in out.rare.items()},
+        "sightings_left_out": sum(out.bent.values()),
+        "mirrored": list(out.mirrored),
+    }
+    return Told(
+        facts, list(_notes(tracked, found, change)), [*_left_out_warnings(tracked, found), *_lens_warnings(found)]
+    )
+
+
+def _scale_change(found: Marked) -> float:
+    """Share by which lengths differ between the places that walkers reach."""
+    scales = np.concatenate([found.plane.scales(corners.mean(axis=1)) for corners in found.straight])
+    return float(scales.max() / scales.min() - 1.0)
+
+
+def _notes(tracked: Tracked, found: Marked, change: float) -> Iterator[str]:
+    """Yield notes on what was read: scale, tilt and rate."""
+    assert tracked.mm_per_px_se is not None
+    flat, options = found.plane, tracked.options
+    size = f"{formatting.format_number(options.marker_mm or MARKER_MM, 4)} mm"
+    if options.marker_se_mm is not None:
+        size += f" ± {formatting.format_number(options.marker_se_mm, 2)}"
+    sides = [walker.size_px for walker in tracked.walkers]
+    pixels = " to ".join(dict.fromkeys(formatting.format_number(side, 3) for side in (min(sides), max(sides))))
+    yield (
+        f"Markers {size} wide, black frame included (‹marker_mm›), {pixels} pixels in the picture: "
+        f"{formatting.format_number(flat.mm_per_px, 4)} mm a pixel in its middle ± "
+        f"{formatting.format_number(100.0 * tracked.mm_per_px_se / flat.mm_per_px, 2)} %; {tracked.clock.in_words}."
+    )
+    yield (
+        f"The camera is tilted by {flat.tilt_deg:.0f} deg, and lengths differ by "
+        f"{100.0 * change:.2g} % between the places of walkers: undone. Corners lie "
+        f"{formatting.format_number(flat.residual_px, 2)} pixels off those of squares."
+    )
+
+
+def _left_out_warnings(tracked: Tracked, found: Marked) -> Iterator[str]:
+    """Warnings of markers that are in no track, or missing in some frames."""
+    out = found.left_out
+    for number, count in out.twice.items():
+        yield (
+            f"marker {number} is seen at two places at once in {count} of {tracked.looked} frames, "
+            "and left out: print each number once"
+        )
+    for number in out.mirrored:
+        yield f"marker {number} is read in the mirror only, and left out: print it anew"
+    if out.rare:
+        yield f"read too rarely to be walkers, and left out: marker {_format_counts(out.rare)} frames"
+    if out.bent:
+        yield (
+            f"sightings left out: marker {_format_counts(out.bent)} frames, no squares in the plane of "
+            "the others (a cap that leans, or is half covered)"
+        )
+    yield from _gap_warnings(tracked, found)
+    yield from _lost_warnings(tracked)
+    yield from _absent_warnings(tracked, found)
+
+
+def _lens_warnings(found: Marked) -> Iterator[str]:
+    """Warnings of a lens that bends, and a camera that looks askew."""
+    flat, bend = found.plane, lens_bend(found)
+    if abs(bend.share) > max(MIN_SIZE_CHANGE, MIN_SIGNIFICANCE * bend.error):
+        size = "smaller" if bend.share < 0.0 else "larger"
+        yield (
+            f"markers are {100.0 * abs(bend.share):.2g} % {size} {bend.away_px:.0f} pixels from "
+            "the picture's middle than in it, and so are all lengths there: the lens bends: "
+            "calibrate it, and give ‹lens›"
+        )
+    if flat.residual_px > MAX_CORNER_OFFSET_PX:
+        yield (
+            f"corners lie {flat.residual_px:.2g} pixels off those of squares: a lens that "
+            "bends, caps that are not flat, or motion blur"
+        )
+    if flat.tilt_deg > MAX_TILT_DEG:
+        yield f"the camera is tilted by {flat.tilt_deg:.0f} deg: film from above, within {MAX_TILT_DEG:g} deg"
+
+
+class Bend(NamedTuple):
+    """Size of markers at the place farthest from the picture's middle, against that in it."""
+
+    share: float
+    """Change of their sides in the plane, as a share; negative where they are smaller."""
+    error: float
+    away_px: float
+
+
+def lens_bend(found: Marked) -> Bend:
+    """Change of markers' sizes with the square of the way from the middle: a lens that bends.
+
+    Perspective changes them in a line, which the plane undoes.
+    """
+    corners = np.concatenate(found.straight)
+    sides = found.plane.to_mm(corners)
+    size = np.log(np.hypot(*np.moveaxis(sides - np.roll(sides, 1, axis=1), -1, 0)).mean(axis=1))
+    away = np.linalg.norm(corners.mean(axis=1) - found.plane.middle, axis=1)
+    square = (away / found.plane.half) ** 2
+    terms = np.column_stack([np.ones_like(square), square])
+    fitted, _, rank, _ = np.linalg.lstsq(terms, size)
+    if rank < 2 or len(size) <= CORRELATED_SIGHTINGS:
+        return Bend(0.0, math.inf, float(away.max()))
+    variance = CORRELATED_SIGHTINGS * float(np.mean((size - terms @ fitted) ** 2))
+    error = math.sqrt(variance * float(np.linalg.pinv(terms.T @ terms)[1, 1]))
+    reach = float(square.max())
+    return Bend(math.expm1(float(fitted[1]) * reach), error * reach, float(away.max()))
+
+
+class Missing(NamedTuple):
+    """Frames in which a walker must be there, and its marker is not read."""
+
+    number: int
+    frames: int
+    beside: int
+    """Those of them in which other markers are read."""
+    of: int
+    """Frames in which it must be there."""
+
+    @property
+    def share(self) -> float:
+        """Share of the frames in which it must be there."""
+        return self.frames / self.of
+
+
+def count_missing(tracked: Tracked) -> list[Missing]:
+    """Frames in which each walker is missing, of those in which it must be there.
+
+    It must from its first frame to its last, and before and after these where it was seen in the
+    midst of the picture, into which nothing comes but over its edge.
+    """
+    first = tracked.options.frames[0]
+    read = np.zeros(tracked.looked, int)
+    for walker in tracked.walkers:
+        read[walker.frames - first] += 1
+    counts = []
+    for walker in tracked.walkers:
+        seen = np.zeros(tracked.looked, bool)
+        seen[walker.frames - first] = True
+        there = slice(
+            0 if _is_inside(tracked, walker, 0) else int(walker.frames[0]) - first,
+            None if _is_inside(tracked, walker, -1) else int(walker.frames[-1]) - first + 1,
+        )
+        gone = ~seen[there]
+        beside = gone & (read[there] > 0)
+        counts.append(Missing(walker.number, int(gone.sum()), int(beside.sum()), len(gone)))
+    return counts
+
+
+def _is_inside(tracked: Tracked, walker: Walker, at: int) -> bool:
+    """Return whether a sighting of a walker lies away from the edges of the part that is searched."""
+    left, top, right, bottom = tracked.part
+    x, y = walker.pixels[at]
+    return bool(min(x - left, y - top, right - x, bottom - y) > EDGE_MARGIN_SIDES * walker.size_px)
+
+
+def _lost_warnings(tracked: Tracked) -> Iterator[str]:
+    """Walkers that are missing in more than a few frames, with the share of them."""
+    for walker in count_missing(tracked):
+        if walker.share > MAX_LOST_SHARE:
+            others = (
+                f"; in {walker.beside} of them others are read, and it is hidden, half covered or blurred"
+                if walker.beside
+                else ""
+            )
+            yield (
+                f"walker {walker.number} is lost in {walker.frames} of {walker.of} frames "
+                f"({100.0 * walker.share:.0f} %){others}"
+            )
+
+
+def _absent_warnings(tracked: Tracked, found: Marked) -> Iterator[str]:
+    """Numbers between those that are read, which no frame has; where most others are there."""
+    out = found.left_out
+    numbers = {walker.number for walker in tracked.walkers}
+    known = numbers | set(out.twice) | set(out.rare) | set(out.mirrored)
+    absent = [number for number in range(min(known), max(known)) if number not in known]
+    if 0 < len(absent) < len(numbers):
+        names = ", ".join(map(str, absent[:MAX_NAMES])) + (" ..." if len(absent) > MAX_NAMES else "")
+        yield (
+            f"marker {names}: read in none of {tracked.looked} frames, and numbers around are: half "
+            "covered all the time, or not in the film"
+        )
+
+
+def _format_counts(frames: Mapping[int, int]) -> str:
+    """Numbers of markers with their numbers of frames."""
+    named = ", ".join(f"{number} in {count}" for number, count in list(frames.items())[:MAX_NAMES])
+    return named + (" ..." if len(frames) > MAX_NAMES else "")
+
+
+def _gap_warnings(tracked: Tracked, found: Marked) -> Iterator[str]:
+    """Frames without any marker, and the longest time of them."""
+    if not len(found.empty):
+        return
+    runs = np.split(found.empty, np.flatnonzero(np.diff(found.empty) > 1) + 1)
+    longest = max(runs, key=len)
+    times = tracked.clock.times
+    end = min(int(longest[-1]) + 1, len(times) - 1)
+    seconds = float(times[end] - times[longest[0]])
+    line = f"no marker is read in {len(found.empty)} of {tracked.looked} frames"
+    yield line if seconds < LONG_GAP_S else f"{line}; for {seconds:.2g} s on end from {times[longest[0]]:.4g} s on"

@@ -1,0 +1,136 @@
+"""The simplest scene whose speed is within an accepted error of a walker's: measured, one effect after the other."""
+
+from typing import Any, NamedTuple
+
+from walkergen.core.errors import InputError
+from walkergen.core.files import formatting
+from walkergen.core.files.progress import Progress, silent
+from walkergen.core.measure import FIRST_RUNS, Measured, measure
+from walkergen.core.numerics.quantity import Verdict
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.effects import rules
+from walkergen.core.simulation.effects.resolve import replace_without_validation
+from walkergen.core.tolerance import Tolerance
+from walkergen.points import variants
+from walkergen.points.experiments import Walker
+from walkergen.points.variants import Change, Pairs, Variant
+
+MAX_PAIRS = 64
+"""Pairs of runs after which a change that is not decided counts as too large."""
+
+
+class UntilDecided(NamedTuple):
+    """Pairs of runs until it is decided whether the change of the one variant is within an error."""
+
+    tolerance: Tolerance
+    first: int = FIRST_RUNS
+
+    def verdict(self, measured: Measured[Pairs]) -> Verdict:
+        """How the change lies within the error that the scene's speed allows."""
+        pairs, records = measured.experiment, measured.records
+        return variants.verdict(pairs.walker, pairs.mean_speed(records), pairs.changes(records)[0], self.tolerance)
+
+    def further(self, measured: Measured[Pairs]) -> Measured[Pairs] | None:
+        """Twice the pairs."""
+        change = measured.experiment.changes(measured.records)[0].speed
+        told = self.verdict(measured) is not Verdict.UNDECIDED or change.se is None
+        return None if told or measured.runs >= MAX_PAIRS else measured.with_runs(2 * measured.runs)
+
+
+class Simplest(NamedTuple):
+    """Walker in the simplest scene, and what was left out."""
+
+    walker: Walker
+    accepted: float | None = None
+    """Error that was accepted, a share of the speed; None: nothing was tried."""
+    left_out: tuple[Change, ...] = ()
+    """Changes of the speed, each with all before it left out as well."""
+    kept: tuple[Change, ...] = ()
+    cpu_s: float = 0.0
+    """CPU time that finding it out took, s."""
+
+    @property
+    def error_mm_s(self) -> float:
+        """Largest error of the speed (95 %) by what was left out, mm/s."""
+        if not self.left_out:
+            return 0.0
+        change = self.left_out[-1].speed  # with all before it left out as well
+        return abs(change.number) + change.half_width()
+
+    @property
+    def lines(self) -> list[tuple[str, str]]:
+        """What was left out and what was kept: names and values in words."""
+        if self.accepted is None:
+            return []
+        share = f"{100.0 * self.accepted:g} %"
+        out, kept = ([_format_change(change) for change in changes] for changes in (self.left_out, self.kept))
+        faster = 1.0 if not self.left_out else 1.0 / self.left_out[-1].cpu.number
+        told = f"; {faster:.2g} times as fast" if out else ""
+        return [
+            ("left out", f"{', '.join(out) or 'nothing'}: within {share}{told}"),
+            *([("kept", f"{', '.join(kept)}: not known to be within {share}")] if kept else []),
+        ]
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """The same for JSON; nothing where nothing was tried."""
+        if self.accepted is None:
+            return {}
+        listed = {
+            name: [
+                {"effect": change.effect, "change": change.change, "mm_s": change.speed.value, "se": change.speed.se}
+                for change in changes
+            ]
+            for name, changes in (("left_out", self.left_out), ("kept", self.kept))
+        }
+        return {"effects": {"accepted_error": self.accepted} | listed}
+
+
+def _format_change(change: Change) -> str:
+    """Effect with what the speed is without it, less that with it."""
+    speed, named = change.speed, change.effect
+    if speed.value is None:
+        return f"{named} ({speed.refused})"
+    number = formatting.format_fixed(speed.value, 2) if speed.se is None else formatting.format_with_error(*speed.pair)
+    return f"{named} ({number} mm/s)"
+
+
+def check_no_accepted_error(scene: Scene, why: str) -> None:
+    """Refuse an accepted error where nothing is left out. Raises InputError that says why."""
+    accepted = scene.run.accepted_error
+    if accepted is not None:
+        key = "scene.run.accepted_error"
+        raise InputError(f"{key} = {accepted:g}: {why}; leave it out", key)
+
+
+def find_simplest(walker: Walker, progress: Progress = silent, threads: int | None = None) -> Simplest:
+    """Leave out what changes the speed by less than the scene's `run.accepted_error`, with 95 % confidence.
+
+    Tried are effects that no switch forces. Each is measured beside the whole scene, with what was left out before it.
+    """
+    accepted = walker.scene.run.accepted_error
+    if accepted is None:
+        return Simplest(walker)
+    whole = walker._replace(scene=replace_without_validation(walker.scene, {"run.accepted_error": None}))
+    found = Simplest(whole, accepted)
+
+    def try_variant(variant: Variant | None) -> Simplest:
+        """Return the result after a variant was tried as well."""
+        if variant is None:
+            return found
+        measured = measure(Pairs(whole, (variant,)), until, progress, threads)
+        if measured.partial:
+            raise KeyboardInterrupt
+        change = measured.experiment.changes(measured.records)[0]
+        spent = found.cpu_s + sum(run.cpu_s for runs in measured.records for run in runs)
+        if until.verdict(measured) is Verdict.AGREE:
+            return found._replace(walker=variant.walker, left_out=(*found.left_out, change), cpu_s=spent)
+        return found._replace(kept=(*found.kept, change), cpu_s=spent)
+
+    until = UntilDecided(Tolerance(accepted, relative=True))
+    for rule in rules.all_rules():
+        effect = rule.judge(found.walker.plan().case)
+        if effect.on and rule.switch and rule.switch not in whole.scene.effects.on:
+            variant = variants.without_effect(found.walker, rule)
+            found = try_variant(None if variant is None else variant._replace(effect=effect.name))
+    return found

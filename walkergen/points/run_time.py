@@ -1,0 +1,165 @@
+"""Time that runs will take on this machine: what a moment of them takes, times their length, and what an error needs.
+
+A moment is simulated and timed, so that every effect and every model is counted as it is; of an error the first runs,
+which are made anyway, tell the scatter. Times by the clock are those of an idle machine.
+"""
+
+import math
+import time
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from walkergen.core.files import formatting
+from walkergen.core.files.progress import Expect, Expected, ignore_estimate
+from walkergen.core.measure import Error, Measured
+from walkergen.core.numerics import statistics
+from walkergen.core.simulation.batch import Stopped
+from walkergen.core.simulation.observables import SPEED
+from walkergen.core.simulation.plan import Plan
+from walkergen.core.simulation.run import ENDED_WELL, compile_kernels, simulate
+from walkergen.core.tolerance import Tolerance
+from walkergen.points import worker_pool
+from walkergen.points.experiments import Walker
+
+MOMENT_S = 0.4
+"""CPU time of a moment, s."""
+
+SETTLING_S, MAX_MOMENT_S = 0.1, 60.0
+"""Start of a moment, in which the walker lands, and its longest time after that, s."""
+
+STEP_CPU_S = 2.5e-7
+"""CPU time of a step, or of a period of the plate, s: 0.1 to 0.3 us were measured."""
+
+MAX_START_S = 2.0
+"""CPU time of the start of a moment, which nothing stops, up to which it is simulated, s."""
+
+MIN_RUNS_S = 10.0
+"""Simulated time of all runs below which they take no time that is worth a moment, s."""
+
+
+def stop_after_moment() -> Stopped:
+    """Return a function that stops a run after MOMENT_S of CPU time."""
+    ends = time.thread_time() + MOMENT_S
+    return lambda: time.thread_time() >= ends
+
+
+def rate_from_steps(plan: Plan) -> float:
+    """Bound the CPU seconds of a simulated second of a walker.
+
+    The bound is from the steps of a walker whose feet never leave the plate, or from the plate's periods.
+    """
+    step = getattr(plan.world.options, "step", None)  # none of models that go from event to event
+    return STEP_CPU_S * max(0.0 if step is None else 1.0 / step, plan.shaken.frequency)
+
+
+def measure_rate(plan: Plan) -> float:
+    """Estimate the CPU seconds of a simulated second of a walker, from a moment of its first run.
+
+    Steps are counted instead if they are so many that even the start of a moment takes long.
+    """
+    by_steps = rate_from_steps(plan)
+    if SETTLING_S * by_steps > MAX_START_S:
+        return by_steps
+    compile_kernels(plan)
+    result = simulate(plan.with_run_settings(seconds=MAX_MOMENT_S, discard_seconds=SETTLING_S), 0, stop_after_moment())
+    return result.cpu_s / (SETTLING_S + result.measured_s)
+
+
+def run_cpu_s(walker: Walker) -> float:
+    """CPU seconds of one run of a walker."""
+    run = walker.scene.run
+    return measure_rate(walker.plan()) * (run.discard_seconds + run.seconds)
+
+
+def wall_time(each_s: float, pieces: int, hands: int | None = None) -> float:
+    """Time by the clock (s) of pieces of work of so many CPU seconds each, in turns of `hands`, or of every core."""
+    return each_s * math.ceil(pieces / (hands or worker_pool.core_count()))
+
+
+def total_time(walkers: Sequence[Walker]) -> Expected | None:
+    """Time of the runs that the scenes of walkers ask for, one walker after the other; None where that is short."""
+    runs = [walker.scene.run for walker in walkers]
+    if sum(run.runs * (run.discard_seconds + run.seconds) for run in runs) < MIN_RUNS_S:
+        return None
+    return Expected(sum(wall_time(run_cpu_s(walker), walker.scene.run.runs) for walker in walkers))
+
+
+class ErrorWithEstimate(NamedTuple):
+    """Runs until an error is met, of which somebody is told how long they will take once the first ones are made."""
+
+    until: Error
+    expect: Expect = ignore_estimate
+
+    @property
+    def first(self) -> int:
+        """Number of runs to begin with."""
+        return self.until.first
+
+    def further(self, measured: Measured[Walker]) -> Measured[Walker] | None:
+        """More runs, or a finer experiment, as the error needs."""
+        more = self.until.further(measured)
+        if more is not None and measured.runs == self.until.first:
+            self.expect(lambda: time_to_error(self.until, measured))
+        return more
+
+
+def time_to_error(until: Error, measured: Measured[Walker]) -> Expected:
+    """Time that an error still takes after the first runs; and in all, beside what the next cheaper one would take."""
+    cheaper = until._replace(tolerance=next_cheaper(until.tolerance))
+    hands, left = worker_pool.core_count(), cost_of_error(until, measured)
+    whole, other = (
+        formatting.format_duration((total_cpu_s(measured) + cost) / hands)
+        for cost in (left, cost_of_error(cheaper, measured))
+    )
+    return Expected(
+        left / hands, "" if whole == other else f"{until.tolerance} {whole} in all, {cheaper.tolerance} {other}"
+    )
+
+
+def cost_of_error(until: Error, measured: Measured[Walker]) -> float:
+    """CPU seconds that an error takes after the first runs; none where these do."""
+    if until.further(measured) is None:
+        return 0.0
+    finer = until.select_resolution(measured)
+    runs = _runs_needed(until, measured, finer)
+    if finer is measured.experiment:
+        return total_cpu_s(measured) * max(runs - measured.runs, 0) / measured.runs
+    return run_cpu_s(finer) * runs
+
+
+def total_cpu_s(measured: Measured[Any]) -> float:
+    """CPU seconds that runs took."""
+    return float(sum(record.cpu_s for record in measured.records))
+
+
+def _runs_needed(until: Error, measured: Measured[Walker], finer: Walker) -> int:
+    """Fewest runs of an experiment that will meet an error, by the scatter of those that were made."""
+    quantity = measured._replace(experiment=finer).quantities[until.of]
+    scatter = _run_scatter(measured, until.of, quantity.se or 0.0)
+    for runs in range(until.first, until.most):
+        if quantity._replace(se=scatter / math.sqrt(runs), freedom=runs - 1.0).half_width() <= until.max_error(
+            quantity.value
+        ):
+            return runs
+    return until.most
+
+
+def _run_scatter(measured: Measured[Walker], of: str, se: float) -> float:
+    """Return the standard deviation of one run.
+
+    Of the speed it is from blocks of all runs, which is more precise than from few runs.
+    """
+    good = [record for record in measured.records if record.outcome in ENDED_WELL]
+    if of == SPEED and good:
+        series, block_s = [record.block_speeds for record in good], good[0].block_s
+        correlation = statistics.correlation_time(series, block_s)
+        known = None if correlation is None else statistics.error_of_mean(series, block_s, correlation)
+        se = se if known is None else known
+    return se * math.sqrt(len(good) or 1)
+
+
+def next_cheaper(wanted: Tolerance) -> Tolerance:
+    """Next larger error of the series 1, 2, 5, 10."""
+    digit = 10.0 ** math.floor(math.log10(wanted.value) + 1e-9)
+    larger = next(step * digit for step in (2.0, 5.0, 10.0) if step * digit > wanted.value * (1.0 + 1e-9))
+    return wanted._replace(value=float(f"{larger:.6g}"))

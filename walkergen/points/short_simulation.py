@@ -1,0 +1,195 @@
+"""A walker's speed by a short simulation: as designed to 5 %, and over prints of what is not known of it.
+
+What the scene's `run.accepted_error` allows is left out, and the bounds bear the error that was measured of that.
+
+The store keeps it, so that whoever asks again, and whoever asks elsewhere, gets the same at once.
+"""
+
+import math
+from collections.abc import Iterator
+
+from walkergen.core.drive import Drive
+from walkergen.core.errors import InputError
+from walkergen.core.files import formatting
+from walkergen.core.files.progress import Progress, part_progress
+from walkergen.core.measure import FIRST_RUNS
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.effects.resolve import replace_without_validation
+from walkergen.core.simulation.run import Outcome
+from walkergen.core.theory import prediction
+from walkergen.core.theory.prediction import Spread
+from walkergen.core.theory.surrogate import NORMAL_95
+from walkergen.core.tolerance import Tolerance
+from walkergen.points import print_ensemble, run_time, walkers
+from walkergen.points.effect_selection import find_simplest
+from walkergen.points.experiments import Walker
+from walkergen.points.point import Record, digest
+from walkergen.points.store import Store
+
+NOMINAL_TOLERANCE = Tolerance(0.05, relative=True)
+"""Error of the nominal speed of a short simulation."""
+
+PRINT_COUNT = 32
+"""Prints that are drawn for the bounds of what is not known, each in one short run."""
+
+PRINT_S, PRINT_DISCARD_S = 2.0, 0.5
+"""Measured time of such a run, and the start of it that is not measured, s."""
+
+MAX_RUN_S, MAX_RUNS = 4.0, 64
+"""Measured time of a run of the nominal walker, s, and most of these runs."""
+
+MAX_CPU_S = 150.0
+"""CPU time, as the steps tell, beyond which a walker is not simulated unasked, s: usual ones take 5 to 30."""
+
+MAX_FULL_TIME_LEGS = 4
+"""Legs up to which runs have their full time."""
+
+BOUND_NAMES = ("low_95", "low_68", "high_68", "high_95")
+"""Names of the ends of the bounds over prints in a record."""
+
+MAX_FALL_SHARE = 0.5
+"""Share of the runs that fall from which on a walker has no speed."""
+
+
+def _store_key(walker: Walker) -> str:
+    """Key of a walker's numbers, and of how long it runs for them."""
+    return f"speed {walker.key} {digest()} {MAX_RUN_S:g} {MAX_RUNS} {PRINT_COUNT} {PRINT_S:g}"
+
+
+def load_stored(walker: Walker) -> Record | None:
+    """Numbers of a short simulation of a walker that the store has; None without."""
+    store = Store()
+    try:
+        return store.get([_store_key(walker)]).get(_store_key(walker))
+    finally:
+        store.close()
+
+
+def simulate_short(walker: Walker, progress: Progress) -> Record:
+    """Numbers of a short simulation of a walker, which the store then has.
+
+    Raises InputError for one whose steps are so many that it takes minutes.
+    """
+    _check_run_length(walker)
+    simple = find_simplest(_with_short_runs(walker), part_progress(progress, 0, 3, "what can be left out"))
+    few = simple.walker
+    results = walkers.simulate_with_limit(
+        few, NOMINAL_TOLERANCE, MAX_RUNS, part_progress(progress, 1, 3, "as designed")
+    )
+    if results.partial:
+        raise KeyboardInterrupt
+    summary = results.summary
+    record: Record = {
+        "nominal": summary.speed_mm_s,
+        "low": summary.speed_low_95_mm_s,
+        "high": summary.speed_high_95_mm_s,
+        "falls": summary.outcomes.get(Outcome.TOPPLED.value, 0) / summary.runs,
+        "left_out": dict(simple.lines).get("left out"),
+        "left_out_mm_s": simple.error_mm_s,
+    }
+    record |= _simulate_prints(few, progress)
+    store = Store()
+    try:
+        store.save([(_store_key(walker), record)])
+    finally:
+        store.close()
+    return record
+
+
+def _with_short_runs(walker: Walker) -> Walker:
+    """Walker with runs of the time that is enough for its speed as designed."""
+    return walker.with_run(seconds=min(walker.scene.run.seconds, MAX_RUN_S * _time_share(walker)))
+
+
+def _estimate_cpu_s(walker: Walker) -> float:
+    """CPU time that the fewest runs of a short simulation take at most, by the number of their steps, s."""
+    run = _with_short_runs(walker).scene.run
+    prints_s = PRINT_DISCARD_S + PRINT_S * _time_share(walker)
+    simulated_s = FIRST_RUNS * (run.discard_seconds + run.seconds) + PRINT_COUNT * prints_s
+    return simulated_s * run_time.rate_from_steps(walker.plan())
+
+
+def _check_run_length(walker: Walker) -> None:
+    """Raise InputError for a walker whose short simulation takes minutes, with the key that makes it so."""
+    cpu_s = _estimate_cpu_s(walker)
+    if cpu_s <= MAX_CPU_S:
+        return
+    usual = [
+        (_estimate_cpu_s(walker._replace(scene=scene)), key, value) for key, value, scene in _usual_scenes(walker.scene)
+    ]
+    least_s, key, value = min(usual)
+    takes = (
+        f"a prediction by runs takes {formatting.format_duration(cpu_s)} of CPU time, "
+        f"{formatting.format_duration(MAX_CPU_S)} at most"
+    )
+    anyway = "`simulate --seconds 0.1 --runs 2`"
+    if least_s > 0.5 * cpu_s:
+        raise InputError(f"{walker.design.name}: {takes}, so stiff, light or small are its parts: {anyway}")
+    raise InputError(f"scene.{key} = {value:g}: {takes}: take another value, or {anyway}", f"scene.{key}")
+
+
+def _usual_scenes(scene: Scene) -> Iterator[tuple[str, float, Scene]]:
+    """Keys that decide on a scene's steps, with their values, and the scene with a usual one."""
+    yield (
+        "drive.frequency_hz",
+        scene.drive.frequency,
+        replace_without_validation(scene, {"drive": Drive(frequency_hz=90.0, gamma=1.8)}),
+    )
+    for table in ("feet", "contact", "run"):
+        section = getattr(scene, table)
+        for own, field in type(section).model_fields.items():
+            value = getattr(section, own)
+            if isinstance(value, float) and value != field.default:
+                key = f"{table}.{own}"
+                yield key, value, replace_without_validation(scene, {key: field.default})
+
+
+def _time_share(walker: Walker) -> float:
+    """Share of the usual time for which a walker runs: with many legs it takes longer, and repeats itself sooner."""
+    return min(1.0, MAX_FULL_TIME_LEGS / len(walker.design.limbs))
+
+
+def _simulate_prints(walker: Walker, progress: Progress) -> Record:
+    """Mean, scatter and bounds over prints, mm/s; none of walkers of which too few prints walk."""
+    seconds = PRINT_S * _time_share(walker)
+    run = walker.scene.run.model_copy(update={"seconds": seconds, "discard_seconds": PRINT_DISCARD_S})
+    scene = walker.scene.model_copy(update={"run": run})
+    try:
+        drawn = print_ensemble.simulate_prints(
+            scene, walker.design, PRINT_COUNT, part_progress(progress, 1, 2, "as you will get it")
+        )
+    except InputError:
+        return {}
+    speeds = drawn.halves.mean(axis=1)
+    ends = print_ensemble.speed_bounds(speeds, print_ensemble.statistical_error(drawn.halves))
+    mean = float(speeds.mean())
+    ends = print_ensemble.add_step_error(ends, mean, drawn.by_step_mm_s)
+    record: Record = dict(zip(BOUND_NAMES, ends, strict=True))
+    return record | {"mean": mean, "sd": float(speeds.std(ddof=1))}
+
+
+def to_spread(record: Record, scene: Scene) -> Spread | None:
+    """Speeds of a record, with the model's own error in the bounds; None of a walker that falls."""
+    nominal, low, high = (_float_or_none(record, name) for name in ("nominal", "low", "high"))
+    if nominal is None or float(record["falls"] or 0.0) >= MAX_FALL_SHARE:
+        return None
+    left_out = _float_or_none(record, "left_out_mm_s") or 0.0
+    first, last = nominal if low is None else low, nominal if high is None else high  # one orbit has no scatter
+    first, _, _, last = print_ensemble.add_step_error((first, nominal, nominal, last), nominal, left_out)
+    mean = _float_or_none(record, "mean")
+    if mean is None:  # nothing is unknown, or too few prints walk to tell
+        half = 0.5 * (last - first)
+        mean, sd = nominal, half / NORMAL_95
+        ends = first, nominal - half / 2.0, nominal + half / 2.0, last
+    else:
+        sd = math.hypot(float(record["sd"] or 0.0), left_out / NORMAL_95)
+        low2, low1, high1, high2 = (float(record[name] or 0.0) for name in BOUND_NAMES)
+        ends = print_ensemble.add_step_error((low2, low1, high1, high2), mean, left_out)
+    own = float(prediction.model_error_sd(mean, scene))
+    ends = print_ensemble.add_error(ends, mean, (NORMAL_95 * own, own, own, NORMAL_95 * own))
+    return Spread(nominal, (first, last), mean, math.hypot(sd, own), ends, "runs")
+
+
+def _float_or_none(record: Record, name: str) -> float | None:
+    value = record.get(name)
+    return None if value is None else float(value)

@@ -1,0 +1,64 @@
+"""The one decision by what a speed is known: statics, the surrogate where it is sure, else a short simulation."""
+
+from typing import Literal
+
+from walkergen.core.files.progress import Progress, silent
+from walkergen.core.scene import Scene
+from walkergen.core.theory import prediction
+from walkergen.core.theory.prediction import Prediction
+from walkergen.core.theory.speed import Mode
+from walkergen.core.theory.surrogate import UnknownError
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import MassProperties
+
+Model = Literal["best", "known", "theory"]
+
+MIN_TESTED_PUSH = 3.0
+"""Push of a motor, in weights, at which MuJoCo ran a walker as fast as the model in space, within 10 %."""
+
+
+def predict(
+    design: Design,
+    mass: MassProperties,
+    scene: Scene,
+    mode: Mode = "coulomb",
+    model: Model = "best",
+    progress: Progress = silent,
+) -> Prediction:
+    """Predict one walker by what knows it best.
+
+    With model "known" nothing is simulated, with "theory" the theory stands alone: then a row may have no speed.
+    Raises InputError where a walker that is to be simulated and its scene contradict each other or it takes minutes,
+    TheoryError for an unknown mode.
+    """
+    if model == "theory":
+        return prediction.make_row(design, mass, scene, mode, None)
+    try:
+        return prediction.predict(design, mass, scene, mode)
+    except UnknownError as reason:
+        from walkergen.points import short_simulation
+        from walkergen.points.experiments import Walker
+
+        walker = Walker(scene, design, mass)
+        record = short_simulation.load_stored(walker) or (
+            None if model == "known" else short_simulation.simulate_short(walker, progress)
+        )
+        if record is None:
+            return prediction.make_row(
+                design, mass, scene, mode, None, f"to be simulated by predict or ‹simulate›: {reason}"
+            )
+        left_out = f"; left out: {record['left_out']}" if record["left_out"] else ""
+        falls, note = float(record["falls"] or 0.0), f"simulated, since {reason}{left_out}"
+        if scene.drive.kind == "motor":
+            note += _push_warning(scene.drive.push_ratio(float(mass.total)))
+        return prediction.make_row(design, mass, scene, mode, short_simulation.to_spread(record, scene), note, falls)
+
+
+def _push_warning(weights: float) -> str:
+    """Describe what is uncertain if a motor pushes with so few weights; "" for tested ones."""
+    if weights >= MIN_TESTED_PUSH:
+        return ""
+    return (
+        f"; its motor pushes with {weights:.2g} weights: below {MIN_TESTED_PUSH:g} the law of friction decides, and "
+        "MuJoCo's, without a spring along the plate, gave 1.5 to 5 times such speeds"
+    )

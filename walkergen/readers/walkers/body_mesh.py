@@ -1,0 +1,137 @@
+"""A body of a person's own: a mesh file read, checked, if asked repaired, and put into the frame.
+
+In the file one axis is up and one runs forward; here x is forward, y up and z across, right-handed.
+The middle of the bounding box is the origin in x and y, and z begins at 0, as in any walker.
+"""
+
+from pathlib import Path
+from typing import NamedTuple, get_args
+
+import numpy as np
+
+from walkergen.core.errors import InputError, Remedy
+from walkergen.core.files import formatting
+from walkergen.core.shapes import modeller
+from walkergen.core.shapes.mesh import Array, Mesh
+from walkergen.core.walker.body import Axis
+from walkergen.readers.drawings import size_check
+from walkergen.readers.meshes import faults, meshes, repairs
+from walkergen.readers.walkers import base
+
+
+class ReadOptions(NamedTuple):
+    """How a file is to be read."""
+
+    scale_mm: float | None = None
+    """Length of the file's unit, mm (3MF names its unit; there it multiplies). None: 1."""
+    length_mm: float | None = None
+    """Length along the run to which all is scaled, mm. None: as it is."""
+    up: Axis = "z"
+    forward: Axis = "x"
+    """Axes of the file that become y and x."""
+    repair: bool = False
+    """True to mend what is not sound."""
+    base: bool | None = False
+    """Whether a plate lies under it; None: where there are several bodies."""
+    mirror: bool = False
+    """True to turn what points forward backward."""
+
+
+DEFAULT_WISHES = ReadOptions()
+"""Wishes of a file that is taken as it is."""
+
+
+REPAIR_REMEDY = Remedy("mend it", {"body.repair": True})
+
+
+class OwnMesh(NamedTuple):
+    """Body, or a whole walker, from a file."""
+
+    mesh: Mesh
+    """Sound closed mesh in walkergen's frame, mm."""
+    sha256: str
+    """Hash of the file's bytes."""
+    changes: tuple[str, ...]
+    """What was left out of the file or mended, in words; none when it was taken as it is."""
+
+
+def read_body(path: Path, wishes: ReadOptions = DEFAULT_WISHES, key: str = "body.mesh") -> OwnMesh:
+    """Read a mesh (STL, OBJ, PLY, OFF, 3MF, GLB) as one closed body.
+
+    Raises InputError, one line that begins with `key`, when the file is no mesh, the mesh is unsound and stays so,
+    or its size is not a walker's.
+    """
+    source = f"{key} = {str(path)[-80:]!r}"
+    turn = rotation(wishes.up, wishes.forward, key)
+    loaded = meshes.read_mesh(path, source)
+    part = meshes.join_parts(loaded.parts)
+    vertices, triangles = part.vertices @ turn.T, part.triangles
+    scale = wishes.scale_mm or 1.0
+    if wishes.length_mm is not None:
+        scale = wishes.length_mm / max(float(np.ptp(vertices[:, 0])), 1e-12)
+    mesh = Mesh(vertices * scale, triangles)
+    if wishes.mirror:
+        mesh = Mesh(mesh.vertices * (-1.0, 1.0, 1.0), triangles[:, ::-1])
+    if wishes.length_mm is None:
+        size_check.check_size(float(np.ptp(mesh.vertices, axis=0).max()), source, scale)
+    mesh, changes = _make_sound(mesh, wishes, source, loaded.notes)
+    return OwnMesh(Mesh(_centre_vertices(mesh.vertices), mesh.triangles), loaded.sha256, changes)
+
+
+def _make_sound(mesh: Mesh, wishes: ReadOptions, source: str, notes: tuple[str, ...]) -> tuple[Mesh, tuple[str, ...]]:
+    """Mesh of one sound body, and what was left out or mended. Raises InputError."""
+    if not wishes.repair and not wishes.base:
+        faults.check_solid(mesh, f"{source} ({'; '.join(notes)})" if notes else source, [REPAIR_REMEDY])
+        return mesh, notes
+    try:
+        faults.check_solid(mesh, source)
+    except InputError:
+        mesh, changes = repairs.repair(mesh) if wishes.repair else (mesh, ())
+        notes += changes
+        if len(mesh.triangles) == 0:
+            raise InputError(f"{source}: repair leaves nothing: {'; '.join(notes)}") from None
+        mesh, joined = _make_single_body(mesh, wishes.base)
+        notes += joined
+        faults.check_solid(mesh, f"{source} ({'; '.join(notes)})" if notes else source)
+        return mesh, notes
+    return (base.add_to_mesh(mesh) if wishes.base else mesh), notes
+
+
+def _make_single_body(mesh: Mesh, plate: bool | None) -> tuple[Mesh, tuple[str, ...]]:
+    """One body of closed ones: on a plate, unless there shall be none, else the largest; and what was done."""
+    if any(map(len, faults.faulty_edges(mesh.triangles))):
+        return mesh, ()
+    bodies = modeller.split_bodies(modeller.to_solid(mesh))
+    if plate or (plate is None and len(bodies) > 1):
+        return base.add_to_mesh(mesh), (f"joined {len(bodies)} bodies by a base plate",) if len(bodies) > 1 else ()
+    if len(bodies) < 2:
+        return mesh, ()
+    return modeller.to_mesh(bodies[0]), (
+        f"left out {formatting.format_count(len(bodies) - 1, 'body', 'bodies')} beside the largest",
+    )
+
+
+def rotation(up: Axis, forward: Axis, key: str) -> Array:
+    """Rotation from a file's axes to walkergen's, shape (3, 3). Raises InputError for one axis."""
+    for name, axis in (("up", up), ("forward", forward)):
+        if axis not in get_args(Axis):
+            raise InputError(f"{key}: {name} = {axis!r}: must be one of {', '.join(get_args(Axis))}")
+    if up[-1] == forward[-1]:
+        raise InputError(f"{key}: up = {up!r} and forward = {forward!r} are one axis; change one")
+    x, y = _unit_vector(forward), _unit_vector(up)
+    return np.array([x, y, np.cross(x, y)])
+
+
+def _unit_vector(axis: str) -> Array:
+    unit = np.zeros(3)
+    unit["xyz".index(axis[-1])] = -1.0 if axis.startswith("-") else 1.0
+    return unit
+
+
+def _centre_vertices(vertices: Array) -> Array:
+    """Vertices with the middle of their box at the origin in x and y, and z from 0."""
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    middle: Array = 0.5 * (low + high)
+    middle[2] = low[2]
+    placed: Array = vertices - middle
+    return placed

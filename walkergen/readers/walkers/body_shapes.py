@@ -1,0 +1,151 @@
+"""Forming: from what people write of a body to its shape, its files read, mended and checked once."""
+
+import hashlib
+from collections.abc import Sequence
+from functools import lru_cache, partial
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.core.errors import GeometryError
+from walkergen.core.files import file_reading, formatting
+from walkergen.core.shapes.mesh import Mesh
+from walkergen.core.walker.body import BUILTIN_OUTLINES, Body, FinishedWalker, Shape, Size, lay_down, rectangle_shape
+from walkergen.readers.drawings import outlines, overlaps, size_check
+from walkergen.readers.drawings.contours import Array, NoUnitError
+from walkergen.readers.drawings.lettering import text_outline
+from walkergen.readers.walkers import base, body_mesh, leg_cutting
+
+MAX_SPECK_SHARE = 0.005
+"""Area of a piece of a drawing, over the largest, below which it is dirt."""
+
+
+class Plan(NamedTuple):
+    """What is seen from above."""
+
+    contours: list[Array]
+    notes: tuple[str, ...]
+    pieces: int
+    """Number of pieces, apart from each other."""
+
+
+def shape_of(body: Body) -> Shape:
+    """Return the shape of a body. Raises GeometryError, and InputError for files."""
+    if body.plain:
+        return rectangle_shape(body.length_mm, body.thickness_mm, body.depth_mm)
+    return shape_by_key(body.key)
+
+
+@lru_cache(maxsize=64)
+def shape_by_key(keys: str) -> Shape:
+    """Return the shape of a body that is no rectangle; `keys` is its JSON. Raises as `shape_of` does."""
+    body = Body.model_validate_json(keys)
+    if body.mesh is not None:
+        return _mesh_shape(body)
+    if body.profile_mm is not None:
+        (side,) = outlines.polygon(body.profile_mm, "body.profile_mm")
+        length, thickness = np.ptp(side, axis=0)
+        return Shape(Size(float(length), float(thickness), body.depth_mm), side)
+    plan = _plan_view(body)
+    if body.mirror:
+        plan = plan._replace(contours=[(ring * (-1.0, 1.0))[::-1] for ring in plan.contours])
+    contours, mesh, notes = plan.contours, None, plan.notes
+    loose = plan.pieces > 1 or (body.text is not None and body.rails_mm is None)
+    if body.base or (body.base is None and loose):
+        contours, raised = base.add_to_outline(contours, body.thickness_mm)
+        if plan.pieces > 1:
+            notes += (f"joined {plan.pieces} pieces by a base plate",)
+        mesh = lay_down(raised, _plan_size(contours, body.thickness_mm))
+    size = _plan_size(contours, body.thickness_mm)
+    named = body.outline if body.text is None else body.font
+    sha256 = "" if named is None or named in BUILTIN_OUTLINES else _file_hash(Path(named))
+    return Shape(size, None, tuple(contours), mesh, sha256, notes)
+
+
+def _plan_size(contours: Sequence[Array], thickness: float) -> Size:
+    length, depth = np.ptp(np.vstack(contours), axis=0)
+    return Size(float(length), thickness, float(depth))
+
+
+def _file_hash(path: Path) -> str:
+    return hashlib.sha256(file_reading.read_bytes(path)).hexdigest()
+
+
+def _mesh_shape(body: Body) -> Shape:
+    """Shape of a mesh from a file."""
+    assert body.mesh is not None
+    wishes = body_mesh.ReadOptions(
+        body.scale_mm, body.wished_mm, body.up, body.forward, body.repair, body.base, body.mirror
+    )
+    own = body_mesh.read_body(Path(body.mesh), wishes)
+    if body.legs_below_mm is not None:
+        cut = leg_cutting.centre_on_body(leg_cutting.cut_legs(own.mesh, body.legs_below_mm))
+        finished = FinishedWalker(cut.whole, cut.body, tuple(leg.mesh for leg in cut.legs), cut.limbs)
+        return Shape(_mesh_size(cut.body), None, (), cut.body, own.sha256, own.changes, finished)
+    return Shape(_mesh_size(own.mesh), None, (), own.mesh, own.sha256, own.changes)
+
+
+def _mesh_size(mesh: Mesh) -> Size:
+    length, thickness, depth = np.ptp(mesh.vertices, axis=0)
+    return Size(float(length), float(thickness), float(depth))
+
+
+def _plan_view(body: Body) -> Plan:
+    """Outline in plan view, and what was left out of the file that it is from."""
+    if body.text is not None:
+        return _text_plan(body)
+    if body.outline == "disc":
+        return Plan(outlines.disc(body.length_mm, "body.length_mm"), (), 1)
+    if body.outline == "ellipse":
+        return Plan(outlines.ellipse(body.length_mm, body.depth_mm), (), 1)
+    if body.points_mm is not None:
+        return Plan(outlines.polygon(body.points_mm), (), 1)
+    assert body.outline is not None
+    return _read_plan(body, Path(body.outline))
+
+
+def _text_plan(body: Body) -> Plan:
+    """Letters. Where they may not stand on a plate they must be one piece."""
+    assert body.text is not None
+    font = None if body.font is None else Path(body.font)
+    height = body.depth_mm
+    if body.wished_mm is not None:
+        height = body.wished_mm / float(np.ptp(np.vstack(text_outline(body.text, 1.0, False, font=font))[:, 0]))
+    drawn = text_outline(body.text, height, connected=body.base is False, rails=body.rails_mm, font=font)
+    return Plan(drawn, (), len(overlaps.pieces(drawn)))
+
+
+def _read_plan(body: Body, path: Path) -> Plan:
+    """Outline of a drawing or a picture."""
+    import shapely
+
+    if path.suffix.lower() not in outlines.READERS:
+        raise GeometryError(
+            f"body.outline = {body.outline!r}: must be one of {', '.join(BUILTIN_OUTLINES)}, or a file "
+            f"{', '.join(outlines.READERS)}"
+        )
+    read = partial(outlines.from_file, path, mend=body.repair, connected=not body.repair and body.base is None)
+    try:
+        drawn = read(scale_mm=body.scale_mm, length_mm=body.wished_mm)
+    except NoUnitError:
+        drawn = read(length_mm=size_check.DEFAULT_LENGTH_MM)
+        said = f"made it {size_check.DEFAULT_LENGTH_MM:g} mm long, for it states no size: body.length_mm sets another"
+        drawn = drawn._replace(notes=(*drawn.notes, said))
+    if body.wished_mm is None:
+        size = float(np.ptp(np.vstack(drawn.polygons), axis=0).max())
+        size_check.check_size(size, f"body.outline = {path.name!r}", body.scale_mm or 1.0)
+    pieces = overlaps.pieces(drawn.polygons)
+    kept = [piece for piece in pieces if piece.area > MAX_SPECK_SHARE * pieces[0].area]
+    notes = drawn.notes
+    if specks := len(pieces) - len(kept):
+        notes += (f"left out {formatting.format_count(specks, 'speck', 'specks')}",)
+    if len(kept) > 1 and body.base is False:
+        notes += (f"left out {formatting.format_count(len(kept) - 1, 'piece', 'pieces')} beside the largest",)
+        kept = kept[:1]
+    if len(kept) == len(pieces):
+        return Plan(drawn.polygons, notes, len(pieces))
+    contours = overlaps.contours(shapely.union_all(kept))
+    every = np.vstack(contours)
+    middle = 0.5 * (every.min(axis=0) + every.max(axis=0))
+    return Plan([ring - middle for ring in contours], notes, len(kept))

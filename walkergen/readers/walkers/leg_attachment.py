@@ -1,0 +1,73 @@
+"""Legs on a body whose underside is not flat: where each meets it.
+
+A leg's length counts from the lowest level of the body, so that feet of equal legs are level; where
+the underside lies higher, the leg goes on up to it, and is cut flush with it.
+"""
+
+import atexit
+import math
+from functools import lru_cache
+
+import numpy as np
+
+from walkergen.core.errors import GeometryError
+from walkergen.core.shapes import joining
+from walkergen.core.walker.body import Body
+from walkergen.core.walker.limbs import Limb
+from walkergen.core.walker.mass import SolidMass, weigh
+from walkergen.core.walker.sections import section_of
+from walkergen.readers.walkers.body_shapes import shape_of
+
+EMBEDDING_MM = 0.05
+"""Depth by which a leg reaches into the body beyond where its section is covered, mm."""
+
+
+UP = np.array([0.0, 1.0, 0.0])
+
+
+@lru_cache(maxsize=1024)
+def extend_legs(body: str, limbs: tuple[Limb, ...]) -> tuple[Limb, ...]:
+    """Return legs that go on up to a body, given by its JSON. Raises GeometryError for those that miss it."""
+    ground = prepare_body(body)
+    return tuple(_extend_leg(ground, limb, number) for number, limb in enumerate(limbs, start=1))
+
+
+@lru_cache(maxsize=16)
+def prepare_body(body: str) -> joining.Body:
+    """Body of its JSON, made ready for the modeller."""
+    return joining.prepare_body(shape_of(Body.model_validate_json(body)).solid())
+
+
+atexit.register(prepare_body.cache_clear)  # else the modeller tells of leaks at the end of the program
+
+
+@lru_cache(maxsize=16)
+def body_mass(body: str) -> SolidMass:
+    """Mass of a body of its JSON, at 1 g/mm^3."""
+    return weigh(prepare_body(body).mesh, 1.0)
+
+
+def _extend_leg(ground: joining.Body, limb: Limb, number: int) -> Limb:
+    """Return a leg that goes on to the underside of a body."""
+    depth = float(np.ptp(ground.mesh.vertices[:, 2]))
+    sin, cos = math.sin(limb.tilt), math.cos(limb.tilt)
+    anchor = np.array([*limb.anchor, 0.5 * depth + limb.across])
+    direction = np.array([sin, cos, 0.0])
+    end = anchor - limb.length * direction
+    key = f"legs[{number}].along_mm"
+    footing = joining.find_footing(ground, end, direction, limb.thickness, limb.width, key)
+    length = float(np.linalg.norm(footing.anchor - end))
+    over = max(footing.reach - length, 0.0) * cos + 0.5 * limb.thickness * abs(sin)
+    met = limb._replace(length=length, bottom=float(footing.anchor[1]))
+    # Beyond its anchor a leg goes straight up, as its struts do
+    upright = [(0.0, 2.0 * met.half_width)] if sin else []
+    upright += [(strut.offset, strut.thickness) for strut in section_of(met).struts(met)]
+    above = math.inf if sin else footing.above - length
+    for offset, thickness in upright:
+        foot = np.array([met.anchor[0] + offset, end[1], anchor[2]])
+        straight = joining.find_footing(ground, foot, UP, thickness, limb.width, key)
+        over = max(over, float(foot[1]) + straight.reach - met.bottom)
+        above = min(above, float(foot[1]) + straight.above - met.bottom)
+    if over + EMBEDDING_MM > above:
+        raise GeometryError(f"{key}: the leg comes out of the body again, {above:.3g} mm above where it meets it")
+    return met._replace(embedding=over + EMBEDDING_MM)

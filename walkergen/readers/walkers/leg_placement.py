@@ -1,0 +1,417 @@
+"""Legs that place themselves: rows of them under a body of any outline.
+
+What a person has drawn is taken as it is seen from above. Two rows stand across the walk, their feet as
+far behind the centre of mass as before it, as wide as the outline allows, and in pieces where a hole or
+a notch divides it; between rows that are far apart stand more. What they stand on reaches so far in every
+direction that a walker that leans by LEAN falls back on its feet.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import lru_cache, partial
+from itertools import islice
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import GeometryError, InputError, Remedy, SolidError
+from walkergen.core.shapes import joining
+from walkergen.core.walker.body import Body
+from walkergen.core.walker.limbs import Legs, Limb, resolve_pair
+from walkergen.core.walker.sections import section_of
+from walkergen.readers.drawings import size_check
+from walkergen.readers.walkers import leg_attachment
+from walkergen.readers.walkers.body_shapes import shape_of
+
+if TYPE_CHECKING:
+    from shapely.geometry.base import BaseGeometry
+
+MIN_EDGE_MM = 0.2
+"""Distance of a leg from the edge of the outline at least, mm: half a wall that printers draw."""
+
+MIN_LEG_WIDTH_MM = 1.0
+"""Least width of a leg, mm."""
+
+SPAN_PER_LENGTH = 13.0 / 28.0
+"""Distance of the rows' feet over the length of the body, that of the paper's walker, where it fits."""
+
+MIN_LEAN_DEG = 10.0
+"""Least angle by which a walker may lean, in any direction, and still fall back on its feet, deg."""
+
+MIN_SPAN_PER_HEIGHT = 2.0 * math.tan(math.radians(MIN_LEAN_DEG))
+"""Distance of the feet over the height of the centre of mass at least, by that angle."""
+
+PREFERRED_SPAN_PER_HEIGHT = 0.5
+"""Distance of the rows' feet over the height of the centre of mass that is wished where the body is short."""
+
+MAX_ROW_DISTANCE_MM = 60.0
+"""Distance of neighbouring rows at most: at 60 mm a plate of 3 mm of PLA has its lowest tone between them at
+590 Hz, six times the paper's drive, so that the body counts as rigid."""
+
+MAX_LENGTH_MM = 180.0
+"""Length of a body, mm, that fits on the beds of all common printers."""
+
+LENGTH_FACTORS = tuple(1.35**step for step in range(1, 8))
+"""Sizes, over a body's own, of which the first that stands is told."""
+
+LEG_LENGTH_FACTORS = (0.75, 0.5)
+"""Lengths of legs, over the wished, of which the first that stands is told."""
+
+INCH_MM = size_check.UNITS_MM["inches"]
+
+MAX_INCH_SIZE_MM = 3.0
+"""Length of the longest side of a mesh below which it may be in inches, mm."""
+
+FAMILY_MAX_TILT_DEG = 20.0
+"""Tilt of the steepest legs of a family by default, deg."""
+
+SPAN_STEPS = 61
+"""Distances of the feet that are tried."""
+
+MIDDLE_SHIFTS = (0.0, 0.05, -0.05, 0.15, -0.15)
+"""Distances of the middle of the feet from the centre of mass, over theirs, that are tried in turn."""
+
+SIMPLIFY_MM = 0.01
+"""Distance by which an outline may be simplified, mm."""
+
+Array = npt.NDArray[np.float64]
+
+
+INSET_SHARES = (0.0, 0.04, 0.08, 0.12, 0.16, 0.2)
+"""Shares of a mesh's depth by which its outline is drawn in, in turn, until all legs meet the mesh."""
+
+MARGIN_TOLERANCE = 1e-9
+"""Largest relative error of a margin."""
+
+DECIMALS = 6
+"""Decimals of places and widths, mm: what is symmetric is so to the last bit."""
+
+
+class UnplacedError(GeometryError):
+    """Body under which no legs stand."""
+
+    body: Body
+    legs: Legs
+
+
+class LegSpace(NamedTuple):
+    """Room for legs under a body, seen from above, (along, across), mm."""
+
+    ground: "BaseGeometry"
+    free: "BaseGeometry"
+    """What legs of the least width may cover."""
+    centre: tuple[float, float]
+    """Centre of mass."""
+    radius: float
+    """Distance from it, in every direction, to which feet must reach."""
+
+
+class Reach(NamedTuple):
+    """What a leg takes up along the run, mm, from its foot."""
+
+    back: float
+    """Where it begins: at its foot for a brace, else at the back of its top."""
+    front: float
+
+
+class Row(NamedTuple):
+    """Legs side by side."""
+
+    along: float
+    """Place of their feet along the run, mm."""
+    legs: tuple[tuple[float, float], ...]
+    """Place across and width of each, mm, in the order of their places."""
+
+    @property
+    def width(self) -> float:
+        """Width of all of them, mm."""
+        return sum(width for _, width in self.legs)
+
+    @property
+    def high(self) -> float:
+        """Outer edge of the last, mm."""
+        return self.legs[-1][0] + 0.5 * self.legs[-1][1]
+
+
+class Placement(NamedTuple):
+    """Legs that were found for a body."""
+
+    limbs: tuple[Limb, ...]
+    """The rear row first."""
+    lean_deg: float
+    """Angle by which the walker may lean, in any direction, and still fall back on its feet, deg."""
+
+    @property
+    def words(self) -> str:
+        """What was chosen, in a line."""
+        places = sorted({limb.along for limb in self.limbs})
+        widths = [sum(limb.width for limb in self.limbs if limb.along == place) for place in places]
+        wide = f"{min(widths):.3g}" + (f" to {max(widths):.3g}" if max(widths) - min(widths) > 0.05 else "")
+        return (
+            f"legs found for the body: {len(places)} rows, {wide} mm wide, feet {places[-1] - places[0]:.3g} mm apart; "
+            f"it tips beyond {self.lean_deg:.0f} deg"
+        )
+
+
+@lru_cache(maxsize=4096)
+def find_placement(body_key: str, legs_key: str) -> Placement:
+    """Legs for a body; both as their JSON. They are turned and long as those that are written, at other places.
+
+    Raises UnplacedError where none stand, with what would help.
+    """
+    body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
+    try:
+        return _place_legs(body, legs)
+    except GeometryError as error:
+        mistake = UnplacedError(
+            f"legs.place: {error.text}", "legs.place", helps=partial(_find_remedies, body_key, legs_key)
+        )
+        mistake.body, mistake.legs = body, legs
+        raise mistake from None
+
+
+def _place_legs(body: Body, legs: Legs) -> Placement:
+    """Legs for a body. Raises GeometryError."""
+    import shapely
+
+    size = shape_of(body).size
+    leg = resolve_pair(legs, size.depth, -0.5 * size.thickness)[0]
+    ground, (along, up, across) = _footprint_and_centre(body.key)
+    centre, height, reach = (along, across), up - leg.foot_height, _leg_reach(leg)
+    if body.flat:
+        return _from_rows(leg, find_rows(ground, centre, height, reach), centre, height)
+    for inset in INSET_SHARES:
+        drawn_in = shapely.buffer(ground, -inset * size.depth)
+        if drawn_in.is_empty:
+            break
+        found = _from_rows(leg, find_rows(drawn_in, centre, height, reach), centre, height)
+        try:
+            return found._replace(limbs=leg_attachment.extend_legs(body.key, found.limbs))
+        except GeometryError:  # a leg misses the mesh: farther in there is more of it
+            continue
+    raise GeometryError("its underside is too narrow or too steep for legs")
+
+
+def available_space(body: Body, legs: Legs) -> LegSpace:
+    """Room for legs under a body. Raises GeometryError for a body that has no shape."""
+    import shapely
+
+    size = shape_of(body).size
+    leg = resolve_pair(legs, size.depth, -0.5 * size.thickness)[0]
+    ground, (along, up, across) = _footprint_and_centre(body.key)
+    reach = _leg_reach(leg)
+    left, _, right, _ = ground.bounds
+    places = np.linspace(left - reach.front, right - reach.back, 4 * SPAN_STEPS)
+    covered = _covered_intervals(ground.buffer(-MIN_EDGE_MM), places + reach.back, places + reach.front)
+    tops = [
+        shapely.box(place + reach.back, low, place + reach.front, high)
+        for place, pieces in zip(places.tolist(), covered, strict=True)
+        for low, high in pieces
+        if high - low >= MIN_LEG_WIDTH_MM
+    ]
+    radius = 0.5 * MIN_SPAN_PER_HEIGHT * (up - leg.foot_height)
+    return LegSpace(ground, shapely.union_all(tops), (along, across), radius)
+
+
+@lru_cache(maxsize=64)
+def _find_remedies(body_key: str, legs_key: str) -> list[Remedy]:
+    """Try what would make legs stand under a body; return the first of each kind that does, two at most."""
+    body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
+    length = shape_of(body).size.length
+    sizes = [float(math.ceil(larger * length)) for larger in LENGTH_FACTORS] if body.wishful else []
+    wishes: list[list[tuple[str, dict[str, Any]]]] = [
+        [("read it in inches", {"scale_mm": INCH_MM})] if _is_tiny(body) else [],
+        [("lay it down", axes) for axes in _other_orientations(body)],
+        [("put a plate under it", {"base": True})] if body.sourced and not body.base else [],
+        [(f"make it {size:g} mm long", {"length_mm": size}) for size in sizes if size < MAX_LENGTH_MM],
+    ]
+    remedies = []
+    for tries in wishes:
+        helpful = ((words, keys) for words, keys in tries if _can_stand(body.with_keys(**keys), legs))
+        remedies += [Remedy(words, {f"body.{key}": keys[key] for key in keys}) for words, keys in islice(helpful, 1)]
+    lengths = (float(f"{share * legs.length_mm:.3g}") for share in LEG_LENGTH_FACTORS)
+    shorter = (mm for mm in lengths if _can_stand(body, legs.model_copy(update={"length_mm": mm})))
+    remedies += [Remedy(f"make the legs {mm:g} mm long", {"legs.length_mm": mm}) for mm in islice(shorter, 1)]
+    return [_drop_other_size(remedy) for remedy in remedies[:2]] or [Remedy("make the shape wider", {})]
+
+
+def _drop_other_size(remedy: Remedy) -> Remedy:
+    """Remedy that leaves out the other key that gives a body's size."""
+    other = {"body.length_mm": "body.scale_mm", "body.scale_mm": "body.length_mm"}
+    return remedy._replace(values={**{other[key]: None for key in remedy.values if key in other}, **remedy.values})
+
+
+def auto_remedies(body: Body, legs: Legs) -> list[Remedy]:
+    """Suggest automatic placement of the legs, if it works."""
+    own = legs.model_copy(update={"place": "auto"})
+    return [Remedy("let the legs place themselves", {"legs.place": "auto"})] if _can_stand(body, own) else []
+
+
+def _other_orientations(body: Body) -> list[dict[str, Any]]:
+    """How a mesh may lie instead: about the axis that is forward, or on what was its front."""
+    if body.mesh is None or body.legs_below_mm is not None:
+        return []
+    (across,) = set("xyz") - {body.up[-1], body.forward[-1]}
+    return [{"up": across}, {"up": body.forward, "forward": body.up}]
+
+
+def _is_tiny(body: Body) -> bool:
+    """Return whether a mesh states no unit and is too small for one in mm."""
+    unsaid = body.mesh is not None and body.scale_mm is None and body.wished_mm is None
+    return unsaid and body.legs_below_mm is None and max(shape_of(body).size) < MAX_INCH_SIZE_MM
+
+
+def _can_stand(body: Body, legs: Legs) -> bool:
+    """Return whether legs stand under a body, also when as steep as in a family."""
+    try:
+        for tilt in {legs.tilt_deg, max(legs.tilt_deg, FAMILY_MAX_TILT_DEG)}:
+            _place_legs(body, legs.model_copy(update={"tilt_deg": tilt}))
+    except (InputError, SolidError):
+        return False
+    return True
+
+
+@lru_cache(maxsize=16)
+def _footprint_and_centre(body_key: str) -> "tuple[BaseGeometry, tuple[float, float, float]]":
+    """Return what a body covers, (along, across), and its centre of mass (along, up, across), from its middle."""
+    import shapely
+
+    shape = shape_of(Body.model_validate_json(body_key))
+    if shape.plan:
+        outer, *holes = (contour * (1.0, -1.0) for contour in shape.plan)  # the page's up is to the left
+        ground = shapely.Polygon(outer, holes)
+        if shape.mesh is None:
+            return ground, (ground.centroid.x, 0.0, ground.centroid.y)
+    ready = leg_attachment.prepare_body(body_key)
+    along, up, across = leg_attachment.body_mass(body_key).centre.tolist()
+    middle = 0.5 * shape.size.depth
+    if not shape.plan:
+        ground = shapely.affinity.translate(joining.plan_projection(ready.solid), 0.0, -middle)
+    return ground, (along, up, across - middle)
+
+
+def _leg_reach(leg: Limb) -> Reach:
+    """Return what a leg takes up along the run, from its foot."""
+    anchor = -leg.anchor_to_foot[0]
+    ends = [anchor - leg.half_width, anchor + leg.half_width]
+    for strut in section_of(leg).struts(leg):
+        ends += [anchor + strut.offset - 0.5 * strut.thickness, anchor + strut.offset + 0.5 * strut.thickness]
+    return Reach(min(ends), max(ends))
+
+
+def _from_rows(leg: Limb, placed: Sequence[Row], centre: tuple[float, float], height: float) -> Placement:
+    """Legs of rows, each like `leg`."""
+    found = tuple(
+        leg._replace(along=round(row.along, DECIMALS), across=round(across, DECIMALS), width=round(width, DECIMALS))
+        for row in placed
+        for across, width in row.legs
+    )
+    return Placement(found, math.degrees(math.atan2(_stability_margin(placed, centre), height)))
+
+
+def _stability_margin(placed: Sequence[Row], centre: tuple[float, float]) -> float:
+    """Distance, mm, of the centre of mass from the edge of what the feet stand on; 0 outside."""
+    import shapely
+
+    corners = [(row.along, edge) for row in placed for edge in (row.legs[0][0] - 0.5 * row.legs[0][1], row.high)]
+    ground = shapely.MultiPoint(corners).convex_hull
+    point = shapely.Point(centre)
+    return float(ground.boundary.distance(point)) if ground.contains(point) else 0.0
+
+
+def find_rows(ground: "BaseGeometry", centre: tuple[float, float], height: float, reach: Reach) -> tuple[Row, ...]:
+    """Rows behind and before the centre of mass, (along, across), under a ground seen from above, mm.
+
+    `height` is that of the centre of mass above the plate. Feet stand as far behind it as before it
+    wherever such rows exist, else nearly so. Raises GeometryError where none do.
+    """
+    import shapely
+
+    inner = ground.buffer(-MIN_EDGE_MM).simplify(SIMPLIFY_MM)
+    left, _, right, _ = ground.bounds
+    least, most = MIN_SPAN_PER_HEIGHT * height, right - left
+    wished = max(SPAN_PER_LENGTH * (right - left), PREFERRED_SPAN_PER_HEIGHT * height)
+    spans = np.linspace(least, max(most, least), SPAN_STEPS)
+    for share in MIDDLE_SHIFTS:
+        middles = centre[0] + share * spans
+        backs, fronts = (_widest_rows(inner, middles + side * spans, centre[1], reach) for side in (-0.5, 0.5))
+        costs = {}
+        for number, (back, front) in enumerate(zip(backs, fronts, strict=True)):
+            if back is not None and front is not None:
+                narrow = 1.0 - min(back.width, front.width) / (ground.bounds[3] - ground.bounds[1])
+                costs[abs(math.log(spans[number] / wished)) + narrow] = _match_widths(back, front)
+        for cost in sorted(costs):
+            if _stability_margin(costs[cost], centre) >= 0.5 * MIN_SPAN_PER_HEIGHT * height * (1.0 - MARGIN_TOLERANCE):
+                return _add_middle_rows(costs[cost], inner, centre[1], reach)
+    wide = 2.0 * shapely.maximum_inscribed_circle(ground).length
+    raise GeometryError(
+        f"{right - left:.3g} mm long, {wide:.2g} wide, centre of mass {height:.3g} mm up, it tips from any legs"
+    )
+
+
+def _add_middle_rows(outer: tuple[Row, Row], inner: "BaseGeometry", across: float, reach: Reach) -> tuple[Row, ...]:
+    """Rows with others between them, where these are far apart and there is room."""
+    back, front = outer
+    number = math.ceil((front.along - back.along) / MAX_ROW_DISTANCE_MM - MARGIN_TOLERANCE)
+    places = np.linspace(back.along, front.along, number + 1)[1:-1]
+    middle = _widest_rows(inner, places, across, reach) if len(places) else []
+    return back, *(row for row in middle if row is not None), front
+
+
+def _widest_rows(inner: "BaseGeometry", places: Array, across: float, reach: Reach) -> list[Row | None]:
+    """Legs whose feet stand at each place along the run, as wide as the ground allows; None for no room.
+
+    They are their own mirror image about the centre of mass, where such pieces are wide enough.
+    """
+    found: list[Row | None] = []
+    for along, pieces in zip(
+        places.tolist(), _covered_intervals(inner, places + reach.back, places + reach.front), strict=True
+    ):
+        mirrored = [(2.0 * across - high, 2.0 * across - low) for low, high in pieces]
+        both = [(max(a, c), min(b, d)) for a, b in pieces for c, d in mirrored]
+        found.append(_build_row(along, across, both) or _build_row(along, across, pieces))
+    return found
+
+
+def _build_row(along: float, across: float, pieces: Sequence[tuple[float, float]]) -> Row | None:
+    """Legs in those pieces that are wide enough, if the centre of mass lies between the outer ones."""
+    wide = sorted((low, high) for low, high in pieces if high - low >= MIN_LEG_WIDTH_MM)
+    if not wide or not wide[0][0] <= across <= wide[-1][1]:
+        return None
+    return Row(along, tuple((0.5 * (low + high), high - low) for low, high in wide))
+
+
+def _covered_intervals(inner: "BaseGeometry", backs: Array, fronts: Array) -> list[list[tuple[float, float]]]:
+    """Intervals across the run over which each strip along it is wholly under a ground."""
+    import shapely
+
+    if inner.is_empty:
+        return [[] for _ in backs]
+    _, low, _, high = inner.bounds
+    free = shapely.difference(shapely.box(backs, low, fronts, high), inner)
+    parts, owners = shapely.get_parts(free, return_index=True)
+    shadows: list[list[tuple[float, float]]] = [[] for _ in backs]
+    bounds = shapely.bounds(parts).tolist()
+    for owner, (_, begin, _, end), area in zip(owners, bounds, shapely.area(parts), strict=True):
+        if area > 0.0:
+            shadows[owner].append((begin, end))
+    return [list(_free_intervals(sorted(own), low, high)) for own in shadows]
+
+
+def _free_intervals(shadows: Sequence[tuple[float, float]], low: float, high: float) -> Iterator[tuple[float, float]]:
+    """Intervals of a range that no shadow, in their order, covers."""
+    for begin, end in shadows:
+        if begin > low:
+            yield low, begin
+        low = max(low, end)
+    if low < high:
+        yield low, high
+
+
+def _match_widths(back: Row, front: Row) -> tuple[Row, Row]:
+    """Rows of one leg each at one place across: both as wide as the narrower, so that they are equal."""
+    if len(back.legs) != 1 or len(front.legs) != 1 or abs(back.legs[0][0] - front.legs[0][0]) > MIN_EDGE_MM:
+        return back, front
+    leg = front.legs[0][0], min(back.width, front.width)
+    return back._replace(legs=(leg,)), front._replace(legs=(leg,))

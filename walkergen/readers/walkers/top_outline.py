@@ -1,0 +1,81 @@
+"""Walkers seen from above: the outline of the body, x forward and y to the left.
+
+A body's z axis points to the right of the run, so that y = -z. Legs, and a cap that hangs over, are
+not part of it: walkers of one height meet with their bodies.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import MassProperties, to_centre_frame
+from walkergen.readers.drawings.outlines import area
+from walkergen.readers.walkers import leg_attachment
+
+Array = npt.NDArray[np.float64]
+
+MAX_DEVIATION_MM = 0.01
+"""Distance between an outline and its simplification at most, mm: below what a printer resolves."""
+
+
+def body_contours(design: Design) -> tuple[Array, ...]:
+    """Return contours of the body, from the middle of its box, shape (n, 2) each, mm.
+
+    Outer ones are counter-clockwise, then holes clockwise. A body in side view has its rectangle, a mesh its
+    projection.
+    """
+    shape, half = design.shape, 0.5 * np.array([design.size.length, design.size.depth])
+    if shape.side is not None:
+        return (half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]),)
+    if shape.mesh is None:
+        return shape.plan
+    turned_up = leg_attachment.prepare_body(design.body.key).solid.rotate((90.0, 0.0, 0.0))  # z to -y
+    rings = [np.add(ring, (0.0, half[1])) for ring in turned_up.project().to_polygons()]
+    return tuple(sorted(rings, key=lambda ring: area(ring) < 0.0))
+
+
+def outline_of(design: Design, mass: MassProperties | None = None) -> list[Array]:
+    """Outer contours of the body from O, whose place a trajectory shows, counter-clockwise, mm.
+
+    Shape (n, 2) each, the last point not repeated; no point moves farther than `MOVED`. A mass that
+    is known saves its making. Raises GeometryError for a body that cannot be made.
+    """
+    mass = solids.mass_of(design) if mass is None else mass
+    shift = to_centre_frame(design.limbs, mass, np.zeros((1, 2)))[0, 0], 0.0
+    round_one = design.body.outline in ("disc", "ellipse")
+    thinned = _thin_evenly if round_one else _simplify_ring
+    return [np.add(thinned(ring), shift) for ring in body_contours(design) if area(ring) > 0.0]
+
+
+def area_of(outline: Sequence[Array]) -> float:
+    """Area within an outline's contours, mm^2, which do not overlap."""
+    return float(sum(area(contour) for contour in outline))
+
+
+def _simplify_ring(ring: Array) -> Array:
+    """Contour without the points that it can spare."""
+    import shapely
+
+    exterior = shapely.polygons(ring).simplify(MAX_DEVIATION_MM, preserve_topology=True).exterior
+    points = np.asarray(exterior.coords, dtype=np.float64)[:-1]
+    return points if area(points) > 0.0 else points[::-1]
+
+
+def _thin_evenly(ring: Array) -> Array:
+    """Every k-th point of a round contour, which stays its own mirror image."""
+    half = len(ring) // 2
+    for step in range(half // 2, 1, -1):
+        if half % step == 0 and _thinning_error(ring, step) <= MAX_DEVIATION_MM:
+            return ring[::step]
+    return ring
+
+
+def _thinning_error(ring: Array, step: int) -> float:
+    """Distance of a contour from that of every `step`-th of its points, mm."""
+    import shapely
+
+    kept = shapely.linearrings(ring[::step])
+    return float(shapely.distance(shapely.points(ring), kept).max())
