@@ -32,7 +32,7 @@ LIMITS = {
     "benchmarks": 2750,
     "docs": 650,
     "evidence": 7080,
-    "tests": 39050,
+    "tests": 39180,
 }
 
 
