@@ -36,7 +36,7 @@ def commands(pages=PAGES):
 
 def test_the_first_page_is_short_and_shows_every_kind_of_result():
     assert len(README.splitlines()) <= 120
-    assert len(README.split()) <= 900
+    assert len(README.split()) <= 600
     for made in ("export", "predict", "plate", "movie"):
         assert f"walkergen {made} " in README
 

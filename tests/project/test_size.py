@@ -32,7 +32,7 @@ LIMITS = {
     "benchmarks": 2750,
     "docs": 650,
     "evidence": 7080,
-    "tests": 39110,
+    "tests": 39220,
 }
 
 
