@@ -10,22 +10,22 @@ from walkergen.core.numerics.quantity import exact as number
 FITTED = "fitted"
 
 WORDS = {
-    Verdict.AGREE.value: "all of its bounds of 95 % lie within what is allowed",
-    Verdict.UNDECIDED.value: "its bounds reach over an end of what is allowed",
-    Verdict.DISAGREE.value: "they lie outside it, with what we take for the reason",
-    FITTED: "not outside it, by a number that was chosen for it: no test",
-    Verdict.MISSING.value: "what it needs is not installed here: nothing is claimed",
+    Verdict.AGREE.value: "the whole interval lies within the margin",
+    Verdict.UNDECIDED.value: "the interval crosses an end of the margin",
+    Verdict.DISAGREE.value: "the interval lies outside the margin; a letter gives our reason",
+    FITTED: "not outside the margin, but a number was chosen for it, so this is no test",
+    Verdict.MISSING.value: "a program is not installed, so nothing is claimed",
 }
 """Words on claims, in the order of the page, and what they mean."""
 
-TITLE = "What walkergen predicts, against what is known outside it"
+TITLE = "Predictions of walkergen compared with outside results"
 
 TITLES = {
     "paper": "What the paper states",
     "closed": "Closed forms of mechanics",
     "bouncing": "Bouncing balls and rocking blocks, published",
     "rivals": "Physics engines",
-    "programs": "Programs that do a part of ours",
+    "programs": "Programs that do part of the work",
 }
 """Titles of the groups."""
 

@@ -24,11 +24,11 @@ Array = npt.NDArray[np.float64]
 
 TUFILLARO = (
     "N. B. Tufillaro, T. M. Mello, Y. M. Choi, A. M. Albano, Period doubling boundaries of a "
-    "bouncing ball, J. Physique 47, 1477 (1986); derived anew"
+    "bouncing ball, J. Physique 47, 1477 (1986); derived again"
 )
 MEHTA = (
     "A. Mehta, J. M. Luck, Novel temporal behavior of a nonlinear dynamical system: the completely "
-    "inelastic bouncing ball, Phys. Rev. Lett. 65, 393 (1990); derived anew"
+    "inelastic bouncing ball, Phys. Rev. Lett. 65, 393 (1990); derived again"
 )
 BERNSTEIN = "A. D. Bernstein, Listening to the coefficient of restitution, Am. J. Phys. 45, 41 (1977)"
 HOUSNER = (
@@ -41,9 +41,9 @@ ELGAWADY = (
     "and 0.95 (5 times) of the predicted value on concrete, 0.67 (5 times) on rubber"
 )
 REAL_BASE = (
-    "A rigid block on two corners, plastic, loses only what changing corners costs; a real "
-    "base takes more, rubber most. Others found more kept than by Housner's formula "
-    "(Kalliontzis, Sritharan, Schultz, J. Struct. Eng. 142, 06016002, 2016)."
+    "A rigid plastic block on two corners loses only the energy of changing corners. A real base takes more, and "
+    "rubber takes most. Others measured less loss than Housner's formula (Kalliontzis, Sritharan, Schultz, J. "
+    "Struct. Eng. 142, 06016002, 2016)."
 )
 
 HALF, TALL, MASS = 6.5, 9.0, 0.833

@@ -26,8 +26,8 @@ FRICTION, SLIDE_S = 0.25, 0.1
 PAPER = "Koumakis et al. 2016, eqs {}, written out with matrices"
 ROUNDING = "rounding"
 ONE_NUMBER = (
-    "A stiff leg on a spring keeps one number of the beam, and ours is its static stiffness; "
-    "a modulus 1.37 times as large keeps the frequency."
+    "A stiff leg on a spring keeps one number of the beam. Ours keeps the static stiffness. A modulus 1.37 times "
+    "as large keeps the frequency."
 )
 
 

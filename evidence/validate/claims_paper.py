@@ -34,22 +34,22 @@ LATE_S = 0.5
 
 INFERRED = "The effective radius of the tips was inferred from this number."
 THRESHOLD = (
-    "Below 1.4 g at 15 deg our walker falls under the line through zero: friction takes on a plate that hardly throws "
-    "it what a landing gave. Noise of the plate of 10 % brings 1.3 g back to the line."
+    "Below 1.4 g at 15 deg our walker is slower than the line through zero. The plate hardly throws it, so "
+    "friction takes what a landing gave. With 10 % of noise on the plate, 1.3 g is back on the line."
 )
 REBOUND = (
-    "Legs that slide lose the work of friction, so a whole walker's rebound depends on its tilt. The paper names no "
-    "tilt, height or first roll."
+    "Legs that slide lose the work of friction, so a whole walker's rebound depends on its tilt. The paper names "
+    "no tilt, height or roll."
 )
 BALLISTIC = (
-    "The paper's legs touch at random points along their width. Our feet have two corners, which soft tips let touch "
-    "together. More points along a foot bring the exponent down to 1.5 (docs/causes.md)."
+    "The paper's legs touch at random points along their width. Our feet have two corners, and soft tips let both "
+    "touch together. More points along a foot lower the exponent to 1.5 (docs/causes.md)."
 )
-FROM_REST = "At 35 deg landings of that model start from rest, the limit of type III for slow slip."
+FROM_REST = "At 35 deg landings of that model start from rest. This is the limit of type III for slow slip."
 OTHER_TYPES = (
-    "Others of our landings slide forward throughout (type I, at 10 deg) or backward "
-    "(IV, at 35 deg): corners on springs land slowly and one after another. The paper "
-    "counted impacts of its own model, in which legs relax at once."
+    "Our other landings slide forward throughout (type I, at 10 deg) or backward (IV, at 35 deg). Corners on "
+    "springs land slowly and one after another. The paper counted impacts of its own model, whose legs relax "
+    "immediately."
 )
 
 QUANTITIES = {
@@ -78,7 +78,7 @@ def _of_fact(key: str, circumstances: str, ours: Quantity, why: str = "", fitted
 def drive(effort: Effort) -> Iterator[Claim]:
     """Claim on the plate's peak speed, which frequency and acceleration give."""
     speed = exact("plate", "mm_s", templates.load("plane-90hz", "scenes", Scene).drive.peak_speed)
-    why = "The paper's three numbers do not meet: 32 mm/s at 90 Hz are 1.85 g. We keep its frequency and acceleration."
+    why = "The paper's three numbers disagree: 32 mm/s at 90 Hz is 1.85 g. We use its frequency and acceleration."
     yield _of_fact("plate speed", "1.8 g at 90 Hz", speed, why)
 
 

@@ -27,7 +27,7 @@ SLICED = Outside(
     "PrusaSlicer, its length of filament, with our settings",
     0.01,
     "one per cent, for which the settings' infill overlap was chosen",
-    "The slicer plans; a balance says what a printer lays down.",
+    "The slicer only plans. Weigh the print to know the mass.",
 )
 
 LAGS = (1, 10, 50)

@@ -32,12 +32,12 @@ SAME_FEET = 0.1
 that rule speeds of legs on springs in a plane were 5 and 8 % higher."""
 
 SLIP_AND_FEET = (
-    "Friction as in the row above is worth 5 to 8 %. The rest we take for the feet: MuJoCo's are damped "
-    "along the plate as well, ours are not. What MuJoCo's give back is not set but found."
+    "The friction law of the row above explains 5 to 8 %. We attribute the rest to the feet: MuJoCo's feet are "
+    "damped along the plate too, ours are not. MuJoCo's restitution is measured, not set."
 )
 TURNED = (
-    "Within an impact our friction turns round with the slip (Routh, Keller); an engine "
-    "judges it once, by the slip at the end."
+    "Within an impact our friction reverses with the slip (Routh, Keller). An engine judges it once, by the slip "
+    "at the end."
 )
 
 BLOCK = (0.833, 55.07)

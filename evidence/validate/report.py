@@ -107,19 +107,19 @@ def _head(claims: Sequence[Claim], command: str) -> str:
     meanings = "\n".join(f"- **{word}**: {meaning}" for word, meaning in WORDS.items())
     disagree = [claim.group for claim in claims if claim.verdict == Verdict.DISAGREE]
     groups = [f"{disagree.count(group)} of *{title}*" for group, title in TITLES.items() if group in disagree]
-    against = f" Those that disagree: {', '.join(groups)}." if groups else ""
+    against = f" Disagreements: {', '.join(groups)}." if groups else ""
     return f"""# {TITLE}
 
 {len(claims)} claims: {counted(claims)}.{against}
-Closed forms, engines and programs test the arithmetic; only the paper's walkers, and measured blocks, test the
-physics, and no walker of ours has been measured yet.
+Closed forms, engines and programs test the arithmetic. Only the paper's walkers and measured blocks test the physics.
+No walker of ours has been measured yet.
 
-![Gaps over what is allowed, by group](validation.png)
+![Gap over margin, by group](validation.png)
 
 Made by `{command}` (walkergen {__version__}), which writes every number as CSV too.
-Errors are standard errors; z is the gap, ours less theirs, over the error of both. It is allowed up to the margin: a
-tolerance, or our reading of a statement in words. A letter leads to what we take for the reason, or to a remark. A
-verdict goes by the gap's bounds of 95 % (Student's t), so that noise makes no agreement:
+Errors are standard errors. The gap is ours less theirs, and z is the gap over the error of both. The margin is a
+tolerance, or our reading of a statement in words. A letter refers to a reason or remark below the table. The verdict
+uses the 95 % interval of the gap (Student's t):
 
 {meanings}"""
 
@@ -156,7 +156,7 @@ def _agreements(claims: Sequence[Claim], sources: Sequence[str]) -> str:
         apart = max(abs(claim.gap or 0.0) / size for claim, size in zip(of_source, sizes, strict=True))
         allowed = max(claim.margin / size for claim, size in zip(of_source, sizes, strict=True))
         lines.append(f"- {values} ({sources.index(source) + 1}; {apart:.0g} of {allowed:.0g})")
-    head = "**Agree**, without chance (source; largest share by which the two differ, of what is allowed):\n\n"
+    head = "**Agree**, without statistical error (source; largest relative difference, of the margin):\n\n"
     return head + "\n".join(lines) if lines else ""
 
 
