@@ -36,7 +36,7 @@ from walkergen.core.numerics import kernels  # noqa: E402
 
 STYLE = ("walkergen/files/figures.py",)
 SIMULATION = tuple(f"walkergen/{pattern}" for pattern in kernels.SOURCE_PATTERNS)
-MEASURES = tuple(f"walkergen/analysis/{name}.py" for name in ("curves", "landings"))
+MEASURES = ("walkergen/analysis/landings.py", *(f"evidence/{name}.py" for name in ("curves", "landings", "quantities")))
 SCENES = ("walkergen/core/scene.py", "templates/scenes/*.toml")
 PREDICTION = ("walkergen/core/theory/*.py", "walkergen/core/theory/*.npz", *SCENES)
 WALKER = (

@@ -1,5 +1,6 @@
-"""What every answer keeps: an error is one clear line, a report is sound in every form."""
+"""What every answer keeps: an error is one clear line, a report is sound in every form; its tables read back."""
 
+import csv
 import json
 import xml.etree.ElementTree as ElementTree
 
@@ -41,3 +42,9 @@ def assert_every_form(report, capsys):
     assert all(table._repr_html_() in html for table in report.visible_tables())
     for table in report.tables:
         assert not table.keys or table.csv().splitlines()[0] == ",".join(table.keys)
+
+
+def rows_of(path):
+    """Return the rows of a CSV file, a dict each."""
+    with path.open(encoding="utf-8", newline="") as stream:
+        return list(csv.DictReader(stream))

@@ -352,18 +352,6 @@ BLOBS = (
 )
 
 
-def _fifo(place: Path) -> None:
-    os.mkfifo(place)
-
-
-def _loop(place: Path) -> None:
-    place.symlink_to(place)
-
-
-def _endless(place: Path) -> None:
-    place.symlink_to("/dev/zero")
-
-
 def _socket(place: Path) -> None:
     import socket
 
@@ -381,18 +369,14 @@ def _sparse(place: Path) -> None:
         stream.truncate(20 * 10**9)
 
 
-def _dangling(place: Path) -> None:
-    place.symlink_to("nowhere")
-
-
 KINDS: Mapping[str, Callable[[Path], None]] = {
-    "fifo": _fifo,
-    "loop": _loop,
-    "endless": _endless,
+    "fifo": os.mkfifo,
+    "loop": lambda place: place.symlink_to(place),
+    "endless": lambda place: place.symlink_to("/dev/zero"),
     "socket": _socket,
     "sparse": _sparse,
     "folder": Path.mkdir,
-    "dangling": _dangling,
+    "dangling": lambda place: place.symlink_to("nowhere"),
     "terminal": lambda place: place.symlink_to("/dev/tty"),
     "memory": lambda place: place.symlink_to("/proc/self/mem"),
     "growing": lambda place: place.symlink_to("/proc/kmsg"),

@@ -34,11 +34,6 @@ def made_in(path, *words, **more):
     return family.make(job_of(*words, **more), path, silent, silent)
 
 
-def folder_of(path, *words, **more):
-    """Its folder."""
-    return made_in(path, *words, **more).folder
-
-
 def text_of(folder):
     """The page's text."""
     return (folder / "report.html").read_text(encoding="utf-8")

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from walkergen.core.errors import COMMAND_LINE_SOURCE, InputError
-from walkergen.files.key_names import KIND_KEYS, TILT_KEYS
 
 if TYPE_CHECKING:
     from walkergen.core.files.config import Model
@@ -21,11 +20,12 @@ if TYPE_CHECKING:
     from walkergen.core.walker.weighed_masses import Weighings
     from walkergen.points.worker_pool import WorkerPool
 
+TILTS, KINDS = ("legs.tilt_deg", "leg_tilt_deg"), ("legs.kind",)
+"""Keys of the tilt and the kind that the legs of a walker share, which --tilt and --legs set: of
+two equal legs, and the tilt of a list of them."""
+
 FAMILY_TILT_KEYS, FAMILY_KIND_KEYS = ("family.tilt_deg",), ("family.legs",)
 """Keys of a design that --tilt and --legs set of a whole family."""
-
-MARKER_KINDS = ("aruco",)
-"""Markers that caps may bear: OpenCV's ArUco."""
 
 
 class Inputs(NamedTuple):
@@ -143,7 +143,7 @@ class Inputs(NamedTuple):
             return members, [copies] * len(members)
         if tilts is not None:
             raise InputError("‹copies›: names the tilts: leave ‹tilt› out", "copies")
-        self.check_unset(TILT_KEYS + FAMILY_TILT_KEYS, "‹copies› names the tilts: leave one of them out")
+        self.check_unset(TILTS + FAMILY_TILT_KEYS, "‹copies› names the tilts: leave one of them out")
         members = self.members(design, list(copies), kinds, whole)
         return members, [copies[member.tilt_deg] for member in members]
 
@@ -151,12 +151,12 @@ class Inputs(NamedTuple):
         """Refuse keys that tilt and legs set too, and of a family those that it replaces."""
         if whole:
             advice = "a family has the tilts of family.tilt_deg: ‹tilt=›12, or ‹set›"
-            self.check_unset(TILT_KEYS, f"{advice} 'family.tilt_deg=[12]'")
+            self.check_unset(TILTS, f"{advice} 'family.tilt_deg=[12]'")
             advice = "a family has the kinds of family.legs: ‹legs=›braced, or ‹set›"
-            self.check_unset(KIND_KEYS, f"{advice} 'family.legs=[\"braced\"]'")
+            self.check_unset(KINDS, f"{advice} 'family.legs=[\"braced\"]'")
         for field, values, keys in (
-            ("tilt", tilts, FAMILY_TILT_KEYS if whole else TILT_KEYS),
-            ("legs", kinds, FAMILY_KIND_KEYS if whole else KIND_KEYS),
+            ("tilt", tilts, FAMILY_TILT_KEYS if whole else TILTS),
+            ("legs", kinds, FAMILY_KIND_KEYS if whole else KINDS),
         ):
             if values is not None:
                 self.check_unset(keys, f"‹{field}=›{','.join(map(str, values))} sets it too: leave one of them out")

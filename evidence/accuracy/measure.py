@@ -7,7 +7,7 @@ moment. Rows are added one by one; a second call goes on after the last.
 """
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import product
 from pathlib import Path
 from typing import NamedTuple
@@ -124,6 +124,15 @@ def missing(path: Path) -> Iterator[tuple[int, Setting]]:
     yield from ((seed, setting) for seed, setting in enumerate(settings(), 1) if setting not in known)
 
 
+def text(rows: Iterable[Row]) -> str:
+    """Lines of the file, with numbers of five digits."""
+    lines = [",".join(Row._fields)]
+    for row in rows:
+        numbers = ("" if cell is None else f"{cell:.5g}" if isinstance(cell, float) else str(cell) for cell in row)
+        lines.append(",".join(numbers))
+    return "\n".join(lines) + "\n"
+
+
 def main() -> None:
     """Measure what a file lacks, and add it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -132,12 +141,12 @@ def main() -> None:
     todo = list(missing(path))
     if not path.exists():
         stamp = f"# walkergen {__version__}, kernels {kernels.source_digest()}: python -m evidence.accuracy.measure\n"
-        path.write_text(stamp + cells.to_csv([]), encoding="utf-8")
+        path.write_text(stamp + text([]), encoding="utf-8")
     with console.progress("cells", wanted=True) as progress:
         for number, (seed, setting) in enumerate(todo, 1):
             row = measured(setting, seed)
             with path.open("a", encoding="utf-8") as stream:
-                stream.write(cells.to_csv([row]).split("\n", 1)[1])
+                stream.write(text([row]).split("\n", 1)[1])
             progress("cells", number, len(todo))
 
 

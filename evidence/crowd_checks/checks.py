@@ -10,11 +10,12 @@ import numpy as np
 
 from evidence.crowd_checks import meetings, runs, setting
 from evidence.crowd_checks.meetings import MEETINGS, Meeting
-from evidence.crowd_checks.runs import Array, Run
+from evidence.crowd_checks.runs import Run
 from evidence.crowd_checks.setting import RATE_HZ, Size
 from walkergen.analysis import tracks
 from walkergen.core.dish import Dish
 from walkergen.core.files.progress import silent
+from walkergen.core.numerics import Array
 from walkergen.core.numerics.quantity import Quantity, mean
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties

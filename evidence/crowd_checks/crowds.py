@@ -6,9 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from evidence.crowd_checks import runs, setting
-from evidence.crowd_checks.runs import Array, Run
+from evidence.crowd_checks.runs import Run
 from evidence.crowd_checks.setting import CROWD_RATE_HZ, DISH, Size
 from walkergen.core import dish as dishes
+from walkergen.core.numerics import Array
 from walkergen.core.numerics.quantity import Quantity, mean
 from walkergen.core.scene import Scene
 from walkergen.core.walker.design import Design

@@ -8,8 +8,7 @@ import numpy.typing as npt
 import shapely
 
 from evidence.crowd_checks.setting import RATE_HZ
-
-Array = npt.NDArray[np.float64]
+from walkergen.core.numerics import Array
 
 NEAREST, FARTHEST = 18.0, 24.0
 """Way (mm) that each of both has to go until they meet, drawn evenly between: those in space, which

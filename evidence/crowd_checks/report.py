@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from evidence.crowd_checks.checks import Cases
 from evidence.crowd_checks.reasons import DENSEST, Changed
+from evidence.quantities import compare, ratio
 from walkergen.core.files import formatting as words
 from walkergen.core.numerics.quantity import Quantity, Verdict
 from walkergen.files import report
@@ -83,7 +84,7 @@ class Row(NamedTuple):
     @property
     def verdict(self) -> Verdict:
         """Whether the plane has what space has."""
-        return self.plane.compare_with(self.expected, MARGIN, ALLOWED.get(self.space.unit, 0.0))
+        return compare(self.plane, self.expected, MARGIN, ALLOWED.get(self.space.unit, 0.0))
 
 
 class Checked(NamedTuple):
@@ -214,7 +215,7 @@ def _region(rows: Sequence[Row]) -> Iterator[str]:
     for case in dict.fromkeys(row.case for row in own):
         named = {_name(row): row for row in own if row.case == case}
         shares = [
-            f"{name} {_stated(row.plane.ratio_to(row.space))}"
+            f"{name} {_stated(ratio(row.plane, row.space))}"
             for name, row in named.items()
             if row.space.key.startswith(SHARED)
         ]

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.dish import Dish
+from walkergen.core.numerics import Array
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import batch
 from walkergen.core.simulation.batch import Stopped, Tell
@@ -18,8 +18,6 @@ from walkergen.guests.crowd.flat import crowd as flat
 from walkergen.guests.crowd.flat import crowd_checks
 from walkergen.guests.crowd.space import run as crowds
 from walkergen.guests.crowd.space.result import Impulses
-
-Array = npt.NDArray[np.float64]
 
 
 class Run(NamedTuple):

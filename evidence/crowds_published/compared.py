@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 from evidence.crowds_published.published import FINDINGS, Claim, Finding
+from evidence.quantities import ratio
 from walkergen.core.numerics.quantity import Quantity, Verdict
 
 Numbers = Mapping[tuple[str, float], Mapping[str, Quantity]]
@@ -55,7 +56,7 @@ def points_of(numbers: Numbers, series: str, key: str) -> tuple[tuple[float, Qua
         place = alone[AXES[series]].value if series in AXES and AXES[series] in alone else setting
         assert place is not None
         if key == "speed over alone" and "speed" in alone:
-            points.append((place, crowd["speed"].ratio_to(alone["speed"])))
+            points.append((place, ratio(crowd["speed"], alone["speed"])))
         elif key in crowd:
             points.append((place, crowd[key]))
     return tuple(sorted(points, key=lambda point: point[0]))

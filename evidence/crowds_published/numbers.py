@@ -8,18 +8,15 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from evidence.crowds_published.cases import Case
+from walkergen.core.numerics import Array, Complex
 from walkergen.core.numerics.quantity import Quantity, mean
 from walkergen.core.simulation.run import ENDED_WELL, RunResult
 from walkergen.guests.crowd.job import Simulated
 from walkergen.guests.crowd.statistics import CrowdFilm
 from walkergen.guests.crowd.statistics import order as orders
 from walkergen.points.trajectory import sample_rows
-
-Array = npt.NDArray[np.float64]
-Complex = npt.NDArray[np.complex128]
 
 LAG_S = 0.1
 """Time over which a walker's velocity is its displacement, s: some periods of the plate."""

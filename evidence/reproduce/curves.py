@@ -5,14 +5,12 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 
+from evidence import curves, quantities
+from evidence.curves import Top
 from evidence.reproduce.runs import Point
-from walkergen.analysis import curves
-from walkergen.analysis.curves import Top
+from walkergen.core.numerics import Array
 from walkergen.core.numerics.quantity import Quantity, mean
-
-Array = npt.NDArray[np.float64]
 
 NO_TOP = Top(Quantity("tilt", "deg", None, refused="no peak between the tilts"), Quantity("speed", "mm_s", None))
 """Top of a curve that may rise on beyond its ends."""
@@ -59,7 +57,7 @@ def ratio(series: Sequence[Point], over: float, under: float) -> Quantity:
     at = {point.tilt_deg: point.speed for point in series}
     if over not in at or under not in at or not at[under].value:
         return Quantity("ratio", "", None, refused="no speed at both tilts")
-    return at[over].ratio_to(at[under])
+    return quantities.ratio(at[over], at[under])
 
 
 def peak(series: Sequence[Point]) -> Top:
@@ -83,11 +81,7 @@ def lively(series: Sequence[Point], plate_speed: float) -> list[Point]:
 def through_zero(series: Sequence[Point]) -> Quantity:
     """Slope of the least-squares line through zero of speed against plate speed."""
     plate, speeds = _known([point.plate_speed_mm_s for point in series], series)
-    return (
-        curves.slope_through_origin(plate, speeds)
-        if len(plate) > 1
-        else Quantity("slope", "", None, refused="too few speeds")
-    )
+    return curves.slope(plate, speeds) if len(plate) > 1 else Quantity("slope", "", None, refused="too few speeds")
 
 
 def proportionality(series: Sequence[Point]) -> Quantity:
@@ -98,7 +92,7 @@ def proportionality(series: Sequence[Point]) -> Quantity:
     plate, speeds = _known([point.plate_speed_mm_s for point in series], series)
     if len(plate) < 2 or not any(speed.value for speed in speeds):
         return Quantity("off_line", "percent", None, refused="too few speeds, or none but zero")
-    return curves.line_deviation(plate, speeds)
+    return curves.off_line(plate, speeds)
 
 
 def _known(places: Sequence[float], series: Sequence[Point]) -> tuple[Array, list[Quantity]]:

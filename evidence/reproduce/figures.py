@@ -5,7 +5,6 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
@@ -17,6 +16,7 @@ from evidence.reproduce.growth import HALFWAY
 from evidence.reproduce.mechanisms import Mechanism
 from evidence.reproduce.motion import Runs
 from evidence.reproduce.runs import PAPER, Point
+from walkergen.core.numerics import Complex
 from walkergen.core.walker.sections import section_of
 from walkergen.files import figures
 from walkergen.files.figures import GREY, INK, MIN_FONT_PT, PAGE_INCHES, PALE, SERIES, Look, style, wrap_text
@@ -158,7 +158,7 @@ def _draw_guides(squares: Axes, slopes: Axes, plane: Sequence[Runs]) -> None:
     figures.label_axes(squares, "lag t (s)", "mean squared displacement (mm²)", log="xy" if plane else "")
 
 
-def _star(runs: Runs, place: int) -> list[npt.NDArray[np.complex128]]:
+def _star(runs: Runs, place: int) -> list[Complex]:
     """Tracks x + i y (mm) every 40 ms from one start, each turned by its own angle."""
     stride, paths = round(runs.motion.lag_s / runs.tracks.interval), []
     count = min(len(runs.tracks.tracks), MOST_TRACKS)

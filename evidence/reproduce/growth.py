@@ -5,15 +5,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.analysis import lag_sums, motion
 from walkergen.analysis.motion import Curve
 from walkergen.analysis.tracks import Tracks
-from walkergen.core.numerics import statistics
+from walkergen.core.numerics import Array, statistics
 from walkergen.core.numerics.quantity import Quantity
-
-Array = npt.NDArray[np.float64]
 
 PER_DECADE = 8
 """Number of lags in a decade; an exponent is the slope over two steps, a quarter of a decade."""

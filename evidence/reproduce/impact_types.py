@@ -4,13 +4,11 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from walkergen.analysis import landings
+from evidence import landings
+from walkergen.core.numerics import Array, Mask, Whole
 from walkergen.core.numerics.quantity import Quantity, mean
 from walkergen.core.theory.impact import Kind
-
-Array = npt.NDArray[np.float64]
 
 TYPES = {
     "III": (Kind.III,),
@@ -38,17 +36,17 @@ Shares = Mapping[tuple[str, str], Quantity]
 class Impacts(NamedTuple):
     """Impacts of one run, arrays with an entry for each."""
 
-    kind: npt.NDArray[np.int64]
+    kind: Whole
     impulse: Array
     speed: Array
     """Normal speed before the impact, mm/s."""
-    landing: npt.NDArray[np.bool_]
+    landing: Mask
 
 
 def of_run(rows: Array, corners: int) -> Impacts:
     """Impacts in the record of a run, whose events count so many corners to a foot."""
-    impacts = landings.from_record(rows)
-    return Impacts(impacts.kind, impacts.F_y, -impacts.v_y, landings.is_landing(impacts.time, impacts.foot // corners))
+    impacts = landings.impacts_in(rows)
+    return Impacts(impacts.kind, impacts.F_y, -impacts.v_y, landings.of_feet(impacts.time, impacts.foot // corners))
 
 
 def shares(runs: Sequence[Impacts]) -> Shares:
@@ -65,7 +63,7 @@ def shares(runs: Sequence[Impacts]) -> Shares:
     }
 
 
-def of_weights(kind: npt.NDArray[np.int64], weights: Array) -> Array:
+def of_weights(kind: Whole, weights: Array) -> Array:
     """Shares in the order of TYPES of impacts with weights."""
     amounts = [float(weights[np.isin(kind, kinds)].sum()) for kinds in TYPES.values()]
     return np.array(amounts) / float(weights.sum())

@@ -6,10 +6,12 @@ Rigid walkers come from templates, and are simulated as flexible ones are, by MO
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from evidence.quantities import ratio
 from evidence.reproduce.runs import Point
+from evidence.reproduce.theory import theory_speeds
 from walkergen.core.numerics.quantity import Quantity, Verdict
 from walkergen.core.theory import uncertain_inputs
-from walkergen.core.theory.prediction import DRAW_COUNT, SEED, theory_speeds
+from walkergen.core.theory.prediction import DRAW_COUNT, SEED, impact_speed
 from walkergen.core.theory.stationary import stationary
 from walkergen.core.theory.uncertain_inputs import PREDICTION_READER
 from walkergen.core.walker import solids
@@ -44,7 +46,7 @@ class Mechanism(NamedTuple):
         """Simulated speed over the theory's, with the error of the simulation."""
         if not self.theory.value:
             return Quantity("ratio", "", None, refused="the theory has no speed")
-        return self.simulated.speed.ratio_to(self.theory._replace(se=0.0))
+        return ratio(self.simulated.speed, self.theory._replace(se=0.0))
 
     @property
     def direction(self) -> str:
@@ -71,5 +73,5 @@ def _beside(what: str, design: Design, point: Point) -> Mechanism:
     foot_speeds = stationary(design, mass, contact.restitution, contact.friction)
     drawn = theory_speeds(design, mass, assumption.scene, "coulomb", uncertain_inputs.label_columns(inputs, values))
     used = "mean of both feet" if design.alike else "balance of both feet"
-    speed = float(foot_speeds.factor) * assumption.scene.impact_speed
+    speed = float(foot_speeds.factor) * impact_speed(assumption.scene, mass)
     return Mechanism(what, design, Quantity("theory", "mm_s", speed, float(drawn.std())), used, point)

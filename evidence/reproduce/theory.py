@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from evidence.reproduce.runs import Assumption
+from walkergen.core.numerics import Array, Mask
 from walkergen.core.scene import Scene
-from walkergen.core.theory import prediction, uncertain_inputs
+from walkergen.core.theory import dimensionless, prediction, uncertain_inputs
 from walkergen.core.theory.impact import Kind, resolve
 from walkergen.core.theory.prediction import SEED
 from walkergen.core.theory.speed import Mode, factor
@@ -16,8 +16,7 @@ from walkergen.core.theory.stationary import stationary
 from walkergen.core.theory.tensors import foot_tensors
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
-
-Array = npt.NDArray[np.float64]
+from walkergen.core.walker.mass import MassProperties, scale_masses
 
 DRAWS = 256
 """Number of draws behind a standard deviation, known to some per cent."""
@@ -31,7 +30,7 @@ class Curve(NamedTuple):
     """Speed at the scene's impact speed, mm/s."""
     sd: Array
     """Standard deviation by contact, masses and print, mm/s."""
-    can_stick: npt.NDArray[np.bool_]
+    can_stick: Mask
     """True where a foot can stick, so that eq. 15 fails."""
 
 
@@ -72,10 +71,27 @@ def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: fl
         variant = design.unmarked.variant(tilt_deg=float(tilt))
         mass = solids.mass_of(variant)
         stationary_speeds = stationary(variant, mass, contact.restitution, contact.friction, mode)
-        speed.append(float(stationary_speeds.factor) * scene.impact_speed)
-        sd.append(float(prediction.theory_speeds(variant, mass, scene, mode, drawn).std()))
+        speed.append(float(stationary_speeds.factor) * prediction.impact_speed(scene, mass))
+        sd.append(float(theory_speeds(variant, mass, scene, mode, drawn).std()))
         sticks.append(not all(stationary_speeds.reverses))
     return Curve(tilts, np.array(speed), np.array(sd), np.array(sticks))
+
+
+def theory_speeds(
+    design: Design, mass: MassProperties, scene: Scene, mode: Mode, drawn: uncertain_inputs.Drawn
+) -> Array:
+    """Speeds by the theory at values of the inputs, mm/s, shape (count,)."""
+    contact = scene.contact
+    masses = scale_masses(mass, drawn.input_values("body mass", 1.0), dimensionless.leg_mass_ratios(design, drawn))
+    by_foot = stationary(
+        design,
+        masses,
+        drawn.input_values("contact.restitution", contact.restitution),
+        drawn.input_values("contact.friction", contact.friction),
+        mode,
+        (contact.restitution, contact.friction),
+    )
+    return np.asarray(by_foot.factor) * prediction.impact_speed(scene, mass)
 
 
 def type_three(design: Design, scene: Scene, tilts_deg: Sequence[float], mode: Mode) -> float:

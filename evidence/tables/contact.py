@@ -10,17 +10,15 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from evidence.published import FACTS
+from walkergen.core.numerics import Array
 from walkergen.core.scene import Feet, Prediction, Scene
 from walkergen.core.theory import dimensionless, prediction, uncertain_inputs
 from walkergen.core.theory.prediction import PRINT_INPUT
 from walkergen.core.theory.surrogate import Known
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
-
-Array = npt.NDArray[np.float64]
 
 ENDS = 2.0
 """Standard deviations from a stated value to the ends of its margin: 95 % lie between."""

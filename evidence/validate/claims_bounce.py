@@ -13,14 +13,12 @@ import math
 from collections.abc import Callable, Iterator
 
 import numpy as np
-import numpy.typing as npt
 
 from evidence.validate.claim import Claim, Effort, Outside
+from walkergen.core.numerics import Array
 from walkergen.core.scene import GRAVITY, REST_GAMMA, Drive, Scene
 from walkergen.core.theory import paper_simulation
 from walkergen.core.theory.paper_simulation import CONTACT_S, OK, PHASE, PITCH, V_Y, World, Y, energy, initial_state
-
-Array = npt.NDArray[np.float64]
 
 TUFILLARO = (
     "N. B. Tufillaro, T. M. Mello, Y. M. Choi, A. M. Albano, Period doubling boundaries of a "

@@ -4,10 +4,10 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-import numpy.typing as npt
 
 from evidence.validate.claim import Claim, Effort, Outside
 from evidence.validate.claims_bounce import bisect
+from walkergen.core.numerics import Array
 from walkergen.core.scene import GRAVITY, Scene, still_plate_drive
 from walkergen.core.simulation import record
 from walkergen.core.simulation.effects import compliance
@@ -17,8 +17,6 @@ from walkergen.core.theory import speed, tensors
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import LegMass, MassProperties, weigh
-
-Array = npt.NDArray[np.float64]
 
 FRICTION, SLIDE_S = 0.25, 0.1
 """Friction of what slides, and its time, s."""

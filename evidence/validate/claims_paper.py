@@ -5,12 +5,13 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from evidence import curves
 from evidence.published import FACTS
+from evidence.quantities import exact, ratio
 from evidence.reproduce import maximum
 from evidence.validate.claim import Claim, Effort, Outside
 from evidence.validate.ensembles import exponent, in_space, paper_design, paper_types, rebound
-from walkergen.analysis import curves
-from walkergen.core.numerics.quantity import Quantity, exact
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import GRAVITY, Scene
 from walkergen.core.theory import prediction
 from walkergen.core.walker import solids
@@ -122,8 +123,8 @@ def shape(effort: Effort) -> Iterator[Claim]:
     high, middle = curve[TILTS.index(10.0)], curve[-1]
     low = in_space(35.0, effort).speed
     yield _of_fact("peak tilt", CONTACT, curves.top(np.array(TILTS), curve).place)
-    yield _of_fact("15 below 10", CONTACT, middle.ratio_to(high))
-    yield _of_fact("35 below 15", CONTACT, low.ratio_to(middle))
+    yield _of_fact("15 below 10", CONTACT, ratio(middle, high))
+    yield _of_fact("35 below 15", CONTACT, ratio(low, middle))
 
 
 def braced(effort: Effort) -> Iterator[Claim]:
@@ -137,9 +138,7 @@ def proportional(effort: Effort) -> Iterator[Claim]:
     series = [in_space(15.0, effort, gamma).speed for gamma in GAMMAS]
     for start, why in ((0, THRESHOLD), (GAMMAS.index(LIVELY), "")):
         circumstances = f"in space at 15 deg, from {GAMMAS[start]:g} g"
-        yield _of_fact(
-            "proportional", circumstances, curves.line_deviation(np.array(GAMMAS[start:]), series[start:]), why
-        )
+        yield _of_fact("proportional", circumstances, curves.off_line(np.array(GAMMAS[start:]), series[start:]), why)
     start = GAMMAS.index(LIVELY)
     by_acceleration = [_over_plate(speed, 90.0, gamma) for gamma, speed in zip(GAMMAS, series, strict=True)][start:]
     frequencies = [in_space(10.0, effort, frequency_hz=frequency).speed for frequency in FREQUENCIES_HZ]
@@ -160,7 +159,7 @@ def proportional(effort: Effort) -> Iterator[Claim]:
 def _over_plate(speed: Quantity, frequency_hz: float, gamma: float) -> Quantity:
     """Return a speed over the plate's peak speed."""
     plate = gamma * GRAVITY / (2.0 * math.pi * frequency_hz)
-    return speed.ratio_to(exact("plate", "mm_s", plate))
+    return ratio(speed, exact("plate", "mm_s", plate))
 
 
 def _farthest(ratios: Sequence[Quantity]) -> Quantity:

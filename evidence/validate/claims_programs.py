@@ -19,9 +19,11 @@ from walkergen.core.printing import export, print_sheet, slicer
 from walkergen.core.printing.printers import Printer
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.plan import prepare
+from walkergen.core.simulation.run import simulate
+from walkergen.core.simulation.space.state import SHOWN_X, SHOWN_Y, TRAJECTORY_COLUMNS
 from walkergen.core.walker import solids
 from walkergen.files import templates
-from walkergen.points import trajectory
+from walkergen.points.trajectory import sample_rows
 
 SLICED = Outside(
     "PrusaSlicer, its length of filament, with our settings",
@@ -54,9 +56,8 @@ def displacement(effort: Effort) -> Iterator[Claim]:
     run = scene.run.model_copy(update={"seconds": 2.0, "discard_seconds": 0.5, "runs": 1})
     design = paper_design(35.0)
     plan = prepare(scene.model_copy(update={"run": run}), design, solids.mass_of(design))
-    track = trajectory.sample(plan, INTERVAL)
-    place = [track.columns.index(name) for name in ("x_mm", "y_mm")]
-    position = np.ascontiguousarray(track.rows[:, place])
+    rows = sample_rows(simulate(plan, 0, sample_interval=INTERVAL, sample_size=len(TRAJECTORY_COLUMNS)))
+    position = np.ascontiguousarray(rows[:, [1 + SHOWN_X, 1 + SHOWN_Y]])
     total, pairs = lag_sums.sum_squares(position, np.array(LAGS))
     film = pd.DataFrame({"frame": np.arange(len(position)), "particle": 0, "x": position[:, 0], "y": position[:, 1]})
     with warnings.catch_warnings(action="ignore"):  # trackpy calls pandas in ways it deprecates

@@ -6,11 +6,13 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from evidence import landings
 from evidence.validate.claim import Effort
-from walkergen.analysis import lag_sums, landings
+from walkergen.analysis import lag_sums
+from walkergen.analysis.landings import CORNERS_PER_FOOT
 from walkergen.core.files.progress import silent
+from walkergen.core.numerics import Array
 from walkergen.core.numerics.quantity import Quantity, mean
 from walkergen.core.scene import GRAVITY, Scene, still_plate_drive
 from walkergen.core.simulation import record
@@ -23,8 +25,6 @@ from walkergen.core.walker import limbs, solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.points import experiments, trajectory, walkers
-
-Array = npt.NDArray[np.float64]
 
 SEED = 2016
 """Seed of the attitudes of drops."""
@@ -81,15 +81,15 @@ def _scene(name: str, effort: Effort, keys: Mapping[str, object]) -> Scene:
 
 def _measured(scene: Scene, design: Design) -> Measured:
     point = simulated(experiments.Walker(scene, design, solids.mass_of(design), impacts=True))
-    landed = [_landings(recorded_impacts(result), landings.CORNERS_PER_FOOT) for result in point.results]
+    landed = [_landings(recorded_impacts(result), CORNERS_PER_FOOT) for result in point.results]
     approach = float(-np.concatenate([run.v_y for run in landed]).mean()) / scene.drive.peak_speed
     return Measured(speed_of(point), _types(landed), approach)
 
 
 def _landings(rows: Array, corners: int) -> landings.Impacts:
     """Return the landings among the impacts of a run, whose events count so many corners to a foot."""
-    impacts = landings.from_record(rows)
-    landed = landings.is_landing(impacts.time, impacts.foot // corners)
+    impacts = landings.impacts_in(rows)
+    landed = landings.of_feet(impacts.time, impacts.foot // corners)
     return landings.Impacts._make(of[landed] for of in impacts)
 
 

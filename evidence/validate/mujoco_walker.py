@@ -9,15 +9,13 @@ from collections.abc import Iterable
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 from mujoco import rollout
 
+from walkergen.core.numerics import Array
 from walkergen.core.scene import GRAVITY
 from walkergen.core.simulation.drive import Drive
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import LegMass, MassProperties
-
-Array = npt.NDArray[np.float64]
 
 FOOT = 1e-3
 """Radius (mm) of the spheres that stand for corners; their lowest points are the corners."""

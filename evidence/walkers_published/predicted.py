@@ -7,11 +7,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from evidence.walkers_published.published import Statement
+from walkergen.core.numerics import Array
 
-Array = npt.NDArray[np.float64]
 Speeds = Mapping[tuple[tuple[str, Any], ...], float | None]
 """Speed of a draw, mm/s, at each point of the grid; None where it does not run."""
 

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from evidence import curves
+from evidence.landings import QUIET_S
 from evidence.reproduce import impact_types
-from walkergen.analysis import curves
-from walkergen.analysis.landings import MIN_QUIET_S
 from walkergen.core.numerics.quantity import Quantity
 
 
@@ -30,12 +30,12 @@ def test_the_tops_error_is_that_of_the_speeds():
 
 def test_a_line_through_zero_is_proportional_and_a_threshold_is_not():
     plate = np.array([10.0, 20.0, 30.0, 40.0])
-    assert curves.slope_through_origin(plate, speeds(2.0 * plate)).value == pytest.approx(2.0)
-    assert curves.line_deviation(plate, speeds(2.0 * plate)).value == pytest.approx(0.0, abs=1e-9)
+    assert curves.slope(plate, speeds(2.0 * plate)).value == pytest.approx(2.0)
+    assert curves.off_line(plate, speeds(2.0 * plate)).value == pytest.approx(0.0, abs=1e-9)
     # 0, 0, 0, 80: slope 80 x 40/3000, rms distance by hand, in per cent of the mean
     slope = 80.0 * 40.0 / 3000.0
     rms = math.sqrt((slope**2 * 1400.0 + (80.0 - 40.0 * slope) ** 2) / 4.0)
-    off = curves.line_deviation(plate, speeds(80.0 * (plate > 35.0)))
+    off = curves.off_line(plate, speeds(80.0 * (plate > 35.0)))
     assert off.value == pytest.approx(100.0 * rms / 20.0)
     assert 0.0 < off.se < 1.0
 
@@ -50,5 +50,5 @@ def test_shares_of_types_by_hand():
 def test_a_foot_in_space_lands_with_either_corner_once_within_the_quiet_time():
     rows = np.zeros((5, 7))
     # Time of landing, corner; in the order in which the contacts end.
-    rows[:, :2] = np.array([(0.1, 1), (0.0, 0), (0.2, 3), (0.2, 2), (3.0, 0)]) * (MIN_QUIET_S, 1.0)
+    rows[:, :2] = np.array([(0.1, 1), (0.0, 0), (0.2, 3), (0.2, 2), (3.0, 0)]) * (QUIET_S, 1.0)
     assert list(impact_types.of_run(rows, corners=2).landing) == [False, True, True, False, True]

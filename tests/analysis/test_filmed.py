@@ -1,10 +1,10 @@
 """Speeds of films in place of numbers: `fit` sees what `analyse` says of the same tracks."""
 
-import csv
 import math
 
 import numpy as np
 import pytest
+from answers import rows_of
 from synthetic_tracks import Walker, film
 from typer.testing import CliRunner
 
@@ -50,8 +50,7 @@ def read(folder, text):
 def of_analyse(path):
     """Speeds and errors of each walker as the command `analyse` writes them."""
     CliRunner().invoke(command_line, ["analyse", str(path), "--no-pictures", "--out", str(path.parent / "a")])
-    with (path.parent / "a" / "analysis" / "walkers.csv").open() as stream:
-        rows = list(csv.DictReader(stream))
+    rows = rows_of(path.parent / "a" / "analysis" / "walkers.csv")
     return np.array([(float(row["speed_mm_s"]), float(row["speed_se_mm_s"])) for row in rows]).T
 
 

@@ -1,10 +1,10 @@
 """The error of a film's scale goes with the tracks into every number that has a length."""
 
-import csv
 import json
 
 import numpy as np
 import pytest
+from answers import rows_of
 from synthetic_tracks import film
 from typer.testing import CliRunner
 
@@ -71,8 +71,7 @@ def test_every_number_with_a_length_bears_the_scales_error(tmp_path, rows, text,
             assert scale == pytest.approx(apart, rel=0.06, abs=1e-9 + 1e-3 * abs(value)), name
             moved += scale > 0
     assert moved >= 8
-    with (tmp_path / "analysis" / "analysis.csv").open() as stream:
-        speed = next(csv.DictReader(stream))
+    speed = rows_of(tmp_path / "analysis" / "analysis.csv")[0]
     assert float(speed["scale_se"]) == pytest.approx(float(speed["value"]) * ERROR / SCALE)
 
 

@@ -8,6 +8,7 @@ import math
 import os
 import pkgutil
 import re
+import shlex
 import subprocess
 import sys
 import types
@@ -314,19 +315,7 @@ def test_a_family_and_a_file_are_the_commands(run, tmp_path):
         (told,) = (tmp_path / "parts" / form).iterdir()
         (path,) = wg.export(PAPER, tmp_path / f"walker.{form}").files
         assert path.read_bytes() == told.read_bytes()
-    run(
-        "export",
-        "koumakis2016",
-        "--tilt",
-        "12",
-        "--scene",
-        "plane-90hz",
-        "--format",
-        "mjcf",
-        "--out",
-        "parts",
-        "--quiet",
-    )
+    run(*shlex.split("export koumakis2016 --tilt 12 --scene plane-90hz --format mjcf --out parts --quiet"))
     (path,) = wg.export(PAPER.variant(tilt_deg=12.0), tmp_path / "moving" / "it.xml", scene="plane-90hz").files
     for file in (tmp_path / "parts" / "mjcf").iterdir():
         named = path if file.suffix == ".xml" else path.with_name(file.name)
@@ -342,24 +331,8 @@ def test_a_family_takes_copies_weights_and_measured_speeds_as_the_command(run, t
     names = ["walker_t05.0_flexible_s0.40", "walker_t10.0_flexible_s0.40"]
     Path("weights.csv").write_text(f"part,body_g,leg_g\n{names[0]},0.81,0.012\nwalker_t30.0_flexible_s0.40,0.8,\n")
     Path("speeds.csv").write_text("tilt_deg,speed_mm_s\n10,58\n10,1e9\n")
-    run(
-        "family",
-        "koumakis2016",
-        "--copies",
-        "5:2,10:3",
-        "--legs",
-        "flexible",
-        "--weights",
-        "weights.csv",
-        "--measured",
-        "speeds.csv",
-        "--out",
-        "told",
-        "--quiet",
-        "--max-parts",
-        "4",
-        "--prusaslicer",
-    )
+    words = "family koumakis2016 --copies 5:2,10:3 --legs flexible --weights weights.csv --measured speeds.csv"
+    run(*shlex.split(f"{words} --out told --quiet --max-parts 4 --prusaslicer"))
     found = wg.family(
         PAPER,
         tmp_path / "found",

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shlex
 import subprocess
 import sys
 import time
@@ -278,15 +279,8 @@ def test_a_page_starts_what_the_command_line_starts_and_no_more(doors, key, valu
     assert key not in line
     words = [
         sys.executable,
-        "-m",
-        "walkergen",
-        "simulate",
-        "koumakis2016",
-        "--scene",
-        "plane-90hz",
-        "--set",
+        *shlex.split("-m walkergen simulate koumakis2016 --scene plane-90hz --json --set"),
         f"{key}={value}",
-        "--json",
     ]
     done = subprocess.run(words, capture_output=True, text=True)
     assert done.returncode == 2

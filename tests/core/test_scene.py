@@ -1,7 +1,6 @@
 """Drives from any two of their four numbers."""
 
 import itertools
-import math
 import re
 
 import pytest
@@ -54,11 +53,6 @@ def test_mistakes_in_a_scene_are_one_line(tmp_path):
     assert "contradicts" in lines[0]
     assert "1.8" in lines[0]
     assert "lane.toml:6: contact.friction = -1" in lines[1]
-
-
-def test_impact_speed_is_a_multiple_of_the_peak_speed():
-    scene = Scene.model_validate({"prediction": {"impact_speed_factor": 0.5}})
-    assert math.isclose(scene.impact_speed, 0.5 * scene.drive.peak_speed)
 
 
 MEANT = {

@@ -10,7 +10,6 @@ noise of headings is in one of both alone, and about its mean, so that turning o
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.analysis.estimates import (
     ALIGNMENT_NAMES,
@@ -21,10 +20,8 @@ from walkergen.analysis.estimates import (
     refusal,
 )
 from walkergen.analysis.tracks import Track
-from walkergen.core.numerics import statistics
+from walkergen.core.numerics import Array, statistics
 from walkergen.core.numerics.quantity import Quantity
-
-Array = npt.NDArray[np.float64]
 
 ALIKE_REASON = "headings hardly differ against the slope: let walkers start at others"
 

@@ -9,14 +9,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.analysis import persistent_walk
 from walkergen.analysis.persistent_walk import Spread
-from walkergen.core.numerics import statistics
+from walkergen.core.numerics import Array, statistics
 from walkergen.core.numerics.distributions import fisher_tail, student_quantile
-
-Array = npt.NDArray[np.float64]
 
 RATE_COUNT = 33
 """Number of rates at which the fit's rate is sought first, from far below 1 / longest lag."""

@@ -10,10 +10,8 @@ import numpy.typing as npt
 from walkergen.analysis import displacement_fit, persistent_walk
 from walkergen.analysis.moments import Grid, Moments
 from walkergen.analysis.persistent_walk import Spread
+from walkergen.core.numerics import Array, Complex
 from walkergen.core.numerics.quantity import Quantity
-
-Array = npt.NDArray[np.float64]
-Complex = npt.NDArray[np.complex128]
 
 MIN_SIGNIFICANCE = 3.0
 """Standard errors by which a rate or an offset must differ from 0 to be inverted or reported."""

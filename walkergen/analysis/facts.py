@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from walkergen.analysis.estimates import UNITS
-from walkergen.analysis.motion import Array, Motion
+from walkergen.analysis.motion import Motion
+from walkergen.core.numerics import Array
 from walkergen.core.numerics.quantity import Quantity
 
 WALKER_ESTIMATES = ("speed", "turning_bias")

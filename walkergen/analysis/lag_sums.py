@@ -8,12 +8,9 @@ import functools
 import math
 
 import numpy as np
-import numpy.typing as npt
 from numpy import fft
 
-Array = npt.NDArray[np.float64]
-Complex = npt.NDArray[np.complex128]
-Lags = npt.NDArray[np.int64]
+from walkergen.core.numerics import Array, Complex, Mask, Whole
 
 
 @functools.cache
@@ -23,14 +20,14 @@ def fft_length(size: int) -> int:
     return min(int(power) << max(math.ceil(math.log2(size / power)), 0) for power in powers)
 
 
-def sum_squares(position: Array, lags: Lags) -> tuple[Array, Array]:
+def sum_squares(position: Array, lags: Whole) -> tuple[Array, Array]:
     """Sum of |r(t + lag) - r(t)|^2 and number of pairs, each of shape (lags,).
 
     `position` has shape (times, dimensions). The mean drift is removed before the transforms and
     added back afterwards, so that digits are lost to the spread about it, not to the length of the
     run: relative errors stay near 1e-16 (spread / displacement)^2 (after Calandrini et al. 2011).
     """
-    seen: npt.NDArray[np.bool_] = ~np.isnan(position.sum(axis=1))
+    seen: Mask = ~np.isnan(position.sum(axis=1))
     reachable = lags < len(position)
     total, pairs = np.zeros(len(lags)), np.zeros(len(lags))
     if seen.sum() < 2:
@@ -60,7 +57,7 @@ def sum_squares(position: Array, lags: Lags) -> tuple[Array, Array]:
     return total, pairs
 
 
-def sum_products(series: Complex, lags: Lags) -> tuple[Complex, Array]:
+def sum_products(series: Complex, lags: Whole) -> tuple[Complex, Array]:
     """Sum of conj(z(t)) z(t + lag) and number of pairs, each of shape (lags,).
 
     `series` has shape (times,) and values of order 1: errors are near 1e-16 times their number.
@@ -68,7 +65,7 @@ def sum_products(series: Complex, lags: Lags) -> tuple[Complex, Array]:
     return sum_cross_products(series, series, lags)
 
 
-def sum_cross_products(first: Complex, second: Complex, lags: Lags) -> tuple[Complex, Array]:
+def sum_cross_products(first: Complex, second: Complex, lags: Whole) -> tuple[Complex, Array]:
     """Sum of conj(first(t)) second(t + lag) and number of pairs, each of shape (lags,).
 
     Both series have the same shape (times,).
@@ -91,7 +88,7 @@ def sum_cross_products(first: Complex, second: Complex, lags: Lags) -> tuple[Com
     return total, pairs
 
 
-def sum_free_squares(position: Array, lags: Lags, reach: Lags) -> tuple[Array, Array]:
+def sum_free_squares(position: Array, lags: Whole, reach: Whole) -> tuple[Array, Array]:
     """Sum as `squares` does, over pairs whose first sample has a `reach` (samples) of at least the lag."""
     sums, counts = np.zeros(len(lags)), np.zeros(len(lags))
     for place, lag in enumerate(lags):
@@ -102,7 +99,7 @@ def sum_free_squares(position: Array, lags: Lags, reach: Lags) -> tuple[Array, A
     return sums, counts
 
 
-def sum_free_products(series: Complex, lags: Lags, reach: Lags) -> tuple[Complex, Array]:
+def sum_free_products(series: Complex, lags: Whole, reach: Whole) -> tuple[Complex, Array]:
     """Sum as `products` does, over pairs whose first sample has a `reach` (samples) of at least the lag."""
     sums, counts = np.zeros(len(lags), complex), np.zeros(len(lags))
     for place, lag in enumerate(lags):
@@ -112,7 +109,7 @@ def sum_free_products(series: Complex, lags: Lags, reach: Lags) -> tuple[Complex
     return sums, counts
 
 
-def log_spaced_lags(longest: int, count: int, shortest: int = 1) -> Lags:
+def log_spaced_lags(longest: int, count: int, shortest: int = 1) -> Whole:
     """At most `count` whole lags from `shortest` to `longest`, even on a logarithmic scale."""
     if longest < shortest:
         return np.zeros(0, np.int64)

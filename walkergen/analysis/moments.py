@@ -13,9 +13,7 @@ import numpy.typing as npt
 
 from walkergen.analysis import lag_sums
 from walkergen.analysis.tracks import Track
-
-Array = npt.NDArray[np.float64]
-Complex = npt.NDArray[np.complex128]
+from walkergen.core.numerics import Array, Complex, Mask, Whole
 
 MIN_PARTICLES = 8
 """Number of particles from which each is one sample; with fewer, tracks are cut in pieces."""
@@ -32,8 +30,8 @@ class Grid(NamedTuple):
 
     step: int
     """Lag of the displacements along and across the heading."""
-    square_lags: lag_sums.Lags
-    turn_lags: lag_sums.Lags
+    square_lags: Whole
+    turn_lags: Whole
     bins: tuple[Array, Array]
     """Edges (mm) of bins for displacements along and across; empty when there is no density."""
 
@@ -120,7 +118,7 @@ def _cut_tracks(tracks: Sequence[Track]) -> list[Track]:
     return pieces
 
 
-def _piece_edges(track: Track, count: int) -> npt.NDArray[np.int64]:
+def _piece_edges(track: Track, count: int) -> Whole:
     """Find where to cut a track into `count` pieces of equal length or, between walls, of equal free motion."""
     last, free = len(track.position) - 1, track.free_samples(1)
     if free is None or not free.any():
@@ -163,7 +161,7 @@ def measure(track: Track, grid: Grid, mean_step: float = 0.0) -> Moments:
     )
 
 
-def sum_squares(track: Track, lags: lag_sums.Lags) -> tuple[Array, Array]:
+def sum_squares(track: Track, lags: Whole) -> tuple[Array, Array]:
     """Sum squared displacements, mm^2, and count pairs by lag; between walls those of free motion."""
     if track.reach is None:
         return lag_sums.sum_squares(track.position, lags)
@@ -178,7 +176,7 @@ def _sum_products(track: Track, series: Complex, grid: Grid) -> tuple[Complex, A
     return lag_sums.sum_free_products(series, grid.turn_lags, track.reach - span)
 
 
-def mask_near_walls(values: npt.NDArray[Any], free: npt.NDArray[np.bool_] | None) -> npt.NDArray[Any]:
+def mask_near_walls(values: npt.NDArray[Any], free: Mask | None) -> npt.NDArray[Any]:
     """Values that begin at free samples, the last axis by sample; NaN elsewhere."""
     return values if free is None else np.where(free[: values.shape[-1]], values, np.nan)
 

@@ -12,7 +12,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.analysis import (
     alignment,
@@ -33,11 +32,9 @@ from walkergen.analysis.tracks import Track, Tracks
 from walkergen.analysis.turning import Turning
 from walkergen.analysis.walls import Walls
 from walkergen.core.errors import InputError
-from walkergen.core.numerics import statistics
+from walkergen.core.numerics import Array, Whole, statistics
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.numerics.statistics import Line, fit_through_origin
-
-Array = npt.NDArray[np.float64]
 
 FITTED_LAG_DIVISOR = 4
 """Divisor of a sample's length that gives the longest fitted lag: longer lags have few pairs."""
@@ -294,7 +291,7 @@ def _choose_grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Gri
     return Grid(step, squares, turns, (_bin_edges(along, step), _bin_edges(across, step)))
 
 
-def _longest_free_lag(reach: Sequence[npt.NDArray[np.int64]], least: int) -> int:
+def _longest_free_lag(reach: Sequence[Whole], least: int) -> int:
     """Lag over which many enough of the places that are free for `least` may be followed between walls, samples."""
     free = np.concatenate(reach)
     free = free[free >= least]
@@ -315,7 +312,7 @@ def _jackknife(replicates: Sequence[Array]) -> Array:
     return statistics.jackknife_error(np.stack(replicates))
 
 
-def _local_exponents(lags: lag_sums.Lags, values: Array) -> Array:
+def _local_exponents(lags: Whole, values: Array) -> Array:
     """Compute d ln(value) / d ln(lag) from parabolas through lags half an octave and more apart.
 
     Closer lags would show noise. NaN if there is no such lag on both sides, or no value > 0.
@@ -332,7 +329,7 @@ def _local_exponents(lags: lag_sums.Lags, values: Array) -> Array:
     return exponents
 
 
-def _jackknife_curve(at: npt.NDArray[np.int64], values: Sequence[Array], length: float) -> Curve:
+def _jackknife_curve(at: Whole, values: Sequence[Array], length: float) -> Curve:
     """Curve of the first values, with the jackknife error of the others."""
     resolved = at <= int(length) // 2
     return Curve(at.astype(float), values[0], np.where(resolved, _jackknife(values[1:]), np.nan))

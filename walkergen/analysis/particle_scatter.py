@@ -14,12 +14,10 @@ import numpy.typing as npt
 from walkergen.analysis import moments
 from walkergen.analysis.estimates import FAR_WEIGHT, MIN_SIGNIFICANCE, NEAR_WEIGHT, UNITS, Frame, quantity, refusal
 from walkergen.analysis.tracks import Track, Tracks
-from walkergen.core.numerics import statistics
+from walkergen.core.numerics import Array, Complex, statistics
 from walkergen.core.numerics.distributions import fisher_tail
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.files import quantity_format
-
-Array = npt.NDArray[np.float64]
 
 SCATTER_P_VALUE = 0.01
 """Probability, for walkers that are alike, of a spread that counts as resolved (an F test)."""
@@ -160,7 +158,7 @@ def _walker_series(track: Track, frame: Frame, shortened: float, turn: float) ->
     }
 
 
-def _nanmean(values: moments.Complex) -> moments.Complex:
+def _nanmean(values: Complex) -> Complex:
     """Mean of the rows that are known; NaN where none is."""
     present = ~np.isnan(values)
     mean = np.where(present, values, 0.0).sum(axis=0) / np.maximum(present.sum(axis=0), 1)

@@ -12,8 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
-Complex = npt.NDArray[np.complex128]
+from walkergen.core.numerics import Array, Complex
 
 
 def velocity_correlation(lag: Array, amplitude: float, rate: float, turn: float, window: float = 0.0) -> Complex:

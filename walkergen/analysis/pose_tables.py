@@ -7,15 +7,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.analysis import track_columns
 from walkergen.analysis.track_columns import PIXEL, NamedColumn, Source
 from walkergen.core.errors import InputError
 from walkergen.core.files import columns, file_reading, safe_text
 from walkergen.core.files.columns import Columns
-
-Array = npt.NDArray[np.float64]
+from walkergen.core.numerics import Array
 
 MIN_LIKELIHOOD = 0.6
 """Likelihood of a part from which it counts: the one that DeepLabCut draws parts from."""

@@ -3,14 +3,12 @@
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.core.errors import InputError
 from walkergen.core.files import columns
 from walkergen.core.files.columns import Columns
-
-Array = npt.NDArray[np.float64]
+from walkergen.core.numerics import Array, Mask, Whole
 
 MAX_FRAMES = 50_000_000
 """Largest number of frames of all tracks together, gaps included."""
@@ -100,14 +98,14 @@ def _resample_regularly(table: Columns) -> tuple[Columns, str]:
     return Columns(values, table.lines[rows], table.bad), note
 
 
-def _row_steps(table: Columns) -> tuple[Array, npt.NDArray[np.bool_]]:
+def _row_steps(table: Columns) -> tuple[Array, Mask]:
     """Return the times from row to row, and where both rows are of one particle in neighbouring frames."""
     steps = np.diff(table.values["time"])
     near = (np.diff(table.values["particle"]) == 0) & (np.diff(table.values["frame"]) == 1)
     return steps, near & (steps > 0)
 
 
-def _sample_ticks(path: Path, table: Columns, name: str) -> tuple[float, Array, npt.NDArray[np.bool_]]:
+def _sample_ticks(path: Path, table: Columns, name: str) -> tuple[float, Array, Mask]:
     """Time between samples, s, the times of the rows in it, from 0 on, and which are off the regular times."""
     times = table.values["time"]
     rounding = _rounding(times)
@@ -196,13 +194,7 @@ def _assemble(path: Path, table: Columns, steps: Array, tick: float) -> Tracks:
 
 
 def _build_track(
-    path: Path,
-    name: int,
-    rows: npt.NDArray[np.int64],
-    places: Array,
-    position: Array,
-    heading: Array | None,
-    plate: Array,
+    path: Path, name: int, rows: Whole, places: Array, position: Array, heading: Array | None, plate: Array
 ) -> Track:
     at = places.astype(np.int64)
     grid = np.full((int(at[-1]) + 1, position.shape[1]), np.nan)

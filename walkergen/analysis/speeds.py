@@ -4,14 +4,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.analysis.track_columns import TRACKS_COLUMN
 from walkergen.core.errors import InputError
 from walkergen.core.files import columns
+from walkergen.core.numerics import Array
 from walkergen.core.walker.limbs import KINDS, Kind
-
-Array = npt.NDArray[np.float64]
 
 MAX_SPEEDS = 2000
 

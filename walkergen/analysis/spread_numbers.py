@@ -7,15 +7,13 @@ law, follow the one that was found.
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.analysis import displacement_fit, estimates, verdicts
 from walkergen.analysis.displacement_fit import DisplacementFit
 from walkergen.analysis.estimates import Frame, mean
 from walkergen.analysis.moments import Moments
 from walkergen.analysis.persistent_walk import Spread
-
-Array = npt.NDArray[np.float64]
+from walkergen.core.numerics import Array
 
 
 def add_fit(

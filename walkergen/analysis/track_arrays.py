@@ -21,8 +21,7 @@ from walkergen.analysis.track_columns import PIXEL, WALKERGEN_PROGRAM, NamedColu
 from walkergen.core.errors import InputError
 from walkergen.core.files import columns, file_reading, safe_text
 from walkergen.core.files.columns import Columns
-
-Array = npt.NDArray[np.float64]
+from walkergen.core.numerics import Array
 
 NETCDF_MAGIC, HDF5_MAGIC, ZIP_MAGIC = (b"CDF\1", b"CDF\2"), b"\x89HDF\r\n\x1a\n", b"PK\x03\x04"
 """First bytes of files."""

@@ -7,16 +7,15 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
 from walkergen.core.files import safe_text
 from walkergen.core.files.columns import Columns
+from walkergen.core.numerics import Array
 
 TRACKS_COLUMN = "tracks"
 """Column of a file of tracks in place of a speed, by its name beside the file of speeds."""
 
-Array = npt.NDArray[np.float64]
 
 PIXEL = "px"
 """Unit of places in a picture, whose size --mm-per-px tells."""
@@ -166,7 +165,7 @@ def _meanings(name: str) -> list[tuple[str, int, str]]:
     text = name.strip().lower()
     marked = re.fullmatch(r"(.*?)\s*[(\[]([^)\]]*)[)\]]", text)
     base, unit = marked.groups() if marked else (text, "")
-    base = _normalize_name(base)
+    base = re.sub(r"[^a-z0-9]+", "_", base).strip("_")
     if not marked and "_" in base and canonical_unit(base.rpartition("_")[2]):
         base, _, unit = base.rpartition("_")
     unit = "s" if base == "seconds" else canonical_unit(unit)
@@ -175,10 +174,6 @@ def _meanings(name: str) -> list[tuple[str, int, str]]:
         for what, known in COLUMN_NAMES.items()
         if base in known and (not unit or unit in UNITS_BY_COLUMN.get(what, ()))
     ]
-
-
-def _normalize_name(text: str) -> str:
-    return re.sub(r"[^a-z0-9]+", "_", text).strip("_")
 
 
 def canonical_unit(text: str) -> str:

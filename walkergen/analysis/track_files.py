@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.analysis import sampling, track_columns, track_formats
 from walkergen.analysis.track_columns import (
@@ -27,8 +26,6 @@ from walkergen.analysis.tracks import Tracks
 from walkergen.core.errors import InputError
 from walkergen.core.files import formatting, safe_text
 from walkergen.core.files.columns import Columns
-
-Array = npt.NDArray[np.float64]
 
 MIN_UNIT, MAX_UNIT = 1e-6, 1e9
 """Limits of frames per second, and of millimetres in a pixel."""

@@ -11,15 +11,13 @@ from itertools import chain, islice
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.analysis import pose_tables, track_arrays, track_columns, track_xml, tracker_tables
 from walkergen.analysis.track_columns import SCALE_COLUMNS, WALKERGEN_PROGRAM, NamedColumn, Source
 from walkergen.core.errors import InputError
 from walkergen.core.files import columns, file_reading, safe_text
 from walkergen.core.files import formatting as words
-
-Array = npt.NDArray[np.float64]
+from walkergen.core.numerics import Array
 
 NO_TRACK_LABELS = ("none", "ø")
 """What TrackMate writes in place of a track's number beside a spot of no track."""

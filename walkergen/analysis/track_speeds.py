@@ -11,16 +11,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.analysis import motion, track_files, track_warnings, walls
 from walkergen.analysis.track_columns import TRACKS_COLUMN
 from walkergen.core.errors import InputError
 from walkergen.core.files import columns, file_reading, safe_text
 from walkergen.core.files.columns import Columns
+from walkergen.core.numerics import Array
 from walkergen.core.numerics.quantity import Quantity
-
-Array = npt.NDArray[np.float64]
 
 PARTICLE_COLUMN = "particle"
 """Column of a walker in a file of tracks."""

@@ -4,14 +4,12 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.analysis import moments
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.core.files import formatting
+from walkergen.core.numerics import Array, Whole
 from walkergen.core.numerics.distributions import student_quantile
-
-Array = npt.NDArray[np.float64]
 
 MAX_FLIP_SHARE = 0.01
 """Share of steps with a turn of more than 90 deg from which headings look wrong."""
@@ -117,7 +115,7 @@ def _jump_doubts(tracks: Tracks) -> list[str]:
     ]
 
 
-def _track_steps(track: Track) -> tuple[npt.NDArray[np.int64], Array]:
+def _track_steps(track: Track) -> tuple[Whole, Array]:
     """Return the samples at which a walker was seen, and the steps between them, mm per sample."""
     place = moments.complex_position(track)
     at = np.flatnonzero(~np.isnan(place))

@@ -3,10 +3,7 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
-Array = npt.NDArray[np.float64]
+from walkergen.core.numerics import Array, Mask, Whole
 
 
 class Track(NamedTuple):
@@ -21,10 +18,10 @@ class Track(NamedTuple):
     """Peak speed of the plate, mm/s; None when the file does not say."""
     start: int = 0
     """Sample, of all tracks together, at which this one begins."""
-    reach: npt.NDArray[np.int64] | None = None
+    reach: Whole | None = None
     """Samples after each one within which no wall can be reached, shape (times,); None without walls."""
 
-    def free_samples(self, span: int) -> npt.NDArray[np.bool_] | None:
+    def free_samples(self, span: int) -> Mask | None:
         """Return which samples are followed by at least `span` more without a wall in reach; None without walls."""
         return None if self.reach is None else self.reach >= span
 

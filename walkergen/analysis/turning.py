@@ -13,6 +13,7 @@ import numpy as np
 from walkergen.analysis import lag_sums, moments, particle_scatter
 from walkergen.analysis.estimates import MIN_SAMPLES, quantity, refusal
 from walkergen.analysis.tracks import Track
+from walkergen.core.numerics import Complex
 from walkergen.core.numerics.quantity import Quantity
 
 PIECES = 8
@@ -63,7 +64,7 @@ def walker_turnings(tracks: Sequence[Track], interval: float) -> list[Turning]:
     return [turning for turning in every if turning is not None]
 
 
-def _longest_bridged_gap(units: Sequence[moments.Complex], size: int) -> int:
+def _longest_bridged_gap(units: Sequence[Complex], size: int) -> int:
     """Longest gap, in samples of at most `size`, across which turns are known; 1 is no gap."""
     gaps = [np.diff(np.flatnonzero(~np.isnan(unit))) for unit in units]
     lags = np.unique(np.concatenate(gaps))
@@ -77,7 +78,7 @@ def _longest_bridged_gap(units: Sequence[moments.Complex], size: int) -> int:
     return int(bridged[-1]) if len(bridged) else 1
 
 
-def _walker_turning(track: Track, unit: moments.Complex, size: int, longest: int, interval: float) -> Turning | None:
+def _walker_turning(track: Track, unit: Complex, size: int, longest: int, interval: float) -> Turning | None:
     """Measure the turning of one walker from its unit vectors, in pieces of about `size` samples."""
     seen = np.flatnonzero(~np.isnan(unit))
     steps = np.diff(seen)

@@ -7,19 +7,17 @@ would be those of walkers that turned away in time, and their persistence too sh
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.analysis import lag_sums
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.core.dish import Dish
 from walkergen.core.files import formatting
+from walkergen.core.numerics import Array
 from walkergen.core.numerics.quantity import Quantity
-
-Array = npt.NDArray[np.float64]
 
 BAND_DEPTH, INSIDE_DEPTH = 0.05, 0.15
 """Depths below the hull of the tracks, as shares of its width, of a band along it and of its inside."""
@@ -101,7 +99,7 @@ class Walls(NamedTuple):
         """Distance of places, shape (n, 2), from the nearest wall, mm; below 0 beyond it."""
         if self.dish is not None:
             return _dish_distance(self.dish, places - self.middle) - self.closest
-        depths = [offset - places @ normal for normal, offset in _iter_edges(self.edges)]
+        depths = [offset - places @ normal for normal, offset in ((edge[:2], float(edge[2])) for edge in self.edges)]
         return np.asarray(np.min(depths, axis=0))
 
 
@@ -212,10 +210,6 @@ def _convex_hull(places: Array) -> tuple[Array, float, float]:
             break
         places, hull = inner, ConvexHull(inner)
     return np.asarray(hull.equations * (1.0, 1.0, -1.0)), float(hull.volume), float(hull.area)
-
-
-def _iter_edges(edges: Array) -> Iterator[tuple[Array, float]]:
-    return ((edge[:2], float(edge[2])) for edge in edges)
 
 
 def _dish_distance(dish: Dish, places: Array) -> Array:

@@ -17,6 +17,7 @@ from typing import Any, TypeVar
 
 from walkergen.app import sentences
 from walkergen.app.server_state import Running
+from walkergen.core.files.progress import Progress
 
 COMMAND_MODULE = "walkergen.cli.command_child"
 """Module that runs command lines as a child."""
@@ -30,6 +31,9 @@ and their sliders need some."""
 
 KILL_DELAY_S = 1.0
 """Time after which a child that was interrupted is ended by force."""
+
+PAUSE_S = 0.2
+"""Time between two events that say how far a child is, s."""
 
 MAX_LINE_BYTES = 2**26
 """Longest line of a child, bytes: a run that is played is one of 0.3 MB."""
@@ -102,9 +106,22 @@ def _error_lines(said: Sequence[str], code: int) -> list[str]:
     return lines or [*said[-1:], f"the command ended with exit code {code}"]
 
 
-def send_event(event: Event) -> None:
-    """Say an event of this child to its server."""
-    print(json.dumps(event), flush=True)
+def send_event(event: Event, stream: Any = None) -> None:
+    """Say an event of this child to its server, by a stream or standard output."""
+    print(json.dumps(event), file=stream, flush=True)
+
+
+def teller(stream: Any = None) -> Progress:
+    """Progress that is said as events, not too often."""
+    said = 0.0
+
+    def tell(what: str, done: int, total: int) -> None:
+        nonlocal said
+        if time.monotonic() - said > PAUSE_S:
+            said = time.monotonic()
+            send_event({"progress": [what, done, total]}, stream)
+
+    return tell
 
 
 async def _stop_child(child: asyncio.subprocess.Process) -> None:

@@ -5,10 +5,9 @@ from functools import lru_cache
 import numpy as np
 
 from walkergen.app.document import Document
-from walkergen.core.errors import WalkergenError
+from walkergen.app.slider_ranges import nearest
 from walkergen.core.scene import Scene
 from walkergen.core.theory import prediction
-from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 
 MAX_CURVE_TILT_DEG = 45.0
@@ -37,10 +36,14 @@ def speed_curve(document: Document, rough: bool) -> Curve | None:
     if not design.follows:
         return None
     far = max(MAX_CURVE_TILT_DEG, abs(design.tilt_deg))
-    low = _find_end(design, -far if design.tilt_deg < 0.0 else 0.0)
+
+    def at(tilt_deg: float) -> Design:
+        return design.unmarked.variant(tilt_deg=tilt_deg)
+
+    low = nearest(at, design.tilt_deg, -far if design.tilt_deg < 0.0 else 0.0, TILT_TOLERANCE_DEG)
     things = (design.unmarked.variant(tilt_deg=low), scene)
     own, ground = (thing.model_dump_json(exclude_unset=True) for thing in things)
-    high = _find_end(design, far)
+    high = nearest(at, design.tilt_deg, far, TILT_TOLERANCE_DEG)
     return _compute_curve(own, ground, design.body.key, low, high, rough) if low < high else None
 
 
@@ -62,22 +65,3 @@ def _compute_curve(design: str, scene: str, body: str, low: float, high: float, 
     columns = dict(zip(("low_95", "low_68", "high_68", "high_95"), drawn.bounds, strict=True))
     columns |= {"tilt_deg": drawn.tilt_deg, "speed": drawn.speed}
     return {name: [None if np.isnan(each) else each for each in values.tolist()] for name, values in columns.items()}
-
-
-def _find_end(design: Design, far: float) -> float:
-    """Tilt nearest to `far` at which a walker can be built, deg, from its own on."""
-    if _is_buildable(design, far):
-        return far
-    near = design.tilt_deg
-    while abs(far - near) > TILT_TOLERANCE_DEG:
-        middle = 0.5 * (near + far)
-        near, far = (middle, far) if _is_buildable(design, middle) else (near, middle)
-    return near
-
-
-def _is_buildable(design: Design, tilt_deg: float) -> bool:
-    try:
-        solids.mass_of(design.unmarked.variant(tilt_deg=tilt_deg))
-    except WalkergenError:
-        return False
-    return True

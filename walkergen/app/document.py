@@ -25,7 +25,7 @@ from walkergen.core.walker.body import BUILTIN_OUTLINES
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.spec import MESH_SUFFIXES, OUTLINE_SUFFIXES
 from walkergen.files import templates
-from walkergen.files.key_names import KIND_KEYS, TILT_KEYS
+from walkergen.inputs import KINDS, TILTS
 from walkergen.readers.walkers.marks import format_tilt
 
 MAX_KEYS = 500
@@ -64,7 +64,7 @@ COMMAND_PREFIXES: Mapping[str, tuple[str, ...]] = {
 }
 """Things beside a walker whose files and keys a command takes."""
 
-FLAG_KEYS = (*TILT_KEYS, *KIND_KEYS)
+FLAG_KEYS = (*TILTS, *KINDS)
 """Keys that the flags --tilt and --legs stand for."""
 
 Word = Annotated[str, Field(min_length=1, max_length=4096)]
@@ -240,7 +240,7 @@ def arguments(document: Document, command: str, *options: str) -> list[str]:
 
 def tilt_key(design: Design) -> str | None:
     """Key of the tilt that a walker's legs share; None where they share none."""
-    return TILT_KEYS[0] if design.pair else TILT_KEYS[1] if design.follows else None
+    return TILTS[0] if design.pair else TILTS[1] if design.follows else None
 
 
 def _family_flags(design: Design) -> list[str]:

@@ -17,7 +17,7 @@ from walkergen.core.files.config import Section
 from walkergen.core.walker.body import Body
 from walkergen.core.walker.limbs import Leg, Legs
 from walkergen.core.walker.spec import Family
-from walkergen.files.key_names import TILT_KEYS
+from walkergen.inputs import TILTS
 
 UNITS = {
     "deg": "°",
@@ -91,7 +91,7 @@ def groups(document: Document) -> list[Group]:
         ("printer.", "printer", document.load_printer()),
     ):
         tables += _table_groups(section, prefix, title)
-    tilts = [control for table in tables for control in table.controls if control.key in TILT_KEYS]
+    tilts = [control for table in tables for control in table.controls if control.key in TILTS]
     for table in tables:
         table.controls[:] = [control for control in table.controls if control not in tilts]
     for control in tilts:

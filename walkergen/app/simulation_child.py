@@ -5,7 +5,6 @@ A prediction takes runs of seconds. Before all runs come a first number and a ru
 
 import contextlib
 import sys
-import time
 from typing import TYPE_CHECKING, Any
 
 from walkergen.app import child_processes, sentences
@@ -24,9 +23,6 @@ FIRST_S, FIRST_RUNS = 1.0, 4
 
 PLAYBACK_S = 3.0
 """Length of the run that is played, s."""
-
-EVENT_INTERVAL_S = 0.2
-"""Time between two events that say how far it is, s."""
 
 
 def main() -> int:
@@ -49,14 +45,14 @@ def _predict(design: "Design", scene: "Scene") -> None:
     """Predict a walker that nothing knows without runs, which the store then has for whoever asks again."""
     from walkergen.commands.predict import make
 
-    make.predict(design, [design], scene, "coulomb", progress=_make_progress())
+    make.predict(design, [design], scene, "coulomb", progress=child_processes.teller())
     child_processes.send_event({"predicted": True})
 
 
 def _simulate(design: "Design", scene: "Scene") -> None:
     from walkergen.guests.movie import viewer_run
 
-    run, tell = scene.run, _make_progress()
+    run, tell = scene.run, child_processes.teller()
     seconds, runs = min(FIRST_S, run.seconds), min(FIRST_RUNS, run.runs)
     before, rest = seconds * runs, run.seconds * run.runs  # simulated time of both, by which one bar grows
     if not rest > 2.0 * before:
@@ -80,19 +76,6 @@ def _measure_walker(design: "Design", scene: "Scene", progress: "Progress") -> d
 
     facts = report.make_report(make.measure(make.make_walker(scene, design, solids.mass_of(design)), progress)).facts
     return {"facts": facts, "text": sentences.format_runs(facts)}
-
-
-def _make_progress() -> "Progress":
-    """Progress that the page hears of, not too often."""
-    said = 0.0
-
-    def tell(what: str, done: int, total: int) -> None:
-        nonlocal said
-        if time.monotonic() - said > EVENT_INTERVAL_S:
-            said = time.monotonic()
-            child_processes.send_event({"progress": [what, done, total]})
-
-    return tell
 
 
 if __name__ == "__main__":

@@ -1,15 +1,17 @@
 """Ranges of sliders that a walker can be built in, found by trying."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 from walkergen.app import form
 from walkergen.app.document import Document
 from walkergen.core.errors import WalkergenError
 from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
 
-BISECTIONS = 7
-"""Halvings of what is not known of an end: it errs by less than a hundredth of the range."""
+ERROR = 1.000001 / 2**7
+"""Error of an end over what is not known of it: seven halvings."""
 
 MIN_RANGE_SHARE = 0.05
 """Least share of its range that a slider keeps: one that cannot move would say nothing."""
@@ -31,25 +33,29 @@ def slider_ranges(document: Document, keys: Sequence[str]) -> dict[str, tuple[fl
             continue
         if time.process_time() > end:
             break
-        low, high = (_find_end(document, key, float(control.value), far) for far in control.slider)
+        value, at = float(control.value), partial(_at, document, key)
+        low, high = (nearest(at, value, far, ERROR * abs(far - value)) for far in control.slider)
         if high - low > MIN_RANGE_SHARE * (control.slider[1] - control.slider[0]):
             ranges[key] = (low, high)
     return ranges
 
 
-def _find_end(document: Document, key: str, near: float, far: float) -> float:
-    """Value nearest to `far` of those that were tried from a sound one on."""
-    if _is_buildable(document, key, far):
+def nearest(design_at: Callable[[float], Design], near: float, far: float, error: float) -> float:
+    """Value nearest to `far`, up to an error, at which a walker can be built, from one on at which it can."""
+
+    def is_sound(value: float) -> bool:
+        try:
+            solids.mass_of(design_at(value))
+        except WalkergenError:
+            return False
+        return True
+
+    if is_sound(far):
         return far
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (near + far)
-        near, far = (middle, far) if _is_buildable(document, key, middle) else (near, middle)
+    while abs(far - near) > error and (middle := 0.5 * (near + far)) not in (near, far):
+        near, far = (middle, far) if is_sound(middle) else (near, middle)
     return near
 
 
-def _is_buildable(document: Document, key: str, value: float) -> bool:
-    try:
-        solids.mass_of(document._replace(values={**document.values, key: value}).load_design().unmarked)
-    except WalkergenError:
-        return False
-    return True
+def _at(document: Document, key: str, value: float) -> Design:
+    return document._replace(values={**document.values, key: value}).load_design().unmarked

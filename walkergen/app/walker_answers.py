@@ -91,7 +91,7 @@ def printing_outlook(document: Document) -> dict[str, Any]:
     found = checking.check([document.load_design()], [1], document.load_printer()).findings
     return {
         "findings": [_format_finding(finding) for finding in findings.group_findings(found)],
-        "legs_at_fault": any(_is_leg_fault(finding) for finding in found),
+        "legs_at_fault": any(finding.level != "advice" and finding.part is About.LEGS for finding in found),
         "shell": documents.shell_command(documents.arguments(document, "export")),
         "python": documents.python_code(document),
     }
@@ -183,11 +183,6 @@ def _format_finding(finding: Finding) -> dict[str, Any]:
     text = sentences.to_plain_text(finding.text if setting is None else finding.seen_text)
     does = None if setting is None else setting._asdict() | {"words": sentences.format_setting(*setting)}
     return {"level": finding.level, "text": text, "does": does}
-
-
-def _is_leg_fault(finding: Finding) -> bool:
-    """Return whether a finding is a problem of a leg, and not only advice."""
-    return finding.level != "advice" and finding.part is About.LEGS
 
 
 def _dimensions(design: Design) -> Iterator[dict[str, Any]]:

@@ -428,8 +428,3 @@ class Scene(Section):
         """Value of a dotted key of its file."""
         table, _, own = key.partition(".")
         return getattr(getattr(self, table), own)
-
-    @property
-    def impact_speed(self) -> float:
-        """Normal speed w at which the theory's feet are assumed to meet the plate, mm/s."""
-        return self.prediction.impact_speed_factor * self.drive.peak_speed

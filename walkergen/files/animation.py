@@ -2,12 +2,14 @@
 
 import importlib.util
 import io
+import shlex
 import shutil
 import subprocess
 import tempfile
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import IO, NamedTuple
+from typing import IO, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +25,8 @@ NO_FFMPEG_REASON = "ffmpeg is not installed (pip install 'walkergen[film]' bring
 
 Draw = Callable[[int], Pixels]
 """Function that draws the frame of a number."""
+
+Used = TypeVar("Used")
 
 PALETTE_COLOURS, EXACT_COLOURS = 128, 16
 """Number of colours in a GIF's palette, and of the commonest, kept exact; others are blends."""
@@ -48,17 +52,7 @@ def encode(draw: Draw, count: int, fps: int, hold_s: float, keep: Sequence[str],
     exact in the GIF however rare they are. Equal frames give equal bytes.
     """
     palette = _choose_palette(draw, count, keep)
-    with tempfile.TemporaryDirectory(prefix="walkergen-movie-") as folder:
-        target = Path(folder) / "movie.mp4"
-        with (Path(folder) / "messages").open("w+b") as messages:
-            ffmpeg = _start_ffmpeg(draw(0).shape, fps, target, messages)
-            try:
-                gif = _encode_gif(_stream_frames(draw, count, ffmpeg, progress), palette, fps, hold_s)
-                return Encoded(gif, *_close_ffmpeg(ffmpeg, target, messages))
-            finally:
-                if ffmpeg is not None and ffmpeg.poll() is None:
-                    ffmpeg.kill()
-                    ffmpeg.communicate()
+    return Encoded(*_written(draw, count, fps, progress, lambda frames: _encode_gif(frames, palette, fps, hold_s)))
 
 
 def encode_mp4(draw: Draw, count: int, fps: int, progress: Progress) -> tuple[bytes | None, str]:
@@ -66,18 +60,25 @@ def encode_mp4(draw: Draw, count: int, fps: int, progress: Progress) -> tuple[by
 
     For pictures in which so much moves that a GIF would be many times as large.
     """
+    if find_ffmpeg() is None:
+        return None, NO_FFMPEG_REASON
+    _, mp4, without = _written(draw, count, fps, progress, lambda frames: deque(frames, 0))
+    return mp4, without
+
+
+def _written(
+    draw: Draw, count: int, fps: int, progress: Progress, use: Callable[[Iterator[Pixels]], Used]
+) -> tuple[Used, bytes | None, str]:
+    """Return what `use` makes of all frames, and their MP4; None without one, with the reason."""
     with tempfile.TemporaryDirectory(prefix="walkergen-movie-") as folder:
         target = Path(folder) / "movie.mp4"
         with (Path(folder) / "messages").open("w+b") as messages:
             ffmpeg = _start_ffmpeg(draw(0).shape, fps, target, messages)
-            if ffmpeg is None:
-                return _close_ffmpeg(None, target, messages)
             try:
-                for _ in _stream_frames(draw, count, ffmpeg, progress):
-                    pass
-                return _close_ffmpeg(ffmpeg, target, messages)
+                used = use(_stream_frames(draw, count, ffmpeg, progress))
+                return used, *_close_ffmpeg(ffmpeg, target, messages)
             finally:
-                if ffmpeg.poll() is None:
+                if ffmpeg is not None and ffmpeg.poll() is None:
                     ffmpeg.kill()
                     ffmpeg.communicate()
 
@@ -150,36 +151,9 @@ def _start_ffmpeg(
     found = find_ffmpeg()
     if found is None:
         return None
-    words = [
-        found,
-        "-loglevel",
-        "error",
-        "-nostdin",
-        "-f",
-        "rawvideo",
-        "-pix_fmt",
-        "rgb24",
-        "-s",
-        f"{shape[1]}x{shape[0]}",
-        "-r",
-        str(fps),
-        "-i",
-        "pipe:0",
-        "-c:v",
-        "libx264",
-        "-crf",
-        "20",
-        "-pix_fmt",
-        "yuv420p",
-        "-movflags",
-        "+faststart",
-        "-fflags",
-        "+bitexact",
-        "-flags:v",
-        "+bitexact",
-        "-y",
-        str(target),
-    ]
+    frames = f"-loglevel error -nostdin -f rawvideo -pix_fmt rgb24 -s {shape[1]}x{shape[0]} -r {fps} -i pipe:0"
+    movie = "-c:v libx264 -crf 20 -pix_fmt yuv420p -movflags +faststart -fflags +bitexact -flags:v +bitexact -y"
+    words = [found, *shlex.split(f"{frames} {movie}"), str(target)]
     return subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=messages)
 
 

@@ -10,10 +10,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
-Whole = npt.NDArray[np.int64]
+from walkergen.core.numerics import Array, Whole
 
 PROPERTIES = "species:S:1:id:I:1:pos:R:3:orientation:R:4:aspherical_shape:R:3"
 """Properties of a particle, by the names that OVITO knows."""

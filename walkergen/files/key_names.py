@@ -28,10 +28,6 @@ SPECIAL_NAMES = {
 }
 """Keys whose name is not made of their parts."""
 
-TILT_KEYS, KIND_KEYS = ("legs.tilt_deg", "leg_tilt_deg"), ("legs.kind",)
-"""Keys of the tilt and the kind that the legs of a walker share, which --tilt and --legs set: of
-two equal legs, and the tilt of a list of them."""
-
 TABLE_SUBJECTS = {"drive": "the plate", "contact": "", "run": "a run", "weighed": ""}
 """Things that the tables of keys are about, where their names do not say it; "" for none."""
 

@@ -46,24 +46,19 @@ def text_column(heading: str, key: str) -> Column:
     return Column(heading, lambda row: str(getattr(row, key)))
 
 
-def number_column(heading: str, key: str, digits: int = 4, scale: float = 1.0, wide: bool = False) -> Column:
-    """Column of numbers to significant digits, `scale` times those of the row; None is blank."""
-
-    def cell(row: Any) -> str:
-        value = getattr(row, key)
-        return "" if value is None else formatting.format_number(scale * value, digits)
-
-    return Column(heading, cell, True, wide)
+def number_column(heading: str, key: str, digits: int = 4, wide: bool = False) -> Column:
+    """Column of numbers to significant digits; None is blank."""
+    return Column(heading, _known(key, lambda value: formatting.format_number(value, digits)), True, wide)
 
 
 def fixed_column(heading: str, key: str, digits: int, wide: bool = False) -> Column:
     """Column of numbers with so many decimals; None is blank."""
+    return Column(heading, _known(key, lambda value: formatting.format_fixed(value, digits)), True, wide)
 
-    def cell(row: Any) -> str:
-        value = getattr(row, key)
-        return "" if value is None else formatting.format_fixed(value, digits)
 
-    return Column(heading, cell, True, wide)
+def _known(key: str, shown: Callable[[float], str]) -> Callable[[Any], str]:
+    """Cell of a row's value in words, blank for None."""
+    return lambda row: "" if (value := getattr(row, key)) is None else shown(value)
 
 
 def error_column(heading: str, key: str, se: str) -> Column:
@@ -217,16 +212,12 @@ def to_array(values: Sequence[Any]) -> "npt.NDArray[Any]":
     """Values as an array: of numbers, None as NaN, or of objects where one is no number."""
     import numpy as np
 
-    if all(value is None or _is_number(value) for value in values):
+    if all(value is None or formatting.is_number(value) for value in values):
         whole = all(isinstance(value, int) for value in values)
         return np.array(
             [math.nan if value is None else value for value in values], dtype=np.int64 if whole else np.float64
         )
     return np.fromiter(values, dtype=object, count=len(values))  # lists stay lists
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 @dataclass(frozen=True, kw_only=True)

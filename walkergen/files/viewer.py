@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import markupsafe
 import numpy as np
-import numpy.typing as npt
 
+from walkergen.core.numerics import Array, Whole
 from walkergen.files import web_page
 
 STYLE_SHEET = "part.css"
@@ -34,9 +34,9 @@ class Part(NamedTuple):
     name: str
     kind: str
     """Kind of its legs, which gives its colour: flexible or braced."""
-    vertices: npt.NDArray[np.float64]
+    vertices: Array
     """Corners of the mesh, shape (n, 3), mm, y up, as the part stands."""
-    triangles: npt.NDArray[np.int64]
+    triangles: Whole
     """Corners of each triangle, shape (k, 3)."""
     words: str = ""
     """What is said of it beside its name."""

@@ -5,9 +5,8 @@ import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from walkergen.core.numerics import Array
 
 MIN_VALUES = 8
 """Number of values below which no emulator is fitted."""

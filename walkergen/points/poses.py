@@ -7,8 +7,8 @@ along x. A corner is numbered as its point of contact: of every leg in turn left
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from walkergen.core.numerics import Array, Mask
 from walkergen.core.numerics.kernels import kernel
 from walkergen.core.simulation import run
 from walkergen.core.simulation.plan import Plan
@@ -30,8 +30,6 @@ from walkergen.core.simulation.space.state import (
 )
 from walkergen.core.walker import names
 
-Array = npt.NDArray[np.float64]
-
 
 class Poses(NamedTuple):
     """Poses of a run in space, n of them."""
@@ -49,7 +47,7 @@ class Poses(NamedTuple):
     """Places of the c = 2 x legs corners of the feet, shape (n, c, 3), mm."""
     gaps: Array
     """Distances of the corners from the plate, shape (n, c), mm; negative while they press."""
-    closed: npt.NDArray[np.bool_]
+    closed: Mask
     """Whether the corners press on the plate, shape (n, c)."""
     plate: Array
     """Height of the plate over its mean, shape (n,), mm."""

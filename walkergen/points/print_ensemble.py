@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress, part_progress
-from walkergen.core.numerics import statistics
+from walkergen.core.numerics import Array, Mask, statistics
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import observables
 from walkergen.core.simulation.plan import prepare
@@ -21,8 +20,6 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.points import emulator, step_errors, walkers
 from walkergen.points.experiments import Results, Walker
-
-Array = npt.NDArray[np.float64]
 
 Bounds = tuple[float, float, float, float]
 
@@ -226,7 +223,7 @@ def _variance_shares(
     """
     every = emulator.fit(values, speeds, seed=seed % 2**32)
 
-    def shares(kept: npt.NDArray[np.bool_]) -> Array:
+    def shares(kept: Mask) -> Array:
         fitted = emulator.fit(values[kept], speeds[kept], every.noise[kept], like=every)
 
         def mean(x: Array) -> Array:

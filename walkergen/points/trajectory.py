@@ -5,15 +5,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
+from walkergen.core.numerics import Array
 from walkergen.core.scene import Scene
-from walkergen.core.simulation.plan import Plan
-from walkergen.core.simulation.run import RunResult, simulate
+from walkergen.core.simulation.run import RunResult
 from walkergen.core.simulation.space.state import TRAJECTORY_COLUMNS
-
-Array = npt.NDArray[np.float64]
 
 MAX_SAMPLES = 20_000_000
 
@@ -27,20 +24,13 @@ class Trajectory(NamedTuple):
     """Shape (samples, columns); the time counts from the end of the discarded start."""
 
 
-def check_sample_count(scene: Scene, interval: float, runs: int = 1) -> None:
+def check_sample_count(scene: Scene, interval: float, runs: int) -> None:
     """Raise InputError when trajectories of so many runs would have too many samples to keep."""
     wanted = runs * scene.run.seconds / interval
     if wanted > MAX_SAMPLES:
         what = "a trajectory" if runs == 1 else f"tracks of {runs} runs"
         fewer = "" if runs == 1 else ", ‹runs›"
         raise InputError(f"{what} of {wanted:.3g} samples; at most {MAX_SAMPLES}: lower ‹rate_hz›{fewer} or ‹seconds›")
-
-
-def sample(plan: Plan, interval: float, number: int = 0) -> Trajectory:
-    """Simulate one run of the ensemble again and keep its state every `interval` seconds."""
-    check_sample_count(plan.scene, interval)
-    result = simulate(plan, number, sample_interval=interval, sample_size=len(TRAJECTORY_COLUMNS))
-    return Trajectory(("t_s", *TRAJECTORY_COLUMNS), sample_rows(result))
 
 
 def from_runs(results: Sequence[RunResult]) -> Trajectory:

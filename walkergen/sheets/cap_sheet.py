@@ -9,6 +9,7 @@ from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 
+from walkergen.core.numerics import Array
 from walkergen.core.walker.fittings import Cap
 from walkergen.files import figures
 from walkergen.readers.walkers import caps
@@ -88,7 +89,7 @@ def _draw_page(sheet: Sequence[Cap], number: int, count: int, grid: tuple[float,
 def _draw_tile(axes: Axes, cap: Cap, place: tuple[float, float]) -> None:
     """Draw a tile about its middle, its front up."""
 
-    def to_page(points: caps.Array) -> caps.Array:
+    def to_page(points: Array) -> Array:
         return np.column_stack([-points[:, 1], points[:, 0]]) + place
 
     axes.add_patch(Polygon(to_page(caps.tile_outline(cap)), fill=False, edgecolor="0.6", linewidth=0.2))

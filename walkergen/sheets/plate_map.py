@@ -6,13 +6,13 @@ from typing import NamedTuple
 
 import manifold3d
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import Bbox
 
+from walkergen.core.numerics import Array
 from walkergen.core.printing.packing import Plate
 from walkergen.core.printing.printers import Printer
 from walkergen.core.shapes import modeller
@@ -20,8 +20,6 @@ from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker import names, solids
 from walkergen.core.walker.design import Design
 from walkergen.files import figures
-
-Array = npt.NDArray[np.float64]
 
 MAP_INCHES = 10.0
 """Longer side of the bed, or of what is shown of it, in the picture, inches."""
@@ -202,7 +200,7 @@ def _top_view(design: Design, mesh: Mesh) -> _View:
 
 def _silhouettes(design: Design, mesh: Mesh) -> tuple[manifold3d.CrossSection, manifold3d.CrossSection]:
     """Outline of a walker with its legs up, and that of what stands above the body."""
-    solid = modeller.to_solid(mesh._replace(vertices=mesh.vertices - mesh.vertices.min(axis=0)))
+    solid = modeller.to_solid(mesh.shifted(-mesh.vertices.min(axis=0)))
     legs = solid.trim_by_plane((0.0, 0.0, 1.0), design.size.thickness + LEG_CLEARANCE_MM)
     return solid.project(), legs.project()
 

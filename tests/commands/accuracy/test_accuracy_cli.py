@@ -1,10 +1,10 @@
 """`accuracy` and `simulate --error` as a user meets them."""
 
-import csv
 import json
 from pathlib import Path
 
 import pytest
+from answers import rows_of
 
 import walkergen as wg
 from walkergen.commands.accuracy import make as accuracy
@@ -38,8 +38,7 @@ def test_a_study_of_steps(run, tmp_path):
     assert set(found["ladders"]) == {"steps-long", "observables"}
     folder = tmp_path / found["folder"]
     assert {path.name for path in folder.iterdir()} == {"accuracy.csv", "accuracy.md", "accuracy.png", "manifest.json"}
-    with (folder / "accuracy.csv").open() as file:
-        rows = list(csv.DictReader(file))
+    rows = rows_of(folder / "accuracy.csv")
     for name, rungs in found["ladders"].items():
         assert len([row for row in rows if row["ladder"] == name]) == len(rungs)
     assert "--error 5%" in (folder / "accuracy.md").read_text()

@@ -49,7 +49,7 @@ def test_every_cell_has_every_setting_and_the_file_is_small():
 
 def test_what_is_written_is_what_is_read(tmp_path):
     rows = tuple(made_up(0.0, 0.1, 1, np.random.default_rng(1)))
-    (tmp_path / "cells.csv").write_text(cells.to_csv(rows))
+    (tmp_path / "cells.csv").write_text(measure.text(rows))
     for read, row in zip(cells.read_rows(tmp_path / "cells.csv"), rows, strict=True):
         assert read.speed_mm_s == pytest.approx(row.speed_mm_s, rel=1e-4)  # five digits
         assert (read.share, read.runs, read.outcomes) == (row.share, row.runs, row.outcomes)

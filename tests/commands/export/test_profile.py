@@ -4,13 +4,10 @@ import numpy as np
 import pytest
 from soundness import to_trimesh
 
-from walkergen.commands.export.profile import side_profile, write_dxf, write_svg
-from walkergen.core.errors import OutputError
+from walkergen.commands.export.profile import FORMATS, side_profile
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.readers.drawings.outlines import area, from_file
-
-WRITERS = {"dxf": write_dxf, "svg": write_svg}
 
 
 @pytest.mark.parametrize("kind", ["flexible", "braced"])
@@ -25,11 +22,11 @@ def test_a_profile_times_the_depth_is_the_solid(kind, tilt):
     assert len(profile) - 1 == sum(solids.has_window(limb) for limb in design.limbs)
 
 
-@pytest.mark.parametrize("ending", WRITERS)
+@pytest.mark.parametrize("ending", FORMATS)
 def test_what_is_written_is_read_again(tmp_path, ending):
     profile = side_profile(Design().variant(kind="braced", tilt_deg=30.0))
     path = tmp_path / f"walker.{ending}"
-    WRITERS[ending](path, profile)
+    path.write_bytes(FORMATS[ending](profile))
     again = from_file(path).polygons
     middle = 0.5 * (profile[0].min(axis=0) + profile[0].max(axis=0))
     assert len(again) == len(profile)
@@ -38,14 +35,9 @@ def test_what_is_written_is_read_again(tmp_path, ending):
         np.testing.assert_allclose(one + middle, other, atol=1e-12)
 
 
-@pytest.mark.parametrize("ending", WRITERS)
-def test_equal_profiles_give_equal_bytes_without_a_date(tmp_path, ending):
-    path, again = tmp_path / f"a.{ending}", tmp_path / f"b.{ending}"
-    WRITERS[ending](path, side_profile(Design()))
-    WRITERS[ending](again, side_profile(Design()))
-    assert path.read_bytes() == again.read_bytes()
-    assert {one.name for one in tmp_path.iterdir()} == {path.name, again.name}
+@pytest.mark.parametrize("ending", FORMATS)
+def test_equal_profiles_give_equal_bytes_without_a_date(ending):
+    data = FORMATS[ending](side_profile(Design()))
+    assert data == FORMATS[ending](side_profile(Design()))
     stated = {"dxf": b"$INSUNITS\n 70\n4\n", "svg": b'width="28.0mm"'}[ending]
-    assert stated in path.read_bytes()
-    with pytest.raises(OutputError, match="cannot be written"):
-        WRITERS[ending](path / "below" / "a.dxf", side_profile(Design()))
+    assert stated in data

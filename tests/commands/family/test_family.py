@@ -1,12 +1,12 @@
 """The main job's folder: what is in it, equal bytes, interruption, leftovers."""
 
-import csv
 import hashlib
 import json
 
 import numpy as np
 import pytest
 import trimesh
+from answers import rows_of
 from test_cli import COLUMNS
 
 from walkergen.commands.family import make as family
@@ -71,8 +71,7 @@ def test_stl_files_are_closed_and_of_the_right_volume(tmp_path):
 
 def test_csv_rows_are_the_predictions(tmp_path):
     made = family.make(job_of(), tmp_path, silent, unheard).members
-    with (tmp_path / "family.csv").open(encoding="utf-8", newline="") as stream:
-        rows = list(csv.DictReader(stream))
+    rows = rows_of(tmp_path / "family.csv")
     assert len(rows) == len(made) == 6
     assert list(rows[0]) == COLUMNS
     for row, member in zip(rows, made, strict=True):

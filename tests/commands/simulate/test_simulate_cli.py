@@ -1,10 +1,10 @@
 """`simulate`, `explain` and `family --simulate` as a user meets them."""
 
-import csv
 import json
 
 import numpy as np
 import pytest
+from answers import rows_of
 
 KEYS = {
     "speed_mm_s",
@@ -57,8 +57,7 @@ def test_overrides_reach_the_scene(run):
 def test_trajectory_as_csv_and_npz(run, tmp_path):
     words = ("simulate", "--seconds", "0.1", "--runs", "1", "--quiet")
     run(*words, "--trajectory", "a.csv", "--rate-hz", "2000")
-    with (tmp_path / "a.csv").open(encoding="utf-8", newline="") as stream:
-        rows = list(csv.DictReader(stream))
+    rows = rows_of(tmp_path / "a.csv")
     film = ["frame", "particle", "x", "y", "theta"]
     assert list(rows[0])[:9] == [*film, "t_s", "x_mm", "y_mm", "theta_rad"]
     assert len(rows) == pytest.approx(201, abs=1)
@@ -90,8 +89,7 @@ def test_family_simulate_adds_columns_and_points(run, tmp_path):
     result = run("family", "--tilt", "10", "--simulate", "--seconds", "0.3", "--runs", "2", "--out", "here")
     assert "simulated" in result.stdout
     assert max(len(line) for line in result.stdout.splitlines()) <= 80
-    with (tmp_path / "here" / "family.csv").open(encoding="utf-8", newline="") as stream:
-        rows = list(csv.DictReader(stream))
+    rows = rows_of(tmp_path / "here" / "family.csv")
     assert len(rows) == 2
     assert all(float(row["sim_speed_mm_s"]) != 0 for row in rows)
     assert "simulated (mm/s, 95 %)" in (tmp_path / "here" / "family.md").read_text(encoding="utf-8")

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from walkergen.core.numerics.quantity import Quantity, Verdict, exact, mean
+from evidence.quantities import compare, exact, ratio
+from walkergen.core.numerics.quantity import Quantity, Verdict, mean
 
 
 def test_bounds_are_students_and_of_a_variance_chi_squared():
@@ -64,11 +65,11 @@ def test_ninety_five_of_a_hundred_bounds_of_a_mean_hold_the_truth():
 def test_the_noisier_a_number_the_less_it_agrees():
     published = exact("speed", "mm_s", 60.0)
     for se, verdict in ((0.5, Verdict.AGREE), (4.0, Verdict.UNDECIDED), (100.0, Verdict.UNDECIDED)):
-        assert Quantity("speed", "mm_s", 61.0, se).compare_with(published, margin=0.1) == verdict
-    assert Quantity("speed", "mm_s", 80.0, 1.0).compare_with(published, margin=0.1) == Verdict.DISAGREE
-    assert Quantity("speed", "mm_s", 61.0, 0.0).compare_with(published) == Verdict.DISAGREE
-    assert Quantity("speed", "mm_s", 61.0).compare_with(published, margin=0.1) == Verdict.UNDECIDED
-    assert Quantity("speed", "mm_s", None, refused="fell").compare_with(published) == Verdict.MISSING
+        assert compare(Quantity("speed", "mm_s", 61.0, se), published, margin=0.1) == verdict
+    assert compare(Quantity("speed", "mm_s", 80.0, 1.0), published, margin=0.1) == Verdict.DISAGREE
+    assert compare(Quantity("speed", "mm_s", 61.0, 0.0), published) == Verdict.DISAGREE
+    assert compare(Quantity("speed", "mm_s", 61.0), published, margin=0.1) == Verdict.UNDECIDED
+    assert compare(Quantity("speed", "mm_s", None, refused="fell"), published) == Verdict.MISSING
     assert Quantity("order", "", 0.3, 0.01).compare_with_range(-math.inf, 0.5) == Verdict.AGREE
 
 
@@ -78,11 +79,10 @@ def test_differences_and_ratios_carry_both_errors():
     gap = one.minus(two)
     assert gap.freedom == pytest.approx(welch.df)
     assert gap.value / gap.se == pytest.approx(welch.statistic)
-    ratio = Quantity("a", "mm", 10.0, 0.3).ratio_to(Quantity("b", "mm", 5.0, 0.1))
+    quotient = ratio(Quantity("a", "mm", 10.0, 0.3), Quantity("b", "mm", 5.0, 0.1))
     drawn = np.random.default_rng(2).normal([10.0, 5.0], [0.3, 0.1], (20000, 2))
-    assert ratio.se == pytest.approx(
-        np.std(drawn[:, 0] / drawn[:, 1]), rel=0.03
-    )  # of 20 000 draws 0.5 %, second order 1 %
+    # Of 20 000 draws 0.5 %, second order 1 %
+    assert quotient.se == pytest.approx(np.std(drawn[:, 0] / drawn[:, 1]), rel=0.03)
 
 
 @pytest.mark.parametrize("power", [-1, 1, 2])

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -35,18 +36,7 @@ def test_motion_is_the_same_without_the_compiler(tmp_path, monkeypatch, legs, re
     """A drop and its first landings; what is compared is each digit."""
     scene = SCENE.format(restitution=restitution, seconds=seconds)
     (tmp_path / "short.toml").write_text(scene)
-    words = [
-        "simulate",
-        "koumakis2016",
-        "--scene",
-        "short.toml",
-        "--legs",
-        legs,
-        "--rate-hz",
-        "20000",
-        "--json",
-        "--trajectory",
-    ]
+    words = shlex.split(f"simulate koumakis2016 --scene short.toml --legs {legs} --rate-hz 20000 --json --trajectory")
     monkeypatch.chdir(tmp_path)
     compiled = CliRunner().invoke(command_line, [*words, "compiled.csv"], catch_exceptions=False)
     plain = subprocess.run(

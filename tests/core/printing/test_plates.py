@@ -8,11 +8,11 @@ import re
 import shutil
 import subprocess
 import zipfile
-from pathlib import Path
 
 import executed
 import pytest
 import threemf
+from answers import rows_of
 
 from walkergen.commands.plate import make as batch
 from walkergen.core.errors import PlateError
@@ -36,10 +36,6 @@ def layout_of(printer: Printer, tilts=(5.0, 10.0), copies=(40, 60), **limits) ->
 def png_size(data: bytes) -> tuple[int, int]:
     assert data.startswith(b"\x89PNG")
     return int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big")
-
-
-def table(path: Path) -> list[dict[str, str]]:
-    return list(csv.DictReader(io.StringIO(path.read_text())))
 
 
 @pytest.mark.parametrize("printer", PRINTERS, ids=lambda printer: printer.name)
@@ -168,7 +164,7 @@ def test_one_command_makes_a_family_of_many_copies_with_its_legend(run, tmp_path
     result = run("family", "my.toml", "--copies", "5:3,10:4", "--legs", "flexible", "--no-pictures", "--max-parts", "5")
     assert result.exit_code == 0, result.exception
     folder = tmp_path / "out" / "my"
-    rows = table(folder / "plates" / "family_prusa-mk3s.csv")
+    rows = rows_of(folder / "plates" / "family_prusa-mk3s.csv")
     assert [row["plate"] for row in rows] == ["1"] * 5 + ["2"] * 2
     assert {row["mark"] for row in rows} == {"### # # ## #", "### # # ## ##"}
     told = run("plate", "my.toml", "--copies", "5:1,10:1", "--no-pictures").stdout
@@ -189,7 +185,7 @@ def test_weighed_masses_change_the_family_and_stay(run, tmp_path):
     assert run(*words).exit_code == 0  # and a print without it does not sweep it away
     assert path.read_text() == text
     assert run(*words, "--weights", str(path)).exit_code == 0
-    rows = table(tmp_path / "here" / "family.csv")
+    rows = rows_of(tmp_path / "here" / "family.csv")
     for row in rows:
         assert float(row["m_g"]) == 0.04
         assert row["speed_mm_s"] != row["speed_mesh_mm_s"]  # by 0.5 %: tips take the landing, whatever the leg weighs

@@ -106,11 +106,16 @@ def test_standard_error_is_the_spread_of_repeated_experiments(runs):
     assert np.sqrt(np.mean(errors)) == pytest.approx(np.std(means, ddof=1), rel=0.17)
 
 
+def measured(plan):
+    results = ensemble.simulate_runs(plan, silent)
+    return ensemble.summarise(results, plan.shaken.peak_speed, 0.0), results
+
+
 @pytest.mark.parametrize("seconds", [0.1, 40.0])
 @pytest.mark.parametrize("runs", [1, 3, 4, 9])
 def test_too_few_runs_are_said_instead_of_an_error_bar_however_long(runs, seconds):
     scene = scene_of(runs=runs, seconds=seconds)
-    summary, results = ensemble.measure(fake_plan(steady, scene), silent)
+    summary, results = measured(fake_plan(steady, scene))
     bounds = [getattr(summary, f"speed_{end}_mm_s") for end in ("low_95", "low_68", "high_68", "high_95")]
     assert summary.speed_mm_s == pytest.approx(np.mean([one.speed for one in results]))
     if runs < 4:
@@ -139,7 +144,7 @@ def test_failures_are_named_and_left_out_of_the_mean():
         steady(state, duration, tally)
         return TOPPLED if state[3] > 4.0 else OK
 
-    summary, results = ensemble.measure(fake_plan(topples, scene_of(runs=32)), silent)
+    summary, results = measured(fake_plan(topples, scene_of(runs=32)))
     good = [r.speed for r in results if r.outcome is Outcome.OK]
     assert 0 < len(good) < 32
     assert summary.outcomes == {"ok": len(good), "toppled": 32 - len(good)}

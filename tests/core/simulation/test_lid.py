@@ -18,7 +18,7 @@ from walkergen.core.simulation.run import drop_for_run, simulate
 from walkergen.core.simulation.space.model import energy, mirror_state
 from walkergen.core.simulation.space.points import mirror_order
 from walkergen.core.simulation.space.pose import locate, place
-from walkergen.core.simulation.space.state import J_N, ROW_LENGTH, V_Y, W_X, first_row, work_for
+from walkergen.core.simulation.space.state import J_N, ROW_LENGTH, TRAJECTORY_COLUMNS, V_Y, W_X, first_row, work_for
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
@@ -107,7 +107,8 @@ def test_a_walker_alone_under_the_lid_of_a_crowd_is_the_one_that_simulate_runs()
     centre = plan.world.walker.centre
     scene = plan.case.scene
     alone = crowded(DISC, scene.arena.lid_mm, np.array([[centre[0], -centre[2], 0.0]]), scene)
-    assert np.array_equal(crowds.simulate(alone, 3, 100.0).poses[:, 0], trajectory.sample(plan, 0.01, 3).rows[:, 1:])
+    sampled = trajectory.sample_rows(simulate(plan, 3, sample_interval=0.01, sample_size=len(TRAJECTORY_COLUMNS)))
+    assert np.array_equal(crowds.simulate(alone, 3, 100.0).poses[:, 0], sampled[:, 1:])
 
 
 def test_discs_that_topple_in_the_open_stay_up_under_a_lid_and_push_each_other():

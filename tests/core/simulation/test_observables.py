@@ -30,7 +30,7 @@ def plan_of(tilt=10.0, kind="flexible", label=0.8, **run):
 
 def measured(plan):
     """Values, standard errors and verdicts of a plan, each by name."""
-    found, _ = ensemble.measure(plan, silent)
+    found = ensemble.summarise(ensemble.simulate_runs(plan, silent), plan.shaken.peak_speed, 0.0)
     errors = {**found.errors, observables.SPEED: found.speed_se_mm_s}
     return step_errors.observable_values(found), errors, step_errors.judge(plan, found)
 
@@ -54,7 +54,8 @@ def test_too_few_runs_have_a_value_but_no_error():
 
 def test_impulses_by_type_are_those_of_all_impacts_kept():
     plan = plan_of(seconds=0.2, runs=4)
-    found, results = ensemble.measure(plan, silent, impacts=True)
+    results = ensemble.simulate_runs(plan, silent, impacts=True)
+    found = ensemble.summarise(results, plan.shaken.peak_speed, 0.0)
     rows = np.concatenate([recorded_impacts(result) for result in results])
     rows = rows[rows[:, 1] < 4]  # without touches of the lane's walls
     for name, kind in record.KINDS.items():
@@ -110,7 +111,7 @@ def test_a_step_five_times_finer_changes_nothing_by_more_than_its_error(tilt, la
 def test_finer_steps_have_smaller_errors_and_coarser_none():
     own = plan_of().world.options.step
     whole = plan_of(step_us=1e6 * own, runs=4, seconds=0.1)
-    found, _ = ensemble.measure(whole, silent)
+    found = ensemble.summarise(ensemble.simulate_runs(whole, silent), whole.shaken.peak_speed, 0.0)
     errors = []
     for part in (1.0, 0.9, 0.5, 0.499, 0.1):
         judged = step_errors.judge(plan_of(step_us=1e6 * part * own), found)

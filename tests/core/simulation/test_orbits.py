@@ -1,6 +1,7 @@
 """Runs that share an orbit agree to rounding: no error is printed of them, but what prints do."""
 
 import json
+import shlex
 
 import numpy as np
 import pytest
@@ -91,23 +92,13 @@ def test_a_walker_at_rest_is_told_so():
 
 
 def test_a_family_beside_its_runs_prints_no_error_of_an_orbit(locked, tmp_path):
-    words = [
-        "family",
-        "koumakis2016",
-        "--scene",
-        "lane-90hz",
-        "--tilt",
-        "10",
-        "--legs",
-        "flexible",
-        "--simulate",
-        "--out",
-        str(tmp_path / "one"),
-        "--no-pictures",
-        "--json",
-    ]
+    words = shlex.split(
+        "family koumakis2016 --scene lane-90hz --tilt 10 --legs flexible --simulate --no-pictures --json"
+    )
     keys = {"scene.contact.restitution": 0.8, "scene.run.seconds": 1, "scene.run.runs": 4}
-    result = CliRunner().invoke(command_line, [*words, *(f"--set={key}={keys[key]}" for key in keys)])
+    result = CliRunner().invoke(
+        command_line, [*words, "--out", str(tmp_path / "one"), *(f"--set={key}={keys[key]}" for key in keys)]
+    )
     assert result.exit_code == 0, result.output
     (member,) = json.loads(result.stdout)["rows"]
     assert member["sim_se_mm_s"] is None

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from evidence.reproduce.theory import theory_speeds
 from walkergen.core.scene import Scene
 from walkergen.core.theory import prediction, surrogate, uncertain_inputs
 from walkergen.core.theory.stationary import stationary
@@ -113,7 +114,7 @@ def test_standard_deviation_of_the_theory_against_linear_propagation():
     ]
     expected = np.linalg.norm(slopes) / (2 * step)
     inputs = prediction.sample_prediction_inputs(scene, design)
-    drawn = prediction.theory_speeds(design, mass, scene, "coulomb", inputs)
+    drawn = theory_speeds(design, mass, scene, "coulomb", inputs)
     # Points of a lattice know a deviation to a percent; the second order is as much.
     assert drawn.std() == pytest.approx(expected, rel=0.04)
 

@@ -1,10 +1,9 @@
 """Serial numbers: every copy is engraved with its own, and bears it in files, maps and forms."""
 
-import csv
-
 import numpy as np
 import pytest
 import threemf
+from answers import rows_of
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
@@ -92,8 +91,7 @@ def test_numbers_count_over_all_copies_and_name_everything(tmp_path):
     found = threemf.read((tmp_path / "plates" / "plate_prusa-mk3s_1.3mf").read_bytes())
     assert [item.part_number for item in found.items] == [row.item for row in rows]
     assert len(set(found.names)) == 6  # a solid a number
-    with (tmp_path / "weights.csv").open(encoding="utf-8", newline="") as stream:
-        assert [row["part"] for row in csv.DictReader(stream)] == [row.item for row in rows]
+    assert [row["part"] for row in rows_of(tmp_path / "weights.csv")] == [row.item for row in rows]
     sheet = (tmp_path / "plates" / "plate_prusa-mk3s.md").read_text(encoding="utf-8")
     assert "| 5 | `98` to `99`, `101` |" in sheet
     assert sheet.count("| `walker_t05.0_flexible_s0.40` |") == 2  # on the plate, and to weigh

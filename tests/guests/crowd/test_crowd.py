@@ -12,7 +12,8 @@ from crowd_bodies import Pair
 from walkergen.commands.selftest.scenes import STILL_DRIVE
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import plan as plans
-from walkergen.core.simulation.space.state import V_X, V_Z, W_X
+from walkergen.core.simulation.run import simulate
+from walkergen.core.simulation.space.state import TRAJECTORY_COLUMNS, V_X, V_Z, W_X
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
@@ -153,7 +154,7 @@ def test_a_walker_alone_is_the_walker_that_simulate_runs():
     centre = plan.world.walker.centre
     at = np.array([[centre[0], -centre[2], 0.0]])  # with its C where simulate lets it go
     crowd = run.simulate(run.prepare(scene, [own], [0], at, endless=True), 3, 100.0)
-    rows = trajectory.sample(plan, 0.01, 3).rows
+    rows = trajectory.sample_rows(simulate(plan, 3, sample_interval=0.01, sample_size=len(TRAJECTORY_COLUMNS)))
     assert np.array_equal(crowd.times, rows[:, 0])
     assert np.array_equal(crowd.poses[:, 0], rows[:, 1:])
 

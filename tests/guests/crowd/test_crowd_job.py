@@ -3,7 +3,6 @@
 Random walks stand for the simulator, whose own laws are tested elsewhere; one slow test runs it.
 """
 
-import csv
 import errno
 import json
 import time
@@ -11,6 +10,7 @@ import time
 import faults
 import numpy as np
 import pytest
+from answers import rows_of
 
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import silent
@@ -118,8 +118,7 @@ def test_the_folder_holds_numbers_with_errors_and_every_run(run, walking, tmp_pa
     assert {path.name for path in (folder / "tracks").iterdir()} >= {
         f"run-{number}{suffix}" for number in range(3) for suffix in (".csv", ".xyz")
     }
-    with (folder / "tracks" / "run-1.csv").open() as file:
-        rows = list(csv.DictReader(file))
+    rows = rows_of(folder / "tracks" / "run-1.csv")
     assert len(rows) == 10 * 50
     assert {row["particle"] for row in rows} == {str(number) for number in range(10)}
     assert "polar order" in (folder / "report.md").read_text()

@@ -3,11 +3,11 @@
 Random walks stand for the simulator; one slow test runs it, beside the command `crowd`.
 """
 
-import csv
 import json
 from pathlib import Path
 
 import pytest
+from answers import rows_of
 from scipy import stats
 from test_crowd_job import walk
 
@@ -56,11 +56,6 @@ def swept(store, *texts, folder=None, pictures=False, **choices):
     if folder is None:
         return make.evaluate_all(job, store, None, silent)
     return make.make_sweep(job, folder, store, None, silent)
-
-
-def rows_of(path):
-    with path.open() as stream:
-        return list(csv.DictReader(stream))
 
 
 def test_each_row_is_what_the_command_crowd_says_of_the_same_crowd(calls, store):

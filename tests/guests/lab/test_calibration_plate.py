@@ -1,12 +1,12 @@
 """Calibration plate: strips of whole lines that fit the bed, a sheet, and a form that stays."""
 
-import csv
 import json
 
 import maker
 import numpy as np
 import pytest
 import threemf
+from answers import rows_of
 from slicing import print_of, program
 
 from walkergen.core.printing import walls
@@ -75,8 +75,7 @@ def test_a_plate_comes_with_map_sheet_settings_and_form(run, tmp_path):
         text = (folder / f"{start}.md").read_text(encoding="utf-8")
         assert "swings_20_s" in text
         assert "Import Config Bundle" in text
-        with (folder / f"{start}.csv").open(encoding="utf-8", newline="") as stream:
-            rows = list(csv.DictReader(stream))
+        rows = rows_of(folder / f"{start}.csv")
         bed = PRINTERS[printer]
         for row in rows:
             right = float(row["x_mm"]) + float(row["width_mm"])

@@ -1,9 +1,9 @@
 """`fit --model` as a user meets it: print, film, fit, predict; and what it refuses."""
 
-import csv
 import json
 
 import pytest
+from answers import rows_of
 
 from walkergen.core.scene import Scene
 from walkergen.core.walker import solids
@@ -59,8 +59,7 @@ def test_print_film_fit_predict_is_a_closed_loop(run, short, tmp_path):
         assert row["narrowed"] < 0.5, name
     assert any("not learnt" in note and "thickness_mm" in note for note in found["notes"])
     folder = tmp_path / "out" / "speeds" / "fit"
-    with (folder / "bands.csv").open(encoding="utf-8", newline="") as stream:
-        bands = {float(row["tilt_deg"]): row for row in csv.DictReader(stream)}
+    bands = {float(row["tilt_deg"]): row for row in rows_of(folder / "bands.csv")}
     assert [one["measured"] for one in bands.values()] == ["1", "1", "0", "1"]
     order = ("low_95", "low_90", "low_68", "speed_mm_s", "high_68", "high_90", "high_95")
     for band in bands.values():
@@ -95,7 +94,6 @@ def test_one_measured_speed_in_space_names_what_it_cannot_tell_apart(run, short,
     assert "not learnt from these speeds" in told
     assert "rows of braced legs left out, which tell nothing of contact: 1" in told
     folder = tmp_path / "out" / "speeds" / "fit"
-    with (folder / "bands.csv").open(encoding="utf-8", newline="") as stream:
-        (band,) = csv.DictReader(stream)
+    (band,) = rows_of(folder / "bands.csv")
     assert float(band["low_95"]) < 42.0 < float(band["high_95"])
     assert float(band["print_scatter_mm_s"]) > 1.0  # prints differ by 5 % at 15 deg

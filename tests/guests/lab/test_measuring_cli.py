@@ -1,10 +1,10 @@
 """`analyse` and `fit` as a user meets them: from files to tables, figures and a scene."""
 
-import csv
 import json
 
 import numpy as np
 import pytest
+from answers import rows_of
 from synthetic_tracks import Walker, film
 
 from walkergen.core.scene import Scene
@@ -56,8 +56,7 @@ def test_known_speed_and_persistence_come_out_of_a_trackpy_file(run, tmp_path):
     assert found["particles"] == 10
     assert found["lag_s"] == pytest.approx(0.04)
     folder = tmp_path / "out" / "film" / "analysis"
-    with (folder / "analysis.csv").open(encoding="utf-8", newline="") as stream:
-        rows = {row["quantity"]: row for row in csv.DictReader(stream)}
+    rows = {row["quantity"]: row for row in rows_of(folder / "analysis.csv")}
     assert float(rows["speed_mm_s"]["value"]) == found["speed_mm_s"]
     assert rows["motion_speed_mm_s"]["refused"]
 
@@ -90,8 +89,7 @@ def test_films_without_any_noise_end_in_a_table(run, tmp_path, path, frames, par
     assert result.exit_code == 0, result.exception
     assert "value ± standard error" in " ".join(result.stdout.split())
     table = tmp_path / "out" / "film" / "analysis" / "analysis.csv"
-    with table.open(encoding="utf-8", newline="") as stream:
-        rows = list(csv.DictReader(stream))
+    rows = rows_of(table)
     assert len(rows) > 10
     for row in rows:
         assert bool(row["refused"]) != bool(row["value"]), row
@@ -135,8 +133,7 @@ def test_fit_writes_a_scene_in_which_the_theory_has_the_speeds(run, tmp_path):
     assert "theory_mm_s meets the speeds" in told
     name = templates.load(str(folder / "scene.toml"), "scenes", Scene).name
     assert name == "lane-90hz-fit-speeds" not in templates.names("scenes")
-    with (folder / "speeds.csv").open(encoding="utf-8", newline="") as stream:
-        rows = list(csv.DictReader(stream))
+    rows = rows_of(folder / "speeds.csv")
     assert [row["legs"] for row in rows] == ["flexible"] * 6 + ["braced"]
 
 

@@ -1,8 +1,8 @@
 """Sweeps: a table that survives, is taken up again, shares points, and trusts no edited row."""
 
-import csv
 import json
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -10,6 +10,7 @@ import time
 
 import numpy as np
 import pytest
+from answers import rows_of
 from typer.testing import CliRunner
 
 import walkergen as wg
@@ -38,11 +39,6 @@ def swept(*arguments, code=0):
     return found
 
 
-def rows_of(path):
-    with path.open() as stream:
-        return list(csv.DictReader(stream))
-
-
 def request_of(*texts, **choices):
     design = templates.load("koumakis2016", "walkers", Design)
     scene = templates.load("lane-90hz", "scenes", Scene)
@@ -51,16 +47,7 @@ def request_of(*texts, **choices):
 
 def test_the_table_holds_the_predictions(home):
     swept(
-        "--set",
-        TILTS,
-        "--set",
-        GAMMAS,
-        "--keep",
-        "speed,masses,printability",
-        "--printer",
-        "prusa-mk3s",
-        "--out",
-        "map",
+        "--set", TILTS, "--set", GAMMAS, *shlex.split("--keep speed,masses,printability --printer prusa-mk3s --out map")
     )
     rows = rows_of(home / "map" / "table.csv")
     assert len(rows) == 30
@@ -253,13 +240,8 @@ def killed(folder, seconds):
     path.unlink(missing_ok=True)
     command = [
         sys.executable,
-        "-m",
-        "walkergen",
-        "sweep",
-        "--set",
+        *shlex.split("-m walkergen sweep --no-pictures --quiet --set"),
         ENDLESS_ENOUGH,
-        "--no-pictures",
-        "--quiet",
         "--out",
         str(folder),
     ]

@@ -20,10 +20,7 @@ SPEED, FPS = 50.0, 25.0
 """Of a walker to the right, pixels a second, and of the film."""
 
 
-@pytest.fixture(autouse=True)
-def _undrawn(monkeypatch):
-    """Pictures take longer than all the rest of a short film's tracking."""
-    monkeypatch.setattr("walkergen.files.figures.png", lambda figure: b"")
+pytestmark = pytest.mark.usefixtures("undrawn")
 
 
 def frames(film=Filmed(), number=24):  # noqa: B008

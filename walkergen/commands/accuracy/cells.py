@@ -5,7 +5,6 @@ cells.csv has a row for each setting of each cell: a scene, a tilt and a restitu
 """
 
 import csv
-from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -46,15 +45,6 @@ class Row(NamedTuple):
     def variance_time(self) -> float:
         """Squared standard error times measured time, (mm/s)^2 s; 0 on one orbit."""
         return (self.se_mm_s or 0.0) ** 2 * self.runs * self.seconds
-
-
-def to_csv(rows: Iterable[Row]) -> str:
-    """Lines of the file, with numbers of five digits."""
-    lines = [",".join(Row._fields)]
-    for row in rows:
-        cells = ("" if cell is None else f"{cell:.5g}" if isinstance(cell, float) else str(cell) for cell in row)
-        lines.append(",".join(cells))
-    return "\n".join(lines) + "\n"
 
 
 @cache

@@ -9,13 +9,11 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.files import formatting
+from walkergen.core.numerics import Array
 from walkergen.core.numerics.distributions import student_quantile
 from walkergen.core.theory.surrogate import NORMAL_95
-
-Array = npt.NDArray[np.float64]
 
 RUN_COUNTS, MIN_RUN_S = (8, 16, 32), 1.0
 """Numbers of runs of which is chosen, and the shortest that a run is measured, s."""

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from walkergen.commands.accuracy.choice import MIN_CURVE_S, RUN_COUNTS, Candidate
+from walkergen.core.numerics import Array
 from walkergen.files.figures import (
     BLACK,
     BLUE,
@@ -24,8 +24,6 @@ from walkergen.files.figures import (
     style,
 )
 from walkergen.files.figures import wrap_text as lines_of
-
-Array = npt.NDArray[np.float64]
 
 ERROR_TICKS = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
 """Errors that the axis names."""

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from walkergen.commands.check.weighing import ObjectMass, Weighing
-from walkergen.core.shapes.mesh import Array
+from walkergen.core.numerics import Array
 from walkergen.files import report
 from walkergen.files.report import Column, Report, Table
 

@@ -6,14 +6,12 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.core.errors import InputError
-from walkergen.core.shapes.mesh import Array, Mesh
+from walkergen.core.numerics import Array
+from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker import mass
 from walkergen.core.walker.mass import SolidMass
 from walkergen.readers.drawings import size_check
 from walkergen.readers.meshes import faults, meshes
-
-PLA_DENSITY_G_CM3 = 1.24
-"""Density of PLA, g/cm3."""
 
 
 class ObjectMass(NamedTuple):

@@ -13,9 +13,9 @@ import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
+from walkergen.core.numerics import Array
 from walkergen.core.printing.export import stl_bytes
 from walkergen.core.scene import GRAVITY, Drive, Scene, forced_effect_line
 from walkergen.core.shapes.mesh import Mesh
@@ -28,8 +28,6 @@ from walkergen.core.theory.hertz import landing_depth
 from walkergen.core.walker import names, solids
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties, to_centre_frame
-
-Array = npt.NDArray[np.float64]
 
 TO_MUJOCO = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Turns our frame (y up, z across) into MuJoCo's (z up)."""

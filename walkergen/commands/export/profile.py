@@ -5,12 +5,10 @@ engraved. Of a body in plan view the drawing is its outline, without legs.
 """
 
 from collections.abc import Callable, Sequence
-from pathlib import Path
 
 import numpy as np
 
 from walkergen.core.errors import InputError, SolidError
-from walkergen.core.files import output
 from walkergen.core.shapes.extrusion import MIN_WINDOW_RATIO
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
@@ -58,13 +56,3 @@ def side_profile(design: Design) -> list[Polygon]:
     oriented = shapely.orient_polygons(shapely.Polygon(united.exterior, holes))
     rings = (oriented.exterior, *oriented.interiors)
     return [np.array(ring.coords, dtype=np.float64)[:-1, :2] for ring in rings]
-
-
-def write_dxf(path: Path, polygons: Sequence[Polygon]) -> None:
-    """Write polygons in mm as DXF, its unit stated, whole or not at all. Raises OutputError."""
-    output.write(path, dxf.pack(polygons))
-
-
-def write_svg(path: Path, polygons: Sequence[Polygon]) -> None:
-    """Write polygons in mm as SVG, its size stated, whole or not at all. Raises OutputError."""
-    output.write(path, svg.pack(polygons))

@@ -6,20 +6,18 @@ from itertools import groupby
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch
 
+from walkergen.core.numerics import Array
 from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker import pockets
 from walkergen.core.walker.design import Design
 from walkergen.files.canvas import nice_floor
 from walkergen.files.figures import LEG_COLOURS, style
 from walkergen.readers.walkers import caps
-
-Array = npt.NDArray[np.float64]
 
 ROW_PARTS, PART_INCHES, LABEL_SIZE_PT = 5, 2.4, 10.0
 """Parts in a row, inches for each, and the size of labels in points."""

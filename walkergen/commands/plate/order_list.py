@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from walkergen.core.errors import InputError
-from walkergen.core.files import columns, file_reading, formatting
+from walkergen.core.files import columns, config, file_reading, formatting
 from walkergen.core.printing import packing
 from walkergen.core.walker import names
 from walkergen.core.walker.design import Design
@@ -13,8 +13,6 @@ from walkergen.files import templates
 
 REQUIRED_COLUMNS, OPTIONAL_COLUMNS = ("design", "tilt_deg", "copies"), ("legs",)
 MAX_BYTES = 1_000_000
-MAX_LISTED_FAULTS = 20
-"""Most mistakes that are told; the others are counted."""
 
 
 def read_orders(path: Path) -> tuple[list[Design], list[int]]:
@@ -25,7 +23,10 @@ def read_orders(path: Path) -> tuple[list[Design], list[int]]:
     line for each mistake, and PlateError for more parts than are arranged at once.
     """
     table = columns.parse_records(file_reading.read_lines(path, columns.FORMAT_NAME, MAX_BYTES), str(path))
-    _check_columns(table.names, path)
+    wanted = (
+        f" and, if wanted, {', '.join(OPTIONAL_COLUMNS)}, separated by commas; seen: {', '.join(table.names)[:80]!r}"
+    )
+    columns.check_names(table.names, path, REQUIRED_COLUMNS, OPTIONAL_COLUMNS, wanted)
     if not table.rows:
         raise InputError(f"{path}: no rows after the header; give a row for each walker to print")
     if len(table.rows) > packing.MAX_PARTS:
@@ -44,9 +45,7 @@ def read_orders(path: Path) -> tuple[list[Design], list[int]]:
         members.setdefault(name, member)
         copies[name] = copies.get(name, 0) + count
     if problems:
-        more = len(problems) - MAX_LISTED_FAULTS
-        tail = [f"{path}: and {more} more mistakes"] if more > 0 else []
-        raise InputError("\n".join(problems[:MAX_LISTED_FAULTS] + tail))
+        raise config.refusal(problems, path)
     packing.check_part_count(sum(copies.values()))
     return list(members.values()), list(copies.values())
 
@@ -82,18 +81,6 @@ class _DesignCache:
                 f"called {first.name}: give one of them another name, by its key name"
             )
         return design
-
-
-def _check_columns(seen: list[str], path: Path) -> None:
-    """Raise InputError for a column that is missing or unknown."""
-    missing = [name for name in REQUIRED_COLUMNS if name not in seen]
-    unknown = [name for name in seen if name not in REQUIRED_COLUMNS + OPTIONAL_COLUMNS]
-    if missing or unknown:
-        what = f"no column {missing[0]!r}" if missing else f"unknown column {unknown[0][:60]!r}"
-        raise InputError(
-            f"{path}:1: {what}; columns are {', '.join(REQUIRED_COLUMNS)} and, if wanted, "
-            f"{', '.join(OPTIONAL_COLUMNS)}, separated by commas; seen: {', '.join(seen)[:80]!r}"
-        )
 
 
 def _parse_copies(cell: str) -> int:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from walkergen.commands.selftest.case import SPACE, Case, Check, check_fact
-from walkergen.commands.selftest.scenes import Array, advance, paper_drive
+from walkergen.commands.selftest.scenes import advance, paper_drive
 from walkergen.commands.selftest.space_scenes import (
     check_constant_velocity,
     check_space_motion,
@@ -16,6 +16,7 @@ from walkergen.commands.selftest.space_scenes import (
     moving_start,
     quarter_turn,
 )
+from walkergen.core.numerics import Array
 from walkergen.core.printing.export import stl_bytes
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.plan import Plan, prepare

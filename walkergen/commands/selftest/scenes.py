@@ -9,9 +9,9 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.commands.selftest.case import Check, check_fact
+from walkergen.core.numerics import Array
 from walkergen.core.scene import Scene, still_plate_drive
 from walkergen.core.simulation import record
 from walkergen.core.simulation.plan import Plan, prepare
@@ -21,10 +21,8 @@ from walkergen.core.walker.design import Design
 from walkergen.core.walker.limbs import Limb
 from walkergen.core.walker.mass import LegMass, MassProperties, Spatial
 
-Array = npt.NDArray[np.float64]
-
-LEG_LENGTH_MM, HALF_SPACING_MM, HEIGHT_MM = 7.5, 6.5, 9.0
-"""Lengths of the paper's walker, mm: of a leg; half between the feet; height of O at tilt 0."""
+LEG_LENGTH_MM, HALF_SPACING_MM = 7.5, 6.5
+"""Lengths of the paper's walker, mm: of a leg; half between the feet."""
 
 PHYSICAL_OUTCOMES = Outcome.OK, Outcome.TOPPLED, Outcome.FOLDED
 

@@ -6,15 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from walkergen.commands.selftest.case import SPACE, Case, Check, check_fact
-from walkergen.commands.selftest.scenes import (
-    STILL_DRIVE,
-    Array,
-    advance,
-    masses,
-    paper_drive,
-    paper_plan,
-    scaled_paper_plan,
-)
+from walkergen.commands.selftest.scenes import STILL_DRIVE, advance, masses, paper_drive, paper_plan, scaled_paper_plan
 from walkergen.commands.selftest.space_scenes import (
     max_pose_difference,
     mirror_image,
@@ -22,6 +14,7 @@ from walkergen.commands.selftest.space_scenes import (
     quarter_turn,
     space_plan,
 )
+from walkergen.core.numerics import Array
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import record
 from walkergen.core.simulation.plan import Plan, prepare

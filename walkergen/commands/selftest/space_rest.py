@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from walkergen.commands.selftest.case import SPACE, Case, Check, check_fact
-from walkergen.commands.selftest.scenes import HALF_SPACING_MM, STILL_DRIVE, Array, advance, paper_drive
+from walkergen.commands.selftest.scenes import HALF_SPACING_MM, STILL_DRIVE, advance, paper_drive
 from walkergen.commands.selftest.space_scenes import (
     SETTLING_S,
     friction_windup,
@@ -15,6 +15,7 @@ from walkergen.commands.selftest.space_scenes import (
     resting_state,
     space_plan,
 )
+from walkergen.core.numerics import Array
 from walkergen.core.scene import GRAVITY, REST_GAMMA
 from walkergen.core.simulation import record
 from walkergen.core.simulation.plan import Plan

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from walkergen.commands.selftest.case import Check
-from walkergen.commands.selftest.scenes import Array, Limit, advance, check_motion, paper_plan
+from walkergen.commands.selftest.scenes import Limit, advance, check_motion, paper_plan
+from walkergen.core.numerics import Array
 from walkergen.core.scene import GRAVITY
 from walkergen.core.simulation.plan import Plan
 from walkergen.core.simulation.space.state import (

@@ -9,11 +9,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen import __version__
-
-Array = npt.NDArray[np.float64]
+from walkergen.core.numerics import Array
 
 
 def pack_poses(times: Array, places: Array, headings: Array, names: Sequence[str]) -> bytes:

@@ -12,20 +12,18 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.commands.simulate import netcdf
 from walkergen.core.errors import InputError
 from walkergen.core.files import output
 from walkergen.core.files.progress import Progress
+from walkergen.core.numerics import Array
 from walkergen.core.walker.design import Design
 from walkergen.files import extended_xyz
 from walkergen.files.extended_xyz import Bodies
 from walkergen.points import trajectory, walkers
 from walkergen.points.experiments import Results, Walker
 from walkergen.points.trajectory import Trajectory
-
-Array = npt.NDArray[np.float64]
 
 FILM_COLUMNS = ("frame", "particle", "x", "y", "theta")
 """Columns by the names that trackpy gives them; x and y in mm, theta in rad."""

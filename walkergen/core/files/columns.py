@@ -15,15 +15,12 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
 from walkergen.core.files import file_reading, safe_text
 from walkergen.core.files import formatting as words_of
 from walkergen.core.files.tables import unquote_formula
-
-Array = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
+from walkergen.core.numerics import Array, Mask, Whole
 
 FORMAT_NAME = "a CSV file"
 MAX_ROWS, MAX_COLUMNS, MAX_BAD_ROWS = 20_000_000, 1000, 1_000_000
@@ -46,7 +43,7 @@ class Columns(NamedTuple):
 
     values: dict[str, Array]
     """Columns by name, each of shape (rows,); blank cells of optional columns are NaN."""
-    lines: npt.NDArray[np.int64]
+    lines: Whole
     """Line in the file of each row, shape (rows,)."""
     bad: dict[int, str]
     """Reason why each other row was left out, by its line in the file."""
@@ -106,6 +103,15 @@ def parse_records(lines: Iterable[str], source: str) -> Records:
     return Records(names, rows)
 
 
+def check_names(seen: Sequence[str], path: Path, required: Sequence[str], optional: Sequence[str], told: str) -> None:
+    """Raise InputError for a column that is missing or unknown; `told` follows the names of those required."""
+    missing = [name for name in required if name not in seen]
+    unknown = [name for name in seen if name not in (*required, *optional)]
+    if missing or unknown:
+        what = f"no column {missing[0]!r}" if missing else f"unknown column {unknown[0][:60]!r}"
+        raise InputError(f"{path}:1: {what}; columns are {', '.join(required)}{told}")
+
+
 def read_numbers(
     path: Path,
     required: Sequence[str],
@@ -130,7 +136,7 @@ def read_numbers(
     wanted = (*required, *optional, *words)
     places = {name: names.index(name) for name in wanted if name in names}
     chunks: list[list[Array]] = []
-    kept: list[npt.NDArray[np.int64]] = []
+    kept: list[Whole] = []
     bad: dict[int, str] = {}
     crowded: dict[int, str] = {}
     first = 2
@@ -226,7 +232,7 @@ def split_cells(line: str, source: str, at: int) -> list[str]:
 
 def _parse_chunk(
     chunk: list[str],
-    numbers: npt.NDArray[np.int64],
+    numbers: Whole,
     source: str,
     places: Mapping[str, int],
     required: int,

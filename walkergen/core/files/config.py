@@ -208,6 +208,13 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
         raise InputError("\n".join(lines), *at_fault) from None
 
 
+def refusal(mistakes: Sequence[str], source: object) -> InputError:
+    """Error with a line for each mistake, of many for the first alone."""
+    more = len(mistakes) - MAX_REPORTED_MISTAKES
+    tail = [f"{source}: and {more} more mistakes"] if more > 0 else []
+    return InputError("\n".join([*mistakes[:MAX_REPORTED_MISTAKES], *tail]))
+
+
 def _leading_key(problem: str, model: type[Section]) -> str:
     """Key with which a line on a mistake begins; "" where it begins with another word."""
     word = problem.split(" ", 1)[0].rstrip(":")

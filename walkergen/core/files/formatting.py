@@ -16,6 +16,11 @@ MAX_DECIMALS = 6
 NUMBER_PATTERN = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
 
+def is_number(value: object) -> bool:
+    """Whether a value is a number, and no yes or no."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
 def format_number(value: float, digits: int = 3) -> str:
     """Format a number with significant digits: 260, not 2.6e+02; an exponent only far from 1."""
     if abs(value) < ZERO_BELOW:

@@ -7,6 +7,7 @@ sources that kernels may be made of: any edit there starts a fresh cache.
 
 import functools
 import hashlib
+import operator
 import os
 import sys
 from collections.abc import Callable, Iterable
@@ -121,20 +122,12 @@ def kernel(function: F) -> F:
     return _compile(function)
 
 
-def inline_kernel(function: F) -> F:
-    """Compile `function` as `kernel` does, into the code of those that call it.
-
-    For parts of a hot loop that take whole tuples: a call copies each of their numbers, 1 ns each.
-    """
-    return _compile(function, forceinline=True)
-
-
 def lean(function: F) -> F:
-    """Compile `function` as `inlined` does, without counting references: it must allocate nothing.
+    """Compile `function` into the code of those that call it, without counting references: it must allocate nothing.
 
-    A call that passes many arrays otherwise counts a reference of each: 0.3 us for those of a
-    walker in space, as much as one of its steps, and threads that share arrays wait for each other.
-    Inlined, such calls take a quarter less of a step, and no longer to compile.
+    A call copies each number of the tuples that it takes, 1 ns each. One that passes many arrays otherwise counts a
+    reference of each: 0.3 us for those of a walker in space, as much as one of its steps, and threads that share
+    arrays wait for each other. Inlined, such calls take a quarter less of a step, and no longer to compile.
     """
     return _compile(function, _nrt=False, forceinline=True)
 
@@ -198,9 +191,5 @@ def _borrow_item(typing: Any, items: Any, i: Any) -> Any:
     return items.item_type(items, i), code
 
 
-def _get_item(items: Any, i: int) -> Any:
-    return items[i]
-
-
-borrow_item = _get_item if numba.config.DISABLE_JIT else _borrow_item
+borrow_item = operator.getitem if numba.config.DISABLE_JIT else _borrow_item
 """Item i of what `listed` made, for kernels that count no references (`lean`, `uncounted`)."""

@@ -10,9 +10,8 @@ from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from walkergen.core.numerics import statistics
+from walkergen.core.numerics import Array, statistics
 
 CONFIDENCE = 0.95
 """Confidence of the bounds by which two quantities are compared."""
@@ -155,30 +154,8 @@ class Quantity(NamedTuple):
         freedom, bias = se**4 / parts if parts > 0.0 else math.inf, math.hypot(self.bias, other.bias)
         return Quantity(self.key, self.unit, gap, se, freedom, bias=bias)
 
-    def ratio_to(self, other: "Quantity") -> "Quantity":
-        """Ratio of two independent quantities, the second not 0, without a unit; errors to first order."""
-        if self.value is None or other.value is None:
-            return Quantity(self.key, "", None, None, refused=self.refused or other.refused or "no value")
-        quotient = self.value / other.value
-        if self.se is None or other.se is None:
-            return Quantity(self.key, "", quotient, None, refused=self.refused or other.refused)
-        pairs = (self.se, other.se), (self.bias, other.bias)
-        se, bias = (math.hypot(above, quotient * below) / abs(other.value) for above, below in pairs)
-        return Quantity(self.key, "", quotient, se, bias=bias)
 
-    def compare_with(self, other: "Quantity", margin: float = 0.0, allowed: float = 0.0) -> Verdict:
-        """How it stands beside another: their difference within `margin` of the other, or `allowed` in the unit.
-
-        The larger of both counts. It says agree when the whole interval of the difference lies within
-        what is allowed, disagree when none of it does, undecided in between: the noisier a number, the
-        less it agrees. So without a margin only numbers without errors agree.
-        """
-        gap = self.minus(other)
-        room = max(margin * abs(other.value or 0.0), allowed)
-        return gap.compare_with_range(-room, room)
-
-
-def mean(key: str, unit: str, values: "Sequence[float] | npt.NDArray[np.float64]") -> Quantity:
+def mean(key: str, unit: str, values: "Sequence[float] | Array") -> Quantity:
     """Mean of independent values, shape (n,), by their scatter; of one value the error is refused."""
     array = np.asarray(values, dtype=float)
     if len(array) == 0:
@@ -187,8 +164,3 @@ def mean(key: str, unit: str, values: "Sequence[float] | npt.NDArray[np.float64]
         return Quantity(key, unit, float(array[0]), None, refused="no error of one value")
     value, se, freedom = statistics.weighted_mean(array)
     return Quantity(key, unit, value, se, freedom)
-
-
-def exact(key: str, unit: str, value: float) -> Quantity:
-    """Create a quantity without error, such as a definition or a closed form."""
-    return Quantity(key, unit, value, 0.0)

@@ -5,11 +5,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from walkergen.core.numerics import Array
 from walkergen.core.numerics.distributions import student_quantile
-
-Array = npt.NDArray[np.float64]
 
 MIN_SERIES_LENGTH = 32
 """Length of a series below which its correlation time cannot be estimated."""

@@ -10,12 +10,13 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from walkergen.core.numerics import Array
 from walkergen.core.printing import pocket_checks, upside_down_checks, walls
 from walkergen.core.printing.findings import ROUNDING_MM, About, Finding, Level, Setting, make_finding, with_place
 from walkergen.core.printing.packing import Part, Plate, border_width, spacing
 from walkergen.core.printing.printers import Printer
 from walkergen.core.printing.walls import Wall
-from walkergen.core.shapes.mesh import Array, Mesh
+from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 

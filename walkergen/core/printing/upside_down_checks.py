@@ -9,10 +9,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from walkergen.core.numerics import Array
 from walkergen.core.printing import walls
 from walkergen.core.printing.findings import ROUNDING_MM, About, Finding, Setting, make_finding
 from walkergen.core.printing.printers import Printer
-from walkergen.core.shapes.mesh import Array, Mesh
+from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker import pockets, solids
 from walkergen.core.walker.design import Design
 

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import manifold3d
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import SolidError
+from walkergen.core.numerics import Array
 from walkergen.core.shapes import modeller
 from walkergen.core.shapes.mesh import Mesh
 
@@ -16,7 +16,7 @@ MIN_WINDOW_RATIO = 1e-9
 """Width of a window between leg and brace, over the leg's length, below which it does not count:
 such slivers (a hundred picometres) are lost, all or in part, to the rounding of coordinates."""
 
-Polygon = npt.NDArray[np.float64]
+Polygon = Array
 
 
 class Engraving(NamedTuple):
@@ -45,7 +45,7 @@ def extrude(
     several, as of letters.
     """
     reach = max(float(np.abs(profile).max()) for profile in profiles)
-    scale = _scale(max(reach, depth))
+    scale = 2.0 ** (30 - math.frexp(max(reach, depth))[1])
     section = manifold3d.CrossSection([scale * profile for profile in profiles], manifold3d.FillRule.Positive)
     if windows == 0:
         section = _without_slivers(section)
@@ -92,8 +92,3 @@ def _engrave(solid: manifold3d.Manifold, engraving: Engraving, depth: float, sca
             f"the digits do not stay pockets: {cut.status().name}, genus {cut.genus()} after {solid.genus()}"
         )
     return cut
-
-
-def _scale(reach: float) -> float:
-    """Power of two that brings lengths up to `reach` to about 2^30 units."""
-    return 2.0 ** (30 - math.frexp(reach)[1])

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import manifold3d
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import GeometryError, SolidError
+from walkergen.core.numerics import Array, Mask
 from walkergen.core.shapes import modeller
-from walkergen.core.shapes.mesh import Array, Mesh
+from walkergen.core.shapes.mesh import Mesh
 
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
@@ -178,7 +178,7 @@ def _first_hit_distance(corners: Array, start: Array, direction: Array) -> float
     return float(distance[hit].min()) if hit.any() else None
 
 
-def _is_near_line(mesh: Mesh, start: Array, sides: Array, half: Array) -> npt.NDArray[np.bool_]:
+def _is_near_line(mesh: Mesh, start: Array, sides: Array, half: Array) -> Mask:
     """Return which triangles have a box that comes as near to a line as `half`, shape (k,), in k directions."""
     slack = 1e-6 * float(np.ptp(mesh.vertices, axis=0).max())
     met = np.ones(len(mesh.triangles), bool)

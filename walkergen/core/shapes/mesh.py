@@ -2,10 +2,7 @@
 
 from typing import NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
-Array = npt.NDArray[np.float64]
+from walkergen.core.numerics import Array, Whole
 
 
 class Mesh(NamedTuple):
@@ -13,5 +10,9 @@ class Mesh(NamedTuple):
 
     vertices: Array
     """Coordinates of the corners, shape (n, 3), mm."""
-    triangles: npt.NDArray[np.int64]
+    triangles: Whole
     """Corners of the triangles as indices into the vertices, shape (k, 3)."""
+
+    def shifted(self, shift: Array) -> "Mesh":
+        """Mesh elsewhere, by a shift of shape (3,), mm."""
+        return self._replace(vertices=self.vertices + shift)

@@ -4,8 +4,8 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.core.errors import InputError
+from walkergen.core.numerics import Array
 
-Array = npt.NDArray[np.float64]
 Corners = npt.NDArray[np.float32]
 
 HEADER_BYTES = 80

@@ -17,9 +17,9 @@ from typing import Any, Literal, NamedTuple
 from xml.parsers import expat
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
+from walkergen.core.numerics import Array, Whole
 
 UNITS_MM = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
 """Millimetres of the units that a model may have."""
@@ -40,7 +40,6 @@ on two busy cores (benchmarks/own_mesh.py)."""
 MAX_ELEMENTS_PER_TRIANGLE = 8
 """Most elements of XML for every triangle that is allowed: corners, colours, textures."""
 
-Array = npt.NDArray[np.float64]
 Attributes = dict[str, str]
 Place = tuple[str, int]
 """Path of a model in an archive, in small letters, and the number of an object in it."""
@@ -89,7 +88,7 @@ class Part(NamedTuple):
     """Item's part number, or its object's name, or its place in the file."""
     vertices: Array
     """Corners in the file's own axes, shape (n, 3); mm for 3MF, else the file's own unit."""
-    triangles: npt.NDArray[np.int64]
+    triangles: Whole
     """Corners of the triangles as indices into the vertices, shape (k, 3)."""
     role: Role = "model"
     """Whether it is printed, taken away from what is printed of its item, or neither."""

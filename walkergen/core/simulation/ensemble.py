@@ -6,7 +6,6 @@ Runs differ by height, pitch and phase of the drop, which each draws from its ow
 
 import functools
 import math
-import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
@@ -18,14 +17,7 @@ from walkergen.core.numerics import statistics
 from walkergen.core.simulation import batch, observables, orbits, record
 from walkergen.core.simulation.batch import OneRun
 from walkergen.core.simulation.plan import Plan
-from walkergen.core.simulation.run import (
-    ENDED_WELL,
-    Outcome,
-    RunResult,
-    compile_kernels,
-    simulate,
-    simulate_with_impacts,
-)
+from walkergen.core.simulation.run import ENDED_WELL, Outcome, RunResult, simulate, simulate_with_impacts
 from walkergen.core.simulation.space.state import TRAJECTORY_COLUMNS
 
 MIN_RUNS = 4
@@ -155,22 +147,6 @@ def mean_speed(results: Sequence[RunResult]) -> statistics.Mean | None:
         return None
     speeds = np.array([result.speed for result in results])
     return statistics.weighted_mean(speeds, np.array([result.measured_s for result in results]))
-
-
-def measure(
-    plan: Plan,
-    progress: Progress,
-    threads: int | None = None,
-    impacts: bool = False,
-    sample_interval: float | None = None,
-) -> tuple[Summary, list[RunResult]]:
-    """Run an ensemble (see `run`) and summarise it; its wall time leaves out compilation."""
-    progress("kernels", 0, plan.scene.run.runs)
-    compile_kernels(plan)
-    started = time.perf_counter()
-    results = simulate_runs(plan, progress, threads, impacts, sample_interval)
-    wall_s = time.perf_counter() - started
-    return summarise(results, plan.shaken.peak_speed, wall_s), results
 
 
 def format_outcomes(outcomes: Mapping[str, int]) -> str:

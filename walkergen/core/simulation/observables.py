@@ -8,13 +8,11 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
+from walkergen.core.numerics import Array
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.simulation import record
 from walkergen.core.simulation.run import RunResult
-
-Array = npt.NDArray[np.float64]
 
 SPEED = "speed_mm_s"
 IMPACTS, CONTACT = "impacts_per_s", "contact_fraction"

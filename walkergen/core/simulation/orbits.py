@@ -1,9 +1,8 @@
 """Runs that all end on one periodic orbit: their agreement is no measurement of an error."""
 
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from walkergen.core.numerics import Array
 
 MIN_RUNS = 4
 """Number of runs below which their agreement may be chance, as for an error of their mean."""

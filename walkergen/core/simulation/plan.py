@@ -4,10 +4,9 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.drive import Drive as PlateDrive
-from walkergen.core.numerics import kernels
+from walkergen.core.numerics import Array, kernels
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.drive import Drive
 from walkergen.core.simulation.effects import harmonic
@@ -19,8 +18,6 @@ from walkergen.core.simulation.space.walker import coarser, make_walker
 from walkergen.core.simulation.world import State, World
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
-
-Array = npt.NDArray[np.float64]
 
 
 class Release(NamedTuple):

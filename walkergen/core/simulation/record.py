@@ -8,13 +8,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from walkergen.core.numerics import Array, Whole
 from walkergen.core.numerics.kernels import kernel
 from walkergen.core.theory.impact import TYPE_IV, Kind
-
-Array = npt.NDArray[np.float64]
-Counts = npt.NDArray[np.int64]
 
 KINDS = {kind.label: int(kind) for kind in Kind if kind}
 """Types of impacts (values of `impact.Kind`) by their names, in the order of `Tally.counts`."""
@@ -32,7 +29,7 @@ class Samples(NamedTuple):
 
     rows: Array
     """Shape (n, 1 + entries of the state that are kept, its leading ones)."""
-    cursor: Counts
+    cursor: Whole
     """Shape (1,): rows filled so far; full arrays stop filling."""
     interval: float
     """Time between samples, s."""
@@ -48,13 +45,13 @@ class Events(NamedTuple):
 
     rows: Array
     """Shape (n, 7)."""
-    cursor: Counts
+    cursor: Whole
 
 
 class Tally(NamedTuple):
     """Record of one run."""
 
-    counts: Counts
+    counts: Whole
     """Shape (9,): all impacts, those of each of KINDS, and those in which the foot sticks."""
     sums: Array
     """Shape (14,): elapsed time s, contact time s, largest |pitch| rad; energies, g mm^2/s^2: work

@@ -7,14 +7,12 @@ from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from walkergen.core.numerics import Array
 from walkergen.core.simulation import record
 from walkergen.core.simulation.plan import Plan
 from walkergen.core.simulation.space.model import pose
 from walkergen.core.simulation.world import FAILED, FOLDED, OK, TOPPLED
-
-Array = npt.NDArray[np.float64]
 
 MAX_BLOCKS = 100_000
 """Largest number of blocks: longer runs have longer blocks, which bounds the memory."""

@@ -2,13 +2,11 @@
 
 from typing import Any, NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
+from walkergen.core.numerics import Array
 from walkergen.core.simulation.drive import Drive
 from walkergen.core.simulation.effects.active_effects import Acting
 
-State = npt.NDArray[np.float64]
+State = Array
 
 OK, TOPPLED, FAILED, FOLDED = range(4)
 """Statuses of `steps.advance`: ran to the end; a corner of the body touched the plate; no progress;

@@ -15,14 +15,14 @@ import numpy.typing as npt
 
 from walkergen.core.files import formatting
 from walkergen.core.scene import Scene
-from walkergen.core.theory import dimensionless, standing, surrogate, uncertain_inputs
+from walkergen.core.theory import standing, surrogate, uncertain_inputs
 from walkergen.core.theory.speed import Mode
 from walkergen.core.theory.stationary import Stationary, stationary
 from walkergen.core.theory.surrogate import NORMAL_95, FallsError, Known, UnknownError
 from walkergen.core.theory.uncertain_inputs import PREDICTION_READER, QUANTILES, Drawn, Input, Share
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
-from walkergen.core.walker.mass import MassProperties, scale_masses
+from walkergen.core.walker.mass import MassProperties
 
 Array = npt.NDArray[np.float64]
 
@@ -237,23 +237,8 @@ def compute_spread(design: Design, mass: MassProperties, scene: Scene, drawn: Dr
     return Spread(speed, ends, float(np.median(draws)), float(np.std(draws)), (low2, low1, high1, high2), "surrogate")
 
 
-def theory_speeds(design: Design, mass: MassProperties, scene: Scene, mode: Mode, drawn: Drawn) -> Array:
+def impact_speed(scene: Scene, mass: MassProperties) -> float:
     """Speeds by the theory at values of the inputs, mm/s, shape (count,)."""
-    contact = scene.contact
-    masses = scale_masses(mass, drawn.input_values("body mass", 1.0), dimensionless.leg_mass_ratios(design, drawn))
-    by_foot = stationary(
-        design,
-        masses,
-        drawn.input_values("contact.restitution", contact.restitution),
-        drawn.input_values("contact.friction", contact.friction),
-        mode,
-        (contact.restitution, contact.friction),
-    )
-    return np.asarray(by_foot.factor) * _impact_speed(scene, mass)
-
-
-def _impact_speed(scene: Scene, mass: MassProperties) -> float:
-    """Compute the normal speed w at which the theory's feet meet the plate, mm/s; a motor counts as a moving plate."""
     return scene.prediction.impact_speed_factor * scene.drive.equivalent_plate_drive(float(mass.total)).peak_speed
 
 
@@ -321,7 +306,7 @@ def make_row(
         speed_high_95_mm_s=bounds[3],
         speed_by="theory" if speeds is None else speeds.by,
         falls=falls,
-        theory_mm_s=float(by_foot.factor) * _impact_speed(scene, mass),
+        theory_mm_s=float(by_foot.factor) * impact_speed(scene, mass),
         factor_back=float(by_foot.feet[0]),
         factor_front=float(by_foot.feet[-1]),
         factor_mean=float(by_foot.factor),
@@ -343,7 +328,7 @@ def _theory_note(design: Design, mass: MassProperties, scene: Scene, mode: Mode,
     if abs(own - others) <= REPORTED_DIFFERENCE * abs(own):
         return ""
     which = "sticking feet (mode coulomb) give" if mode == "paper" else "eq. 15, in which feet always slide, gives"
-    return f"friction can hold the feet: {which} {formatting.format_fixed(others * _impact_speed(scene, mass), 1)} mm/s"
+    return f"friction can hold the feet: {which} {formatting.format_fixed(others * impact_speed(scene, mass), 1)} mm/s"
 
 
 CURVE_POINTS = 91
@@ -385,7 +370,7 @@ def predict_curve(
             speeds.append((of_tilt.nominal_mm_s, of_tilt.median, *of_tilt.bounds))
         except UnknownError:
             speeds.append((math.nan,) * 6)
-        theory.append(float(by_foot.factor) * _impact_speed(scene, mass))
+        theory.append(float(by_foot.factor) * impact_speed(scene, mass))
         sticks.append(not all(by_foot.reverses))
     nominal, middle, *bounds = np.array(speeds).T
     return Curve(tilts, middle, np.array(bounds), nominal, np.array(theory), np.array(sticks))

@@ -10,11 +10,10 @@ import math
 from operator import not_
 from typing import Annotated, Literal, NamedTuple, get_args
 
-import numpy as np
-import numpy.typing as npt
 from pydantic import Field
 
 from walkergen.core.files.config import Fraction, Friction, Section
+from walkergen.core.numerics import Array
 
 MIN_LENGTH_MM, MAX_LENGTH_MM = 1e-6, 1e6
 Length = Annotated[float, Field(ge=MIN_LENGTH_MM, le=MAX_LENGTH_MM)]
@@ -31,7 +30,7 @@ MAX_LEGS = 64
 """Largest number of legs of a walker."""
 
 Point = tuple[float, float]
-Polygon = npt.NDArray[np.float64]
+Polygon = Array
 
 
 class Legs(Section):

@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.core.errors import GeometryError
-from walkergen.core.shapes.mesh import Array, Mesh
+from walkergen.core.numerics import Array
+from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker.limbs import Limb
 
 Values = float | Array

@@ -11,8 +11,9 @@ import manifold3d
 import numpy as np
 
 from walkergen.core.errors import GeometryError
+from walkergen.core.numerics import Array
 from walkergen.core.shapes import modeller
-from walkergen.core.shapes.mesh import Array, Mesh
+from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.fittings import MIN_FLOOR_MM, Cylinder, Part
 from walkergen.core.walker.mass import SolidMass

@@ -14,10 +14,11 @@ import manifold3d
 import numpy as np
 
 from walkergen.core.errors import GeometryError
+from walkergen.core.numerics import Array
 from walkergen.core.shapes import modeller
 from walkergen.core.shapes.extrusion import MIN_WINDOW_RATIO as MIN_WINDOW_RATIO
 from walkergen.core.shapes.extrusion import Engraving, extrude
-from walkergen.core.shapes.mesh import Array, Mesh
+from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker import mass
 from walkergen.core.walker.body import FinishedWalker
 from walkergen.core.walker.design import Design
@@ -97,7 +98,7 @@ def _add_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
 
     if design.whole:
         roots = [
-            _shift_mesh(leg, _anchor_corner(limb, design.size.depth))
+            leg.shifted(_anchor_corner(limb, design.size.depth))
             for limb, leg in zip(design.limbs, solid.legs, strict=True)
         ]
     else:
@@ -137,9 +138,7 @@ def _build_plain_solids(design: Design, foot_segments: int, united: bool) -> Sol
 def _finished_solids(finished: FinishedWalker, design: Design) -> Solids:
     """Solids of a finished walker, cut into body and legs."""
     depth = design.size.depth
-    legs = [
-        _shift_mesh(leg, -_anchor_corner(limb, depth)) for limb, leg in zip(design.limbs, finished.legs, strict=True)
-    ]
+    legs = [leg.shifted(-_anchor_corner(limb, depth)) for limb, leg in zip(design.limbs, finished.legs, strict=True)]
     return Solids(finished.whole, finished.body, tuple(legs))
 
 
@@ -157,7 +156,7 @@ def _build_any_body(design: Design, foot_segments: int, united: bool) -> Solids:
     legs = _build_legs(limbs, sections) if design.body.flat else _build_flush_legs(limbs, bars, ground, depth)
     if united:
         return Solids(joining.unite_with_legs(ground, bars), ground.mesh, legs, weighed=weighed)
-    placed = [_shift_mesh(leg, _anchor_corner(limb, depth)) for limb, leg in zip(limbs, legs, strict=True)]
+    placed = [leg.shifted(_anchor_corner(limb, depth)) for limb, leg in zip(limbs, legs, strict=True)]
     return Solids(_concatenate_meshes([ground.mesh, *placed]), ground.mesh, legs, weighed=weighed)
 
 
@@ -173,7 +172,7 @@ def _build_flush_legs(
         outside = joining.cut_flush(bar, ground, key)
         if outside.vertices[:, 1].max() > bar.vertices[:, 1].max() - ROUNDING_MM:
             raise GeometryError(f"{key}: the leg is not wholly under the body: move it", f"legs[{number}].along_mm")
-        legs.append(_shift_mesh(outside, -_anchor_corner(limb, depth)))
+        legs.append(outside.shifted(-_anchor_corner(limb, depth)))
     return tuple(legs)
 
 
@@ -212,7 +211,7 @@ def _build_bars(limbs: Sequence[Limb], sections: Sequence[_Section], depth: floa
     bars = []
     for limb, section in zip(limbs, sections, strict=True):
         mesh = extrude([part + np.array(limb.anchor) for part in section.raised], limb.width)
-        bars.append(_shift_mesh(mesh, np.array([0.0, 0.0, _left_side(limb, depth)])))
+        bars.append(mesh.shifted(np.array([0.0, 0.0, _left_side(limb, depth)])))
     return bars
 
 
@@ -223,10 +222,6 @@ def _build_legs(limbs: Sequence[Limb], sections: Sequence[_Section]) -> tuple[Me
         if id(section) not in meshes:
             meshes[id(section)] = extrude(section.below, limb.width)
     return tuple(meshes[id(section)] for section in sections)
-
-
-def _shift_mesh(mesh: Mesh, shift: Array) -> Mesh:
-    return mesh._replace(vertices=mesh.vertices + shift)
 
 
 def _anchor_corner(limb: Limb, depth: float) -> Array:

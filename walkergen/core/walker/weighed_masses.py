@@ -289,14 +289,11 @@ def _names_to_parts(members: Sequence[Design]) -> dict[str, str]:
     }
 
 
-def _find_part(name: str, parts: Mapping[str, str]) -> str | None:
-    """Part of a name as in stl/ or, with the number of its copy, as on a plate map."""
-    return parts.get(name) or parts.get(COPY_SUFFIX.sub("", name))
-
-
 def _match_part(name: str, parts: Mapping[str, str], members: Sequence[Design]) -> str | None:
     """Part of a name; None for another walker of the members' designs. Raises InputError."""
-    if (part := _find_part(name, parts)) or _is_other_member(COPY_SUFFIX.sub("", name), members):
+    if (part := parts.get(name) or parts.get(COPY_SUFFIX.sub("", name))) or _is_other_member(
+        COPY_SUFFIX.sub("", name), members
+    ):
         return part
     listed = list(dict.fromkeys(parts.values()))
     near = difflib.get_close_matches(name, listed, n=3, cutoff=0.6)

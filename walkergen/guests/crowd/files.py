@@ -12,17 +12,15 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen import extras
-from walkergen.core.errors import InputError, OutputError
-from walkergen.core.files import output, tables
+from walkergen.core.errors import OutputError
+from walkergen.core.files import tables
+from walkergen.core.numerics import Array
 from walkergen.files import extended_xyz
 from walkergen.files.extended_xyz import Bodies
 from walkergen.guests.crowd.statistics import dish_geometry
 from walkergen.guests.crowd.statistics.film import CrowdFilm
-
-Array = npt.NDArray[np.float64]
 
 CSV_COLUMNS = ("t_s", "particle", "x_mm", "y_mm", "theta_rad")
 
@@ -104,17 +102,6 @@ FORMATS: dict[str, Callable[[CrowdFilm], bytes]] = {".csv": to_csv, ".xyz": to_x
 """Writers of the formats, by the suffixes of their files."""
 
 
-def check_format(path: Path) -> None:
-    """Raise InputError when a file's suffix names no format, or one whose package is missing."""
-    if path.suffix.lower() not in FORMATS:
-        raise InputError(
-            f"‹trajectory=›{str(path)[:80]!r}: must end in one of {', '.join(FORMATS)} "
-            "(extended XYZ for OVITO, GSD for HOOMD-blue and OVITO)"
-        )
-    if path.suffix.lower() == ".gsd":
-        extras.require("crowd", f"‹trajectory=›{str(path)[:80]!r}")
-
-
 def writable_suffixes() -> tuple[str, ...]:
     """Suffixes of the formats that can be written here: GSD with its package alone."""
     missing = importlib.util.find_spec("gsd") is None
@@ -134,11 +121,6 @@ def encode(film: CrowdFilm, path: Path) -> bytes:
             f"{str(path)!r}: cannot be made in {folder!r}, where temporary files lie: {error.strerror or error}; "
             "make room there, or name another folder by TMPDIR"
         ) from None
-
-
-def write(path: Path, film: CrowdFilm) -> None:
-    """Write a run in the format that the file's suffix names."""
-    output.write(path, encode(film, path))
 
 
 def _half_axes(film: CrowdFilm, kind: str) -> Array:

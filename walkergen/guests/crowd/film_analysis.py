@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.analysis import track_files
 from walkergen.analysis.track_files import Units
@@ -15,6 +14,7 @@ from walkergen.core.errors import InputError
 from walkergen.core.files import formatting, safe_text
 from walkergen.core.files.output import Folder
 from walkergen.core.files.progress import Progress
+from walkergen.core.numerics import Array
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.files.report import Report
@@ -25,8 +25,6 @@ from walkergen.guests.crowd.statistics import dish_geometry as ground
 from walkergen.guests.crowd.statistics import film
 from walkergen.guests.crowd.statistics.film import CrowdFilm
 from walkergen.readers.walkers import top_outline
-
-Array = npt.NDArray[np.float64]
 
 DISC_CORNERS = 48
 """Corners of a round body: its area is 0.3 % too small."""

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.core.errors import InputError
+from walkergen.core.numerics import Array
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.batch import OneRun, Stopped, Tell
@@ -14,7 +15,7 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.guests.crowd import job as jobs
 from walkergen.guests.crowd import walker_counts
-from walkergen.guests.crowd.job import Array, Job, Kind
+from walkergen.guests.crowd.job import Job, Kind
 from walkergen.guests.crowd.space import run as crowds
 from walkergen.guests.crowd.space.result import CrowdRun
 from walkergen.guests.crowd.space.run import CrowdPlan

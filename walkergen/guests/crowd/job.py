@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
+from walkergen.core.numerics import Array
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.run import ENDED_WELL
 from walkergen.core.walker.design import Design
@@ -21,8 +21,6 @@ from walkergen.guests.crowd.statistics.summary import MIN_FRAMES
 from walkergen.points import effect_selection
 from walkergen.points.trajectory import check_sample_count
 from walkergen.readers.walkers import top_outline
-
-Array = npt.NDArray[np.float64]
 
 Model = Literal["space", "flat"]
 

@@ -4,10 +4,9 @@ import io
 import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 import shapely
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
@@ -17,16 +16,13 @@ from PIL import Image
 from walkergen.core.errors import InputError
 from walkergen.core.files import output
 from walkergen.core.files.progress import Progress
+from walkergen.core.numerics import Array, Whole
 from walkergen.files import animation
 from walkergen.files.animation import Draw, Pixels
 from walkergen.files.canvas import INK, LARGE_PT, PLATE_COLOUR, SMALL_PT, Canvas, set_scale
 from walkergen.files.figures import SERIES
 from walkergen.guests.crowd.statistics import dish_geometry
 from walkergen.guests.crowd.statistics.film import CrowdFilm
-
-Array = npt.NDArray[np.float64]
-
-Colour = Literal["heading", "kind"]
 
 WIDTH_PX, MAX_DISH_HEIGHT_PX = 900, 860
 """Width of the picture, and largest height of the dish in it, pixels."""
@@ -62,7 +58,7 @@ HOLD_S = 1.5
 class _Bodies(NamedTuple):
     """Walkers of one kind, with one of its contours."""
 
-    walkers: npt.NDArray[np.int64]
+    walkers: Whole
     corners: Array
     """Shape (corners, 2), mm."""
     drawn: PolyCollection
@@ -77,7 +73,7 @@ def check_format(path: Path) -> None:
         raise InputError(f"‹movie=›{str(path)[:80]!r}: {animation.NO_FFMPEG_REASON}; name a .gif instead")
 
 
-def write(path: Path, film: CrowdFilm, title: str, colour: Colour, fps: int, progress: Progress) -> int:
+def write(path: Path, film: CrowdFilm, title: str, fps: int, progress: Progress) -> int:
     """Write a movie as .mp4 or .gif, or the last frame as .png; returns the number of frames.
 
     A GIF has the nearest of its rates. Of thousands that all move it takes some 0.13 MB a frame, an
@@ -86,17 +82,16 @@ def write(path: Path, film: CrowdFilm, title: str, colour: Colour, fps: int, pro
     check_format(path)
     suffix = path.suffix.lower()
     if suffix == ".png":
-        output.write(path, render_still(film, title, colour))
+        output.write(path, render_still(film, title))
         return 1
     every = math.ceil(len(film.times) / MAX_FRAMES)
     shown = film.select_frames(np.arange(0, len(film.times), every))
     if suffix == ".gif":
         fps = min(GIF_FPS, key=lambda rate: abs(math.log(rate / fps)))
-    draw, count = make_draw_function(shown, title, colour, fps), len(shown.times)
+    draw, count = make_draw_function(shown, title, fps), len(shown.times)
     if suffix == ".gif":
         keep = ["#" + "".join(f"{round(255 * part):02x}" for part in hue) for hue in heading_colours()]
-        kept = keep if colour == "heading" else []
-        output.write(path, animation.encode(draw, count, fps, HOLD_S, kept, progress).gif)
+        output.write(path, animation.encode(draw, count, fps, HOLD_S, keep, progress).gif)
         return count
     mp4, without = animation.encode_mp4(draw, count, fps, progress)
     if mp4 is None:
@@ -105,16 +100,18 @@ def write(path: Path, film: CrowdFilm, title: str, colour: Colour, fps: int, pro
     return count
 
 
-def render_still(film: CrowdFilm, title: str, colour: Colour = "heading", at: int = -1) -> bytes:
-    """Frame `at` as PNG, the last by default."""
-    frame = range(len(film.times))[at]
+def render_still(film: CrowdFilm, title: str) -> bytes:
+    """Last frame as PNG."""
     buffer = io.BytesIO()
-    Image.fromarray(make_draw_function(film, title, colour)(frame)).save(buffer, "PNG")
+    Image.fromarray(make_draw_function(film, title)(len(film.times) - 1)).save(buffer, "PNG")
     return buffer.getvalue()
 
 
-def make_draw_function(film: CrowdFilm, title: str, colour: Colour = "heading", fps: int | None = None) -> Draw:
-    """Make a function that draws a frame; `fps` of the movie tells how fast it is beside life."""
+def make_draw_function(film: CrowdFilm, title: str, fps: int | None = None) -> Draw:
+    """Make a function that draws a frame, in the colours of headings, or of kinds where these are not known.
+
+    `fps` of the movie tells how fast it is beside life.
+    """
     length, width = film.dish.box
     scale = min((WIDTH_PX - 2 * MARGIN_PX) / length, MAX_DISH_HEIGHT_PX / width)
     height = HEADER_PX + math.ceil(scale * width) + FOOTER_PX
@@ -127,8 +124,8 @@ def make_draw_function(film: CrowdFilm, title: str, colour: Colour = "heading", 
     canvas.text(MARGIN_PX, height - 30, title, fontsize=LARGE_PT, weight="bold")
     words = {"family": "DejaVu Sans Mono", "ha": "right"}
     clock = canvas.text(WIDTH_PX - MARGIN_PX, height - 30, "", **words)
-    _draw_footer(canvas, film, scale, colour, fps)
-    paint = _make_colour_function(film, colour)
+    _draw_footer(canvas, film, scale, fps)
+    paint = _make_colour_function(film)
     canvas.add_moving_artists(*(kind.drawn for kind in bodies), clock)
 
     def draw(frame: int) -> Pixels:
@@ -165,9 +162,9 @@ def heading_colours() -> Array:
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
 
 
-def _make_colour_function(film: CrowdFilm, colour: Colour) -> Callable[[Array], Array]:
+def _make_colour_function(film: CrowdFilm) -> Callable[[Array], Array]:
     """Return a function from headings to the colour of each walker, shape (N, 3)."""
-    if colour == "heading" and film.headed:
+    if film.headed:
         wheel = np.vstack([heading_colours(), _to_rgb(PLATE_COLOUR)])
 
         def wheel_colours(theta: Array) -> Array:
@@ -192,7 +189,8 @@ def _to_rgb(colour: str) -> tuple[float, float, float]:
 
 def _add_bodies(axes: Axes, film: CrowdFilm, scale: float) -> list[_Bodies]:
     """Create the artists that draw the walkers of each kind."""
-    made, edge = [], "face" if _is_small(film, scale) else INK
+    made = []
+    edge = "face" if scale * _walker_size(film) < 12.0 else INK  # so small that an edge would hide their colour
     for kind in dict.fromkeys(film.kinds):
         walkers = np.flatnonzero([own == kind for own in film.kinds])
         for contour in film.outlines.get(kind, (_symbol_outline(film),)):
@@ -202,11 +200,6 @@ def _add_bodies(axes: Axes, film: CrowdFilm, scale: float) -> list[_Bodies]:
             axes.add_collection(drawn)
             made.append(_Bodies(walkers, corners, drawn))
     return made
-
-
-def _is_small(film: CrowdFilm, scale: float) -> bool:
-    """Whether walkers are so small in the picture that a dark edge would hide their colour."""
-    return scale * _walker_size(film) < 12.0
 
 
 def _walker_size(film: CrowdFilm) -> float:
@@ -237,9 +230,7 @@ def _update_bodies(kind: _Bodies, x: Array, y: Array, theta: Array, faces: Array
     kind.drawn.set_facecolor(list(map(tuple, faces[walkers])))
 
 
-def _add_periodic_images(
-    places: Array, walkers: npt.NDArray[np.int64], period: float, reach: float
-) -> tuple[Array, npt.NDArray[np.int64]]:
+def _add_periodic_images(places: Array, walkers: Whole, period: float, reach: float) -> tuple[Array, Whole]:
     """Places with those of images that reach over the edges of a periodic square."""
     for axis in (0, 1):
         over = np.abs(places[:, axis]) > 0.5 * period - 1.5 * reach
@@ -263,7 +254,7 @@ def _draw_dish(axes: Axes, film: CrowdFilm) -> None:
         axes.add_patch(Circle((0, 0), 0.5 * film.dish.sizes[1], **style | {"facecolor": "white"}))
 
 
-def _draw_footer(canvas: Canvas, film: CrowdFilm, scale: float, colour: Colour, fps: int | None) -> None:
+def _draw_footer(canvas: Canvas, film: CrowdFilm, scale: float, fps: int | None) -> None:
     """Write what the picture shows, draw a bar of a round length and what the colours mean."""
     power = 10.0 ** math.floor(math.log10(160.0 / scale))
     length = max(power * step for step in (1, 2, 5) if power * step * scale <= 160.0 * (1 + 1e-9))
@@ -277,7 +268,7 @@ def _draw_footer(canvas: Canvas, film: CrowdFilm, scale: float, colour: Colour, 
     walkers = film.x.shape[1]
     words = f"{walkers} walker{'s' * (walkers != 1)}, {film.dish.words}{pace}"
     canvas.text(0.5 * WIDTH_PX, 12, words, fontsize=SMALL_PT, ha="center")
-    if colour == "heading" and film.headed:
+    if film.headed:
         wheel = canvas.axes(WIDTH_PX - MARGIN_PX - 32, 4, 32, 32)
         for at, hue in enumerate(heading_colours()):
             ends = (360.0 * (at - 0.5) / HUE_COUNT, 360.0 * (at + 0.5) / HUE_COUNT)

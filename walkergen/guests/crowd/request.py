@@ -148,7 +148,7 @@ class CrowdRequest(request.Request):
             result = report.write(result, folder, self.pictures, progress)
         if self.movie is not None:
             fps = min(max(round(self.rate_hz), 1), MAX_FPS)
-            crowd_movie.write(self.movie, simulated.films[0], result.title, "heading", fps, progress)
+            crowd_movie.write(self.movie, simulated.films[0], result.title, fps, progress)
             result = replace(result, files=[self.movie])
         done, wished = len(simulated.films), scene.run.runs
         if done < wished:

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.files.progress import Progress
 from walkergen.core.scene import GRAVITY, Scene
@@ -20,8 +19,6 @@ from walkergen.core.simulation.world import OK
 from walkergen.core.walker.design import Design
 from walkergen.guests.lab import still_plate
 from walkergen.guests.lab.inverse import Curve
-
-Array = npt.NDArray[np.float64]
 
 RESTITUTIONS = (0.02, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
 """Restitutions of the feet at which the curve is simulated."""

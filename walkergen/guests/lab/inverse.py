@@ -5,12 +5,10 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
+from walkergen.core.numerics import Array
 from walkergen.core.numerics.quantity import Quantity
-
-Array = npt.NDArray[np.float64]
 
 CURVE_POINTS = 4001
 """Points at which a curve is read between its own."""

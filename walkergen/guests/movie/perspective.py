@@ -10,6 +10,7 @@ from matplotlib.image import FigureImage
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
+from walkergen.core.numerics import Array
 from walkergen.files.animation import Draw, Pixels
 from walkergen.files.canvas import BODY_COLOUR, INK, PLATE_COLOUR, SMALL_PT, Canvas, Place, nice_ceil
 from walkergen.guests.movie import raster
@@ -28,7 +29,7 @@ from walkergen.guests.movie.impacts import (
     strongest_impact,
 )
 from walkergen.guests.movie.raster import Camera
-from walkergen.guests.movie.shot import Array, Impact, Shot
+from walkergen.guests.movie.shot import Impact, Shot
 
 MAIN_PLACE = Place(10, 272, 780, 262)
 CLOSE_PLACE = Place(12, 12, 484, 214)

@@ -6,9 +6,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.core.numerics import Array, Mask, Whole
 from walkergen.core.shapes.mesh import Mesh
-
-Array = npt.NDArray[np.float64]
 
 CAMERA_DIRECTION = np.array([0.45, 0.36, 0.85])
 """Direction from the walker to the camera: before it, above it, and to its right."""
@@ -72,7 +71,7 @@ class Model(NamedTuple):
     mesh: Mesh
     normals: Array
     """Normals of the triangles, shape (m, 3)."""
-    edges: npt.NDArray[np.int64]
+    edges: Whole
     """Sharp edges: two vertices and the two triangles beside them, shape (e, 4)."""
 
 
@@ -149,9 +148,7 @@ def _fill_triangle(number: npt.NDArray[np.int32], near: Array, corners: Array, v
     number[rows, columns][inside] = value
 
 
-def _draw_edges(
-    number: npt.NDArray[np.int32], near: Array, points: Array, model: Model, facing: npt.NDArray[np.bool_]
-) -> None:
+def _draw_edges(number: npt.NDArray[np.int32], near: Array, points: Array, model: Model, facing: Mask) -> None:
     """Write the ink's number, that of the triangles, along the sharp edges that are visible."""
     edges = model.edges[facing[model.edges[:, 2]] | facing[model.edges[:, 3]]]
     ends = points[edges[:, :2]]

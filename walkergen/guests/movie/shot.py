@@ -3,8 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from walkergen.core.numerics import Array
 from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.simulation.run import ENDED_WELL
 from walkergen.core.theory.impact import Kind
@@ -13,8 +13,6 @@ from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties, to_centre_frame
 from walkergen.points.poses import Poses
 from walkergen.readers.walkers import top_outline
-
-Array = npt.NDArray[np.float64]
 
 
 class Impact(NamedTuple):
@@ -119,7 +117,7 @@ def make_shot(title: Title, design: Design, mass: MassProperties, poses: Poses) 
     mesh, O = solids.build(design).seen, point_in_mesh(design, mass)  # noqa: E741  (the paper's name)
     return Shot(
         title=title,
-        mesh=Mesh(mesh.vertices - O, mesh.triangles),
+        mesh=mesh.shifted(-O),
         base=np.array([-O[0], 0.0]),
         size=np.array([design.size.length, design.size.depth]),
         contours=top_outline.body_contours(design),

@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import FancyArrowPatch
 from matplotlib.text import Text
 
+from walkergen.core.numerics import Array
 from walkergen.files.animation import Draw, Pixels
 from walkergen.files.canvas import (
     BODY_COLOUR,
@@ -24,7 +25,7 @@ from walkergen.files.canvas import (
     set_scale,
 )
 from walkergen.guests.movie.impacts import draw_legend, impact_style, largest_impulse, strongest_impact
-from walkergen.guests.movie.shot import Array, Shot, body_outline, foot_edges, format_pace, rotate
+from walkergen.guests.movie.shot import Shot, body_outline, foot_edges, format_pace, rotate
 from walkergen.readers.drawings.outlines import area
 
 WIDTH_PX, MAX_ARENAS_PX = 900, 760

@@ -4,9 +4,9 @@ import base64
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
+from walkergen.core.numerics import Array
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.plan import prepare
 from walkergen.core.simulation.run import ENDED_WELL
@@ -34,7 +34,7 @@ def record_run(design: Design, scene: Scene, seconds: float) -> dict[str, Any]:
     }
 
 
-def _pack_poses(motion: poses.Poses, O: npt.NDArray[np.float64]) -> dict[str, Any]:  # noqa: E741
+def _pack_poses(motion: poses.Poses, O: Array) -> dict[str, Any]:  # noqa: E741
     """Poses and landings of a walker whose point O lies there in its mesh, as the page reads them.
 
     A pose is a shift (mm) and a quaternion (x, y, z, scalar) of the mesh; a landing is its time
@@ -72,5 +72,5 @@ def _caption(motion: poses.Poses, scene: Scene, name: str) -> str:
     )
 
 
-def _to_base64(values: npt.NDArray[np.float64]) -> str:
+def _to_base64(values: Array) -> str:
     return base64.b64encode(values.astype("<f4").tobytes()).decode()

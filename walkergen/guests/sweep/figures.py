@@ -16,9 +16,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from walkergen.core.numerics import Mask
 from walkergen.files.figures import COLUMN_INCHES, PAGE_INCHES, style, wrap_text
 from walkergen.guests.sweep import panels as draw
-from walkergen.guests.sweep.panels import DOUBTFUL_STYLE, LINE_STYLES, MISSING_STYLE, Mask
+from walkergen.guests.sweep.panels import DOUBTFUL_STYLE, LINE_STYLES, MISSING_STYLE
 from walkergen.guests.sweep.panels import Columns as Columns
 from walkergen.guests.sweep.scales import Scale, format_axis, format_value, make_scale
 

@@ -3,11 +3,12 @@
 import hashlib
 import json
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from walkergen.core.files import output
+from walkergen.core.files.formatting import is_number
 from walkergen.core.files.output import Folder, versions
 from walkergen.core.files.progress import Progress
 from walkergen.guests.sweep import budget, report, table
@@ -108,17 +109,12 @@ def _load_finished(job: Job, folder: Folder) -> SweepReport | None:
     facts, again = folder.earlier_manifest(), job.kept or job.budget_s is not None or job.wish is not None
     if again or facts.get("request") != _request_hash(job.request):
         return None
-    if not folder.is_unchanged() or (job.pictures and not _has_picture(facts["files"])):
+    if not folder.is_unchanged() or (job.pictures and not any(name.endswith(".png") for name in facts["files"])):
         return None
     count = job.request.space.points
     points = Points(_column_names(job), False, count, count, facts["bad"])
     result = report.make_report(job.request, job.title, points)
     return report.add_files(result, folder.path, list(facts["files"]))
-
-
-def _has_picture(names: Iterable[str]) -> bool:
-    """Whether a picture is among files."""
-    return any(name.endswith(".png") for name in names)
 
 
 def _request_hash(request: Request) -> str:
@@ -180,7 +176,7 @@ def _write_rest(job: Job, folder: Folder, result: SweepReport, seconds: float) -
     """Write Parquet, pictures and the manifest of a finished table."""
     request = job.request
     folder.add_grown_file(table.TABLE_FILE)
-    numeric = {axis.key: all(map(_is_number, axis.values)) for axis in request.space.axes}
+    numeric = {axis.key: all(map(is_number, axis.values)) for axis in request.space.axes}
     keys = {key: numeric.get(key, True) for key in request.space.keys}
     if (data := table.to_parquet(folder.path / table.TABLE_FILE, keys, _column_names(job))) is not None:
         folder.write("table.parquet", data)
@@ -195,7 +191,3 @@ def _write_rest(job: Job, folder: Folder, result: SweepReport, seconds: float) -
         "versions": versions(),
     }
     folder.finish(facts)
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool)

@@ -7,16 +7,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import CenteredNorm, Normalize
 from matplotlib.ticker import MaxNLocator
 
-from walkergen.guests.sweep.scales import Array, Scale, cell_edges, format_axis
+from walkergen.core.numerics import Array, Mask
+from walkergen.guests.sweep.scales import Scale, cell_edges, format_axis
 from walkergen.points.point import PointStatus
-
-Mask = npt.NDArray[np.bool_]
 
 MAX_BARS = 40
 """Points of a line up to which bounds are bars, and beyond a band."""
@@ -216,7 +214,7 @@ def _hatch_cells(axes: Axes, x: Scale, y: Scale, missing: Mask) -> None:
     axes.add_collection(PolyCollection(cells, **MISSING_STYLE))
 
 
-def _draw_contours(axes: Axes, x: Scale, y: Scale, value: npt.NDArray[np.float64], norm: Normalize) -> None:
+def _draw_contours(axes: Axes, x: Scale, y: Scale, value: Array, norm: Normalize) -> None:
     """Draw labelled lines of equal value, light on dark and dark on light, dashed below zero."""
     levels = MaxNLocator(7).tick_values(value.min(), value.max())
     levels = levels[(levels > value.min()) & (levels < value.max())]

@@ -8,10 +8,10 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
+from walkergen.core.files.formatting import is_number
+from walkergen.core.numerics import Array
 from walkergen.files.figures import wrap_text
 from walkergen.files.key_names import format_key
-
-Array = npt.NDArray[np.float64]
 
 LOG_MIN_RATIO, LOG_MAX_MEDIAN = 30.0, 1 / 3
 """An axis of positive values is logarithmic where the largest is more than WIDE times the least and
@@ -44,7 +44,7 @@ class Scale(NamedTuple):
 
 def make_scale(key: str, values: Sequence[Any]) -> Scale:
     """Scale of a key by its values at one row at least; of words where one is no number."""
-    words = not all(_is_number(value) for value in values)
+    words = not all(is_number(value) for value in values)
     seen = [_to_word(value) if words else value for value in values]
     distinct = list(dict.fromkeys(seen)) if words else sorted(set(seen))
     number = {value: place for place, value in enumerate(distinct)}
@@ -53,10 +53,6 @@ def make_scale(key: str, values: Sequence[Any]) -> Scale:
     log = bool(log and np.median(places) < LOG_MAX_MEDIAN * places[-1])
     index = np.array([number[value] for value in seen], dtype=np.intp)
     return Scale(key, tuple(distinct), places, index, words, log)
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 def _to_word(value: Any) -> str:

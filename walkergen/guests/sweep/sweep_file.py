@@ -119,9 +119,7 @@ def read_sweep(path: Path) -> SweepFile:
         place = config.format_location(("error",), str(path), text)
         mistakes.append(f"{place}: error: {mistake.text.removeprefix('‹error=›')}")
     if mistakes:
-        more = len(mistakes) - config.MAX_REPORTED_MISTAKES
-        tail = [f"{path}: and {more} more mistakes"] if more > 0 else []
-        raise InputError("\n".join([*mistakes[: config.MAX_REPORTED_MISTAKES], *tail]))
+        raise config.refusal(mistakes, path)
     spans = tuple(entry for entry in varied if isinstance(entry, Span))
     sample = None
     if contents.sample is not None:

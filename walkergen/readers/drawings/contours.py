@@ -5,11 +5,9 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
-
-Array = npt.NDArray[np.float64]
+from walkergen.core.numerics import Array
 
 FLATNESS = 2e-5
 """Largest distance of a chord from its curve, over the drawing's longer side: half a micrometre on

@@ -13,12 +13,9 @@ lie folded upon the other.
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from walkergen.core.numerics import Array, Whole
 from walkergen.core.numerics.kernels import kernel, lean
-
-Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int64]
 
 LEAF_SIZE = 4
 """Triangles of a leaf of the tree."""
@@ -45,8 +42,8 @@ class Crossings(NamedTuple):
 class OrderedTriangles(NamedTuple):
     """Triangles in the order of the tree, as its kernels read them."""
 
-    triangles: Indices
-    """Indices of the vertices, shape (k, 3)."""
+    triangles: Whole
+    """Whole of the vertices, shape (k, 3)."""
     corners: Array
     """Places of the vertices, shape (k, 3, 3)."""
     normals: Array
@@ -55,7 +52,7 @@ class OrderedTriangles(NamedTuple):
     """Least coordinates of each triangle, shape (k, 3), half a tolerance inside."""
     high: Array
     """Greatest coordinates of each triangle, shape (k, 3), half a tolerance inside."""
-    apexes: Indices
+    apexes: Whole
     """Crowded corner of each triangle, shape (k,); -1 without any."""
     vertices: Array
     """Places of the vertices, shape (n, 3)."""
@@ -68,14 +65,14 @@ class Tree(NamedTuple):
     low: Array
     high: Array
     """Bounds of what is below a node, shape (2 leaves, 6): of places, and of directions seen from its apex."""
-    apexes: Indices
+    apexes: Whole
     """Crowded corner that all triangles below a node share, shape (2 leaves,); -1 without any."""
 
 
 class Scratch(NamedTuple):
     """Work space of a search."""
 
-    stack: Indices
+    stack: Whole
     seen: Array
     """Directions of a triangle's corners, shape (3, 3)."""
     low: Array
@@ -83,7 +80,7 @@ class Scratch(NamedTuple):
     """Bounds of the directions of a triangle, or of a leaf's, shape (3,)."""
 
 
-def find(vertices: Array, triangles: Indices, tolerance: float) -> Crossings:
+def find(vertices: Array, triangles: Whole, tolerance: float) -> Crossings:
     """Find the pairs of triangles that cross by more than a tolerance, in the vertices' unit.
 
     Vertices of shape (n, 3), finite; triangles of shape (k, 3), neighbours sharing their vertices.
@@ -114,7 +111,7 @@ def find(vertices: Array, triangles: Indices, tolerance: float) -> Crossings:
     return Crossings(int(count), found)
 
 
-def _crowded_corners(triangles: Indices) -> Indices:
+def _crowded_corners(triangles: Whole) -> Whole:
     """Corner of each triangle in which most triangles meet, where it is crowded, else -1; shape (k,)."""
     valences = np.bincount(triangles.ravel())[triangles]
     most = valences.argmax(axis=1)
@@ -122,7 +119,7 @@ def _crowded_corners(triangles: Indices) -> Indices:
     return np.where(valences[rows, most] > MAX_CORNER_TRIANGLES, triangles[rows, most], -1)
 
 
-def _morton_codes(vertices: Array, triangles: Indices) -> Indices:
+def _morton_codes(vertices: Array, triangles: Whole) -> Whole:
     """Places of triangles' middles along the Morton curve, shape (k,)."""
     first, second, third = vertices.T[:, triangles.T].transpose(1, 0, 2)
     middles = first + second + third  # an axis a row
@@ -131,7 +128,7 @@ def _morton_codes(vertices: Array, triangles: Indices) -> Indices:
     cells = ((middles - low) * ((2**MORTON_BITS - 1) / side)).astype(np.int64)
     for shift, mask in MORTON_MASKS:
         cells = (cells | cells << shift) & mask
-    codes: Indices = cells[0] | cells[1] << 1 | cells[2] << 2
+    codes: Whole = cells[0] | cells[1] << 1 | cells[2] << 2
     return codes
 
 

@@ -16,12 +16,12 @@ import numpy as np
 from walkergen import extras
 from walkergen.core.errors import InputError
 from walkergen.core.files import file_reading, formatting
+from walkergen.core.numerics import Array
 from walkergen.readers.drawings import dxf_curves
 from walkergen.readers.drawings.contours import (
     FLATNESS,
     MAX_BYTES,
     MAX_END_GAP,
-    Array,
     Drawing,
     NoUnitError,
     Shape,
@@ -298,7 +298,7 @@ def _collect_entities(document: "documents.Drawing", source: str) -> tuple[list[
             left["of another drawing"] += block is not None and bool(block.block.dxf.flags & XREF_FLAG)
             copies = itertools.islice(entity.multi_insert(), MAX_ENTITIES + 1) if entity.mcount > 1 else [entity]
             waiting += [(part, depth + 1, layer) for copy in copies for part in copy.virtual_entities()]
-        elif kind in COMPOSITE_ENTITIES and not _is_straight_polyline(entity):
+        elif kind in COMPOSITE_ENTITIES and not (entity.dxftype() == "LWPOLYLINE" and not entity.has_arc):
             if kind == "POLYLINE":
                 _drop_control_points(entity)
             waiting += [(part, depth + 1, layer) for part in entity.virtual_entities()]
@@ -323,11 +323,6 @@ def _drop_control_points(polyline: Any) -> None:
     from ezdxf.lldxf.const import VTX_SPLINE_FRAME_CONTROL_POINT as FRAME
 
     polyline.vertices[:] = [vertex for vertex in polyline.vertices if not vertex.dxf.get("flags", 0) & FRAME]
-
-
-def _is_straight_polyline(entity: Any) -> bool:
-    """Return whether an entity is a polyline of straight lines, which is used unchanged."""
-    return entity.dxftype() == "LWPOLYLINE" and not entity.has_arc
 
 
 def _drawing_size(entities: Sequence[Any], source: str) -> float:

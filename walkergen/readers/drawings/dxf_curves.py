@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from walkergen.core.errors import InputError
-from walkergen.readers.drawings.contours import Array, flatten
+from walkergen.core.numerics import Array
+from walkergen.readers.drawings.contours import flatten
 
 
 def entity_points(entity: Any, tolerance: float, source: str) -> Array:

@@ -12,13 +12,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import GeometryError, InputError
+from walkergen.core.numerics import Array
 from walkergen.readers.drawings import dxf, overlaps, silhouette, svg
 from walkergen.readers.drawings.contours import MAX_POINTS, Shape
 
-Polygon = npt.NDArray[np.float64]
+Polygon = Array
 
 ELLIPSE_SEGMENTS = 360
 """Edges of a disc or ellipse: 5.1e-5 of its area is missing, 0.5 micrometres at a disc of 28 mm."""

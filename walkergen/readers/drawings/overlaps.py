@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 import manifold3d
 import numpy as np
 
-from walkergen.readers.drawings.contours import Array, Shape
+from walkergen.core.numerics import Array
+from walkergen.readers.drawings.contours import Shape
 
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry

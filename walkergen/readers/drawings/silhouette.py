@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
 from walkergen.core.files import file_reading, formatting
-from walkergen.readers.drawings.contours import Array, Drawing, NoUnitError, Shape
+from walkergen.core.numerics import Array
+from walkergen.readers.drawings.contours import Drawing, NoUnitError, Shape
 
 MAX_BYTES, MAX_PIXELS = 50_000_000, 100_000_000
 """Largest file, and pixels of a picture at most."""
@@ -105,7 +105,7 @@ def _otsu_threshold(image: Array) -> float:
     return float(edges[1:-1][best].mean())
 
 
-def _trace_contours(image: npt.NDArray[np.float64], threshold: float) -> tuple[list[Array], int]:
+def _trace_contours(image: Array, threshold: float) -> tuple[list[Array], int]:
     """Contours of what is brighter than a threshold, and the number of specks among pieces and holes."""
     import shapely
     from contourpy import contour_generator

@@ -18,11 +18,11 @@ import numpy as np
 
 from walkergen.core.errors import InputError
 from walkergen.core.files import file_reading, formatting
+from walkergen.core.numerics import Array
 from walkergen.readers.drawings.contours import (
     FLATNESS,
     MAX_BYTES,
     MAX_END_GAP,
-    Array,
     Drawing,
     NoUnitError,
     Shape,

@@ -12,9 +12,9 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
+from walkergen.core.numerics import Array
 from walkergen.readers.drawings import svg_paints, svg_styles
 from walkergen.readers.drawings.svg_matrices import compose, fit_matrix, mean_stretch, parse_transform, parse_view_box
 from walkergen.readers.drawings.svg_paints import NUMBER_PATTERN, XLINK_HREF
@@ -22,7 +22,6 @@ from walkergen.readers.drawings.svg_paints import NUMBER_PATTERN, XLINK_HREF
 if TYPE_CHECKING:
     import svgelements
 
-Array = npt.NDArray[np.float64]
 
 SVG_NAMESPACE = "{http://www.w3.org/2000/svg}"
 

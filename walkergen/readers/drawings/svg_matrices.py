@@ -5,11 +5,9 @@ import re
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
-
-Array = npt.NDArray[np.float64]
+from walkergen.core.numerics import Array
 
 NUMBERS_PATTERN = r"(?:[-+0-9.eE,\s]|px|deg|g?rad|turn)*"
 TRANSFORMS_PATTERN = re.compile(

@@ -87,7 +87,11 @@ def apply_styles(root: ET.Element, source: str) -> None:
     matcher = cssselect2.Matcher()
     for element in root.iter():
         css = element.attrib.get("type", "").strip().lower() in ("", "text/css")
-        if _local_name(element) == "style" and css and _is_screen_media(element.attrib.get("media", ""), source):
+        if (
+            str(element.tag).rpartition("}")[2] == "style"
+            and css
+            and _is_screen_media(element.attrib.get("media", ""), source)
+        ):
             _add_rules(matcher, tinycss2.parse_stylesheet(element.text or "", True, True), {}, source)
     custom: dict[ET.Element | None, dict[str, str]] = {None: {}}
     for node in cssselect2.ElementWrapper.from_xml_root(root).iter_subtree():
@@ -197,7 +201,3 @@ def _parse_declarations(declarations: Sequence[Any], source: str) -> Iterator[tu
         if each.lower_name == "font":  # its first length is the size; weights are plain numbers
             sizes = [token for token in each.value if token.type in ("dimension", "percentage")]
             yield from [("font-size", sizes[0].serialize(), each.important)] if sizes else []
-
-
-def _local_name(element: ET.Element) -> str:
-    return str(element.tag).rpartition("}")[2]

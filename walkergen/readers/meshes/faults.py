@@ -11,10 +11,10 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError, Remedy
-from walkergen.core.shapes.mesh import Array, Mesh
+from walkergen.core.numerics import Array, Whole
+from walkergen.core.shapes.mesh import Mesh
 from walkergen.readers.drawings import crossings
 
 RELATIVE_TOLERANCE = 1e-6
@@ -24,17 +24,15 @@ seen: fifteen times what 32-bit floats, as in STL, lose of a coordinate."""
 MIN_VOLUME_RATIO = 1e-9
 """Volume over the cube of the largest side of the box, below which a mesh encloses nothing."""
 
-Indices = npt.NDArray[np.int64]
-
 
 class Edges(NamedTuple):
     """Edges of a surface, sorted by the kind of their fault; shape (n, 2) each, vertices."""
 
-    open: Indices
+    open: Whole
     """Edges of one triangle only."""
-    crowded: Indices
+    crowded: Whole
     """Edges of three triangles or more."""
-    disagreeing: Indices
+    disagreeing: Whole
     """Edges of two triangles that are turned differently: one is inside out."""
 
 
@@ -42,7 +40,7 @@ class Shells(NamedTuple):
     """Closed pieces of a surface."""
 
     number: int
-    label: Indices
+    label: Whole
     """Number of the piece of each triangle, shape (k,)."""
     volumes: Array
     """Volumes of the pieces, negative where turned inward, mm^3, shape (number,)."""
@@ -67,7 +65,7 @@ def crossing_tolerance(mesh: Mesh) -> float:
     return RELATIVE_TOLERANCE * far
 
 
-def faulty_edges(triangles: Indices) -> Edges:
+def faulty_edges(triangles: Whole) -> Edges:
     """Sort the faulty edges of triangles by the kind of their fault."""
     starts, ends = triangles.reshape(-1), triangles[:, [1, 2, 0]].reshape(-1)
     size = np.int64(triangles.max()) + 1
@@ -80,9 +78,9 @@ def faulty_edges(triangles: Indices) -> Edges:
     return Edges(*(np.column_stack([pairs // size, pairs % size]) for pairs in wrong))
 
 
-def _edge_keys(starts: Indices, ends: Indices, size: np.int64) -> Indices:
+def _edge_keys(starts: Whole, ends: Whole, size: np.int64) -> Whole:
     """Return a number for each edge, the same in either direction."""
-    keys: Indices = np.minimum(starts, ends) * size + np.maximum(starts, ends)
+    keys: Whole = np.minimum(starts, ends) * size + np.maximum(starts, ends)
     return keys
 
 

@@ -16,11 +16,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
 from walkergen.core.files import file_reading
 from walkergen.core.files import formatting as words
+from walkergen.core.numerics import Array, Whole
 from walkergen.core.shapes import modeller, stl, threemf
 from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.shapes.threemf import MAX_TRIANGLES, Part
@@ -37,9 +37,6 @@ MAX_COORDINATE = 1e12
 WELD_TOLERANCE = 1e-6
 """Distance over the size of a part up to which corners on open edges are one: some last bits of the
 32-bit floats of STL and 3MF."""
-
-Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int64]
 
 
 class MeshFile(NamedTuple):
@@ -171,7 +168,7 @@ def join_parts(parts: tuple[Part, ...]) -> Part:
     return Part(parts[0].name, *merge_vertices(vertices, np.concatenate(shifted)))
 
 
-def merge_vertices(vertices: Array, triangles: Indices) -> tuple[Array, Indices]:
+def merge_vertices(vertices: Array, triangles: Whole) -> tuple[Array, Whole]:
     """Vertices that differ, in the order of their coordinates, and the triangles between them."""
     vertices = vertices + 0.0  # minus zero is zero
     order = np.lexsort(vertices.T)

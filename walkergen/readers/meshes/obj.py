@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from walkergen.core.errors import InputError
-from walkergen.core.shapes.mesh import Array
+from walkergen.core.numerics import Array
 
 UNSUPPORTED_PATTERN = re.compile(rb"^[^#\n]+#|\t|^ |\\\r?\n", re.MULTILINE)
 """What trimesh passes over without a word, and with it the line: a comment behind, a tab, a blank before, a line

@@ -13,8 +13,9 @@ import manifold3d
 import numpy as np
 
 from walkergen.core.files import formatting
+from walkergen.core.numerics import Array, Whole
 from walkergen.core.shapes import modeller
-from walkergen.core.shapes.mesh import Array, Mesh
+from walkergen.core.shapes.mesh import Mesh
 from walkergen.readers.meshes import faults
 
 MAX_HOLE_EDGES = 200
@@ -174,7 +175,7 @@ def _fix_orientation(mesh: Mesh) -> tuple[Mesh, str]:
     return turned, f"turned {number} of {len(same)} triangles" if number else ""
 
 
-def _orient_outward(mesh: Mesh) -> faults.Indices:
+def _orient_outward(mesh: Mesh) -> Whole:
     """Triangles with every closed piece of negative volume turned, unless it is a cavity."""
     pieces = faults.shells(mesh)
     triangles = mesh.triangles.copy()

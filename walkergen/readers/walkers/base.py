@@ -7,9 +7,10 @@ import manifold3d
 import numpy as np
 
 from walkergen.core.errors import GeometryError
+from walkergen.core.numerics import Array
 from walkergen.core.shapes import joining, modeller
 from walkergen.core.shapes.extrusion import extrude
-from walkergen.core.shapes.mesh import Array, Mesh
+from walkergen.core.shapes.mesh import Mesh
 from walkergen.readers.drawings import overlaps
 
 if TYPE_CHECKING:

@@ -11,8 +11,9 @@ import numpy as np
 
 from walkergen.core.errors import InputError, Remedy
 from walkergen.core.files import formatting
+from walkergen.core.numerics import Array
 from walkergen.core.shapes import modeller
-from walkergen.core.shapes.mesh import Array, Mesh
+from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker.body import Axis
 from walkergen.readers.drawings import size_check
 from walkergen.readers.meshes import faults, meshes, repairs

@@ -10,10 +10,11 @@ import numpy as np
 
 from walkergen.core.errors import GeometryError
 from walkergen.core.files import file_reading, formatting
+from walkergen.core.numerics import Array
 from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker.body import BUILTIN_OUTLINES, Body, FinishedWalker, Shape, Size, lay_down, rectangle_shape
 from walkergen.readers.drawings import outlines, overlaps, size_check
-from walkergen.readers.drawings.contours import Array, NoUnitError
+from walkergen.readers.drawings.contours import NoUnitError
 from walkergen.readers.drawings.lettering import text_outline
 from walkergen.readers.walkers import base, body_mesh, leg_cutting
 
@@ -59,17 +60,17 @@ def shape_by_key(keys: str) -> Shape:
         mesh = lay_down(raised, _plan_size(contours, body.thickness_mm))
     size = _plan_size(contours, body.thickness_mm)
     named = body.outline if body.text is None else body.font
-    sha256 = "" if named is None or named in BUILTIN_OUTLINES else _file_hash(Path(named))
+    sha256 = (
+        ""
+        if named is None or named in BUILTIN_OUTLINES
+        else hashlib.sha256(file_reading.read_bytes(Path(named))).hexdigest()
+    )
     return Shape(size, None, tuple(contours), mesh, sha256, notes)
 
 
 def _plan_size(contours: Sequence[Array], thickness: float) -> Size:
     length, depth = np.ptp(np.vstack(contours), axis=0)
     return Size(float(length), thickness, float(depth))
-
-
-def _file_hash(path: Path) -> str:
-    return hashlib.sha256(file_reading.read_bytes(path)).hexdigest()
 
 
 def _mesh_shape(body: Body) -> Shape:

@@ -11,15 +11,13 @@ first half; Garrido-Jurado et al., Pattern Recognition 47 (2014) 2280.
 from functools import lru_cache
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import GeometryError
+from walkergen.core.numerics import Array, Mask
 from walkergen.core.shapes import modeller
 from walkergen.core.shapes.extrusion import Engraving, extrude
 from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker.fittings import MARKER_CELLS, TILE_CELLS, Cap
-
-Array = npt.NDArray[np.float64]
 
 MARKER_CODES = (
     "b5320f9a332d9946549e79cd9e2ec4f2fedacf56f99111a70eb72a0f24b1263e466566006c5e76af868bb02bccd5"
@@ -48,7 +46,7 @@ MIN_SUPPORTED_SHARE = 0.4
 """Least part of a tile that lies on the body."""
 
 
-def white_cells(number: int) -> npt.NDArray[np.bool_]:
+def white_cells(number: int) -> Mask:
     """White cells of a whole marker, rows from its upper edge down, shape (6, 6)."""
     bits = np.array([bit == "1" for bit in f"{int(MARKER_CODES[4 * number : 4 * number + 4], 16):016b}"])
     return np.pad(bits.reshape(CODE_CELLS, CODE_CELLS), BORDER_CELLS)

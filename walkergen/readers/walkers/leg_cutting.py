@@ -12,8 +12,9 @@ import manifold3d
 import numpy as np
 
 from walkergen.core.errors import GeometryError
+from walkergen.core.numerics import Array
 from walkergen.core.shapes import modeller
-from walkergen.core.shapes.mesh import Array, Mesh
+from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker.limbs import Kind, Legs, Limb
 
 FOOT_TOLERANCE_MM = 1e-3
@@ -94,22 +95,18 @@ def centre_on_body(cut: CutWalker) -> CutWalker:
     shift = -0.5 * (low + high)
     shift[2] = -low[2]
     return CutWalker(
-        _shift_mesh(cut.body, shift),
+        cut.body.shifted(shift),
         tuple(
             leg._replace(
-                mesh=_shift_mesh(leg.mesh, shift),
+                mesh=leg.mesh.shifted(shift),
                 anchor=leg.anchor + shift,
                 foot=leg.foot + shift,
                 z=leg.z + float(shift[2]),
             )
             for leg in cut.legs
         ),
-        _shift_mesh(cut.whole, shift),
+        cut.whole.shifted(shift),
     )
-
-
-def _shift_mesh(mesh: Mesh, shift: Array) -> Mesh:
-    return mesh._replace(vertices=mesh.vertices + shift)
 
 
 def _to_limb(leg: CutLeg, kind: Kind, number: int, depth: float) -> Limb:

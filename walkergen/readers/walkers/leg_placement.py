@@ -13,9 +13,9 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import GeometryError, InputError, Remedy, SolidError
+from walkergen.core.numerics import Array
 from walkergen.core.shapes import joining
 from walkergen.core.walker.body import Body
 from walkergen.core.walker.limbs import Legs, Limb, resolve_pair
@@ -74,8 +74,6 @@ MIDDLE_SHIFTS = (0.0, 0.05, -0.05, 0.15, -0.15)
 
 SIMPLIFY_MM = 0.01
 """Distance by which an outline may be simplified, mm."""
-
-Array = npt.NDArray[np.float64]
 
 
 INSET_SHARES = (0.0, 0.04, 0.08, 0.12, 0.16, 0.2)

@@ -14,7 +14,7 @@ import numpy as np
 
 from walkergen.core.errors import GeometryError
 from walkergen.core.files.config import Section
-from walkergen.core.shapes.mesh import Array
+from walkergen.core.numerics import Array
 from walkergen.core.walker.body import Body
 from walkergen.core.walker.limbs import Leg, Limb, resolve_leg
 from walkergen.readers.walkers.body_shapes import shape_of

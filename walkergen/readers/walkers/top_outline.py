@@ -7,15 +7,13 @@ not part of it: walkers of one height meet with their bodies.
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
+from walkergen.core.numerics import Array
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties, to_centre_frame
 from walkergen.readers.drawings.outlines import area
 from walkergen.readers.walkers import leg_attachment
-
-Array = npt.NDArray[np.float64]
 
 MAX_DEVIATION_MM = 0.01
 """Distance between an outline and its simplification at most, mm: below what a printer resolves."""

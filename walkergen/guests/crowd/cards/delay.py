@@ -11,17 +11,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.analysis import lag_sums, moments
 from walkergen.analysis.estimates import MIN_SAMPLES
 from walkergen.analysis.motion import Curve
 from walkergen.analysis.tracks import Track, Tracks
-from walkergen.core.numerics import statistics
+from walkergen.core.numerics import Array, Complex, Whole, statistics
 from walkergen.core.numerics.quantity import Quantity
-
-Array = npt.NDArray[np.float64]
-Complex = npt.NDArray[np.complex128]
 
 CUTOFF_SHARE = 0.5
 """Share of the direction at whose loss the integral ends, if a quarter of a track shows it."""
@@ -114,7 +110,7 @@ def _split_headings(unit: Complex, cuts: int) -> list[Complex]:
     return [unit[part[0] : part[-1] + 2] if len(part) else unit[:1] for part in parts]
 
 
-def _correlation_sums(velocity: Complex, unit: Complex, lags: lag_sums.Lags) -> Array:
+def _correlation_sums(velocity: Complex, unit: Complex, lags: Whole) -> Array:
     """Sum v(t) . e(0), then v(0) . e(t), and count their pairs, at half an interval more than each lag."""
     after, pairs = lag_sums.sum_cross_products(unit[:-1], velocity, lags)
     before, others = lag_sums.sum_cross_products(velocity, unit[1:], lags)

@@ -13,7 +13,6 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy import optimize, signal
 
 from walkergen.analysis import lag_sums, moments, persistent_walk
@@ -21,11 +20,8 @@ from walkergen.analysis.estimates import MIN_SAMPLES, quantity, refusal
 from walkergen.analysis.motion import Curve
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.analysis.turning import PIECES
-from walkergen.core.numerics import statistics
+from walkergen.core.numerics import Array, Complex, statistics
 from walkergen.core.numerics.quantity import Quantity
-
-Array = npt.NDArray[np.float64]
-Complex = npt.NDArray[np.complex128]
 
 FIT_CUTOFF = math.exp(-1.0)
 """Share of the first correlation at which its fit ends. Later lags lower no error: of ten ensembles

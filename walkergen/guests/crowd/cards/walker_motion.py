@@ -14,10 +14,9 @@ from walkergen.analysis.tracks import Tracks
 from walkergen.core.errors import InputError
 from walkergen.core.files import formatting
 from walkergen.core.files.progress import Progress
-from walkergen.core.numerics import statistics
+from walkergen.core.numerics import Array, statistics
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import GRAVITY, Scene
-from walkergen.core.shapes.mesh import Array
 from walkergen.core.simulation import ensemble
 from walkergen.core.simulation.effects import swaying_plate
 from walkergen.core.simulation.run import ENDED_WELL

@@ -11,14 +11,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.analysis.estimates import MIN_SAMPLES
 from walkergen.core.dish import Dish
-from walkergen.core.numerics import statistics
+from walkergen.core.numerics import Array, statistics
 from walkergen.core.numerics.quantity import Quantity
-
-Array = npt.NDArray[np.float64]
 
 WALL_RANGE_MM = 0.5
 """Distance (mm) within which a walker is by a wall: some hops of a tenth of a millimetre."""

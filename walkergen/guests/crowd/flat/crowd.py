@@ -9,14 +9,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.files import output
 from walkergen.core.files.progress import Progress, silent
+from walkergen.core.numerics import Array
 from walkergen.guests.crowd.flat import crowd_checks, dump, lammps_engine, lammps_input
 from walkergen.guests.crowd.flat.lammps_input import Crowd
-
-Array = npt.NDArray[np.float64]
 
 
 class FlatRun(NamedTuple):
@@ -49,19 +47,10 @@ def simulate(crowd: Crowd, ranks: int = 1, progress: Progress = silent) -> FlatR
         for name, data in lammps_input.input_files(crowd, parts).items():
             output.write(folder / name, data)
         lammps_engine.run_script(program, folder, lammps_input.INPUT_FILE, ranks, report_frames)
-        frames = dump.read_frames(folder / lammps_input.DUMP_FILE, len(crowd.places), crowd.frames)
-    return FlatRun(np.arange(crowd.frames) / crowd.rate_hz, frames.poses)
+        poses = dump.read_frames(folder / lammps_input.DUMP_FILE, len(crowd.places), crowd.frames)
+    return FlatRun(np.arange(crowd.frames) / crowd.rate_hz, poses)
 
 
 def input_files(crowd: Crowd) -> dict[str, bytes]:
-    """LAMMPS input of the same run, by names of files, for a cluster: `lmp -in crowd.in`.
-
-    It needs no LAMMPS here. Its dump is read back by `read`.
-    """
+    """LAMMPS input of the same run, by names of files, for a cluster: `lmp -in crowd.in`. It needs no LAMMPS here."""
     return lammps_input.input_files(crowd, lammps_input.mechanics(crowd.cards))
-
-
-def read_dump(path: Path, walkers: int, seconds: float, rate_hz: float) -> FlatRun:
-    """Dump that a cluster has made of the input of so many walkers, seconds and frames a second."""
-    count = lammps_input.frame_count(seconds, rate_hz)
-    return FlatRun(np.arange(count) / rate_hz, dump.read_frames(path, walkers, count).poses)

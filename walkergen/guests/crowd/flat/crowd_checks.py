@@ -9,10 +9,9 @@ from scipy.spatial import cKDTree
 
 from walkergen.core.dish import Dish
 from walkergen.core.errors import InputError
+from walkergen.core.numerics import Array, Whole
 from walkergen.guests.crowd.cards.card import Card
 from walkergen.guests.crowd.flat import discs, lammps_input
-
-Array = npt.NDArray[np.float64]
 
 MAX_KINDS = 14
 """LAMMPS has 32 groups of particles; a kind takes two."""
@@ -84,7 +83,7 @@ def argument_error(name: str, value: object, allowed: str) -> InputError:
     return InputError(f"{name} = {value}: must be {allowed}")
 
 
-def _turning_rates(cards: Sequence[Card], kinds: npt.NDArray[np.int64], seed: int) -> Array:
+def _turning_rates(cards: Sequence[Card], kinds: Whole, seed: int) -> Array:
     """Mean turning rate of each walker, rad/s: a print's own where the card knows their spread."""
     generator = np.random.default_rng([seed, 1])
     means = np.array([card.turning_rad_s.number for card in cards])
@@ -139,9 +138,7 @@ def _wrap_points(points: Array, period: float) -> Array:
     return np.where(wrapped < period, wrapped, 0.0)  # a hair below 0 is rounded up to the side
 
 
-def _place_discs(
-    asked: lammps_input.Crowd, shapes: Sequence[discs.Discs]
-) -> tuple[Array, Array, npt.NDArray[np.int64]]:
+def _place_discs(asked: lammps_input.Crowd, shapes: Sequence[discs.Discs]) -> tuple[Array, Array, Whole]:
     """Centres, shape (A, 2), radii and walkers of all discs at the start."""
     points, radii, owners = [], [], []
     for kind, shape in enumerate(shapes):

@@ -8,14 +8,12 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from shapely import Polygon, union_all
 from shapely.geometry.base import BaseGeometry
 
 from walkergen.core.errors import InputError
+from walkergen.core.numerics import Array
 from walkergen.guests.crowd.cards.card import Card
-
-Array = npt.NDArray[np.float64]
 
 OUTLINE_POINTS = 900
 """About as many points stand along an outline when its discs are chosen."""

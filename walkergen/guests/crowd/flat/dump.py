@@ -2,52 +2,44 @@
 
 import io
 from pathlib import Path
-from typing import NamedTuple, TextIO
+from typing import TextIO
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError, OutputError
-
-Array = npt.NDArray[np.float64]
+from walkergen.core.numerics import Array
 
 COLUMNS = "id xu yu c_heading[1] c_heading[2]"
 """Columns that the input asks for: number, place, cos and sin of half the heading."""
 
 
-class Frames(NamedTuple):
-    """Places at frames."""
+def read_frames(path: Path, walkers: int, frames: int) -> Array:
+    """Places of a finished run by its dump: x, y (mm) and heading (rad), not wrapped, shape (frames, walkers, 3).
 
-    steps: npt.NDArray[np.int64]
-    """Steps of LAMMPS, shape (F,)."""
-    poses: Array
-    """x, y (mm) and heading (rad), without wrapping, shape (F, N, 3)."""
-
-
-def read_frames(path: Path, walkers: int, frames: int) -> Frames:
-    """Dump of a finished run. Raises OutputError where it ends early: the disk was full."""
-    steps, poses = np.zeros(frames, np.int64), np.empty((frames, walkers, 3))
+    Raises OutputError where it ends early: the disk was full.
+    """
+    poses = np.empty((frames, walkers, 3))
     try:
         with path.open(encoding="ascii", errors="replace") as stream:
             for frame in range(frames):
-                numbers = _read_frame(stream, walkers)
-                if numbers is None:
+                places = _read_frame(stream, walkers)
+                if places is None:
                     raise OutputError(
                         f"{str(path)!r}: ends in frame {frame + 1} of {frames}: was the disk full? "
                         "Free space, or lower ‹rate_hz›"
                     )
-                steps[frame], poses[frame] = numbers
+                poses[frame] = places
     except OSError as error:
         raise InputError(f"{str(path)!r}: cannot be read: {error.strerror}") from None
     if not np.isfinite(poses).all():
         frame = int(np.argmin(np.isfinite(poses).all(axis=(1, 2))))
         raise InputError(f"{str(path)!r}: frame {frame + 1} has places that are not numbers")
     poses[:, :, 2] = np.unwrap(poses[:, :, 2], axis=0)
-    return Frames(steps, poses)
+    return poses
 
 
-def _read_frame(stream: TextIO, walkers: int) -> tuple[int, Array] | None:
-    """Step and places, shape (N, 3), of the next frame; None where the file ends before."""
+def _read_frame(stream: TextIO, walkers: int) -> Array | None:
+    """Places, shape (walkers, 3), of the next frame; None where the file ends before."""
     head = [stream.readline() for _ in range(9)]
     if not head[8].endswith("\n"):
         return None
@@ -64,4 +56,4 @@ def _read_frame(stream: TextIO, walkers: int) -> tuple[int, Array] | None:
     except ValueError:  # a row that was cut short
         return None
     heading = 2.0 * np.arctan2(rows[:, 4], rows[:, 3])
-    return int(head[1]), np.column_stack((rows[:, 1:3], heading))
+    return np.column_stack((rows[:, 1:3], heading))

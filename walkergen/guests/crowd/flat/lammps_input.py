@@ -11,14 +11,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.dish import Dish
+from walkergen.core.numerics import Array, Whole
 from walkergen.guests.crowd.cards.card import Card
 from walkergen.guests.crowd.flat import contact, discs, motion
-
-Array = npt.NDArray[np.float64]
-Kinds = npt.NDArray[np.int64]
 
 INPUT_FILE, DATA_FILE, BODIES_FILE, DUMP_FILE = "crowd.in", "crowd.data", "crowd.bodies", "crowd.dump"
 """Names of the files that LAMMPS reads, and of the one that it writes."""
@@ -40,7 +37,7 @@ class Crowd(NamedTuple):
     """What one run is about."""
 
     cards: Sequence[Card]
-    kinds: Kinds
+    kinds: Whole
     """Number of each walker's card, shape (N,)."""
     dish: Dish
     places: Array

@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.core.dish import Dish
+from walkergen.core.numerics import Whole
 from walkergen.core.simulation.record import Tally
 from walkergen.core.simulation.space.state import Array, Work, work_for
 from walkergen.core.simulation.world import State, World
@@ -52,7 +53,7 @@ class Free(NamedTuple):
     """Body axes -> world, shape (N, 3, 3)."""
     now: Array
     """Velocities of C and turning rates, body axes, shape (N, 6)."""
-    coordinates: npt.NDArray[np.int64]
+    coordinates: Whole
     """Coordinates of the legs, shape (N,)."""
     inverse_mass: Array
     """Shape (N,)."""
@@ -68,14 +69,14 @@ class Free(NamedTuple):
 class Bodies(NamedTuple):
     """Shapes of all kinds, one after the other."""
 
-    kind: npt.NDArray[np.int64]
+    kind: Whole
     """Kind of each walker, shape (N,)."""
-    first: npt.NDArray[np.int64]
+    first: Whole
     """First corner of each kind, shape (kinds + 1,)."""
-    first_edge: npt.NDArray[np.int64]
+    first_edge: Whole
     corners: Array
     """Shape (v, 2), from C: forward, to the right, mm."""
-    edges: npt.NDArray[np.int64]
+    edges: Whole
     """Shape (e, 2), numbers of corners."""
     radius: Array
     reach: Array
@@ -124,7 +125,7 @@ class Crowd(NamedTuple):
     law: Law
     planar: Array
     """What bodies show from above, shape (N, 8)."""
-    status: npt.NDArray[np.int64]
+    status: Whole
     """Status of `world` of each walker, shape (N,); one that is not OK lies where it fell."""
     touching: npt.NDArray[np.uint8]
     """1 where i and j > i touch, and on the diagonal i and a wall, shape (N, N)."""

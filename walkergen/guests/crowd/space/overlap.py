@@ -9,13 +9,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from walkergen.core.numerics import Array, Whole
 from walkergen.core.numerics.kernels import kernel, lean
 from walkergen.core.simulation.drive import TWO_PI
-
-Array = npt.NDArray[np.float64]
-Numbers = npt.NDArray[np.int64]
 
 DISC, RING, RECTANGLE, PERIODIC = range(4)
 
@@ -26,13 +23,13 @@ NO_WALKER = -1
 class Outlines(NamedTuple):
     """Outlines of all kinds of walkers, one kind after the other; lengths in mm."""
 
-    kind: Numbers
+    kind: Whole
     """Kind of each walker, shape (N,)."""
-    first: Numbers
+    first: Whole
     """First edge of each kind, shape (kinds + 1,)."""
     edges: Array
     """Both ends of each edge, from the middle: x, y, x, y, shape (e, 4)."""
-    first_start: Numbers
+    first_start: Whole
     """First of `starts` of each kind, shape (kinds + 1,)."""
     starts: Array
     """A point of each contour, shape (c, 2)."""
@@ -60,9 +57,9 @@ class Cells(NamedTuple):
     side: float
     across: int
     """Squares along either axis."""
-    head: Numbers
+    head: Whole
     """First walker of each square, shape (across^2,)."""
-    following: Numbers
+    following: Whole
     """Next walker of the same square, shape (N,)."""
 
 

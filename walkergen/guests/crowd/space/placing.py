@@ -10,15 +10,14 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.dish import Dish
 from walkergen.core.errors import InputError
+from walkergen.core.numerics import Array, Whole
 from walkergen.guests.crowd.space import overlap
 from walkergen.guests.crowd.space.overlap import Bounds, Cells, Outlines
 from walkergen.readers.drawings.outlines import area
 
-Array = npt.NDArray[np.float64]
 Outline = Sequence[Array]
 
 MAX_SPARSE_PACKING = 0.4
@@ -136,7 +135,7 @@ def _to_origin_poses(places: Array, middles: Array) -> Array:
 
 
 def _add_walkers(
-    shapes: Outlines, bounds: Bounds, scales: Array, order: npt.NDArray[np.int64], rng: np.random.Generator
+    shapes: Outlines, bounds: Bounds, scales: Array, order: Whole, rng: np.random.Generator
 ) -> tuple[Array, Cells] | None:
     """Places of middles, and cells, of walkers added one by one; None where one found no room."""
     cells = overlap.empty_cells(shapes, bounds)

@@ -12,10 +12,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from shapely.geometry import MultiPolygon, Polygon
 
 from walkergen.core.errors import InputError
+from walkergen.core.numerics import Whole
 from walkergen.core.simulation.space.state import Array
 from walkergen.core.simulation.space.state import Walker as InSpace
 from walkergen.core.walker.design import Design
@@ -34,7 +34,7 @@ class Shape(NamedTuple):
 
     corners: Array
     """Corners of the core, shape (v, 2)."""
-    edges: npt.NDArray[np.int64]
+    edges: Whole
     """Numbers of both ends of each edge of the core, shape (e, 2); of a disc one of no length."""
     radius: float
     """Radius by which the core is rounded."""
@@ -67,7 +67,7 @@ def make_shape(design: Design, mass: MassProperties, walker: InSpace) -> Shape:
     )
 
 
-def _make_core(design: Design, contours: list[Array]) -> tuple[Array, npt.NDArray[np.int64], float]:
+def _make_core(design: Design, contours: list[Array]) -> tuple[Array, Whole, float]:
     """Corners and edges of the core of an outline, and the radius around it."""
     middle = contours[0].mean(axis=0)
     far = np.hypot(*(contours[0] - middle).T)

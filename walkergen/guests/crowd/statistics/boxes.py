@@ -4,13 +4,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 import shapely
 
 from walkergen.core.dish import Dish
-
-Array = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
+from walkergen.core.numerics import Array, Mask
 
 MIN_BOXES = 3
 """Least number of boxes along the shorter side: of two none lies inside a disc."""

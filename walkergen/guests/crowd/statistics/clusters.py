@@ -12,11 +12,9 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
+from walkergen.core.numerics import Array, Whole
 from walkergen.guests.crowd.statistics import dish_geometry
 from walkergen.guests.crowd.statistics.film import CrowdFilm
-
-Array = npt.NDArray[np.float64]
-Whole = npt.NDArray[np.int64]
 
 TOUCHING_GAP = 0.05
 """Gap up to which outlines touch, over the mean outer radius: films do not show less."""

@@ -6,14 +6,10 @@ Lengths in mm; places are from the middle of the dish.
 import math
 
 import numpy as np
-import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from walkergen.core.dish import Dish
-
-Array = npt.NDArray[np.float64]
-Whole = npt.NDArray[np.int64]
-Mask = npt.NDArray[np.bool_]
+from walkergen.core.numerics import Array, Whole
 
 
 def wrap_places(x: Array, y: Array, dish: Dish) -> tuple[Array, Array]:

@@ -3,12 +3,10 @@
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.analysis import lag_sums
+from walkergen.core.numerics import Array
 from walkergen.guests.crowd.statistics.film import CrowdFilm
-
-Array = npt.NDArray[np.float64]
 
 MAX_LAGS = 24
 """Lags of the mean squared displacement, at most."""

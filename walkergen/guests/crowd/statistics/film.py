@@ -9,11 +9,8 @@ import numpy.typing as npt
 
 from walkergen.analysis.tracks import Tracks
 from walkergen.core.dish import Dish
+from walkergen.core.numerics import Array, Mask, Whole
 from walkergen.readers.drawings import outlines as polygons
-
-Array = npt.NDArray[np.float64]
-Whole = npt.NDArray[np.int64]
-Mask = npt.NDArray[np.bool_]
 
 Outlines = Mapping[str, Sequence[Array]]
 """Outer contours by the name of a kind, seen from above: heading along +x, the place that is

@@ -9,12 +9,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from walkergen.core.numerics import Array
 from walkergen.guests.crowd.statistics import boxes, dish_geometry
 from walkergen.guests.crowd.statistics.film import CrowdFilm
-
-Array = npt.NDArray[np.float64]
 
 MAX_SIZES = 12
 """Sizes of boxes, at most."""

@@ -7,11 +7,9 @@ beyond it. Means over pairs of walkers (`pairs.alignment`) have no such bias.
 import math
 
 import numpy as np
-import numpy.typing as npt
 
+from walkergen.core.numerics import Array
 from walkergen.guests.crowd.statistics.film import CrowdFilm, mean_over_walkers
-
-Array = npt.NDArray[np.float64]
 
 
 def polar(film: CrowdFilm) -> Array:

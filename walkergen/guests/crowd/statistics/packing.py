@@ -3,12 +3,10 @@
 import math
 
 import numpy as np
-import numpy.typing as npt
 
+from walkergen.core.numerics import Array
 from walkergen.guests.crowd.statistics import boxes, dish_geometry
 from walkergen.guests.crowd.statistics.film import CrowdFilm
-
-Array = npt.NDArray[np.float64]
 
 BOX_DIAMETERS = 4.0
 """Side of the boxes of the local packing, in mean outer diameters."""

@@ -9,12 +9,10 @@ off these, g stays above 1 at distances as large as the dish.
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from walkergen.core.numerics import Array
 from walkergen.guests.crowd.statistics import dish_geometry
 from walkergen.guests.crowd.statistics.film import CrowdFilm
-
-Array = npt.NDArray[np.float64]
 
 BINS = 60
 """Bins of the distance."""

@@ -9,17 +9,14 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.analysis.motion import Curve
 from walkergen.core.dish import Dish
 from walkergen.core.errors import InputError
-from walkergen.core.numerics import statistics
+from walkergen.core.numerics import Array, statistics
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.guests.crowd.statistics import clusters, displacements, fluctuations, order, packing, pairs, walls
 from walkergen.guests.crowd.statistics.film import CrowdFilm, mean_over_walkers
-
-Array = npt.NDArray[np.float64]
 
 UNITS = {
     "packing": "",

@@ -3,12 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from walkergen.core.numerics import Array
 from walkergen.guests.crowd.statistics import dish_geometry, displacements, pairs
 from walkergen.guests.crowd.statistics.film import CrowdFilm, mean_over_walkers
-
-Array = npt.NDArray[np.float64]
 
 BINS = 20
 """Bins of the distance from the wall, over its whole range."""

@@ -10,13 +10,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
 from walkergen.core.files import columns, safe_text
+from walkergen.core.numerics import Array
 from walkergen.core.scene import GRAVITY
-
-Array = npt.NDArray[np.float64]
 
 TIME_PATTERN = re.compile(r"(time|t|seconds[ _]?elapsed|elapsed)[ _]*(\(?(s|ms|us|ns)\)?)?", re.IGNORECASE)
 AXIS_PATTERN = re.compile(

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
+from walkergen.core.numerics import Array
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import GRAVITY
 from walkergen.guests.lab.beams import damping_ratio
@@ -16,8 +16,6 @@ from walkergen.guests.lab.calibrate.estimate import Estimate, Single, weighted_m
 from walkergen.guests.lab.calibrate.form import Reading, Readings
 from walkergen.guests.lab.calibrate.modulus import POSITION_SD_MM
 from walkergen.guests.lab.inverse import Measured
-
-Array = npt.NDArray[np.float64]
 
 SLIDING_PARTS = ("block", "walker")
 """Parts that slide."""

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.core.errors import InputError
-from walkergen.core.files import columns, formatting, output
+from walkergen.core.files import columns, config, formatting, output
 from walkergen.core.files import file_reading as reading
 from walkergen.core.files.tables import csv_text
 from walkergen.core.numerics.quantity import Quantity
@@ -27,8 +27,6 @@ HEADER = ("part", "measured", "reading", "error", *CONDITION_COLUMNS)
 TRACKS_COLUMN = "tracks"
 """Column that a form may have: a file of tracks, by its name beside the form."""
 MAX_BYTES, MAX_ROWS = 1_000_000, 2000
-MAX_LISTED_ERRORS = 20
-"""Most mistakes that are told; the others are counted."""
 
 
 class Kind(NamedTuple):
@@ -172,9 +170,7 @@ def read_form(path: Path) -> Readings:
         except InputError as problem:
             problems.append(f"{path}:{line}: {problem}")
     if problems:
-        more = len(problems) - MAX_LISTED_ERRORS
-        tail = [f"{path}: and {more} more mistakes"] if more > 0 else []
-        raise InputError("\n".join(problems[:MAX_LISTED_ERRORS] + tail))
+        raise config.refusal(problems, path)
     if not any(condition.name != AIR_SHARE for condition in tries):
         raise InputError(f"{path}: no readings; fill in the column reading of some row")
     readings: dict[str, dict[str, list[Reading]]] = defaultdict(lambda: defaultdict(list))
@@ -187,14 +183,8 @@ def read_form(path: Path) -> Readings:
 def _read_rows(path: Path) -> list[tuple[int, dict[str, str]]]:
     """Rows by their lines, cells by column. Raises InputError for other columns."""
     table = columns.parse_records(reading.read_lines(path, columns.FORMAT_NAME, MAX_BYTES), str(path))
-    missing = [name for name in HEADER if name not in table.names]
-    unknown = [name for name in table.names if name not in (*HEADER, TRACKS_COLUMN)]
-    if missing or unknown:
-        what = f"no column {missing[0]!r}" if missing else f"unknown column {unknown[0][:60]!r}"
-        raise InputError(
-            f"{path}:1: {what}; columns are {', '.join(HEADER)}: start from the form that "
-            "walkergen calibrate plate writes"
-        )
+    remedy = ": start from the form that walkergen calibrate plate writes"
+    columns.check_names(table.names, path, HEADER, (TRACKS_COLUMN,), remedy)
     return table.rows
 
 

@@ -10,9 +10,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
+from walkergen.core.numerics import Array
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import GRAVITY
 from walkergen.guests.lab import beams
@@ -26,8 +26,6 @@ from walkergen.guests.lab.calibrate.specimens import (
     Specimen,
     select_method,
 )
-
-Array = npt.NDArray[np.float64]
 
 PA_PER_GPA, G_MM3_PER_G_CM3 = 1e9, 1e-3
 """Units inside over those outside: Pa in a GPa, g/mm^3 in a g/cm^3."""

@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
 from walkergen.core.files import formatting
+from walkergen.core.numerics import Array, Complex
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import DEPENDENT_KEYS, GRAVITY, Scene
 from walkergen.core.walker.design import Design
@@ -24,9 +24,6 @@ from walkergen.files.report import Column, Table
 from walkergen.guests.lab.calibrate import accelerometer
 from walkergen.guests.lab.calibrate.accelerometer import Recording
 from walkergen.guests.lab.report import LabReport, name_after
-
-Array = npt.NDArray[np.float64]
-Complex = npt.NDArray[np.complex128]
 
 PIECES = 16
 """Pieces of a recording."""

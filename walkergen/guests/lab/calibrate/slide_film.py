@@ -9,15 +9,13 @@ import math
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.analysis import track_files
 from walkergen.core.errors import InputError
 from walkergen.core.files import safe_text
+from walkergen.core.numerics import Array
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import GRAVITY
-
-Array = npt.NDArray[np.float64]
 
 MIN_FRAMES = 10
 """Smallest number of frames of a slide."""

@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress, part_progress
+from walkergen.core.numerics import Array
 from walkergen.core.scene import Drive, Scene
 from walkergen.core.theory import uncertain_inputs
 from walkergen.core.walker import solids
@@ -23,8 +23,6 @@ from walkergen.points import emulator, run_time, walkers
 from walkergen.points.emulator import Emulator
 from walkergen.points.experiments import Walker
 from walkergen.points.store import Store
-
-Array = npt.NDArray[np.float64]
 
 RUN_SECONDS = 2.0
 """Measured time of a simulated run, s: prints differ by more than such runs of one print do."""

@@ -4,18 +4,16 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from walkergen.analysis.speeds import Measured
+from walkergen.core.numerics import Array
 from walkergen.core.walker.limbs import Kind
 from walkergen.files.figures import BLACK, LEG_STYLES, Look, draw_curve, draw_points, label_axes, new_axes, style
 
 if TYPE_CHECKING:
     from walkergen.guests.lab.fit.model_fit import Band
-
-Array = npt.NDArray[np.float64]
 
 
 @style()

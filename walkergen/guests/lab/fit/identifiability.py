@@ -5,12 +5,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from walkergen.core.numerics import Array
 from walkergen.guests.lab.fit.parameters import Parameter
 from walkergen.guests.lab.fit.posterior import Posterior
-
-Array = npt.NDArray[np.float64]
 
 MAX_LEARNT_RATIO = 0.9
 """Standard deviation over that of the prior from which a parameter counts as not learnt."""

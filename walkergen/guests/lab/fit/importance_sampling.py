@@ -9,14 +9,12 @@ that nothing is left out for ever.
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress
+from walkergen.core.numerics import Array
 from walkergen.guests.lab.fit.parameters import Parameter, prior_values
 from walkergen.guests.lab.fit.posterior import KEPT_DRAWS, Observed, Posterior, Responds, log_likelihood
-
-Array = npt.NDArray[np.float64]
 
 DRAWS_PER_ROUND, MAX_ROUNDS = 2**13, 24
 """Draws of a round, which count with those of all before, and rounds until sampling gives up."""

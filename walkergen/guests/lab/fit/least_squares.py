@@ -10,14 +10,12 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
+from walkergen.core.numerics import Array
 from walkergen.core.theory.speed import Mode, factor
 from walkergen.core.theory.tensors import InverseMass, foot_tensors
 from walkergen.core.walker.mass import MassProperties
-
-Array = npt.NDArray[np.float64]
 
 RANGES = {"restitution": (0.0, 1.0), "friction": (1e-3, 5.0), "impact_speed_factor": (1e-3, 100.0)}
 """Names of the parameters that can be fitted, and the range in which each is sought."""

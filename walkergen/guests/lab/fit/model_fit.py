@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.analysis import speeds as measured
 from walkergen.analysis.speeds import Measured
 from walkergen.core.errors import InputError
 from walkergen.core.files.config import validate
 from walkergen.core.files.progress import Expect, Expected, Progress, ignore_estimate
+from walkergen.core.numerics import Array
 from walkergen.core.scene import Scene
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
@@ -25,8 +25,6 @@ from walkergen.guests.lab.fit.parameters import PARAMETER_KEYS, SCENE_PARAMETERS
 from walkergen.guests.lab.fit.posterior import Observed, Posterior, Responds
 from walkergen.guests.lab.report import name_after
 from walkergen.points import effect_selection, run_time
-
-Array = npt.NDArray[np.float64]
 
 PRIOR_WALKERS, POSTERIOR_WALKERS, AHEAD_WALKERS = 64, 32, 48
 """Walkers simulated in a setting: over the prior, over the posterior, and ahead of measuring."""

@@ -5,16 +5,14 @@ from collections.abc import Mapping, Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
 from walkergen.core.files import formatting
+from walkergen.core.numerics import Array
 from walkergen.core.scene import MIN_RESTITUTION, Scene
 from walkergen.core.theory import uncertain_inputs
 from walkergen.core.theory.uncertain_inputs import Input
 from walkergen.core.walker.design import Design
-
-Array = npt.NDArray[np.float64]
 
 PriorName = Literal["flat", "scene"]
 PRIORS: tuple[PriorName, ...] = ("scene", "flat")

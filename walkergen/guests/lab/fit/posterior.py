@@ -8,14 +8,12 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress
+from walkergen.core.numerics import Array
 from walkergen.guests.lab.fit.parameters import Parameter, prior_values
 from walkergen.points.emulator import single_thread
-
-Array = npt.NDArray[np.float64]
 
 
 class Responds(Protocol):

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
+from walkergen.core.numerics import Array
 from walkergen.core.theory import prediction, surrogate
 from walkergen.core.theory.networks import LINEAR_BELOW
 from walkergen.core.theory.surrogate import UnknownError
@@ -18,8 +18,6 @@ from walkergen.core.theory.uncertain_inputs import Drawn
 from walkergen.core.walker import solids
 from walkergen.guests.lab.fit.emulated_speeds import STILL_SPEED_RATIO, Ground, Setting, plate_scene
 from walkergen.guests.lab.fit.parameters import SCATTER_NAME
-
-Array = npt.NDArray[np.float64]
 
 
 class Tabled(NamedTuple):

@@ -4,13 +4,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.analysis import speeds as measured
 from walkergen.analysis.speeds import Measured
 from walkergen.core.errors import InputError
 from walkergen.core.files.config import validate
 from walkergen.core.files.progress import Progress
+from walkergen.core.numerics import Array
 from walkergen.core.scene import Scene
 from walkergen.core.walker import solids
 from walkergen.core.walker.limbs import KINDS, Kind
@@ -18,8 +18,6 @@ from walkergen.guests.lab.fit import least_squares
 from walkergen.guests.lab.fit.job import Job
 from walkergen.guests.lab.fit.least_squares import RANGES, ContactFit, Speeds
 from walkergen.guests.lab.report import name_after
-
-Array = npt.NDArray[np.float64]
 
 CURVE_POINTS = 121
 

@@ -17,10 +17,10 @@ import numpy.typing as npt
 from scipy import ndimage
 
 from walkergen.core.errors import InputError
+from walkergen.core.numerics import Mask
 from walkergen.guests.track.film.films import Grey
 
-Array = npt.NDArray[np.float32]
-Mask = npt.NDArray[np.bool_]
+Floats = npt.NDArray[np.float32]
 
 MEDIAN_PIXELS = 40_000
 """Number of pixels, about, of which medians are taken."""
@@ -65,9 +65,9 @@ EIGHT_NEIGHBOURS = np.ones((3, 3), dtype=bool)
 class Appearance(NamedTuple):
     """What tells walkers from the ground in one film."""
 
-    picture: Array
+    picture: Floats
     """Brightness of all that stands still, shape (height, width)."""
-    ground: Array
+    ground: Floats
     """Brightness of the ground, shape (height, width)."""
     dark: bool
     """True when walkers are darker than the ground."""
@@ -82,19 +82,19 @@ class Appearance(NamedTuple):
     width: float = 0.0
     """Width of the walkers, pixels: twice the largest distance from their edge."""
 
-    def contrasts(self, frame: Grey) -> Array:
+    def contrasts(self, frame: Grey) -> Floats:
         """Contrasts of pixels with the ground, positive on walkers; lamps that flicker undone."""
         lamp, gain = self._light_and_gain(frame)
         sharp = (frame - lamp * self.ground) * (-gain if self.dark else gain)
         return np.asarray(ndimage.gaussian_filter(sharp, self.blur), np.float32)
 
-    def slopes(self, frame: Grey) -> Array:
+    def slopes(self, frame: Grey) -> Floats:
         """Change of the brightness from pixel to pixel, in the unit of contrasts."""
         _, gain = self._light_and_gain(frame)
         slope = ndimage.gaussian_gradient_magnitude(frame, math.hypot(self.blur, 1.0), output=float)
         return np.asarray(slope * gain, np.float32)
 
-    def _light_and_gain(self, frame: Grey) -> tuple[float, Array]:
+    def _light_and_gain(self, frame: Grey) -> tuple[float, Floats]:
         """Light of a frame over that of the picture, and the factor of contrasts in dark places."""
         step = max(1, int(np.sqrt(frame.size / MEDIAN_PIXELS)))
         few = np.s_[::step, ::step]
@@ -137,7 +137,7 @@ def learn_appearance(
     return look._replace(width=width or next(_widest_spots(fields[at], slopes, (look.threshold,)))[0])
 
 
-def _try_side(samples: Sequence[Grey], picture: Array, dark: bool, threshold: float | None) -> Appearance:
+def _try_side(samples: Sequence[Grey], picture: Floats, dark: bool, threshold: float | None) -> Appearance:
     """Appearance by the widest window that may hold a walker; width 0 unless smaller ones agree.
 
     What lies between walkers stands out as well, on their other side, but as wide as the window
@@ -158,7 +158,7 @@ def _try_side(samples: Sequence[Grey], picture: Array, dark: bool, threshold: fl
     return whole if agree else whole._replace(width=0.0)
 
 
-def estimate_ground(picture: Array, dark: bool, widest: float) -> Array:
+def estimate_ground(picture: Floats, dark: bool, widest: float) -> Floats:
     """Brightness of the ground, without what is dark, or light, and narrower than that, pixels."""
     side, window = 1.0 if dark else -1.0, round(widest) | 1
     # A closing, but of what is seen alone: beyond the frame there is neither ground nor walker.
@@ -184,14 +184,14 @@ def _measure_contrast(samples: Sequence[Grey], look: Appearance, threshold: floa
     return look._replace(noise=noise, threshold=least, contrast=max(level, least), width=width)
 
 
-def _frame_noise(fields: Sequence[Array]) -> float:
+def _frame_noise(fields: Sequence[Floats]) -> float:
     """Deviation of contrasts from frame to frame, by its median size: little moves."""
     steps = [np.median(np.abs(now - before)) for before, now in pairwise(fields)]
     return 1.4826 / math.sqrt(2.0) * float(np.median(steps)) if steps else 0.0
 
 
 def _widest_spots(
-    fields: Sequence[Array], slopes: Sequence[Array], thresholds: Sequence[float]
+    fields: Sequence[Floats], slopes: Sequence[Floats], thresholds: Sequence[float]
 ) -> Iterator[tuple[float, float]]:
     """Median width of the widest things with a sharp edge, pixels, and their contrast, at each."""
     for threshold in thresholds:
@@ -204,7 +204,7 @@ def _widest_spots(
         yield float(width), float(level)
 
 
-def _sharp_spots(field: Array, slope: Array, threshold: float) -> Iterator[tuple[float, float]]:
+def _sharp_spots(field: Floats, slope: Floats, threshold: float) -> Iterator[tuple[float, float]]:
     """Width, pixels, and contrast in the middle, of all things whose edge is sharp all around."""
     for box, piece in connected_pieces(field > threshold, MIN_WIDTH_PX):
         inside = piece[1:-1, 1:-1]

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.core.files.progress import Progress
+from walkergen.core.numerics import Array
 from walkergen.guests.track.film import appearance, camera, films, heading, linking
 from walkergen.guests.track.film.appearance import Appearance
 from walkergen.guests.track.film.blobs import Blob, find_blobs
@@ -16,7 +17,7 @@ from walkergen.guests.track.film.films import Box, Clock, Film, Grey
 from walkergen.guests.track.film.heading import MIN_ELONGATION
 from walkergen.guests.track.film.lens import Lens
 from walkergen.guests.track.film.linking import Linked, Seen
-from walkergen.guests.track.film.result import Array, Options, Outline, Tracked, Walker
+from walkergen.guests.track.film.result import Options, Outline, Tracked, Walker
 
 SAMPLE_FRAMES = 8
 """Number of frames, from the first on, that tell the look of a film."""

@@ -7,11 +7,12 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.core.files import formatting
+from walkergen.core.numerics import Array, Whole
 from walkergen.guests.track.film.blob_tracking import Unmarked
 from walkergen.guests.track.film.blobs import Blobs
 from walkergen.guests.track.film.linking import Seen
 from walkergen.guests.track.film.quality import MAX_LOST_SHARE, Told
-from walkergen.guests.track.film.result import Array, Tracked, Whole
+from walkergen.guests.track.film.result import Tracked
 
 CORRELATED_FRAMES = 10
 """Number of neighbouring frames, about, that err alike."""

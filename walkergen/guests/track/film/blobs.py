@@ -8,13 +8,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy import ndimage
 
-from walkergen.guests.track.film.appearance import EIGHT_NEIGHBOURS, Appearance, Array, Mask, connected_pieces
+from walkergen.core.numerics import Array, Mask
+from walkergen.guests.track.film.appearance import EIGHT_NEIGHBOURS, Appearance, Floats, connected_pieces
 from walkergen.guests.track.film.films import Grey
-
-Column = npt.NDArray[np.float64]
 
 OPENING_RADIUS = 0.3
 """Radius of the disc that rubs out what is thin, over the walkers' width."""
@@ -65,15 +63,15 @@ class Blob(NamedTuple):
 class Blobs(NamedTuple):
     """Blobs of one walker in several frames: the fields of `Blob`, arrays of shape (n,)."""
 
-    x: Column
-    y: Column
-    area: Column
-    axis: Column
-    length: Column
-    width: Column
-    mark: Column
-    pull_x: Column
-    pull_y: Column
+    x: Array
+    y: Array
+    area: Array
+    axis: Array
+    length: Array
+    width: Array
+    mark: Array
+    pull_x: Array
+    pull_y: Array
 
 
 def find_blobs(frame: Grey, look: Appearance, marked: bool) -> list[Blob]:
@@ -100,7 +98,7 @@ def find_blobs(frame: Grey, look: Appearance, marked: bool) -> list[Blob]:
     return blobs
 
 
-def _coverage(mask: Mask, field: Array) -> Array:
+def _coverage(mask: Mask, field: Floats) -> Floats:
     """Share of each pixel that a walker covers: at its edge what the contrast says, inside 1."""
     near = ndimage.binary_dilation(mask, EIGHT_NEIGHBOURS)
     deep = ndimage.binary_erosion(mask, EIGHT_NEIGHBOURS, iterations=2)
@@ -110,7 +108,7 @@ def _coverage(mask: Mask, field: Array) -> Array:
     return share
 
 
-def _shadow_pull(piece: Mask, field: Array) -> tuple[float, float]:
+def _shadow_pull(piece: Mask, field: Floats) -> tuple[float, float]:
     """Way from the middle of a walker's own contrast to that of all that is taken for it, pixels.
 
     Marks within do not count.
@@ -139,7 +137,7 @@ def _open_mask(piece: Mask, radius: float) -> Mask:
     return np.asarray(ndimage.distance_transform_edt(~core) <= radius)
 
 
-def _measure_blob(covered: Array, left: int, top: int) -> Blob:
+def _measure_blob(covered: Floats, left: int, top: int) -> Blob:
     """Centre, axis and extents of pixels that are covered by these shares."""
     rows, cols = np.nonzero(covered)
     weight = covered[rows, cols].astype(float)
@@ -155,7 +153,7 @@ def _measure_blob(covered: Array, left: int, top: int) -> Blob:
     return Blob(left + middle_x, top + middle_y, area, axis, length, width, math.nan)
 
 
-def _extent(weight: Array, off: Array, half: float) -> float:
+def _extent(weight: Floats, off: Floats, half: float) -> float:
     """Extent of pixels along a line, from those that lie off it by up to about `half`, pixels.
 
     The band ends softly, over a pixel, so that its width is the same wherever the line runs.
@@ -164,7 +162,7 @@ def _extent(weight: Array, off: Array, half: float) -> float:
     return float((weight * (half + 0.5 - np.abs(off)).clip(0.0, 1.0)).sum()) / (2.0 * half)
 
 
-def _mark_direction(own: Mask, field: Array, blob: Blob, left: int, top: int, look: Appearance) -> float:
+def _mark_direction(own: Mask, field: Floats, blob: Blob, left: int, top: int, look: Appearance) -> float:
     """Direction to the spot that differs most from the rest of a walker; NaN without one."""
     deep = ndimage.distance_transform_edt(own) > max(1.5, MARK_DEPTH * look.width)
     if not deep.any():

@@ -13,11 +13,10 @@ import numpy as np
 import numpy.typing as npt
 from scipy import ndimage
 
+from walkergen.core.numerics import Array, Mask
 from walkergen.guests.track.film.appearance import Appearance
 from walkergen.guests.track.film.blobs import Blob
 from walkergen.guests.track.film.films import Grey
-
-Array = npt.NDArray[np.float64]
 
 BLUR_PX = 2.0
 """Deviation of the blur, pixels, within about twice which a shift is found."""
@@ -116,7 +115,7 @@ def measure_shake(shifts: Sequence[Array]) -> Shake:
     return Shake(float(np.sqrt(np.mean(off**2))), float(np.hypot(*off.T).max()))
 
 
-def _is_clear(places: npt.NDArray[np.generic], walkers: Sequence[Blob]) -> npt.NDArray[np.bool_]:
+def _is_clear(places: npt.NDArray[np.generic], walkers: Sequence[Blob]) -> Mask:
     """Return which positions, shape (2, n), lie away from all walkers."""
     free = np.ones(places.shape[1], dtype=bool)
     for walker in walkers:

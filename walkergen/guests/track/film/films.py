@@ -23,6 +23,7 @@ from walkergen import extras
 from walkergen.core.errors import InputError
 from walkergen.core.files import file_reading, formatting
 from walkergen.core.files.progress import Progress
+from walkergen.core.numerics import Array
 from walkergen.guests.track.film import pictures
 
 Grey = npt.NDArray[np.uint8]
@@ -75,7 +76,7 @@ class Reel(NamedTuple):
 class Clock(NamedTuple):
     """Times of a film's frames."""
 
-    times: npt.NDArray[np.float64]
+    times: Array
     """Time of each frame from the first on, 0 for it, s, shape (frames,)."""
     fps: float
     """Frames per second in the mean."""

@@ -10,11 +10,9 @@ from itertools import pairwise
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
-import numpy.typing as npt
 
+from walkergen.core.numerics import Array, Whole
 from walkergen.guests.track.film.linking import Seen
-
-Array = npt.NDArray[np.float64]
 
 By = Literal["motion", "mark"]
 HEADING_SOURCES: tuple[By, ...] = get_args(By)
@@ -74,7 +72,7 @@ def _no_heading(walker: Seen, why: str) -> Headed:
     return Headed(np.full(len(walker.frames), np.nan), why)
 
 
-def _continuous_parts(frames: npt.NDArray[np.int64], axis: Array) -> list[slice]:
+def _continuous_parts(frames: Whole, axis: Array) -> list[slice]:
     """Parts of a track in which the long axis can be followed from frame to frame."""
     turns = np.abs((np.diff(axis) + 0.5 * math.pi) % math.pi - 0.5 * math.pi)
     cuts = np.flatnonzero((turns > MAX_TURN) | (np.diff(frames) > MAX_GAP_FRAMES)) + 1

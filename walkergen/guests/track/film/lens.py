@@ -11,13 +11,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
 from walkergen.core.files import file_reading, safe_text
+from walkergen.core.numerics import Array
 from walkergen.guests.track.film.blobs import Blobs
-
-Array = npt.NDArray[np.float64]
 
 MAX_BYTES = 1_000_000
 COEFFICIENT_COUNTS = (4, 5, 8, 12, 14)
@@ -87,13 +85,6 @@ class Lens(NamedTuple):
                 "calibrate with a checkerboard that reaches the edges of the picture"
             )
         return np.asarray(rays * self.focal + self.middle + 0.5).reshape(pixels.shape)
-
-    def max_shift(self) -> float:
-        """Compute the largest shift of a corner of the picture, over its distance from the optical axis."""
-        corners = np.array([(0, 0), (1, 0), (0, 1), (1, 1)]) * (self.width, self.height)
-        shift = np.linalg.norm(self.undistort(corners.astype(float)) - corners, axis=1)
-        away = np.linalg.norm(corners - np.array(self.middle) - 0.5, axis=1)
-        return float((shift / away).max())
 
     def undistort_blobs(self, blobs: Blobs, offset: tuple[int, int]) -> Blobs:
         """Blobs by a lens that does not bend: places, directions, lengths and areas.

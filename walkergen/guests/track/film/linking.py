@@ -4,12 +4,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
+from walkergen.core.numerics import Array, Whole
 from walkergen.guests.track.film.blobs import Blob, Blobs
-
-Array = npt.NDArray[np.float64]
 
 MIN_AREA_RATIO, MAX_AREA_RATIO = 0.5, 1.6
 """Areas, over that of a walker, below which a thing is none, and above which it is several."""
@@ -27,7 +25,7 @@ MIN_TRACK_FRAMES, MIN_TRACK_SHARE = 5, 0.05
 class Seen(NamedTuple):
     """One walker in the frames in which it was seen."""
 
-    frames: npt.NDArray[np.int64]
+    frames: Whole
     """Numbers of the frames, ascending, shape (n,)."""
     blobs: Blobs
     """What was seen in each of them."""

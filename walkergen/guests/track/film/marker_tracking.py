@@ -12,6 +12,7 @@ import numpy as np
 
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress
+from walkergen.core.numerics import Array, Whole
 from walkergen.guests.track.film import films, plane
 from walkergen.guests.track.film.films import Box, Clock, Film, Grey
 from walkergen.guests.track.film.heading import unwrap
@@ -19,7 +20,7 @@ from walkergen.guests.track.film.lens import Lens
 from walkergen.guests.track.film.linking import MIN_TRACK_FRAMES, MIN_TRACK_SHARE
 from walkergen.guests.track.film.markers import MIN_SIDE_PX, Reader, Sighted
 from walkergen.guests.track.film.plane import Plane, Pose
-from walkergen.guests.track.film.result import Array, Options, Outline, Tracked, Walker, Whole
+from walkergen.guests.track.film.result import Options, Outline, Tracked, Walker
 from walkergen.readers.walkers import caps
 
 MARKER_MM = 7.2

@@ -10,13 +10,11 @@ corners.
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy import ndimage
 
+from walkergen.core.numerics import Array, Mask, Whole
 from walkergen.core.walker.fittings import MARKER_CELLS
 from walkergen.guests.track.film.films import Grey
-
-Array = npt.NDArray[np.float64]
 
 MIN_SIDE_PX = 12.0
 """Smallest side of a marker that is read, pixels: two a cell."""
@@ -44,7 +42,7 @@ MIN_STEP_RATIO = 0.5
 class Sighted(NamedTuple):
     """Markers in one frame."""
 
-    numbers: npt.NDArray[np.int64]
+    numbers: Whole
     """Shape (n,)."""
     corners: Array
     """Corners from the upper left one clockwise as the marker is read, shape (n, 4, 2), pixels from
@@ -111,7 +109,7 @@ def _refine_once(frame: Grey, squares: Array) -> Array:
     return np.where(known[:, None, None], _intersect_lines(normal, point), squares)
 
 
-def _fit_lines(along: Array, shift: Array, good: npt.NDArray[np.bool_]) -> tuple[Array, Array]:
+def _fit_lines(along: Array, shift: Array, good: Mask) -> tuple[Array, Array]:
     """Offset in the middle, and slope, of lines through shifts across, by a robust fit.
 
     `along` is of shape (p,), shifts are of shape (n, 4, p), both over a side's length.

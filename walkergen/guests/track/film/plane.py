@@ -12,11 +12,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.core.errors import InputError
-
-Array = npt.NDArray[np.float64]
+from walkergen.core.numerics import Array, Mask
 
 UNIT_SQUARE = 0.5 * np.array([(1.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (-1.0, 1.0)])
 """Corners of a marker of side 1 whose front is ahead, along x, y up: upper left one first."""
@@ -139,7 +137,7 @@ def find_poses(plane: Plane, corners: Array, side: float) -> Pose:
     return Pose(mapped.mean(axis=1), _turn_angles(centred), residual)
 
 
-def is_square(off_px: Array) -> npt.NDArray[np.bool_]:
+def is_square(off_px: Array) -> Mask:
     """Return which markers are squares in the plane; others are misread, or lean."""
     return np.asarray(off_px <= max(RESIDUAL_FACTOR * float(np.median(off_px)), MIN_RESIDUAL_PX))
 

@@ -5,11 +5,9 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from walkergen.core.numerics import Array
 from walkergen.guests.track.film.films import Clock, Film
-
-Array = npt.NDArray[np.float64]
 
 LEG_JITTERS = 10.0
 """Length of the straight legs of a path over the jitter: noise lengthens each by its square."""

@@ -5,14 +5,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from walkergen.core.numerics import Array, Whole
 from walkergen.guests.track.film import quality
 from walkergen.guests.track.film.films import Box, Clock, Film, Grey
 from walkergen.guests.track.film.lens import Lens
-
-Array = npt.NDArray[np.float64]
-Whole = npt.NDArray[np.int64]
 
 
 class Options(NamedTuple):
