@@ -29,12 +29,12 @@ def predicted(design, scene, model="best"):
 
 @pytest.mark.slow
 def test_what_the_surrogate_declines_is_simulated_once_and_then_known():
-    """By direct runs 39.5 mm/s; short runs err by some more."""
-    design, scene = Design().variant(tilt_deg=10.0), on_plane(contact={"friction": 0.6})
+    """By direct runs 46.6 mm/s; short runs err by some more. On a slope the surrogate is not corrected."""
+    design, scene = Design().variant(tilt_deg=10.0), on_plane(contact={"friction": 0.6}, plate={"slope_deg": 0.5})
     assert predicted(design, scene, "known").speed_mm_s is None
     row = predicted(design, scene)
     assert row.speed_by == "runs"
-    assert row.nominal_mm_s == pytest.approx(39.5, rel=0.2)
+    assert row.nominal_mm_s == pytest.approx(46.6, rel=0.2)
     assert row.speed_low_95_mm_s < row.speed_low_68_mm_s < row.speed_mm_s < row.speed_high_68_mm_s
     assert predicted(design, scene, "known") == row
 

@@ -26,7 +26,7 @@ LIMITS = {
     "walkergen/guests/movie": 1500,
     "walkergen/guests/sweep": 2410,
     "walkergen/guests/track": 3710,
-    "walkergen/points": 2980,
+    "walkergen/points": 3110,
     "walkergen/readers": 5350,
     "walkergen/sheets": 530,
     "benchmarks": 2760,

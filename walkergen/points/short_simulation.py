@@ -17,10 +17,10 @@ from walkergen.core.scene import Scene
 from walkergen.core.simulation.effects.resolve import replace_without_validation
 from walkergen.core.simulation.run import Outcome
 from walkergen.core.theory import prediction
-from walkergen.core.theory.prediction import Spread
-from walkergen.core.theory.surrogate import NORMAL_95
+from walkergen.core.theory.prediction import By, Spread
+from walkergen.core.theory.surrogate import NORMAL_95, Known
 from walkergen.core.tolerance import Tolerance
-from walkergen.points import print_ensemble, run_time, walkers
+from walkergen.points import corrected_surrogate, print_ensemble, run_time, walkers
 from walkergen.points.effect_selection import find_simplest
 from walkergen.points.experiments import Walker
 from walkergen.points.point import Record, digest
@@ -65,12 +65,24 @@ def load_stored(walker: Walker) -> Record | None:
         store.close()
 
 
-def simulate_short(walker: Walker, progress: Progress) -> Record:
+def simulate_short(walker: Walker, near: Known | None, progress: Progress) -> Record:
     """Numbers of a short simulation of a walker, which the store then has.
 
-    Raises InputError for one whose steps are so many that it takes minutes.
+    A few runs are enough where the surrogate knows such walkers, as `near`. Raises InputError for a walker whose steps
+    are so many that it takes minutes.
     """
     _check_run_length(walker)
+    record = corrected_surrogate.simulate(walker, near, progress) or _simulate_runs(walker, progress)
+    store = Store()
+    try:
+        store.save([(_store_key(walker), record)])
+    finally:
+        store.close()
+    return record
+
+
+def _simulate_runs(walker: Walker, progress: Progress) -> Record:
+    """Numbers by runs of the walker and of its prints."""
     simple = find_simplest(_with_short_runs(walker), part_progress(progress, 0, 3, "what can be left out"))
     few = simple.walker
     results = walkers.simulate_with_limit(
@@ -80,6 +92,7 @@ def simulate_short(walker: Walker, progress: Progress) -> Record:
         raise KeyboardInterrupt
     summary = results.summary
     record: Record = {
+        "by": "runs",
         "nominal": summary.speed_mm_s,
         "low": summary.speed_low_95_mm_s,
         "high": summary.speed_high_95_mm_s,
@@ -87,13 +100,7 @@ def simulate_short(walker: Walker, progress: Progress) -> Record:
         "left_out": dict(simple.lines).get("left out"),
         "left_out_mm_s": simple.error_mm_s,
     }
-    record |= _simulate_prints(few, progress)
-    store = Store()
-    try:
-        store.save([(_store_key(walker), record)])
-    finally:
-        store.close()
-    return record
+    return record | _simulate_prints(few, progress)
 
 
 def _with_short_runs(walker: Walker) -> Walker:
@@ -187,7 +194,12 @@ def to_spread(record: Record, scene: Scene) -> Spread | None:
         ends = print_ensemble.add_step_error((low2, low1, high1, high2), mean, left_out)
     own = float(prediction.model_error_sd(mean, scene))
     ends = print_ensemble.add_error(ends, mean, (NORMAL_95 * own, own, own, NORMAL_95 * own))
-    return Spread(nominal, (first, last), mean, math.hypot(sd, own), ends, "runs")
+    return Spread(nominal, (first, last), mean, math.hypot(sd, own), ends, _source(record))
+
+
+def _source(record: Record) -> By:
+    """Source of a record's speeds."""
+    return "corrected" if record.get("by") == "corrected" else "runs"
 
 
 def _float_or_none(record: Record, name: str) -> float | None:

@@ -1,6 +1,6 @@
 """The one decision by what a speed is known: statics, the surrogate where it is sure, else a short simulation."""
 
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from walkergen.core.files.progress import Progress, silent
 from walkergen.core.scene import Scene
@@ -10,6 +10,9 @@ from walkergen.core.theory.speed import Mode
 from walkergen.core.theory.surrogate import UnknownError
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
+
+if TYPE_CHECKING:
+    from walkergen.points.point import Record
 
 Model = Literal["best", "known", "theory"]
 
@@ -41,17 +44,22 @@ def predict(
 
         walker = Walker(scene, design, mass)
         record = short_simulation.load_stored(walker) or (
-            None if model == "known" else short_simulation.simulate_short(walker, progress)
+            None if model == "known" else short_simulation.simulate_short(walker, reason.near, progress)
         )
         if record is None:
             return prediction.make_row(
                 design, mass, scene, mode, None, f"to be simulated by predict or ‹simulate›: {reason}"
             )
         left_out = f"; left out: {record['left_out']}" if record["left_out"] else ""
-        falls, note = float(record["falls"] or 0.0), f"simulated, since {reason}{left_out}"
+        falls, note = float(record["falls"] or 0.0), f"{_how(record)}, since {reason}{left_out}"
         if scene.drive.kind == "motor":
             note += _push_warning(scene.drive.push_ratio(float(mass.total)))
         return prediction.make_row(design, mass, scene, mode, short_simulation.to_spread(record, scene), note, falls)
+
+
+def _how(record: "Record") -> str:
+    """How a speed was simulated, in words."""
+    return "simulated" if record["by"] == "runs" else "by the surrogate, corrected by a few runs"
 
 
 def _push_warning(weights: float) -> str:

@@ -54,6 +54,8 @@ class Speeds(NamedTuple):
     """Standard deviation by which prints of one walker differ, as their feet are uneven."""
     falls: Array
     """Chance that a run ends in a fall."""
+    each: Array
+    """Middles by each of the networks, shape (networks, n)."""
 
     def speed_ratios(self, deviation: Array | float) -> Array:
         """Speeds over the plate's peak speed, so far from the middle on the scale of the networks."""
@@ -184,4 +186,4 @@ def speeds_at(kind: Kind, places: Array) -> Speeds:
     parts = np.stack([values.std(axis=0, ddof=1), run_sd * level, level])
     error = np.sqrt(kept[f"{kind}_error"] ** 2 @ parts**2)
     falls = 1.0 / (1.0 + np.exp(-evaluate(load_layers(f"{kind}_falls"), inputs)[..., 0].mean(axis=0)))
-    return Speeds(values.mean(axis=0), error, prints, falls)
+    return Speeds(values.mean(axis=0), error, prints, falls, values)

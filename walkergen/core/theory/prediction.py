@@ -41,9 +41,9 @@ SURROGATE_INPUT = Input("the surrogate's error", 0.0, 1.0, -np.inf)
 MODEL_INPUT = Input("the model itself", 0.0, 1.0, -np.inf)
 """Structural error of the model in space, over its standard deviation."""
 
-By = Literal["surrogate", "runs", "statics", "theory"]
-"""Source of a speed: the model in space by its surrogate, or by runs of the walker itself; statics where it
-stands; "theory" where only that was asked for, and there is no speed."""
+By = Literal["surrogate", "corrected", "runs", "statics", "theory"]
+"""Source of a speed: the model in space by its surrogate, by that corrected by a few runs, or by runs of the walker and
+its prints; statics where it stands; "theory" where only that was asked for, and there is no speed."""
 
 
 class Speed(NamedTuple):
@@ -248,11 +248,9 @@ def variance_shares(design: Design, mass: MassProperties, scene: Scene) -> tuple
     Raises UnknownError for a walker that the surrogate does not know.
     """
     inputs, known = prediction_inputs(scene, design), surrogate.case_in_domain(scene, design, mass)
-
-    def speeds(values: Array) -> Array:
-        return sample_speeds(known, uncertain_inputs.label_columns(inputs, values))
-
-    return uncertain_inputs.variance_shares(inputs, speeds, SEED)
+    return uncertain_inputs.variance_shares(
+        inputs, lambda values: sample_speeds(known, uncertain_inputs.label_columns(inputs, values)), SEED
+    )
 
 
 def sample_prediction_inputs(scene: Scene, design: Design) -> Drawn:

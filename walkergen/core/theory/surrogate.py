@@ -44,6 +44,11 @@ RANGE_MARGIN = 0.02
 class UnknownError(WalkergenError):
     """The surrogate does not know a walker; the text says why, in words that a table of many says once."""
 
+    def __init__(self, text: str, near: "Known | None" = None) -> None:
+        super().__init__(text)
+        self.near = near
+        """Walker whose kind and ranges the surrogate knows, where its speed is not known well enough."""
+
 
 class FallsError(UnknownError):
     """The surrogate knows no speed of a walker, since it falls over."""
@@ -105,12 +110,12 @@ def case_in_domain(scene: Scene, design: Design, mass: MassProperties, within_go
     if speeds.falls[0] >= SURE_FALL_CHANCE:
         raise FallsError(float(speeds.falls[0]))
     if speeds.falls[0] > MAX_FALL_CHANCE:
-        raise UnknownError("such walkers may fall over")
+        raise UnknownError("such walkers may fall over", known)
     speed, se = known.to_mm_s(speeds)
     goal = max(MAX_ERROR_SHARE * abs(speed), MAX_ERROR_MM_S)
     if within_goal and NORMAL_95 * se > goal:
         raise UnknownError(
-            f"the surrogate does not know it to {100.0 * MAX_ERROR_SHARE:g} % or {MAX_ERROR_MM_S:g} mm/s"
+            f"the surrogate does not know it to {100 * MAX_ERROR_SHARE:g} % or {MAX_ERROR_MM_S:g} mm/s", known
         )
     return known
 
@@ -141,7 +146,6 @@ COVERED_KEYS = {
     "legs": {"damping_ratio", "damping_ratio_sd"},
 }
 """Keys of other tables that the surrogate reads, or that it draws."""
-
 
 GOVERNING_KEY = {key: number for number, keys in DEPENDENT_KEYS.items() for key in (number, *keys)}
 """Numbers without which keys say nothing."""

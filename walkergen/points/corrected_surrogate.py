@@ -1,0 +1,131 @@
+"""A walker's speed by the surrogate where that is not sure enough of it, corrected by a few runs of the walker.
+
+On the scale of its networks the surrogate errs nearly alike for all prints of a walker. So runs of the walker as
+designed give the error, and prints need no runs: what the networks differ by, between the walker and a print, remains.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.core.files.progress import Progress
+from walkergen.core.measure import Measured, measure
+from walkergen.core.scene import GRAVITY
+from walkergen.core.simulation import ensemble
+from walkergen.core.simulation.observables import SPEED
+from walkergen.core.simulation.run import ENDED_WELL, Outcome, RunResult
+from walkergen.core.theory import networks, prediction
+from walkergen.core.theory.networks import LINEAR_BELOW, Speeds
+from walkergen.core.theory.surrogate import MAX_ERROR_MM_S, MAX_ERROR_SHARE, NORMAL_95, Known
+from walkergen.core.theory.uncertain_inputs import QUANTILES
+from walkergen.points import print_ensemble
+from walkergen.points.experiments import Walker
+from walkergen.points.point import Record
+
+SECONDS, FIRST_RUNS, MAX_RUNS, RUN_GROWTH = 1.0, 5, 32, 1.5
+"""Measured time of a run, s; numbers of runs at first and at most, and the factor by which they grow."""
+
+SETTLING_RATIO, SETTLING_RANGE_S = 12.0, (0.5, 4.0)
+"""Time until a walker has its speed, over that in which friction gives it the plate's peak speed; its limits, s. With
+frictions of 0.02 to 0.04 speeds still grew for a second after the drop."""
+
+MAX_SURROGATE_ERROR = 0.3
+"""Standard error of the surrogate, on the scale of its networks, beyond which it does not know a walker's prints."""
+
+MIN_RUN_ERROR = 0.02
+"""Least standard error of the runs, on the scale of the networks: runs on one orbit have no scatter."""
+
+MAX_DEVIATIONS = 3.0
+"""Standard deviations between surrogate and runs beyond which the surrogate's error is not what it states."""
+
+DIFFERENCE_FACTOR = 1.5
+"""Factor of what the networks differ by, between a walker and a print, so that bounds hold 68 and 95 % of prints."""
+
+MAX_FALL_CHANCE = 0.25
+"""Chance of a fall, by the networks, beyond which runs of a second are too short to say how often a walker falls."""
+
+
+class ToGoal(NamedTuple):
+    """Runs until the speed as designed is known as well as the surrogate has to know it."""
+
+    known: Known
+    first: int = FIRST_RUNS
+
+    def further(self, measured: Measured[Walker]) -> Measured[Walker] | None:
+        """Half as many runs again."""
+        nominal = combine(self.known, measured.records)
+        if nominal is None or measured.runs >= MAX_RUNS:
+            return None
+        speed, se = self.known.to_mm_s(nominal)
+        if NORMAL_95 * se <= max(MAX_ERROR_SHARE * abs(speed), MAX_ERROR_MM_S):
+            return None
+        return measured.with_runs(min(MAX_RUNS, math.ceil(RUN_GROWTH * measured.runs)))
+
+
+def simulate(walker: Walker, known: Known | None, progress: Progress) -> Record | None:
+    """Numbers of `points.short` by the corrected surrogate; None for a walker that it does not know well enough."""
+    if known is None or not _can_correct(known):
+        return None
+    few = walker.with_run(seconds=SECONDS, discard_seconds=_settling_s(known))
+    measured = measure(few, ToGoal(known), progress)
+    if measured.partial:
+        raise KeyboardInterrupt
+    by_step, nominal = measured.quantities[SPEED].bias, combine(known, measured.records)
+    if nominal is None or not math.isfinite(by_step):
+        return None
+    speed, se = known.to_mm_s(nominal)
+    half = math.hypot(NORMAL_95 * se, by_step)
+    falls = sum(record.outcome is Outcome.TOPPLED for record in measured.records) / measured.runs
+    record: Record = {"by": "corrected", "falls": falls, "left_out": None, "nominal": speed}
+    return record | {"low": speed - half, "high": speed + half} | _print_spread(known, nominal, by_step)
+
+
+def combine(known: Known, records: Sequence[RunResult]) -> Speeds | None:
+    """Speed as designed by surrogate and runs; None where too few runs end well, or both differ beyond their errors."""
+    mean = ensemble.mean_speed([record for record in records if record.outcome in ENDED_WELL])
+    if mean is None:
+        return None
+    scale = LINEAR_BELOW * known.peak_speed
+    low, high, seen = (math.asinh(speed / scale) for speed in (*mean.interval(0.95), mean.value))
+    noise = math.hypot((high - low) / (2.0 * NORMAL_95), MIN_RUN_ERROR)
+    alone = known.speeds_at(known.place)
+    if np.any(np.abs(seen - alone.centre) > MAX_DEVIATIONS * np.hypot(alone.error, noise)):
+        return None
+    part = alone.error**2 / (alone.error**2 + noise**2)
+    return alone._replace(centre=alone.centre + part * (seen - alone.centre), error=np.sqrt(part) * noise)
+
+
+def _can_correct(known: Known) -> bool:
+    """Whether runs correct the surrogate: it knows such walkers, and their speed does not depend on the time.
+
+    On a plane that slopes a walker turns downhill; below 1 g some prints stand and others bounce. Runs that leave
+    effects out are not those of the surrogate.
+    """
+    scene, alone = known.scene, known.speeds_at(known.place)
+    unsteady = scene.drive.peak_gamma < 1.0 or (scene.arena.kind == "plane" and scene.plate.slope_deg != 0.0)
+    sure = bool(alone.error[0] <= MAX_SURROGATE_ERROR and alone.falls[0] <= MAX_FALL_CHANCE)
+    return sure and not unsteady and scene.run.accepted_error is None
+
+
+def _settling_s(known: Known) -> float:
+    """Time in which a walker reaches its speed, s."""
+    gained_s = known.peak_speed / (max(known.scene.contact.friction, 1e-9) * GRAVITY)
+    return min(max(SETTLING_RATIO * gained_s, SETTLING_RANGE_S[0]), SETTLING_RANGE_S[1])
+
+
+def _print_spread(known: Known, nominal: Speeds, by_step: float) -> Record:
+    """Median, scatter and bounds over prints, mm/s, by draws of the surrogate that are shifted as the walker is."""
+    drawn, alone = prediction.sample_prediction_inputs(known.scene, known.design), known.speeds_at(known.place)
+    speeds = known.sample_speeds(drawn)
+    factor = DIFFERENCE_FACTOR * networks.load_arrays()[f"{known.design.kind}_error"][0]
+    error = np.hypot(nominal.error, factor * (speeds.each - alone.each).std(axis=0, ddof=1))
+    print_, own = (drawn.columns[law.name] for law in (prediction.PRINT_INPUT, prediction.SURROGATE_INPUT))
+    off = known.sign * (speeds.between_prints * print_ + error * own)
+    shares = known.peak_speed * speeds.speed_ratios(nominal.centre - alone.centre + off)
+    middle = float(np.median(shares))
+    first2, first1, last1, last2 = np.quantile(shares, QUANTILES).tolist()
+    low2, low1, high1, high2 = print_ensemble.add_step_error((first2, first1, last1, last2), middle, by_step)
+    spread: Record = {"mean": middle, "sd": float(np.std(shares))}
+    return spread | {"low_95": low2, "low_68": low1, "high_68": high1, "high_95": high2}
