@@ -143,7 +143,7 @@ def speeds(hidden: Hidden, tilts: Sequence[float], seconds: float) -> list[float
         step = prepare(scene, printed, mass).world.options.step
         asked.append(Walker(scene.variant(**{"run.step_us": 1e5 * step}), printed, mass))
     found = walkers.simulate_parallel(asked).values()
-    told = [one.summary.speed_mm_s for one in found]
+    told = [one.summary.speed.value for one in found]
     if None in told:
         raise InputError("a hidden print falls")
     return [float(one) for one in told if one is not None]
@@ -160,7 +160,7 @@ def bounds(method: str, hidden: Hidden, filmed: Sequence[tuple[float, float]], d
         return (row.speed_low_95_mm_s, row.speed_low_68_mm_s, row.speed_high_68_mm_s, row.speed_high_95_mm_s)
     if method == "uncertain":
         short = scene.variant(**{"run.seconds": PRINT_S})
-        return prints.measure(short, design, draws, silent).bounds_mm_s
+        return prints.measure(short, design, draws, silent).speed.ends or [None] * 4
     job = Job(design, scene, "space", prior="flat", ahead=[design.tilt_deg])
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "speeds.csv")

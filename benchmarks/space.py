@@ -103,7 +103,8 @@ def cost(plan: Plan, threads: int = 1) -> Cost:
     """Cost of the runs of a plan."""
     found = summary(plan, threads)
     rate = found.simulated_s / found.cpu_s
-    return Cost(rate, 1e6 / (rate * found.impacts_per_s) if found.impacts_per_s else float("nan"))
+    impacts = found.numbers["impacts_per_s"].number
+    return Cost(rate, 1e6 / (rate * impacts) if impacts else float("nan"))
 
 
 def table(seconds: float, runs: int) -> None:

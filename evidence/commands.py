@@ -1,6 +1,5 @@
 """Commands of the evidence, and what each is asked for."""
 
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -18,6 +17,14 @@ if TYPE_CHECKING:
     from walkergen.files.report import Report
 
 Quick = Annotated[bool, Flag("Simulate less: wider error bars.")]
+
+
+def _drives(value: object) -> list[float]:
+    """Drives, g, of a text with commas or as they are."""
+    numbers = [request.parse_number(word) for word in request.split_values(value)]
+    if not all(0.01 <= number <= 50.0 for number in numbers):
+        raise ValueError("each must lie in 0.01..50")
+    return numbers
 
 
 class ValidateRequest(request.Request):
@@ -109,7 +116,7 @@ class ReproduceRequest(request.Request):
     tilt: request.Tilts = None
     gamma: Annotated[
         list[float] | None,
-        BeforeValidator(partial(request.parse_numbers, low=0.01, high=50.0)),
+        BeforeValidator(_drives),
         Flag("Drives of figure 5: 1.2,1.8,2.4.", "G", takes="str | Iterable[float] | None"),
     ] = None
     seconds: request.Seconds = None

@@ -5,11 +5,6 @@ import math
 from walkergen.core.numerics.quantity import Quantity, Verdict
 
 
-def exact(key: str, unit: str, value: float) -> Quantity:
-    """Create a quantity without error, such as a definition or a closed form."""
-    return Quantity(key, unit, value, 0.0)
-
-
 def ratio(above: Quantity, below: Quantity) -> Quantity:
     """Ratio of two independent quantities, the second not 0, without a unit; errors to first order."""
     if above.value is None or below.value is None:

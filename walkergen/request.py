@@ -6,23 +6,20 @@ and what Python gives; an error about a value names its field. Options that seve
 
 import errno
 import os
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr, ValidationError, field_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, PrivateAttr, ValidationError, field_validator
 
 from walkergen import inputs
 from walkergen.command_table import for_call, for_shell
 from walkergen.core.errors import InputError
-from walkergen.core.files import assignments, config, file_reading, formatting
-from walkergen.core.files import safe_text as plain
+from walkergen.core.files import assignments, config, file_reading, formatting, safe_text
 from walkergen.core.files.progress import Expect, Progress, ignore_estimate
 
 if TYPE_CHECKING:
-    from walkergen.analysis.track_files import Units
     from walkergen.core.walker.design import Design
     from walkergen.files.report import Report
 
@@ -35,8 +32,8 @@ PAPER_WALKER, LANE_SCENE, PLANE_SCENE, TABLE_SCENE, DEFAULT_PRINTER = (
 )
 """Templates of the walker, the scenes and the printer that requests begin with."""
 
-MAX_TILT_DEG, MAX_TILTS, MAX_COPIES, MAX_BUDGET_S = 85, 10_000, 5000, 86_400.0
-"""Largest tilt (deg), most tilts and copies of a request, longest budget of time (s)."""
+MAX_TILT_DEG, MAX_TILTS, MAX_BUDGET_S = 85, 10_000, 86_400.0
+"""Largest tilt (deg), most tilts of a request, longest budget of time (s)."""
 
 
 VALUE_FORMS = {
@@ -46,12 +43,6 @@ VALUE_FORMS = {
     "missing": "is missing",
 }
 """Forms of a value in words, by pydantic's names of the mistake of another."""
-
-ERROR_SIGN_PATTERN = re.compile(r"±|\+/?-")
-"""Sign before an error."""
-
-Measured = tuple[float, float | None] | None
-"""Number with its standard error, where it has one."""
 
 
 class Flag(NamedTuple):
@@ -169,7 +160,7 @@ class Request(BaseModel):
         for name in fields:
             value = getattr(self, name)
             if value != type(self).model_fields[name].get_default(call_default_factory=True):
-                seen = f"‹{name}›" if value is True else f"‹{name}=›{plain.shorten_line(str(value))[:60]}"
+                seen = f"‹{name}›" if value is True else f"‹{name}=›{safe_text.shorten_line(str(value))[:60]}"
                 raise InputError(f"{seen}: {why}; leave it out", name)
 
 
@@ -192,25 +183,27 @@ def _format_mistake(request: type[Request], mistake: Any) -> str:
     else:
         of_field = config.describe_allowed_values((name,), request)  # type: ignore[arg-type]  # it reads the fields alone
         rule = ((VALUE_FORMS | config.TYPE_RULES).get(kind) or of_field or mistake["msg"]).replace("'", "")
-    shown = plain.shorten_line(repr(value) if isinstance(value, str) else str(value))[:60]
+    shown = safe_text.shorten_line(repr(value) if isinstance(value, str) else str(value))[:60]
     return f"‹{name}=›{shown}: {rule}"
 
 
-def _parse_number(text: object) -> float:
+def parse_number(text: object) -> float:
+    """Parse a number if it is a text."""
     value = formatting.parse_number(text) if isinstance(text, str) else text
     if value is None or isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ValueError(f"{str(text)[:30]!r} is not a number")
     return float(value) + 0.0
 
 
-def _parse_tilt(text: object) -> float:
-    value = _parse_number(text)
+def parse_tilt(text: object) -> float:
+    """Tilt, deg, of a text, or as it is."""
+    value = parse_number(text)
     if not -MAX_TILT_DEG <= value <= MAX_TILT_DEG:
         raise ValueError(f"{str(text)[:30]} must lie in -{MAX_TILT_DEG}..{MAX_TILT_DEG} deg")
     return value
 
 
-def _to_list(value: Any) -> list[Any]:
+def split_values(value: Any) -> list[Any]:
     """Entries of a text with commas, of anything with several values, or of a single one."""
     if isinstance(value, str):
         return [word.strip() for word in value.split(",")]
@@ -232,8 +225,8 @@ def parse_tilts(value: Any) -> list[float] | None:
     if value is None:
         return None
     tilts: list[float] = []
-    for piece in _to_list(value):
-        numbers = [_parse_tilt(word) for word in (piece.split(":") if isinstance(piece, str) else [piece])]
+    for piece in split_values(value):
+        numbers = [parse_tilt(word) for word in (piece.split(":") if isinstance(piece, str) else [piece])]
         if len(numbers) not in (1, 3):
             raise ValueError("write 10, or 5,10,15, or FIRST:LAST:STEP")
         tilts += numbers if len(numbers) == 1 else _tilt_range(*numbers)
@@ -254,36 +247,7 @@ def _tilt_range(first: float, last: float, step: float) -> list[float]:
 
 
 def _parse_kinds(value: Any) -> list[Any] | None:
-    return None if value is None else list(dict.fromkeys(_to_list(value)))
-
-
-def _parse_copies(value: Any) -> int | dict[float, int]:
-    """Parse the copies of each walker, or by tilt: 8, or 10:20,15:40, or {10: 20, 15: 40}."""
-    if isinstance(value, Mapping):
-        pairs = list(value.items())
-    elif isinstance(value, str) and ":" in value:
-        pairs = [(word, count) for word, _, count in (piece.partition(":") for piece in value.split(","))]
-    else:
-        return _parse_count(value)
-    if not pairs:
-        raise ValueError("no tilt: write copies by tilt, {10: 20, 15: 40}")
-    quotas: dict[float, int] = {}
-    for word, count in pairs:
-        tilt = _parse_tilt(word)
-        quotas[tilt] = quotas.get(tilt, 0) + _parse_count(count)
-    return quotas
-
-
-def _parse_count(value: Any) -> int:
-    from walkergen.core.files import columns
-
-    plain = value.item() if hasattr(value, "item") else value
-    count = columns.parse_count(plain, MAX_COPIES) if isinstance(plain, str) else plain
-    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MAX_COPIES:
-        raise ValueError(
-            f"{str(value)[:30]!r} must be a whole number in 1..{MAX_COPIES}; write 8, or TILT:COPIES,TILT:COPIES"
-        )
-    return count
+    return None if value is None else list(dict.fromkeys(split_values(value)))
 
 
 def parse_settings(value: Any) -> dict[str, Any]:
@@ -302,18 +266,10 @@ def parse_settings(value: Any) -> dict[str, Any]:
 
 def parse_texts(value: Any) -> list[str]:
     """Texts KEY=VALUE, of one or several. Raises ValueError for what is none."""
-    texts = [value] if isinstance(value, str) else _to_list(() if value is None else value)
+    texts = [value] if isinstance(value, str) else split_values(() if value is None else value)
     if not all(isinstance(text, str) for text in texts):
         raise ValueError("must be texts KEY=VALUE, or a dict of values by keys")
     return texts
-
-
-def parse_numbers(value: Any, low: float, high: float) -> list[float]:
-    """Numbers within bounds, of a text with commas or as they are."""
-    numbers = [_parse_number(word) for word in _to_list(value)]
-    if not all(low <= number <= high for number in numbers):
-        raise ValueError(f"each must lie in {low:g}..{high:g}")
-    return numbers
 
 
 def parse_time(value: Any) -> float | None:
@@ -326,7 +282,7 @@ def parse_time(value: Any) -> float | None:
         if not unit or number is None:
             raise ValueError("write a time with its unit: 60s, 5min, 1h")
         seconds = number * units[unit]
-    if seconds is not None and not 1.0 <= _parse_number(seconds) <= MAX_BUDGET_S:
+    if seconds is not None and not 1.0 <= parse_number(seconds) <= MAX_BUDGET_S:
         raise ValueError(f"must lie in 1s..{MAX_BUDGET_S / 3600:g}h")
     return None if seconds is None else float(seconds)
 
@@ -341,30 +297,8 @@ def parse_effects(value: Any) -> float | None:
     return 0.01 * share
 
 
-def parse_measured(entry: Any) -> Measured:
-    """Parse a number above 0, with its standard error if it has one: 0.05, "0.05±0.001", "0.05+-0.001"."""
-    if entry is None:
-        return None
-    value, *errors = map(formatting.parse_number, ERROR_SIGN_PATTERN.split(str(entry)))
-    error = errors[0] if errors else 0.0
-    if value is None or value <= 0 or len(errors) > 1 or error is None or not 0 <= error < value:
-        raise ValueError(
-            "must be a number above 0, as 0.05, or with its standard error, at least 0 and below the "
-            "number, as 0.05±0.001 or 0.05+-0.001"
-        )
-    return value, error if errors else None
-
-
 def _parse_path(value: Any) -> Path | None:
     return Path(value) if isinstance(value, (str, os.PathLike)) else value
-
-
-def parse_paths(value: Any) -> list[Path]:
-    """Paths of files, of one or of several. Raises ValueError for what is none."""
-    paths = _to_list(value) if not isinstance(value, (str, os.PathLike)) else [value]
-    if not all(isinstance(path, (str, os.PathLike)) for path in paths):
-        raise ValueError("must be names of files")
-    return [Path(path) for path in paths]
 
 
 def _parse_target(value: Any) -> Path | None:
@@ -395,7 +329,7 @@ Target = BeforeValidator(_parse_target)
 """Path of a file or folder to write."""
 AsText = BeforeValidator(lambda value: str(value) if isinstance(value, (int, float)) else value)
 """Text for which Python may give a number."""
-Words = BeforeValidator(lambda value: None if value is None else _to_list(value))
+Words = BeforeValidator(lambda value: None if value is None else split_values(value))
 """List for which the shell gives a text with commas."""
 
 Kind = Literal["flexible", "braced"]
@@ -408,7 +342,6 @@ Ground = Annotated[Any, file_flag("scenes", "Scene: a template or a TOML file.")
 HOME_HELP = f"Scene: a template or a TOML file; without, {LANE_SCENE}, of a walker with a motor {TABLE_SCENE}."
 Home = Annotated[Any, file_flag("scenes", HOME_HELP, optional=True)]
 Machine = Annotated[Any, file_flag("printers", "Printer: a template or a TOML file.")]
-Machines = Annotated[Any, file_flag("printers", "Printers: templates or TOML files.")]
 Tilt = Annotated[float | None, Flag("Tilt of the legs.", "DEG")]
 Legs = Annotated[Kind | None, Flag("Kind of legs: flexible or braced.", "KIND")]
 Tilts = Annotated[
@@ -464,40 +397,6 @@ Predicted = Annotated[
     ),
 ]
 Uncertain = Annotated[bool, Flag("Draw uncertain inputs; say what to measure next.")]
-Copies = Annotated[
-    Any,
-    BeforeValidator(_parse_copies),
-    Flag(
-        "Copies of each walker, 1 by default: 8, or by tilt: 10:20,15:40.",
-        "COPIES",
-        takes="int | Mapping[float, int] | str",
-    ),
-]
-Caps = Annotated[
-    Literal["aruco"] | None, Flag("Caps to glue on, with markers that `track --markers` reads: aruco.", "MARKERS")
-]
-MaxParts = Annotated[int, Field(ge=1, le=5000), Flag("Largest number of parts on a plate.", "N")]
-ForPrusaSlicer = Annotated[bool, Flag("Let PrusaSlicer list and slice all copies as one object.")]
-Strict = Annotated[bool, Flag("Refuse parts that get warnings, too.")]
-MaxPlates = Annotated[int | None, Field(ge=1, le=1000), Flag("Largest number of plates to use.", "N")]
 Workers = Annotated[int | None, Flag("Number of processes; all cores by default.", "N")]
-Fps = Annotated[float | None, Flag("Frames per second of the film.", "N")]
-YDown = Annotated[bool, Flag("Let y grow downward, as image rows do.")]
-MmPerPx = Annotated[
-    Measured,
-    BeforeValidator(parse_measured),
-    Flag("Millimetres per pixel of the film, as 0.05±0.001.", "MM", takes="float | str | None"),
-]
-Unit = Annotated[
-    str | None, Flag("Units of places, times, headings that the file does not state: mm, or cm,ms,deg.", "UNIT")
-]
 Pictures = Annotated[bool, Flag("Draw the figures.")]
 Out = Annotated[Path | None, Target, Flag("Folder to write to; out/NAME by default.", "FOLDER", takes="Name | None")]
-
-
-def track_units(fps: float | None, mm_per_px: Measured, y_down: bool, unit: str | None, lane: bool = False) -> "Units":
-    """Units of the tracks of a film."""
-    from walkergen.analysis.track_files import Units
-
-    scale, error = mm_per_px or (None, None)
-    return Units(fps, scale, y_down, lane, error, unit or "")

@@ -8,7 +8,6 @@ import numpy as np
 
 from evidence.curves import Top
 from evidence.published import FACTS
-from evidence.quantities import exact
 from evidence.reproduce import curves
 from evidence.reproduce.impact_types import COUNTINGS
 from evidence.reproduce.maximum import Range
@@ -16,7 +15,7 @@ from evidence.reproduce.mechanisms import Mechanism
 from evidence.reproduce.motion import Runs
 from evidence.reproduce.runs import PAPER, Assumption, Point
 from evidence.reproduce.theory import Curve, Theory
-from walkergen.core.numerics.quantity import Quantity, Verdict
+from walkergen.core.numerics.quantity import Quantity, Verdict, exact
 
 FITTED = "fitted"
 """Name of the assumption whose contact is the paper's best fit."""

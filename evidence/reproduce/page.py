@@ -3,13 +3,13 @@
 from collections.abc import Iterator, Sequence
 
 from evidence.published import FACTS
-from evidence.quantities import exact
 from evidence.reproduce import curves
 from evidence.reproduce.compare import Findings
 from evidence.reproduce.maximum import FRICTIONS, RESTITUTIONS
 from evidence.reproduce.motion import Runs
 from evidence.reproduce.report import number
 from evidence.reproduce.runs import LONGER, NOISE_RATIO, SHORTER, Point
+from walkergen.core.numerics.quantity import exact
 from walkergen.files.report import Report
 
 CAPTIONS = {

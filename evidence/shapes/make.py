@@ -131,5 +131,5 @@ def _design(source: Path | str, keys: Mapping[str, Any]) -> Design:
 
 def _speed(result: SimulationReport) -> tuple[float | None, float | None]:
     """Speed along the run and its standard error, mm/s."""
-    summary = result.simulated.point.summary
-    return summary.speed_mm_s, summary.speed_se_mm_s
+    speed = result.summary.speed
+    return speed.value, speed.se

@@ -84,7 +84,7 @@ def compared(row: Row) -> Compared | None:
     lively = sum(row[name] != key.default for name, key in settings.KEYS.items())
     falls = summary.outcomes.get("toppled", 0) / summary.runs
     lane = int(row["play_mm"] is not None)
-    return Compared(row["tilt_deg"] or 0.0, lane, lively, speed, half, summary.speed_mm_s, summary.speed_se_mm_s, falls)
+    return Compared(row["tilt_deg"] or 0.0, lane, lively, speed, half, summary.speed.value, summary.speed.se, falls)
 
 
 def right(row: Compared) -> bool:

@@ -41,8 +41,8 @@ def measured(row: Row) -> Row:
         return row | dict.fromkeys(MEASURED)
     summary = results.summary
     return row | {
-        "speed_mm_s": summary.speed_mm_s,
-        "se_mm_s": summary.speed_se_mm_s,
+        "speed_mm_s": summary.speed.value,
+        "se_mm_s": summary.speed.se,
         "runs": float(summary.runs),
         "toppled": float(summary.outcomes.get(Outcome.TOPPLED.value, 0)),
     }

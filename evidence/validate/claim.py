@@ -4,8 +4,8 @@ import math
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
-from evidence.quantities import exact as number
 from walkergen.core.numerics.quantity import Quantity, Verdict
+from walkergen.core.numerics.quantity import exact as number
 
 FITTED = "fitted"
 

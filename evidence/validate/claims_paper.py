@@ -7,11 +7,11 @@ import numpy as np
 
 from evidence import curves
 from evidence.published import FACTS
-from evidence.quantities import exact, ratio
+from evidence.quantities import ratio
 from evidence.reproduce import maximum
 from evidence.validate.claim import Claim, Effort, Outside
 from evidence.validate.ensembles import exponent, in_space, paper_design, paper_types, rebound
-from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.numerics.quantity import Quantity, exact
 from walkergen.core.scene import GRAVITY, Scene
 from walkergen.core.theory import prediction
 from walkergen.core.walker import solids

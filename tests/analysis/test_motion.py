@@ -193,7 +193,7 @@ def test_speed_over_plate_speed_is_a_line_through_the_origin():
     together = runs[0]._replace(tracks=tuple(t for run in runs for t in run.tracks))
     found = motion.analyse(together)
     assert [plate for plate, _ in found.by_plate_speed] == [15.0, 20.0, 30.0]
-    assert found.line.slope == pytest.approx(2.0, abs=4 * found.line.slope_se)
+    assert found.line.slope.value == pytest.approx(2.0, abs=4 * found.line.slope.se)
     assert found.line.p_value > 1e-3
     assert found.estimates["speed"].value is None
     assert "plate speeds" in found.estimates["speed"].refused

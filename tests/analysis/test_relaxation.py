@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from inertial_tracks import Inertial, tracks
 
-from evidence.quantities import exact
 from walkergen.analysis import motion
 from walkergen.analysis.tracks import Track, Tracks
+from walkergen.core.numerics.quantity import exact
 from walkergen.guests.crowd.cards import delay, relaxation
 
 CASES = {

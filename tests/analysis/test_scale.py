@@ -13,8 +13,8 @@ from walkergen.analysis.estimates import UNITS
 from walkergen.cli import command_line
 from walkergen.core.errors import InputError
 from walkergen.core.files.tables import csv_text
+from walkergen.film_fields import parse_measured
 from walkergen.guests.track.film import report
-from walkergen.request import parse_measured
 
 SCALE, ERROR = 0.2, 0.01
 

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from synthetic_tracks import Walker, film
 
-from evidence.quantities import exact
 from walkergen.analysis import motion, persistent_walk, turning
 from walkergen.analysis.persistent_walk import Spread
-from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.numerics.quantity import Quantity, exact
 
 SPEED, DRIFT, TURN, SCATTER, D_R = 60.0, 4.0, 0.8, 1.5, 0.1
 """mm/s ahead and to the left, rad/s of all and between walkers, rad^2/s."""

@@ -181,7 +181,7 @@ def test_a_prediction_is_the_commands(run):
 def test_a_simulation_is_the_commands(run, runs):
     files = ("--trajectory", "all.csv", "--rate-hz", "50")
     told = json.loads(run("simulate", "koumakis2016", "--tilt", "10", *SHORT_FLAGS, *files, "--json"))
-    assert runs.summary.impacts_per_s == pytest.approx(told["impacts_per_s"], rel=0.2)
+    assert runs.summary.numbers["impacts_per_s"].value == pytest.approx(told["impacts_per_s"], rel=0.2)
     plain = json.loads(run("simulate", "koumakis2016", "--tilt", "10", *SHORT_FLAGS, "--json"))
     assert runs.speed.value == plain["speed_mm_s"]
     assert (runs.speed.orbit, plain["orbit"]) == ("", None)

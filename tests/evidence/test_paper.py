@@ -5,8 +5,7 @@ import math
 import pytest
 
 from evidence.published import FACTS, Fact
-from evidence.quantities import exact
-from walkergen.core.numerics.quantity import Quantity, Verdict
+from walkergen.core.numerics.quantity import Quantity, Verdict, exact
 
 VALUE = Fact("a", 2, "around ten", "text", "tilt", "deg", 10.0, 8.0, 12.0, "ours")
 ABOVE = Fact("b", 3, "more than 95%", "text", "share", "%", 95.0, 95.0, math.inf, "stated")

@@ -67,11 +67,11 @@ def test_a_simulated_point_is_the_simulation_bit_for_bit():
     found = evaluate(point)
     asked = simulated.Walker(point.scene, point.design, solids.mass_of(point.design))
     summary = walkers.simulate(asked).summary  # on every core, a point on one
-    assert found["speed_mm_s"] == summary.speed_mm_s
-    assert found["se_mm_s"] == summary.speed_se_mm_s
-    assert found["impacts_per_s"] == summary.impacts_per_s
+    assert found["speed_mm_s"] == summary.speed.value
+    assert found["se_mm_s"] == summary.speed.se
+    assert found["impacts_per_s"] == summary.numbers["impacts_per_s"].value
     assert (found["runs"], found["seconds"], found["model"]) == (4, 0.5, "space")
-    assert found["low_95_mm_s"] <= summary.speed_low_95_mm_s < found["speed_mm_s"]
+    assert found["low_95_mm_s"] <= summary.speed.interval()[0] < found["speed_mm_s"]
     predicted = evaluate(point_at())
     assert found["theory_mm_s"] == predicted["theory_mm_s"]
     assert found["predicted_mm_s"] == predicted["speed_mm_s"]
@@ -228,8 +228,8 @@ def test_an_error_of_the_time_in_contact_is_met():
     point = point_at("space")
     asked = simulated.Walker(point.scene, point.design, solids.mass_of(point.design))
     found = walkers.simulate_to_error(asked, tolerance.parse_tolerance("20%"), "contact_fraction")
-    assert found.error <= found.allowed == 0.2 * found.results.summary.contact_fraction
-    assert found.error >= found.results.step_errors["contact_fraction"].error > 0.0
+    assert found.error <= found.allowed == 0.2 * found.results.summary.numbers["contact_fraction"].value
+    assert found.error >= found.results.summary.numbers["contact_fraction"].bias > 0.0
 
 
 def test_a_kind_that_is_not_installed_names_its_extra(monkeypatch):

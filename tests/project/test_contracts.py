@@ -144,8 +144,8 @@ def walker_on(scene):
 def test_explain_has_a_row_for_every_effect_of_a_scene(capsys, name):
     case, effects = walker_on(load("scenes", name))
     report = wg.explain(case.design, name, cost=False)
-    assert [(row.effect, row.on) for row in report.table.rows] == [(effect.name, effect.on) for effect in effects]
-    assert all(row.meaning and row.reason for row in report.table.rows)
+    assert [(row["effect"], row["on"]) for row in report.table] == [(effect.name, effect.on) for effect in effects]
+    assert all(row["meaning"] and row["reason"] for row in report.table)
     assert_every_form(report, capsys)
 
 

@@ -31,8 +31,8 @@ LIMITS = {
     "walkergen/sheets": 530,
     "benchmarks": 2760,
     "docs": 650,
-    "evidence": 7200,
-    "tests": 39220,
+    "evidence": 7210,
+    "tests": 39250,
 }
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from walkergen.analysis.estimates import UNITS
 from walkergen.analysis.motion import Motion
 from walkergen.core.numerics import Array
-from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.numerics.quantity import Quantity, column_values
 
 WALKER_ESTIMATES = ("speed", "turning_bias")
 """Estimates of each walker by itself, by the names of UNITS."""
@@ -81,7 +81,7 @@ def from_motion(motion: Motion) -> dict[str, Any]:
             | ({"refused": speed.refused} if speed.refused else {})
             for plate, speed in motion.by_plate_speed
         ]
-        facts["speed_over_plate_speed"] = motion.line._asdict() if motion.line else None
+        facts["speed_over_plate_speed"] = column_values(motion.line) if motion.line else None
     return facts
 
 

@@ -26,6 +26,7 @@ from walkergen.analysis import (
 )
 from walkergen.analysis.displacement_fit import DisplacementFit
 from walkergen.analysis.estimates import UNITS, Frame, mean, refusal
+from walkergen.analysis.line import Line, line_through_origin
 from walkergen.analysis.moments import Grid, Moments
 from walkergen.analysis.particle_scatter import WalkerComparison, WalkerMeans
 from walkergen.analysis.tracks import Track, Tracks
@@ -34,7 +35,6 @@ from walkergen.analysis.walls import Walls
 from walkergen.core.errors import InputError
 from walkergen.core.numerics import Array, Whole, statistics
 from walkergen.core.numerics.quantity import Quantity
-from walkergen.core.numerics.statistics import Line, fit_through_origin
 
 FITTED_LAG_DIVISOR = 4
 """Divisor of a sample's length that gives the longest fitted lag: longer lags have few pairs."""
@@ -132,7 +132,7 @@ def analyse(
     analyses = [_analyse_one_speed(tracks._replace(tracks=group), lag_s, found, descent) for group in groups]
     speeds = [(plate, own.estimates["speed"]) for plate, own in zip(plates, analyses, strict=True)]
     usable = [(plate, speed.value, speed.se) for plate, speed in speeds if speed.value is not None]
-    line = fit_through_origin(*np.array(usable, dtype=float).T) if len(usable) > 1 else None
+    line = line_through_origin(*np.array(usable, dtype=float).T) if len(usable) > 1 else None
     reason = f"tracks at {len(plates)} plate speeds: see speed against plate speed, or split"
     refused = {name: refusal(name, reason) for name in UNITS}
     return whole._replace(

@@ -8,7 +8,6 @@ with a memory, whose error holds for walkers without one as well.
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -34,6 +33,9 @@ from walkergen.analysis.moments import Moments
 from walkergen.core.numerics import statistics
 from walkergen.core.numerics.distributions import student_quantile
 from walkergen.core.numerics.quantity import Quantity
+
+Numbers = Mapping[str, Quantity]
+"""Numbers with errors by their names."""
 
 TOO_FEW_REASON = "too few data for its fit: film for longer"
 
@@ -142,8 +144,9 @@ def judge(
     `fitted` is the fit of the squared displacement (None in a lane), `longest_s` its longest lag, `freedom`
     that of the samples, of which some may hold little free motion.
     """
-    errors = {name: _jackknife_error(replicates, name) for name in values}
-    numbers = _Numbers(values, errors, freedom)
+    numbers = {
+        name: quantity(name, value, _jackknife_error(replicates, name), freedom) for name, value in values.items()
+    }
     refused = _meaningless_reasons(frame) | _unresolved_reasons(numbers, frame, fitted, longest_s)
     if len(replicates) < MIN_SAMPLES:
         few = f"{len(replicates)} independent samples; at least {MIN_SAMPLES}: film for longer"
@@ -151,53 +154,34 @@ def judge(
     estimates, share = {}, _detection_share(numbers, frame, fitted, longest_s)
     for name in UNITS:
         reason = refused.get(name, "")
-        if not reason and not (math.isfinite(values[name]) and math.isfinite(errors[name])):
+        if not reason and not all(map(math.isfinite, numbers[name].pair)):
             reason = TOO_FEW_REASON
         if reason:
             estimates[name] = refusal(name, reason)
             continue
-        within = interval_laws.with_detection_limit(quantity(name, values[name], errors[name], freedom), share)
+        within = interval_laws.with_detection_limit(numbers[name], share)
         surely = differ and not frame.lane and name in interval_laws.RUN_QUANTITIES
         estimates[name] = interval_laws.with_walker_error(within, [others[name] for others in without_one], surely)
     return interval_laws.with_variance_laws(estimates, fitted is not None and fitted.run)
 
 
-class _Numbers(NamedTuple):
-    """Values with errors of some degrees of freedom."""
-
-    values: Mapping[str, float]
-    errors: Mapping[str, float]
-    freedom: float
-
-    def is_positive(self, *names: str) -> bool:
-        """Whether all are larger than 0, beyond what chance makes of it."""
-        return all(is_resolved(quantity(name, self.values[name], self.errors[name], self.freedom)) for name in names)
-
-    def has_positive_bounds(self, name: str) -> bool:
-        """Whether the bounds of a number lie above 0."""
-        ends = quantity(name, self.values[name], self.errors[name], self.freedom).interval()
-        return ends is not None and ends[0] > 0.0
-
-    def half_width(self, name: str) -> float:
-        """Half of the width of a number's bounds."""
-        return quantity(name, self.values[name], self.errors[name], self.freedom).half_width()
-
-    def upper_bound_reason(self, name: str, unit: str, scale: float = 1.0, root: bool = False) -> str:
-        """Reason that names a bound, in `unit`, on scale x the number, or on its root."""
-        most = max(self.values[name], 0.0) + 2.0 * self.errors[name]
-        bound = scale * (math.sqrt(most) if root else most)
-        return f"not resolved: below {bound:.2g} {unit} (95 %)" if math.isfinite(bound) else ""
+def _bound_reason(number: Quantity, unit: str, scale: float = 1.0, root: bool = False) -> str:
+    """Reason that names a bound, in `unit`, on scale x a number, or on its root."""
+    value, se = number.pair
+    most = max(value, 0.0) + 2.0 * se
+    bound = scale * (math.sqrt(most) if root else most)
+    return f"not resolved: below {bound:.2g} {unit} (95 %)" if math.isfinite(bound) else ""
 
 
-def _detection_share(numbers: _Numbers, frame: Frame, fitted: DisplacementFit | None, longest_s: float) -> float:
+def _detection_share(numbers: Numbers, frame: Frame, fitted: DisplacementFit | None, longest_s: float) -> float:
     """Share of the rate of a run, as it was found, from which on its diffusivity is told; 0 where there is none."""
-    rate, error = numbers.values["msd_rate"], numbers.errors["msd_rate"]
+    rate, error = numbers["msd_rate"].pair
     if fitted is None or not fitted.run or not rate > 0.0:
         return 0.0
     decayed = frame.decayed / (rate * longest_s)
     if fitted.spreads[0].smooth_rate:
         return decayed
-    return max(decayed, student_quantile(numbers.freedom, 1.0 - POSITIVE_P_VALUE) * error / rate)
+    return max(decayed, student_quantile(numbers["msd_rate"].freedom, 1.0 - POSITIVE_P_VALUE) * error / rate)
 
 
 def _meaningless_reasons(frame: Frame) -> dict[str, str]:
@@ -211,34 +195,34 @@ def _meaningless_reasons(frame: Frame) -> dict[str, str]:
 
 
 def _unresolved_reasons(
-    numbers: _Numbers, frame: Frame, fitted: DisplacementFit | None, longest_s: float
+    numbers: Numbers, frame: Frame, fitted: DisplacementFit | None, longest_s: float
 ) -> dict[str, str]:
     """Refuse roots of, and quotients by, what the data cannot tell from zero: no error holds."""
     if frame.lane or fitted is None:
         reason = "the spread about the mean run is too small to tell"
-        return {} if numbers.is_positive("diffusivity") else {"crossover_time": reason}
+        return {} if is_resolved(numbers["diffusivity"]) else {"crossover_time": reason}
     refused = _unresolved_persistence(numbers, frame, longest_s)
     if frame.headed:
         if frame.memory_open:
-            refused["turning_memory"] = numbers.upper_bound_reason("turning_memory", "s")
-        elif math.isnan(numbers.values["turning_memory"]):
+            refused["turning_memory"] = _bound_reason(numbers["turning_memory"], "s")
+        elif math.isnan(numbers["turning_memory"].number):
             refused["turning_memory"] = "not resolved: headings lose direction from the first on"
-        if not numbers.is_positive("heading_variance"):
-            refused["heading_noise"] = numbers.upper_bound_reason("heading_variance", "rad", root=True)
-        if abs(numbers.values["speed"]) <= MIN_SIGNIFICANCE * numbers.errors["speed"]:
+        if not is_resolved(numbers["heading_variance"]):
+            refused["heading_noise"] = _bound_reason(numbers["heading_variance"], "rad", root=True)
+        if abs(numbers["speed"].number) <= MIN_SIGNIFICANCE * numbers["speed"].pair[1]:
             refused["persistence_length"] = "the speed is not resolved"
-    elif not numbers.is_positive("amplitude"):
+    elif not is_resolved(numbers["amplitude"]):
         window = frame.grid.step * frame.interval
-        reason = numbers.upper_bound_reason("lasting", f"mm/s over {window:.2g} s", 1.0 / window, root=True)
+        reason = _bound_reason(numbers["lasting"], f"mm/s over {window:.2g} s", 1.0 / window, root=True)
         refused |= dict.fromkeys(("speed", "motion_speed", *TURNING_NAMES), reason)
     return refused | _unresolved_spread(numbers, frame, fitted, longest_s)
 
 
-def _unresolved_persistence(numbers: _Numbers, frame: Frame, longest_s: float) -> dict[str, str]:
+def _unresolved_persistence(numbers: Numbers, frame: Frame, longest_s: float) -> dict[str, str]:
     """Refuse what is divided by a rate of persistence that is too small, or too uncertain."""
-    rate = numbers.values["persistence_rate"]
-    lost = rate * longest_s > frame.decayed
-    if lost and numbers.has_positive_bounds("persistence_rate"):
+    rate = numbers["persistence_rate"].number
+    lost, ends = rate * longest_s > frame.decayed, numbers["persistence_rate"].interval()
+    if lost and ends is not None and ends[0] > 0.0:
         return {}
     reason = f"hardly a loss of direction within {longest_s:.3g} s: {frame.advice}"
     if lost and frame.memory_open:
@@ -246,13 +230,13 @@ def _unresolved_persistence(numbers: _Numbers, frame: Frame, longest_s: float) -
             f"{longest_s:.3g} s do not tell how fast direction is lost where rates of turning may "
             f"last for a while: {frame.advice}"
         )
-    at_least = max(rate, 0.0) + 2.0 * numbers.errors["persistence_rate"]
+    at_least = max(rate, 0.0) + 2.0 * numbers["persistence_rate"].pair[1]
     if math.isfinite(at_least) and at_least > 0:
         reason += f"; more than {1.0 / at_least:.3g} s (95 %)"
     return dict.fromkeys(("persistence_time", "persistence_length"), reason)
 
 
-def _unresolved_spread(numbers: _Numbers, frame: Frame, fitted: DisplacementFit, longest_s: float) -> dict[str, str]:
+def _unresolved_spread(numbers: Numbers, frame: Frame, fitted: DisplacementFit, longest_s: float) -> dict[str, str]:
     """Refuse terms of the squared displacement that cannot be told from zero, or from others."""
     if math.isnan(fitted.spreads[0].offset):
         return {}  # nothing was fitted, which is reason enough
@@ -261,16 +245,16 @@ def _unresolved_spread(numbers: _Numbers, frame: Frame, fitted: DisplacementFit,
         refused = _noise_and_diffusion(numbers)
         reason = f"no run shows: diffusive at all lags from {first_s:.2g} to {longest_s:.3g} s"
         refused |= dict.fromkeys(("ballistic_speed", "crossover_time"), reason)
-        if numbers.is_positive("diffusivity"):
+        if is_resolved(numbers["diffusivity"]):
             refused["translational_diffusion"] = (
                 f"diffusion and runs that turn within {first_s:.2g} s cannot be told apart: film more frames a second"
             )
         else:
-            refused["diffusivity"] = numbers.upper_bound_reason("diffusivity", "mm²/s")
+            refused["diffusivity"] = _bound_reason(numbers["diffusivity"], "mm²/s")
         return refused | _hidden_run(numbers, frame, fitted, longest_s)
     refused = _noise_and_diffusion(numbers)
-    if not numbers.is_positive("msd_speed2"):
-        reason = numbers.upper_bound_reason("msd_speed2", "mm/s", root=True)
+    if not is_resolved(numbers["msd_speed2"]):
+        reason = _bound_reason(numbers["msd_speed2"], "mm/s", root=True)
         refused |= dict.fromkeys(("ballistic_speed", "crossover_time"), reason)
     smooth = fitted.spreads[0].smooth_rate
     if smooth:
@@ -278,41 +262,41 @@ def _unresolved_spread(numbers: _Numbers, frame: Frame, fitted: DisplacementFit,
         if fitted.at_its_limit:
             reason = f"how slowly runs set in cannot be told from how long they last: {frame.advice}"
             refused |= dict.fromkeys(("diffusivity", "crossover_time"), reason)
-    turned = numbers.values["msd_rate"] * longest_s > frame.decayed
+    turned = numbers["msd_rate"].number * longest_s > frame.decayed
     needed = ("diffusivity",) if smooth else ("msd_rate", "diffusivity")
-    if not (turned and numbers.is_positive(*needed)):
+    if not (turned and all(is_resolved(numbers[name]) for name in needed)):
         reason = f"{fitted.regime(longest_s)}: {frame.advice}"
         refused |= dict.fromkeys(("diffusivity", "crossover_time"), reason)
     return refused
 
 
-def _hidden_run(numbers: _Numbers, frame: Frame, fitted: DisplacementFit, longest_s: float) -> dict[str, str]:
+def _hidden_run(numbers: Numbers, frame: Frame, fitted: DisplacementFit, longest_s: float) -> dict[str, str]:
     """Refuse diffusivity where a run that lags are too short to show may add more to it than its bounds allow.
 
     Headings tell that: v^2 / (2 rate), with the largest speed v (95 %). Without them it is refused where products
     of displacements show a run, or the squared displacement may have one.
     """
     if not frame.headed:
-        hidden = math.inf if fitted.suspected or numbers.is_positive("amplitude") else 0.0
+        hidden = math.inf if fitted.suspected or is_resolved(numbers["amplitude"]) else 0.0
     else:
-        most = abs(numbers.values["speed"]) + 2.0 * numbers.errors["speed"]
-        rate = numbers.values["persistence_rate"]
+        most = abs(numbers["speed"].number) + 2.0 * numbers["speed"].pair[1]
+        rate = numbers["persistence_rate"].number
         hidden = most**2 / (2.0 * rate) if rate > 0.0 else math.inf
-    if hidden <= numbers.half_width("diffusivity"):
+    if hidden <= numbers["diffusivity"].half_width():
         return {}
     return {"diffusivity": f"lags up to {longest_s:.3g} s do not show what runs add: {frame.advice}"}
 
 
-def _noise_and_diffusion(numbers: _Numbers) -> dict[str, str]:
+def _noise_and_diffusion(numbers: Numbers) -> dict[str, str]:
     """Refuse noise of the positions and diffusion besides the run where these are not resolved."""
     noise, diffusion = "localisation_noise", "translational_diffusion"
     refused: dict[str, str] = {}
-    if not numbers.is_positive("msd_offset"):
-        refused[noise] = numbers.upper_bound_reason("msd_offset", "mm", 0.5, root=True)
-    if not numbers.is_positive(diffusion):
-        refused[diffusion] = numbers.upper_bound_reason(diffusion, "mm²/s")
-    if len(refused) == 2 and numbers.is_positive("msd_first"):
-        together = math.sqrt(numbers.values["msd_first"])
+    if not is_resolved(numbers["msd_offset"]):
+        refused[noise] = _bound_reason(numbers["msd_offset"], "mm", 0.5, root=True)
+    if not is_resolved(numbers[diffusion]):
+        refused[diffusion] = _bound_reason(numbers[diffusion], "mm²/s")
+    if len(refused) == 2 and is_resolved(numbers["msd_first"]):
+        together = math.sqrt(numbers["msd_first"].number)
         reason = (
             f"noise and diffusion, {together:.2g} mm a sample together, cannot be told apart: film "
             "a walker at rest, which shows noise alone, or for longer"

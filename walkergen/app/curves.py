@@ -37,13 +37,13 @@ def speed_curve(document: Document, rough: bool) -> Curve | None:
         return None
     far = max(MAX_CURVE_TILT_DEG, abs(design.tilt_deg))
 
-    def at(tilt_deg: float) -> Design:
+    def with_tilt(tilt_deg: float) -> Design:
         return design.unmarked.variant(tilt_deg=tilt_deg)
 
-    low = nearest(at, design.tilt_deg, -far if design.tilt_deg < 0.0 else 0.0, TILT_TOLERANCE_DEG)
+    low = nearest(with_tilt, design.tilt_deg, -far if design.tilt_deg < 0.0 else 0.0, TILT_TOLERANCE_DEG)
     things = (design.unmarked.variant(tilt_deg=low), scene)
     own, ground = (thing.model_dump_json(exclude_unset=True) for thing in things)
-    high = nearest(at, design.tilt_deg, far, TILT_TOLERANCE_DEG)
+    high = nearest(with_tilt, design.tilt_deg, far, TILT_TOLERANCE_DEG)
     return _compute_curve(own, ground, design.body.key, low, high, rough) if low < high else None
 
 

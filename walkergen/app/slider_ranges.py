@@ -33,7 +33,7 @@ def slider_ranges(document: Document, keys: Sequence[str]) -> dict[str, tuple[fl
             continue
         if time.process_time() > end:
             break
-        value, at = float(control.value), partial(_at, document, key)
+        value, at = float(control.value), partial(_design_with, document, key)
         low, high = (nearest(at, value, far, ERROR * abs(far - value)) for far in control.slider)
         if high - low > MIN_RANGE_SHARE * (control.slider[1] - control.slider[0]):
             ranges[key] = (low, high)
@@ -57,5 +57,5 @@ def nearest(design_at: Callable[[float], Design], near: float, far: float, error
     return near
 
 
-def _at(document: Document, key: str, value: float) -> Design:
+def _design_with(document: Document, key: str, value: float) -> Design:
     return document._replace(values={**document.values, key: value}).load_design().unmarked

@@ -52,7 +52,7 @@ def encode(draw: Draw, count: int, fps: int, hold_s: float, keep: Sequence[str],
     exact in the GIF however rare they are. Equal frames give equal bytes.
     """
     palette = _choose_palette(draw, count, keep)
-    return Encoded(*_written(draw, count, fps, progress, lambda frames: _encode_gif(frames, palette, fps, hold_s)))
+    return Encoded(*_write_film(draw, count, fps, progress, lambda frames: _encode_gif(frames, palette, fps, hold_s)))
 
 
 def encode_mp4(draw: Draw, count: int, fps: int, progress: Progress) -> tuple[bytes | None, str]:
@@ -62,11 +62,11 @@ def encode_mp4(draw: Draw, count: int, fps: int, progress: Progress) -> tuple[by
     """
     if find_ffmpeg() is None:
         return None, NO_FFMPEG_REASON
-    _, mp4, without = _written(draw, count, fps, progress, lambda frames: deque(frames, 0))
+    _, mp4, without = _write_film(draw, count, fps, progress, lambda frames: deque(frames, 0))
     return mp4, without
 
 
-def _written(
+def _write_film(
     draw: Draw, count: int, fps: int, progress: Progress, use: Callable[[Iterator[Pixels]], Used]
 ) -> tuple[Used, bytes | None, str]:
     """Return what `use` makes of all frames, and their MP4; None without one, with the reason."""

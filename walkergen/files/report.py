@@ -48,15 +48,15 @@ def text_column(heading: str, key: str) -> Column:
 
 def number_column(heading: str, key: str, digits: int = 4, wide: bool = False) -> Column:
     """Column of numbers to significant digits; None is blank."""
-    return Column(heading, _known(key, lambda value: formatting.format_number(value, digits)), True, wide)
+    return Column(heading, _format_if_known(key, lambda value: formatting.format_number(value, digits)), True, wide)
 
 
 def fixed_column(heading: str, key: str, digits: int, wide: bool = False) -> Column:
     """Column of numbers with so many decimals; None is blank."""
-    return Column(heading, _known(key, lambda value: formatting.format_fixed(value, digits)), True, wide)
+    return Column(heading, _format_if_known(key, lambda value: formatting.format_fixed(value, digits)), True, wide)
 
 
-def _known(key: str, shown: Callable[[float], str]) -> Callable[[Any], str]:
+def _format_if_known(key: str, shown: Callable[[float], str]) -> Callable[[Any], str]:
     """Cell of a row's value in words, blank for None."""
     return lambda row: "" if (value := getattr(row, key)) is None else shown(value)
 

@@ -85,10 +85,11 @@ def simulate(walker: Walker, known: Known | None, progress: Progress) -> Record 
 def combine(known: Known, records: Sequence[RunResult]) -> Speeds | None:
     """Speed as designed by surrogate and runs; None where too few runs end well, or both differ beyond their errors."""
     mean = ensemble.mean_speed([record for record in records if record.outcome in ENDED_WELL])
-    if mean is None:
+    ends = mean.interval()
+    if ends is None:
         return None
     scale = LINEAR_BELOW * known.peak_speed
-    low, high, seen = (math.asinh(speed / scale) for speed in (*mean.interval(0.95), mean.value))
+    low, high, seen = (math.asinh(speed / scale) for speed in (*ends, mean.number))
     noise = math.hypot((high - low) / (2.0 * NORMAL_95), MIN_RUN_ERROR)
     alone = known.speeds_at(known.place)
     if np.any(np.abs(seen - alone.centre) > MAX_DEVIATIONS * np.hypot(alone.error, noise)):

@@ -5,7 +5,7 @@ Whatever needs a simulated speed asks for one: families, sweeps, surveys and the
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,8 +22,7 @@ from walkergen.core.simulation.plan import Plan, prepare
 from walkergen.core.simulation.run import RunResult, compile_kernels
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
-from walkergen.points import step_errors as resolution
-from walkergen.points.step_errors import StepError
+from walkergen.points import step_errors
 
 MIN_STEP_US = 0.05
 """Step (us) below which none is halved."""
@@ -68,7 +67,7 @@ class Walker(NamedTuple):
         """Observables of runs, with what the step leaves of each as a bias."""
         plan = self.plan()
         summary = ensemble.summarise(records, plan.shaken.peak_speed, 0.0)
-        return resolution.quantities(resolution.judge(plan, summary), summary)
+        return list(step_errors.judge(plan, summary.numbers).values())
 
     def finer(self) -> "Walker | None":
         """Return the walker with half the step; None for the finest."""
@@ -86,11 +85,9 @@ class Results(NamedTuple):
     walker: Walker
     """Walker, with the runs and the step that were taken in its scene."""
     summary: Summary
-    """Statistics of the runs; the bounds of the speed hold the step's error as well."""
+    """Statistics of the runs; what the step leaves of each number is its bias."""
     results: Sequence[RunResult]
     """Finished runs, sorted by number; fewer than asked for after Ctrl-C."""
-    step_errors: Mapping[str, StepError]
-    """What the step leaves of each observable, by the names of `observables.NAMES`."""
     warnings: Sequence[str]
     """Warnings on keys without a part."""
     step_us: float
@@ -100,11 +97,6 @@ class Results(NamedTuple):
     def partial(self) -> bool:
         """Whether Ctrl-C left runs out."""
         return self.summary.runs < self.walker.scene.run.runs
-
-    @property
-    def values(self) -> Mapping[str, float]:
-        """Values of all observables, by the names of `observables.NAMES`."""
-        return resolution.observable_values(self.summary)
 
 
 def key_facts(scene: Scene, design: Design) -> list[Any]:
@@ -130,12 +122,10 @@ def from_records(walker: Walker, records: Sequence[RunResult], runs: int, wall_s
     """Summarize a walker's finished runs, which took `wall_s` seconds; `runs` were requested."""
     plan = walker.plan()
     summary = ensemble.summarise(records, plan.shaken.peak_speed, wall_s)
-    step_errors = resolution.judge(plan, summary)
     return Results(
         walker.with_run(runs=runs),
-        resolution.with_step_error(step_errors, summary),
+        summary._replace(numbers=step_errors.judge(plan, summary.numbers)),
         records,
-        step_errors,
         [plan.resolved.idle] if plan.resolved.idle else [],
         _step_us(plan),
     )

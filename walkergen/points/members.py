@@ -2,7 +2,6 @@
 
 from collections import namedtuple
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import chain
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -19,6 +18,7 @@ from walkergen.points import speed_prediction
 from walkergen.points.speed_prediction import Model
 
 if TYPE_CHECKING:
+    from walkergen.core.numerics.quantity import Quantity
     from walkergen.core.walker.weighed_masses import Weighings
 
 
@@ -27,14 +27,10 @@ MAX_SIMULATED = 8
 
 
 class Simulated(NamedTuple):
-    """Results of a member's ensemble in the family's table; the field names are columns."""
+    """Results of a member's ensemble in the family's table."""
 
-    sim_speed_mm_s: float | None
-    sim_se_mm_s: float | None
-    """Standard error of the simulated speed; None when the data are too few."""
-    sim_low_95_mm_s: float | None
-    sim_high_95_mm_s: float | None
-    sim_outcomes: str
+    speed: "Quantity"
+    outcomes: str
     verdict: str
     """Agreement of the predicted speed with the simulated one."""
 
@@ -44,10 +40,8 @@ class Weighing(NamedTuple):
 
     weighings: int
     """Number of weighings on which the row rests."""
-    mass_g: float
-    """Mass of the whole walker used for the prediction, g."""
-    mass_se_g: float | None
-    """Standard error of `mass_g`; None when it is not known."""
+    mass: "Quantity"
+    """Mass of the whole walker used for the prediction."""
     mass_mesh_g: float
     speed_mesh_mm_s: float | None
     """Speed predicted with the mesh's masses."""
@@ -126,9 +120,8 @@ def _weighing(
     mesh = solids.weigh(plain, parts)
     means = weighed.get(member.name, weighed_masses.Weighings())
     return Weighing(
-        weighings=sum(mean.weighings for mean in means if mean is not None),
-        mass_g=float(member.mass.total),
-        mass_se_g=weighed_masses.total_error(means, len(member.mass.legs)),
+        weighings=means.number,
+        mass=weighed_masses.total(float(member.mass.total), means, len(member.mass.legs)),
         mass_mesh_g=float(mesh.total),
         speed_mesh_mm_s=speed_prediction.predict(plain, mesh, scene, mode, model).speed_mm_s,
     )
@@ -136,11 +129,19 @@ def _weighing(
 
 def rows(members: Sequence[Member]) -> list[Any]:
     """Named tuples of all numbers of each walker: prediction, runs, weighed mass."""
-    parts = [
-        [part for part in (member.row, member.simulated, member.weighing) if part is not None] for member in members
-    ]
-    if not parts:
-        return []
-    keys = [key for part in parts[0] for key in part._fields]
-    Row = namedtuple("Row", keys)  # type: ignore[misc]
-    return [Row(*chain(*walker_parts)) for walker_parts in parts]
+    found = [_columns(member) for member in members]
+    Row = namedtuple("Row", found[0] if found else ())  # type: ignore[misc]
+    return [Row(**columns) for columns in found]
+
+
+def _columns(member: Member) -> dict[str, Any]:
+    """All numbers of a walker by their columns."""
+    found, runs = member.row._asdict(), member.simulated
+    if runs is not None:
+        speed = runs.speed._replace(key="sim_speed").row(95, stem="sim_")
+        found |= speed | {"sim_outcomes": runs.outcomes, "verdict": runs.verdict}
+    if member.weighing is not None:
+        from walkergen.core.numerics.quantity import column_values
+
+        found |= column_values(member.weighing)
+    return found

@@ -10,6 +10,7 @@ import numpy as np
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress, part_progress
 from walkergen.core.numerics import Array, Mask, statistics
+from walkergen.core.numerics.quantity import Quantity, exact
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import observables
 from walkergen.core.simulation.plan import prepare
@@ -40,23 +41,17 @@ class PrintScatter(NamedTuple):
     draws: int
     """Draws whose runs ended well."""
     outcomes: dict[str, int]
-    speed_mm_s: float
-    """Mean over the draws."""
-    speed_se_mm_s: float
+    speed: Quantity
+    """Mean over the draws, with the step's error as its bias; its bounds are those of prints, that error included."""
     between_prints_mm_s: float
     """Standard deviation of the speed from print to print, statistics of short runs taken out."""
     statistical_mm_s: float
     """Standard error of one draw's speed by the shortness of its run."""
-    by_step_mm_s: float | None
-    """Largest error of the mean by the time step (95 %); None where it is not known."""
-    bounds_mm_s: Bounds
-    """Speeds below which 2.5, 16, 84 and 97.5 % of prints run, the step's error included."""
     shares: tuple[Share, ...]
     """Parts of the variance between prints, by input; none where runs so short resolve none."""
-    unexplained: float
+    unexplained: Quantity
     """Part of it that no input explains: the heights of a print's corners, and the emulator's
     error."""
-    unexplained_se: float
     inputs: tuple[Input, ...]
     values: Array
     """Values of the inputs, shape (draws, inputs)."""
@@ -74,8 +69,9 @@ def measure(scene: Scene, design: Design, draws: int, progress: Progress) -> Pri
         raise InputError(f"‹draws=›{draws}: must lie in {MIN_DRAWS}..{MAX_DRAWS}")
     drawn = simulate_prints(scene, design, draws, progress)
     result = analyse(drawn.inputs, drawn.values, drawn.halves, drawn.outcomes, scene.run.seed)
-    ends = add_step_error(result.bounds_mm_s, result.speed_mm_s, drawn.by_step_mm_s)
-    return result._replace(by_step_mm_s=drawn.by_step_mm_s, bounds_mm_s=ends)
+    step, speed = drawn.by_step_mm_s, result.speed
+    ends = add_step_error(speed_bounds(result.speeds, result.statistical_mm_s), speed.number, step)
+    return result._replace(speed=speed._replace(ends=ends, bias=math.inf if step is None else step))
 
 
 class PrintRuns(NamedTuple):
@@ -114,8 +110,8 @@ def simulate_prints(scene: Scene, design: Design, draws: int, progress: Progress
         )
     halves = np.array([_half_speeds(point) for point, well in zip(points, good, strict=True) if well])
     outcomes = dict(Counter(point.results[0].outcome.value for point in points))
-    summary = points[0].summary._replace(speed_mm_s=float(halves.mean()))
-    step = step_errors.judge(plan, summary)[observables.SPEED].error
+    mean = Quantity("speed", "mm_s", float(halves.mean()))
+    step = step_errors.step_bias(step_errors.judge(plan, {observables.SPEED: mean})[observables.SPEED])
     return PrintRuns(inputs, values[good], halves, outcomes, step)
 
 
@@ -171,23 +167,19 @@ def analyse(
     mean, total = float(speeds.mean()), float(speeds.std(ddof=1))
     between = math.sqrt(max(total**2 - statistical**2, 0.0))
     shares: tuple[Share, ...] = ()
-    rest = rest_se = 0.0
+    rest = exact("unexplained", "", 0.0)
     if between > 0.0:
         explained, errors = _variance_shares(inputs, values, speeds, between, seed)
         shares = uncertain_inputs.sort_shares(inputs, explained[:2], errors[:2])
-        rest, rest_se = 1.0 - float(explained[2, 0]), float(errors[2, 0])
+        rest = rest._replace(value=1.0 - float(explained[2, 0]), se=float(errors[2, 0]))
     return PrintScatter(
         len(speeds),
         outcomes,
-        mean,
-        total / math.sqrt(len(speeds)),
+        Quantity("speed", "mm_s", mean, total / math.sqrt(len(speeds)), ends=speed_bounds(speeds, statistical)),
         between,
         statistical,
-        None,
-        speed_bounds(speeds, statistical),
         shares,
         rest,
-        rest_se,
         inputs,
         values,
         speeds,

@@ -91,11 +91,12 @@ def _simulate_runs(walker: Walker, progress: Progress) -> Record:
     if results.partial:
         raise KeyboardInterrupt
     summary = results.summary
+    low, high = summary.speed.interval() or (None, None)
     record: Record = {
         "by": "runs",
-        "nominal": summary.speed_mm_s,
-        "low": summary.speed_low_95_mm_s,
-        "high": summary.speed_high_95_mm_s,
+        "nominal": summary.speed.value,
+        "low": low,
+        "high": high,
         "falls": summary.outcomes.get(Outcome.TOPPLED.value, 0) / summary.runs,
         "left_out": dict(simple.lines).get("left out"),
         "left_out_mm_s": simple.error_mm_s,

@@ -13,7 +13,7 @@ from walkergen.core.simulation.ensemble import Summary, format_outcomes
 from walkergen.core.simulation.run import ENDED_WELL, Outcome
 from walkergen.core.walker import solids, weighed_masses
 from walkergen.core.walker.mass import MassProperties
-from walkergen.points import run_time, speed_prediction, walkers
+from walkergen.points import run_time, speed_prediction, step_errors, walkers
 from walkergen.points.effect_selection import find_simplest
 from walkergen.points.experiments import Results, Walker
 from walkergen.points.model_kinds import Picture
@@ -146,18 +146,15 @@ def _simulate_point(point: Point, mass: MassProperties) -> Record:
         raise KeyboardInterrupt
     summary, scene = results.summary, results.walker.scene
     record = _status_record(summary, met) | {
-        "speed_mm_s": summary.speed_mm_s,
-        "se_mm_s": summary.speed_se_mm_s,
-        "low_95_mm_s": summary.speed_low_95_mm_s,
-        "high_95_mm_s": summary.speed_high_95_mm_s,
-        "step_error_mm_s": results.step_errors[observables.SPEED].error,
+        **summary.speed.row(95, stem=""),
+        "step_error_mm_s": step_errors.step_bias(summary.speed),
         "runs": summary.runs,
         "seconds": scene.run.seconds,
         "model": SPACE,
     }
     if "impacts" in point.keep:
         for name in (observables.IMPACTS, observables.CONTACT):
-            record |= {name: getattr(summary, name), f"{name}_se": summary.errors[name]}
+            record |= summary.numbers[name].row()
     if names := [name for group, names in MOTION_GROUPS.items() if group in point.keep for name in names]:
         record |= _motion_record(results, names)
     return record
@@ -181,7 +178,7 @@ def _status_record(summary: Summary, met: ErrorResult | None) -> Record:
     """How the runs of a point went."""
     fine = [outcome.value for outcome in (*ENDED_WELL, Outcome.TOO_FEW, Outcome.ORBIT)]
     bad = {name: count for name, count in summary.outcomes.items() if name not in fine}
-    if summary.speed_mm_s is None:
+    if summary.speed.value is None:
         return status_record(PointStatus.NO_SPEED, f"{PointStatus.NO_SPEED}: {format_outcomes(summary.outcomes)}")
     if bad:
         return status_record(PointStatus.RUNS_ENDED_BADLY, f"{PointStatus.RUNS_ENDED_BADLY}: {format_outcomes(bad)}")

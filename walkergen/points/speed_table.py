@@ -243,7 +243,7 @@ def _percent_column(heading: str, key: str) -> Column:
     """Column of a share of a variance with its error, percent."""
 
     def cell(row: Any) -> str:
-        value, error = getattr(row, key), getattr(row, f"{key}_se")
+        value, error = getattr(row, key).pair
         return f"{100 * value:.0f} ± {100 * error:.0f}"
 
     return Column(f"{heading}, %", cell, right=True)
@@ -259,4 +259,7 @@ SHARE_COLUMNS = (
 
 def shares_table(name: str, listed: Sequence[Share], title: str) -> Table:
     """Table of inputs with their shares of a variance."""
-    return Table(name, listed, Share._fields, SHARE_COLUMNS, title)
+    from walkergen.core.numerics.quantity import column_values
+
+    rows = [tuple(column_values(share).values()) for share in listed]
+    return Table(name, rows, ("name", "first", "first_se", "total", "total_se"), SHARE_COLUMNS, title, read=listed)

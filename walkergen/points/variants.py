@@ -96,8 +96,8 @@ class Pairs(NamedTuple):
         changes = []
         for place, variant in enumerate(self.variants, start=1):
             pairs = [(runs[0], runs[place]) for runs in records]
-            cpu = quantity.mean("cpu", "", [other.cpu_s / max(own.cpu_s, 1e-9) for own, other in pairs])
-            speed = _speed_difference(pairs, self.walker.shaken.peak_speed, f"change_{place}")
+            cpu = quantity.mean("cpu_ratio", "", [other.cpu_s / max(own.cpu_s, 1e-9) for own, other in pairs])
+            speed = _speed_difference(pairs, self.walker.shaken.peak_speed)
             changes.append(Change(variant.effect, variant.change, speed, cpu))
         return changes
 
@@ -108,13 +108,15 @@ def verdict(walker: Walker, speed: Quantity, change: Change, tolerance: Toleranc
     return change.speed.compare_with_range(-error, error)
 
 
-def _speed_difference(pairs: Sequence[tuple[RunResult, RunResult]], plate_speed: float, key: str) -> Quantity:
+def _speed_difference(pairs: Sequence[tuple[RunResult, RunResult]], plate_speed: float) -> Quantity:
     """Mean difference of speeds of pairs of runs, without an error where all runs share an orbit."""
     ended = [result for pair in pairs for result in pair if result.outcome not in ENDED_WELL]
     if ended:
-        return Quantity(key, "mm_s", None, refused=f"{len(ended)} of {2 * len(pairs)} runs: {ended[0].outcome.value}")
+        return Quantity(
+            "change", "mm_s", None, refused=f"{len(ended)} of {2 * len(pairs)} runs: {ended[0].outcome.value}"
+        )
     speeds = np.array([[own.speed, other.speed] for own, other in pairs])
-    mean = quantity.mean(key, "mm_s", speeds[:, 1] - speeds[:, 0])
+    mean = quantity.mean("change", "mm_s", speeds[:, 1] - speeds[:, 0])
     if orbits.ORBIT in (orbits.common_orbit(speeds[:, 0], plate_speed), orbits.common_orbit(speeds[:, 1], plate_speed)):
         return mean._replace(se=None, refused=Outcome.ORBIT.value)
     return mean

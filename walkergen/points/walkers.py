@@ -15,13 +15,12 @@ from walkergen.core.errors import InputError
 from walkergen.core.files import formatting
 from walkergen.core.files.progress import Expect, Progress, ignore_estimate, part_progress, silent
 from walkergen.core.measure import FIRST_RUNS, Error, Measured, Runs, Until, measure
-from walkergen.core.numerics.statistics import Mean
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import batch, observables
 from walkergen.core.simulation.observables import SPEED
 from walkergen.core.simulation.run import RunResult
 from walkergen.core.tolerance import Tolerance
-from walkergen.points import experiments, run_time, trajectory
+from walkergen.points import experiments, run_time, step_errors, trajectory
 from walkergen.points.experiments import Results, Walker
 from walkergen.points.run_time import ErrorWithEstimate
 
@@ -65,10 +64,13 @@ class ErrorResult(NamedTuple):
     results: Results
     of: str
     """Name of the observable that has the error."""
-    error: float
-    """Half-width of the bounds of 95 % by runs and step, in its unit; infinite where it is not known."""
     allowed: float
-    """Error that was asked for, in the same unit."""
+    """Error that was asked for, in its unit."""
+
+    @property
+    def error(self) -> float:
+        """Half-width of the bounds of 95 % by runs and step, in the same unit; infinite where it is not known."""
+        return self.results.summary.numbers[self.of].half_width()
 
     @property
     def lines(self) -> list[tuple[str, str]]:
@@ -77,7 +79,7 @@ class ErrorResult(NamedTuple):
         unit = "mm/s" if self.of == SPEED else f"of {self.of}"
         within = "within" if self.error <= self.allowed else "NOT within"
         stepping = "" if step is None else f", step {formatting.format_number(step, 3)} us"
-        by_step = formatting.format_number(self.results.step_errors[self.of].error or 0.0, 2)
+        by_step = formatting.format_number(self.results.summary.numbers[self.of].bias, 2)
         obtained = (
             f"{formatting.format_number(self.error, 2)} {unit}, {within} the "
             f"{formatting.format_number(self.allowed, 2)} asked"
@@ -94,7 +96,7 @@ class ErrorResult(NamedTuple):
             "runs": self.results.summary.runs,
             "seconds": self.results.walker.scene.run.seconds,
             "step_us": self.results.step_us,
-            "step_error": self.results.step_errors[self.of].error,
+            "step_error": self.results.summary.numbers[self.of].bias,
             "of": self.of,
             "error": None if math.isinf(self.error) else self.error,
             "allowed": self.allowed,
@@ -121,10 +123,10 @@ def simulate_to_error(
         raise InputError(f"‹error=›{wanted}: only a mean speed is in mm/s; write a share: 5%")
     until = speed_error(wanted, walker.shaken) if of == SPEED else Error(wanted, of)
     results = _simulate_short_runs(walker, ErrorWithEstimate(until, expect), progress, threads)
-    if results.step_errors[of].error is None:
-        raise InputError(f"‹error=›{wanted}: {of} is {results.step_errors[of].reason}")
-    value = results.summary.speed_mm_s if of == SPEED else results.values[of]
-    return ErrorResult(results, of, _half_width(results, of), until.max_error(value))
+    number = results.summary.numbers[of]
+    if reason := step_errors.reason(number):
+        raise InputError(f"‹error=›{wanted}: {of} is {reason}")
+    return ErrorResult(results, of, until.max_error(number.value))
 
 
 def simulate_with_limit(walker: Walker, wanted: Tolerance, most: int, progress: Progress = silent) -> Results:
@@ -154,18 +156,6 @@ def speed_error(wanted: Tolerance, shaken: Drive) -> Error:
 
 def _to_results(measured: Measured[Walker]) -> Results:
     return experiments.from_records(measured.experiment, measured.records, measured.runs, measured.wall_s)
-
-
-def _half_width(results: Results, of: str) -> float:
-    """Half of the bounds of 95 % of an observable, by runs and step, as the summary states them."""
-    summary = results.summary
-    if of == SPEED:
-        low, high = summary.speed_low_95_mm_s, summary.speed_high_95_mm_s
-        return math.inf if low is None or high is None else 0.5 * (high - low)
-    se, step = summary.errors[of], results.step_errors[of].error
-    if se is None or step is None:
-        return math.inf
-    return math.hypot(Mean(0.0, se, summary.runs - 1.0).interval(0.95)[1], step)
 
 
 def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) -> Tracks:

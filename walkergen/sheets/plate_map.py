@@ -200,7 +200,7 @@ def _top_view(design: Design, mesh: Mesh) -> _View:
 
 def _silhouettes(design: Design, mesh: Mesh) -> tuple[manifold3d.CrossSection, manifold3d.CrossSection]:
     """Outline of a walker with its legs up, and that of what stands above the body."""
-    solid = modeller.to_solid(mesh.shifted(-mesh.vertices.min(axis=0)))
+    solid = modeller.to_solid(mesh.shift(-mesh.vertices.min(axis=0)))
     legs = solid.trim_by_plane((0.0, 0.0, 1.0), design.size.thickness + LEG_CLEARANCE_MM)
     return solid.project(), legs.project()
 

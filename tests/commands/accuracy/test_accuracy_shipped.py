@@ -64,7 +64,7 @@ def test_the_law_finds_the_bias_it_was_given_and_how_much_walkers_differ(power):
         rows += made_up(slope, 0.2, power, rng, ("lane-90hz", 10.0, 0.1 + number))
     law = step_law.fit_laws(PEAK, tuple(rows))[False]
     (own,) = (one for one in law.slopes if one.power == power)
-    assert own.share == pytest.approx(-0.02, abs=4.0 * own.se)
+    assert own.share.value == pytest.approx(-0.02, abs=4.0 * own.share.se)
     assert own.between == pytest.approx(0.01, rel=0.2)  # a standard deviation of 200 has 5 %
     assert own.misfit == pytest.approx(1.0, abs=0.2)
     assert law.bias_bound(0.5) >= own.bias_bound(0.5) >= 0.02 * 0.5**power
@@ -228,6 +228,6 @@ def test_advice_reaches_its_error_in_fresh_runs(error):
     for seed in range(2001, 2007):
         one = measure.walker(measure.Setting("lane-90hz", 5.0, 0.8, 1.0), seed)
         one = one.with_run(runs=found.runs, seconds=found.seconds, step_us=found.candidate.step_us)
-        speed = walkers.simulate(one, threads=1).summary.speed_mm_s
+        speed = walkers.simulate(one, threads=1).summary.speed.value
         inside += abs(speed - true.speed_mm_s) <= room
     assert inside >= 5

@@ -17,6 +17,7 @@ from walkergen.commands.family import figures, preview
 from walkergen.commands.family import make as families
 from walkergen.commands.family.chart_data import ChartData
 from walkergen.core.errors import GeometryError, InputError
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.printing import checks, plates, print_sheet, upside_down_checks, walls
 from walkergen.core.printing.printers import Printer
 from walkergen.core.scene import Scene
@@ -223,16 +224,14 @@ def test_a_weighed_leg_is_the_mean_of_unlike_legs():
     three = design_of(legs=[leg(-6.0), leg(0.0, width_mm=2.0), leg(6.0)])
     built = solids.build(three)
     meshed = solids.weigh(three, built)
-    whole, body = (
-        weighed_masses.Mean(1.1 * grams, error, 2) for grams, error in ((meshed.total, 0.002), (meshed.M, 0.001))
-    )
+    whole, body = (Quantity("mass", "g", 1.1 * mass, se) for mass, se in ((meshed.total, 0.002), (meshed.M, 0.001)))
     known = weighed_masses.Weighings(grams=whole, body_g=body)
     found = solids.weigh(weighed_masses.apply_masses(three, built, known, "it"), built)
     assert found.total == pytest.approx(1.1 * meshed.total, rel=1e-12)
     each = [own.m / mesh.m for own, mesh in zip(found.legs, meshed.legs, strict=True)]
     assert each == pytest.approx([1.1] * 3, rel=1e-9)
-    parts = weighed_masses.Weighings(body_g=known.body_g, leg_g=weighed_masses.Mean(0.03, 0.002, 2))
-    assert weighed_masses.total_error(parts, 3) == pytest.approx(math.hypot(0.001, 0.006))
+    parts = weighed_masses.Weighings(body_g=known.body_g, leg_g=Quantity("mass", "g", 0.03, 0.002))
+    assert weighed_masses.total(1.0, parts, 3).se == pytest.approx(math.hypot(0.001, 0.006))
 
 
 @pytest.mark.parametrize("design", [DISC, NARROW, PAPER, UNLIKE, PROFILE, *PAPER.members([45.0, -40.0], ["flexible"])])

@@ -14,9 +14,10 @@ from walkergen.analysis import motion
 from walkergen.analysis.speeds import Measured as Speeds
 from walkergen.analysis.tracks import Track
 from walkergen.commands.accuracy.choice import RUN_COUNTS, Candidate
-from walkergen.commands.accuracy.figures import FigureData, Mark, Point, choice_figure, compute_front
+from walkergen.commands.accuracy.figures import FigureData, Point, choice_figure, compute_front
 from walkergen.commands.family import chart_data
 from walkergen.commands.family import figures as family
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.theory.prediction import Curve, Prediction
 from walkergen.files import figures
 from walkergen.guests.track.analyse import report as analysis
@@ -43,7 +44,7 @@ def curve(speed):
 
 
 ROWS = [row(tilt, legs, 40.0) for legs in ("flexible", "braced") for tilt in (5.0, 10.0)]
-SIMULATED = [Simulated(42.0, 2.0, 38.0, 46.0, "8 ok", "agree")] * 4
+SIMULATED = [Simulated(Quantity("speed", "mm_s", 42.0, 2.0, ends=(38.0, 40.0, 44.0, 46.0)), "8 ok", "agree")] * 4
 MEASURED = Speeds(
     np.array([10.0, 10.0]),
     ["flexible", "braced"],
@@ -68,9 +69,9 @@ BIASES = {1.2: 0.01, 2.3: 0.028, 4.6: 0.031, 5.8: 0.11, 7.4: 0.079}
 
 CURVES = [Candidate(step, bias, 1e-3, 0.2 / step, 1.0 / RUN_COUNTS[0]) for step, bias in BIASES.items()]
 MARKS = [
-    Mark("step 9 us", 0.05, 0.9, 0.01),
-    Mark("step 8 us", 0.2, 0.2, 0.03),
-    Mark("within the floor", 0.3, 0.01, 0.03),
+    ("step 9 us", 0.05, Quantity("bias", "", 0.9, 0.005)),
+    ("step 8 us", 0.2, Quantity("bias", "", 0.2, 0.015)),
+    ("within the floor", 0.3, Quantity("bias", "", 0.01, 0.015)),
 ]
 POINTS = [Point(0.05, 1.0, "5 %: 1 s"), Point(0.02, 30.0, "2 %: 20 s")]
 FLOOR = 0.015
@@ -221,7 +222,7 @@ def test_slopes_are_told_in_words(drawn):
 
 def test_what_speed_png_shows_is_in_speed_csv():
     lines = chart_data.table(SHOWN).csv().splitlines()
-    assert lines[0].split(",") == list(chart_data.Speed._fields)
+    assert lines[0].split(",") == list(chart_data.KEYS)
     kinds = [line.split(",")[0] for line in lines[1:]]
     assert kinds == ["predicted"] * 182 + ["measured"] * 2 + ["paper"]
     assert lines[1] == "predicted,flexible,0.0,40.0,30.0,60.0,20.0,80.0,40.0,yes"

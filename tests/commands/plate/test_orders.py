@@ -130,7 +130,7 @@ def test_a_design_reads_its_own_form_back(run, lists, tmp_path):
     duck = templates.load(str(tmp_path / "duck.toml"), "walkers", Design)
     (weighings,) = weighed_masses.read_masses(form, [duck]).values()
     assert weighings.grams is not None
-    assert weighings.grams.mean == pytest.approx(0.55)
+    assert weighings.grams.value == pytest.approx(0.55)
     assert run(*words).exit_code == 0
     assert form.read_text() == filled  # what somebody weighed is kept
     with pytest.raises(InputError, match=r"part 'duck_t10\.0_flexible_s0\.40-1' is not among"):

@@ -35,7 +35,7 @@ def test_scatter_between_prints_and_statistics_are_told_apart():
     # Relative errors of deviations from 256 values: 4 % each, the difference of squares 8 %.
     assert found.statistical_mm_s == pytest.approx(8.0, rel=0.15)
     assert found.between_prints_mm_s == pytest.approx(10.0, rel=0.2)
-    assert found.speed_mm_s == pytest.approx(60.0, abs=3.0 * found.speed_se_mm_s)
+    assert found.speed.value == pytest.approx(60.0, abs=3.0 * found.speed.se)
 
 
 @pytest.mark.slow
@@ -44,10 +44,10 @@ def test_the_share_of_an_input_and_of_the_print_come_out():
     found = _analysed(*_synthetic(256, 2, statistical=2.0, print_sd=10.0))
     shares = {one.name: one for one in found.shares}
     best = shares["contact.restitution"]
-    assert best.first == pytest.approx(0.5, abs=3.0 * best.first_se)
-    assert best.first_se < 0.12
-    assert found.unexplained == pytest.approx(0.5, abs=3.0 * found.unexplained_se)
-    assert shares["contact.friction"].total < 0.1
+    assert best.first.value == pytest.approx(0.5, abs=3.0 * best.first.se)
+    assert best.first.se < 0.12
+    assert found.unexplained.value == pytest.approx(0.5, abs=3.0 * found.unexplained.se)
+    assert shares["contact.friction"].total.value < 0.1
 
 
 def test_bounds_hold_another_print_as_often_as_they_say():
@@ -99,7 +99,7 @@ def test_scatter_that_runs_do_not_resolve_is_not_shared_out():
     halves[:, 1] += 4.0  # statistical errors just above the scatter of the means
     found = _analysed(sample_inputs(KNOWN, 64, 1), halves)
     assert found.between_prints_mm_s == 0.0
-    low, _, _, high = found.bounds_mm_s
+    low, high = found.speed.interval()
     assert low < 52.0 < high
     assert "not resolved" in dict(uncertain_prints.summary_rows(found))["deviation, print to print"].refused
     assert "half of the variance is taken out" in " ".join(uncertain_prints.notes(found))

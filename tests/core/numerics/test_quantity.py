@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from evidence.quantities import compare, exact, ratio
-from walkergen.core.numerics.quantity import Quantity, Verdict, mean
+from evidence.quantities import compare, ratio
+from walkergen.core.numerics.quantity import Quantity, Verdict, exact, mean
 
 
 def test_bounds_are_students_and_of_a_variance_chi_squared():
@@ -96,3 +96,13 @@ def test_bounds_are_finite_or_there_are_none(freedom, power):
         assert ends is None or all(map(math.isfinite, ends)), number
         assert ends is None or noise is None or freedom > 1e-6, number
         assert not math.isnan(number.half_width())
+
+
+def test_bounds_of_draws_are_their_ends_and_rows_have_columns():
+    drawn = Quantity("speed", "mm_s", 50.0, 1.0, ends=(40.0, 45.0, 57.0, 70.0))
+    assert (drawn.interval(), drawn.interval(0.68), drawn.half_width()) == ((40.0, 70.0), (45.0, 57.0), 15.0)
+    assert drawn._replace(value=None).interval() is None
+    names = "speed_mm_s", "speed_se_mm_s", "speed_low_95_mm_s", "speed_high_95_mm_s"
+    assert drawn.row(95) == dict(zip(names, (50.0, 1.0, 40.0, 70.0), strict=True))
+    assert list(drawn.row(95, stem="")) == ["speed_mm_s", "se_mm_s", "low_95_mm_s", "high_95_mm_s"]
+    assert Quantity("ratio", "", 2.0).row() == {"ratio": 2.0, "ratio_se": None}

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from walkergen.core.numerics import statistics
+from walkergen.analysis import line
+from walkergen.core.numerics import quantity, statistics
+from walkergen.core.numerics.quantity import Quantity
 
 
 def series(seed, memory, count):
@@ -26,7 +28,7 @@ def test_error_of_a_correlated_mean_covers_it():
 
 def test_a_mean_of_equal_weights_has_the_textbook_error_and_interval():
     values = np.random.default_rng(3).normal(size=5)
-    mean = statistics.weighted_mean(values)
+    mean = quantity.mean("x", "", values)
     assert mean.value == pytest.approx(values.mean())
     assert mean.se == pytest.approx(values.std(ddof=1) / np.sqrt(5))
     assert mean.freedom == pytest.approx(4.0)
@@ -40,7 +42,7 @@ def test_a_mean_over_unequal_times_weighs_them_and_covers_the_truth():
     times = np.array([1.0, 1.0, 2.0, 4.0, 8.0, 8.0])
     errors, means, inside = [], [], []
     for _ in range(4000):
-        mean = statistics.weighted_mean(rng.normal(size=6) / np.sqrt(times), times)
+        mean = Quantity("x", "", *statistics.weighted_mean(rng.normal(size=6) / np.sqrt(times), times))
         low, high = mean.interval(0.95)
         means.append(mean.value)
         errors.append(mean.se**2)
@@ -97,8 +99,8 @@ def test_a_line_through_the_origin_covers_its_slope():
     for seed in range(300):
         errors = np.linspace(0.1, 0.5, 6)
         y = 2.0 * x + errors * np.random.default_rng(seed).normal(size=6)
-        line = statistics.fit_through_origin(x, y, errors)
-        scores.append((line.slope - 2.0) / line.slope_se)
+        fitted = line.line_through_origin(x, y, errors)
+        scores.append((fitted.slope.value - 2.0) / fitted.slope.se)
     assert 0.60 < np.mean(np.abs(scores) < 1) < 0.76  # 68 % +- 2.7 %, 3 sigma
 
 

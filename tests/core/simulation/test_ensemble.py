@@ -116,17 +116,17 @@ def measured(plan):
 def test_too_few_runs_are_said_instead_of_an_error_bar_however_long(runs, seconds):
     scene = scene_of(runs=runs, seconds=seconds)
     summary, results = measured(fake_plan(steady, scene))
-    bounds = [getattr(summary, f"speed_{end}_mm_s") for end in ("low_95", "low_68", "high_68", "high_95")]
-    assert summary.speed_mm_s == pytest.approx(np.mean([one.speed for one in results]))
+    speed, se, *bounds = summary.speed.row(68, 95).values()
+    assert speed == pytest.approx(np.mean([one.speed for one in results]))
     if runs < 4:
-        assert summary.speed_se_mm_s is None
+        assert se is None
         assert bounds == [None] * 4
         assert summary.outcomes["too few data for an error bar"] == runs
     else:
         assert summary.outcomes == {"ok": runs}
-        low, inner, outer, high = bounds
-        assert low < inner < summary.speed_mm_s - 0.9 * summary.speed_se_mm_s
-        assert summary.speed_mm_s + 0.9 * summary.speed_se_mm_s < outer < high
+        inner, outer, low, high = bounds
+        assert low < inner < speed - 0.9 * se
+        assert speed + 0.9 * se < outer < high
 
 
 def test_few_runs_have_wide_intervals():
@@ -134,9 +134,8 @@ def test_few_runs_have_wide_intervals():
     rng = np.random.default_rng(3)
     for runs, factor in ((4, 3.182), (16, 2.131)):
         results = [noise_result(n, autoregressive(rng, 50, 0.0)) for n in range(runs)]
-        found = ensemble.summarise(results, 31.2, 1.0)
-        half = 0.5 * (found.speed_high_95_mm_s - found.speed_low_95_mm_s)
-        assert half == pytest.approx(factor * found.speed_se_mm_s, rel=1e-3)
+        speed = ensemble.summarise(results, 31.2, 1.0).speed
+        assert speed.half_width() == pytest.approx(factor * speed.se, rel=1e-3)
 
 
 def test_failures_are_named_and_left_out_of_the_mean():
@@ -148,7 +147,7 @@ def test_failures_are_named_and_left_out_of_the_mean():
     good = [r.speed for r in results if r.outcome is Outcome.OK]
     assert 0 < len(good) < 32
     assert summary.outcomes == {"ok": len(good), "toppled": 32 - len(good)}
-    assert summary.speed_mm_s == pytest.approx(np.mean(good))
+    assert summary.speed.value == pytest.approx(np.mean(good))
 
 
 def test_leaving_the_lane_and_energy_errors_are_outcomes():

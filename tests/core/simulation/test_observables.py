@@ -29,10 +29,9 @@ def plan_of(tilt=10.0, kind="flexible", label=0.8, **run):
 
 
 def measured(plan):
-    """Values, standard errors and verdicts of a plan, each by name."""
+    """Numbers of a plan with their errors and biases, by name."""
     found = ensemble.summarise(ensemble.simulate_runs(plan, silent), plan.shaken.peak_speed, 0.0)
-    errors = {**found.errors, observables.SPEED: found.speed_se_mm_s}
-    return step_errors.observable_values(found), errors, step_errors.judge(plan, found)
+    return step_errors.judge(plan, found.numbers)
 
 
 def test_error_of_a_quotient_is_the_scatter_of_its_replicates():
@@ -60,19 +59,19 @@ def test_impulses_by_type_are_those_of_all_impacts_kept():
     rows = rows[rows[:, 1] < 4]  # without touches of the lane's walls
     for name, kind in record.KINDS.items():
         share = rows[rows[:, 6] == kind, 3].sum() / rows[:, 3].sum()
-        assert found.type_fractions_by_impulse[name] == pytest.approx(share, abs=1e-12)
-    assert sum(found.type_fractions_by_impulse.values()) == pytest.approx(1.0)
-    assert set(step_errors.observable_values(found)) == set(observables.OBSERVABLE_NAMES)
-    assert set(found.errors) == set(observables.OBSERVABLE_NAMES) - {observables.SPEED}
+        assert found.facts["type_fractions_by_impulse"][name] == pytest.approx(share, abs=1e-12)
+    assert sum(found.facts["type_fractions_by_impulse"].values()) == pytest.approx(1.0)
+    assert set(found.numbers) == set(observables.OBSERVABLE_NAMES)
+    assert set(found.facts["errors"]) == set(observables.OBSERVABLE_NAMES) - {observables.SPEED}
 
 
 def test_errors_of_all_observables_cover_the_scatter_between_ensembles():
     """16 ensembles of 8 runs: the mean square of z over names and ensembles is about one."""
-    all_of = [measured(plan_of(seconds=0.5, seed=seed))[:2] for seed in range(16)]
+    all_of = [measured(plan_of(seconds=0.5, seed=seed)) for seed in range(16)]
     squares = []
     for name in (observables.IMPACTS, observables.CONTACT, FRICTION):
-        values = np.array([found[name] for found, _ in all_of])
-        squares.append(np.mean([(values - values.mean()) ** 2 / [e[name] ** 2 for _, e in all_of]]))
+        values, errors = np.array([found[name].pair for found in all_of]).T
+        squares.append(np.mean((values - values.mean()) ** 2 / errors**2))
     # 16 ensembles of 8 runs know each to 40 %, three together (not independent) to 30 %;
     # the mean of 1/chi^2 with 7 degrees of freedom is 7/5
     assert 0.5 < np.mean(squares) / (1.4 * 15 / 16) < 1.8
@@ -82,11 +81,10 @@ def close(coarse, fine, names):
     """Names of observables that are further off than 2 errors of the runs and the step's."""
     far = []
     for name in names:
-        error = coarse[2][name].error
-        noise = math.hypot(coarse[1][name], fine[1][name])
+        gap = coarse[name].less(fine[name])
         # 3: about 20 names, of which none shall miss by chance
-        if abs(coarse[0][name] - fine[0][name]) > error + 3.0 * noise:
-            far.append((name, coarse[0][name], fine[0][name], error, noise))
+        if abs(gap.number) > coarse[name].bias + 3.0 * gap.pair[1]:
+            far.append(gap)
     return far
 
 
@@ -114,12 +112,12 @@ def test_finer_steps_have_smaller_errors_and_coarser_none():
     found = ensemble.summarise(ensemble.simulate_runs(whole, silent), whole.shaken.peak_speed, 0.0)
     errors = []
     for part in (1.0, 0.9, 0.5, 0.499, 0.1):
-        judged = step_errors.judge(plan_of(step_us=1e6 * part * own), found)
-        errors.append(judged[observables.IMPACTS].error)
+        judged = step_errors.judge(plan_of(step_us=1e6 * part * own), found.numbers)
+        errors.append(judged[observables.IMPACTS].bias)
     assert errors == sorted(errors, reverse=True)
     assert errors[2] == pytest.approx(errors[3], rel=0.01)
-    coarser = step_errors.judge(plan_of(step_us=1.2e6 * own), found)
-    assert all(one.error is None for one in coarser.values())
+    coarser = step_errors.judge(plan_of(step_us=1.2e6 * own), found.numbers)
+    assert all(step_errors.step_bias(one) is None for one in coarser.values())
 
 
 COMMAND = ("simulate",)

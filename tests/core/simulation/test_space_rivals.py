@@ -109,8 +109,7 @@ def speed(tilt, label, seconds, finer=1.0, **tables):
     if finer > 1.0:
         plan = plan.coarser(1.0 / finer)
     results = ensemble.simulate_runs(plan, lambda *progress: None, 1)
-    summary = ensemble.summarise(results, plan.shaken.peak_speed, 0.0)
-    return summary.speed_mm_s, summary.speed_se_mm_s
+    return ensemble.summarise(results, plan.shaken.peak_speed, 0.0).speed.pair
 
 
 RIGID = {"rigid_tips": True}

@@ -178,7 +178,7 @@ def test_shares_name_what_to_measure_next():
     first, second, *rest = prediction.variance_shares(design, solids.mass_of(design), scene)
     assert {first.name, second.name} <= {"contact.restitution", "which print it is", "the surrogate's error"}
     assert "contact.restitution" in (first.name, second.name)
-    assert all(abs(one.total) < 0.02 for one in rest)
+    assert all(abs(one.total.number) < 0.02 for one in rest)
 
 
 def test_tilt_zero_stands_still_and_its_mirror_image_runs_back():

@@ -12,6 +12,7 @@ from PIL import Image
 
 from walkergen.commands.family import preview
 from walkergen.core.errors import GeometryError
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker import mass, solids, weighed_masses
 from walkergen.core.walker.design import Design
@@ -133,7 +134,7 @@ def test_a_design_without_a_cap_is_written_as_before():
 def test_a_walker_is_weighed_with_its_cap():
     design = capped()
     built = solids.build(design)
-    heavier = weighed_masses.Weighings(grams=weighed_masses.Mean(1.1, None, 1))
+    heavier = weighed_masses.Weighings(grams=Quantity("mass", "g", 1.1))
     scaled = weighed_masses.apply_masses(design, built, heavier, "walker")
     assert float(solids.weigh(scaled, built).total) == pytest.approx(1.1, rel=1e-12)
 

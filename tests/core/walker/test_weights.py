@@ -6,6 +6,7 @@ from typer.testing import CliRunner
 
 from walkergen.cli import command_line
 from walkergen.core.errors import InputError
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import Scene
 from walkergen.core.walker import mass, names, solids, weighed_masses
 from walkergen.core.walker.design import Design
@@ -45,7 +46,8 @@ def test_copies_are_averaged_with_their_standard_error(read):
     found = read("part,grams\n" + "".join(f"{FIVE}-{k},{g}\n" for k, g in enumerate(grams, 1)))
     assert list(found) == [FIVE]
     error = np.std(grams, ddof=1) / np.sqrt(3)
-    assert found[FIVE].grams == pytest.approx((np.mean(grams), error, 3))
+    assert found[FIVE].grams.pair == pytest.approx((np.mean(grams), error))
+    assert found[FIVE].number == 3
     assert found[FIVE].leg_g is None
 
 
@@ -56,7 +58,8 @@ def test_a_template_has_no_masses_and_can_be_filled(read, tmp_path):
     assert not weighed_masses.is_filled_in(tmp_path / "weights.csv")
     found = read(text.replace(f"{TEN},,,", f"{TEN},,0.8,0.03"))
     assert weighed_masses.is_filled_in(tmp_path / "weights.csv")
-    assert found == {TEN: weighed_masses.Weighings(None, (0.8, None, 1), (0.03, None, 1))}
+    parts = (Quantity("mass", "g", grams, freedom=0.0) for grams in (0.8, 0.03))
+    assert found == {TEN: weighed_masses.Weighings(None, *parts)}
 
 
 @pytest.mark.parametrize("header", ["part,grams,body_g,leg_g", "part,grams"])
@@ -90,7 +93,7 @@ def test_whole_walkers_scale_all_masses_alike_and_change_the_speed_little(read):
     scale = 1.0 / (body + 2 * leg)
     assert (member.row.M_g, member.row.m_g) == pytest.approx((scale * body, scale * leg))
     assert member.row.speed_mm_s == pytest.approx(member.weighing.speed_mesh_mm_s, rel=0.1)
-    assert member.weighing.mass_g == pytest.approx(1.0)
+    assert member.weighing.mass.value == pytest.approx(1.0)
     assert member.weighing.mass_mesh_g == pytest.approx(body + 2 * leg)
 
 
@@ -119,15 +122,15 @@ def test_braced_walkers_are_weighed_whole_or_with_their_braces(tmp_path):
     path.write_text("part,grams,leg_g\nwalker_t10.0_braced_s1.00,1.1,0.1\n")
     (member,) = predicted(weighed_masses.read_masses(path, [design]), [design])
     assert member.row.M_g == pytest.approx(1.1)
-    assert member.weighing.mass_g == pytest.approx(1.1)
+    assert member.weighing.mass.value == pytest.approx(1.1)
     assert member.row.m_g is None
 
 
 def test_the_error_of_a_whole_walker_adds_those_of_its_parts(read):
     rows = "".join(f"{TEN},{body},{leg}\n" for body, leg in ((0.80, 0.03), (0.82, 0.034)))
     found = read("part,body_g,leg_g\n" + rows)[TEN]
-    assert weighed_masses.total_error(found, 2) == pytest.approx(np.hypot(0.01, 2 * 0.002))
-    assert weighed_masses.total_error(read(f"part,leg_g\n{TEN},0.03\n{TEN},0.04\n")[TEN], 2) is None
+    assert weighed_masses.total(1.0, found, 2).se == pytest.approx(np.hypot(0.01, 2 * 0.002))
+    assert weighed_masses.total(1.0, read(f"part,leg_g\n{TEN},0.03\n{TEN},0.04\n")[TEN], 2).se is None
 
 
 def test_a_form_of_the_whole_family_serves_some_of_its_walkers(read, tmp_path):
@@ -135,7 +138,7 @@ def test_a_form_of_the_whole_family_serves_some_of_its_walkers(read, tmp_path):
     rows = [f"{name},0.9" for name in names_of_family()]
     rows += [f"{FIVE}-2,0.9", "walker_t07.5_flexible_s0.40-3,1"]
     found = read("part,grams\n" + "\n".join(rows))
-    assert {name: one.grams.weighings for name, one in found.items()} == {FIVE: 2, TEN: 1}
+    assert {name: one.number for name, one in found.items()} == {FIVE: 2, TEN: 1}
     unused = weighed_masses.unused_parts(tmp_path / "weights.csv", MEMBERS)
     others = [name for name in names_of_family() if name not in (FIVE, TEN)]
     assert unused == [*others, "walker_t07.5_flexible_s0.40"]
@@ -165,7 +168,7 @@ def test_files_that_cannot_be_read_are_one_line(tmp_path):
 def test_a_spreadsheet_s_byte_order_mark_is_ignored(tmp_path):
     path = tmp_path / "w.csv"
     path.write_bytes(f"part,grams\r\n{FIVE},0.9\r\n".encode("utf-8-sig"))
-    assert weighed_masses.read_masses(path, MEMBERS)[FIVE].grams.mean == 0.9
+    assert weighed_masses.read_masses(path, MEMBERS)[FIVE].grams.value == 0.9
 
 
 @pytest.mark.parametrize("row", ["my own grain,,,", "walker,,,", "note to self,,,", f"{FIVE},,,1"])

@@ -41,7 +41,7 @@ def filmed(tilts, restitution, friction):
     for tilt in tilts:
         member = design.variant(tilt_deg=tilt)
         asked = experiments.Walker(scene, member, solids.mass_of(member))
-        speed = walkers.simulate(asked, lambda what, done, total: None).summary.speed_mm_s
+        speed = walkers.simulate(asked, lambda what, done, total: None).summary.speed.value
         lines.append(f"{tilt:g},{speed:.2f},2\n")
     return HEAD + "".join(lines)
 

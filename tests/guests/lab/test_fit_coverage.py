@@ -42,7 +42,7 @@ def true_speeds(ground, settings, rng):
             run = {"seconds": TRUE_SECONDS, "discard_seconds": 0.5, "runs": 1, "seed": int(rng.integers(2**62))}
             scene = ground.scene.model_copy(update={"run": ground.scene.run.model_copy(update=run)})
             asked.append(experiments.Walker(*uncertain_inputs.apply_inputs(scene, setting.design, values)))
-    found = [one.summary.speed_mm_s for one in walkers.simulate_parallel(asked).values()]
+    found = [one.summary.speed.value for one in walkers.simulate_parallel(asked).values()]
     return np.array(found, dtype=float).reshape(REPETITIONS, len(settings))
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import PAPER_CONTACT, Scene
 from walkergen.core.theory.uncertain_inputs import Input
 from walkergen.core.walker.design import Design
@@ -161,7 +162,7 @@ def test_runs_done_before_ctrl_c_are_not_done_again(ground, monkeypatch, tmp_pat
 
     class Found:
         def __init__(self, speed):
-            self.summary = type("Summary", (), {"speed_mm_s": speed})
+            self.summary = type("Summary", (), {"speed": Quantity("speed", "mm_s", speed)})
 
     def until_third(asked, progress):
         first = not asked_for

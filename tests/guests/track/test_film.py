@@ -10,6 +10,7 @@ from rendered_films import Filmed
 
 from walkergen.analysis import track_files
 from walkergen.core.files.progress import silent
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.guests.track.film import appearance, blobs, make, quality
 from walkergen.guests.track.film.result import Options
 
@@ -92,7 +93,7 @@ def test_a_film_of_variable_rate_keeps_its_times(tmp_path, name):
 
     pictures = [films.picture([(*way(one), 0.4)], seed=n) for n, one in enumerate(t)]
     path = films.write(tmp_path / "film.mp4", pictures, words)
-    made = make.track(path, Options(mm_per_px=1.0), tmp_path / "out", silent)
+    made = make.track(path, Options(mm_per_px=Quantity("mm_per_px", "", 1.0)), tmp_path / "out", silent)
     clock = made.tracked.clock
     np.testing.assert_allclose(clock.times, t, atol=1e-4)
     assert not clock.regular
@@ -104,7 +105,8 @@ def test_a_film_of_variable_rate_keeps_its_times(tmp_path, name):
     np.testing.assert_allclose(one.position, way(regular), atol=0.3)  # of a pixel
     assert regular[-1] > t[-1] - 2 * found.interval
     # Filmed at a fifth of the time, as slow motion plays.
-    slow = make.track(path, Options(mm_per_px=1.0, fps=5 * clock.fps), tmp_path / "o", silent)
+    wish = Options(mm_per_px=Quantity("mm_per_px", "", 1.0), fps=5 * clock.fps)
+    slow = make.track(path, wish, tmp_path / "o", silent)
     np.testing.assert_allclose(slow.tracked.clock.times, t / 5.0, atol=1e-4)
 
 
@@ -139,7 +141,7 @@ def tracked(folder, film, shifts=None):
     shifts = np.zeros((50, 2)) if shifts is None else shifts
     pictures = [films.picture([way[n] for way in CIRCLES], film, shifts[n], seed=n) for n in range(50)]
     path = films.write(folder / "film.mp4", pictures)
-    made = make.track(path, Options(mm_per_px=1.0), folder / "out", silent)
+    made = make.track(path, Options(mm_per_px=Quantity("mm_per_px", "", 1.0)), folder / "out", silent)
     errors = []
     for one in made.tracked.walkers:
         ways = [way[one.frames, :2] - one.position for way in CIRCLES]

@@ -91,8 +91,8 @@ def test_a_barrel_is_told_with_its_size_and_undone_by_its_calibration(tmp_path):
     bare = wg.track(path, markers="aruco", out=tmp_path / "bare")
     (told,) = (line for line in bare.warnings if "the lens bends" in line)
     assert "smaller" in told
-    share = marker_warnings.lens_bend(bare.found).share
-    away = (marker_warnings.lens_bend(bare.found).away_px / NEAR.focal) ** 2
+    bend, away_px = marker_warnings.lens_bend(bare.found)
+    share, away = bend.value, (away_px / NEAR.focal) ** 2
     assert share == pytest.approx(-2 * 0.1 * away, rel=0.4)  # (1 + k1 r2)(1 + 3 k1 r2), its root
     own = write(tmp_path / "lens.json", of(NEAR, -0.1, 3))
     made = wg.track(path, markers="aruco", lens=own, out=tmp_path / "made")
@@ -111,9 +111,8 @@ def test_a_straight_lens_is_not_suspected(tmp_path):
     path, _ = circling(tmp_path / "straight.mp4", 0.0)
     made = wg.track(path, markers="aruco", out=tmp_path / "t")
     assert made.warnings == []
-    bend = marker_warnings.lens_bend(made.found)
-    assert abs(bend.share) < 0.003
-    assert abs(bend.share) < 3.0 * bend.error
+    bend, _ = marker_warnings.lens_bend(made.found)
+    assert abs(bend.value) < min(0.003, 3.0 * bend.se)
 
 
 @pytest.mark.nightly
@@ -128,7 +127,7 @@ def test_walkers_without_caps_run_straight_through_a_lens_that_is_undone(tmp_pat
         wg.track(path, length=walkers.LONG, lens=one, out=tmp_path / name)
         for one, name in ((None, "bare"), (own, "made"))
     )
-    assert made.tracked.mm_per_px == pytest.approx(1.0, abs=0.03)  # a pixel of 40: blurred edges
+    assert made.tracked.mm_per_px.value == pytest.approx(1.0, abs=0.03)  # a pixel of 40: blurred edges
 
     def bow(report):
         """Largest way of a track beside a straight line, and largest turn of its heading."""

@@ -11,6 +11,7 @@ from walkergen.analysis import track_files
 from walkergen.cli import command_line
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import silent
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.guests.track.film import make, plane
 from walkergen.guests.track.film.result import Options
 
@@ -139,7 +140,7 @@ def test_bad_films_are_read_within_their_errors(tmp_path, name):
     ways = films.circles()
     drawn = {"hand": reaching} if hand else {}
     found, rest, _ = read(films.film(tmp_path / "bad.mp4", ways, 60, shot, **drawn))
-    error = found.mm_per_px_se / found.mm_per_px
+    error = found.mm_per_px.se / found.mm_per_px.value
     off = films.errors(found, ways)
     print(name, off, rest.plane.tilt_deg, error)
     assert off.read >= share
@@ -203,7 +204,8 @@ def test_tracks_by_markers_are_analysed_as_any_others(tmp_path, plain):
     assert again.facts["mm_per_px"] == made.facts["mm_per_px"]
     share = again.facts["mm_per_px_se"] / again.facts["mm_per_px"]
     assert share == pytest.approx(np.hypot(0.1 / 7.2, 0.2 / 25.2), rel=0.01)
-    assert found_in(path, marker_mm=14.4).mm_per_px == pytest.approx(2.0 * made.facts["mm_per_px"], rel=1e-6)
+    twice = found_in(path, marker=Quantity("marker", "mm", 14.4)).mm_per_px
+    assert twice.value == pytest.approx(2.0 * made.facts["mm_per_px"], rel=1e-6)
 
 
 def measured(table):
@@ -252,7 +254,7 @@ def test_a_film_of_simulated_walkers_is_measured_as_their_own_tracks_are(tmp_pat
     film = measured(made)
     for name in ("speed_mm_s", "turning_bias_rad_s"):
         print(name, truth[name]["value"], truth[name]["se"], film[name]["value"], film[name]["se"])
-    scale = made.tracked.mm_per_px_se / made.tracked.mm_per_px
+    scale = made.tracked.mm_per_px.se / made.tracked.mm_per_px.value
     assert film["speed_mm_s"]["value"] == pytest.approx(truth["speed_mm_s"]["value"], rel=2.0 * scale)
     # 1 degree over the root of 4 tracks, at both ends of 2.4 s
     bias = truth["turning_bias_rad_s"]["value"]

@@ -17,6 +17,8 @@ from walkergen.core.tolerance import Tolerance
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from walkergen.commands.accuracy.figures import Mark
+
 ERROR_LEVELS = tuple(Tolerance(share, True) for share in (0.2, 0.1, 0.05, 0.02, 0.01))
 """Errors for which the page answers what to run."""
 
@@ -72,7 +74,7 @@ def _make_answer(wanted: Tolerance, choice: Choice, known: str, known_to: str = 
 def describe(estimate: Estimate) -> list[str]:
     """Return where the numbers come from, and what an error is, in lines."""
     law, size = estimate.law, estimate.unit
-    own = law.slopes[-1]
+    bias, bias_se = law.slopes[-1].share.pair
     of = (
         "the speed"
         if size == estimate.speed
@@ -88,7 +90,7 @@ def describe(estimate: Estimate) -> list[str]:
     return [
         known,
         f"an error is a half-width of 95 %, a share of {of}: bias and scatter in squares",
-        f"bias of the step that feet take by themselves: {100 * own.share:+.1f} ± {100 * own.se:.1g} % on average of "
+        f"bias of the step that feet take by themselves: {100 * bias:+.1f} ± {100 * bias_se:.1g} % on average of "
         f"{law.cells} cells beside a reference by a twentieth of it, known to {100 * law.floor:.2g} %; "
         "below that answers rest on the law by which it falls",
     ]
@@ -107,7 +109,7 @@ def answer_from_survey(survey: Survey, title: str, progress: Progress) -> Answer
     rows, unmet = mark_accepted([answer for answer, _ in found], survey.scene.run.accepted_error)
     refined = [str(row.error) for row in rows if row.known == SOURCE_BUDGET]
     marks = [
-        (one.label, one.cpu_s, abs(bias.number) / survey.unit, bias.half_width() / survey.unit)
+        (one.label, one.cpu_s, bias._replace(value=abs(bias.number) / survey.unit, se=bias.pair[1] / survey.unit))
         for one in measured
         if (bias := survey.bias(one)).known and one is not reference
     ]
@@ -174,19 +176,13 @@ def advise_budget(candidates: Sequence[Candidate], wanted: Tolerance, survey: Su
 
 
 def draw_choice(
-    title: str,
-    candidates: Sequence[Candidate],
-    found: Sequence[AnswerAndChoice],
-    marks: Sequence[tuple[str, float, float, float]],
-    floor: float,
+    title: str, candidates: Sequence[Candidate], found: Sequence[AnswerAndChoice], marks: "Sequence[Mark]", floor: float
 ) -> "Figure":
-    """Draw candidates, answers and measured biases (name, CPU time, size, half-width of 95 %)."""
+    """Draw candidates, answers and measured biases."""
     from walkergen.commands.accuracy import figures
 
     points = [figures.Point(*point) for point in _list_points(found, floor)]
-    return figures.choice_figure(
-        figures.FigureData(title, candidates, [figures.Mark(*mark) for mark in marks], points, floor)
-    )
+    return figures.choice_figure(figures.FigureData(title, candidates, marks, points, floor))
 
 
 def _list_points(found: Sequence[AnswerAndChoice], floor: float) -> Iterator[tuple[float, float, str]]:

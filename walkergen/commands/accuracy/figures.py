@@ -11,6 +11,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from walkergen.commands.accuracy.choice import MIN_CURVE_S, RUN_COUNTS, Candidate
 from walkergen.core.numerics import Array
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.files.figures import (
     BLACK,
     BLUE,
@@ -32,13 +33,8 @@ AXIS_MARGIN_FACTOR = 1.6
 """Factor between the ends of an axis and what is nearest to them."""
 
 
-class Mark(NamedTuple):
-    """Bias of a step that was measured, with the half-width of its bounds of 95 %."""
-
-    name: str
-    cpu_s: float
-    bias: float
-    half_width: float
+Mark = tuple[str, float, Quantity]
+"""Name of a step that was measured, its CPU time, s, and its bias."""
 
 
 class Point(NamedTuple):
@@ -87,9 +83,9 @@ def choice_figure(shown: FigureData) -> Figure:
     axes.set_xscale("log")
     axes.set_yscale("log")
     longest = max([point.cpu_s for point in shown.points], default=0.0)
-    marks = [mark for mark in shown.marks if mark.bias > shown.floor]
-    times = [*(mark.cpu_s for mark in marks), *(point.cpu_s for point in shown.points)]
-    errors = [*(mark.bias for mark in marks), *(point.error for point in shown.points)]
+    marks = [mark for mark in shown.marks if mark[2].number > shown.floor]
+    times = [*(cpu_s for _, cpu_s, _ in marks), *(point.cpu_s for point in shown.points)]
+    errors = [*(bias.number for *_, bias in marks), *(point.error for point in shown.points)]
     if shown.candidates:
         least = compute_front(shown.candidates, 2.0 * longest)
         seen = least.total >= shown.floor
@@ -118,14 +114,14 @@ def _draw_front(axes: Axes, least: Front, floor: float) -> None:
 
 def _draw_marks(axes: Axes, marks: Sequence[Mark], floor: float) -> None:
     """Draw biases that were measured, with bars of 95 % that end at the floor."""
-    for number, mark in enumerate(marks):
-        below = min(mark.half_width, mark.bias - floor)
+    for number, (words, cpu_s, bias) in enumerate(marks):
+        below = min(bias.half_width(), bias.number - floor)
         label = "bias measured, ± 95 %" if number == 0 else None
-        bars = [[below], [mark.half_width]]
+        bars = [[below], [bias.half_width()]]
         axes.errorbar(
-            mark.cpu_s, mark.bias, bars, fmt="s", color=BLACK, markersize=4, capsize=2, elinewidth=0.8, label=label
+            cpu_s, bias.number, bars, fmt="s", color=BLACK, markersize=4, capsize=2, elinewidth=0.8, label=label
         )
-        _annotate_point(axes, mark.name, (mark.cpu_s, mark.bias), (5, -9), BLACK)
+        _annotate_point(axes, words, (cpu_s, bias.number), (5, -9), BLACK)
 
 
 def _draw_floor(axes: Axes, shown: FigureData) -> None:

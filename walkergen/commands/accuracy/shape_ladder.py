@@ -98,7 +98,7 @@ def _mass_at_distance(
     design: Design, built: solids.Solids, distance: float, form: Callable[[Mesh], Mesh]
 ) -> MassProperties:
     shift = distance * np.array([0.6, 0.8, 0.0])
-    body, *legs = (form(mesh.shifted(shift)) for mesh in (built.body, *built.legs))
+    body, *legs = (form(mesh.shift(shift)) for mesh in (built.body, *built.legs))
     weighed = solids.assemble(design, weigh(body, 1.0), legs)
     # Anchors stay where the design has them: only O and the leg's centre have moved.
     at = shift[:2]

@@ -92,12 +92,12 @@ def _rung(
     parts: Sequence[Sequence[RunResult]], whole: Sequence[RunResult], unit: float, cpu_per_s: float, discard: float
 ) -> Rung:
     true = float(np.mean([result.speed for result in whole]))
-    stated = [mean for mean in map(ensemble.mean_speed, parts) if mean is not None]
+    stated = [mean for mean in map(ensemble.mean_speed, parts) if mean.known]
     # The whole contains each part: a deviation from it is smaller by the part's share of the data.
     freedom = max(len(parts) - 1, 1) / len(parts)
-    deviations = np.array([mean.value - true for mean in stated]) / math.sqrt(freedom)
+    deviations = np.array([mean.number - true for mean in stated]) / math.sqrt(freedom)
     actual = math.sqrt(float(np.mean(deviations**2)))
-    halves = [0.5 * (high - low) for low, high in (mean.interval(0.95) for mean in stated)]
+    halves = [mean.half_width() for mean in stated]
     runs, length = len(parts[0]), parts[0][0].measured_s
     return Rung(
         f"{runs} runs",
@@ -109,7 +109,7 @@ def _rung(
             "runs": runs,
             "seconds": length,
             "parts": len(parts),
-            "stated_se_mm_s": math.sqrt(float(np.mean([mean.se**2 for mean in stated]))),
+            "stated_se_mm_s": math.sqrt(float(np.mean([mean.pair[1] ** 2 for mean in stated]))),
             "inside_95": float(np.mean(np.abs(deviations) <= halves)),
             "actual_se_mm_s": actual,
         },

@@ -17,6 +17,7 @@ import numpy as np
 
 from walkergen.commands.accuracy import cells
 from walkergen.commands.accuracy.cells import REFERENCE_STEP_SHARE, Row
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.points.walkers import MIN_SPEED_RATIO
 
 CELLS_PEAK_SPEED_MM_S = 31.2
@@ -30,8 +31,7 @@ class Slope(NamedTuple):
     """Bias by the step that resolves the feet, as a share of the speed, with its errors."""
 
     power: int
-    share: float
-    se: float
+    share: Quantity
     between: float
     """Standard deviation between walkers."""
     misfit: float
@@ -39,8 +39,9 @@ class Slope(NamedTuple):
 
     def bias_bound(self, step: float) -> float:
         """Largest bias (95 %), as a share, by a step that is `step` of what resolves the feet."""
-        se = self.se * math.sqrt(max(self.misfit, 1.0))  # what the line misses widens its error
-        return float((abs(self.share) + 2.0 * math.hypot(se, self.between)) * step**self.power)
+        share, se = self.share.pair
+        se *= math.sqrt(max(self.misfit, 1.0))  # what the line misses widens its error
+        return float((abs(share) + 2.0 * math.hypot(se, self.between)) * step**self.power)
 
 
 class Law(NamedTuple):
@@ -105,7 +106,7 @@ def _fit_slope(group: Sequence[Sequence[Row]], peak: float, power: int) -> Slope
     weights = 1.0 / (se**2 + between**2)
     mean = float(np.sum(weights * share) / np.sum(weights))
     misfit = sum(line[2] for line in lines) / max(sum(line[3] for line in lines), 1)
-    return Slope(power, mean, float(np.sum(weights) ** -0.5), between, misfit)
+    return Slope(power, Quantity("bias", "", mean, float(np.sum(weights) ** -0.5)), between, misfit)
 
 
 def _fit_line(cell: Sequence[Row], peak: float, power: int) -> tuple[float, float, float, int]:

@@ -24,7 +24,7 @@ from walkergen.core.simulation.plan import Plan, prepare
 from walkergen.core.simulation.run import ENDED_WELL
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
-from walkergen.points import experiments, step_errors
+from walkergen.points import experiments
 from walkergen.points.experiments import Results
 
 STEP_SHARES = (0.25, 0.5, 1.0, 1.25, 1.6)
@@ -218,11 +218,11 @@ class Survey:
         results = self.simulate(step_us, seconds, Budget(granted_s, MIN_RUNS), progress)
         summary = results.summary
         self.too_short |= summary.runs == MIN_RUNS and summary.wall_s > granted_s
-        well = set(summary.outcomes) <= {outcome.value for outcome in ENDED_WELL} and summary.speed_mm_s is not None
+        well = set(summary.outcomes) <= {outcome.value for outcome in ENDED_WELL} and summary.speed.value is not None
         outcomes = format_outcomes(summary.outcomes)
         quantities = {
-            name: Quantity(name, "", value if well else None, se, summary.runs - 1.0, outcomes)
-            for name, (value, se) in _observable_values(results, self.scene.arena.kind == "lane").items()
+            name: Quantity(name, "", number.value if well else None, number.se, summary.runs - 1.0, outcomes)
+            for name, number in _observable_values(results, self.scene.arena.kind == "lane").items()
         }
         run = self.scene.run
         return StepMeasurement(
@@ -230,18 +230,14 @@ class Survey:
         )
 
 
-def _observable_values(results: Results, lane: bool) -> dict[str, tuple[float | None, float | None]]:
-    """Return values and standard errors of all that is studied of runs, without what they refuse."""
-    summary = results.summary
-    errors = {**summary.errors, SPEED: summary.speed_se_mm_s}
-    quantities: dict[str, tuple[float | None, float | None]] = {
-        name: (value, errors[name]) for name, value in step_errors.observable_values(summary).items()
-    }
+def _observable_values(results: Results, lane: bool) -> dict[str, Quantity]:
+    """Return all that is studied of runs, without what they refuse."""
+    quantities = {name: results.summary.numbers[name] for name in observables.OBSERVABLE_NAMES}
     good = [result for result in results.results if result.outcome in ENDED_WELL]
     if good and len(good[0].places) >= 4:
         estimates = motion.analyse(from_places([result.places for result in good], good[0].block_s, lane)).estimates
         named = ((name, estimates[key]) for name, key in MOTION_KEYS.items())
-        quantities |= {name: (estimate.value, estimate.se) for name, estimate in named if estimate.value is not None}
+        quantities |= {name: estimate for name, estimate in named if estimate.value is not None}
     return quantities
 
 

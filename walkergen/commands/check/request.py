@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from pydantic import Field
 
-from walkergen import request
+from walkergen import print_fields, request
 from walkergen.core.errors import InputError, PrintabilityError
 from walkergen.core.files.progress import Progress
 from walkergen.request import Flag
@@ -29,8 +29,8 @@ class CheckRequest(request.Request):
     text: request.Text = None
     mirror: request.Mirror = None
     set: request.Settings = {}
-    copies: request.Copies = 1
-    strict: request.Strict = False
+    copies: print_fields.Copies = 1
+    strict: print_fields.Strict = False
     weigh: Annotated[bool, Flag("Weigh a mesh file, whatever it shows.")] = False
     density: Annotated[float, Field(ge=1e-6, le=100.0), Flag("Density of a mesh's material, g/cm3.", "G/CM3")] = 1.24
     scale: Annotated[float, Field(ge=1e-6, le=1e6), Flag("Length of a mesh file's unit, mm.", "MM")] = 1.0

@@ -47,38 +47,33 @@ class EffectChanges(NamedTuple):
     """What can be left out."""
 
 
-class Row(NamedTuple):
-    """What a variant changes; the field names are keys of files."""
-
-    effect: str
-    change: str
-    change_mm_s: float | None
-    change_se_mm_s: float | None
-    refused: str
-    cpu_ratio: float | None
-    cpu_ratio_se: float | None
-
-
+KEYS = ("effect", "change", "change_mm_s", "change_se_mm_s", "refused", "cpu_ratio", "cpu_ratio_se")
 COLUMNS = (
     text_column("effect", "effect"),
     text_column("how", "change"),
-    Column("change\nmm/s", lambda row: row.refused or format_change(row.change_mm_s, row.change_se_mm_s), True),
-    Column("CPU time", lambda row: format_factor(row.cpu_ratio, row.cpu_ratio_se), True),
+    Column("change\nmm/s", lambda row: row.speed.refused or format_change(row.speed), True),
+    Column("CPU time", lambda row: format_factor(row.cpu), True),
 )
 
 
-def format_factor(value: float | None, se: float | None) -> str:
+def format_factor(number: Quantity) -> str:
     """Factor with its standard error, to hundredths."""
-    if value is None:
-        return "-"
-    return f"x {formatting.format_fixed(value, 2)}" + ("" if se is None else f" ± {formatting.format_fixed(se, 2)}")
+    return (
+        "-"
+        if number.value is None
+        else "x " + " ± ".join(formatting.format_fixed(one, 2) for one in number[2:4] if one is not None)
+    )
 
 
-def format_change(value: float | None, se: float | None) -> str:
+def format_change(number: Quantity) -> str:
     """Format a number with its standard error."""
-    if value is None:
+    if number.value is None:
         return "-"
-    return formatting.format_fixed(value, 2) if se is None else formatting.format_with_error(value, se)
+    return (
+        formatting.format_fixed(number.value, 2)
+        if number.se is None
+        else formatting.format_with_error(number.value, number.se)
+    )
 
 
 def measure_costs(walker: Walker, progress: Progress) -> EffectChanges:
@@ -175,28 +170,15 @@ def _format_advice(change: Change, level: float) -> str:
     return f"leave out {change.effect}: {told} (simulate ‹effects=›auto:{100.0 * level:g}%)"
 
 
-def rows(measured: EffectChanges) -> list[Row]:
-    """Rows of all changes."""
-    return [
-        Row(
-            change.effect,
-            change.change,
-            change.speed.value,
-            change.speed.se,
-            change.speed.refused,
-            change.cpu.value,
-            change.cpu.se,
-        )
-        for change in measured.changes
-    ]
-
-
 def table(measured: EffectChanges) -> Table:
     """Table of all changes, the largest first."""
-    speed = format_change(measured.speed.value, measured.speed.se)
-    title = f"What each effect changes: {measured.pairs} runs of each beside {speed} mm/s"
+    title = f"What each effect changes: {measured.pairs} runs of each beside {format_change(measured.speed)} mm/s"
     note = "CPU time: over that of the scene; ± is one standard error"
-    return Table("measured", rows(measured), Row._fields, COLUMNS, title, [note])
+    rows = [
+        (one.effect, one.change, *one.speed.row().values(), one.speed.refused, *one.cpu.row().values())
+        for one in measured.changes
+    ]
+    return Table("measured", rows, KEYS, COLUMNS, title, [note], read=measured.changes)
 
 
 def draw_changes(measured: EffectChanges, title: str) -> "Figure":

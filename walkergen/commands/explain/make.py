@@ -9,6 +9,7 @@ from walkergen.commands.explain import effect_costs as measuring
 from walkergen.commands.explain.effect_costs import EffectChanges
 from walkergen.core.files.output import Folder
 from walkergen.core.files.progress import Progress
+from walkergen.core.numerics.quantity import Quantity, column_values
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.effects.effect import Effect
 from walkergen.core.simulation.plan import prepare
@@ -33,19 +34,17 @@ class Row(NamedTuple):
     switch: str
     change: str
     """What differs in the variant of the scene that was measured; "" where none was."""
-    change_mm_s: float | None
+    speed: Quantity
     """Mean speed of the variant less that of the scene."""
-    change_se_mm_s: float | None
-    cpu_ratio: float | None
+    cpu: Quantity
     """CPU time of the variant over that of the scene."""
-    cpu_ratio_se: float | None
 
 
 SHORT_COLUMNS = (
     report.text_column("effect", "effect"),
     report.number_column("size", "number", 3),
-    Column("without it\nmm/s", lambda row: measuring.format_change(row.change_mm_s, row.change_se_mm_s), True),
-    Column("CPU time\nwithout it", lambda row: measuring.format_factor(row.cpu_ratio, row.cpu_ratio_se), True),
+    Column("without it\nmm/s", lambda row: measuring.format_change(row.speed), True),
+    Column("CPU time\nwithout it", lambda row: measuring.format_factor(row.cpu), True),
 )
 REASON_COLUMNS = (
     report.text_column("effect", "effect"),
@@ -84,13 +83,14 @@ def explain(
         else Simplest(walker, scene.run.accepted_error)
     )
     rows = _rows(effects, () if found is None else found.changes)
+    told = [column_values(row) for row in rows]
     on, off = ([row for row in rows if row.on == wanted] for wanted in (True, False))
     effects_table = Table(
         "effects",
-        rows,
-        Row._fields,
+        [tuple(row.values()) for row in told],
+        [*told[0]],
         REASON_COLUMNS if whole else SHORT_COLUMNS,
-        read=None if whole else on,
+        read=rows if whole else on,
         notes=[] if found is None else ["± is one standard error, by pairs of runs with common random numbers"],
     )
     caption = f"{design.name}, tilt {design.tilt_deg:g} deg, on {scene.name}"
@@ -99,7 +99,7 @@ def explain(
         title="Effects",
         caption=caption,
         tables=[effects_table, *([measuring.table(found)] if measure and found is not None else [])],
-        facts=_facts(rows, found) | (simple.facts if found is not None else {}),
+        facts=_facts(told, found) | (simple.facts if found is not None else {}),
         lines=[
             *([] if whole else [f"off: {', '.join(row.effect for row in off)}; ‹all›: why, and what sizes mean"]),
             *([] if found is None or not measure else [found.advice]),
@@ -118,15 +118,8 @@ def explain(
 def _rows(effects: Sequence[Effect], changes: Sequence[Change]) -> list[Row]:
     """Rows of all effects, with what was measured of them."""
     by_effect: Mapping[str, Change] = {change.effect: change for change in reversed(changes)}
-    rows = []
-    for effect in effects:
-        change = by_effect.get(effect.name)
-        numbers = ("", None, None, None, None)
-        if change is not None:
-            speed, cpu = change.speed, change.cpu
-            numbers = (change.change, speed.value, speed.se, cpu.value, cpu.se)  # type: ignore[assignment]
-        rows.append(Row(*effect, *numbers))
-    return rows
+    none = Change("", "", Quantity("change", "mm_s", None), Quantity("cpu_ratio", "", None))
+    return [Row(*effect, *by_effect.get(effect.name, none)[1:]) for effect in effects]
 
 
 def _format_omissions(simple: Simplest, measured: bool) -> list[str]:
@@ -139,9 +132,9 @@ def _format_omissions(simple: Simplest, measured: bool) -> list[str]:
     return [key, *(f"{name}: {value}" for name, value in simple.lines)]
 
 
-def _facts(rows: Sequence[Row], found: EffectChanges | None) -> dict[str, object]:
-    facts: dict[str, object] = {"rows": [row._asdict() for row in rows]}
+def _facts(rows: Sequence[dict[str, object]], found: EffectChanges | None) -> dict[str, object]:
+    facts: dict[str, object] = {"rows": rows}
     if found is not None:
-        facts |= {"measured": [row._asdict() for row in measuring.rows(found)], "runs": found.pairs}
+        facts |= {"measured": list(measuring.table(found)), "runs": found.pairs}
         facts |= {"speed_mm_s": found.speed.value, "advice": found.advice}
     return facts

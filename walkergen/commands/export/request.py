@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from walkergen import inputs, request
+from walkergen import inputs, print_fields, request
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress
 from walkergen.request import Flag
@@ -33,7 +33,7 @@ class ExportRequest(request.Request):
     tilt: request.Tilts = None
     legs: request.Kinds = None
     format: Annotated[list[Format], request.Words, Flag(FORMAT_HELP, "FORMAT", takes="str | Iterable[str]")] = ["stl"]
-    caps: request.Caps = None
+    caps: print_fields.Caps = None
     scene: Annotated[
         Any,
         request.file_flag(

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from typing import Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -11,23 +11,9 @@ from walkergen.core.theory.prediction import Curve
 from walkergen.core.walker.limbs import Kind
 from walkergen.files.report import Table
 
-
-class Speed(NamedTuple):
-    """Speed at a tilt; the field names are the columns of speed.csv."""
-
-    what: Literal["predicted", "measured", "paper"]
-    legs: str
-    tilt_deg: float
-    speed_mm_s: float
-    speed_low_68_mm_s: float | None = None
-    speed_high_68_mm_s: float | None = None
-    speed_low_95_mm_s: float | None = None
-    speed_high_95_mm_s: float | None = None
-    theory_mm_s: float | None = None
-    """Speed by the theory; None but with a predicted one."""
-    foot_can_stick: Literal["yes", "no"] | None = None
-    """Whether a foot can stick, so that the paper's formula fails; None but with a predicted one."""
-
+BOUNDS = tuple(f"speed_{end}_{level}_mm_s" for level in (68, 95) for end in ("low", "high"))
+KEYS = ("what", "legs", "tilt_deg", "speed_mm_s", *BOUNDS, "theory_mm_s", "foot_can_stick")
+"""Columns of speed.csv: what is predicted, measured or the paper's; theory and feet of what is predicted alone."""
 
 NORMAL_95 = 1.96
 """Standard errors on either side that hold a normal number with 95 %."""
@@ -58,29 +44,24 @@ def assign_member_tilts(measured: Measured, tilts: Mapping[str, float]) -> Measu
     )
 
 
-def speed_rows(chart_data: ChartData) -> list[Speed]:
-    """Speeds beside the members, a row a point."""
-    rows = []
+def table(chart_data: ChartData) -> Table:
+    """Table of the speeds beside the members, a row a point."""
+    rows: list[tuple[Any, ...]] = []
     for kind, curve in chart_data.curves.items():
         columns = np.column_stack([curve.tilt_deg, curve.speed, curve.bounds[[1, 2, 0, 3]].T, curve.theory]).tolist()
-        for (tilt, speed, low68, high68, low95, high95, theory), sticks in zip(columns, curve.can_stick, strict=True):
-            if math.isnan(speed):  # to be simulated
+        for (tilt, *ends, theory), sticks in zip(columns, curve.can_stick, strict=True):
+            if math.isnan(ends[0]):  # to be simulated
                 continue
-            stick: Literal["yes", "no"] = "yes" if sticks else "no"
-            rows.append(Speed("predicted", kind, tilt, speed, low68, high68, low95, high95, theory, stick))
+            rows.append(("predicted", kind, tilt, *ends, theory, "yes" if sticks else "no"))
     if (measured := chart_data.measured) is not None:
         errors = [math.nan] * len(measured.speed) if measured.se is None else measured.se
         for kind, tilt, speed, se in zip(measured.legs, measured.tilt, measured.speed, errors, strict=True):
-            row = Speed("measured", kind, float(tilt), float(speed))
-            if not math.isnan(se):
-                low, high = float(speed - NORMAL_95 * se), float(speed + NORMAL_95 * se)
-                row = Speed("measured", kind, *row[2:4], float(speed - se), float(speed + se), low, high)
-            rows.append(row)
+            ends = (
+                [None] * 4
+                if math.isnan(se)
+                else [float(speed + side * se) for side in (-1.0, 1.0, -NORMAL_95, NORMAL_95)]
+            )
+            rows.append(("measured", kind, float(tilt), float(speed), *ends, None, None))
     if chart_data.stated is not None:
-        rows.append(Speed("paper", "flexible", *chart_data.stated))
-    return rows
-
-
-def table(chart_data: ChartData) -> Table:
-    """Table of the speeds beside the members."""
-    return Table("speed", speed_rows(chart_data), Speed._fields)
+        rows.append(("paper", "flexible", *chart_data.stated, *[None] * 6))
+    return Table("speed", rows, KEYS)

@@ -145,13 +145,11 @@ def _draw_predicted(axes: Axes, walkers: Sequence[PlottedWalker], kind: str, cur
 
 def _draw_simulated(axes: Axes, walkers: Sequence[PlottedWalker], kind: str) -> dict[str, Any]:
     """Draw the members' simulated speeds, as far as there are any, with bars of 95 % where known."""
-    runs = [(one.x, one.simulated) for one in walkers if one.simulated and one.simulated.sim_speed_mm_s is not None]
+    runs = [(one.x, one.simulated) for one in walkers if one.simulated and one.simulated.speed.value is not None]
     if not runs:
         return {}
-    speeds = np.array([run.sim_speed_mm_s for _, run in runs], dtype=float)
-    low, high = (
-        np.array([getattr(run, f"sim_{end}_95_mm_s") for _, run in runs], dtype=float) for end in ("low", "high")
-    )
+    speeds = np.array([run.speed.value for _, run in runs], dtype=float)
+    low, high = np.array([run.speed.interval() or (np.nan, np.nan) for _, run in runs]).T
     drawn = draw_points(
         axes, ([x for x, _ in runs], speeds, [speeds - low, high - speeds]), LEG_STYLES[kind], hollow=True
     )

@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
-from walkergen import inputs, request
+from walkergen import inputs, print_fields, request
 from walkergen.core.errors import GeometryError
 from walkergen.core.files.progress import Progress
 from walkergen.request import Flag
@@ -38,9 +38,9 @@ class FamilyRequest(request.Request):
     text: request.Text = None
     mirror: request.Mirror = None
     set: request.Settings = {}
-    copies: request.Copies = 1
-    max_parts: request.MaxParts = 5000
-    prusaslicer: request.ForPrusaSlicer = False
+    copies: print_fields.Copies = 1
+    max_parts: print_fields.MaxParts = 5000
+    prusaslicer: print_fields.ForPrusaSlicer = False
     weights: request.Weights = None
     out: request.Out = None
     model: request.Predicted = "best"
@@ -52,7 +52,7 @@ class FamilyRequest(request.Request):
     ] = None
     page: Annotated[bool, Flag("Write report.html, a page of all of it.")] = False
     pictures: Annotated[bool, Flag("Draw speed.png and preview.png.")] = True
-    strict: request.Strict = False
+    strict: print_fields.Strict = False
 
     def run(self, progress: Progress) -> "FamilyReport":
         """Make the family."""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
-from walkergen import inputs, request
+from walkergen import inputs, print_fields, request
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress
 from walkergen.request import Flag
@@ -33,7 +33,7 @@ class PlateRequest(request.Request):
     ] = None
     tilt: request.Tilts = None
     legs: request.Kinds = None
-    copies: request.Copies = 1
+    copies: print_fields.Copies = 1
     orders: Annotated[
         Path | None,
         request.File,
@@ -42,16 +42,16 @@ class PlateRequest(request.Request):
     serial: Annotated[
         int | None, Field(ge=1), Flag("Engrave a number into each copy, counted over all from FIRST.", "FIRST")
     ] = None
-    caps: request.Caps = None
-    printer: request.Machines = request.DEFAULT_PRINTER
+    caps: print_fields.Caps = None
+    printer: print_fields.Machines = request.DEFAULT_PRINTER
     text: request.Text = None
     mirror: request.Mirror = None
     set: request.Settings = {}
-    max_parts: request.MaxParts = 5000
-    prusaslicer: request.ForPrusaSlicer = False
-    max_plates: request.MaxPlates = None
+    max_parts: print_fields.MaxParts = 5000
+    prusaslicer: print_fields.ForPrusaSlicer = False
+    max_plates: print_fields.MaxPlates = None
     how_many: Annotated[bool, Flag("Print how many of each fit on a plate.")] = False
-    strict: request.Strict = False
+    strict: print_fields.Strict = False
     out: request.Out = None
     pictures: Annotated[bool, Flag("Draw a map of every plate.")] = True
 

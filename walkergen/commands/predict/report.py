@@ -58,9 +58,9 @@ def make_report(
     tables = speed_table.tables("prediction", design.name, walkers, noted)
     rows = list(tables[0])
     for row, member, own in zip(rows, walkers, shares, strict=False):
-        row["shares"] = [share._asdict() for share in own]
         title = f"{member.name}: share of the variance behind the bounds"
         tables.append(speed_table.shares_table(f"shares of {member.name}", own, title))
+        row["shares"] = list(tables[-1])
     title = design.name
     if len(walkers) == 1:
         (walker,) = walkers

@@ -230,7 +230,7 @@ def _check_far_origin() -> Iterator[Check]:
         meshes = {"walker": built.walker, "body": built.body, "leg": built.legs[0]}
         for part, mesh in meshes.items():
             here = mass.weigh(mesh, 1.0)
-            there = mass.weigh(mesh.shifted(shift), 1.0)
+            there = mass.weigh(mesh.shift(shift), 1.0)
             what = f"{part} x {scale:g}"
             yield _check_relative(f"{what}: volume", there.volume, here.volume, 1e-9, reason)
             yield _check_relative(f"{what}: inertia", there.inertia, here.inertia, 1e-9, reason)

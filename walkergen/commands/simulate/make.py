@@ -1,6 +1,6 @@
 """Simulation of a walker: the speed of its runs, their motion and landings."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +18,7 @@ from walkergen.core.tolerance import Tolerance
 from walkergen.core.walker import names
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
-from walkergen.points import step_errors, trajectory, walkers
+from walkergen.points import trajectory, walkers
 from walkergen.points.effect_selection import Simplest
 from walkergen.points.experiments import Results, Walker
 from walkergen.points.walkers import ErrorResult
@@ -31,8 +31,6 @@ class Simulation(NamedTuple):
     """Results of a simulation."""
 
     point: Results
-    errors: Mapping[str, float | None]
-    """Standard errors of all observables, of the runs and the step together; None where either is unknown."""
     orbit: Orbit | None = None
     """Orbit that all runs share: they tell no error then, and the bounds are those of prints."""
     motion: Motion | None = None
@@ -86,12 +84,10 @@ def measure(
 def analyse_point(point: Results, progress: Progress = silent) -> Simulation:
     """Find shared orbits, motion and landings in the runs of a simulated point."""
     walker = point.walker
-    errors = step_errors.combined_errors(point.step_errors, point.summary)
     shared = orbit.find_shared_orbit(point, progress)
     if shared is not None:
         point = point._replace(summary=orbit.with_print_bounds(point.summary, shared))
-        errors = dict.fromkeys(errors)
-    simulated = Simulation(point, errors, shared)
+    simulated = Simulation(point, shared)
     good = [result for result in point.results if result.outcome in ENDED_WELL]
     if not good:
         return simulated._replace(untold="no run ended well")

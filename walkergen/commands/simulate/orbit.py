@@ -1,18 +1,16 @@
 """Orbits that all runs share: these then agree to rounding, and prints tell the scatter."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress
-from walkergen.core.simulation import orbits
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.simulation import observables, orbits
 from walkergen.core.simulation.ensemble import Summary
 from walkergen.core.simulation.run import ENDED_WELL
 from walkergen.points.experiments import Results
-
-if TYPE_CHECKING:
-    from walkergen.points.print_ensemble import Bounds
 
 PRINT_DRAWS, MAX_RUN_S = 24, 4.0
 """Number of prints drawn in place of runs, and measured time of a print's run at most, s."""
@@ -25,10 +23,10 @@ class Orbit(NamedTuple):
     """Name of it, of `orbits`: one periodic orbit, or at rest."""
     draws: int
     """Prints simulated for the bounds."""
-    bounds_mm_s: "Bounds | None"
-    """Speeds below which 2.5, 16, 84 and 97.5 % of prints run; None where it is not known."""
+    prints: Quantity
+    """Speed of the runs, without an error; its bounds are those of prints."""
     reason: str = ""
-    """Reason why it is not known; "" where it is."""
+    """Reason why there are no bounds; "" where there are."""
 
 
 def find_shared_orbit(point: Results, progress: Progress) -> Orbit | None:
@@ -43,25 +41,20 @@ def find_shared_orbit(point: Results, progress: Progress) -> Orbit | None:
         return None
     from walkergen.points import print_ensemble as draws
 
+    speed = point.summary.speed._replace(se=None)
     run = scene.run.model_copy(update={"seconds": min(scene.run.seconds, MAX_RUN_S)})
     short = scene.model_copy(update={"run": run})
     try:
         drawn = draws.simulate_prints(short, walker.design, PRINT_DRAWS, progress)
     except InputError as error:
-        return Orbit(kind, 0, None, error.text)
+        return Orbit(kind, 0, speed, error.text)
     ends = draws.speed_bounds(drawn.halves.mean(axis=1), draws.statistical_error(drawn.halves))
     mean = float(drawn.halves.mean())
-    return Orbit(kind, len(drawn.halves), draws.add_step_error(ends, mean, drawn.by_step_mm_s))
+    ends = draws.add_step_error(ends, mean, drawn.by_step_mm_s)
+    return Orbit(kind, len(drawn.halves), speed._replace(ends=ends))
 
 
 def with_print_bounds(summary: Summary, orbit: Orbit) -> Summary:
     """Summary of runs on one orbit: without errors by their scatter, its bounds those of prints."""
-    low2, low1, high1, high2 = orbit.bounds_mm_s or (None, None, None, None)
-    return summary._replace(
-        speed_se_mm_s=None,
-        speed_low_68_mm_s=low1,
-        speed_high_68_mm_s=high1,
-        speed_low_95_mm_s=low2,
-        speed_high_95_mm_s=high2,
-        errors=dict.fromkeys(summary.errors),
-    )
+    numbers = {name: number._replace(se=None) for name, number in summary.numbers.items()}
+    return summary._replace(numbers=numbers | {observables.SPEED: orbit.prints})

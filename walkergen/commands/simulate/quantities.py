@@ -1,6 +1,5 @@
 """Numbers of a simulated walker other than its speed, each a quantity: motion, impacts, powers, landings."""
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -77,14 +76,15 @@ def observed_numbers(simulated: Simulation) -> Iterator[Quantity]:
     """Yield impacts, shares of their types, contact and powers; errors are of the runs and the step together."""
     point = simulated.point
     for table, (title, unit, scale) in OBSERVABLE_UNITS.items():
-        for name, value in point.values.items():
+        for name, number in point.summary.numbers.items():
+            value = number.value or 0.0
             if name.partition(".")[0] != table or (unit == "percent" and value < MIN_SHARE and "." in name):
                 continue
-            step, se = point.step_errors[name], simulated.errors[name]
-            if simulated.orbit is not None and step.error is not None:
+            reason, se = step_errors.reason(number), step_errors.total_error(number)
+            if simulated.orbit is not None and not reason:
                 se = 0.0  # runs that share an orbit tell no error
             key = f"{title} {rename_motor_power(name.partition('.')[2], simulated.scene)}".strip()
-            yield Quantity(key, unit, scale * value, None if se is None else scale * se, refused=step.reason)
+            yield Quantity(key, unit, scale * value, None if se is None else scale * se, refused=reason)
     yield Quantity("energy unaccounted", "percent", 100.0 * point.summary.energy_error, 0.0)
 
 
@@ -117,10 +117,9 @@ def landing_rates(simulated: Simulation) -> list[Quantity]:
     for at, name in enumerate(landing_names(simulated.legs)):
         rate = observables.ratio_of_sums(name, counts[:, at], time)
         kind = step_errors.LANDING_RATE if at < 2 * len(simulated.legs) else step_errors.GROUP_RATE
-        step, value, error = simulated.point.step_errors[kind].error, rate.value or 0.0, None
-        if rate.se is not None and step is not None:
-            error = math.hypot(rate.se, 0.5 * value * step)
-        rates.append(Quantity(name, "per_s", value, error))
+        step = simulated.point.summary.numbers[kind]
+        biased = rate._replace(bias=step.bias if step_errors.reason(step) else step.bias * rate.number)
+        rates.append(Quantity(name, "per_s", rate.number, step_errors.total_error(biased)))
     return rates
 
 
@@ -128,7 +127,5 @@ def notes(simulated: Simulation) -> Iterator[str]:
     """Yield how motion was measured, and what makes it doubtful."""
     if simulated.motion is not None:
         yield from (simulated.motion.method, *simulated.motion.doubts)
-    if simulated.point.step_errors.get(step_errors.MOTION, None) == step_errors.StepError(
-        None, step_errors.TURNING_REASON
-    ):
+    if simulated.point.summary.numbers[step_errors.MOTION].refused == step_errors.TURNING_REASON:
         yield step_errors.TURNING_REASON

@@ -76,7 +76,7 @@ class SimulationReport(Report):
 
     @property
     def summary(self) -> Summary:
-        """Statistics of all runs, with units in the names."""
+        """Statistics of all runs."""
         return self.simulated.point.summary
 
     @property
@@ -137,7 +137,7 @@ def _select_first_lines(lines: Sequence[Line], simulated: Simulation) -> list[Li
 def _summary_table(simulated: Simulation, design: Design) -> Table:
     """Table of the summary in one row; tables within it become columns with a dot."""
     named = {"name": design.name, "tilt_deg": design.tilt_deg, "legs": design.kind, "scene": simulated.scene.name}
-    values = named | _flatten(numbers.rename_motor_power(simulated.point.summary._asdict(), simulated.scene))
+    values = named | _flatten(numbers.rename_motor_power(simulated.point.summary.facts, simulated.scene))
     return Table("simulation", [tuple(values.values())], tuple(values))
 
 
@@ -153,11 +153,10 @@ def _flatten(values: Mapping[str, Any], before: str = "") -> dict[str, Any]:
 
 
 def _mean_speed(simulated: Simulation) -> Speed:
-    summary = simulated.point.summary
     kind = "" if simulated.orbit is None else simulated.orbit.kind
-    return make_speed(
-        summary.speed_mm_s, summary.speed_se_mm_s, summary.speed_low_95_mm_s, summary.speed_high_95_mm_s, kind
-    )
+    speed = simulated.point.summary.speed
+    low, high = speed.interval() or (None, None)
+    return make_speed(speed.value, speed.se, low, high, kind)
 
 
 def _figures(simulated: Simulation, design: Design) -> "dict[str, Callable[[], Figure]]":
@@ -180,7 +179,7 @@ def _figures(simulated: Simulation, design: Design) -> "dict[str, Callable[[], F
 def _facts(simulated: Simulation, scene: Scene) -> dict[str, Any]:
     """Summary of the runs for JSON; it is partial when Ctrl-C left some out."""
     data: dict[str, Any]
-    data = tables.contact_as_dict(scene) | simulated.point.summary._asdict()
+    data = tables.contact_as_dict(scene) | simulated.point.summary.facts
     data["partial"] = simulated.point.partial
     if simulated.motion is not None:
         data["motion"] = facts.from_motion(simulated.motion)
@@ -228,11 +227,9 @@ def _lines(simulated: Simulation, scene: Scene, design: Design) -> Iterator[tupl
 
 def _format_speed(simulated: Simulation, scene: Scene) -> str:
     """Mean speed with the error of the runs and that of the step, or why it has none."""
-    summary = simulated.point.summary
-    se = summary.speed_se_mm_s
-    if summary.speed_mm_s is None:
+    _, _, mean, se, *_ = simulated.point.summary.speed
+    if mean is None:
         return "none: no run ended well"
-    mean = summary.speed_mm_s
     speed = f"{formatting.format_fixed(mean, 2) if se is None else formatting.format_with_error(mean, se)} mm/s"
     speed += " along the " + ("heading" if scene.arena.kind == "plane" else "lane")
     speed += tables.format_step_error(simulated)

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 from walkergen.commands.simulate import orbit, tables
 from walkergen.core.files import formatting
 from walkergen.core.files.progress import Progress, part_progress
+from walkergen.core.numerics.quantity import Quantity, column_values
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.ensemble import format_outcomes
 from walkergen.core.simulation.run import Outcome
@@ -29,12 +30,8 @@ class Row(NamedTuple):
     legs: str
     predicted_mm_s: float | None
     theory_mm_s: float
-    speed_mm_s: float | None
-    """Mean speed of the runs; None when none ended well."""
-    speed_se_mm_s: float | None
-    speed_low_95_mm_s: float | None
-    speed_high_95_mm_s: float | None
-    """Bounds of 95 % by runs and step, or of prints on an orbit; None when they are unknown."""
+    speed: Quantity
+    """Mean speed of the runs; its bounds are by runs and step, or of prints on an orbit."""
     runs: int
     outcomes: Mapping[str, int]
     warnings: Sequence[str]
@@ -77,10 +74,7 @@ def simulate_each(found: Sequence[Simplest], progress: Progress) -> Iterator[Row
             walker.design.kind,
             predicted.speed_mm_s,
             predicted.theory_mm_s,
-            summary.speed_mm_s,
-            summary.speed_se_mm_s,
-            summary.speed_low_95_mm_s,
-            summary.speed_high_95_mm_s,
+            summary.speed,
             summary.runs,
             summary.outcomes,
             point.warnings,
@@ -92,15 +86,17 @@ def simulate_each(found: Sequence[Simplest], progress: Progress) -> Iterator[Row
 def make_report(rows: Sequence[Row], scene: Scene, found: Sequence[Simplest]) -> Report:
     """Report of walkers that were simulated; it is partial when Ctrl-C left some out."""
     title = f"{found[0].walker.design.name} on {scene.name}, {tables.format_drive(scene)}"
-    facts = {"rows": [row._asdict() for row in rows], "partial": len(rows) < len(found)}
+    told = [column_values(row, 95) for row in rows]
     kinds = {row.orbit["kind"]: None for row in rows if row.orbit is not None}
     note = f"{ORBIT_MARK}: all runs end so ({' or '.join(kinds)}) and tell no error; 95 % are of prints"
     return Report(
         name="simulate",
         title=title,
-        facts=facts,
+        facts={"rows": told, "partial": len(rows) < len(found)},
         lines=[*([note] if kinds else []), *_format_omissions(found[: len(rows)])],
-        tables=[Table("simulate", rows, Row._fields, COLUMNS, title)] if rows else [],
+        tables=[Table("simulate", [tuple(row.values()) for row in told], [*told[0]], COLUMNS, title, read=rows)]
+        if rows
+        else [],
         warnings=list(dict.fromkeys(warning for row in rows for warning in row.warnings)),
     )
 
@@ -114,20 +110,17 @@ def _format_omissions(found: Sequence[Simplest]) -> Iterator[str]:
 
 def _format_speed(row: Row) -> str:
     """Mean speed of the runs with its standard error."""
-    if row.speed_mm_s is None:
+    _, _, speed, se, *_ = row.speed
+    if speed is None:
         return "none"
     if row.orbit is not None:
-        return f"{formatting.format_fixed(row.speed_mm_s, 2)} {ORBIT_MARK}"
-    if row.speed_se_mm_s is None:
-        return f"{formatting.format_fixed(row.speed_mm_s, 2)} ± ?"
-    return formatting.format_with_error(row.speed_mm_s, row.speed_se_mm_s)
+        return f"{formatting.format_fixed(speed, 2)} {ORBIT_MARK}"
+    return f"{formatting.format_fixed(speed, 2)} ± ?" if se is None else formatting.format_with_error(speed, se)
 
 
 def _format_bounds(row: Row) -> str:
-    low, high = row.speed_low_95_mm_s, row.speed_high_95_mm_s
-    if low is None or high is None:
-        return "unknown"
-    return f"{formatting.format_fixed(low, 1)} to {formatting.format_fixed(high, 1)}"
+    ends = row.speed.interval()
+    return f"{formatting.format_fixed(ends[0], 1)} to {formatting.format_fixed(ends[1], 1)}" if ends else "unknown"
 
 
 def _format_outcomes(row: Row) -> str:

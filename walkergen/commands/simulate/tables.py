@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 from typing import Any
 
-from walkergen.commands.simulate import quantities
+from walkergen.commands.simulate import quantities as numbers
 from walkergen.commands.simulate.make import Simulation
 from walkergen.commands.simulate.orbit import Orbit
 from walkergen.core.files import formatting
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import observables
-from walkergen.points import speed_prediction
+from walkergen.points import speed_prediction, step_errors
 
 
 def format_drive(scene: Scene) -> str:
@@ -32,9 +32,10 @@ def contact_as_dict(scene: Scene) -> dict[str, Any]:
 
 def format_step_error(simulated: Simulation) -> str:
     """Addition to the mean speed and its statistical error: what the step may do to it."""
-    error, reason = simulated.point.step_errors[observables.SPEED]
+    speed = simulated.point.summary.speed
+    error = step_errors.step_bias(speed)
     if error is None:
-        return f"; {reason}"
+        return f"; {speed.refused}"
     return f" ± {formatting.format_number(error, 2)} by the step (95 %)" if error else ""
 
 
@@ -43,10 +44,8 @@ def bound_rows(simulated: Simulation) -> Iterator[tuple[str, str]]:
     if simulated.orbit is not None:
         yield "prints", format_orbit_bounds(simulated.orbit)
         return
-    summary = simulated.point.summary
-    low, high = summary.speed_low_95_mm_s, summary.speed_high_95_mm_s
-    if low is not None and high is not None:
-        yield ("this simulation", f"{low:.1f} to {high:.1f} mm/s (95 %), by runs and step")
+    if ends := simulated.point.summary.speed.interval():
+        yield ("this simulation", f"{ends[0]:.1f} to {ends[1]:.1f} mm/s (95 %), by runs and step")
     yield "your print", _format_print_bounds(simulated)
 
 
@@ -62,9 +61,9 @@ def _format_print_bounds(simulated: Simulation) -> str:
 
 def format_orbit_bounds(orbit: Orbit) -> str:
     """Statement of how speeds differ from print to print, where runs share an orbit."""
-    if orbit.bounds_mm_s is None:
+    if orbit.prints.ends is None:
         return f"unknown how they differ: {orbit.reason}"
-    low2, low1, high1, high2 = orbit.bounds_mm_s
+    low2, low1, high1, high2 = orbit.prints.ends
     return (
         f"{low1:.1f} to {high1:.1f} mm/s (68 %), {low2:.1f} to {high2:.1f} (95 %), by "
         f"{orbit.draws} draws of what design and scene do not know; ‹uncertain› tells which does it"
@@ -73,18 +72,22 @@ def format_orbit_bounds(orbit: Orbit) -> str:
 
 def landings_as_dict(simulated: Simulation) -> dict[str, Any]:
     """Landings for JSON: rates per second, and their errors."""
-    rates = quantities.landing_rates(simulated)
+    rates = numbers.landing_rates(simulated)
     return {rate.column: rate.value for rate in rates} | {"errors": {rate.column: rate.se for rate in rates}}
 
 
 def step_errors_as_dict(simulated: Simulation) -> dict[str, Any]:
     """Return the step's error of each observable for JSON, or the reason why there is none."""
-    errors = {name: simulated.point.step_errors[name].error for name in observables.OBSERVABLE_NAMES}
-    errors = {name: error for name, error in errors.items() if error is not None}
+    numbers = simulated.point.summary.numbers
+    errors = {
+        name: numbers[name].bias
+        for name in observables.OBSERVABLE_NAMES
+        if step_errors.step_bias(numbers[name]) is not None
+    }
     reasons: dict[str, list[str]] = {}
-    for name, step in simulated.point.step_errors.items():
-        if step.reason:
-            reasons.setdefault(step.reason, []).append(name)
+    for name, number in numbers.items():
+        if reason := step_errors.reason(number):
+            reasons.setdefault(reason, []).append(name)
     unresolved = [{"reason": reason, "names": names} for reason, names in reasons.items()]
     return {"errors_95": errors, "not_resolved": unresolved, "warnings": list(simulated.point.warnings)}
 

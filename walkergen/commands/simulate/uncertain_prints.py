@@ -10,9 +10,10 @@ from walkergen.commands.simulate.report import LINE_COLUMNS, Line
 from walkergen.core.files import formatting
 from walkergen.core.files.output import Folder
 from walkergen.core.numerics import statistics
-from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.numerics.quantity import Quantity, column_values
 from walkergen.core.walker.design import Design
 from walkergen.files.report import Report, Table
+from walkergen.points import step_errors
 from walkergen.points.print_ensemble import PrintScatter
 from walkergen.points.speed_table import SHARE_COLUMNS
 
@@ -26,7 +27,7 @@ UNEXPLAINED = "which print it is"
 def make_report(spread: PrintScatter, design: Design, scene: str, folder: Path | None = None) -> Report:
     """Report of uncertain prints of a walker in a scene of this name; written where folder says."""
     title = f"{design.name}, {design.tilt_deg:g} deg, {scene}"
-    unexplained = spread.unexplained, spread.unexplained_se
+    unexplained = spread.unexplained.pair
     lines = []
     if spread.shares:
         share = " ± ".join(formatting.format_fixed(100.0 * value, 0) for value in unexplained)
@@ -34,7 +35,7 @@ def make_report(spread: PrintScatter, design: Design, scene: str, folder: Path |
     if folder is not None:
         lines += [f"draws.csv, shares.csv, uncertain.png and .pdf in {folder}/"]
     inputs = [quantity.name.replace(" ", "_") for quantity in spread.inputs]
-    shares = [*spread.shares, (UNEXPLAINED, *unexplained, None, None)]
+    shares = [*(column_values(share).values() for share in spread.shares), (UNEXPLAINED, *unexplained, None, None)]
     return Report(
         name="uncertain",
         title=title,
@@ -65,9 +66,9 @@ def write(report: Report, folder: Path) -> None:
 
 def summary_rows(spread: PrintScatter) -> Iterator[tuple[str, str | Quantity]]:
     """Rows of a summary: mean, scatter between prints, and statistical error apart from it."""
-    low2, low1, high1, high2 = spread.bounds_mm_s
-    scatter, step = spread.between_prints_mm_s or None, spread.by_step_mm_s
-    yield "mean over prints", Quantity("mean", "mm_s", spread.speed_mm_s, spread.speed_se_mm_s)
+    (low1, high1), (low2, high2) = (spread.speed.interval(level) or (None, None) for level in (0.68, 0.95))
+    scatter, step = spread.between_prints_mm_s or None, step_errors.step_bias(spread.speed)
+    yield "mean over prints", spread.speed
     yield (
         "a print",
         f"{formatting.format_range(low1, high1, 3)} mm/s (68 %), {formatting.format_range(low2, high2, 3)} (95 %)",
@@ -102,21 +103,15 @@ def notes(spread: PrintScatter) -> Iterator[str]:
 
 def _facts(spread: PrintScatter) -> dict[str, Any]:
     """Results for JSON; shares are parts of the variance between prints."""
-    low2, low1, high1, high2 = spread.bounds_mm_s
-    unexplained = {"share": spread.unexplained, "se": spread.unexplained_se}
+    unexplained = {"share": spread.unexplained.value, "se": spread.unexplained.se}
     return {
         "draws": spread.draws,
         "outcomes": spread.outcomes,
-        "speed_mm_s": spread.speed_mm_s,
-        "speed_se_mm_s": spread.speed_se_mm_s,
-        "speed_low_68_mm_s": low1,
-        "speed_high_68_mm_s": high1,
-        "speed_low_95_mm_s": low2,
-        "speed_high_95_mm_s": high2,
+        **spread.speed.row(68, 95),
         "between_prints_mm_s": spread.between_prints_mm_s,
         "statistical_mm_s": spread.statistical_mm_s,
-        "by_step_mm_s": spread.by_step_mm_s,
-        "shares": [share._asdict() for share in spread.shares],
+        "by_step_mm_s": step_errors.step_bias(spread.speed),
+        "shares": [column_values(share) for share in spread.shares],
         "unexplained": unexplained if spread.shares else None,
         "notes": list(notes(spread)),
     }
@@ -138,10 +133,11 @@ def _draw(spread: PrintScatter, title: str) -> "Figure":
     drawn = Figure(figsize=(PAGE_INCHES, 2.8), layout="constrained")
     left, right = drawn.subplots(1, 2)
     left.hist(spread.speeds, bins="auto", color="#0072B2", alpha=0.6)
-    low2, low1, high1, high2 = spread.bounds_mm_s
-    left.axvspan(low2, high2, color="0.93", zorder=-2, label="95 % of prints")
-    left.axvspan(low1, high1, color="0.86", zorder=-1, label="68 % of prints")
-    left.axvline(spread.speed_mm_s, color="black", linewidth=1.2, label="mean")
+    for level, shade, depth in ((95, "0.93", -2), (68, "0.86", -1)):
+        left.axvspan(
+            *(spread.speed.interval(level / 100) or ()), color=shade, zorder=depth, label=f"{level} % of prints"
+        )
+    left.axvline(spread.speed.number, color="black", linewidth=1.2, label="mean")
     left.set_xlabel("speed (mm/s)")
     left.set_ylabel("prints")
     drawn.suptitle(wrap_text(title, PAGE_INCHES - 0.2))
@@ -149,10 +145,8 @@ def _draw(spread: PrintScatter, title: str) -> "Figure":
     names = [*(share.name for share in spread.shares), UNEXPLAINED]
     places = np.arange(len(names))[::-1]
     error = {"ecolor": "0.3", "capsize": 2, "elinewidth": 0.8}
-    first = [*(share.first for share in spread.shares), spread.unexplained]
-    first_se = [*(share.first_se for share in spread.shares), spread.unexplained_se]
-    total = [share.total for share in spread.shares]
-    total_se = [share.total_se for share in spread.shares]
+    first, first_se = np.array([*(share.first.pair for share in spread.shares), spread.unexplained.pair]).T
+    total, total_se = np.reshape([share.total.pair for share in spread.shares], (-1, 2)).T
     right.barh(places + 0.2, first, 0.36, xerr=first_se, error_kw=error, color="#0072B2", label="alone")
     right.barh(
         places[:-1] - 0.2,

@@ -7,11 +7,12 @@ a variance chi^2. There is one rule for "agrees", and noise never makes an agree
 import math
 from collections.abc import Sequence
 from enum import StrEnum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from walkergen.core.numerics import Array, statistics
+from walkergen.core.numerics.distributions import student_quantile
 
 CONFIDENCE = 0.95
 """Confidence of the bounds by which two quantities are compared."""
@@ -55,6 +56,8 @@ class Quantity(NamedTuple):
     """Variance, with its noise, below which such a number is not told; its lower bound allows for that choice."""
     bias: float = 0.0
     """Largest error (95 %) that no number of values makes less, as of a time step; infinite where it is not known."""
+    ends: "tuple[float, float, float, float] | None" = None
+    """Ends of its bounds of 95, 68, 68 and 95 % where these are of draws, and not of its error."""
 
     @property
     def known(self) -> bool:
@@ -84,8 +87,10 @@ class Quantity(NamedTuple):
         """Lower and upper bound that hold the truth with a `confidence` of 0 to 1; None unless both are finite.
 
         A number has no bounds without an error, or with one of no degrees of freedom. A bias widens them in squares,
-        by half of it below CONFIDENCE: as one standard deviation.
+        by half of it below CONFIDENCE: as one standard deviation. Those of draws are of 95 or 68 %.
         """
+        if self.ends is not None and self.value is not None:
+            return (self.ends[0], self.ends[3]) if confidence >= CONFIDENCE else self.ends[1:3]
         if self.value is None or self.se is None or math.isinf(self.bias):
             return None
         ends = self._bounds(self.value, self.se, confidence)
@@ -102,7 +107,17 @@ class Quantity(NamedTuple):
         if self.noise is not None:
             with np.errstate(all="ignore"):
                 return self._variance_bounds(value, self.noise, confidence)
-        return statistics.Mean(value, se, self.freedom).interval(confidence)
+        half = student_quantile(self.freedom, 0.5 + 0.5 * confidence) * se
+        return value - half, value + half
+
+    def row(self, *levels: int, stem: str | None = None) -> dict[str, float | None]:
+        """Return value, error and bounds of these levels (%) by their columns, which but for the first have a stem."""
+        start, unit = f"{self.key}_" if stem is None else stem, f"_{self.unit}" if self.unit else ""
+        found = {self.column: self.value, f"{start}se{unit}": self.se}
+        for level in levels:
+            low, high = self.interval(level / 100) or (None, None)
+            found |= {f"{start}low_{level}{unit}": low, f"{start}high_{level}{unit}": high}
+        return found
 
     def half_width(self, confidence: float = CONFIDENCE) -> float:
         """Half of the width of its bounds; infinite without any."""
@@ -155,6 +170,14 @@ class Quantity(NamedTuple):
         return Quantity(self.key, self.unit, gap, se, freedom, bias=bias)
 
 
+def column_values(row: Any, *levels: int) -> dict[str, Any]:
+    """Return values of a named tuple by their fields, but those of its quantities by `Quantity.row`."""
+    found: dict[str, Any] = {}
+    for name, value in row._asdict().items():
+        found |= value.row(*levels) if isinstance(value, Quantity) else {name: value}
+    return found
+
+
 def mean(key: str, unit: str, values: "Sequence[float] | Array") -> Quantity:
     """Mean of independent values, shape (n,), by their scatter; of one value the error is refused."""
     array = np.asarray(values, dtype=float)
@@ -164,3 +187,8 @@ def mean(key: str, unit: str, values: "Sequence[float] | Array") -> Quantity:
         return Quantity(key, unit, float(array[0]), None, refused="no error of one value")
     value, se, freedom = statistics.weighted_mean(array)
     return Quantity(key, unit, value, se, freedom)
+
+
+def exact(key: str, unit: str, value: float) -> Quantity:
+    """Create a quantity without error, such as a definition or a closed form."""
+    return Quantity(key, unit, value, 0.0)

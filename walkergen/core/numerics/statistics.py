@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -25,24 +24,8 @@ WINDOW_CORRELATION_TIMES = 5.0
 """Number of correlation times over which products are summed (Sokal 1997, section 3)."""
 
 
-class Mean(NamedTuple):
-    """Mean of independent values, with its standard error and that error's degrees of freedom."""
-
-    value: float
-    se: float
-    freedom: float
-
-    def interval(self, confidence: float) -> tuple[float, float]:
-        """Lower and upper bound that hold the expectation with a `confidence` of 0 to 1.
-
-        By Student's t (Student 1908), exact for normally distributed values.
-        """
-        half = student_quantile(self.freedom, 0.5 + 0.5 * confidence) * self.se
-        return self.value - half, self.value + half
-
-
-def weighted_mean(values: Array, weights: Array | None = None) -> Mean:
-    """Mean of n >= 2 independent values, shape (n,), weighted by `weights` (all 1 if None).
+def weighted_mean(values: Array, weights: Array | None = None) -> tuple[float, float, float]:
+    """Mean of n >= 2 independent values, shape (n,), weighted by `weights` (all 1 if None); its error and freedom.
 
     Weights are the times measured: with w_i their shares, the squared error is the sum of
     w_i^2 (x_i - mean)^2 over 1 - sum w_i^2, and the degrees of freedom are 1/(sum w_i^2) - 1
@@ -53,7 +36,7 @@ def weighted_mean(values: Array, weights: Array | None = None) -> Mean:
     value = float(share @ values)
     alike = float(share @ share)
     se = math.sqrt(float(share**2 @ (values - value) ** 2) / (1.0 - alike))
-    return Mean(value, se, 1.0 / alike - 1.0)
+    return value, se, 1.0 / alike - 1.0
 
 
 def prediction_quantiles(values: Array, shares: Sequence[float]) -> Array:
@@ -128,26 +111,3 @@ def jackknife_error(replicates: Array) -> Array:
     spread = replicates - replicates.mean(axis=0)
     error: Array = np.sqrt((count - 1) / count * np.sum(spread**2, axis=0))
     return error
-
-
-class Line(NamedTuple):
-    """Straight line through the origin, fitted to points with errors."""
-
-    slope: float
-    slope_se: float
-    chi2: float
-    """Sum of the weighted squared residuals."""
-    p_value: float
-    """Probability of a chi2 at least as large if the points lie on a line through the origin."""
-    points: int
-
-
-def fit_through_origin(x: Array, y: Array, errors: Array) -> Line:
-    """Fit y = slope x by weighted least squares; shapes (n,) with n >= 2, errors > 0."""
-    from scipy.stats import chi2 as chi2_law
-
-    weights = errors**-2.0
-    norm = float(np.sum(weights * x**2))
-    slope = float(np.sum(weights * x * y)) / norm
-    rest = float(np.sum(weights * (y - slope * x) ** 2))
-    return Line(slope, norm**-0.5, rest, float(chi2_law.sf(rest, len(x) - 1)), len(x))

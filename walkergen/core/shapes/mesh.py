@@ -13,6 +13,6 @@ class Mesh(NamedTuple):
     triangles: Whole
     """Corners of the triangles as indices into the vertices, shape (k, 3)."""
 
-    def shifted(self, shift: Array) -> "Mesh":
+    def shift(self, shift: Array) -> "Mesh":
         """Mesh elsewhere, by a shift of shape (3,), mm."""
         return self._replace(vertices=self.vertices + shift)

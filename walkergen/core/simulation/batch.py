@@ -37,11 +37,11 @@ def run_parallel(
     shares = dict.fromkeys(numbers, 0.0)
     finished: dict[int, Made] = {}
 
-    def made(number: int) -> Made:
+    def run_one(number: int) -> Made:
         return one(number, lambda: bool(stop), lambda share: shares.update({number: share}))
 
     with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
-        pending: dict[Future[Made], int] = {pool.submit(made, number): number for number in shares}
+        pending: dict[Future[Made], int] = {pool.submit(run_one, number): number for number in shares}
         try:
             while pending:
                 for future in wait(pending, timeout=POLL_INTERVAL_S, return_when=FIRST_COMPLETED).done:

@@ -8,12 +8,13 @@ import functools
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from walkergen.core.files.progress import Progress
 from walkergen.core.numerics import statistics
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.simulation import batch, observables, orbits, record
 from walkergen.core.simulation.batch import OneRun
 from walkergen.core.simulation.plan import Plan
@@ -31,31 +32,41 @@ class Summary(NamedTuple):
     simulated_s: float
     cpu_s: float
     wall_s: float
-    speed_mm_s: float | None
-    """Mean speed; None when no run ended well."""
-    speed_se_mm_s: float | None
-    """Standard error; None when runs are too few or share an orbit (`outcomes` says so)."""
-    speed_low_68_mm_s: float | None
-    """Lower bound of the mean speed with 68 % confidence, by Student's t, as the next three."""
-    speed_high_68_mm_s: float | None
-    speed_low_95_mm_s: float | None
-    speed_high_95_mm_s: float | None
+    numbers: Mapping[str, Quantity]
+    """Observables, by the names of `observables`; no errors where runs are too few or share an orbit."""
     correlation_time_s: float | None
     """Integrated autocorrelation time of the speed; None when the runs are too short to tell."""
-    impacts_per_s: float
-    type_fractions: dict[str, float]
-    """Share of each type in the number of impacts; "sticking": of those in which a foot sticks."""
-    type_fractions_by_impulse: dict[str, float]
-    """Share of each type in the normal impulse of the feet's landings."""
-    contact_fraction: float
     max_pitch_deg: float
     energy_error: float
     """Largest energy error (`record.energy_error`) of a run."""
-    energies_per_s: dict[str, float]
-    """Mean powers in g mm^2/s^3 (nW): from the plate, lost to impacts, friction and damping."""
-    errors: dict[str, float | None]
-    """Standard errors by the runs' scatter, by the names of `observables`; None: too few runs."""
     outcomes: dict[str, int]
+
+    @property
+    def speed(self) -> Quantity:
+        """Mean speed; no value when no run ended well."""
+        return self.numbers[observables.SPEED]
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """All of it by the keys of JSON."""
+        table, numbers = functools.partial(observables.table_values, self.numbers), self.numbers
+        return {
+            "runs": self.runs,
+            "simulated_s": self.simulated_s,
+            "cpu_s": self.cpu_s,
+            "wall_s": self.wall_s,
+            **self.speed.row(68, 95),
+            "correlation_time_s": self.correlation_time_s,
+            observables.IMPACTS: numbers[observables.IMPACTS].value,
+            observables.BY_NUMBER: table(observables.BY_NUMBER),
+            observables.BY_IMPULSE: table(observables.BY_IMPULSE),
+            observables.CONTACT: numbers[observables.CONTACT].value,
+            "max_pitch_deg": self.max_pitch_deg,
+            "energy_error": self.energy_error,
+            observables.POWERS: table(observables.POWERS),
+            "errors": {name: numbers[name].se for name in observables.OBSERVABLE_NAMES if name != observables.SPEED},
+            "outcomes": self.outcomes,
+        }
 
 
 def simulate_runs(
@@ -88,16 +99,13 @@ def summarise(results: Sequence[RunResult], plate_speed: float, wall_s: float) -
     outcomes = Counter(result.outcome.value for result in results)
     good = [result for result in results if result.outcome in ENDED_WELL]
     speeds = np.array([result.speed for result in good])
-    mean = mean_speed(good)
-    if good and mean is None:
+    if 0 < len(good) < MIN_RUNS:
         outcomes[Outcome.TOO_FEW.value] = len(good)
-    locked = orbits.common_orbit(speeds, plate_speed) == orbits.ORBIT
-    if locked:
-        mean, outcomes[Outcome.ORBIT.value] = None, len(good)
-    ends = () if mean is None else (*mean.interval(0.68), *mean.interval(0.95))
-    bounds = [*ends] if ends and all(map(math.isfinite, ends)) else [None] * 4
-    observed = observables.observe(results)
-    table = functools.partial(observables.table_values, observed)
+    numbers = {observables.SPEED: mean_speed(good), **observables.observe(results)}
+    if orbits.common_orbit(speeds, plate_speed) == orbits.ORBIT:
+        outcomes[Outcome.ORBIT.value] = len(good)
+        for name, number in numbers.items():
+            numbers[name] = number._replace(se=None, freedom=0.0, refused=Outcome.ORBIT.value)
     pitch = max((result.tally.sums[record.LARGEST_PITCH] for result in results), default=0.0)
     energy_error = max((result.energy_error for result in results), default=0.0)
     simulated = sum(float(result.tally.sums[record.ELAPSED]) for result in results)
@@ -106,21 +114,10 @@ def summarise(results: Sequence[RunResult], plate_speed: float, wall_s: float) -
         simulated_s=simulated,
         cpu_s=sum(result.cpu_s for result in results),
         wall_s=wall_s,
-        speed_mm_s=float(speeds.mean()) if good else None,
-        speed_se_mm_s=None if mean is None else mean.se,
-        speed_low_68_mm_s=bounds[0],
-        speed_high_68_mm_s=bounds[1],
-        speed_low_95_mm_s=bounds[2],
-        speed_high_95_mm_s=bounds[3],
+        numbers=numbers,
         correlation_time_s=correlation_time(good),
-        impacts_per_s=observables.observed_value(observed, observables.IMPACTS),
-        type_fractions=table(observables.BY_NUMBER),
-        type_fractions_by_impulse=table(observables.BY_IMPULSE),
-        contact_fraction=observables.observed_value(observed, observables.CONTACT),
         max_pitch_deg=math.degrees(pitch),
         energy_error=energy_error,
-        energies_per_s=table(observables.POWERS),
-        errors={name: None if locked else observable.se for name, observable in observed.items()},
         outcomes=dict(outcomes),
     )
 
@@ -133,8 +130,8 @@ def correlation_time(results: Sequence[RunResult]) -> float | None:
     return statistics.correlation_time(series, results[0].block_s)
 
 
-def mean_speed(results: Sequence[RunResult]) -> statistics.Mean | None:
-    """Mean speed, mm/s, of runs of any lengths; None for fewer than FEWEST_RUNS.
+def mean_speed(results: Sequence[RunResult]) -> Quantity:
+    """Mean speed of runs of any lengths; without an error for fewer than FEWEST_RUNS.
 
     Runs are the samples: other drops, prints and noise make them independent however slowly a
     walker changes its direction, and no piece of a run is (C. Alexopoulos and D. Goldsman, ACM
@@ -143,10 +140,14 @@ def mean_speed(results: Sequence[RunResult]) -> statistics.Mean | None:
     turn every t seconds all agree with a probability of 2^(1-n) exp(-n T/t), 12.5 % of 4 runs that
     never turn: hence FEWEST_RUNS, and 8 runs or more where directions may last longer than a run.
     """
-    if len(results) < MIN_RUNS:
-        return None
+    if not results:
+        return Quantity("speed", "mm_s", None, refused="no run ended well")
     speeds = np.array([result.speed for result in results])
-    return statistics.weighted_mean(speeds, np.array([result.measured_s for result in results]))
+    mean = Quantity("speed", "mm_s", float(speeds.mean()), refused=Outcome.TOO_FEW.value)
+    if len(results) < MIN_RUNS:
+        return mean
+    _, se, freedom = statistics.weighted_mean(speeds, np.array([result.measured_s for result in results]))
+    return mean._replace(se=se, freedom=freedom, refused="")
 
 
 def format_outcomes(outcomes: Mapping[str, int]) -> str:

@@ -1,6 +1,6 @@
 """Statistics of runs other than their speed, each with the error that the runs' scatter gives it.
 
-Names are those of `ensemble.Summary`, with a dot before the part of a table: what `simulate --json`
+Names are those of `ensemble.Summary.facts`, with a dot before the part of a table: what `simulate --json`
 prints, and what ladders of accuracy study.
 """
 
@@ -17,6 +17,8 @@ from walkergen.core.simulation.run import RunResult
 SPEED = "speed_mm_s"
 IMPACTS, CONTACT = "impacts_per_s", "contact_fraction"
 BY_IMPULSE, BY_NUMBER, POWERS = "type_fractions_by_impulse", "type_fractions", "energies_per_s"
+"""Tables: shares of each type in the normal impulse of the feet's landings and in the number of impacts ("sticking": of
+those in which a foot sticks); mean powers in g mm^2/s^3 (nW), from the plate, lost to impacts, friction and damping."""
 
 POWER_ROWS = {
     "from_plate": record.PLATE_WORK,
@@ -79,11 +81,4 @@ def ratio_of_sums(key: str, above: Array, below: Array) -> Quantity:
 def table_values(observed: Mapping[str, Quantity], table: str) -> dict[str, float]:
     """Values of the observables of one table (BY_IMPULSE, BY_NUMBER or POWERS) by their names."""
     start = f"{table}."
-    return {name.removeprefix(start): observed_value(observed, name) for name in observed if name.startswith(start)}
-
-
-def observed_value(observed: Mapping[str, Quantity], name: str) -> float:
-    """Value of an observable, which all runs have."""
-    value = observed[name].value
-    assert value is not None
-    return value
+    return {name.removeprefix(start): observed[name].number for name in observed if name.startswith(start)}

@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from statistics import NormalDist
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,9 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.limbs import MAX_LENGTH_MM, MIN_LENGTH_MM
 from walkergen.core.walker.mass import MassProperties, scale_masses
+
+if TYPE_CHECKING:
+    from walkergen.core.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
 
@@ -292,12 +295,10 @@ class Share(NamedTuple):
     """Part of a variance that an input is answerable for (Saltelli et al. 2010)."""
 
     name: str
-    first: float
+    first: "Quantity"
     """Part that knowing this input alone would remove."""
-    first_se: float
-    total: float
+    total: "Quantity"
     """Part that would remain if all but this input were known."""
-    total_se: float
 
 
 def variance_shares(quantities: Sequence[Input], function: Callable[[Array], Array], seed: int) -> tuple[Share, ...]:
@@ -324,11 +325,15 @@ def sobol_indices(quantities: Sequence[Input], function: Callable[[Array], Array
 
 def sort_shares(quantities: Sequence[Input], values: Array, errors: Array) -> tuple[Share, ...]:
     """Shares by name, largest total first; values and standard errors of shape (2, inputs)."""
+    from walkergen.core.numerics.quantity import Quantity
+
     rows = [
-        Share(quantity.name, *map(float, (values[0, k], errors[0, k], values[1, k], errors[1, k])))
-        for k, quantity in enumerate(quantities)
+        Share(
+            one.name, *(Quantity(("first", "total")[i], "", float(values[i, k]), float(errors[i, k])) for i in (0, 1))
+        )
+        for k, one in enumerate(quantities)
     ]
-    return tuple(sorted(rows, key=lambda share: -share.total))
+    return tuple(sorted(rows, key=lambda share: -share.total.number))
 
 
 class _Law(NamedTuple):

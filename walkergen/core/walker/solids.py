@@ -98,7 +98,7 @@ def _add_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
 
     if design.whole:
         roots = [
-            leg.shifted(_anchor_corner(limb, design.size.depth))
+            leg.shift(_anchor_corner(limb, design.size.depth))
             for limb, leg in zip(design.limbs, solid.legs, strict=True)
         ]
     else:
@@ -138,7 +138,7 @@ def _build_plain_solids(design: Design, foot_segments: int, united: bool) -> Sol
 def _finished_solids(finished: FinishedWalker, design: Design) -> Solids:
     """Solids of a finished walker, cut into body and legs."""
     depth = design.size.depth
-    legs = [leg.shifted(-_anchor_corner(limb, depth)) for limb, leg in zip(design.limbs, finished.legs, strict=True)]
+    legs = [leg.shift(-_anchor_corner(limb, depth)) for limb, leg in zip(design.limbs, finished.legs, strict=True)]
     return Solids(finished.whole, finished.body, tuple(legs))
 
 
@@ -156,7 +156,7 @@ def _build_any_body(design: Design, foot_segments: int, united: bool) -> Solids:
     legs = _build_legs(limbs, sections) if design.body.flat else _build_flush_legs(limbs, bars, ground, depth)
     if united:
         return Solids(joining.unite_with_legs(ground, bars), ground.mesh, legs, weighed=weighed)
-    placed = [leg.shifted(_anchor_corner(limb, depth)) for limb, leg in zip(limbs, legs, strict=True)]
+    placed = [leg.shift(_anchor_corner(limb, depth)) for limb, leg in zip(limbs, legs, strict=True)]
     return Solids(_concatenate_meshes([ground.mesh, *placed]), ground.mesh, legs, weighed=weighed)
 
 
@@ -172,7 +172,7 @@ def _build_flush_legs(
         outside = joining.cut_flush(bar, ground, key)
         if outside.vertices[:, 1].max() > bar.vertices[:, 1].max() - ROUNDING_MM:
             raise GeometryError(f"{key}: the leg is not wholly under the body: move it", f"legs[{number}].along_mm")
-        legs.append(outside.shifted(-_anchor_corner(limb, depth)))
+        legs.append(outside.shift(-_anchor_corner(limb, depth)))
     return tuple(legs)
 
 
@@ -211,7 +211,7 @@ def _build_bars(limbs: Sequence[Limb], sections: Sequence[_Section], depth: floa
     bars = []
     for limb, section in zip(limbs, sections, strict=True):
         mesh = extrude([part + np.array(limb.anchor) for part in section.raised], limb.width)
-        bars.append(mesh.shifted(np.array([0.0, 0.0, _left_side(limb, depth)])))
+        bars.append(mesh.shift(np.array([0.0, 0.0, _left_side(limb, depth)])))
     return bars
 
 

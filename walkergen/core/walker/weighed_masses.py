@@ -21,6 +21,7 @@ import numpy as np
 from walkergen.core.errors import GeometryError, InputError
 from walkergen.core.files import columns, file_reading, formatting, output
 from walkergen.core.files.tables import csv_text
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.walker import mass, names, solids
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.solids import Solids
@@ -43,22 +44,17 @@ PART_NAME_PATTERN = re.compile(r"(?P<stem>.+)_t(?P<tilt>-?[0-9.]{1,20})_(?P<kind
 COPY_SUFFIX = re.compile(r"-[1-9][0-9]*$")
 
 
-class Mean(NamedTuple):
-    """Mean of repeated weighings of a quantity."""
-
-    mean: float
-    """Mean mass, g."""
-    error: float | None
-    """Standard error of the mean, g; None for a single weighing."""
-    weighings: int
-
-
 class Weighings(NamedTuple):
-    """Masses that were weighed of a part, over all its copies."""
+    """Mean masses (g) that were weighed of a part, over all its copies; without an error of a single weighing."""
 
-    grams: Mean | None = None
-    body_g: Mean | None = None
-    leg_g: Mean | None = None
+    grams: Quantity | None = None
+    body_g: Quantity | None = None
+    leg_g: Quantity | None = None
+
+    @property
+    def number(self) -> int:
+        """Number of weighings."""
+        return sum(int(mean.freedom) + 1 for mean in self if mean is not None)
 
 
 def form_name(members: Sequence[Design], name: str) -> str:
@@ -151,7 +147,7 @@ def apply_masses(design: Design, parts: Solids, weighed: Weighings, name: str) -
     Raises InputError when the masses contradict each other or are far from the mesh's.
     """
     count, (body, leg) = len(parts.legs), _mesh_masses(design, parts)
-    grams, body_g, leg_g = (None if weighing is None else weighing.mean for weighing in weighed)
+    grams, body_g, leg_g = (None if weighing is None else weighing.number for weighing in weighed)
     if grams is not None and body_g is not None and leg_g is not None:
         raise InputError(f"{name}: grams, body_g and leg_g are one too many: leave one empty")
     if grams is not None:
@@ -214,14 +210,14 @@ def apply_carried_masses(design: Design, weighed: Mapping[str, Weighings]) -> De
             continue
         if part := design.parts.get(name):
             stated = part.cylinder.mass
-            if _is_implausible(grams.mean, stated):
+            if _is_implausible(grams.number, stated):
                 raise InputError(
-                    f"{name}: {grams.mean:.4g} g by the balance, {stated:.4g} g by the design: "
+                    f"{name}: {grams.number:.4g} g by the balance, {stated:.4g} g by the design: "
                     f"more than {MAX_MASS_RATIO:g} times apart; are these grams, and of this part?"
                 )
-            tables[name]["mass_g"] = grams.mean
+            tables[name]["mass_g"] = grams.number
         else:
-            tables["pockets"][f"{name}_g"] = grams.mean
+            tables["pockets"][f"{name}_g"] = grams.number
     own = {
         key: (design.fit if key == "pockets" else design.parts[key]).model_copy(update=table)
         for key, table in tables.items()
@@ -235,12 +231,12 @@ def without_weighed_masses(design: Design) -> Design:
     return design.model_copy(update={"weighed": plain})
 
 
-def total_error(weighed: Weighings, legs: int) -> float | None:
+def total(grams: float, weighed: Weighings, legs: int) -> Quantity:
     """Compute the standard error of a whole walker's mass, g, with this number of legs; None if unknown."""
-    if weighed.grams is not None:
-        return weighed.grams.error
-    body, leg = (weighing and weighing.error for weighing in (weighed.body_g, weighed.leg_g))
-    return None if body is None or leg is None else math.hypot(body, legs * leg)
+    whole, body, leg = (mean and mean.se for mean in weighed)
+    if weighed.grams is None and body is not None and leg is not None:
+        whole = math.hypot(body, legs * leg)
+    return Quantity("mass", "g", grams, whole)
 
 
 def _read_rows(path: Path) -> list[tuple[int, dict[str, str]]]:
@@ -318,11 +314,11 @@ def _is_other_member(name: str, members: Sequence[Design]) -> bool:
     return False
 
 
-def _mean_mass(values: Sequence[float]) -> Mean:
+def _mean_mass(values: Sequence[float]) -> Quantity:
     """Mean of masses in g, with its standard error from their spread."""
     count = len(values)
     error = float(np.std(values, ddof=1)) / math.sqrt(count) if count > 1 else None
-    return Mean(float(np.mean(values)), error, count)
+    return Quantity("mass", "g", float(np.mean(values)), error, count - 1.0)
 
 
 def write_template(folder: Path, parts: Iterable[str], name: str = FILE_NAME) -> Path | None:

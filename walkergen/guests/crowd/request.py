@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from walkergen import request
+from walkergen import film_fields, request
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Expected, Progress
 from walkergen.inputs import Inputs
@@ -92,10 +92,10 @@ class CrowdRequest(request.Request):
     tracks: Annotated[
         Path | None, request.File, Flag("Film's tracks of the walker, for --card.", "TRACKS.csv", takes="Name | None")
     ] = None
-    fps: request.Fps = None
-    mm_per_px: request.MmPerPx = None
-    unit: request.Unit = None
-    y_down: request.YDown = False
+    fps: film_fields.Fps = None
+    mm_per_px: film_fields.MmPerPx = None
+    unit: film_fields.Unit = None
+    y_down: film_fields.YDown = False
     set: request.Settings = {}
     movie: Annotated[
         Path | None,
@@ -215,7 +215,7 @@ class CrowdRequest(request.Request):
             return make.write(result, asked, self.out or make.default_folder(walker), self.pictures)
         self.check_unset("a film tells nothing of walls", "arena")
         self.check_unset("tracks of a film are as long as they are", "seconds", "runs", "seed")
-        units = request.track_units(self.fps, self.mm_per_px, self.y_down, self.unit)
+        units = film_fields.units(self.fps, self.mm_per_px, self.y_down, self.unit)
         folder = output.result_folder(self.tracks, self.out, "card")
         result = make.from_film(self.tracks, units, scene, walker)
         return make.write(result, {"file": self.tracks.name, **units._asdict(), **asked}, folder, self.pictures)

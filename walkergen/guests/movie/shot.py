@@ -117,7 +117,7 @@ def make_shot(title: Title, design: Design, mass: MassProperties, poses: Poses) 
     mesh, O = solids.build(design).seen, point_in_mesh(design, mass)  # noqa: E741  (the paper's name)
     return Shot(
         title=title,
-        mesh=mesh.shifted(-O),
+        mesh=mesh.shift(-O),
         base=np.array([-O[0], 0.0]),
         size=np.array([design.size.length, design.size.depth]),
         contours=top_outline.body_contours(design),

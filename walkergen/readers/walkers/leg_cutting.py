@@ -95,17 +95,14 @@ def centre_on_body(cut: CutWalker) -> CutWalker:
     shift = -0.5 * (low + high)
     shift[2] = -low[2]
     return CutWalker(
-        cut.body.shifted(shift),
+        cut.body.shift(shift),
         tuple(
             leg._replace(
-                mesh=leg.mesh.shifted(shift),
-                anchor=leg.anchor + shift,
-                foot=leg.foot + shift,
-                z=leg.z + float(shift[2]),
+                mesh=leg.mesh.shift(shift), anchor=leg.anchor + shift, foot=leg.foot + shift, z=leg.z + float(shift[2])
             )
             for leg in cut.legs
         ),
-        cut.whole.shifted(shift),
+        cut.whole.shift(shift),
     )
 
 

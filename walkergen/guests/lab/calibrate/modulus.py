@@ -91,17 +91,16 @@ def fit(strips: Sequence[Specimen], density: Quantity) -> Estimate:
     Its error is larger by the root of chi2 over dof where strips disagree. Raises InputError for a
     modulus that no plastic has.
     """
-    solved = _solve(strips, density, ())
-    if not MIN_MODULUS_GPA <= solved.modulus <= MAX_MODULUS_GPA:
+    (number,), chi2, dof = _solve(strips, density, ())
+    if not MIN_MODULUS_GPA <= number.number <= MAX_MODULUS_GPA:
         raise InputError(
             f"{', '.join(strip.name for strip in strips)}: the readings tell a modulus of "
-            f"{solved.modulus:.3g} GPa: plastics have {MIN_MODULUS_GPA:g}..{MAX_MODULUS_GPA:g}: are these mm, g, "
+            f"{number.number:.3g} GPa: plastics have {MIN_MODULUS_GPA:g}..{MAX_MODULUS_GPA:g}: are these mm, g, "
             "s and Hz, and is a film's slow motion undone?"
         )
-    number = Quantity("youngs_modulus", "gpa", solved.modulus, solved.modulus * float(solved.errors[0]))
     sets = ("material.youngs_modulus_gpa", "material.youngs_modulus_sd_gpa")
     readings = sum(strip.tries for strip in strips)
-    agreed = Estimate("Young's modulus", number, readings, solved.chi2, solved.dof, sets)
+    agreed = Estimate("Young's modulus", number, readings, chi2, dof, sets)
     if agreed.agrees:
         return agreed
     return agreed._replace(number=number._replace(se=number.pair[1] * math.sqrt(max(agreed.chi2 / agreed.dof, 1.0))))
@@ -126,8 +125,7 @@ def ring_excess(strips: Sequence[Specimen], density: Quantity) -> Quantity | Non
     """
     if not (select_method(strips, BEND_METHOD) and select_method(strips, RING_METHOD)):
         return None
-    solved = _solve(strips, density, (RING_METHOD,))
-    excess, error = solved.extras[0], float(solved.errors[1])
+    excess, error = _solve(strips, density, (RING_METHOD,))[0][1].pair
     sd = math.exp(excess) * error
     return Quantity("ring_over_weights", "percent", 100.0 * math.expm1(excess), 100.0 * sd) if sd <= 1.0 else None
 
@@ -141,28 +139,15 @@ def thickness_offset(strips: Sequence[Specimen], density: Quantity) -> Quantity 
     if len(strips) < 2:
         return None
     both = bool(select_method(strips, BEND_METHOD)) and bool(select_method(strips, RING_METHOD))
-    solved = _solve(strips, density, (OFFSET_NAME, RING_METHOD) if both else (OFFSET_NAME,))
+    value, sd = _solve(strips, density, (OFFSET_NAME, RING_METHOD) if both else (OFFSET_NAME,))[0][1].pair
     thinnest = min(strip.sizes["thickness_mm"].pair[0] for strip in strips)
-    sd = float(solved.errors[1])
-    return Quantity("offset", "mm", solved.extras[0], sd) if sd <= thinnest else None
+    return Quantity("offset", "mm", value, sd) if sd <= thinnest else None
 
 
-class _Solved(NamedTuple):
-    """Minimum of the sum of squares."""
-
-    modulus: float
-    """GPa."""
-    extras: Sequence[float]
-    """Values of what else is free."""
-    errors: Array
-    """Standard errors of the modulus' logarithm and of what else is free."""
-    chi2: float
-    dof: int
-
-
-def _solve(strips: Sequence[Specimen], density: Quantity, extras: Sequence[str]) -> _Solved:
+def _solve(strips: Sequence[Specimen], density: Quantity, extras: Sequence[str]) -> tuple[list[Quantity], float, int]:
     """Fit the modulus, and `extras` of RINGS (excess of its logarithm there) and OFFSET (mm).
 
+    Returns these with their errors, the sum of squares at its minimum, and its degrees of freedom.
     Beside these every size, the density, root, clamp and air are free, in units of their errors.
     """
     from scipy.optimize import least_squares
@@ -186,8 +171,11 @@ def _solve(strips: Sequence[Specimen], density: Quantity, extras: Sequence[str])
     errors = np.sqrt((across**2).sum(axis=1)[:own])
     if np.linalg.matrix_rank(solution.jac, rtol=MIN_SINGULAR_RATIO) < len(at):
         errors[1:] = math.inf
-    free = [float(extra) for extra in at[1:own]]
-    return _Solved(float(math.exp(at[0])), free, errors, float(2.0 * solution.cost), len(solution.fun) - len(at))
+    modulus = math.exp(at[0])
+    numbers = [Quantity("youngs_modulus", "gpa", modulus, modulus * float(errors[0]))]
+    for name, value, error in zip(extras, at[1:own], errors[1:], strict=True):
+        numbers.append(Quantity(name, "", float(value), float(error)))
+    return numbers, float(2.0 * solution.cost), len(solution.fun) - len(at)
 
 
 def rough_moduli(strips: Sequence[Specimen], density: Quantity) -> list[Rough]:

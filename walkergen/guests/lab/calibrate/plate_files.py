@@ -117,7 +117,7 @@ def _draw_pieces(axes: "Axes", laid: Laid, plate: Plate) -> None:
 
     for placed in plate.placements:
         mesh = laid.pieces[placed.part].mesh
-        moved = mesh.shifted(-mesh.vertices.min(axis=0))
+        moved = mesh.shift(-mesh.vertices.min(axis=0))
         silhouette = plate_map.triangulate(modeller.to_solid(moved).project())
         colour = (DARK, LIGHT)[placed.part % 2]
         faces = list(silhouette + np.array((placed.x, placed.y)))

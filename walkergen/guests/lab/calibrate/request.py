@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
-from walkergen import request
+from walkergen import print_fields, request
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress
 from walkergen.request import Flag
@@ -95,10 +95,10 @@ class CalibrateRequest(request.Request):
     movie: Annotated[
         Path | None, request.Target, Flag("GIF of a drop from the hand; MP4 beside it.", "FILE", takes="Name | None")
     ] = None
-    printer: request.Machines = request.DEFAULT_PRINTER
-    max_plates: request.MaxPlates = None
-    prusaslicer: request.ForPrusaSlicer = False
-    strict: request.Strict = False
+    printer: print_fields.Machines = request.DEFAULT_PRINTER
+    max_plates: print_fields.MaxPlates = None
+    prusaslicer: print_fields.ForPrusaSlicer = False
+    strict: print_fields.Strict = False
     plate: Annotated[
         Path | None, request.File, Flag("Recording of an accelerometer on the plate, CSV.", "FILE", takes="Name | None")
     ] = None

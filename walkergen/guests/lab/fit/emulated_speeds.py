@@ -114,7 +114,7 @@ def simulate(ground: Ground, setting: Setting, x: Array, progress: Progress, bat
     missing = [place for place, key in enumerate(keys) if key not in speeds]
     wanted = [runs[place] for place in missing]
     made = walkers.simulate_parallel(wanted, part_progress(progress, 0, 1, f"simulating tilt {setting.tilt:g}"))
-    fresh = {keys[missing[place]]: point.summary.speed_mm_s for place, point in made.items()}
+    fresh = {keys[missing[place]]: point.summary.speed.value for place, point in made.items()}
     store.save((key, {"speed_mm_s": speed}) for key, speed in fresh.items())
     store.close()
     if len(made) < len(wanted):

@@ -150,7 +150,7 @@ def draw_plate_speed(motion: Motion, title: str) -> Figure:
     draw_points(axes, [*measured], label="measured")
     if motion.line is not None:
         ends = np.array([0.0, measured[0].max()])
-        slope, se = motion.line.slope, motion.line.slope_se
+        slope, se = motion.line.slope.pair
         label = f"through the origin, slope {formatting.format_with_error(slope, se)}"
         axes.plot(ends, slope * ends, color=FITTED.colour, label=label)
     axes.set_xlim(left=0)

@@ -165,10 +165,10 @@ def _format_line(motion: Motion) -> Iterator[str]:
     line = motion.line
     if line is None:
         return
-    scale = facts.scale_se(Quantity("slope", "mm_s", line.slope), motion)
+    scale = facts.scale_se(line.slope._replace(unit="mm_s"), motion)
     scale_error = f" ± {formatting.format_number(scale, 2)} by the scale" if scale else ""
     yield (
-        f"speed = ({formatting.format_with_error(line.slope, line.slope_se)}{scale_error}) x plate speed, a "
+        f"speed = ({formatting.format_with_error(*line.slope.pair)}{scale_error}) x plate speed, a "
         f"line through the origin; chi² {formatting.format_number(line.chi2)} for {line.points - 1} degrees of "
         f"freedom, probability {formatting.format_number(line.p_value, 2)}"
     )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, Field
 
-from walkergen import request
+from walkergen import film_fields, request
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress
 from walkergen.request import Flag
@@ -37,10 +37,10 @@ class AnalyseRequest(request.Request):
     by_position: ClassVar = ("tracks",)
 
     tracks: Annotated[Any, request.File, Flag("File of tracks of walkers.", "TRACKS.csv", takes="Any", argument=True)]
-    fps: request.Fps = None
-    mm_per_px: request.MmPerPx = None
-    unit: request.Unit = None
-    y_down: request.YDown = False
+    fps: film_fields.Fps = None
+    mm_per_px: film_fields.MmPerPx = None
+    unit: film_fields.Unit = None
+    y_down: film_fields.YDown = False
     lane: Annotated[bool, Flag("Ignore y: the walkers ran in a lane along x.")] = False
     lag_ms: Annotated[
         float | None, Flag("Lag of displacements along and across the body, ms; 40 by default.", "MS")
@@ -72,7 +72,7 @@ class AnalyseRequest(request.Request):
     middle: Annotated[str | None, Flag("Place of the dish's middle, mm; 0,0 by default.", "X,Y")] = None
     runs: Annotated[
         list[Path],
-        BeforeValidator(request.parse_paths),
+        BeforeValidator(film_fields.parse_paths),
         Flag("Tracks of another run of the same crowd.", "TRACKS.csv", "--run", takes="Iterable[Name]", repeats=True),
     ] = []
     pictures: request.Pictures = True
@@ -104,7 +104,7 @@ class AnalyseRequest(request.Request):
             self.check_unset("is of a crowd: give ‹dish›, or", "body", "middle", "runs")
         else:
             self.check_unset("is of single walkers, not of a ‹dish›", "lag_ms", "arena", "descent_deg")
-        units = request.track_units(self.fps, self.mm_per_px, self.y_down, self.unit, self.lane)
+        units = film_fields.units(self.fps, self.mm_per_px, self.y_down, self.unit, self.lane)
         folder = output.result_folder(path, self.out, "analysis") if self.out or self._shell else None
         if self.dish is None:
             from walkergen.guests.track.analyse import make

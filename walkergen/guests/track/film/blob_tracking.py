@@ -9,6 +9,7 @@ import numpy as np
 
 from walkergen.core.files.progress import Progress
 from walkergen.core.numerics import Array
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.guests.track.film import appearance, camera, films, heading, linking
 from walkergen.guests.track.film.appearance import Appearance
 from walkergen.guests.track.film.blobs import Blob, find_blobs
@@ -50,14 +51,14 @@ def track(film: Film, part: Box, options: Options, lens: Lens | None, progress: 
     frames = _find_in_frames(film, part, options, progress)
     linked = linking.link(frames.blobs, options.frames[0], frames.clock.fps)
     straight = [_undistort(seen, lens, part) for seen in linked.walkers]
-    scale, scale_se = find_scale(options, _walker_length(linked, straight))
+    scale = find_scale(options, _walker_length(linked, straight))
     by: heading.By = "mark" if options.heading == "mark" else "motion"
     walkers = [
-        _make_walker(number, seen, own, by, film, part, scale)
+        _make_walker(number, seen, own, by, film, part, scale.number)
         for number, (seen, own) in enumerate(zip(linked.walkers, straight, strict=True))
     ]
     looked = len(frames.blobs)
-    tracked = Tracked(film, options, part, frames.picture, frames.clock, looked, walkers, scale, scale_se)
+    tracked = Tracked(film, options, part, frames.picture, frames.clock, looked, walkers, scale)
     return tracked, Unmarked(frames.look, linked, straight, frames.shake, _count_still(frames.blobs))
 
 
@@ -113,17 +114,16 @@ def _walker_length(linked: Linked, straight: Sequence[Seen]) -> float:
     return linked.length * float(np.median(own / bent))
 
 
-def find_scale(options: Options, length: float) -> tuple[float, float | None]:
+def find_scale(options: Options, length: float) -> Quantity:
     """Return the millimetres per pixel with their standard error, as given or from a walker's length, pixels.
 
     Errors of a scale from a length are those of blurred edges and of the given length.
     """
-    if options.mm_per_px is not None:
-        return options.mm_per_px, options.mm_per_px_se
-    assert options.length_mm is not None
-    scale = options.length_mm / length
-    share_se = (options.length_se_mm or 0.0) / options.length_mm
-    return scale, scale * math.hypot(LENGTH_ERROR_PX / length, share_se)
+    if options.mm_per_px.value is not None:
+        return options.mm_per_px
+    scale = options.length.number / length
+    share_se = (options.length.se or 0.0) / options.length.number
+    return Quantity("mm_per_px", "", scale, scale * math.hypot(LENGTH_ERROR_PX / length, share_se))
 
 
 def _make_walker(

@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from walkergen.core.files import formatting
 from walkergen.core.numerics import Array, Whole
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.guests.track.film.blob_tracking import Unmarked
 from walkergen.guests.track.film.blobs import Blobs
 from walkergen.guests.track.film.linking import Seen
@@ -28,7 +28,7 @@ place, or from frame to frame, that are worth a warning."""
 def collect_doubts(tracked: Tracked, found: Unmarked) -> Told:
     """All that is to be said of a film."""
     look, linked, shake = found.look, found.linked, found.shake
-    pull, size = shadow_pull(linked.walkers), size_change(found.straight)
+    pull, (change, scatter) = shadow_pull(linked.walkers), size_change(found.straight)
     facts = {
         "frames_without_walkers": linked.empty,
         "frames_with_touching_walkers": linked.merged,
@@ -44,14 +44,14 @@ def collect_doubts(tracked: Tracked, found: Unmarked) -> Told:
         "shake_px": _finite_or_none(shake.rms),
         "shake_most_px": _finite_or_none(shake.largest),
         "shadow_px": pull,
-        "size_change_share": size.change,
-        "size_change_se_share": _finite_or_none(size.error),
-        "size_scatter_share": size.scatter,
+        "size_change_share": change.value,
+        "size_change_se_share": _finite_or_none(change.pair[1]),
+        "size_scatter_share": scatter,
     }
     return Told(
         facts,
         list(_notes(tracked, found)),
-        [*_link_warnings(tracked, found), *_image_warnings(tracked, found, pull, size)],
+        [*_link_warnings(tracked, found), *_image_warnings(tracked, found, pull, change, scatter)],
     )
 
 
@@ -63,13 +63,14 @@ def _notes(tracked: Tracked, found: Unmarked) -> Iterator[str]:
     """Yield notes on what was searched for, and the scale with its error."""
     look, linked = found.look, found.linked
     error = " (its error is not known: give it as 0.05+-0.001)"
-    if tracked.mm_per_px_se is not None:
-        error = f" ± {formatting.format_number(100.0 * tracked.mm_per_px_se / tracked.mm_per_px, 2)} %"
+    scale, scale_se = tracked.mm_per_px.number, tracked.mm_per_px.se
+    if scale_se is not None:
+        error = f" ± {formatting.format_number(100.0 * scale_se / scale, 2)} %"
     yield (
         f"Walkers {'darker' if look.dark else 'lighter'} than the ground by more than "
         f"{formatting.format_number(look.threshold)} of 255 steps, {linked.length:.1f} pixels long and "
         f"{look.width:.0f} wide, "
-        f"area {linked.area:.0f}; {formatting.format_number(tracked.mm_per_px, 4)} mm a pixel{error}; "
+        f"area {linked.area:.0f}; {formatting.format_number(scale, 4)} mm a pixel{error}; "
         f"{tracked.clock.in_words}."
     )
     if math.isnan(found.shake.rms):
@@ -102,14 +103,14 @@ def _link_warnings(tracked: Tracked, found: Unmarked) -> Iterator[str]:
         )
 
 
-def _image_warnings(tracked: Tracked, found: Unmarked, pull: float, size: "Sizes") -> Iterator[str]:
+def _image_warnings(tracked: Tracked, found: Unmarked, pull: float, change: Quantity, scatter: float) -> Iterator[str]:
     """Warnings of what light and camera do to the places, each with its size."""
     look, shake = found.look, found.shake
 
     def format_length(pixels: float) -> str:
         return (
             f"{formatting.format_number(pixels, 2)} pixels "
-            f"({formatting.format_number(pixels * tracked.mm_per_px, 2)} mm)"
+            f"({formatting.format_number(pixels * tracked.mm_per_px.number, 2)} mm)"
         )
 
     if look.blur:
@@ -127,14 +128,14 @@ def _image_warnings(tracked: Tracked, found: Unmarked, pull: float, size: "Sizes
             f"shadows are taken for walkers, and pull at their centres by {format_length(pull)}: light from all sides, "
             "or give a higher ‹threshold›"
         )
-    if size.change > max(MAX_SIZE_CHANGE, MIN_SIGNIFICANCE * size.error):
+    if change.number > max(MAX_SIZE_CHANGE, MIN_SIGNIFICANCE * change.pair[1]):
         yield (
-            f"walkers look {100 * size.change:.2g} % larger in one place than in another, and "
+            f"walkers look {100 * change.number:.2g} % larger in one place than in another, and "
             "lengths with them: the camera does not look straight down, or its lens bends (‹lens›)"
         )
-    if size.scatter > MAX_SIZE_SCATTER:
+    if scatter > MAX_SIZE_SCATTER:
         yield (
-            f"walkers change their size by {100 * size.scatter:.2g} % as they run: shadows, light "
+            f"walkers change their size by {100 * scatter:.2g} % as they run: shadows, light "
             "or noise are taken for a part of them"
         )
     if found.still:
@@ -165,19 +166,11 @@ def shadow_pull(walkers: Sequence[Seen]) -> float:
     return pull if pull > MIN_SIGNIFICANCE * error else 0.0
 
 
-class Sizes(NamedTuple):
-    """How much larger walkers look in one place than in another, as a share, and its error."""
+def size_change(walkers: Sequence[Seen]) -> tuple[Quantity, float]:
+    """Change of a walker's own size over the places that walkers reach, as a share: perspective, or a lens.
 
-    change: float
-    error: float
-    scatter: float
-    """Standard deviation of the rest, as a share: from frame to frame, and as walkers turn."""
-
-
-def size_change(walkers: Sequence[Seen]) -> Sizes:
-    """Change of a walker's own size over the places that walkers reach: perspective, or a lens.
-
-    Its logarithm is fitted with a plane and a bowl, each walker with a size of its own.
+    Beside it the deviation of the rest, from frame to frame and as walkers turn. The size's
+    logarithm is fitted with a plane and a bowl, each walker with a size of its own.
     """
     blobs = _join_blobs(walkers)
     owner = np.repeat(np.arange(len(walkers)), [len(walker.frames) for walker in walkers])
@@ -190,13 +183,14 @@ def size_change(walkers: Sequence[Seen]) -> Sizes:
     changes = _subtract_means(size, owner)
     fit, _, rank, _ = np.linalg.lstsq(slopes.T, changes)
     if rank < 3:
-        return Sizes(0.0, math.inf, float(changes.std()))
+        return Quantity("size_change", "share", 0.0, math.inf), float(changes.std())
     rest = changes - fit @ slopes
     fitted = terms @ fit
     ends = terms[[fitted.argmax(), fitted.argmin()]]
     span = ends[0] - ends[1]
     spread = np.linalg.pinv(slopes @ slopes.T) * float(np.mean(rest**2)) * CORRELATED_FRAMES
-    return Sizes(math.expm1(float(span @ fit)), math.sqrt(float(span @ spread @ span)), float(rest.std()))
+    error = math.sqrt(float(span @ spread @ span))
+    return Quantity("size_change", "share", math.expm1(float(span @ fit)), error), float(rest.std())
 
 
 def _subtract_means(values: Array, owner: Whole) -> Array:

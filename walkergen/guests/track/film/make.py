@@ -90,12 +90,12 @@ def _conversion_notes(film: Film) -> list[str]:
 def check_options(options: Options) -> None:
     """Raise InputError for wishes that contradict each other or are out of range."""
     for field, value, most in (
-        ("mm_per_px", options.mm_per_px, MAX_VALUE),
-        ("length", options.length_mm, MAX_VALUE),
+        ("mm_per_px", options.mm_per_px.value, MAX_VALUE),
+        ("length", options.length.value, MAX_VALUE),
         ("fps", options.fps, MAX_VALUE),
         ("threshold", options.threshold, 255.0),
         ("width", options.width_px, 1e5),
-        ("marker_mm", options.marker_mm, MAX_VALUE),
+        ("marker_mm", options.marker.value, MAX_VALUE),
     ):
         if value is not None and not MIN_VALUE <= value <= most:
             raise InputError(f"‹{field}=›{value:g}: must be a number in {MIN_VALUE:g}..{most:g}")
@@ -118,16 +118,16 @@ def check_options(options: Options) -> None:
 def _check_scale(options: Options) -> None:
     """Raise InputError unless one thing tells the scale: markers, which tell more, or a length."""
     if options.markers is None:
-        if options.marker_mm is not None:
+        if options.marker.value is not None:
             raise InputError("‹markers› is not given: leave ‹marker_mm› out")
-        if (options.mm_per_px is None) == (options.length_mm is None):
+        if (options.mm_per_px.value is None) == (options.length.value is None):
             raise InputError(
                 "the scale: give either ‹mm_per_px›, millimetres per pixel, or ‹length›, the length of a walker in mm"
             )
         return
     beside = {
-        "mm_per_px": options.mm_per_px,
-        "length": options.length_mm,
+        "mm_per_px": options.mm_per_px.value,
+        "length": options.length.value,
         "walkers": options.walkers,
         "threshold": options.threshold,
         "width": options.width_px,

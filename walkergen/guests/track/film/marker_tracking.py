@@ -13,6 +13,7 @@ import numpy as np
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress
 from walkergen.core.numerics import Array, Whole
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.guests.track.film import films, plane
 from walkergen.guests.track.film.films import Box, Clock, Film, Grey
 from walkergen.guests.track.film.heading import unwrap
@@ -74,7 +75,7 @@ def track(film: Film, part: Box, options: Options, lens: Lens | None, progress: 
             f"{right - left} x {bottom - top} pixels: a marker needs {MIN_SIDE_PX:g} and a rim: film larger"
         )
     seen, clock, picture, mirrored = _read_markers(film, part, options, progress)
-    first, side = options.frames[0], options.marker_mm or MARKER_MM
+    first, side = options.frames[0], options.marker.value or MARKER_MM
     empty = [at for at, sighted in enumerate(seen, first) if not len(sighted.numbers)]
     tracks, twice, rare = _sort_by_number(seen, first)
     unbent = {number: corners if lens is None else lens.undistort(corners) for number, (_, corners) in tracks.items()}
@@ -90,15 +91,15 @@ def track(film: Film, part: Box, options: Options, lens: Lens | None, progress: 
             pose = Pose(*(values[good] for values in poses[number]))
             walkers.append(_make_walker(number, frames[good], corners[good], pose))
             straight.append(unbent[number][good])
-    scale = flat.mm_per_px
-    scale_se = scale * _scale_error(options, side, float(np.median([walker.size_px for walker in walkers])))
-    tracked = Tracked(film, options, part, picture, clock, len(seen), walkers, scale, scale_se)
+    scale_se = flat.mm_per_px * _scale_error(options, side, float(np.median([walker.size_px for walker in walkers])))
+    scale = Quantity("mm_per_px", "", flat.mm_per_px, scale_se)
+    tracked = Tracked(film, options, part, picture, clock, len(seen), walkers, scale)
     return tracked, Marked(flat, straight, LeftOut(twice, rare, bent, mirrored), np.array(empty, np.int64))
 
 
 def _scale_error(options: Options, side_mm: float, side_px: float) -> float:
     """Compute the standard error of all lengths as a share, from the markers' true size and their edges."""
-    return math.hypot((options.marker_se_mm or 0.0) / side_mm, EDGE_ERROR_PX / side_px)
+    return math.hypot((options.marker.se or 0.0) / side_mm, EDGE_ERROR_PX / side_px)
 
 
 def _make_walker(number: int, frames: Whole, corners: Array, pose: Pose) -> Walker:

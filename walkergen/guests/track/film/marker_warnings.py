@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.core.files import formatting
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.guests.track.film.marker_tracking import MARKER_MM, Marked
 from walkergen.guests.track.film.plane import CORRELATED_SIGHTINGS
 from walkergen.guests.track.film.quality import MAX_LOST_SHARE, Told
@@ -37,7 +38,7 @@ def collect_doubts(tracked: Tracked, found: Marked) -> Told:
     flat, out = found.plane, found.left_out
     change = _scale_change(found)
     facts = {
-        "marker_mm": tracked.options.marker_mm or MARKER_MM,
+        "marker_mm": tracked.options.marker.value or MARKER_MM,
         "heading": "marker",
         "tilt_deg": flat.tilt_deg,
         "scale_change_share": change,
@@ -63,17 +64,17 @@ def _scale_change(found: Marked) -> float:
 
 def _notes(tracked: Tracked, found: Marked, change: float) -> Iterator[str]:
     """Yield notes on what was read: scale, tilt and rate."""
-    assert tracked.mm_per_px_se is not None
-    flat, options = found.plane, tracked.options
-    size = f"{formatting.format_number(options.marker_mm or MARKER_MM, 4)} mm"
-    if options.marker_se_mm is not None:
-        size += f" ± {formatting.format_number(options.marker_se_mm, 2)}"
+    flat, (_, _, side, side_se, *_) = found.plane, tracked.options.marker
+    scale, scale_se = tracked.mm_per_px.pair
+    size = f"{formatting.format_number(side or MARKER_MM, 4)} mm"
+    if side_se is not None:
+        size += f" ± {formatting.format_number(side_se, 2)}"
     sides = [walker.size_px for walker in tracked.walkers]
     pixels = " to ".join(dict.fromkeys(formatting.format_number(side, 3) for side in (min(sides), max(sides))))
     yield (
         f"Markers {size} wide, black frame included (‹marker_mm›), {pixels} pixels in the picture: "
-        f"{formatting.format_number(flat.mm_per_px, 4)} mm a pixel in its middle ± "
-        f"{formatting.format_number(100.0 * tracked.mm_per_px_se / flat.mm_per_px, 2)} %; {tracked.clock.in_words}."
+        f"{formatting.format_number(scale, 4)} mm a pixel in its middle ± "
+        f"{formatting.format_number(100.0 * scale_se / scale, 2)} %; {tracked.clock.in_words}."
     )
     yield (
         f"The camera is tilted by {flat.tilt_deg:.0f} deg, and lengths differ by "
@@ -106,11 +107,12 @@ def _left_out_warnings(tracked: Tracked, found: Marked) -> Iterator[str]:
 
 def _lens_warnings(found: Marked) -> Iterator[str]:
     """Warnings of a lens that bends, and a camera that looks askew."""
-    flat, bend = found.plane, lens_bend(found)
-    if abs(bend.share) > max(MIN_SIZE_CHANGE, MIN_SIGNIFICANCE * bend.error):
-        size = "smaller" if bend.share < 0.0 else "larger"
+    flat, (bend, away_px) = found.plane, lens_bend(found)
+    share, error = bend.pair
+    if abs(share) > max(MIN_SIZE_CHANGE, MIN_SIGNIFICANCE * error):
+        size = "smaller" if share < 0.0 else "larger"
         yield (
-            f"markers are {100.0 * abs(bend.share):.2g} % {size} {bend.away_px:.0f} pixels from "
+            f"markers are {100.0 * abs(share):.2g} % {size} {away_px:.0f} pixels from "
             "the picture's middle than in it, and so are all lengths there: the lens bends: "
             "calibrate it, and give ‹lens›"
         )
@@ -123,19 +125,10 @@ def _lens_warnings(found: Marked) -> Iterator[str]:
         yield f"the camera is tilted by {flat.tilt_deg:.0f} deg: film from above, within {MAX_TILT_DEG:g} deg"
 
 
-class Bend(NamedTuple):
-    """Size of markers at the place farthest from the picture's middle, against that in it."""
+def lens_bend(found: Marked) -> tuple[Quantity, float]:
+    """Change of markers' sides, as a share, farthest from the picture's middle, and how far that is, pixels.
 
-    share: float
-    """Change of their sides in the plane, as a share; negative where they are smaller."""
-    error: float
-    away_px: float
-
-
-def lens_bend(found: Marked) -> Bend:
-    """Change of markers' sizes with the square of the way from the middle: a lens that bends.
-
-    Perspective changes them in a line, which the plane undoes.
+    It grows with the square of the way: a lens that bends. Perspective changes them in a line, which the plane undoes.
     """
     corners = np.concatenate(found.straight)
     sides = found.plane.to_mm(corners)
@@ -145,11 +138,11 @@ def lens_bend(found: Marked) -> Bend:
     terms = np.column_stack([np.ones_like(square), square])
     fitted, _, rank, _ = np.linalg.lstsq(terms, size)
     if rank < 2 or len(size) <= CORRELATED_SIGHTINGS:
-        return Bend(0.0, math.inf, float(away.max()))
+        return Quantity("bend", "", 0.0, math.inf), float(away.max())
     variance = CORRELATED_SIGHTINGS * float(np.mean((size - terms @ fitted) ** 2))
     error = math.sqrt(variance * float(np.linalg.pinv(terms.T @ terms)[1, 1]))
     reach = float(square.max())
-    return Bend(math.expm1(float(fitted[1]) * reach), error * reach, float(away.max()))
+    return Quantity("bend", "", math.expm1(float(fitted[1]) * reach), error * reach), float(away.max())
 
 
 class Missing(NamedTuple):

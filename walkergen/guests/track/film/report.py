@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from walkergen.core.files import formatting
+from walkergen.core.numerics.quantity import column_values
 from walkergen.files import report
 from walkergen.files.report import Column, Report, Table
 from walkergen.guests.track.film import quality
@@ -117,7 +118,7 @@ def track_rows(tracked: Tracked) -> list[tuple[Any, ...]]:
             walker.frames.tolist(), walker.position.tolist(), walker.theta.tolist(), strict=True
         ):
             place = (x, y, None if math.isnan(theta) else theta)
-            scale = (tracked.mm_per_px, tracked.mm_per_px_se)
+            scale = tracked.mm_per_px[2:4]
             rows.append((frame, walker.number, *place, float(tracked.clock.times[frame]), *place, *scale))
     return sorted(rows, key=lambda row: row[:2])
 
@@ -145,12 +146,11 @@ def _facts(tracked: Tracked, told: Told) -> dict[str, Any]:
     options, jitter = tracked.options, tracked.jitter_mm
     return {
         "film": tracked.film.path.name,
-        **options._asdict(),
+        **column_values(options),
         "lens": None if options.lens is None else options.lens._asdict(),
         "fps": tracked.clock.fps,
         "regular_rate": tracked.clock.regular,
-        "mm_per_px": tracked.mm_per_px,
-        "mm_per_px_se": tracked.mm_per_px_se,
+        **tracked.mm_per_px.row(),
         "frames_looked_at": tracked.looked,
         "jitter_mm": None if math.isnan(jitter) else jitter,
         **told.facts,

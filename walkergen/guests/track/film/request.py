@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator
 
-from walkergen import request
+from walkergen import film_fields, request
 from walkergen.core.files.progress import Progress
 from walkergen.request import Flag
 
@@ -52,10 +52,10 @@ class TrackRequest(request.Request):
     film: Annotated[
         Path, request.File, Flag("Film from above, or a folder of its pictures.", "FILM", takes="Name", argument=True)
     ]
-    mm_per_px: request.MmPerPx = None
+    mm_per_px: film_fields.MmPerPx = None
     length: Annotated[
-        request.Measured,
-        BeforeValidator(request.parse_measured),
+        film_fields.Measured,
+        BeforeValidator(film_fields.parse_measured),
         Flag("Length of a walker, mm, for the scale, as 28 or 28±0.1.", "MM", takes="float | str | None"),
     ] = None
     fps: Annotated[float | None, Flag("Frames per second when filmed: of slow motion, of pictures.", "N")] = None
@@ -83,8 +83,8 @@ class TrackRequest(request.Request):
         Literal["aruco"] | None, Flag("Markers that walkers bear, by `plate --caps`: aruco.", "KIND")
     ] = None
     marker_mm: Annotated[
-        request.Measured,
-        BeforeValidator(request.parse_measured),
+        film_fields.Measured,
+        BeforeValidator(film_fields.parse_measured),
         Flag("Side of the markers, mm, as 7.2 or 7.2±0.05.", "MM", takes="float | str | None"),
     ] = None
     lens: Annotated[
@@ -102,17 +102,13 @@ class TrackRequest(request.Request):
     def run(self, progress: Progress) -> "TrackReport":
         """Track the walkers, by their looks or by their markers."""
         from walkergen.core.files import output
+        from walkergen.core.numerics.quantity import Quantity
         from walkergen.guests.track.film import lens, make
         from walkergen.guests.track.film.result import Options
 
-        scale, scale_se = self.mm_per_px or (None, None)
-        length, length_se = self.length or (None, None)
-        side, side_se = self.marker_mm or (None, None)
         options = Options(
-            mm_per_px=scale,
-            mm_per_px_se=scale_se,
-            length_mm=length,
-            length_se_mm=length_se,
+            mm_per_px=Quantity("mm_per_px", "", *(self.mm_per_px or (None,))),
+            length=Quantity("length", "mm", *(self.length or (None,))),
             fps=self.fps,
             frames=self.frames,
             region=self.region,
@@ -122,7 +118,6 @@ class TrackRequest(request.Request):
             heading=self.heading,
             lens=None if self.lens is None else lens.read_lens(self.lens),
             markers=self.markers,
-            marker_mm=side,
-            marker_se_mm=side_se,
+            marker=Quantity("marker", "mm", *(self.marker_mm or (None,))),
         )
         return make.track(self.film, options, output.result_folder(self.film, self.out, "track"), progress)

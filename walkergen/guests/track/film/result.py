@@ -7,21 +7,18 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.core.numerics import Array, Whole
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.guests.track.film import quality
 from walkergen.guests.track.film.films import Box, Clock, Film, Grey
 from walkergen.guests.track.film.lens import Lens
 
 
 class Options(NamedTuple):
-    """Wishes of a person; None is what the film tells."""
+    """Wishes of a person; None, or no value, is what the film tells."""
 
-    mm_per_px: float | None = None
-    mm_per_px_se: float | None = None
-    """Standard error of `mm_per_px`; None when it is not known."""
-    length_mm: float | None = None
-    """Length of a walker; either this or `mm_per_px` is given."""
-    length_se_mm: float | None = None
-    """Standard error of `length_mm`, beside that of its image."""
+    mm_per_px: Quantity = Quantity("mm_per_px", "", None)
+    length: Quantity = Quantity("length", "mm", None)
+    """Length of a walker; either this or `mm_per_px` is given. Its error is beside that of its image."""
     fps: float | None = None
     """Frames per second at which the film was taken."""
     frames: tuple[int, int | None] = (0, None)
@@ -41,10 +38,8 @@ class Options(NamedTuple):
     markers: str | None = None
     """Markers that walkers bear, one of `make.MARKERS`, which tell scale, walkers and headings; None:
     they bear none."""
-    marker_mm: float | None = None
-    """Side of the markers, their black frame included; None: as `plate --caps` prints them."""
-    marker_se_mm: float | None = None
-    """Standard error of `marker_mm`."""
+    marker: Quantity = Quantity("marker", "mm", None)
+    """Side of the markers, their black frame included; without a value as `plate --caps` prints them."""
 
 
 class Outline(NamedTuple):
@@ -107,10 +102,8 @@ class Tracked(NamedTuple):
     looked: int
     """Frames looked at."""
     walkers: Sequence[Walker]
-    mm_per_px: float
-    """Scale; with markers that in the middle of the picture."""
-    mm_per_px_se: float | None
-    """Standard error of `mm_per_px`, and so of all lengths; None where it was given without."""
+    mm_per_px: Quantity
+    """Scale; with markers that in the middle of the picture. Its error is that of all lengths."""
 
     @property
     def jitter_mm(self) -> float:

@@ -1,0 +1,62 @@
+"""Fields of requests that read a film, or its tracks: rate, scale, axes and units."""
+
+import os
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import BeforeValidator
+
+from walkergen.core.files import formatting
+from walkergen.request import Flag, split_values
+
+if TYPE_CHECKING:
+    from walkergen.analysis.track_files import Units
+
+SIGN = re.compile(r"±|\+/?-")
+"""Sign before an error."""
+
+Measured = tuple[float, float | None] | None
+"""Number with its standard error, where it has one."""
+
+
+def parse_measured(entry: Any) -> Measured:
+    """Parse a number above 0, and its standard error if given: 0.05, "0.05±0.001", "0.05+-0.001"."""
+    if entry is None:
+        return None
+    value, *errors = map(formatting.parse_number, SIGN.split(str(entry)))
+    error = errors[0] if errors else 0.0
+    if value is None or value <= 0 or len(errors) > 1 or error is None or not 0 <= error < value:
+        raise ValueError(
+            "must be a number above 0, as 0.05, or with its standard error, at least 0 and below the "
+            "number, as 0.05±0.001 or 0.05+-0.001"
+        )
+    return value, error if errors else None
+
+
+def parse_paths(value: Any) -> list[Path]:
+    """Paths of files, of one or of several. Raises ValueError for what is none."""
+    paths = split_values(value) if not isinstance(value, (str, os.PathLike)) else [value]
+    if not all(isinstance(path, (str, os.PathLike)) for path in paths):
+        raise ValueError("must be names of files")
+    return [Path(path) for path in paths]
+
+
+Fps = Annotated[float | None, Flag("Frames per second of the film.", "N")]
+YDown = Annotated[bool, Flag("Let y grow downward, as image rows do.")]
+MmPerPx = Annotated[
+    Measured,
+    BeforeValidator(parse_measured),
+    Flag("Millimetres per pixel of the film, as 0.05±0.001.", "MM", takes="float | str | None"),
+]
+Unit = Annotated[
+    str | None, Flag("Units of places, times, headings that the file does not state: mm, or cm,ms,deg.", "UNIT")
+]
+
+
+def units(fps: float | None, mm_per_px: Measured, y_down: bool, unit: str | None, lane: bool = False) -> "Units":
+    """Units of the tracks of a film."""
+    from walkergen.analysis.track_files import Units
+
+    scale, error = mm_per_px or (None, None)
+    return Units(fps, scale, y_down, lane, error, unit or "")

@@ -1,0 +1,58 @@
+"""Fields of requests that print: copies, plates, printers."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field
+
+from walkergen.core.files import columns
+from walkergen.request import Flag, file_flag, parse_tilt
+
+MOST_COPIES = 5000
+"""Most copies of a request."""
+
+
+def _copies(value: Any) -> int | dict[float, int]:
+    """Parse the copies of each walker, or by tilt: 8, or 10:20,15:40, or {10: 20, 15: 40}."""
+    if isinstance(value, Mapping):
+        pairs = list(value.items())
+    elif isinstance(value, str) and ":" in value:
+        pairs = [(word, count) for word, _, count in (piece.partition(":") for piece in value.split(","))]
+    else:
+        return _count(value)
+    if not pairs:
+        raise ValueError("no tilt: write copies by tilt, {10: 20, 15: 40}")
+    quotas: dict[float, int] = {}
+    for word, count in pairs:
+        tilt = parse_tilt(word)
+        quotas[tilt] = quotas.get(tilt, 0) + _count(count)
+    return quotas
+
+
+def _count(value: Any) -> int:
+    plain = value.item() if hasattr(value, "item") else value
+    count = columns.parse_count(plain, MOST_COPIES) if isinstance(plain, str) else plain
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST_COPIES:
+        raise ValueError(
+            f"{str(value)[:30]!r} must be a whole number in 1..{MOST_COPIES}; write 8, or TILT:COPIES,TILT:COPIES"
+        )
+    return count
+
+
+Machines = Annotated[Any, file_flag("printers", "Printers: templates or TOML files.")]
+Copies = Annotated[
+    Any,
+    BeforeValidator(_copies),
+    Flag(
+        "Copies of each walker, 1 by default: 8, or by tilt: 10:20,15:40.",
+        "COPIES",
+        takes="int | Mapping[float, int] | str",
+    ),
+]
+Caps = Annotated[
+    Literal["aruco"] | None, Flag("Caps to glue on, with markers that `track --markers` reads: aruco.", "MARKERS")
+]
+MaxParts = Annotated[int, Field(ge=1, le=5000), Flag("Largest number of parts on a plate.", "N")]
+ForPrusaSlicer = Annotated[bool, Flag("Let PrusaSlicer list and slice all copies as one object.")]
+Strict = Annotated[bool, Flag("Refuse parts that get warnings, too.")]
+MaxPlates = Annotated[int | None, Field(ge=1, le=1000), Flag("Largest number of plates to use.", "N")]
