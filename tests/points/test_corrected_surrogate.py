@@ -42,13 +42,13 @@ def runs_of(*values):
 def test_surrogate_and_runs_count_by_their_errors_and_disagree_beyond_them():
     """Runs without scatter have MIN_RUN_ERROR; errors of a weighted mean add as their inverse squares."""
     _, known = unsure()
-    alone = known.at(known.place)
-    speed = known.peak_speed * float(alone.at(0.5 * alone.error[0])[0])
+    alone = known.speeds_at(known.place)
+    speed = known.peak_speed * float(alone.speed_ratios(0.5 * alone.error[0])[0])
     found = corrected_surrogate.combine(known, runs_of(*[speed] * 6))
     part = alone.error[0] ** 2 / (alone.error[0] ** 2 + corrected_surrogate.MIN_RUN_ERROR**2)
     assert found.centre[0] == pytest.approx(alone.centre[0] + 0.5 * part * alone.error[0])
     assert found.error[0] ** -2 == pytest.approx(alone.error[0] ** -2 + corrected_surrogate.MIN_RUN_ERROR**-2)
-    far = known.peak_speed * float(alone.at(4.0 * alone.error[0])[0])
+    far = known.peak_speed * float(alone.speed_ratios(4.0 * alone.error[0])[0])
     assert corrected_surrogate.combine(known, runs_of(*[far] * 6)) is None
     assert corrected_surrogate.combine(known, runs_of(speed, speed)) is None
 

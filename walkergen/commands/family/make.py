@@ -236,8 +236,8 @@ def _facts(job: Job, findings: Sequence[Finding], seconds: float) -> dict[str, A
         "legs_up": [names.part_name(member) for member in job.members if not solids.is_printed_on_side(member)],
         "copies": list(job.copies),
         "weighed": {
-            name: {what: fact and fact._asdict() for what, fact in facts_of._asdict().items()}
-            for name, facts_of in job.weighed.items()
+            name: {part: mean and weighed_masses.to_dict(mean) for part, mean in weighings._asdict().items()}
+            for name, weighings in job.weighed.items()
         },
         "scene": job.scene.model_dump(mode="json"),
         "printer": job.printer.model_dump(mode="json"),

@@ -57,6 +57,11 @@ class Weighings(NamedTuple):
         return sum(int(mean.freedom) + 1 for mean in self if mean is not None)
 
 
+def to_dict(mean: Quantity) -> dict[str, float | None]:
+    """Return a mean mass (g), its standard error and the number of weighings, for a manifest."""
+    return {"mean": mean.value, "error": mean.se, "weighings": int(mean.freedom) + 1}
+
+
 def form_name(members: Sequence[Design], name: str) -> str:
     """Name of the file for the masses of a design's walkers, by the design's name, among others'.
 
