@@ -22,7 +22,7 @@ _HOMES = {
     "load": "api.loading",
     "templates": "api.loading",
 }
-"""Modules of the names that are offered here beside the functions; __init__.pyi has their types."""
+"""Modules of the names that are offered in addition to the functions; __init__.pyi has their types."""
 
 __all__ = sorted(["__version__", *_HOMES, *_FUNCTIONS])
 
@@ -52,5 +52,5 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    """Names for completion in a notebook."""
+    """Return the names for completion in a notebook."""
     return sorted({*globals(), *__all__})

@@ -10,7 +10,7 @@ def main() -> None:
 
         cli.main()
     except KeyboardInterrupt:
-        os._exit(130)  # by itself Python may die of the same signal, with no exit code
+        os._exit(130)  # otherwise Python may die of the same signal, with no exit code
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
-"""Commands: under which heading of the help each stands, where its request is, and examples.
+"""Commands: the heading of each in the help, the module of its request, and examples.
 
-Here is too how a command and a function of Python spell the fields that texts name: --mm-per-px and mm_per_px.
+It also defines the spelling of fields in texts for commands and for Python: --mm-per-px and mm_per_px.
 """
 
 import re
@@ -22,7 +22,7 @@ class Command(NamedTuple):
     other: str
     """Words of a second example."""
     call: str = ""
-    """The same from Python, after `import walkergen as wg`; "" of what is no function."""
+    """The same from Python, after `import walkergen as wg`; "" if it is no function."""
 
 
 COMMANDS = {

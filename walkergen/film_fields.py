@@ -17,7 +17,7 @@ SIGN = re.compile(r"±|\+/?-")
 """Sign before an error."""
 
 Measured = tuple[float, float | None] | None
-"""Number with its standard error, where it has one."""
+"""Number with its standard error, if known."""
 
 
 def parse_measured(entry: Any) -> Measured:
@@ -35,7 +35,7 @@ def parse_measured(entry: Any) -> Measured:
 
 
 def parse_paths(value: Any) -> list[Path]:
-    """Paths of files, of one or of several. Raises ValueError for what is none."""
+    """Parse the paths of files, of one or of several. Raises ValueError for any other value."""
     paths = split_values(value) if not isinstance(value, (str, os.PathLike)) else [value]
     if not all(isinstance(path, (str, os.PathLike)) for path in paths):
         raise ValueError("must be names of files")
@@ -55,7 +55,7 @@ Unit = Annotated[
 
 
 def units(fps: float | None, mm_per_px: Measured, y_down: bool, unit: str | None, lane: bool = False) -> "Units":
-    """Units of the tracks of a film."""
+    """Return the units of the tracks of a film."""
     from walkergen.analysis.track_files import Units
 
     scale, error = mm_per_px or (None, None)

@@ -1,7 +1,7 @@
-"""Designs, scenes and printers that a request names: files, or what they hold, with keys set anew.
+"""Designs, scenes and printers that a request names: files or their contents, with changed keys.
 
-Whatever sets a key goes one way: a flag of its own (--gamma) and --set scene.drive.gamma=2 both become a dotted key
-with a value, and the file is read as if that stood in it.
+All settings take one way: a flag of its own (--gamma) and --set scene.drive.gamma=2 both become a dotted key
+with a value, and the file is read as if it contained them.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -36,14 +36,14 @@ class Inputs(NamedTuple):
     fields: Mapping[str, str]
     """Fields that gave them, with their values, by key."""
     notes: list[str]
-    """What a person should know of the walkers that were read: a line each is added."""
+    """Notes for a person on the walkers that were read: a line each is added."""
     asks: bool
-    """True where a person may be asked back."""
+    """True if a person can answer questions."""
 
     def design(self, source: Any) -> "Design":
-        """Walker as it is, with a template's name, at a file's path, or of a drawing, a mesh or a text.
+        """Return the walker: given directly, as a template's name, a file's path, a drawing, a mesh or a text.
 
-        A text is asked back. Raises InputError.
+        A text needs a confirmation. Raises InputError.
         """
         from walkergen.core.files import assignments
         from walkergen.core.walker.design import Design
@@ -64,9 +64,9 @@ class Inputs(NamedTuple):
         return design
 
     def scene(self, source: Any, otherwise: Mapping[str, Any] | None = None) -> "Scene":
-        """Scene as it is, with a template's name, or at a file's path. Raises InputError.
+        """Return the scene: given directly, as a template's name, or as a file's path. Raises InputError.
 
-        What a job has of its own for a key, `otherwise`, holds where nothing sets it.
+        A job's own values for keys, `otherwise`, hold if nothing else sets them.
         """
         from walkergen.core.scene import Scene
 
@@ -74,13 +74,13 @@ class Inputs(NamedTuple):
         return self._replace(values={**self.values, **own})._load_input(source, "scenes", Scene, "scene")
 
     def printer(self, source: Any) -> "Printer":
-        """Printer as it is, with a template's name, or at a file's path. Raises InputError."""
+        """Return the printer: given directly, as a template's name, or as a file's path. Raises InputError."""
         from walkergen.core.printing.printers import Printer
 
         return self._load_input(source, "printers", Printer, "printer")
 
     def printers(self, sources: Any) -> "list[Printer]":
-        """Printers of a comma-separated list, or a single one. Raises InputError for a repeated name."""
+        """Return the printers of a comma-separated list, or a single one. Raises InputError for a repeated name."""
         listed = [name.strip() for name in sources.split(",")] if isinstance(sources, str) else [sources]
         printers = [self.printer(source) for source in listed]
         names = [printer.name for printer in printers]
@@ -109,11 +109,11 @@ class Inputs(NamedTuple):
         )
 
     def keys_of(self, thing: str) -> list[str]:
-        """Keys of a design, a scene or a printer that are set."""
+        """Return the given keys of a design, a scene or a printer."""
         return [key for key in self.values if section_of(key) == thing]
 
     def single_member(self, source: Any, tilt: float | None, legs: "Kind | None") -> "Design":
-        """Walker of a tilt (deg) and a kind of legs, or of its own."""
+        """Return the walker of a tilt (deg) and a kind of legs, or with its own."""
         (member,) = self.members(
             self.design(source), None if tilt is None else [tilt], None if legs is None else [legs], whole=False
         )
@@ -122,7 +122,7 @@ class Inputs(NamedTuple):
     def members(
         self, design: "Design", tilts: Sequence[float] | None, kinds: "Sequence[Kind] | None", whole: bool
     ) -> "list[Design]":
-        """Variants of a design, kinds outermost; without tilts and kinds its own or, if `whole`, its family's."""
+        """Return the variants of a design, kinds outermost. By default: its own or, if `whole`, its family's."""
         self._check_conflicts(tilts, kinds, whole)
         if not whole:
             tilts = [design.tilt_deg] if tilts is None else tilts
@@ -137,7 +137,7 @@ class Inputs(NamedTuple):
         copies: int | Mapping[float, int],
         whole: bool,
     ) -> "tuple[list[Design], list[int]]":
-        """Variants as `members` lists them, and the copies of each; copies by tilt name the tilts."""
+        """Return the variants as `members` lists them, and the copies of each; copies by tilt name the tilts."""
         if isinstance(copies, int):
             members = self.members(design, tilts, kinds, whole)
             return members, [copies] * len(members)
@@ -171,7 +171,7 @@ class Inputs(NamedTuple):
 def _confirm_text(text: str, asks: bool) -> None:
     """Ask whether a text that names nothing is meant as letters.
 
-    Raises InputError where it is not, or where nobody is there.
+    Raises InputError if it is not, or if no person can answer.
     """
     import difflib
     import shlex
@@ -194,7 +194,7 @@ def _confirm_text(text: str, asks: bool) -> None:
 
 
 def from_settings(settings: Mapping[str, Any], fields: Mapping[str, tuple[str, Any]], things: Sequence[str]) -> Inputs:
-    """Values by keys, and by fields of their own, each a key's field and value.
+    """Return the values by keys, and by fields of their own, each a key's field and value.
 
     `things` are those whose keys a job takes: some of design, scene, printer. Raises InputError for keys of others,
     for a key with two values, and for one within another.
@@ -215,7 +215,7 @@ def from_settings(settings: Mapping[str, Any], fields: Mapping[str, tuple[str, A
 
 
 def section_of(key: str) -> str:
-    """Thing that a key belongs to: design, scene or printer."""
+    """Return the section of a key: design, scene or printer."""
     first, dot, _ = key.partition(".")
     return first if dot and first in ("scene", "printer") else "design"
 
@@ -226,7 +226,7 @@ def _is_within(key: str, table: str) -> bool:
 
 
 def _setting_key(values: Mapping[str, Any], key: str) -> str:
-    """Key that sets a key: itself, or a table given as a whole that has it; "" for none."""
+    """Return the key that sets a key: itself, or a table given as a whole with the key; "" without one."""
     for other, value in values.items():
         rest = key.removeprefix(f"{other}.")
         inside = isinstance(value, Mapping) and rest != key and rest in value
@@ -236,7 +236,7 @@ def _setting_key(values: Mapping[str, Any], key: str) -> str:
 
 
 def read_masses(path: Path | None, members: "Sequence[Design]") -> "tuple[dict[str, Weighings], list[str]]":
-    """Masses of members from a balance, by their names, and what is to be said of other walkers' rows."""
+    """Read the members' masses from a balance, by their names, and return notes on other walkers' rows."""
     if path is None:
         return {}, []
     from walkergen.core.walker import weighed_masses
@@ -247,7 +247,7 @@ def read_masses(path: Path | None, members: "Sequence[Design]") -> "tuple[dict[s
 
 
 def add_caps(members: "Sequence[Design]", markers: str | None) -> "list[Design]":
-    """Walkers with caps of the markers that --caps asks for, where they have none yet."""
+    """Give walkers caps of the markers of --caps, if they have none yet."""
     from walkergen.core.files.assignments import replace_values
 
     if markers is None:
@@ -266,7 +266,7 @@ def filled_form_warnings(folder: Path, members: "Sequence[Design]") -> list[str]
 
 @contextmanager
 def open_pool(few: bool, workers: int | None, dask: str | None = None) -> "Iterator[WorkerPool | None]":
-    """Workers for points; none, unless asked for, where so `few` are faster in this process.
+    """Open workers for points; none by default if the points are so `few` that this process is faster.
 
     Raises InputError for a number of processes of a cluster, and for one that does not answer.
     """

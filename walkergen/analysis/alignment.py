@@ -27,7 +27,7 @@ ALIKE_REASON = "headings hardly differ against the slope: let walkers start at o
 
 
 def self_alignment(groups: Sequence[Sequence[Track]], interval: float, descent: float | None) -> dict[str, Quantity]:
-    """Numbers of ALIGNED by independent groups of tracks; the plate descends toward `descent`, rad (None: level)."""
+    """Return the numbers of ALIGNED by groups of tracks; the plate descends toward `descent`, rad (None: level)."""
     if descent is None:
         return {name: refusal(name, NO_SLOPE_REASON) for name in ALIGNMENT_NAMES}
     sums = np.array([sum((_sample_sums(track, descent) for track in group), np.zeros(8)) for group in groups])
@@ -54,7 +54,7 @@ def self_alignment(groups: Sequence[Sequence[Track]], interval: float, descent: 
 
 
 def remove_slope_turning(track: Track, rate: float, interval: float, descent: float) -> Track:
-    """Track whose headings have not turned by the slope, at `rate` (rad/s) where it is across the heading."""
+    """Remove from a track's headings the turning by the slope, at `rate` (rad/s) with the heading across the slope."""
     assert track.heading is not None
     turned = np.nancumsum(rate * interval * np.sin(descent - track.heading))
     return track._replace(heading=track.heading - np.append(0.0, turned[:-1]))
@@ -77,6 +77,6 @@ def _sample_sums(track: Track, descent: float) -> Array:
 
 
 def _covariances(sums: Array) -> tuple[float, float, float]:
-    """Covariances of the sine with turn, drift (mm) and the sine in the middle of a sample."""
+    """Return the covariances of the sine with turn, drift (mm) and the sine in the middle of a sample."""
     _, before, now, turn, drift, squares, turns, drifts = sums / max(sums[0], 1.0)
     return turns - before * turn, drifts - before * drift, squares - before * now

@@ -1,7 +1,7 @@
-"""Mean squared displacement fitted: a run that turns, diffusion besides, noise of the positions.
+"""Fit of the mean squared displacement: a run that turns, diffusion, noise of the positions.
 
-Whether data tell these terms apart is asked of the data: a run shows as curvature, the fit's misfit
-is held against what the scatter of independent samples makes of it.
+The data decide whether these terms can be separated: a run appears as curvature. The fit's misfit
+is compared with the misfit that the scatter of independent samples produces.
 """
 
 import math
@@ -22,17 +22,17 @@ RUN_P_VALUE = 1e-3
 """Probability, for walkers that only diffuse, of a curvature that counts as a run (Student's t)."""
 
 SUSPECTED_P_VALUE = 0.025
-"""The same of one that may be a run: what it might add is then not known."""
+"""The same for a curvature that may be a run. The run's contribution is then unknown."""
 
 INERTIA_P_VALUE = 0.025
-"""Probability, for runs that set in at once, of a diffusion below 0 that counts as inertia. It may
-be large: the law with inertia holds without it as well."""
+"""Probability, for runs without inertia, of a diffusion below 0 that counts as inertia. It may
+be large: the law with inertia holds without inertia as well."""
 
 EXPONENT_LAG_RATIO = 1.1
 """Ratio of lags between which a local exponent of the fit is taken."""
 
 MIN_BALLISTIC_EXPONENT = 1.8
-"""Local exponent from which growth is called ballistic (2), not a crossover to diffusion (1)."""
+"""Minimum local exponent of growth that is called ballistic (2), not a crossover to diffusion (1)."""
 
 START_RATE_RATIOS = (0.5, 2.0, 5.0, 11.0, 24.0)
 """Ratios, less 1, of the rates of a run and of its beginning that are tried first."""
@@ -60,27 +60,27 @@ class DisplacementFit(NamedTuple):
     spreads: tuple[Spread, ...]
     """Parameters of all samples, then of those without each one."""
     run: bool
-    """Whether a run shows: without it speed2 and rate are 0, and diffusion is all there is."""
+    """Whether the data show a run: without one speed2 and rate are 0, and only diffusion remains."""
     misfit: float
     """Sum of squared residuals over its expectation: about 1 where the law holds."""
     p_value: float
-    """Probability of a misfit at least as large where the law holds; NaN where nothing fits."""
+    """Probability of a misfit at least as large if the law holds; NaN without a fit."""
     errors: Array = NO_ERRORS
     """Errors by lag that were its weights, mm^2; NaN at lags that were not fitted."""
     suspected: bool = False
-    """Whether there may be a run though none shows."""
+    """Whether a run is possible though the data show none."""
 
     @property
     def at_its_limit(self) -> bool:
         """Whether both rates of a smooth run fall together, for all samples or without one of them.
 
-        Such a fit has a parameter less: errors of a jackknife know nothing of what lies beyond the limit.
+        Such a fit has a parameter less: errors of a jackknife do not include what lies beyond the limit.
         """
         return any(0.0 < spread.smooth_rate < (1.0 + MIN_RATE_DIFFERENCE) * spread.rate for spread in self.spreads)
 
     @property
     def goodness(self) -> str:
-        """Goodness of the fit, in words; '' where nothing fits, or nothing scatters."""
+        """Goodness of the fit, as text; '' without a fit, or without scatter."""
         if math.isnan(self.p_value):
             return ""
         return (
@@ -89,7 +89,7 @@ class DisplacementFit(NamedTuple):
         )
 
     def regime(self, lag: float) -> str:
-        """Growth of squared displacements up to a lag (s), in words, by the fit without noise."""
+        """Describe the growth of squared displacements up to a lag (s), by the fit without noise."""
         spread = self.spreads[0]._replace(offset=0.0)
         near, far = persistent_walk.squared_displacement(np.array([lag / EXPONENT_LAG_RATIO, lag]), spread)
         exponent = math.log(far / near) / math.log(EXPONENT_LAG_RATIO) if far > 0 and near > 0 else math.nan
@@ -145,7 +145,7 @@ def refit(lag: Array, squares: Sequence[Array], turns: Sequence[float], like: Di
 
 
 def _replicate_errors(values: Array) -> Array:
-    """Error of each row of `values`, those of all samples and of those without each one.
+    """Return the error of each row of `values`, those of all samples and of those without each one.
 
     Where one error served all rows, what the weights owe to chance would not be in the jackknife.
     """
@@ -156,14 +156,14 @@ def _replicate_errors(values: Array) -> Array:
 
 
 def smooth_errors(lag: Array, errors: Array) -> Array:
-    """Errors as a smooth function of the lag: weights that scatter would not be in the errors."""
+    """Smooth the errors over the lags: as weights, they should not contain their own scatter."""
     at = np.log(lag)
     smooth: Array = np.exp(np.polyval(np.polyfit(at, np.log(errors), 2), at))
     return smooth
 
 
 def _max_curvature(lag: Array, values: Array, errors: Array, turns: Sequence[float]) -> float:
-    """Largest share of a run beside diffusion and noise, at any rate that the lags can show, in its errors."""
+    """Return the largest ratio of a run to its error, with diffusion and noise, at any rate that the lags resolve."""
     rates = np.geomspace(0.5 / lag[-1], 0.5 / lag[0], 7)
     runs = np.array(
         [
@@ -176,13 +176,13 @@ def _max_curvature(lag: Array, values: Array, errors: Array, turns: Sequence[flo
 
 
 def _is_negative(numbers: Sequence[float]) -> bool:
-    """Whether a number, of all samples and without each one, is below 0 beyond chance."""
+    """Return whether a number, of all samples and without each one, is below 0 beyond chance."""
     error = float(statistics.jackknife_error(np.array(numbers[1:])[:, None])[0])
     return numbers[0] < -student_quantile(len(numbers) - 2, 1.0 - INERTIA_P_VALUE) * error
 
 
 def _fit_run(lag: Array, values: Array, errors: Array, turn: float, run: bool) -> Spread:
-    """Least squares, exact for all but the rate, which is sought over a grid and between its nodes.
+    """Fit by least squares, exactly for all but the rate, which is sought over a grid and between its nodes.
 
     Variable projection (Golub and Pereyra 1973). Without a `run` there is diffusion only.
     """
@@ -231,9 +231,9 @@ def _fit_smooth(lag: Array, values: Array, errors: Array, turn: float, start: tu
 def _solve_linear(
     lag: Array, values: Array, errors: Array, rates: tuple[float, ...], turn: float
 ) -> tuple[Spread, float]:
-    """Best parameters of runs at these rates, and the sum of squared residuals.
+    """Fit the best parameters of runs at these rates, and return the sum of squared residuals too.
 
-    Beside two runs there is no diffusion, which is the limit of the second one at a high rate.
+    With two runs there is no diffusion term. It is the limit of the second run at a high rate.
     """
     terms = [np.ones_like(lag), *(persistent_walk.run_squared_displacement(lag, rate, turn) for rate in rates)]
     if len(rates) < 2:
@@ -251,7 +251,7 @@ def _solve_linear(
 
 
 def _misfit_probability(residuals: Array, replicates: Array) -> tuple[float, float]:
-    """Misfit and its probability from residuals of all samples and of those without each one.
+    """Return the misfit and its probability from residuals of all samples and of those without each one.
 
     Residuals of neighbouring lags go together: their sum of squares is held against its expectation
     by the jackknife's covariance, with degrees of freedom after Satterthwaite (1946).

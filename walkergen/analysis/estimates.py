@@ -14,11 +14,11 @@ from walkergen.core.numerics import Array, Complex
 from walkergen.core.numerics.quantity import Quantity
 
 MIN_SIGNIFICANCE = 3.0
-"""Standard errors by which a rate or an offset must differ from 0 to be inverted or reported."""
+"""Minimum distance of a rate or an offset from 0, in standard errors, to be inverted or reported."""
 
 MIN_DECAY, MIN_DECAY_WALLS = 0.2, 0.05
-"""Share of the direction that must be lost at the longest fitted lag for a rate to be known, in the open and
-between walls, where that lag is short and its pairs are many."""
+"""Share of the direction that must be lost at the longest fitted lag for a known rate, in the open and
+between walls. Between walls that lag is short and its pairs are many."""
 
 MIN_SAMPLES = 8
 """Number of independent samples below which every error, and so every estimate, is refused."""
@@ -109,12 +109,12 @@ class Frame(NamedTuple):
     """Time between samples of a track, s."""
     lane: bool
     headed: bool
-    """True when headings are known."""
+    """True if headings are known."""
     own_s: float
-    """Time over which the mean turning, or in a lane the mean speed, was measured that is taken off
-    each walker, s; infinite where nothing is."""
+    """Time of the measurement of the mean turning, or in a lane the mean speed, that is subtracted from
+    each walker, s; infinite without a subtraction."""
     memory: bool
-    """Whether rates of turning last for a while, so that headings are lost late."""
+    """Whether rates of turning last for a while, so that headings lose direction late."""
     memory_open: bool
     """Whether the data neither show such a memory nor exclude it: `memory` is then False."""
     square_errors: Array
@@ -131,7 +131,7 @@ class Frame(NamedTuple):
 
     @property
     def advice(self) -> str:
-        """What would show longer lags."""
+        """Advice on how to get longer lags."""
         return "a larger box tells it" if self.walls else "film for longer"
 
     @property
@@ -151,14 +151,14 @@ def refusal(name: str, reason: str) -> Quantity:
 
 
 def mean(sums: npt.NDArray[np.generic], pairs: Array) -> npt.NDArray[np.generic]:
-    """Mean values: sums over numbers of pairs; NaN where there are no pairs."""
+    """Return the mean values: sums over numbers of pairs; NaN if there are no pairs."""
     return np.where(pairs > 0, sums / np.maximum(pairs, 1.0), np.nan)
 
 
 def evaluate(sums: Moments, frame: Frame) -> dict[str, float]:
     """Compute every number of UNITS and of FITS but those of the squared displacement on a plane.
 
-    NaN where a number has no meaning or no fit.
+    NaN for a number without a meaning or a fit.
     """
     numbers = dict.fromkeys((*UNITS, *FIT_NUMBERS), math.nan)
     numbers["lane_speed"] = _ratio(sums.run) / frame.interval
@@ -232,7 +232,7 @@ def _fit_persistence(numbers: dict[str, float], sums: Moments, frame: Frame) -> 
 
 
 def _fit_decay(lag: Array, values: Complex, errors: Array, frame: Frame, window: float) -> Array | None:
-    """Amplitude, rate (1/s), turn (rad/s) and with a memory this (s); None when none fit."""
+    """Fit amplitude, rate (1/s), turn (rad/s) and, with a memory, its time (s); None without a fit."""
 
     def model(at: Array, amplitude: float, rate: float, turn: float) -> Complex:
         # A mean over T takes the share at / T of the diffusion off (a Brownian bridge).
@@ -259,7 +259,7 @@ def _guess_memory(lag: Array, values: Complex, errors: Array) -> tuple[float, fl
 
 
 def _zero_lag_log(lag: Array, kept: Complex) -> float:
-    """Logarithm of the correlation of headings as the lag goes to 0: noise makes it less than 0.
+    """Return the logarithm of the correlation of headings as the lag goes to 0: noise makes it less than 0.
 
     By the parabola through the first three lags: with inertia, headings hardly turn at first, so
     that the fitted decay would not meet it.
@@ -269,9 +269,9 @@ def _zero_lag_log(lag: Array, kept: Complex) -> float:
 
 
 def _velocity(sums: Moments) -> complex:
-    """Displacement a sample (mm) along the heading and to its left, at the heading's own time.
+    """Return the displacement a sample (mm) along the heading and to its left, at the heading's own time.
 
-    Headings before a displacement, and those after it, are extrapolated to it each by itself, as
+    Headings before a displacement and headings after it are extrapolated to it separately:
     there may be a cusp between them (headings that diffuse) or none (inertia).
     """
     (near, near_pairs), (far, far_pairs) = sums.near, sums.far
@@ -282,7 +282,7 @@ def _velocity(sums: Moments) -> complex:
 
 
 def _extrapolated_share(kept: Callable[[Array], Array]) -> float:
-    """Share of a speed that `_velocity` gives, 1 up to second order in the turn of a sample.
+    """Return the share of a speed that `_velocity` gives, 1 up to second order in the turn of a sample.
 
     `kept` is the correlation of headings by lag (samples).
     """
@@ -299,13 +299,13 @@ def _guess_start(lag: Array, values: Complex, errors: Array) -> tuple[float, flo
         if abs(value) > 3.0 * error:
             turn += float(np.angle(value * np.exp(-1j * turn * at))) / at
     fallen = np.flatnonzero(size < size[0] / math.e)
-    # Without a fall to 1/e: the rate by which the last lag lies below the first.
+    # Without a fall to 1/e: the rate from the drop between the first and the last lag.
     at, fall = (fallen[0], 1.0) if len(fallen) else (-1, math.log(size[0] / size[-1]))
     return float(size[0]), fall / lag[at], turn
 
 
 def from_spread(spread: Spread, interval: float) -> dict[str, float]:
-    """Numbers that a fit of the squared displacement gives, by the names of UNITS and FITS."""
+    """Return the numbers of a fit of the squared displacement, by the names of UNITS and FITS."""
     speed2, offset = spread.mean_square, spread.offset
     return {
         "msd_speed2": speed2,

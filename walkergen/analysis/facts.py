@@ -12,14 +12,14 @@ from walkergen.core.numerics import Array
 from walkergen.core.numerics.quantity import Quantity, column_values
 
 WALKER_ESTIMATES = ("speed", "turning_bias")
-"""Estimates of each walker by itself, by the names of UNITS."""
+"""Estimates for each single walker, by the names of UNITS."""
 
 UNBOUNDED_REASON = "the data set no finite bounds: film for longer"
 """Reason why a number with an error has no bounds."""
 
 
 def from_motion(motion: Motion) -> dict[str, Any]:
-    """All results for JSON: values, errors and reasons by keys that carry their unit."""
+    """Return all results for JSON: values, errors and reasons by keys that carry their unit."""
     facts: dict[str, Any] = {}
     for name, unit in UNITS.items():
         estimate = motion.estimates[name]
@@ -102,7 +102,7 @@ def _null_reasons(estimate: Quantity) -> dict[str, str]:
 
 
 def _fit_facts(motion: Motion) -> dict[str, float | None] | None:
-    """Parameters of the fit of the squared displacement, and its goodness."""
+    """Return the parameters of the fit of the squared displacement, and its goodness."""
     fit = motion.msd_fit
     if fit is None:
         return None
@@ -118,14 +118,14 @@ def _point_facts(curve: Sequence[Array], *names: str) -> list[dict[str, float | 
 
 
 def curve_points(curve: Sequence[Array]) -> list[tuple[float | None, ...]]:
-    """Points of a curve; None where a number is not known, or not finite."""
+    """Return the points of a curve; None for a number that is unknown, or not finite."""
     return [
         tuple(float(value) if math.isfinite(value) else None for value in point) for point in zip(*curve, strict=True)
     ]
 
 
 def scale_se(number: Quantity, motion: Motion) -> float | None:
-    """Error of a number by the scale of the film, which all lengths share; 0 without a length.
+    """Return the error of a number by the scale of the film, common to all lengths; 0 without a length.
 
     To first order: a length to a power is off by so many times the scale's share. None when value
     or scale's error is not known.
@@ -137,11 +137,11 @@ def scale_se(number: Quantity, motion: Motion) -> float | None:
 
 
 def scale_errors(motion: Motion) -> Array:
-    """Errors of the mean squared displacement by the scale, mm^2; NaN when it is not known."""
+    """Return the errors of the mean squared displacement by the scale, mm^2; NaN if unknown."""
     share = math.nan if motion.scale_se is None else motion.scale_se
     return np.asarray(2.0 * share * np.abs(motion.msd.value))
 
 
 def interval_bounds(estimate: Quantity) -> tuple[float | None, float | None]:
-    """Bounds of 95 %; None for each that is not known."""
+    """Return the bounds of 95 %; None for an unknown one."""
     return estimate.interval(0.95) or (None, None)

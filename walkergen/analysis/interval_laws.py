@@ -16,7 +16,7 @@ DIFFERENCE_P_VALUE = 0.05
 """Probability, for walkers that are alike, that an error over walkers replaces that over pieces."""
 
 RUN_QUANTITIES = ("ballistic_speed", "diffusivity", "crossover_time")
-"""Numbers of the squared displacement, to which fast walkers, and those that turn little, give more than others."""
+"""Numbers of the squared displacement. Fast walkers, and those that turn little, weigh more in them."""
 
 SPREADING_QUANTITIES = ("diffusivity", "crossover_time")
 """Those that a run decides by the rate at which it is lost, and without a run the square of displacements."""
@@ -44,15 +44,15 @@ def with_walker_error(within: Quantity, without_one: Sequence[float], surely: bo
 
 
 def with_detection_limit(number: Quantity, share: float) -> Quantity:
-    """Diffusivity of a run, or its crossover time, told from a `share` of the run's rate on, as it was found.
+    """Widen the bounds of a diffusivity or crossover time that is reported only above a `share` of the run's rate.
 
-    Chance that makes a rate large, and such a number small, makes it told: its upper bound allows for that.
+    Chance can make the rate large and such a number small, so that it is reported: its upper bound allows for that.
     """
     return number._replace(least=share / number.number) if share and number.key in SPREADING_QUANTITIES else number
 
 
 def with_variance_laws(estimates: Mapping[str, Quantity], run: bool) -> dict[str, Quantity]:
-    """Estimates with the laws of those that go as a variance; without a `run` that of diffusivity is displacements'."""
+    """Add the laws of estimates that go as a variance; without a `run`, diffusivity has the law of displacements."""
     laws = TURN_POWERS if run else TURN_POWERS | dict.fromkeys(SPREADING_QUANTITIES, 1)
     numbers = {**estimates, **_persistence_scales(estimates)}
     return {
@@ -79,7 +79,7 @@ def _with_variance_bounds(number: Quantity, power: int) -> Quantity:
 
 
 def turning_scatter_refusals(estimates: Mapping[str, Quantity], scatter: Quantity) -> dict[str, Quantity]:
-    """Refusals of what walkers' own turning rates, with this `scatter` (rad/s), may shift by more than bounds allow.
+    """Refuse what walkers' own turning rates, with this `scatter` (rad/s), may shift by more than bounds allow.
 
     One fit to all knows only their mean rate of turning: what a run adds, v^2 rate / (2 (rate^2 + turn^2)), is off by
     a share of (scatter / rate)^2 at most, to second order; the rate is that about each one's own turning.

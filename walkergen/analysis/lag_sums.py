@@ -15,13 +15,13 @@ from walkergen.core.numerics import Array, Complex, Mask, Whole
 
 @functools.cache
 def fft_length(size: int) -> int:
-    """Least length, `size` or more, that transforms quickly: of the prime factors 2, 3 and 5."""
+    """Return the least length of at least `size` that transforms quickly: of the prime factors 2, 3 and 5."""
     powers = (three * five for three in 3 ** np.arange(21) for five in 5 ** np.arange(14) if three * five < 2 * size)
     return min(int(power) << max(math.ceil(math.log2(size / power)), 0) for power in powers)
 
 
 def sum_squares(position: Array, lags: Whole) -> tuple[Array, Array]:
-    """Sum of |r(t + lag) - r(t)|^2 and number of pairs, each of shape (lags,).
+    """Compute the sum of |r(t + lag) - r(t)|^2 and the number of pairs, each of shape (lags,).
 
     `position` has shape (times, dimensions). The mean drift is removed before the transforms and
     added back afterwards, so that digits are lost to the spread about it, not to the length of the
@@ -58,7 +58,7 @@ def sum_squares(position: Array, lags: Whole) -> tuple[Array, Array]:
 
 
 def sum_products(series: Complex, lags: Whole) -> tuple[Complex, Array]:
-    """Sum of conj(z(t)) z(t + lag) and number of pairs, each of shape (lags,).
+    """Compute the sum of conj(z(t)) z(t + lag) and the number of pairs, each of shape (lags,).
 
     `series` has shape (times,) and values of order 1: errors are near 1e-16 times their number.
     """
@@ -66,7 +66,7 @@ def sum_products(series: Complex, lags: Whole) -> tuple[Complex, Array]:
 
 
 def sum_cross_products(first: Complex, second: Complex, lags: Whole) -> tuple[Complex, Array]:
-    """Sum of conj(first(t)) second(t + lag) and number of pairs, each of shape (lags,).
+    """Compute the sum of conj(first(t)) second(t + lag) and the number of pairs, each of shape (lags,).
 
     Both series have the same shape (times,).
     """
@@ -110,7 +110,7 @@ def sum_free_products(series: Complex, lags: Whole, reach: Whole) -> tuple[Compl
 
 
 def log_spaced_lags(longest: int, count: int, shortest: int = 1) -> Whole:
-    """At most `count` whole lags from `shortest` to `longest`, even on a logarithmic scale."""
+    """Return at most `count` whole lags from `shortest` to `longest`, even on a logarithmic scale."""
     if longest < shortest:
         return np.zeros(0, np.int64)
     return np.unique(np.rint(np.geomspace(shortest, longest, count)).astype(np.int64))

@@ -17,15 +17,15 @@ class Landings(NamedTuple):
     """Numbers of landings of one walker in a time."""
 
     duration: float
-    """Time in which they were counted, s."""
+    """Duration of the count, s."""
     corners: Whole
     """Landings of each corner, shape (2 feet,)."""
     alone: int
-    """Groups of landings within `TOGETHER_S` in which only one corner landed."""
+    """Groups of landings within `TOGETHER_S` with only one corner."""
     edges: Whole
-    """Groups in which both corners of a foot landed, shape (feet,)."""
+    """Groups with both corners of a foot, shape (feet,)."""
     pairs: int
-    """Groups in which two feet landed, or more."""
+    """Groups with two feet or more."""
     groups: int
 
 
@@ -50,7 +50,7 @@ def count(time: Array, corner: Whole, duration: float, feet: int = 2) -> Landing
 
 
 def _group_corners(time: Array, corner: Whole, corners: int) -> Mask:
-    """Corners that land in each group, shape (groups, corners); times are sorted."""
+    """Return the corners that land in each group, shape (groups, corners); times are sorted."""
     firsts, at = [], 0
     while at < len(time):
         firsts.append(at)

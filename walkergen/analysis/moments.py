@@ -1,7 +1,7 @@
 """Sums over tracks that every statistic of motion derives from, and their independent samples.
 
 Everything here is additive: the moments of two tracks, or of two pieces of one, are their sum. So
-one jackknife over independent samples gives the error of whatever is computed from the sums.
+one jackknife over independent samples gives the error of every number computed from the sums.
 """
 
 import itertools
@@ -16,7 +16,7 @@ from walkergen.analysis.tracks import Track
 from walkergen.core.numerics import Array, Complex, Mask, Whole
 
 MIN_PARTICLES = 8
-"""Number of particles from which each is one sample; with fewer, tracks are cut in pieces."""
+"""Minimum number of particles for one sample a particle; with fewer, tracks are cut into pieces."""
 
 MIN_PIECES = 10
 """Least number of pieces, in all, that the tracks of few particles are cut into."""
@@ -66,13 +66,13 @@ class Moments(NamedTuple):
 
 
 def total(parts: Iterable[Moments]) -> Moments:
-    """Sum of several moments, field by field."""
+    """Sum several moments, field by field."""
     fields: list[Any] = [sum(field[1:], field[0]) for field in zip(*parts, strict=True)]
     return Moments(*fields)
 
 
 def subtract(whole: Moments, part: Moments) -> Moments:
-    """Difference of two moments, field by field."""
+    """Subtract two moments, field by field."""
     fields: list[Any] = [a - b for a, b in zip(whole, part, strict=True)]
     return Moments(*fields)
 
@@ -129,7 +129,7 @@ def _piece_edges(track: Track, count: int) -> Whole:
 
 
 def measure(track: Track, grid: Grid, mean_step: float = 0.0) -> Moments:
-    """Moments of one track or of a piece of one.
+    """Compute the moments of one track or of a piece of one.
 
     `mean_step` is that of the whole track: the turn of its heading (rad) a sample, or in a lane its
     way (mm).
@@ -177,12 +177,12 @@ def _sum_products(track: Track, series: Complex, grid: Grid) -> tuple[Complex, A
 
 
 def mask_near_walls(values: npt.NDArray[Any], free: Mask | None) -> npt.NDArray[Any]:
-    """Values that begin at free samples, the last axis by sample; NaN elsewhere."""
+    """Return the values that begin at free samples, the last axis by sample; NaN elsewhere."""
     return values if free is None else np.where(free[: values.shape[-1]], values, np.nan)
 
 
 def complex_position(track: Track) -> Complex:
-    """Position x + i y, mm, shape (times,); NaN where the walker was not seen; y = 0 in a lane."""
+    """Return the position x + i y, mm, shape (times,); NaN if the walker was not seen; y = 0 in a lane."""
     x = track.position[:, 0]
     return x + 1.0j * track.position[:, 1] if track.position.shape[1] == 2 else x.astype(complex)
 
@@ -197,7 +197,7 @@ def direction_vectors(track: Track, step: int) -> Complex:
 
 
 def displacements(track: Track, step: int) -> tuple[Array, Array]:
-    """Displacements over `step` along and across the heading at their start (mm), without NaN.
+    """Return the displacements over `step` along and across the heading at their start (mm), without NaN.
 
     In a lane they are along and across x. On a plane without headings there are none: the direction
     would have to be taken from the displacement itself.
@@ -215,7 +215,7 @@ def displacements(track: Track, step: int) -> tuple[Array, Array]:
 
 
 def net_displacement(track: Track) -> Array:
-    """Displacement along x (mm) from the first to the last sample seen, and samples between."""
+    """Return the displacement along x (mm) from the first to the last sample seen, and samples between."""
     seen = np.flatnonzero(~np.isnan(track.position).any(axis=1))
     if len(seen) < 2:
         return np.zeros(2)
@@ -224,7 +224,7 @@ def net_displacement(track: Track) -> Array:
 
 
 def body_frame_displacements(track: Track, step: int) -> Complex:
-    """Displacements over `step` ahead (real part) and to the left, mm; NaN where one is unknown.
+    """Return the displacements over `step` ahead (real part) and to the left, mm; NaN if one is unknown.
 
     They count along the mean of the unit vectors of the headings at both ends: so a walker that
     runs straight ahead while it turns steadily does not drift sideways.
@@ -237,7 +237,7 @@ def body_frame_displacements(track: Track, step: int) -> Complex:
 
 
 def heading_displacements(track: Track, turning: float, out: int) -> Complex:
-    """Displacements (mm) along headings `out` samples before and after them, shape (2, n).
+    """Return the displacements (mm) along headings `out` samples before and after them, shape (2, n).
 
     The imaginary part is to the left; NaN where one is not known. Headings are turned forth and
     back to the middle by `turning` (rad a sample), and the way is that on the arc, not its chord: a
@@ -260,7 +260,7 @@ def heading_displacements(track: Track, turning: float, out: int) -> Complex:
 
 
 def _sum_and_number(values: Complex) -> Complex:
-    """Sum and number of values that are known."""
+    """Return the sum and number of the known values."""
     present = values[~np.isnan(values)]
     return np.array([present.sum(), len(present)])
 

@@ -1,10 +1,10 @@
 """Motion of walkers from their tracks: speed, squared displacement, persistence, turning.
 
 Every number carries the standard error of a jackknife over independent samples, or is refused with
-the reason. Noise of the positions (localisation) does not shift them: speeds along heading or lane
-are means of signed displacements, in which it averages out; speed and persistence without headings
-come from products of displacements that share no position; squared displacements carry it as an
-offset that is fitted and reported.
+the reason. Noise of the positions (localisation) does not shift the numbers. Speeds along heading or
+lane are means of signed displacements, so noise averages out. Speed and persistence without headings
+come from products of displacements that share no position. Squared displacements contain the noise
+as an offset, which is fitted and reported.
 """
 
 import math
@@ -41,7 +41,7 @@ FITTED_LAG_DIVISOR = 4
 MISFIT_P_VALUE = 0.01
 """Probability of a misfit below which the law of the squared displacement is doubted."""
 FREE_PLACES_SHARE = 0.2
-"""Share of the free places between walls from which no wall can be reached within the longest lag."""
+"""Share of the free places between walls for the longest lag: during it, no wall is within their reach."""
 HALF_OCTAVE = math.sqrt(2.0)
 """Ratio of lags, at least, between which a local exponent is taken, to either side."""
 
@@ -67,7 +67,7 @@ class Motion(NamedTuple):
     lag_s: float
     """Lag of the displacements along and across, rounded to whole samples, s."""
     method: str
-    """Meaning of `speed` and origin of the errors, in words."""
+    """Meaning of `speed` and origin of the errors, as text."""
     doubts: list[str]
     """Reasons to doubt what a number means; those to doubt tracks of a film are in `doubts`."""
     msd: Curve
@@ -76,26 +76,26 @@ class Motion(NamedTuple):
     """Local exponent d ln MSD / d ln lag at the lags of `msd`: 2 for a straight run, 1 for
     diffusion; NaN within half an octave of the ends. Noise of the positions lowers short lags'."""
     msd_fit: DisplacementFit | None
-    """Fit of `msd` with its goodness; None where it was not fitted."""
+    """Fit of `msd` with its goodness; None without a fit."""
     correlation: Curve
     """Modulus of the correlation of headings, less each walker's mean turning, by lag (without
     headings: of displacements, mm^2)."""
     own_s: float
-    """Time over which that mean turning was measured, s; infinite where none is taken off."""
+    """Time of the measurement of that mean turning, s; infinite if none is subtracted."""
     parallel: Curve
     """Density (1/mm) of displacements along the heading over `lag_s`, at the middles of bins."""
     orthogonal: Curve
     walkers: Sequence[WalkerMeans]
-    """Every walker by itself."""
+    """Numbers of each single walker."""
     by_plate_speed: tuple[tuple[float, Quantity], ...] = ()
     """Speed at each plate speed (mm/s), when the file has several."""
     line: Line | None = None
     """Line of speed against plate speed, through the origin."""
     scale_se: float | None = 0.0
-    """Error of all lengths together, as a share of them (that of `Tracks`), beside the errors of
-    the estimates; None when it is not known."""
+    """Common error of all lengths, as a share of them (that of `Tracks`), in addition to the errors of
+    the estimates; None if unknown."""
     walls: Walls | None = None
-    """Walls between which the walkers ran; None where none were found. All numbers are then of free motion."""
+    """Walls around the walkers; None if none were found. With walls all numbers are of free motion."""
 
 
 DEFAULT_LAG_S = 0.04
@@ -244,13 +244,13 @@ def _analyse_one_speed(tracks: Tracks, lag_s: float, found: Walls | None, descen
 
 
 def _freedom(parts: Sequence[Moments], longest: int) -> float:
-    """Degrees of freedom of an error over samples with unlike numbers of pairs at the `longest` lag (Kish 1965)."""
+    """Return the degrees of freedom of an error over samples with unlike numbers of pairs at one lag (Kish 1965)."""
     pairs = np.array([part.square_pairs[longest] for part in parts])
     return max(float(pairs.sum() ** 2 / (pairs**2).sum()) - 1.0, 1.0) if pairs.any() else len(parts) - 1.0
 
 
 def _remove_slope(tracks: Tracks, aligned: Mapping[str, Quantity], descent: float | None) -> Sequence[Track]:
-    """Tracks whose headings have not turned by the slope, as far as it is known to turn them."""
+    """Remove from the tracks' headings the turning by the slope, if it is known."""
     rate = aligned["slope_turning"].value
     if descent is None or rate is None:
         return tracks.tracks
@@ -261,7 +261,7 @@ def _remove_slope(tracks: Tracks, aligned: Mapping[str, Quantity], descent: floa
 
 
 def _mean_turns(tracks: Tracks, turnings: Sequence[Turning]) -> dict[int, float]:
-    """Mean turn a sample of each particle, rad; of all together where one's own is not known."""
+    """Return the mean turn a sample of each particle, rad; the mean of all particles if one's own is unknown."""
     rates = np.array([(walker.rate, walker.seconds) for walker in turnings]).reshape(-1, 2).T
     mean_rate = float(rates[0] @ rates[1] / rates[1].sum()) if turnings else 0.0
     turns = dict.fromkeys((track.particle for track in tracks.tracks), mean_rate * tracks.interval)
@@ -269,7 +269,7 @@ def _mean_turns(tracks: Tracks, turnings: Sequence[Turning]) -> dict[int, float]
 
 
 def _mean_runs(tracks: Tracks) -> dict[int, float]:
-    """Mean way a sample of each particle in a lane, mm."""
+    """Return the mean way a sample of each particle in a lane, mm."""
     runs = {track.particle: moments.net_displacement(track) for track in tracks.tracks}
     return {name: float(way / max(samples, 1.0)) for name, (way, samples) in runs.items()}
 
@@ -292,14 +292,14 @@ def _choose_grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Gri
 
 
 def _longest_free_lag(reach: Sequence[Whole], least: int) -> int:
-    """Lag over which many enough of the places that are free for `least` may be followed between walls, samples."""
+    """Return the longest lag (samples) that enough places, free for `least`, can be followed between walls."""
     free = np.concatenate(reach)
     free = free[free >= least]
     return int(np.quantile(free, 1.0 - FREE_PLACES_SHARE)) if len(free) else 0
 
 
 def _bin_edges(values: Array, step: int) -> Array:
-    """Edges of bins by Freedman and Diaconis' rule, counting displacements without overlap."""
+    """Compute the edges of bins by Freedman and Diaconis' rule, counting displacements without overlap."""
     if len(values) < 2 or np.ptp(values) <= 1e-9 * np.abs(values).max():
         return np.zeros(0)  # equal up to rounding: there is no density
     low, high = np.quantile(values, [0.25, 0.75])
@@ -330,7 +330,7 @@ def _local_exponents(lags: Whole, values: Array) -> Array:
 
 
 def _jackknife_curve(at: Whole, values: Sequence[Array], length: float) -> Curve:
-    """Curve of the first values, with the jackknife error of the others."""
+    """Return the curve of the first values, with the jackknife error of the others."""
     resolved = at <= int(length) // 2
     return Curve(at.astype(float), values[0], np.where(resolved, _jackknife(values[1:]), np.nan))
 
@@ -348,7 +348,7 @@ def _density_curve(edges: Array, counts: Sequence[Array]) -> Curve:
 def _speed_means(
     alone: Sequence[WalkerMeans], together: WalkerComparison | None, frame: Frame
 ) -> Mapping[str, Quantity]:
-    """Means over few walkers, or over the track of a lone one."""
+    """Return the means over few walkers, or over the track of a lone one."""
     if together is not None:
         return together.means
     means = max(alone, key=lambda walker: walker.seconds).means
@@ -358,7 +358,7 @@ def _speed_means(
 
 
 def _mean_of_roots(judged: Mapping[str, Quantity], scatter: Quantity) -> Mapping[str, Quantity]:
-    """Mean speed of many walkers from its root mean square, which is larger where they differ."""
+    """Estimate the mean speed of many walkers from its root mean square, which is larger if they differ."""
     speed = judged["speed"]
     if speed.value is None or scatter.value is None or scatter.value > abs(speed.value):
         return {}

@@ -26,7 +26,7 @@ SHORTENED_SPEEDS = ("speed", "body_speed", "sideways_speed")
 """Speeds that are corrected alike, by the share of a speed that displacements show."""
 
 MIN_TIME_SHARE = 0.25
-"""Share of the longest time seen from which a walker is compared with others."""
+"""Minimum time of a walker that is compared with others, as a share of the longest time seen."""
 
 TRACK_PIECES = 10
 """Number of pieces of one track that give the error of its speed."""
@@ -36,21 +36,21 @@ MIN_CORRELATION_TIMES = 8.0
 
 
 class WalkerMeans(NamedTuple):
-    """One walker by itself."""
+    """Numbers of one walker."""
 
     particle: int
     seconds: float
-    """Time from the first to the last frame in which it was seen."""
+    """Time from the walker's first frame to its last."""
     means: Mapping[str, Quantity]
     """Means by the names of `estimates.UNITS`, with their errors within this walker's track."""
 
     def mean(self, name: str) -> Quantity:
-        """Mean by its name."""
+        """Return the mean by its name."""
         return self.means.get(name, refusal(name, ""))
 
 
 class WalkerComparison(NamedTuple):
-    """At least two walkers beside one another, each counted once."""
+    """Comparison of at least two walkers, each counted once."""
 
     walkers: int
     means: Mapping[str, Quantity]
@@ -58,14 +58,14 @@ class WalkerComparison(NamedTuple):
     scatter: Quantity
     """Standard deviation of the speeds of walkers, mm/s."""
     limit: str
-    """Statement of which error limits the mean speed: between walkers, or within their tracks."""
+    """Description of the error that limits the mean speed: between walkers, or within their tracks."""
 
 
 class _Series(NamedTuple):
     """Steps of one track whose mean is a speed or a rate."""
 
     steps: npt.NDArray[Any]
-    """Shape (n,); NaN where one is not known."""
+    """Shape (n,); NaN if unknown."""
     samples: Array
     """Numbers of samples that they span, shape (n,)."""
     unit: float
@@ -76,7 +76,7 @@ class _Series(NamedTuple):
     """True when steps are products, and the root of their modulus is a speed."""
 
     def mean(self, sums: npt.NDArray[Any]) -> Array:
-        """Mean from sums of steps and samples, shape (..., 2)."""
+        """Return the mean from sums of steps and samples, shape (..., 2)."""
         ratio = sums[..., 0] / sums[..., 1].real
         return np.asarray(self.unit * (np.sqrt(np.abs(ratio)) if self.squared else ratio.real))
 
@@ -110,7 +110,7 @@ def walker_scatter(name: str, values: Array, noise: float, inside: float) -> Qua
 
 
 def walker_means(tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[int, float]) -> list[WalkerMeans]:
-    """Every walker by itself.
+    """Compute the numbers of every single walker.
 
     `shortened` is the share of a speed that displacements show (see `estimates.evaluate`), `turns`
     each one's turn (rad) a sample.
@@ -159,14 +159,14 @@ def _walker_series(track: Track, frame: Frame, shortened: float, turn: float) ->
 
 
 def _nanmean(values: Complex) -> Complex:
-    """Mean of the rows that are known; NaN where none is."""
+    """Return the mean of the known rows; NaN without any."""
     present = ~np.isnan(values)
     mean = np.where(present, values, 0.0).sum(axis=0) / np.maximum(present.sum(axis=0), 1)
     return np.where(present.any(axis=0), mean, np.nan)
 
 
 def _series_mean(name: str, series: _Series, frame: Frame) -> Quantity:
-    """Mean of a series with its error, by pieces or by its correlation time; that may be refused."""
+    """Return the mean of a series with its error, by pieces or by its correlation time. It may be refused."""
     present = ~np.isnan(series.steps)
     values = np.stack([series.steps, series.samples])[:, present]
     edges = np.linspace(0, values.shape[1], TRACK_PIECES + 1).astype(int)[:-1]
@@ -191,7 +191,7 @@ def _series_mean(name: str, series: _Series, frame: Frame) -> Quantity:
 
 
 def _unresolved_reason(sums: npt.NDArray[Any], unit: float) -> str:
-    """Reason why products of displacements tell no speed; '' where they do.
+    """Return the reason why products of displacements give no speed; '' if they do.
 
     The modulus of a mean that is all noise would be a speed above 0.
     """
@@ -207,7 +207,7 @@ def _unresolved_reason(sums: npt.NDArray[Any], unit: float) -> str:
 
 
 def _error_if_correlated(blocks: Array, block: float, lasting: float) -> tuple[float, str] | None:
-    """Error of the mean of blocks of `block` s that are correlated over much of `lasting` s.
+    """Return the error of the mean of blocks of `block` s that are correlated over much of `lasting` s.
 
     Their own correlation time then gives the number of independent samples, or shows that they are
     too few. None where pieces of `lasting` s are independent, and where blocks are empty: products
@@ -232,9 +232,9 @@ def _error_if_correlated(blocks: Array, block: float, lasting: float) -> tuple[f
 
 
 def compare(alone: Sequence[WalkerMeans]) -> WalkerComparison | None:
-    """Means and spread of the walkers that were seen for long enough.
+    """Return the means and spread of the walkers that were seen for long enough.
 
-    None for fewer than two, or where one of them has no speed.
+    None for fewer than two, or if one of them has no speed.
     """
     longest = max(walker.seconds for walker in alone)
     walkers = [walker for walker in alone if walker.seconds >= MIN_TIME_SHARE * longest]
@@ -259,7 +259,7 @@ def compare(alone: Sequence[WalkerMeans]) -> WalkerComparison | None:
 
 
 def add_shared_error(means: Mapping[str, Quantity], shortened: Quantity) -> dict[str, Quantity]:
-    """Means with the error of `shortened`, which those of all walkers share."""
+    """Add to the means the error of `shortened`, which is common to all walkers."""
     relative = shortened.se / shortened.value if shortened.se and shortened.value else 0.0
     return {
         name: mean._replace(se=math.hypot(mean.se, relative * mean.value))
@@ -270,7 +270,7 @@ def add_shared_error(means: Mapping[str, Quantity], shortened: Quantity) -> dict
 
 
 def _limiting_error(scatter: Quantity, noise: float) -> str:
-    """Statement of which of the two errors limits a mean."""
+    """Describe which of the two errors limits a mean."""
     if scatter.value is None:
         return "walkers are alike within the errors of their tracks, which limit: film for longer"
     if scatter.value**2 > noise:

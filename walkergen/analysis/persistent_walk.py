@@ -16,7 +16,7 @@ from walkergen.core.numerics import Array, Complex
 
 
 def velocity_correlation(lag: Array, amplitude: float, rate: float, turn: float, window: float = 0.0) -> Complex:
-    """Correlation at lags (s): amplitude exp((-rate + i turn) lag); rate in 1/s, turn in rad/s.
+    """Return the correlation at lags (s): amplitude exp((-rate + i turn) lag); rate in 1/s, turn in rad/s.
 
     With a `window` (s) it is that of mean velocities over windows of this length whose starts lie
     `lag` >= window apart: exactly (sinh(z)/z)^2 as large, with z = (rate - i turn) window / 2.
@@ -29,7 +29,7 @@ def velocity_correlation(lag: Array, amplitude: float, rate: float, turn: float,
 
 
 def delayed_lag(lag: Array, memory: float) -> Array:
-    """Lags (s), shortened by the time `memory` > 0 (s) in which a rate of turning lasts.
+    """Return lags (s), shortened by the correlation time `memory` > 0 (s) of a rate of turning.
 
     A rate of turning with an exponential correlation of this time, as of a body with moment of
     inertia in a viscous medium, loses direction as exp(-rate late) (Uhlenbeck and Ornstein 1930).
@@ -39,23 +39,23 @@ def delayed_lag(lag: Array, memory: float) -> Array:
 
 
 class Spread(NamedTuple):
-    """Parameters of the mean squared displacement on a plane; NaN where they were not fitted."""
+    """Parameters of the mean squared displacement on a plane; NaN if not fitted."""
 
     speed2: float
     """Mean square of the speed that persists, mm^2/s^2."""
     rate: float
     """Rate at which its direction is lost, 1/s."""
     diffusion: float
-    """Translational diffusion besides the run, mm^2/s."""
+    """Translational diffusion in addition to the run, mm^2/s."""
     offset: float
     """Twice the variance of the position's noise, summed over the dimensions, mm^2."""
     turn: float = 0.0
     """Mean rate of turning, rad/s."""
     smooth2: float = 0.0
-    """Mean square (below 0) by which speeds correlate less at short lags: they set in smoothly, by
-    inertia, mm^2/s^2. It goes with the persistent part's speed2."""
+    """Decrease (below 0) of the correlation of speeds at short lags, mm^2/s^2. Inertia makes runs start
+    smoothly. It goes with the persistent part's speed2."""
     smooth_rate: float = 0.0
-    """Rate at which that is lost, 1/s; 0 where there is none."""
+    """Rate at which that is lost, 1/s; 0 without it."""
 
     @property
     def mean_square(self) -> float:
@@ -70,7 +70,7 @@ class Spread(NamedTuple):
 
 
 def squared_displacement(lag: Array, spread: Spread) -> Array:
-    """Mean squared displacement (mm^2) at lags (s): of a run, of diffusion besides, of noise.
+    """Compute the mean squared displacement (mm^2) at lags (s): the run, diffusion and noise.
 
     Without diffusion and noise it is speed2 lag^2 at short lags and 4 D lag at long ones, D =
     `spread.diffusivity`; for turn = 0 it is Fuerth's formula (1920).
@@ -81,7 +81,7 @@ def squared_displacement(lag: Array, spread: Spread) -> Array:
 
 
 def run_squared_displacement(lag: Array, rate: float, turn: float) -> Array:
-    """Mean squared displacement (s^2) at lags (s) of a run of unit speed."""
+    """Return the mean squared displacement (s^2) at lags (s) of a run of unit speed."""
     z = complex(rate, -turn) * lag
     small = np.abs(z) < 1e-3
     safe = np.where(small, 1.0, z)

@@ -16,7 +16,7 @@ from walkergen.core.files.columns import Columns
 from walkergen.core.numerics import Array
 
 MIN_LIKELIHOOD = 0.6
-"""Likelihood of a part from which it counts: the one that DeepLabCut draws parts from."""
+"""Minimum likelihood of a part that counts: DeepLabCut draws parts from this value on."""
 
 MIDDLE_NAMES = ("centroid", "center", "centre", "middle", "body", "thorax")
 FRONT_NAMES, BACK_NAMES = (
@@ -39,16 +39,16 @@ PIXEL_COLUMNS = {
 
 
 class Part(NamedTuple):
-    """Part of a body, pixels; NaN where it is not seen."""
+    """Part of a body, pixels; NaN if it is not seen."""
 
     x: Array
     y: Array
 
 
 def read_deeplabcut(path: Path) -> Source:
-    """Rows of DeepLabCut's table, whose names stand in three lines, or in four with individuals.
+    """Read DeepLabCut's table. Its names take three lines, or four with individuals.
 
-    Rows are of frames, or of pictures by whose names their frames are known.
+    A row is a frame, or a picture whose name contains the frame.
     """
     top = islice(file_reading.read_lines(path, columns.FORMAT_NAME), 5)
     head = [columns.split_cells(line, str(path), at) for at, line in enumerate(top, 1)]
@@ -91,7 +91,7 @@ def from_bodies(
     program: str,
     said: tuple[str, ...] = (),
 ) -> Source:
-    """Rows of all bodies in a frame, each with its parts by their names; bodies without a name are numbered alone."""
+    """Yield the rows of all bodies in a frame, each with its parts by name; bodies without a name are only numbered."""
     placed = [_body_pose(own) for own in owned.values()]
     heads = all(len(places) == len(placed[0][0]) for places, _ in placed)
     walkers = [places if heads else places[:2] for places, _ in placed]
@@ -101,7 +101,7 @@ def from_bodies(
 
 
 def read_sleap(path: Path, names: list[str]) -> Source:
-    """Rows of SLEAP's analysis table: a row for a walker in a frame, with x, y and score of each part."""
+    """Read SLEAP's analysis table: a row for a walker in a frame, with x, y and score of each part."""
     ends = (name.removesuffix(".x") for name in names if name.endswith(".x"))
     parts = [part for part in ends if f"{part}.y" in names]
     if not parts:
@@ -132,7 +132,7 @@ def check_table_kind(path: Path, names: Sequence[str]) -> None:
 
 
 def _likely_part(x: Array, y: Array, likelihood: Array | None) -> Part:
-    """Part of a body where its likelihood is large enough."""
+    """Return the part of a body if its likelihood is large enough."""
     if likelihood is not None:
         unsure = likelihood < MIN_LIKELIHOOD
         x, y = np.where(unsure, np.nan, x), np.where(unsure, np.nan, y)
@@ -140,7 +140,7 @@ def _likely_part(x: Array, y: Array, likelihood: Array | None) -> Part:
 
 
 def _body_pose(parts: Mapping[str, Part]) -> tuple[tuple[Array, ...], str]:
-    """Place of a body by its parts and, where names tell its ends, its heading; and in words which were taken."""
+    """Return a body's place by its parts; its heading, if names state its ends; and a text on the parts used."""
     ends = ([part for part in parts if part.lower() in names] for names in (MIDDLE_NAMES, FRONT_NAMES, BACK_NAMES))
     middle, front, back = (found[0] if found else "" for found in ends)
     if middle or len(parts) == 1:

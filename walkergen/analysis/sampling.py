@@ -17,24 +17,24 @@ MAX_PARTICLES = 10_000
 """Largest number of tracks: measuring as many takes about 20 s (3 rows each, two busy cores)."""
 
 MAX_TICKS = 1e15
-"""Largest number of samples from the first to the last, which numbers still tell apart."""
+"""Largest number of samples from the first to the last that numbers can represent exactly."""
 
 MAX_STEP_RATIO = 3.0
 """Longest time between neighbouring frames, over the usual one, within which a walker is followed:
 a camera that slows down halves its rate or so; beyond, frames are missing."""
 
 GRID_TOLERANCE = 0.01
-"""Share of the interval by which times may lie off the regular grid."""
+"""Maximum deviation of times from the regular grid, as a share of the interval."""
 
 ROUNDING_STEPS_S, ROUNDING_TOLERANCE = (1e-2, 1e-3, 1e-4), 1e-6
-"""Steps to which programs round times, s, and the share of one by which a time may miss it."""
+"""Steps of programs that round times, s, and the maximum deviation of a time, as a share of the step."""
 
 MAX_ROUNDING_SHARE = 0.25
-"""Share of the interval below which rounded times still tell how many samples lie between them."""
+"""Maximum rounding, as a share of the interval, of times that still give the number of samples between them."""
 
 
 def from_times(path: Path, table: Columns, name: str) -> Tracks:
-    """Tracks of rows with a column `time`, s, called `name` in the file.
+    """Build tracks of rows with a column `time`, s, called `name` in the file.
 
     Places x and, on a plane, y are in mm, `theta` in rad. Raises InputError for times off a regular grid.
     """
@@ -53,7 +53,7 @@ def from_times(path: Path, table: Columns, name: str) -> Tracks:
 
 
 def from_frames(path: Path, table: Columns, fps: float) -> Tracks:
-    """Tracks of rows with a column `frame`, at a rate of `fps`. Raises InputError."""
+    """Build tracks of rows with a column `frame`, at a rate of `fps`. Raises InputError."""
     frames = table.values["frame"]
     table = table.reject_rows(frames != np.rint(frames), "frame is not a whole number")
     if not len(table.lines):
@@ -63,7 +63,7 @@ def from_frames(path: Path, table: Columns, fps: float) -> Tracks:
 
 
 def _resample_regularly(table: Columns) -> tuple[Columns, str]:
-    """Rows at whole multiples of the usual time between frames, and in words what was done.
+    """Return the rows at whole multiples of the usual time between frames, and what was done as text.
 
     Between neighbouring frames places, and headings, change in proportion to time; nothing is made
     up where a frame is missing. A place between two frames has down to half the variance of its noise.
@@ -106,7 +106,7 @@ def _row_steps(table: Columns) -> tuple[Array, Mask]:
 
 
 def _sample_ticks(path: Path, table: Columns, name: str) -> tuple[float, Array, Mask]:
-    """Time between samples, s, the times of the rows in it, from 0 on, and which are off the regular times."""
+    """Return the time between samples, s, the rows' times in it, from 0 on, and which rows are off the grid."""
     times = table.values["time"]
     rounding = _rounding(times)
     interval = _sample_interval(path, times, _particle_numbers(table), rounding)
@@ -120,7 +120,7 @@ def _sample_ticks(path: Path, table: Columns, name: str) -> tuple[float, Array, 
 
 
 def _rounding(times: Array) -> float:
-    """Step, s, to which times are written: a power of ten; 0 where they have more digits than that."""
+    """Return the step, s, of rounded times: a power of ten; 0 if they have more digits."""
     for step in ROUNDING_STEPS_S:
         if (np.abs(times / step - np.rint(times / step)) < ROUNDING_TOLERANCE).all():
             return step
@@ -128,7 +128,7 @@ def _rounding(times: Array) -> float:
 
 
 def _sample_interval(path: Path, times: Array, particle: Array, rounding: float) -> float:
-    """Time between samples, s: the commonest step of a particle."""
+    """Return the time between samples, s: the commonest step of a particle."""
     order = np.lexsort((times, particle))
     same = np.diff(particle[order]) == 0
     steps = np.diff(times[order])[same]

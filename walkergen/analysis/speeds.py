@@ -42,11 +42,11 @@ class Measured(NamedTuple):
     bad: str
     """Rows that were left out, and why; "" when all are used."""
     of_films: tuple[str, ...] = ()
-    """What is to be said of tracks that rows name."""
+    """Notes on tracks that rows name."""
 
     @property
     def notes(self) -> list[str]:
-        """What is to be said of the file: rows that were left out, then films."""
+        """Notes on the file: rows that were left out, then films."""
         return [note for note in (self.bad, *self.of_films) if note]
 
 
@@ -132,7 +132,7 @@ def check_units(path: Path, seen: Measured) -> None:
 def read_at_plate_speed(path: Path, kind: Kind, plate_speed: float) -> Measured:
     """Read the speeds measured on a plate with this peak speed (mm/s), within SAME_PLATE.
 
-    `kind` and `plate_speed` stand in where the file has none. Raises InputError.
+    `kind` and `plate_speed` are used if the file has none. Raises InputError.
     """
     return select_plate_speed(read_speeds(path, kind, plate_speed), plate_speed)
 

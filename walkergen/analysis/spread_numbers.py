@@ -19,7 +19,7 @@ from walkergen.core.numerics import Array
 def add_fit(
     numbers: list[dict[str, float]], sums: Sequence[Moments], frame: Frame, longest: int
 ) -> tuple[list[dict[str, float]], DisplacementFit | None]:
-    """Numbers of all samples, then of those without each one, with those of their fit over lags."""
+    """Return the numbers of all samples, then of those without each one, with those of their fit over lags."""
     if frame.lane:
         return numbers, None
     lag, squares = _mean_squares(sums, frame, int((frame.grid.square_lags <= longest).sum()))
@@ -30,7 +30,7 @@ def add_fit(
 def add_refit(
     numbers: list[dict[str, float]], sums: Sequence[Moments], frame: Frame, fit: DisplacementFit | None
 ) -> list[dict[str, float]]:
-    """Numbers of other sums, with those of the same fit to them."""
+    """Add to the numbers of other sums those of the same fit to them."""
     if fit is None or not len(fit.errors):
         return numbers
     lag, squares = _mean_squares(sums, frame, len(fit.errors))
@@ -51,7 +51,7 @@ def _add_spreads(numbers: Sequence[dict[str, float]], fits: Iterable[Spread], fr
 
 
 def _turning_rates(numbers: Sequence[Mapping[str, float]], headed: bool) -> list[float]:
-    """Rates of turning, rad/s; 0 where displacements are too noisy to show any."""
+    """Return the rates of turning, rad/s; 0 if displacements are too noisy to show any."""
     if headed or verdicts.is_resolved(verdicts.jackknife_quantity(numbers, "amplitude")):
         return [sample["turning_bias"] for sample in numbers]
     return [0.0] * len(numbers)

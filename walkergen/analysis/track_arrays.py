@@ -35,7 +35,7 @@ UNSUPPORTED_MAGIC: Mapping[bytes, str] = {
 """First bytes of files that are not read, and what to give in their place."""
 
 INFINITE_PATTERN = re.compile(r"(?<=,)-?inf(?=[,\n])")
-"""TRex's word for a number that is not known."""
+"""TRex's word for an unknown number."""
 
 MAX_BYTES = 1_000_000_000
 """Most bytes that the arrays of an archive may have when unpacked."""
@@ -47,14 +47,14 @@ UNIT_ATTRIBUTES = ("space_unit", "unit")
 """Attributes of places that state their unit: movement's, and walkergen's."""
 
 PACKING_ATTRIBUTES = ("scale_factor", "add_offset")
-"""Attributes of arrays whose numbers are not what they hold."""
+"""Attributes of arrays whose stored numbers are scaled or shifted."""
 
 LIKELIHOOD_PROGRAMS = ("DeepLabCut", "LightningPose")
 """Programs whose confidence of a part is a likelihood."""
 
 
 class ArrayFile(NamedTuple):
-    """What a file of arrays holds."""
+    """Contents of a file of arrays."""
 
     values: Mapping[str, Array]
     dimensions: Mapping[str, tuple[str, ...]]
@@ -66,7 +66,7 @@ class ArrayFile(NamedTuple):
 
 
 def read_arrays(path: Path, lane: bool) -> Source | None:
-    """Rows of a file of arrays; None for a file of text, or of columns (`lines`). Raises InputError."""
+    """Read the rows of a file of arrays; None for a file of text, or of columns (`lines`). Raises InputError."""
     begin = file_reading.read_start(path, 16, columns.FORMAT_NAME)
     for first, what in UNSUPPORTED_MAGIC.items():
         if begin.startswith(first):
@@ -84,7 +84,7 @@ def read_arrays(path: Path, lane: bool) -> Source | None:
 
 
 def npz_lines(path: Path) -> Iterator[str] | None:
-    """Lines of a CSV file of the columns that an NPZ archive holds; None for another file. Raises InputError.
+    """Return an NPZ archive's columns as lines of a CSV file; None for another file. Raises InputError.
 
     Columns are the arrays as long as that of frames or times; TRex names those of places without their unit.
     """
@@ -108,7 +108,7 @@ def npz_lines(path: Path) -> Iterator[str] | None:
 
 
 def blank_infinite(line: str) -> str:
-    """Line of TRex's table with a blank cell in place of its word for what was not seen."""
+    """Replace TRex's word for unseen values in a line of its table by a blank cell."""
     return INFINITE_PATTERN.sub("", line)
 
 
@@ -122,7 +122,7 @@ def _is_npz(path: Path) -> bool:
 
 
 def _read_netcdf(path: Path) -> ArrayFile:
-    """Contents of a file of NetCDF 3, in which text is of letters along a dimension of its own."""
+    """Read a file of NetCDF 3. It stores text as letters along a separate dimension."""
     from scipy.io import netcdf_file
 
     file = netcdf_file(io.BytesIO(file_reading.read_bytes(path)), mmap=False)
@@ -140,7 +140,7 @@ def _read_netcdf(path: Path) -> ArrayFile:
 
 
 def _decode_texts(data: npt.NDArray[Any]) -> list[str]:
-    """Texts of an array: each whole, or of letters in a row."""
+    """Return the texts of an array: each as one value, or as letters in a row."""
     rows = data.reshape(len(data), -1).tolist()
     whole = (row[0] if len(row) == 1 else b"".join(row) for row in rows)
     return [text.rstrip(b"\0").decode() if isinstance(text, bytes) else str(text) for text in whole]
@@ -151,7 +151,7 @@ def _decode_attributes(attributes: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _read_hdf5(path: Path, lane: bool) -> Source:
-    """Rows of an HDF5 file of a known layout."""
+    """Read the rows of an HDF5 file of a known layout."""
     import h5py
 
     with h5py.File(path, "r") as file:
@@ -171,7 +171,7 @@ def _read_hdf5(path: Path, lane: bool) -> Source:
 
 
 def _read_datasets(path: Path, file: Any, names: set[str]) -> ArrayFile:
-    """Contents of datasets of an HDF5 file."""
+    """Return the contents of datasets of an HDF5 file."""
     values, dimensions, words = {}, {}, {}
     attributes = {"": _decode_attributes(dict(file.attrs))}
     for name in names:
@@ -194,14 +194,14 @@ def _read_datasets(path: Path, file: Any, names: set[str]) -> ArrayFile:
 
 
 def _dimension_names(file: Any, data: Any) -> tuple[str, ...]:
-    """Names of a dataset's dimensions, by NetCDF's references to their scales, or by words as sleap-io has them."""
+    """Return the names of a dataset's dimensions, by NetCDF's references to their scales, or by words of sleap-io."""
     if "DIMENSION_LIST" in data.attrs:  # h5py's own walk along the scales does not end in a damaged file
         return tuple(file[scales[0]].name.rpartition("/")[2] for scales in data.attrs["DIMENSION_LIST"])
     return tuple(json.loads(data.attrs.get("dims", "[]")))
 
 
 def _reorder_dimensions(held: ArrayFile, name: str, order: tuple[str, ...]) -> Array:
-    """Array with its dimensions in this order; those that it lacks, as of a single walker, have one place.
+    """Return the array with its dimensions in this order. Missing ones, as of a single walker, have length 1.
 
     Dimensions had plural names before movement's version 0.17.
     """
@@ -213,7 +213,7 @@ def _reorder_dimensions(held: ArrayFile, name: str, order: tuple[str, ...]) -> A
 
 
 def _from_movement(path: Path, held: ArrayFile, lane: bool) -> Source:
-    """Rows of a data set of movement, of poses or of boxes around walkers."""
+    """Return the rows of a data set of movement, of poses or of boxes around walkers."""
     words = {name.removesuffix("s"): texts for name, texts in held.words.items()}
     if not {"position", "time"} <= set(held.values) or not {"x", "y"} <= set(words.get("space", ())):
         raise InputError(f"{path}: no position in x and y with its time, as movement's data sets have")
@@ -245,7 +245,7 @@ def _from_parts(
     named: Mapping[str, NamedColumn],
     program: str,
 ) -> Source:
-    """Rows of walkers whose parts are at x and y, shape (walkers, parts, times); both may have no names."""
+    """Return the rows of walkers whose parts are at x and y, shape (walkers, parts, times); both may have no names."""
     ((clock, ticks),) = times.items()
     table = Columns({}, np.arange(1, len(ticks) + 1), {})
     if not parts:
@@ -260,7 +260,7 @@ def _from_parts(
 
 
 def _from_walkergen(held: ArrayFile, x: Array, y: Array, people: Sequence[str], lane: bool) -> Source:
-    """Rows of runs that walkergen simulated; those that never leave y = 0 ran along a lane."""
+    """Return the rows of runs that walkergen simulated; those that never leave y = 0 ran along a lane."""
     theta = _reorder_dimensions(held, "heading", ("individual", "time"))
     table = Columns({}, np.arange(1, x.shape[-1] + 1), {})
     runs = [who.rpartition("_")[2] for who in people]
@@ -274,7 +274,7 @@ def _from_walkergen(held: ArrayFile, x: Array, y: Array, people: Sequence[str], 
 
 
 def _from_sleap(held: ArrayFile) -> Source:
-    """Rows of SLEAP's analysis file, whose arrays are as its reader in MATLAB wants them unless they say otherwise."""
+    """Read the rows of SLEAP's analysis file. By default its arrays have the order of its reader in MATLAB."""
     held = held._replace(dimensions={"tracks": held.dimensions["tracks"] or ("track", "xy", "node", "frame")})
     x, y = _reorder_dimensions(held, "tracks", ("xy", "track", "node", "frame"))
     frames = {"frame": np.arange(x.shape[-1], dtype=float)}
@@ -284,7 +284,7 @@ def _from_sleap(held: ArrayFile) -> Source:
 
 
 def _from_idtracker(held: ArrayFile, rate: float) -> Source:
-    """Rows of idtracker.ai's trajectories, shape (frames, animals, 2)."""
+    """Return the rows of idtracker.ai's trajectories, shape (frames, animals, 2)."""
     x, y = held.values["trajectories"].transpose(2, 1, 0)[:, :, None]
     times = {"time": np.arange(x.shape[-1]) / rate}
     named = {

@@ -1,4 +1,4 @@
-"""Columns of tracks by what they hold: names that programs and people give them, and units in these names."""
+"""Columns of tracks by their contents: names that programs and people give them, and units in these names."""
 
 import math
 import re
@@ -14,11 +14,11 @@ from walkergen.core.files.columns import Columns
 from walkergen.core.numerics import Array
 
 TRACKS_COLUMN = "tracks"
-"""Column of a file of tracks in place of a speed, by its name beside the file of speeds."""
+"""Column with a file of tracks instead of a speed, relative to the folder of the file of speeds."""
 
 
 PIXEL = "px"
-"""Unit of places in a picture, whose size --mm-per-px tells."""
+"""Unit of places in a picture. --mm-per-px gives its size."""
 
 LENGTH_UNITS_MM: Mapping[str, float] = MappingProxyType({"um": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1e3, "in": 25.4})
 """Units of places, mm."""
@@ -84,7 +84,7 @@ COLUMN_NAMES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "particle": ("particle", "track_id", "trackid", "individual", "tid", "track", "track_n", "id", "object_id"),
     }
 )
-"""Names of columns by what they hold, in small letters with _ between words; the first that is there counts."""
+"""Names of columns by their contents, in small letters with _ between words; the first that is there counts."""
 
 UNITS_BY_COLUMN: Mapping[str, Sequence[str]] = MappingProxyType(
     {
@@ -105,7 +105,7 @@ BOX_LABELS = ({"1", "2"}, {"min", "max"})
 """Labels of the corners of boxes around walkers, which have a column of their numbers."""
 
 MAX_LABELS = 6
-"""Most labels of walkers that are said beside their numbers."""
+"""Maximum number of walkers whose labels are listed with their numbers."""
 
 MAX_SHOWN_LETTERS = 80
 """Letters of a file's columns that a message shows."""
@@ -123,28 +123,28 @@ class NamedColumn(NamedTuple):
     name: str
     """Its name in the file."""
     unit: str
-    """Unit that the name states; "" where it states none."""
+    """Unit that the name states; "" without one."""
 
 
 class Source(NamedTuple):
-    """Rows of a file, and what it says of their units and axes."""
+    """Rows of a file, and its units and axes."""
 
     table: Columns
     """Columns frame, time, x, y, theta, particle, plate_speed_mm_s and SCALE, as far as the file has them."""
     named: Mapping[str, NamedColumn]
     """Names of the columns in the file, and the units that they state."""
     program: str = ""
-    """Program that wrote it; "" where nothing tells."""
+    """Program that wrote the file; "" if unknown."""
     y_down: bool = False
-    """True where that program counts y downward, as rows of a picture."""
+    """True if that program counts y downward, as rows of a picture."""
     mirrored: bool = False
-    """True where it counts headings counterclockwise, as people see them, though y goes down."""
+    """True if it counts headings counterclockwise, as people see them, though y goes down."""
     said: tuple[str, ...] = ()
-    """What was taken from the file in which way, in words."""
+    """Notes on how the file was read, as text."""
 
 
 def find_columns(names: Sequence[str]) -> dict[str, NamedColumn]:
-    """Columns of a file by what they hold, as far as their names tell it.
+    """Find the columns of a file by their contents, as far as their names state these.
 
     Raises InputError for two columns of headings, whose units differ.
     """
@@ -161,7 +161,7 @@ def find_columns(names: Sequence[str]) -> dict[str, NamedColumn]:
 
 
 def _meanings(name: str) -> list[tuple[str, int, str]]:
-    """List what a column's name may mean: its kind, rank among names of that kind, and unit."""
+    """List the possible meanings of a column's name: its kind, rank among names of that kind, and unit."""
     text = name.strip().lower()
     marked = re.fullmatch(r"(.*?)\s*[(\[]([^)\]]*)[)\]]", text)
     base, unit = marked.groups() if marked else (text, "")
@@ -183,12 +183,12 @@ def canonical_unit(text: str) -> str:
 
 
 def find_separator(line: str) -> str:
-    """Mark between the cells of a line; "" for a lone one."""
+    """Return the mark between the cells of a line; "" for a lone one."""
     return next((mark for mark in ",\t; " if mark in line.strip()), "")
 
 
 def coordinate_pairs(names: Sequence[str]) -> dict[str, tuple[str, str]]:
-    """Columns of x and y of each walker by its label, of files with a row for all walkers of a frame.
+    """Return the columns of x and y of each walker by its label, of files with a row for all walkers of a frame.
 
     Such columns are called x1 and y1, X_left and Y_left, or left_x and left_y.
     """
@@ -203,7 +203,7 @@ def coordinate_pairs(names: Sequence[str]) -> dict[str, tuple[str, str]]:
 
 
 def missing_column_error(path: object, names: Sequence[str], what: str) -> InputError:
-    """Refusal of a file that no column of a kind is found in: which one to rename, and how."""
+    """Return the error for a file without a column of a kind: which column to rename, and how."""
     rename = {"x": "x_mm, x_cm or x_px", "y": "y_mm, y_cm or y_px", "time": "t_s, or frame where it counts frames"}
     seen = safe_text.shorten_line(", ".join(name for name in names if name))
     more = "" if len(seen) < MAX_SHOWN_LETTERS else " ..."
@@ -215,7 +215,7 @@ def missing_column_error(path: object, names: Sequence[str], what: str) -> Input
 
 
 def format_labels(labels: Sequence[str]) -> tuple[str, ...]:
-    """Numbers that walkers with labels have from here on."""
+    """Return the note on the new numbers of walkers with labels."""
     if not labels:
         return ()
     some = ", ".join(
@@ -227,7 +227,7 @@ def format_labels(labels: Sequence[str]) -> tuple[str, ...]:
 def to_long_table(
     table: Columns, clock: str, times: Array, walkers: Sequence[tuple[Array, ...]], numbers: Sequence[float]
 ) -> Columns:
-    """Rows of a walker in a frame, from rows of all walkers in a frame: x, y and, if known, theta of each.
+    """Return the rows of a walker in a frame, from rows of all walkers in a frame: x, y and, if known, theta of each.
 
     `clock` is the kind of the times, frame or time; heads are known of all walkers or of none.
     """

@@ -1,9 +1,9 @@
 """Tracks of walkers from files: tables of places at times, in the units that they state or that are given.
 
-Units stand in the names of columns (x_mm, "X (cm)", t_s, "time [ms]", theta_deg) or are given (--unit mm,deg;
---fps, --mm-per-px); what neither tells is asked for. walkergen's own: t_s, x_mm; with theta_rad, the heading
-from x toward y_mm, it is of a walker in space, seen from above; without it y_mm is vertical: a lane's. All may
-have `particle` and `plate_speed_mm_s`, the plate's peak speed while the particle ran.
+Units are part of the names of columns (x_mm, "X (cm)", t_s, "time [ms]", theta_deg) or are given (--unit mm,deg;
+--fps, --mm-per-px). A missing unit is an error. walkergen's own columns are t_s, x_mm and y_mm. With theta_rad,
+the heading from x toward y_mm, the walker moves in space, seen from above. Without it y_mm is vertical, in a lane.
+All may have `particle` and `plate_speed_mm_s`, the plate's peak speed while the particle ran.
 """
 
 import math
@@ -45,7 +45,7 @@ class Units(NamedTuple):
     lane: bool = False
     """True when the walkers ran along a lane in x, so that y is ignored."""
     mm_per_px_se: float | None = None
-    """Standard error of `mm_per_px`; None when it is not known."""
+    """Standard error of `mm_per_px`; None if unknown."""
     unit: str = ""
     """Units of places, times and headings that the file does not state, as "mm" or "cm,ms,deg"."""
 
@@ -63,7 +63,7 @@ def read_tracks(path: Path, units: Units) -> Tracks:
 
     Raises InputError when columns or units are missing or contradict each other, when no row is
     usable, or when times do not lie on a regular grid. Bad rows are left out and named in `note`,
-    which also says what was taken for what.
+    which also explains how columns were interpreted.
     """
     given = _parse_units(units.unit)
     source = track_formats.read_source(path, units.lane)
@@ -100,7 +100,7 @@ def read_tracks(path: Path, units: Units) -> Tracks:
 
 
 def _parse_units(text: str) -> _Given:
-    """Units of a text. Raises InputError for what is none, and for two of a kind."""
+    """Parse the units of a text. Raises InputError for an unknown unit, and for two of a kind."""
     held: dict[str, str] = {}
     for word in filter(None, (word.strip() for word in text.split(","))):
         unit = track_columns.canonical_unit(word)
@@ -138,7 +138,7 @@ def _check_no_units(path: Path, source: Source, units: Units, given: _Given, own
 
 
 def _check_same_units(path: Path, source: Source, given: _Given) -> None:
-    """Raise InputError for units that are given beside other ones in the names of columns."""
+    """Raise InputError for given units that contradict those in the names of columns."""
     for what, unit, known in (
         ("x", given.length, LENGTH_UNITS_MM),
         ("time", given.time, TIME_UNITS_S),
@@ -150,7 +150,7 @@ def _check_same_units(path: Path, source: Source, given: _Given) -> None:
 
 
 def _choose_clock(path: Path, source: Source, units: Units, given: _Given) -> tuple[float, bool, tuple[str, ...]]:
-    """Time of a unit of the column time, s, and True; or frames per second, and False; and what is to be said."""
+    """Return the unit of the column time (s) and True, or frames per second and False; and notes."""
     frames = "frame" in source.table.values
     named = source.named.get("time")
     unit = given.time or (named.unit if named else "")
@@ -164,7 +164,7 @@ def _choose_clock(path: Path, source: Source, units: Units, given: _Given) -> tu
     assert named is not None
     if unit:
         return _time_clock(path, source, units, TIME_UNITS_S[unit], ())
-    if counted and frames:  # written twice where the rate is not known
+    if counted and frames:  # written twice if the rate is unknown
         return _frame_rate(path, source, units), False, ()
     if counted:
         if units.fps is None:
@@ -185,7 +185,7 @@ def _time_clock(
 
 
 def _frame_rate(path: Path, source: Source, units: Units) -> float:
-    """Frames per second of a file that counts frames."""
+    """Return the frames per second of a file that counts frames."""
     if units.fps is None:
         pixels = units.mm_per_px is None and source.named["x"].unit in ("", PIXEL) and not units.unit
         more = " and pixels; give ‹fps› and ‹mm_per_px› (or ‹unit=›mm if these are mm)" if pixels else "; give ‹fps›"
@@ -245,7 +245,7 @@ def _angle_unit(path: Path, source: Source, given: _Given) -> tuple[float, str]:
 
 
 def _is_not_radians(table: Columns) -> bool:
-    """Whether headings are none in radians whose turns are counted: these begin within a turn, in steps of half one."""
+    """Return whether headings are not radians: those start within a turn, in steps of at most half a turn."""
     particle = table.values.get("particle", np.zeros(len(table.lines)))
     order = np.lexsort((table.values.get("frame", table.values.get("time", table.lines)), particle))
     order = order[~np.isnan(table.values["theta"][order])]
@@ -255,7 +255,7 @@ def _is_not_radians(table: Columns) -> bool:
 
 
 def _describe_y_axis(source: Source, units: Units) -> str:
-    """Which way y was taken."""
+    """Describe the direction that was taken for y."""
     if source.y_down:
         return f"y counts rows downward, as {source.program} does: turned over"
     if units.y_down:
@@ -266,9 +266,9 @@ def _describe_y_axis(source: Source, units: Units) -> str:
 
 
 def _scale_se(path: Path, table: Columns) -> float | None:
-    """Largest share by which lengths of a file may be off; 0 for a simulation, which has no scale.
+    """Return the largest relative error of a file's lengths; 0 for a simulation, which has no scale.
 
-    None where a row does not know it.
+    None if a row does not give it.
     """
     if not set(SCALE_COLUMNS) <= set(table.values):
         return 0.0

@@ -1,7 +1,7 @@
 """Rows of tracks as programs write them, brought into one form: a row for a walker in a frame.
 
-A table whose columns say what they hold is read as it is, whatever wrote it. Other layouts, by what writes
-them: TrackMate (tables of spots, XML of spots or of tracks), DeepLabCut (three or four lines of names),
+A table whose columns name their contents is read directly, from any program. Other layouts, by program:
+TrackMate (tables of spots, XML of spots or of tracks), DeepLabCut (three or four lines of names),
 SLEAP's analysis table, idtracker.ai (columns x1, y1, x2, y2 and so on), MTrackJ (.mdf), Tracker of Open
 Source Physics (a line with the tracks' names above the table), and files of arrays (`track_arrays`).
 """
@@ -20,7 +20,7 @@ from walkergen.core.files import formatting as words
 from walkergen.core.numerics import Array
 
 NO_TRACK_LABELS = ("none", "ø")
-"""What TrackMate writes in place of a track's number beside a spot of no track."""
+"""What TrackMate writes instead of a track's number for a spot without a track."""
 
 TREX_COLUMNS = ("X#wcentroid (cm)", "X (cm)")
 """Columns of TRex's tables, of the body and of its head."""
@@ -33,7 +33,7 @@ MIRRORED_PROGRAMS = ("FastTrack",)
 
 
 def read_source(path: Path, lane: bool) -> Source:
-    """Rows of a file of tracks; those of a `lane` need no y. Raises InputError."""
+    """Read the rows of a file of tracks; those of a `lane` need no y. Raises InputError."""
     if (arrays := track_arrays.read_arrays(path, lane)) is not None:
         return arrays
     head = list(islice(_text_lines(path), 3))
@@ -56,12 +56,12 @@ def read_source(path: Path, lane: bool) -> Source:
 
 
 def _text_lines(path: Path) -> Iterator[str]:
-    """Lines of a table, whether its columns are text or arrays."""
+    """Return the lines of a table, whether its columns are text or arrays."""
     return track_arrays.npz_lines(path) or file_reading.read_lines(path, columns.FORMAT_NAME)
 
 
 def _table_lines(path: Path, titled: bool, more: int = 0) -> Iterator[str]:
-    """Lines of a table as a CSV file has them, without a title above, and `more` blank below its header.
+    """Yield a table's lines in the form of a CSV file, without a title above, and `more` blank below its header.
 
     What is left out is a blank line, so that lines keep their numbers. Raises InputError for commas in the
     cells of a table with another mark between them.
@@ -93,7 +93,7 @@ def _table_lines(path: Path, titled: bool, more: int = 0) -> Iterator[str]:
 
 
 def _from_columns(path: Path, names: list[str], lane: bool, titled: bool) -> Source:
-    """Rows of a table whose columns say what they hold."""
+    """Return the rows of a table whose columns name their contents."""
     try:
         named = track_columns.find_columns(names)
     except InputError as error:
@@ -160,7 +160,7 @@ def _program_warnings(program: str) -> tuple[str, ...]:
 
 
 def _detect_program(names: Sequence[str], named: Mapping[str, NamedColumn], titled: bool) -> tuple[str, bool]:
-    """Program that writes such columns, and whether its y counts downward."""
+    """Return the program that writes such columns, and whether its y counts downward."""
     held = set(names)
     if {"t_s", "x_mm"} <= held and "y" not in named:
         return WALKERGEN_PROGRAM, False
@@ -181,7 +181,7 @@ def _detect_program(names: Sequence[str], named: Mapping[str, NamedColumn], titl
 
 
 def _read_labels(path: Path, titled: bool, below: int, name: str) -> list[str]:
-    """Labels of walkers in the column of this name, where they are no numbers."""
+    """Return the labels of walkers in the column of this name, if they are no numbers."""
     if not name:
         return []
     labels = columns.distinct_texts(_table_lines(path, titled, below), str(path), name)
@@ -199,7 +199,7 @@ def _is_word(label: str) -> bool:
 def _read_units_below(
     path: Path, names: list[str], named: dict[str, NamedColumn]
 ) -> tuple[int, dict[str, NamedColumn]]:
-    """TrackMate's lines below the header that are no rows, and its columns with the units of the last of these."""
+    """Return TrackMate's lines below the header that are no rows, and its columns with the units of the last one."""
     lines = islice(file_reading.read_lines(path, columns.FORMAT_NAME), 1, 4)
     rows = [columns.split_cells(line, str(path), at) for at, line in enumerate(lines, 2)]
     place = names.index("POSITION_X")
@@ -223,7 +223,7 @@ def _is_number(text: str) -> bool:
 def _from_pairs(
     path: Path, named: Mapping[str, NamedColumn], several: Mapping[str, tuple[str, str]], titled: bool
 ) -> Source:
-    """Rows of a table with a row a frame, in which every walker has columns of x and y."""
+    """Convert a table with one row a frame, and columns of x and y for every walker."""
     clock = next((what for what in ("frame", "time") if what in named), "")
     wide = [name for pair in several.values() for name in pair]
     table = columns.read_numbers(path, [named[clock].name] if clock else (), wide, lines=_table_lines(path, titled))

@@ -1,8 +1,8 @@
-"""Rows of a file of speeds that name tracks in place of a speed, and the speeds of these tracks.
+"""Rows of a file of speeds that name tracks instead of a speed, and the speeds of these tracks.
 
-A row stands for one walker of the tracks, by its number in the column `particle`, or for each of
-them. Its speed and standard error are those that `analyse` gives to that walker by itself. Where
-tracks are so short that none has an error, a row for all is their mean, as `analyse` gives it.
+A row represents one walker of the tracks, by its number in the column `particle`, or each of
+them. Its speed and standard error are those that `analyse` gives for that single walker. If the
+tracks are too short for errors, a row for all is their mean, as `analyse` gives it.
 """
 
 import math
@@ -34,13 +34,13 @@ class _Film(NamedTuple):
 
     path: Path
     speeds: dict[int, Quantity]
-    """Speed of each walker by itself, mm/s, by its number."""
+    """Speed of each single walker, mm/s, by its number."""
     mean: Quantity
     """Mean speed of all, mm/s."""
     plates: dict[int, float]
-    """Peak speed of the plate by walker, mm/s; NaN where the file does not say."""
+    """Peak speed of the plate by walker, mm/s; NaN if the file does not state it."""
     scale_se: float | None
-    """Standard error of the scale as a share of it; None where it is not known."""
+    """Standard error of the scale as a share of it; None if unknown."""
     notes: list[str]
     """Doubts about its tracks, and what was done to its rows."""
 
@@ -51,7 +51,7 @@ class _Film(NamedTuple):
 
 
 class _Walker(NamedTuple):
-    """Walker, or the mean of several, that a row of the file of speeds stands for."""
+    """Walker, or the mean of several, that a row of the file of speeds represents."""
 
     at: int
     """Place of that row among the usable ones."""
@@ -62,7 +62,7 @@ class _Walker(NamedTuple):
 
     @property
     def speed(self) -> float | None:
-        """Speed, mm/s; None where it, or its error, is not known."""
+        """Speed, mm/s; None if the speed or its error is unknown."""
         return None if self.estimate.se is None else self.estimate.value
 
     @property
@@ -79,10 +79,10 @@ class _Walker(NamedTuple):
 
 
 def add_track_speeds(path: Path, table: Columns) -> tuple[Columns, tuple[str, ...]]:
-    """Rows with a speed and, of tracks, its standard error (mm/s), and what is to be said of them.
+    """Add to rows with tracks their speed and standard error (mm/s), and return notes on them.
 
-    All walkers of a film share the error of its scale: each bears it times the root of their
-    number, so that their mean bears it once. Raises InputError for tracks that cannot be read, for
+    All walkers of a film share the error of its scale. Each carries it times the root of their
+    number, so that their mean carries it once. Raises InputError for tracks that cannot be read, for
     rows that have a speed as well, and for a walker in two rows.
     """
     names = _track_names(path)
@@ -111,19 +111,19 @@ def add_track_speeds(path: Path, table: Columns) -> tuple[Columns, tuple[str, ..
 
 
 def _track_names(path: Path) -> dict[int, str]:
-    """Names of files of tracks by the line on which each stands."""
+    """Return the names of files of tracks by their lines."""
     records = columns.parse_records(file_reading.read_lines(path, columns.FORMAT_NAME), str(path))
     cells = ((line, row[TRACKS_COLUMN].strip()) for line, row in records.rows)
     return {line: cell for line, cell in cells if cell}
 
 
 def _column_or_nan(table: Columns, name: str) -> Array:
-    """Column of a table, NaN where it has none."""
+    """Return the column of a table, NaN if it has none."""
     return table.values.get(name, np.full(len(table.lines), np.nan))
 
 
 def _read_film(path: Path) -> _Film:
-    """Walkers of a file of tracks that says its own lengths and times, as `analyse` reads it."""
+    """Return the walkers of a file of tracks that states its own lengths and times, as `analyse` reads it."""
     read = track_files.read_tracks(path, track_files.Units())
     measured = motion.analyse(read, found=walls.find_walls(read))
     plates = {track.particle: math.nan if track.plate_speed is None else track.plate_speed for track in read.tracks}
@@ -139,7 +139,7 @@ def _read_film(path: Path) -> _Film:
 
 
 def _row_walkers(film: _Film, at: int, number: float, path: Path, table: Columns) -> Iterator[_Walker]:
-    """Walkers that a row stands for. Raises InputError for one that the tracks lack."""
+    """Yield the walkers that a row represents. Raises InputError for one that the tracks lack."""
     lone = [_Walker(at, film, (particle,), speed) for particle, speed in film.speeds.items()]
     if math.isnan(number):
         unknown = all(walker.speed is None for walker in lone)
@@ -158,7 +158,7 @@ def _row_walkers(film: _Film, at: int, number: float, path: Path, table: Columns
 
 
 def _check_duplicates(path: Path, walkers: Sequence[_Walker]) -> None:
-    """Raise InputError for the first walker that stands in two rows."""
+    """Raise InputError for the first walker that is listed in two rows."""
     seen: set[tuple[Path, int]] = set()
     for walker in walkers:
         for key in ((walker.film.path, particle) for particle in walker.particles):
@@ -171,7 +171,7 @@ def _check_duplicates(path: Path, walkers: Sequence[_Walker]) -> None:
 
 
 def _join_rows(rest: Columns, table: Columns, known: Sequence[_Walker]) -> Columns:
-    """Rows of numbers, then a row of each walker with what else stood in its row."""
+    """Return the rows of numbers, then a row for each walker with the other cells of its row."""
     at = np.array([walker.at for walker in known], np.int64)
     crowds = [sum(other.film is walker.film for other in known) for walker in known]
     of_film = np.array([walker.film.plates[walker.particles[0]] for walker in known])
@@ -189,7 +189,7 @@ def _join_rows(rest: Columns, table: Columns, known: Sequence[_Walker]) -> Colum
 
 
 def _missing_speed_reasons(table: Columns, walkers: Sequence[_Walker], known: Sequence[_Walker]) -> dict[int, str]:
-    """Reasons, by line, why rows have no walker with a speed."""
+    """Return the reasons, by line, why rows have no walker with a speed."""
     having = {walker.at for walker in known}
     lacking = {walker.at: walker for walker in reversed(walkers) if walker.at not in having}
     return {

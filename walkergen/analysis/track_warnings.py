@@ -12,7 +12,7 @@ from walkergen.core.numerics import Array, Whole
 from walkergen.core.numerics.distributions import student_quantile
 
 MAX_FLIP_SHARE = 0.01
-"""Share of steps with a turn of more than 90 deg from which headings look wrong."""
+"""Maximum share of steps with a turn of more than 90 deg; with more, headings look wrong."""
 
 HEADING_P_VALUE = 1e-3
 """Probability of a doubt about headings that displacements give by chance (Student's t)."""
@@ -23,7 +23,7 @@ steps of the same walker before it and after it; diffusion alone gives up to 3."
 
 
 def find_all(tracks: Tracks) -> list[str]:
-    """All doubts about tracks of a film, in words."""
+    """Return all doubts about tracks of a film, as text."""
     groups, _ = moments.independent_samples(tracks.tracks)
     headed = not tracks.lane and any(track.heading is not None for track in tracks.tracks)
     of_headings = _flip_doubts(tracks.tracks) + _rotation_doubts(groups) if headed else []
@@ -48,7 +48,7 @@ def describe_scale_error(share: float | None) -> str:
 
 
 def _flip_doubts(tracks: Sequence[Track]) -> list[str]:
-    """Doubt about headings that are known only up to a half turn."""
+    """Return a warning if headings are known only up to a half turn."""
     flips = pairs = 0
     for track in tracks:
         unit = moments.direction_vectors(track, 1)
@@ -64,7 +64,7 @@ def _flip_doubts(tracks: Sequence[Track]) -> list[str]:
 
 
 def _rotation_doubts(groups: Sequence[Sequence[Track]]) -> list[str]:
-    """Doubt about headings that fit displacements only when turned or mirrored.
+    """Return a warning if headings fit displacements only when turned or mirrored.
 
     Displacements that chance alone aligns with headings, as of walkers at rest, give none.
     """
@@ -92,7 +92,7 @@ def _rotation_doubts(groups: Sequence[Sequence[Track]]) -> list[str]:
 
 
 def _jump_doubts(tracks: Tracks) -> list[str]:
-    """Doubt about steps far beyond all others: numbers exchanged, or a walker set elsewhere."""
+    """Return a warning about steps far beyond all others: exchanged numbers, or a walker that was moved."""
     jumps, steps = [], [_track_steps(track) for track in tracks.tracks]
     usual = np.concatenate([step for _, step in steps])
     if not len(usual):
@@ -123,7 +123,7 @@ def _track_steps(track: Track) -> tuple[Whole, Array]:
 
 
 def _fragment_doubts(tracks: Sequence[Track]) -> list[str]:
-    """Doubt about tracks that are more than the walkers that were ever seen at once."""
+    """Return a warning if there are more tracks than walkers seen in any one frame."""
     plates = {track.plate_speed for track in tracks}
     most = sum(_max_simultaneous([t for t in tracks if t.plate_speed == plate]) for plate in plates)
     if most == len(tracks):
@@ -136,7 +136,7 @@ def _fragment_doubts(tracks: Sequence[Track]) -> list[str]:
 
 
 def _max_simultaneous(tracks: Sequence[Track]) -> int:
-    """Largest number of tracks at one time."""
+    """Return the largest number of tracks at one time."""
     begins = np.sort([track.start for track in tracks])
     ends = np.sort([track.start + len(track.position) for track in tracks])
     return int((np.arange(1, len(begins) + 1) - np.searchsorted(ends, begins, "right")).max())

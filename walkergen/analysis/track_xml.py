@@ -18,7 +18,7 @@ MAX_XML_BYTES = 200_000_000
 
 
 def read_mtrackj(path: Path) -> Source:
-    """Rows of MTrackJ's own file: lines Track ID, and Point ID x y z t channel below each."""
+    """Read MTrackJ's own file: lines Track ID, and Point ID x y z t channel below each."""
     rows: list[tuple[float, ...]] = []
     lines, bad, track = [], {}, -1.0
     for at, line in enumerate(file_reading.read_lines(path, columns.FORMAT_NAME), 1):
@@ -45,7 +45,7 @@ def _from_rows(
     unit: str,
     second: float | None = None,
 ) -> Source:
-    """Rows of frame, particle, x and y; `second` is the time between frames, s, where that is known."""
+    """Return the rows of frame, particle, x and y; `second` is the time between frames, s, if known."""
     if not rows:
         raise InputError(f"{path}: no track in it")
     frame, particle, x, y = np.array(rows, dtype=float).T
@@ -59,7 +59,7 @@ def _from_rows(
 
 
 def read_xml(path: Path) -> Source:
-    """Rows of an XML file: TrackMate's of its tracks alone or of all that it keeps, or a project of Tracker."""
+    """Read an XML file: TrackMate's tracks alone or with everything that it stores, or a project of Tracker."""
     text = file_reading.read_bytes(path, MAX_XML_BYTES, "an XML file of tracks")
     if b"<!DOCTYPE" in text or b"<!ENTITY" in text:
         raise InputError(f"{path}: declares entities, which files of tracks do not")
@@ -96,7 +96,7 @@ def _from_trackmate(path: Path, root: ElementTree.Element) -> Source:
 
 
 def _from_tracker(path: Path, root: ElementTree.Element) -> Source:
-    """Rows of the point masses of Tracker's project: marks in the picture, seen from its axes, in its scale."""
+    """Return the point masses of Tracker's project as rows: marks in the picture, on its axes, in its scale."""
     axes = root.findall("property[@name='coords']/object/property[@name='framedata']/property/object")
     if len(axes) != 1:
         raise InputError(f"{path}: its axes or scale change from frame to frame: export the table (File, Export, Data)")
@@ -130,7 +130,7 @@ def _read_number(element: ElementTree.Element | None, name: str) -> float:
 
 
 def _model_rows(root: ElementTree.Element) -> Iterator[tuple[float, ...]]:
-    """Rows of the spots of TrackMate's tracks, those that its filters keep."""
+    """Yield the rows of the spots of TrackMate's tracks that pass its filters."""
     spots = {
         spot.attrib["ID"]: tuple(float(spot.attrib[f"{key}"]) for key in ("FRAME", "POSITION_X", "POSITION_Y"))
         for spot in root.iter("Spot")

@@ -1,7 +1,7 @@
-"""Tables of Tracker (Open Source Physics): names of tracks stand in a line of their own above those of columns.
+"""Tables of Tracker (Open Source Physics): a line with names of tracks above the line with names of columns.
 
-What it exports has the names over the first column of each track, a blank cell over the time and, of several
-tracks, `#multi:` above all; what it copies has one name. Frames without a mark have blank cells.
+An exported table has the names over the first column of each track, a blank cell over the time and, for several
+tracks, `#multi:` above all. A copied table has one name. Frames without a mark have blank cells.
 """
 
 from collections.abc import Iterator, Sequence
@@ -18,7 +18,7 @@ MULTI_TRACK_HEADER, TIME_COLUMN = "#multi:", "t"
 
 
 def title_line_count(head: Sequence[str]) -> int:
-    """Lines above the names of columns, by the first three lines of a file; 0 where it is none of Tracker's."""
+    """Count the lines above the names of columns, from a file's first three lines; 0 if it is not Tracker's."""
     count = 2 if head and head[0].strip() == MULTI_TRACK_HEADER else 1
     if len(head) <= count:
         return 0
@@ -33,7 +33,7 @@ def _split_cells(line: str, mark: str) -> list[str]:
 
 
 def read_tracker(path: Path, count: int) -> Source:
-    """Rows of Tracker's table, which has `count` lines above the names of its columns. Raises InputError."""
+    """Read Tracker's table, with `count` lines above the names of its columns. Raises InputError."""
     head = list(islice(file_reading.read_lines(path, columns.FORMAT_NAME), count + 1))
     mark = track_columns.find_separator(head[count])
     names = _split_cells(head[count], mark)
@@ -55,7 +55,7 @@ def read_tracker(path: Path, count: int) -> Source:
     if not len(long.lines):
         raise InputError(f"{path}: nothing to read: no frame has both x and y")
     titles = _split_cells(head[count - 1], mark)
-    # A title of words between the blanks that separate cells is not told from two titles
+    # With blanks between cells, one title of two words looks like two titles
     called = [titles[at] for at in range(1, len(titles)) if titles[at]] if mark != " " else []
     said = track_columns.format_labels(called) if len(called) == len(walkers) > 1 else ()
     named = {"time": NamedColumn(TIME_COLUMN, "s"), "x": NamedColumn("x", ""), "y": NamedColumn("y", "")}
@@ -63,7 +63,7 @@ def read_tracker(path: Path, count: int) -> Source:
 
 
 def _select_columns(path: Path, count: int, mark: str, names: Sequence[str], places: Sequence[int]) -> Iterator[str]:
-    """Lines of a CSV file with these columns alone; the names stand on the first, whatever was above."""
+    """Yield the lines of a CSV file with these columns alone; the first line holds the names."""
     yield ",".join(names) + "\n"
     stream = file_reading.read_lines(path, columns.FORMAT_NAME)
     for at, line in enumerate(chain(["\n"] * count, islice(stream, count + 1, None)), 2):

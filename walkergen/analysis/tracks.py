@@ -7,7 +7,7 @@ from walkergen.core.numerics import Array, Mask, Whole
 
 
 class Track(NamedTuple):
-    """Positions of one walker at regular times; NaN where it was not seen."""
+    """Positions of one walker at regular times; NaN if it was not seen."""
 
     particle: int
     position: Array
@@ -15,7 +15,7 @@ class Track(NamedTuple):
     heading: Array | None
     """Heading, shape (times,), rad, from x toward y; None when the file has none."""
     plate_speed: float | None = None
-    """Peak speed of the plate, mm/s; None when the file does not say."""
+    """Peak speed of the plate, mm/s; None if the file does not state it."""
     start: int = 0
     """Sample, of all tracks together, at which this one begins."""
     reach: Whole | None = None
@@ -34,10 +34,10 @@ class Tracks(NamedTuple):
     """Time between neighbouring samples of a track, s."""
     bad_rows: int
     note: str
-    """What was done to the rows, as left out for a reason; '' when nothing was."""
+    """Changes to the rows, such as those left out for a reason; '' without any."""
     scale_se: float | None = 0.0
-    """Standard error of the scale, as a share of it: all lengths are off together by it. None when
-    nothing says so; the largest where a file has several."""
+    """Standard error of the scale, as a share of it. It changes all lengths together. None if
+    unknown; the largest one of a file with several."""
 
     @property
     def lane(self) -> bool:
@@ -46,7 +46,7 @@ class Tracks(NamedTuple):
 
 
 def from_places(places: Sequence[Array], interval: float, lane: bool) -> Tracks:
-    """Tracks of simulated walkers, numbered in turn, `interval` s between samples.
+    """Build tracks of simulated walkers, numbered in turn, `interval` s between samples.
 
     Each of `places` has rows of x, y (mm, to the left of x) and heading (rad). In a `lane` only the
     way along it counts, as in a film of one.

@@ -41,10 +41,10 @@ class Turning(NamedTuple):
     """Sum of T_i (r_i - rate)^2, rad^2/s."""
     pieces: int
     seconds: float
-    """Time for which turns are known: the sum of T_i."""
+    """Total time of known turns: the sum of T_i."""
     noise: float
-    """Expectation of `squares`, 1/s, where each heading is off by 1 rad and nothing turns: of the
-    ends of stretches without a gap, some of which neighbouring pieces share."""
+    """Expectation of `squares`, 1/s, if each heading is off by 1 rad and nothing turns. It counts the
+    ends of stretches without a gap; neighbouring pieces share some of them."""
 
 
 def walker_turnings(tracks: Sequence[Track], interval: float) -> list[Turning]:
@@ -65,7 +65,7 @@ def walker_turnings(tracks: Sequence[Track], interval: float) -> list[Turning]:
 
 
 def _longest_bridged_gap(units: Sequence[Complex], size: int) -> int:
-    """Longest gap, in samples of at most `size`, across which turns are known; 1 is no gap."""
+    """Return the longest gap, in samples of at most `size`, across which turns are known; 1 is no gap."""
     gaps = [np.diff(np.flatnonzero(~np.isnan(unit))) for unit in units]
     lags = np.unique(np.concatenate(gaps))
     lags = lags[(lags > 1) & (lags <= size)]
@@ -124,11 +124,11 @@ def scatter(turnings: Sequence[Turning]) -> Quantity:
 
 
 def diffusion(turnings: Sequence[Turning], noise2: Quantity, memory: Quantity) -> Quantity:
-    """Coefficient of rotational diffusion D_r (rad^2/s) about each walker's own mean turning.
+    """Estimate rotational diffusion D_r (rad^2/s) about each walker's own mean turning.
 
-    Turns of a piece of t seconds have the variance 2 D_r (t - `memory`) + 2 `noise2`, with the time (s)
-    for which a rate of turning lasts (Ornstein and Uhlenbeck 1930), none where it is not known, and the
-    variance of a heading's noise (rad^2): both are of a piece's ends. The error is that of a variance of
+    Turns of a piece of t seconds have the variance 2 D_r (t - `memory`) + 2 `noise2`. `memory` is the
+    correlation time (s) of a rate of turning (Ornstein and Uhlenbeck 1930), 0 if unknown. `noise2` is the
+    variance of a heading's noise (rad^2). Both act at a piece's ends. The error is that of a variance of
     independent normal values, of the memory and of the noise.
     """
     free = _degrees_of_freedom(turnings)
@@ -139,7 +139,7 @@ def diffusion(turnings: Sequence[Turning], noise2: Quantity, memory: Quantity) -
         return refusal("rotational_diffusion", "the noise of the headings is unknown: film for longer")
     raised = sum(turning.noise for turning in turnings) / (2.0 * free)
     lasting, lasting_se = memory.pair if memory.known else (0.0, 0.0)
-    if raised * lasting_se > MIN_VARIANCE_SHARE:  # headings that hardly turn tell none
+    if raised * lasting_se > MIN_VARIANCE_SHARE:  # headings that hardly turn show none
         lasting, lasting_se = 0.0, 0.0
     turned = 1.0 - raised * lasting
     if turned < MIN_VARIANCE_SHARE:

@@ -1,9 +1,9 @@
 """Errors of numbers by the jackknife, whether turning lasts, and reasons to refuse a number.
 
-Rates of turning may last for a while: tracks show it, exclude it, or leave it open. Where it is open,
-headings that lose direction late cannot be told from noise of the headings. An exponential would then
-give a persistence too long, with an error that knows nothing of it: so the rate is that of the fit
-with a memory, whose error holds for walkers without one as well.
+Rates of turning may last for a while: tracks show it, exclude it, or leave it open. If it is open,
+headings that lose direction late look like noise of the headings. An exponential would then
+give a persistence too long, with an error that ignores this. So the rate is that of the fit
+with a memory. Its error holds for walkers without a memory as well.
 """
 
 import math
@@ -58,14 +58,14 @@ def jackknife_quantity(numbers: Sequence[Mapping[str, float]], name: str) -> Qua
 
 
 def is_resolved(number: Quantity) -> bool:
-    """Whether a number is larger than 0 beyond what chance makes of it."""
+    """Return whether a number is larger than 0 beyond chance."""
     if number.value is None or number.se is None:
         return False
     return number.value > student_quantile(number.freedom, 1.0 - POSITIVE_P_VALUE) * number.se
 
 
 def _jackknife_error(replicates: Sequence[Mapping[str, float]], name: str) -> float:
-    """Jackknife error of a number; NaN with too few samples, or where one has no number."""
+    """Return the jackknife error of a number; NaN with too few samples, or if one has no number."""
     spread = np.array([[replicate[name]] for replicate in replicates])
     if len(spread) < MIN_SAMPLES or not np.isfinite(spread).all():
         return math.nan
@@ -73,7 +73,7 @@ def _jackknife_error(replicates: Sequence[Mapping[str, float]], name: str) -> fl
 
 
 def choose_memory(sums: Sequence[Moments], frame: Frame) -> tuple[Frame, list[dict[str, float]]]:
-    """Frame that says what the tracks tell of the memory, and the numbers that it gives.
+    """Choose the frame for what the tracks show of the memory, and return its numbers.
 
     `sums` are those of all samples, then of those without each one, and so are the numbers.
     """
@@ -82,7 +82,7 @@ def choose_memory(sums: Sequence[Moments], frame: Frame) -> tuple[Frame, list[di
     late = frame._replace(memory=True)
     lasting = evaluate_all(sums, late)
     memory = jackknife_quantity(lasting, "turning_memory")
-    # Within a sample it cannot be told from less noise of the headings.
+    # Within a sample it looks like less noise of the headings.
     if is_resolved(memory) and lasting[0]["turning_memory"] > frame.interval:
         return late, lasting
     at_once = evaluate_all(sums, frame)
@@ -92,7 +92,7 @@ def choose_memory(sums: Sequence[Moments], frame: Frame) -> tuple[Frame, list[di
 
 
 def evaluate_all(sums: Sequence[Moments], frame: Frame) -> list[dict[str, float]]:
-    """Numbers of each of the sums, with what `frame` says of the memory."""
+    """Compute the numbers of each of the sums, with the memory of `frame`."""
     values = [evaluate(sample, frame) for sample in sums]
     if not frame.memory_open:
         return values
@@ -101,7 +101,7 @@ def evaluate_all(sums: Sequence[Moments], frame: Frame) -> list[dict[str, float]
 
 
 def _is_shorter(memory: Quantity, seconds: float) -> bool:
-    """Whether a memory is shorter than `seconds` beyond what chance makes of it."""
+    """Return whether a memory is shorter than `seconds` beyond chance."""
     if memory.value is None or memory.se is None:
         return False
     errors = student_quantile(memory.freedom, 1.0 - MEMORY_P_VALUE)
@@ -111,7 +111,7 @@ def _is_shorter(memory: Quantity, seconds: float) -> bool:
 def _merge_persistence(
     at_once: Sequence[Mapping[str, float]], lasting: Sequence[Mapping[str, float]]
 ) -> list[dict[str, float]]:
-    """Numbers of walkers without memory, but for the persistence, which is that with one.
+    """Return the numbers of walkers without memory, except the persistence, which is that with one.
 
     The memory itself is there to name a bound.
     """
@@ -138,11 +138,11 @@ def judge(
 ) -> dict[str, Quantity]:
     """Attach jackknife errors to the values, or refuse them.
 
-    `replicates` leave out a sample each, `without_one` a walker each where samples are pieces of
-    few: where walkers differ by more than their pieces tell, the error is that over walkers, and of
-    their runs wherever they are known to `differ` in speed or turning.
+    `replicates` leave out a sample each, `without_one` a walker each if samples are pieces of a
+    few walkers. If walkers differ by more than their pieces show, the error is that over walkers. So
+    is the error of runs if walkers are known to `differ` in speed or turning.
     `fitted` is the fit of the squared displacement (None in a lane), `longest_s` its longest lag, `freedom`
-    that of the samples, of which some may hold little free motion.
+    that of the samples. Some samples may hold little free motion.
     """
     numbers = {
         name: quantity(name, value, _jackknife_error(replicates, name), freedom) for name, value in values.items()
@@ -166,7 +166,7 @@ def judge(
 
 
 def _bound_reason(number: Quantity, unit: str, scale: float = 1.0, root: bool = False) -> str:
-    """Reason that names a bound, in `unit`, on scale x a number, or on its root."""
+    """Return the reason that names a bound, in `unit`, on scale x a number, or on its root."""
     value, se = number.pair
     most = max(value, 0.0) + 2.0 * se
     bound = scale * (math.sqrt(most) if root else most)
@@ -174,7 +174,7 @@ def _bound_reason(number: Quantity, unit: str, scale: float = 1.0, root: bool = 
 
 
 def _detection_share(numbers: Numbers, frame: Frame, fitted: DisplacementFit | None, longest_s: float) -> float:
-    """Share of the rate of a run, as it was found, from which on its diffusivity is told; 0 where there is none."""
+    """Return the minimum share of a run's estimated rate for a reported diffusivity; 0 without a minimum."""
     rate, error = numbers["msd_rate"].pair
     if fitted is None or not fitted.run or not rate > 0.0:
         return 0.0
@@ -197,7 +197,7 @@ def _meaningless_reasons(frame: Frame) -> dict[str, str]:
 def _unresolved_reasons(
     numbers: Numbers, frame: Frame, fitted: DisplacementFit | None, longest_s: float
 ) -> dict[str, str]:
-    """Refuse roots of, and quotients by, what the data cannot tell from zero: no error holds."""
+    """Refuse roots of, and quotients by, numbers that may be zero: no error holds."""
     if frame.lane or fitted is None:
         reason = "the spread about the mean run is too small to tell"
         return {} if is_resolved(numbers["diffusivity"]) else {"crossover_time": reason}
@@ -237,7 +237,7 @@ def _unresolved_persistence(numbers: Numbers, frame: Frame, longest_s: float) ->
 
 
 def _unresolved_spread(numbers: Numbers, frame: Frame, fitted: DisplacementFit, longest_s: float) -> dict[str, str]:
-    """Refuse terms of the squared displacement that cannot be told from zero, or from others."""
+    """Refuse terms of the squared displacement that cannot be separated from zero, or from others."""
     if math.isnan(fitted.spreads[0].offset):
         return {}  # nothing was fitted, which is reason enough
     first_s = frame.interval
@@ -288,7 +288,7 @@ def _hidden_run(numbers: Numbers, frame: Frame, fitted: DisplacementFit, longest
 
 
 def _noise_and_diffusion(numbers: Numbers) -> dict[str, str]:
-    """Refuse noise of the positions and diffusion besides the run where these are not resolved."""
+    """Refuse noise of the positions and diffusion if these are not resolved in addition to the run."""
     noise, diffusion = "localisation_noise", "translational_diffusion"
     refused: dict[str, str] = {}
     if not is_resolved(numbers["msd_offset"]):

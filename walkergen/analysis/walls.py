@@ -23,11 +23,11 @@ BAND_DEPTH, INSIDE_DEPTH = 0.05, 0.15
 """Depths below the hull of the tracks, as shares of its width, of a band along it and of its inside."""
 
 MIN_PLACES, MIN_VISITS, MIN_INSIDE_SHARE = 100, 4, 0.1
-"""Places, visits of the band from inside, and share of the places that are inside, from which a hull may be a
-wall: a walker on a circle is hardly ever inside."""
+"""Minimum numbers of places, and of visits of the band from inside, and minimum share of the places inside, for a
+hull that may be a wall: a walker on a circle is hardly ever inside."""
 
 MIN_CROWDING = 2.1
-"""Share of the places in the band over that of the area, from which walkers are held there: walkers that slide
+"""Minimum ratio of the band's share of the places to its share of the area, for walkers held there. Walkers that slide
 along a wall have 2.2 or more, free ones 1.9 or less (films of 40 to 400 s of five kinds)."""
 
 PRESSED_CROWDING, PRESSED_INSIDE_SHARE = 3.6, 0.01
@@ -40,24 +40,24 @@ the hull's girth have 0.42 or less (33 kinds of films, 60 each), but for those o
 and their hull's squared girth is hardly more than that of a disc (1; of a square 1.27)."""
 
 EVEN_CROWDING, STATIONARY_SHARES = 0.8, ((32, 0.4), (16, 0.5))
-"""The same of walkers that a wall turns back at once, if besides their squared displacement stands still: from
+"""The same ratio for walkers that a wall turns back immediately, if their squared displacement is constant too: from
 these parts of the longest track on it is such a share of that of unrelated places. Free walkers' is not."""
 
 LAG_COUNT, LAST_LAG_DIVISOR = 12, 8
-"""Number of lags at which it must stand still, up to this part of the longest track."""
+"""Number of lags with a constant squared displacement, up to this part of the longest track."""
 
 VELOCITY_S = 0.04
 """Time over which displacements are velocities, s."""
 
 SPEED_QUANTILE = 0.995
-"""Share of displacements below the speed with which walls may be reached."""
+"""Quantile of the displacements that gives the speed toward walls."""
 
 TOUCHING_DEPTH, AWAY_DEPTH, MIN_DEPTH_SHARE = 0.5, 3.0, 0.01
-"""Depths below which a walker is at a wall, and from which it has left it: ways of its velocity, or shares of the
-width where these ways are smaller than the last."""
+"""Maximum depth of a walker at a wall, and minimum depth of one that has left it: ways of its velocity, or shares of
+the width if these ways are smaller than the last value."""
 
 MAX_OUTLIER_SHARE, MAX_PEELS = 0.002, 5
-"""Share of the places that may lie beyond the hull, and most rounds in which its corners are left out."""
+"""Maximum share of the places beyond the hull, and maximum number of rounds that remove its corners."""
 
 STILL_TOLERANCE = 1e-9
 """Share of the extent below which a displacement is none."""
@@ -69,17 +69,17 @@ class Walls(NamedTuple):
     edges: Array
     """Edges of the hull: outward normals and their distances from the origin, mm, shape (edges, 3)."""
     dish: Dish | None
-    """Dish whose walls were told; None where the hull of the tracks tells them."""
+    """Dish with given walls; None if the hull of the tracks gives them."""
     middle: Array
     """Middle of the hull, mm."""
     closest: float
-    """Distance from a told dish's wall at which places end, mm: a walker is no point."""
+    """Distance between a given dish's wall and the outermost places, mm: a walker is no point."""
     speed: float
-    """Speed with which walls may be reached, mm/s."""
+    """Speed that walkers may reach walls with, mm/s."""
     contacts: Quantity
     """Runs into a wall, 1/s, with the error of Poisson's law."""
     along: float
-    """Share of the time in which a walker was at a wall."""
+    """Share of the time that a walker was at a wall."""
     extent: tuple[float, float]
     """Length along x and width along y of the places, mm."""
 
@@ -96,7 +96,7 @@ class Walls(NamedTuple):
         )
 
     def distance(self, places: Array) -> Array:
-        """Distance of places, shape (n, 2), from the nearest wall, mm; below 0 beyond it."""
+        """Return the distance of places, shape (n, 2), from the nearest wall, mm; below 0 beyond it."""
         if self.dish is not None:
             return _dish_distance(self.dish, places - self.middle) - self.closest
         depths = [offset - places @ normal for normal, offset in ((edge[:2], float(edge[2])) for edge in self.edges)]
@@ -104,7 +104,7 @@ class Walls(NamedTuple):
 
 
 def find_walls(tracks: Tracks, dish: Dish | None = None) -> Walls | None:
-    """Walls about walkers on a plane: those of a dish, or else those that their tracks show; None where there are none.
+    """Find the walls about walkers on a plane: a dish's, or those that the tracks show; None without any.
 
     None in a lane, and of a periodic dish.
     """
@@ -140,7 +140,7 @@ def find_walls(tracks: Tracks, dish: Dish | None = None) -> Walls | None:
 
 
 def _is_sliding(depths: Sequence[Array], narrow: float, cornered: bool) -> bool:
-    """Whether walkers slide along their hull for most of the time, and cross it or follow its corners."""
+    """Return whether walkers slide along their hull for most of the time, and cross it or follow its corners."""
     depth = np.concatenate(depths)
     depth = depth[~np.isnan(depth)]
     crossed = sum(_count_visits(each, BAND_DEPTH * narrow, INSIDE_DEPTH * narrow) for each in depths)
@@ -151,7 +151,7 @@ def _is_sliding(depths: Sequence[Array], narrow: float, cornered: bool) -> bool:
 def _is_confining(
     tracks: Tracks, places: Array, depths: Sequence[Array], narrow: float, area: float, girth: float
 ) -> bool:
-    """Whether the hull of tracks, with its area and girth, holds walkers back."""
+    """Return whether the hull of tracks, with its area and girth, holds walkers back."""
     band = BAND_DEPTH * narrow
     visits = sum(_count_visits(depth, band, INSIDE_DEPTH * narrow) for depth in depths)
     depth = np.concatenate(depths)
@@ -164,7 +164,7 @@ def _is_confining(
 
 
 def _is_stationary(tracks: Tracks, places: Array) -> bool:
-    """Whether the squared displacement of walkers is that of unrelated places, from short lags on."""
+    """Return whether the squared displacement of walkers is that of unrelated places, from short lags on."""
     longest = max(len(track.position) for track in tracks.tracks)
     lags = lag_sums.log_spaced_lags(longest // LAST_LAG_DIVISOR, LAG_COUNT, max(longest // STATIONARY_SHARES[0][0], 1))
     squares, pairs = np.sum([lag_sums.sum_squares(track.position, lags) for track in tracks.tracks], axis=0)
@@ -180,7 +180,7 @@ def _count_visits(depth: Array, near: float, away: float) -> int:
 
 
 def add_wall_reach(tracks: Tracks, walls: Walls) -> Tracks:
-    """Tracks that know for how many samples no wall can be reached from each place."""
+    """Add to tracks the number of samples from each place during which no wall can be reached."""
     frame = walls.speed * tracks.interval
     kept = []
     for track in tracks.tracks:
@@ -192,14 +192,14 @@ def add_wall_reach(tracks: Tracks, walls: Walls) -> Tracks:
 
 
 def _displacements(track: Track, step: int) -> Array:
-    """Displacements over `step` samples before each sample, shape (times, 2), mm; NaN where one is unknown."""
+    """Return the displacements over `step` samples before each sample, shape (times, 2), mm; NaN if unknown."""
     moved = np.full(track.position.shape, np.nan)
     moved[step:] = track.position[step:] - track.position[:-step]
     return moved
 
 
 def _convex_hull(places: Array) -> tuple[Array, float, float]:
-    """Edges of the convex hull of places but for a few outermost, perhaps mistaken ones, its area and its girth."""
+    """Return edges, area and girth of the convex hull of places, without a few outermost, perhaps mistaken ones."""
     from scipy.spatial import ConvexHull
 
     fewest = (1.0 - MAX_OUTLIER_SHARE) * len(places)
@@ -213,7 +213,7 @@ def _convex_hull(places: Array) -> tuple[Array, float, float]:
 
 
 def _dish_distance(dish: Dish, places: Array) -> Array:
-    """Distance of places about the middle of a dish from its nearest wall, mm."""
+    """Return the distance of places about the middle of a dish from its nearest wall, mm."""
     if dish.kind == "rectangle":
         return np.asarray(np.min(0.5 * np.array(dish.sizes) - np.abs(places), axis=1))
     radius = np.hypot(*places.T)

@@ -1,10 +1,10 @@
-"""Front for Python, `import walkergen as wg`: each function calls what its command calls."""
+"""Python interface, `import walkergen as wg`: each function calls the same job as its command."""
 
 from walkergen.core.walker.design import Design
 
 
 def _show(design: Design) -> str:
-    """Return the HTML by which a notebook shows a walker."""
+    """Return the HTML of a walker for a notebook."""
     from walkergen.api import notebook
 
     return notebook.html(design)

@@ -1,4 +1,4 @@
-"""Functions of `import walkergen as wg`, made of the requests of commands, and their types for editors.
+"""Functions of `import walkergen as wg`, made from the requests of commands, and their types for editors.
 
 `python -m walkergen.api.functions` prints walkergen/__init__.pyi.
 """
@@ -20,7 +20,7 @@ from walkergen.core.errors import spell_all, use_spelling
 if TYPE_CHECKING:
     from walkergen.request import Request
 FUNCTION_NAMES = tuple(name for name in COMMANDS if name in walkergen.__all__ and name != "templates")
-"""Commands that are functions of Python too."""
+"""Commands that are also Python functions."""
 
 TEXT_FIELDS = ("title", "caption", "facts", "lines", "warnings", "errors")  # of a report, which name arguments
 
@@ -50,12 +50,12 @@ TYPE_IMPORTS = (
     "from walkergen.core.walker.design import Design",
     "from walkergen.core.walker.limbs import Kind",
 )
-"""Imports of the types of arguments."""
+"""Imports for the types of arguments."""
 
 
 @cache
 def make_function(name: str) -> Callable[..., Any]:
-    """Return the function of a command; unlike the command, it writes no folder unless one is given."""
+    """Return the function of a command. Unlike the command, it writes no folder unless one is given."""
     request, signature = load_request(name), make_signature(name)
 
     def call(*given: Any, **named: Any) -> Any:
@@ -76,12 +76,12 @@ def make_function(name: str) -> Callable[..., Any]:
 
 
 def make_docstring(name: str) -> str:
-    """Docstring of a function: that of its command, and an example."""
+    """Return the docstring of a function: that of its command, and an example."""
     return f"{getdoc(load_request(name))}\n\nExample: `{COMMANDS[name].call}`"
 
 
 def make_signature(name: str) -> Signature:
-    """Signature of a function: arguments by position, then all others by name; types are as an editor shows them."""
+    """Return the signature of a function: positional arguments, then keyword arguments, with types for editors."""
     request = load_request(name)
     fields = request.model_fields
     first = [field for field in request.by_position if field in fields]
@@ -97,14 +97,14 @@ def make_signature(name: str) -> Signature:
 
 
 def _field_type(request: "type[Request]", field: str) -> str:
-    """Type of what Python gives for a field."""
+    """Return the type of a field's argument in Python."""
     from walkergen.request import field_flag
 
     return field_flag(request, field).takes or _format_type(request.model_fields[field].annotation)
 
 
 def _format_type(kind: Any) -> str:
-    """Type as it is written: a union by bars."""
+    """Format a type as in source code, with bars for unions."""
     if get_origin(kind) in (Union, UnionType):
         return " | ".join(map(_format_type, get_args(kind)))
     if kind is type(None):
@@ -113,7 +113,7 @@ def _format_type(kind: Any) -> str:
 
 
 def make_stub() -> str:
-    """Types of all that walkergen offers: text of walkergen/__init__.pyi."""
+    """Return the types of the public API: text of walkergen/__init__.pyi."""
     imports = sorted({*TYPE_IMPORTS, *(line for name in FUNCTION_NAMES for line in _report_imports(name))})
     parts = [STUB_HEADER.format(imports="\n".join(imports)), f"__all__ = {walkergen.__all__!r}\n"]
     for name in FUNCTION_NAMES:
@@ -128,13 +128,13 @@ def make_stub() -> str:
 
 
 def _format_parameter(parameter: Parameter) -> str:
-    """Parameter as a stub has it."""
+    """Format a parameter for a stub."""
     default = "" if parameter.default is Parameter.empty else f" = {parameter.default!r}"
     return f"{parameter.name}: {parameter.annotation}{default}"
 
 
 def _report_imports(name: str) -> list[str]:
-    """Lines that import the reports of a function, as the module of its request does for its types."""
+    """Return the lines that import the reports of a function, as the module of its request does for its types."""
     request = load_request(name)
     tree = ast.parse(Path(str(getsourcefile(request))).read_text(encoding="utf-8"))
     returned = str(request.run.__annotations__["return"]).split(" | ")

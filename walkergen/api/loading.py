@@ -1,4 +1,4 @@
-"""Walkers, scenes and printers by name, from a file, or as they are."""
+"""Loading of walkers, scenes and printers: by name, from a file, or as given objects."""
 
 import os
 from collections.abc import Iterator, Mapping
@@ -27,7 +27,7 @@ KINDS: dict[str, tuple[str, type[Section]]] = {
     "scene": ("scenes", Scene),
     "printer": ("printers", Printer),
 }
-"""Kinds of files: the folder of their templates, and what they hold."""
+"""Kinds of files: the folder of their templates, and their contents."""
 
 
 @overload
@@ -69,7 +69,7 @@ def templates() -> Table:
 
 
 def _find_kind(name: str | Path) -> str:
-    """Kind that a template's name, or the keys of a file, tell. Raises InputError."""
+    """Return the kind of a template by its name, or of a file by its keys. Raises InputError."""
     if isinstance(name, Path) or shipped.is_path(name):
         kinds = _kinds_by_keys(Path(name))
     else:
@@ -83,7 +83,7 @@ def _find_kind(name: str | Path) -> str:
 
 
 def _kinds_by_keys(path: Path) -> list[str]:
-    """Kinds of files that have most of a file's keys. Raises InputError."""
+    """Return the kinds of files that share the most keys with a file. Raises InputError."""
     if Design.data_from_file(path) is not None:
         return ["walker"]
     data, _ = config.read_toml(path)
@@ -97,7 +97,7 @@ def _kinds_by_keys(path: Path) -> list[str]:
 
 
 def _key_paths(data: Mapping[str, Any], before: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
-    """Paths of all keys in tables and those within them."""
+    """Yield the paths of all keys in tables and nested tables."""
     for key, value in data.items():
         yield (*before, key)
         if isinstance(value, Mapping):

@@ -1,4 +1,4 @@
-"""A walker as a notebook shows it: on its feet in 3D, and what it is in a table."""
+"""Display of a walker in a notebook: on its feet in 3D, with its properties in a table."""
 
 from collections.abc import Iterator
 
@@ -12,7 +12,7 @@ from walkergen.files import viewer
 def html(design: Design) -> str:
     """Return a frame with the walker, and a table of its sizes and masses below it.
 
-    A walker that cannot be built, or cannot stand, says why instead.
+    For a walker that cannot be built, or cannot stand, it shows the reason instead.
     """
     rows, shown = list(_rows(design)), ""
     try:

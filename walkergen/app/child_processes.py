@@ -1,6 +1,6 @@
-"""Command lines that run for a page in processes of their own, so that the page never waits.
+"""Command lines that run for a page in separate processes, so that the page never waits.
 
-A child that nobody listens to any more is ended, and one whose server was killed ends itself.
+A child without a listening page is ended, and a child whose server was killed ends itself.
 """
 
 import asyncio
@@ -23,29 +23,29 @@ COMMAND_MODULE = "walkergen.cli.command_child"
 """Module that runs command lines as a child."""
 
 SIMULATION_MODULE = "walkergen.app.simulation_child"
-"""Module that simulates a walker: a first number, a run to be played, then all that was asked for."""
+"""Module that simulates a walker: a first estimate, a run for playback, then the complete request."""
 
 MAX_CHILDREN = 4
-"""Most children at once: a browser opens six connections to a server, for all its tabs together,
-and their sliders need some."""
+"""Largest number of simultaneous children. A browser opens six connections to a server, for all its
+tabs together, and their sliders need some."""
 
 KILL_DELAY_S = 1.0
-"""Time after which a child that was interrupted is ended by force."""
+"""Time after which an interrupted child is killed, s."""
 
 PAUSE_S = 0.2
-"""Time between two events that say how far a child is, s."""
+"""Time between two progress events of a child, s."""
 
 MAX_LINE_BYTES = 2**26
-"""Longest line of a child, bytes: a run that is played is one of 0.3 MB."""
+"""Longest line of a child, bytes. A run for playback is one line of 0.3 MB."""
 
 Event = dict[str, Any]
 Result = TypeVar("Result")
 
 
 async def run_module(running: Running, module: str, sent: Any) -> AsyncIterator[Event]:
-    """Run a module's main; `sent` reaches it as a line of JSON.
+    """Run a module's main; it receives `sent` as a line of JSON.
 
-    Yields its events, each a line of JSON on its standard output, and where it fails {"refused": lines}.
+    Yields its events, each a line of JSON on its standard output, and after a failure {"refused": lines}.
     Closing the iterator, or cancelling its task, ends the child.
     """
     task = asyncio.current_task()
@@ -86,7 +86,7 @@ async def _run_process(module: str, sent: Any) -> AsyncIterator[Event]:
     assert child.stderr is not None
     errors = asyncio.ensure_future(child.stderr.read())
     try:
-        with contextlib.suppress(ConnectionError):  # it ended before it listened: its words tell
+        with contextlib.suppress(ConnectionError):  # it ended before it read its input: its output states why
             child.stdin.write(json.dumps(sent).encode() + b"\n")
             await child.stdin.drain()
         async for line in child.stdout:
@@ -101,18 +101,18 @@ async def _run_process(module: str, sent: Any) -> AsyncIterator[Event]:
 
 
 def _error_lines(said: Sequence[str], code: int) -> list[str]:
-    """Lines with which a child refused."""
+    """Return the error lines of a failed child."""
     lines = [sentences.to_plain_text(line.removeprefix("error: ")) for line in said if line.startswith("error: ")]
     return lines or [*said[-1:], f"the command ended with exit code {code}"]
 
 
 def send_event(event: Event, stream: Any = None) -> None:
-    """Say an event of this child to its server, by a stream or standard output."""
+    """Send an event of this child to its server, through a stream or standard output."""
     print(json.dumps(event), file=stream, flush=True)
 
 
 def teller(stream: Any = None) -> Progress:
-    """Progress that is said as events, not too often."""
+    """Return a progress callback that sends events at limited frequency."""
     said = 0.0
 
     def tell(what: str, done: int, total: int) -> None:
@@ -125,7 +125,7 @@ def teller(stream: Any = None) -> Progress:
 
 
 async def _stop_child(child: asyncio.subprocess.Process) -> None:
-    """End a child that may still run, and its workers: first by Ctrl-C, which leaves no file half written."""
+    """End a child that may still run, and its workers. Ctrl-C comes first: it leaves no file half written."""
     try:
         _send_signal(child, "SIGINT")
         with contextlib.suppress(TimeoutError):
@@ -136,7 +136,7 @@ async def _stop_child(child: asyncio.subprocess.Process) -> None:
 
 
 def _send_signal(child: asyncio.subprocess.Process, name: str) -> None:
-    """Send a signal to a child and all that it started; Windows has none but the end."""
+    """Send a signal to a child and its descendants. Windows can only end them."""
     with contextlib.suppress(ProcessLookupError, PermissionError):
         if hasattr(os, "killpg"):
             os.killpg(child.pid, getattr(signal, name))
@@ -145,9 +145,9 @@ def _send_signal(child: asyncio.subprocess.Process, name: str) -> None:
 
 
 async def run_until_disconnect(receive: Any, work: Coroutine[Any, Any, Result]) -> Result | None:
-    """Run work and return its result; None if the page has gone or the server ends.
+    """Run work and return its result; None if the page is closed or the server ends.
 
-    `receive` gives a message of ASGI when a page has gone.
+    `receive` returns an ASGI message when a page is closed.
     """
     working, gone = asyncio.ensure_future(work), asyncio.ensure_future(_wait_for_disconnect(receive))
     try:
@@ -165,7 +165,7 @@ async def _wait_for_disconnect(receive: Any) -> None:
 
 
 async def stop_all(running: Running) -> None:
-    """End all children of a server, and what waits for them."""
+    """End all children of a server, and the tasks that wait for them."""
     for task in running:
         task.cancel()
     if running:
@@ -173,9 +173,9 @@ async def stop_all(running: Running) -> None:
 
 
 def receive_and_watch() -> Any:
-    """Return what a child's server sent, and end the child from then on when the server ends.
+    """Return the server's input to this child, and from then on end the child when the server ends.
 
-    The pipe closes with the process that holds it, no matter what the child is doing.
+    The pipe closes with the process that holds it, in any state of the child.
     """
     sent = json.loads(sys.stdin.buffer.readline() or b"null")
 
@@ -183,7 +183,7 @@ def receive_and_watch() -> Any:
         while os.read(sys.stdin.fileno(), 4096):
             pass
         if hasattr(os, "killpg"):
-            os.kill(os.getpid(), signal.SIGINT)  # what is half written goes
+            os.kill(os.getpid(), signal.SIGINT)  # unfinished files are removed
             time.sleep(KILL_DELAY_S)
             os.killpg(0, signal.SIGKILL)
         os._exit(1)

@@ -1,4 +1,4 @@
-"""Ten walkers of a page in a dish: the command that makes them run, and what the page plays of it."""
+"""Ten walkers of a page in a dish: the command that simulates them, and the data of its playback."""
 
 from pathlib import Path
 from typing import Any
@@ -14,13 +14,13 @@ from walkergen.core.walker import solids
 from walkergen.request import PLANE_SCENE, choose_scene
 
 WALKER_COUNT, RUN_S, DISH_DIAMETER_MM = 10, 6.0, 160.0
-"""Walkers in the dish, the time that they run, s, and its diameter."""
+"""Number of walkers in the dish, their simulated time, s, and its diameter, mm."""
 
 TRACK_COLUMNS = ("t_s", "particle", "x_mm", "y_mm", "theta_rad")
 
 
 def crowd_arguments(document: Document, folder: Path) -> list[str]:
-    """Words after `walkergen` that let them run, and write their tracks below `folder`.
+    """Return the words after `walkergen` that simulate them, and write their tracks below `folder`.
 
     They run on an open plate, those with a motor on a table. Raises InputError.
     """
@@ -41,7 +41,7 @@ def crowd_arguments(document: Document, folder: Path) -> list[str]:
 
 
 def read_playback(document: Document, folder: Path) -> dict[str, Any]:
-    """Outline of a walker from above and the places of all, (x, y) mm and heading, by times in s."""
+    """Read the outline of a walker from above and the poses of all, (x, y) mm and heading, by times in s."""
     path = folder / walker_answers.part_name(document) / "tracks" / "run-0.csv"
     table = columns.read_numbers(path, TRACK_COLUMNS)
     rows = np.column_stack([table.values[key] for key in TRACK_COLUMNS])

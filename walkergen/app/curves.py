@@ -1,4 +1,4 @@
-"""Curve of a page: predicted speed against tilt, as far as the walker can be built."""
+"""Curve of a page: predicted speed against tilt, over the tilts that can be built."""
 
 from functools import lru_cache
 
@@ -11,16 +11,16 @@ from walkergen.core.theory import prediction
 from walkergen.core.walker.design import Design
 
 MAX_CURVE_TILT_DEG = 45.0
-"""Tilt up to which the curve is drawn, unless the walker's own is larger."""
+"""Largest tilt of the curve, unless the walker's own is larger."""
 
 TILT_TOLERANCE_DEG = 0.2
-"""Error of the tilt up to which a walker can be built, where that is less."""
+"""Error of the largest tilt at which a walker can be built, if building limits the curve."""
 
 JOINED_POINTS, ROUGH_POINTS = 19, 13
-"""Points of the curve where the modeller joins legs to a body, as long as that takes, and while sliders move."""
+"""Points of the curve if the modeller joins legs to a body, which is slow, and while sliders move."""
 
 MAX_CACHED_CURVES = 32
-"""Curves that are kept."""
+"""Number of cached curves."""
 
 Curve = dict[str, list[float | None]]
 
@@ -48,13 +48,13 @@ def speed_curve(document: Document, rough: bool) -> Curve | None:
 
 
 def speed_curve_table(document: Document, rough: bool) -> dict[str, Curve | None]:
-    """Curve in a table: None alone would say that nobody waits for it."""
+    """Return the curve in a table. A bare None would mean that the page has gone."""
     return {"curve": speed_curve(document, rough)}
 
 
 @lru_cache(maxsize=MAX_CACHED_CURVES)
 def _compute_curve(design: str, scene: str, body: str, low: float, high: float, rough: bool) -> Curve | None:
-    """Curve of a design and a scene by their JSON; `body` knows the contents of its files."""
+    """Compute the curve of a design and a scene from their JSON; `body` identifies the contents of its files."""
     walker, ground = Design.model_validate_json(design), Scene.model_validate_json(scene)
     count = (
         ROUGH_POINTS if rough else prediction.CURVE_POINTS if walker.body.plain and not walker.parts else JOINED_POINTS

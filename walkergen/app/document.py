@@ -1,7 +1,7 @@
-"""What a page is about: a walker, a scene and a printer, each a file in which keys are set anew.
+"""Document of a page: a walker, a scene and a printer, each a file with changed keys.
 
-It is what a command line says with names and --set, so that a page, a shell and Python say the same
-thing in their own words.
+It is equivalent to a command line with names and --set. A page, a shell and Python thus
+describe the same walker.
 """
 
 import copy
@@ -32,25 +32,25 @@ MAX_KEYS = 500
 """Most keys that a page sets."""
 
 MAX_CACHED_TEMPLATES = 64
-"""Templates with values of their own that are kept as they were read."""
+"""Number of templates with changed values that are cached."""
 
 SOURCE = "page"
-"""Source of the values in messages, which the page leaves out."""
+"""Source of the values in messages. The page does not show it."""
 
 FILE_KEYS = ("mesh", "outline")
 """Keys of a design that name files."""
 
 DRAWING_ENDINGS = tuple(ending.removeprefix(".") for ending in OUTLINE_SUFFIXES)
 UPLOAD_ENDINGS = (*(ending.removeprefix(".") for ending in MESH_SUFFIXES), *DRAWING_ENDINGS)
-"""Kinds of files that may be dropped onto a page, as their names end; those of drawings and pictures are outlines."""
+"""Suffixes of files that may be dropped onto a page. Drawings and pictures are outlines."""
 
 UPLOAD_NAME = re.compile(rf"[0-9a-f]{{16}}\.({'|'.join(UPLOAD_ENDINGS)})")
-"""Name of a file that was dropped onto a page: the beginning of its hash, and its kind."""
+"""Name of a file that was dropped onto a page: the start of its hash, and its suffix."""
 
 LONE_SURROGATE = re.compile("[\ud800-\udfff]")
 
 BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
-"""Key of TOML without quotes; such a word is also a value on a command line."""
+"""TOML key without quotes. A matching value needs no quotes on a command line either."""
 
 COMMAND_PREFIXES: Mapping[str, tuple[str, ...]] = {
     "export": (),
@@ -62,10 +62,10 @@ COMMAND_PREFIXES: Mapping[str, tuple[str, ...]] = {
     "crowd": ("scene.",),
     "sweep": ("scene.", "printer."),
 }
-"""Things beside a walker whose files and keys a command takes."""
+"""Prefixes of the files and keys, other than the walker's, that each command accepts."""
 
 FLAG_KEYS = (*TILTS, *KINDS)
-"""Keys that the flags --tilt and --legs stand for."""
+"""Keys that the flags --tilt and --legs set."""
 
 Word = Annotated[str, Field(min_length=1, max_length=4096)]
 
@@ -80,12 +80,12 @@ class Message(Section):
 
 
 class PageFiles(NamedTuple):
-    """Where a server finds what pages name."""
+    """Locations of the files that pages name."""
 
     uploads: Path
     """Folder of the files that were dropped onto pages."""
     own: str | None = None
-    """Walker's file with which the server was started."""
+    """Walker's file that the server was started with."""
 
     def walkers(self) -> list[str]:
         """Names of the walkers that a page may start from, the server's own first."""
@@ -93,16 +93,16 @@ class PageFiles(NamedTuple):
 
 
 class Document(NamedTuple):
-    """Walker, scene and printer of a page, by the names of their files, with values anew."""
+    """Walker, scene and printer of a page, by the names of their files, with changed values."""
 
     walker: str
     scene: str
     printer: str
     values: Mapping[str, Any]
-    """Values by dotted keys; those of a scene and a printer begin with these words."""
+    """Values by dotted keys. Those of a scene and a printer begin with "scene." and "printer."."""
 
     def load_design(self) -> Design:
-        """Walker of the page. Raises InputError, a line for every mistake."""
+        """Return the walker of the page. Raises InputError, a line for every mistake."""
         design = self._load_section(self.walker, "walkers", Design, "")
         if design.weighed.states:
             from walkergen.core.walker import weighed_masses
@@ -111,15 +111,15 @@ class Document(NamedTuple):
         return design
 
     def load_scene(self) -> Scene:
-        """Scene of the page. Raises InputError, a line for every mistake."""
+        """Return the scene of the page. Raises InputError, a line for every mistake."""
         return self._load_section(self.scene, "scenes", Scene, "scene.")
 
     def load_printer(self) -> Printer:
-        """Printer of the page. Raises InputError, a line for every mistake."""
+        """Return the printer of the page. Raises InputError, a line for every mistake."""
         return self._load_section(self.printer, "printers", Printer, "printer.")
 
     def prefixed_values(self, prefix: str) -> dict[str, Any]:
-        """Values of a scene or a printer by its own keys; of the walker for ""."""
+        """Return values of a scene or a printer by its own keys; for "" those of the walker."""
         others = ("scene.", "printer.")
         return {
             key.removeprefix(prefix): value
@@ -137,15 +137,15 @@ class Document(NamedTuple):
 
 @cache
 def _template_names(kind: str) -> frozenset[str]:
-    """Names of the templates of a kind, whose files do not change."""
+    """Return the names of the templates of a kind, whose files do not change."""
     return frozenset(templates.names(kind))
 
 
 @lru_cache(maxsize=MAX_CACHED_TEMPLATES)
 def _load_template(name: str, kind: str, model: type[Model], own: str, prefix: str) -> Model:
-    """Template in which keys have other values, by their JSON: a page asks several things of each document.
+    """Load a template with changed values, given as JSON. The cache serves the several requests for each document.
 
-    What is kept names no file that changes: those of a page are called by what is in them.
+    A cached template names no file that changes: files of a page are named by their contents.
     """
     settings, data = _load_defaults(name, kind, model)
     anew: Model = assignments.assign_values(settings, copy.deepcopy(data), json.loads(own), SOURCE, prefix)
@@ -154,14 +154,14 @@ def _load_template(name: str, kind: str, model: type[Model], own: str, prefix: s
 
 @cache
 def _load_defaults(name: str, kind: str, model: type[Model]) -> tuple[Model, dict[str, Any]]:
-    """Template, and the data in its file."""
+    """Load a template and the data in its file."""
     return assignments.read_with_data(templates.resolve_path(name, kind), model, {})
 
 
 def from_message(data: Any, place: PageFiles) -> Document:
-    """Document that a page sends.
+    """Read the document that a page sends.
 
-    Raises InputError for what is none, and for files that were not dropped onto a page.
+    Raises InputError for invalid documents, and for files that were not dropped onto a page.
     """
     if not isinstance(data, dict):
         raise InputError(f"{SOURCE}: document: must be a table")
@@ -174,7 +174,7 @@ def from_message(data: Any, place: PageFiles) -> Document:
 
 
 def parse_message(data: bytes) -> dict[str, Any]:
-    """Table of a page's message. Raises InputError, also for one that no TOML file could hold."""
+    """Parse the table of a page's message. Raises InputError, also for values that no TOML file can contain."""
     try:
         message = json.loads(data)
     except (ValueError, RecursionError):
@@ -187,9 +187,9 @@ def parse_message(data: bytes) -> dict[str, Any]:
 
 
 def _resolve_files(key: str, value: Any, uploads: Path) -> Any:
-    """Value of a key in which files that were dropped are found; others are refused.
+    """Return the value of a key with the paths of dropped files; other files are refused.
 
-    Raises InputError for those, and for what TOML has not.
+    Raises InputError for other files, and for values that TOML does not have.
     """
     if isinstance(value, dict):
         return {_check_text(inner): _resolve_files(inner, own, uploads) for inner, own in value.items()}
@@ -211,17 +211,17 @@ def _resolve_files(key: str, value: Any, uploads: Path) -> Any:
 
 
 def _check_text(text: str) -> str:
-    """Text of whole letters. Raises InputError for halves, which JSON alone has."""
+    """Return a text of complete characters. Raises InputError for lone surrogates, which JSON allows."""
     if LONE_SURROGATE.search(text):
         raise InputError(f"{SOURCE}: {text[:60]!r}: holds half a letter: write it again")
     return text
 
 
 def arguments(document: Document, command: str, *options: str) -> list[str]:
-    """Words after `walkergen` by which a command does the same with a page's walker.
+    """Return the words after `walkergen` of the command for a page's walker.
 
-    The tilt and the kind of legs are said by the flags that choose one walker of a family, which
-    `sweep` has not. Raises InputError, as `Document.design` does, and for a value that is too long
+    The flags that choose one walker of a family give the tilt and the kind of legs; `sweep` has
+    no such flags. Raises InputError, as `Document.design` does, and for a value that is too long
     for a command line.
     """
     flags = [] if command == "sweep" else _family_flags(document.load_design())
@@ -239,7 +239,7 @@ def arguments(document: Document, command: str, *options: str) -> list[str]:
 
 
 def tilt_key(design: Design) -> str | None:
-    """Key of the tilt that a walker's legs share; None where they share none."""
+    """Return the key of the tilt that a walker's legs share; None without a common tilt."""
     return TILTS[0] if design.pair else TILTS[1] if design.follows else None
 
 
@@ -250,14 +250,14 @@ def _family_flags(design: Design) -> list[str]:
 
 
 def format_value(value: Any) -> str:
-    """Value as a command line gives it to --set, which `assignments.value_of` reads back."""
+    """Format a value for --set on a command line; `assignments.value_of` parses it."""
     if isinstance(value, str) and BARE_KEY.fullmatch(value) and assignments.parse_value(value) == value:
         return value
     return "".join(_format_toml(value))
 
 
 def _format_toml(value: Any) -> Iterator[str]:
-    """Inline TOML of a value of JSON, in pieces."""
+    """Yield the inline TOML of a JSON value, in pieces."""
     if isinstance(value, Mapping):
         pairs = (f"{_format_key(key)} = {''.join(_format_toml(own))}" for key, own in value.items())
         yield "{" + ", ".join(pairs) + "}"
@@ -272,17 +272,17 @@ def _format_key(key: str) -> str:
 
 
 def _quote(value: Any) -> str:
-    """TOML of a text, a number or a yes; it takes all of JSON's escapes, but one letter bare."""
+    """Return the TOML of a text, a number or a Boolean; JSON's escapes are valid, but TOML also escapes DEL."""
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def shell_command(words: Sequence[str]) -> str:
-    """Line for a shell that runs walkergen with these words."""
+    """Return the shell command line that runs walkergen with these words."""
     return shlex.join(["walkergen", *words])
 
 
 def python_code(document: Document) -> str:
-    """Lines of Python that make and predict a page's walker."""
+    """Return Python code that makes and predicts a page's walker."""
     design, scene = document.prefixed_values(""), document.prefixed_values("scene.")
     changed = f".variant(**{design!r})" if design else ""
     ground = f"wg.load({document.scene!r})" + (f".variant(**{scene!r})" if scene else "")

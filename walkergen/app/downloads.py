@@ -1,4 +1,4 @@
-"""Files of a page's walker, made by the commands that a person would type, and handed out."""
+"""Files of a page's walker for download, made by the commands that a user would type."""
 
 import hashlib
 import io
@@ -19,7 +19,7 @@ from walkergen.core.walker.body import BUILTIN_OUTLINES
 from walkergen.files import templates
 
 FORMATS = ("stl", "3mf", "plate", "page", "toml", "zip")
-"""Files that a page hands out."""
+"""Files that a page offers for download."""
 
 SWEEP_OPTIONS = {
     "legs.tilt_deg": ("--set", "legs.tilt_deg=2:40:1", "--set", "legs.length_mm=5:10:0.5"),
@@ -29,19 +29,19 @@ SWEEP_OPTIONS = {
 
 
 class FileOrder(NamedTuple):
-    """Files to make, and where."""
+    """Files to make, and their folder."""
 
     document: Document
     what: str
     folder: Path
     commands: list[list[str]]
-    """Words after `walkergen` of the commands that make them, in order."""
+    """Words after `walkergen` of the commands that make the files, in order."""
 
 
 def make_order(document: Document, what: Any, copies: Any, folder: Path) -> FileOrder:
-    """Order of files for a walker, in a folder of its own below `folder`.
+    """Return the order of files for a walker, in a new folder below `folder`.
 
-    Raises InputError for files that are not known, and for a walker that is not sound.
+    Raises InputError for unknown files and for an invalid walker.
     """
     if not isinstance(what, str) or what not in FORMATS:
         raise InputError(f"{documents.SOURCE}: what: must be one of {', '.join(FORMATS)}")
@@ -60,9 +60,9 @@ def make_order(document: Document, what: Any, copies: Any, folder: Path) -> File
 
 
 def collect_files(asked: FileOrder) -> tuple[str, bytes]:
-    """Name and contents of what the commands of an order made: a file, or several in an archive.
+    """Return the name and contents of what the commands of an order made: a file, or several in an archive.
 
-    Raises InputError where they have not run, OutputError for settings that cannot be written.
+    Raises InputError if they have not run, OutputError for settings that cannot be written.
     """
     if asked.what in ("toml", "zip"):
         _write_settings(asked.document, asked.folder)
@@ -88,7 +88,7 @@ def collect_files(asked: FileOrder) -> tuple[str, bytes]:
 
 
 def _zip_files(folder: Path, paths: list[Path]) -> bytes:
-    """Archive of files whose bytes depend on nothing but theirs."""
+    """Return a zip archive of files that depends only on their bytes."""
     target = io.BytesIO()
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
         for path in paths:
@@ -98,7 +98,7 @@ def _zip_files(folder: Path, paths: list[Path]) -> bytes:
 
 
 def _write_settings(document: Document, folder: Path) -> None:
-    """Write walker, scene and printer as TOML files, the file of a body beside them."""
+    """Write walker, scene and printer as TOML files, and the body's file in the same folder."""
     design = document.load_design().with_numbered_legs()
     alone: dict[str, Any] = {"tilt_deg": [design.tilt_deg]}  # a family of this walker alone
     alone |= {"legs": [design.kind]} if design.pair else {}
@@ -122,9 +122,9 @@ def _write_settings(document: Document, folder: Path) -> None:
 
 
 def sweep_arguments(document: Document, speed: Any, folder: Path) -> list[str]:
-    """Return the words after `walkergen` that sweep tilts, and list those nearest to a wished speed first.
+    """Return the words after `walkergen` of a sweep of tilts that lists those nearest to a target speed first.
 
-    Raises InputError for what is no number, and for a walker whose legs share no tilt.
+    Raises InputError for values that are not numbers, and for a walker whose legs have no common tilt.
     """
     if isinstance(speed, bool) or not isinstance(speed, (int, float)):
         raise InputError(f"{documents.SOURCE}: speed: must be a number")

@@ -1,4 +1,4 @@
-"""What each effect changes of a page's walker: the command that measures it, and its picture for the page."""
+"""Effects of a page's scene: the command that measures their changes, and its picture for the page."""
 
 from pathlib import Path
 
@@ -9,16 +9,16 @@ from walkergen.core.errors import InputError
 from walkergen.files import web_page
 
 MAX_BYTES = 10_000_000
-"""Largest picture that is handed out."""
+"""Largest picture that the page can show, bytes."""
 
 
 def explain_arguments(document: Document, folder: Path) -> list[str]:
-    """Words after `walkergen` that measure each effect, and draw it below `folder`. Raises InputError."""
+    """Return the words after `walkergen` that measure each effect, and draw it below `folder`. Raises InputError."""
     return documents.arguments(document, "explain", "--measure", "--json", "--out", str(_folder(document, folder)))
 
 
 def read_picture(document: Document, folder: Path) -> dict[str, str]:
-    """Picture that was drawn, as an address of its own. Raises InputError where there is none."""
+    """Return the picture as a data address. Raises InputError if there is none."""
     path = _folder(document, folder) / "explain.png"
     try:
         data = path.read_bytes()[:MAX_BYTES]

@@ -1,6 +1,6 @@
-"""Form of a page: a control for every key that people write, from the tables that check them.
+"""Form of a page: a control for every key of a file, made from the tables that validate them.
 
-Nothing here knows a key: what a table allows, and what it says of itself, is what a page shows.
+No key is named here: the page shows each table's own limits and help texts.
 """
 
 import ast
@@ -33,14 +33,14 @@ UNITS = {
     "n_per_m": "N/m",
     "mm2": "mm²",
 }
-"""Units by the endings of keys, the longest first where one ends in another."""
+"""Units by the suffixes of keys; a longer suffix comes before its own ending."""
 
 MAX_FULL_RANGE, SLIDER_FACTOR, MAX_SLIDER_TILT_DEG = 400.0, 3.0, 45.0
-"""Widest range of numbers of either sign that a slider spans whole; beyond, and of numbers of one sign,
-it ends at a round number of TIMES the value. Tilt up to which that of the tilt goes."""
+"""Widest range of a slider for numbers of either sign that is shown completely. Wider ranges, and numbers of one sign,
+end at a round number of SLIDER_FACTOR times the value. Largest tilt of the tilt's slider."""
 
 TEXT_TEMPLATE = "name"
-"""Template of a walker whose body is letters, on legs that stand under them."""
+"""Template of a walker whose body is letters, on legs below them."""
 
 Kind = Literal["number", "whole", "choice", "yes", "text", "list"]
 
@@ -50,20 +50,20 @@ class Control(NamedTuple):
 
     key: str
     name: str
-    """Key without its unit, in words."""
+    """Key in words, without its unit."""
     unit: str
     kind: Kind
     value: Any
-    """Value as it is now; None where the key may be left out, and is."""
+    """Current value; None if the key is optional and missing."""
     help: str
     low: float | None = None
-    """Smallest number that the key may have."""
+    """Smallest allowed number."""
     high: float | None = None
     slider: tuple[float, float] | None = None
-    """Range of its slider, before `spans` cuts it to what can be built; None: a number alone."""
+    """Range of its slider, before `slider_ranges` restricts it to valid walkers; None: a number field alone."""
     choices: tuple[str, ...] = ()
     optional: bool = False
-    """True where the key may be left out."""
+    """True if the key is optional."""
 
 
 class Group(NamedTuple):
@@ -72,16 +72,16 @@ class Group(NamedTuple):
     title: str
     controls: list[Control]
     absent: tuple[str, Any] | None = None
-    """Key of a table that the file leaves out, and what to begin it with; None for one that is."""
+    """Key of a missing table, and its initial value; None for a table that is present."""
     optional: str | None = None
-    """Key of a table that may be left out."""
+    """Key of an optional table."""
 
 
 def groups(document: Document) -> list[Group]:
-    """Tables of the walker, the scene and the printer of a page, with a control for each key.
+    """Return the tables of the walker, the scene and the printer of a page, with a control for each key.
 
-    The tilt comes first, for it decides more than all others. Raises InputError for a document that
-    is not sound.
+    The tilt comes first because it has the largest influence. Raises InputError for an invalid
+    document.
     """
     design = document.load_design()
     tables: list[Group] = []
@@ -103,7 +103,7 @@ def groups(document: Document) -> list[Group]:
 
 
 def to_dict(document: Document) -> dict[str, Any]:
-    """All that a page's form is made of. Raises InputError for a document that is not sound."""
+    """Return all data of a page's form. Raises InputError for an invalid document."""
     tables = [
         {"title": group.title, "controls": [control._asdict() for control in group.controls]}
         | {"absent": group.absent, "optional": group.optional}
@@ -113,7 +113,7 @@ def to_dict(document: Document) -> dict[str, Any]:
 
 
 def _table_groups(section: Section, prefix: str, title: str) -> Iterator[Group]:
-    """Group of a table, after those of the tables in it."""
+    """Yield the group of a table, after those of the tables in it."""
     own, inner, absent = [], [], []
     idle = section.idle if isinstance(section, Body) else ()
     for name, field in type(section).model_fields.items():
@@ -141,14 +141,14 @@ def _table_groups(section: Section, prefix: str, title: str) -> Iterator[Group]:
 
 
 def _optional_table(field: Any) -> type[Section] | None:
-    """Class of a table that may be left out; None for other keys."""
+    """Return the class of an optional table; None for other keys."""
     types, _ = _types_and_limits(field)
     tables = [each for each in types if isinstance(each, type) and issubclass(each, Section)]
     return tables[0] if tables and type(None) in types else None
 
 
 def _minimal_table(table: type[Section]) -> dict[str, Any]:
-    """Table to begin with: empty or, where that is not sound, of one choice that makes it so."""
+    """Return an initial table: empty or, if that is invalid, with one choice that makes it valid."""
     choices = (
         {name: get_args(each)[0]}
         for name, field in table.model_fields.items()
@@ -165,7 +165,7 @@ def _minimal_table(table: type[Section]) -> dict[str, Any]:
 
 
 def _control(key: str, field: Any, value: Any, note: str) -> Control | None:
-    """Control of a key by its type; None for what only files hold."""
+    """Return the control of a key by its type; None for a key that only files can hold."""
     name, unit = _split_unit(key.rpartition(".")[2])
     types, metadata = _types_and_limits(field)
     choices = next((get_args(each) for each in types if get_origin(each) is Literal), ())
@@ -186,7 +186,7 @@ def _control(key: str, field: Any, value: Any, note: str) -> Control | None:
 
 
 def _split_unit(name: str) -> tuple[str, str]:
-    """Key in words, and its unit."""
+    """Split a key into its name in words and its unit."""
     for ending in sorted(UNITS, key=len, reverse=True):
         if name.endswith(f"_{ending}"):
             return name.removesuffix(f"_{ending}").replace("_", " "), UNITS[ending]
@@ -194,7 +194,7 @@ def _split_unit(name: str) -> tuple[str, str]:
 
 
 def _types_and_limits(field: Any) -> tuple[list[Any], list[Any]]:
-    """Types that a key may have, and the limits on them, out of unions and annotations."""
+    """Return the allowed types of a key, and their limits, from unions and annotations."""
     types, metadata, rest = [], list(field.metadata), [field.annotation]
     while rest:
         each = rest.pop()
@@ -206,13 +206,13 @@ def _types_and_limits(field: Any) -> tuple[list[Any], list[Any]]:
 
 
 def _find_limit(metadata: list[Any], names: tuple[str, ...]) -> float | None:
-    """Limit of a number by one of these names."""
+    """Return the limit of a number with one of these names."""
     limits = [getattr(item, name, None) for item in metadata for name in names]
     return next((float(limit) for limit in limits if limit is not None), None)
 
 
 def _slider_range(low: float | None, high: float | None, value: float | None) -> tuple[float, float] | None:
-    """Range of a slider, about its value where the key's own is too wide to move in."""
+    """Return the range of a slider. It surrounds the value if the key's own range is too wide to move in."""
     if low is None or high is None or value is None:
         return None
     if low < 0.0:
@@ -223,7 +223,7 @@ def _slider_range(low: float | None, high: float | None, value: float | None) ->
 
 
 def _round_up(value: float) -> float:
-    """Round number, 1, 2 or 5 times a power of ten, at or above a positive value."""
+    """Return the smallest round number, 1, 2 or 5 times a power of ten, at or above a positive value."""
     power = 10.0 ** math.floor(math.log10(value))
     return next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= 0.999 * value)
 
@@ -247,10 +247,10 @@ def _key_docs(table: type[Section]) -> Mapping[str, str]:
 
 
 def body_shapes(document: Document) -> dict[str, dict[str, Any]]:
-    """Other shapes of a walker's body, as large as it is now: values that make each of it.
+    """Return the values for other shapes of a walker's body, at its current size.
 
-    A drawing or a mesh is dropped onto the page; letters begin with a template of their own. Raises
-    InputError for a document that is not sound.
+    Drawings and meshes are dropped onto the page. Letters begin with their own template. Raises
+    InputError for an invalid document.
     """
     design = document.load_design()
     length, thickness, depth = (round(extent, 1) for extent in design.size)
@@ -272,7 +272,7 @@ def body_shapes(document: Document) -> dict[str, dict[str, Any]]:
 
 
 def _round_lengths(value: Any) -> Any:
-    """Lengths of a shape in tenths of a millimetre."""
+    """Round the lengths of a shape to tenths of a millimetre."""
     if isinstance(value, float):
         return round(value, 1)
     if isinstance(value, dict):
@@ -281,9 +281,9 @@ def _round_lengths(value: Any) -> Any:
 
 
 def legs_as_list(document: Document) -> list[dict[str, Any]]:
-    """Legs of the walker as a list [[legs]]: two equal legs as two entries, others as they are.
+    """Return the legs of the walker as a list [[legs]]. Two equal legs become two entries.
 
-    A finished walker has none to change. Raises InputError for a document that is not sound.
+    A finished walker has no legs to change. Raises InputError for an invalid document.
     """
     design = document.load_design()
     if design.whole:

@@ -1,4 +1,4 @@
-"""What a page says in words for people who click: speeds in a sentence, no keys of files, no flags of a shell."""
+"""Texts of a page for users of a mouse: speeds in sentences, without keys of files and flags of a shell."""
 
 import re
 from collections.abc import Mapping
@@ -16,7 +16,7 @@ from walkergen.core.walker.limbs import Leg
 from walkergen.files import key_names
 
 QUARTILE_RATIO = 0.6745
-"""Distance of the quartiles of a normal distribution from its middle, over that of the ends of 68 %."""
+"""Distance of the quartiles of a normal distribution from its median, over the half-width of its 68 % interval."""
 
 TITLES: Mapping[str, str] = {
     "koumakis2016": "the paper's walker",
@@ -37,7 +37,7 @@ TITLES: Mapping[str, str] = {
     "plane-noisy": "an open plate that is noisy, as in a laboratory",
     "table-motor": "a table; the walker has a motor",
 }
-"""Plain names of walkers and scenes, by those of their files."""
+"""Plain names of walkers and scenes, by the names of their files."""
 
 MENU_NAMES: Mapping[str, str] = {
     'wall_generator = "classic"': "the perimeter generator (wall generator in Orca and Bambu) Classic",
@@ -46,7 +46,7 @@ MENU_NAMES: Mapping[str, str] = {
     "set brim_width_mm": "give it a brim",
     "turn the mesh by body.up": "choose another axis that points up",
 }
-"""What the menus of slicers and the page's form call settings that messages name by their keys."""
+"""Names of settings in the menus of slicers and in the page's form, by the keys in messages."""
 
 Kind = Literal["forward", "backward", "stands", "falls", "unknown"]
 
@@ -57,13 +57,13 @@ class Speed(NamedTuple):
     text: str
     kind: Kind
     sure: bool
-    """False where a run has yet to tell it."""
+    """False if the speed still requires a run."""
 
 
 def format_speed(row: Prediction) -> Speed:
-    """Speed of a prediction: its median, and what half of the prints do.
+    """Format the speed of a prediction: its median, and the range of half of the prints.
 
-    The quartiles follow from the ends of 68 %, to either side as of a normal distribution.
+    The quartiles follow from the 68 % interval, on either side as for a normal distribution.
     """
     middle, low, high = row.speed_mm_s, row.speed_low_68_mm_s, row.speed_high_68_mm_s
     if middle is None and row.falls > 0.0:
@@ -94,7 +94,7 @@ def _format_size(value: float) -> str:
 
 
 def _format_range(low: float, high: float) -> str:
-    """Format a range of speeds; those below zero are to the left."""
+    """Format a range of speeds. Negative speeds are to the left."""
     if low >= 0.0:
         return f"between {_format_size(low)} and {_format_size(high)}"
     if high <= 0.0:
@@ -123,17 +123,17 @@ def format_name(key: str) -> str:
 
 
 def format_setting(key: str, value: float) -> str:
-    """Value of a key of a walker or, after "printer.", of the printer, in words."""
+    """Format the value of a key of a walker or, after "printer.", of the printer, in words."""
     return f"{format_name(key)}: {value:g} {key_names.UNITS_BY_SUFFIX.get(_unit_ending(key), '')}".strip()
 
 
 def format_title(name: str) -> str:
-    """Plain name of a template beside its own, or the name."""
+    """Return the plain name of a template followed by its own, or only its own."""
     return f"{TITLES[name]} ({name})" if name in TITLES else name
 
 
 def to_plain_text(text: str) -> str:
-    """Text without keys of files and flags of a shell: keys in words, clauses with a flag left out."""
+    """Remove keys of files and flags of a shell from a text: keys become words, clauses with a flag are dropped."""
     clauses = re.split(r"(?<=[;:,.]) ", text)
     kept = [clause for clause in clauses if not re.search(r"(?<![\w-])--?[a-z][\w-]+|[`‹]|walkergen ", clause)]
     text = re.sub(r"[;:,]$", "", " ".join(kept or clauses))
@@ -150,7 +150,7 @@ def _yes_or_no(word: str) -> str:
 
 
 def _format_key(key: re.Match[str]) -> str:
-    """Key in words without its unit; other words as they are."""
+    """Return a key in words without its unit, and other words unchanged."""
     known = key[0].removeprefix("scene.").removeprefix("printer.")
     if known.isidentifier() and known != key[0]:  # a table
         return known
@@ -165,7 +165,7 @@ def _unit_ending(key: str) -> str:
 
 @cache
 def _file_keys() -> frozenset[str]:
-    """All keys of files, and their last names where these are more than a word."""
+    """Return all keys of files, and their last parts that contain an underscore."""
     paths = [".".join(path) for model in (Design, Scene, Printer) for path in config.key_paths(model)]
     paths += [f"legs.{name}" for name in Leg.model_fields]
     return frozenset([*paths, *(name for path in paths if "_" in (name := path.rpartition(".")[2]))])

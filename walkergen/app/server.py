@@ -1,7 +1,7 @@
-"""Server of the page on which walkers are designed: a door for each thing that the page asks.
+"""Server of the page on which walkers are designed, with one endpoint for each request of the page.
 
-Doors stand below a path that nobody can guess, and open only to pages of this server: a page of
-elsewhere names another Host or Origin. No path of a file comes from a page.
+Endpoints are below a secret path, and answer only pages of this server. Pages from
+elsewhere have another Host or Origin. No file path comes from a page.
 """
 
 import asyncio
@@ -42,25 +42,25 @@ from walkergen.files import templates
 from walkergen.request import TABLE_SCENE
 
 MAX_MESSAGE_BYTES = 1_000_000
-"""Longest message of a page, bytes, as of a TOML file."""
+"""Longest message of a page, bytes, equal to that of a TOML file."""
 
 MAX_UPLOAD_BYTES = 200_000_000
 """Largest file that may be dropped onto a page, bytes."""
 
 MAX_RECEIVED_BYTES = 5 * MAX_UPLOAD_BYTES
-"""Bytes of a message after which it is broken off, whoever sends it."""
+"""Bytes of a message after which the connection is closed, for any sender."""
 
 MAX_UPLOAD_FOLDER_BYTES = 2 * MAX_UPLOAD_BYTES
-"""Sum of all files that were dropped and are kept, bytes: the oldest go."""
+"""Total size of all stored dropped files, bytes; the oldest are deleted first."""
 
 RECEIVE_TIMEOUT_S = 20.0
-"""Time after which a message that has not ended, and goes on no more, is given up, s."""
+"""Time after which a stalled message is abandoned, s."""
 
 SAVED_DOCUMENT = "kept.json"
-"""File in the server's folder with the document that was changed last."""
+"""File in the server's folder with the last changed document."""
 
 MAX_SAVED_BYTES = 50 * MAX_MESSAGE_BYTES
-"""Largest such file, bytes: a message with a line for each number in it."""
+"""Largest saved document, bytes: a message with a line for each number in it."""
 
 CONTENT_POLICY = (
     "default-src 'none'; connect-src 'self'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
@@ -75,7 +75,7 @@ WorkArgument = Callable[[Server, MessageFields], Any]
 
 
 def application(server: Server) -> Any:
-    """ASGI application of a server."""
+    """Make the ASGI application of a server."""
     doors: dict[str, Endpoint] = {
         "start": _send_start_data,
         "walker": _send_walker,
@@ -130,23 +130,23 @@ can reach your designs.</p>
 address, to its last letter. Or end it there with Ctrl-C and start it again: it opens the page itself.</p>
 </main></body></html>
 """
-"""Page of an address that leads nowhere."""
+"""Page for unknown addresses."""
 
 
 def _handle_http_error(request: Request, error: HTTPException) -> Response:
-    """Refusal of what is asked of no door, or not as doors are asked; a person reads a page."""
+    """Return the refusal of an unknown address or an invalid request. A browser shows a page."""
     if request.method == "GET" and "text/html" in request.headers.get("accept", ""):
         return HTMLResponse(BAD_ADDRESS_PAGE, error.status_code)
     return _error_response([f"this server has no such door: {error.detail}"], error.status_code)
 
 
 def _handle_internal_error(_: Request, error: Exception) -> Response:
-    """Answer where walkergen has a mistake, which the terminal then shows."""
+    """Return the answer to an internal error; the terminal shows the error."""
     return _error_response(["a mistake of walkergen: its terminal shows more; please report it"], 500)
 
 
 def _restrict_hosts(app: Any, hosts: frozenset[str]) -> Any:
-    """Application that answers only pages of its own, by its own name."""
+    """Return an application that answers only requests from its own pages, under its own name."""
 
     async def handle_request(scope: Any, receive: Any, send: Any) -> None:
         if scope["type"] != "http":
@@ -177,7 +177,7 @@ def _restrict_hosts(app: Any, hosts: frozenset[str]) -> Any:
 
 
 def _handle_refusals(server: Server, door: Endpoint) -> Any:
-    """Endpoint that refuses in words what a job refuses."""
+    """Return an endpoint that reports the refusals of a job in words."""
 
     async def endpoint(request: Request) -> Response:
         try:
@@ -188,17 +188,17 @@ def _handle_refusals(server: Server, door: Endpoint) -> Any:
             return _error_response(["too large for this machine: ask for less"], 422)
         except TimeoutError:
             return _error_response(["the message did not come to its end"], 408)
-        except ClientDisconnect:  # nobody reads this
+        except ClientDisconnect:  # the client has gone
             return Response(status_code=204)
 
     return endpoint
 
 
 async def _read_body(request: Request, most: int = MAX_MESSAGE_BYTES) -> bytes:
-    """Message of a page. Raises InputError for one that is too long."""
+    """Read the message of a page. Raises InputError if it is too long."""
     data, length = bytearray(), 0
     stream = request.stream()
-    while True:  # to its end: who still sends hears no refusal
+    while True:  # to its end: a client that still sends cannot receive the refusal
         try:
             piece = await asyncio.wait_for(anext(stream), RECEIVE_TIMEOUT_S)
         except StopAsyncIteration:
@@ -214,7 +214,7 @@ async def _read_body(request: Request, most: int = MAX_MESSAGE_BYTES) -> bytes:
 
 
 async def _read_request(server: Server, request: Request) -> tuple[Document, dict[str, Any]]:
-    """Document of a request, and what else it says. Raises InputError."""
+    """Return the document of a request, and its other fields. Raises InputError."""
     message = documents.parse_message(await _read_body(request))
     return documents.from_message(message.pop("document", None), server.place), message
 
@@ -261,7 +261,7 @@ def _load_saved(server: Server) -> Any:
 
 
 async def _save_document(server: Server, request: Request) -> Response:
-    """Keep a document, as the page sent it, for the next start."""
+    """Save a document, as the page sent it, for the next start."""
     document = documents.parse_message(await _read_body(request)).get("document")
     documents.from_message(document, server.place)
     kept = encode_manifest({"document": document})
@@ -270,19 +270,19 @@ async def _save_document(server: Server, request: Request) -> Response:
 
 
 async def _send_walker(server: Server, request: Request) -> Response:
-    """Facts on the walker and its triangles: a line of JSON, then little-endian numbers."""
+    """Send facts on the walker and its triangles: a line of JSON, then little-endian numbers."""
     document, _ = await _read_request(server, request)
     packed = await _await_work(server.steps, request, walker_answers.pack_walker, document)
     return Response(packed, media_type="application/octet-stream")
 
 
 def _is_rough(server: Server, asked: MessageFields) -> bool:
-    """Whether a few points do, as while a slider moves."""
+    """Return whether a few points suffice, as while a slider moves."""
     return asked.get("rough") is True
 
 
 def _slider_keys(server: Server, asked: MessageFields) -> list[str]:
-    """Keys of the sliders whose ranges are asked for. Raises InputError."""
+    """Return the keys of the sliders whose ranges are requested. Raises InputError."""
     keys = asked.get("keys")
     if not isinstance(keys, list) or not all(isinstance(key, str) for key in keys):
         raise InputError(f"{documents.SOURCE}: keys: must be a list of keys")
@@ -290,12 +290,12 @@ def _slider_keys(server: Server, asked: MessageFields) -> list[str]:
 
 
 def _target_speed(server: Server, asked: MessageFields) -> Any:
-    """Wished speed, as the page sent it."""
+    """Return the target speed, as the page sent it."""
     return asked.get("speed")
 
 
 def _output_folder(name: str) -> WorkArgument:
-    """Folder of this name, in which a command leaves what it makes."""
+    """Return the folder of this name for the output of a command."""
     return lambda server, asked: server.folder / name
 
 
@@ -308,7 +308,7 @@ async def _run_on_document(
 
 
 def _answer_endpoint(work: Callable[..., Any], *given: WorkArgument, key: str = "") -> Endpoint:
-    """Door that answers by work on a page's walker; with a key in a table of this one."""
+    """Return an endpoint that answers with work on a page's walker, in a table if a key is given."""
 
     async def door(server: Server, request: Request) -> Response:
         result = await _run_on_document(work, given, server, request)
@@ -318,7 +318,7 @@ def _answer_endpoint(work: Callable[..., Any], *given: WorkArgument, key: str = 
 
 
 def _command_endpoint(words: Callable[..., list[str]], *given: WorkArgument) -> Endpoint:
-    """Door that runs a command of a page's walker."""
+    """Return an endpoint that runs a command on a page's walker."""
 
     async def door(server: Server, request: Request) -> Response:
         command = await _run_on_document(words, given, server, request)
@@ -328,7 +328,7 @@ def _command_endpoint(words: Callable[..., list[str]], *given: WorkArgument) -> 
 
 
 async def _await_work(workers: Workers, request: Request, work: Callable[..., Result], *given: Any) -> Result:
-    """Run slow work in a process and return its result. Raises ClientDisconnect if the page has gone meanwhile."""
+    """Run slow work in a process and return its result. Raises ClientDisconnect if the page is closed meanwhile."""
     result = await child_processes.run_until_disconnect(request.receive, workers.answer(work, *given))
     if result is None:
         raise ClientDisconnect
@@ -336,7 +336,7 @@ async def _await_work(workers: Workers, request: Request, work: Callable[..., Re
 
 
 class EventStream(Response):
-    """Events as lines of JSON; a page that goes away ends what makes them."""
+    """Events as lines of JSON. Closing the page ends the event source."""
 
     media_type = "application/x-ndjson"
 
@@ -346,7 +346,7 @@ class EventStream(Response):
         self._events = events
 
     async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
-        """Send the events as they come."""
+        """Send the events as they arrive."""
         await send({"type": "http.response.start", "status": 200, "headers": self.raw_headers})
 
         async def lines() -> None:
@@ -359,7 +359,7 @@ class EventStream(Response):
 
 
 async def _run_simulation(server: Server, request: Request) -> Response:
-    """Simulate the walker; if `short` only for a first number."""
+    """Simulate the walker; if `short` only for a first estimate."""
     document, asked = await _read_request(server, request)
     sent = {"document": document._asdict(), "short": asked.get("short") is True}
     return EventStream(child_processes.run_module(server.running, child_processes.SIMULATION_MODULE, sent))
@@ -372,7 +372,7 @@ async def _read_order(server: Server, request: Request) -> downloads.FileOrder:
 
 
 async def _make_files(server: Server, request: Request) -> Response:
-    """Make files by their commands, for `take` to hand out."""
+    """Make files with their commands; `take` sends them."""
     order = await _read_order(server, request)
     if not order.commands:
         return Response(b"", media_type=EventStream.media_type)
@@ -380,7 +380,7 @@ async def _make_files(server: Server, request: Request) -> Response:
 
 
 async def _send_files(server: Server, request: Request) -> Response:
-    """Hand out files that were made."""
+    """Send finished files."""
     order = await _read_order(server, request)
     name, data = await _await_work(server.workers, request, downloads.collect_files, order)
     shells = [documents.shell_command(words) for words in order.commands]
@@ -389,7 +389,7 @@ async def _send_files(server: Server, request: Request) -> Response:
 
 
 async def _receive_upload(server: Server, request: Request) -> Response:
-    """Keep a file that was dropped onto the page, under a name of ours."""
+    """Store a file that was dropped onto the page, under a generated name."""
     kind = request.query_params.get("kind", "").lower()
     data = await _read_body(request, MAX_UPLOAD_BYTES)
     if kind not in documents.UPLOAD_ENDINGS:
@@ -402,7 +402,7 @@ async def _receive_upload(server: Server, request: Request) -> Response:
 
 
 def _store_upload(folder: Path, kind: str, data: bytes) -> str:
-    """Name of a file that was dropped, once it is written. Raises OutputError."""
+    """Write a dropped file and return its name. Raises OutputError."""
     name = f"{hashlib.sha256(data).hexdigest()[:16]}.{kind}"
     with output.Folder(folder, "") as target:
         target.write(name, data)
@@ -416,7 +416,7 @@ def _store_upload(folder: Path, kind: str, data: bytes) -> str:
 
 
 async def _send_picture(server: Server, request: Request) -> Response:
-    """Side view of a template's walker, to start from."""
+    """Send a side view of a template's walker, for the choice of a template."""
     name = request.path_params["name"]
     if name not in templates.names("walkers"):
         return _error_response(["no such picture"], 404)

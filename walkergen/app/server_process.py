@@ -1,4 +1,4 @@
-"""The server as a process: its port, its address, its end."""
+"""Process of the server: its port, its address, its shutdown."""
 
 import contextlib
 import errno
@@ -22,22 +22,22 @@ from walkergen.files import templates
 LOOPBACK = ("127.0.0.1", "localhost")
 
 PLAIN_PORT = 80
-"""Port that browsers leave out of an address."""
+"""Port that browsers omit from an address."""
 
 
 IDLE_S = 10.0
-"""Time after which a connection on which no message has begun to be answered is closed, s."""
+"""Time after which a connection without an answer in progress is closed, s."""
 
 
 class _IdleTimeoutProtocol(H11Protocol):
-    """Connection that is closed where nothing comes on it, or a message that does not get on."""
+    """Connection that is closed when it receives nothing, or when a message stalls."""
 
     def connection_made(self, transport: Any) -> None:
         super().connection_made(transport)
         self.loop.call_later(IDLE_S, self._close_if_idle, None)
 
     def _close_if_idle(self, before: Any) -> None:
-        """Close what has answered nothing since the last look, at the message `before`, and answers nothing now."""
+        """Close the connection if it is idle and has answered nothing since the last check, at the message `before`."""
         if self.transport.is_closing():
             return
         if self.cycle is None or (self.cycle is before and self.cycle.response_complete):
@@ -47,7 +47,7 @@ class _IdleTimeoutProtocol(H11Protocol):
 
 
 class _CleanupServer(uvicorn.Server):
-    """Server that at its end first ends what runs for its pages, and says nothing any more."""
+    """Server that first ends the children of its pages at shutdown, and logs nothing more."""
 
     def __init__(self, config: uvicorn.Config, served: servers.Server) -> None:
         super().__init__(config)
@@ -64,9 +64,9 @@ class _CleanupServer(uvicorn.Server):
 
 
 def serve(asked: Document, anew: bool, folder: Path, host: str, port: int, browser: bool) -> None:
-    """Serve pages on a sound document until Ctrl-C; `anew` where a command line asked for it.
+    """Serve pages on a valid document until Ctrl-C. `anew` is true if the command line named this document.
 
-    Raises InputError for addresses that are unusable.
+    Raises InputError for unusable addresses.
     """
     own = None if asked.walker in templates.names("walkers") else asked.walker
     first = asked._replace(values=servers.START_VALUES | dict(asked.values))
@@ -101,14 +101,14 @@ def serve(asked: Document, anew: bool, folder: Path, host: str, port: int, brows
 
 
 def _allowed_hosts(names: Sequence[str], port: int) -> frozenset[str]:
-    """Hosts as browsers name them who call a port of these."""
+    """Return the hosts, as browsers name them, for these names and a port."""
     bracketed = [_bracket_ipv6(name).lower() for name in names]
     plain = bracketed if port == PLAIN_PORT else []
     return frozenset([*(f"{name}:{port}" for name in bracketed), *plain])
 
 
 def _bracket_ipv6(host: str) -> str:
-    """Host as addresses of pages have it."""
+    """Format a host for the address of a page."""
     return f"[{host}]" if ":" in host else host
 
 
@@ -129,7 +129,7 @@ def _is_remote(host: str) -> bool:
 
 
 def _open_socket(host: str, port: int) -> socket.socket:
-    """Socket that listens at an address. Raises InputError."""
+    """Open a socket that listens at an address. Raises InputError."""
     listening = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET)
     # Where others may take a port that is in use, Windows, it must be refused; elsewhere one that
     # was in use a moment ago is free
@@ -137,7 +137,7 @@ def _open_socket(host: str, port: int) -> socket.socket:
     try:
         listening.setsockopt(socket.SOL_SOCKET, alone or socket.SO_REUSEADDR, 1)
         listening.bind((host, port))
-        listening.listen()  # a browser that is quicker than the server waits
+        listening.listen()  # a browser that is faster than the server waits
     except (OSError, UnicodeError) as error:
         listening.close()
         reason = getattr(error, "strerror", None) or "is no address"

@@ -1,4 +1,4 @@
-"""What a server knows from its start, before it has loaded what answers its pages."""
+"""State of a server at its start, before it has loaded the modules that answer its pages."""
 
 import asyncio
 import secrets
@@ -9,39 +9,39 @@ from walkergen.app.document import Document, PageFiles
 from walkergen.app.workers import Workers
 
 START_VALUES = {"scene.run.seconds": 10.0, "scene.run.runs": 8}
-"""Values of a new document: a run that is done within seconds."""
+"""Values of a new document: a run that finishes within seconds."""
 
 Running = set[asyncio.Future[Any]]
-"""Tasks that have a child, of one server."""
+"""Tasks of one server that have a child."""
 
 
 class Server(NamedTuple):
-    """What a server knows from its start."""
+    """State of a server at its start."""
 
     folder: Path
-    """Folder of all that it writes."""
+    """Folder for all its output."""
     hosts: frozenset[str]
-    """Hosts, with ports, by which its pages call it."""
+    """Hosts, with ports, that its pages may use as its address."""
     secret: str
-    """Path below which its doors stand."""
+    """Path of its endpoints."""
     place: PageFiles
     first: Document
-    """Document of the command line, with which a page begins."""
+    """Document of the command line, which a page starts with."""
     running: Running
     steps: Workers
-    """Processes of walkers alone, so that a slider's step waits for nothing else."""
+    """Separate processes for walkers, so that the steps of a slider never wait."""
     workers: Workers
-    """Processes of all else that takes its time."""
+    """Processes for all other slow work."""
     anew: bool = False
-    """True where the command line says what a page is about: what was kept of others is not it."""
+    """True if the command line names a document, which replaces the saved one."""
     once: str | None = None
-    """Word in the address that opens the page once, for a phone; None for this machine alone."""
+    """Secret in the address that opens the page once, for a phone; None for this machine alone."""
 
 
 def make_server(
     folder: Path, hosts: frozenset[str], first: Document, own: str | None, away: bool, anew: bool = False
 ) -> Server:
-    """Server with fresh secrets; `away` if other machines can reach it."""
+    """Make a server with new secrets; `away` if other machines can reach it."""
     place = PageFiles(folder / "uploads", own)
     once = secrets.token_urlsafe(9) if away else None
     return Server(folder, hosts, secrets.token_urlsafe(18), place, first, set(), Workers(), Workers(), anew, once)

@@ -1,6 +1,6 @@
 """Child process of the server that simulates a walker, for its prediction or with all runs of its scene.
 
-A prediction takes runs of seconds. Before all runs come a first number and a run to be played.
+A prediction takes runs of seconds. A first estimate and a run for playback come before all runs.
 """
 
 import contextlib
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from walkergen.core.walker.design import Design
 
 FIRST_S, FIRST_RUNS = 1.0, 4
-"""Length (s) and number of the runs that give the first number."""
+"""Length (s) and number of the runs of the first estimate."""
 
 PLAYBACK_S = 3.0
-"""Length of the run that is played, s."""
+"""Length of the run for playback, s."""
 
 
 def main() -> int:
-    """Simulate the document that the server sent, `short` only what its prediction needs; returns the exit code."""
+    """Simulate the document from the server, if `short` only for its prediction; returns the exit code."""
     sent = child_processes.receive_and_watch()
     document = Document(**sent["document"])
     try:
@@ -42,7 +42,7 @@ def main() -> int:
 
 
 def _predict(design: "Design", scene: "Scene") -> None:
-    """Predict a walker that nothing knows without runs, which the store then has for whoever asks again."""
+    """Predict a walker that requires runs. The result is cached for later requests."""
     from walkergen.commands.predict import make
 
     make.predict(design, [design], scene, "coulomb", progress=child_processes.teller())
@@ -54,7 +54,7 @@ def _simulate(design: "Design", scene: "Scene") -> None:
 
     run, tell = scene.run, child_processes.teller()
     seconds, runs = min(FIRST_S, run.seconds), min(FIRST_RUNS, run.runs)
-    before, rest = seconds * runs, run.seconds * run.runs  # simulated time of both, by which one bar grows
+    before, rest = seconds * runs, run.seconds * run.runs  # simulated time of both, for one common progress bar
     if not rest > 2.0 * before:
         before = 0.0
     shares = before / (before + PLAYBACK_S + rest), (before + PLAYBACK_S) / (before + PLAYBACK_S + rest)
@@ -64,7 +64,7 @@ def _simulate(design: "Design", scene: "Scene") -> None:
         child_processes.send_event(
             _measure_walker(design, first, range_progress(tell, 0.0, shares[0])) | {"first": True}
         )
-    with contextlib.suppress(WalkergenError):  # it moves in a plane, or falls at once, which the runs tell
+    with contextlib.suppress(WalkergenError):  # no playback in a plane or after an immediate fall: the runs report it
         child_processes.send_event({"played": viewer_run.record_run(design, scene, PLAYBACK_S)})
     child_processes.send_event(_measure_walker(design, scene, range_progress(tell, shares[1], 1.0)) | {"first": False})
 

@@ -1,4 +1,4 @@
-"""Ranges of sliders that a walker can be built in, found by trying."""
+"""Ranges of sliders that give valid walkers, found by trial."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -11,13 +11,13 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 
 ERROR = 1.000001 / 2**7
-"""Error of an end over what is not known of it: seven halvings."""
+"""Error of an end relative to the searched interval: seven halvings."""
 
 MIN_RANGE_SHARE = 0.05
-"""Least share of its range that a slider keeps: one that cannot move would say nothing."""
+"""Smallest range of a slider relative to the key's range. A narrower one is dropped, as it could hardly move."""
 
 MAX_CPU_S = 0.6
-"""Time of a core after which sliders that are left keep the range of their key, s: solids of some bodies take long."""
+"""CPU time after which the remaining sliders keep the range of their key, s. Solids of some bodies are slow."""
 
 
 def slider_ranges(document: Document, keys: Sequence[str]) -> dict[str, tuple[float, float]]:
@@ -41,7 +41,7 @@ def slider_ranges(document: Document, keys: Sequence[str]) -> dict[str, tuple[fl
 
 
 def nearest(design_at: Callable[[float], Design], near: float, far: float, error: float) -> float:
-    """Value nearest to `far`, up to an error, at which a walker can be built, from one on at which it can."""
+    """Find the value nearest to `far`, up to an error, at which a walker can be built. It can be built at `near`."""
 
     def is_sound(value: float) -> bool:
         try:

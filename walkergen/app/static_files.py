@@ -1,4 +1,4 @@
-"""The page itself: its HTML, its scripts and its style, the same for every walker."""
+"""Static page: its HTML, its scripts and its style, the same for every walker."""
 
 from functools import cache
 from pathlib import Path
@@ -16,11 +16,11 @@ ASSETS = {
         for name in ("ask", "state", "form", "part", "outlook", "jobs", "dish", "effects", "compare", "main")
     },
 }
-"""Files of the page beside its HTML, and their types."""
+"""Files of the page in addition to its HTML, and their types."""
 
 
 def routes() -> list[Route]:
-    """Routes to the page's files."""
+    """Return the routes to the page's files."""
     scripts = [Route(f"/{name}", _asset) for name in ASSETS]
     return [*scripts, Route("/", _page), Route("/viewer.js", _viewer)]
 
@@ -40,5 +40,5 @@ def _viewer(request: Request) -> Response:
 
 @cache
 def _asset_bytes(name: str) -> bytes:
-    """File that is shipped beside this module."""
+    """Read a file of the package's assets."""
     return Path(__file__).with_name("assets").joinpath(name).read_bytes()

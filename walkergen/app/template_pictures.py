@@ -1,4 +1,4 @@
-"""Pictures of the templates that a page starts from: the walker's outline from the side, as SVG."""
+"""Pictures of the templates on a page: the walker's outline from the side, as SVG."""
 
 from functools import cache
 
@@ -10,7 +10,7 @@ from walkergen.core.walker.design import Design
 from walkergen.files import templates
 
 WIDTH, HEIGHT, MARGIN = 120.0, 60.0, 6.0
-"""Size of a picture and what is left free around the walker, pixels."""
+"""Size of a picture and its margin around the walker, pixels."""
 
 VIEW_AXES = np.array([[0.87, 0.0, 0.5], [0.21, 0.91, -0.36]])
 """Axes of the picture, to the right and upward, in the frame of the walker: from the front, left
@@ -19,7 +19,7 @@ and above."""
 
 @cache
 def side_view(name: str) -> str:
-    """SVG of a template's walker, its triangles from the farthest to the nearest."""
+    """Draw a template's walker as SVG, its triangles from the farthest to the nearest."""
     design = templates.load(name, "walkers", Design)
     return _draw_mesh(solids.build(design).walker)
 
@@ -49,5 +49,5 @@ def _draw_mesh(mesh: Mesh) -> str:
 
 
 def _colour(share: float) -> str:
-    """Colour of a face by the light on it, 0..1."""
+    """Return the colour of a face for a share of light, 0..1."""
     return "#" + "".join(f"{round(value * share):02x}" for value in (126, 184, 230))

@@ -1,4 +1,4 @@
-"""What a page shows of its walker: the part, how it prints and how it will run.
+"""Answers about a page's walker: the part, its printing and its predicted motion.
 
 Every number comes from the job that the command line calls for it.
 """
@@ -32,16 +32,16 @@ from walkergen.readers.walkers.leg_placement import UnplacedError
 UPLOAD_PATH = re.compile(
     r"""(?<!\S)(['"]?)(?:[A-Za-z]:)?[\\/][^:\n]*?\.(?:svg|dxf|stl|3mf|obj|ply|off|glb|png|jpe?g)\b\1""", re.IGNORECASE
 )
-"""Path of a file that somebody dropped onto a page, where they have never been."""
+"""Path of a file that was dropped onto a page. Users do not know this path."""
 
 LEG_GAP_MM = 1e-4
-"""Distance below the body's underside from which on a triangle belongs to a leg."""
+"""Distance below the body's underside beyond which a triangle belongs to a leg."""
 
 
 def walker_facts(document: Document) -> tuple[dict[str, Any], Mesh]:
-    """Facts on the walker and its speed, and its mesh as it stands.
+    """Return the facts on the walker and its speed, and its mesh in standing position.
 
-    Raises WalkergenError for what cannot be built or predicted.
+    Raises WalkergenError for a walker that cannot be built or predicted.
     """
     design, scene = document.load_design(), document.load_scene()
     report = predicting.predict(design, [design], scene, "coulomb", model="known", united=False)
@@ -72,7 +72,7 @@ def walker_facts(document: Document) -> tuple[dict[str, Any], Mesh]:
 
 
 def pack_walker(document: Document) -> bytes:
-    """Facts on the walker as a line of JSON, then the corners of its triangles, and which are of legs.
+    """Return the facts on the walker as a line of JSON, the corners of its triangles, and which belong to legs.
 
     Raises WalkergenError, as `walker` does.
     """
@@ -121,7 +121,7 @@ def variance_shares(document: Document) -> list[dict[str, Any]]:
 
 
 def _page_key(name: str, design: Design) -> str:
-    """Key on a page of what is not known, by its name in predictions; "" for what no key holds."""
+    """Return the key on a page of an unknown input, by its name in predictions; "" without a key."""
     table, _, key = name.partition(".")
     if table == "legs":
         return f"legs.{design.kind}_{key}" if design.pair else ""
@@ -129,9 +129,9 @@ def _page_key(name: str, design: Design) -> str:
 
 
 def format_refusal(error: WalkergenError) -> list[dict[str, Any]]:
-    """Mistakes, each with its key where it has one, in words for people who click.
+    """Return mistakes in words for users of a mouse, each with its key if it has one.
 
-    The last comes with what helps, and says whether `trouble` draws it.
+    The last one comes with remedies, and states whether `trouble` draws it.
     """
     mistaken = error if isinstance(error, InputError) else InputError(error.text)
     keys, remedies = mistaken.keys, mistaken.remedies
@@ -152,7 +152,7 @@ def format_refusal(error: WalkergenError) -> list[dict[str, Any]]:
 
 
 def trouble_picture(document: Document) -> dict[str, str]:
-    """Address of a picture of the body under which no legs stand, in red what has no room; "" of another walker."""
+    """Return the address of a picture of a body without room for legs, missing room in red; "" for other walkers."""
     from walkergen.commands.family import unsupported_body as drawing
     from walkergen.files import figures
 
@@ -161,17 +161,17 @@ def trouble_picture(document: Document) -> dict[str, str]:
     except UnplacedError as error:
         return {"picture": web_page.data_url("image/png", figures.png(drawing.draw_unsupported_body(error), 100))}
     except WalkergenError:
-        pass  # the page says it already
+        pass  # the page shows the error already
     return {"picture": ""}
 
 
 def triangle_corners(mesh: Mesh) -> npt.NDArray[np.float32]:
-    """Corners of all triangles, shape (k, 9), little-endian float32, mm."""
+    """Return the corners of all triangles, shape (k, 9), little-endian float32, mm."""
     return mesh.vertices[mesh.triangles].reshape(-1, 9).astype("<f4")
 
 
 def leg_mask(document: Document, mesh: Mesh) -> npt.NDArray[np.uint8]:
-    """1 for each triangle of a leg, 0 for those of the body, shape (k,)."""
+    """Return 1 for each triangle of a leg, 0 for those of the body, shape (k,)."""
     bottom = min(limb.bottom for limb in document.load_design().limbs)
     middles = mesh.vertices[mesh.triangles][:, :, 1].mean(axis=1)
     return np.asarray(middles < bottom - LEG_GAP_MM, dtype=np.uint8)
@@ -186,7 +186,7 @@ def _format_finding(finding: Finding) -> dict[str, Any]:
 
 
 def _dimensions(design: Design) -> Iterator[dict[str, Any]]:
-    """Lengths to draw on the part, from and to places in its frame, mm."""
+    """Yield lengths to draw on the part, between points in its frame, mm."""
     length, thickness, depth = design.size
     x, y = 0.5 * length, 0.5 * thickness
 
@@ -208,7 +208,7 @@ def _dimensions(design: Design) -> Iterator[dict[str, Any]]:
 
 
 def _centre_of_mass(design: Design, mass: MassProperties) -> list[float]:
-    """Centre of mass of the whole walker in the frame of its mesh, mm."""
+    """Return the centre of mass of the whole walker in the frame of its mesh, mm."""
     along, up = mass.centre - to_centre_frame(design.limbs, mass, np.zeros(2))
     z = mass.spatial.z if mass.spatial is not None else 0.0
     across = (mass.M * z + sum(leg.m * leg.across for leg in mass.legs)) / mass.total
@@ -216,7 +216,7 @@ def _centre_of_mass(design: Design, mass: MassProperties) -> list[float]:
 
 
 def _foot_loads(design: Design, mass: MassProperties) -> Iterator[dict[str, float]]:
-    """Share of the weight on the feet at each place along the run, at rest."""
+    """Yield the share of the weight on the feet at each position along the run, at rest."""
     places = sorted({round(limb.along, 6) for limb in design.limbs})
     if len(places) != 2:
         return
@@ -228,5 +228,5 @@ def _foot_loads(design: Design, mass: MassProperties) -> Iterator[dict[str, floa
 
 
 def part_name(document: Document) -> str:
-    """Name of the part's files."""
+    """Return the name of the part's files."""
     return names.part_name(document.load_design())

@@ -1,7 +1,7 @@
-"""Processes that answer what pages ask of shapes and numbers: one that takes too long ends alone.
+"""Processes that answer requests of pages on shapes and numbers. A slow one ends without the others.
 
-A page that has gone ends the work for it; a shape that fills the memory, or that nobody can build in the
-time, is refused. Each process keeps what it has built, so that the next step of a slider is quick.
+Closing a page ends the work for it. A shape that fills the memory, or that cannot be built in the
+time, is refused. Each process caches its solids, so that the next step of a slider is fast.
 """
 
 import asyncio
@@ -25,19 +25,19 @@ from walkergen.core.errors import InputError, WalkergenError
 from walkergen.points import worker_pool
 
 MAX_WORKERS = 6
-"""Processes at most: one begins at the start, others where work takes long, so that no page waits for another's."""
+"""Largest number of processes. One begins at the start, others when work is slow, so that pages do not wait."""
 
 QUEUE_WAIT_S = 0.3
-"""Time for which work waits for a process before another one begins."""
+"""Time that work waits for a process before another one begins, s."""
 
 MAX_ANSWER_CPU_S, MAX_START_S = 30.0, 120.0
-"""Longest time of a core for an answer, and by the clock for a process to begin, s."""
+"""Longest CPU time of an answer, and wall time of a process's start, s."""
 
 CLOCK_FACTOR = 4.0
-"""Times longer by the clock that an answer may take, as on a machine that is busy."""
+"""Largest ratio of wall time to CPU time of an answer, as on a busy machine."""
 
 GRACE_S = 0.5
-"""Time that work for a page that has gone may go on, which is cheaper than another process."""
+"""Time that work for a closed page may continue, s: this is cheaper than another process."""
 
 POLL_S = 0.05
 
@@ -45,14 +45,14 @@ START_METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_met
 PRELOADED_MODULES = [
     f"walkergen.app.{name}" for name in ("walker_answers", "curves", "form", "downloads", "crowd_playback", "effects")
 ]
-"""Modules that answers need: where processes can be copied, one imports them for all."""
+"""Modules that answers require. If processes can be copied, one process imports them for all."""
 
 DEFERRED_MODULE, IDLE_S = "walkergen.points.short_simulation", 3.0
-"""Module for walkers that only runs know, imported once nobody has asked for so long, s: it takes half a second, and
-what compares the triangles of a mesh, loaded then as well, another one; a page that loads needs the cores itself."""
+"""Module for walkers that require runs, imported after this idle time, s. The import takes half a second, and the
+collision code of meshes, loaded then as well, another half. A loading page needs the cores itself."""
 
 MAX_ADDRESS_BYTES = 6 * 2**30
-"""Addresses that a process may use: where a system has such a limit."""
+"""Bytes of address space for a process, on systems with such a limit."""
 
 ABANDONED_ERROR = InputError("nobody waits for this any more")
 
@@ -60,16 +60,16 @@ Result = TypeVar("Result")
 
 
 class Worker(NamedTuple):
-    """Process, and the way to it."""
+    """Process and its connection."""
 
     process: Any
     connection: Connection
     ready: list[Any]
-    """What it said when it had begun; empty until then."""
+    """Its first message after the start; empty until then."""
 
 
 class Workers:
-    """Processes that make answers, begun when they are needed."""
+    """Processes that compute answers, started on demand."""
 
     def __init__(self) -> None:
         self._idle: queue.LifoQueue[Worker] = queue.LifoQueue()
@@ -78,7 +78,7 @@ class Workers:
         self._counting = threading.Lock()
 
     def start(self) -> None:
-        """Start the first process, which imports while the page loads."""
+        """Start the first process, which imports modules while the page loads."""
         self._count = 1
         self._idle.put(_start_worker())
 
@@ -107,7 +107,7 @@ class Workers:
         return answer
 
     def _acquire_worker(self) -> Worker:
-        """Idle process, or another one where all are at work for long."""
+        """Return an idle process, or a new one if all are busy for long."""
         while True:
             with contextlib.suppress(queue.Empty):
                 return self._idle.get(timeout=QUEUE_WAIT_S if self._count else 0.0)
@@ -119,7 +119,7 @@ class Workers:
                 return _start_worker()
 
     def stop(self) -> None:
-        """End all processes that are idle; those at work end with this one."""
+        """End all idle processes. Busy ones end with this process."""
         self._threads.shutdown(wait=False, cancel_futures=True)
         while not self._idle.empty():
             _stop_worker(self._idle.get())
@@ -169,7 +169,7 @@ def _receive(worker: Worker, longest: float, late: InputError, gone: threading.E
 
 
 def _cpu_seconds(worker: Worker) -> float:
-    """Time of a core that a process has taken, s; by the clock where the system does not tell."""
+    """Return the CPU time of a process, s, or the wall time if the system does not report it."""
     try:
         times = Path(f"/proc/{worker.process.pid}/stat").read_text().rpartition(")")[2].split()[11:13]
     except OSError:
@@ -178,7 +178,7 @@ def _cpu_seconds(worker: Worker) -> float:
 
 
 def _serve(connection: Connection) -> None:
-    """Answer until the server ends."""
+    """Answer requests until the server ends."""
     worker_pool.init_worker()
     if importlib.util.find_spec("resource"):
         import resource
@@ -191,7 +191,7 @@ def _serve(connection: Connection) -> None:
         importlib.import_module(name)
     with contextlib.suppress(EOFError, OSError):
         connection.send("ready")
-        gc.freeze()  # to look for garbage among all that is imported takes a tenth of a second
+        gc.freeze()  # garbage collection over all imports would take a tenth of a second
         calm = False
         while True:
             if not calm and not connection.poll(IDLE_S):
@@ -202,7 +202,7 @@ def _serve(connection: Connection) -> None:
 
 
 def _preload_meshes() -> None:
-    """Load what only some walkers need."""
+    """Load modules that only some walkers need."""
     import numpy as np
 
     from walkergen.readers.drawings import crossings

@@ -1,4 +1,4 @@
-"""The command line: `walkergen COMMAND`; each command is made of a request, runs it and shows the report."""
+"""Command line: `walkergen COMMAND`. Each command is made from a request, runs it and shows the report."""
 
 import logging
 import os
@@ -26,7 +26,7 @@ INTERRUPTED_MESSAGE = "interrupted: finished files are whole; the same command c
 
 
 class Root(Group):
-    """The command line, whose commands are imported when they are looked up."""
+    """Command line whose commands are imported when they are looked up."""
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings | {"commands": command_builder.Commands()})
@@ -70,7 +70,7 @@ def _options(
 
 
 def _show_versions() -> None:
-    """Print the versions and the place that a report of a mistake needs."""
+    """Print the versions and the locations that a bug report needs."""
     import platform
     from importlib.metadata import version
 
@@ -85,33 +85,33 @@ def _show_versions() -> None:
 
 
 def main(commands: typer.Typer | Callable[[], None] = command_line) -> None:
-    """Run the command line: every mistake is a line on standard error, and the exit code tells.
+    """Run the command line. Every mistake is a line on standard error, and the exit code gives the outcome.
 
-    0: all is done; 1: a file or a stream could not be written, or a test failed; 2: the input is
+    0: success; 1: a file or a stream could not be written, or a test failed; 2: the input is
     unusable, or has no answer; 130: interrupted.
     """
     heard = streams.prepare()
     lost = streams.catch_interrupts()
     safe_text.guard_output()
-    # Ours to decide: what is drawn depends on no setting of other programs
+    # Fixed here: drawing does not depend on settings of other programs
     os.environ["MPLBACKEND"] = "agg"
     os.environ.pop("SOURCE_DATE_EPOCH", None)
     os.environ["PYDANTIC_DISABLE_PLUGINS"] = "__all__"  # of others, found in every package
-    # without a cache folder it makes one for this process, as `caches` does: nobody needs to know
+    # without a cache folder it makes one for this process, as `caches` does: no message is needed
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     with use_spelling(for_shell):
         code = _run_command(commands, lost)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is told; only Python's own end is left
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # all output is written; only Python's own end is left
     if code == INTERRUPTED_CODE:
         streams.exit_now(INTERRUPTED_CODE)
     sys.exit(code or int(heard.lost))
 
 
 def _run_command(commands: typer.Typer | Callable[[], None], lost: threading.Event) -> int:
-    """Run a command and empty standard output; returns the exit code. `lost` knows of a Ctrl-C that was."""
+    """Run a command and empty standard output; returns the exit code. `lost` is set by a lost Ctrl-C."""
     try:
         try:
-            # A Typer that is called would put its own hook in the place of ours, which hears of a lost Ctrl-C
+            # A Typer that is called would replace our hook, which receives a lost Ctrl-C
             (get_command(commands) if isinstance(commands, typer.Typer) else commands)()
         except SystemExit as done:
             sys.stdout.flush()
@@ -141,7 +141,7 @@ def _run_command(commands: typer.Typer | Callable[[], None], lost: threading.Eve
 
 
 def _print_error(message: str, code: int) -> int:
-    """Print what was printed so far, then a mistake, a line for each of its lines."""
+    """Print earlier output, then a mistake, a line for each of its lines."""
     try:
         sys.stdout.flush()
     except OSError:

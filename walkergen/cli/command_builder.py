@@ -1,4 +1,4 @@
-"""Commands made of requests: an option for each field, with its help, and what runs it and shows the report."""
+"""Commands made from requests: an option for each field, with its help, and a function that shows the report."""
 
 import ast
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -25,11 +25,11 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a ta
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but warnings and errors.")]
 
 SHELL_TYPES = (bool, int, float, Path)
-"""Types that the shell's own reading of words gives; of all others a request makes sense of the text."""
+"""Types that the shell's own parser handles. For all others the request parses the text."""
 
 
 def command_summary(name: str) -> str:
-    """First paragraph of what a command says of itself, read from the file of its request, which imports nothing."""
+    """Return the first paragraph of a command's help, read from the file of its request without an import."""
     if not commands.COMMANDS[name].folder:
         return str(make_command(name).help)
     path = Path(commands.__file__).parent / commands.COMMANDS[name].folder.replace(".", "/") / "request.py"
@@ -40,7 +40,7 @@ def command_summary(name: str) -> str:
 
 
 class Commands(Mapping[str, Any]):
-    """Commands by name: each is made when it is needed."""
+    """Commands by name, each made on first use."""
 
     def __getitem__(self, name: str) -> Any:
         return make_command(name)
@@ -54,7 +54,7 @@ class Commands(Mapping[str, Any]):
 
 @cache
 def make_command(name: str) -> Any:
-    """Command, made of its request; `templates` has commands below it, which have none."""
+    """Make a command from its request. `templates` has subcommands, which have no requests."""
     home, own = typer.Typer(rich_markup_mode=None, add_completion=False), commands.COMMANDS[name]
     if own.folder:
         home.command(name, cls=Command, epilog=epilog(own.example, own.other))(
@@ -89,7 +89,7 @@ def _run_request(name: str, asked: "Request", json: bool, quiet: bool) -> None:
     """Run a request, show its report and exit with its code."""
     if not asked.reports:
         asked.run(silent)
-        streams.exit_now(0)  # what was being made for a page may take long, and nobody waits for it
+        streams.exit_now(0)  # work for a page may take long, and the page is closed
     with console.progress(name, wanted=not quiet, hear=asked.register_time_callback) as progress:
         report = asked.run(progress)
     assert report is not None
@@ -100,7 +100,7 @@ def _run_request(name: str, asked: "Request", json: bool, quiet: bool) -> None:
 
 
 def _parameter(request: "type[Request]", field: str) -> Parameter:
-    """Parameter of a field, as typer reads it: an argument, an option, a yes or no, or an option that repeats."""
+    """Return the parameter of a field for typer: an argument, an option, a switch, or a repeatable option."""
     from walkergen.request import field_flag, flag_name
 
     own, info = field_flag(request, field), request.model_fields[field]
@@ -124,7 +124,7 @@ def _parameter(request: "type[Request]", field: str) -> Parameter:
 
 
 def _help_with_limits(text: str, metadata: Sequence[Any]) -> str:
-    """Help with what a number may be, which the request itself checks."""
+    """Return the help with the limits of a number, which the request itself checks."""
     low, high = (
         next((formatting.format_number(getattr(item, name), 6) for item in metadata if hasattr(item, name)), "")
         for name in ("ge", "le")
@@ -134,13 +134,13 @@ def _help_with_limits(text: str, metadata: Sequence[Any]) -> str:
 
 
 def _shell_type(annotation: Any) -> Any:
-    """Type by which the shell's words of a field are read: text, where only a request makes sense of them."""
+    """Return the type for the shell's parser; text if only a request can parse the words."""
     kinds = [kind for kind in (get_args(annotation) or [annotation]) if kind is not type(None)]
     return kinds[0] if len(kinds) == 1 and kinds[0] in SHELL_TYPES else str
 
 
 def _shell_default(default: Any) -> Any:
-    """Default as a shell would give it."""
+    """Return a default as a shell would give it."""
     return ",".join(default) if isinstance(default, (list, tuple)) and all(map(_is_text, default)) else default
 
 
@@ -149,7 +149,7 @@ def _is_text(value: object) -> bool:
 
 
 def name_completion(kinds: tuple[str, ...]) -> Callable[[str], list[str]]:
-    """Completion, for the shell, of names of shipped templates; where none fits it names files."""
+    """Return the shell completion for names of shipped templates. Without a match it completes file names."""
 
     def complete(incomplete: str) -> list[str]:
         from walkergen.files import templates

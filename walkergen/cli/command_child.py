@@ -1,6 +1,6 @@
-"""Command lines as a child of the page's server: it ends with it, and says how far it is.
+"""Command lines as a child of the page's server. It ends with the server, and reports its progress.
 
-A line of JSON for each thing that it says: {"progress": [what, done, total]} or {"output": text}.
+Each report is a line of JSON: {"progress": [what, done, total]} or {"output": text}.
 """
 
 import io
@@ -41,7 +41,7 @@ def _run_main() -> int:
 
 
 def _make_lines(tell: Progress) -> Callable[[str], Any]:
-    """Return what replaces the lines of progress on a terminal: it reports to `tell`."""
+    """Return the replacement for the lines of progress on a terminal: it reports to `tell`."""
 
     @contextmanager
     def lines(title: str) -> Iterator[Progress]:

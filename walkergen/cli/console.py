@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def _print_json(data: dict[str, Any]) -> None:
     """Print JSON, refusing NaN and infinity, which JSON does not have.
 
-    Letters that the stream's encoding has not are escaped, not replaced: no name is lost.
+    Letters outside the stream's encoding are escaped, not replaced, so that no name is lost.
     """
     text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False)
     try:
@@ -32,7 +32,7 @@ def _print_json(data: dict[str, Any]) -> None:
 
 
 def table(content: "Table", width: int | None = None) -> None:
-    """Print a table with all its numbers whole, at any width (letters); None: the terminal's."""
+    """Print a table with complete numbers, at any width (letters); None: the terminal's."""
     from rich.console import Console
 
     from walkergen.core.files import tables
@@ -41,9 +41,9 @@ def table(content: "Table", width: int | None = None) -> None:
 
 
 def report(result: "Report", json: bool, quiet: bool, width: int | None = None) -> None:
-    """Print what a job found: as JSON, or its caption, tables and lines, and where it lies.
+    """Print a report: as JSON, or its caption, tables and lines, and its folder.
 
-    Its warnings come first, on the error stream, even when the command is quiet. `width` of the
+    Warnings come first, on the error stream, even if the command is quiet. `width` of the
     tables, letters; None: the terminal's.
     """
     for warning in result.warnings:
@@ -69,38 +69,38 @@ def report(result: "Report", json: bool, quiet: bool, width: int | None = None) 
 
 
 def notes(lines: Sequence[str]) -> None:
-    """Print what was read, on the error stream, a line each."""
+    """Print notes on the input files on the error stream, one line each."""
     for line in lines:
         print(f"note: {safe_text.escape_hidden(spell(line))}", file=sys.stderr)
 
 
 def text(line: str) -> None:
-    """Print a paragraph, broken between words where the terminal ends."""
+    """Print a paragraph, wrapped between words at the width of the terminal."""
     from rich.console import Console
 
     Console(highlight=False).print(safe_text.escape_hidden(spell(line)), markup=False)
 
 
 FIRST_LINE_S, NEXT_LINE_S = 5.0, 15.0
-"""Time (s) after which a job first says how far it is, and then again, where there is no bar."""
+"""Times (s) of the first progress line of a job and between further lines, if there is no bar."""
 MIN_ANNOUNCED_S = 2.0
-"""Time (s) below which a job is over before anybody has read how long it will take."""
+"""Expected time (s) below which a job does not announce its duration."""
 
 MIN_PACE_SHARE = 0.05
-"""Share that must be done before the time left is told by the pace."""
+"""Share of the work that must be done before its pace gives the time left."""
 
 
 class Clock:
-    """Time that a job has taken, and what is left of it: by what it expected, and after that by its pace."""
+    """Elapsed and remaining time of a job. The remaining time follows from the expected time, then from the pace."""
 
     def __init__(self, title: str) -> None:
-        """Clock of a job with a title, which begins now."""
+        """Start the clock of a job with a title."""
         self.title, self._begun, self._ends = title, time.monotonic(), 0.0
         self._start: tuple[float, float] | None = None
-        """Time when something was done first, and its share: before, the job got ready."""
+        """Time and share of the first finished work. Before that, the job was preparing."""
 
     def print_expected(self, find: "Callable[[], Expected | None]") -> None:
-        """Print how long a job will take, the first time that it knows."""
+        """Print the expected time of a job, as soon as the job reports it."""
         if self._ends or (expected := find()) is None:
             return
         self._ends = time.monotonic() + expected.seconds
@@ -109,12 +109,12 @@ class Clock:
             print(f"{self.title}: {_format_duration(expected.seconds)}{note}", file=sys.stderr, flush=True)
 
     def record(self, done: int, total: int) -> None:
-        """Note how many steps are done."""
+        """Record how many steps are done."""
         if done and self._start is None:
             self._start = time.monotonic(), done / total
 
     def format_remaining(self, done: int, total: int) -> str:
-        """Time that is left where so many steps are done, in words."""
+        """Format the time left after so many finished steps, in words."""
         now, share = time.monotonic(), done / total
         if now < self._ends:
             return f"{_format_duration(self._ends - now)} left"
@@ -128,9 +128,9 @@ class Clock:
 def progress(
     title: str, wanted: bool, hear: "Callable[[Expect], None] | None" = None
 ) -> Iterator[Callable[[str, int, int], None]]:
-    """Show how far a job is on the error stream, if `wanted`: a bar on a terminal, or lines.
+    """Show the progress of a job on the error stream, if `wanted`: a bar on a terminal, or lines.
 
-    What a job expects to take is printed as soon as it knows: `hear` is given whom it tells.
+    The expected time is printed as soon as the job reports it: `hear` registers the callback.
     """
     if not wanted:
         from walkergen.core import caches
@@ -147,7 +147,7 @@ def progress(
 
 @contextmanager
 def line_progress(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
-    """Say how far a job is in a line now and then, also while it says nothing itself."""
+    """Print a progress line at intervals, also while the job reports nothing."""
     ended = threading.Event()
     state: list[tuple[str, int, int]] = []
 
@@ -164,7 +164,7 @@ def line_progress(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
                         f"{clock.title}: {what}{share}, {clock.format_remaining(done, total)}"
                     )
                     print(line, file=sys.stderr, flush=True)
-                except OSError:  # nobody reads it
+                except OSError:  # the error stream has no reader
                     return
 
     def update(what: str, done: int, total: int) -> None:
@@ -186,7 +186,7 @@ def _format_duration(seconds: float) -> str:
 
 @contextmanager
 def _bar_progress(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
-    """Show a bar from the first time on that a job says how far it is."""
+    """Show a bar from the first progress report of a job on."""
     with ExitStack() as stack:
         shown: list[Callable[[str, int, int], None]] = []
 
@@ -199,7 +199,7 @@ def _bar_progress(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
 
 
 def _start_bar(clock: Clock, stack: ExitStack) -> Callable[[str, int, int], None]:
-    """Bar that is drawn until a stack ends."""
+    """Draw a bar until a stack ends."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 

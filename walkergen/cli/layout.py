@@ -1,4 +1,4 @@
-"""Layout of the help: commands in groups, whole sentences, examples; readable at 60 columns."""
+"""Layout of the help: commands in groups, complete sentences, examples; readable at 60 columns."""
 
 import re
 from collections.abc import Mapping
@@ -10,7 +10,7 @@ OTHER_HEADING = "Commands"
 """Heading over commands that belong to no group."""
 
 HELP_OPTIONS = {"help_option_names": ["-h", "--help"]}
-"""Settings of the whole command line: what asks for help."""
+"""Settings of the whole command line: the flags for help."""
 
 
 OPTION_HEADINGS = {
@@ -18,13 +18,13 @@ OPTION_HEADINGS = {
     "Simulation": ("simulate", "model", "seconds", "runs", "step", "seed", "error", "of"),
     "Output": ("out", "trajectory", "rate-hz", "pictures", "all", "json", "quiet", "help"),
 }
-"""Options under headings of their own, where a command has many; the others stand first."""
+"""Options under their own headings if a command has many; the other options are listed first."""
 
 MIN_GROUPED_OPTIONS = 15
-"""Number of options from which on they stand under headings."""
+"""Smallest number of options that are grouped under headings."""
 
 TYPE_SUFFIX = re.compile(r" <[^>]*>$")
-"""What the library adds to an argument's name."""
+"""Suffix that the library adds to an argument's name."""
 
 
 class Command(TyperCommand):
@@ -54,13 +54,13 @@ class Command(TyperCommand):
 
 
 class Group(TyperGroup):
-    """Commands listed under the headings that they were given, each with its whole sentence."""
+    """Commands listed under their headings, each with its complete sentence."""
 
     sentences: Mapping[str, tuple[str, str]] = {}
     """Headings and sentences of commands that are imported only when they are run."""
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write a list for each heading, in the order in which headings and commands came."""
+        """Write a list for each heading, keeping the order of headings and commands."""
         groups: dict[str, list[tuple[str, str]]] = {}
         wide = max(map(len, self.commands), default=0)
         for name in self.commands:
@@ -72,10 +72,10 @@ class Group(TyperGroup):
 
 
 def epilog(*examples: str) -> str:
-    """Examples of a command for the end of its help."""
-    return "\n".join(["\b", "Examples:", *(f"  walkergen {words}" for words in examples)])  # \b: lines stay as they are
+    """Return examples of a command for the end of its help."""
+    return "\n".join(["\b", "Examples:", *(f"  walkergen {words}" for words in examples)])  # \b: no line wrapping
 
 
 def _first_paragraph(command: Any) -> str:
-    """First paragraph of a command's help as one line."""
+    """Return the first paragraph of a command's help as one line."""
     return " ".join(str(command.short_help or command.help or "").split("\n\n")[0].split())

@@ -1,8 +1,8 @@
-"""Standard streams as a command line needs them: open, in any locale, and never silent when full.
+"""Safe standard streams for a command line: open, in any locale, with reported errors.
 
-A stream that is closed is replaced by one that refuses what is written, so that no file takes its
-place. What has no letters in a stream's encoding is replaced. Standard error, where every mistake
-is told, takes whatever comes: what it could not tell is known at the end.
+A closed stream is replaced by one that refuses output, so that no file takes its
+number. Letters outside a stream's encoding are replaced. Standard error, which reports every
+mistake, accepts any text. Lost output is known at the end.
 """
 
 import _thread
@@ -17,7 +17,7 @@ from typing import Any, NoReturn
 
 
 class _StandardOutput(io.FileIO):
-    """Standard output: an error tells that it is meant."""
+    """Standard output whose errors name it."""
 
     def write(self, data: Any, /) -> int:
         """Write what can be written. Raises OSError."""
@@ -29,12 +29,12 @@ class _StandardOutput(io.FileIO):
 
 
 class _StandardError(io.FileIO):
-    """Standard error: what it cannot take is lost, and known to be."""
+    """Standard error that drops what it cannot write, and remembers it."""
 
     lost = False
 
     def write(self, data: Any, /) -> int:
-        """Write what can be written; all else counts as written."""
+        """Write as much as possible; all text counts as written."""
         try:
             return super().write(data)
         except OSError:
@@ -43,9 +43,9 @@ class _StandardError(io.FileIO):
 
 
 def prepare() -> _StandardError:
-    """Make the standard streams safe to write to; returns what knows whether errors were heard.
+    """Make the standard streams safe to write to; returns the standard error, which records lost errors.
 
-    Streams that somebody has put in the place of Python's are left as they are.
+    Streams that replace Python's own are left unchanged.
     """
     for number in range(3):
         try:
@@ -69,9 +69,9 @@ def _text_stream(raw: io.FileIO, encoding: str, errors: str, lines: bool = False
 
 
 def catch_interrupts() -> threading.Event:
-    """Let Ctrl-C end the command wherever it comes; returns what knows of one that was lost on its way.
+    """Let Ctrl-C end the command at any time; returns an event that is set by a lost Ctrl-C.
 
-    Python prints and forgets one that comes while an object is taken apart, or while a library calls back: the
+    Python prints and forgets a Ctrl-C while an object is destroyed, or while a library calls back: the
     command would go on and end well. A library in C may print what stops its start, and raise an error of its own.
     """
     before, told, lost = sys.unraisablehook, sys.excepthook, threading.Event()
@@ -99,11 +99,11 @@ def catch_interrupts() -> threading.Event:
 
 
 INTERRUPT_DELAY_S = 0.02
-"""Time that the main thread has to leave what an interrupt is lost in, s."""
+"""Time for the main thread to leave the code that loses interrupts, s."""
 
 
 def _interrupt_after(over: threading.Event) -> None:
-    """Interrupt the main thread once something is over, where it can be also while it waits for the system."""
+    """Interrupt the main thread after an event, if possible also while it waits for the system."""
     over.wait()
     time.sleep(INTERRUPT_DELAY_S)
     if sys.platform == "win32":
@@ -113,13 +113,13 @@ def _interrupt_after(over: threading.Event) -> None:
 
 
 def discard_output() -> None:
-    """Let what standard output still holds go nowhere, so that the end of Python is quiet."""
+    """Discard the remaining standard output, so that Python ends without a message."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
     os.close(nowhere)
 
 
 def exit_now(code: int) -> NoReturn:
-    """End a process now; Python by itself waits for its threads, or may die of a signal, with no exit code."""
+    """End a process now. Python's own exit waits for threads, or may die of a signal without an exit code."""
     atexit._run_exitfuncs()
     os._exit(code)

@@ -69,7 +69,7 @@ def copy_template(
 
 
 def _rename_template(name: str, target: Path) -> str:
-    """Text of a template under the name of its copy."""
+    """Return the text of a template under the name of its copy."""
     from walkergen.core.files import output
     from walkergen.files import templates
 
@@ -77,7 +77,7 @@ def _rename_template(name: str, target: Path) -> str:
 
 
 def _dump_shape(path: Path, target: Path) -> str:
-    """Text of the walker that a file of a shape stands for, in numbers. Raises InputError for other files."""
+    """Return the text of the walker in a shape file, in numbers. Raises InputError for other files."""
     from walkergen.core.files.config import read_section
     from walkergen.core.walker.design import Design
     from walkergen.files import templates

@@ -32,7 +32,7 @@ readers of pickles do not see."""
 
 
 def home() -> Path:
-    """Folder of walkergen in the platform's cache. Raises OSError for a user without a home."""
+    """Return walkergen's folder in the platform's cache. Raises OSError for a user without a home."""
     from platformdirs import user_cache_path
 
     found = user_cache_path("walkergen", appauthor=False)
@@ -42,7 +42,7 @@ def home() -> Path:
 
 
 def folder(name: str) -> Path:
-    """Writable folder of this name in the user's cache, for the user alone.
+    """Return a writable folder of this name in the user's cache, private to the user.
 
     Without a home, or with one that cannot be written or is another's: a folder that is new, and
     goes when the process ends.
@@ -79,7 +79,7 @@ _announced: set[str] = set()
 
 @contextlib.contextmanager
 def suppress_compile_notice() -> Iterator[None]:
-    """Guard in which nothing is said of kernels that are compiled."""
+    """Suppress the notice about kernels that are being compiled."""
     before = set(_announced)
     _announced.update(COMPILE_TIMES_S)
     try:
@@ -89,7 +89,7 @@ def suppress_compile_notice() -> Iterator[None]:
 
 
 def announce_compilation(place: Path) -> None:
-    """Say once that kernels are compiled whose entries would lie in a folder of numba's cache.
+    """Announce once that kernels are being compiled, if their entries would be in a folder of numba's cache.
 
     Processes of a pool leave it to the one that made them.
     """
@@ -107,11 +107,10 @@ def announce_compilation(place: Path) -> None:
 
 
 def add_checksums(plain: Any) -> Any:
-    """Class of numba's cache files that end in a sum of what they hold, made of its own, `plain`.
+    """Return a class of numba's cache files, made from its own `plain`, that end in a checksum of their content.
 
-    An entry that does not fit its sum, or cannot be read, counts as absent: it is compiled anew,
-    and takes the other's place. One without a sum is of before there were sums. That an entry
-    cannot be written stops nobody.
+    An entry that is unreadable, or does not match its checksum, counts as absent. It is compiled again and
+    replaced. An entry without a checksum is older than the checksums. A failed write of an entry is ignored.
     """
 
     class Checked(plain):  # type: ignore[misc]
@@ -173,7 +172,7 @@ def _configure_numba_cache(place: Path) -> None:
 
 
 def prepare_version_folder(name: str, version: str) -> Path:
-    """Writable folder for one version of what is kept; those long unused are removed."""
+    """Return a writable folder for one version of the cached data, and remove folders long unused."""
     found = folder(f"{name}-{version}")
     try:
         os.utime(found)  # in use
@@ -189,7 +188,7 @@ def prepare_version_folder(name: str, version: str) -> Path:
 
 
 def size() -> int:
-    """Size of all that walkergen keeps in the user's cache, bytes."""
+    """Return the size of walkergen's files in the user's cache, bytes."""
     found = 0
     for path in home().rglob("*"):
         try:

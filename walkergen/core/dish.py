@@ -27,7 +27,7 @@ class Dish(NamedTuple):
     """Ground of a crowd, lengths in mm."""
 
     kind: str
-    """disc, ring, rectangle, or periodic: a square whose opposite edges are one."""
+    """disc, ring, rectangle, or periodic: a square with opposite edges joined."""
     sizes: tuple[float, ...]
     """Diameters of a disc or ring (outer, inner), length along x and width of a rectangle, side of
     a periodic square."""
@@ -63,7 +63,7 @@ OPEN_GROUND = Dish("periodic", (MAX_SIZE_MM,))
 
 
 def parse_dish(text: str, source: str = "‹arena›") -> Dish:
-    """Dish from a person's words, as in "disc:120". Raises InputError, beginning with `source`."""
+    """Parse a dish from a user's text, as in "disc:120". Raises InputError, beginning with `source`."""
     kind, _, rest = text.partition(":")
     said = f"{source} = {text[:80]!r}"
     if kind not in SIZE_SYNTAX:

@@ -1,7 +1,7 @@
 """Tree of the errors that walkergen raises.
 
 WalkergenError            everything walkergen raises on purpose; the CLI prints it, exit code 2
-├── InputError            a value a person wrote is unusable: says what was seen, allowed, to try
+├── InputError            a user's value is unusable: reports value, allowed range and remedy
 │   ├── GeometryError     a design whose parts cannot be built as drawn
 │   ├── PlateError        parts that do not fit the printer's bed
 │   └── PrintabilityError parts that would not print as drawn: one line each
@@ -10,7 +10,7 @@ WalkergenError            everything walkergen raises on purpose; the CLI prints
 └── OutputError           a file or folder could not be written, or is not ours: exit code 1
 
 Texts name fields as ‹mm_per_px›, which is --mm-per-px on a command line and mm_per_px in Python. ‹tilt=› precedes a
-value: --tilt 12 or tilt=12. ‹cost=False› is --no-cost. A text is spelled where it is shown.
+value: --tilt 12 or tilt=12. ‹cost=False› is --no-cost. A field is spelled when its text is shown.
 """
 
 import re
@@ -53,11 +53,11 @@ def spell_all(data: Any) -> Any:
 
 
 class Remedy(NamedTuple):
-    """What would mend a mistake: what it does, and the keys that do it."""
+    """Remedy for a mistake: its effect, and the keys that cause it."""
 
     words: str
     values: Mapping[str, bool | float | str | None]
-    """Values by dotted keys; None leaves a key out, which a command line does by itself."""
+    """Values by dotted keys. None leaves a key out; the command line does so automatically."""
 
     def __str__(self) -> str:
         """Describe what the remedy does, and how to write it on a command line."""
@@ -83,7 +83,7 @@ class WalkergenError(Exception):
         return Exception.__str__(self)
 
     def __str__(self) -> str:
-        """Text, with fields as the user of this process writes them."""
+        """Return the text, with fields as the user of this process writes them."""
         return self.spelling(self.text)
 
 
@@ -101,12 +101,12 @@ def use_spelling(spelling: Spelling) -> Iterator[None]:
 
 
 class InputError(WalkergenError):
-    """A value that a person wrote is unusable; the text says what was seen and what is allowed."""
+    """A user's value is unusable; the text reports the value and the allowed range."""
 
     keys: tuple[str, ...]
-    """Keys at fault, of each line of the text; "" of a line, or none, where it is no key's."""
+    """Key at fault for each line of the text; "" for a line without a key, empty if no line has one."""
     helps: Callable[[], Sequence[Remedy]]
-    """Finds out what would help, which may take its time: it is asked where somebody reads of the mistake."""
+    """Function that finds the remedies. It may be slow, so it is called only when the error is shown."""
 
     def __init__(self, text: str = "", *keys: str, helps: Callable[[], Sequence[Remedy]] = tuple) -> None:
         super().__init__(text)
@@ -114,7 +114,7 @@ class InputError(WalkergenError):
 
     @cached_property
     def remedies(self) -> tuple[Remedy, ...]:
-        """What would help, with which the text ends; a page has a button for each."""
+        """Remedies listed at the end of the text; a page shows a button for each."""
         return tuple(self.helps())
 
     def resolve_remedies(self) -> Self:
@@ -138,7 +138,7 @@ class GeometryError(InputError):
 
 
 class PlateError(InputError):
-    """Parts do not fit the printer's bed; the text says how many parts would fit."""
+    """Parts do not fit the printer's bed; the text gives the number that would fit."""
 
 
 class PrintabilityError(InputError):
@@ -154,4 +154,4 @@ class TheoryError(WalkergenError):
 
 
 class OutputError(WalkergenError):
-    """A file or folder could not be written, or holds what is not ours to write over."""
+    """A file or folder could not be written, or holds files that walkergen must not overwrite."""

@@ -1,9 +1,9 @@
-"""Measurement of experiments: their runs by seeds and threads, until enough of them are made.
+"""Measurement of experiments: runs by seeds and threads, until there are enough of them.
 
-Whatever runs is an experiment: a walker in a scene, a crowd. An error means the same wherever it is
-asked for: half of the bounds of 95 %, by the runs and by what no number of runs makes less, as a
-time step. A share of it counts of the value, or of a floor where the value is smaller: no number of
-runs gives a walker that stands to a share of its speed.
+An experiment is anything that runs: a walker in a scene, a crowd. An error has one meaning
+everywhere: half of the 95 % bounds, from the scatter of runs and from biases that more runs do not
+reduce, as a time step's. A relative error refers to the value, or to a floor if the value is smaller:
+no number of runs measures a resting walker to a share of its speed.
 """
 
 import math
@@ -18,20 +18,20 @@ from walkergen.core.simulation.batch import OneRun
 from walkergen.core.tolerance import Tolerance
 
 FIRST_RUNS, MAX_RUNS = 8, 512
-"""Numbers of runs with which an experiment that shall meet an error begins, and ends."""
+"""Number of runs at the start of an experiment with a requested error, and largest number."""
 
 MIN_RUN_FACTOR, MAX_RUN_FACTOR = 1.1, 1.5
-"""Factors by which runs are added, at least and at most, whatever the scatter of those made seems to need: it is known
-the better the more there are. Of normal runs, 5 to 9 % more are so made than the fewest that meet the error, whose
-bounds still hold 95 % (with 1.2 times what seems needed, and at least half as many again, 27 to 69 %)."""
+"""Smallest and largest factor of the number of runs per round, for any estimate from the scatter: more runs improve the
+estimate. For normal runs this makes 5 to 9 % more than the fewest that meet the error, and the bounds still hold 95 %.
+With 1.2 times the estimate, and at least half as many again, it would be 27 to 69 % more."""
 
 MAX_BIAS_SHARE = 0.7
-"""Part of the error that a bias may take up, else the experiment is refined: what a bias that falls with the square of
-a step leaves for the scatter is then worth twice as many steps."""
+"""Share of the error that a bias may take up; above it the experiment is refined. If the bias falls with the square of
+a step, the error left for the scatter is then worth double the steps."""
 
 
 class Experiment(Protocol):
-    """What runs: its runs are independent, and each the same bits whenever it is made."""
+    """An experiment: its runs are independent, and each is reproducible to the bit."""
 
     def prepare(self) -> OneRun[Any]:
         """Return a function that makes the run of a number, which seeds it, and returns its record.
@@ -57,7 +57,7 @@ class Measured(NamedTuple, Generic[AnExperiment]):
     records: list[Any]
     """Records of the finished runs, by their numbers."""
     runs: int
-    """Number of runs that were asked for."""
+    """Number of requested runs."""
     wall_s: float
     """Time by the clock that the runs took, s."""
 
@@ -68,7 +68,7 @@ class Measured(NamedTuple, Generic[AnExperiment]):
 
     @property
     def quantities(self) -> Mapping[str, Quantity]:
-        """What the runs say, by the names of columns."""
+        """Results of the runs, by the names of columns."""
         return {quantity.column: quantity for quantity in self.experiment.quantities(self.records)}
 
     def with_runs(self, runs: int) -> "Measured[AnExperiment]":
@@ -77,7 +77,7 @@ class Measured(NamedTuple, Generic[AnExperiment]):
 
 
 class Until(Protocol):
-    """What decides how many runs are enough."""
+    """Rule that decides when there are enough runs."""
 
     @property
     def first(self) -> int:
@@ -88,23 +88,23 @@ class Until(Protocol):
 
 
 class Runs(NamedTuple):
-    """So many runs."""
+    """A fixed number of runs."""
 
     first: int
 
     def further(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
-        """Nothing more."""
+        """Return None: no further runs are made."""
         return None
 
 
 class Budget(NamedTuple):
-    """As many runs as fit into so many seconds by the clock, but `first` of them in any case."""
+    """The runs that fit into a wall-clock time, but at least `first`."""
 
     seconds: float
     first: int = FIRST_RUNS
 
     def further(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
-        """Up to twice the runs, as many as there is time for."""
+        """Return the measurement with up to double the runs, as time allows; None if it does not."""
         affordable = int(self.seconds * measured.runs / max(measured.wall_s, 1e-9))
         return None if affordable <= measured.runs else measured.with_runs(min(2 * measured.runs, affordable))
 
@@ -116,17 +116,17 @@ class Error(NamedTuple):
     of: str
     """Column of the quantity."""
     floor: float = 0.0
-    """Value of which a share counts where the quantity is smaller."""
+    """Value that a relative error refers to if the quantity is smaller."""
     first: int = FIRST_RUNS
     most: int = MAX_RUNS
 
     def max_error(self, value: float | None) -> float:
-        """Error that the quantity may have, in its unit."""
+        """Return the largest error that the quantity may have, in its unit."""
         wanted, relative = self.tolerance
         return wanted * max(abs(value or 0.0), self.floor) if relative else wanted
 
     def further(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
-        """More runs, or a finer experiment where its bias takes up more of the error than runs could make good."""
+        """Return the measurement with more runs, or a finer experiment if more runs could not offset the bias."""
         quantity = measured.quantities[self.of]
         error, allowed, bias = quantity.half_width(), self.max_error(quantity.value), quantity.bias
         if error <= allowed or quantity.value is None or quantity.freedom == 0.0 or math.isinf(bias):
@@ -141,7 +141,7 @@ class Error(NamedTuple):
         return measured.with_runs(min(self.most, more))
 
     def select_resolution(self, measured: Measured[AnExperiment]) -> AnExperiment:
-        """Experiment whose bias leaves room for the scatter, as the runs already made tell; else the finest."""
+        """Return the experiment whose bias leaves room for the scatter of the runs so far; otherwise the finest."""
         experiment = measured.experiment
         while (finer := experiment.finer()) is not None:
             quantity = measured._replace(experiment=experiment).quantities[self.of]

@@ -1,4 +1,4 @@
-"""Errors that a person can bear, as they are written: 5% or 3mm/s."""
+"""Acceptable errors in the form that a user writes: 5% or 3mm/s."""
 
 from typing import NamedTuple
 
@@ -6,11 +6,11 @@ from walkergen.core.errors import InputError
 from walkergen.core.files import formatting
 
 UNITS = {"%": (1e-6, 100.0), "mm/s": (1e-6, 1e6)}
-"""Units of errors, with the least and the largest that can be asked for."""
+"""Units of errors, with the smallest and the largest accepted number."""
 
 
 class Tolerance(NamedTuple):
-    """Error that a person can bear, with 95 % confidence."""
+    """Acceptable error, with 95 % confidence."""
 
     value: float
     relative: bool

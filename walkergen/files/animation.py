@@ -32,7 +32,7 @@ PALETTE_COLOURS, EXACT_COLOURS = 128, 16
 """Number of colours in a GIF's palette, and of the commonest, kept exact; others are blends."""
 
 PALETTE_FRAMES = 16
-"""Number of frames from which the palette is chosen."""
+"""Number of frames that give the palette."""
 
 
 class Encoded(NamedTuple):
@@ -47,7 +47,7 @@ class Encoded(NamedTuple):
 def encode(draw: Draw, count: int, fps: int, hold_s: float, keep: Sequence[str], progress: Progress) -> Encoded:
     """Draw `count` frames in order into both files; in the GIF the last one stays for `hold_s`.
 
-    The MP4 has none that stands still: those who track it would find walkers that stop.
+    The MP4 has no still frames: programs that track it would find walkers that stop.
     `fps` must divide 100: a GIF counts in hundredths of a second. The colours `keep` (#RRGGBB) are
     exact in the GIF however rare they are. Equal frames give equal bytes.
     """
@@ -56,9 +56,9 @@ def encode(draw: Draw, count: int, fps: int, hold_s: float, keep: Sequence[str],
 
 
 def encode_mp4(draw: Draw, count: int, fps: int, progress: Progress) -> tuple[bytes | None, str]:
-    """Draw `count` frames in order into an MP4 alone; None where there is none, with the reason.
+    """Draw `count` frames in order into an MP4 alone; None without one, with the reason.
 
-    For pictures in which so much moves that a GIF would be many times as large.
+    For pictures with so much motion that a GIF would be many times as large.
     """
     if find_ffmpeg() is None:
         return None, NO_FFMPEG_REASON
@@ -132,7 +132,7 @@ def _encode_gif(frames: Iterator[Pixels], palette: Image.Image, fps: int, hold_s
 
 
 def find_ffmpeg() -> str | None:
-    """Path of ffmpeg: that on the PATH, else that of the extra `film`; None where neither is installed."""
+    """Return the path of ffmpeg: on the PATH, or of the extra `film`; None if neither is installed."""
     found = shutil.which("ffmpeg")
     if found is None and importlib.util.find_spec("imageio_ffmpeg") is not None:
         import imageio_ffmpeg
@@ -147,7 +147,7 @@ def find_ffmpeg() -> str | None:
 def _start_ffmpeg(
     shape: tuple[int, ...], fps: int, target: Path, messages: IO[bytes]
 ) -> "subprocess.Popen[bytes] | None":
-    """Start ffmpeg, waiting for frames at its input; None where it is not installed."""
+    """Start ffmpeg, waiting for frames at its input; None if it is not installed."""
     found = find_ffmpeg()
     if found is None:
         return None

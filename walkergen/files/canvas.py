@@ -1,4 +1,4 @@
-"""Canvas: a picture with moving parts; what stands still is drawn once, the rest on top of it."""
+"""Canvas: a picture with moving parts; the fixed parts are drawn once, the rest on top of them."""
 
 import math
 from typing import Any, NamedTuple
@@ -56,13 +56,13 @@ class Canvas:
         self.text(x, y, words, fontsize=SMALL_PT * min(1.0, room / len(words)))
 
     def add_moving_artists(self, *artists: Artist) -> None:
-        """Draw these artists anew in every frame from now on, in the order given."""
+        """Draw these artists again in every frame from now on, in the order given."""
         for artist in artists:
             artist.set_animated(True)
             self._moving.append(artist)
 
     def pixels(self) -> Pixels:
-        """Draw the picture as it is now."""
+        """Draw the picture in its present state."""
         if self._still is None:
             self._agg.draw()
             self._still = self._agg.copy_from_bbox(self.figure.bbox)
@@ -83,12 +83,12 @@ def set_scale(axes: Axes, centre: tuple[float, float], pixels_per_mm: float) -> 
 
 
 def nice_ceil(least: float) -> float:
-    """1, 2 or 5 times a power of ten, the least at or above a number."""
+    """Return 1, 2 or 5 times a power of ten, the least at or above a number."""
     power = 10.0 ** math.floor(math.log10(least))
     return next(power * step for step in (1, 2, 5, 10) if power * step >= least * (1 - 1e-9))
 
 
 def nice_floor(most: float) -> float:
-    """1, 2 or 5 times a power of ten, the largest at or below a number."""
+    """Return 1, 2 or 5 times a power of ten, the largest at or below a number."""
     power = 10.0 ** math.floor(math.log10(most))
     return max(power * step for step in (1, 2, 5) if power * step <= most * (1 + 1e-9))

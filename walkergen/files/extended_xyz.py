@@ -14,7 +14,7 @@ import numpy as np
 from walkergen.core.numerics import Array, Whole
 
 PROPERTIES = "species:S:1:id:I:1:pos:R:3:orientation:R:4:aspherical_shape:R:3"
-"""Properties of a particle, by the names that OVITO knows."""
+"""Properties of a particle, by their names in OVITO."""
 
 
 class Bodies(NamedTuple):
@@ -55,7 +55,7 @@ def format_frames(bodies: Bodies, box: str) -> str:
 
 
 def format_box(low: Array, span: Array, periodic: bool = False) -> str:
-    """Box of a frame from its lowest corner and its sides, mm; periodic along x and y or not."""
+    """Return the box of a frame from its lowest corner and its sides, mm; periodic along x and y or not."""
     sides = " ".join(f"{value:.9g}" for value in np.diag(span).ravel())
     corner = " ".join(f"{value:.9g}" for value in low)
     repeats = "T T F" if periodic else "F F F"

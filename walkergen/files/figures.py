@@ -1,6 +1,6 @@
 """Figures: one style for all, sizes of a journal, and PNG and PDF of equal bytes.
 
-What draws a figure is decorated by `style()` and says only what is drawn:
+A function that draws a figure is decorated by `style()` and contains only the drawing:
 
     figure, axes = axes_of(title)                            # or panels_of, grid_of: several panels
     points(axes, (lag, speed, se), MEASURED, "measured")     # symbols with bars, or
@@ -10,8 +10,8 @@ What draws a figure is decorated by `style()` and says only what is drawn:
     name(axes, "lag (s)", "speed (mm/s)", log="x")           # names with units; logarithmic axes
     axes.legend()                                            # or legend_below(figure)
 
-A colour tells a role: blue was measured, orange was fitted or is expected, grey is what one compares
-with; series without a role take the looks of SERIES in turn, which lines and markers tell apart too.
+A colour shows a role: blue was measured, orange was fitted or is expected, grey is for comparison.
+Series without a role take the looks of SERIES in turn, with different lines and markers too.
 """
 
 import io
@@ -63,7 +63,7 @@ DEFAULT_STYLE: Any = {
 """Sizes of letters and lines, in matplotlib's keys; letters of a PDF stay letters (TrueType)."""
 
 BLUE, ORANGE, BLACK, GREEN = "#0072B2", "#D55E00", "#000000", "#009E73"
-"""Colours of Okabe and Ito: told apart by the colour-blind, the first two in grey too."""
+"""Colours of Okabe and Ito: distinct for the colour-blind, the first two in grey too."""
 
 INK, GREY, FAINT, PALE = "0.3", "0.45", "0.7", "0.9"
 """Greys of words in a panel, of lines of a theory, of levels to compare with, and of areas."""
@@ -81,7 +81,7 @@ LEG_STYLES: dict[str, Look] = {"flexible": Look(BLUE, "-", "o"), "braced": Look(
 """Looks of walkers by their kind of legs."""
 
 MEASURED, FITTED = Look(BLUE, "-", "o"), Look(ORANGE, "--", "s")
-"""Looks of what was measured, and of what was fitted to it or is expected of it."""
+"""Looks of measured values, and of values that are fitted to them or expected."""
 
 SERIES: tuple[Look, ...] = (
     Look(BLUE, "-", "o"),
@@ -93,10 +93,10 @@ SERIES: tuple[Look, ...] = (
     Look("#B07900", (0, (3, 1, 1, 1)), "X"),
     Look("#7F7F7F", (0, (1, 1)), "*"),
 )
-"""Looks of series without a role: the last two parts tell them apart where colours are lost."""
+"""Looks of series without a role: line and marker distinguish them without colours."""
 
 MAX_LARGE_POINTS = 12
-"""Number of points of a series up to which its symbols are large, and its bars have ends."""
+"""Maximum number of points of a series with large symbols and bars with ends."""
 
 BAND_OPACITY = 0.2
 """Opacity of a band of errors."""
@@ -110,9 +110,9 @@ LETTER_WIDTH_RATIO = 0.52
 
 @contextmanager
 def style(settings: Any = DEFAULT_STYLE) -> Iterator[None]:
-    """Context in which figures are drawn; also a decorator of functions that draw them.
+    """Draw figures in this context; also a decorator of functions that draw them.
 
-    No settings of a person, as in a matplotlibrc of the current folder, come into them.
+    A person's settings, as in a matplotlibrc of the current folder, are ignored.
     """
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
@@ -123,7 +123,7 @@ def style(settings: Any = DEFAULT_STYLE) -> Iterator[None]:
 def png(figure: Figure, dpi: int = DPI) -> bytes:
     """Render the figure as PNG; equal figures give equal bytes."""
     buffer = io.BytesIO()
-    with style():  # also of what matplotlib makes as late as here, as ticks
+    with style():  # also for objects that matplotlib makes as late as here, such as ticks
         figure.savefig(buffer, format="png", dpi=dpi, metadata={"Software": None})
     return buffer.getvalue()
 
@@ -138,19 +138,19 @@ def pdf(figure: Figure) -> bytes:
 
 
 def figure_title(figure: Figure) -> str:
-    """Title of a figure, or of its first panel that has one, in one line; "" without any."""
+    """Return the title of a figure, or of its first panel with a title, in one line; "" without any."""
     titles = [figure.get_suptitle(), *(axes.get_title() for axes in figure.axes)]
     return " ".join(next((title for title in titles if title), "").split())
 
 
 def wrap_text(text: str, width: float, size: float = FONT_PT) -> str:
-    """Text in lines that fit a width (inches) in a font of a size (points)."""
+    """Break the text into lines that fit a width (inches) in a font of a size (points)."""
     letters = int(72.0 * width / (LETTER_WIDTH_RATIO * size))
     return textwrap.fill(text, letters, break_on_hyphens=False)
 
 
 def set_log_ticks(axis: Axis) -> None:
-    """Ticks of a logarithmic axis, set once its limits are: plain numbers that do not collide.
+    """Set the ticks of a logarithmic axis once its limits are set: plain numbers that do not collide.
 
     Over less than two decades 1, 2 and 5 are named, over more the powers of ten alone.
     """
@@ -262,11 +262,11 @@ def draw_level(axes: Axes, value: float = 0.0, upright: bool = False) -> None:
 
 
 def add_legend_below(figure: Figure, columns: int = 2) -> None:
-    """One legend for all panels, below them, of what the first of them names."""
+    """Draw one legend for all panels, below them, with the labels of the first panel."""
     figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=columns)
 
 
 def show_in_notebook(figure: Figure) -> Figure:
-    """Figure that a notebook shows as a picture, though pyplot did not make it."""
+    """Return the figure as a notebook shows it, though pyplot did not make it."""
     vars(figure)["_repr_png_"] = partial(png, figure)
     return figure

@@ -1,4 +1,4 @@
-"""Names of keys in words with their units, as axes bear them."""
+"""Names of keys as text with their units, for axes."""
 
 import re
 
@@ -29,13 +29,13 @@ SPECIAL_NAMES = {
 """Keys whose name is not made of their parts."""
 
 TABLE_SUBJECTS = {"drive": "the plate", "contact": "", "run": "a run", "weighed": ""}
-"""Things that the tables of keys are about, where their names do not say it; "" for none."""
+"""Subjects of the tables of keys, if different from their names; "" for none."""
 
 LEG_PATTERN = re.compile(r"legs\[(\d+)\]")
 
 
 def format_key(key: str) -> str:
-    """Key in words with its unit: "tilt of the legs (deg)" of legs.tilt_deg."""
+    """Return the name of a key with its unit: "tilt of the legs (deg)" of legs.tilt_deg."""
     own = key.removeprefix("scene.")
     if own in SPECIAL_NAMES:
         return SPECIAL_NAMES[own]
@@ -47,7 +47,7 @@ def format_key(key: str) -> str:
 
 
 def _table_subject(table: str) -> str:
-    """Thing that a table of keys is about: "the legs", "leg 2"."""
+    """Return the subject of a table of keys: "the legs", "leg 2"."""
     numbered = LEG_PATTERN.fullmatch(table)
     if numbered:
         return f"leg {numbered[1]}"

@@ -12,11 +12,11 @@ UNITS = {
     **{"mm_s": "mm/s", "mm2_s": "mm²/s", "per_s": "1/s", "per_mm": "1/mm", "rad_s": "rad/s", "rad2_s": "rad²/s"},
     "percent": "%",
 }
-"""Units as people read them, where these are not as keys write them."""
+"""Units as people read them, if different from those of keys."""
 
 
 def format_name(number: Quantity) -> str:
-    """Return the name of a quantity in words."""
+    """Return the name of a quantity as text."""
     return number.key.replace("_", " ")
 
 

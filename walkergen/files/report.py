@@ -1,7 +1,7 @@
-"""Report of a job: what it found, as tables, lines and figures, and every form that these take.
+"""Report of a job: its results as tables, lines and figures, in every form.
 
-A row's values stand by keys in CSV, JSON and a frame of pandas, with units in the keys and every
-digit. What people read of a row is chosen by columns, a function of the row each.
+CSV, JSON and a pandas frame hold a row's values by keys, with units in the keys and every
+digit. Columns choose what people read of a row. Each column is a function of the row.
 """
 
 import math
@@ -34,35 +34,35 @@ class Column(NamedTuple):
     heading: str
     cell: Callable[[Any], str]
     right: bool = False
-    """True for numbers, which stand in line at their ends."""
+    """True for numbers, which are aligned at their ends."""
     wide: bool = False
-    """True for a detail of pages, for which a terminal has no room."""
+    """True for a detail of pages that is too wide for a terminal."""
     meaning: str = ""
-    """What a short heading stands for, with the heading, said below the table."""
+    """Meaning of a short heading, shown with the heading below the table."""
 
 
 def text_column(heading: str, key: str) -> Column:
-    """Column of words."""
+    """Return a column of words."""
     return Column(heading, lambda row: str(getattr(row, key)))
 
 
 def number_column(heading: str, key: str, digits: int = 4, wide: bool = False) -> Column:
-    """Column of numbers to significant digits; None is blank."""
+    """Return a column of numbers to significant digits; None is blank."""
     return Column(heading, _format_if_known(key, lambda value: formatting.format_number(value, digits)), True, wide)
 
 
 def fixed_column(heading: str, key: str, digits: int, wide: bool = False) -> Column:
-    """Column of numbers with so many decimals; None is blank."""
+    """Return a column of numbers with so many decimals; None is blank."""
     return Column(heading, _format_if_known(key, lambda value: formatting.format_fixed(value, digits)), True, wide)
 
 
 def _format_if_known(key: str, shown: Callable[[float], str]) -> Callable[[Any], str]:
-    """Cell of a row's value in words, blank for None."""
+    """Return the cell of a row's value as text, blank for None."""
     return lambda row: "" if (value := getattr(row, key)) is None else shown(value)
 
 
 def error_column(heading: str, key: str, se: str) -> Column:
-    """Column of numbers with their standard errors, to two digits of these; None is blank, an error of None unsaid."""
+    """Return a column of numbers and standard errors to their two digits; None is blank, a missing error is omitted."""
 
     def cell(row: Any) -> str:
         value = getattr(row, key)
@@ -72,12 +72,12 @@ def error_column(heading: str, key: str, se: str) -> Column:
 
 
 def interval_column(heading: str, low: str, high: str, digits: int = 4) -> Column:
-    """Column of intervals."""
+    """Return a column of intervals."""
     return Column(heading, lambda row: formatting.format_range(getattr(row, low), getattr(row, high), digits))
 
 
 def key_columns(keys: Sequence[str], texts: Sequence[str] = ()) -> tuple[Column, ...]:
-    """Column a key of plain tuples, to four digits, headed by the key; `texts` are the words."""
+    """Return a column for each key of plain tuples, to four digits, headed by the key; `texts` are the words."""
 
     def column(at: int, key: str) -> Column:
         return Column(key.replace("_", " "), lambda row: format_value(row[at]), key not in texts)
@@ -96,23 +96,23 @@ class Table:
     """Names of the values of a row, with units: of CSV, JSON, a frame of pandas; without any the
     table is for people alone, and is no file."""
     columns: Sequence[Column] = ()
-    """What people read; without any the table is for machines alone, and on no page."""
+    """Columns that people read; if empty, only machines read the table, and no page shows it."""
     title: str = ""
     notes: Sequence[str] = ()
-    """What stands below it, a sentence each."""
+    """Notes below the table, a sentence each."""
     read: Sequence[Any] | None = None
-    """Rows that people read, where these are not all."""
+    """Rows that people read, if not all."""
 
     def __len__(self) -> int:
         return len(self.rows)
 
     def __iter__(self) -> Iterator[dict[str, Any]]:
-        """Rows, each with its values by the keys."""
+        """Yield the rows, each with its values by the keys."""
         for row in self.rows:
             yield dict(zip(self.keys, spell_all(tuple(row)), strict=True))
 
     def __getitem__(self, key: str) -> "npt.NDArray[Any]":
-        """Values of a key, None as NaN among numbers. Raises KeyError that names the keys."""
+        """Return the values of a key, None as NaN among numbers. Raises KeyError that names the keys."""
         if key not in self.keys:
             raise KeyError(f"no column {key!r}; columns: {', '.join(self.keys)}")
         at = list(self.keys).index(key)
@@ -122,11 +122,11 @@ class Table:
         return f"<{self.title or 'table'}: {len(self)} rows of {', '.join(self.keys)}>"
 
     def csv(self) -> str:
-        """Comma-separated values with every digit."""
+        """Return the comma-separated values with every digit."""
         return tables.csv_text(self.keys, self.rows)
 
     def rich(self, markdown: bool = False) -> "RichTable":
-        """Table for the terminal, or one to be made Markdown of; without headings no header."""
+        """Return the table for the terminal, or for conversion to Markdown; without headings no header."""
         from rich import box
         from rich.markup import escape as literally
         from rich.table import Table as RichTable
@@ -149,27 +149,27 @@ class Table:
         return made
 
     def footer_lines(self, markdown: bool = False) -> list[str]:
-        """Lines below the table: what its columns mean, each that is seen, and its notes."""
+        """Return the lines below the table: the meanings of its visible columns, and its notes."""
         meanings = dict.fromkeys(column.meaning for column in self._visible_columns(markdown))
         legend = "; ".join(filter(None, meanings))
         return [line if markdown else spell(line) for line in filter(None, [legend, *self.notes])]
 
     def _visible_columns(self, markdown: bool) -> list[Column]:
-        """Columns of a page, or those that a terminal has room for."""
+        """Return the columns of a page, or those that fit a terminal."""
         return [column for column in self.columns if markdown or not column.wide]
 
     def summary_lines(self) -> list[str]:
-        """Lines of text: rows of names and values as they are, of other tables their number."""
+        """Return lines of text: rows of names and values in full, of other tables their number of rows."""
         if not self.columns or any(column.heading for column in self.columns):
             return [f"{self.name}: {len(self)} rows"]
         return [spell(": ".join(column.cell(row) for column in self.columns)) for row in self._visible_rows()]
 
     def _visible_rows(self) -> Sequence[Any]:
-        """Rows that people read."""
+        """Return the rows that people read."""
         return self.rows if self.read is None else self.read
 
     def to_dataframe(self) -> Any:
-        """Frame of pandas with the same columns. Raises InputError where pandas is missing."""
+        """Return a pandas frame with the same columns. Raises InputError if pandas is missing."""
         try:
             import pandas
         except ModuleNotFoundError:
@@ -195,12 +195,12 @@ class Table:
 
 
 def table_from_rows(name: str, rows: Sequence[Any], columns: Sequence[Column] = (), title: str = "") -> Table:
-    """Table of named tuples, of one at least, whose fields are the keys."""
+    """Return a table of at least one named tuple; their fields are the keys."""
     return Table(name, rows, rows[0]._fields, columns, title)
 
 
 def format_value(value: Any) -> str:
-    """Value for people: four digits of a number, nothing where there is none."""
+    """Format a value for people: four digits of a number, blank for None."""
     if value is None:
         return ""
     if isinstance(value, float):
@@ -209,7 +209,7 @@ def format_value(value: Any) -> str:
 
 
 def to_array(values: Sequence[Any]) -> "npt.NDArray[Any]":
-    """Values as an array: of numbers, None as NaN, or of objects where one is no number."""
+    """Return the values as an array: of numbers, None as NaN, or of objects if one is no number."""
     import numpy as np
 
     if all(value is None or formatting.is_number(value) for value in values):
@@ -222,30 +222,30 @@ def to_array(values: Sequence[Any]) -> "npt.NDArray[Any]":
 
 @dataclass(frozen=True, kw_only=True)
 class Report:
-    """What a job found, in every form. Jobs whose results go on into others add fields."""
+    """Results of a job, in every form. Jobs whose results other jobs use add fields."""
 
     name: str
     """Stem of its page."""
     title: str
     tables: Sequence[Table]
     facts: Mapping[str, Any]
-    """What JSON holds."""
+    """Contents of the JSON file."""
     caption: str = ""
-    """What was asked, without a full stop."""
+    """Description of the request, without a full stop."""
     lines: Sequence[str] = ()
     """Answers, settings and notes, a sentence each."""
     warnings: Sequence[str] = ()
-    """What went wrong or may mislead; on the error stream of a command."""
+    """Problems, and results that may mislead; on the error stream of a command."""
     figures: "Mapping[str, Callable[[], Figure]]" = field(default_factory=dict)
-    """What draws each figure, by the stems of their files."""
+    """Functions that draw the figures, by the stems of their files."""
     files: Sequence[Path] = ()
-    """Files that people are told of, a line each."""
+    """Files that the report lists, a line each."""
     folder: Path | None = None
-    """Where it was written."""
+    """Folder that it was written to."""
     errors: Sequence[str] = ()
-    """What makes a command fail that shows this, a line each."""
+    """Reasons for a command to fail after it shows this, a line each."""
     code: int = 0
-    """Exit code of a command that shows this: 130 where it was interrupted."""
+    """Exit code of a command that shows this: 130 if it was interrupted."""
 
     @property
     def table(self) -> Table:
@@ -253,18 +253,18 @@ class Report:
         return self.tables[0]
 
     def __getitem__(self, name: str) -> Table:
-        """Table by its name. Raises KeyError that names the tables."""
+        """Return the table by its name. Raises KeyError that names the tables."""
         for each in self.tables:
             if each.name == name:
                 return each
         raise KeyError(f"no table {name!r}; tables: {', '.join(one.name for one in self.tables)}")
 
     def visible_tables(self) -> Iterator[Table]:
-        """Tables that people read, but those whose rows are all told of otherwise."""
+        """Return the tables that people read, except those whose rows are all shown in another form."""
         return (each for each in self.tables if each.columns and each.read != [])
 
     def markdown(self) -> str:
-        """Page of all tables that people read, and of all lines."""
+        """Return the page of all tables that people read, and of all lines."""
         parts = [f"# {self.title}", f"{self.caption}." if self.caption else ""]
         for each in self.visible_tables():
             parts += [f"## {each.title}" if each.title else ""]
@@ -306,7 +306,7 @@ class Report:
         return figures.show_in_notebook(self.figures[chosen]())
 
     def to_dataframe(self) -> Any:
-        """Frame of pandas of the first table. Raises InputError where pandas is missing."""
+        """Return a pandas frame of the first table. Raises InputError if pandas is missing."""
         return self.table.to_dataframe()
 
     def __repr__(self) -> str:
@@ -319,6 +319,6 @@ class Report:
         return spell_for_python("".join([*parts, *(f"<p>{escape(line)}</p>" for line in self._message_lines())]))
 
     def _message_lines(self) -> Iterator[str]:
-        """Lines and warnings."""
+        """Yield the lines and warnings."""
         yield from map(spell, self.lines)
         yield from (f"warning: {spell(warning)}" for warning in self.warnings)

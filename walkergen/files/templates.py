@@ -15,7 +15,7 @@ from walkergen.files.report import Report
 KINDS = ("walkers", "scenes", "printers")
 
 PUBLISHED_FOLDER = "published"
-"""Folder of walkers and scenes after published work, which nobody is asked to print: published/NAME names one."""
+"""Folder of walkers and scenes after published work, not meant for printing: published/NAME names one."""
 
 NAME_PATTERN = re.compile(r'^name = "[^"]*"', re.MULTILINE)
 """Line of a template that names it: every shipped one has it, above its tables."""
@@ -30,24 +30,24 @@ class Entry(NamedTuple):
 
 
 def folder() -> Path:
-    """Where the templates lie: inside an installed package, beside it in a checkout."""
+    """Return the folder of the templates: inside an installed package, next to it in a checkout."""
     package = Path(__file__).parent.parent
     installed = package / "templates"
     return installed if installed.is_dir() else package.parent / "templates"
 
 
 def names(kind: str) -> list[str]:
-    """Names of the templates of a kind (one of KINDS) to start a walker of one's own from, sorted."""
+    """Return the names of the templates of a kind (one of KINDS) to start a walker of one's own from, sorted."""
     return sorted(path.stem for path in (folder() / kind).glob("*.toml"))
 
 
 def published_names(kind: str) -> list[str]:
-    """Names of the templates of a kind after published work, sorted: published/NAME."""
+    """Return the names of the templates of a kind after published work, sorted: published/NAME."""
     return sorted(f"{PUBLISHED_FOLDER}/{path.stem}" for path in (folder() / PUBLISHED_FOLDER / kind).glob("*.toml"))
 
 
 def all_names(kind: str) -> list[str]:
-    """Names of all templates of a kind: those to start from, then those after published work."""
+    """Return the names of all templates of a kind: those to start from, then those after published work."""
     return names(kind) + published_names(kind)
 
 
@@ -61,13 +61,13 @@ def find(name: str) -> Path:
 
 
 def _template_path(name: str, kind: str) -> Path:
-    """File of a template that is there."""
+    """Return the file of an existing template."""
     room, _, stem = name.rpartition("/")
     return folder() / room / kind / f"{stem}.toml"
 
 
 def read_with_name(path: Path, name: str) -> str:
-    """Text of a template under another name, with its comments as they are."""
+    """Read a template under another name, with its comments unchanged."""
     text = path.read_text(encoding="utf-8")
     return NAME_PATTERN.sub(f'name = "{name}"', text, count=1)
 
@@ -81,7 +81,7 @@ def load(name_or_path: str | Path, kind: str, model: type[Model], near: Path = P
 
 
 def resolve_path(name_or_path: str | Path, kind: str, near: Path = Path()) -> Path:
-    """Path of a template by its name, or of the user's own file: a Path, or other text with .toml or /.
+    """Return the path of a template by its name, or of the user's own file: a Path, or other text with .toml or /.
 
     Paths begin at the folder `near`, by default the one that walkergen runs in.
     Raises InputError that lists the known kinds, or names.
@@ -116,7 +116,7 @@ def to_toml(model: Section, comment: str, every: bool = True) -> str:
 
 
 def list_templates() -> Report:
-    """Every template with its description, kind by kind."""
+    """Return every template with its description, kind by kind."""
     entries = []
     for kind in KINDS:
         for name in all_names(kind):

@@ -35,11 +35,11 @@ class Part(NamedTuple):
     kind: str
     """Kind of its legs, which gives its colour: flexible or braced."""
     vertices: Array
-    """Corners of the mesh, shape (n, 3), mm, y up, as the part stands."""
+    """Corners of the mesh, shape (n, 3), mm, y up, in the part's upright position."""
     triangles: Whole
     """Corners of each triangle, shape (k, 3)."""
     words: str = ""
-    """What is said of it beside its name."""
+    """Description shown next to its name."""
 
 
 def viewer_script() -> str:
@@ -68,7 +68,7 @@ def render_view(parts: Sequence[Part]) -> markupsafe.Markup:
 
 
 def render_frame(parts: Sequence[Part], title: str) -> str:
-    """Frame (HTML) in which one of the parts is seen, with its size in words below it.
+    """Render a frame (HTML) that shows one of the parts, with its size as text below it.
 
     Parts beyond MOST_TRIANGLES are left out, and named. Equal parts give equal text.
     """
@@ -93,7 +93,7 @@ def render_frame(parts: Sequence[Part], title: str) -> str:
 
 
 def _parts_within_limit(parts: Sequence[Part]) -> Sequence[Part]:
-    """First parts that have MOST_TRIANGLES together at most."""
+    """Return the first parts that have at most MOST_TRIANGLES together."""
     total = np.cumsum([len(part.triangles) for part in parts])
     return parts[: int(np.searchsorted(total, MAX_TRIANGLES, side="right"))]
 

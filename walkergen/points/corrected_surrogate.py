@@ -1,7 +1,7 @@
-"""A walker's speed by the surrogate where that is not sure enough of it, corrected by a few runs of the walker.
+"""A walker's speed by the surrogate, corrected by a few runs of the walker if the surrogate is not sure enough.
 
-On the scale of its networks the surrogate errs nearly alike for all prints of a walker. So runs of the walker as
-designed give the error, and prints need no runs: what the networks differ by, between the walker and a print, remains.
+On the scale of its networks the surrogate has nearly the same error for all prints of a walker. So runs of the walker
+as designed give the error, and prints need no runs. The networks' difference between walker and print remains.
 """
 
 import math
@@ -25,11 +25,11 @@ from walkergen.points.experiments import Walker
 from walkergen.points.point import Record
 
 SECONDS, FIRST_RUNS, MAX_RUNS, RUN_GROWTH = 1.0, 5, 32, 1.5
-"""Measured time of a run, s; numbers of runs at first and at most, and the factor by which they grow."""
+"""Measured time of a run, s; first and maximum number of runs, and the factor between successive numbers."""
 
 SETTLING_RATIO, SETTLING_RANGE_S = 12.0, (0.5, 4.0)
-"""Time until a walker has its speed, over that in which friction gives it the plate's peak speed; its limits, s. With
-frictions of 0.02 to 0.04 speeds still grew for a second after the drop."""
+"""Time until a walker has its speed, over the time that friction takes to give it the plate's peak speed; its limits,
+s. With frictions of 0.02 to 0.04 speeds still grew for a second after the drop."""
 
 MAX_SURROGATE_ERROR = 0.3
 """Standard error of the surrogate, on the scale of its networks, beyond which it does not know a walker's prints."""
@@ -41,20 +41,20 @@ MAX_DEVIATIONS = 3.0
 """Standard deviations between surrogate and runs beyond which the surrogate's error is not what it states."""
 
 DIFFERENCE_FACTOR = 1.5
-"""Factor of what the networks differ by, between a walker and a print, so that bounds hold 68 and 95 % of prints."""
+"""Factor of the networks' difference between a walker and a print, so that bounds hold 68 and 95 % of prints."""
 
 MAX_FALL_CHANCE = 0.25
-"""Chance of a fall, by the networks, beyond which runs of a second are too short to say how often a walker falls."""
+"""Chance of a fall, by the networks, beyond which runs of a second are too short to show how often a walker falls."""
 
 
 class ToGoal(NamedTuple):
-    """Runs until the speed as designed is known as well as the surrogate has to know it."""
+    """Runs until the error of the speed as designed is within the surrogate's goal."""
 
     known: Known
     first: int = FIRST_RUNS
 
     def further(self, measured: Measured[Walker]) -> Measured[Walker] | None:
-        """Half as many runs again."""
+        """Return a measurement with half as many runs more; None if finished."""
         nominal = combine(self.known, measured.records)
         if nominal is None or measured.runs >= MAX_RUNS:
             return None
@@ -65,7 +65,7 @@ class ToGoal(NamedTuple):
 
 
 def simulate(walker: Walker, known: Known | None, progress: Progress) -> Record | None:
-    """Numbers of `points.short` by the corrected surrogate; None for a walker that it does not know well enough."""
+    """Return the numbers of `points.short` by the corrected surrogate; None if it is too unsure of a walker."""
     if known is None or not _can_correct(known):
         return None
     few = walker.with_run(seconds=SECONDS, discard_seconds=_settling_s(known))
@@ -83,7 +83,7 @@ def simulate(walker: Walker, known: Known | None, progress: Progress) -> Record 
 
 
 def combine(known: Known, records: Sequence[RunResult]) -> Speeds | None:
-    """Speed as designed by surrogate and runs; None where too few runs end well, or both differ beyond their errors."""
+    """Combine surrogate and runs to the designed speed; None with too few good runs, or if both differ too much."""
     mean = ensemble.mean_speed([record for record in records if record.outcome in ENDED_WELL])
     ends = mean.interval()
     if ends is None:
@@ -99,7 +99,7 @@ def combine(known: Known, records: Sequence[RunResult]) -> Speeds | None:
 
 
 def _can_correct(known: Known) -> bool:
-    """Whether runs correct the surrogate: it knows such walkers, and their speed does not depend on the time.
+    """Return whether runs correct the surrogate: it knows such walkers, and their speed does not depend on the time.
 
     On a plane that slopes a walker turns downhill; below 1 g some prints stand and others bounce. Runs that leave
     effects out are not those of the surrogate.
@@ -111,13 +111,13 @@ def _can_correct(known: Known) -> bool:
 
 
 def _settling_s(known: Known) -> float:
-    """Time in which a walker reaches its speed, s."""
+    """Return the time that a walker takes to reach its speed, s."""
     gained_s = known.peak_speed / (max(known.scene.contact.friction, 1e-9) * GRAVITY)
     return min(max(SETTLING_RATIO * gained_s, SETTLING_RANGE_S[0]), SETTLING_RANGE_S[1])
 
 
 def _print_spread(known: Known, nominal: Speeds, by_step: float) -> Record:
-    """Median, scatter and bounds over prints, mm/s, by draws of the surrogate that are shifted as the walker is."""
+    """Return median, scatter and bounds over prints, mm/s, from draws of the surrogate, shifted like the walker."""
     drawn, alone = prediction.sample_prediction_inputs(known.scene, known.design), known.speeds_at(known.place)
     speeds = known.sample_speeds(drawn)
     factor = DIFFERENCE_FACTOR * networks.load_arrays()[f"{known.design.kind}_error"][0]

@@ -26,12 +26,12 @@ class UntilDecided(NamedTuple):
     first: int = FIRST_RUNS
 
     def verdict(self, measured: Measured[Pairs]) -> Verdict:
-        """How the change lies within the error that the scene's speed allows."""
+        """Describe how the change compares with the error that the scene's speed allows."""
         pairs, records = measured.experiment, measured.records
         return variants.verdict(pairs.walker, pairs.mean_speed(records), pairs.changes(records)[0], self.tolerance)
 
     def further(self, measured: Measured[Pairs]) -> Measured[Pairs] | None:
-        """Twice the pairs."""
+        """Return a measurement with twice the pairs; None if finished."""
         change = measured.experiment.changes(measured.records)[0].speed
         told = self.verdict(measured) is not Verdict.UNDECIDED or change.se is None
         return None if told or measured.runs >= MAX_PAIRS else measured.with_runs(2 * measured.runs)
@@ -51,7 +51,7 @@ class Simplest(NamedTuple):
 
     @property
     def error_mm_s(self) -> float:
-        """Largest error of the speed (95 %) by what was left out, mm/s."""
+        """Largest error of the speed (95 %) by the dropped effects, mm/s."""
         if not self.left_out:
             return 0.0
         change = self.left_out[-1].speed  # with all before it left out as well
@@ -59,7 +59,7 @@ class Simplest(NamedTuple):
 
     @property
     def lines(self) -> list[tuple[str, str]]:
-        """What was left out and what was kept: names and values in words."""
+        """Effects that were left out and that were kept: names and values as text."""
         if self.accepted is None:
             return []
         share = f"{100.0 * self.accepted:g} %"
@@ -73,7 +73,7 @@ class Simplest(NamedTuple):
 
     @property
     def facts(self) -> dict[str, Any]:
-        """The same for JSON; nothing where nothing was tried."""
+        """The same for JSON; empty if nothing was tried."""
         if self.accepted is None:
             return {}
         listed = {
@@ -87,7 +87,7 @@ class Simplest(NamedTuple):
 
 
 def _format_change(change: Change) -> str:
-    """Effect with what the speed is without it, less that with it."""
+    """Format an effect with the change of speed without it."""
     speed, named = change.speed, change.effect
     if speed.value is None:
         return f"{named} ({speed.refused})"
@@ -96,7 +96,7 @@ def _format_change(change: Change) -> str:
 
 
 def check_no_accepted_error(scene: Scene, why: str) -> None:
-    """Refuse an accepted error where nothing is left out. Raises InputError that says why."""
+    """Refuse an accepted error if nothing is left out. Raises InputError with the reason `why`."""
     accepted = scene.run.accepted_error
     if accepted is not None:
         key = "scene.run.accepted_error"
@@ -106,7 +106,7 @@ def check_no_accepted_error(scene: Scene, why: str) -> None:
 def find_simplest(walker: Walker, progress: Progress = silent, threads: int | None = None) -> Simplest:
     """Leave out what changes the speed by less than the scene's `run.accepted_error`, with 95 % confidence.
 
-    Tried are effects that no switch forces. Each is measured beside the whole scene, with what was left out before it.
+    Effects that no switch forces are tried. Each is compared with the whole scene, without the effects dropped before.
     """
     accepted = walker.scene.run.accepted_error
     if accepted is None:

@@ -32,7 +32,7 @@ class Emulator(NamedTuple):
     """Inverse of the Cholesky factor of the values' covariance, shape (n, n)."""
 
     def __call__(self, x: Array) -> tuple[Array, Array]:
-        """Mean and standard deviation of the function, noise left out; x of shape (k, d).
+        """Return the mean and standard deviation of the function, noise left out; x of shape (k, d).
 
         As `process.predict` gives them, whose checks take five times the time of its work.
         """
@@ -50,7 +50,7 @@ class Emulator(NamedTuple):
 
 
 def single_thread() -> Any:
-    """Context in which linear algebra stays on one thread.
+    """Keep linear algebra on one thread in this context.
 
     Matrices here are so small that threads wait for one another: on a busy machine for a hundred
     times the time of the work.
@@ -92,7 +92,7 @@ def fit(x: Array, y: Array, noise: Array | None = None, seed: int = 1, like: Emu
         random_state=seed,
     )
     with warnings.catch_warnings(), single_thread():
-        # A length at its bound says that an input does not matter: that is an answer.
+        # A length at its bound means that an input does not matter: that is a valid result.
         warnings.simplefilter("ignore", ConvergenceWarning)
         process.fit((x - centre) / scale, y)
     factor = np.linalg.inv(process.L_)

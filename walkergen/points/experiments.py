@@ -1,6 +1,6 @@
 """A walker in a scene as an experiment: a pure function of inputs that a key names.
 
-Whatever needs a simulated speed asks for one: families, sweeps, surveys and the command line.
+Families, sweeps, surveys and the command line get their simulated speeds from it.
 """
 
 import hashlib
@@ -25,7 +25,7 @@ from walkergen.core.walker.mass import MassProperties
 from walkergen.points import step_errors
 
 MIN_STEP_US = 0.05
-"""Step (us) below which none is halved."""
+"""Minimum step (us) after halving."""
 
 
 class Walker(NamedTuple):
@@ -47,14 +47,14 @@ class Walker(NamedTuple):
 
     @property
     def key(self) -> str:
-        """Hash of all that is asked and of the kernels' sources, 32 hexadecimal digits."""
+        """Hash of all inputs and of the kernels' sources, 32 hexadecimal digits."""
         masses = _to_json(self.mass)
         kept = [self.impacts, self.sample_interval]
         text = json.dumps([*key_facts(self.scene, self.design), masses, *kept], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:32]
 
     def plan(self) -> Plan:
-        """Plan of the scene. Raises InputError where it contradicts itself or the design."""
+        """Return the plan of the scene. Raises InputError if it contradicts itself or the design."""
         return prepare(self.scene, self.design, self.mass)
 
     def prepare(self) -> OneRun[RunResult]:
@@ -64,7 +64,7 @@ class Walker(NamedTuple):
         return ensemble.runner(plan, self.impacts, self.sample_interval)
 
     def quantities(self, records: Sequence[RunResult]) -> list[Quantity]:
-        """Observables of runs, with what the step leaves of each as a bias."""
+        """Return the observables of runs, with the step's error of each as a bias."""
         plan = self.plan()
         summary = ensemble.summarise(records, plan.shaken.peak_speed, 0.0)
         return list(step_errors.judge(plan, summary.numbers).values())
@@ -80,14 +80,14 @@ class Walker(NamedTuple):
 
 
 class Results(NamedTuple):
-    """Runs of a walker, and what they say."""
+    """Runs of a walker, and their numbers."""
 
     walker: Walker
     """Walker, with the runs and the step that were taken in its scene."""
     summary: Summary
     """Statistics of the runs; what the step leaves of each number is its bias."""
     results: Sequence[RunResult]
-    """Finished runs, sorted by number; fewer than asked for after Ctrl-C."""
+    """Finished runs, sorted by number; fewer than requested after Ctrl-C."""
     warnings: Sequence[str]
     """Warnings on keys without a part."""
     step_us: float
@@ -132,12 +132,12 @@ def from_records(walker: Walker, records: Sequence[RunResult], runs: int, wall_s
 
 
 def _step_us(plan: Plan) -> float:
-    """Step of a plan."""
+    """Return the step of a plan."""
     return 1e6 * plan.world.options.step
 
 
 def _to_json(value: Any) -> Any:
-    """Named tuples, tuples of them and arrays as what JSON has."""
+    """Convert named tuples, tuples of them and arrays to values of JSON."""
     if hasattr(value, "_asdict"):
         return {name: _to_json(item) for name, item in value._asdict().items()}
     if isinstance(value, tuple):

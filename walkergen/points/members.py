@@ -1,4 +1,4 @@
-"""Walkers of a design as they are predicted: weighed, with speeds, beside balance and runs."""
+"""Predictions for the walkers of a design: masses and speeds, compared with weighed masses and runs."""
 
 from collections import namedtuple
 from collections.abc import Iterator, Mapping, Sequence
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 MAX_SIMULATED = 8
-"""Walkers that only a simulation knows, up to which they are simulated unasked: some seconds each."""
+"""Maximum number of walkers that are simulated without a request, outside the surrogate: some seconds each."""
 
 
 class Simulated(NamedTuple):
@@ -36,7 +36,7 @@ class Simulated(NamedTuple):
 
 
 class Weighing(NamedTuple):
-    """Weighed mass of a member beside its mesh's; the field names are columns."""
+    """Weighed mass of a member and its mesh's mass; the field names are columns."""
 
     weighings: int
     """Number of weighings on which the row rests."""
@@ -53,7 +53,7 @@ class Member(NamedTuple):
     design: Design
     name: str
     mesh: Mesh
-    """Mesh of the walker as it stands, in the design's frame."""
+    """Mesh of the finished walker, in the design's frame."""
     mass: MassProperties
     row: Prediction
     simulated: Simulated | None = None
@@ -99,7 +99,7 @@ def predict_members(
 
 
 def _apply_weighings(design: Design, parts: Solids, weighed: "Mapping[str, Weighings]", name: str) -> Design:
-    """Design with its masses from the balance, if it or what it carries was weighed."""
+    """Give a design its masses from the balance, if it or what it carries was weighed."""
     if not weighed:
         return design
     from walkergen.core.walker import weighed_masses
@@ -113,7 +113,7 @@ def _apply_weighings(design: Design, parts: Solids, weighed: "Mapping[str, Weigh
 def _weighing(
     member: Member, parts: Solids, scene: Scene, mode: Mode, weighed: "Mapping[str, Weighings]", model: Model
 ) -> Weighing:
-    """Mass of a member, and its mesh's with the speed that would go with it."""
+    """Return the mass of a member, and its mesh's mass with the speed for it."""
     from walkergen.core.walker import weighed_masses
 
     plain = weighed_masses.without_weighed_masses(member.design)
@@ -128,14 +128,14 @@ def _weighing(
 
 
 def rows(members: Sequence[Member]) -> list[Any]:
-    """Named tuples of all numbers of each walker: prediction, runs, weighed mass."""
+    """Return the named tuples of all numbers of each walker: prediction, runs, weighed mass."""
     found = [_columns(member) for member in members]
     Row = namedtuple("Row", found[0] if found else ())  # type: ignore[misc]
     return [Row(**columns) for columns in found]
 
 
 def _columns(member: Member) -> dict[str, Any]:
-    """All numbers of a walker by their columns."""
+    """Return all numbers of a walker by their columns."""
     found, runs = member.row._asdict(), member.simulated
     if runs is not None:
         speed = runs.speed._replace(key="sim_speed").row(95, stem="sim_")

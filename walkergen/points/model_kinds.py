@@ -1,7 +1,7 @@
-"""Kinds of experiments that points may be: which module knows each, imported when it is asked for.
+"""Kinds of experiments of points: the module of each kind, imported on first use.
 
-Such a module says which groups of numbers its points have, in which columns of a table, and which of
-them pictures show; and it evaluates a point. `alone` is of a walker alone, by any model of it.
+Such a module lists the groups of numbers of its points, their columns in a table, and the groups
+that pictures show. It also evaluates a point. `alone` is of a walker alone, by any model of it.
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ ALL_MODELS = (*MODELS, *(kind for kind in KIND_MODULES if kind != ALONE))
 """Models that a point may have."""
 
 KIND_KEY_PREFIXES = {"crowd": "scene.crowd."}
-"""Beginnings of keys that say something of one kind only."""
+"""Beginnings of keys that apply to one kind only."""
 
 
 class Picture(NamedTuple):
@@ -35,20 +35,20 @@ class Picture(NamedTuple):
     high: str
     """Bounds of 95 %."""
     label: str
-    """Number in words, with its unit."""
+    """Name of the number, with its unit."""
 
 
 class Kind(Protocol):
     """Module of a kind."""
 
     GROUPS: tuple[str, ...]
-    """Groups of numbers that a point may be asked for."""
+    """Groups of numbers that a point can have."""
     KEPT: tuple[str, ...]
-    """Those of a table unless others are asked for."""
+    """Groups of a table by default."""
     SCENE: str
-    """Template of the scene where none is named."""
+    """Default template of the scene."""
     RUNS: int | None
-    """Number of runs unless it is set; None for that of the scene."""
+    """Default number of runs; None for that of the scene."""
     MEETS_ERRORS: bool
     """Whether runs may be added until an error is met, or a time is spent."""
 
@@ -56,30 +56,30 @@ class Kind(Protocol):
         """Refuse groups that do not go with a model. Raises InputError."""
 
     def title(self, model: str) -> str:
-        """By what the numbers come, in words."""
+        """Describe the source of the numbers."""
 
     def columns(self, model: str, keep: Sequence[str]) -> tuple[str, ...]:
-        """Columns of records that keep these groups, without the status."""
+        """Return the columns of records that keep these groups, without the status."""
 
     def pictures(self, keep: Sequence[str]) -> tuple[Picture, ...]:
         """Return the pictures of a table."""
 
     def cost(self, point: Point) -> float:
-        """CPU seconds that a point takes, found out in less. Raises WalkergenError for one that cannot be built."""
+        """Estimate the CPU seconds of a point in less time. Raises WalkergenError for one that cannot be built."""
 
     def evaluate(self, point: Point) -> Record:
-        """Numbers of a point. Raises WalkergenError for one that cannot be built, or simulated."""
+        """Compute the numbers of a point. Raises WalkergenError for one that cannot be built, or simulated."""
 
 
 def kind_of(model: str) -> str:
-    """Kind of the points of a model. Raises InputError for a model that is not known."""
+    """Return the kind of the points of a model. Raises InputError for an unknown model."""
     if model not in ALL_MODELS:
         raise InputError(f"‹model=›{model[:30]!r}: must be one of {', '.join(ALL_MODELS)}")
     return ALONE if model in MODELS else model
 
 
 def kind_of_key(key: str) -> str:
-    """Kind that a key says something of alone; "" for one that all kinds read."""
+    """Return the only kind that a key applies to; "" for a key of all kinds."""
     return next((kind for kind, start in KIND_KEY_PREFIXES.items() if key.startswith(start)), "")
 
 
@@ -92,7 +92,7 @@ def load_kind(kind: str) -> Kind:
 
 
 def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
-    """Refuse groups and models that are not known, or do not go together. Raises InputError."""
+    """Refuse groups and models that are unknown, or do not go together. Raises InputError."""
     kind = load_kind(kind_of(model))
     for name in keep:
         if name not in kind.GROUPS:
@@ -101,7 +101,7 @@ def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
 
 
 def evaluate(point: Point) -> Record:
-    """Numbers of a point; one that cannot be built, or simulated, says so in its status."""
+    """Compute the numbers of a point; the status reports one that cannot be built or simulated."""
     try:
         return load_kind(point.kind).evaluate(point)
     except WalkergenError as error:

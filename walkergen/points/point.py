@@ -1,4 +1,4 @@
-"""A point: a design in a scene, what shall be known of it, and its key."""
+"""A point: a design in a scene, the requested numbers, and its key."""
 
 import functools
 import hashlib
@@ -19,15 +19,15 @@ ALONE = "alone"
 """Kind of a point that is one walker alone."""
 
 PREDICTION, SPACE = "prediction", "space"
-"""Models of a point that is not simulated, whose record says by what it is predicted, and of one that is."""
+"""Models of a point that is predicted, whose record names the source of its speed, and of one that is simulated."""
 
 Value = float | int | str | None
 Record = dict[str, Value]
-"""Numbers of a point by the names of their columns, with units; None where there is none."""
+"""Numbers of a point by the names of their columns, with units; None for a missing one."""
 
 
 class PointStatus(StrEnum):
-    """How a point went."""
+    """Outcome of a point."""
 
     OK = "ok"
     REFUSED = "refused"
@@ -37,11 +37,11 @@ class PointStatus(StrEnum):
     WALKERS_ENDED_BADLY = "some walkers ended badly"
     UNBALANCED = "energy error"
     NOT_MET = "error not met"
-    """Its error is larger than asked, or not known."""
+    """Its error is larger than requested, or unknown."""
 
 
 WENT_KEY, STATUS_KEY, REASON_KEY = "went", "status", "reason"
-"""Keys of a record beside its numbers: how the point went, that in words for the table, and why it is refused."""
+"""Keys of a record in addition to its numbers: the outcome, its text for the table, and the reason of a refusal."""
 
 
 class Point(NamedTuple):
@@ -49,18 +49,18 @@ class Point(NamedTuple):
 
     design: Design
     scene: Scene
-    """Scene, with the runs that shall be simulated."""
+    """Scene, with the runs to simulate."""
     simulated: bool = False
     """False for the prediction alone."""
     keep: tuple[str, ...] = ("speed",)
-    """Groups of `alone.GROUPS` that shall be known. Without any, a simulated point is its runs alone: its key
+    """Requested groups of `alone.GROUPS`. Without any, a simulated point is its runs alone: its key
     then does not depend on how speeds are predicted."""
     wanted: Tolerance | None = None
-    """Error up to which runs are added; None for the runs of the scene."""
+    """Requested error that ends the adding of runs; None for the runs of the scene."""
     printer: Printer | None = None
     """Printer of the group "printability"."""
     kind: str = ALONE
-    """Kind of the experiment, of `kinds.KINDS`: that of one that is not ALONE has all its numbers, whatever is kept."""
+    """Kind of the experiment, of `kinds.KINDS`. Any kind but ALONE has all its numbers, regardless of `keep`."""
 
     @property
     def predicted(self) -> bool:
@@ -69,12 +69,12 @@ class Point(NamedTuple):
 
 
 def status_record(how: PointStatus, words: str = "") -> Record:
-    """Beginning of a record: how a point went, and the same in words."""
+    """Return the beginning of a record: the outcome of a point, and its text."""
     return {WENT_KEY: how, STATUS_KEY: words or how.value}
 
 
 def refused_record(error: WalkergenError) -> Record:
-    """Record of a point that cannot be built or simulated."""
+    """Return the record of a point that cannot be built or simulated."""
     reason = " ".join(error.text.split())[:300]
     return status_record(PointStatus.REFUSED, f"{PointStatus.REFUSED}: {reason}") | {REASON_KEY: reason}
 

@@ -28,15 +28,15 @@ MIN_DRAWS, MAX_DRAWS = 16, 4096
 
 MAX_VARIANCE_SHARE = 0.5
 """Largest part of the draws' variance that is taken out of the bounds as the error of short runs.
-Where it is less all of it is, and bounds hold what they say. So few draws know no better what
-remains of a larger one: with all of it out 95 % bounds held 80 to 87 % where it was four fifths."""
+A smaller error is taken out completely, and bounds hold what they state. With a larger one so few draws cannot
+show what remains: with an error of four fifths taken out completely, 95 % bounds held 80 to 87 %."""
 
 JACKKNIFE_GROUPS = 8
 """Number of groups of draws that are left out in turn, for the errors of the shares."""
 
 
 class PrintScatter(NamedTuple):
-    """Speed of a walker of which design and scene do not know everything, from many prints."""
+    """Speed of a walker with uncertain inputs of design and scene, from many prints."""
 
     draws: int
     """Draws whose runs ended well."""
@@ -60,7 +60,7 @@ class PrintScatter(NamedTuple):
 
 
 def measure(scene: Scene, design: Design, draws: int, progress: Progress) -> PrintScatter:
-    """Simulate `draws` prints, the scene's seconds each, and tell where their scatter comes from.
+    """Simulate `draws` prints, the scene's seconds each, and find the sources of their scatter.
 
     Raises InputError for a number of draws out of range, when nothing is uncertain, and when too
     few runs end well.
@@ -84,7 +84,7 @@ class PrintRuns(NamedTuple):
     """Mean speeds of the two halves of each run, shape (draws, 2), mm/s."""
     outcomes: dict[str, int]
     by_step_mm_s: float | None
-    """Largest error of the mean speed by the time step (95 %); None where it is not known."""
+    """Largest error of the mean speed by the time step (95 %); None if unknown."""
 
 
 def simulate_prints(scene: Scene, design: Design, draws: int, progress: Progress) -> PrintRuns:
@@ -116,13 +116,13 @@ def simulate_prints(scene: Scene, design: Design, draws: int, progress: Progress
 
 
 def add_step_error(ends: Bounds, mean: float, error: float | None) -> Bounds:
-    """Bounds about a mean (mm/s) with the step's error (95 %; None: not known) added in squares."""
+    """Add the step's error (95 %; None: unknown) in squares to the bounds about a mean (mm/s)."""
     by_step = error or 0.0
     return add_error(ends, mean, (by_step, 0.5 * by_step, 0.5 * by_step, by_step))
 
 
 def add_error(ends: Bounds, mean: float, parts: Bounds) -> Bounds:
-    """Bounds about a mean (mm/s) with a further error added to each end in squares."""
+    """Add a further error in squares to each end of the bounds about a mean (mm/s)."""
     low2, low1, high1, high2 = (
         mean + math.copysign(math.hypot(end - mean, part), end - mean) for end, part in zip(ends, parts, strict=True)
     )
@@ -130,7 +130,7 @@ def add_error(ends: Bounds, mean: float, parts: Bounds) -> Bounds:
 
 
 def _build_draw(scene: Scene, design: Design, inputs: Sequence[Input], row: Array, number: int) -> Walker:
-    """Results of one draw: a single run whose drop and corner heights are its own."""
+    """Return the results of one draw: a single run with its own drop and corner heights."""
     names = [quantity.name for quantity in inputs]
     changed, printed, mass = uncertain_inputs.apply_inputs(scene, design, dict(zip(names, row, strict=True)))
     run = changed.run.model_copy(update={"runs": 1, "seed": (scene.run.seed + number) % 2**63})
@@ -138,7 +138,7 @@ def _build_draw(scene: Scene, design: Design, inputs: Sequence[Input], row: Arra
 
 
 def _simulate_draws(wanted: Sequence[Walker], progress: Progress) -> list[Results]:
-    """Points of all draws; the first is simulated alone, since it compiles for all."""
+    """Simulate the points of all draws; the first one alone, since it compiles for all."""
     progress("kernels", 0, len(wanted))
     first = walkers.simulate(wanted[0])
     others = walkers.simulate_parallel(wanted[1:], part_progress(progress, 0, 1, f"{len(wanted)} prints"))
@@ -148,7 +148,7 @@ def _simulate_draws(wanted: Sequence[Walker], progress: Progress) -> list[Result
 
 
 def _half_speeds(point: Results) -> tuple[float, float]:
-    """Mean speeds of the two halves of a run, mm/s."""
+    """Return the mean speeds of the two halves of a run, mm/s."""
     blocks = point.results[0].block_speeds
     middle = len(blocks) // 2
     return float(blocks[:middle].mean()), float(blocks[middle:].mean())
@@ -157,10 +157,10 @@ def _half_speeds(point: Results) -> tuple[float, float]:
 def analyse(
     inputs: tuple[Input, ...], values: Array, halves: Array, outcomes: dict[str, int], seed: int
 ) -> PrintScatter:
-    """Tell apart what prints and what short runs add to the scatter of speeds.
+    """Separate the contributions of prints and of short runs to the scatter of speeds.
 
     Values of the inputs, shape (n, inputs); mean speeds of the halves of each run, shape (n, 2),
-    mm/s: their differences tell the statistical error, which holds for correlations shorter than
+    mm/s: their differences give the statistical error, which holds for correlations shorter than
     half a run.
     """
     speeds, statistical = halves.mean(axis=1), statistical_error(halves)
@@ -192,7 +192,7 @@ def statistical_error(halves: Array) -> float:
 
 
 def speed_bounds(speeds: Array, statistical: float) -> Bounds:
-    """Speeds below which 2.5, 16, 84 and 97.5 % of prints run, from draws of shape (n,), mm/s.
+    """Return the speeds below which 2.5, 16, 84 and 97.5 % of prints run, from draws of shape (n,), mm/s.
 
     Draws are drawn together until they scatter as prints alone do, so that the error of short runs
     is not in the bounds; but no more than MOST_TAKEN of their variance is taken out.
@@ -208,7 +208,7 @@ def speed_bounds(speeds: Array, statistical: float) -> Bounds:
 def _variance_shares(
     inputs: Sequence[Input], values: Array, speeds: Array, between: float, seed: int
 ) -> tuple[Array, Array]:
-    """First-order and total shares of the variance between prints, and what inputs explain of it.
+    """Return the first-order and total shares of the variance between prints, and the share that inputs explain.
 
     Shape (3, inputs), the last row equal throughout, and standard errors of the same shape by a
     jackknife over groups of draws.

@@ -1,7 +1,7 @@
-"""Time that runs will take on this machine: what a moment of them takes, times their length, and what an error needs.
+"""Time that runs will take on this machine: the time of a moment, times their length, and the number for an error.
 
-A moment is simulated and timed, so that every effect and every model is counted as it is; of an error the first runs,
-which are made anyway, tell the scatter. Times by the clock are those of an idle machine.
+A moment is simulated and timed, so that every effect and every model is included. For an error, the first runs, which
+are made anyway, give the scatter. Times by the clock are those of an idle machine.
 """
 
 import math
@@ -25,13 +25,13 @@ MOMENT_S = 0.4
 """CPU time of a moment, s."""
 
 SETTLING_S, MAX_MOMENT_S = 0.1, 60.0
-"""Start of a moment, in which the walker lands, and its longest time after that, s."""
+"""Start of a moment, until the walker has landed, and the moment's longest time after that, s."""
 
 STEP_CPU_S = 2.5e-7
 """CPU time of a step, or of a period of the plate, s: 0.1 to 0.3 us were measured."""
 
 MAX_START_S = 2.0
-"""CPU time of the start of a moment, which nothing stops, up to which it is simulated, s."""
+"""Maximum CPU time of the start of a simulated moment, s. The start cannot be stopped."""
 
 MIN_RUNS_S = 10.0
 """Simulated time of all runs below which they take no time that is worth a moment, s."""
@@ -66,18 +66,18 @@ def measure_rate(plan: Plan) -> float:
 
 
 def run_cpu_s(walker: Walker) -> float:
-    """CPU seconds of one run of a walker."""
+    """Return the CPU seconds of one run of a walker."""
     run = walker.scene.run
     return measure_rate(walker.plan()) * (run.discard_seconds + run.seconds)
 
 
 def wall_time(each_s: float, pieces: int, hands: int | None = None) -> float:
-    """Time by the clock (s) of pieces of work of so many CPU seconds each, in turns of `hands`, or of every core."""
+    """Return the clock time (s) of pieces of work of these CPU seconds, in turns of `hands`, or of every core."""
     return each_s * math.ceil(pieces / (hands or worker_pool.core_count()))
 
 
 def total_time(walkers: Sequence[Walker]) -> Expected | None:
-    """Time of the runs that the scenes of walkers ask for, one walker after the other; None where that is short."""
+    """Return the time of all runs of walkers' scenes, one walker after the other; None if it is short."""
     runs = [walker.scene.run for walker in walkers]
     if sum(run.runs * (run.discard_seconds + run.seconds) for run in runs) < MIN_RUNS_S:
         return None
@@ -85,7 +85,7 @@ def total_time(walkers: Sequence[Walker]) -> Expected | None:
 
 
 class ErrorWithEstimate(NamedTuple):
-    """Runs until an error is met, of which somebody is told how long they will take once the first ones are made."""
+    """Runs until an error is met, with a callback for the remaining time after the first runs."""
 
     until: Error
     expect: Expect = ignore_estimate
@@ -96,7 +96,7 @@ class ErrorWithEstimate(NamedTuple):
         return self.until.first
 
     def further(self, measured: Measured[Walker]) -> Measured[Walker] | None:
-        """More runs, or a finer experiment, as the error needs."""
+        """Return more runs, or a finer experiment, as the error needs."""
         more = self.until.further(measured)
         if more is not None and measured.runs == self.until.first:
             self.expect(lambda: time_to_error(self.until, measured))
@@ -104,7 +104,7 @@ class ErrorWithEstimate(NamedTuple):
 
 
 def time_to_error(until: Error, measured: Measured[Walker]) -> Expected:
-    """Time that an error still takes after the first runs; and in all, beside what the next cheaper one would take."""
+    """Estimate the time to an error after the first runs; and in all, compared with the next cheaper error."""
     cheaper = until._replace(tolerance=next_cheaper(until.tolerance))
     hands, left = worker_pool.core_count(), cost_of_error(until, measured)
     whole, other = (
@@ -117,7 +117,7 @@ def time_to_error(until: Error, measured: Measured[Walker]) -> Expected:
 
 
 def cost_of_error(until: Error, measured: Measured[Walker]) -> float:
-    """CPU seconds that an error takes after the first runs; none where these do."""
+    """Return the CPU seconds to an error after the first runs; 0 if these suffice."""
     if until.further(measured) is None:
         return 0.0
     finer = until.select_resolution(measured)
@@ -128,12 +128,12 @@ def cost_of_error(until: Error, measured: Measured[Walker]) -> float:
 
 
 def total_cpu_s(measured: Measured[Any]) -> float:
-    """CPU seconds that runs took."""
+    """Return the CPU seconds that runs took."""
     return float(sum(record.cpu_s for record in measured.records))
 
 
 def _runs_needed(until: Error, measured: Measured[Walker], finer: Walker) -> int:
-    """Fewest runs of an experiment that will meet an error, by the scatter of those that were made."""
+    """Return the fewest runs of an experiment that will meet an error, by the scatter of the finished ones."""
     quantity = measured._replace(experiment=finer).quantities[until.of]
     scatter = _run_scatter(measured, until.of, quantity.se or 0.0)
     for runs in range(until.first, until.most):
@@ -159,7 +159,7 @@ def _run_scatter(measured: Measured[Walker], of: str, se: float) -> float:
 
 
 def next_cheaper(wanted: Tolerance) -> Tolerance:
-    """Next larger error of the series 1, 2, 5, 10."""
+    """Return the next larger error of the series 1, 2, 5, 10."""
     digit = 10.0 ** math.floor(math.log10(wanted.value) + 1e-9)
     larger = next(step * digit for step in (2.0, 5.0, 10.0) if step * digit > wanted.value * (1.0 + 1e-9))
     return wanted._replace(value=float(f"{larger:.6g}"))

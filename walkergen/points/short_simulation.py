@@ -1,8 +1,8 @@
-"""A walker's speed by a short simulation: as designed to 5 %, and over prints of what is not known of it.
+"""A walker's speed by a short simulation: as designed to 5 %, and over prints with its uncertain inputs.
 
-What the scene's `run.accepted_error` allows is left out, and the bounds bear the error that was measured of that.
+What the scene's `run.accepted_error` allows is left out, and the bounds include the measured error of leaving it out.
 
-The store keeps it, so that whoever asks again, and whoever asks elsewhere, gets the same at once.
+The store keeps the speed, so that a second request, from anywhere, gets the same immediately.
 """
 
 import math
@@ -30,7 +30,7 @@ NOMINAL_TOLERANCE = Tolerance(0.05, relative=True)
 """Error of the nominal speed of a short simulation."""
 
 PRINT_COUNT = 32
-"""Prints that are drawn for the bounds of what is not known, each in one short run."""
+"""Prints that are drawn for the bounds by uncertain inputs, each in one short run."""
 
 PRINT_S, PRINT_DISCARD_S = 2.0, 0.5
 """Measured time of such a run, and the start of it that is not measured, s."""
@@ -39,25 +39,25 @@ MAX_RUN_S, MAX_RUNS = 4.0, 64
 """Measured time of a run of the nominal walker, s, and most of these runs."""
 
 MAX_CPU_S = 150.0
-"""CPU time, as the steps tell, beyond which a walker is not simulated unasked, s: usual ones take 5 to 30."""
+"""Maximum CPU time, from the steps, of a walker that is simulated without a request, s: usual ones take 5 to 30."""
 
 MAX_FULL_TIME_LEGS = 4
-"""Legs up to which runs have their full time."""
+"""Maximum number of legs of walkers whose runs have their full time."""
 
 BOUND_NAMES = ("low_95", "low_68", "high_68", "high_95")
 """Names of the ends of the bounds over prints in a record."""
 
 MAX_FALL_SHARE = 0.5
-"""Share of the runs that fall from which on a walker has no speed."""
+"""Maximum share of runs that fall; with more, a walker has no speed."""
 
 
 def _store_key(walker: Walker) -> str:
-    """Key of a walker's numbers, and of how long it runs for them."""
+    """Return the key of a walker's numbers, and of its run times."""
     return f"speed {walker.key} {digest()} {MAX_RUN_S:g} {MAX_RUNS} {PRINT_COUNT} {PRINT_S:g}"
 
 
 def load_stored(walker: Walker) -> Record | None:
-    """Numbers of a short simulation of a walker that the store has; None without."""
+    """Load the numbers of a walker's short simulation from the store; None without any."""
     store = Store()
     try:
         return store.get([_store_key(walker)]).get(_store_key(walker))
@@ -66,10 +66,10 @@ def load_stored(walker: Walker) -> Record | None:
 
 
 def simulate_short(walker: Walker, near: Known | None, progress: Progress) -> Record:
-    """Numbers of a short simulation of a walker, which the store then has.
+    """Simulate a walker shortly, and save its numbers in the store.
 
-    A few runs are enough where the surrogate knows such walkers, as `near`. Raises InputError for a walker whose steps
-    are so many that it takes minutes.
+    A few runs are enough if `near`, the surrogate's numbers of such walkers, are given. Raises InputError for a walker
+    with so many steps that it takes minutes.
     """
     _check_run_length(walker)
     record = corrected_surrogate.simulate(walker, near, progress) or _simulate_runs(walker, progress)
@@ -82,7 +82,7 @@ def simulate_short(walker: Walker, near: Known | None, progress: Progress) -> Re
 
 
 def _simulate_runs(walker: Walker, progress: Progress) -> Record:
-    """Numbers by runs of the walker and of its prints."""
+    """Compute the numbers from runs of the walker and of its prints."""
     simple = find_simplest(_with_short_runs(walker), part_progress(progress, 0, 3, "what can be left out"))
     few = simple.walker
     results = walkers.simulate_with_limit(
@@ -105,12 +105,12 @@ def _simulate_runs(walker: Walker, progress: Progress) -> Record:
 
 
 def _with_short_runs(walker: Walker) -> Walker:
-    """Walker with runs of the time that is enough for its speed as designed."""
+    """Return the walker with runs long enough for its speed as designed."""
     return walker.with_run(seconds=min(walker.scene.run.seconds, MAX_RUN_S * _time_share(walker)))
 
 
 def _estimate_cpu_s(walker: Walker) -> float:
-    """CPU time that the fewest runs of a short simulation take at most, by the number of their steps, s."""
+    """Return the maximum CPU time of the fewest runs of a short simulation, by the number of their steps, s."""
     run = _with_short_runs(walker).scene.run
     prints_s = PRINT_DISCARD_S + PRINT_S * _time_share(walker)
     simulated_s = FIRST_RUNS * (run.discard_seconds + run.seconds) + PRINT_COUNT * prints_s
@@ -137,7 +137,7 @@ def _check_run_length(walker: Walker) -> None:
 
 
 def _usual_scenes(scene: Scene) -> Iterator[tuple[str, float, Scene]]:
-    """Keys that decide on a scene's steps, with their values, and the scene with a usual one."""
+    """Yield the keys that determine a scene's steps, with their values, and the scene with a usual value."""
     yield (
         "drive.frequency_hz",
         scene.drive.frequency,
@@ -153,12 +153,12 @@ def _usual_scenes(scene: Scene) -> Iterator[tuple[str, float, Scene]]:
 
 
 def _time_share(walker: Walker) -> float:
-    """Share of the usual time for which a walker runs: with many legs it takes longer, and repeats itself sooner."""
+    """Return the share of the usual run time: with many legs a run takes longer, and repeats itself sooner."""
     return min(1.0, MAX_FULL_TIME_LEGS / len(walker.design.limbs))
 
 
 def _simulate_prints(walker: Walker, progress: Progress) -> Record:
-    """Mean, scatter and bounds over prints, mm/s; none of walkers of which too few prints walk."""
+    """Compute mean, scatter and bounds over prints, mm/s; empty if too few prints walk."""
     seconds = PRINT_S * _time_share(walker)
     run = walker.scene.run.model_copy(update={"seconds": seconds, "discard_seconds": PRINT_DISCARD_S})
     scene = walker.scene.model_copy(update={"run": run})
@@ -177,7 +177,7 @@ def _simulate_prints(walker: Walker, progress: Progress) -> Record:
 
 
 def to_spread(record: Record, scene: Scene) -> Spread | None:
-    """Speeds of a record, with the model's own error in the bounds; None of a walker that falls."""
+    """Return the speeds of a record, with the model's own error in the bounds; None for a walker that falls."""
     nominal, low, high = (_float_or_none(record, name) for name in ("nominal", "low", "high"))
     if nominal is None or float(record["falls"] or 0.0) >= MAX_FALL_SHARE:
         return None
@@ -185,7 +185,7 @@ def to_spread(record: Record, scene: Scene) -> Spread | None:
     first, last = nominal if low is None else low, nominal if high is None else high  # one orbit has no scatter
     first, _, _, last = print_ensemble.add_step_error((first, nominal, nominal, last), nominal, left_out)
     mean = _float_or_none(record, "mean")
-    if mean is None:  # nothing is unknown, or too few prints walk to tell
+    if mean is None:  # nothing is uncertain, or too few prints walk
         half = 0.5 * (last - first)
         mean, sd = nominal, half / NORMAL_95
         ends = first, nominal - half / 2.0, nominal + half / 2.0, last
@@ -199,7 +199,7 @@ def to_spread(record: Record, scene: Scene) -> Spread | None:
 
 
 def _source(record: Record) -> By:
-    """Source of a record's speeds."""
+    """Return the source of a record's speeds."""
     return "corrected" if record.get("by") == "corrected" else "runs"
 
 

@@ -1,4 +1,4 @@
-"""Points that are a walker alone: masses, predicted speed, what a simulation says (see `kinds`)."""
+"""Points of a walker alone: masses, predicted speed, results of a simulation (see `kinds`)."""
 
 import time
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ MOTION_GROUPS: dict[str, tuple[str, ...]] = {
     "persistence": ("persistence_time", "persistence_length", "rotational_diffusion", "turning_bias"),
     "alignment": ALIGNMENT_NAMES,
 }
-"""Groups of what tracks tell, with their estimates by the names of `estimates.UNITS`."""
+"""Groups of numbers from tracks, with their estimates by the names of `estimates.UNITS`."""
 
 PREDICTED_COLUMNS = "speed_mm_s", "theory_mm_s", "model"
 SIMULATED_COLUMNS = (
@@ -67,12 +67,12 @@ def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
 
 
 def title(model: str) -> str:
-    """By what the numbers come, in words."""
+    """Describe the source of the numbers."""
     return "predicted" if model == PREDICTION else f"model {model}"
 
 
 def columns(model: str, keep: Sequence[str]) -> tuple[str, ...]:
-    """Columns of records that keep these groups, without the status."""
+    """Return the columns of records that keep these groups, without the status."""
     more = [name for group in GROUP_COLUMNS if group in keep for name in GROUP_COLUMNS[group]]
     return (*(PREDICTED_COLUMNS if model == PREDICTION else SIMULATED_COLUMNS), *more)
 
@@ -83,7 +83,7 @@ def pictures(keep: Sequence[str]) -> tuple[Picture, ...]:
 
 
 def cost(point: Point) -> float:
-    """CPU seconds that a point takes, by a moment of its runs, or the first of them; a prediction is made twice."""
+    """Estimate the CPU seconds of a point from a moment of its runs, or the first one; a prediction is made twice."""
     if point.simulated:
         found = find_simplest(Walker(point.scene, point.design, solids.mass_of(point.design)), threads=1)
         walker, wanted = found.walker, point.wanted
@@ -97,7 +97,7 @@ def cost(point: Point) -> float:
 
 
 def evaluate(point: Point) -> Record:
-    """Numbers of a point. Raises WalkergenError for one that cannot be built, or simulated."""
+    """Compute the numbers of a point. Raises WalkergenError for one that cannot be built, or simulated."""
     design, scene, keep = point.design, point.scene, point.keep
     weighed_masses.check_stated_masses(design)
     mass = solids.mass_of(design)
@@ -135,7 +135,7 @@ def evaluate(point: Point) -> Record:
 
 
 def _simulate_point(point: Point, mass: MassProperties) -> Record:
-    """Numbers of the runs of a point, more and more of them until its error is met."""
+    """Return the numbers of the runs of a point, with more runs until its error is met."""
     walker, met = find_simplest(Walker(point.scene, point.design, mass), threads=1).walker, None
     if point.wanted is None:
         results = walkers.simulate(walker, threads=1)
@@ -161,7 +161,7 @@ def _simulate_point(point: Point, mass: MassProperties) -> Record:
 
 
 def _motion_record(results: Results, names: Sequence[str]) -> Record:
-    """Estimates of the motion of runs; None where they are not known."""
+    """Return the estimates of the motion of runs; None if unknown."""
     good = [result for result in results.results if result.outcome in ENDED_WELL]
     moved = None
     if good:
@@ -175,7 +175,7 @@ def _motion_record(results: Results, names: Sequence[str]) -> Record:
 
 
 def _status_record(summary: Summary, met: ErrorResult | None) -> Record:
-    """How the runs of a point went."""
+    """Describe the outcome of the runs of a point."""
     fine = [outcome.value for outcome in (*ENDED_WELL, Outcome.TOO_FEW, Outcome.ORBIT)]
     bad = {name: count for name, count in summary.outcomes.items() if name not in fine}
     if summary.speed.value is None:

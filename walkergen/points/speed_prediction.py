@@ -1,4 +1,4 @@
-"""The one decision by what a speed is known: statics, the surrogate where it is sure, else a short simulation."""
+"""Choice of how a speed is predicted: statics, the surrogate inside its domain, or a short simulation."""
 
 from typing import TYPE_CHECKING, Literal
 
@@ -28,10 +28,10 @@ def predict(
     model: Model = "best",
     progress: Progress = silent,
 ) -> Prediction:
-    """Predict one walker by what knows it best.
+    """Predict the mean speed of one walker with the best available model.
 
-    With model "known" nothing is simulated, with "theory" the theory stands alone: then a row may have no speed.
-    Raises InputError where a walker that is to be simulated and its scene contradict each other or it takes minutes,
+    With model "known" nothing is simulated. With "theory" only the theory is used, and a row may have no speed.
+    Raises InputError if a walker to simulate contradicts its scene or would take minutes,
     TheoryError for an unknown mode.
     """
     if model == "theory":
@@ -58,7 +58,7 @@ def predict(
 
 
 def _how(record: "Record") -> str:
-    """How a speed was simulated, in words."""
+    """Describe how a speed was simulated."""
     return "simulated" if record["by"] == "runs" else "by the surrogate, corrected by a few runs"
 
 

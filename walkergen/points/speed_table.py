@@ -16,7 +16,7 @@ from walkergen.points.members import Member
 
 
 def caption(design: Design, scene: Scene, mode: str) -> str:
-    """Statement of what the speeds of a table of one design rest on."""
+    """Describe the basis of the speeds of a table of one design."""
     contact, assumed = scene.contact, scene.prediction
     what = "mean factor v/w" if design.alike else "balanced factor v/w"
     origin = contact.origin[0].upper() + contact.origin[1:]
@@ -58,11 +58,11 @@ MEANINGS = {
 """Meanings of short headings, by the keys of their columns."""
 
 MIN_FOLDED_WALKERS = 3
-"""Walkers that stand on braced legs from which on one line tells of all."""
+"""Minimum number of walkers on braced legs that share one line."""
 
 
 def tables(name: str, design: str, walkers: Sequence[Member], why: bool = True) -> list[Table]:
-    """Table of a design's walkers, marked by notes if `why`, and their masses beside the meshes' if weighed."""
+    """Build the table of a design's walkers, with notes if `why`, and of their masses and the meshes' if weighed."""
     rows = members.rows(walkers)
     keys = rows[0]._fields if rows else Prediction._fields
     standing = {member.row for member in _standing(walkers)}
@@ -73,7 +73,7 @@ def tables(name: str, design: str, walkers: Sequence[Member], why: bool = True) 
 
 
 def lines(walkers: Sequence[Member]) -> list[str]:
-    """Return the table's numbered notes, then lines on walkers that stand and on weighed masses."""
+    """Return the table's numbered notes, then lines on standing walkers and on weighed masses."""
     notes = [f"[{number}] {note}" for number, note in enumerate(_notes(walkers), start=1)]
     standing = _standing(walkers)
     if standing:
@@ -88,7 +88,7 @@ def lines(walkers: Sequence[Member]) -> list[str]:
 
 
 def columns(walkers: Sequence[Member], why: bool = True) -> tuple[Column, ...]:
-    """Columns of the table; a speed with a note carries its number, if `why`.
+    """Return the columns of the table; a speed with a note carries its number, if `why`.
 
     Where only the theory was requested they are what it takes and gives, without empty ones.
     """
@@ -165,7 +165,7 @@ def _has_weighings(walkers: Sequence[Member]) -> bool:
 
 
 def _standing(walkers: Sequence[Member]) -> list[Member]:
-    """Walkers on braced legs that stand, where there are several, none simulated."""
+    """Return the standing walkers on braced legs, if there are several, none simulated."""
     standing = [
         member
         for member in walkers
@@ -175,7 +175,7 @@ def _standing(walkers: Sequence[Member]) -> list[Member]:
 
 
 def _notes(walkers: Sequence[Member]) -> list[str]:
-    """Distinct notes of the walkers that the table shows, in order."""
+    """Return the distinct notes of the walkers that the table shows, in order."""
     standing = {id(member) for member in _standing(walkers)}  # equality compares designs and meshes
     shown = [member.row for member in walkers if id(member) not in standing]
     alone = _has_theory_alone(walkers)
@@ -183,18 +183,18 @@ def _notes(walkers: Sequence[Member]) -> list[str]:
 
 
 def _has_theory_alone(walkers: Sequence[Member]) -> bool:
-    """Whether only the theory's speeds were requested."""
+    """Return whether only the theory's speeds were requested."""
     return all(member.row.has_theory_alone for member in walkers)
 
 
 def _bounds_column(heading: str, share: str, wide: bool = False) -> Column:
-    """Column of the bounds that hold a speed with 68 or 95 %."""
+    """Return the column of the bounds that hold a speed with 68 or 95 %."""
     low, high = f"speed_low_{share}_mm_s", f"speed_high_{share}_mm_s"
     return Column(heading, lambda row: _format_range(getattr(row, low), getattr(row, high)), True, wide)
 
 
 def _format_range(low: float | None, high: float | None) -> str:
-    """Bounds in whole numbers; "" where there are none."""
+    """Format the bounds in whole numbers; "" without any."""
     if low is None or high is None:
         return ""
     return f"{formatting.format_fixed(low, 0)} to {formatting.format_fixed(high, 0)}"
@@ -236,11 +236,11 @@ MASS_COLUMNS = (
     report.fixed_column("mesh's\n(mm/s)", "speed_mesh_mm_s", 2),
     Column("change\n(mm/s)", _format_change, right=True),
 )
-"""Columns of weighed masses and their speeds beside those of the mesh."""
+"""Columns of weighed masses and their speeds, next to those of the mesh."""
 
 
 def _percent_column(heading: str, key: str) -> Column:
-    """Column of a share of a variance with its error, percent."""
+    """Return the column of a share of a variance with its error, percent."""
 
     def cell(row: Any) -> str:
         value, error = getattr(row, key).pair
@@ -254,11 +254,11 @@ SHARE_COLUMNS = (
     _percent_column("alone", "first"),
     _percent_column("with all others", "total"),
 )
-"""Columns of an input's shares of a variance: measure next what stands first."""
+"""Columns of an input's shares of a variance: measure the first input next."""
 
 
 def shares_table(name: str, listed: Sequence[Share], title: str) -> Table:
-    """Table of inputs with their shares of a variance."""
+    """Return the table of inputs with their shares of a variance."""
     from walkergen.core.numerics.quantity import column_values
 
     rows = [tuple(column_values(share).values()) for share in listed]

@@ -1,4 +1,4 @@
-"""What a time step resolves: how far each observable may be off by it, or that this is not known.
+"""Resolution of a time step: how far each observable may be off by it, or that this is unknown.
 
 Measured with `walkergen accuracy --only steps` and by hand, see docs/physics.md section 7.
 """
@@ -11,8 +11,8 @@ from walkergen.core.simulation import observables
 from walkergen.core.simulation.plan import Plan, prepare
 
 LANDING_RATE, GROUP_RATE, MOTION = "landings", "groups", "motion"
-"""Names of what else a step moves: rates of landings of single corners and of groups of
-corners, and all that tracks tell."""
+"""Names of other numbers with an error by the step: rates of landings of single corners and of groups of
+corners, and all numbers from tracks."""
 
 MAX_STEP_ERRORS = {
     observables.IMPACTS: 0.06,
@@ -24,7 +24,7 @@ MAX_STEP_ERRORS = {
     LANDING_RATE: 0.08,
     GROUP_RATE: 0.15,
 }
-"""Largest errors (95 %) at the step that feet take by themselves, as shares of the value.
+"""Largest errors (95 %) at the default step of the feet, as shares of the value.
 
 They fall with the square of the step. They bound what 19 settings differ by from a quarter of the step (tilts of 0 to
 35 deg, restitution 0.1 to 0.9, friction 0.05 to 0.5, 60 and 90 Hz, 1.4 to 2.6 g, tips of 1 to 50 um, rigid tips, braced
@@ -54,9 +54,9 @@ COARSE_STEP_REASON = "not resolved by this step: ‹step=›{own:.2g} or less is
 
 
 def judge(plan: Plan, numbers: Mapping[str, Quantity]) -> dict[str, Quantity]:
-    """Numbers of runs, by the names of `observables.NAMES`, each with what the step leaves of it as its bias.
+    """Return the numbers of runs, by the names of `observables.NAMES`, each with the step's error as its bias.
 
-    A reason says why that is not known. Also landings of corners and of groups of corners per second, as shares of a
+    A reason explains an unknown error. Also landings of corners and of groups of corners per second, as shares of a
     rate, and motion.
     """
     named = {
@@ -76,7 +76,7 @@ def judge(plan: Plan, numbers: Mapping[str, Quantity]) -> dict[str, Quantity]:
 
 
 def _bias(plan: Plan, part: float, name: str, value: float) -> float:
-    """Error by a step that is `part` (at most 1) of the walker's own."""
+    """Return the error by a step that is `part` (at most 1) of the walker's own."""
     if name == observables.SPEED:
         return part**2 * (SPEED_ERROR_SHARE * abs(value) + SPEED_ERROR_FLOOR * plan.shaken.peak_speed)
     if name in MAX_STEP_ERRORS:
@@ -85,12 +85,12 @@ def _bias(plan: Plan, part: float, name: str, value: float) -> float:
 
 
 def step_bias(number: Quantity) -> float | None:
-    """Largest error of a number by the step (95 %); None where it is not known."""
+    """Return the largest error of a number by the step (95 %); None if unknown."""
     return None if math.isinf(number.bias) else number.bias
 
 
 def reason(number: Quantity) -> str:
-    """Reason why the error by the step is not known, and what would resolve the number; "" where it is."""
+    """Return why the error by the step is unknown, and what would resolve the number; "" if it is known."""
     return number.refused if math.isinf(number.bias) else ""
 
 
@@ -105,7 +105,7 @@ def total_error(number: Quantity) -> float | None:
 
 
 def resolving_step(plan: Plan) -> float:
-    """Step (s) that resolves the walker's feet, whatever the scene's own is."""
+    """Return the step (s) that resolves the walker's feet, for any step of the scene."""
     run = plan.scene.run.model_copy(update={"step_us": None})
     scene = plan.scene.model_copy(update={"run": run})
     return float(prepare(scene, plan.case.design, plan.case.mass).world.options.step)

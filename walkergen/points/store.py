@@ -15,17 +15,17 @@ from walkergen.core.errors import OutputError
 from walkergen.points.point import Record
 
 WAIT_S = 60.0
-"""Time for which a store waits until another program has written, s."""
+"""Maximum wait of a store for another program to write, s."""
 
 
 class Store:
-    """Records by the keys of their points. Every call raises OutputError where it cannot go on."""
+    """Records by the keys of their points. Every call raises OutputError if it cannot go on."""
 
     def __init__(self, path: Path | None = None) -> None:
         self.path = caches.folder("points") / "points.sqlite" if path is None else path
         try:
             self._base = sqlite3.connect(self.path, timeout=WAIT_S, isolation_level=None)
-            # Kills lose nothing all the same; what a power failure tears can be computed anew
+            # Kills lose nothing all the same; what a power failure tears can be computed again
             self._base.execute("PRAGMA synchronous = OFF")
             self._base.execute(
                 "CREATE TABLE IF NOT EXISTS points (key TEXT PRIMARY KEY, record TEXT NOT NULL) WITHOUT ROWID"
@@ -72,7 +72,7 @@ class Store:
 
 
 def _parse_record(text: Any) -> Record | None:
-    """Record from its JSON; None for what this program would not write: that is computed anew."""
+    """Parse a record from its JSON; None for one that this program would not write. It is computed again."""
     try:
         record = json.loads(text)
     except (ValueError, TypeError, RecursionError):
@@ -81,7 +81,7 @@ def _parse_record(text: Any) -> Record | None:
 
 
 def _is_plain(values: Iterable[Any]) -> bool:
-    """Whether all values are finite numbers, text or None."""
+    """Return whether all values are finite numbers, text or None."""
     return all(
         value is None or isinstance(value, (str, int)) or (isinstance(value, float) and math.isfinite(value))
         for value in values

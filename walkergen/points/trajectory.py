@@ -34,7 +34,7 @@ def check_sample_count(scene: Scene, interval: float, runs: int) -> None:
 
 
 def from_runs(results: Sequence[RunResult]) -> Trajectory:
-    """Tracks of runs that kept samples of what a trajectory shows; `particle` is the number of the run.
+    """Build tracks of runs that kept samples of a trajectory; `particle` is the number of the run.
 
     Runs come by their numbers, each with its own time from the end of its discarded start.
     """
@@ -44,13 +44,13 @@ def from_runs(results: Sequence[RunResult]) -> Trajectory:
 
 
 def sample_rows(result: RunResult) -> Array:
-    """Rows (t in s, then the state's columns) of the samples that a run kept."""
+    """Return the rows (t in s, then the state's columns) of the samples that a run kept."""
     samples = result.tally.samples
     return np.asarray(samples.rows[: samples.cursor[0]])
 
 
 def to_csv(trajectory: Trajectory) -> bytes:
-    """CSV with a header line, every digit kept."""
+    """Format a CSV with a header line, every digit kept."""
     text = io.StringIO()
     text.write(",".join(trajectory.columns) + "\n")
     np.savetxt(text, trajectory.rows, fmt="%.17g", delimiter=",")
@@ -58,7 +58,7 @@ def to_csv(trajectory: Trajectory) -> bytes:
 
 
 def to_npz(trajectory: Trajectory) -> bytes:
-    """NPZ archive with one array per column."""
+    """Create an NPZ archive with one array per column."""
     data = io.BytesIO()
     columns = dict(zip(trajectory.columns, trajectory.rows.T, strict=True))
     np.savez(data, allow_pickle=False, **columns)

@@ -1,7 +1,7 @@
-"""Variants of a scene beside it: what an effect changes of a walker's speed and of its CPU time.
+"""Variants of a scene: what an effect changes of a walker's speed and of its CPU time.
 
-Scene and variants start from the same drops and phases, run after run in turn, so that what differs is the
-variant's, and a busy machine slows all alike.
+Scene and variants start from the same drops and phases, run after run in turn. So a difference is
+the variant's, and a busy machine slows all alike.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -24,30 +24,30 @@ from walkergen.points.experiments import Walker
 from walkergen.points.walkers import speed_error
 
 MAX_RUN_S, MAX_DISCARD_S = 2.0, 0.5
-"""Measured time of a run, and its start that is not, s, at most: more runs tell more than longer ones."""
+"""Maximum measured time of a run, and of its start that is not measured, s: more runs give more than longer ones."""
 
 Beside = tuple[RunResult, ...]
 """Runs of one number: the scene's, then each variant's."""
 
 
 class Variant(NamedTuple):
-    """Scene in which an effect is off that is on, or on at its usual size."""
+    """Scene with one effect switched off, or switched on at its usual size."""
 
     effect: str
     change: str
-    """What differs, in words."""
+    """Description of the difference."""
     walker: Walker
     values: Mapping[str, Any]
     """Values of keys of the scene that make it."""
 
     @property
     def leaves_out(self) -> bool:
-        """Whether it lacks what the scene has."""
+        """Whether it lacks an effect of the scene."""
         return self.change == "off"
 
 
 class Change(NamedTuple):
-    """What a variant changes."""
+    """Change of the numbers by a variant."""
 
     effect: str
     change: str
@@ -58,7 +58,7 @@ class Change(NamedTuple):
 
 
 class Pairs(NamedTuple):
-    """Scene and variants of it as an experiment, of which a run is one of each."""
+    """Scene and its variants as an experiment. A run is one run of each."""
 
     walker: Walker
     variants: tuple[Variant, ...]
@@ -81,14 +81,14 @@ class Pairs(NamedTuple):
         return one
 
     def quantities(self, records: Sequence[Beside]) -> list[Quantity]:
-        """Mean speed of the scene, and what each variant changes."""
+        """Return the mean speed of the scene, and what each variant changes."""
         return [self.mean_speed(records), *(change.speed for change in self.changes(records))]
 
     def finer(self) -> None:
-        """Nothing finer: the step's error is left out."""
+        """Return None: the step's error is left out."""
 
     def mean_speed(self, records: Sequence[Beside]) -> Quantity:
-        """Mean speed of the scene, mm/s."""
+        """Return the mean speed of the scene, mm/s."""
         return quantity.mean("speed", "mm_s", [runs[0].speed for runs in records if runs[0].outcome in ENDED_WELL])
 
     def changes(self, records: Sequence[Beside]) -> list[Change]:
@@ -103,13 +103,13 @@ class Pairs(NamedTuple):
 
 
 def verdict(walker: Walker, speed: Quantity, change: Change, tolerance: Tolerance) -> Verdict:
-    """How a change lies within the error that a walker's speed may have, with 95 % confidence."""
+    """Describe how a change compares with the allowed error of a walker's speed, with 95 % confidence."""
     error = speed_error(tolerance, walker.shaken).max_error(speed.value)
     return change.speed.compare_with_range(-error, error)
 
 
 def _speed_difference(pairs: Sequence[tuple[RunResult, RunResult]], plate_speed: float) -> Quantity:
-    """Mean difference of speeds of pairs of runs, without an error where all runs share an orbit."""
+    """Return the mean difference of speeds of pairs of runs, without an error if all runs share an orbit."""
     ended = [result for pair in pairs for result in pair if result.outcome not in ENDED_WELL]
     if ended:
         return Quantity(
@@ -123,23 +123,23 @@ def _speed_difference(pairs: Sequence[tuple[RunResult, RunResult]], plate_speed:
 
 
 def _with_short_runs(walker: Walker) -> Walker:
-    """Walker with short runs."""
+    """Return the walker with short runs."""
     run = walker.scene.run
     return walker.with_run(seconds=min(run.seconds, MAX_RUN_S), discard_seconds=min(run.discard_seconds, MAX_DISCARD_S))
 
 
 def rule_effects(plan: Plan) -> list[tuple[Rule, Effect]]:
-    """Every rule with the effect of a plan, also of what its scene does not call for."""
+    """Return every rule with the effect of a plan, even if its scene does not need it."""
     return [(rule, rule.judge(plan.case)) for rule in rules.all_rules()]
 
 
 def without_effect(walker: Walker, rule: Rule) -> Variant | None:
-    """Variant without the effect of a rule; None where it cannot be made."""
+    """Return the variant without the effect of a rule; None if it cannot be made."""
     return _build_variant(walker, "", "off", rule.off)
 
 
 def effect_variants(walker: Walker, also_on: bool) -> Iterator[Variant]:
-    """Variants without each effect that is on; `also_on`: with each that is off at its usual size, too."""
+    """Yield the variants without each effect that is on; `also_on`: with each that is off at its usual size, too."""
     by_motor = walker.scene.drive.kind == "motor"
     for rule, effect in rule_effects(walker.plan()):
         variant = None
@@ -152,14 +152,14 @@ def effect_variants(walker: Walker, also_on: bool) -> Iterator[Variant]:
 
 
 def _format_usual(rule: Rule) -> str:
-    """Usual size of an effect in words."""
+    """Format the usual size of an effect."""
     sizes = {key.rpartition(".")[2]: value for key, value in rule.usual.items()}
     words = ", ".join(f"{name} = {value}" for name, value in sizes.items() if value is not True)
     return f"on, {words}" if words else "on"
 
 
 def combine(walker: Walker, first: Variant, second: Variant) -> Variant | None:
-    """Variant with the changes of two; None where it cannot be made."""
+    """Return the variant with the changes of two; None if it cannot be made."""
     words = first.change if first.change == second.change else "both"
     return _build_variant(walker, f"{first.effect} and {second.effect}", words, {**first.values, **second.values})
 
@@ -171,7 +171,7 @@ def _build_variant(walker: Walker, effect: str, change: str, values: Mapping[str
 
 
 def _valid_variant(variant: Variant) -> Variant | None:
-    """Variant that can be simulated; None for others."""
+    """Return the variant if it can be simulated, else None."""
     try:
         _with_short_runs(variant.walker).plan()
     except InputError:

@@ -25,19 +25,19 @@ from walkergen.points.experiments import Results, Walker
 from walkergen.points.run_time import ErrorWithEstimate
 
 MAX_RUN_S = 4.0
-"""Measured time of a run for an error, at most: more runs tell more than longer ones."""
+"""Maximum measured time of a run for an error: more runs give more than longer ones."""
 
 MIN_SPEED_RATIO = 0.2
 """Speed over the plate's peak speed below which a share of error counts of this one."""
 
 
 def simulate(walker: Walker, progress: Progress = silent, threads: int | None = None) -> Results:
-    """Simulate the runs of a walker's scene, as `measure` does. Raises InputError where it contradicts itself."""
+    """Simulate the runs of a walker's scene, as `measure` does. Raises InputError if it contradicts itself."""
     return _to_results(measure(walker, Runs(walker.scene.run.runs), progress, threads))
 
 
 def simulate_each(walkers: Sequence[Walker], titles: Sequence[str], progress: Progress) -> Iterator[Results]:
-    """Results of walkers in turn, yielded when done; progress is reported under their titles.
+    """Yield the results of walkers in turn when finished; progress is reported under their titles.
 
     Raises KeyboardInterrupt rather than yield a walker with runs missing.
     """
@@ -49,7 +49,7 @@ def simulate_each(walkers: Sequence[Walker], titles: Sequence[str], progress: Pr
 
 
 def simulate_parallel(walkers: Sequence[Walker], progress: Progress = silent) -> dict[int, Results]:
-    """Results of walkers by their places, each on a thread of its own: best for walkers of a single run.
+    """Simulate walkers, each on its own thread, and return results by place: best for walkers of a single run.
 
     Ctrl-C leaves those out that are not done.
     """
@@ -65,16 +65,16 @@ class ErrorResult(NamedTuple):
     of: str
     """Name of the observable that has the error."""
     allowed: float
-    """Error that was asked for, in its unit."""
+    """Requested error, in its unit."""
 
     @property
     def error(self) -> float:
-        """Half-width of the bounds of 95 % by runs and step, in the same unit; infinite where it is not known."""
+        """Half-width of the bounds of 95 % by runs and step, in the same unit; infinite if unknown."""
         return self.results.summary.numbers[self.of].half_width()
 
     @property
     def lines(self) -> list[tuple[str, str]]:
-        """What was taken to meet the error, and the error obtained: names and values in words."""
+        """Settings chosen to meet the error, and the error obtained: names and values as text."""
         summary, step, run = self.results.summary, self.results.step_us, self.results.walker.scene.run
         unit = "mm/s" if self.of == SPEED else f"of {self.of}"
         within = "within" if self.error <= self.allowed else "NOT within"
@@ -113,8 +113,8 @@ def simulate_to_error(
 ) -> ErrorResult:
     """Simulate short runs of a walker, and more of them until an observable has an error.
 
-    The step is halved where it takes up more of the error than runs could make good. `expect` is told of the time that
-    is left once the first runs are made. After Ctrl-C the runs that are done. Raises InputError where the scene
+    The step is halved if it takes up more of the error than runs could make good. `expect` receives the remaining
+    time after the first runs. After Ctrl-C the finished runs are returned. Raises InputError if the scene
     contradicts itself or the design, and for an observable that no run gives, or that the step does not resolve.
     """
     if of not in observables.OBSERVABLE_NAMES:
@@ -135,7 +135,7 @@ def simulate_with_limit(walker: Walker, wanted: Tolerance, most: int, progress: 
 
 
 def cost_to_error(walker: Walker, wanted: Tolerance) -> float:
-    """CPU seconds that an error of the speed takes, as the first runs tell, which are made."""
+    """Estimate the CPU seconds to an error of the speed from the first runs, which are made."""
     first = measure(_with_first_runs(walker), Runs(FIRST_RUNS))
     return run_time.total_cpu_s(first) + run_time.cost_of_error(speed_error(wanted, walker.shaken), first)
 
@@ -145,12 +145,12 @@ def _simulate_short_runs(walker: Walker, until: Until, progress: Progress, threa
 
 
 def _with_first_runs(walker: Walker) -> Walker:
-    """Walker with the runs with which an error begins."""
+    """Return the walker with the first runs for an error."""
     return walker.with_run(runs=FIRST_RUNS, seconds=min(walker.scene.run.seconds, MAX_RUN_S))
 
 
 def speed_error(wanted: Tolerance, shaken: Drive) -> Error:
-    """Error of the speed of a walker on a plate that is shaken so."""
+    """Return the error of the speed of a walker on a plate with this drive."""
     return Error(wanted, SPEED, MIN_SPEED_RATIO * shaken.peak_speed)
 
 
@@ -159,7 +159,7 @@ def _to_results(measured: Measured[Walker]) -> Results:
 
 
 def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) -> Tracks:
-    """Tracks of runs, seen from above: their samples `interval` s apart, or the ends of blocks.
+    """Return the tracks of runs, seen from above: their samples `interval` s apart, or the ends of blocks.
 
     In a lane only the way along it counts, as in a film of one.
     """
@@ -169,7 +169,7 @@ def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) 
 
 
 def motion_of(results: Sequence[RunResult], scene: Scene, interval: float | None = None) -> tuple[Motion | None, str]:
-    """Motion of at least one run in space; None for runs too short to tell, with the reason."""
+    """Return the motion of at least one run in space; None for runs that are too short, with the reason."""
     slope = 0.0 if "plate_slope" in scene.effects.off else scene.plate.slope_deg
     descent = None if not slope else 0.0 if slope > 0.0 else math.pi
     tracks = tracks_of(results, scene.arena.kind == "lane", interval)

@@ -1,7 +1,7 @@
 """Worker pools: where points are evaluated, in processes of this machine or on a cluster of dask's.
 
-A pool is an executor of `concurrent.futures` and its number of workers; results are the same bits
-whatever it is, since every point runs on one thread from its own seed.
+A pool is an executor of `concurrent.futures` and its number of workers. Results are the same bits
+in every pool, since every point runs on one thread from its own seed.
 """
 
 import multiprocessing
@@ -24,10 +24,10 @@ from walkergen.points.point import digest
 
 MAX_WORKERS = 1024
 ANSWER_TIMEOUT_S = 10.0
-"""Time in which a scheduler must answer, s."""
+"""Maximum time until a scheduler answers, s."""
 
 MAX_GREETING_BYTES, GREETING_WORD = 10_000, b"pickle-protocol"
-"""Longest first message of a scheduler, bytes, and a word of it."""
+"""Longest first message of a scheduler, bytes, and a text that it contains."""
 
 
 class WorkerPool(NamedTuple):
@@ -65,7 +65,7 @@ def local_pool(workers: int | None = None) -> Iterator[WorkerPool]:
 
 @contextmanager
 def _ignore_ctrl_c() -> Iterator[None]:
-    """Ignore Ctrl-C for the moment; only the main thread can say so."""
+    """Ignore Ctrl-C for the moment; only the main thread can do so."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -103,7 +103,7 @@ def dask_pool(address: str) -> Iterator[WorkerPool]:
     try:
         _check_greeting(host, port)
         client = Client(f"tcp://{host}:{port}", timeout=ANSWER_TIMEOUT_S, set_as_default=False)
-    except Exception as error:  # of what answers nonsense dask raises anything
+    except Exception as error:  # for invalid replies dask raises any exception
         reason = str(error).partition("\n")[0][:200] or "no answer"
         raise InputError(f"‹dask=›{address[:80]!r}: no scheduler answers there: {reason}") from None
     try:
@@ -117,7 +117,7 @@ def dask_pool(address: str) -> Iterator[WorkerPool]:
 
 
 def _parse_address(address: str) -> tuple[str, int]:
-    """Host and port of a scheduler's address. Raises InputError."""
+    """Parse host and port of a scheduler's address. Raises InputError."""
     scheme, _, rest = address.rpartition("://")
     host, _, port = rest.rpartition(":")
     if scheme not in ("", "tcp") or not host or not re.fullmatch("[0-9]{1,5}", port):
@@ -126,10 +126,10 @@ def _parse_address(address: str) -> tuple[str, int]:
 
 
 def _check_greeting(host: str, port: int) -> None:
-    """Raise OSError unless what listens at a port speaks first, and greets as schedulers do.
+    """Raise OSError unless the server at a port speaks first, and greets as schedulers do.
 
-    The client of dask waits for ever for what accepts a connection and says nothing, and takes the first eight
-    bytes of any other server for the length of a message.
+    The client of dask waits for ever for a server that accepts a connection and sends nothing, and takes the first
+    eight bytes of any other server for the length of a message.
     """
     until = time.monotonic() + ANSWER_TIMEOUT_S
     with socket.create_connection((host.strip("[]"), port), ANSWER_TIMEOUT_S) as connection:
@@ -149,7 +149,7 @@ def _check_greeting(host: str, port: int) -> None:
 
 
 def _worker_digests(client: Any) -> dict[str, str]:
-    """Digest of the sources of each worker; the reason where there is none."""
+    """Return the digest of the sources of each worker, or the reason for a missing one."""
     answers = client.run(digest, on_error="return")
     return {
         name: answer if isinstance(answer, str) else f"{type(answer).__name__}: {answer}"

@@ -1,6 +1,6 @@
-"""Readers: bodies from drawings, letters and meshes; legs that find their places; marks and caps.
+"""Readers: bodies from drawings, letters and meshes; automatic placement of legs; marks and caps.
 
-These are the functions that the core asks for (`walker/readers.py`). Each loads its module when it is called, so that
+These are the functions that the core requires (`walker/readers.py`). Each loads its module when it is called, so that
 a plain walker waits for none of them.
 """
 
@@ -49,28 +49,28 @@ def meet_body(body_key: str, limbs: "tuple[Limb, ...]") -> "tuple[Limb, ...]":
 
 
 def place_legs(body_key: str, legs_key: str) -> "tuple[Limb, ...]":
-    """Return legs that found their places under a body. Raises UnplacedError where there are none."""
+    """Place legs under a body automatically. Raises UnplacedError if no place fits."""
     from walkergen.readers.walkers import leg_placement
 
     return leg_placement.find_placement(body_key, legs_key).limbs
 
 
 def describe_placement(body_key: str, legs_key: str) -> str:
-    """Return in words where legs found their places under a body."""
+    """Describe where legs were placed under a body."""
     from walkergen.readers.walkers import leg_placement
 
     return leg_placement.find_placement(body_key, legs_key).words
 
 
 def suggest_placement(body: "Body", legs: "Legs") -> "Sequence[Remedy]":
-    """Return what helps legs that do not stand where they were put: that they place themselves."""
+    """Return the remedy for legs that are unstable where they were put: automatic placement."""
     from walkergen.readers.walkers import leg_placement
 
     return leg_placement.auto_remedies(body, legs)
 
 
 def stand_level(data: Mapping[str, Any], follow_deg: float) -> dict[str, Any]:
-    """Return the data of a design that stands as built, turned until it stands on two feet. Raises GeometryError."""
+    """Turn the data of a design, given as built, until it is level on two feet. Raises GeometryError."""
     from walkergen.readers.walkers import stance
 
     return stance.level_feet(data, follow_deg)
@@ -86,7 +86,7 @@ def mark_text(marks: "Marks", tilts_deg: Sequence[float], tilt_deg: float) -> st
 def mark_problems(
     marks: "Marks", tilts_deg: Sequence[float], tilt_deg: float, size: tuple[float, float, float]
 ) -> list[str]:
-    """Return reasons why a body of length, thickness and depth (mm) cannot bear its marks, a line each."""
+    """Return reasons why a body of length, thickness and depth (mm) has no room for its marks, a line each."""
     from walkergen.readers.walkers.marks import problems
 
     return problems(marks, tilts_deg, tilt_deg, size)

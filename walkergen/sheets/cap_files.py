@@ -1,4 +1,4 @@
-"""Caps of printed walkers as files: their plates, a list of which is whose, and a paper sheet."""
+"""Caps of printed walkers as files: their plates, a list with the walker of each cap, and a paper sheet."""
 
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
@@ -22,7 +22,7 @@ MIN_CELL_LINES = 2.0
 
 
 class CappedWalker(NamedTuple):
-    """Walker, or copy of one, and the cap that it bears."""
+    """Walker, or copy of one, and its cap."""
 
     item: str
     cap: Cap
@@ -35,7 +35,7 @@ class CappedWalker(NamedTuple):
 
 
 def number_caps(designs: Sequence[Design], items: Sequence[str]) -> list[CappedWalker]:
-    """Caps of walkers that have one, numbered on from the first design's number.
+    """Return the caps of walkers that have one, numbered on from the first design's number.
 
     `items` are their names, copy by copy. Raises InputError for more than the dictionary has, and
     for caps that `track` could not read in one film.
@@ -81,7 +81,7 @@ def findings(capped: Sequence[CappedWalker], printer: Printer) -> list[Finding]:
 
 
 def files(capped: Sequence[CappedWalker], printers: Sequence[Printer]) -> Iterator[tuple[str, bytes]]:
-    """Names and bytes: caps.csv, caps.pdf, caps_PAGE.png, then caps_PRINTER_NUMBER.3mf (or .stl).
+    """Yield the names and bytes: caps.csv, caps.pdf, caps_PAGE.png, then caps_PRINTER_NUMBER.3mf (or .stl).
 
     Caps of paper are on the sheet only. Raises PlateError when a cap is too large for a printer.
     """
@@ -103,7 +103,7 @@ def files(capped: Sequence[CappedWalker], printers: Sequence[Printer]) -> Iterat
 
 
 def advice(capped: Sequence[CappedWalker]) -> list[str]:
-    """Lines that say how caps are made, glued, and what they weigh."""
+    """Return the lines that explain how caps are made and glued, and what they weigh."""
     first, last = capped[0].cap, capped[-1].cap
     grams = [entry.grams for entry in capped]
     how = {

@@ -25,11 +25,11 @@ EDGE_MM, TOP_MM, BOTTOM_MM = 15.0, 30.0, 32.0
 COLUMN_GAP_MM, ROW_GAP_MM = 3.0, 6.0
 """Distance between tiles across and along the page, mm; the second has room for a number."""
 RULE_MM = 100.0
-"""Length of the rule by which a page's size is checked, mm."""
+"""Length of the rule that checks a page's printed size, mm."""
 
 
 def draw_pages(markers: Sequence[Cap]) -> list[Figure]:
-    """Pages with a tile for each cap, all as wide as the widest; fronts point up."""
+    """Return the pages with a tile for each cap, all as wide as the widest; fronts point up."""
     width, height = PAGE_MM
     side = max(cap.side for cap in markers)
     across = max(1, int((width - 2 * EDGE_MM + COLUMN_GAP_MM) / (side + COLUMN_GAP_MM)))
@@ -41,7 +41,7 @@ def draw_pages(markers: Sequence[Cap]) -> list[Figure]:
 
 @figures.style({})
 def _draw_page(sheet: Sequence[Cap], number: int, count: int, grid: tuple[float, int]) -> Figure:
-    """One page; `grid` is the side of a tile, mm, and the number of tiles in a row."""
+    """Return one page; `grid` is the side of a tile, mm, and the number of tiles in a row."""
     width, height = PAGE_MM
     side, across = grid
     figure = Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH))
@@ -100,7 +100,7 @@ def _draw_tile(axes: Axes, cap: Cap, place: tuple[float, float]) -> None:
 
 
 def pdf(drawn: Sequence[Figure]) -> bytes:
-    """All pages in one PDF, without the date: equal pages give equal bytes."""
+    """Return all pages in one PDF, without the date: equal pages give equal bytes."""
     buffer = BytesIO()
     with figures.style(), PdfPages(buffer, metadata={"CreationDate": None, "Title": "walkergen: markers"}) as book:
         for page in drawn:
@@ -109,5 +109,5 @@ def pdf(drawn: Sequence[Figure]) -> bytes:
 
 
 def pngs(drawn: Sequence[Figure]) -> list[bytes]:
-    """PNG of each page; it says how large it is."""
+    """Return the PNG of each page; it states its size."""
     return [figures.png(page, DPI) for page in drawn]

@@ -22,11 +22,11 @@ from walkergen.core.walker.design import Design
 from walkergen.files import figures
 
 MAP_INCHES = 10.0
-"""Longer side of the bed, or of what is shown of it, in the picture, inches."""
+"""Longer side of the bed, or of its visible part, in the picture, inches."""
 MARGIN_SHARE, MIN_ASPECT = 0.03, 0.3
 """Room around the parts over the longer side of the bed; least height of a map over its width."""
 FULL_BED_SHARE = 0.6
-"""Share of the bed from which on the map shows all of it."""
+"""Share of the bed's area; a map that would show more shows the whole bed."""
 INSET_SHARE = 0.12
 """Width of the small picture of the bed over that of the map."""
 LINE_INCHES = 0.175
@@ -40,7 +40,7 @@ class Margins(NamedTuple):
 
     left: float
     right: float
-    """Beside that of the small picture of the bed."""
+    """Without the margin for the small picture of the bed."""
     below: float
     """Without the names of designs."""
     above: float
@@ -48,11 +48,11 @@ class Margins(NamedTuple):
 
 MARGINS_INCHES = Margins(0.7, 0.4, 0.6, 0.65)
 MAX_LISTED_DESIGNS = 12
-"""Most designs whose names stand below a map; the print sheet names all."""
+"""Maximum number of designs listed below a map; the print sheet names all."""
 LEGS_SHADE = 0.6
-"""Brightness of legs that stand up, over that of their body."""
+"""Brightness of upright legs, over that of their body."""
 LEG_CLEARANCE_MM = 1e-3
-"""Height above the body from which on there are only legs, whatever its mesh's rounding, mm."""
+"""Minimum height above the body that only legs reach, for any rounding of the mesh, mm."""
 LETTER_WIDTH_RATIO = 0.65
 """Width of a letter over the height of the font."""
 THUMBNAIL_INCHES, THUMBNAIL_DPI = 2.56, 100
@@ -97,10 +97,10 @@ def draw_map(printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh]
 def _set_size(figure: Figure, axes: Axes, size: tuple[float, float], key: float, lines: Sequence[str]) -> None:
     """Give a map its size (inches), and the figure room for everything around it.
 
-    `key` is the width of the small picture beside the map; `lines` are the heading, then the names
-    of designs, which stand below it; all are centred on the map. The room is reckoned here, as the
-    map's shape is given: a layout that matplotlib finds by itself takes the map's own free room for
-    that of the names, and cuts the last one off.
+    `key` is the width of the small picture next to the map. `lines` are the heading, then the names
+    of designs, listed below it; all are centred on the map. The margins are computed here, as the
+    map's shape is given: matplotlib's own layout takes the map's free room for that of the names, and
+    cuts the last one off.
     """
     width, height = size
     overhang = max(0.0, 0.5 * (max(map(len, lines)) * LETTER_WIDTH_RATIO * FONT_PT / 72.0 - width))
@@ -113,7 +113,7 @@ def _set_size(figure: Figure, axes: Axes, size: tuple[float, float], key: float,
 
 
 def _map_area(axes: Axes, printer: Printer) -> Bbox:
-    """Area of the bed that the map shows, mm: all of it, or the parts' where these are few."""
+    """Return the area of the bed that the map shows, mm: the whole bed, or the parts' area if they are few."""
     bed = np.array([printer.bed_width_mm, printer.bed_depth_mm])
     outlines = [path.vertices for shapes in axes.collections for path in shapes.get_paths()]
     points = np.concatenate([np.asarray(outline, float) for outline in outlines])
@@ -128,7 +128,7 @@ def _map_area(axes: Axes, printer: Printer) -> Bbox:
 
 
 def _show_area(axes: Axes, shown: Bbox, printer: Printer) -> None:
-    """Show an area of the bed, and in a small picture beside it which one, if it is not all."""
+    """Show an area of the bed, and mark it in a small picture if it is not the whole bed."""
     axes.set_xlim(shown.x0, shown.x1)
     axes.set_ylim(shown.y0, shown.y1)
     if shown.x0 < 0.0:
@@ -188,7 +188,7 @@ class _View(NamedTuple):
 
     whole: Array
     legs: Array
-    """Legs that stand up, on top of the whole; none of a walker on its side."""
+    """Upright legs, on top of the whole; none of a walker on its side."""
 
 
 def _top_view(design: Design, mesh: Mesh) -> _View:
@@ -199,14 +199,14 @@ def _top_view(design: Design, mesh: Mesh) -> _View:
 
 
 def _silhouettes(design: Design, mesh: Mesh) -> tuple[manifold3d.CrossSection, manifold3d.CrossSection]:
-    """Outline of a walker with its legs up, and that of what stands above the body."""
+    """Return the outline of a walker with its legs up, and the outline of what is above the body."""
     solid = modeller.to_solid(mesh.shift(-mesh.vertices.min(axis=0)))
     legs = solid.trim_by_plane((0.0, 0.0, 1.0), design.size.thickness + LEG_CLEARANCE_MM)
     return solid.project(), legs.project()
 
 
 def triangulate(section: manifold3d.CrossSection) -> Array:
-    """Triangles of a flat section, shape (k, 3, 2), mm."""
+    """Return the triangles of a flat section, shape (k, 3, 2), mm."""
     polygons = section.to_polygons()
     if not polygons:
         return np.empty((0, 3, 2))
@@ -215,14 +215,14 @@ def triangulate(section: manifold3d.CrossSection) -> Array:
 
 
 def _underside(mesh: Mesh) -> Array:
-    """Triangles that lie on the bed, shape (k, 3, 2), mm, from the bounding box's corner."""
+    """Return the triangles that lie on the bed, shape (k, 3, 2), mm, from the bounding box's corner."""
     corners = (mesh.vertices - mesh.vertices.min(axis=0))[mesh.triangles]
     lying: Array = corners[(corners[:, :, 2] == 0.0).all(axis=1)][:, :, :2]
     return lying
 
 
 def _legend_lines(letters: Mapping[str, str]) -> list[str]:
-    """Lines that say which letter stands for which design (letters by designs' names)."""
+    """Return lines that list the letter of each design (letters by designs' names)."""
     listed = [f"{letter}: {name}" for name, letter in letters.items()]
     more = len(listed) - MAX_LISTED_DESIGNS
     return listed[:MAX_LISTED_DESIGNS] + ([f"and {more} more: see the print sheet"] if more > 0 else [])
@@ -245,7 +245,7 @@ def _label_parts(axes: Axes, members: Sequence[Design], meshes: Sequence[Mesh], 
 
 
 def _fit_between_legs(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, float]:
-    """Middle of a label between two equal legs, from the box's corner, and its font's height.
+    """Return the middle of a label between two equal legs, from the box's corner, and its font's height.
 
     Halfway up, legs that lean are as far to the right of their feet.
     """
@@ -256,7 +256,7 @@ def _fit_between_legs(design: Design, mesh: Mesh, letters: int) -> tuple[float, 
 
 
 def _fit_on_part(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, float]:
-    """Middle of a label on a part beside its legs, from the box's corner, and its font's height.
+    """Fit a label on a part next to its legs: its middle, from the box's corner, and its font's height.
 
     With x shrunk by the label's width over its height the label is a square, and the square in the
     largest circle that the part holds is the largest label, but for a few percent.

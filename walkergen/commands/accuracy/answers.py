@@ -1,4 +1,4 @@
-"""Answers to what to run for which error: from the shipped cells at once, and from a survey by a budget."""
+"""Advice on what to run to meet an error: immediate from the shipped cells, or measured within a time budget."""
 
 import math
 import os
@@ -20,29 +20,29 @@ if TYPE_CHECKING:
     from walkergen.commands.accuracy.figures import Mark
 
 ERROR_LEVELS = tuple(Tolerance(share, True) for share in (0.2, 0.1, 0.05, 0.02, 0.01))
-"""Errors for which the page answers what to run."""
+"""Errors listed on the page."""
 
 SOURCE_LAW = "law"
-"""Word for answers below what the reference is known to: they rest on the law by which the step's bias falls."""
+"""Source of answers below the reference's own error: they extrapolate the fitted law of the step's bias."""
 
 SOURCE_BUDGET = "now"
-"""Word for answers that this budget has measured."""
+"""Source of answers that were measured within this budget."""
 
 DOUBLE_STEP_RATIO = 1.9
-"""Ratio of steps on a ladder that counts as two."""
+"""Smallest ratio of two steps on a ladder that counts as a factor of two."""
 
 SAME_POINT_RATIO = 1.2
-"""Ratio of CPU times up to which choices are one point of the figure."""
+"""Largest ratio of CPU times at which two choices share one point of the figure."""
 
 MAX_BUDGET_S = 86_400.0
-"""Longest time, s, that is advised for a survey."""
+"""Longest time, s, that is recommended for a survey."""
 
 AnswerAndChoice = tuple[Answer, Choice | None]
-"""Answer with the choice that it states; None where there is none."""
+"""Answer and the choice that it states, or None."""
 
 
 def answer_from_cells(estimate: Estimate, title: str, accepted: float | None) -> Answers:
-    """Return the answers for all ERRORS from what is shipped; the one within an `accepted` error is marked."""
+    """Return the answers for all ERRORS from the shipped cells. The answer within an `accepted` error is marked."""
     candidates = estimate.candidates(machine_speed.cpu_per_s())
     found = [find_in_cells(estimate, candidates, wanted) for wanted in ERROR_LEVELS]
     rows, unmet = mark_accepted([answer for answer, _ in found], accepted)
@@ -54,7 +54,7 @@ def answer_from_cells(estimate: Estimate, title: str, accepted: float | None) ->
 
 
 def find_in_cells(estimate: Estimate, candidates: Sequence[Candidate], wanted: Tolerance) -> AnswerAndChoice:
-    """Return the answer for one error from what is shipped."""
+    """Return the answer for one error from the shipped cells."""
     choice = choose(candidates, wanted.value)
     if choice is None:
         least = formatting.format_number(100.0 * candidates[-1].bias / MAX_BIAS_SHARE, 2)
@@ -72,7 +72,7 @@ def _make_answer(wanted: Tolerance, choice: Choice, known: str, known_to: str = 
 
 
 def describe(estimate: Estimate) -> list[str]:
-    """Return where the numbers come from, and what an error is, in lines."""
+    """Return lines that explain the source of the numbers and the definition of the error."""
     law, size = estimate.law, estimate.unit
     bias, bias_se = law.slopes[-1].share.pair
     of = (
@@ -97,7 +97,7 @@ def describe(estimate: Estimate) -> list[str]:
 
 
 def answer_from_survey(survey: Survey, title: str, progress: Progress) -> Answers:
-    """Return the answers of a survey of all steps. Those that its budget does not reach are as shipped."""
+    """Return the answers of a survey of all steps. Answers beyond the budget come from the shipped cells."""
     reference = survey.measure_reference(progress)
     measured = survey.measure(survey.steps, progress)
     candidates = [survey.to_candidate(one) for one in measured]
@@ -129,7 +129,7 @@ def answer_from_survey(survey: Survey, title: str, progress: Progress) -> Answer
 
 
 def _refine(before: Answer, candidates: Sequence[Candidate], survey: Survey) -> AnswerAndChoice:
-    """Return the answer of the budget; the one `before` with the reason, where the budget was too short for it."""
+    """Return the measured answer, or the answer `before` with a reason if the budget was too short."""
     wanted = before.error
     choice = choose_measured(candidates, wanted.value)
     if choice is None:
@@ -138,10 +138,10 @@ def _refine(before: Answer, candidates: Sequence[Candidate], survey: Survey) -> 
 
 
 def choose_measured(candidates: Sequence[Candidate], allowed: float) -> Choice | None:
-    """Return the cheapest choice among measured steps; None where none meets the error.
+    """Return the cheapest choice among measured steps; None if no step meets the error.
 
-    A step counts only if one twice as long (or the longest that is measured, beyond which steps
-    are refused) has a bias within the error as well: beyond the next step there may be a cliff.
+    A step counts only if the next step of double length also has a bias within the error. Without such a step,
+    the longest measured one is checked. Longer steps are refused, and a cliff may lie beyond the next step.
     """
     return choose(
         [one for one in candidates if _double_step_bias(one, candidates) <= MAX_BIAS_SHARE * allowed], allowed
@@ -149,7 +149,7 @@ def choose_measured(candidates: Sequence[Candidate], allowed: float) -> Choice |
 
 
 def _double_step_bias(candidate: Candidate, candidates: Sequence[Candidate]) -> float:
-    """Return the bias of a step twice as long; infinite where there is no longer one."""
+    """Return the bias of the step of double length; infinite if no longer step was measured."""
     step_us = candidate.step_us or 0.0
     longer = sorted((other.step_us or 0.0, other.bias) for other in candidates if (other.step_us or 0.0) > step_us)
     twice = [bias for other_us, bias in longer if other_us >= DOUBLE_STEP_RATIO * step_us] or [
@@ -159,7 +159,7 @@ def _double_step_bias(candidate: Candidate, candidates: Sequence[Candidate]) -> 
 
 
 def advise_budget(candidates: Sequence[Candidate], wanted: Tolerance, survey: Survey) -> str:
-    """Return the reason why no measured step meets an error, with the budget that would make its bias known."""
+    """Return why no measured step meets an error, and the budget that would determine its bias."""
     reference = survey.measured[survey.steps[0]].speed
     known_to = (
         f"the most accurate setting is itself known to {formatting.format_number(reference.half_width(), 2)} mm/s only"
@@ -186,7 +186,7 @@ def draw_choice(
 
 
 def _list_points(found: Sequence[AnswerAndChoice], floor: float) -> Iterator[tuple[float, float, str]]:
-    """Yield error, CPU time and words of choices; those that cost alike are one point, at the error of the last."""
+    """Yield error, CPU time and label of choices. Choices of similar cost are one point, at the error of the last."""
     groups: list[list[tuple[Answer, Choice]]] = []
     for answer, choice in found:
         if choice is not None:

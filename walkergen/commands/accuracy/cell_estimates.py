@@ -1,9 +1,9 @@
-"""What the shipped cells say of a walker in a scene: speed, scatter and cost, before anything is simulated.
+"""Estimates of a walker's speed, scatter and cost from the shipped cells, before any simulation.
 
-For the paper's walker on its plate at a tilt and a restitution that were measured, they are those of the cell. For
-any other walker they are scaled: read between cells, and from the plate's speed, its frequency, the walker's own step
-and its number of legs; a simulated second gives its own speed and cost. Biases of the step are the law's, of all
-cells together (`step_law`).
+For the paper's walker on its plate at a measured tilt and restitution, the values are those of the cell. For any other
+walker they are scaled. The scaling interpolates between cells and uses the plate's speed and frequency, the walker's
+own step and its number of legs. A simulated second gives the walker's own speed and cost. Biases of the step follow
+the law fitted to all cells together (`step_law`).
 """
 
 import math
@@ -25,44 +25,44 @@ from walkergen.files import templates
 from walkergen.points import run_time, step_errors
 
 STEP_SHARES = (1.25, 1.0, 0.5, 0.25, 0.1)
-"""Steps over that which resolves the feet, of which is chosen: the next longer one was measured as well; those below
-0.5 are beyond what was measured, by the law."""
+"""Candidate steps, relative to the step that resolves the feet. The next longer step of each was measured as well.
+Steps below 0.5 were not measured: their bias is extrapolated from the law."""
 
 LANE_SCENE = "lane-90hz"
-"""Scene of the cells between which is read."""
+"""Scene of the cells that are interpolated."""
 
 SCALED_SCATTER_FACTOR = 1.3
-"""Factor to which the scatter of what is scaled is known: the root mean square of that by which a tilt which is left
-out scatters otherwise, for its speed, than is read between its neighbours."""
+"""Factor of uncertainty of a scaled scatter: the root mean square from cross-validation. Each tilt is left out in turn,
+and its scatter relative to the speed is compared with the interpolation between its neighbours."""
 
 CELLS_FREQUENCY_HZ = 90.0
-"""Frequency of the plate of the cells."""
+"""Frequency of the plate of the cells, Hz."""
 
 DISCARD_S = 0.4
-"""Start of the second of what is scaled that is not measured, s."""
+"""Discarded start of the simulated second of a scaled walker, s."""
 
 
 class Estimate(NamedTuple):
     """Speed, scatter and cost of a walker in a scene."""
 
     peak: float
-    """Peak speed of the plate, or of one that would move under the walker as its motor moves it, mm/s."""
+    """Peak speed of the plate, mm/s. For a motor: of a plate that would move under the walker as the motor moves it."""
     speed: float
     """Mean speed, mm/s."""
     variance_time: float
     """Squared standard error of the mean speed times measured time, (mm/s)^2 s."""
     work: Callable[[float], float]
-    """Cost of a step (over what resolves the feet) of a simulated second, over that of the loop (`pace`)."""
+    """Cost of a simulated second, relative to the loop's (`machine_speed`), by the step relative to `own_us`."""
     own_us: float
     """Step that resolves the feet, us."""
     discard_s: float
-    """Start of every run that is not measured, s."""
+    """Discarded start of every run, s."""
     cell: tuple[Row, ...]
-    """Rows of the cell, where this walker on this plate was measured with a reference; empty elsewhere."""
+    """Rows of the cell if this walker on this plate was measured with a reference; otherwise empty."""
 
     @property
     def unit(self) -> float:
-        """Speed of which an error is a share, mm/s."""
+        """Speed that relative errors refer to, mm/s."""
         return step_law.speed_scale(self.speed, self.peak)
 
     @property
@@ -74,11 +74,11 @@ class Estimate(NamedTuple):
 
     @property
     def known(self) -> str:
-        """Word on where the numbers come from."""
+        """Source of the numbers, as one word."""
         return "measured" if self.cell else "scaled"
 
     def candidates(self, loop_s: float) -> list[Candidate]:
-        """Return all STEPS on a machine of a pace (`pace`), CPU seconds of a simulated second of the loop."""
+        """Return all candidate steps. `loop_s`: CPU seconds of this machine for a simulated second of the loop."""
         return [
             Candidate(
                 None if step == 1.0 else float(f"{step * self.own_us:.3g}"),
@@ -92,9 +92,9 @@ class Estimate(NamedTuple):
 
 
 def estimate(design: Design, scene: Scene) -> Estimate:
-    """Return what the cells say of a walker in a scene. One second of a walker that is scaled is simulated.
+    """Estimate speed, scatter and cost of a walker in a scene. One second of a scaled walker is simulated.
 
-    Raises InputError where the scene contradicts itself or the walker.
+    Raises InputError if the scene contradicts itself or the walker.
     """
     run = scene.run.model_copy(update={"step_us": None})
     plan = prepare(scene.model_copy(update={"run": run}), design, solids.mass_of(design))
@@ -103,9 +103,9 @@ def estimate(design: Design, scene: Scene) -> Estimate:
 
 
 def _refine_with_short_run(found: Estimate, plan: Plan) -> Estimate:
-    """Return the estimate with the walker's own speed and cost, its scatter a share of the speed as before.
+    """Return the estimate with the walker's own speed and cost. The ratio of scatter to speed is unchanged.
 
-    It is returned as it is where a second takes long or does not end well.
+    The estimate is returned unchanged if a second takes long or does not end well.
     """
     if run_time.rate_from_steps(plan) > run_time.MAX_START_S:
         return found
@@ -121,7 +121,7 @@ def _refine_with_short_run(found: Estimate, plan: Plan) -> Estimate:
 
 
 def _estimate_from_cells(plan: Plan) -> Estimate:
-    """Return what the cells say of a plan, without a simulation."""
+    """Estimate speed, scatter and cost of a plan from the cells, without a simulation."""
     scene, design = plan.scene, plan.case.design
     every, measured = cells.read_rows(), _find_scene(plan)
     tilt, restitution = abs(design.tilt_deg), scene.contact.restitution
@@ -149,7 +149,7 @@ def _estimate_from_cells(plan: Plan) -> Estimate:
 
 
 def _fit_work(steps: dict[float, Row], step: float) -> float:
-    """Return the cost of a step in a cell: steps in contact, as many as they are short, and flights, from all rows."""
+    """Return the cost of a step in a cell, fitted to all rows: contacts scale with 1/step, flights are constant."""
     shares, works = np.array(list(steps)), np.array([row.work for row in steps.values()])
     terms = np.column_stack([np.ones_like(shares), 1.0 / shares]) / works[:, None]
     flights, contacts = np.linalg.lstsq(terms, np.ones_like(works), rcond=None)[0]
@@ -157,7 +157,7 @@ def _fit_work(steps: dict[float, Row], step: float) -> float:
 
 
 def _mean_variance_time(steps: dict[float, Row]) -> float:
-    """Return the variance times time of a cell, over all its steps: that of eight runs is itself known badly."""
+    """Return the variance times time of a cell, averaged over all its steps: a variance of eight runs is uncertain."""
     return float(np.mean([row.variance_time for row in steps.values()]))
 
 

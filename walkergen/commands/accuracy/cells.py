@@ -1,7 +1,7 @@
-"""Cells: what each step gave for the paper's walker on its plate, as measured and shipped.
+"""Shipped cells: measured results of every step for the paper's walker on its plate.
 
 cells.csv has a row for each setting of each cell: a scene, a tilt and a restitution of the feet.
-`python -m evidence.accuracy.measure` makes it again.
+`python -m evidence.accuracy.measure` regenerates it.
 """
 
 import csv
@@ -12,7 +12,7 @@ from typing import NamedTuple
 CELLS_PATH = Path(__file__).with_suffix(".csv")
 
 REFERENCE_STEP_SHARE = 0.05
-"""Step of the reference over that which resolves the feet: a tenth of the finest other one."""
+"""Reference step, relative to the step that resolves the feet: a tenth of the next finest one."""
 
 
 class Row(NamedTuple):
@@ -23,17 +23,17 @@ class Row(NamedTuple):
     restitution: float
     """Restitution of the feet."""
     share: float
-    """Step over that which resolves the feet."""
+    """Step relative to the step that resolves the feet."""
     step_us: float
     speed_mm_s: float | None
-    """Mean speed; None where runs did not end well."""
+    """Mean speed; None if a run did not end well."""
     se_mm_s: float | None
-    """Standard error by the runs' scatter; None where all share one orbit."""
+    """Standard error from the runs' scatter; None if all runs share one orbit."""
     runs: int
     seconds: float
     """Measured time of each run."""
     work: float
-    """CPU time of a simulated second, its discarded start included, over that of the loop (`pace`)."""
+    """CPU time of a simulated second, its discarded start included, relative to the loop's (`machine_speed`)."""
     outcomes: str
 
     @property
@@ -49,7 +49,7 @@ class Row(NamedTuple):
 
 @cache
 def read_rows(path: Path = CELLS_PATH) -> tuple[Row, ...]:
-    """Rows of a file."""
+    """Read the rows of a file."""
     with path.open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(line for line in stream if not line.startswith("#")))
     return tuple(_parse_row(row) for row in rows)

@@ -16,19 +16,19 @@ from walkergen.core.numerics.distributions import student_quantile
 from walkergen.core.theory.surrogate import NORMAL_95
 
 RUN_COUNTS, MIN_RUN_S = (8, 16, 32), 1.0
-"""Numbers of runs of which is chosen, and the shortest that a run is measured, s."""
+"""Numbers of runs to choose from, and the shortest measured time of a run, s."""
 
 TIME_SAFETY_FACTOR = 1.2
-"""Factor by which more time is bought than the scatter needs, since it is itself estimated."""
+"""Safety factor on the simulated time, because the scatter is itself estimated."""
 
 MAX_BIAS_SHARE = 0.7
-"""Part of the error that a bias may take up."""
+"""Largest share of the error that the bias may use."""
 
 STARTUP_S = 1.2
-"""Time in which a command starts, on an idle machine, s: imports, and kernels read from the cache."""
+"""Start-up time of a command on an idle machine, s: imports, and kernels read from the cache."""
 
 MIN_CURVE_S = 0.5
-"""Measured time of all runs of a candidate from which its curve is drawn, s."""
+"""Shortest measured time of all runs of a candidate in the curve, s."""
 
 
 class Candidate(NamedTuple):
@@ -43,7 +43,7 @@ class Candidate(NamedTuple):
     cpu_per_s: float
     """CPU time of a simulated second, s."""
     discard_s: float
-    """Start of every run that is not measured, s."""
+    """Discarded start of every run, s."""
 
     @property
     def flags(self) -> str:
@@ -51,7 +51,7 @@ class Candidate(NamedTuple):
         return "own step" if self.step_us is None else f"‹step=›{self.step_us:g}"
 
     def scatter_error(self, cpu_s: Array) -> Array:
-        """Return the error from the scatter of the fewest runs in a time; infinite where the time is too short."""
+        """Return the error from the scatter of the fewest runs in a time; infinite if the time is too short."""
         measured_s = cpu_s / self.cpu_per_s - RUN_COUNTS[0] * self.discard_s
         with np.errstate(divide="ignore", invalid="ignore"):
             half = NORMAL_95 * np.sqrt(self.variance_time / measured_s)
@@ -73,7 +73,7 @@ class Choice(NamedTuple):
     """CPU time of all runs, s."""
 
     def wall_time_s(self, cores: int) -> float:
-        """Return the time by the clock that the command takes on an idle machine, s."""
+        """Return the wall time of the command on an idle machine, s."""
         return STARTUP_S + self.cpu_s / self.runs * math.ceil(self.runs / cores)
 
     @property

@@ -125,7 +125,7 @@ def _draw_marks(axes: Axes, marks: Sequence[Mark], floor: float) -> None:
 
 
 def _draw_floor(axes: Axes, shown: FigureData) -> None:
-    """Shade what the reference does not know."""
+    """Shade the errors below the uncertainty of the reference."""
     axes.axhspan(axes.get_ylim()[0], shown.floor, color=PALE, linewidth=0, zorder=0)
     text = f"below {100 * shown.floor:.2g} % the reference itself is not known"
     place = {"transform": axes.transAxes, "va": "bottom", "ha": "left", "fontsize": MIN_FONT_PT, "color": GREY}
@@ -139,7 +139,7 @@ def _set_limits(axes: Axes, times: Sequence[float], errors: Sequence[float], flo
 
 
 def _annotate_point(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], colour: str) -> None:
-    """Write words beside a point."""
+    """Write text next to a point."""
     halo: Any = {"path_effects": [withStroke(linewidth=2.5, foreground="white")], "fontsize": MIN_FONT_PT, "zorder": 5}
     axes.annotate(text, at, offset, textcoords="offset points", va="center", color=colour, **halo)
 

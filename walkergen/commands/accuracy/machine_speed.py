@@ -1,6 +1,6 @@
-"""Pace of this machine: CPU time of a simulated second of one walker, measured once and kept in the user's cache.
+"""Speed of this machine: CPU time of a simulated second of one walker, measured once and cached for the user.
 
-Costs of other settings are known as multiples of it (`cells`).
+Costs of other settings are multiples of it (`cells`).
 """
 
 import hashlib
@@ -23,28 +23,28 @@ from walkergen.files import templates
 from walkergen.points.experiments import Walker
 
 BENCHMARK_WALKER, BENCHMARK_SCENE, BENCHMARK_TILT_DEG = "koumakis2016", "lane-90hz", 10.0
-"""Walker, scene and tilt of the loop: the paper's walker in space, at the step that its feet take by themselves."""
+"""Walker, scene and tilt of the loop: the paper's walker in space, at the default step of its feet."""
 
 LOOP_S, LOOP_COUNT = 1.0, 7
-"""Simulated time of a loop, s, and loops of which the median counts: half a second of CPU time together."""
+"""Simulated time of a loop, s, and number of loops for the median: half a second of CPU time together."""
 
 
 def cpu_per_s() -> float:
-    """CPU seconds of a simulated second of the loop on this machine, as kept, else measured and kept."""
+    """Return the CPU seconds of a simulated second of the loop on this machine. Measure and cache them if necessary."""
     path = _cache_path()
     try:
         kept = float(json.loads(path.read_text(encoding="utf-8"))["cpu_s_per_s"])
         if kept > 0.0:
             return kept
     except (OSError, ValueError, KeyError, TypeError):
-        pass  # never measured, or what is kept cannot be read: it is measured anew
+        pass  # never measured, or the cache is unreadable: measure again
     found = measure_cpu_per_s()
     output.write(path, json.dumps({"cpu_s_per_s": found, "machine": machine_description()}).encode(), lasting=False)
     return found
 
 
 def measure_cpu_per_s(loops: int = LOOP_COUNT) -> float:
-    """CPU seconds of a simulated second of the loop, now: the median of some loops, after one that is not timed."""
+    """Measure the CPU seconds of a simulated second of the loop: the median of some loops, after an untimed one."""
     plan = _loop_plan()
     compile_kernels(plan)
     return statistics.median(_time_loop(plan) for _ in range(loops)) / LOOP_S
@@ -64,7 +64,7 @@ def _time_loop(plan: Plan) -> float:
 
 
 def _cache_path() -> Path:
-    """File that keeps the pace, named by the machine and the kernels' sources."""
+    """Return the cache file of the speed, named by the machine and the kernels' sources."""
     name = hashlib.sha256(f"{machine_description()} {os.cpu_count()} {kernels.source_digest()}".encode()).hexdigest()[
         :16
     ]

@@ -14,8 +14,8 @@ from walkergen.core.walker.design import Design
 from walkergen.files.report import Report
 
 STARTUP_S, PICTURE_S, SHAPE_S = 1.2, 0.9, 1.5
-"""Wall times on an idle core (s) of what is not simulated: imports and kernels read from the cache;
-the picture; the ladder of shape. Within a third."""
+"""Wall times on an idle core in addition to the simulation, s: start-up (imports, and cached kernels),
+the picture, and the ladder of shape. Uncertain by a third."""
 
 
 def _measure_shape(survey: Survey, progress: Progress) -> Ladder:
@@ -32,12 +32,12 @@ LADDERS: dict[str, Sequence[Callable[[Survey, Progress], Ladder]]] = {
 def study(
     design: Design, scene: Scene, only: Sequence[str], budget_s: float, folder: Path, progress: Progress
 ) -> Report:
-    """Answer what to run for which error, and measure the ladders `only` within a budget.
+    """Recommend what to run for each error, and measure the ladders `only` within a budget.
 
-    Without ladders the answer is from what is shipped and the pace of this machine. With the ladder of steps it is
-    what they give; accuracy.csv and accuracy.md are renewed as soon as a ladder is measured. Ctrl-C keeps the ladders
-    already done. Where the budget is too short the least is taken, and the report says so.
-    Raises InputError where the scene contradicts itself or the walker, or there is no mean speed to study.
+    Without ladders the answers come from the shipped cells and this machine's speed. With the ladder of steps they come
+    from its measurements. accuracy.csv and accuracy.md are updated after each ladder, so Ctrl-C keeps finished ladders.
+    If the budget is too short, the smallest possible budget is used, and the report states it.
+    Raises InputError if the scene contradicts itself or the walker, or if there is no mean speed to study.
     """
     title = f"{design.name}, tilt {design.tilt_deg:g}°, on {scene.name}"
     others_s = STARTUP_S + PICTURE_S * ("steps" in only) + SHAPE_S * ("shape" in only)
@@ -50,7 +50,7 @@ def study(
     ladders: list[Ladder] = []
 
     def write(given: Answers | None) -> Report:
-        """Write the report of what is measured so far."""
+        """Write the report of everything measured so far."""
         spent_s = survey.simulated_s + others_s
         least_s = spent_s if survey.too_short and spent_s > budget_s else None
         made = make_report(ladders, given, survey.simulated_s, least_s, title, folder)

@@ -1,6 +1,6 @@
-"""Report of the study of accuracy: what to run for which error, and the ladders behind it.
+"""Report of the study of accuracy: recommended settings for each error, and the ladders that support them.
 
-A ladder has settings from cheap to dear, each with its error and the time that it takes.
+A ladder lists settings from cheap to expensive, each with its error and its CPU time.
 """
 
 import math
@@ -30,7 +30,7 @@ class Rung(NamedTuple):
     """Name of the series: settings that differ in one number."""
     setting: str
     error: float | None
-    """Error as the ladder's `error` defines it; None where it is not known."""
+    """Error as the ladder's `error` defines it; None if unknown."""
     error_sd: float | None
     """Standard error of the error; None when the error is deterministic."""
     cpu_s: float
@@ -122,16 +122,16 @@ RUNG_COLUMNS = (
 
 
 class Answers(NamedTuple):
-    """What to run for which error, and what stands behind it."""
+    """Recommended settings for each error, and their justification."""
 
     rows: Sequence[Answer]
     lines: Sequence[str]
-    """What counts as true and how it was certified, and where numbers that are not measured now come from."""
+    """Reference result and its certification, and the source of numbers that were not measured now."""
     draw: "Callable[[], Figure]"
 
 
 def mark_accepted(rows: Sequence[Answer], accepted: float | None) -> tuple[list[Answer], list[str]]:
-    """Mark the answer with the largest error within an accepted one; return a line on it where none is."""
+    """Mark the answer with the largest error within an accepted one. Return a line about it if there is none."""
     if accepted is None:
         return list(rows), []
     within = [row.error.value for row in rows if row.error.value <= accepted * (1.0 + 1e-9)]
@@ -149,10 +149,10 @@ def make_report(
     title: str,
     folder: Path,
 ) -> Report:
-    """Return the report of ladders and answers that lie in a folder.
+    """Return the report of ladders and answers in a folder.
 
-    `simulated_s`: wall time of all simulations, s; `least_s`: least budget of these ladders, s,
-    where it was taken in place of a smaller one.
+    `simulated_s`: wall time of all simulations, s. `least_s`: smallest budget of these ladders, s,
+    if it replaced a smaller requested one.
     """
     rows = answers.rows if answers else ()
     tables = [Table("answers", rows, (), ANSWER_COLUMNS, "What to run for which error")] if answers else []
@@ -180,7 +180,7 @@ def make_report(
 
 
 def _rungs_table(ladders: Sequence[Ladder]) -> Table:
-    """Return the table of all rungs: COMMON columns, then the details of any ladder, blank in the others."""
+    """Return the table of all rungs: COMMON columns, then the details of every ladder, blank for other ladders."""
     rungs: list[tuple[str, Rung]] = [(ladder.name, rung) for ladder in ladders for rung in ladder.rungs]
     details = list(dict.fromkeys(key for _, rung in rungs for key in rung.details))
     rows = [(name, *rung[: len(COMMON_COLUMNS)], *map(rung.details.get, details)) for name, rung in rungs]
@@ -188,5 +188,5 @@ def _rungs_table(ladders: Sequence[Ladder]) -> Table:
 
 
 def _answers_table(answers: Sequence[Answer]) -> Table:
-    """Return the table of the answers alone, where nothing was measured."""
+    """Return the table of the answers alone, if nothing was measured."""
     return Table("accuracy", [tuple(answer.plain.values()) for answer in answers], Answer._fields)

@@ -1,4 +1,4 @@
-"""The ladder of shape: what tessellation, float32 files and far origins do to masses and speed."""
+"""The ladder of shape: effects of tessellation, float32 files and far origins on masses and speed."""
 
 import io
 import math
@@ -31,7 +31,7 @@ DISTANCES_MM = (0.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6)
 
 
 class Errors(NamedTuple):
-    """Relative errors; m and j the largest of all legs, None of braced ones: part of M and J."""
+    """Relative errors; m and j are the largest of all legs, or None for braced legs, which are part of M and J."""
 
     M: float
     J: float
@@ -74,7 +74,7 @@ def _tessellation_rungs(rounded: Design, scene: Scene) -> Iterator[Rung]:
 
 
 def _with_round_feet(design: Design) -> Design:
-    """Design on round feet. Raises GeometryError where it does not stand on them."""
+    """Return the design on round feet. Raises GeometryError if it cannot stand on them."""
     data = design.model_dump(exclude_unset=True)
     if design.pair:
         return Design.model_validate(data | {"legs": data.get("legs", {}) | {"foot": "round"}})
@@ -83,7 +83,7 @@ def _with_round_feet(design: Design) -> Design:
 
 
 def _distance_rungs(design: Design, scene: Scene) -> Iterator[Rung]:
-    """Rungs at growing distance, in double precision and through a binary STL file."""
+    """Yield rungs at growing distance, in double precision and through a binary STL file."""
     built = solids.build(design)
     true = solids.weigh(design, built)
     for series, form in (("double precision", _identity), ("through STL (float32)", _stl_round_trip)):
@@ -128,7 +128,7 @@ def _rung(
 
 
 def relative_errors(weighed: MassProperties, true: MassProperties, design: Design, scene: Scene) -> Errors:
-    """Relative errors of a walker's masses and of its predicted speed.
+    """Compute the relative errors of a walker's masses and of its predicted speed.
 
     The speed's error counts against the larger foot's factor: the mean of braced feet may vanish.
     """
@@ -155,9 +155,9 @@ def relative_errors(weighed: MassProperties, true: MassProperties, design: Desig
 
 
 def measure_cpu_time(call: Callable[[], object], repeats: int = 5, at_least: float = 1e-2) -> float:
-    """CPU time of one call, s: the median of `repeats` batches of at least `at_least` s each.
+    """Measure the CPU time of one call, s: the median of `repeats` batches of at least `at_least` s each.
 
-    An untimed call goes first: it compiles, imports and fills caches.
+    An untimed first call compiles, imports and fills caches.
     """
     call()
     count = 1

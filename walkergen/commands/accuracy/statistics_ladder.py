@@ -15,7 +15,7 @@ from walkergen.core.simulation import ensemble
 from walkergen.core.simulation.run import RunResult
 
 ENSEMBLE_SIZES = ((32, 4.0), (16, 2.0), (8, 1.0))
-"""Numbers of runs whose parts are compared, each with the measured time of a run, s, from which it is worth it."""
+"""Numbers of runs whose parts are compared, each with the shortest useful measured time of a run, s."""
 
 MAX_RUN_S = 50.0
 """Longest run that is compared, s."""

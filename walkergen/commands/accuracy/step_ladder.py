@@ -13,7 +13,7 @@ MIN_IMPACT_SHARE = 0.01
 """Share of a type of impact below which it is not studied."""
 
 MIN_SIGNIFICANCE_SE = 3.0
-"""Standard errors by which the true value must differ from zero for shares of it to mean much."""
+"""Smallest ratio of the true value to its standard error at which relative errors are meaningful."""
 
 RESOLVED_BIAS_SHARE = 0.05
 """Bias, as a share of the value, that the notes call resolved."""

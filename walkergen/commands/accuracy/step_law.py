@@ -1,10 +1,10 @@
-"""Law of the step's bias: what the cells say together of how far a step leaves the speed off.
+"""Law of the step's bias: the error of the speed against the step, fitted to all cells together.
 
-Chaos scatters a cell's speeds by more than most steps shift them, so cells are taken together: within each the
-speeds by all steps are a straight line in a power of the step, whose slope over the speed is the cell's answer.
-Slopes of cells scatter by more than their errors say; how much more is estimated as between studies of a meta-
-analysis (R. DerSimonian and N. Laird, Control. Clin. Trials 7, 177, 1986). Landings err by the first power of
-the step, flight and sliding by the second (docs/physics.md section 5): both are fitted, and the larger bound counts.
+Chaos scatters a cell's speeds by more than most steps shift them, so cells are combined. Within each cell the speeds
+are a straight line in a power of the step. Its slope over the speed is the cell's result. Slopes of cells
+scatter by more than their errors. The excess is estimated as between studies of a meta-analysis (R. DerSimonian and
+N. Laird, Control. Clin. Trials 7, 177, 1986). Landings err by the first power of the step, flight and sliding by
+the second (docs/physics.md section 5). Both powers are fitted, and the larger bound counts.
 """
 
 import math
@@ -24,11 +24,11 @@ CELLS_PEAK_SPEED_MM_S = 31.2
 """Peak speed of the plate of the cells, mm/s: 90 Hz and 1.8 g."""
 
 STEP_POWERS = (1, 2)
-"""Powers of the step by which the bias may fall."""
+"""Powers of the step in the fitted laws of the bias."""
 
 
 class Slope(NamedTuple):
-    """Bias by the step that resolves the feet, as a share of the speed, with its errors."""
+    """Bias at the step that resolves the feet, as a share of the speed, with its errors."""
 
     power: int
     share: Quantity
@@ -38,41 +38,41 @@ class Slope(NamedTuple):
     """Chi-square of the lines over its degrees of freedom: about 1 where the law holds."""
 
     def bias_bound(self, step: float) -> float:
-        """Largest bias (95 %), as a share, by a step that is `step` of what resolves the feet."""
+        """Return the largest bias (95 %), as a share. `step` is relative to the step that resolves the feet."""
         share, se = self.share.pair
-        se *= math.sqrt(max(self.misfit, 1.0))  # what the line misses widens its error
+        se *= math.sqrt(max(self.misfit, 1.0))  # a misfit of the line widens its error
         return float((abs(share) + 2.0 * math.hypot(se, self.between)) * step**self.power)
 
 
 class Law(NamedTuple):
-    """Biases of walkers that are alike: as fast as the plate, or slow beside it."""
+    """Biases of a group of similar walkers: as fast as the plate, or slow compared with it."""
 
     slopes: tuple[Slope, ...]
     """One a power."""
     floor: float
-    """Error (95 %) to which the references together are known, as a share: nothing is known below it."""
+    """Error (95 %) of all references together, as a share. No smaller bias can be measured."""
     cells: int
     """Number of cells behind it."""
 
     def bias_bound(self, step: float) -> float:
-        """Largest bias (95 %), as a share, whichever power holds."""
+        """Return the largest bias (95 %), as a share, over both powers."""
         return max(slope.bias_bound(step) for slope in self.slopes)
 
 
 def speed_scale(speed: float, peak: float) -> float:
-    """Speed of which an error is a share: a walker's own, or a fifth of the plate's where it is slower."""
+    """Return the speed that relative errors refer to: the walker's, or a fifth of the plate's if it is slower."""
     return max(abs(speed), MIN_SPEED_RATIO * peak)
 
 
 def rows_by_cell(rows: Iterable[Row]) -> list[list[Row]]:
-    """Rows with a speed and its error, cell by cell, finest step first."""
+    """Group the rows that have a speed and its error by cell, finest step first."""
     known = [row for row in rows if row.speed_mm_s is not None and row.se_mm_s]
     return [list(cell) for _, cell in groupby(known, key=lambda row: row.cell)]
 
 
 @cache
 def fit_laws(peak: float, rows: tuple[Row, ...] | None = None) -> dict[bool, Law]:
-    """Law of slow walkers (True) and of the others, from cells whose plate has a peak speed, mm/s."""
+    """Fit the laws of slow walkers (True) and of the others to cells whose plate has a peak speed, mm/s."""
     every = [
         cell
         for cell in rows_by_cell(cells.read_rows() if rows is None else rows)
@@ -85,7 +85,7 @@ def fit_laws(peak: float, rows: tuple[Row, ...] | None = None) -> dict[bool, Law
 
 
 def is_slow(speed: float, peak: float) -> bool:
-    """Whether errors of a speed are shares of the plate's instead."""
+    """Return whether errors of a speed are shares of the plate's speed instead."""
     return abs(speed) < MIN_SPEED_RATIO * peak
 
 
@@ -110,7 +110,7 @@ def _fit_slope(group: Sequence[Sequence[Row]], peak: float, power: int) -> Slope
 
 
 def _fit_line(cell: Sequence[Row], peak: float, power: int) -> tuple[float, float, float, int]:
-    """Slope of a cell's speeds over the step to a power, as a share, its error, chi-square and freedom."""
+    """Fit a cell's speeds over a power of the step. Return the slope as a share, its error, chi-square and freedom."""
     steps = np.array([row.share for row in cell]) ** power
     speeds, errors = (np.array([getattr(row, name) for row in cell]) for name in ("speed_mm_s", "se_mm_s"))
     design = np.column_stack([np.ones_like(steps), steps]) / errors[:, None]

@@ -1,6 +1,6 @@
-"""Survey of a walker in a scene: its speed and all else that is printed, by every step, measured once each.
+"""Survey of a walker in a scene: its speed and all other printed quantities at every step, each measured once.
 
-Each step is an experiment that runs for its part of the budget (`points.measure`).
+Each step is an experiment that uses its part of the budget (`points.measure`).
 """
 
 import math
@@ -28,27 +28,27 @@ from walkergen.points import experiments
 from walkergen.points.experiments import Results
 
 STEP_SHARES = (0.25, 0.5, 1.0, 1.25, 1.6)
-"""Steps over that which resolves the feet, which are measured."""
+"""Measured steps, relative to the step that resolves the feet."""
 
 BUDGET_WEIGHTS = (0.3, 0.15)
-"""Parts of the budget of all steps for the finest step, and for the next finest, which certifies it; the others share
-the rest."""
+"""Shares of the budget for the finest step, and for the next finest step, which certifies it. The others share the
+rest."""
 
 STATISTICS = "statistics"
 """Name of the ensemble whose parts are compared, in the budget."""
 
 STATISTICS_WEIGHT = 0.4
-"""Part of the budget for it, where all steps together have 1."""
+"""Budget for it, relative to the budget of all steps together."""
 
 MIN_RUN_S, BUDGET_PER_SECOND_S = 2.0, 30.0
-"""Measured time of a run, s, at least, and the budget for which it is a second longer: more runs first, then longer
-ones, in which walkers spread."""
+"""Shortest measured time of a run, s, and the budget that lengthens runs by a second. The number of runs grows first,
+then their length, so that walkers spread."""
 
 MOTION_KEYS = {"motion.rotational_diffusion_rad2_s": "rotational_diffusion", "motion.diffusivity_mm2_s": "diffusivity"}
-"""Names of the statistics of motion that are studied: how headings turn, how walkers spread."""
+"""Names of the studied statistics of motion: turning of headings, spreading of walkers."""
 
 OBSERVABLE_NAMES = (*observables.OBSERVABLE_NAMES, *MOTION_KEYS)
-"""Names of all that is studied, as `simulate --json` has them."""
+"""Names of all studied quantities, as in `simulate --json`."""
 
 
 class StepMeasurement(NamedTuple):
@@ -56,7 +56,7 @@ class StepMeasurement(NamedTuple):
 
     step_us: float
     quantities: Mapping[str, Quantity]
-    """Quantities of NAMES by their names; without values when not all runs ended well."""
+    """Quantities by their names; without values if a run did not end well."""
     runs: int
     seconds: float
     """Measured time of each run, s."""
@@ -64,7 +64,7 @@ class StepMeasurement(NamedTuple):
     cpu_s: float
     wall_s: float
     outcomes: str
-    """Ways in which the runs ended, with their numbers."""
+    """Endings of the runs, with their counts."""
 
     @property
     def label(self) -> str:
@@ -102,19 +102,19 @@ class Survey:
         self.scene, self.design, self.mass = scene, design, mass
         self.budget_s, self.simulated_s = budget_s, 0.0
         self.too_short = False
-        """Whether the fewest runs took longer than what the budget had for them."""
+        """Whether the fewest runs took longer than their budget."""
         self.due: dict[float | str, float] = {}
-        """Weights in the budget of what is still to be simulated, by step or name."""
+        """Budget weights of the simulations that remain, by step or name."""
         self.measured: dict[float, StepMeasurement] = {}
 
     @cached_property
     def plan(self) -> Plan:
-        """Plan by the step that resolves the feet."""
+        """Plan with the step that resolves the feet."""
         return prepare(self._scene_with_step(None), self.design, self.mass)
 
     @cached_property
     def steps(self) -> list[float]:
-        """All steps, us, the finest first, which is the reference."""
+        """All steps, us, from the finest, the reference, to the coarsest."""
         steps_us = [_round_two_digits(share * 1e6 * self.plan.world.options.step) for share in STEP_SHARES]
         return list(dict.fromkeys(min(max(step, 0.01), 1000.0) for step in steps_us))
 
@@ -125,7 +125,7 @@ class Survey:
         return _round_two_digits(1e6 * self.plan.world.options.step) if step is None else step
 
     def allot_budget(self, ladders: Sequence[str]) -> None:
-        """Promise each step that these ladders need its part of the budget."""
+        """Reserve a part of the budget for each step that these ladders need."""
         others = (1.0 - sum(BUDGET_WEIGHTS)) / max(len(self.steps) - len(BUDGET_WEIGHTS), 1)
         of_steps = [*BUDGET_WEIGHTS, *[others] * len(self.steps)]
         if "steps" in ladders:
@@ -136,21 +136,21 @@ class Survey:
             self.due[STATISTICS] = STATISTICS_WEIGHT
 
     def claim_budget(self, what: float | str) -> float:
-        """Return the wall time for a step or for what has a name, s: what others left over is shared out."""
+        """Return the wall time for a step or a named ensemble, s. Unused time of earlier ones is shared out."""
         weight, left_s = self.due.pop(what, BUDGET_WEIGHTS[1]), max(self.budget_s - self.simulated_s, 0.0)
         return left_s * weight / (weight + sum(self.due.values()))
 
     def measure(self, steps: Sequence[float], progress: Progress) -> list[StepMeasurement]:
-        """Measure the steps that are not measured yet; return all of them in their order."""
+        """Measure the steps that are not measured yet, and return all of them in order."""
         for place, step_us in enumerate(steps):
             if step_us not in self.measured:
                 self.measured[step_us] = self._measure_step(step_us, part_progress(progress, place, len(steps)))
         return [self.measured[step_us] for step_us in steps]
 
     def measure_reference(self, progress: Progress) -> StepMeasurement:
-        """Measure the step that counts as true: the finest.
+        """Measure the finest step, which is the reference.
 
-        Raises InputError when it gives no speed with an error bar.
+        Raises InputError if it gives no speed with an error bar.
         """
         (reference,) = self.measure(self.steps[:1], progress)
         if not reference.speed.known:
@@ -161,7 +161,7 @@ class Survey:
         return reference
 
     def simulate(self, step_us: float, seconds: float, until: Until, progress: Progress) -> Results:
-        """Simulate runs by a step, until enough are made. Raises KeyboardInterrupt where Ctrl-C leaves some out."""
+        """Simulate runs at a step until `until` has enough. Raises KeyboardInterrupt if Ctrl-C leaves some out."""
         walker = experiments.Walker(self._scene_with_step(step_us, seconds=seconds), self.design, self.mass)
         made = measure(walker, until, progress)
         if made.partial:
@@ -171,11 +171,11 @@ class Survey:
 
     @property
     def unit(self) -> float:
-        """Speed of which an error is a share, mm/s, once the reference is measured."""
+        """Speed that relative errors refer to, mm/s; requires the measured reference."""
         return step_law.speed_scale(self.measured[self.steps[0]].speed.number, self.plan.shaken.peak_speed)
 
     def bias(self, measured: StepMeasurement) -> Quantity:
-        """Return the difference of a step's speed from the reference's, mm/s; of the reference itself 0."""
+        """Return the difference of a step's speed from the reference's, mm/s. It is 0 for the reference itself."""
         reference = self.measured[self.steps[0]]
         if measured is reference:
             return reference.speed._replace(value=0.0)
@@ -184,9 +184,9 @@ class Survey:
     def bias_bound(self, measured: StepMeasurement) -> float:
         """Return the upper limit of a step's bias with 95 % confidence, mm/s.
 
-        It is infinite where the step, or a finer one, has no speed.
-        Significant biases of finer steps count as well: where a coarse step does better than a
-        finer step, errors of opposite signs happen to cancel.
+        The limit is infinite if this step or a finer one has no speed.
+        Significant biases of finer steps count as well: a coarse step that does better than a
+        finer one profits from errors of opposite signs.
         """
         bias = self.bias(measured)
         finer = [self.bias(other) for other in self.measured.values() if other.step_us < measured.step_us]
@@ -196,7 +196,7 @@ class Survey:
         return max(abs(bias.number), *certain, 0.0) + bias.half_width()
 
     def to_candidate(self, measured: StepMeasurement) -> Candidate:
-        """Return a measured step as one that may be chosen; its bias is infinite where it has no speed."""
+        """Return a measured step as a candidate. Its bias is infinite if it has no speed."""
         return Candidate(
             measured.step_us,
             self.bias_bound(measured) / self.unit,
@@ -210,7 +210,7 @@ class Survey:
         return self.scene.model_copy(update={"run": changed})
 
     def _measure_step(self, step_us: float, progress: Progress) -> StepMeasurement:
-        """Simulate for as long as the step's part of the budget allows."""
+        """Simulate a step for its part of the budget."""
         seconds, granted_s = (
             max(MIN_RUN_S, _round_two_digits(self.budget_s / BUDGET_PER_SECOND_S)),
             self.claim_budget(step_us),
@@ -231,7 +231,7 @@ class Survey:
 
 
 def _observable_values(results: Results, lane: bool) -> dict[str, Quantity]:
-    """Return all that is studied of runs, without what they refuse."""
+    """Return all studied quantities of runs, without refused ones."""
     quantities = {name: results.summary.numbers[name] for name in observables.OBSERVABLE_NAMES}
     good = [result for result in results.results if result.outcome in ENDED_WELL]
     if good and len(good[0].places) >= 4:

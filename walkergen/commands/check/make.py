@@ -1,4 +1,4 @@
-"""Printability checks of walkers on arranged plates: walls in printed lines, what is wrong."""
+"""Printability checks of walkers on arranged plates: walls in printed lines, and problems."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from walkergen.files.report import Report, Table
 
 
 class Wall(NamedTuple):
-    """Wall of a thickness that occurs among the members, as the printer prints it."""
+    """Wall thickness that occurs among the members, as the printer prints it."""
 
     wall: str
     thickness_mm: float
@@ -26,7 +26,7 @@ class Wall(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class CheckReport(Report):
-    """Walls of walkers, and what the checks say of them; errors are left to `findings.refuse`."""
+    """Walls of walkers, and the findings of the checks; `findings.refuse` handles errors."""
 
     findings: Sequence[Finding]
 
@@ -54,7 +54,7 @@ def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) ->
 
 
 def _report(unlike_walls: Sequence[Wall], layout: plates.Layout, attitudes: Sequence[str], parts: int) -> CheckReport:
-    """Report of the walls, of how the walkers lie on the bed, and of all that the checks found."""
+    """Make the report of the walls, the walkers' orientation on the bed, and all findings."""
     findings, printer = group_findings(layout.findings), layout.printer.name
     counts = [
         _format_count(sum(finding.level == level for finding in findings), level) for level in ("error", "warning")

@@ -22,7 +22,7 @@ class WeighReport(Report):
 
 
 class Line(NamedTuple):
-    """Line of mass properties as people read them: up to three numbers and their unit."""
+    """Line of mass properties for printing: up to three numbers and their unit."""
 
     label: str
     numbers: tuple[str, ...]
@@ -37,7 +37,7 @@ LINE_COLUMNS = (report.text_column("", "label"), *map(_number_column, range(3)),
 
 
 def make_report(weighing: Weighing, path: Path, density_g_cm3: float, scale_mm: float) -> WeighReport:
-    """Report of the objects of a file, weighed at a density, its unit so many mm long."""
+    """Make the report of the objects of a file, weighed at a density; `scale_mm` is its unit's length."""
     several = [weighing.total] if len(weighing.parts) > 1 else []
     parts = [*weighing.parts, *several]
     pages = [
@@ -64,7 +64,7 @@ def make_report(weighing: Weighing, path: Path, density_g_cm3: float, scale_mm: 
 
 
 def _facts(part: ObjectMass) -> dict[str, Any]:
-    """Fields of an object as JSON has them: arrays as lists."""
+    """Return the fields of an object for JSON: arrays as lists."""
     return {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in part._asdict().items()}
 
 
@@ -85,5 +85,5 @@ def _lines(part: ObjectMass) -> Iterator[Line]:
 
 
 def _zero_rounding(row: Array) -> Array:
-    """Values of a row, those that are nothing but rounding as zeros."""
+    """Return the values of a row, with pure rounding errors set to zero."""
     return np.where(np.abs(row) < 1e-12 * np.abs(row).max(), 0.0, row)

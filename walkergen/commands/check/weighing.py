@@ -15,7 +15,7 @@ from walkergen.readers.meshes import faults, meshes
 
 
 class ObjectMass(NamedTuple):
-    """Mass properties of one object, or of all; axes are the file's."""
+    """Mass properties of one object, or of all, in the file's axes."""
 
     name: str
     triangles: int
@@ -39,7 +39,7 @@ class Weighing(NamedTuple):
     sha256: str
     """Hash of the file's bytes."""
     notes: tuple[str, ...]
-    """What was left out of the file or mended, a few words each."""
+    """What was left out of the file or repaired, a few words each."""
 
 
 def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
@@ -47,7 +47,7 @@ def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
 
     `scale_mm` is the length of the file's unit in mm (3MF names its unit; there it multiplies). A
     3MF file may hold several objects, each one body; any other file is one body. Raises InputError
-    for what cannot be read or is not sound.
+    for unreadable or invalid files.
     """
     for name, value, most in (("density", density_g_cm3, 100.0), ("scale", scale_mm, 1e6)):
         if not 1e-6 <= value <= most:
@@ -79,7 +79,7 @@ def _check_size(side_mm: float) -> list[str]:
 
 
 def principal_axes(tensor: Array) -> tuple[Array, Array]:
-    """Principal moments, ascending, and axes, a row each: right-handed, largest parts positive.
+    """Return the principal moments, ascending, and axes, a row each: right-handed, largest parts positive.
 
     The third axis follows from the first two; axes of equal moments are any of their plane.
     """

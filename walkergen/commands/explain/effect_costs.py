@@ -1,4 +1,4 @@
-"""What each effect changes of a walker's speed and of its CPU time, measured within some seconds."""
+"""Measured change of a walker's speed and CPU time from each effect, within some seconds."""
 
 import time
 from collections.abc import Sequence
@@ -19,16 +19,16 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 BUDGET_S, SINGLE_EFFECT_SHARE = 10.0, 0.8
-"""Time of all runs, s, and the part of it in which each effect is measured alone."""
+"""Time of all runs, s, and the share of it for the effects one at a time."""
 
 MIN_RUNS, COST_RUNS = 4, 4
-"""Fewest runs of each scene, and those that tell prices alone."""
+"""Fewest runs of each scene, and the runs that measure CPU time alone."""
 
 ADVICE_LEVELS = (0.01, 0.02, 0.05, 0.1, 0.2)
-"""Changes, shares of the speed, of which the least is advised that leaves anything out."""
+"""Accepted changes, as shares of the speed. The advice uses the smallest one that allows leaving an effect out."""
 
 MAX_CPU_RATIO = 0.95
-"""CPU time without an effect over that with it, above which nothing is said of leaving it out."""
+"""Largest ratio of CPU times, without an effect to with it, at which leaving it out is advised."""
 
 
 NO_ADVICE = "leave nothing out: as far as these runs tell, whatever is on changes the speed, or costs no time"
@@ -40,9 +40,9 @@ class EffectChanges(NamedTuple):
     speed: Quantity
     """Mean speed of the scene, mm/s."""
     changes: tuple[Change, ...]
-    """What each changes, the largest changes first."""
+    """What each variant changes, the largest changes first."""
     pairs: int
-    """Number of runs of each."""
+    """Number of runs of each variant."""
     advice: str = ""
     """What can be left out."""
 
@@ -77,12 +77,12 @@ def format_change(number: Quantity) -> str:
 
 
 def measure_costs(walker: Walker, progress: Progress) -> EffectChanges:
-    """Measure from a few runs what the scene changes without each effect that is on."""
+    """Measure with a few runs how the scene changes without each active effect."""
     return _measure_variants(walker, tuple(variants.effect_variants(walker, also_on=False)), Runs(COST_RUNS), progress)
 
 
 def measure(walker: Walker, progress: Progress) -> EffectChanges:
-    """Measure what each effect changes, off or on at its usual size, and what the two largest change together."""
+    """Measure the change from each effect, off or on at its usual size, and the joint change from the two largest."""
     told = _budget_progress(progress)
     every = tuple(variants.effect_variants(walker, also_on=True))
     alone = _measure_variants(walker, every, Budget(SINGLE_EFFECT_SHARE * BUDGET_S, MIN_RUNS), told)
@@ -123,7 +123,7 @@ def _budget_progress(progress: Progress) -> Progress:
 
 
 def _change_size(change: Change) -> float:
-    """Size of a change, mm/s; those that are not known come last."""
+    """Return the size of a change, mm/s; unknown sizes sort last."""
     return -1.0 if change.speed.value is None else abs(change.speed.value)
 
 
@@ -135,12 +135,12 @@ def _largest_variants(every: Sequence[Variant], alone: EffectChanges) -> list[Va
 
 
 def _is_within(walker: Walker, alone: EffectChanges, change: Change, level: float) -> bool:
-    """Whether a change is within a share of the speed, with 95 % confidence."""
+    """Return whether a change is within a share of the speed, with 95 % confidence."""
     return variants.verdict(walker, alone.speed, change, Tolerance(level, relative=True)) is Verdict.AGREE
 
 
 def _select_omissions(walker: Walker, every: Sequence[Variant], alone: EffectChanges) -> tuple[list[Variant], float]:
-    """Variants without what changes little and costs time, and how little; of models the fastest alone."""
+    """Return variants without effects that change little and cost time, and how little; only the fastest model."""
     for level in ADVICE_LEVELS:
         fitting = [
             (change.cpu.number, variant)
@@ -155,7 +155,7 @@ def _select_omissions(walker: Walker, every: Sequence[Variant], alone: EffectCha
 
 
 def _combine(walker: Walker, chosen: Sequence[Variant]) -> Variant | None:
-    """Variant with all changes of several; None of fewer than two, and where it cannot be made."""
+    """Return the variant with all changes of several; None for fewer than two or an impossible combination."""
     if len(chosen) < 2:
         return None
     whole: Variant | None = chosen[0]
@@ -182,7 +182,7 @@ def table(measured: EffectChanges) -> Table:
 
 
 def draw_changes(measured: EffectChanges, title: str) -> "Figure":
-    """Picture of the changes of the speed, with bars of 95 %, beside those of the CPU time."""
+    """Draw the changes of the speed, with bars of 95 %, next to those of the CPU time."""
     from walkergen.files import figures
     from walkergen.files.figures import FITTED, MEASURED
 

@@ -24,7 +24,7 @@ from walkergen.points.variants import Change
 
 
 class Row(NamedTuple):
-    """Effect of a scene: its size, why it is on or off, and what the scene without it, or with it, changes."""
+    """Effect of a scene: its size, why it is on or off, and how switching it changes the result."""
 
     effect: str
     on: bool
@@ -33,7 +33,7 @@ class Row(NamedTuple):
     reason: str
     switch: str
     change: str
-    """What differs in the variant of the scene that was measured; "" where none was."""
+    """Difference of the measured variant of the scene; "" if none was measured."""
     speed: Quantity
     """Mean speed of the variant less that of the scene."""
     cpu: Quantity
@@ -63,11 +63,11 @@ def explain(
     whole: bool = False,
     folder: Path | None = None,
 ) -> Report:
-    """Say which effects a scene calls for, and what each costs where it can be off.
+    """Report which effects a scene requires, and what each costs if it can be off.
 
-    What the scene's accepted error leaves out is said, too. `measure`: also what effects that are off would change,
-    for ten seconds; `whole`: with all reasons; written where `folder` says. Raises InputError for a scene that
-    contradicts itself or the design.
+    The report also lists what the scene's accepted error leaves out. `measure`: also measure inactive effects,
+    for ten seconds. `whole`: include all reasons. The report is written to `folder`, if given. Raises InputError
+    for a scene that contradicts itself or the design.
     """
     walker = Walker(scene, design, solids.mass_of(design))
     plan = prepare(scene, design, walker.mass)
@@ -116,7 +116,7 @@ def explain(
 
 
 def _rows(effects: Sequence[Effect], changes: Sequence[Change]) -> list[Row]:
-    """Rows of all effects, with what was measured of them."""
+    """Make the rows of all effects, with their measured changes."""
     by_effect: Mapping[str, Change] = {change.effect: change for change in reversed(changes)}
     none = Change("", "", Quantity("change", "mm_s", None), Quantity("cpu_ratio", "", None))
     return [Row(*effect, *by_effect.get(effect.name, none)[1:]) for effect in effects]

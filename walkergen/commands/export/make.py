@@ -19,15 +19,15 @@ from walkergen.readers.walkers import caps as tiles
 from walkergen.sheets import cap_files
 
 SOLID_FORMATS: dict[str, Callable[[Mesh, str], bytes]] = {"stl": export.stl_bytes, "3mf": export.part_3mf}
-"""Formats of meshes as they lie on the bed."""
+"""Formats of meshes, oriented as printed on the bed."""
 
 FORMATS = (*SOLID_FORMATS, *profile.FORMATS)
 
 MJCF = "mjcf"
-"""Format of MuJoCo, of a walker in a scene: several files."""
+"""MuJoCo's format of a walker in a scene, which consists of several files."""
 
 MJCF_SUFFIX = ".xml"
-"""Ending of the file that names the others."""
+"""Suffix of the file that names the others."""
 
 
 def make(
@@ -35,10 +35,10 @@ def make(
 ) -> Report:
     """Write every member in every format (of FORMATS) as folder/FORMAT/NAME.FORMAT.
 
-    MJCF, of walkers in a scene, is folder/mjcf/NAME.xml with its STL files beside it. Caps, which
-    are printed apart, are folder/FORMAT/NAME_cap07.FORMAT in the formats of meshes, and on a sheet
-    in folder/caps. Raises InputError, before anything is written, for the drawing of a walker that
-    has none, and for a scene that MJCF cannot hold.
+    MJCF of walkers in a scene is folder/mjcf/NAME.xml, with its STL files in the same folder. Caps are
+    printed separately: as folder/FORMAT/NAME_cap07.FORMAT in the formats of meshes, and on a sheet
+    in folder/caps. Before anything is written, raises InputError for the drawing of a walker that
+    has none, and for a scene that MJCF cannot represent.
     """
     capped = cap_files.number_caps(members, [names.part_name(design) for design in members])
     of_caps = list(cap_files.files(capped, [])) if capped else []
@@ -71,19 +71,19 @@ def make(
 
 
 def _report(files: Sequence[Path], lines: Sequence[str]) -> Report:
-    """Report of files that were written."""
+    """Make the report of the written files."""
     facts = {"files": [str(path) for path in files]}
     return Report(name="export", title="Exported walkers", tables=[], facts=facts, files=files, lines=lines)
 
 
 def pack_walker(form: str, name: str, mesh: Mesh, drawing: Sequence[Polygon]) -> tuple[str, bytes]:
-    """Name and bytes of the file of a walker, its mesh or its drawing, in one of FORMATS."""
+    """Return the name and bytes of a walker's file, its mesh or its drawing, in one of FORMATS."""
     data = SOLID_FORMATS[form](mesh, name) if form in SOLID_FORMATS else profile.FORMATS[form](drawing)
     return f"{name}.{form}", data
 
 
 def _mjcf_files(design: Design, scene: Scene | None) -> list[tuple[str, bytes]]:
-    """Names and bytes of the MJCF of a walker in a scene. Raises InputError."""
+    """Return the names and bytes of the MJCF of a walker in a scene. Raises InputError."""
     from walkergen.commands.export import mjcf
 
     assert scene is not None
@@ -91,11 +91,11 @@ def _mjcf_files(design: Design, scene: Scene | None) -> list[tuple[str, bytes]]:
 
 
 def write_one(design: Design, path: Path, scene: Scene | None = None) -> Report:
-    """Write one walker into the file `path`, whose ending is one of FORMATS, or .xml for MuJoCo.
+    """Write one walker to the file `path` with a suffix of FORMATS, or .xml for MuJoCo.
 
-    The bytes are those of `make`. A scene is of MJCF, whose STL files come beside it. Raises
-    InputError for other endings, for the drawing of a walker that has none, and for a scene that
-    MJCF cannot hold.
+    The bytes are those of `make`. A scene applies only to MJCF, whose STL files are written to the same
+    folder. Raises InputError for other suffixes, for the drawing of a walker that has none, and for a
+    scene that MJCF cannot represent.
     """
     form = path.suffix.removeprefix(".").lower()
     if form in SOLID_FORMATS:

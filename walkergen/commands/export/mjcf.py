@@ -33,17 +33,17 @@ TO_MUJOCO = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Turns our frame (y up, z across) into MuJoCo's (z up)."""
 
 SPHERE_RADIUS_MM = 1e-3
-"""Radius (mm) of the spheres that stand for corners, which are their lowest points."""
+"""Radius (mm) of the spheres that represent corners. The corners are their lowest points."""
 
 IMPEDANCE = 1e-4
-"""MuJoCo's least: contacts are then springs and dampers in physical units, to this share of mass.
+"""Smallest impedance of MuJoCo: contacts are then springs and dampers in physical units, to this share of mass.
 """
 
 IMPRATIO = 100.0
-"""Impedance of friction over that of the normal; at 1 sliding would press feet on."""
+"""Impedance ratio of friction to the normal direction. At 1 sliding would press the feet down."""
 
 STEP_RATIO = 4.0
-"""Our step over MuJoCo's, whose contacts are explicit: docs/mujoco.md says what that is worth."""
+"""Ratio of our step to MuJoCo's, whose contacts are explicit. docs/mujoco.md states the resulting accuracy."""
 
 PLATE_MASS_G = 1e9
 """Mass of the plate, g: walkers do not move it."""
@@ -53,13 +53,13 @@ HERTZ_TIME = 2.0 * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9)
 """Contact time of a landing on a Hertzian tip without damper, times speed over greatest depth."""
 
 SUPPORTED_EFFECTS = {compliance.NAME, feet.NAME, turning.NAME, WALLS, LID}
-"""Effects that have a switch and that the file holds."""
+"""Effects with a switch that the file can represent."""
 
 
 def files(design: Design, scene: Scene) -> Iterator[tuple[str, bytes]]:
-    """Names and bytes of a walker's MJCF and of the STL files that it shows.
+    """Yield the names and bytes of a walker's MJCF and of the STL files that it shows.
 
-    Raises InputError for a scene with what the model leaves out.
+    Raises InputError for a scene with effects that the model leaves out.
     """
     name, built = names.part_name(design), solids.build(design)
     mass = solids.weigh(design, built)
@@ -111,7 +111,7 @@ def _meshes(design: Design, mass: MassProperties, walker: Walker, built: solids.
 
 
 def _to_mujoco_frame(mesh: Mesh, offset: Array) -> Mesh:
-    """Mesh seen from elsewhere, in MuJoCo's frame."""
+    """Transform a mesh, shifted by an offset, to MuJoCo's frame."""
     return mesh._replace(vertices=(mesh.vertices + offset) @ TO_MUJOCO.T)
 
 
@@ -198,7 +198,7 @@ def _corner_geoms(walker: Walker, leg: int) -> str:
 
 
 def _plate_body(drive: Drive, walker: Walker, height: float) -> str:
-    """Write the MJCF of the plate on its spring, with walls twice as high as the body's middle, or a lid."""
+    """Write the MJCF of the plate on its spring, with a lid or with walls of double the height of the body's middle."""
     place, lid, walls = float(walker.place.max()), -float(walker.place.min()), ""
     for side in (-1, 1) if place > 0.0 else ():
         walls += f"""

@@ -1,7 +1,7 @@
 """Profiles: a walker's side view as polygons, and drawings of it for laser cutters.
 
-A walker that prints on its side is a prism: its profile and its depth are all of it, but for digits
-engraved. Of a body in plan view the drawing is its outline, without legs.
+A walker that prints on its side is a prism: its profile and its depth define it, except for engraved
+digits. The drawing of a body in plan view is its outline, without legs.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,10 +20,10 @@ FORMATS: dict[str, Callable[[Sequence[Polygon]], bytes]] = {"dxf": dxf.pack, "sv
 
 
 def drawing_outlines(design: Design) -> list[Polygon]:
-    """Polygons, mm, of which a walker or its body is the prism: outer contours first, then holes.
+    """Return the polygons, mm, whose prism is a walker or its body: outer contours first, then holes.
 
-    Of a body in plan view its outline seen from above, else the profile of body and legs. Raises
-    InputError for a walker that is neither.
+    For a body in plan view this is its outline seen from above, otherwise the profile of body and
+    legs. Raises InputError for a walker that is neither.
     """
     depth, why = design.size.depth, "its legs are narrower than its body"
     if design.parts:

@@ -1,4 +1,4 @@
-"""Walkers of a sweep as single files: one after the other, so that any number of them fits the memory."""
+"""Walkers of a sweep as single files, written one after the other to limit memory."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -20,8 +20,8 @@ PARTS_FILE = "parts.csv"
 def write(path: Path, formats: Sequence[str], folder: Path | None, progress: Progress) -> Report:
     """Write the walkers of a sweep's file as FOLDER/FORMAT/DESIGN_NUMBER.FORMAT, and a table of them.
 
-    The number is that of the row in the sweep's own table, from 1. A walker that cannot be made has
-    its reason there, as it has in the sweep. Raises InputError for what the file asks wrongly.
+    The number is that of the row in the sweep's own table, from 1. For a walker that cannot be made
+    the table gives the sweep's reason. Raises InputError for an invalid sweep.
     """
     asked = sweep_setup.from_file(path)
     points = asked.make_request()

@@ -1,4 +1,4 @@
-"""What a family's chart shows beside its members: predicted between them, measured, the paper's."""
+"""Additional data of a family's chart: predictions between members, measured speeds, the paper's speed."""
 
 import math
 from collections.abc import Mapping
@@ -13,14 +13,14 @@ from walkergen.files.report import Table
 
 BOUNDS = tuple(f"speed_{end}_{level}_mm_s" for level in (68, 95) for end in ("low", "high"))
 KEYS = ("what", "legs", "tilt_deg", "speed_mm_s", *BOUNDS, "theory_mm_s", "foot_can_stick")
-"""Columns of speed.csv: what is predicted, measured or the paper's; theory and feet of what is predicted alone."""
+"""Columns of speed.csv: predicted, measured and the paper's speeds. Only predictions have theory and feet."""
 
 NORMAL_95 = 1.96
-"""Standard errors on either side that hold a normal number with 95 %."""
+"""Standard errors on either side that enclose 95 % of a normal distribution."""
 
 
 class ChartData(NamedTuple):
-    """Speeds that speed.png shows and family.csv has not; speed.csv holds them."""
+    """Speeds in speed.png that family.csv does not contain; they are saved in speed.csv."""
 
     curves: Mapping[Kind, Curve]
     """Predicted speed and theory against tilt by kind of legs."""
@@ -30,9 +30,9 @@ class ChartData(NamedTuple):
 
 
 def assign_member_tilts(measured: Measured, tilts: Mapping[str, float]) -> Measured:
-    """Measured speeds as those of members whose legs follow no common tilt, by their kind of legs.
+    """Assign measured speeds to members whose legs follow no common tilt, by their kind of legs.
 
-    `tilts` are the members' own, deg; speeds of kinds without a member are left out.
+    `tilts` are the members' own, deg. Speeds of kinds without a member are left out.
     """
     own = np.array([legs in tilts for legs in measured.legs], dtype=bool)
     return measured._replace(
@@ -45,7 +45,7 @@ def assign_member_tilts(measured: Measured, tilts: Mapping[str, float]) -> Measu
 
 
 def table(chart_data: ChartData) -> Table:
-    """Table of the speeds beside the members, a row a point."""
+    """Make the table of the additional speeds, one row per point."""
     rows: list[tuple[Any, ...]] = []
     for kind, curve in chart_data.curves.items():
         columns = np.column_stack([curve.tilt_deg, curve.speed, curve.bounds[[1, 2, 0, 3]].T, curve.theory]).tolist()

@@ -30,17 +30,17 @@ BOUNDS_LABEL = "68 and 95 %"
 THEORY_LABEL = "theory (eq. 15): all landings alike"
 
 BAND_95_ALPHA, BAND_68_ALPHA = 0.16, 0.3
-"""Shades of the bounds of 95 and 68 %."""
+"""Opacities of the bounds of 95 and 68 %."""
 
 MEASURED_LOOKS = {"flexible": Look(BLACK, "", "x"), "braced": Look(BLACK, "", "+")}
 """Looks of measured speeds by the kind of legs."""
 
 SINGLE_TILT_MARGIN_DEG = 5.0
-"""Tilts that are shown on either side of a single tilt that has no curve."""
+"""Margin of the axis on either side of a single tilt without a curve, deg."""
 
 
 class PlottedWalker(NamedTuple):
-    """Place of a walker on the figure's axis, with what is known of it."""
+    """Walker on the figure's axis, with its position and speeds."""
 
     x: float
     row: Prediction
@@ -57,9 +57,9 @@ def speed_figure(
 ) -> Figure:
     """Draw predicted speed against tilt, both kinds of legs, in bands of 68 and 95 %.
 
-    One dashed line is the theory, of flexible legs where there are any. Kinds without a curve have
-    their bounds as bars, as walkers that only runs know. Walkers whose legs follow no common tilt
-    stand side by side, `named`. Simulated speeds, if there are any, are open symbols with their bounds of
+    One dashed line is the theory, of flexible legs if there are any. Kinds without a curve have
+    bars as bounds, as walkers that require runs have. Walkers whose legs follow no common tilt
+    are drawn side by side, `named`. Simulated speeds are open symbols with their bounds of
     95 % as bars; measured speeds are crosses; an open star is the paper's one stated speed.
     """
     figure, (axes,) = new_grid(title, 1, 1, 3.3, COLUMN_INCHES)
@@ -93,7 +93,7 @@ def speed_figure(
 
 
 def _set_limits(axes: Axes, walkers: Sequence[PlottedWalker], named: bool) -> None:
-    """Set the ends of the axis of tilts: of a single one without a curve some degrees to either side."""
+    """Set the limits of the axis of tilts. A single tilt without a curve gets a margin on either side."""
     if named:
         axes.set_xticks([walker.x for walker in walkers], [walker.row.legs for walker in walkers])
         axes.set_xlim(-0.7, len(walkers) - 0.3)
@@ -117,7 +117,7 @@ def _draw_curve(axes: Axes, kind: Kind, curve: Curve) -> dict[str, Any]:
 
 
 def _draw_theory(axes: Axes, curves: Mapping[Kind, Curve]) -> dict[str, Any]:
-    """Draw the theory as one dashed line: of flexible legs where there are any, since braced ones stand."""
+    """Draw the theory as one dashed line: of flexible legs if there are any, since braced walkers do not run."""
     curve = curves.get("flexible", next(iter(curves.values()), None))
     if curve is None:
         return {}
@@ -125,7 +125,7 @@ def _draw_theory(axes: Axes, curves: Mapping[Kind, Curve]) -> dict[str, Any]:
 
 
 def _draw_predicted(axes: Axes, walkers: Sequence[PlottedWalker], kind: str, curve: Curve | None) -> dict[str, Any]:
-    """Draw the members' speeds, with bounds as bars where no band of a curve shows them."""
+    """Draw the members' speeds, with bars as bounds if no band of a curve shows them."""
     colour, _, marker = LEG_STYLES[kind]
     x, speeds = [walker.x for walker in walkers], np.array([walker.row.speed_mm_s for walker in walkers], float)
     (marks,) = axes.plot(x, speeds, marker, color=colour, markersize=4, zorder=3)
@@ -144,7 +144,7 @@ def _draw_predicted(axes: Axes, walkers: Sequence[PlottedWalker], kind: str, cur
 
 
 def _draw_simulated(axes: Axes, walkers: Sequence[PlottedWalker], kind: str) -> dict[str, Any]:
-    """Draw the members' simulated speeds, as far as there are any, with bars of 95 % where known."""
+    """Draw the members' simulated speeds, if any, with bars of 95 % if known."""
     runs = [(one.x, one.simulated) for one in walkers if one.simulated and one.simulated.speed.value is not None]
     if not runs:
         return {}
@@ -157,9 +157,9 @@ def _draw_simulated(axes: Axes, walkers: Sequence[PlottedWalker], kind: str) -> 
 
 
 def _draw_measured(axes: Axes, measured: Measured, at: Mapping[str, float]) -> dict[str, Any]:
-    """Draw measured speeds, with bars of 95 % where their errors are known.
+    """Draw measured speeds, with bars of 95 % if their errors are known.
 
-    They stand at their tilts, or at the places of walkers with such legs where these are given.
+    Speeds are drawn at their tilts, or at the positions of walkers with such legs, if given.
     """
     legend: dict[str, Any] = {}
     for kind, look in MEASURED_LOOKS.items():

@@ -1,4 +1,4 @@
-"""The main job: from one design to solids, STL, plates, predicted speeds, pictures in a folder."""
+"""Main job: one design becomes solids, STL, plates, predicted speeds and pictures in a folder."""
 
 import math
 import time
@@ -34,9 +34,9 @@ from walkergen.points.members import Member
 from walkergen.points.speed_prediction import Model
 
 CURVE_MARGIN_DEG = 10.0
-"""Tilts around a single one at which its theory is drawn as well."""
+"""Margin around a single tilt within which the theory is drawn as well, deg."""
 MAX_TILT_DEG = 85.0
-"""Largest tilt of a design's legs."""
+"""Largest tilt of a design's legs, deg."""
 
 
 class Job(NamedTuple):
@@ -51,7 +51,7 @@ class Job(NamedTuple):
     model: Model = "best"
     simulate: bool = False
     copies: Sequence[int] = ()
-    """Number of copies of each member on the plates; one of each by default."""
+    """Number of copies of each member on the plates; by default one of each."""
     max_parts: int = plate.MAX_PARTS
     """Largest number of parts on a plate."""
     prusaslicer: bool = False
@@ -59,11 +59,11 @@ class Job(NamedTuple):
     weighed: Mapping[str, Weighings] = MappingProxyType({})
     """Masses from a balance by the members' names."""
     strict: bool = False
-    """True to refuse what prints otherwise than predicted, not only what fails."""
+    """True to refuse prints that differ from the prediction, not only failed prints."""
     measured: Measured | None = None
     """Measured speeds of printed walkers, for the figure."""
     page: bool = False
-    """True to write report.html, one page of all of it that opens offline."""
+    """True to write report.html, one page with all results that opens offline."""
 
 
 FindingsCallback = Callable[[Sequence[Finding]], None]
@@ -71,14 +71,14 @@ FindingsCallback = Callable[[Sequence[Finding]], None]
 
 
 def make(job: Job, path: Path, progress: Progress, tell: FindingsCallback) -> FamilyReport:
-    """Write a family's folder; finished files stay whole whatever happens later.
+    """Write a family's folder. Finished files stay complete if a later step fails.
 
-    Writes stl/, plates/, family.csv, family.md, weights.csv (unless somebody filled it in),
-    speed.csv (what speed.png shows beside the members), speed.png, speed.pdf, preview.png,
-    report.html, manifest.json. Files of an earlier run that this run does not
-    make, and that nobody changed since, are removed at the end. Raises PlateError when a part is
-    too large for the printer, PrintabilityError when a part would not print and InputError when
-    weighed masses are impossible, all before anything is written, and OutputError when a file
+    Writes stl/, plates/, family.csv, family.md, weights.csv (unless it is already filled in),
+    speed.csv (additional data of speed.png), speed.png, speed.pdf, preview.png, report.html,
+    manifest.json. Files of an earlier run that this run does not make are removed at the end,
+    unless they were changed since. Raises PlateError when a part is too large for the printer,
+    PrintabilityError when a part would not print and InputError when weighed masses are
+    impossible, all before anything is written. Raises OutputError when a file
     cannot be written.
     """
     started = time.perf_counter()
@@ -130,7 +130,7 @@ def make(job: Job, path: Path, progress: Progress, tell: FindingsCallback) -> Fa
 
 
 def attach_picture(error: GeometryError, path: Path | None) -> GeometryError:
-    """Mistake of a design; of a body under which no legs stand with its picture, written into a folder.
+    """Return the error of a design. If no legs fit under its body, a picture of it is attached, saved in `path`.
 
     Raises OutputError.
     """
@@ -147,7 +147,7 @@ def attach_picture(error: GeometryError, path: Path | None) -> GeometryError:
 
 
 def _trace_picture(design: Design) -> bytes | None:
-    """Picture (PNG) of what was taken of a photograph; None for other bodies."""
+    """Return a picture (PNG) of the outline traced from a photograph; None for other bodies."""
     from walkergen.commands.family import traced_outline
     from walkergen.files import figures
 
@@ -156,7 +156,7 @@ def _trace_picture(design: Design) -> bytes | None:
 
 
 def _preview_png(job: Job, walkers: Sequence[Member]) -> bytes:
-    """Picture (PNG) of all members, side by side."""
+    """Return a picture (PNG) of all members, side by side."""
     from walkergen.commands.family import preview
     from walkergen.files import figures
 
@@ -168,7 +168,7 @@ def _preview_png(job: Job, walkers: Sequence[Member]) -> bytes:
 
 
 def _chart_data(job: Job, walkers: Sequence[Member]) -> ChartData:
-    """Speeds that speed.png shows beside the members."""
+    """Return the additional speeds of speed.png."""
     measured = job.measured
     if measured is not None and not job.design.follows:
         measured = chart_data.assign_member_tilts(
@@ -178,10 +178,10 @@ def _chart_data(job: Job, walkers: Sequence[Member]) -> ChartData:
 
 
 def _curves(job: Job, walkers: Sequence[Member]) -> dict[Kind, Curve]:
-    """Speed against tilt by the members' kinds of legs; none where only the members can be drawn.
+    """Compute speed against tilt by the members' kinds of legs; empty if only the members can be drawn.
 
-    A single tilt is shown with the tilts around it. There is no curve of legs whose tilts are their
-    own, nor on a body on which the walker cannot be built at every tilt in between (legs would meet
+    A single tilt is shown with the tilts around it. Legs with individual tilts have no curve. Neither
+    has a body on which the walker cannot be built at every tilt in between (legs would meet
     a hole, or miss it).
     """
     if not job.design.follows:
@@ -201,13 +201,13 @@ def _curves(job: Job, walkers: Sequence[Member]) -> dict[Kind, Curve]:
             continue
         try:
             curves[kind] = prediction.predict_curve(design, job.scene, job.mode, low, high)
-        except GeometryError:  # at a tilt in between; of members it would have been told before
+        except GeometryError:  # at a tilt in between; an error of a member would have been raised before
             return {}
     return curves
 
 
 def _has_dense_tilts(design: Design, walkers: Sequence[Member], low: float, high: float) -> bool:
-    """Whether members are a design at tilts from `low` to `high` (deg), at least half as close as a curve's points."""
+    """Return whether members are a design at tilts from `low` to `high` (deg), at half a curve's density or more."""
     tilts = np.sort([walker.design.tilt_deg for walker in walkers])
     gaps = np.diff(tilts, prepend=low, append=high)
     if gaps.max() > 2.0 * (high - low) / (prediction.CURVE_POINTS - 1) or (np.diff(tilts) == 0.0).any():
@@ -216,7 +216,7 @@ def _has_dense_tilts(design: Design, walkers: Sequence[Member], low: float, high
 
 
 def _paper_speed(design: Design, scene: Scene) -> tuple[float, float] | None:
-    """Tilt (deg) and speed (mm/s) that the paper states; None unless walker and plate are its."""
+    """Return tilt (deg) and speed (mm/s) of the paper; None unless walker and plate are the paper's."""
     if not isinstance(design.legs, Legs):
         return None
     legs = design.legs.model_copy(update={"tilt_deg": 10.0, "kind": "flexible"})
@@ -228,7 +228,7 @@ def _paper_speed(design: Design, scene: Scene) -> tuple[float, float] | None:
 
 
 def _facts(job: Job, findings: Sequence[Finding], seconds: float) -> dict[str, Any]:
-    """Facts for the manifest: inputs resolved, versions of the software, time taken."""
+    """Return facts for the manifest: resolved inputs, software versions, elapsed time."""
     return {
         "design": job.design.model_dump(mode="json"),
         "body": print_sheet.body_facts(job.design),

@@ -1,4 +1,4 @@
-"""Runs of a family's members: their speeds beside the predicted ones."""
+"""Runs of a family's members: simulated speeds to compare with the predicted ones."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from walkergen.core.theory.prediction import Prediction
 from walkergen.points.members import Member, Simulated
 
 AGREEMENT_MM_S = 0.5
-"""Difference of speeds, mm/s, that verdicts in whole mm/s do not see."""
+"""Difference of speeds, mm/s, below which speeds in whole mm/s count as equal."""
 
 
 def simulate_members(scene: Scene, members: Sequence[Member], progress: Progress) -> list[Member]:

@@ -1,4 +1,4 @@
-"""Page of a family: one HTML file that shows its folder, with the parts in 3D, and holds its files."""
+"""Page of a family: one HTML file that shows its folder, with the parts in 3D, and contains its files."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -21,11 +21,11 @@ DOWNLOAD_TYPES = {
     ".pdf": "application/pdf",
     ".stl": "model/stl",
 }
-"""Types of files that the page hands out, by their ends; it holds them whole."""
+"""Types of files that the page offers for download, by their suffixes. The page contains them completely."""
 
 
 class Download(NamedTuple):
-    """File that the page hands out."""
+    """File that the page offers for download."""
 
     path: str
     """Name of the file in its folder."""
@@ -38,7 +38,7 @@ class Download(NamedTuple):
 def render(parts: Sequence[Part], files: Mapping[str, bytes], facts: Mapping[str, Any]) -> bytes:
     """Return the page (UTF-8) of parts in 3D and of the files of their folder by name.
 
-    `facts` are those of the manifest, of which the time that it took is left out. Equal input gives equal bytes.
+    `facts` are those of the manifest; the elapsed time is left out. Equal input gives equal bytes.
     """
     design = facts["design"]
     name = str(design.get("name", "walkers"))
@@ -70,11 +70,11 @@ def _decode(files: Mapping[str, bytes], name: str) -> str:
 
 
 def _download(path: str, data: bytes) -> Download:
-    """Return a file of the folder, whole, as a link that needs nothing but the page."""
+    """Return a complete file of the folder as a link that works offline."""
     file = PurePosixPath(path)
     return Download(path, file.name, web_page.data_url(DOWNLOAD_TYPES[file.suffix], data), f"{len(data) / 1e3:,.1f} kB")
 
 
 def _picture_url(files: Mapping[str, bytes], name: str) -> str | None:
-    """Return the address that holds a picture (PNG); None when the folder has none."""
+    """Return the data address of a picture (PNG); None if the folder has none."""
     return web_page.data_url("image/png", files[name]) if name in files else None

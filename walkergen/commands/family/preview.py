@@ -23,37 +23,37 @@ ROW_PARTS, PART_INCHES, LABEL_SIZE_PT = 5, 2.4, 10.0
 """Parts in a row, inches for each, and the size of labels in points."""
 
 MAX_LARGE_PARTS, SMALL_PART_INCHES, MAX_ASPECT = 40, 1.35, 3.0
-"""Parts beyond which they stand closer, as on a contact sheet; inches for each; and the height of
-the sheet over its width, at most."""
+"""Number of parts above which parts are drawn closer, as on a contact sheet; inches for each; and the
+largest ratio of the sheet's height to its width."""
 
 MAX_SCALE_BAR_SHARE = 0.4
-"""Length of the scale bar over the body's, at most."""
+"""Largest length of the scale bar relative to the body's."""
 
 SEAM_WIDTH_PT = 0.8
 """Width of the edges of triangles, points, in their own colour: 1.7 pixels hide the seams."""
 
 MAX_EDGE_MM = 2.0
-"""Longest edge of the triangles of a body with pockets as it is drawn, mm: the painter's algorithm
-needs them small where one lies within the other."""
+"""Longest edge of the triangles of a drawn body with pockets, mm: the painter's algorithm
+requires small triangles if one part lies within the other."""
 
 POCKET_COLOURS = {"motor": "#d55e00", "battery": "#999999"}
-"""Colours of what bodies carry, which is drawn as if they were of glass."""
+"""Colours of the parts that bodies carry. The bodies are drawn transparent."""
 
 ROUNDING_MM = 1e-6
 """Largest error, mm, of the heights of a mesh."""
 
 
 class Part(NamedTuple):
-    """Walker in the preview, as it stands."""
+    """Walker in the preview, in its standing position."""
 
     design: Design
     mesh: Mesh
     caption: str = ""
-    """Lines below the picture in place of its own."""
+    """Lines below the picture that replace its own."""
     speed: str = ""
-    """What it does, in a line below that."""
+    """Speed in words, in a line below that."""
     low: bool = False
-    """True to see a body in plan view as other bodies are, with its legs."""
+    """True to show a body in plan view from the same height as other bodies, with its legs."""
 
     @property
     def label(self) -> str:
@@ -64,14 +64,14 @@ class Part(NamedTuple):
 
     @property
     def carried(self) -> dict[str, Mesh]:
-        """Motor and battery where they stand, by name."""
+        """Motor and battery in their positions, by name."""
         return pockets.part_meshes(self.design)
 
     @property
     def cap(self) -> tuple[Array, list[Array]] | None:
-        """Corners of its cap and of the black rectangles on it, shapes (n, 3), where it bears one.
+        """Corners of its cap and of the black rectangles on it, shapes (n, 3); None without a cap.
 
-        The marker is drawn flat, whatever makes it black.
+        The marker is drawn flat for every way of making it black.
         """
         cap, depth = self.design.cap, self.design.size.depth
         if cap is None:
@@ -79,7 +79,7 @@ class Part(NamedTuple):
         bottom = float(self.mesh.vertices[:, 1].max())
 
         def to_mesh_frame(corners: Array, up: float) -> Array:
-            """Corners seen from above, to the front and to the left, at a height over the body."""
+            """Transform corners seen from above to the front and to the left, at a height over the body."""
             x, y = corners.T
             return np.column_stack([x, np.full(len(x), bottom + up), 0.5 * depth - y])
 
@@ -89,12 +89,12 @@ class Part(NamedTuple):
 
     @property
     def view(self) -> Array:
-        """Camera that shows the shape: bodies in plan view from higher above."""
+        """Camera that shows the shape. Bodies in plan view are seen from higher above."""
         return TOP_CAMERA if self.design.body.flat and not self.low else SIDE_CAMERA
 
 
 def _camera_rotation(nod_deg: float) -> Array:
-    """Rotation to the camera's frame (right, up, towards the viewer): from above, to the right."""
+    """Return the rotation to the camera's frame (right, up, towards the viewer): from above, to the right."""
     turn, nod = np.radians(-28.0), np.radians(nod_deg)
     about_y = [[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]]
     about_x = [[1, 0, 0], [0, np.cos(nod), -np.sin(nod)], [0, np.sin(nod), np.cos(nod)]]
@@ -107,7 +107,7 @@ LIGHT_DIRECTION = np.array([-0.35, 0.75, 0.56])
 
 @style()
 def preview_figure(parts: Sequence[Part], title: str) -> Figure:
-    """Draw all parts with labels, in rows in the order of the table; more parts stand closer."""
+    """Draw all parts with labels, in rows in the order of the table. Many parts are drawn closer."""
     screens = [
         np.concatenate([part.mesh.vertices, *(own.vertices for own in part.carried.values()), *((part.cap or ())[:1])])
         @ part.view.T
@@ -133,7 +133,7 @@ def preview_figure(parts: Sequence[Part], title: str) -> Figure:
     faces = PolyCollection(
         triangles, facecolors=colours, edgecolors=colours, linewidths=SEAM_WIDTH_PT, joinstyle="round"
     )
-    axes.add_collection(faces, autolim=False)  # limits are set once all is drawn
+    axes.add_collection(faces, autolim=False)  # limits are set after everything is drawn
     for (part, at), view in zip(places, views, strict=True):
         _draw_attachments(axes, part, at - view.middle)
         below = at[0], at[1] - 0.52 * size[1] - 0.5 * line
@@ -147,7 +147,7 @@ def preview_figure(parts: Sequence[Part], title: str) -> Figure:
 
 
 def _arrange_rows(parts: Sequence[Part], aspect: float) -> list[list[Part]]:
-    """Parts in rows, a new one for another kind of legs; `aspect`: of a part's room, high/wide."""
+    """Arrange parts in rows, a new one for another kind of legs; `aspect`: height over width of a part's cell."""
     most = ROW_PARTS if len(parts) <= MAX_LARGE_PARTS else 2 * ROW_PARTS
     most = max(most, math.ceil(math.sqrt(len(parts) * aspect / MAX_ASPECT)))
     kinds = [list(group) for _, group in groupby(parts, key=lambda part: part.design.kind)]
@@ -155,7 +155,7 @@ def _arrange_rows(parts: Sequence[Part], aspect: float) -> list[list[Part]]:
 
 
 def _draw_scale_bar(axes: Axes, part: Part, at: Array) -> None:
-    """Draw a scale bar from `at` along the bodies, as they are seen, with its length; it points forward."""
+    """Draw a scale bar with its length from `at` along the bodies, as projected; it points forward."""
     length = nice_floor(MAX_SCALE_BAR_SHARE * part.design.size.length)
     end = at + length * part.view[:2, 0]
     axes.plot(*np.array([at, end]).T, "|-", color="black", linewidth=1.2, markersize=7)
@@ -172,21 +172,21 @@ def _draw_scale_bar(axes: Axes, part: Part, at: Array) -> None:
 
 
 class _View(NamedTuple):
-    """Part as it is seen, in the order of drawing."""
+    """Projected part, in the order of drawing."""
 
     triangles: Array
     """Shape (n, 3, 2)."""
     colours: Array
     """Shape (n, 3)."""
     middle: Array
-    """Middle of all that is drawn of the part, which stands at its place."""
+    """Middle of the complete drawing of the part, at its position."""
 
 
 def _project_part(part: Part, at: Array) -> _View:
-    """View of a part, placed at a point, for the painter's algorithm without back faces: exact enough for a prism.
+    """Project a part at a point for the painter's algorithm without back faces: exact enough for a prism.
 
-    Legs come before a body that is flat below, for from above they hide no part of it, and its
-    upper side comes last.
+    Legs are drawn before a body with a flat underside, because from above they hide no part of it. The
+    upper side of the body is drawn last.
     """
     standing = _triangles(part)
     corners = standing @ part.view.T
@@ -209,7 +209,7 @@ def _project_part(part: Part, at: Array) -> _View:
 
 
 def _draw_attachments(axes: Axes, part: Part, moved: Array) -> None:
-    """Draw what a part bears, its cap and what it carries, `moved` from where the camera sees it."""
+    """Draw the cap and the carried parts of a part, shifted by `moved`."""
     cap, carried = part.cap, {name: mesh.vertices @ part.view.T for name, mesh in part.carried.items()}
     if cap is None and not carried:
         return
@@ -228,7 +228,7 @@ def _draw_attachments(axes: Axes, part: Part, moved: Array) -> None:
 
 
 def _triangles(part: Part) -> Array:
-    """Triangles of a part as they are drawn, shape (n, 3, 3), mm."""
+    """Return the triangles of a part for drawing, shape (n, 3, 3), mm."""
     vertices, triangles = part.mesh
     if part.design.parts:
         from trimesh.remesh import subdivide_to_size

@@ -28,7 +28,7 @@ class FamilyReport(Report):
     members: Sequence[Member]
 
     def markdown(self) -> str:
-        """Page of the tables and lines, and of the marks that tell parts apart."""
+        """Page of the tables and lines, and of the marks that distinguish parts."""
         marks = names.legend([member.design for member in self.members])
         return super().markdown() + (f"\n## Marks\n\n{marks}" if marks else "")
 
@@ -51,7 +51,7 @@ def view_parts(walkers: Sequence[Member]) -> "list[Part]":
 def make_report(
     design: Design, scene: Scene, mode: str, walkers: Sequence[Member], folder: Path, shown: ChartData | None = None
 ) -> FamilyReport:
-    """Report of a design's walkers, and of what the figure shows beside them, if it is drawn."""
+    """Make the report of a design's walkers, and of the figure's additional speeds, if it is drawn."""
     tables = speed_table.tables("family", design.name, walkers)
     facts = {"rows": list(tables[0])}
     if shown is not None:

@@ -1,4 +1,4 @@
-"""Picture of what was taken of a photograph as the body's outline, drawn over it."""
+"""Picture of the body's outline, traced from a photograph and drawn over it."""
 
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from walkergen.readers.drawings import outlines, silhouette
 
 
 def find_picture(design: Design) -> Path | None:
-    """Picture that a body's outline is traced from; None for other bodies."""
+    """Return the picture that a body's outline is traced from; None for other bodies."""
     path = Path(design.body.outline or "")
     return path if outlines.READERS.get(path.suffix.lower()) is silhouette.read_drawing else None
 

@@ -1,4 +1,4 @@
-"""Picture of a body under which no legs stand: in red what has no room for them, and what they would have to span."""
+"""Picture of a body without room for legs: in red the missing room, and the span that legs would need."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -12,7 +12,7 @@ FAULT_COLOUR = "tab:red"
 
 @style()
 def draw_unsupported_body(error: UnplacedError) -> Figure:
-    """Draw a body from above. Raises GeometryError for one that has no shape."""
+    """Draw a body from above. Raises GeometryError for a body without a shape."""
     import shapely
 
     room = leg_placement.available_space(error.body, error.legs)

@@ -28,7 +28,7 @@ class Order(NamedTuple):
     copies: Sequence[int]
     """Number of copies of each member."""
     printers: Sequence[Printer]
-    """Printers to arrange for, each with all copies."""
+    """Printers to arrange for; each prints all copies."""
     max_plates: int | None = None
     """Largest number of plates; None: no limit."""
     max_parts: int = packing.MAX_PARTS
@@ -37,9 +37,9 @@ class Order(NamedTuple):
     prusaslicer: bool = False
     """True to declare the 3MF files PrusaSlicer's own."""
     serial: int | None = None
-    """Number that the first copy bears, from which the others count; None: copies bear none."""
+    """Number on the first copy; the others count on from it. None for copies without numbers."""
     strict: bool = False
-    """True to refuse what prints otherwise than predicted, not only what fails."""
+    """True to refuse prints that differ from the prediction, not only failed prints."""
 
 
 class Capacity(NamedTuple):
@@ -58,12 +58,12 @@ class Load(NamedTuple):
     copies: int
     name: str
     marks: str
-    """Marks that they bear, from the first to the last."""
+    """Marks on the copies, from the first to the last."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class PlateReport(Report):
-    """Where each copy lies on which plate, and the files that were written."""
+    """Position of each copy on its plate, and the written files."""
 
     places: Sequence[Place]
 
@@ -92,12 +92,12 @@ def count_fitting(members: Sequence[Design], printers: Sequence[Printer], max_pa
 def make(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequence[Finding]], None]) -> PlateReport:
     """Arrange copies for every printer; write 3MF files, maps, print sheets and weights.csv.
 
-    Members of several designs go onto the same plates, and have a weights_DESIGN.csv each.
-    Plates of an earlier run for the same printer that this run does not make, and that nobody
-    changed since, are removed.
-    `tell` is called with the printability checks' findings. Raises, before anything is written,
+    Members of several designs share plates, and have a weights_DESIGN.csv each.
+    Plates of an earlier run for the same printer that this run does not make are removed,
+    unless they were changed since.
+    `tell` is called with the findings of the printability checks. Before anything is written, raises
     PlateError when a part is too large for a printer or more plates are needed than allowed, and
-    PrintabilityError when a part would not print (strict: would print otherwise than predicted).
+    PrintabilityError when a part would not print (strict: would differ from the prediction).
     """
     members, copies = number_copies(order)
     built = [solids.build(design) for design in members]
@@ -141,14 +141,14 @@ def make(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequenc
 
 
 def _list_caps(layout: plates.Layout) -> list[CappedWalker]:
-    """Caps of all copies in the order of the map. Raises InputError."""
+    """List the caps of all copies in the order of the map. Raises InputError."""
     placed = [placement for plate in layout.plates for placement in plate.placements]
     items = [packing.item_name(layout.parts[place.part], place.copy) for place in placed]
     return cap_files.number_caps([layout.members[place.part] for place in placed], items)
 
 
 def _report(order: Order, rows: Sequence[Place], files: Sequence[Path], of_caps: Sequence[str]) -> PlateReport:
-    """Report of what lies on which plate, of how to read the marks, and of caps."""
+    """Make the report of the contents of each plate, the meaning of the marks, and the caps."""
     columns = [
         report.text_column("printer", "printer"),
         report.text_column("plate", "plate"),
@@ -180,7 +180,7 @@ def _report(order: Order, rows: Sequence[Place], files: Sequence[Path], of_caps:
 
 
 def _loads(rows: Sequence[Place]) -> Iterator[Load]:
-    """Yield the number of copies of each walker on each plate, a row each."""
+    """Yield the number of copies of each walker on each plate, one row each."""
     marks: dict[tuple[str, int, str], list[str]] = {}
     for row in rows:
         marks.setdefault((row.printer, row.plate, row.name), []).append(row.mark)
@@ -189,10 +189,10 @@ def _loads(rows: Sequence[Place]) -> Iterator[Load]:
 
 
 def number_copies(order: Order) -> tuple[Sequence[Design], Sequence[int]]:
-    """Members and copies of an order; with serial numbers every copy is a member of its own.
+    """Return the members and copies of an order. With serial numbers every copy is a member of its own.
 
-    Numbers count over all members, so that no two copies of an order share one. Raises
-    GeometryError for a copy that has no room for its number, InputError for too large a number.
+    Numbers count over all members, so that every copy of an order has a different one. Raises
+    GeometryError for a copy too small for its number, InputError for too large a number.
     """
     if order.serial is None:
         return order.members, order.copies
@@ -206,13 +206,13 @@ def number_copies(order: Order) -> tuple[Sequence[Design], Sequence[int]]:
 
 
 def _number_settings(design: Design, number: int) -> dict[str, int]:
-    """Keys that give a copy its number: on its body, and on its cap if it has one."""
+    """Return the keys that give a copy its number: on its body, and on its cap if it has one."""
     own = {} if design.cap is None else {"cap.number": number}
     return {"marks.serial": number, **own}
 
 
 def _facts(layout: plates.Layout) -> dict[str, Any]:
-    """Facts for a printer's manifest: inputs resolved, findings, versions of the software."""
+    """Return facts for a printer's manifest: resolved inputs, findings, software versions."""
     by_name = names.group_by_design(layout.members)
     return {
         # Of several members of a design the first: names tell the tilts and kinds of the others.
@@ -228,7 +228,7 @@ def _facts(layout: plates.Layout) -> dict[str, Any]:
 
 
 def _write_forms(members: Sequence[Design], rows: Sequence[Place], folder: Path) -> list[Path]:
-    """Write forms for the masses of each design's copies, but for those somebody filled in."""
+    """Write forms for the masses of each design's copies. Forms that are already filled in stay unchanged."""
     design_of = dict(zip(names.part_names(members), members, strict=True))
     items: dict[str, dict[str, None]] = {}
     for row in rows:  # with several printers a copy has several rows

@@ -1,4 +1,4 @@
-"""Order list: a CSV file that says how many walkers of which designs are printed together."""
+"""Order list: a CSV file with the numbers of walkers of each design that are printed together."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,11 +16,11 @@ MAX_BYTES = 1_000_000
 
 
 def read_orders(path: Path) -> tuple[list[Design], list[int]]:
-    """Walkers that a list orders, in its order, with the copies of each; rows of one walker add up.
+    """Read the walkers of an order list, in its order, and the copies of each. Rows of one walker add up.
 
     A row has a design (a template, or the path of a TOML file from the list's own folder), tilt_deg
-    and legs (blank: the design's own) and copies (1 to packing.MOST_PARTS). Raises InputError, a
-    line for each mistake, and PlateError for more parts than are arranged at once.
+    and legs (blank: the design's own) and copies (1 to packing.MOST_PARTS). Raises InputError with a
+    line for each mistake, and PlateError for more parts than can be arranged together.
     """
     table = columns.parse_records(file_reading.read_lines(path, columns.FORMAT_NAME, MAX_BYTES), str(path))
     wanted = (
@@ -51,17 +51,17 @@ def read_orders(path: Path) -> tuple[list[Design], list[int]]:
 
 
 class _DesignCache:
-    """Designs that a list names, each read once; two that share a name must be the same."""
+    """Designs of a list, each read once. Two designs with the same name must be equal."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.read: dict[str, Design] = {}
-        """Designs by what stands in a row."""
+        """Designs by their entries in the rows."""
         self.first: dict[str, tuple[int, Design]] = {}
-        """First design of each name, in small letters as some file systems see it, and its line."""
+        """First design of each name, in lower case for case-insensitive file systems, and its line."""
 
     def member(self, row: Mapping[str, str], line: int) -> Design:
-        """Walker of a row at a line. Raises InputError."""
+        """Return the walker of a row at a line. Raises InputError."""
         design = self._load_design(row["design"].strip(), line)
         tilt, kind = _parse_tilt(row["tilt_deg"]), _parse_kind(row.get("legs", ""))
         tilt = design.tilt_deg if tilt is None else tilt
@@ -91,7 +91,7 @@ def _parse_copies(cell: str) -> int:
 
 
 def _parse_tilt(cell: str) -> float | None:
-    """Tilt in a cell, deg, whose range the design checks; None in a blank one."""
+    """Parse the tilt in a cell, deg; None if it is blank. The design checks its range."""
     if not cell.strip():
         return None
     value = formatting.parse_number(cell)
@@ -103,7 +103,7 @@ def _parse_tilt(cell: str) -> float | None:
 
 
 def _parse_kind(cell: str) -> Kind | None:
-    """Kind of legs in a cell; None in a blank one."""
+    """Parse the kind of legs in a cell; None if it is blank."""
     word = cell.strip()
     kind = next((kind for kind in KINDS if kind == word), None)
     if word and kind is None:

@@ -35,10 +35,10 @@ def predict(
     progress: Progress = silent,
     united: bool = True,
 ) -> PredictReport:
-    """Predict walkers of a design; if `uncertain`, with what their bounds are made of, if `why` with reasons.
+    """Predict walkers of a design; if `uncertain`, with the sources of their bounds, if `why` with reasons.
 
-    `weighed` are masses from a balance by the walkers' names; meshes are united only where they are to be printed.
-    Raises InputError for impossible masses, TheoryError where mode and law do not go together.
+    `weighed` are masses from a balance by the walkers' names. `united` meshes are needed only for printing.
+    Raises InputError for impossible masses, TheoryError for incompatible mode and law.
     """
     built = [solids.build(walker, united=united) for walker in walkers]
     predicted = list(members.predict_members(walkers, built, scene, mode, weighed, model, progress))

@@ -1,4 +1,4 @@
-"""Report of predicted speeds: a row a walker, and what their bounds are made of."""
+"""Report of predicted speeds: one row per walker, and the sources of their bounds."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from walkergen.points.members import Member
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class PredictReport(Report):
-    """Predicted speeds of walkers in a scene; of several, single numbers are the first one's."""
+    """Predicted speeds of walkers in a scene. For several walkers, single numbers are the first one's."""
 
     scene: Scene
     members: Sequence[Member]
@@ -50,9 +50,9 @@ def make_report(
     shares: Sequence[Sequence[Share]] = (),
     why: bool = True,
 ) -> PredictReport:
-    """Report of walkers, with the shares of the variance behind their bounds, and what they rest on if `why`.
+    """Make the report of walkers, with the shares of the variance behind their bounds, and their basis if `why`.
 
-    Notes are shown, too, where an accepted error may have left something out, and where the theory is all there is.
+    Notes also state if an accepted error may have left something out, and if only the theory applies.
     """
     noted = why or scene.run.accepted_error is not None or all(one.row.has_theory_alone for one in walkers)
     tables = speed_table.tables("prediction", design.name, walkers, noted)

@@ -26,7 +26,7 @@ from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties, Spatial
 
 COMPARISON_S = 6e-3
-"""Time (s) after which images are compared, as for the paper's walker."""
+"""Time (s) of the comparison of images, as for the paper's walker."""
 
 RUN_S = 0.15
 """Duration, s: some hundred landings of corners."""
@@ -42,7 +42,7 @@ THREE_LEGS: tuple[dict[str, Any], ...] = (
     {"along_mm": 1.0, "tilt_deg": 10.0, "thickness_mm": 0.6, "width_mm": 5.0, "friction": 0.05},
     {"along_mm": 6.0, "tilt_deg": -10.0, "kind": "braced"},
 )
-"""Three legs that differ in all but their height."""
+"""Three legs that differ in everything except their height."""
 
 DISC_BODY = {"outline": "disc", "length_mm": 22.0, "thickness_mm": 2.0}
 
@@ -50,12 +50,12 @@ ONE_BRACED_LEG: tuple[dict[str, Any], ...] = ({"along_mm": -6.5, "kind": "braced
 
 
 def _design(legs: Any, **tables: Any) -> Design:
-    """Design with these legs, flexible and tilted by 10 deg where they do not say."""
+    """Make a design with these legs, flexible and tilted by 10 deg by default."""
     return Design.model_validate({"legs": legs, **tables})
 
 
 def _plan(design: Design, mass: MassProperties | None = None, arena: str = "plane") -> Plan:
-    """Plan of a design in space, shaken at 1.8 g."""
+    """Make the plan of a design in space, shaken at 1.8 g."""
     scene = Scene.model_validate({"arena": {"kind": arena}, "drive": paper_drive(1.8)})
     return prepare(scene, design, solids.mass_of(design) if mass is None else mass)
 
@@ -75,7 +75,7 @@ def _check_mirror_image() -> Iterator[Check]:
 
 
 def _mirrored_mass(mass: MassProperties) -> MassProperties:
-    """Masses of the mirror image x -> -x, legs listed the other way round."""
+    """Return the masses of the mirror image x -> -x, with the legs in reverse order."""
     assert mass.spatial is not None
     legs = tuple(
         leg._replace(
@@ -91,7 +91,7 @@ def _mirrored_mass(mass: MassProperties) -> MassProperties:
 
 
 def _check_listed_legs() -> Iterator[Check]:
-    """Check that two equal legs run to the last bit alike, listed one by one or not."""
+    """Check that two equal legs run identically to the last bit, whether listed separately or not."""
     ends: list[Array] = []
     for legs in ({"tilt_deg": 10.0}, [{"tilt_deg": 10.0, "along_mm": x} for x in (-6.5, 6.5)]):
         plan = _plan(_design(legs))
@@ -140,7 +140,7 @@ def _check_disc() -> Iterator[Check]:
 
 
 def _check_forty_legs() -> Iterator[Check]:
-    """Check a walker on forty legs, which stands on all of them at once."""
+    """Check that a walker on forty legs rests on all of them simultaneously."""
     legs = [
         {"along_mm": -12.0 + 1.25 * k, "across_mm": z, "width_mm": 2.0, "length_mm": 3.0}
         for k in range(20)

@@ -1,11 +1,11 @@
-"""Hard cases: something to run, what must hold, and the one way to run them."""
+"""Hard cases: a function to run, conditions that must hold, and the common way to run them."""
 
 import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 SPACE, IMPACT_LAW, GEOMETRY = "space", "impact law", "geometry"
-"""What cases run on: the model in space, and parts of it."""
+"""Subjects of the cases: the model in space, and parts of it."""
 
 
 class Check(NamedTuple):
@@ -30,9 +30,9 @@ class Case(NamedTuple):
     section: str
     """Section of docs/physics.md ("6.4"), or "geometry"."""
     source: str
-    """Where the right value comes from, outside this code: a law, a closed form, a publication."""
+    """Source of the right value, outside this code: a law, a closed form, a publication."""
     on: str
-    """What it runs on: SPACE, IMPACT_LAW or GEOMETRY."""
+    """Subject of the case: SPACE, IMPACT_LAW or GEOMETRY."""
     check: Callable[[], Iterator[Check]]
     """Function that yields the checks."""
 
@@ -47,7 +47,7 @@ class Result(NamedTuple):
     checks: tuple[Check, ...]
     """Checks that were made before an error, or all of them."""
     error: str
-    """Error that the case raised, in one line; empty when it ran to its end."""
+    """Error that the case raised, in one line; empty if it finished."""
     seconds: float
 
     @property
@@ -57,7 +57,7 @@ class Result(NamedTuple):
 
     @property
     def holds(self) -> bool:
-        """True when the case ran to its end and all its checks hold."""
+        """True when the case finished and all its checks hold."""
         return not (self.error or self.failing)
 
 

@@ -13,4 +13,4 @@ def _sort_key(case: Case) -> tuple[int, ...]:
 _CASE_MODULES = impacts, space_motion, space_contact, space_rest, any_walker, geometry, meshes
 
 CASES: tuple[Case, ...] = tuple(sorted((case for module in _CASE_MODULES for case in module.CASES), key=_sort_key))
-"""Every case, sorted by the section of docs/physics.md that it answers."""
+"""Every case, sorted by its section of docs/physics.md."""

@@ -21,13 +21,13 @@ class Shape(NamedTuple):
 
 
 def rectangle(length: float, height: float) -> Shape:
-    """Shape of a rectangle centred at the origin."""
+    """Return the shape of a rectangle centred at the origin."""
     area = length * height
     return Shape(area, 0.0, 0.0, area * (length**2 + height**2) / 12.0)
 
 
 def leg(design: Design) -> Shape:
-    """Shape of a leg without brace, its anchor at the origin, a round foot a true half circle."""
+    """Return the shape of a leg without brace, its anchor at the origin, a round foot a true half circle."""
     s, foot = design.limbs[0].thickness, design.limbs[0].foot
     k, r = -math.tan(design.limbs[0].tilt), 0.5 * s
     side = design.limbs[0].length - (r if foot == "round" else 0.0)
@@ -46,9 +46,9 @@ def leg(design: Design) -> Shape:
 
 
 def polygon_deficit(design: Design, segments: int) -> Shape:
-    """Return what the polygon of a round foot lacks of its half circle, to leading order in its edges.
+    """Return a round foot's half circle minus its polygon, to leading order in its edges.
 
-    It lacks the same all along the arc, whose mean lies 2 r / pi from the circle's middle. Zero for other feet.
+    The deficit is uniform along the arc, whose mean lies 2 r / pi from the circle's middle. Zero for other feet.
     """
     if design.limbs[0].foot != "round":
         return Shape(0.0, 0.0, 0.0, 0.0)
@@ -67,16 +67,16 @@ def subtract_part(whole: Shape, part: Shape) -> Shape:
 
 
 def _to_walker_axes(design: Design, u: float, v: float) -> tuple[float, float]:
-    """Place along and across a leg, in the walker's directions."""
+    """Transform a position along and across a leg to the walker's directions."""
     sin, cos = math.sin(design.limbs[0].tilt), math.cos(design.limbs[0].tilt)
     return cos * v - sin * u, -sin * v - cos * u
 
 
 def brace_area_outside(design: Design) -> float:
-    """Area (mm^2) that a flat-footed leg's brace adds to the leg.
+    """Return the area (mm^2) that a flat-footed leg's brace adds to the leg.
 
-    Where their centre lines are d apart the brace is within the leg up to d = (w - b) / 2 and clear
-    of it from d = (w + b) / 2 on, w and b their widths; d falls evenly from the brace's offset at
+    At a distance d between the centre lines, the brace is within the leg up to d = (w - b) / 2 and clear
+    of it from d = (w + b) / 2 on, w and b their widths. d falls evenly from the brace's offset at
     the body to 0 at the foot.
     """
     limb = design.limbs[0]

@@ -1,7 +1,7 @@
-"""Impact law in exact rational arithmetic: the rival of the compiled law.
+"""Impact law in exact rational arithmetic, as an independent check of the compiled law.
 
-Velocities are followed along the normal impulse from event to event (stop of the slip, end of
-compression, end of the impact), as docs/physics.md section 3 says, without a rounding.
+Velocities follow along the normal impulse from event to event (stop of the slip, end of
+compression, end of the impact), as in docs/physics.md section 3, without rounding.
 """
 
 from fractions import Fraction
@@ -12,7 +12,7 @@ Tensor = tuple[float, float, float]
 def resolve_impact(
     H: Tensor, velocity: tuple[float, float], restitution: float, friction: float
 ) -> tuple[Fraction, Fraction, Fraction, Fraction]:
-    """Impulse (F_x, F_y), and velocity (v_x, v_y) after, by Poisson's law."""
+    """Return impulse (F_x, F_y) and velocity (v_x, v_y) after an impact by Poisson's law."""
     xx, xy, yy = (Fraction(entry) for entry in H)
     v_x, v_y = (Fraction(component) for component in velocity)
     e, mu = Fraction(restitution), Fraction(friction)
@@ -39,7 +39,7 @@ def resolve_impact(
 
 
 def _impulse_ratio(xx: Fraction, xy: Fraction, v_x: Fraction, mu: Fraction) -> Fraction:
-    """Ratio F_x / F_y: friction against the slip; at rest as much as holds the foot, or all."""
+    """Return the ratio F_x / F_y. Friction opposes the slip; at rest it is as large as necessary, up to its limit."""
     if v_x != 0:
         return -mu if v_x > 0 else mu
     if abs(xy) <= mu * xx:

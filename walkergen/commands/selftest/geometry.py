@@ -54,13 +54,13 @@ def _count_bodies(mesh: Mesh) -> int:
 
 
 def _genus(mesh: Mesh) -> int:
-    """Genus of a closed body, from Euler's number; three edges to two triangles."""
+    """Compute the genus of a closed body from Euler's number; two triangles have three edges."""
     euler = len(np.unique(mesh.triangles)) - len(mesh.triangles) // 2
     return 1 - euler // 2
 
 
 def _check_sound(design: Design, segments: int = solids.FOOT_SEGMENTS) -> Iterator[Check]:
-    """Check for one closed body with its parts' volume and the closed forms' volume and inertia."""
+    """Check that the design is one closed body with its parts' volume and the closed forms' volume and inertia."""
     name, built = _name(design), solids.build(design, segments)
     depth = design.size.depth
     for part, mesh in (("walker", built.walker), ("leg", built.legs[0])):
@@ -87,7 +87,7 @@ def _check_sound(design: Design, segments: int = solids.FOOT_SEGMENTS) -> Iterat
         yield Check(f"{name}: more than leg and brace", (more - brace) / shape.area, 0, EXACT_REASON)
     else:
         yield _check_relative(f"{name}: leg's volume", limb.volume, depth * shape.area, limit, reason)
-        # What is missing lies at the leg's end: it counts up to 4 times its share in j.
+        # The missing part is at the leg's end: it counts up to 4 times its share in j.
         yield _check_relative(f"{name}: leg's inertia", limb.inertia, depth * shape.second, 4.0 * limit, reason)
         off = math.hypot(limb.centre[0] - shape.x, limb.centre[1] - shape.y)
         yield Check(f"{name}: leg's centre", off / design.limbs[0].length, limit, reason)
@@ -99,7 +99,7 @@ def _check_all_sound(designs: Iterator[Design]) -> Iterator[Check]:
 
 
 def _check_refused_design(what: str, word: str, body: dict[str, Any] | None = None, **legs: Any) -> Check:
-    """Check of a refusal: its text names the field that sets the limit, and the problem."""
+    """Check a refusal: its text names the field that sets the limit, and the problem."""
     try:
         _design(body, **legs)
     except GeometryError as error:
@@ -124,7 +124,7 @@ def _check_thick_legs() -> Iterator[Check]:
 
 
 def _check_coplanar_brace() -> Iterator[Check]:
-    """Check an upright brace: it lies in the leg, and if as thick has the leg's sides."""
+    """Check an upright brace: it lies in the leg, and at equal thickness has the leg's sides."""
     tilts = (0.0, -0.0, 1e-12, -1e-12, 1e-7)
     for foot, tilt, brace in itertools.product(FEET, tilts, (0.5, 1.0 - 1e-12)):
         design = _design(kind="braced", foot=foot, tilt_deg=tilt, brace_thickness_mm=brace)

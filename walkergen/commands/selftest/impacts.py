@@ -18,7 +18,7 @@ ROUNDING_REASON = "rounding of some ten operations, times the tensor's condition
 
 
 def _random_impacts(count: int, seed: int) -> Iterator[tuple[exact_impact.Tensor, tuple[float, float], float, float]]:
-    """Random tensors of condition up to 1e4, any sliding speed, all of e and mu with both ends."""
+    """Yield random tensors of condition up to 1e4, with any sliding speed and all e and mu including both ends."""
     rng = np.random.default_rng(seed)
     for _ in range(count):
         root = rng.normal(size=(2, 2))
@@ -32,7 +32,7 @@ def _random_impacts(count: int, seed: int) -> Iterator[tuple[exact_impact.Tensor
 
 
 def _relative_error(impact: Impact, expected: tuple[Fraction, ...], speed_before: float) -> float:
-    """Largest difference from the exact impact, relative to impulse and speed."""
+    """Return the largest difference from the exact impact, relative to impulse and speed."""
     F_x, F_y, v_x, v_y = expected
     impulse = float(max(abs(F_x), F_y))
     return max(
@@ -64,7 +64,7 @@ def _check_no_friction() -> Iterator[Check]:
 
 
 def _check_jamming() -> Iterator[Check]:
-    """Check sliding that presses the foot ever harder down, until it stops and sticks."""
+    """Check sliding that presses the foot down increasingly, until it stops and sticks."""
     H, mu, e = (1.0, -0.9, 1.0), 2.0, 0.5
     out = resolve(H, (-0.5, -1.0), e, mu)
     stop = 0.5 / (mu * H[0] + H[1])
@@ -82,15 +82,15 @@ def _check_jamming() -> Iterator[Check]:
 
 
 def _rod_tensor(angle: float) -> exact_impact.Tensor:
-    """Inverse mass at the lower end of a rod of 1 g and 2 mm, `angle` (rad) from the plate."""
+    """Return the inverse mass at the lower end of a rod of 1 g and 2 mm, `angle` (rad) from the plate."""
     H = rigid_tensor(1.0, 1.0 / 3.0, np.array([math.cos(angle), -math.sin(angle)]))
     return float(H.xx), float(H.xy), float(H.yy)
 
 
 def _check_painleve_rod() -> Iterator[Check]:
-    """Check a rod whose slip presses its end ever harder down: the slip stops in a tangential impact.
+    """Check a rod whose slip presses its end down increasingly: the slip stops in a tangential impact.
 
-    Forces alone have no solution there, or two; the impulse is unique, however slowly the end approaches.
+    Forces alone have no solution there, or two. The impulse is unique for any speed of approach.
     """
     angles = np.radians(np.linspace(20.0, 85.0, 6501))
     least = [xx[2] / abs(xx[1]) for xx in map(_rod_tensor, angles)]

@@ -1,6 +1,6 @@
 """Run of the hard cases: on every processor, each on its own, so that none can stop the others.
 
-Processes and not threads, because the first run compiles the simulators and the compiler works on
+Processes replace threads because the first run compiles the simulators and the compiler works on
 a single thread at a time.
 """
 
@@ -38,7 +38,7 @@ def _is_selected(case: Case, only: str) -> bool:
 
 
 def run_cases(cases: Sequence[Case], progress: Progress) -> tuple[list[Result], bool]:
-    """Run cases; results in their order, and whether all were run: Ctrl-C keeps those finished."""
+    """Run cases. Return results in their order, and whether all were run: Ctrl-C keeps finished ones."""
     results: dict[int, Result] = {}
     progress("kernels", 0, len(cases))
     workers = min(worker_pool.core_count(), len(cases))
@@ -53,7 +53,7 @@ def run_cases(cases: Sequence[Case], progress: Progress) -> tuple[list[Result], 
 
 
 def _run_in_processes(cases: Sequence[Case], workers: int) -> Iterator[tuple[int, Result]]:
-    """Yield results as they come. The first cases of each kind go first, so that no two compile the same."""
+    """Yield results as they arrive. The first cases of each kind start first, so that no two compile the same."""
     first = {case.on: index for index, case in reversed(list(enumerate(cases)))}
     order = sorted(range(len(cases)), key=lambda index: first[cases[index].on] != index)
     with worker_pool.local_pool(workers) as pool:

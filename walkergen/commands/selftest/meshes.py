@@ -19,7 +19,7 @@ UP = np.array([0.0, 1.0, 0.0])
 
 
 def _cylinder(sections: int, radius: float, height: float) -> Mesh:
-    """Cylinder along z, its lids fans of slivers."""
+    """Return a cylinder along z. Its lids are fans of slivers."""
     angles = 2.0 * math.pi * np.arange(sections) / sections
     rim = radius * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(sections)])
     up = np.array([0.0, 0.0, height])
@@ -48,13 +48,13 @@ def _check_slivers() -> Iterator[Check]:
 
 
 def _box(size: tuple[float, float, float], place: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Mesh:
-    """Box of a length, height and depth (mm) with its middle at a place."""
+    """Return a box of a length, height and depth (mm) with its middle at a position."""
     length, height, depth = size
     return joining.leg_prism(np.array(place) - 0.5 * height * UP, UP, length, depth, height)
 
 
 def _extents(mesh: Mesh) -> list[Fraction]:
-    """Lengths of a box along its axes, without a rounding."""
+    """Return the lengths of a box along its axes, without rounding."""
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     return [Fraction(float(b)) - Fraction(float(a)) for a, b in zip(low, high, strict=True)]
 

@@ -13,7 +13,7 @@ TEXT_COLUMNS = ("section", "case", "on", "source", "tightest")
 
 
 def make_report(results: Sequence[Result], whole: bool) -> Report:
-    """Report of the cases that ran; `whole` says whether these are all."""
+    """Make the report of the cases that ran. `whole`: whether these are all cases."""
     rows = [row for result in results for row in _rows(result)]
     held = sum(result.holds for result in results)
     failed = len(results) - held
@@ -28,7 +28,7 @@ def make_report(results: Sequence[Result], whole: bool) -> Report:
 
 
 def _rows(result: Result) -> Iterator[tuple[str, ...]]:
-    """Rows of what fails; of the tightest check where nothing does."""
+    """Yield the rows of the failed checks, or of the tightest check if none failed."""
     start = (result.section, result.case, result.on, result.source, str(len(result.checks)))
     if result.error:
         yield (*start, result.error, "", "", "FAILED")
@@ -39,14 +39,14 @@ def _rows(result: Result) -> Iterator[tuple[str, ...]]:
 
 
 def _margin_factor(check: Check) -> float:
-    """Limit over value: the factor by which the value could grow; 0 when it is not finite."""
+    """Return limit over value: how many times larger the value could be; 0 if the value is not finite."""
     if not math.isfinite(check.value):
         return 0.0
     return check.limit / check.value if check.value > 0.0 else math.inf
 
 
 def _facts(result: Result) -> dict[str, Any]:
-    """Case for JSON; values that are not finite become null."""
+    """Return a case for JSON. Values that are not finite become null."""
     checks = [
         check._asdict()
         | {"value": _finite_or_none(check.value), "limit": _finite_or_none(check.limit), "holds": check.holds}

@@ -1,7 +1,7 @@
-"""Scenes of the hard cases: plans on masses in closed form, and what is read from their states.
+"""Scenes of the hard cases: plans with masses in closed form, and results read from their states.
 
 Masses in closed form (a box on two thin uniform legs; braced legs without mass) make a walker and
-its mirror image exact images of each other, to the last bit, which a mesh does not.
+its mirror image exact images of each other, to the last bit. A mesh does not.
 """
 
 import math
@@ -31,17 +31,17 @@ STILL_DRIVE = still_plate_drive(90.0)
 
 
 def paper_drive(gamma: float) -> dict[str, float]:
-    """Drive at the paper's 90 Hz with a peak acceleration over g."""
+    """Return the drive at the paper's 90 Hz with a peak acceleration in units of g."""
     return {"frequency_hz": 90.0, "gamma": gamma}
 
 
 def paper_design(tilt_deg: float) -> Design:
-    """Design of the paper's walker."""
+    """Return the design of the paper's walker."""
     return Design.model_validate({"legs": {"tilt_deg": tilt_deg}})
 
 
 def masses(design: Design, leg_mass: float | None = None) -> MassProperties:
-    """Masses of a box on thin uniform legs, braced ones without mass.
+    """Return the masses of a box on thin uniform legs, without mass if braced.
 
     The inertia across the run is that of the same box and of strips without thickness.
     """
@@ -92,7 +92,7 @@ def scaled_paper_plan(scale: float, run: Mapping[str, float] | None = None, **ta
 
 
 def advance(plan: Plan, state: Array, seconds: float) -> tuple[Outcome, record.Tally]:
-    """Advance `state` in place; how it ended, and the record."""
+    """Advance `state` in place. Return how it ended, and the record."""
     tally = record.new_tally(len(state))
     status = plan.advance(state, seconds, tally)
     return (Outcome.OK if status == OK else STATUS_OUTCOMES[status]), tally
@@ -107,7 +107,7 @@ def check_motion(
 ) -> Iterator[Check]:
     """Yield checks of any motion, however extreme: a physical end, finite, over the plate, its energy balanced.
 
-    Failed convergence and energy from nowhere are not among the ends of ENDS_OF_PHYSICS. `tolerance`: share of the
+    ENDS_OF_PHYSICS excludes failed convergence and unexplained energy. `tolerance`: share of the
     exchanged energy that may be unaccounted for; `deepest`: depth of a foot below the plate, mm.
     """
     before, outcome, lowest = plan.energy(state), Outcome.OK, 0.0

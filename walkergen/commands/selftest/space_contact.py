@@ -102,9 +102,9 @@ def _check_lossless_bounces() -> Iterator[Check]:
 
 
 def _energy_changes(tilt: float, step_us: float) -> list[tuple[float, int]]:
-    """Relative change of energy over the bounces of ten drops that differ, and the landings of corners in each.
+    """Return the relative change of energy over the bounces of ten different drops, and the landings of each.
 
-    Energies count from the walker that stands.
+    Energies count from the standing walker.
     """
     plan = space_plan(
         tilt,
@@ -135,7 +135,7 @@ def _check_stiffness() -> Iterator[Check]:
 
 
 def _check_frozen_joints() -> Iterator[Check]:
-    """Check joints without give: inverse mass and motion of the same walker without joints, on a soft plate."""
+    """Check joints without compliance: inverse mass and motion equal those without joints, on a soft plate."""
     tilt, modulus = 20.0, 9000.0
     design = paper_design(tilt)
     stiff = design.model_copy(update={"material": design.material.model_copy(update={"youngs_modulus_gpa": modulus})})
@@ -176,7 +176,7 @@ def _check_frozen_joints() -> Iterator[Check]:
 
 
 def _check_wall_and_plate() -> Iterator[Check]:
-    """Check edges that touch a wall in the step in which feet touch the plate."""
+    """Check edges that touch a wall and feet that touch the plate in the same step."""
     for label in (0.02, 0.5, 1.0):
         plan = space_plan(
             drive=STILL_DRIVE,

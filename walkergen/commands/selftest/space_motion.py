@@ -39,11 +39,11 @@ from walkergen.core.simulation.space.state import (
 from walkergen.core.walker.design import Design
 
 FIRST_LANDING_S = 5e-3
-"""Time (s) after which the first corners of a drop from 0.05 mm have landed, on the way down."""
+"""Time (s) after which the first corners have landed in a drop from 0.05 mm."""
 
 COMPARISON_S = 6e-3
-"""Time (s) after which images are compared: overdamped feet that change between sticking and
-sliding amplify rounding by nine powers of ten in one more millisecond."""
+"""Time (s) of the comparison of images. One millisecond later, overdamped feet that change between
+sticking and sliding have amplified rounding by nine powers of ten."""
 
 ROUNDING_REASON = "rounding, grown six times by each landing of a corner"
 
@@ -57,10 +57,10 @@ SPIN_RATE_RAD_S, SPIN_TURNS = 2000.0, 10_000
 """Rate (rad/s) and number of turns of the free top."""
 
 TOP_STEP_US = 3.0
-"""Step (us) of the free top: it flies by twice that, and turns by 0.012 rad."""
+"""Step (us) of the free top: it flies with double steps, and turns by 0.012 rad in each."""
 
 FALL_HEIGHT_MM = 1e8
-"""Height (mm) from which it falls in the meantime."""
+"""Initial height (mm) of the top, which falls during the spin."""
 
 
 def _check_images() -> Iterator[Check]:
@@ -150,7 +150,7 @@ def _check_free_top() -> Iterator[Check]:
 
 
 def _angular_momentum(plan: Plan, state: Array) -> Array:
-    """Angular momentum about C, in the world's axes, g mm^2/s."""
+    """Return the angular momentum about C, in the world's axes, g mm^2/s."""
     q, v = state[Q_0], state[Q_0 + 1 : Q_Z + 1]
     body = plan.world.walker.inertia @ state[W_X : W_Z + 1]
     twice = 2.0 * np.cross(v, body)
@@ -158,7 +158,7 @@ def _angular_momentum(plan: Plan, state: Array) -> Array:
 
 
 def _check_heading_turns() -> Iterator[Check]:
-    """Check a million turns of the heading, in what is shown and in the rotation itself."""
+    """Check a million turns of the heading, in the output and in the rotation itself."""
     turns = 2.0 * math.pi * 1_000_000
     for contact in CONTACTS:
         plan = space_plan(drive=paper_drive(1.8), contact=contact)
@@ -188,7 +188,7 @@ def _check_heading_turns() -> Iterator[Check]:
 
 
 def _check_far_origin() -> Iterator[Check]:
-    """Check a start 2^30 mm along the plate: only where it is may know of it."""
+    """Check a start 2^30 mm along the plate. Only the position may depend on it."""
     for contact in CONTACTS:
         plan = space_plan(drive=paper_drive(1.8), contact=contact)
         state, far = moving_start(plan), moving_start(plan)

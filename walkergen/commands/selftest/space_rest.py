@@ -38,10 +38,10 @@ from walkergen.core.simulation.space.state import (
 )
 
 STANDING_S = 5.0
-"""Time (s) for which a walker that stands is watched."""
+"""Time (s) during which a standing walker is observed."""
 
 AWAKE_STEP_S = 0.02
-"""Time (s) for which a walker at rest is still followed step by step."""
+"""Time (s) during which a walker at rest is still simulated step by step."""
 
 LONG_REST_S = 1e5
 """Duration of a long rest, s."""
@@ -92,7 +92,7 @@ def _check_spin() -> Iterator[Check]:
 
 
 def _raise_corner(plan: Plan, height: float) -> Plan:
-    """Plan whose corner 1 is higher than the others by `height`, mm."""
+    """Return a plan whose corner 1 is higher than the others by `height`, mm."""
     walker = plan.world.walker
     reach = walker.reach.copy()
     reach[1, 1] += height
@@ -100,7 +100,7 @@ def _raise_corner(plan: Plan, height: float) -> Plan:
 
 
 def _advance_awake(plan: Plan, state: Array, seconds: float) -> None:
-    """Advance a walker that would otherwise ride on the plate once it has come to rest."""
+    """Advance a walker without letting it rest: at rest it would move with the plate."""
     for _ in range(round(seconds / AWAKE_STEP_S)):
         state[QUIET] = 0.0
         advance(plan, state, AWAKE_STEP_S)

@@ -1,4 +1,4 @@
-"""Scenes of the hard cases in space: plans, throws, images of states, and what must always hold."""
+"""Scenes of the hard cases in space: plans, throws, images of states, and general conditions."""
 
 import math
 from collections.abc import Iterator
@@ -31,14 +31,14 @@ from walkergen.core.simulation.space.state import (
 )
 
 POSE_SLICE = slice(SHOWN_X, ROLL + 1)
-"""Place of O (mm) and the three angles (rad) in a state."""
+"""Position of O (mm) and the three angles (rad) in a state."""
 
 SETTLING_S = 1.0
-"""Start (s) after which a walker put down on a still plate has come to rest."""
+"""Time (s) after which a walker placed on a still plate is at rest."""
 
 
 def space_plan(tilt_deg: float = 10.0, **tables: Any) -> Plan:
-    """Plan of the paper's walker in space, on a plane unless the tables say otherwise."""
+    """Make the plan of the paper's walker in space, on a plane unless the tables specify otherwise."""
     return paper_plan(tilt_deg, **({"arena": {"kind": "plane"}} | tables))
 
 
@@ -57,7 +57,7 @@ def resting_state(plan: Plan) -> Array:
 
 
 def mirror_image(state: Array) -> Array:
-    """State of the mirror image z -> -z of a two-legged walker with twist, but for the contacts."""
+    """Return the mirror image z -> -z of the state of a two-legged walker with twist, except for the contacts."""
     image = state.copy()
     twists = [LEGS + 1, LEGS + 3, LEGS + 5, LEGS + 7]
     image[[SHOWN_Y, HEADING, ROLL, C_Z, V_Z, W_X, W_Y, Q_X, Q_Y, *twists]] *= -1.0
@@ -65,7 +65,7 @@ def mirror_image(state: Array) -> Array:
 
 
 def quarter_turn(state: Array) -> Array:
-    """State after a quarter turn about the vertical, to the left."""
+    """Return the state after a quarter turn about the vertical, to the left."""
     image, half = state.copy(), math.sqrt(0.5)
     q, i, j, k = state[Q_0 : Q_Z + 1]
     image[Q_0 : Q_Z + 1] = half * (q - j), half * (i + k), half * (j + q), half * (k - i)
@@ -77,15 +77,15 @@ def quarter_turn(state: Array) -> Array:
 
 
 def max_pose_difference(a: Array, b: Array) -> float:
-    """Largest difference of place (mm) and angles (rad)."""
+    """Return the largest difference of position (mm) and angles (rad)."""
     return float(np.abs(a[POSE_SLICE] - b[POSE_SLICE]).max())
 
 
 def max_compression(plan: Plan, speed: float) -> float:
-    """Upper bound (mm) of a foot's compression when the walker falls on it at `speed`, mm/s.
+    """Return an upper bound (mm) of a foot's compression when the walker falls on it at `speed`, mm/s.
 
-    All of the walker on one corner: its leg and its tip each take all of the energy, and the most that the weight gains
-    on the other, half of m g sag or 0.6 of it. The tip's 0.4 K d^2.5 = m v^2 / 2 + m g d then ends before
+    The whole walker lands on one corner. Its leg and its tip each take all of the energy, and the most that the weight
+    gains on the other, half of m g sag or 0.6 of it. The tip's 0.4 K d^2.5 = m v^2 / 2 + m g d then ends before
     d = (1.25 m v^2 / K)^0.4 + (2.5 m g / K)^(2/3). Other corners, hinges and dampers take their part.
     """
     walker, on_plate = plan.world.walker, plan.world.walker.place == 0.0

@@ -24,7 +24,7 @@ from walkergen.points.experiments import Results, Walker
 from walkergen.points.walkers import ErrorResult
 
 MAX_LANDINGS_S = 500.0
-"""Time of all runs together (s) up to which every landing is kept: 0.3 MB a second."""
+"""Longest time of all runs together (s) with every landing kept: 0.3 MB a second."""
 
 
 class Simulation(NamedTuple):
@@ -32,27 +32,27 @@ class Simulation(NamedTuple):
 
     point: Results
     orbit: Orbit | None = None
-    """Orbit that all runs share: they tell no error then, and the bounds are those of prints."""
+    """Orbit that all runs share. The runs then have no statistical error, and the bounds are those of prints."""
     motion: Motion | None = None
     untold: str = ""
-    """Reason why there is no `motion`; "" when there is one."""
+    """Reason why `motion` is missing, otherwise ""."""
     landings: Sequence[Landings] = ()
-    """Landings of each run that ended well; none where they were not kept."""
+    """Landings of each run that ended well; empty if they were not kept."""
     legs: tuple[str, ...] = ()
     """Names of the legs, in the order of their landings."""
     chosen: ErrorResult | None = None
-    """What was taken to meet an error; None where none was asked for."""
+    """Runs chosen to meet a requested error; None without such a request."""
     simplest: Simplest | None = None
-    """What was left out of the scene, within an error that it accepts; None where nothing was tried."""
+    """Effects left out of the scene within its accepted error; None if nothing was tried."""
 
     @property
     def scene(self) -> Scene:
-        """Scene with the runs and the step that were taken."""
+        """Scene with the chosen runs and step."""
         return self.point.walker.scene
 
 
 def make_walker(scene: Scene, design: Design, mass: MassProperties, interval: float | None = None) -> Walker:
-    """Walker in a scene: with landings of runs that are not too long, and samples `interval` s apart."""
+    """Make a walker in a scene. Landings are kept for short runs; samples are `interval` s apart."""
     few = scene.run.runs * scene.run.seconds <= MAX_LANDINGS_S
     return Walker(scene, design, mass, impacts=few, sample_interval=interval)
 
@@ -64,12 +64,12 @@ def measure(
     of: str = SPEED,
     expect: Expect = ignore_estimate,
 ) -> Simulation:
-    """Simulate what is asked, and measure its motion and landings.
+    """Simulate a walker as requested, and measure its motion and landings.
 
-    With an error of the observable `of` as many runs as that needs, without landings; `expect` is told of their time
-    once the first ones are made. Raises
-    InputError where the scene contradicts itself, asks for too many samples, or no number of runs
-    gives the observable to an error.
+    For an error `wanted` of the observable `of`, as many runs as necessary are made, without landings.
+    `expect` receives their expected time after the first runs. Raises
+    InputError if the scene contradicts itself or requests too many samples, or if no number of runs
+    gives the observable to the error.
     """
     if walker.sample_interval is not None:
         trajectory.check_sample_count(walker.scene, walker.sample_interval, walker.scene.run.runs)
@@ -98,7 +98,7 @@ def analyse_point(point: Results, progress: Progress = silent) -> Simulation:
 
 
 def _count_landings(result: RunResult, feet: int) -> Landings:
-    """Landings of a run on the plate; walls are touched by points beyond the corners' numbers."""
+    """Count the landings of a run on the plate. Wall contacts have numbers above those of the corners."""
     rows = recorded_impacts(result)
     rows = rows[rows[:, 1] < feet * landings.CORNERS_PER_FOOT]
     return landings.count(rows[:, 0], rows[:, 1].astype(np.int64), result.measured_s, feet)

@@ -1,7 +1,7 @@
 """Tracks as a NetCDF file that xarray opens, in the layout of movement's data sets of poses (since its version 0.17).
 
-Places have the dimensions time, space, keypoint and individual; attributes say the software and the unit of time. Its
-version 3 needs no library of its own; `xarray.open_dataset` reads it.
+Positions have the dimensions time, space, keypoint and individual. Attributes give the software and the unit of time.
+Its version 3 needs no library of its own; `xarray.open_dataset` reads it.
 """
 
 import io
@@ -15,9 +15,9 @@ from walkergen.core.numerics import Array
 
 
 def pack_poses(times: Array, places: Array, headings: Array, names: Sequence[str]) -> bytes:
-    """File of walkers' middles: times (s), shape (n,); places (mm), shape (n, 2, k); headings (rad), shape (n, k).
+    """Pack the centres of walkers: times (s), shape (n,); places (mm), shape (n, 2, k); headings (rad), shape (n, k).
 
-    NaN where a walker is not seen.
+    Values are NaN while a walker is not visible.
     """
     from scipy.io import netcdf_file
 

@@ -1,4 +1,4 @@
-"""Orbits that all runs share: these then agree to rounding, and prints tell the scatter."""
+"""Orbits that all runs share. The runs then agree to rounding, and simulated prints give the scatter."""
 
 from typing import NamedTuple
 
@@ -13,26 +13,26 @@ from walkergen.core.simulation.run import ENDED_WELL
 from walkergen.points.experiments import Results
 
 PRINT_DRAWS, MAX_RUN_S = 24, 4.0
-"""Number of prints drawn in place of runs, and measured time of a print's run at most, s."""
+"""Number of simulated prints that replace runs, and longest measured time of a print's run, s."""
 
 
 class Orbit(NamedTuple):
-    """Orbit on which all runs end, and how speeds differ from print to print."""
+    """Orbit on which all runs end, and the variation of speeds from print to print."""
 
     kind: str
-    """Name of it, of `orbits`: one periodic orbit, or at rest."""
+    """Name of the orbit, from `orbits`: one periodic orbit, or at rest."""
     draws: int
-    """Prints simulated for the bounds."""
+    """Number of prints simulated for the bounds."""
     prints: Quantity
-    """Speed of the runs, without an error; its bounds are those of prints."""
+    """Speed of the runs, without an error. Its bounds are those of prints."""
     reason: str = ""
-    """Reason why there are no bounds; "" where there are."""
+    """Reason why bounds are missing, otherwise ""."""
 
 
 def find_shared_orbit(point: Results, progress: Progress) -> Orbit | None:
-    """Orbit that all runs of a point share, with bounds by draws of the print; None for none.
+    """Find the orbit that all runs of a point share, with bounds from simulated prints; None without one.
 
-    Nothing is drawn after Ctrl-C, which left runs out.
+    No prints are simulated after Ctrl-C, which left runs out.
     """
     walker, scene = point.walker, point.walker.scene
     good = [result.speed for result in point.results if result.outcome in ENDED_WELL]
@@ -55,6 +55,6 @@ def find_shared_orbit(point: Results, progress: Progress) -> Orbit | None:
 
 
 def with_print_bounds(summary: Summary, orbit: Orbit) -> Summary:
-    """Summary of runs on one orbit: without errors by their scatter, its bounds those of prints."""
+    """Return the summary of runs on one orbit: no errors from scatter, and the bounds of prints."""
     numbers = {name: number._replace(se=None) for name, number in summary.numbers.items()}
     return summary._replace(numbers=numbers | {observables.SPEED: orbit.prints})

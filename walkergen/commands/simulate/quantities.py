@@ -17,7 +17,7 @@ MOTION_NAMES = (
     *("lane_speed", "sideways_speed", "turning_bias", "turning_scatter", *("self_alignment", "slope_turning")),
     *("rotational_diffusion", "persistence_time", "persistence_length", "diffusivity", "crossover_time"),
 )
-"""Names of the estimates that a summary shows."""
+"""Names of the estimates in a summary."""
 
 OBSERVABLE_UNITS = {
     observables.IMPACTS: ("impacts", "per_s", 1.0),
@@ -26,17 +26,17 @@ OBSERVABLE_UNITS = {
     observables.CONTACT: ("in contact", "percent", 100.0),
     observables.POWERS: ("power", "uW", 1e-3),
 }
-"""Names, units and scales by which people read observables."""
+"""Names, units and scales of observables in printed text."""
 
 MIN_SHARE = 1e-3
-"""Share of a type below which a summary leaves it out; JSON has it."""
+"""Smallest share of a type in a summary; JSON has all types."""
 
 MAX_LISTED_LEGS = 6
-"""Number of legs up to which a summary lists the landings of each; JSON has all."""
+"""Largest number of legs whose landings a summary lists individually; JSON has all."""
 
 
 MOTOR_POWER_NAMES = {"from_plate": "from_motor", f"{observables.POWERS}.from_plate": f"{observables.POWERS}.from_motor"}
-"""Names of the power that a motor gives, by those of a plate's."""
+"""Names of the power from a motor, by the names of the power from a plate."""
 
 
 def rename_motor_power(data: Any, scene: Scene) -> Any:
@@ -54,7 +54,7 @@ def rename_motor_power(data: Any, scene: Scene) -> Any:
 
 
 def motion_numbers(simulated: Simulation) -> Iterator[Quantity]:
-    """Yield how a walker in space moves; a reason that several estimates share comes once."""
+    """Yield the motion of a walker in space. A reason that several estimates share is given once."""
     if simulated.motion is None:
         return
     before, found = "", simulated.motion.estimates
@@ -73,7 +73,7 @@ def motion_numbers(simulated: Simulation) -> Iterator[Quantity]:
 
 
 def observed_numbers(simulated: Simulation) -> Iterator[Quantity]:
-    """Yield impacts, shares of their types, contact and powers; errors are of the runs and the step together."""
+    """Yield impacts, shares of their types, contact and powers, with joint errors of runs and step."""
     point = simulated.point
     for table, (title, unit, scale) in OBSERVABLE_UNITS.items():
         for name, number in point.summary.numbers.items():
@@ -82,14 +82,14 @@ def observed_numbers(simulated: Simulation) -> Iterator[Quantity]:
                 continue
             reason, se = step_errors.reason(number), step_errors.total_error(number)
             if simulated.orbit is not None and not reason:
-                se = 0.0  # runs that share an orbit tell no error
+                se = 0.0  # runs that share an orbit have no statistical error
             key = f"{title} {rename_motor_power(name.partition('.')[2], simulated.scene)}".strip()
             yield Quantity(key, unit, scale * value, None if se is None else scale * se, refused=reason)
     yield Quantity("energy unaccounted", "percent", 100.0 * point.summary.energy_error, 0.0)
 
 
 def landing_numbers(simulated: Simulation) -> Iterator[Quantity]:
-    """Yield landings per second that people read: of many legs only those of all feet."""
+    """Yield landings per second for printed text; with many legs only those of all feet."""
     if not simulated.landings:
         return
     first = 0 if len(simulated.legs) <= MAX_LISTED_LEGS else 3 * len(simulated.legs)
@@ -110,7 +110,7 @@ def count_landings(landings: Landings) -> list[int]:
 
 
 def landing_rates(simulated: Simulation) -> list[Quantity]:
-    """Return landings per second, corners with z > 0 on the right; errors are of the runs and the step together."""
+    """Return landings per second, corners with z > 0 on the right, with joint errors of runs and step."""
     time = np.array([landings.duration for landings in simulated.landings])
     counts = np.array([count_landings(landings) for landings in simulated.landings], dtype=float)
     rates = []
@@ -124,7 +124,7 @@ def landing_rates(simulated: Simulation) -> list[Quantity]:
 
 
 def notes(simulated: Simulation) -> Iterator[str]:
-    """Yield how motion was measured, and what makes it doubtful."""
+    """Yield notes on how motion was measured, and on reasons to doubt it."""
     if simulated.motion is not None:
         yield from (simulated.motion.method, *simulated.motion.doubts)
     if simulated.point.summary.numbers[step_errors.MOTION].refused == step_errors.TURNING_REASON:

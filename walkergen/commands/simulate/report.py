@@ -31,7 +31,7 @@ DEFAULT_RATE_HZ = 1000.0
 
 
 class Line(NamedTuple):
-    """Name and value of what was found; a quantity is formatted where people read it."""
+    """Name and value of a result. A quantity is formatted when it is printed."""
 
     name: str
     value: str | Quantity
@@ -64,15 +64,15 @@ FIRST_LINE_NAMES = (
     "persistence time",
     "runs",
 )
-"""Names of the lines that people read unless they ask for all."""
+"""Names of the lines that are printed unless all are requested."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class SimulationReport(Report):
-    """Runs of one walker in a scene, and what they say of its speed and motion."""
+    """Runs of one walker in a scene, with its speed and motion."""
 
     simulated: Simulation
-    """Everything that was measured."""
+    """All measured results."""
 
     @property
     def summary(self) -> Summary:
@@ -81,22 +81,22 @@ class SimulationReport(Report):
 
     @property
     def motion(self) -> Motion | None:
-        """Motion of the walker: turning, persistence, spread; None where it is not known."""
+        """Motion of the walker: turning, persistence, spread; None if unknown."""
         return self.simulated.motion
 
     @property
     def speed(self) -> Speed:
-        """Mean speed in mm/s with its standard error by the runs; bounds by runs and step.
+        """Mean speed in mm/s with its standard error from the runs. Bounds include runs and step.
 
-        Where all runs end on one orbit they tell no error, and bounds are those of prints.
+        If all runs end on one orbit they have no statistical error. The bounds are then those of prints.
         """
         return _mean_speed(self.simulated)
 
     def trajectory(self, rate_hz: float = DEFAULT_RATE_HZ, progress: Progress | None = None) -> Table:
         """States of all runs, `rate_hz` a second, as `simulate --trajectory` writes them.
 
-        What `analyse` and trackpy take: frame, particle (the number of the run), x, y (mm) and
-        theta (rad) from above, then t_s and what a trajectory shows. The runs are simulated again. Raises
+        The first columns are those of `analyse` and trackpy: frame, particle (the number of the run), x, y (mm)
+        and theta (rad) from above. Then follow t_s and the model's columns. The runs are simulated again. Raises
         InputError for more samples than can be kept.
         """
         if not 1e-3 <= rate_hz <= 1e7:
@@ -108,9 +108,9 @@ class SimulationReport(Report):
 
 
 def make_report(simulated: Simulation, whole: bool = False) -> SimulationReport:
-    """Report of the runs of a walker in a scene, and of what an error that was asked for took.
+    """Make the report of the runs of a walker in a scene, and of the runs that a requested error required.
 
-    People read the first lines of the summary, or the `whole` of it.
+    The printed text has the first lines of the summary, or all if `whole`.
     """
     scene, design = simulated.scene, simulated.point.walker.design
     lines = [Line(*line) for line in _lines(simulated, scene, design)]
@@ -128,21 +128,21 @@ def make_report(simulated: Simulation, whole: bool = False) -> SimulationReport:
 
 
 def _select_first_lines(lines: Sequence[Line], simulated: Simulation) -> list[Line]:
-    """Lines that people read first: without refused numbers; how runs ended if not well."""
+    """Select the lines that are printed first: no refused numbers, and the endings of runs that did not end well."""
     ended_well = set(simulated.point.summary.outcomes) == {Outcome.OK.value}
     names = {*FIRST_LINE_NAMES, *(() if ended_well else ("outcomes",))}
     return [line for line in lines if line.name in names and (isinstance(line.value, str) or line.value.known)]
 
 
 def _summary_table(simulated: Simulation, design: Design) -> Table:
-    """Table of the summary in one row; tables within it become columns with a dot."""
+    """Make the table of the summary in one row. Nested tables become columns with a dot."""
     named = {"name": design.name, "tilt_deg": design.tilt_deg, "legs": design.kind, "scene": simulated.scene.name}
     values = named | _flatten(numbers.rename_motor_power(simulated.point.summary.facts, simulated.scene))
     return Table("simulation", [tuple(values.values())], tuple(values))
 
 
 def _flatten(values: Mapping[str, Any], before: str = "") -> dict[str, Any]:
-    """Values of tables within tables, by names with dots."""
+    """Flatten nested tables to values by names with dots."""
     flat: dict[str, Any] = {}
     for name, value in values.items():
         if isinstance(value, Mapping):
@@ -160,9 +160,9 @@ def _mean_speed(simulated: Simulation) -> Speed:
 
 
 def _figures(simulated: Simulation, design: Design) -> "dict[str, Callable[[], Figure]]":
-    """Return what draws the runs: distance against time in a lane, the view from above on a plane.
+    """Return the functions that draw the runs: distance against time in a lane, the view from above on a plane.
 
-    Empty if no run ended well.
+    The result is empty if no run ended well.
     """
     good = [result for result in simulated.point.results if result.outcome in ENDED_WELL]
 
@@ -177,7 +177,7 @@ def _figures(simulated: Simulation, design: Design) -> "dict[str, Callable[[], F
 
 
 def _facts(simulated: Simulation, scene: Scene) -> dict[str, Any]:
-    """Summary of the runs for JSON; it is partial when Ctrl-C left some out."""
+    """Return the summary of the runs for JSON. It is partial if Ctrl-C left some out."""
     data: dict[str, Any]
     data = tables.contact_as_dict(scene) | simulated.point.summary.facts
     data["partial"] = simulated.point.partial
@@ -226,7 +226,7 @@ def _lines(simulated: Simulation, scene: Scene, design: Design) -> Iterator[tupl
 
 
 def _format_speed(simulated: Simulation, scene: Scene) -> str:
-    """Mean speed with the error of the runs and that of the step, or why it has none."""
+    """Format the mean speed with the errors of runs and step, or the reason why it has none."""
     _, _, mean, se, *_ = simulated.point.summary.speed
     if mean is None:
         return "none: no run ended well"

@@ -1,4 +1,4 @@
-"""Simulation of several walkers in one scene: a row each, predicted and simulated."""
+"""Simulation of several walkers in one scene: one row each, predicted and simulated."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -31,20 +31,20 @@ class Row(NamedTuple):
     predicted_mm_s: float | None
     theory_mm_s: float
     speed: Quantity
-    """Mean speed of the runs; its bounds are by runs and step, or of prints on an orbit."""
+    """Mean speed of the runs. Its bounds include runs and step, or are those of prints on an orbit."""
     runs: int
     outcomes: Mapping[str, int]
     warnings: Sequence[str]
     orbit: Mapping[str, Any] | None
-    """Orbit that all runs share, so that they tell no error; None where they differ."""
+    """Orbit that all runs share, so that they have no statistical error; None if they differ."""
     effects: Mapping[str, Any] | None
-    """What an accepted error left out; None where none was accepted."""
+    """Effects that an accepted error left out; None without an accepted error."""
 
 
 def prepare_walkers(scene: Scene, members: Sequence[Design], progress: Progress) -> list[Simplest]:
-    """Walkers in a scene, weighed, without what an accepted error allows to leave out.
+    """Prepare walkers in a scene, weighed, without the effects that an accepted error leaves out.
 
-    Raises InputError for one that cannot be simulated.
+    Raises InputError for a walker that cannot be simulated.
     """
     whole = [Walker(scene, member, solids.mass_of(member)) for member in members]
     for walker in whole:
@@ -56,9 +56,9 @@ def prepare_walkers(scene: Scene, members: Sequence[Design], progress: Progress)
 
 
 def simulate_each(found: Sequence[Simplest], progress: Progress) -> Iterator[Row]:
-    """Simulate walkers in turn, all from the same random starts, and yield a row when one is done.
+    """Simulate walkers in turn, all from the same random starts, and yield each finished row.
 
-    Raises KeyboardInterrupt rather than yield a row with runs missing.
+    Raises KeyboardInterrupt instead of yielding a row with missing runs.
     """
     wanted = [simple.walker for simple in found]
     titles = [names.part_name(walker.design) for walker in wanted]
@@ -84,7 +84,7 @@ def simulate_each(found: Sequence[Simplest], progress: Progress) -> Iterator[Row
 
 
 def make_report(rows: Sequence[Row], scene: Scene, found: Sequence[Simplest]) -> Report:
-    """Report of walkers that were simulated; it is partial when Ctrl-C left some out."""
+    """Make the report of simulated walkers. It is partial if Ctrl-C left some out."""
     title = f"{found[0].walker.design.name} on {scene.name}, {tables.format_drive(scene)}"
     told = [column_values(row, 95) for row in rows]
     kinds = {row.orbit["kind"]: None for row in rows if row.orbit is not None}
@@ -102,14 +102,14 @@ def make_report(rows: Sequence[Row], scene: Scene, found: Sequence[Simplest]) ->
 
 
 def _format_omissions(found: Sequence[Simplest]) -> Iterator[str]:
-    """Yield in words what was left out of each walker's scene, and what was kept."""
+    """Describe what was left out of each walker's scene, and what was kept."""
     for simple in found:
         for name, value in simple.lines:
             yield f"{names.part_name(simple.walker.design)}, {name}: {value}"
 
 
 def _format_speed(row: Row) -> str:
-    """Mean speed of the runs with its standard error."""
+    """Format the mean speed of the runs with its standard error."""
     _, _, speed, se, *_ = row.speed
     if speed is None:
         return "none"
@@ -124,7 +124,7 @@ def _format_bounds(row: Row) -> str:
 
 
 def _format_outcomes(row: Row) -> str:
-    """Outcomes of the runs, but for the orbit that the speed is marked by."""
+    """Format the outcomes of the runs, except for the orbit that marks the speed."""
     return format_outcomes(
         {
             outcome: count

@@ -1,4 +1,4 @@
-"""What the model of a simulation is, its bounds in words, and its parts for JSON."""
+"""Description of a simulation's model, its bounds in words, and its parts for JSON."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -13,13 +13,13 @@ from walkergen.points import speed_prediction, step_errors
 
 
 def format_drive(scene: Scene) -> str:
-    """Frequency, peak acceleration and peak speed of the plate, or the motor over a still one."""
+    """Format frequency, peak acceleration and peak speed of the plate, or the motor over a still plate."""
     drive = scene.drive
     return drive.motor_in_words or f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"
 
 
 def format_contact(scene: Scene) -> str:
-    """Return what a simulation assumes of the contact."""
+    """Return the assumptions on the contact."""
     tips = "rigid tips" if scene.feet.rigid_tips else f"tips of {scene.feet.tip_radius_um:g} um"
     return f"{tips}, restitution {scene.contact.restitution:g}, friction {scene.contact.friction:g}"
 
@@ -31,7 +31,7 @@ def contact_as_dict(scene: Scene) -> dict[str, Any]:
 
 
 def format_step_error(simulated: Simulation) -> str:
-    """Addition to the mean speed and its statistical error: what the step may do to it."""
+    """Format the possible error from the step, in addition to the mean speed and its statistical error."""
     speed = simulated.point.summary.speed
     error = step_errors.step_bias(speed)
     if error is None:
@@ -40,7 +40,7 @@ def format_step_error(simulated: Simulation) -> str:
 
 
 def bound_rows(simulated: Simulation) -> Iterator[tuple[str, str]]:
-    """Row of a summary with the bounds of the mean speed; of prints where runs share an orbit."""
+    """Yield the summary row with the bounds of the mean speed, or of prints if the runs share an orbit."""
     if simulated.orbit is not None:
         yield "prints", format_orbit_bounds(simulated.orbit)
         return
@@ -50,7 +50,7 @@ def bound_rows(simulated: Simulation) -> Iterator[tuple[str, str]]:
 
 
 def _format_print_bounds(simulated: Simulation) -> str:
-    """Bounds of the speed of a print, by what nobody knows of it, as `predict` has them."""
+    """Format the bounds of the speed of a print from its unknown properties, as `predict` computes them."""
     walker = simulated.point.walker
     row = speed_prediction.predict(walker.design, walker.mass, walker.scene, model="known")
     low, high = row.speed_low_95_mm_s, row.speed_high_95_mm_s
@@ -60,7 +60,7 @@ def _format_print_bounds(simulated: Simulation) -> str:
 
 
 def format_orbit_bounds(orbit: Orbit) -> str:
-    """Statement of how speeds differ from print to print, where runs share an orbit."""
+    """Describe how speeds differ from print to print if the runs share an orbit."""
     if orbit.prints.ends is None:
         return f"unknown how they differ: {orbit.reason}"
     low2, low1, high1, high2 = orbit.prints.ends
@@ -71,7 +71,7 @@ def format_orbit_bounds(orbit: Orbit) -> str:
 
 
 def landings_as_dict(simulated: Simulation) -> dict[str, Any]:
-    """Landings for JSON: rates per second, and their errors."""
+    """Return landings for JSON: rates per second, and their errors."""
     rates = numbers.landing_rates(simulated)
     return {rate.column: rate.value for rate in rates} | {"errors": {rate.column: rate.se for rate in rates}}
 
@@ -93,5 +93,5 @@ def step_errors_as_dict(simulated: Simulation) -> dict[str, Any]:
 
 
 def orbit_as_dict(orbit: Orbit) -> dict[str, Any]:
-    """Orbit that all runs share, for JSON; bounds of prints stand in the speed's own."""
+    """Return the orbit that all runs share, for JSON. The bounds of prints are in the table of the speed."""
     return {"kind": orbit.kind, "draws": orbit.draws, "note": format_orbit_bounds(orbit)}

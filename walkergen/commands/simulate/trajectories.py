@@ -1,8 +1,8 @@
 """Trajectories of all runs, as `simulate --trajectory` writes them: CSV, NPZ, NetCDF or extended XYZ.
 
-Columns: what trackpy and `analyse` read of a film (`frame`, `particle`, `x`, `y`, `theta`), seen
-from above, in mm and rad, not in pixels; then ours: `t_s` and what the model shows, with units in
-the names. A particle is a run; frames count samples from the end of its discarded start.
+The first columns are those of trackpy and `analyse` (`frame`, `particle`, `x`, `y`, `theta`), seen
+from above, in mm and rad instead of pixels. Then come `t_s` and the model's columns, with units in
+the names. A particle is a run. Frames count samples from the end of its discarded start.
 
 Extended XYZ is for OVITO: a run is a particle, as `walkergen.files.extended_xyz` writes bodies.
 """
@@ -26,23 +26,23 @@ from walkergen.points.experiments import Results, Walker
 from walkergen.points.trajectory import Trajectory
 
 FILM_COLUMNS = ("frame", "particle", "x", "y", "theta")
-"""Columns by the names that trackpy gives them; x and y in mm, theta in rad."""
+"""Columns with trackpy's names; x and y in mm, theta in rad."""
 
 BOX_MARGIN = 1.0
-"""Room around all bodies in the box of extended XYZ, in half diagonals of a body."""
+"""Margin around all bodies in the box of extended XYZ, in half diagonals of a body."""
 
 
 class TrajectoryData(NamedTuple):
-    """What a file of trajectories is made of."""
+    """Contents of a file of trajectories."""
 
     rows: Trajectory
     design: Design
 
 
 def collect(experiment: Walker, point: Results, progress: Progress) -> Trajectory:
-    """Trajectories of all runs, again simulated where `point` kept no samples.
+    """Collect the trajectories of all runs. Runs are simulated again if `point` kept no samples.
 
-    Raises InputError when there would be too many samples to keep.
+    Raises InputError if there are too many samples to keep.
     """
     assert experiment.sample_interval is not None
     kept = all(result.tally.samples.kept for result in point.results)
@@ -53,7 +53,7 @@ def collect(experiment: Walker, point: Results, progress: Progress) -> Trajector
 
 
 def with_film_columns(trajectory: Trajectory, interval: float) -> Trajectory:
-    """Trajectories with the columns of `FILM` before their own; samples are `interval` s apart."""
+    """Return trajectories with the columns of `FILM` before their own; samples are `interval` s apart."""
     own = dict(zip(trajectory.columns, trajectory.rows.T, strict=True))
     film = (np.rint(own["t_s"] / interval), *(own[name] for name in ("particle", "x_mm", "y_mm", "theta_rad")))
     ours = {name: values for name, values in own.items() if name != "particle"}
@@ -61,17 +61,17 @@ def with_film_columns(trajectory: Trajectory, interval: float) -> Trajectory:
 
 
 def to_csv(written: TrajectoryData) -> bytes:
-    """CSV with a header line, every digit kept."""
+    """Write CSV with a header line and all digits."""
     return trajectory.to_csv(written.rows)
 
 
 def to_npz(written: TrajectoryData) -> bytes:
-    """NPZ archive with an array for each column."""
+    """Write an NPZ archive with an array for each column."""
     return trajectory.to_npz(written.rows)
 
 
 def to_xyz(written: TrajectoryData) -> bytes:
-    """Write extended XYZ for OVITO: a frame for each time, with the runs that had not ended."""
+    """Write extended XYZ for OVITO: a frame for each time, with the runs that are not over."""
     own = dict(zip(written.rows.columns, written.rows.rows.T, strict=True))
     size = written.design.size
     half = 0.5 * np.array([size.length, size.depth, size.thickness])
@@ -84,14 +84,14 @@ def to_xyz(written: TrajectoryData) -> bytes:
 
 
 def _bounding_box(places: Array, reach: float) -> str:
-    """Box that holds all bodies at all times, so that OVITO's view stays where it is."""
+    """Return a box that contains all bodies at all times, so that OVITO's view does not move."""
     margin = (1.0 + BOX_MARGIN) * reach
     low = places.min(axis=0, initial=np.inf) - margin
     return extended_xyz.format_box(low, places.max(axis=0, initial=-np.inf) + margin - low)
 
 
 def to_nc(written: TrajectoryData) -> bytes:
-    """NetCDF for xarray and movement: a run is an individual."""
+    """Write NetCDF for xarray and movement: a run is an individual."""
     own = dict(zip(written.rows.columns, written.rows.rows.T, strict=True))
     frames, at = np.unique(own["frame"], return_inverse=True)
     names, who = np.unique(own["particle"].astype(np.int64), return_inverse=True)

@@ -25,7 +25,7 @@ UNEXPLAINED = "which print it is"
 
 
 def make_report(spread: PrintScatter, design: Design, scene: str, folder: Path | None = None) -> Report:
-    """Report of uncertain prints of a walker in a scene of this name; written where folder says."""
+    """Make the report of uncertain prints of a walker in a scene of this name, written to `folder` if given."""
     title = f"{design.name}, {design.tilt_deg:g} deg, {scene}"
     unexplained = spread.unexplained.pair
     lines = []
@@ -65,7 +65,7 @@ def write(report: Report, folder: Path) -> None:
 
 
 def summary_rows(spread: PrintScatter) -> Iterator[tuple[str, str | Quantity]]:
-    """Rows of a summary: mean, scatter between prints, and statistical error apart from it."""
+    """Yield the rows of a summary: mean, scatter between prints, and the separate statistical error."""
     (low1, high1), (low2, high2) = (spread.speed.interval(level) or (None, None) for level in (0.68, 0.95))
     scatter, step = spread.between_prints_mm_s or None, step_errors.step_bias(spread.speed)
     yield "mean over prints", spread.speed
@@ -85,7 +85,7 @@ def summary_rows(spread: PrintScatter) -> Iterator[tuple[str, str | Quantity]]:
 
 
 def notes(spread: PrintScatter) -> Iterator[str]:
-    """Statements on what the bounds hold, and on what was taken out of them."""
+    """Yield notes on what the bounds include, and on what was removed from them."""
     if spread.draws < statistics.MIN_VALUES_FOR_95:
         yield (
             f"95 % of prints: {spread.draws} draws do not reach its ends, which are extrapolated "
@@ -102,7 +102,7 @@ def notes(spread: PrintScatter) -> Iterator[str]:
 
 
 def _facts(spread: PrintScatter) -> dict[str, Any]:
-    """Results for JSON; shares are parts of the variance between prints."""
+    """Return results for JSON. Shares are parts of the variance between prints."""
     unexplained = {"share": spread.unexplained.value, "se": spread.unexplained.se}
     return {
         "draws": spread.draws,

@@ -20,7 +20,7 @@ MAX_CHARACTERS = 10_000
 
 
 def split_key_value(text: str) -> tuple[str, str]:
-    """Key and value, as written, of KEY=VALUE. Raises InputError."""
+    """Split KEY=VALUE into key and value, as written. Raises InputError."""
     key, sign, value = (part.strip() for part in text.partition("="))
     if len(text) > MAX_CHARACTERS:
         raise InputError(
@@ -36,9 +36,9 @@ def split_key_value(text: str) -> tuple[str, str]:
 
 
 def parse_value(text: str) -> Any:
-    """Value that a text stands for: a TOML value, or the text itself where it is none (braced).
+    """Return the TOML value of a text, or the text itself if it is not TOML (braced).
 
-    Raises InputError for what begins as a list or a table and is none: a shell takes quotes away.
+    Raises InputError for an invalid list or table: a shell removes quotes.
     """
     try:
         data = parse_toml(f"value = {text}")
@@ -53,9 +53,9 @@ def parse_value(text: str) -> Any:
 
 
 def check_key(key: str, model: type[Section], source: str, prefix: str = "") -> None:
-    """Raise InputError, which begins with `source`, for a key that a file has not.
+    """Raise InputError, beginning with `source`, for a key that a file does not have.
 
-    Known keys are told after a prefix.
+    The message lists known keys after `prefix`.
     """
     _check_form(key, f"{source}: ")
     if reason := describe_unknown_key(tuple(key.split(".")), model, prefix):
@@ -65,11 +65,11 @@ def check_key(key: str, model: type[Section], source: str, prefix: str = "") -> 
 def read_with_values(
     path: Path, model: type[Model], values: Mapping[str, Any], source: str = "‹set›", prefix: str = ""
 ) -> Model:
-    """Contents of a TOML file in which these keys have other values, as if they stood in it.
+    """Return the contents of a TOML file with these keys replaced, as if the file contained the values.
 
-    Files that values name are found from the folder that walkergen runs in. Raises InputError, or
-    GeometryError, with a line for every mistake: in the file, else in the values, which begins
-    with `source` and tells keys after a prefix.
+    Relative paths in the values start from the working directory. Raises InputError, or
+    GeometryError, with a line for every mistake: in the file, otherwise in the values. Lines on
+    values begin with `source` and list keys after `prefix`.
     """
     return read_with_data(path, model, values, source, prefix)[0]
 
@@ -77,7 +77,7 @@ def read_with_values(
 def read_with_data(
     path: Path, model: type[Model], values: Mapping[str, Any], source: str = "‹set›", prefix: str = ""
 ) -> tuple[Model, dict[str, Any]]:
-    """As `read`, with the data that the contents were validated from, for `assigned`."""
+    """Read as `read` does, and return the data that the contents were validated from, for `assign_values`."""
     data, text = read_data(path, model)
     try:
         settings = validate(data, model, str(path), text)
@@ -91,9 +91,9 @@ def read_with_data(
 def _repair_with_values(
     error: InputError, data: dict[str, Any], model: type[Model], values: Mapping[str, Any], source: str, prefix: str
 ) -> Model:
-    """Contents of a file with values of which something mends what is wrong in it.
+    """Return the contents of a file after the values have repaired a mistake in it.
 
-    Raises the error of the file alone where they leave that as it is, else that of all together.
+    Raises the file's own error if the values do not change it, otherwise the error of file and values.
     """
     try:
         return assign_values(model.model_construct(), data, values, source, prefix)
@@ -116,9 +116,9 @@ def replace_values(section: Model, values: Mapping[str, Any], source: str = "‹
 def assign_values(
     section: Model, data: dict[str, Any], values: Mapping[str, Any], source: str, prefix: str = ""
 ) -> Model:
-    """Set keys of data to values, in place, and validate the result; `section` is what the data held before.
+    """Set keys of data to values, in place, and validate the result; `section` is the previous content.
 
-    Raises as `changed` does.
+    Raises as `replace_values` does.
     """
     for key, value in values.items():
         _check_form(key, f"{source}: {prefix}")
@@ -130,14 +130,14 @@ def assign_values(
 
 
 def _check_form(key: str, before: str) -> None:
-    """Raise InputError for what is not written as a key."""
+    """Raise InputError for text that does not have the form of a key."""
     if not KEY_PATTERN.fullmatch(key):
         reason = "must be a key of the TOML file, as legs.tilt_deg or legs[2].friction"
         raise InputError(f"{before}{key[:60]!r}: {reason}")
 
 
 def _to_toml_value(value: Any) -> Any:
-    """Value as a TOML file gives it: numbers of numpy and paths, which Python's users have, too."""
+    """Return a value as a TOML file would give it; converts NumPy numbers and paths."""
     if isinstance(value, (np.generic, np.ndarray)):
         return value.tolist()
     return str(value) if isinstance(value, Path) else copy.deepcopy(value)
@@ -171,7 +171,7 @@ def _split_index(step: str) -> tuple[str, int | None]:
 
 
 def _find_list(place: Mapping[str, Any], step: str) -> list[Any]:
-    """List whose entry a step numbers. Raises InputError where it has no such entry."""
+    """Return the list that a numbered step refers to. Raises InputError if it has no such entry."""
     name, number = _split_index(step)
     entries = place.get(name)
     if not isinstance(entries, list):

@@ -25,17 +25,17 @@ from walkergen.core.numerics import Array, Mask, Whole
 FORMAT_NAME = "a CSV file"
 MAX_ROWS, MAX_COLUMNS, MAX_BAD_ROWS = 20_000_000, 1000, 1_000_000
 MAX_MAGNITUDE, MIN_MAGNITUDE = 1e12, 1e-12
-"""Size beyond which a number is a slip of the pen, whatever its unit; below the other it is 0."""
+"""Size above which a number is a typing error in any unit, and size below which it is 0."""
 CHUNK_LINES = 100_000
-"""Lines that are parsed at once."""
+"""Number of lines parsed together."""
 
 MATCH_PLAIN_LINE = re.compile(r"""[^"'\r\n]{1,99999}\n?""").fullmatch
-"""Lines whose cells are what stands between commas; a line may be longer than what the csv module reads of a cell."""
+"""Lines whose cells are simply separated by commas; a line may exceed the csv module's limit for a cell."""
 
 SEPARATOR_HINT = "separate cells by commas and write numbers with a decimal point"
-"""What to do with tables of programs that speak other languages."""
+"""Advice for tables from programs in other languages."""
 MAX_NAMED_ROWS, MAX_NAMED_IF_ALL_BAD = 5, 2
-"""Most bad rows that are named beside good ones, and where all are bad; the others are counted."""
+"""Most bad rows named if some rows are good, and if all are bad; further rows are counted."""
 
 
 class Columns(NamedTuple):
@@ -49,7 +49,7 @@ class Columns(NamedTuple):
     """Reason why each other row was left out, by its line in the file."""
 
     def reject_rows(self, wrong: Mask, reason: str) -> "Columns":
-        """Columns without the rows in `wrong` (shape (rows,)), which join the bad ones."""
+        """Return the columns without the rows in `wrong` (shape (rows,)), which are added to the bad rows."""
         bad = self.bad | {int(line): reason for line in self.lines[wrong]}
         kept = {name: values[~wrong] for name, values in self.values.items()}
         return Columns(kept, self.lines[~wrong], bad)
@@ -65,19 +65,19 @@ class Records(NamedTuple):
 
 
 def read_header(path: Path) -> list[str]:
-    """Names in the first line of a file; raises InputError for no name and for equal names."""
+    """Read the names in the first line of a file. Raises InputError for missing and for equal names."""
     return first_two_rows(file_reading.read_lines(path, FORMAT_NAME), str(path))[0]
 
 
 def first_two_rows(lines: Iterable[str], source: str) -> tuple[list[str], list[str]]:
-    """Names in the first line of a CSV file, and cells of the first row; none where there is no row."""
+    """Return the names in the first line of a CSV file, and the cells of the first row, empty without one."""
     names, stream = _read_names(iter(lines), source)
     rows = (split_cells(line, source, at) for at, line in enumerate(stream, 2) if line.strip())
     return names, next(rows, [])
 
 
 def distinct_texts(lines: Iterable[str], source: str, name: str) -> list[str]:
-    """Texts that a column holds, each once, in the order of the file; blank cells do not count."""
+    """Return the distinct texts of a column in the order of the file; blank cells do not count."""
     names, stream = _read_names(iter(lines), source)
     place = names.index(name)
     rows = (split_cells(line, source, at) for at, line in enumerate(stream, 2))
@@ -86,7 +86,7 @@ def distinct_texts(lines: Iterable[str], source: str, name: str) -> list[str]:
 
 
 def parse_records(lines: Iterable[str], source: str) -> Records:
-    """Rows of the lines of a CSV file, whose first line names the columns; blank rows are left out.
+    """Parse the lines of a CSV file into rows; the first line names the columns, and blank rows are left out.
 
     Raises InputError, which begins with `source` and the line, when a name is missing or occurs
     twice, when a row has not as many cells as the header, and when a line is not valid CSV.
@@ -104,7 +104,7 @@ def parse_records(lines: Iterable[str], source: str) -> Records:
 
 
 def check_names(seen: Sequence[str], path: Path, required: Sequence[str], optional: Sequence[str], told: str) -> None:
-    """Raise InputError for a column that is missing or unknown; `told` follows the names of those required."""
+    """Raise InputError for a column that is missing or unknown; `told` follows the required names in the message."""
     missing = [name for name in required if name not in seen]
     unknown = [name for name in seen if name not in (*required, *optional)]
     if missing or unknown:
@@ -119,7 +119,7 @@ def read_numbers(
     words: Mapping[str, Sequence[str]] = MappingProxyType({}),
     lines: Iterable[str] | None = None,
 ) -> Columns:
-    """Columns of numbers by name; rows without finite numbers in the required ones are left out.
+    """Read columns of numbers by name, leaving out rows without finite numbers in the required columns.
 
     `lines` are those of a file that another program lays out in its own way, as a CSV file has them.
 
@@ -167,7 +167,7 @@ def read_numbers(
 
 
 def parse_count(text: str, most: int) -> int | None:
-    """Whole number in 1..most that a text stands for, in plain digits, or None."""
+    """Return the whole number in 1..most that a text in plain digits contains, or None."""
     value = int(text) if re.fullmatch(r"\s*[0-9]{1,9}\s*", text) else 0
     return value if 1 <= value <= most else None
 
@@ -182,7 +182,7 @@ def describe_bad_rows(bad: dict[int, str], most: int = MAX_NAMED_ROWS) -> str:
 
 
 def _read_names(stream: Iterator[str], source: str) -> tuple[list[str], Iterator[str]]:
-    """Names in the first line of a stream, and the lines after it; raises InputError.
+    """Read the names in the first line of a stream, and return them with the lines after it. Raises InputError.
 
     R's write.table gives its row names no name: the first column then has "".
     """
@@ -210,7 +210,7 @@ def _read_names(stream: Iterator[str], source: str) -> tuple[list[str], Iterator
 
 
 def _find_long_rows(chunk: Sequence[str], first: int, source: str, count: int) -> dict[int, str]:
-    """Lines with more cells than the header's `count`, as commas within numbers make them, by number."""
+    """Find lines with more cells than the header's `count`, such as commas within numbers cause, by line number."""
     over = {}
     for at, line in enumerate(chunk, first):
         if line.count(",") >= count:
@@ -221,7 +221,7 @@ def _find_long_rows(chunk: Sequence[str], first: int, source: str, count: int) -
 
 
 def split_cells(line: str, source: str, at: int) -> list[str]:
-    """Cells of a line, of which there are none in an empty one; raises InputError."""
+    """Return the cells of a line; an empty line has none. Raises InputError."""
     if MATCH_PLAIN_LINE(line):  # as below, in a third of the time
         return line.removesuffix("\n").split(",")
     try:
@@ -238,7 +238,7 @@ def _parse_chunk(
     required: int,
     words: Mapping[str, Sequence[str]],
 ) -> tuple[list[Array], dict[int, str]]:
-    """Columns of a chunk of lines of given numbers, and the reasons why lines are bad, by number.
+    """Parse a chunk of numbered lines into columns, and return the reasons for bad lines by number.
 
     Numbers in the first `required` columns are finite in every line that is not bad.
     """
@@ -278,7 +278,7 @@ _UNREADABLE = -math.inf
 
 
 def _parse_cell(row: list[str], place: int, optional: bool, words: Sequence[str]) -> float:
-    """Value of a cell: its number or its place among known words; NaN when blank and optional."""
+    """Return the value of a cell: its number or its index among known words; NaN when blank and optional."""
     text = row[place].strip() if place < len(row) else ""
     if words and text:
         return float(words.index(text)) if text in words else _UNREADABLE

@@ -1,4 +1,4 @@
-"""TOML files that people write: read, validated once, and every mistake reported at once.
+"""TOML files that people write: read, validated once, with all mistakes reported together.
 
 A mistake is one line: file and line, key, value seen, what is allowed, and a spelling hint.
 """
@@ -20,7 +20,7 @@ from walkergen.core.files import file_reading
 from walkergen.core.files import safe_text as plain
 
 MAX_BYTES, MAX_DEPTH, MAX_REPORTED_MISTAKES = 1_000_000, 32, 20
-"""Largest file, most levels of lists and tables in it, and mistakes that are told, not counted."""
+"""Largest file in bytes, most levels of lists and tables in it, and most mistakes listed; others are counted."""
 
 MIN_MAGNITUDE, MAX_INTEGER = 1e-15, 2**63
 """Size below which no number but 0 means anything in any unit here; largest whole number of TOML.
@@ -42,9 +42,9 @@ TYPE_RULES = {
     "bool_type": "must be true or false",
     "list_type": "must be a list, in brackets",
 }
-"""Forms of a value in words, by pydantic's names of the mistake of another."""
+"""Descriptions of the required form, by pydantic's names of the mistakes."""
 
-MAX_LISTED_CHOICES = 10  # words of which a message names all; of more it names the nearest three
+MAX_LISTED_CHOICES = 10  # most choices that a message lists in full; of more it lists the nearest three
 VALUE_REPR = reprlib.Repr()
 VALUE_REPR.maxstring = VALUE_REPR.maxother = VALUE_REPR.maxlong = 200
 
@@ -56,7 +56,7 @@ WINDOWS_PATH_HINT = (
     ": between \"...\" a backslash begins a letter's code; write a path between '...', as 'C:\\prints\\body.svg', "
     "or with slashes"
 )
-"""What to do where a path of Windows stands between double quotes."""
+"""Advice for a Windows path between double quotes."""
 
 
 class Section(BaseModel):
@@ -111,7 +111,7 @@ def read_data(path: Path, model: type[Section]) -> tuple[dict[str, Any], str]:
 
 
 def read_toml(path: Path) -> tuple[dict[str, Any], str]:
-    """Contents of a TOML file, and its text. Raises InputError when it cannot be read."""
+    """Read the contents and text of a TOML file. Raises InputError when it cannot be read."""
     text = "".join(file_reading.read_lines(path, "a TOML file", MAX_BYTES))
     try:
         return parse_toml(text), text
@@ -121,9 +121,9 @@ def read_toml(path: Path) -> tuple[dict[str, Any], str]:
 
 
 def parse_toml(text: str) -> dict[str, Any]:
-    """Contents of TOML text. Raises ValueError for other text, and where it is nested too deeply.
+    """Return the contents of TOML text.
 
-    So it does for a whole number of more digits than Python reads.
+    Raises ValueError for other text, for too deep nesting, and for whole numbers too long for Python.
     """
     if not DEEP_KEY_PATTERN.search(text):
         try:
@@ -147,7 +147,7 @@ def _check_integer_size(value: Any) -> None:
 
 
 def nesting_depth(value: Any) -> int:
-    """Levels of lists and tables in a value, counted no further than one beyond DEEPEST."""
+    """Return the levels of lists and tables in a value, counted up to one beyond MAX_DEPTH."""
     layer, levels = [value], 0
     while layer and levels <= MAX_DEPTH:
         holders = [holder for holder in layer if isinstance(holder, (dict, list))]
@@ -157,7 +157,7 @@ def nesting_depth(value: Any) -> int:
 
 
 def normalize_number(value: Any) -> Any:
-    """Value of a key without the sign of a zero. Raises ValueError for numbers of no meaning.
+    """Return the value of a key without the sign of a zero. Raises ValueError for invalid numbers.
 
     These are as small or as large as only a slip of the pen is, and would overflow where they are
     squared or divided by.
@@ -174,7 +174,7 @@ def normalize_number(value: Any) -> Any:
 
 
 def format_location(location: tuple[str, ...], source: str, text: str) -> str:
-    """Source of a text, with the line of a key where that is found: "my.toml:12"."""
+    """Return the source of a text, with the line of a key if found: "my.toml:12"."""
     line = _find_line(location, text)
     return f"{source}:{line}" if line else source
 
@@ -182,8 +182,8 @@ def format_location(location: tuple[str, ...], source: str, text: str) -> str:
 def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str = "", prefix: str = "") -> Model:
     """Validate plain data; `source` (a file, a flag) and the file's text locate the mistakes.
 
-    Keys are told after a prefix. Raises InputError, or GeometryError for parts that cannot be
-    built, a line for every mistake.
+    Messages list keys after `prefix`. Raises InputError, or GeometryError for parts that cannot be
+    built, with a line for every mistake.
     """
     try:
         return model.model_validate(data)
@@ -209,20 +209,20 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
 
 
 def refusal(mistakes: Sequence[str], source: object) -> InputError:
-    """Error with a line for each mistake, of many for the first alone."""
+    """Return an error with a line for each mistake; of too many only the first."""
     more = len(mistakes) - MAX_REPORTED_MISTAKES
     tail = [f"{source}: and {more} more mistakes"] if more > 0 else []
     return InputError("\n".join([*mistakes[:MAX_REPORTED_MISTAKES], *tail]))
 
 
 def _leading_key(problem: str, model: type[Section]) -> str:
-    """Key with which a line on a mistake begins; "" where it begins with another word."""
+    """Return the key at the start of a mistake's line; "" if the line starts with another word."""
     word = problem.split(" ", 1)[0].rstrip(":")
     return word if _field_at(_split_key(word), model) is not None else ""
 
 
 def _explain(mistake: Any, model: type[Section], source: str, text: str, prefix: str) -> str:
-    """Line for a person on a mistake of pydantic's: place, key, value seen, what is allowed."""
+    """Explain a mistake found by pydantic in one line: place, key, value seen, what is allowed."""
     location = _key_path(mistake["loc"], model)
     place = format_location(location, source, text)
     key = plain.shorten_line(prefix + ".".join(location) or "file")
@@ -254,9 +254,9 @@ def _shorten(shown: str) -> str:
 
 
 def _key_path(places: Sequence[str | int], model: type[Section]) -> tuple[str, ...]:
-    """Keys that lead to a mistake of pydantic's: legs[2] is the second of a list of tables.
+    """Return the keys that lead to a mistake found by pydantic: legs[2] is the second of a list of tables.
 
-    The tag by which pydantic tells a table from a list of them is left out.
+    The result omits pydantic's tag that distinguishes a table from a list of tables.
     """
     path: list[str] = []
     for before, place in zip(("", *places), places, strict=False):
@@ -268,7 +268,7 @@ def _key_path(places: Sequence[str | int], model: type[Section]) -> tuple[str, .
 
 
 def _tags(location: tuple[str, ...], model: type[Section]) -> set[str]:
-    """Tags of the forms that a key may have."""
+    """Return the tags of the forms that a key may have."""
     field = _field_at(location, model)
     forms = get_args(field.annotation) if field else ()
     metadata = [item for form in forms for item in getattr(form, "__metadata__", ())]
@@ -276,7 +276,7 @@ def _tags(location: tuple[str, ...], model: type[Section]) -> set[str]:
 
 
 def _find_line(location: tuple[str, ...], text: str) -> int | None:
-    """Line of a key in TOML text: tables by header, dotted keys joined.
+    """Return the line of a key in TOML text: tables by header, dotted keys joined.
 
     Of a key that is not written, the line of its table; None when that is not found either.
     """
@@ -304,7 +304,7 @@ def _find_line(location: tuple[str, ...], text: str) -> int | None:
 
 
 def _without_index(key: str) -> str:
-    """Key without the number of an entry of its list: legs of legs[2]."""
+    """Return the key without the index of its list entry: legs for legs[2]."""
     return key.partition("[")[0]
 
 
@@ -313,9 +313,9 @@ def _split_key(dotted: str) -> tuple[str, ...]:
 
 
 def describe_unknown_key(location: tuple[str, ...], model: type[Section], prefix: str = "") -> str:
-    """Words on a key that a file has not, with the known key most like it; "" for a known one.
+    """Describe a key that a file does not have, with the known key most like it; "" for a known key.
 
-    Known keys are told after a prefix.
+    The text lists known keys after `prefix`.
     """
     if _field_at(location, model) is not None:
         return ""
@@ -323,7 +323,7 @@ def describe_unknown_key(location: tuple[str, ...], model: type[Section], prefix
 
 
 def _suggest_known_keys(location: tuple[str, ...], model: type[Section], prefix: str) -> str:
-    """Words on a key that is gone, or unknown: the known key most like it, or all of its table."""
+    """Suggest the known key most like a removed or unknown one, or all keys of its table."""
     table = _model_at(location[:-1], model)
     if table and location[-1] in table.gone:
         return f"this key is gone: {table.gone[location[-1]]}"
@@ -338,7 +338,7 @@ def _suggest_known_keys(location: tuple[str, ...], model: type[Section], prefix:
 
 
 def key_paths(model: type[Section], prefix: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
-    """Keys of a table and of all tables in it, each as the path that leads to it."""
+    """Return the keys of a table and of all tables in it, each as the path that leads to it."""
     paths: list[tuple[str, ...]] = []
     for name, field in model.model_fields.items():
         paths.append((*prefix, name))
@@ -349,7 +349,7 @@ def key_paths(model: type[Section], prefix: tuple[str, ...] = ()) -> list[tuple[
 
 
 def _section_type(annotation: Any, listed: bool = False) -> type[Section] | None:
-    """Table that a key of this annotation holds, or a list of which; None when it holds none."""
+    """Return the table type that a key of this annotation holds, alone or in a list; None without one."""
     if isinstance(annotation, type) and issubclass(annotation, Section):
         return None if listed else annotation
     if get_origin(annotation) is list:
@@ -359,13 +359,13 @@ def _section_type(annotation: Any, listed: bool = False) -> type[Section] | None
 
 
 def _field_at(location: tuple[str, ...], model: type[Section]) -> FieldInfo | None:
-    """Field at the end of a path of keys; None when the path leads to none."""
+    """Return the field at the end of a path of keys; None if the path leads to no field."""
     table = _model_at(location[:-1], model) if location else None
     return table.model_fields.get(_without_index(location[-1])) if table else None
 
 
 def _model_at(location: tuple[str, ...], model: type[Section]) -> type[Section] | None:
-    """Table at the end of a path of keys; None when the path leads to none."""
+    """Return the table at the end of a path of keys; None if the path leads to no table."""
     if not location:
         return model
     field = _field_at(location, model)
@@ -373,7 +373,7 @@ def _model_at(location: tuple[str, ...], model: type[Section]) -> type[Section] 
 
 
 def describe_allowed_values(location: tuple[str, ...], model: type[Section], seen: object = None) -> str:
-    """Values that a key may hold, in words, from the model's constraints; '' when it has none.
+    """Describe the values that a key may hold, from the model's constraints; '' without constraints.
 
     Of many words it names those nearest to what was `seen`.
     """
@@ -401,7 +401,7 @@ def describe_allowed_values(location: tuple[str, ...], model: type[Section], see
 
 
 def _describe_tables(key: str, annotation: Any) -> str:
-    """Tables that a key may hold, in words; '' when it holds none."""
+    """Describe the tables that a key may hold; '' if it holds none."""
     forms = [
         f"{start}{key}{end}"
         for start, end, listed in (("a table [", "] of keys", False), ("tables [[", "]]", True))
@@ -411,7 +411,7 @@ def _describe_tables(key: str, annotation: Any) -> str:
 
 
 def _describe_bounds(metadata: list[Any]) -> str:
-    """Limits of a number in words, from the constraints of its field; '' when it has none."""
+    """Describe the limits of a number, from the constraints of its field; '' without limits."""
     parts = [part for item in metadata for part in getattr(item, "metadata", None) or [item]]
     limits = [(sign, getattr(part, key, None)) for part in parts for key, sign in LIMIT_SIGNS.items()]
     return " and ".join(f"{sign} {limit:g}" for sign, limit in limits if limit is not None)

@@ -1,8 +1,8 @@
-"""Reading of files that people write: whatever keeps a file from being read is one InputError line.
+"""Reading of files that people write: every failure to read a file is an InputError of one line.
 
-Only regular files are read, and no more of them than a stated size: a pipe would wait for ever, a
-device never end, and what is called a table may be a disk image. The format that is asked for, such
-as "a CSV file", stands in what a person is told to give instead.
+Only regular files of up to a stated size are read. A pipe could wait for ever, a device never
+end, and a file named as a table may be a disk image. Messages name the required format, such
+as "a CSV file".
 """
 
 import io
@@ -39,13 +39,13 @@ CONTROL_CHARACTERS = re.compile("[\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\u
 
 
 def read_start(path: Path, count: int, format: str) -> bytes:
-    """First bytes of a file, which tell what it is. Raises InputError when it cannot be read."""
+    """Read the first bytes of a file, which identify its format. Raises InputError when it cannot be read."""
     with _open_regular_file(path, format, None) as stream:
         return stream.read(count) or b""
 
 
 def read_bytes(path: Path, most_bytes: int = MAX_BYTES, format: str = "a file") -> bytes:
-    """Bytes of a file, whatever its format.
+    """Return the bytes of a file of any format.
 
     Raises InputError when it cannot be read or exceeds `most_bytes`.
     """
@@ -53,13 +53,13 @@ def read_bytes(path: Path, most_bytes: int = MAX_BYTES, format: str = "a file") 
         data = stream.read(most_bytes + 1)
         if data is None:  # what the kernel shows as a file, and fills as it likes
             raise InputError(f"{path}: waits for more to come; give {format} that lies on a disk")
-    if len(data) > most_bytes:  # it grew, or is of a system that tells no sizes
+    if len(data) > most_bytes:  # it grew, or its file system reports no sizes
         raise _size_error(path, len(data), most_bytes)
     return data
 
 
 def read_json(path: Path, most_bytes: int = MAX_BYTES) -> Any:
-    """Contents of a JSON file.
+    """Read a JSON file.
 
     Raises InputError when it cannot be read, exceeds `most_bytes` or is not JSON.
     """
@@ -81,10 +81,10 @@ def check_readable(path: Path, format: str) -> None:
 
 @contextmanager
 def translate_library_errors(source: str, kind: str) -> Iterator[None]:
-    """Guard of the reading of a stranger's file by somebody's library, which may raise anything.
+    """Turn any error of a third-party library into an InputError while it reads a user's file.
 
-    That is an InputError, which begins with `source`, that the file is no sound one of its kind;
-    what the library warns of, or logs, is not shown.
+    The InputError begins with `source` and states that the file is not a sound one of its kind.
+    Warnings and logs of the library are not shown.
     """
     disabled = logging.root.manager.disable
     logging.disable(logging.CRITICAL)
@@ -108,11 +108,11 @@ def describe_error(error: Exception) -> str:
 
 
 def read_lines(path: Path, format: str, most_bytes: int = MAX_BYTES, newline: str | None = None) -> Iterator[str]:
-    r"""Lines of a UTF-8 file, each with its "\n", read as they are asked for.
+    r"""Yield the lines of a UTF-8 file, each with its "\n", reading the file as needed.
 
     Every line end is "\n", unless `newline` is "", and a byte order mark is left out. Raises
-    InputError, when the first line is asked for or a later one, if the file cannot be read, is not
-    UTF-8, exceeds `most_bytes` or has a line of more than MOST_LETTERS.
+    InputError, at the first or a later line, if the file cannot be read, is not UTF-8, exceeds
+    `most_bytes` or has a line longer than MAX_LINE_LENGTH.
     """
     with (
         _open_regular_file(path, format, most_bytes) as stream,
@@ -137,7 +137,7 @@ def has_safe_name(path: Path) -> bool:
 
 @contextmanager
 def _open_regular_file(path: Path, format: str, most_bytes: int | None) -> Iterator[BinaryIO]:
-    """Stream of a regular file; raises InputError, in words, for whatever stops its reading."""
+    """Open a regular file as a stream. Raises a readable InputError for every failure to read it."""
     if not has_safe_name(path):
         raise InputError(
             f"{str(path)[-80:]!r}: its name holds control characters, or bytes that are not UTF-8: rename it"

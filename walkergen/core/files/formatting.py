@@ -1,4 +1,4 @@
-"""Numbers, spans and times in words: as people write them, without exponents where they can."""
+"""Numbers, spans and times as readable text, without exponents if possible."""
 
 import math
 import re
@@ -17,7 +17,7 @@ NUMBER_PATTERN = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?"
 
 
 def is_number(value: object) -> bool:
-    """Whether a value is a number, and no yes or no."""
+    """Return whether a value is a number, and not a boolean."""
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
@@ -43,9 +43,9 @@ def format_count(number: int, one: str, many: str) -> str:
 
 
 def parse_number(text: str) -> float | None:
-    """Finite number that a text stands for, in plain digits, zero without a sign; None for others.
+    """Return the finite number that a text in plain digits contains, zero without a sign; None otherwise.
 
-    Python takes more for one: 1_0, digits of other scripts, nan, ends of lines around it.
+    Python accepts more: 1_0, digits of other scripts, nan, surrounding line ends.
     """
     parsed = float(text) if NUMBER_PATTERN.fullmatch(text.strip(" \t")) else math.nan
     return parsed + 0.0 if math.isfinite(parsed) else None

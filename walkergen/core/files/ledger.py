@@ -1,7 +1,7 @@
-"""What walkergen wrote last, by hashes: a file of somebody's own is told from one of ours.
+"""Hashes of the files that walkergen wrote last, which distinguish its files from a user's own.
 
-A ledger is a file beside the files that it names. Its lines are appended, each before its file is
-there: whenever a run is killed, what it had written is still known to be ours.
+A ledger is a file next to the files that it names. A line is added before its file is written.
+After a run was killed, the files that it wrote are therefore still recognized.
 """
 
 import contextlib
@@ -96,7 +96,7 @@ class Ledger:
 
 
 def _open_locked(path: Path) -> int:
-    """Descriptor of a ledger that no other process has. Raises OSError, InputError when taken."""
+    """Open and lock a ledger, and return its descriptor. Raises OSError, and InputError if it is locked already."""
     while True:
         file = _open_ledger(path, new=True)
         assert file is not None
@@ -116,7 +116,7 @@ def _open_locked(path: Path) -> int:
 
 
 def _open_ledger(path: Path, new: bool) -> int | None:
-    """Descriptor of a ledger; None where there is none, unless it may be `new`. Raises OSError."""
+    """Open a ledger and return its descriptor; None if there is no file, unless it may be `new`. Raises OSError."""
     try:
         file = os.open(path, open_flags(os.O_RDWR | os.O_APPEND | (os.O_CREAT if new else 0)), 0o666)
     except FileNotFoundError:
@@ -137,7 +137,7 @@ def open_flags(mode: int) -> int:
 
 
 def try_lock(file: int) -> bool:
-    """Lock an open file until it is closed, whatever ends the process; False when it is taken."""
+    """Lock an open file until it is closed or the process ends; return False if it is locked already."""
     try:
         if sys.platform == "win32":
             import msvcrt
@@ -157,7 +157,7 @@ def try_lock(file: int) -> bool:
 
 
 def hash_file(path: Path) -> str | None:
-    """Hash of a plain file that is no link; None of all else, which is never ours.
+    """Return the hash of a plain file that is no link; None for anything else, which walkergen never writes.
 
     Raises OSError for a file that cannot be read to its end.
     """
@@ -198,13 +198,13 @@ def is_sealed(data: bytes) -> bool:
 
 
 def encode_manifest(facts: dict[str, Any]) -> bytes:
-    """JSON of facts, sealed."""
+    """Encode facts as sealed JSON."""
     text = json.dumps({**facts, "sealed": BLANK_SEAL.decode()}, indent=2, ensure_ascii=False, allow_nan=False)
     return add_seal(f"{text}\n".encode("utf-8", "backslashreplace"))  # what UTF-8 has not, as in JSON
 
 
 def decode_manifest(data: bytes) -> dict[str, Any] | None:
-    """Facts of a manifest that nobody changed since it was sealed; None of all else."""
+    """Return the facts of a manifest that is unchanged since it was sealed; None otherwise."""
     if not is_sealed(data):
         return None
     try:

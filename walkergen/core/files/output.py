@@ -1,8 +1,8 @@
-"""Writing files so that nothing is ever half-written, and folders that know what they hold.
+"""Writing files so that none is ever half-written, and folders that record what they hold.
 
-A file whose name walkergen chooses is written only where there is none, or one that walkergen
-wrote and nobody changed since; any other is left alone, and named in an error once all else is
-done. A file that a person names is replaced.
+A file whose name walkergen chooses is written only if there is none, or an unchanged one that
+walkergen wrote. Any other file is left alone, and an error names it after all else is done.
+A file that a user names is replaced.
 """
 
 import contextlib
@@ -37,14 +37,14 @@ MAX_NAMED_FILES = 5
 
 
 def write(path: Path, data: bytes, lasting: bool = True) -> None:
-    """Write a file whole or not at all: a temporary name in the same folder, then a rename.
+    """Write a file completely or not at all: a temporary name in the same folder, then a rename.
 
-    A `lasting` one is on the disk then, and outlives a power cut; any other as soon as the system
-    has written it there, which spares each a wait of milliseconds.
+    A `lasting` file is on the disk on return and survives a power cut. Other files reach the disk
+    later, which saves a wait of milliseconds each.
 
-    The temporary file is new and its name not foreseen, so that no link that somebody put there
-    leads elsewhere. Parent folders are made. Raises OutputError; on any exception the temporary
-    file is removed.
+    The temporary file is new and has an unpredictable name, so that no prepared link can redirect
+    it. Parent folders are made. Raises OutputError; on any exception the temporary file is
+    removed.
     """
     try:
         # Of long names the beginning: the whole must not exceed what a folder holds
@@ -85,7 +85,7 @@ def _remove_leftovers(folder: Path) -> None:
     except OSError:
         return  # there is no such folder yet
     for name in names:
-        with contextlib.suppress(OSError):  # somebody else has removed it, or may alone
+        with contextlib.suppress(OSError):  # another process has removed it, or only its owner may
             file = os.open(folder / name, open_flags(os.O_WRONLY))
             try:
                 if try_lock(file):
@@ -95,9 +95,9 @@ def _remove_leftovers(folder: Path) -> None:
 
 
 def rewrite_sealed(path: Path, data: bytes) -> None:
-    """Write sealed data (`ledger.sealed`) as `write` does, but over no file that is not sealed.
+    """Write sealed data as `write` does, replacing only a sealed file.
 
-    Raises OutputError, as `check_ours` does.
+    Raises OutputError, as `check_overwritable` does.
     """
     check_overwritable(path)
     write(path, data)
@@ -107,7 +107,7 @@ def check_overwritable(path: Path) -> None:
     """Raise OutputError where a file is that is neither empty nor sealed as we wrote it."""
     try:
         status = path.lstat()
-    except (OSError, ValueError):  # whatever stops the writing will tell
+    except (OSError, ValueError):  # the write reports the failure
         return
     if _is_empty(status):
         return
@@ -124,22 +124,22 @@ def _is_empty(status: os.stat_result) -> bool:
 
 
 def write_error(path: Path, error: Exception) -> OutputError:
-    """Error, in words, for a file or folder that the system does not let us write."""
+    """Return a readable error for a file or folder that the system does not allow to be written."""
     reason = getattr(error, "strerror", None) or str(error)
     return OutputError(f"{str(path)!r}: cannot be written: {reason}; try another ‹out›")
 
 
 GROWING_HASH = "growing"
-"""Stands in a ledger for the hash of a file that is written row by row."""
+"""Replaces the hash in a ledger for a file that is written row by row."""
 
 
 class Folder:
-    """An output folder that knows which of its files walkergen wrote; a context in which it does.
+    """An output folder that records which of its files walkergen wrote; a context for writing to it.
 
-    Folders of several makers have a manifest each, of another name, which is written at the end;
-    until then no other process may write there. Without a manifest ("") files are only added, by
-    any number of processes. Every call raises OutputError for what cannot be written and for a
-    manifest that is not as we wrote it, InputError where another process writes.
+    A folder with several makers has one manifest each, under its own name. The manifest is written
+    at the end; until then no other process may write there. Without a manifest ("") any number of
+    processes may add files. Every call raises OutputError for failed writes and for a manifest
+    changed since walkergen wrote it, and InputError while another process writes.
     """
 
     def __init__(self, path: Path, manifest: str = MANIFEST) -> None:
@@ -147,7 +147,7 @@ class Folder:
         self.manifest = manifest
         self.hashes: dict[str, str] = {}
         self.left: list[str] = []
-        """Files that are not ours and were left as they are."""
+        """Files that walkergen did not write and left unchanged."""
         self._ledger: Ledger | None = None
         self._listed: dict[str, str] = {}
         self._tidied: set[Path] = set()
@@ -201,7 +201,7 @@ class Folder:
         return True
 
     def start_growing_file(self, name: str) -> None:
-        """Note that a file of ours is about to be written by other means, as row by row."""
+        """Record that other code is about to write a file of ours, for example row by row."""
         self.claim()
         assert self._ledger is not None
         try:
@@ -217,10 +217,10 @@ class Folder:
         self.hashes[name] = digest
 
     def finish(self, facts: dict[str, Any]) -> None:
-        """Write the manifest, after removing what an earlier run left and this one did not make.
+        """Write the manifest, after removing files of an earlier run that this run did not make.
 
-        Only files that the earlier manifest lists, or that a killed run wrote, and that nobody
-        changed since, are removed. Raises OutputError, when all is done, for files left alone.
+        Removes only unchanged files that the earlier manifest lists or that a killed run wrote.
+        Raises OutputError, when all is done, for files left alone.
         """
         self.claim()
         assert self._ledger is not None
@@ -240,7 +240,7 @@ class Folder:
         self._report_left_files()
 
     def earlier_manifest(self) -> dict[str, Any]:
-        """Manifest of an earlier run; nothing where there is none.
+        """Read the manifest of an earlier run; empty if there is none.
 
         Raises OutputError for one that is not as we wrote it: nothing in its folder is touched.
         """
@@ -285,12 +285,12 @@ class Folder:
         path = self.path / name
         try:
             status = path.lstat()
-        except (OSError, ValueError):  # whatever stops the writing will tell
+        except (OSError, ValueError):  # the write reports the failure
             return True
         return _is_empty(status) or self._hash(name) == digest or self._is_ours(name)
 
     def _hash(self, name: str) -> str | None:
-        """Hash of a plain file in the folder; None of all else."""
+        """Return the hash of a plain file in the folder; None for anything else."""
         try:
             return hash_file(self.path / name)
         except OSError as error:
@@ -307,7 +307,7 @@ class Folder:
 
 
 def _listed_hashes(facts: dict[str, Any]) -> dict[str, str]:
-    """Hashes of the files that a manifest lists, by their names."""
+    """Return the hashes of the files that a manifest lists, by their names."""
     files = facts.get("files")
     return files if isinstance(files, dict) else {}
 
@@ -325,7 +325,7 @@ def _is_inside(folder: Path, name: str) -> bool:
 
 
 def versions() -> dict[str, str]:
-    """Versions of walkergen, Python and the libraries that shape the files."""
+    """Return the versions of walkergen, Python and the libraries that shape the files."""
     by_library = {"walkergen": __version__, "python": platform.python_version()}
     for library in LIBRARIES:
         try:
@@ -336,7 +336,7 @@ def versions() -> dict[str, str]:
 
 
 def result_folder(path: Path, out: Path | None, what: str) -> Path:
-    """Folder for what is made of a file: below `out`, or below out/ and the file's own name.
+    """Return the folder for the results of a file: below `out`, or below out/ and the file's own name.
 
     A folder of its own within, so that what other commands wrote there stays.
     """
@@ -344,5 +344,5 @@ def result_folder(path: Path, out: Path | None, what: str) -> Path:
 
 
 def safe_folder_name(path: Path) -> str:
-    """Name of a folder for what is made of a file: the file's own, in letters that are safe."""
+    """Return a folder name for the results of a file: the file's own, in safe letters."""
     return re.sub(r"[^A-Za-z0-9_-]+", "-", path.stem).strip("-")[:64] or "results"

@@ -1,10 +1,10 @@
-"""Progress: how a job that takes long says how far it is, and before that how long it will take."""
+"""Progress: reports of a long job's expected duration and completed share."""
 
 from collections.abc import Callable
 from typing import NamedTuple
 
 Progress = Callable[[str, int, int], None]
-"""Called with what is being done, how many steps are done, and of how many."""
+"""Called with the current task, the number of steps done and their total."""
 
 
 class Expected(NamedTuple):
@@ -13,29 +13,29 @@ class Expected(NamedTuple):
     seconds: float
     """Time by the clock from now on, s."""
     note: str = ""
-    """What would take less, in words."""
+    """Advice that would save time."""
 
 
 Expect = Callable[[Callable[[], Expected | None]], None]
-"""Called by a job with what finds how long it will take, or None where that is short; done where somebody hears."""
+"""Called by a job with a function that estimates its duration, None for a short job; run only if a caller listens."""
 
 
 def ignore_estimate(find: Callable[[], Expected | None]) -> None:
-    """Expect of whom nobody hears."""
+    """Ignore the estimate of a job's duration."""
 
 
 def silent(what: str, done: int, total: int) -> None:
-    """Progress that reports nothing."""
+    """Report no progress."""
 
 
 def part_progress(progress: Progress, number: int, count: int, title: str = "") -> Progress:
-    """Progress of a part, the `number`-th (from 0) of `count` equal ones, as a share of the whole.
+    """Return the progress of the `number`-th (from 0) of `count` equal parts, as a share of the whole.
 
-    A title stands in place of what the part says it does.
+    A title replaces the part's own description.
     """
     return lambda what, done, total: progress(title or what, number * total + done, count * total)
 
 
 def range_progress(progress: Progress, begin: float, end: float) -> Progress:
-    """Progress of a stretch of a job, from one share of the whole to another, in percent."""
+    """Return the progress of a stretch of a job, from one share of the whole to another, in percent."""
     return lambda what, done, total: progress(what, int(100.0 * (begin + (end - begin) * done / max(total, 1))), 100)

@@ -19,12 +19,12 @@ HIDDEN_CHARACTERS = re.compile(
 
 
 def escape_hidden(text: str) -> str:
-    r"""Text with hidden letters as JSON escapes them: \u001b; ends of lines and tabs stay."""
+    r"""Return the text with hidden letters as JSON escapes them: \u001b; ends of lines and tabs stay."""
     return HIDDEN_CHARACTERS.sub(_escape, text)
 
 
 def shorten_line(text: str, widest: int = MAX_LINE_LENGTH) -> str:
-    """Plain text in one line of at most `widest` letters; the middle of a longer one is left out.
+    """Shorten plain text to one line of at most `widest` letters, leaving out the middle.
 
     Its end stays, because there stands what to do.
     """
@@ -36,9 +36,9 @@ def shorten_line(text: str, widest: int = MAX_LINE_LENGTH) -> str:
 
 
 class Plain:
-    """Stream whose text is made plain on its way out, if asked for in lines of bounded length.
+    """Stream that makes text plain before writing it, optionally in lines of bounded length.
 
-    What rich draws, whose colours are escape sequences, goes past it.
+    Output of rich, whose colours are escape sequences, bypasses it.
     """
 
     def __init__(self, stream: TextIO, widest: int | None = None) -> None:

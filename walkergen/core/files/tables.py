@@ -26,9 +26,9 @@ FORMULA_START = re.compile(r"'*[=+\-@\t\r]")
 
 
 def csv_text(header: Sequence[str], lines: Iterable[Sequence[Any]]) -> str:
-    """Comma-separated values under a header: every digit of a number, nothing for None.
+    """Format comma-separated values under a header: every digit of a number, nothing for None.
 
-    Text that a spreadsheet would run has an apostrophe before it, which `unquoted` takes away. Fields are Python's.
+    Text that a spreadsheet would run gets an apostrophe before it; `unquote_formula` removes it. Fields are Python's.
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -38,13 +38,13 @@ def csv_text(header: Sequence[str], lines: Iterable[Sequence[Any]]) -> str:
 
 
 def quote_formula(cell: Any) -> Any:
-    """Cell of a CSV file; text that would be a formula with an apostrophe before it."""
+    """Return a cell of a CSV file, with an apostrophe before text that would be a formula."""
     formula = isinstance(cell, str) and FORMULA_START.match(cell) and not _is_number(cell)
     return f"'{cell}" if formula else cell
 
 
 def unquote_formula(cell: str) -> str:
-    """Text of a cell as it was before `quoted`."""
+    """Return the text of a cell without the apostrophe of `quote_formula`."""
     return cell[1:] if cell.startswith("'") and FORMULA_START.match(cell) else cell
 
 
@@ -57,13 +57,13 @@ def _is_number(text: str) -> bool:
 
 
 def to_html(rows: Iterable[tuple[str, str]]) -> str:
-    """Small table of names and values, both escaped, as a notebook shows them."""
+    """Format a small table of names and values, both escaped, for a notebook."""
     cells = (f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in rows)
     return f"<table><tbody>{''.join(cells)}</tbody></table>"
 
 
 def to_markdown(table: "Table") -> str:
-    """Table as Markdown, its columns in line, after its title if it has one.
+    """Format a table as Markdown with aligned columns, after its title if it has one.
 
     As Rich prints it with box.MARKDOWN, which takes ten times as long and breaks lines of 300.
     """
@@ -83,7 +83,7 @@ def to_markdown(table: "Table") -> str:
 
 
 def _strip_markup(cell: Any) -> str:
-    """Text of a cell, or of a heading, without its markup."""
+    """Return the text of a cell, or of a heading, without its markup."""
     from rich.text import Text
 
     text = Text.from_markup(cell) if isinstance(cell, str) and "[" in cell else cell
@@ -118,7 +118,7 @@ def print_table(table: "Table", console: "Console") -> None:
 
 @contextmanager
 def _temporary_width(console: "Console", width: int) -> Iterator[None]:
-    """Console of another width: lines too long for the terminal are the terminal's to break."""
+    """Set another width of a console: lines too long for the terminal are left to the terminal to break."""
     before = console.width
     console.width = width
     try:
@@ -146,7 +146,7 @@ def _column_sizes(table: "Table", index: int, console: "Console") -> Sizes:
 
 
 def _split_columns(table: "Table", sizes: Sequence[Sizes], frame: int, width: int) -> Sequence[Sequence[int]]:
-    """Columns of each piece: those that name the rows, and as many others as have room."""
+    """Return the columns of each piece: those that name the rows, and as many others as fit."""
     justify = [column.justify for column in table.columns[:2]]
     names = [0, 1] if justify == ["right", "left"] else [0]
     pieces: list[list[int]] = []
@@ -161,7 +161,7 @@ def _split_columns(table: "Table", sizes: Sequence[Sizes], frame: int, width: in
 
 
 def _column_widths(sizes: Sequence[Sizes], room: int) -> list[int]:
-    """Widths of columns: at least what each needs, and shares of the room for those that wrap."""
+    """Return widths of columns: at least what each needs, and shares of the rest for columns that wrap."""
     widths = [size.least for size in sizes]
     left = room - sum(widths)
     wanting = sorted(range(len(sizes)), key=lambda index: sizes[index].natural - sizes[index].least)

@@ -8,20 +8,20 @@ import math
 from statistics import NormalDist
 
 MIN_SERIES_FREEDOM = 1e4
-"""Degrees of freedom from which on three terms of a quantile's series are exact (Abramowitz and Stegun 26.7.5)."""
+"""Degrees of freedom above which three terms of a quantile's series are exact (Abramowitz and Stegun 26.7.5)."""
 
 MIN_STIRLING_ARGUMENT = 16.0
-"""Argument from which on the five terms of Stirling's series are exact."""
+"""Argument above which the five terms of Stirling's series are exact."""
 
 MAX_QUANTILE = 1e150
-"""Quantile from which on its square is taken as infinite."""
+"""Quantile above which its square counts as infinite."""
 
 MAX_ITERATIONS = 100
 """Steps of Newton and bisections after which a quantile is as exact as doubles are."""
 
 
 def student_quantile(freedom: float, probability: float) -> float:
-    """Quantile of Student's t of so many degrees of freedom, at a probability between 0 and 1.
+    """Return a quantile of Student's t at a probability between 0 and 1.
 
     Infinite where its square is no double, as of 97.5 % and 0.005 degrees of freedom.
     """
@@ -54,7 +54,7 @@ def student_quantile(freedom: float, probability: float) -> float:
 
 
 def fisher_tail(few: float, many: float, ratio: float) -> float:
-    """Probability that F of (few, many) degrees of freedom is larger than `ratio`."""
+    """Return the probability that F of (few, many) degrees of freedom is larger than `ratio`."""
     if not (few > 0.0 and many > 0.0) or math.isnan(ratio):
         return math.nan
     if ratio <= 0.0 or math.isinf(ratio):
@@ -64,14 +64,14 @@ def fisher_tail(few: float, many: float, ratio: float) -> float:
 
 
 def _incomplete_beta(a: float, b: float, x: float, y: float) -> float:
-    """Regularized incomplete beta function I_x(a, b); y = 1 - x, each with all its digits."""
+    """Compute the regularized incomplete beta function I_x(a, b); y = 1 - x, each with all its digits."""
     if x > (a + 1.0) / (a + b + 2.0):
         return 1.0 - _incomplete_beta(b, a, y, x)
     return _beta_prefactor(a, b, x, y) * _continued_fraction(a, b, x) / a if x > 0.0 else 0.0
 
 
 def _continued_fraction(a: float, b: float, x: float) -> float:
-    """Continued fraction of the incomplete beta function (DLMF 8.17.22), by Lentz's method."""
+    """Compute the continued fraction of the incomplete beta function (DLMF 8.17.22) by Lentz's method."""
     c, d = 1.0, 1.0 / (1.0 - (a + b) * x / (a + 1.0))
     value, change, m = d, 0.0, 0
     while abs(change - 1.0) > 1e-16:

@@ -35,7 +35,7 @@ SOURCE_PATTERNS = (
 
 @functools.cache
 def source_digest() -> str:
-    """Hash of the sources that kernels are made of, 16 hexadecimal digits."""
+    """Return the hash of the kernels' sources, 16 hexadecimal digits."""
     hasher = hashlib.sha256()
     package = Path(__file__).parents[2]
     for source in sorted(path for pattern in SOURCE_PATTERNS for path in package.glob(pattern)):
@@ -105,12 +105,12 @@ class Kernel:
 
 @typeof_impl.register(Kernel)  # type: ignore[untyped-decorator]
 def _typeof_kernel(kernel: Kernel, context: Any) -> Any:
-    """Type of a kernel that another one calls."""
+    """Return the type of a kernel that another kernel calls."""
     return numba.typeof(kernel.inner)
 
 
 def _compile(function: F, **options: Any) -> F:
-    """Kernel of a function; the function itself where the compiler is off."""
+    """Compile a function to a kernel; return the function itself if the compiler is off."""
     if numba.config.DISABLE_JIT:
         return function
     compiled: Any = Kernel(function, {"nogil": True, "error_model": "numpy", **options})
@@ -141,7 +141,7 @@ def kernel_without_refcount(function: F) -> F:
 
 
 def entry_point(function: F, *arguments: Any) -> F:
-    """Machine code of a kernel for arguments of these types, compiled if need be.
+    """Return the machine code of a kernel for arguments of these types, compiled if necessary.
 
     A call through it does not look up the types, which for nested tuples takes 0.1 ms.
     """
@@ -152,10 +152,10 @@ def entry_point(function: F, *arguments: Any) -> F:
 
 
 def typed_list(items: Iterable[Any]) -> Any:
-    """List of tuples of one type, for kernels; a plain one where the compiler is off.
+    """Return a list of tuples of one type for kernels; a plain list if the compiler is off.
 
-    Kernels of our own fill it: those of numba's list are compiled anew in every process, for 7 s of
-    CPU where tuples are as large as a walker. Its items are read by `borrowed`.
+    Kernels of this package fill it, because numba compiles those of its list again in every process:
+    7 s of CPU for tuples as large as a walker. Its items are read with `borrow_item`.
     """
     if numba.config.DISABLE_JIT:
         return list(items)
@@ -192,4 +192,4 @@ def _borrow_item(typing: Any, items: Any, i: Any) -> Any:
 
 
 borrow_item = operator.getitem if numba.config.DISABLE_JIT else _borrow_item
-"""Item i of what `listed` made, for kernels that count no references (`lean`, `uncounted`)."""
+"""Item i of a `typed_list`, for kernels without reference counts (`lean`, `kernel_without_refcount`)."""

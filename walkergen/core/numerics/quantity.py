@@ -15,15 +15,15 @@ from walkergen.core.numerics import Array, statistics
 from walkergen.core.numerics.distributions import student_quantile
 
 CONFIDENCE = 0.95
-"""Confidence of the bounds by which two quantities are compared."""
+"""Confidence of the bounds that compare two quantities."""
 
 
 BOUND_ITERATIONS = 50
-"""Number of rounds that find the lower bound of a variance which is told only where it is large."""
+"""Number of iterations for the lower bound of a variance that is reported only if it is large."""
 
 
 class Verdict(StrEnum):
-    """How a quantity stands beside another, or beside a range that is allowed."""
+    """Result of comparing a quantity with another, or with an allowed range."""
 
     AGREE = "agree"
     """All of its bounds lie within what is allowed."""
@@ -43,7 +43,7 @@ class Quantity(NamedTuple):
     """As keys write it: mm_s, rad2_s; "" for a pure number."""
     value: float | None
     se: float | None = None
-    """Standard error; None where it is not known, 0 of a number without chance."""
+    """Standard error; None if unknown, 0 for a number without chance."""
     freedom: float = math.inf
     """Degrees of freedom of the error: bounds follow Student's t; 0: more values would tell none."""
     refused: str = ""
@@ -53,9 +53,9 @@ class Quantity(NamedTuple):
     power: int = 1
     """Power of the number that is such a variance: 2 for its root, -1 for a time that is 1 over it."""
     least: float = 0.0
-    """Variance, with its noise, below which such a number is not told; its lower bound allows for that choice."""
+    """Variance, with noise, below which such a number is not reported; its lower bound allows for this selection."""
     bias: float = 0.0
-    """Largest error (95 %) that no number of values makes less, as of a time step; infinite where it is not known."""
+    """Largest error (95 %) that more values do not reduce, as of a time step; infinite if unknown."""
     ends: "tuple[float, float, float, float] | None" = None
     """Ends of its bounds of 95, 68, 68 and 95 % where these are of draws, and not of its error."""
 
@@ -84,7 +84,7 @@ class Quantity(NamedTuple):
         return f"{self.key}_{self.unit}" if self.unit else self.key
 
     def interval(self, confidence: float = CONFIDENCE) -> tuple[float, float] | None:
-        """Lower and upper bound that hold the truth with a `confidence` of 0 to 1; None unless both are finite.
+        """Return the bounds that hold the truth with a `confidence` of 0 to 1; None unless both are finite.
 
         A number has no bounds without an error, or with one of no degrees of freedom. A bias widens them in squares,
         by half of it below CONFIDENCE: as one standard deviation. Those of draws are of 95 or 68 %.
@@ -97,7 +97,7 @@ class Quantity(NamedTuple):
         return ends if all(map(math.isfinite, ends)) else None
 
     def _bounds(self, value: float, se: float, confidence: float) -> tuple[float, float]:
-        """Lower and upper bound of a number with an error, which may be infinite or NaN."""
+        """Return the bounds of a number with an error; they may be infinite or NaN."""
         if self.bias:
             half = self._replace(bias=0.0).half_width(confidence)
             wider = math.hypot(half, self.bias if confidence >= CONFIDENCE else 0.5 * self.bias)
@@ -120,12 +120,12 @@ class Quantity(NamedTuple):
         return found
 
     def half_width(self, confidence: float = CONFIDENCE) -> float:
-        """Half of the width of its bounds; infinite without any."""
+        """Return half of the width of its bounds; infinite without bounds."""
         ends = self.interval(confidence)
         return math.inf if ends is None else 0.5 * (ends[1] - ends[0])
 
     def _variance_bounds(self, value: float, noise: float, confidence: float) -> tuple[float, float]:
-        """Bounds of a variance, or of a power of it, to which noise adds."""
+        """Return the bounds of a variance with added noise, or of a power of it."""
         from scipy import special
 
         free, tail = self.freedom, 0.5 - 0.5 * confidence
@@ -135,7 +135,7 @@ class Quantity(NamedTuple):
             return math.nan, math.nan
         for _ in range(
             BOUND_ITERATIONS if self.least else 0
-        ):  # so that a larger one, given that it is told, has this chance
+        ):  # so that a larger one, given that it is reported, has this chance
             if scales[0] > noise:
                 told = special.chdtrc(free, self.least * free / scales[0])
                 scales[0] = total / special.chdtri(free, tail * told)
@@ -144,7 +144,7 @@ class Quantity(NamedTuple):
         return low, high
 
     def compare_with_range(self, low: float, high: float, confidence: float = CONFIDENCE) -> Verdict:
-        """How its bounds lie in a range, whose ends may be infinite: agree inside, disagree outside.
+        """Compare the bounds with a range, whose ends may be infinite: agree inside, disagree outside.
 
         Without an error it is undecided: noise that is not known makes no agreement, nor the contrary.
         """
@@ -158,7 +158,7 @@ class Quantity(NamedTuple):
         return Verdict.AGREE if low <= ends[0] and ends[1] <= high else Verdict.UNDECIDED
 
     def minus(self, other: "Quantity") -> "Quantity":
-        """Difference of two independent quantities, with Satterthwaite's degrees of freedom (1946)."""
+        """Return the difference of two independent quantities, with Satterthwaite's degrees of freedom (1946)."""
         if self.value is None or other.value is None:
             return self._replace(value=None, se=None, refused=self.refused or other.refused or "no value")
         gap = self.value - other.value
@@ -179,7 +179,7 @@ def column_values(row: Any, *levels: int) -> dict[str, Any]:
 
 
 def mean(key: str, unit: str, values: "Sequence[float] | Array") -> Quantity:
-    """Mean of independent values, shape (n,), by their scatter; of one value the error is refused."""
+    """Return the mean of independent values, shape (n,), with an error from their scatter if n > 1."""
     array = np.asarray(values, dtype=float)
     if len(array) == 0:
         return Quantity(key, unit, None, None, refused="no value")

@@ -1,8 +1,8 @@
-"""Kernels that came compiled with the package, in `walkergen/kernels`, where they fit this machine.
+"""Kernels shipped compiled with the package, in `walkergen/kernels`, if they fit this machine.
 
-They are machine code for any CPU of a kind (x86-64-v3, or the generic one elsewhere), so numba
-compiles for that kind as well: what is compiled here joins what came. Code is unpickled only from
-the package's own folder, as its manifest's sums say, and only where nobody else can write to it.
+They are machine code for any CPU of a kind (x86-64-v3, or the generic one elsewhere). numba
+compiles for that kind as well, so that new kernels fit the shipped ones. Code is unpickled only
+from the package's own folder, checked with its manifest's sums, and only if no other user can write to it.
 """
 
 import functools
@@ -24,7 +24,7 @@ X86_64_V3_FEATURES = ("avx", "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "mov
 
 
 class Kind(NamedTuple):
-    """What machine code depends on, besides the sources: all must be the same."""
+    """Properties, apart from the sources, that machine code depends on: all must match."""
 
     sources: str
     """Digest of the kernels' sources."""
@@ -37,7 +37,7 @@ class Kind(NamedTuple):
 
 
 def machine_kind(sources: str) -> Kind:
-    """Kind of this program on this machine."""
+    """Return the kind of this program on this machine."""
     from importlib.metadata import version
 
     return Kind(
@@ -47,7 +47,7 @@ def machine_kind(sources: str) -> Kind:
 
 @functools.cache
 def cpu_kind() -> str:
-    """LLVM's name of the kind of CPU that kernels are shipped for; "" where this one is less."""
+    """Return LLVM's name of the kind of CPU that kernels are shipped for; "" if this CPU lacks features."""
     if platform.machine().lower() not in ("x86_64", "amd64"):
         return "generic"
     from llvmlite import binding
@@ -57,7 +57,7 @@ def cpu_kind() -> str:
 
 
 def read_manifest(folder: Path = KERNEL_FOLDER) -> dict[str, Any] | None:
-    """Manifest of the kernels that came with the package; None without any, or unreadable."""
+    """Read the manifest of the shipped kernels; None if it is missing or unreadable."""
     try:
         return dict(json.loads((folder / MANIFEST).read_text()))
     except (OSError, ValueError, TypeError):
@@ -65,7 +65,7 @@ def read_manifest(folder: Path = KERNEL_FOLDER) -> dict[str, Any] | None:
 
 
 def mismatch_reason(made: dict[str, Any], own: Kind, folder: Path = KERNEL_FOLDER) -> str:
-    """Reason why kernels of a manifest are not for this machine; "" where they are."""
+    """Return the reason why a manifest's kernels do not fit this machine; "" if they fit."""
     if not _is_trusted_folder(folder):
         return f"{folder} can be written by others"
     wished = os.environ.get("NUMBA_CPU_NAME", own.cpu), os.environ.get("NUMBA_CPU_FEATURES", "")
@@ -79,7 +79,7 @@ def mismatch_reason(made: dict[str, Any], own: Kind, folder: Path = KERNEL_FOLDE
 
 
 def _is_trusted_folder(folder: Path) -> bool:
-    """Whether only the user, or who installed the package, can write to a folder."""
+    """Return whether only the user, or the installer of the package, can write to a folder."""
     if not hasattr(os, "getuid"):
         return True  # Windows: a profile's folders are its user's
     for path in (folder, *folder.rglob("*")):
@@ -93,7 +93,7 @@ def _is_trusted_folder(folder: Path) -> bool:
 
 
 def find_fitting_kernels(sources: str) -> tuple[dict[str, str], str]:
-    """Files of fitting kernels by their sums, or none and why those that came do not fit.
+    """Find files of fitting kernels by their sums; without any, return the reason why the shipped ones do not fit.
 
     With some numba, which is not yet imported, will compile for the same kind of CPU.
     """
@@ -116,7 +116,7 @@ def install_in_cache(sums: dict[str, str]) -> None:
 
 
 def add_shipped_files(plain: Any, sums: dict[str, str], folder: Path = KERNEL_FOLDER) -> Any:
-    """Class of numba's cache files that reads shipped entries first, made of its own, `plain`."""
+    """Return a class of numba's cache files, made from its own `plain`, that reads shipped entries first."""
     rooms = {cache_subpath(PACKAGE_FOLDER / room): room for room in {str(Path(name).parent) for name in sums}}
 
     class Read(plain):  # type: ignore[misc]
@@ -152,7 +152,7 @@ def add_shipped_files(plain: Any, sums: dict[str, str], folder: Path = KERNEL_FO
 
 
 def file_checksum(path: Path) -> str:
-    """SHA-256 of a file; "" for one that cannot be read."""
+    """Return the SHA-256 of a file; "" if it cannot be read."""
     try:
         return hashlib.sha256(path.read_bytes()).hexdigest()
     except OSError:
@@ -160,7 +160,7 @@ def file_checksum(path: Path) -> str:
 
 
 def cache_subpath(room: Path) -> str:
-    """Name of the folder in which numba caches the functions of a room."""
+    """Return the name of the folder where numba caches the functions of a source folder."""
     from numba.core.caching import _CacheLocator
 
     return str(_CacheLocator.get_suitable_cache_subpath(str(room / "x.py")))

@@ -25,7 +25,7 @@ WINDOW_CORRELATION_TIMES = 5.0
 
 
 def weighted_mean(values: Array, weights: Array | None = None) -> tuple[float, float, float]:
-    """Mean of n >= 2 independent values, shape (n,), weighted by `weights` (all 1 if None); its error and freedom.
+    """Return the mean of n >= 2 values, shape (n,), weighted by `weights` (all 1 if None); its error and freedom.
 
     Weights are the times measured: with w_i their shares, the squared error is the sum of
     w_i^2 (x_i - mean)^2 over 1 - sum w_i^2, and the degrees of freedom are 1/(sum w_i^2) - 1
@@ -40,7 +40,7 @@ def weighted_mean(values: Array, weights: Array | None = None) -> tuple[float, f
 
 
 def prediction_quantiles(values: Array, shares: Sequence[float]) -> Array:
-    """Values below which one more of n >= 2 independent values falls with these probabilities.
+    """Return the values that a further one of n >= 2 independent values falls below with these probabilities.
 
     Between the least and the largest value by Weibull's plotting positions i / (n + 1), which hold
     for any continuous distribution. Ends rarer than 1 / (n + 1) lie beyond them: further from the
@@ -62,12 +62,12 @@ def prediction_quantiles(values: Array, shares: Sequence[float]) -> Array:
 
 
 def correlation_time(series: Sequence[Array], interval: float) -> float | None:
-    """Integrated autocorrelation time (s) of series sampled every `interval` seconds.
+    """Return the integrated autocorrelation time (s) of series sampled every `interval` seconds.
 
     Products are about the mean of all series: about each one's own, changes slower than a series
     would vanish. Summed in Sokal's self-consistent window (A. Sokal, in Functional Integration,
     1997, section 3), with the correction for the mean's own error (U. Wolff, Comput. Phys. Commun.
-    156, 143, 2004, section 3.2). At least half an interval; None when no series has FEWEST_VALUES
+    156, 143, 2004, section 3.2). At least half an interval; None when no series has MIN_SERIES_LENGTH
     values, and when the window does not close within half of the longest series.
     """
     longest = max((len(values) for values in series), default=0)
@@ -92,7 +92,7 @@ def correlation_time(series: Sequence[Array], interval: float) -> float | None:
 def error_of_mean(series: Sequence[Array], interval: float, correlation: float) -> float | None:
     """Estimate the standard error of the mean over all series, sampled every `interval` seconds.
 
-    Two correlation times (s) make one independent sample; None with fewer than FEWEST_SAMPLES. Meant for series that
+    Two correlation times (s) make one independent sample; None with fewer than MIN_SAMPLES. Meant for series that
     are too few to give their spread. Changes rarer than the series are long are missed.
     """
     values = np.concatenate(list(series))

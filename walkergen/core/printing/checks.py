@@ -1,7 +1,7 @@
-"""Printability: findings on what would not print as drawn, before anything is written.
+"""Printability: findings on parts that would not print as drawn, before anything is written.
 
-Slicers are silent on most of these: PrusaSlicer 2.5 slices legs away and parts off the bed without
-a word (tests/core/printing/test_slicer.py).
+Slicers do not report most of these: PrusaSlicer 2.5 silently slices legs away and parts off the
+bed (tests/core/printing/test_slicer.py).
 """
 
 import itertools
@@ -56,13 +56,13 @@ def check_batch(
 
 
 BRIM_ADVICE = ("set brim_width_mm, and cut it off every leg", Setting("printer.brim_width_mm", 5.0))
-"""What to do where little holds on to the bed, and a width that is common."""
+"""Advice for a small contact area with the bed, and a common brim width."""
 
 
 def check_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[Finding]:
     """Return the findings on one walker as `printer` would print it: walls, gaps, layers, size, mesh.
 
-    The mesh is as it lies on the bed (solids.as_printed).
+    The mesh is in printing orientation (solids.orient_for_print).
     """
     findings = [
         *_check_walls(design, printer),
@@ -167,7 +167,7 @@ def _is_good_thickness(thickness: float, printer: Printer) -> bool:
 
 
 def _nearest_good_thickness(thickness: float, printer: Printer, slant: float) -> float:
-    """Closest good thickness in hundredths of a millimetre; all large thicknesses are good."""
+    """Return the closest good thickness in hundredths of a millimetre; all large thicknesses are good."""
     start, steps = round(100 * thickness), itertools.count()
     candidates = (max(0, start + sign * step) / 100 for step in steps for sign in (1, -1))
     return next(
@@ -235,7 +235,7 @@ def _check_whole_layers(part: About, what: str, length: float, height: float, ke
 
 
 def _check_materials(designs: Sequence[Design], parts: Sequence[Part]) -> Iterator[Finding]:
-    """Warning of the first part whose material is not that of the parts before it."""
+    """Yield a warning for the first part whose material differs from that of the parts before it."""
     densities = [design.material.density_g_cm3 for design in designs]
     for density, part in zip(densities, parts, strict=True):
         if density != densities[0]:
@@ -285,7 +285,7 @@ def _check_adhesion(design: Design, mesh: Mesh, printer: Printer) -> Iterator[Fi
 
 
 def _check_slenderness(upright: Sequence[Wall]) -> Iterator[Finding]:
-    """Advice on walls that print high and thin."""
+    """Yield advice on walls that print high and thin."""
     for wall in upright:
         slenderness = wall.height / wall.thickness
         if slenderness > MAX_SLENDERNESS * (1.0 + ROUNDING_MM):
@@ -294,10 +294,10 @@ def _check_slenderness(upright: Sequence[Wall]) -> Iterator[Finding]:
 
 
 def section_area(mesh: Mesh, height: float) -> float:
-    """Area of a closed mesh's section at a height above its lowest point, mm^2.
+    """Return the area of a closed mesh's section at a height above its lowest point, mm^2.
 
-    At half a layer's height it is the first layer. Source: Green's theorem, over the line in which
-    each triangle is cut.
+    At half a layer's height it is the first layer. Source: Green's theorem, over the segments where
+    the plane cuts the triangles.
     """
     corners = mesh.vertices[mesh.triangles]
     level = mesh.vertices[:, 2].min() + height
@@ -315,13 +315,13 @@ def section_area(mesh: Mesh, height: float) -> float:
 
 
 def _crossing_points(tip: Array, other: Array, level: float) -> Array:
-    """Points x and y, shape (n, 2), where edges cross a level, mm."""
+    """Return the points x and y, shape (n, 2), where edges cross a level, mm."""
     share = (level - tip[:, 2]) / (other[:, 2] - tip[:, 2])
     return np.asarray(tip[:, :2] + share[:, None] * (other[:, :2] - tip[:, :2]))
 
 
 def _check_bed_limits(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:
-    """Errors for parts, brims and the skirt beyond the bed: the first of each kind by name."""
+    """Yield errors for parts, brims and the skirt beyond the bed: the first of each kind by name."""
     bed = np.array([printer.bed_width_mm, printer.bed_depth_mm])
     brim = printer.brim_width_mm
     skirt = printer.skirt_distance_mm + (printer.skirt_loops + 0.5) * printer.line_width_mm

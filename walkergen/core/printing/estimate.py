@@ -44,7 +44,7 @@ class Estimate(NamedTuple):
 
 
 def side_area(mesh: Mesh) -> float:
-    """Area of a mesh as it lies on the bed, seen from all round: of its faces' upright parts."""
+    """Compute the area of a mesh on the bed, seen from all sides: that of its faces' upright parts."""
     first, second, third = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)
     normals = 0.5 * np.cross(second - first, third - first)
     return float(np.hypot(normals[:, 0], normals[:, 1]).sum())
@@ -67,6 +67,6 @@ def plate_totals(plate: Plate, parts: Sequence[Part], loads: Sequence[Load], pri
 
 
 def format_duration(seconds: float) -> str:
-    """Time to two digits, in the largest unit of which there are at least two."""
+    """Format a time with two digits, in the largest unit that gives a value of at least two."""
     unit, length = next((pair for pair in (("h", 3600.0), ("min", 60.0)) if seconds >= 2.0 * pair[1]), ("s", 1.0))
     return f"{float(f'{seconds / length:.2g}'):g} {unit}"

@@ -54,17 +54,17 @@ class Item(NamedTuple):
 
 
 def stl_bytes(mesh: Mesh, header: str) -> bytes:
-    """Binary STL of a mesh in mm, with its header after the words "binary STL, mm: "."""
+    """Return a mesh in mm as binary STL, with its header after the words "binary STL, mm: "."""
     return stl.pack(mesh.vertices[mesh.triangles], header)
 
 
 def part_3mf(mesh: Mesh, name: str) -> bytes:
-    """3MF file of a single part in mm, in the positive octant with its corner at the origin."""
+    """Return a 3MF file of a single part in mm, in the positive octant with its corner at the origin."""
     return threemf_bytes([Solid(name, mesh)], [Item(0, name, 0.0, 0.0)], name)
 
 
 def threemf_bytes(solids: Sequence[Solid], items: Sequence[Item], title: str, thumbnail: bytes | None = None) -> bytes:
-    """3MF file in mm: every solid once, and an item per printed copy, standing on z = 0.
+    """Return a 3MF file in mm: every solid once, and an item per printed copy, standing on z = 0.
 
     A copy whose part number is not its solid's name has an object of its own, which refers to the
     solid and bears the copy's name: Bambu Studio and OrcaSlicer list it, and the plate by `title`.
@@ -103,7 +103,7 @@ def threemf_bytes(solids: Sequence[Solid], items: Sequence[Item], title: str, th
 
 
 def declare_prusaslicer(data: bytes) -> bytes:
-    """3MF file of the same content, declared to be PrusaSlicer's own, so that copies stay copies.
+    """Return the 3MF file declared to be PrusaSlicer's own, with the same content, so that copies stay copies.
 
     PrusaSlicer then lists each solid once with its copies, numbered from 0 in the order of the
     items, and slices it once; of other files it makes an object of every item. It looks for its
@@ -121,12 +121,12 @@ def _unzip_files(data: bytes) -> dict[str, bytes]:
 
 
 def _zip_files(files: Mapping[str, bytes]) -> bytes:
-    """Archive whose files are of 1980-01-01: lib3mf's are of a month 0, which no calendar has."""
+    """Return an archive with files dated 1980-01-01: lib3mf writes a month 0, which no calendar has."""
     target = io.BytesIO()
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in files.items():
             entry = zipfile.ZipInfo(name)
-            entry.create_system = 0  # else it tells the system that made it
+            entry.create_system = 0  # the default names the operating system
             archive.writestr(entry, content, zipfile.ZIP_DEFLATED)
     return target.getvalue()
 
@@ -143,7 +143,7 @@ class _Named(NamedTuple):
 
 
 def _model_settings(named: Sequence[_Named], title: str) -> bytes:
-    """Names of copies, and the plate that holds them, as Bambu Studio and OrcaSlicer read them."""
+    """Return names of copies, and the plate that holds them, as Bambu Studio and OrcaSlicer read them."""
     lines = ['<?xml version="1.0" encoding="UTF-8"?>', "<config>"]
     for item in named:
         lines += [
@@ -174,12 +174,12 @@ def _metadata_element(key: str, value: str) -> str:
 
 @cache
 def _lib3mf_wrapper() -> Any:
-    """Entry point of lib3mf, loaded once: it takes 10 ms."""
+    """Return the entry point of lib3mf, loaded once: it takes 10 ms."""
     return threemf.load_library().get_wrapper()
 
 
 def _add_solid(model: Any, solid: Solid, title: str, number: int) -> Any:
-    """Object of a model for a solid, its corner moved to the origin; raises SolidError."""
+    """Add a solid to a model, its corner moved to the origin, and return the object. Raises SolidError."""
     name = _xml_safe(solid.name)
     added = model.AddMeshObject()
     added.SetName(name)
@@ -196,7 +196,7 @@ def _add_solid(model: Any, solid: Solid, title: str, number: int) -> Any:
 
 
 def _add_copy(model: Any, mesh: Any, name: str, title: str, number: int) -> Any:
-    """Object of a model that shows a mesh's object under a name of its own."""
+    """Add an object to a model that shows another object's mesh under its own name, and return it."""
     added = model.AddComponentsObject()
     added.SetName(name)
     added.SetUUID(_make_uuid(title, "copy", number, name))
@@ -206,15 +206,15 @@ def _add_copy(model: Any, mesh: Any, name: str, title: str, number: int) -> Any:
 
 
 def _to_structures(structure: type[ctypes.Structure], rows: npt.NDArray[Any]) -> Any:
-    """C array of structures from a numpy array with a row for each, without a Python loop."""
+    """Convert a NumPy array to a C array of structures, one per row, without a Python loop."""
     return (structure * len(rows)).from_buffer_copy(rows.tobytes())
 
 
 def _make_uuid(*words: str | int) -> str:
-    """UUID that depends on nothing but the words."""
+    """Return a UUID that depends only on the words."""
     return str(uuid.uuid5(uuid.NAMESPACE_OID, "/".join(map(str, (APPLICATION, *words)))))
 
 
 def _xml_safe(text: str) -> str:
-    """Text with "_" in place of what XML cannot hold."""
+    """Return the text with "_" for characters that XML cannot hold."""
     return INVALID_XML.sub("_", text)

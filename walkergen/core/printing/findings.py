@@ -18,7 +18,7 @@ ROUNDING_MM = 1e-6
 
 
 class About(StrEnum):
-    """What of a print a finding is about."""
+    """Subject of a finding."""
 
     LEGS = "legs"
     BODY = "body"
@@ -51,16 +51,16 @@ class Finding(NamedTuple):
     change: str
     part: About
     setting: Setting | None = None
-    """What does as the remedy says, where one number does."""
+    """Setting that applies the remedy, if one number does."""
 
     @property
     def text(self) -> str:
-        """What, how much, and what to do, in one line, without its level and place."""
+        """Problem, size and remedy in one line, without its level and place."""
         return f"{self.seen_text}: {self.change}"
 
     @property
     def seen_text(self) -> str:
-        """What, and how much."""
+        """Problem and size."""
         unit = f" {self.unit}" if self.unit else ""
         return f"{self.what}: {self.seen:.4g}{unit}, limit {self.limit:.4g}{unit}"
 
@@ -116,7 +116,7 @@ def group_findings(findings: Sequence[Finding], levels: Collection[Level] = LEVE
 
 
 def warning_lines(findings: Sequence[Finding]) -> list[str]:
-    """Warnings, a line each."""
+    """Format warnings, one line each."""
     return [finding.line for finding in group_findings(findings, {"warning"})]
 
 

@@ -1,6 +1,6 @@
 """Plates: copies of parts in rows on a printer's bed, on as many plates as they need.
 
-Parts lie as they are given, z up, and are not turned: rows of a family stay in the
+Parts keep their orientation, z up, and are not turned: rows of a family stay in the
 order of its members. Lengths in mm; the packing itself is in whole micrometres, so that no
 rounding brings two parts closer than the gap.
 """
@@ -36,11 +36,11 @@ class Part(NamedTuple):
     """Size along z, mm."""
     copies: int
     serial: int | None = None
-    """Number that its one copy bears; None where copies are alike, and numbered from 1."""
+    """Number of its only copy; None if copies are alike, and numbered from 1."""
 
     @classmethod
     def from_mesh(cls, name: str, mesh: Mesh, copies: int = 1, serial: int | None = None) -> "Part":
-        """Bounding box of a mesh as a part."""
+        """Return a mesh's bounding box as a part."""
         width, depth, height = (mesh.vertices.max(axis=0) - mesh.vertices.min(axis=0)).tolist()
         return cls(name, width, depth, height, copies, serial)
 
@@ -64,20 +64,20 @@ class Placement(NamedTuple):
 
 
 class Plate(NamedTuple):
-    """Copies that are printed at once, in the order of the parts."""
+    """Copies that are printed together, in the order of the parts."""
 
     placements: tuple[Placement, ...]
 
 
 def border_width(printer: Printer) -> float:
-    """Distance from the edge of the bed to the first part, mm: its margin, brim and skirt."""
+    """Return the distance from the edge of the bed to the first part, mm: its margin, brim and skirt."""
     # Half a line more than the loops: PrusaSlicer's skirts lie that far out.
     skirt = printer.skirt_distance_mm + (printer.skirt_loops + 0.5) * printer.line_width_mm
     return printer.margin_mm + printer.brim_width_mm + (skirt if printer.skirt_loops else 0.0)
 
 
 def spacing(printer: Printer) -> float:
-    """Distance between the bounding boxes of two parts, mm: the gap and two brims."""
+    """Return the distance between the bounding boxes of two parts, mm: the gap and two brims."""
     return printer.gap_mm + 2.0 * printer.brim_width_mm
 
 
@@ -96,7 +96,7 @@ def pack(
 
     The rows of a plate together lie in the middle of the bed.
     Raises PlateError when a part is larger than the usable bed or taller than the printer, when
-    more than `max_plates` are needed, and for more than MOST_ARRANGED copies.
+    more than `max_plates` are needed, and for more than MAX_ARRANGED_PARTS copies.
     """
     total = sum(part.copies for part in parts)
     check_part_count(total)
@@ -112,7 +112,7 @@ def pack(
 
 
 def check_part_count(total: int) -> None:
-    """Raise PlateError for more parts than are arranged at once."""
+    """Raise PlateError for more parts than one call can arrange."""
     if total > MAX_ARRANGED_PARTS:
         raise PlateError(f"{total} parts: at most {MAX_ARRANGED_PARTS} are arranged at once; make fewer")
 
@@ -125,7 +125,7 @@ def plate_3mf(
     title: str,
     thumbnail: bytes | None = None,
 ) -> bytes:
-    """File (3MF) of one plate in the printer's coordinates; `meshes` in the order of the parts.
+    """Return the 3MF file of one plate in the printer's coordinates; `meshes` in the order of the parts.
 
     `thumbnail` is a PNG that file managers show.
     """
@@ -149,9 +149,9 @@ def plate_file(
     thumbnail: bytes | None = None,
     prusaslicer: bool = False,
 ) -> tuple[str, bytes]:
-    """Suffix and bytes of one plate's file: 3MF, or STL where lib3mf is not installed.
+    """Return suffix and bytes of one plate's file: 3MF, or STL if lib3mf is not installed.
 
-    `prusaslicer`: see `export.for_prusaslicer`; raises InputError without lib3mf.
+    `prusaslicer`: see `export.declare_prusaslicer`; raises InputError without lib3mf.
     """
     if prusaslicer or threemf.is_available():
         data = plate_3mf(plate, parts, meshes, printer, title, thumbnail)
@@ -160,7 +160,7 @@ def plate_file(
 
 
 def plate_mesh(plate: Plate, meshes: Sequence[Mesh], printer: Printer) -> Mesh:
-    """Mesh of all copies of a plate, in the printer's coordinates, standing on z = 0."""
+    """Return the mesh of all copies of a plate, in the printer's coordinates, standing on z = 0."""
     corner = np.array([*printer.bed_corner, 0.0])
     vertices, triangles, before = [], [], 0
     for part, _, x, y in plate.placements:
@@ -173,7 +173,7 @@ def plate_mesh(plate: Plate, meshes: Sequence[Mesh], printer: Printer) -> Mesh:
 
 
 def plate_suffix() -> str:
-    """Suffix of the files of plates on this machine."""
+    """Return the suffix of the files of plates on this machine."""
     return THREEMF_SUFFIX if threemf.is_available() else STL_SUFFIX
 
 
@@ -204,7 +204,7 @@ def _pack_rows(parts: Sequence[Part], printer: Printer, max_parts: int) -> list[
 
 
 def _center_on_bed(placed: Sequence[tuple[int, int, int, int]], used: tuple[int, int], printer: Printer) -> Plate:
-    """Plate of copies (part, copy, x, y) moved to the middle of the free bed by whole micrometres.
+    """Return the plate of copies (part, copy, x, y) moved to the middle of the free bed by whole micrometres.
 
     `used` is the width and depth of all their cells, micrometres.
     """
@@ -216,12 +216,12 @@ def _center_on_bed(placed: Sequence[tuple[int, int, int, int]], used: tuple[int,
 
 
 def _free_bed(printer: Printer) -> tuple[float, float]:
-    """Width and depth of the bed inside its border, mm."""
+    """Return the width and depth of the bed inside its border, mm."""
     return (printer.bed_width_mm - 2.0 * border_width(printer), printer.bed_depth_mm - 2.0 * border_width(printer))
 
 
 def _bed_micrometres(printer: Printer) -> tuple[int, int]:
-    """Size of the free bed in micrometres, plus the gap that the last cell of a row carries."""
+    """Return the size of the free bed in micrometres, plus the gap after the last cell of a row."""
     width, depth = (math.floor(round(1e3 * length, 6)) for length in _free_bed(printer))
     gap = _round_up_micrometres(spacing(printer))
     return width + gap, depth + gap
@@ -233,7 +233,7 @@ def _cell(part: Part, printer: Printer) -> tuple[int, int]:
 
 
 def _round_up_micrometres(length: float) -> int:
-    """Round up to micrometres; less than a picometre above one is noise of a sum and ignored."""
+    """Round up to micrometres; an excess below a picometre is rounding noise and ignored."""
     return math.ceil(round(1e3 * length, 6))
 
 

@@ -73,7 +73,7 @@ def arrange(
 def layout_without_plates(
     members: Sequence[Design], built: Sequence[Solids], copies: Sequence[int], printer: Printer
 ) -> Layout:
-    """Parts as they lie on the bed, on no plate yet and not checked."""
+    """Return the parts in printing orientation, before packing and checks."""
     meshes = orient_for_print(members, built)
     parts = [
         packing.Part.from_mesh(name, mesh, count, design.marks.serial if count == 1 else None)
@@ -83,7 +83,7 @@ def layout_without_plates(
 
 
 def orient_for_print(members: Sequence[Design], built: Sequence[Solids]) -> list[Mesh]:
-    """Meshes of walkers as they lie on the bed, in their order."""
+    """Return the meshes of walkers in printing orientation, in their order."""
     return [
         solids.orient_for_print(design, built_solids.walker)
         for design, built_solids in zip(members, built, strict=True)
@@ -122,14 +122,14 @@ def list_places(layout: Layout) -> list[Place]:
 def layout_files(
     layout: Layout, stem: str, draw: DrawPlate | None, prusaslicer: bool = False
 ) -> Iterator[tuple[str, bytes]]:
-    """Names and bytes of a layout's files: first COMMON_FILES with words, then plate by plate.
+    """Yield names and bytes of a layout's files: first COMMON_FILES with descriptions, then plate by plate.
 
-    STEM_PRINTER.csv, the map; STEM_PRINTER.md, the print sheet; STEM_PRINTER.ini, its settings for
-    PrusaSlicer, with printer and filament where it is loaded alone, and STEM_PRINTER_print.ini
-    without these; STEM_PRINTER_orca.json, those for OrcaSlicer and Bambu Studio;
-    STEM_PRINTER_NUMBER.3mf (.stl without lib3mf); with `draw` STEM_PRINTER_NUMBER.png as well,
-    and the plate seen from above as each 3MF file's thumbnail. `prusaslicer`: see
-    export.for_prusaslicer.
+    STEM_PRINTER.csv is the map and STEM_PRINTER.md the print sheet. STEM_PRINTER.ini holds the
+    settings for PrusaSlicer, with printer and filament to load it alone; STEM_PRINTER_print.ini
+    omits these. STEM_PRINTER_orca.json holds the settings for OrcaSlicer and Bambu Studio.
+    STEM_PRINTER_NUMBER.3mf (.stl without lib3mf) is a plate. `draw` adds STEM_PRINTER_NUMBER.png
+    and a view of the plate from above as each 3MF file's thumbnail. `prusaslicer`: see
+    export.declare_prusaslicer.
     """
     start = f"{stem}_{layout.printer.name}"
     meshes = layout.meshes

@@ -22,7 +22,7 @@ MAX_BRIDGE_MM = 10.0
 usual rule of makers' test prints."""
 
 SLICE_COUNT = 8
-"""Number of slices in which the walls of a pocket that opens to the side are measured."""
+"""Number of slices that measure the walls of a pocket open to the side."""
 
 
 def check_part(design: Design, printer: Printer) -> Iterator[Finding]:
@@ -57,7 +57,7 @@ def check_part(design: Design, printer: Printer) -> Iterator[Finding]:
 
 
 def ceiling_span(part: Part, design: Design) -> float:
-    """Span of the bridge that ends a pocket at the top, as the walker lies, mm; 0 without one.
+    """Return the span of the bridge that closes a pocket at the top, in printing orientation, mm; 0 without one.
 
     A pocket that opens to the top of the print has none. Else it is the shorter way between two
     walls: along, or the other level axis unless the pocket is open there.
@@ -72,7 +72,7 @@ def ceiling_span(part: Part, design: Design) -> float:
 
 
 def thinnest_wall(part: Part, design: Design) -> float:
-    """Thinnest wall between a pocket and the edge of the body, across the way to its opening, mm.
+    """Return the thinnest wall between a pocket and the edge of the body, across the way to its opening, mm.
 
     0 where the pocket breaks through it; infinite where there is no outline to tell by: of a mesh
     into which a pocket opens from above or below.
@@ -98,7 +98,7 @@ def thinnest_wall(part: Part, design: Design) -> float:
 
 
 def _side_wall(part: Part, design: Design) -> float:
-    """Thinnest wall of a pocket that opens to the side, in slices of the body along the part, mm.
+    """Return the thinnest wall of a pocket open to the side, in slices of the body along the part, mm.
 
     Where the part stands out of the body's upper edge there is no wall above it.
     """
@@ -119,7 +119,7 @@ def _side_wall(part: Part, design: Design) -> float:
 
 
 def _combine_contours(contours: list[np.ndarray]) -> "shapely.Geometry":
-    """Area of contours, in which those inside others are holes."""
+    """Return the area of contours; contours inside others are holes."""
     import shapely
 
     areas = [shapely.Polygon(contour) for contour in contours]
@@ -127,7 +127,7 @@ def _combine_contours(contours: list[np.ndarray]) -> "shapely.Geometry":
 
 
 def _wall_thickness(room: "shapely.Geometry", body: "shapely.Geometry") -> float:
-    """Least distance of a pocket's room from the edge of a slice of the body, y up, mm.
+    """Return the smallest distance of a pocket's space from the edge of a slice of the body, y up, mm.
 
     Where the room stands out above, the lip there counts for no wall; 0 where it does elsewhere.
     """

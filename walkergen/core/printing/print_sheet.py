@@ -24,7 +24,7 @@ LEGS_UP_TEXT = (
 
 
 def describe_orientation(design: Design) -> str:
-    """Say how a walker lies on the bed, and with which supports."""
+    """Describe how a walker lies on the bed, and its supports."""
     return ON_SIDE_TEXT if solids.is_printed_on_side(design) else LEGS_UP_TEXT
 
 
@@ -81,7 +81,7 @@ class Batch(NamedTuple):
 
 
 def to_markdown(batch: Batch, weights: Sequence[Weight], findings: Sequence[Finding], legend: str) -> str:
-    """Format the sheet as Markdown; `legend` tells printed parts apart, and may be empty."""
+    """Format the sheet as Markdown; `legend` identifies printed parts, and may be empty."""
     printing = format_print_section(batch, [weight.load for weight in weights], findings, legend)
     paired = all(len(design.limbs) == 2 for design in batch.members)
     share = "half of that is a leg" if paired else "that over their number is leg_g, the mean leg"
@@ -90,7 +90,7 @@ def to_markdown(batch: Batch, weights: Sequence[Weight], findings: Sequence[Find
 
 
 def format_print_section(batch: Batch, loads: Sequence[Load], findings: Sequence[Finding], legend: str) -> str:
-    """Sheet up to the end of the print, its words in assets; `loads` are those of the parts."""
+    """Format the sheet up to the end of the print, with texts from assets; `loads` are those of the parts."""
     printer, stem, ending, material = batch.printer, batch.stem, packing.plate_suffix(), batch.members[0].material
     settings = slicer.sheet_settings(printer, orientation_settings(batch.members))
     lines = [f"- **{finding.level}** {finding.line}" for finding in group_findings(findings)]
@@ -121,7 +121,7 @@ def _read_asset(name: str) -> str:
 
 
 def manifest_facts(printer: Printer, findings: Sequence[Finding]) -> dict[str, Any]:
-    """Facts of the sheet for the manifest: PrusaSlicer's settings and every finding."""
+    """Return the sheet's facts for the manifest: PrusaSlicer's settings and every finding."""
     return {
         "prusaslicer": slicer.prusaslicer_settings(printer),
         "findings": [finding._asdict() for finding in group_findings(findings)],
@@ -140,13 +140,13 @@ def _insertion_step(batch: Batch) -> str:
 
 
 def body_facts(design: Design) -> dict[str, Any]:
-    """Facts of a design's body for the manifest: hash of its file, if any, and repairs to it."""
+    """Return a body's facts for the manifest: hash of its file, if any, and repairs to it."""
     shape = design.shape
     return {"sha256": shape.sha256, "changes": list(shape.changes)}
 
 
 def orientation_settings(members: Sequence[Design]) -> list[slicer.Setting]:
-    """Lines of a print sheet on how its walkers lie; where they differ, each names its designs."""
+    """Return a print sheet's lines on the orientation of its walkers; if they differ, each names its designs."""
     ways: dict[str, list[str]] = {}
     for name, own in names.group_by_design(members).items():
         ways.setdefault(describe_orientation(own[0]), []).append(name)
@@ -212,6 +212,6 @@ def _weights_table(weights: Sequence[Weight]) -> str:
 
 
 def markdown_table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Markdown table."""
+    """Format a table as Markdown."""
     lines = [headings, ["---"] * len(headings), *rows]
     return "\n".join("| " + " | ".join(cells) + " |" for cells in lines)

@@ -1,4 +1,4 @@
-"""Slicer: the settings on which the predicted masses rest, for slicers and in words.
+"""Slicer: the settings that the predicted masses assume, for slicers and as text.
 
 Print settings alone leave what belongs to a printer (bed, nozzle, start code) and a filament
 (temperatures, density, flow) as its owner has it. Who has neither slices by the bundle alone, which
@@ -70,7 +70,7 @@ def sheet_settings(printer: Printer, orientations: Sequence[Setting]) -> list[Se
 
 
 def settings_files(printer: Printer, material: Material, start: str) -> Iterator[tuple[str, bytes]]:
-    """Names, all beginning with `start`, and bytes of the settings for slicers."""
+    """Yield names, all beginning with `start`, and bytes of the settings for slicers."""
     yield f"{start}.ini", prusaslicer_bundle(printer, material)
     yield f"{start}_print.ini", prusaslicer_print(printer)
     yield f"{start}_orca.json", orca_json(printer)
@@ -135,7 +135,7 @@ def owner_settings(printer: Printer, material: Material) -> dict[str, str]:
 
 
 def prusaslicer_bundle(printer: Printer, material: Material) -> bytes:
-    """Config bundle of PrusaSlicer, which --load reads as well.
+    """Return a config bundle of PrusaSlicer, which --load reads as well.
 
     A bundle's import takes the section, as a preset of its own: it inherits nothing, for a preset
     whose parent a user lacks would be in vain. Printer and filament of the window stay. --load
@@ -206,11 +206,11 @@ def orca_settings(printer: Printer) -> dict[str, str]:
 
 
 def orca_json(printer: Printer) -> bytes:
-    """Print settings as a user's process preset of OrcaSlicer and Bambu Studio.
+    """Return print settings as a user's process preset of OrcaSlicer and Bambu Studio.
 
-    It inherits nothing and so fits every printer: their import drops a preset whose parent is not
-    installed without a word. They tell a process by `print_settings_id`, and Bambu Studio skips a
-    preset whose version begins with a number above its own.
+    The preset inherits nothing and so fits every printer: the import silently drops a preset whose
+    parent is not installed. Both programs identify a process by `print_settings_id`. Bambu Studio
+    skips a preset whose version begins with a number above its own.
     """
     name = preset_name(printer)
     preset = {

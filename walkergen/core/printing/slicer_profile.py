@@ -32,7 +32,7 @@ DEFAULT_WIDTH_RATIO = 1.125
 
 
 def read_printer(path: Path) -> dict[str, Any]:
-    """Keys of a printer that a profile tells. Raises InputError for a profile of another kind."""
+    """Return a printer's keys found in a profile. Raises InputError for a profile of another kind."""
     if path.suffix.lower() != ".ini":
         raise InputError(
             f"{path}: a slicer's profile? Give a TOML file (walkergen templates copy prusa-mk3s), or what PrusaSlicer "
@@ -64,7 +64,7 @@ def read_printer(path: Path) -> dict[str, Any]:
 
 
 def _parse_bed(path: Path, shape: str) -> dict[str, Any]:
-    """Size and origin of a bed by its corners, as 0x0,250x0,250x210,0x210."""
+    """Return size and origin of a bed from its corners, as 0x0,250x0,250x210,0x210."""
     corners = [re.split("x", corner) for corner in shape.split(",")]
     numbers = [(_parse_number(corner[0]), _parse_number(corner[-1])) for corner in corners]
     places = [(x, y) for x, y in numbers if x is not None and y is not None]
@@ -79,7 +79,7 @@ def _parse_bed(path: Path, shape: str) -> dict[str, Any]:
 
 
 def _line_width(values: dict[str, str], nozzle: float) -> float:
-    """Width of a line, mm."""
+    """Return the width of a line, mm."""
     for name in WIDTH_KEYS:
         text = values.get(name, "")
         number = _parse_number(text.removesuffix("%"))
@@ -89,5 +89,5 @@ def _line_width(values: dict[str, str], nozzle: float) -> float:
 
 
 def _parse_number(text: str) -> float | None:
-    """First of the numbers of a value, one for each extruder; None where it is none."""
+    """Return the first number of a value with one per extruder; None if it is not a number."""
     return formatting.parse_number(text.split(",")[0])

@@ -40,7 +40,7 @@ def check_part(design: Design, mesh: Mesh, printer: Printer) -> Iterator[Finding
 
 
 def overhang_area(design: Design, mesh: Mesh) -> float:
-    """Area of the body's faces over air that look down by more than STEEPEST_DEG allows, mm^2.
+    """Return the area of the body's faces over air that look down by more than MAX_OVERHANG_DEG, mm^2.
 
     The mesh lies upside down on z = 0. Legs, above the body, are not counted, nor are engraved
     letters, whose strokes are bridged; pockets have a check of their own (pocket_checks).

@@ -50,7 +50,7 @@ MIN_THIN_WALL_RATIO = 1.0 / 3.0
 """Thickness of the thinnest wall that thin-wall detection prints, in nozzles."""
 
 MAX_VANISHING_LINES = 1.02
-"""Thickness in lines up to which walls may vanish by rounding (classic without thin walls)."""
+"""Largest thickness in lines at which rounding may remove a wall (classic without thin walls)."""
 
 UPRIGHT_TOLERANCE = 0.15
 """Relative uncertainty of the plastic of a leg which prints upright, a short line in each layer.
@@ -69,7 +69,7 @@ class Wall(NamedTuple):
     slant: float
     """Cosine of its angle from the vertical: in a layer it is thicker by its inverse."""
     height: float
-    """Height to which it prints, mm."""
+    """Largest printing height, mm."""
     part: About = About.LEGS
     key: str = ""
     """Key that sets its thickness; "" where several do, or none."""
@@ -81,7 +81,7 @@ class Wall(NamedTuple):
 
 
 def upright_walls(design: Design) -> list[Wall]:
-    """Walls of a design: of each distinct leg and brace, and of a body that prints on its side."""
+    """Return the upright walls of a design: of each distinct leg and brace, and of a body that prints on its side."""
     side = solids.is_printed_on_side(design)
     key = f"legs.{design.kind}_thickness_mm" if design.pair else ""
     legs = [Wall(name, *sizes, key=key) for sizes, name in group_legs(design, lambda limb: _leg_sizes(limb, side))]
@@ -97,7 +97,7 @@ def upright_walls(design: Design) -> list[Wall]:
 
 
 def group_legs(design: Design, key: Callable[[Limb], Key]) -> list[tuple[Key, str]]:
-    """Keys of a design's legs, each once, with the name of the legs that share it.
+    """Return the keys of a design's legs, each once, with the name of the legs that share it.
 
     It is "leg" where all do, else their numbers from 1, as in "legs[1], legs[3]".
     """
@@ -113,7 +113,7 @@ def with_article(name: str) -> str:
 
 
 def _leg_sizes(limb: Limb, side: bool) -> tuple[float, float, float]:
-    """Thickness, slant and height of a leg as a wall."""
+    """Return the thickness, slant and height of a leg as a wall."""
     if side:
         return limb.thickness, 1.0, limb.width
     slant, height = math.cos(limb.tilt), -limb.anchor_to_foot[1]
@@ -123,7 +123,7 @@ def _leg_sizes(limb: Limb, side: bool) -> tuple[float, float, float]:
 
 
 def _brace_sizes(limb: Limb, side: bool) -> tuple[float, float, float] | None:
-    """Thickness, slant and height of a leg's brace as a wall; None when it has none."""
+    """Return thickness, slant and height of a leg's brace as a wall; None without a brace."""
     for strut in section_of(limb).struts(limb):
         if side:
             return strut.thickness, 1.0, limb.width
@@ -132,7 +132,7 @@ def _brace_sizes(limb: Limb, side: bool) -> tuple[float, float, float] | None:
 
 
 def printed_thickness(thickness: float, printer: Printer) -> float:
-    """Plastic in a wall as the thickness of a solid wall, mm; 0 when it gets none.
+    """Return the plastic in a wall as the thickness of a solid wall, mm; 0 for a wall without plastic.
 
     Within 1 % of the measured G-code up to four lines, except near the thicknesses that add a line;
     thicker walls are filled by infill and assumed to be as drawn, which holds within 3.5 %.
@@ -148,12 +148,12 @@ def printed_thickness(thickness: float, printer: Printer) -> float:
 
 
 def deviation(thickness: float, printer: Printer) -> float:
-    """Relative deviation of a wall's expected plastic from its volume: -1 if it vanishes."""
+    """Return the relative deviation of a wall's expected plastic from its volume: -1 if it vanishes."""
     return printed_thickness(thickness, printer) / thickness - 1.0
 
 
 def leg_plastic(limb: Limb, printer: Printer, side: bool = True) -> float:
-    """Compute the expected plastic in a leg, with its brace if any, over its mesh; see TOLERANCE_UPRIGHT.
+    """Compute the expected plastic in a leg, with its brace if any, over its mesh; see UPRIGHT_TOLERANCE.
 
     `side` is True for a leg that prints on its side, False for one that prints upright.
     """
@@ -165,7 +165,7 @@ def leg_plastic(limb: Limb, printer: Printer, side: bool = True) -> float:
 
 
 def vanishing_thickness(printer: Printer) -> float:
-    """Thickness up to which a wall may get no plastic, mm."""
+    """Return the largest thickness of a wall that may get no plastic, mm."""
     if printer.wall_generator == "arachne":
         return MIN_FEATURE_RATIO * printer.nozzle_mm + line_rounding(printer)
     if printer.thin_walls:
@@ -174,12 +174,12 @@ def vanishing_thickness(printer: Printer) -> float:
 
 
 def line_rounding(printer: Printer) -> float:
-    """Width by which a line's round sides make it narrower than a rectangle of equal area, mm."""
+    """Return the difference in width between a rectangle and a line with round sides of equal area, mm."""
     return (1.0 - 0.25 * math.pi) * printer.layer_height_mm
 
 
 def _classic_thickness(thickness: float, printer: Printer) -> float:
-    """Plastic of lines of one width, in pairs from outside; a gap in the middle is filled."""
+    """Return the plastic of lines of one width, in pairs from outside; a gap in the middle is filled."""
     if thickness <= vanishing_thickness(printer):
         return 0.0
     width, rounding = printer.line_width_mm, line_rounding(printer)

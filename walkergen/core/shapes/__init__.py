@@ -1,1 +1,1 @@
-"""Shapes: meshes, outlines and letters, their solids and files; nothing here knows a walker."""
+"""Shapes: meshes, outlines and letters, their solids and files, independent of walkers."""

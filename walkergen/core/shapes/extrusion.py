@@ -63,7 +63,7 @@ def extrude(
 
 
 def _without_slivers(section: manifold3d.CrossSection) -> manifold3d.CrossSection:
-    """Fill the slivers of windows narrower than NARROWEST_WINDOW in a profile without windows.
+    """Fill the slivers of windows narrower than MIN_WINDOW_RATIO in a profile without windows.
 
     Raises SolidError when a hole is larger than that.
     """
@@ -76,7 +76,7 @@ def _without_slivers(section: manifold3d.CrossSection) -> manifold3d.CrossSectio
 
 
 def _signed_area(polygon: Polygon) -> float:
-    """Area enclosed by a polygon; negative for a hole."""
+    """Return the area enclosed by a polygon; negative for a hole."""
     following = np.roll(polygon, -1, axis=0)
     return 0.5 * float((polygon[:, 0] * following[:, 1] - polygon[:, 1] * following[:, 0]).sum())
 

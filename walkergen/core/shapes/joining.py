@@ -30,7 +30,7 @@ class Body(NamedTuple):
 
 
 def prepare_body(mesh: Mesh) -> Body:
-    """Body of a sound mesh, for the functions below. Raises SolidError when it is refused."""
+    """Prepare the body of a sound mesh for the functions below. Raises SolidError when it is refused."""
     return Body(mesh, modeller.to_solid(mesh))
 
 
@@ -45,7 +45,7 @@ def plan_projection(solid: manifold3d.Manifold) -> "BaseGeometry":
 
 
 class Footing(NamedTuple):
-    """How a leg that comes from its foot meets the body."""
+    """Where a leg, followed from its foot, meets the body."""
 
     anchor: Array
     """Point where the centre line first meets the body, shape (3,), mm."""
@@ -65,7 +65,7 @@ def find_footing(
     The foot, shape (3,), mm, is the middle of the leg's lower end; the unit direction, shape (3,),
     leads from the foot up, in the x-y plane; thickness is measured across the leg in that plane
     and width along z, mm. Raises GeometryError, beginning with `key`, when the leg misses the
-    body, lies partly beside it or under a hole, or has its foot within the body.
+    body, lies partly outside it or under a hole, or has its foot within the body.
     """
     place = f"{key}: the leg with its foot at x = {foot[0]:.4g}, z = {foot[2]:.4g} mm"
     axes = np.array([[0.0, 0.0, 1.0], [direction[1], -direction[0], 0.0], direction])
@@ -100,10 +100,10 @@ def find_footing(
 
 
 def _height_bounds(corners: Array, half: Array) -> tuple[float, float] | None:
-    """Highest point of a lower side over a section, and lowest of the upper one, where these alone are over it.
+    """Return the highest point of a lower side over a section, and the lowest of the upper side.
 
-    Corners of triangles, shape (k, 3, 3), lie in the section's frame, the third axis up. None where more is over it,
-    or less, which only the modeller tells.
+    Corners of triangles, shape (k, 3, 3), are in the section's frame, third axis up. Returns None unless exactly these
+    two sides cover the section. Only the modeller resolves other cases.
     """
     if corners[:, :, 2].min() <= 0.0:
         return None
@@ -137,7 +137,7 @@ def _clip_polygons(polygons: Array, axis: int, far: float, side: float = 1.0) ->
 
 
 def leg_prism(foot: Array, direction: Array, thickness: float, width: float, length: float) -> Mesh:
-    """Straight leg of rectangular section, square at both ends, from its foot upward."""
+    """Build a straight leg of rectangular section, square at both ends, from its foot upward."""
     side = 0.5 * thickness * np.array([direction[1], -direction[0], 0.0])
     across, along = np.array([0.0, 0.0, 0.5 * width]), length * direction
     ring = np.array([-side - across, side - across, side + across, -side + across])
@@ -148,7 +148,7 @@ def leg_prism(foot: Array, direction: Array, thickness: float, width: float, len
 
 
 def first_hit(mesh: Mesh, start: Array, direction: Array) -> float | None:
-    """Distance from a point along a unit direction to the surface, mm; None when it is missed.
+    """Return the distance from a point along a unit direction to the surface, mm; None without a hit.
 
     A ray through an edge or a vertex hits. Source: Moeller and Trumbore (1997).
     """
@@ -159,7 +159,7 @@ def first_hit(mesh: Mesh, start: Array, direction: Array) -> float | None:
 
 
 def _first_hit_distance(corners: Array, start: Array, direction: Array) -> float | None:
-    """Distance from a point along a unit direction to the first of some triangles, shape (k, 3, 3), mm."""
+    """Return the distance from a point along a unit direction to the first of some triangles, shape (k, 3, 3), mm."""
     a, b, c = corners.transpose(1, 0, 2)
     first, second = b - a, c - a
     normal = np.cross(direction, second)
@@ -190,7 +190,7 @@ def _is_near_line(mesh: Mesh, start: Array, sides: Array, half: Array) -> Mask:
 
 
 def cut_flush(leg: Mesh, body: Body, key: str = "legs") -> Mesh:
-    """Part of a leg outside the body, from its foot to the body's surface: cut flush.
+    """Return the part of a leg outside the body, cut flush: from its foot to the body's surface.
 
     Raises GeometryError, beginning with `key`, when the leg lies within the body, or comes out of
     it again.
@@ -209,7 +209,7 @@ def cut_flush(leg: Mesh, body: Body, key: str = "legs") -> Mesh:
 
 
 def unite_with_legs(body: Body, legs: Sequence[Mesh], key: str = "legs") -> Mesh:
-    """One closed mesh of a body and the legs that reach into it.
+    """Unite a body and the legs that reach into it to one closed mesh.
 
     Raises GeometryError, beginning with `key`, when a leg stays apart, and SolidError when the
     modeller loses or doubles something.

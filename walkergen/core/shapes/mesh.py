@@ -14,5 +14,5 @@ class Mesh(NamedTuple):
     """Corners of the triangles as indices into the vertices, shape (k, 3)."""
 
     def shift(self, shift: Array) -> "Mesh":
-        """Mesh elsewhere, by a shift of shape (3,), mm."""
+        """Return the mesh moved by a shift of shape (3,), mm."""
         return self._replace(vertices=self.vertices + shift)

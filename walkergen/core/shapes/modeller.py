@@ -12,7 +12,7 @@ from walkergen.core.shapes.mesh import Mesh
 
 
 def to_solid(mesh: Mesh) -> manifold3d.Manifold:
-    """Solid of a closed mesh. Raises SolidError when manifold3d refuses it."""
+    """Convert a closed mesh to a solid. Raises SolidError when manifold3d refuses it."""
     # The modeller takes no read-only arrays, which its own results are
     vertices = np.require(mesh.vertices, np.float64, ["C", "W"])
     triangles = np.require(mesh.triangles, np.uint64, ["C", "W"])
@@ -34,6 +34,6 @@ def to_mesh(manifold: manifold3d.Manifold) -> Mesh:
 
 
 def split_bodies(manifold: manifold3d.Manifold) -> list[manifold3d.Manifold]:
-    """Bodies of a solid, largest first; the closed cavities of a body are none of their own."""
+    """Split a solid into its bodies, largest first; closed cavities do not count as bodies."""
     outward = [piece for piece in manifold.decompose() if piece.volume() > 0.0]
     return sorted(outward, key=lambda piece: -piece.volume())

@@ -14,10 +14,10 @@ TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribu
 
 
 def pack(corners: Array, header: str) -> bytes:
-    """Binary STL of corners (triangles, 3, 3) in mm; a triangle without area has a zero normal.
+    """Pack corners (triangles, 3, 3) in mm as binary STL; a triangle without area has a zero normal.
 
-    The header begins with "binary STL", because readers take "solid" for the text format; whatever
-    it would hold beyond ASCII or beyond its 80 bytes is lost.
+    The header begins with "binary STL", because readers take "solid" for the text format. Its
+    characters beyond ASCII or beyond its 80 bytes are lost.
     """
     records = np.zeros(len(corners), TRIANGLE)
     records["corners"] = corners
@@ -28,10 +28,10 @@ def pack(corners: Array, header: str) -> bytes:
 
 
 def unpack(data: bytes, source: str) -> tuple[Corners, str]:
-    """Corners (triangles, 3, 3) of a binary STL, in its unit, exactly as they stand there, and a note.
+    """Return the unchanged corners (triangles, 3, 3) of a binary STL, in its unit, and a note.
 
-    Programs that write while they compute leave the count at 0 or at its largest: the length then says
-    how many there are. What follows the counted triangles is left out, and noted. Raises InputError,
+    Programs that write while they compute leave the count at 0 or at its largest. The length then gives the
+    number of triangles. Data after the counted triangles are left out, and noted. Raises InputError,
     which begins with `source`, when the length is not that of a binary STL with triangles, or when a
     corner is not finite.
     """

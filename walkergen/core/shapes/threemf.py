@@ -1,6 +1,6 @@
-"""Reading of 3MF files, and lib3mf, which writes them, where it is made for the machine.
+"""Reading of 3MF files, and loading of lib3mf, which writes them, if it is available for the machine.
 
-Every printed item is read as it is placed, in mm. All is counted while it is read, before anything is placed:
+Every printed item is read in its place, in mm. The reader counts everything before it places anything:
 lib3mf places components within components while it opens a file of 1 kB, for minutes, and trimesh keeps one of
 several items that share object and part number.
 """
@@ -56,13 +56,13 @@ ROLES: dict[str, Role] = {
 supports of all kinds are others, which no printer lays down."""
 
 UNPRINTED_SETTINGS = ("anti_overhang_mesh", "cutting_mesh", "infill_mesh", "support_mesh")
-"""Settings of Cura by which an object says where others print otherwise, and is not printed itself."""
+"""Settings of Cura that make an object change how others print; it is not printed itself."""
 
 HARMLESS_EXTENSIONS = ("/material/", "/production/", "/slice/", "/trianglesets/")
 """Extensions, by parts of their addresses, that a file may require: they change no plain mesh."""
 
 SLICER_NOTE_FILES = ("metadata/slic3r_pe_model.config", "metadata/model_settings.config")
-"""Files in which slicers note the roles."""
+"""Files where slicers note the roles."""
 
 Volumes = dict[int, list[tuple[int, int, Role]]]
 """Roles of triangles by the number of their object: the first and the last of each volume."""
@@ -78,11 +78,11 @@ READ_ERRORS = (
     expat.ExpatError,
     KeyError,
 )
-"""What reading raises for what is no archive, no XML, lacks an attribute, or has words for numbers."""
+"""Errors of reading: no archive, no XML, a missing attribute, or text instead of a number."""
 
 
 class Part(NamedTuple):
-    """Surface in a file, as sound or unsound as it stands there."""
+    """Surface in a file, unchanged, sound or not."""
 
     name: str
     """Item's part number, or its object's name, or its place in the file."""
@@ -115,10 +115,10 @@ def load_library() -> Any:
 
 
 def read_parts(data: bytes, source: str, most_triangles: int = MAX_TRIANGLES) -> list[Part]:
-    """Meshes of all items, in the file's order, a part for each role that volumes of an item have.
+    """Read the meshes of all items, in the file's order; an item has a part for each role of its volumes.
 
     Raises InputError, beginning with `source`, for what is no 3MF, and before it is placed for a file
-    that places more than MOST_PARTS meshes or `most_triangles` triangles, counted as often as placed.
+    that places more than MAX_PARTS meshes or `most_triangles` triangles, counted as often as placed.
     """
     package = _Package(most_triangles)
     try:
@@ -140,7 +140,7 @@ class _Placed(NamedTuple):
     transform: Array
     """Rows of the turn, and below them the shift, shape (4, 3), for corners as rows."""
     printed: bool
-    """False for an item that somebody has switched off."""
+    """False for an item that a user has switched off."""
 
 
 class _Object(NamedTuple):
@@ -224,7 +224,7 @@ class _Package:
             parser.ParseFile(stream)
 
     def _model_handlers(self, path: str, root: bool) -> tuple[Callable[[str, Attributes], None], Callable[[str], None]]:
-        """Functions that take in the elements of a model and their text."""
+        """Return functions that receive the elements of a model and their text."""
         vertex, triangle = CORE_NAMESPACE + "vertex", CORE_NAMESPACE + "triangle"
         own, setting, place = _new_object({}), "", (path, 0)
 
@@ -264,7 +264,7 @@ class _Package:
         return begin, text
 
     def _read_model_settings(self, attributes: Attributes, path: str, root: bool) -> None:
-        """Take in what a model says of itself. Raises InputError for what would change its meshes."""
+        """Read a model's attributes. Raises InputError for settings that would change its meshes."""
         unit = attributes.get("unit", "millimeter" if root else self.unit)
         if root:
             self.unit = unit
@@ -324,7 +324,7 @@ class _Package:
         return self._counts[place]
 
     def parts(self) -> Iterator[Part]:
-        """Surfaces of all items, in their order, mm."""
+        """Yield the surfaces of all items, in their order, mm."""
         for number, item in enumerate(self.items):
             name = item.name or self.objects[item.object].name or f"item {number + 1}"
             for whole, volumes in self._place_meshes(item.object, [item.transform]):
@@ -337,7 +337,7 @@ class _Package:
                 yield from _split_by_role(placed, volumes) if role == "model" else [placed]
 
     def _place_meshes(self, place: Place, chain: list[Array]) -> Iterator[tuple[Part, list[tuple[int, int, Role]]]]:
-        """Meshes of an object, or of its components, moved by all the transforms that lead to it."""
+        """Yield the meshes of an object, or of its components, moved by all transforms on the path to it."""
         own = self.objects[place]
         for part in own.components:
             yield from self._place_meshes(part.object, [*chain, part.transform])
@@ -358,7 +358,7 @@ def _new_object(attributes: Attributes) -> _Object:
 
 
 def _parse_placement(attributes: Attributes, path: str) -> _Placed:
-    """Read what an item or a component places: an object of this model, or of another whose path it gives."""
+    """Read the object that an item or a component places, from this model or from another model's path."""
     paths = [value for name, value in attributes.items() if name.endswith(" path")]
     place = (paths[0].lstrip("/").lower() if paths else path), int(attributes["objectid"])
     numbers = [float(word) for word in attributes.get("transform", "1 0 0 0 1 0 0 0 1 0 0 0").split()]
@@ -367,7 +367,7 @@ def _parse_placement(attributes: Attributes, path: str) -> _Placed:
 
 
 def _split_by_role(whole: Part, volumes: list[tuple[int, int, Role]]) -> Iterator[Part]:
-    """Part of each role that triangles have; those that no volume names are of the model.
+    """Split a part by the roles of its triangles; triangles outside all volumes belong to the model.
 
     Raises InputError for volumes that share triangles.
     """

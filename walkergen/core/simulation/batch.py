@@ -13,13 +13,13 @@ from walkergen.core.files.progress import Progress, silent
 Made = TypeVar("Made")
 
 Stopped = Callable[[], bool]
-"""Tells a run whether it is to stop."""
+"""Returns whether a run is to stop."""
 
 Tell = Callable[[float], None]
-"""Told by a run which share of it is done, 0 to 1."""
+"""Called by a run with the share of it that is done, 0 to 1."""
 
 OneRun = Callable[[int, Stopped, Tell], Made]
-"""What makes the run of a number."""
+"""Function that makes the run of a number."""
 
 POLL_INTERVAL_S = 0.2
 """Time between two looks at the runs under way, s."""
@@ -57,7 +57,7 @@ def run_parallel(
 
 
 def run_all(one: OneRun[Made], count: int, progress: Progress = silent, threads: int | None = None) -> list[Made]:
-    """All `count` runs, as `run` makes them. Raises KeyboardInterrupt rather than leave some out."""
+    """Make all `count` runs with `run`. Raises KeyboardInterrupt instead of leaving some out."""
     finished = run_parallel(one, range(count), progress, threads)
     if len(finished) < count:
         raise KeyboardInterrupt

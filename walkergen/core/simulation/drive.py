@@ -33,31 +33,31 @@ class Drive(NamedTuple):
 
 @kernel
 def advance_phase(drive: Drive, phase: float, t: float) -> float:
-    """Phase (rad) after t seconds; it stays in 0..2 pi."""
+    """Return the phase (rad) after t seconds, in 0..2 pi."""
     return (phase + drive.omega * t) % TWO_PI
 
 
 @kernel
 def height(drive: Drive, phase: float) -> float:
-    """Height of the plate's surface at a phase (rad), mm."""
+    """Return the height of the plate's surface at a phase (rad), mm."""
     return drive.amplitude * (math.sin(phase) + _height(drive.harmonic, phase))
 
 
 @kernel
 def velocity(drive: Drive, phase: float) -> float:
-    """Vertical velocity of the plate at a phase (rad), mm/s."""
+    """Return the vertical velocity of the plate at a phase (rad), mm/s."""
     both = math.cos(phase) + _velocity(drive.harmonic, phase)
     return drive.amplitude * drive.omega * both
 
 
 @kernel
 def acceleration(drive: Drive, phase: float) -> float:
-    """Vertical acceleration of the plate at a phase (rad), mm/s^2."""
+    """Return the vertical acceleration of the plate at a phase (rad), mm/s^2."""
     both = _acceleration(drive.harmonic, phase) - math.sin(phase)
     return drive.amplitude * drive.omega * drive.omega * both
 
 
 @kernel
 def derivative_bound(drive: Drive, order: int) -> float:
-    """Upper bound of |d^order height / dt^order|, mm/s^order; attained without a harmonic."""
+    """Return an upper bound of |d^order height / dt^order|, mm/s^order; attained without a harmonic."""
     return abs(drive.amplitude) * drive.omega**order * (1.0 + _bound(drive.harmonic, order))

@@ -123,7 +123,7 @@ def summarise(results: Sequence[RunResult], plate_speed: float, wall_s: float) -
 
 
 def correlation_time(results: Sequence[RunResult]) -> float | None:
-    """Integrated autocorrelation time of the block speeds (s); None when the runs are too short."""
+    """Return the integrated autocorrelation time of the block speeds (s); None when the runs are too short."""
     if not results:
         return None
     series = [result.block_speeds for result in results]
@@ -131,14 +131,14 @@ def correlation_time(results: Sequence[RunResult]) -> float | None:
 
 
 def mean_speed(results: Sequence[RunResult]) -> Quantity:
-    """Mean speed of runs of any lengths; without an error for fewer than FEWEST_RUNS.
+    """Return the mean speed of runs of any lengths; without an error for fewer than MIN_RUNS.
 
     Runs are the samples: other drops, prints and noise make them independent however slowly a
     walker changes its direction, and no piece of a run is (C. Alexopoulos and D. Goldsman, ACM
     Trans. Model. Comput. Simul. 14, 76, 2004, weigh the two). Limit: walkers that all keep the
     direction they started in show no spread. With two directions alike, n runs of T seconds that
     turn every t seconds all agree with a probability of 2^(1-n) exp(-n T/t), 12.5 % of 4 runs that
-    never turn: hence FEWEST_RUNS, and 8 runs or more where directions may last longer than a run.
+    never turn: hence MIN_RUNS, and 8 runs or more where directions may last longer than a run.
     """
     if not results:
         return Quantity("speed", "mm_s", None, refused="no run ended well")
@@ -151,5 +151,5 @@ def mean_speed(results: Sequence[RunResult]) -> Quantity:
 
 
 def format_outcomes(outcomes: Mapping[str, int]) -> str:
-    """Outcomes of an ensemble in words: "7 ok, 1 toppled"."""
+    """Describe the outcomes of an ensemble: "7 ok, 1 toppled"."""
     return ", ".join(f"{count} {name}" for name, count in outcomes.items())

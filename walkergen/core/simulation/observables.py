@@ -17,8 +17,8 @@ from walkergen.core.simulation.run import RunResult
 SPEED = "speed_mm_s"
 IMPACTS, CONTACT = "impacts_per_s", "contact_fraction"
 BY_IMPULSE, BY_NUMBER, POWERS = "type_fractions_by_impulse", "type_fractions", "energies_per_s"
-"""Tables: shares of each type in the normal impulse of the feet's landings and in the number of impacts ("sticking": of
-those in which a foot sticks); mean powers in g mm^2/s^3 (nW), from the plate, lost to impacts, friction and damping."""
+"""Tables: shares of each type in the normal impulse of the feet's landings and in the number of impacts ("sticking":
+share where a foot sticks); mean powers in g mm^2/s^3 (nW), from the plate, lost to impacts, friction and damping."""
 
 POWER_ROWS = {
     "from_plate": record.PLATE_WORK,
@@ -42,11 +42,11 @@ OBSERVABLE_NAMES = (
 """Names of the observables."""
 
 MIN_RUNS = 4
-"""Number of runs from which their scatter is an error: of fewer it is itself off by half."""
+"""Smallest number of runs whose scatter serves as an error; with fewer, that error is itself off by half."""
 
 
 def observe(results: Sequence[RunResult]) -> dict[str, Quantity]:
-    """Observables over all time of the runs, by the names of NAMES, without the speed.
+    """Return the observables over all time of the runs, by the names of NAMES, without the speed.
 
     Each is a quotient of sums: by time, by the number of impacts, or by their impulse. Shares of
     runs without impacts are 0.
@@ -79,6 +79,6 @@ def ratio_of_sums(key: str, above: Array, below: Array) -> Quantity:
 
 
 def table_values(observed: Mapping[str, Quantity], table: str) -> dict[str, float]:
-    """Values of the observables of one table (BY_IMPULSE, BY_NUMBER or POWERS) by their names."""
+    """Return the values of the observables of one table (BY_IMPULSE, BY_NUMBER or POWERS) by their names."""
     start = f"{table}."
     return {name.removeprefix(start): observed[name].number for name in observed if name.startswith(start)}

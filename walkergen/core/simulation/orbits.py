@@ -19,7 +19,7 @@ ORBIT, REST = "one periodic orbit", "at rest"
 def common_orbit(speeds: Array, plate_speed: float) -> str:
     """Name of what all runs end on, from their mean speeds, shape (n,), in mm/s as the plate's.
 
-    "" when they differ, or are fewer than FEWEST_RUNS. A walker driven by a periodic plate and let
+    "" when they differ, or are fewer than MIN_RUNS. A walker driven by a periodic plate and let
     go at random repeats its motion every whole number of drive periods, or never; only in the first
     case can all runs have one speed. REST is the orbit that does not move.
     """

@@ -1,4 +1,4 @@
-"""Plans, made of a scene, a design and its masses: the world in which a walker runs."""
+"""Plans: a scene, a design and its masses give the world of a walker's runs."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -21,7 +21,7 @@ from walkergen.core.walker.mass import MassProperties
 
 
 class Release(NamedTuple):
-    """How a walker is let go: height of its lowest corner (mm), pitch and roll (rad)."""
+    """State at the release of a walker: height of its lowest corner (mm), pitch and roll (rad)."""
 
     height: float
     pitch: float = 0.0
@@ -35,7 +35,7 @@ class Plan(NamedTuple):
     resolved: Resolved
     world: World
     release: Release | None = None
-    """How all runs begin; None: each draws its own drop."""
+    """Initial state of all runs; None: each draws its own drop."""
 
     @property
     def scene(self) -> Scene:
@@ -48,17 +48,17 @@ class Plan(NamedTuple):
         return self.case.shaken
 
     def with_run_settings(self, **run: float) -> "Plan":
-        """Plan with other seconds, discard_seconds, runs or seed in the scene's [run]."""
+        """Return the plan with other seconds, discard_seconds, runs or seed in the scene's [run]."""
         changed = self.scene.run.model_copy(update=run)
         scene = self.scene.model_copy(update={"run": changed})
         return self._replace(case=self.case._replace(scene=scene))
 
     def coarser(self, factor: float) -> "Plan":
-        """Plan with steps `factor` times longer."""
+        """Return the plan with steps `factor` times longer."""
         return self._replace(world=coarser(self.world, factor))
 
     def sample_print(self, rng: np.random.Generator) -> "Plan":
-        """Plan of one run, whose print and plate are drawn where the scene calls for it."""
+        """Return the plan of one run; its print and plate are drawn if the scene requires it."""
         return self._replace(world=model.sample_world(self.case, self.resolved, self.world, rng))
 
     def initial_state(
@@ -77,16 +77,16 @@ class Plan(NamedTuple):
         return lambda seconds: int(code(self.world, state, seconds, tally))
 
     def energy(self, state: State) -> float:
-        """Mechanical energy of a state, g mm^2/s^2."""
+        """Return the mechanical energy of a state, g mm^2/s^2."""
         return float(model.energy(self.world, state))
 
     def feet(self, state: State) -> Array:
-        """Places and velocities of the feet, shape (legs, 4), as in `space.model.feet`."""
+        """Return the places and velocities of the feet, shape (legs, 4), as in `space.model.feet`."""
         return model.feet(self.world, state)
 
 
 def prepare(scene: Scene, design: Design, mass: MassProperties) -> Plan:
-    """Plan of a scene: its effects resolved, the walker put into its world.
+    """Prepare the plan of a scene: resolve its effects and put the walker into its world.
 
     Raises InputError where the scene's choices contradict each other or the design.
     """

@@ -1,7 +1,7 @@
-"""Record of a run: sums and counts always (constant memory), samples and events when asked for.
+"""Record of a run: sums and counts always (constant memory), samples and events on request.
 
-The integrators' kernels fill its arrays in place. Samples or events that are not wanted have no
-room: the same compiled kernels then pass them over.
+The integrators' kernels fill its arrays in place. Arrays of unwanted samples or events are empty:
+the same compiled kernels then skip them.
 """
 
 import math
@@ -16,7 +16,7 @@ from walkergen.core.theory.impact import TYPE_IV, Kind
 KINDS = {kind.label: int(kind) for kind in Kind if kind}
 """Types of impacts (values of `impact.Kind`) by their names, in the order of `Tally.counts`."""
 
-# Rows of `Tally.counts` beside those of KINDS: all impacts, and those in which a foot sticks.
+# Rows of `Tally.counts` in addition to those of KINDS: all impacts, and impacts where a foot sticks.
 IMPACTS, STICKING = 0, 8
 # Rows of `Tally.sums`.
 ELAPSED, CONTACT_TIME, LARGEST_PITCH = 0, 1, 2
@@ -52,7 +52,7 @@ class Tally(NamedTuple):
     """Record of one run."""
 
     counts: Whole
-    """Shape (9,): all impacts, those of each of KINDS, and those in which the foot sticks."""
+    """Shape (9,): all impacts, impacts of each of KINDS, and impacts where the foot sticks."""
     sums: Array
     """Shape (14,): elapsed time s, contact time s, largest |pitch| rad; energies, g mm^2/s^2: work
     of the plate or of a motor, losses (positive) to impacts, friction in lasting contact, damping
@@ -64,7 +64,7 @@ class Tally(NamedTuple):
 def new_tally(
     sample_size: int = 0, duration: float = 0.0, sample_interval: float | None = None, event_room: int = 0
 ) -> Tally:
-    """Empty record; `duration` (s) sizes the samples, which are kept if they have an interval (s).
+    """Return an empty record; `duration` (s) sizes the samples, which are kept if they have an interval (s).
 
     Samples hold the leading `sample_size` entries of a state. Events are kept as far as their room.
     """
@@ -77,7 +77,7 @@ def new_tally(
 
 
 def energy_error(sums: Array, gained: float, before: float) -> float:
-    """Energy that the `sums` of a tally leave unaccounted for, over the energy exchanged.
+    """Return the energy that a tally's `sums` do not account for, over the energy exchanged.
 
     The motion began with the energy `before` and has gained the energy `gained` (g mm^2/s^2).
     """
@@ -89,7 +89,7 @@ def energy_error(sums: Array, gained: float, before: float) -> float:
 
 @kernel
 def row_of(kind: int) -> int:
-    """Row of `Tally.counts` for a type of impact (`impact.Kind`)."""
+    """Return the row of `Tally.counts` for a type of impact (`impact.Kind`)."""
     return kind if kind >= 0 else TYPE_IV - kind
 
 
@@ -125,7 +125,7 @@ def note_event(events, t, foot, F_x, F_y, v_x, v_y, kind):
 
 @kernel
 def next_sample(samples):
-    """Time (s, since the record began) of the next sample; infinity when none is wanted."""
+    """Return the time (s, since the record began) of the next sample; infinity without samples."""
     if samples.cursor[0] >= samples.rows.shape[0]:
         return np.inf
     return samples.cursor[0] * samples.interval

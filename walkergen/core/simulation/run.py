@@ -24,8 +24,8 @@ PERIODS_PER_BLOCK = 4
 """Length of a block in periods of the drive: the time resolution of the speed's statistics."""
 
 FIRST_EVENT_ROOM, MAX_EVENT_ROOM = 1024, 2_000_000
-"""Impacts for which there is room at first, when all are kept: per period of the drive, in all. A run without room for
-all of them is made again."""
+"""Number of impacts that the arrays hold at first if all are kept: per period of the drive, and in all. A run with
+more impacts than that is repeated."""
 
 ENERGY_TOLERANCE = 0.05
 """Largest share of the exchanged energy that may remain unaccounted for."""
@@ -45,7 +45,7 @@ class Outcome(Enum):
     FAILED = "no convergence"
     TOO_FEW = "too few data for an error bar"
     ORBIT = "on one periodic orbit"
-    """As all the others: their agreement is no measurement of an error (`orbits`)."""
+    """Same orbit as all other runs: their agreement gives no error (`orbits`)."""
     STOPPED = "stopped"
 
 
@@ -88,10 +88,10 @@ def compile_kernels(plan: Plan) -> float:
 
 
 def drop_for_run(plan: Plan, number: int) -> tuple[Plan, Array]:
-    """Plan of one run, with its own print and its own plate, and the state in which it is let go.
+    """Return the plan of one run, with its own print and plate, and its initial state.
 
-    The walker drops from 0.5 to 1.5 amplitudes at a random phase, pitch and roll, at a heading of the scene; or as the
-    plan releases it, at phase 0.
+    The walker drops from 0.5 to 1.5 amplitudes at a random phase, pitch and roll, with the scene's heading. A
+    `release` of the plan replaces these, at phase 0.
     """
     run = plan.scene.run
     rng = np.random.default_rng([run.seed, number])
@@ -105,7 +105,7 @@ def drop_for_run(plan: Plan, number: int) -> tuple[Plan, Array]:
 def sample_drop(
     plan: Plan, rng: np.random.Generator, common_phase: float | None = None, heading: float = 0.0
 ) -> tuple[Plan, Array]:
-    """Plan and state as in `dropped`, drawn by `rng`; with others on one plate at their phase."""
+    """Draw plan and state as in `drop_for_run`; other walkers on one plate share their phase."""
     low, high = (0.5, -1.0, 0.0, -1.0), (1.5, 1.0, 2.0 * np.pi, 1.0)
     clearance, pitch, phase, roll = rng.uniform(low, high)
     plan = plan.sample_print(rng)
@@ -164,7 +164,7 @@ def simulate(
 
 
 def _block_distances(places: Array, on_plane: bool) -> Array:
-    """Distances run in blocks, mm: along x, or along the mean heading of each block on a plane."""
+    """Return the distances per block, mm: along x, or along the mean heading of each block on a plane."""
     moved = np.diff(places, axis=0)
     if not on_plane:
         return moved[:, 0]
@@ -185,13 +185,13 @@ def simulate_with_impacts(
     while True:
         result = simulate(plan, number, stopped, sample_interval, sample_size, room)
         impacts, tally = recorded_impacts(result), result.tally
-        if len(impacts) < room:  # of which the rest goes
+        if len(impacts) < room:  # unused rows are dropped
             return result._replace(tally=tally._replace(events=tally.events._replace(rows=impacts.copy())))
         room *= 4
 
 
 def recorded_impacts(result: RunResult) -> Array:
-    """Impacts of a run that kept them: rows as in `record.Events`."""
+    """Return the recorded impacts of a run: rows as in `record.Events`."""
     events = result.tally.events
     return np.asarray(events.rows[: events.cursor[0]])
 

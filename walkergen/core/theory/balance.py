@@ -54,11 +54,11 @@ class Balance(NamedTuple):
     loads: Array
     """Share of each foot in the normal impulse, shape (feet, ...); their sum is 1."""
     note: str
-    """What was balanced, and what was assumed for it."""
+    """Description of the balance and its assumptions."""
 
 
 def solve_balance(feet: Sequence[Foot], mode: Mode = "coulomb") -> Balance:
-    """Speed and shares of impacts at which a walker gains neither momentum nor spin on average.
+    """Find speed and shares of impacts at which a walker gains neither momentum nor spin on average.
 
     With F_i(v) the impulse at foot i and loads N_i = s_i F_y,i / sum, the force ratios rho_i =
     F_x,i / F_y,i obey sum N_i rho_i = 0 and sum N_i (x_i - y_i rho_i) = 0. Each rho_i falls with v
@@ -122,7 +122,7 @@ def _check_numbers(numbers: Array) -> None:
 
 
 def _format_levers(numbers: Array) -> str:
-    """Levers of the feet in the first draw, as people read them."""
+    """Describe the levers of the feet in the first draw."""
     return ", ".join(f"({x:.4g}, {y:.4g})" for x, y in numbers[:, (LEVER_X, LEVER_Y), 0])
 
 

@@ -18,7 +18,7 @@ HALF_WEIGHT_TURN_RAD = 0.018
 """Turn (rad) that a lane allows at which its walls count for half: 0.5 mm of play of a body of 28 mm."""
 
 DEFAULT_PLAY_MM = 0.5
-"""Gap of a lane over the depth of the body unless the scene says, as `simulation.effects.walls` has it."""
+"""Default gap of a lane over the depth of the body, as in `simulation.effects.walls`."""
 
 
 class Place(NamedTuple):
@@ -71,7 +71,7 @@ class Place(NamedTuple):
     noise_ratio: float | Array
     """Root mean square of the plate's random speed over the drive's peak speed."""
     closeness: float | Array
-    """Of the walls of a lane: 1/(1 + turn that they allow/TURN); 0 on an open plane."""
+    """Narrowness of a lane: 1/(1 + turn that its walls allow/TURN); 0 on an open plane."""
     wall_friction: float | Array
     wall_restitution: float | Array
     """Both 0 on an open plane."""
@@ -80,7 +80,7 @@ class Place(NamedTuple):
     log_depth_ratio: float | Array
 
     def with_inputs(self, design: Design, scene: Scene, drawn: Drawn) -> "Place":
-        """Places at drawn values of the inputs of a prediction."""
+        """Return the places at drawn values of the inputs of a prediction."""
         contact, material = scene.contact, design.material
         modulus = material.youngs_modulus_gpa
         friction = np.maximum(drawn.input_values("contact.friction", contact.friction), 1e-9)
@@ -164,33 +164,33 @@ def compute_place(scene: Scene, design: Design, mass: MassProperties) -> Place:
 
 
 def _log_tip_ratio(scene: Scene, design: Design, mass: float) -> float:
-    """Logarithm of the frequency of a walker (g) on one tip over the drive's, as `Place` has it."""
+    """Return the logarithm of a walker's (g) frequency on one tip over the drive's, as `Place` has it."""
     modulus, radius, drive = contact_modulus(scene, design.material), 1e-3 * scene.feet.tip_radius_um, scene.drive
     stiffness = (modulus**4 * radius**2 * mass * drive.peak_speed**2) ** 0.2
     return 0.5 * math.log(stiffness / mass) - math.log(drive.omega)
 
 
 def _inertias(mass: MassProperties) -> tuple[float, float, float]:
-    """Moments of inertia of the body about the run, the vertical and across the run, g mm^2."""
+    """Return the moments of inertia of the body about the run, the vertical and across the run, g mm^2."""
     assert mass.spatial is not None
     roll, yaw = (float(mass.spatial.body[axis, axis]) for axis in (0, 1))
     return roll, yaw, float(mass.J)
 
 
 def leg_thickness_ratios(design: Design, drawn: Drawn) -> Array:
-    """Ratios of a leg's drawn thickness to its nominal one."""
+    """Return the ratios of a leg's drawn thickness to its nominal one."""
     nominal = design.limbs[0].thickness
     return drawn.input_values("legs.thickness_mm", nominal) / nominal
 
 
 def leg_mass_ratios(design: Design, drawn: Drawn) -> Array:
-    """Ratios of a leg's drawn mass to its nominal one, which go with its thickness unless a balance told the mass."""
+    """Return ratios of a leg's drawn mass to its nominal one; they follow its thickness unless it was weighed."""
     weighed = design.weighed.leg_mass_g is not None
     return drawn.input_values("leg mass", 1.0) * (1.0 if weighed else leg_thickness_ratios(design, drawn))
 
 
 def to_matrix(place: Place) -> Array:
-    """Numbers of places, shape (n, numbers)."""
+    """Return the numbers of places, shape (n, numbers)."""
     return np.column_stack(np.broadcast_arrays(*(np.atleast_1d(number) for number in place)))
 
 

@@ -11,14 +11,14 @@ from walkergen.core.walker.spec import Material
 
 
 def contact_modulus(scene: Scene, material: Material) -> float:
-    """Effective modulus E* of foot and plate, Pa = g/(mm s^2)."""
+    """Return the effective modulus E* of foot and plate, Pa = g/(mm s^2)."""
     plate = scene.plate.elastic
     foot_gives = (1.0 - material.poisson_ratio**2) / material.youngs_modulus
     return 1.0 / (foot_gives + (1.0 - plate.poisson_ratio**2) / (1e9 * plate.youngs_modulus_gpa))
 
 
 def tip_stiffness(scene: Scene, material: Material) -> float:
-    """Hertz stiffness K of a tip on the plate, g/(mm^0.5 s^2); infinite for rigid tips."""
+    """Return the Hertz stiffness K of a tip on the plate, g/(mm^0.5 s^2); infinite for rigid tips."""
     if scene.feet.rigid_tips:
         return math.inf
     return 4.0 / 3.0 * contact_modulus(scene, material) * math.sqrt(1e-3 * scene.feet.tip_radius_um)

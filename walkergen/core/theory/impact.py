@@ -1,10 +1,10 @@
 """One planar impact with Coulomb friction (Routh's construction; docs/physics.md section 3).
 
 The foot touches the plate with velocity (v_x, v_y < 0) and inverse-mass tensor H. Velocities are
-followed along the normal impulse p = F_y, along which they are piecewise linear: a first segment
-in which the foot slides with the sign of v_x, and, once v_x has reached zero, a second one in
-which it sticks or slides on. Compression ends where v_y = 0. Poisson's law of restitution says
-where the impact ends: F_y = (1 + e) times that of compression, as in the paper.
+piecewise linear in the normal impulse p = F_y. In the first segment the foot slides with the sign
+of v_x. Once v_x has reached zero, it sticks or slides on in a second segment. Compression ends
+when v_y = 0. Poisson's law of restitution ends the impact: F_y = (1 + e) times that of
+compression, as in the paper.
 """
 
 import math
@@ -112,7 +112,7 @@ def impact(
 def _follow(
     H_xx: float, H_xy: float, H_yy: float, v_x: float, v_y: float, restitution: float, friction: float
 ) -> Impact:
-    """Impact of a foot that approaches at a speed whose square neither under- nor overflows."""
+    """Compute the impact of a foot whose squared approach speed neither under- nor overflows."""
     # After a stop: stick if friction can hold the foot, else slide on along H_xy. Ratio = F_x/F_y.
     sticks = abs(H_xy) <= friction * H_xx
     if sticks:
@@ -191,7 +191,7 @@ def resolve(
 
 
 def energy_change(velocity: tuple[float, float], outcome: Impact) -> float:
-    """Kinetic energy gained in an impact, F . (v_before + v_after) / 2, in g mm^2/s^2 (1e-9 J).
+    """Compute the kinetic energy gained in an impact, F . (v_before + v_after) / 2, in g mm^2/s^2 (1e-9 J).
 
     Negative when energy is lost.
     """

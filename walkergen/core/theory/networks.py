@@ -1,7 +1,7 @@
-"""Networks of the surrogate: speeds at places, their error and the chance of a fall, from the file that is shipped.
+"""Networks of the surrogate: speeds at places, their error and the chance of a fall, from the shipped file.
 
-Ten of each were trained without other tenths of the rows (evidence/tables): how far they differ tells how well
-they know a place, scaled so that it holds at rows that none has seen.
+Ten of each were trained, each without another tenth of the rows (evidence/tables). Their differences estimate
+their error at a place, scaled so that it holds at rows that none has seen.
 """
 
 import hashlib
@@ -35,7 +35,7 @@ SMALL_TILT_DEG = 1.0
 """Tilt at which speeds of small tilts, which are in proportion to it, begin to level off."""
 
 MAX_FEATURE_SD = 3.0
-"""Standard deviations beyond which a feature of a smooth function stays as it is there."""
+"""Standard deviations beyond which a feature of a smooth function keeps its value."""
 
 EXPONENT_RANGE = (-6.0, 1.0)
 """Exponents of a smooth function: beyond these it is as there."""
@@ -51,14 +51,14 @@ class Speeds(NamedTuple):
     error: Array
     """Standard error of the networks."""
     between_prints: Array
-    """Standard deviation by which prints of one walker differ, as their feet are uneven."""
+    """Standard deviation between prints of one walker, because their feet are uneven."""
     falls: Array
     """Chance that a run ends in a fall."""
     each: Array
     """Middles by each of the networks, shape (networks, n)."""
 
     def speed_ratios(self, deviation: Array | float) -> Array:
-        """Speeds over the plate's peak speed, so far from the middle on the scale of the networks."""
+        """Return speeds over the plate's peak speed, at a deviation from the middle on the networks' scale."""
         return np.asarray(LINEAR_BELOW * np.sinh(self.centre + deviation))
 
 
@@ -73,7 +73,7 @@ class Layer(NamedTuple):
 
 @cache
 def load_arrays() -> Mapping[str, Any]:
-    """Arrays of the surrogate's file. Raises InputError for a file that was spoilt."""
+    """Load the arrays of the surrogate's file. Raises InputError for a damaged file."""
     try:
         with np.load(io.BytesIO(NETWORK_FILE.read_bytes())) as stored:
             kept = {name: stored[name] for name in stored.files}
@@ -86,7 +86,7 @@ def load_arrays() -> Mapping[str, Any]:
 
 
 def hash_arrays(kept: Mapping[str, Any]) -> str:
-    """Hash of arrays by their names, 32 hexadecimal digits."""
+    """Return the hash of arrays by their names, 32 hexadecimal digits."""
     hasher = hashlib.sha256()
     for name in sorted(kept):
         value = np.ascontiguousarray(kept[name])
@@ -96,7 +96,7 @@ def hash_arrays(kept: Mapping[str, Any]) -> str:
 
 @cache
 def digest() -> str:
-    """Hash of the surrogate: bounds of two families with equal ones compare."""
+    """Return the hash of the surrogate: bounds of two families with equal hashes compare."""
     return hash_arrays(load_arrays())
 
 
@@ -109,7 +109,7 @@ def training_facts() -> dict[str, Any]:
 
 @cache
 def load_layers(name: str) -> tuple[Layer, ...]:
-    """Layers of the networks of this name."""
+    """Return the layers of the networks of this name."""
     kept = load_arrays()
     layers: list[Layer] = []
     while f"{name}_weights{len(layers)}" in kept:
@@ -163,18 +163,18 @@ def network_inputs(places: Array) -> tuple[Array, Array]:
 
 
 def features(inputs: Array) -> Array:
-    """One, the inputs and their squares, of what a smooth function is made; shape (n, 1 + 2 d)."""
+    """Return the features of a smooth function: one, the inputs and their squares; shape (n, 1 + 2 d)."""
     near = np.clip(inputs, -MAX_FEATURE_SD, MAX_FEATURE_SD)
     return np.column_stack([np.ones(len(inputs)), near, near**2])
 
 
 def evaluate_smooth(terms: Array, weights: Array) -> Array:
-    """Positive function of features: the exponential of their weighted sum, shape (n,)."""
+    """Evaluate a positive function of features: the exponential of their weighted sum, shape (n,)."""
     return np.asarray(np.exp(np.clip(terms @ weights, *EXPONENT_RANGE)))
 
 
 def speeds_at(kind: Kind, places: Array) -> Speeds:
-    """Speeds at places, shape (n, numbers), of walkers with legs of a kind."""
+    """Return the speeds at places, shape (n, numbers), of walkers with legs of a kind."""
     kept = load_arrays()
     plain, odd = network_inputs(places)
     inputs = (plain - kept[f"{kind}_middle"]) / kept[f"{kind}_scale"]

@@ -1,4 +1,4 @@
-"""The paper's own model (its figure 4): a body in a plane whose legs relax at once after each impact.
+"""The paper's own model (its figure 4): a body in a plane whose legs relax instantly after each impact.
 
 The flexible tensor of a foot (`tensors`) sets the impulse of an impact by the law of `impact`; the body alone receives
 it, M dv = F, J dOmega = d x F. A foot that still approaches is struck again at the same instant, until it leaves or its
@@ -7,8 +7,8 @@ plastic impact of the rigid body keeps a closed foot on the plate at every step 
 closed feet are carried by the plate; a foot that is not pressed opens (docs/physics.md section 5).
 
 Limits. Lasting contact has errors of its step: speeds of the paper's walker are within 0.1 mm/s of exact contact.
-Beside a closed foot one that leaves the plate for less than a step stays closed. Legs lighter than about 1e-4 of the
-body need more impacts than `MOST_IMPACTS`. Where H_rigid > H_flexible impacts can gain energy, which ends a run.
+While one foot is closed, another that leaves the plate for less than a step stays closed. Legs lighter than about 1e-4
+of the body need more impacts than `MAX_IMPACTS`. If H_rigid > H_flexible, impacts can gain energy, which ends a run.
 """
 
 import math
@@ -65,7 +65,7 @@ class World(NamedTuple):
     restitution: float
     friction: float
     tolerance: float
-    """Depth to which a foot may be inside the plate, mm: tens of roundings of its height."""
+    """Largest depth of a foot inside the plate, mm: tens of roundings of its height."""
     snap: float
     """Normal speed (mm/s) below which a foot on the plate stays: what the tolerance itself can feed, four times."""
 
@@ -187,20 +187,20 @@ def _advance(world: World, state: Array, seconds: float, rows: Array) -> tuple[i
 
 @kernel
 def _lever(world, foot, pitch):
-    """Vector O -> foot in the plate's frame, mm."""
+    """Return the vector O -> foot in the plate's frame, mm."""
     x, y = world.feet[foot]
     return x * math.cos(pitch) - y * math.sin(pitch), y * math.cos(pitch) + x * math.sin(pitch)
 
 
 @kernel
 def _rigid_tensor(mass, inertia, r):
-    """Entries xx, xy, yy of the rigid tensor at r (paper, eq. 4), 1/g."""
+    """Return the entries xx, xy, yy of the rigid tensor at r (paper, eq. 4), 1/g."""
     return 1.0 / mass + r[1] * r[1] / inertia, -r[0] * r[1] / inertia, 1.0 / mass + r[0] * r[0] / inertia
 
 
 @kernel
 def _rotate_tensor(own, pitch):
-    """Entries of a tensor at pitch 0 turned into the plate's frame, R own R^T."""
+    """Return the entries of a tensor at pitch 0 turned into the plate's frame, R own R^T."""
     sin, cos = math.sin(pitch), math.cos(pitch)
     xx, xy, yy = own
     return (
@@ -222,7 +222,7 @@ def _drift(world, state, dt):
 
 @kernel
 def _gap(world, state, foot, t=0.0):
-    """Height of a foot over the plate (mm) and its rate after `t` seconds of flight."""
+    """Return the height of a foot over the plate (mm) and its rate after `t` seconds of flight."""
     r_x, r_y = _lever(world, foot, state[PITCH] + state[SPIN] * t)
     phase = state[PHASE] + world.omega * t
     height = state[Y] + t * (state[V_Y] - 0.5 * GRAVITY * t) + r_y - world.amplitude * math.sin(phase)
@@ -278,7 +278,7 @@ def _land(world, state, t, landing, rows, count):
 
 @kernel
 def _close(world, state, landing):
-    """Close the landed feet that neither approach nor leave; beside a closed one also what falls back in a step."""
+    """Close the landed feet that neither approach nor leave; with one closed, also a foot that falls back in a step."""
     back, front = abs(_gap(world, state, 0)[1]), abs(_gap(world, state, 1)[1])
     slow = 2.0 * math.pi / world.omega / CONTACT_STEPS * (GRAVITY + world.amplitude * world.omega**2)
     least = slow if landing[0] and landing[1] and min(back, front) <= world.snap else world.snap
@@ -290,11 +290,11 @@ def _close(world, state, landing):
 
 @kernel
 def _strike(world, state, landing, noted):
-    """Strike each landing foot that approaches until it does not; True if one was struck.
+    """Strike each landing foot until it no longer approaches; return True if one was struck.
 
-    Both feet at once are reckoned from the velocity before and scaled, so that the pair gains no energy that each
-    alone does not, and a mirror image stays one. Rows of `noted` take the impulses of a foot, and velocity and type
-    before the first of them.
+    Impulses of simultaneous feet follow from the velocity before and are scaled. The pair thus gains no energy that
+    each alone does not, and a mirror image stays one. Rows of `noted` take the impulses of a foot, and velocity and
+    type before the first of them.
     """
     v_x, v_y, spin, alone, struck = 0.0, 0.0, 0.0, 0.0, 0
     for foot in range(2):
@@ -322,7 +322,7 @@ def _strike(world, state, landing, noted):
 
 @kernel
 def _sequence(world, foot, r, pitch, v_x, v_y):
-    """Impulse (g mm/s) of the impacts of one foot at one instant, and the type of the first.
+    """Compute the impulse (g mm/s) of one foot's impacts at one instant, and the type of the first.
 
     The flexible tensor sets each impulse, the rigid tensor the velocity after it.
     """

@@ -42,8 +42,8 @@ MODEL_INPUT = Input("the model itself", 0.0, 1.0, -np.inf)
 """Structural error of the model in space, over its standard deviation."""
 
 By = Literal["surrogate", "corrected", "runs", "statics", "theory"]
-"""Source of a speed: the model in space by its surrogate, by that corrected by a few runs, or by runs of the walker and
-its prints; statics where it stands; "theory" where only that was asked for, and there is no speed."""
+"""Source of a speed: the surrogate of the model in space, the surrogate corrected by a few runs, or runs of the walker
+and its prints; statics if it rests; "theory" if only theory was requested, and there is no speed."""
 
 
 class Speed(NamedTuple):
@@ -71,7 +71,7 @@ class Speed(NamedTuple):
         return f"{text}, with 95 % {self.low_95:.1f} to {self.high_95:.1f}"
 
     def _format_print_bounds(self) -> str:
-        """Bounds of prints in words; "" where they are unknown."""
+        """Describe the bounds of prints; "" if they are unknown."""
         if math.isnan(self.low_95):
             return ""
         return f"; 95 % of prints {self.low_95:.1f} to {self.high_95:.1f}"
@@ -80,7 +80,7 @@ class Speed(NamedTuple):
 def make_speed(
     value: float | None, se: float | None, low_95: float | None, high_95: float | None, orbit: str = ""
 ) -> Speed:
-    """Speed of numbers of which None is unknown, all in mm/s."""
+    """Return the speed from numbers in mm/s; None is unknown."""
     four = [math.nan if number is None else float(number) for number in (value, se, low_95, high_95)]
     return Speed(four[0], four[1], four[2], four[3], orbit)
 
@@ -98,13 +98,13 @@ class Prediction(NamedTuple):
     """Mass of the first free leg, g; None where all are braced and part of M."""
     j_g_mm2: float | None
     nominal_mm_s: float | None
-    """Speed as designed: of the nominal run. None where walkers fall, and where only theory was asked for, as the
-    speeds below."""
+    """Speed as designed, of the nominal run. None, like the speeds below, if walkers fall or if only theory was
+    requested."""
     nominal_low_95_mm_s: float | None
     """Bounds of the nominal speed, by the surrogate's error or the scatter of runs."""
     nominal_high_95_mm_s: float | None
     speed_mm_s: float | None
-    """Speed as people will get it: median of the distribution over prints and what is not known."""
+    """Expected speed of a print: median of the distribution over prints and the other uncertain inputs."""
     speed_sd_mm_s: float | None
     """Standard deviation of the distribution."""
     speed_low_68_mm_s: float | None
@@ -114,19 +114,19 @@ class Prediction(NamedTuple):
     speed_high_95_mm_s: float | None
     speed_by: By
     falls: float
-    """Share of the runs in which the walker falls over."""
+    """Share of the runs that end with the walker fallen over."""
     theory_mm_s: float
     """Speed by the theory (the paper's eq. 15): factor_mean x impact speed."""
     factor_back: float
-    """Stationary speed of the back foot by itself, over the impact speed; of more, the last one."""
+    """Stationary speed of the back foot alone, over the impact speed; of several stationary speeds, the last one."""
     factor_front: float
     factor_mean: float
     """That of the walker: the mean of two equal feet, of unlike ones what balances them."""
     mode: str
     theory_note: str
-    """Reason why the theory's speed is not that of the paper's eq. 15; "" where it is, or nearly."""
+    """Reason why the theory's speed differs from the paper's eq. 15; "" if it agrees, or nearly."""
     note: str
-    """What is to be said of the speed."""
+    """Remark on the speed."""
 
     @property
     def speed(self) -> Speed:
@@ -143,11 +143,11 @@ STANDING_MM_S = 1.0
 """Speed below which a walker stands, where zero lies within the error of its speed as designed."""
 
 REPORTED_DIFFERENCE = 0.1
-"""Share of a speed by which another one of the walker differs, beyond which both are reported."""
+"""Relative difference between a walker's speeds above which both are reported."""
 
 
 def is_standing(row: Prediction) -> bool:
-    """Whether a walker stands: by statics, or within the error of its speed."""
+    """Return whether a walker rests: by statics, or within the error of its speed."""
     nominal, low, high = row.nominal_mm_s, row.nominal_low_95_mm_s, row.nominal_high_95_mm_s
     if nominal is None or low is None or high is None:
         return False
@@ -187,13 +187,13 @@ def describe_speed(row: Prediction) -> str:
 
 
 def _format_nominal(row: Prediction) -> str:
-    """Speed as designed with its bounds of 95 %."""
+    """Format the speed as designed with its 95 % bounds."""
     half = 0.5 * ((row.nominal_high_95_mm_s or 0.0) - (row.nominal_low_95_mm_s or 0.0))
     return f"{formatting.format_with_error(row.nominal_mm_s or 0.0, half)} mm/s"
 
 
 class Spread(NamedTuple):
-    """Speeds of a walker: as designed, and over draws of what is not known."""
+    """Speeds of a walker: as designed, and over draws of the uncertain inputs."""
 
     nominal_mm_s: float
     nominal_bounds: tuple[float, float]
@@ -212,7 +212,7 @@ def prediction_inputs(scene: Scene, design: Design) -> tuple[Input, ...]:
 
 
 def sample_speeds(known: Known, drawn: Drawn) -> Array:
-    """Speeds of a walker that the surrogate knows at values of `known_inputs`, mm/s, shape (n,)."""
+    """Return the surrogate's speeds of a walker at values of `prediction_inputs`, mm/s, shape (n,)."""
     speeds, columns = known.sample_speeds(drawn), drawn.columns
     mirrored = known.sign  # a mirror image has mirrored errors
     off = speeds.between_prints * columns[PRINT_INPUT.name] + speeds.error * columns[SURROGATE_INPUT.name]
@@ -221,12 +221,12 @@ def sample_speeds(known: Known, drawn: Drawn) -> Array:
 
 
 def model_error_sd(speed: Array | float, scene: Scene) -> Array:
-    """Structural error of the model in space at speeds, one standard deviation, mm/s."""
+    """Return the structural error of the model in space at speeds, one standard deviation, mm/s."""
     return np.asarray(scene.prediction.model_sd * np.abs(speed))
 
 
 def compute_spread(design: Design, mass: MassProperties, scene: Scene, drawn: Drawn | None = None) -> Spread:
-    """Speeds of a walker by statics or the surrogate. Raises UnknownError for one that neither knows."""
+    """Compute a walker's speeds by statics or the surrogate. Raises UnknownError if neither applies."""
     if stands := standing.standing_reason(scene, design, mass):
         return Spread(0.0, (0.0, 0.0), 0.0, 0.0, (0.0, 0.0, 0.0, 0.0), "statics", stands)
     known = surrogate.case_in_domain(scene, design, mass)
@@ -238,12 +238,12 @@ def compute_spread(design: Design, mass: MassProperties, scene: Scene, drawn: Dr
 
 
 def impact_speed(scene: Scene, mass: MassProperties) -> float:
-    """Speeds by the theory at values of the inputs, mm/s, shape (count,)."""
+    """Compute the theory's speeds at values of the inputs, mm/s, shape (count,)."""
     return scene.prediction.impact_speed_factor * scene.drive.equivalent_plate_drive(float(mass.total)).peak_speed
 
 
 def variance_shares(design: Design, mass: MassProperties, scene: Scene) -> tuple[Share, ...]:
-    """Shares of the inputs in the variance behind a walker's bounds, largest total first.
+    """Return the shares of the inputs in the variance behind a walker's bounds, largest total first.
 
     Raises UnknownError for a walker that the surrogate does not know.
     """
@@ -254,7 +254,7 @@ def variance_shares(design: Design, mass: MassProperties, scene: Scene) -> tuple
 
 
 def sample_prediction_inputs(scene: Scene, design: Design) -> Drawn:
-    """Draws of `known_inputs` behind a speed and its bounds."""
+    """Return the draws of `prediction_inputs` behind a speed and its bounds."""
     inputs = prediction_inputs(scene, design)
     return uncertain_inputs.label_columns(inputs, uncertain_inputs.sample_inputs(inputs, DRAW_COUNT, SEED))
 
@@ -280,7 +280,7 @@ def make_row(
     note: str = "",
     falls: float = 0.0,
 ) -> Prediction:
-    """Row of a walker with these speeds, or none, and what the theory has for it."""
+    """Make the row of a walker with these speeds, or none, and the results of the theory."""
     contact = scene.contact
     by_foot = stationary(design, mass, contact.restitution, contact.friction, mode)
     free = next((leg for leg in mass.legs if leg.m > 0.0), None)
@@ -375,7 +375,7 @@ def predict_curve(
 
 
 def curve_from_rows(walkers: Sequence[tuple[Design, MassProperties, Prediction]], scene: Scene, mode: Mode) -> Curve:
-    """Curve through walkers that stand close to each other, by their own rows, in the order of their tilts."""
+    """Return the curve through walkers of similar tilts, from their own rows, in the order of their tilts."""
     speeds, sticks, contact = [], [], scene.contact
     for design, mass, row in sorted(walkers, key=lambda walker: walker[2].tilt_deg):
         by_foot = stationary(design, mass, contact.restitution, contact.friction, mode)

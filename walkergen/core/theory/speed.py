@@ -20,7 +20,7 @@ MODES: tuple[Mode, ...] = get_args(Mode)
 
 
 class Factors(NamedTuple):
-    """Stationary speed over impact speed, of each foot by itself."""
+    """Stationary speed over impact speed, of each foot alone."""
 
     feet: tuple[Array, ...]
     """Factors of the feet, in the order of the legs."""
@@ -34,7 +34,7 @@ class Factors(NamedTuple):
 
 
 def factor(H: InverseMass, restitution: float | Array, friction: float | Array, mode: Mode = "coulomb") -> Array:
-    """Factor v_x0 / w of one foot, positive forward; shapes broadcast.
+    """Return the factor v_x0 / w of one foot, positive forward; shapes broadcast.
 
     `coulomb` lets the foot stick when friction can hold it; `paper` is eq. 15, which assumes that
     it slides back in any case. At friction 0, where every speed is
@@ -68,7 +68,7 @@ def _check(e: Array, mu: Array, mode: str) -> None:
 def factors(
     mass: MassProperties, restitution: float | Array, friction: float | Array, mode: Mode = "coulomb"
 ) -> Factors:
-    """Stationary factors of feet of one material from mass properties. Raises TheoryError."""
+    """Return the stationary factors of feet of one material from mass properties. Raises TheoryError."""
     tensors = foot_tensors(mass)
     return Factors(
         tuple(factor(H, restitution, friction, mode) for H in tensors),

@@ -16,7 +16,7 @@ from walkergen.core.walker.sections import section_of
 
 
 def standing_reason(scene: Scene, design: Design, mass: MassProperties) -> str:
-    """Why a walker stands, in words; "" where it may run.
+    """Return the reason why a walker rests; "" if it may run.
 
     Source: statics; the amplification is that of an undamped mass on a spring. Its rival are the runs of
     tests/core/theory/test_standing.py.
@@ -44,7 +44,7 @@ def _largest_acceleration(scene: Scene) -> float:
 
 
 def _amplification(scene: Scene, design: Design, mass: MassProperties) -> float:
-    """Acceleration of a body on its legs over that of the plate; infinite beyond their resonance."""
+    """Return the acceleration of a body on its legs over the plate's; infinite beyond their resonance."""
     modulus = 1e9 * design.material.youngs_modulus_gpa
     load = float(mass.total) * GRAVITY / (2 * len(design.limbs))
     tip = tip_stiffness(scene, design.material)
@@ -56,7 +56,7 @@ def _amplification(scene: Scene, design: Design, mass: MassProperties) -> float:
 
 
 def _vertical_compliance(limb: Limb, modulus: float) -> float:
-    """Vertical compliance of a leg, s^2/g, whose foot slides: it bends as a cantilever and is pressed."""
+    """Return the vertical compliance of a leg with a sliding foot, s^2/g: it bends as a cantilever and is pressed."""
     softness = math.cos(limb.tilt) ** 2 / (modulus * limb.width * section_of(limb).axial(limb))
     if not limb.rigid:
         softness += math.sin(limb.tilt) ** 2 * limb.length**3 / (3.0 * modulus * section_of(limb).second_moment(limb))

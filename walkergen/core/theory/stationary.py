@@ -25,11 +25,11 @@ class Stationary(NamedTuple):
     factor: Array
     """Speed of the walker over the impact speed, of the inputs' shape."""
     feet: tuple[Array, ...]
-    """What each foot of the plane would run at by itself, over the impact speed, back to front."""
+    """Speed of each foot of the plane alone, over the impact speed, back to front."""
     reverses: tuple[Flags, ...]
     """True where that foot slides back after its stop, as the paper assumes: mu < |H_xy|/H_xx."""
     note: str
-    """What was balanced; "" for the paper's mean."""
+    """Description of the balance; "" for the paper's mean."""
 
 
 def stationary(
@@ -40,7 +40,7 @@ def stationary(
     mode: Mode = "coulomb",
     nominal: tuple[float, float] | None = None,
 ) -> Stationary:
-    """Stationary speed of a walker from its mass properties, which may carry batch axes.
+    """Return the stationary speed of a walker from its mass properties, which may carry batch axes.
 
     Restitution and friction are the scene's, or draws of them about the `nominal` ones: feet of
     another material keep theirs, changed in the proportion of draw to nominal. Raises TheoryError
@@ -70,14 +70,14 @@ def stationary(
 
 
 def _average_equal_feet(feet: Factors) -> Stationary:
-    """Paper's mean of two equal feet."""
+    """Return the paper's mean of two equal feet."""
     return Stationary(feet.mean, feet.feet, feet.reverses, "")
 
 
 def _foot_value(
     written: float | None, scenes: float | Array, nominal: float | None, most: float = math.inf
 ) -> float | Array:
-    """Friction or restitution of a foot: its own in the scene's proportion, or the scene's."""
+    """Return a foot's friction or restitution: its own in the scene's proportion, or the scene's."""
     if written is None:
         return scenes
     return written if nominal is None else scale_proportionally(written, scenes, nominal, most)

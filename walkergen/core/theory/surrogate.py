@@ -1,10 +1,10 @@
-"""Surrogate of the model in space: what a simulation would give, in a millisecond, where it is known to.
+"""Surrogate of the model in space: a simulation's result in a millisecond, inside its tested domain.
 
 Small networks on dimensionless numbers of a walker with two equal legs on a shaken plate or in a lane
-(evidence/tables trains them on simulated walkers). Ten of them were trained without other tenths of the rows:
-how far they differ tells how well they know a walker, scaled so that it holds at rows that none has seen.
-Where that error is beyond GOAL, where walkers topple, and beyond the numbers that were sampled there is no
-answer here: such a walker is simulated (`points.speeds`).
+(evidence/tables trains them on simulated walkers). Ten of them were trained, each without another tenth of the rows.
+Their differences estimate their error for a walker, scaled so that it holds at rows that none has seen.
+The surrogate gives no answer if that error is beyond GOAL, if walkers topple, or outside the sampled numbers.
+Such a walker is simulated (`points.speeds`).
 """
 
 import math
@@ -31,27 +31,27 @@ NORMAL_95 = NormalDist().inv_cdf(0.975)
 """Standard deviations on either side of the middle that hold 95 % of a normal distribution."""
 
 MAX_ERROR_SHARE, MAX_ERROR_MM_S = 0.10, 1.0
-"""Error (95 %) up to which the surrogate answers: the larger of a share of the speed and a speed."""
+"""Largest error (95 %) of the surrogate's answers: the larger of a share of the speed and a speed."""
 
 MAX_FALL_CHANCE, SURE_FALL_CHANCE = 0.04, 0.9
-"""Chance that a run ends in a fall, by the networks, up to which the surrogate answers with a speed; and from which it
-answers that the walker falls over. Walkers between are simulated."""
+"""Largest chance of a fall, from the networks, that allows a speed as the answer, and smallest chance that gives a fall
+as the answer. Walkers between these are simulated."""
 
 RANGE_MARGIN = 0.02
-"""Share of a number's range by which a walker may lie outside it: samples leave out the ends."""
+"""Share of a number's range that a walker may lie outside it: samples leave out the ends."""
 
 
 class UnknownError(WalkergenError):
-    """The surrogate does not know a walker; the text says why, in words that a table of many says once."""
+    """A walker is outside the surrogate's domain; the text gives the reason, which a table states once."""
 
     def __init__(self, text: str, near: "Known | None" = None) -> None:
         super().__init__(text)
         self.near = near
-        """Walker whose kind and ranges the surrogate knows, where its speed is not known well enough."""
+        """Walker within the surrogate's ranges, but without a certain speed; None outside them."""
 
 
 class FallsError(UnknownError):
-    """The surrogate knows no speed of a walker, since it falls over."""
+    """The surrogate gives no speed of a walker, because it falls over."""
 
     def __init__(self, chance: float) -> None:
         super().__init__(f"falls over in {100.0 * chance:.0f} % of its runs")
@@ -59,7 +59,7 @@ class FallsError(UnknownError):
 
 
 class Known(NamedTuple):
-    """Walker in a scene that the surrogate knows."""
+    """Walker in a scene within the surrogate's domain."""
 
     design: Design
     scene: Scene
@@ -76,7 +76,7 @@ class Known(NamedTuple):
         return self.scene.drive.peak_speed
 
     def speeds_at(self, place: Place) -> Speeds:
-        """Speeds at a place, or at places, beyond the sampled numbers as at their ends."""
+        """Return the speeds at one or more places; beyond the sampled numbers, those at the ends of the range."""
         kind = self.design.kind
         speeds = networks.speeds_at(kind, np.clip(dimensionless.to_matrix(place), *_input_bounds(kind)))
         return speeds._replace(centre=self.sign * speeds.centre)
@@ -87,17 +87,17 @@ class Known(NamedTuple):
         return self.to_mm_s(self.speeds_at(self.place))
 
     def to_mm_s(self, speeds: Speeds) -> tuple[float, float]:
-        """First of some speeds and its standard error, mm/s."""
+        """Return the first of some speeds and its standard error, mm/s."""
         slope = LINEAR_BELOW * math.cosh(speeds.centre[0])
         return self.peak_speed * float(speeds.speed_ratios(0.0)[0]), self.peak_speed * slope * float(speeds.error[0])
 
     def sample_speeds(self, drawn: Drawn) -> Speeds:
-        """Speeds at drawn values of the inputs of a prediction."""
+        """Return the speeds at drawn values of the inputs of a prediction."""
         return self.speeds_at(self.place.with_inputs(self.design, self.scene, drawn))
 
 
 def case_in_domain(scene: Scene, design: Design, mass: MassProperties, within_goal: bool = True) -> Known:
-    """Return a walker that the surrogate knows.
+    """Return a walker within the surrogate's domain.
 
     Pass `within_goal=False` if the caller accounts for the surrogate's error, as `fit` does. Raises UnknownError, with
     the reason, for a walker that has to be simulated, and FallsError for one that falls over.
@@ -152,7 +152,7 @@ GOVERNING_KEY = {key: number for number, keys in DEPENDENT_KEYS.items() for key 
 
 
 def scene_violations(scene: Scene) -> list[str]:
-    """Keys and values of a scene, as people write them, that the surrogate has never met.
+    """Return keys and values of a scene, in the user's spelling, outside the surrogate's training set.
 
     What shapes a number counts only where there is some.
     """
@@ -171,7 +171,7 @@ def scene_violations(scene: Scene) -> list[str]:
 
 
 def _input_bounds(kind: Kind) -> Array:
-    """Lower and upper ends of the sampled numbers for a kind of legs, shape (2, numbers)."""
+    """Return the lower and upper ends of the sampled numbers for a kind of legs, shape (2, numbers)."""
     ranges = networks.training_facts()["ranges"][kind]
     return np.array([ranges[name] for name in Place._fields]).T
 

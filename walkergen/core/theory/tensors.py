@@ -23,14 +23,14 @@ class InverseMass(NamedTuple):
 
 
 def _mobility_to_mass(mass: Values, inertia: Values, lever: Array) -> InverseMass:
-    """Inverse of I/mass + P(lever)/inertia, in g: the mass felt at a point of a free rigid body."""
+    """Invert I/mass + P(lever)/inertia, in g: the effective mass at a point of a free rigid body."""
     x, y = lever[..., 0], lever[..., 1]  # eq. 2.4
     scale = mass / (inertia + mass * (x * x + y * y))
     return InverseMass(scale * (inertia + mass * x * x), scale * mass * x * y, scale * (inertia + mass * y * y))
 
 
 def rigid_tensor(M: Values, J: Values, d: Array) -> InverseMass:
-    """Tensor at a foot of a rigid walker: I/M + P(d)/J, in 1/g (paper eq. 4).
+    """Return the tensor at a foot of a rigid walker: I/M + P(d)/J, in 1/g (paper eq. 4).
 
     M (g) and J (g mm^2) of the whole walker, shape (...); d = O -> foot (mm), shape (..., 2).
     """
@@ -39,7 +39,7 @@ def rigid_tensor(M: Values, J: Values, d: Array) -> InverseMass:
 
 
 def flexible_tensor(M: Values, J: Values, m: Values, j: Values, a: Array, c_A: Array, c_T: Array) -> InverseMass:
-    """Tensor at the tip of a leg whose joint carries force but no torque, in 1/g (paper eqs 8-12).
+    """Return the tensor at the tip of a leg whose joint carries force but no torque, in 1/g (paper eqs 8-12).
 
     The body has M, J and anchor a; the leg has m, j (about its own centre), c_A = anchor -> centre
     and c_T = centre -> tip. Masses (g, g mm^2) shape (...), vectors (mm) (..., 2); all masses > 0.
@@ -74,7 +74,7 @@ def flexible_tensor(M: Values, J: Values, m: Values, j: Values, a: Array, c_A: A
 
 
 def foot_tensors(mass: MassProperties) -> tuple[InverseMass, ...]:
-    """Tensors at the feet; the other legs' masses are neglected, as in the paper.
+    """Return the tensors at the feet; the other legs' masses are neglected, as in the paper.
 
     The error of this is of the order of m/M (the tests compare it with the chain of hinged legs).
     """

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Array = npt.NDArray[np.float64]
 
 PREDICTION_READER, SPACE_READER = "prediction", "space"
-"""Who reads uncertain inputs: the prediction, and the model in space in its runs."""
+"""Users of uncertain inputs: the prediction, and runs of the model in space."""
 
 FREQUENCY_KEY, MOMENT_KEY = "drive.frequency_hz", "drive.eccentric_g_mm"
 """Names of what is uncertain of a motor."""
@@ -35,8 +35,8 @@ QUANTILES = (0.025, 0.16, 0.84, 0.975)
 """Ends of the bounds of 95 and 68 %."""
 
 SHARE_POINTS, SHARE_SETS = 512, 8
-"""Points of one set from which shares are computed, and number of sets, whose scatter is the
-error of the shares."""
+"""Number of points of one set that give the shares, and number of sets; the scatter of the
+sets is the error of the shares."""
 
 
 class Input(NamedTuple):
@@ -92,7 +92,7 @@ def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
 
 
 def _tip_radius(scene: Scene) -> Input:
-    """Effective radius of the tips, um, cut off at three standard deviations."""
+    """Return the effective radius of the tips, um, cut off at three standard deviations."""
     radius, factor = scene.feet.tip_radius_um, scene.feet.tip_radius_sd_factor
     factor = PRIORS[scene.contact.prior].tip_radius_sd_factor if factor is None else factor
     ends = radius / factor**3, radius * factor**3
@@ -124,18 +124,18 @@ class Drawn(NamedTuple):
     number: int
 
     def input_values(self, name: str, nominal: float) -> Array:
-        """Values of an input, shape (number,): the nominal one where it is not drawn."""
+        """Return the values of an input, shape (number,): the nominal one if it is not drawn."""
         return self.columns.get(name, np.full(self.number, nominal))
 
 
 def label_columns(quantities: Sequence[Input], values: Array) -> Drawn:
-    """Values of inputs, shape (count, inputs), by their names."""
+    """Return the values of inputs, shape (count, inputs), by their names."""
     columns = {quantity.name: values[:, place] for place, quantity in enumerate(quantities)}
     return Drawn(columns, len(values))
 
 
 def sample_inputs(quantities: Sequence[Input], count: int, seed: int) -> Array:
-    """Draws of the inputs, shape (count, inputs), evenly spread (see `even`); not writable.
+    """Draw the inputs, shape (count, inputs), evenly spread (see `lattice_points`); not writable.
 
     They are kept, since members of a family share them.
     """
@@ -190,7 +190,7 @@ LATTICE_VECTOR = (
 
 
 def lattice_points(wide: int, count: int, seed: int) -> Array:
-    """Points of a lattice with a random shift in the unit cube, shape (count, wide), wide <= 32.
+    """Return the points of a lattice with a random shift in the unit cube, shape (count, wide), wide <= 32.
 
     Its first 2^m points are evenly spread. Ends of bounds over 512 of them err by 0.4 to 0.8 of
     what random numbers do, by up to a third more than Sobol's (tried on a sum with a ridge), whose
@@ -209,7 +209,7 @@ _normal_quantiles = np.vectorize(STANDARD_NORMAL.inv_cdf, otypes=[float])
 
 
 def input_quantiles(law: Input, shares: Array) -> Array:
-    """Quantiles of an input's distribution; shares in (0, 1), any shape."""
+    """Return the quantiles of an input's distribution; shares in (0, 1), any shape."""
     if law.factor:
         normal = Input(law.name, math.log(law.mean), law.sd, math.log(law.low), math.log(law.high))
         return np.asarray(np.exp(input_quantiles(normal, shares)))
@@ -223,9 +223,9 @@ def input_quantiles(law: Input, shares: Array) -> Array:
 
 
 def apply_inputs(scene: Scene, design: Design, values: Mapping[str, float]) -> tuple[Scene, Design, MassProperties]:
-    """Scene, design and masses with the inputs set to `values`; others keep their means.
+    """Return scene, design and masses with the inputs set to `values`; others keep their means.
 
-    Feet of another material change in the proportion in which the scene's contact does.
+    Feet of another material change in proportion to the scene's contact.
 
     Raises GeometryError for legs that cannot be built so thick.
     """
@@ -248,7 +248,7 @@ def apply_inputs(scene: Scene, design: Design, values: Mapping[str, float]) -> t
 
 
 def scale_proportionally(own: float, drawn: Any, nominal: float, most: float = math.inf) -> Any:
-    """Friction or restitution of a foot of another material, as a draw of the scene's changes it.
+    """Return another material's friction or restitution, scaled by a draw of the scene's value.
 
     It changes in the same proportion, up to `most`; where the scene's `nominal` value is 0 it
     stays. A float or an array, as `drawn` is.
@@ -257,7 +257,7 @@ def scale_proportionally(own: float, drawn: Any, nominal: float, most: float = m
 
 
 def _scale_foot_contacts(design: Design, scene: Scene, drawn: Scene) -> Design:
-    """Design whose feet of another material change as the scene's contact does; validated."""
+    """Return the design with feet of another material scaled as the scene's contact; validated."""
     if all(limb.friction is None and limb.restitution is None for limb in design.limbs):
         return design
     data = design.model_dump(exclude_unset=True)
@@ -270,12 +270,12 @@ def _scale_foot_contacts(design: Design, scene: Scene, drawn: Scene) -> Design:
 
 
 def _clip_thickness(thickness: float) -> float:
-    """Drawn thickness of a leg, mm, within what a design may have."""
+    """Return the drawn thickness of a leg, mm, limited to the range of a design."""
     return min(max(thickness, MIN_LENGTH_MM), MAX_LENGTH_MM)
 
 
 def _with_leg_thickness(design: Design, thickness: float | None, material: dict[str, Any]) -> Design:
-    """Design with another thickness of its first leg, and of others in proportion; validated."""
+    """Return the design with another thickness of its first leg, and of others in proportion; validated."""
     if thickness is not None:
         data = design.model_dump(exclude_unset=True)
         if design.pair:
@@ -302,7 +302,7 @@ class Share(NamedTuple):
 
 
 def variance_shares(quantities: Sequence[Input], function: Callable[[Array], Array], seed: int) -> tuple[Share, ...]:
-    """First-order and total shares of a function's variance, largest total first.
+    """Return the first-order and total shares of a function's variance, largest total first.
 
     The function takes values of the inputs, shape (n, inputs), and returns shape (n,). Standard
     errors come from `SHARE_SETS` independent sets of points.
@@ -313,7 +313,7 @@ def variance_shares(quantities: Sequence[Input], function: Callable[[Array], Arr
 
 
 def sobol_indices(quantities: Sequence[Input], function: Callable[[Array], Array], rng: np.random.Generator) -> Array:
-    """First-order (row 0) and total (row 1) shares of a function's variance, shape (2, inputs)."""
+    """Return first-order (row 0) and total (row 1) shares of a function's variance, shape (2, inputs)."""
     from scipy.stats import sobol_indices
 
     if not quantities:
@@ -324,7 +324,7 @@ def sobol_indices(quantities: Sequence[Input], function: Callable[[Array], Array
 
 
 def sort_shares(quantities: Sequence[Input], values: Array, errors: Array) -> tuple[Share, ...]:
-    """Shares by name, largest total first; values and standard errors of shape (2, inputs)."""
+    """Return the shares by name, largest total first; values and standard errors of shape (2, inputs)."""
     from walkergen.core.numerics.quantity import Quantity
 
     rows = [
@@ -342,5 +342,5 @@ class _Law(NamedTuple):
     one: Input
 
     def ppf(self, shares: Array) -> Array:
-        """Quantiles."""
+        """Return quantiles."""
         return input_quantiles(self.one, shares)

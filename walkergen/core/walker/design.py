@@ -1,9 +1,9 @@
-"""Design of a walker: what a person chose about it, with the shape and the legs that it stands for.
+"""Design of a walker: the user's choices, with the shape and the legs that they determine.
 
 Geometry in the x-y plane with the middle of the body at the origin, y up; all legs leave the
 body's bottom face at their anchors, tilted so that the feet lie behind them for tilt > 0. The two
-equal legs of [legs] touch the plate `contact_spacing` apart, symmetric about the middle, whatever
-the tilt (docs/physics.md section 1); those of [[legs]] stand where they are put. Defaults are the
+equal legs of [legs] touch the plate `contact_spacing` apart, symmetric about the middle, at any
+tilt (docs/physics.md section 1). Legs of [[legs]] are at their given places. Defaults are the
 paper's object.
 """
 
@@ -81,12 +81,12 @@ class Design(WalkerSpec):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was made of the body's file, and the legs that were found for it, a line each."""
+        """Lines on the conversion of the body's file, and on the legs found for it."""
         notes = [f"{self.name}: {'; '.join(changes)}"] if (changes := self.shape.changes) else []
         return (*notes, f"{self.name}: {resolve.describe_placement(self)}") if self.placed else tuple(notes)
 
     def with_numbered_legs(self) -> "Design":
-        """Return the design whose legs that were found stand where they are by numbers, which a person can change."""
+        """Return the design with the positions of automatic legs as numbers, which a user can change."""
         if not isinstance(self.legs, Legs) or not self.placed:
             return self
         data, legs = self.model_dump(exclude_unset=True), self.legs.model_dump(exclude_unset=True)
@@ -129,7 +129,7 @@ class Design(WalkerSpec):
         return max(places) - min(places)
 
     def variant(self, *, tilt_deg: float | None = None, kind: Kind | None = None, **keys: Any) -> "Design":
-        """Design with another tilt or kind of legs, or with other values of any keys.
+        """Return the design with another tilt or kind of legs, or with other values of any keys.
 
         Keys are those of the file, dotted, and the words of the commands: `tilt` is `tilt_deg`, `legs="braced"` is
         `kind`, `text` and `mirror` are the body's. Everything is validated together, as the file's lines are, unlike
@@ -157,7 +157,7 @@ class Design(WalkerSpec):
     __str__ = __repr__
 
     def _tilt_and_kind_keys(self, tilt_deg: float | None, kind: Kind | None) -> dict[str, Any]:
-        """Keys that a tilt and a kind of legs stand for. Raises GeometryError where there is none.
+        """Return the keys for a tilt and a kind of legs. Raises GeometryError if there are none.
 
         None leaves the design's own.
         """
@@ -174,7 +174,7 @@ class Design(WalkerSpec):
         return {"leg_tilt_deg": tilt_deg} if tilt_deg is not None and self.follows else {}
 
     def members(self, tilts_deg: Iterable[float] | None = None, kinds: Iterable[Kind] | None = None) -> list["Design"]:
-        """Variants of a family, kinds outermost; by default those of its [family] table.
+        """Return the variants of a family, kinds outermost; by default those of its [family] table.
 
         Raises GeometryError, with the limit that was exceeded and the tilts at which, if any member
         cannot be built.

@@ -45,7 +45,7 @@ class SolidMass(NamedTuple):
 
 
 class Spatial(NamedTuple):
-    """What the mass properties of a plane leave out: the third dimension, for motion in space."""
+    """Mass properties of the third dimension, for motion in space."""
 
     z: float
     """Place of O across the run, from the middle of the walker's depth, mm."""
@@ -140,7 +140,7 @@ def weigh(mesh: Mesh, density: float) -> SolidMass:
 
 
 def combine_solids(solids: Sequence[SolidMass]) -> SolidMass:
-    """Mass properties of several solids as one rigid body, by Steiner's theorem."""
+    """Combine the mass properties of several solids to one rigid body, by Steiner's theorem."""
     masses = np.array([solid.mass for solid in solids])
     centres = np.array([solid.centre for solid in solids])
     centre = masses @ centres / masses.sum()
@@ -152,12 +152,12 @@ def combine_solids(solids: Sequence[SolidMass]) -> SolidMass:
 
 
 def to_rigid(mass: MassProperties) -> MassProperties:
-    """Mass properties with the joints frozen: body and all legs as one rigid solid."""
+    """Return the mass properties with the joints frozen: body and all legs as one rigid solid."""
     return mass if mass.rigid else freeze_joints(mass, [True] * len(mass.legs))
 
 
 def freeze_joints(mass: MassProperties, rigid: Sequence[bool]) -> MassProperties:
-    """Mass properties with those joints frozen whose legs are `rigid`: they belong to the body."""
+    """Return mass properties with the joints of the legs in `rigid` frozen: these legs belong to the body."""
     chosen = [leg for leg, is_rigid in zip(mass.legs, rigid, strict=True) if is_rigid]
     if not chosen:
         return mass
@@ -184,7 +184,7 @@ def freeze_joints(mass: MassProperties, rigid: Sequence[bool]) -> MassProperties
 
 
 def scale_masses(mass: MassProperties, body: Values, leg: Values) -> MassProperties:
-    """Mass properties with the masses and inertias of body and legs times ratios, any shape."""
+    """Return mass properties with the masses and inertias of body and legs times ratios, any shape."""
     whole, sides = mass.spatial, (..., None, None)
     body, leg = np.asarray(body), np.asarray(leg)
     if whole is not None:
@@ -197,7 +197,7 @@ def scale_masses(mass: MassProperties, body: Values, leg: Values) -> MassPropert
 
 
 def centre_and_inertia(body: Spatial, legs: Sequence[LegMass], masses: Array, centres: Array) -> tuple[Array, Array]:
-    """Centre of mass (mm, from O at half depth) and inertia tensor about it (g mm^2) of the whole.
+    """Return the centre of mass (mm, from O at half depth) and inertia tensor about it (g mm^2) of the whole.
 
     Masses of the body and these legs, shape (1 + legs,), g; their centres from O, shape
     (1 + legs, 2), mm.
@@ -211,13 +211,13 @@ def centre_and_inertia(body: Spatial, legs: Sequence[LegMass], masses: Array, ce
 
 
 def to_centre_frame(limbs: Sequence[Limb], mass: MassProperties, points: Array) -> Array:
-    """Points of the design's frame, shape (n, 2), seen from O, mm; `limbs` are the walker's legs in that frame."""
+    """Return points of the design's frame, shape (n, 2), relative to O, mm; `limbs` are the legs in that frame."""
     O = np.array(limbs[0].anchor) - mass.legs[0].anchor  # noqa: E741  (the paper's name)
     return np.asarray(points) - O
 
 
 def rescale(part: SolidMass, weighed_mass: float | None) -> SolidMass:
-    """Return the mass properties of the same shape with the mass of a balance, g; None: as they are."""
+    """Return the mass properties of the same shape with a weighed mass, g; None leaves them unchanged."""
     if weighed_mass is None:
         return part
     return part._replace(mass=weighed_mass, tensor=part.tensor * weighed_mass / part.mass)
@@ -248,7 +248,7 @@ def check_support(limbs: Sequence[Limb], mass: MassProperties) -> None:
 
 
 def _centre_in_plan(mass: MassProperties) -> Array:
-    """Centre of mass of the whole, (along, across), from O and from half the depth, mm."""
+    """Return the centre of mass of the whole, (along, across), from O and from half the depth, mm."""
     z = mass.spatial.z if mass.spatial is not None else 0.0
     across = mass.M * z + sum(leg.m * leg.across for leg in mass.legs)
     return np.array([mass.centre[0], across / mass.total])

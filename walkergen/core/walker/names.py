@@ -19,12 +19,12 @@ def part_name(design: Design, stem: str = DEFAULT_STEM) -> str:
 
 
 def is_part_name(name: str) -> bool:
-    """Whether a name may be one of `part`, of any design, or of one of its copies (NAME-3)."""
+    """Return whether a name may be that of `part`, of any design, or of one of its copies (NAME-3)."""
     return bool(re.fullmatch(r".+_t-?\d+\.\d+_[a-z-]+_s\d+\.\d+(-[1-9]\d*)?", name))
 
 
 def tilt_name(design: Design) -> str:
-    """Tilt of a walker in names of files, such as t05.0: as wide as others, so that they sort."""
+    """Format a walker's tilt for names of files, such as t05.0: as wide as others, so that they sort."""
     whole, point, digits = _decimal(design.tilt_deg, 1).partition(".")
     return f"t{whole.zfill(3 if whole.startswith('-') else 2)}{point}{digits}"
 
@@ -37,7 +37,7 @@ def race_name(members: Sequence[Design]) -> str:
 
 
 def leg_names(design: Design) -> tuple[str, ...]:
-    """Names of a walker's legs in their order: back and front of two, of others their numbers.
+    """Return names of a walker's legs in their order: back and front for two legs, otherwise their numbers.
 
     Two legs side by side have numbers as well.
     """
@@ -48,13 +48,13 @@ def leg_names(design: Design) -> tuple[str, ...]:
 
 
 def part_names(members: Sequence[Design]) -> list[str]:
-    """Names of walkers that are printed together: those of several designs begin with its name."""
+    """Return names of walkers that are printed together; with several designs they begin with the design's name."""
     several = len(group_by_design(members)) > 1
     return [part_name(design, design.name if several else DEFAULT_STEM) for design in members]
 
 
 def group_by_design(members: Sequence[Design]) -> dict[str, list[Design]]:
-    """Walkers by the names of their designs, in their order."""
+    """Return the walkers by the names of their designs, in their order."""
     groups: dict[str, list[Design]] = {}
     for design in members:
         groups.setdefault(design.name, []).append(design)
@@ -62,13 +62,13 @@ def group_by_design(members: Sequence[Design]) -> dict[str, list[Design]]:
 
 
 def design_letters(members: Sequence[Design]) -> dict[str, str]:
-    """Letters that stand for the names of several designs in pictures: A, ... Z, AA; or none."""
+    """Return letters that replace the names of several designs in pictures: A, ... Z, AA; or none."""
     designs = list(group_by_design(members))
     return {} if len(designs) == 1 else {name: _letter(at) for at, name in enumerate(designs)}
 
 
 def legend(members: Sequence[Design]) -> str:
-    """Markdown that tells printed parts apart: letters of several designs, marks of each tilt."""
+    """Return Markdown that identifies printed parts: letters of several designs, marks of each tilt."""
     short = design_letters(members)
     if not short:
         return _mark_legend(members)
@@ -81,7 +81,7 @@ def legend(members: Sequence[Design]) -> str:
 
 
 def _mark_legend(members: Sequence[Design]) -> str:
-    """Markdown table of the mark for each tilt of one design; "" without marks."""
+    """Return a Markdown table of the mark for each tilt of one design; "" without marks."""
     marks: dict[float, dict[str, list[str]]] = {}
     for design in members:
         if design.mark:  # numbers count on from kind to kind
@@ -104,7 +104,7 @@ def mark_range(marks: Sequence[str], quote: str = "") -> str:
 
 
 def reading_instructions(marks: Marks) -> str:
-    """Instructions for reading the marks of a printed part; "" without marks."""
+    """Return the instructions for reading the marks of a printed part; "" without marks."""
     number = "" if marks.serial is None else " The last number is the copy's own."
     if marks.kind == "none":
         return f"Digits engraved into the body.{number}" if number else ""
@@ -121,7 +121,7 @@ def reading_instructions(marks: Marks) -> str:
 
 
 def _letter(index: int) -> str:
-    """Letters that count from 0 as the columns of a spreadsheet do: A, ... Z, AA, AB, ..."""
+    """Return the letters of a number from 0, as for columns of a spreadsheet: A, ... Z, AA, AB, ..."""
     before, last = divmod(index, len(ascii_uppercase))
     return (_letter(before - 1) if before else "") + ascii_uppercase[last]
 

@@ -17,11 +17,11 @@ class Planar(NamedTuple):
 
     mass: MassProperties
     limbs: tuple[Limb, ...]
-    """Legs of the plane, as wide as those that they stand for together."""
+    """Legs of the plane, as wide as the legs that they represent together."""
 
 
 def project_to_plane(design: Design, mass: MassProperties) -> Planar:
-    """Walker seen from the side; two equal legs are as they were."""
+    """Project a walker to its side view; two equal legs stay unchanged."""
     if design.pair:
         return Planar(mass, design.limbs)
     groups: dict[tuple[object, ...], list[tuple[Limb, LegMass]]] = {}

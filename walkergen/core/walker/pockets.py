@@ -1,7 +1,7 @@
 """Pockets cut into a walker's body: for its motor, its battery and the wires between them.
 
-A pocket is all the room that a part sweeps, with its clearance, while it is put in from the side
-to which the pocket opens. Its floor, opposite, must be solid all over, whatever the body's shape.
+A pocket is all the space that a part sweeps, with its clearance, while it is inserted from the
+pocket's open side. The floor on the opposite side must be solid everywhere, for any body shape.
 """
 
 import itertools
@@ -25,14 +25,14 @@ ROUNDING_SHARE = 1e-6
 """Share of a volume that counts as rounding."""
 
 OPENING_DIRECTIONS = {"up": (0.0, 1.0, 0.0), "down": (0.0, -1.0, 0.0), "side": (0.0, 0.0, 1.0)}
-"""Directions in which pockets open, in the design's frame."""
+"""Directions of the openings of pockets, in the design's frame."""
 
 
 def cut_pockets(design: Design, walker: Mesh, body: Mesh, roots: Sequence[Mesh]) -> tuple[Mesh, Mesh]:
-    """Walker and body with the pockets of a design's parts cut into them.
+    """Cut the pockets of a design's parts into the walker and the body, and return both.
 
-    `roots` are the legs with what of them reaches into the body. Raises GeometryError, beginning
-    with the key, for parts that take the same place, stand in a leg, or have no floor.
+    `roots` are the legs with their ends inside the body. Raises GeometryError, beginning
+    with the key, for parts that overlap each other or a leg, or have no floor.
     """
     solid, legs = modeller.to_solid(body), [modeller.to_solid(root) for root in roots]
     tools = _pocket_solids(design)
@@ -71,13 +71,13 @@ def check_marks_intact(design: Design, marked: Mesh, plain: Mesh) -> None:
 
 
 def without_pockets(design: Design) -> Design:
-    """Design of the same walker without pockets, for it carries nothing."""
+    """Return the design of the same walker without parts and pockets."""
     empty = {"motor": None, "battery": None, "pockets": None}
     return design.model_copy(update=empty)
 
 
 def part_meshes(design: Design) -> dict[str, Mesh]:
-    """Meshes of a design's parts themselves, without clearance, in the design's frame."""
+    """Return the meshes of a design's parts, without clearance, in the design's frame."""
     return {
         name: modeller.to_mesh(_hull(_cylinder_points(part.cylinder, design, 0.0)))
         for name, part in design.parts.items()
@@ -104,7 +104,7 @@ def weigh_contents(design: Design) -> list[SolidMass]:
 
 
 def _cylinder_mass(cylinder: Cylinder, mass: float, depth: float) -> SolidMass:
-    """Mass properties of a solid cylinder of that mass, g, in a body of that depth, mm."""
+    """Return the mass properties of a solid cylinder of that mass, g, in a body of that depth, mm."""
     aside = mass * (3.0 * cylinder.radius**2 + cylinder.height**2) / 12.0
     tensor = aside * np.eye(3)
     tensor[cylinder.axis, cylinder.axis] = 0.5 * mass * cylinder.radius**2
@@ -113,9 +113,9 @@ def _cylinder_mass(cylinder: Cylinder, mass: float, depth: float) -> SolidMass:
 
 
 def wall_between(design: Design, most: float) -> float:
-    """Thinnest wall between the pockets of motor and battery within the body's box, mm.
+    """Return the thinnest wall between the pockets of motor and battery within the body's box, mm.
 
-    0 where the one opens into the other; `most` where it is thicker, or where there is one pocket.
+    0 if one opens into the other; `most` if the wall is thicker, or if there is one pocket.
     The channel of the wires, which is meant to join them, does not count.
     """
     if len(design.parts) < 2:
@@ -130,7 +130,7 @@ def wall_between(design: Design, most: float) -> float:
 
 
 def _pocket_solids(design: Design) -> dict[str, manifold3d.Manifold]:
-    """Rooms of pockets and channel, by the names of their tables and "channel"."""
+    """Return the spaces of pockets and channel, by the names of their tables and "channel"."""
     tools = {name: _swept_volume(part, design) for name, part in design.parts.items()}
     if len(tools) > 1 and design.fit.channel_mm > 0.0:
         tools["channel"] = _channel(design)
@@ -150,7 +150,7 @@ def _hull(points: Array) -> manifold3d.Manifold:
 
 
 def _cylinder_points(cylinder: Cylinder, design: Design, clearance: float) -> Array:
-    """Corners of a cylinder with clearance on every side, shape (2 SEGMENTS, 3), mm."""
+    """Return the corners of a cylinder with clearance on every side, shape (2 SEGMENTS, 3), mm."""
     angles = 2.0 * np.pi * np.arange(CIRCLE_SEGMENTS) / CIRCLE_SEGMENTS
     radius, half = cylinder.radius + clearance, 0.5 * cylinder.height + clearance
     ring = np.zeros((CIRCLE_SEGMENTS, 3))
@@ -163,7 +163,7 @@ def _cylinder_points(cylinder: Cylinder, design: Design, clearance: float) -> Ar
 
 
 def _swept_volume(part: Part, design: Design) -> manifold3d.Manifold:
-    """Room that a part takes and passes on its way in."""
+    """Return the space that a part occupies and sweeps on its way in."""
     points = _cylinder_points(part.cylinder, design, design.fit.clearance_mm)
     return _hull(
         np.concatenate([points, points + _exit_distance(points, design) * np.array(OPENING_DIRECTIONS[part.opens])])
@@ -171,12 +171,12 @@ def _swept_volume(part: Part, design: Design) -> manifold3d.Manifold:
 
 
 def _exit_distance(points: Array, design: Design) -> float:
-    """Length of a way that leads out of the body from any of the points, mm."""
+    """Return the length of a way that leads out of the body from any of the points, mm."""
     return float(2.0 * sum(design.size) + np.ptp(points, axis=0).sum())
 
 
 def _channel(design: Design) -> manifold3d.Manifold:
-    """Channel from the floor of the one pocket to that of the other; open to their common side."""
+    """Return the channel between the floors of the two pockets; open to their common side."""
     parts = list(design.parts.values())
     half = 0.5 * design.fit.channel_mm
     corners = half * np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
@@ -188,7 +188,7 @@ def _channel(design: Design) -> manifold3d.Manifold:
 
 
 def _channel_end(part: Part, design: Design) -> Array:
-    """Middle of the end of the channel in a part's pocket: on its floor, within the body."""
+    """Return the middle of the end of the channel in a part's pocket: on its floor, within the body."""
     half, out = 0.5 * design.fit.channel_mm, np.array(OPENING_DIRECTIONS[part.opens])
     cylinder = part.cylinder
     place = np.array(cylinder.centre_in_design(design.size.depth))
@@ -243,11 +243,11 @@ def _check_floor(name: str, part: Part, body: manifold3d.Manifold, design: Desig
 
 
 def _format_place(name: str, design: Design) -> str:
-    """Key of the place of a part, or of the channel's width, with its value."""
+    """Format the key of a part's place, or of the channel's width, with its value."""
     value = design.fit.channel_mm if name == "channel" else design.parts[name].along_mm
     return f"{_place_key(name)} = {value:g}"
 
 
 def _place_key(name: str) -> str:
-    """Key of the place of a part, or of the channel's width."""
+    """Return the key of a part's place, or of the channel's width."""
     return "pockets.channel_mm" if name == "channel" else f"{name}.along_mm"

@@ -1,4 +1,4 @@
-"""What walkers other than the paper's ask of `walkergen.readers`: shapes from files, places for legs, marks, caps.
+"""Functions of `walkergen.readers` for walkers other than the paper's: shapes from files, places for legs, marks, caps.
 
 The core runs alone for a body that is a plain rectangle. The readers stand above it and import it; they are loaded
 when a design first asks for one of them.
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 
 class Readers(NamedTuple):
-    """Functions of `walkergen.readers`, with what they take and return; there stands what they do.
+    """Functions of `walkergen.readers`, with their arguments and results; their docstrings are there.
 
-    A str for a body or legs is their JSON, by which results are kept. `Any` is a `Design`.
+    A str for a body or legs is their JSON, the key for caching results. `Any` is a `Design`.
     """
 
     shape_of: Callable[[Body], Shape]

@@ -57,13 +57,13 @@ def place_legs(spec: WalkerSpec) -> tuple[Limb, ...]:
 
 
 def describe_placement(spec: WalkerSpec) -> str:
-    """Return in words where legs that are found for the body stand. Raises UnplacedError where none do."""
+    """Describe the positions of automatic legs. Raises UnplacedError if there are none."""
     assert isinstance(spec.legs, Legs)
     return load_readers().describe_placement(spec.body.key, spec.legs.model_dump_json())
 
 
 def family_tilt_deg(spec: WalkerSpec) -> float:
-    """Return the tilt by which members of a family are told apart, deg: of a cut mesh that of its first leg."""
+    """Return the tilt that distinguishes members of a family, deg: of a cut mesh that of its first leg."""
     if spec.whole:
         return round(math.degrees(place_legs(spec)[0].tilt), 2) + 0.0
     return spec.written_tilt_deg
@@ -91,14 +91,14 @@ def check_buildable(spec: WalkerSpec) -> None:
 
 
 def _suggest_placement(spec: WalkerSpec) -> Sequence[Remedy]:
-    """Suggest automatic placement if two equal legs do not stand where they were put."""
+    """Suggest automatic placement if two equal legs do not stand at their given places."""
     if not isinstance(spec.legs, Legs) or spec.placed or spec.whole:
         return []
     return load_readers().suggest_placement(spec.body, spec.legs)
 
 
 def _mark_faults(spec: WalkerSpec, size: Size) -> list[str]:
-    """Reasons why the body cannot bear its marks, one line each."""
+    """Return the reasons why marks do not fit the body, one line each."""
     marks, (length, thickness, depth) = spec.marks, size
     if spec.letters and spec.body.flat:  # letters on a body in plan view go into its upper side
         marks, thickness, depth = marks.model_copy(update={"kind": "text"}), depth, thickness
@@ -111,7 +111,7 @@ def _mark_faults(spec: WalkerSpec, size: Size) -> list[str]:
 
 
 def _pair_faults(legs: Legs, size: Size) -> list[str]:
-    """Problems of two equal legs, with the largest tilt that is possible."""
+    """Return the problems of two equal legs, with the largest possible tilt."""
     problems = []
     for text in _pair_faults_at(legs, size, legs.tilt_deg):
         limit = _largest_tilt(legs, size)
@@ -121,7 +121,7 @@ def _pair_faults(legs: Legs, size: Size) -> list[str]:
 
 
 def _list_faults(limbs: Sequence[Limb], size: Size) -> list[str]:
-    """Problems of a list of legs: of each, of pairs that cross, and of how they stand."""
+    """Return the problems of a list of legs: of each leg, of crossing pairs, and of stability."""
     problems = []
     for number, limb in enumerate(limbs, start=1):
         texts = [*_length_faults(limb), *_end_faults(limb, size.length), *_side_faults(limb, size.depth)]
@@ -131,7 +131,7 @@ def _list_faults(limbs: Sequence[Limb], size: Size) -> list[str]:
 
 
 def _pair_faults_at(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
-    """Problems of two equal legs at a tilt in deg, whatever their own tilt is."""
+    """Return the problems of two equal legs at a tilt in deg, for any tilt of their own."""
     length, thickness, depth = size
     trial = legs.model_copy(update={"tilt_deg": tilt_deg})
     back, front = resolve_pair(trial, depth, -0.5 * thickness)
@@ -199,7 +199,7 @@ def _strut_faults(limbs: Sequence[Limb], length: float) -> list[str]:
 
 
 def _largest_tilt(legs: Legs, size: Size) -> float | None:
-    """Largest tilt (deg, same sign) without any problem, by bisection; None when tilt 0 has one."""
+    """Find the largest tilt (deg, same sign) without any problem, by bisection; None if tilt 0 has one."""
     if _pair_faults_at(legs, size, 0.0):
         return None
     good, bad = 0.0, legs.tilt_deg
@@ -210,7 +210,7 @@ def _largest_tilt(legs: Legs, size: Size) -> float | None:
 
 
 def _crossing_faults(limbs: Sequence[Limb]) -> list[str]:
-    """Pairs of legs that take the same place."""
+    """Return problems of pairs of legs that overlap."""
     import shapely
 
     problems = []
@@ -234,7 +234,7 @@ def _crossing_faults(limbs: Sequence[Limb]) -> list[str]:
 
 
 def _height_faults(limbs: Sequence[Limb]) -> list[str]:
-    """Feet that do not reach the plate while the body stands level."""
+    """Return problems of feet that do not reach the plate while the body is level."""
     lowest = min(limb.foot_height for limb in limbs)
     problems = []
     for number, limb in enumerate(limbs, start=1):
@@ -250,7 +250,7 @@ def _height_faults(limbs: Sequence[Limb]) -> list[str]:
 
 
 def _stability_faults(limbs: Sequence[Limb]) -> list[str]:
-    """Feet all on one line across, on which nothing stands."""
+    """Return the problem of feet that are all on one line across, so that the walker falls over."""
     places = [limb.along for limb in limbs]
     if max(places) - min(places) > max(limb.thickness for limb in limbs):
         return []
@@ -261,7 +261,7 @@ def _stability_faults(limbs: Sequence[Limb]) -> list[str]:
 
 
 def _outline_faults(limbs: Sequence[Limb], shape: Shape) -> list[str]:
-    """Legs that do not stand wholly under an outline seen from above."""
+    """Return problems of legs that are partly outside an outline seen from above."""
     import shapely
 
     outer, *holes = shape.plan

@@ -50,7 +50,7 @@ class Solids(NamedTuple):
     cap: Mesh | None = None
     """Cap on the body, in the design's frame, which prints apart; None without."""
     weighed: SolidMass | None = None
-    """Mass of the body at 1 g/mm^3, where it is known already."""
+    """Mass of the body at 1 g/mm^3, if it is already known."""
 
     @property
     def seen(self) -> Mesh:
@@ -68,14 +68,14 @@ class Outline(NamedTuple):
 
 
 def _concatenate_meshes(meshes: Sequence[Mesh]) -> Mesh:
-    """Meshes as one, not united."""
+    """Concatenate meshes without uniting them."""
     starts = itertools.accumulate([0, *(len(mesh.vertices) for mesh in meshes)])
     triangles = [mesh.triangles + start for mesh, start in zip(meshes, starts, strict=False)]
     return Mesh(np.concatenate([mesh.vertices for mesh in meshes]), np.concatenate(triangles))
 
 
 def build(design: Design, foot_segments: int = FOOT_SEGMENTS, united: bool = True) -> Solids:
-    """Build a walker's solids; unless they shall be united, a body of any shape may stay beside its legs, to be seen.
+    """Build a walker's solids; unless `united`, a body of any shape may stay separate from its legs, for display.
 
     Raises SolidError when the modeller's result is not sound, GeometryError for a leg that does not
     meet the body, for pockets that do not go into it, and for a cap that it does not hold.
@@ -86,14 +86,14 @@ def build(design: Design, foot_segments: int = FOOT_SEGMENTS, united: bool = Tru
 
 
 def _build_cap(design: Design, body: Mesh) -> Mesh | None:
-    """Cap on a body; None without. Raises GeometryError."""
+    """Build the cap of a body; None without a cap. Raises GeometryError."""
     if design.cap is None:
         return None
     return load_readers().put_cap(design.cap, body, design.size.depth)
 
 
 def _add_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
-    """Solids with the pockets of what the design carries. Raises GeometryError."""
+    """Add the pockets for a design's parts to its solids. Raises GeometryError."""
     from walkergen.core.walker import pockets
 
     if design.whole:
@@ -112,7 +112,7 @@ def _add_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
 
 
 def _build_plain_solids(design: Design, foot_segments: int, united: bool) -> Solids:
-    """Solids of a walker without pockets and cap."""
+    """Build the solids of a walker without pockets and cap."""
     if design.shape.whole is not None:
         return _finished_solids(design.shape.whole, design)
     if not design.body.plain:
@@ -136,14 +136,14 @@ def _build_plain_solids(design: Design, foot_segments: int, united: bool) -> Sol
 
 
 def _finished_solids(finished: FinishedWalker, design: Design) -> Solids:
-    """Solids of a finished walker, cut into body and legs."""
+    """Cut a finished walker into the solids of body and legs."""
     depth = design.size.depth
     legs = [leg.shift(-_anchor_corner(limb, depth)) for limb, leg in zip(design.limbs, finished.legs, strict=True)]
     return Solids(finished.whole, finished.body, tuple(legs))
 
 
 def _build_any_body(design: Design, foot_segments: int, united: bool) -> Solids:
-    """Solids of a walker whose body is no rectangle in side view."""
+    """Build the solids of a walker whose body is no rectangle in side view."""
     from walkergen.core.shapes import joining
 
     readers = load_readers()
@@ -163,7 +163,7 @@ def _build_any_body(design: Design, foot_segments: int, united: bool) -> Solids:
 def _build_flush_legs(
     limbs: Sequence[Limb], bars: Sequence[Mesh], ground: "joining.Body", depth: float
 ) -> tuple[Mesh, ...]:
-    """Legs outside a body whose underside is not flat, anchors at the origin. Raises GeometryError."""
+    """Build legs outside a body whose underside is not flat, anchors at the origin. Raises GeometryError."""
     from walkergen.core.shapes import joining
 
     legs = []
@@ -186,7 +186,7 @@ class _Section(NamedTuple):
 
 
 def _leg_profiles(limbs: Sequence[Limb], foot_segments: int) -> list[_Section]:
-    """Profiles of legs; legs of one shape share theirs, the same object."""
+    """Return the profiles of legs; legs of one shape share the same object."""
     by_shape: dict[Limb, _Section] = {}
     sections = []
     for limb in limbs:
@@ -200,14 +200,14 @@ def _leg_profiles(limbs: Sequence[Limb], foot_segments: int) -> list[_Section]:
 
 
 def _extend_into_body(profile: Polygon, embedding: float) -> Polygon:
-    """Profile that reaches `embedding` mm higher, into the body."""
+    """Extend a profile by `embedding` mm upward, into the body."""
     left, right = profile[0], profile[-1]
     up = np.array([0.0, embedding])
     return np.concatenate([profile, [right + up, left + up]])
 
 
 def _build_bars(limbs: Sequence[Limb], sections: Sequence[_Section], depth: float) -> list[Mesh]:
-    """Legs that reach into the body, where they stand in the design's frame."""
+    """Build the legs, which reach into the body, at their places in the design's frame."""
     bars = []
     for limb, section in zip(limbs, sections, strict=True):
         mesh = extrude([part + np.array(limb.anchor) for part in section.raised], limb.width)
@@ -216,7 +216,7 @@ def _build_bars(limbs: Sequence[Limb], sections: Sequence[_Section], depth: floa
 
 
 def _build_legs(limbs: Sequence[Limb], sections: Sequence[_Section]) -> tuple[Mesh, ...]:
-    """Meshes of the legs outside the body, anchors at the origin; equal legs share theirs."""
+    """Build meshes of the legs outside the body, anchors at the origin; equal legs share theirs."""
     meshes: dict[int, Mesh] = {}
     for limb, section in zip(limbs, sections, strict=True):
         if id(section) not in meshes:
@@ -225,12 +225,12 @@ def _build_legs(limbs: Sequence[Limb], sections: Sequence[_Section]) -> tuple[Me
 
 
 def _anchor_corner(limb: Limb, depth: float) -> Array:
-    """Where a leg's anchor and flat side stand, shape (3,), mm."""
+    """Return the position of a leg's anchor and flat side, shape (3,), mm."""
     return np.array([*limb.anchor, _left_side(limb, depth)])
 
 
 def _left_side(limb: Limb, depth: float) -> float:
-    """Place z of a leg's flat side, in the frame in which the body begins at z = 0, mm."""
+    """Return the place z of a leg's flat side, mm; the body begins at z = 0."""
     return 0.5 * depth + limb.across - 0.5 * limb.width
 
 
@@ -246,7 +246,7 @@ def is_printed_on_side(design: Design) -> bool:
 
 
 def orient_for_print(design: Design, mesh: Mesh) -> Mesh:
-    """Mesh as it lies on the bed, z up from 0: on its side, or upside down with its legs up.
+    """Orient a mesh for printing, z up from 0: on its side, or upside down with its legs up.
 
     Upside down needs no supports while legs tilt by 45 deg at most and the body's upper side is
     flat.
@@ -260,7 +260,7 @@ def orient_for_print(design: Design, mesh: Mesh) -> Mesh:
 
 
 def outline(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Outline:
-    """Polygons whose union, with each limb at its anchor, is the walker seen from the side.
+    """Return polygons whose union, with each limb at its anchor, is the side view of the walker.
 
     Of a body that is no prism in side view the polygon is its box.
     """
@@ -269,13 +269,13 @@ def outline(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Outline:
 
 
 def weigh(design: Design, solids: Solids) -> MassProperties:
-    """Mass properties of a walker from its solids. Raises GeometryError when it cannot stand."""
+    """Compute a walker's mass properties from its solids. Raises GeometryError when it cannot stand."""
     body = mass.weigh(solids.body, 1.0) if solids.weighed is None else solids.weighed
     return _assemble_and_check(design, body, solids.legs, solids.cap)
 
 
 def mass_of(design: Design) -> MassProperties:
-    """Mass properties of a design's own solids, without their union where none is needed.
+    """Compute the mass properties of a design's own solids, without their union if possible.
 
     Raises SolidError, GeometryError for a walker that cannot stand.
     """
@@ -295,7 +295,7 @@ def _assemble_and_check(design: Design, body: SolidMass, legs: Sequence[Mesh], c
 
 
 def assemble(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | None = None) -> MassProperties:
-    """Mass properties of a walker from its body, weighed at 1 g/mm^3, and the meshes of its legs outside the body.
+    """Combine the body, weighed at 1 g/mm^3, and the meshes of legs outside it to the mass properties of a walker.
 
     The body lies in the design's frame, a leg's mesh has its anchor at the origin; a braced
     leg's mesh includes its brace. A cap belongs to the body. Weighed masses in the design override
@@ -346,7 +346,7 @@ def has_window(limb: Limb) -> bool:
 
 
 def window_width(limb: Limb) -> float:
-    """Width of the air between a leg and its strut along the body's bottom face, mm.
+    """Return the width of the gap between a leg and its strut along the body's bottom face, mm.
 
     There it is widest; it is negative where leg and strut overlap, and 0 for legs without struts.
     """
@@ -355,7 +355,7 @@ def window_width(limb: Limb) -> float:
 
 
 def leg_clearance(limbs: Sequence[Limb]) -> float:
-    """Least distance along the run between two legs (or their braces) that stand in line, mm."""
+    """Return the smallest distance along the run between two legs (or their braces) in line, mm."""
     apart = [math.inf]
     for first, second in itertools.combinations(limbs, 2):
         back, front = sorted((first, second), key=lambda limb: limb.along)
@@ -388,7 +388,7 @@ def count_bodies(mesh: Mesh) -> int:
 
 
 def _body_profile(design: Design) -> Polygon:
-    """Profile of the body with the notches in its upper edge, counter-clockwise."""
+    """Return the profile of the body with the notches in its upper edge, counter-clockwise."""
     if design.body.profile_mm is not None:
         side = design.shape.side
         assert side is not None
@@ -401,7 +401,7 @@ def _body_profile(design: Design) -> Polygon:
 
 
 def _engraving_profiles(design: Design) -> list[Polygon]:
-    """Pockets in the side of a body, about its middle: its digits or its text."""
+    """Return the outlines of a body's engraving, about its middle: its digits or its text."""
     if design.marks.blank:
         return []
     return load_readers().engraved_profiles(design)

@@ -71,23 +71,23 @@ def form_name(members: Sequence[Design], name: str) -> str:
 
 
 def carried_rows(design: Design) -> tuple[str, ...]:
-    """Rows of what a design's walkers carry; none where it has neither motor nor battery."""
+    """Return rows of the motor and battery of a design's walkers; empty if it has neither."""
     return tuple(name for name in CARRIED_ROWS if design.parts and name in (*design.parts, *CARRIED_ROWS[2:]))
 
 
 def format_template(parts: Iterable[str]) -> str:
-    """Text of a weights.csv to fill in: a line for every part, without numbers."""
+    """Return the text of a weights.csv to fill in: a line for every part, without numbers."""
     return csv_text(("part", *QUANTITIES), ((part, *[""] * len(QUANTITIES)) for part in parts))
 
 
 def is_filled_in(path: Path) -> bool:
-    """Return whether a file holds a user's work: it is no `template` of walkers. Raises InputError."""
+    """Return whether a file differs from an unfilled template of walkers. Raises InputError."""
     parts = _read_blank_form(path)
     return parts is None or not all(names.is_part_name(part) or part in CARRIED_ROWS for part in parts)
 
 
 def _read_blank_form(path: Path) -> list[str] | None:
-    """Parts of a form as `template` writes it; none where there is no file, None of a file that says more.
+    """Read the parts of an unfilled form as `write_template` writes it; empty without a file, None for other content.
 
     Raises InputError.
     """
@@ -99,7 +99,7 @@ def _read_blank_form(path: Path) -> list[str] | None:
 
 
 def read_masses(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
-    """Mean masses by the names of members, copies (NAME-3) taken together, and of what they carry.
+    """Read mean masses by the names of members, copies (NAME-3) taken together, and of their parts.
 
     Names may begin with the design's name, as on plates of several designs. Walkers of the same
     designs that are not members are left out, and `unused` names them: a form is of a whole family.
@@ -134,7 +134,7 @@ def read_masses(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
 
 
 def unused_parts(path: Path, members: Sequence[Design]) -> list[str]:
-    """Parts with masses in a file that `read` leaves out: walkers of the same designs, not asked.
+    """Return parts with masses in a file that `read_masses` leaves out: other walkers of the same designs.
 
     Raises InputError as `read` does.
     """
@@ -147,7 +147,7 @@ def unused_parts(path: Path, members: Sequence[Design]) -> list[str]:
 
 
 def apply_masses(design: Design, parts: Solids, weighed: Weighings, name: str) -> Design:
-    """Design with weighed masses in place of the mesh's.
+    """Return the design with weighed masses instead of the mesh's.
 
     Raises InputError when the masses contradict each other or are far from the mesh's.
     """
@@ -191,7 +191,7 @@ def check_stated_masses(design: Design) -> None:
 
 
 def _mesh_masses(design: Design, parts: Solids) -> tuple[float, float]:
-    """Masses of the body with its cap, and of a leg (of unlike legs their mean), g, as they are drawn."""
+    """Return the drawn masses, g, of the body with its cap, and of a leg (the mean for unlike legs)."""
     density = 1e-3 * design.material.density_g_cm3
     body = mass.weigh(parts.body, density).mass
     if parts.cap is not None and design.cap is not None:
@@ -205,7 +205,7 @@ def _is_implausible(weighed: float, drawn: float) -> bool:
 
 
 def apply_carried_masses(design: Design, weighed: Mapping[str, Weighings]) -> Design:
-    """Design with the weighed masses, by their rows, of what it carries.
+    """Return the design with the weighed masses, by their rows, of its parts.
 
     Raises InputError when they are far from the design's.
     """
@@ -231,7 +231,7 @@ def apply_carried_masses(design: Design, weighed: Mapping[str, Weighings]) -> De
 
 
 def without_weighed_masses(design: Design) -> Design:
-    """Design with its mesh's masses, whatever was weighed."""
+    """Return the design with its mesh's masses, ignoring weighed ones."""
     plain = Weighed(mass_sd_percent=design.weighed.mass_sd_percent)
     return design.model_copy(update={"weighed": plain})
 
@@ -245,7 +245,7 @@ def total(grams: float, weighed: Weighings, legs: int) -> Quantity:
 
 
 def _read_rows(path: Path) -> list[tuple[int, dict[str, str]]]:
-    """Rows of a weights.csv by their lines, cells by column; raises InputError."""
+    """Read the rows of a weights.csv by their lines, cells by column. Raises InputError."""
     table = columns.parse_records(file_reading.read_lines(path, columns.FORMAT_NAME, MAX_BYTES), str(path))
     wrong = [name for name in table.names if name not in ("part", *QUANTITIES)]
     if wrong or "part" not in table.names or len(table.names) < 2:
@@ -259,7 +259,7 @@ def _read_rows(path: Path) -> list[tuple[int, dict[str, str]]]:
 def _match_row(
     name: str, values: Mapping[str, float], parts: Mapping[str, str], members: Sequence[Design]
 ) -> str | None:
-    """Part of a row, or what walkers carry; None for another walker. Raises InputError."""
+    """Return the part of a row, or the carried part; None for another walker. Raises InputError."""
     if not any(name in carried_rows(design) for design in members):
         return _match_part(name, parts, members)
     if wrong := [quantity for quantity in values if quantity != "grams"]:
@@ -268,7 +268,7 @@ def _match_row(
 
 
 def _parse_masses(row: Mapping[str, str]) -> dict[str, float]:
-    """Masses of a row in g by quantity, without blank cells; raises InputError."""
+    """Parse the masses of a row in g by quantity, without blank cells. Raises InputError."""
     values = {}
     for quantity in QUANTITIES:
         if cell := row.get(quantity, "").strip():
@@ -282,7 +282,7 @@ def _parse_masses(row: Mapping[str, str]) -> dict[str, float]:
 
 
 def _names_to_parts(members: Sequence[Design]) -> dict[str, str]:
-    """Names of members by the names that files may have for them."""
+    """Return names of members by the names that files may use for them."""
     return {
         names.part_name(design, stem): names.part_name(design)
         for design in members
@@ -291,7 +291,7 @@ def _names_to_parts(members: Sequence[Design]) -> dict[str, str]:
 
 
 def _match_part(name: str, parts: Mapping[str, str], members: Sequence[Design]) -> str | None:
-    """Part of a name; None for another walker of the members' designs. Raises InputError."""
+    """Return the part with a name; None for another walker of the members' designs. Raises InputError."""
     if (part := parts.get(name) or parts.get(COPY_SUFFIX.sub("", name))) or _is_other_member(
         COPY_SUFFIX.sub("", name), members
     ):
@@ -320,16 +320,16 @@ def _is_other_member(name: str, members: Sequence[Design]) -> bool:
 
 
 def _mean_mass(values: Sequence[float]) -> Quantity:
-    """Mean of masses in g, with its standard error from their spread."""
+    """Return the mean of masses in g, with its standard error from their spread."""
     count = len(values)
     error = float(np.std(values, ddof=1)) / math.sqrt(count) if count > 1 else None
     return Quantity("mass", "g", float(np.mean(values)), error, count - 1.0)
 
 
 def write_template(folder: Path, parts: Iterable[str], name: str = FILE_NAME) -> Path | None:
-    """Write the form folder/NAME, and return its path, unless somebody changed it: then None.
+    """Write the form folder/NAME, and return its path; None if a user has changed the form.
 
-    A form of the same parts in another order stays as it is: somebody may have sorted it. Raises InputError and
+    A form of the same parts in another order stays unchanged: a user may have sorted it. Raises InputError and
     OutputError.
     """
     path, rows = folder / name, list(parts)

@@ -1,4 +1,4 @@
-"""Figures of what a crowd did, the same for films and for simulations."""
+"""Figures of a crowd, the same for films and for simulations."""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -24,9 +24,9 @@ class Panel(NamedTuple):
     height: float
     """Inches."""
     names: tuple[str, ...]
-    """Curves, those of which the crowd has are drawn."""
+    """Names of the curves; those that the crowd has are drawn."""
     chance: float | None = None
-    """What walkers at random would have."""
+    """Value for walkers at random."""
 
 
 COURSE_PANELS = (

@@ -1,4 +1,4 @@
-"""Analysis of tracks of a crowd: what many walkers do together in a dish, film by film."""
+"""Analysis of a crowd's tracks: collective motion in a dish, film by film."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -37,11 +37,11 @@ MIN_SIZE_MM, MAX_SIZE_MM = 1e-3, 1e5
 
 
 class Asked(NamedTuple):
-    """Crowd that a person asks about."""
+    """Crowd to analyse."""
 
     dish: Dish
     contours: tuple[Array, ...]
-    """Outline of a body, none where it is not known."""
+    """Outline of a body; empty if unknown."""
     middle: tuple[float, float]
     """Place of the dish's middle in the tracks, mm."""
     others: tuple[Path, ...]

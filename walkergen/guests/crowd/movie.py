@@ -38,7 +38,7 @@ LIGHTNESS, CHROMA = 0.72, 0.12
 stands out, and inside sRGB at every hue."""
 
 SIMPLIFY_PX = 0.25
-"""Pixels by which an outline may be simplified."""
+"""Tolerance for simplified outlines, pixels."""
 
 DART_SHAPE = np.array([(0.5, 0.0), (-0.35, 0.3), (-0.2, 0.0), (-0.35, -0.3)])
 """Body of a walker whose outline is not known, over `pairs.scale` of the crowd: it points ahead."""
@@ -52,7 +52,7 @@ GIF_FPS = (1, 2, 4, 5, 10, 20, 25, 50)
 """Frames per second that a GIF can have: it counts in hundredths of a second."""
 
 HOLD_S = 1.5
-"""Time for which the last frame of a GIF stays, s."""
+"""Duration of the last frame of a GIF, s."""
 
 
 class _Bodies(NamedTuple):
@@ -108,9 +108,9 @@ def render_still(film: CrowdFilm, title: str) -> bytes:
 
 
 def make_draw_function(film: CrowdFilm, title: str, fps: int | None = None) -> Draw:
-    """Make a function that draws a frame, in the colours of headings, or of kinds where these are not known.
+    """Make a function that draws a frame, coloured by heading, or by kind where headings are unknown.
 
-    `fps` of the movie tells how fast it is beside life.
+    `fps` of the movie gives its speed compared with real time.
     """
     length, width = film.dish.box
     scale = min((WIDTH_PX - 2 * MARGIN_PX) / length, MAX_DISH_HEIGHT_PX / width)
@@ -231,7 +231,7 @@ def _update_bodies(kind: _Bodies, x: Array, y: Array, theta: Array, faces: Array
 
 
 def _add_periodic_images(places: Array, walkers: Whole, period: float, reach: float) -> tuple[Array, Whole]:
-    """Places with those of images that reach over the edges of a periodic square."""
+    """Add images across the edges of a periodic square to the places."""
     for axis in (0, 1):
         over = np.abs(places[:, axis]) > 0.5 * period - 1.5 * reach
         other = places[over]
@@ -255,7 +255,7 @@ def _draw_dish(axes: Axes, film: CrowdFilm) -> None:
 
 
 def _draw_footer(canvas: Canvas, film: CrowdFilm, scale: float, fps: int | None) -> None:
-    """Write what the picture shows, draw a bar of a round length and what the colours mean."""
+    """Write the picture's caption, a scale bar of a round length, and the legend of the colours."""
     power = 10.0 ** math.floor(math.log10(160.0 / scale))
     length = max(power * step for step in (1, 2, 5) if power * step * scale <= 160.0 * (1 + 1e-9))
     bar = canvas.axes(MARGIN_PX, 14, length * scale, 5)

@@ -1,4 +1,4 @@
-"""Walkers of a crowd: how many of which design, as people write it or a packing says; its runs."""
+"""Walkers of a crowd: the number of each design, as typed or from a packing; its runs."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -8,12 +8,12 @@ from walkergen.core.files import columns
 from walkergen.core.scene import Scene
 
 DEFAULT_COUNT = 10
-"""Walkers of a crowd unless something says how many."""
+"""Default number of walkers in a crowd."""
 
 MAX_WALKERS = 100_000
 
 DEFAULT_RUNS, DEFAULT_RATE_HZ = 4, 25.0
-"""Independent runs of a crowd, and frames a second of them, unless asked otherwise."""
+"""Default number of independent runs of a crowd, and of frames a second."""
 
 
 def parse_count(value: int | str | Mapping[str, int]) -> int | dict[str, int]:

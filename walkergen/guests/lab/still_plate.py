@@ -20,15 +20,15 @@ def still_scene(scene: Scene) -> Scene:
 
 
 def film_scene(scene: Scene) -> Scene:
-    """Scene of a film on a plate at rest, which begins when the walker is let go."""
+    """Return the scene of a film on a plate at rest; it begins at the walker's release."""
     run = scene.run.model_copy(update={"discard_seconds": 0.0})
     return still_scene(scene).model_copy(update={"run": run})
 
 
 def make_plan(scene: Scene, design: Design, finer: float = STEP_RATIO) -> Plan:
-    """Plan of a walker on the scene's plate at rest; `finer`: its steps over usual ones.
+    """Plan a walker on the scene's plate at rest; `finer`: its steps over usual ones.
 
-    A step that the scene states stays as it is. Raises InputError.
+    A step stated by the scene is kept. Raises InputError.
     """
     plan = prepare(still_scene(scene), design, solids.mass_of(design))
     if scene.run.step_us is not None:
@@ -62,5 +62,5 @@ def describe_test(scene: Scene, design: Design) -> str:
 
 
 def fall_time(height: float, gravity: float) -> float:
-    """Time (s) in which a body falls by `height` (mm) under `gravity` (mm/s^2)."""
+    """Compute the time (s) of a fall by `height` (mm) under `gravity` (mm/s^2)."""
     return math.sqrt(2.0 * max(height, 0.0) / gravity)

@@ -21,10 +21,10 @@ WIDTH_PX, HEIGHT_PX = 800, 620
 """Size of a picture of slow motion, pixels."""
 
 AFTERGLOW_S = 0.45
-"""Time in which a flash fades, s, as the spectator sees it."""
+"""Fading time of a flash in the movie, s."""
 
 MAX_STILL_LENGTHS = 1.5
-"""Length of a run, in body lengths, up to which the view stands still."""
+"""Longest run, in body lengths, with a fixed view."""
 
 
 class Style(NamedTuple):
@@ -67,7 +67,7 @@ def movie_colours(feet: int) -> tuple[str, ...]:
 
 
 def impact_style(kind: Kind) -> Style:
-    """Look of a kind; mirrored kinds look like their twins, with a minus to their name."""
+    """Return the style of a kind; mirrored kinds look like their twins, with a minus in their name."""
     if kind in STYLES:
         return STYLES[kind]
     twin = STYLES[Kind(-kind)]

@@ -34,7 +34,7 @@ DEFAULT_RACE_S = 3.0
 """Length of a race by default, s, in real time."""
 
 AT_REST_UM = 1e-6
-"""Amplitude below which a plate is said to be at rest, um."""
+"""Amplitude below which a plate is reported to be at rest, um."""
 
 MIN_FRAMES, MAX_FRAMES, MAX_LANES = 2, 1000, 8
 
@@ -48,14 +48,14 @@ WRITE_TIME_RATIO = 1.5
 """Time of a frame, written, over that of drawing it."""
 
 HOLD_S = 1.5
-"""Time for which the last frame stays before the GIF starts again, s."""
+"""Duration of the last frame before the GIF starts again, s."""
 
 MIN_VALUE, MAX_VALUE = 1e-3, 1e6
 """Limits of times (s), of periods and of slowing down."""
 
 
 class Job(NamedTuple):
-    """Choice of what to film: members, in a scene, how they are seen, how long and how slowly."""
+    """Settings of a film: members, scene, view, duration and slow motion."""
 
     members: Sequence[Design]
     scene: Scene
@@ -66,7 +66,7 @@ class Job(NamedTuple):
     fps: int
     view: View
     release: Release | None = None
-    """How the walker is let go; None: as in the ensemble's first run."""
+    """Release of the walker; None: as in the ensemble's first run."""
 
     @property
     def frames(self) -> int:
@@ -144,10 +144,10 @@ def _choose_view(members: Sequence[Design], scene: Scene, wanted: View | None) -
 
 
 def make_movie(job: Job, path: Path, progress: Progress, named: bool = True, expect: Expect = ignore_estimate) -> Made:
-    """Simulate and film; writes `path` (a GIF) and, with ffmpeg, an MP4 beside it.
+    """Simulate and film; write `path` (a GIF) and, with ffmpeg, an MP4 next to it.
 
-    Both files are written whole at the end; over one that is not ours only the GIF is, and only
-    where a person `named` it. Raises InputError when a run ends before two frames.
+    Both files are written in full at the end. A file from another source is overwritten only by the GIF, and only if
+    the user `named` it. Raises InputError when a run ends before two frames.
     """
     from walkergen.files import animation
     from walkergen.guests.movie import impacts
@@ -168,7 +168,7 @@ def make_movie(job: Job, path: Path, progress: Progress, named: bool = True, exp
 
 
 def _expected_time(draw: "Draw", frames: int) -> Expected:
-    """Time of drawing all frames, by that of one, and of writing them."""
+    """Estimate the time of drawing all frames from that of one, and of writing them."""
     draw(0)
     started = time.thread_time()
     draw(frames // 2)
@@ -176,7 +176,7 @@ def _expected_time(draw: "Draw", frames: int) -> Expected:
 
 
 def _prepare_drawing(job: Job, progress: Progress) -> tuple["Draw", int, Sequence[Shot]]:
-    """Movie of walkers: what draws its frames, their number, and what they show."""
+    """Return a movie's draw function, its number of frames, and their content."""
     from walkergen.guests.movie import top_view
 
     every = ABOVE_POSES_PER_FRAME if job.view == "above" else SLOW_POSES_PER_FRAME
@@ -232,7 +232,7 @@ def _friction_note(members: Sequence[Design]) -> str:
 
 
 def format_settings(scene: Scene) -> str:
-    """Line that says what was simulated."""
+    """Describe the simulation in a line."""
     drive, contact = scene.drive, scene.contact
     shaken = drive.motor_in_words or (
         f"{drive.frequency:g} Hz, {drive.peak_gamma:.3g} g, plate ± {1e3 * drive.amplitude:.3g} µm"

@@ -45,7 +45,7 @@ MAX_BEND_RATIO = 0.3
 """Largest bending of a leg as the magnified view shows it, over the largest gap."""
 
 MAX_LABELS = 8
-"""Largest number of corners whose heights are written beside them."""
+"""Largest number of corners that are labelled with their heights."""
 
 GROUND_COLOUR, LINE_COLOUR = "#e4e4e1", "#c9c9c5"
 
@@ -56,7 +56,7 @@ class View(NamedTuple):
     axes: Axes
     camera: Camera
     area: tuple[tuple[float, float], tuple[float, float]]
-    """Ends of the plate that is shown, along x and z from what the view follows, mm."""
+    """Ends of the visible plate, along x and z from the followed point, mm."""
     ground: PolyCollection
     lines: LineCollection
     flashes: list[Flash]
@@ -72,7 +72,7 @@ class Close(NamedTuple):
     view: View
     zoom: int
     bend: int
-    """Magnification of what legs give way by: unbent, their feet were so far below the plate."""
+    """Magnification of the legs' deflection: unbent, their feet would be so far below the plate."""
     edges: list[Line2D]
     drops: LineCollection
     labels: list[Text]
@@ -147,7 +147,7 @@ def _make_view(
     longest: float,
     corners: int,
 ) -> View:
-    """View in which `points` fit, of a plate that covers `area` (along x and z), mm."""
+    """Return a view that fits `points` on a plate that covers `area` (along x and z), mm."""
     axes = canvas.axes(*place)
     axes.set_axis_off()
     axes.set_xlim(0, place.width)

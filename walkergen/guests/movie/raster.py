@@ -13,7 +13,7 @@ CAMERA_DIRECTION = np.array([0.45, 0.36, 0.85])
 """Direction from the walker to the camera: before it, above it, and to its right."""
 
 CAMERA_DISTANCE = 6.0
-"""Distance of the camera over the size of what it sees."""
+"""Distance of the camera over the size of its view."""
 
 LIGHT_DIRECTION = np.array([-0.35, 0.6, 0.72])
 """Direction to the light: to the right, up, and toward the camera, in the camera's axes."""
@@ -22,7 +22,7 @@ AMBIENT = 0.5
 """Brightness of a face that the light only grazes."""
 
 SHARP_EDGE_COSINE = math.cos(math.radians(25.0))
-"""Cosine of the angle between faces from which their edge is drawn."""
+"""Cosine of the smallest angle between faces whose common edge is drawn."""
 
 SAMPLES_PER_PIXEL = 2
 """Samples along either side of a pixel."""
@@ -32,14 +32,14 @@ DEPTH_TOLERANCE = 2e-3
 
 
 class Camera(NamedTuple):
-    """Camera that looks along -TOWARD; pictures count pixels from their lower left corner."""
+    """Camera that looks along -CAMERA_DIRECTION; pictures count pixels from their lower left corner."""
 
     axes: Array
     """Rows to the right, up and toward the camera, shape (3, 3)."""
     eye: Array
     """Place of the camera, shape (3,), mm."""
     scale: float
-    """Pixels by which a point moves for its tangent from the line of sight."""
+    """Pixels per unit tangent of the angle from the line of sight."""
     offset: Array
     """Pixels at which the line of sight meets the picture, shape (2,)."""
 
@@ -72,7 +72,7 @@ class Model(NamedTuple):
     normals: Array
     """Normals of the triangles, shape (m, 3)."""
     edges: Whole
-    """Sharp edges: two vertices and the two triangles beside them, shape (e, 4)."""
+    """Sharp edges: two vertices and the two adjacent triangles, shape (e, 4)."""
 
 
 def make_model(mesh: Mesh) -> Model:

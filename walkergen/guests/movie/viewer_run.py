@@ -20,9 +20,9 @@ POSES_PER_SECOND = 2000.0
 
 
 def record_run(design: Design, scene: Scene, seconds: float) -> dict[str, Any]:
-    """Simulate seconds of a walker's run in space and pack what a viewer plays of it.
+    """Simulate seconds of a walker's run in space and pack the data for the viewer.
 
-    Raises InputError for a run that ends at once.
+    Raises InputError for a run that ends immediately.
     """
     mass = solids.mass_of(design)
     short = scene.run.model_copy(update={"seconds": seconds})
@@ -59,7 +59,7 @@ def _pack_poses(motion: poses.Poses, O: Array) -> dict[str, Any]:  # noqa: E741
 
 
 def _caption(motion: poses.Poses, scene: Scene, name: str) -> str:
-    """Sentence that says what is played."""
+    """Describe the played run in a sentence."""
     drive = scene.drive
     ended = "" if motion.outcome in ENDED_WELL else f"; it ended: {motion.outcome.value}"
     shaken = drive.motor_in_words or (

@@ -1,4 +1,4 @@
-"""Request of points: which keys vary, and what to know of each point."""
+"""Request of points: the varied keys, and the numbers of each point."""
 
 import copy
 from collections.abc import Iterator, Mapping
@@ -30,17 +30,16 @@ class Request(NamedTuple):
     scene: Scene
     space: Space
     model: str = PREDICTION
-    """One of `kinds.EVERY`."""
+    """Name of the kind of points."""
     keep: tuple[str, ...] = ("speed",)
     wanted: Tolerance | None = None
     printer: Printer | None = None
     data: Mapping[str, Any] | None = None
-    """Data of the design as in its file, where these are known: one that stands as built is turned
-    anew when a key is set."""
+    """Data of the design as in its file, if known: setting a key turns a design that stands as built again."""
 
     @property
     def kind(self) -> Kind:
-        """What is known of points of this model."""
+        """Kind of the points of this model."""
         return model_kinds.load_kind(model_kinds.kind_of(self.model))
 
     def check(self) -> None:
@@ -68,7 +67,7 @@ class Request(NamedTuple):
         raise InputError(f"none of {len(reasons)} points can be right: {reasons[0]}", *self.space.keys[:1])
 
     def _check_form(self, key: str, value: Any) -> None:
-        """Refuse a word, a list or a table that its key never takes; numbers out of range are rows that say so."""
+        """Refuse a word, a list or a table that its key never takes; numbers out of range become rows with an error."""
         try:
             change_keys(self.design, self.scene, {key: value}, "‹set›", self.data)
         except GeometryError:  # of parts that cannot be built: with other values of other keys they may
@@ -79,14 +78,14 @@ class Request(NamedTuple):
                 raise
 
     def try_point(self, values: Mapping[str, Any]) -> Asked:
-        """Point at values of the keys, or the record of one that is refused."""
+        """Return the point at values of the keys, or the record of a refused one."""
         try:
             return self.point(values)
         except WalkergenError as error:
             return refused_record(error)
 
     def point(self, values: Mapping[str, Any]) -> Point:
-        """Point at values of the keys. Raises InputError for one that cannot be built."""
+        """Return the point at values of the keys. Raises InputError for one that cannot be built."""
         design, scene = change_keys(self.design, self.scene, values, data=self.data)
         if (kind := model_kinds.kind_of(self.model)) != ALONE:
             return Point(design, scene, True, (), kind=kind)

@@ -1,4 +1,4 @@
-"""Contours: closed curves of a drawing as polygons, whatever the file that they come from."""
+"""Contours: closed curves of a drawing as polygons, from any kind of file."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -20,7 +20,7 @@ MAX_BYTES = 10_000_000
 """Size of a drawing at most: MOST_POINTS with all their digits are 4 MB."""
 
 MAX_END_GAP = 1e-6
-"""Distance between two ends, over the drawing's longer side, up to which they meet: drawing
+"""Maximum distance between two ends that meet, over the drawing's longer side: drawing
 programs write six digits."""
 
 MIN_CHORDS, MAX_CHORDS = 4, 4096
@@ -45,11 +45,11 @@ class Drawing(NamedTuple):
 
     shapes: Sequence[Shape]
     notes: tuple[str, ...] = ()
-    """What was left out or mended, a few words each."""
+    """Notes on what was left out or mended, a few words each."""
 
 
 def flatten(curve: Callable[[Array], Array], tolerance: float) -> Array:
-    """Points on a curve, from its start to its end, such that no chord leaves it by `tolerance`.
+    """Return the points on a curve, from its start to its end, such that no chord leaves it by `tolerance`.
 
     `curve` takes parameters of 0 to 1, shape (n,), and returns points (n, 2). Chords are halved
     until those of the next round would stay within the tolerance, at most MOST_CHORDS times.

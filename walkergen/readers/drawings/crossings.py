@@ -1,9 +1,9 @@
 """Triangles of a mesh that cross each other, found exactly but for a tolerance, in n log n time.
 
-Triangles are ordered along a Morton curve; a tree of bounding boxes over that order, a binary heap,
-tells which pairs come near each other. Slivers that meet in one corner, as the lid of a cylinder has
-them, are all near each other: they stand together in the order, and the tree knows in which directions
-they are seen from that corner, where only those that are seen alike can meet. Two triangles cross when
+Triangles are ordered along a Morton curve. A tree of bounding boxes over that order, a binary heap,
+finds the pairs that come near each other. Slivers that meet in one corner, as in the lid of a cylinder,
+are all near each other. They are neighbours in the order, and the tree stores the directions from that
+corner to them. Only slivers in overlapping directions can meet. Two triangles cross when
 an edge of one passes through the other, and each has corners farther than the tolerance on both sides
 of the other's plane; or when they lie in one plane, face the same way and overlap by more than the
 tolerance. Neighbours along an edge are not compared: where neighbours are turned alike, one can at most
@@ -21,7 +21,7 @@ LEAF_SIZE = 4
 """Triangles of a leaf of the tree."""
 
 MAX_CORNER_TRIANGLES = 32
-"""Triangles in one corner from which on they stand together in the order."""
+"""Maximum number of triangles in a corner that is not crowded. Those of a crowded one are neighbours in the order."""
 
 MORTON_BITS = 16
 MORTON_MASKS = ((16, 0x0000FF0000FF), (8, 0x00F00F00F00F), (4, 0x0C30C30C30C3), (2, 0x249249249249))
@@ -112,7 +112,7 @@ def find(vertices: Array, triangles: Whole, tolerance: float) -> Crossings:
 
 
 def _crowded_corners(triangles: Whole) -> Whole:
-    """Corner of each triangle in which most triangles meet, where it is crowded, else -1; shape (k,)."""
+    """Return each triangle's corner with the most triangles if that corner is crowded, else -1; shape (k,)."""
     valences = np.bincount(triangles.ravel())[triangles]
     most = valences.argmax(axis=1)
     rows = np.arange(len(triangles))
@@ -120,7 +120,7 @@ def _crowded_corners(triangles: Whole) -> Whole:
 
 
 def _morton_codes(vertices: Array, triangles: Whole) -> Whole:
-    """Places of triangles' middles along the Morton curve, shape (k,)."""
+    """Return the places of triangles' middles along the Morton curve, shape (k,)."""
     first, second, third = vertices.T[:, triangles.T].transpose(1, 0, 2)
     middles = first + second + third  # an axis a row
     low = middles.min(axis=1, keepdims=True)
@@ -134,7 +134,7 @@ def _morton_codes(vertices: Array, triangles: Whole) -> Whole:
 
 @kernel
 def _build_tree(shapes, leaves, scratch):
-    """Bounds and apexes of the nodes of a `Tree`."""
+    """Return the bounds and apexes of the nodes of a `Tree`."""
     lows = np.full((2 * leaves, 6), np.inf)
     highs = np.full((2 * leaves, 6), -np.inf)
     apexes = np.full(2 * leaves, -2)  # -2: empty
@@ -198,7 +198,7 @@ def _count_crossings(shapes, tree, scratch, tolerance):
 
 @lean
 def _bound_directions(shapes, triangle, apex, scratch, anew):
-    """Set the bounds of the directions (unit vectors) in which a vertex sees a triangle; unless anew, widen them.
+    """Set the bounds of the directions (unit vectors) from a vertex to a triangle, or widen the present bounds.
 
     A direction is that of a point w of the flat triangle of the corners' directions, itself w / |w|: no
     farther from w than 1 - |w|, and |w|^2 is at least the least product of two corners' directions.
@@ -281,7 +281,7 @@ def _is_crossing(shapes, one, other, tolerance):
 
 @lean
 def _height_above_plane(shapes, triangle, other, corner):
-    """Height of a corner of another triangle above a triangle's plane."""
+    """Return the height of a corner of another triangle above a triangle's plane."""
     height = 0.0
     for axis in range(3):
         rise = shapes.corners[other, corner, axis] - shapes.corners[triangle, 0, axis]
@@ -314,7 +314,7 @@ def _pierces(shapes, one, edge, other):
 
 @lean
 def _signed_edge_distance(shapes, triangle, edge, other, corner):
-    """Distance of another triangle's corner from the line along an edge, positive inside.
+    """Return the distance of another triangle's corner from the line along an edge, positive inside.
 
     It is measured in the plane of the triangle that has the edge.
     """

@@ -59,7 +59,7 @@ BINARY_SIGNATURE = b"AutoCAD Binary DXF"
 """Beginning of a file that is no text."""
 
 UNPLOTTED_LAYER = "defpoints"
-"""Layer that no program plots, whatever it says."""
+"""Layer that no program plots, with any settings."""
 
 UNITS_MM = {8: 25.4e-6, 9: 25.4e-3, 21: 1200e3 / 3937.0, 22: 100e3 / 3937.0}
 """Millimetres of units that ezdxf has no size of: microinches, mils, feet and inches of the US survey."""
@@ -77,35 +77,35 @@ PAPER_SIZES_MM = (
 """Sides of sheets of paper, mm: A5 to A0, letter, tabloid."""
 
 PAPER_TOLERANCE_MM = 0.5
-"""Sum of the differences up to which a rectangle is such a sheet, mm."""
+"""Maximum sum of the differences between a rectangle and such a sheet, mm."""
 
 MIN_BORDER_SHARE = 0.9
-"""Share of a sheet of paper, along both sides, from which on a rectangle within it is its border."""
+"""Minimum size of a rectangle that is a sheet's border, as a share of the sheet along both sides."""
 
 FRAME_WARNING_MM = 100.0
-"""Side of a rectangle around all else from which on it is said that it was taken for the body, mm."""
+"""Side of a rectangle around everything else, mm. Above it a note states that the rectangle is the body."""
 
 LINE_WIDTH_WARNING = 0.01
-"""Width of a polyline over the drawing's longer side from which on it is said that it does not count."""
+"""Width of a polyline over the drawing's longer side. Above it a note states that the width is ignored."""
 
 MAX_MENDED_GAP = 1e-4
-"""Gap over the drawing's longer side up to which ends are joined with a note: 3 um on 28 mm."""
+"""Maximum gap between ends that are joined with a note, over the drawing's longer side: 3 um on 28 mm."""
 
 COMPOSITE_ENTITIES = {"LWPOLYLINE", "POLYLINE"}
-"""Entities that are taken apart into others, beside blocks."""
+"""Entities that are split into others, in addition to blocks."""
 
 XREF_FLAG = 4
 """Flag of a block that is another drawing."""
 
 FULL_TURN_TOLERANCE = 1e-9
-"""Share of a turn by which an ellipse may miss its start and be whole."""
+"""Maximum gap between the ends of a full ellipse, as a share of a turn."""
 
 MAX_ENTITIES, MAX_BLOCK_DEPTH = 20_000, 16
 """Entities of a drawing at most, counted as often as blocks repeat them, and blocks in blocks."""
 
 
 def pack(polygons: Sequence[Array]) -> bytes:
-    """DXF file of polygons in mm: a closed polyline each, for laser cutters.
+    """Create a DXF file of polygons in mm: a closed polyline each, for laser cutters.
 
     Equal polygons give equal bytes with one version of ezdxf: no date, no random identifier.
     Raises InputError where ezdxf is not installed.
@@ -125,7 +125,7 @@ def pack(polygons: Sequence[Array]) -> bytes:
 
 @contextmanager
 def _fixed_metadata() -> Iterator[None]:
-    """Guard in which ezdxf writes fixed dates and identifiers, by a switch of the whole process."""
+    """Make ezdxf write fixed dates and identifiers, with a switch of the whole process."""
     import ezdxf
 
     options = ezdxf.options
@@ -152,7 +152,7 @@ def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
 
 
 def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
-    """Shape in the bytes of a file; its library raises whatever it likes."""
+    """Read the shape in the bytes of a file; its library may raise any exception."""
     _check_ellipse_ratios(data, source)
     document = _parse_document(data)
     scale = _mm_per_unit(document, data, source) if scale_mm is None else scale_mm
@@ -163,7 +163,7 @@ def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
     drawn = (dxf_curves.entity_points(entity, FLATNESS * size, source) for entity in entities)
     visible = [
         curve for curve in drawn if not np.ptp(curve, axis=0).max() <= MAX_END_GAP * size
-    ]  # NaN is told of below
+    ]  # NaN is reported below
     curves, doubles = _remove_duplicates(visible, MAX_END_GAP * size)
     contours, closed = _close_contours(curves, size, source)
     contours, frames = _remove_frames([scale * contour for contour in contours])
@@ -186,12 +186,12 @@ def _check_ellipse_ratios(data: bytes, source: str) -> None:
 
 
 def _polyline_width(entity: Any) -> float:
-    """Width of a polyline, in units of the drawing."""
+    """Return the width of a polyline, in units of the drawing."""
     return float(entity.dxf.get("const_width", 0.0)) if entity.dxftype() == "LWPOLYLINE" else 0.0
 
 
 def _remove_duplicates(curves: Sequence[Array], gap: float) -> tuple[list[Array], int]:
-    """Curves without those that lie on an earlier one, drawn either way, and how many these were."""
+    """Drop curves that lie on an earlier one, drawn either way, and return their number too."""
     kept: dict[tuple[tuple[float, ...], ...], Array] = {}
     for curve in curves:
         loop = is_within_gap(curve[0], curve[-1], gap)
@@ -203,7 +203,7 @@ def _remove_duplicates(curves: Sequence[Array], gap: float) -> tuple[list[Array]
 
 
 def _remove_frames(contours: list[Array]) -> tuple[list[Array], list[str]]:
-    """Contours without the frame of a sheet of paper that holds all of them, and the border in it."""
+    """Drop the frame of a sheet of paper that holds all contours, and the border in it."""
     notes: list[str] = []
     sheet = np.full(2, np.inf)
     while (found := _find_frame(contours)) is not None:
@@ -233,7 +233,7 @@ def _find_frame(contours: Sequence[Array]) -> int | None:
 
 
 def _parse_document(data: bytes) -> "documents.Drawing":
-    """Drawing of the bytes that were read, and no others: ezdxf opens files by their names.
+    """Parse the given bytes alone into a drawing: ezdxf opens files by their names.
 
     Raises InputError where ezdxf is not installed.
     """
@@ -252,7 +252,7 @@ def _parse_document(data: bytes) -> "documents.Drawing":
 
 
 def _mm_per_unit(document: "documents.Drawing", data: bytes, source: str) -> float:
-    """Millimetres per unit of the drawing, as $INSUNITS of the file states it."""
+    """Return the millimetres per unit of the drawing, as $INSUNITS of the file states it."""
     from ezdxf import units
 
     # Where a file has no header, ezdxf puts in its own, in metres: ask the file itself.
@@ -269,7 +269,7 @@ def _mm_per_unit(document: "documents.Drawing", data: bytes, source: str) -> flo
 
 
 def _collect_entities(document: "documents.Drawing", source: str) -> tuple[list[Any], list[str]]:
-    """Lines and curves of the model space that are seen, blocks and polylines taken apart, and what was left out.
+    """Return visible lines and curves of the model space, with blocks and polylines split, and what was left out.
 
     In a block the layer 0 is that of the block's place; a place on a layer that is off still shows what lies on others.
     """
@@ -311,7 +311,7 @@ def _collect_entities(document: "documents.Drawing", source: str) -> tuple[list[
 
 
 def _normalize_ellipse(ellipse: Any) -> Any:
-    """Ellipse that begins at 0 where it is whole, which programs write from anywhere to there."""
+    """Return the ellipse from 0 on if it is complete; programs write it from any start."""
     turns = (ellipse.dxf.end_param - ellipse.dxf.start_param) / (2.0 * np.pi)
     if abs(turns - round(turns)) < FULL_TURN_TOLERANCE:
         ellipse.dxf.start_param, ellipse.dxf.end_param = 0.0, 2.0 * np.pi
@@ -326,7 +326,7 @@ def _drop_control_points(polyline: Any) -> None:
 
 
 def _drawing_size(entities: Sequence[Any], source: str) -> float:
-    """Longer side of what is drawn, in units of the drawing."""
+    """Return the longer side of the drawing's contents, in units of the drawing."""
     from ezdxf import bbox
 
     box = bbox.extents(entities, fast=True)

@@ -1,6 +1,6 @@
 """Points of the curves of DXF drawings, from their own equations.
 
-ezdxf's general path of an entity would replace arcs by cubic curves, 3e-4 of the radius beside them.
+ezdxf's general path of an entity would replace arcs by cubic curves, up to 3e-4 of the radius away.
 """
 
 import itertools
@@ -15,7 +15,7 @@ from walkergen.readers.drawings.contours import flatten
 
 
 def entity_points(entity: Any, tolerance: float, source: str) -> Array:
-    """Points of a line or curve, in units of the drawing, shape (n, 2); a loop's ends meet.
+    """Return the points of a line or curve, in units of the drawing, shape (n, 2); a loop's ends meet.
 
     Raises InputError, which begins with `source`, for what is no curve, draws nothing, or leaves the plane.
     """
@@ -40,7 +40,7 @@ def entity_points(entity: Any, tolerance: float, source: str) -> Array:
 
 
 def _spline_points(entity: Any, tolerance: float) -> list[Any]:
-    """Points of a spline; one that is closed and ends elsewhere goes on round its points."""
+    """Return the points of a spline. A closed one that ends elsewhere continues round its points."""
     from scipy.interpolate import BSpline, CubicSpline
 
     held, degree = np.array([tuple(point) for point in entity.control_points], dtype=float), entity.dxf.degree
@@ -70,7 +70,7 @@ def _is_unclamped(spline: Any) -> bool:
 
 
 def _sample_curve(curve: Any, knots: Array, tolerance: float) -> list[Any]:
-    """Points of a curve over its knots; a fourth coordinate, the weight, divides the others."""
+    """Return the points of a curve over its knots; a fourth coordinate, the weight, divides the others."""
     spans = [flatten(partial(_evaluate_span, curve, low, high), tolerance) for low, high in itertools.pairwise(knots)]
     return [*(point for span in spans for point in span[:-1]), spans[-1][-1]]
 

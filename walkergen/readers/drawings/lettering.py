@@ -1,7 +1,7 @@
 """Lettering: outlines of text, in the font DejaVu Sans that comes with matplotlib.
 
 The font is read from matplotlib's own folder, so that every machine draws the same letters. This
-module stands apart from outlines.py, which knows no pictures.
+module is separate from outlines.py, which does not depend on matplotlib.
 """
 
 import unicodedata
@@ -36,7 +36,7 @@ def text_outline(
     rails: float | None = None,
     font: Path | None = None,
 ) -> list[Polygon]:
-    """Outline of a line of text; `height` is that of a capital without overshoot, H, in mm.
+    """Return the outline of a line of text; `height` is that of a capital without overshoot, H, in mm.
 
     With `rails` two bars so wide (mm), about the feet and the tops of capitals, join the letters. `font` is a file
     of one, by default DejaVu Sans.
@@ -92,7 +92,7 @@ def _suggest_font(character: str) -> str:
 
 
 def _add_rails(drawn: list[Polygon], height: float, width: float) -> list[Polygon]:
-    """Contours with two bars along a text, in the middle of whose edges they lie."""
+    """Add two bars along a text. The edges of the text lie in the middle of the bars."""
     x = np.concatenate(drawn)[:, 0]
     left, right = float(x.min()), float(x.max())
     bars = [
@@ -104,7 +104,7 @@ def _add_rails(drawn: list[Polygon], height: float, width: float) -> list[Polygo
 
 def _check_connected(text: str, where: str, rails: float | None, font: str) -> None:
     """Raise GeometryError when letters, or parts of one, do not touch; it names them."""
-    if rails is not None or _count_pieces(text, font) == 1:  # `sound` tells what rails leave apart
+    if rails is not None or _count_pieces(text, font) == 1:  # `sound` reports what rails leave apart
         return
     broken = [letter for letter in dict.fromkeys(text) if letter != " " and _count_pieces(letter, font) > 1]
     if broken:
@@ -113,7 +113,7 @@ def _check_connected(text: str, where: str, rails: float | None, font: str) -> N
             f"{where}: {named} is drawn in several pieces, a body is one", helps=partial(tuple, [BASE_PLATE_REMEDY])
         )
     gaps = (f"{left!r} and {right!r}" for left, right in pairwise(text) if _count_pieces(left + right, font) != 1)
-    apart = next(gaps, "letters")  # beside others, letters may stand as they do not in a pair
+    apart = next(gaps, "letters")  # next to other letters, a letter may be placed differently than in a pair
     raise GeometryError(
         f"{where}: {apart} do not touch, a body is one piece", helps=partial(tuple, [BASE_PLATE_REMEDY, RAILS_REMEDY])
     )
@@ -124,12 +124,12 @@ def _count_pieces(text: str, font: str) -> int:
 
 
 def _text_contours(text: str, font: str) -> list[Polygon]:
-    """Contours of a text in the font's units, outer ones counter-clockwise, overlaps united."""
+    """Return the contours of a text in the font's units, outer ones counter-clockwise, overlaps united."""
     from matplotlib.font_manager import FontProperties
     from matplotlib.path import Path as Curves
     from matplotlib.textpath import text_to_path
 
-    # The text as it stands: "$" begins no formula.
+    # The text unchanged: "$" begins no formula.
     properties = FontProperties(fname=font)
     vertices, codes = text_to_path.get_text_path(properties, text, ismath=False)
     if not len(vertices):
@@ -148,13 +148,13 @@ def _text_contours(text: str, font: str) -> list[Polygon]:
 
 
 def _unite_rings(rings: list[Polygon]) -> list[Polygon]:
-    """Contours of what lies within rings."""
+    """Return the contours of the area within rings."""
     united = manifold3d.CrossSection([MANIFOLD_SCALE * ring for ring in rings], manifold3d.FillRule.NonZero)
     return [np.asarray(ring, dtype=np.float64) / MANIFOLD_SCALE for ring in united.to_polygons()]
 
 
 def _font_path(own: Path | None, where: str) -> str:
-    """Path of a font. Raises InputError for a file that is none."""
+    """Return the path of a font. Raises InputError for any other file."""
     import matplotlib
     from matplotlib.ft2font import FT2Font
 

@@ -2,7 +2,7 @@
 
 An outline is a list of polygons, shape (n, 2), mm, without a repeated last point: outer contours
 counter-clockwise, holes clockwise, the outer ones first. The middle of its bounding box is the
-origin. Whatever the outline comes from, it passes `sound`: one piece, no contour that crosses or
+origin. Outlines from all sources pass `sound`: one piece, no contour that crosses or
 touches itself or another.
 """
 
@@ -46,12 +46,12 @@ class OverlapError(GeometryError):
 
 
 def disc(diameter: float, source: str = "body.diameter_mm") -> list[Polygon]:
-    """Outline of a disc of this diameter, mm; as an ellipse's. Raises GeometryError."""
+    """Return the outline of a disc of this diameter, mm, like an ellipse's. Raises GeometryError."""
     return ellipse(diameter, diameter, source)
 
 
 def ellipse(length: float, depth: float, source: str = "body.length_mm") -> list[Polygon]:
-    """Outline of an ellipse with these axes along x and y, mm, by SEGMENTS edges.
+    """Return the outline of an ellipse with these axes along x and y, mm, by SEGMENTS edges.
 
     The polygon is inscribed, its vertices on the ellipse and its bounding box exact; mirrored in
     either axis it is the same, bit for bit. Its area is sin(t) / t of the ellipse's, t = 2 pi /
@@ -67,10 +67,10 @@ def ellipse(length: float, depth: float, source: str = "body.length_mm") -> list
 
 
 def polygon(points: Sequence[Sequence[float]] | Polygon, source: str = "body.points_mm") -> list[Polygon]:
-    """Outline through a person's points, mm, in either sense; the last is joined to the first.
+    """Return the outline through a person's points, mm, in either sense; the last is joined to the first.
 
-    Raises GeometryError, which begins with `source`, for fewer than three points, a point that
-    stands twice, or whatever `sound` refuses.
+    Raises GeometryError, which begins with `source`, for fewer than three points, a repeated
+    point, or an outline that `sound` refuses.
     """
     try:
         corners = np.array(points, dtype=np.float64)
@@ -94,7 +94,7 @@ class Outline(NamedTuple):
 
     polygons: list[Polygon]
     notes: tuple[str, ...]
-    """What was left out of the file or mended, a few words each."""
+    """Notes on what was left out of the file or mended, a few words each."""
 
 
 def from_file(
@@ -105,7 +105,7 @@ def from_file(
     mend: bool = False,
     connected: bool = True,
 ) -> Outline:
-    """Outline of the closed paths of a drawing, or of a picture's shape, as people see it (SVG has y down).
+    """Return the outline of a drawing's closed paths, or of a picture's shape, as people see it (SVG has y down).
 
     Units are those that the file states, unless `scale_mm` gives the mm per unit of the drawing, or `length_mm`
     the length of the whole. Paths inside others are holes, and so on alternately, colours aside; in one SVG path,
@@ -134,7 +134,7 @@ def from_file(
 
 
 def _scale_to_length(shapes: Sequence[Shape], length: float) -> list[Shape]:
-    """Shapes scaled until all together are so long, mm."""
+    """Scale the shapes until all together have this length, mm."""
     x = np.concatenate([contour[:, 0] for shape in shapes for contour in shape.contours] or [np.zeros(1)])
     extent = float(np.ptp(x))
     scale = length / extent if 0.0 < extent < np.inf else 1.0
@@ -142,7 +142,7 @@ def _scale_to_length(shapes: Sequence[Shape], length: float) -> list[Shape]:
 
 
 def from_shapes(shapes: Sequence[Shape], source: str, connected: bool = True) -> list[Polygon]:
-    """Outline of shapes: their contours checked, put in order and centred.
+    """Return the outline of shapes: their contours checked, sorted and centred.
 
     Raises GeometryError, which begins with `source`, for an outline without contours or area, with
     a number that is not finite, beyond MOST_POINTS, MOST_CONTOURS or the sizes allowed, with
@@ -172,13 +172,13 @@ def from_shapes(shapes: Sequence[Shape], source: str, connected: bool = True) ->
 
 
 def area(polygon: Polygon) -> float:
-    """Area enclosed by a polygon, mm^2; negative when its points go clockwise."""
+    """Return the area enclosed by a polygon, mm^2; negative when its points go clockwise."""
     x, y = (polygon - polygon[:1]).T
     return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
 
 def _drop_repeated_points(contour: Polygon) -> Polygon:
-    """Contour without points that their successor repeats."""
+    """Drop points of a contour that their successor repeats."""
     kept: Polygon = contour[np.any(contour != np.roll(contour, -1, axis=0), axis=1)]
     return kept
 
@@ -225,7 +225,7 @@ def _check_simple(contour: Polygon) -> None:
 
 
 def _check_apart(contours: Sequence[Polygon]) -> None:
-    """Raise GeometryError when two contours cross or touch, as where one is drawn twice."""
+    """Raise GeometryError when two contours cross or touch, for example one that is drawn twice."""
     from shapely import STRtree, linearrings
 
     rings = [linearrings(contour) for contour in contours]
@@ -239,7 +239,7 @@ def _check_apart(contours: Sequence[Polygon]) -> None:
 
 
 def _nesting_levels(shapes: Sequence[Shape], contours: Sequence[Polygon]) -> list[int | None]:
-    """0 for an outer contour, 1 for a hole, None for a line inside what its fill rule fills."""
+    """Return 0 for an outer contour, 1 for a hole, None for a line inside what its fill rule fills."""
     from shapely import STRtree, points, polygons
 
     owners = [number for number, shape in enumerate(shapes) for _ in shape.contours]

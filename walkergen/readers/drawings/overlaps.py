@@ -22,11 +22,11 @@ MIN_AREA_SHARE = 1e-6
 """Area over the largest below which a piece or a hole is rounding."""
 
 MANIFOLD_SIZE = 2.0**20
-"""Size to which drawings are brought for manifold3d, which rounds to 1e-8 units."""
+"""Size of drawings after scaling for manifold3d, which rounds to 1e-8 units."""
 
 
 def unite_shapes(shapes: Sequence[Shape]) -> Shape:
-    """One shape whose contours neither cross nor touch, from shapes that may.
+    """Unite shapes that may overlap into one whose contours neither cross nor touch.
 
     Each is filled by its own rule. Of two, the smaller is a hole where it lies within the larger, as in
     `outlines.sound`, and is united with it where they cross. What meets in a point alone is joined.
@@ -78,14 +78,14 @@ def _filled_region(shape: Shape) -> "BaseGeometry":
 
 
 def _fill_holes(region: "BaseGeometry") -> "BaseGeometry":
-    """Region without its holes."""
+    """Fill the holes of a region."""
     import shapely
 
     return shapely.union_all([shapely.Polygon(part.exterior) for part in shapely.get_parts(region)])
 
 
 def _touching_points(region: "BaseGeometry", gap: float) -> "list[BaseGeometry]":
-    """Points in which contours of a region meet, within a gap."""
+    """Return the points where contours of a region meet, within a gap."""
     import shapely
 
     rings = [ring for part in shapely.get_parts(region) for ring in (part.exterior, *part.interiors)]
@@ -95,7 +95,7 @@ def _touching_points(region: "BaseGeometry", gap: float) -> "list[BaseGeometry]"
 
 
 def pieces(plan: Sequence[Array]) -> "list[BaseGeometry]":
-    """Pieces of an outline, its outer contours with the holes in each, the largest first."""
+    """Return the pieces of an outline, its outer contours with the holes in each, the largest first."""
     import shapely
 
     whole: BaseGeometry = shapely.Polygon()
@@ -105,7 +105,7 @@ def pieces(plan: Sequence[Array]) -> "list[BaseGeometry]":
 
 
 def contours(region: "BaseGeometry") -> list[Array]:
-    """Contours of a polygon, or of several: the outer ones counter-clockwise, then holes clockwise."""
+    """Return the contours of a polygon, or of several: the outer ones counter-clockwise, then holes clockwise."""
     import shapely
 
     parts = shapely.get_parts(region.normalize()).tolist()

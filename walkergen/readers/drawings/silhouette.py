@@ -19,13 +19,13 @@ MAX_BYTES, MAX_PIXELS = 50_000_000, 100_000_000
 """Largest file, and pixels of a picture at most."""
 
 MAX_SIDE_PIXELS = 1000
-"""Pixels of the longer side to which a picture is brought: 0.03 mm on a body of 28 mm."""
+"""Pixels of a picture's longer side after scaling: 0.03 mm on a body of 28 mm."""
 
 MAX_SPECK_SHARE = 2e-3
 """Area over that of the largest piece below which a piece or a hole is dirt."""
 
 BLUR_PIXELS, SIMPLIFY_PIXELS = 0.7, 0.3
-"""Width of the blur, and distance by which an outline may be simplified, pixels."""
+"""Width of the blur, and maximum change of a simplified outline, pixels."""
 
 MIN_CONTRAST = 0.12
 """Least difference between the mean brightness of shape and background, of 0 to 1."""
@@ -39,11 +39,11 @@ class Silhouette(NamedTuple):
     contours: list[Array]
     """Contours in pixels, x to the right, y downward."""
     notes: tuple[str, ...]
-    """What was taken, a few words each."""
+    """Notes on the choices, a few words each."""
 
 
 def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
-    """Contours of a picture's shape, in mm, y up; `scale_mm` is the length of one of SIDE pixels.
+    """Return the contours of a picture's shape, in mm, y up; `scale_mm` is the length of one of SIDE pixels.
 
     Raises InputError, which begins with `source`, for what is no picture or shows no shape, and NoUnitError without a
     scale.
@@ -56,7 +56,7 @@ def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
 
 
 def trace(path: Path, source: str) -> Silhouette:
-    """Shape in a picture. Raises InputError, which begins with `source`."""
+    """Return the shape in a picture. Raises InputError, which begins with `source`."""
     data = file_reading.read_bytes(path, MAX_BYTES)
     with file_reading.translate_library_errors(source, "picture"):
         image, by = _brightness(data, source)
@@ -77,7 +77,7 @@ def trace(path: Path, source: str) -> Silhouette:
 
 
 def _brightness(data: bytes, source: str) -> tuple[Array, str]:
-    """Picture as numbers of 0 to 1, and what they are: brightness or opacity."""
+    """Return a picture as numbers of 0 to 1, and their meaning: brightness or opacity."""
     from PIL import Image, ImageOps
 
     picture: Image.Image = Image.open(io.BytesIO(data))
@@ -93,7 +93,7 @@ def _brightness(data: bytes, source: str) -> tuple[Array, str]:
 
 
 def _otsu_threshold(image: Array) -> float:
-    """Brightness that divides an image in two classes most unlike. Source: Otsu (1979)."""
+    """Return the brightness that divides an image into the two most different classes. Source: Otsu (1979)."""
     counts, edges = np.histogram(image, bins=256, range=(0.0, 1.0))
     middles = 0.5 * (edges[1:] + edges[:-1])
     below, above = np.cumsum(counts), len(image.ravel()) - np.cumsum(counts)
@@ -106,7 +106,7 @@ def _otsu_threshold(image: Array) -> float:
 
 
 def _trace_contours(image: Array, threshold: float) -> tuple[list[Array], int]:
-    """Contours of what is brighter than a threshold, and the number of specks among pieces and holes."""
+    """Return the contours of areas brighter than a threshold, and the number of specks among pieces and holes."""
     import shapely
     from contourpy import contour_generator
     from scipy.ndimage import gaussian_filter

@@ -1,4 +1,4 @@
-"""Units that a file may be drawn in: asked back where a body has no walker's size."""
+"""Units that a file may be drawn in: suggested for a body that does not have a walker's size."""
 
 from functools import partial
 
@@ -11,7 +11,7 @@ UNITS_MM = {"inches": 25.4, "metres": 1000.0, "centimetres": 10.0, "micrometres"
 """Millimetres of other units."""
 
 DEFAULT_LENGTH_MM = 28.0
-"""Length of what states none, mm: that of the paper's walker."""
+"""Length of a drawing that states none, mm: that of the paper's walker."""
 
 
 def check_size(size: float, source: str, scale_mm: float = 1.0) -> None:

@@ -1,8 +1,8 @@
 """SVG drawings: closed contours in mm out of people's files, and polygons in mm into ours.
 
-A file is read in three steps. XML is taken apart with the standard library, and nothing of it is
-fetched. Style sheets become attributes (`svg_styles`). What somebody sees is found by one walk of the
-tree (`svg_elements`), and flattened here.
+A file is read in three steps. The standard library parses the XML and fetches nothing.
+Style sheets become attributes (`svg_styles`). One walk of the tree finds the visible shapes
+(`svg_elements`), which are flattened here.
 """
 
 import math
@@ -42,23 +42,23 @@ MAX_ENTITY_LENGTH = 200
 """Characters of an entity at most: drawing programs keep the names of namespaces in them."""
 
 MIN_PAGE_SHARE = 0.99
-"""Share of the page, along both sides, from which on a white rectangle is the paper."""
+"""Minimum size of a white rectangle that is the paper, as a share of the page along both sides."""
 
 MIN_RECTANGLE_FILL = 0.9
-"""Share of its box from which on a shape is a rectangle: corners may be round."""
+"""Minimum share of its box that a rectangle fills: corners may be round."""
 
 MAX_OVERHANG_SHARE = 0.01
-"""Share of the page by which a shape may reach beyond it without a word."""
+"""Share of the page that a shape may reach beyond it without a note."""
 
 LINE_WIDTH_WARNING = 0.01
-"""Width of lines over the drawing's longer side from which on it is said that it does not count."""
+"""Width of lines over the drawing's longer side. Above it a note states that the width is ignored."""
 
 CLIP_TOLERANCE = 1e-6
-"""Share of a shape's area by which a clip path may cut it and leave it as it is: rounding."""
+"""Maximum share of a shape's area that a clip path may cut without a change to the shape: rounding."""
 
 
 def pack(polygons: Sequence[Array]) -> bytes:
-    """SVG file of polygons in mm, y up: one path, its size in mm, for laser cutters.
+    """Create an SVG file of polygons in mm, y up: one path, its size in mm, for laser cutters.
 
     The page is the polygons' bounding box; nothing is filled, and lines are a hundredth of a
     millimetre wide, which cutters take for a cut. Equal polygons give equal bytes.
@@ -91,7 +91,7 @@ def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
 
 
 def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
-    """Shapes in the bytes of a file; its libraries raise whatever they like."""
+    """Read the shapes in the bytes of a file; its libraries may raise any exception."""
     from walkergen.readers.drawings import svg_elements, svg_styles
 
     root = _parse_xml(data, source)
@@ -140,7 +140,7 @@ def _omission_notes(tree: "Tree") -> list[str]:
 def _drop_page(
     drawn: "Sequence[VisibleShape]", shapes: list[Shape], page: Sequence[float]
 ) -> tuple[list[Shape], list[str]]:
-    """Shapes without the paper, and what is to be said of it."""
+    """Return the shapes without the paper, and notes on it."""
     whole = [_is_page_rectangle(shape, page) for shape in shapes]
     paper = [covers and one.white for covers, one in zip(whole, drawn, strict=True)]
     if any(paper) and not all(paper):
@@ -152,7 +152,7 @@ def _drop_page(
 
 
 def _is_beyond_page(shape: Shape, page: Sequence[float]) -> bool:
-    """Whether a shape reaches beyond the page, where that has a size."""
+    """Return whether a shape reaches beyond the page, if the page has a size."""
     points = np.vstack([np.zeros((0, 2)), *shape.contours])
     low, size = np.array(page[:2]), np.array(page[2:])
     over = MAX_OVERHANG_SHARE * size if np.isfinite(size).all() else np.full(2, np.inf)
@@ -160,7 +160,7 @@ def _is_beyond_page(shape: Shape, page: Sequence[float]) -> bool:
 
 
 def _parse_xml(data: bytes, source: str) -> ET.Element:
-    """Root of the XML; entities from elsewhere, or that could grow, are refused before they act."""
+    """Return the root of the XML. Refuse entities from elsewhere, or that could grow, before they act."""
 
     def refuse(what: str) -> NoReturn:
         raise InputError(f"{source}: holds {what}; save it as a plain SVG")
@@ -187,7 +187,7 @@ def _parse_xml(data: bytes, source: str) -> ET.Element:
 
 
 def _page_box(root: ET.Element, source: str) -> tuple[float, float, float, float]:
-    """Left, top, width and height of the page in the drawing's units; infinite without any."""
+    """Return left, top, width and height of the page in the drawing's units; infinite without a page."""
     from walkergen.readers.drawings.svg_elements import PIXELS_PER_UNIT
     from walkergen.readers.drawings.svg_matrices import parse_view_box
 
@@ -202,7 +202,7 @@ def _page_box(root: ET.Element, source: str) -> tuple[float, float, float, float
 
 
 def _mm_per_unit(root: ET.Element, source: str) -> tuple[float, float]:
-    """Sizes in mm of a unit of the drawing along x and y, from the page's size and its viewBox."""
+    """Return the sizes in mm of a unit of the drawing along x and y, from the page's size and its viewBox."""
     from walkergen.readers.drawings.svg_matrices import fit_matrix, parse_view_box
 
     page = [_length_mm(root.attrib.get("width", "")), _length_mm(root.attrib.get("height", ""))]
@@ -229,7 +229,7 @@ def _mm_per_unit(root: ET.Element, source: str) -> tuple[float, float]:
 
 
 def _length_mm(text: str) -> float | None:
-    """Length with a physical unit, in mm; None for any other."""
+    """Return the length with a physical unit, in mm; None for any other."""
     match = re.fullmatch(r"\s*([0-9.eE+-]+)\s*([a-zA-Z]+)\s*", text)
     try:
         return float(match[1]) * MM_PER_UNIT[match[2].lower()] if match else None
@@ -238,7 +238,7 @@ def _length_mm(text: str) -> float | None:
 
 
 def _bounding_box(drawn: "Sequence[VisibleShape]") -> Array:
-    """Lower and upper corner of what is drawn, in the drawing's units, shape (2, 2)."""
+    """Return the lower and upper corner of the drawing's contents, in its units, shape (2, 2)."""
     corners = [np.zeros((0, 2))]
     for one in drawn:
         if (own := one.path.bbox()) is not None:
@@ -250,7 +250,7 @@ def _bounding_box(drawn: "Sequence[VisibleShape]") -> Array:
 
 
 def _clipped_shape(drawn: "VisibleShape", size: float, source: str) -> Shape:
-    """Contours of a shape in the drawing's units, cut by its clips; chords are for its `size`."""
+    """Return the contours of a shape in the drawing's units, cut by its clips; chords are for its `size`."""
     contours = list(_unclipped_contours(drawn, size, source))
     for clip in drawn.clips:
         if contours:
@@ -260,7 +260,7 @@ def _clipped_shape(drawn: "VisibleShape", size: float, source: str) -> Shape:
 
 
 def _unclipped_contours(drawn: "VisibleShape", size: float, source: str) -> "Sequence[Array]":
-    """Contours of a shape that nothing cuts. Raises InputError for an open path."""
+    """Return the contours of an unclipped shape. Raises InputError for an open path."""
     linear, offset = drawn.matrix[:, :2], drawn.matrix[:, 2]
     stretch, contours = float(np.linalg.norm(linear, 2)), []
     for subpath in drawn.path.as_subpaths():
@@ -296,7 +296,7 @@ def _clip_contours(
 
 
 def _filled_area(contours: Sequence[Array], nonzero: bool) -> "BaseGeometry":
-    """Area that contours fill by a rule."""
+    """Return the area that contours fill by a rule."""
     from shapely import Polygon, union_all
 
     rings = [Polygon(contour).buffer(0.0) for contour in contours if len(contour) > 2]
@@ -309,7 +309,7 @@ def _filled_area(contours: Sequence[Array], nonzero: bool) -> "BaseGeometry":
 
 
 def _is_page_rectangle(shape: Shape, page: Sequence[float]) -> bool:
-    """Whether a shape is a rectangle as large as the page, at its place, its corners round or not."""
+    """Return whether a shape is a rectangle of the page's size and place, its corners round or not."""
     if len(shape.contours) != 1 or not all(map(math.isfinite, page)):
         return False
     x, y = shape.contours[0].T
@@ -320,7 +320,7 @@ def _is_page_rectangle(shape: Shape, page: Sequence[float]) -> bool:
 
 
 def _subpath_points(subpath: Any, tolerance: float) -> Array:
-    """Points of a subpath, from its start, in the coordinates of its element, shape (n, 2)."""
+    """Return the points of a subpath, from its start, in the coordinates of its element, shape (n, 2)."""
     points: list[Any] = []
     for segment in subpath:
         kind = type(segment).__name__

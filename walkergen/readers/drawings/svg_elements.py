@@ -1,6 +1,6 @@
-"""Elements of an SVG drawing: those that somebody sees, where they stand, and what cuts them.
+"""Elements of an SVG drawing: the visible ones, their positions, and what clips them.
 
-The tree is walked once, as a browser does: <use> and <symbol> stand for what they repeat, a nested
+The tree is walked once, as in a browser: <use> and <symbol> are replaced by what they repeat, a nested
 <svg> has its own units and is a window, clip paths cut. Geometry of single elements and transforms
 are read by svgelements.
 """
@@ -60,7 +60,7 @@ PIXELS_PER_UNIT = {
 """Units of length, in the drawing's own units, as CSS has them."""
 
 DEFAULT_FONT_SIZE = 16.0
-"""Size of a font that nobody has set."""
+"""Size of a font that is not set."""
 
 FONT_SIZES = {
     "xx-small": 9.0,
@@ -75,7 +75,7 @@ FONT_SIZES = {
 
 
 class VisibleShape(NamedTuple):
-    """Shape that somebody sees."""
+    """Visible shape of a drawing."""
 
     path: "svgelements.Path"
     """Its geometry in its own units."""
@@ -88,7 +88,7 @@ class VisibleShape(NamedTuple):
     line: float
     """Width of the line around it, in the drawing's units; 0 without."""
     clips: "tuple[Clip, ...]"
-    """What cuts it, one after the other."""
+    """Clips of the shape, one after the other."""
 
 
 class Clip(NamedTuple):
@@ -98,7 +98,7 @@ class Clip(NamedTuple):
 
 
 class Context(NamedTuple):
-    """Where an element stands: what it has of those around it."""
+    """Context of an element: what it inherits from the elements around it."""
 
     matrix: Array
     style: Mapping[str, str]
@@ -108,13 +108,13 @@ class Context(NamedTuple):
     clips: tuple[Clip, ...] = ()
     depth: int = 0
     inside: tuple[ET.Element, ...] = ()
-    """Elements that <use> stands for at present: none may stand for itself."""
+    """Elements that <use> repeats at present: none may repeat itself."""
     cutting: bool = False
-    """True in a clip path, whose shapes cut whatever their colour."""
+    """True in a clip path. Its shapes cut in any colour."""
 
 
 class Tree:
-    """A drawing whose elements are walked; it counts them, and those that nobody sees."""
+    """Drawing whose elements are walked. It counts them, and the invisible ones."""
 
     def __init__(self, root: ET.Element, source: str) -> None:
         self.root, self.source = root, source
@@ -124,7 +124,7 @@ class Tree:
         self.rem = DEFAULT_FONT_SIZE
 
     def visible_shapes(self, view: tuple[float, float]) -> list[VisibleShape]:
-        """Shapes that somebody sees, in their order; `view` is the page in the drawing's units."""
+        """Return the visible shapes in their order; `view` is the page in the drawing's units."""
         if self.root.attrib.get("transform", "none").strip() not in ("", "none"):
             raise self._input_error("the page itself has a transform; apply it to the paths")
         place = self._inner_place(self.root, Context(np.eye(2, 3), {}, view))
@@ -135,7 +135,7 @@ class Tree:
         return InputError(f"{self.source}: {what}")
 
     def _inner_place(self, element: ET.Element, place: Context) -> Context:
-        """Place of what an element holds."""
+        """Return the context of an element's contents."""
         own = {
             key: element.attrib[key]
             for key in svg_styles.INHERITED_PROPERTIES
@@ -156,11 +156,11 @@ class Tree:
         return float(match[1]) * units.get(match[2], math.nan) if match else math.nan
 
     def _relative_units(self, font: float) -> dict[str, float]:
-        """Units of length by the size of the font."""
+        """Return the units of length by the size of the font."""
         return {"em": font, "ex": 0.5 * font, "ch": 0.5 * font, "rem": self.rem}
 
     def _walk(self, element: ET.Element, place: Context) -> Iterator[VisibleShape]:
-        """Shapes that an element draws."""
+        """Yield the shapes that an element draws."""
         name = element_name(element)
         self.count += 1
         if self.count > MAX_ELEMENTS:
@@ -186,13 +186,13 @@ class Tree:
             yield from self._window_shapes(element, inner, element.attrib)
         else:
             children = [child for child in element if isinstance(child.tag, str)]
-            if name == "switch":  # the first that asks for nothing special
+            if name == "switch":  # the first without special requirements
                 children = [child for child in children if _is_switch_choice(child)][:1]
             for child in children:
                 yield from self._walk(child, inner)
 
     def _is_hidden(self, element: ET.Element, place: Context) -> bool:
-        """Whether an element and all that it holds is hidden, whatever its parts say."""
+        """Return whether an element and all that it holds are hidden, even if its parts are visible."""
         filtered, name = element.attrib.get("filter", "none").strip(), element_name(element)
         if element.attrib.get("display") == "none":
             return True
@@ -214,7 +214,7 @@ class Tree:
         return fill if fill.shows else None, line if lined else None
 
     def _visible_shape(self, element: ET.Element, place: Context) -> Iterator[VisibleShape]:
-        """Shape of an element, if anybody sees it."""
+        """Yield the shape of an element, if it is visible."""
         style, (filled, lined) = place.style, self._visible_paints(place)
         if element_name(element) == "line":
             filled = None
@@ -234,7 +234,7 @@ class Tree:
         yield VisibleShape(path, place.matrix, nonzero, white, line, place.clips)
 
     def _build_path(self, element: ET.Element, place: Context) -> "svgelements.Path":
-        """Geometry of a shape in its own units."""
+        """Return the geometry of a shape in its own units."""
         import svgelements as svg
 
         name, text = element_name(element), element.attrib.get
@@ -281,7 +281,7 @@ class Tree:
     def _parse_length(
         self, element: ET.Element, key: str, place: Context, whole: float, otherwise: float = 0.0
     ) -> float:
-        """Length of an attribute in the drawing's units; percents are of `whole`."""
+        """Return the length of an attribute in the drawing's units; percents are of `whole`."""
         text = element.attrib.get(key)
         if text is None or text.strip() == "auto":
             return otherwise
@@ -297,7 +297,7 @@ class Tree:
         return value
 
     def _element_matrix(self, element: ET.Element, place: Context) -> Array:
-        """Matrix of an element, its transform about its origin."""
+        """Return the matrix of an element, its transform about its origin."""
         text = element.attrib.get("transform", "none").strip()
         if text in ("", "none"):
             return place.matrix
@@ -310,7 +310,7 @@ class Tree:
         return compose(place.matrix, own)
 
     def _transform_origin(self, element: ET.Element, place: Context) -> tuple[float, float]:
-        """Point about which an element is transformed."""
+        """Return the point about which an element is transformed."""
         text = element.attrib.get("transform-origin")
         if text is None:
             return 0.0, 0.0
@@ -330,7 +330,7 @@ class Tree:
         return low[0] + x, low[1] + y
 
     def _use_shapes(self, element: ET.Element, place: Context) -> Iterator[VisibleShape]:
-        """Shapes of the element that a <use> stands for."""
+        """Yield the shapes of the element that a <use> repeats."""
         link = element.attrib.get("href", element.attrib.get(XLINK_HREF, ""))
         target = self.targets.get(link[1:]) if link[:1] == "#" else None
         if target is None:
@@ -350,7 +350,7 @@ class Tree:
     def _window_shapes(
         self, element: ET.Element, place: Context, attributes: Mapping[str, str]
     ) -> Iterator[VisibleShape]:
-        """Shapes of a nested <svg> or a <symbol>: in units of its own, cut at its edges."""
+        """Yield the shapes of a nested <svg> or a <symbol>: in its own units, cut at its edges."""
         held = ET.Element(element_name(element), dict(attributes))
         wide, high = place.view
         nested = element_name(element) == "svg"
@@ -399,7 +399,7 @@ class Tree:
             yield self._build_clip(element, target, place)
 
     def _build_clip(self, element: ET.Element, target: ET.Element, place: Context) -> Clip:
-        """Window that a clip path or a mask opens."""
+        """Return the window that a clip path or a mask opens."""
         matrix = place.matrix
         if target.attrib.get("clipPathUnits", target.attrib.get("maskContentUnits")) == "objectBoundingBox":
             if element_name(element) not in SHAPE_TAGS:
@@ -422,13 +422,13 @@ class Tree:
 
 
 def element_name(element: ET.Element) -> str:
-    """Name of an element of SVG without its namespace; "" for one of another."""
+    """Return the name of an SVG element without its namespace; "" for other elements."""
     tag = str(element.tag)
     return tag.removeprefix(SVG_NAMESPACE) if tag.startswith(SVG_NAMESPACE) or "}" not in tag else ""
 
 
 def _is_switch_choice(element: ET.Element) -> bool:
-    """Whether a <switch> may show an element: it asks for no program, and for no language but English."""
+    """Return whether a <switch> may show an element: it requires no program, and no language but English."""
     languages = element.attrib.get("systemLanguage", "en").lower().split(",")
     return "requiredExtensions" not in element.attrib and any(re.match("en(-|$)", each.strip()) for each in languages)
 

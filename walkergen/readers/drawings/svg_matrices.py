@@ -19,7 +19,7 @@ ALIGNMENT_SHARES = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
 
 
 def parse_transform(text: str) -> Array | None:
-    """Matrix of a list of transforms; None for one that leaves the plane, or depends on more than its numbers."""
+    """Parse a list of transforms; None for one that leaves the plane, or depends on more than its numbers."""
     if not TRANSFORMS_PATTERN.fullmatch(text):
         return None
     import svgelements
@@ -32,17 +32,17 @@ def parse_transform(text: str) -> Array | None:
 
 
 def mean_stretch(matrix: Array) -> float:
-    """Length of a line after a matrix over that before it, on average over its ways."""
+    """Return the mean ratio of a line's length after a matrix to that before it, over all directions."""
     return float(math.sqrt(abs(np.linalg.det(matrix[:, :2]))))
 
 
 def compose(first: Array, second: Array) -> Array:
-    """Matrix that moves by the second, then by the first, shape (2, 3)."""
+    """Return the matrix that moves by the second, then by the first, shape (2, 3)."""
     return np.column_stack([first[:, :2] @ second[:, :2], first[:, :2] @ second[:, 2] + first[:, 2]])
 
 
 def parse_view_box(text: str, source: str) -> tuple[float, float, float, float]:
-    """Box of a viewBox: left, top, width and height > 0. Raises InputError."""
+    """Return the box of a viewBox: left, top, width and height > 0. Raises InputError."""
     try:
         x, y, width, height = (float(number) for number in re.split(r"[\s,]+", text.strip()))
     except ValueError:
@@ -53,7 +53,7 @@ def parse_view_box(text: str, source: str) -> tuple[float, float, float, float]:
 
 
 def fit_matrix(box: Sequence[float], width: float, height: float, fit: str) -> Array:
-    """Matrix that puts a box into a window of this size, as preserveAspectRatio says, shape (2, 3)."""
+    """Return the matrix that fits a box into a window of this size by preserveAspectRatio, shape (2, 3)."""
     scale = np.array([width / box[2], height / box[3]])
     if "none" not in fit:
         scale[:] = scale.max() if "slice" in fit else scale.min()

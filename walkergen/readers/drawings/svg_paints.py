@@ -17,7 +17,7 @@ SHARE_PATTERN = re.compile(rf"\s*({NUMBER_PATTERN})\s*%?\s*")
 URL_PATTERN = re.compile(r"url\(\s*['\"]?#([^'\")]*)['\"]?\s*\)\s*")
 
 MIN_WHITE = 0.95
-"""Share of full light of each colour from which on a paint is the paper's."""
+"""Minimum share of full light of each colour for a paint that is the paper's."""
 
 MAX_LINKS = 8
 """Most gradients that one may have its stops of, one after the other."""
@@ -26,7 +26,7 @@ BLACK = "black"
 
 
 class Paint(NamedTuple):
-    """What a fill or a line looks like."""
+    """Looks of a fill or a line."""
 
     shows: bool
     white: bool
@@ -58,7 +58,7 @@ def _from_colour(text: str, current: str) -> Paint:
 
 
 def _is_server_visible(server: ET.Element, targets: Targets) -> bool:
-    """Whether a gradient has a stop that shows, or a pattern has anything."""
+    """Return whether a gradient has a visible stop, or a pattern has any contents."""
     for _ in range(MAX_LINKS):
         gradient = local_name(server).endswith("Gradient")
         if parts := [part for part in server if not gradient or local_name(part) == "stop"]:
@@ -76,7 +76,7 @@ def _is_stop_visible(stop: ET.Element) -> bool:
 
 
 def is_hidden_by_filter(text: str, targets: Targets) -> bool:
-    """Whether a filter leaves nothing to see: one that is empty, or without opacity."""
+    """Return whether a filter hides everything: an empty one, or one without opacity."""
     if link := URL_PATTERN.match(text):
         return link[1] in targets and local_name(targets[link[1]]) == "filter" and len(targets[link[1]]) == 0
     return any(is_zero(share) for share in re.findall(r"opacity\(([^)]*)\)", text))
@@ -89,5 +89,5 @@ def is_zero(text: str | None) -> bool:
 
 
 def local_name(element: ET.Element) -> str:
-    """Name of an element without its namespace."""
+    """Return the name of an element without its namespace."""
     return str(element.tag).rpartition("}")[2]

@@ -1,4 +1,4 @@
-"""Styles of an SVG drawing: what its style sheets say, as attributes of its elements.
+"""Styles of an SVG drawing: its style sheets, as attributes of its elements.
 
 Sheets are read as a browser on a screen reads them: rules of other media do not count, selectors of
 any kind do (cssselect2), later and more special rules come before others, and style="" before all.
@@ -49,7 +49,7 @@ UNSUPPORTED_PROPERTIES = ("rotate", "scale", "translate", "offset-path", "zoom")
 """Properties that would move an element and that are not read here."""
 
 NEUTRAL_VALUES = ("none", "normal", "1", "100%")
-"""Values by which they move nothing."""
+"""Values of these properties that move nothing."""
 
 INITIAL_VALUES = {
     "fill": "black",
@@ -65,7 +65,7 @@ INITIAL_VALUES |= {
     "fill-opacity": "1",
     "stroke-opacity": "1",
 }
-"""What inherited properties are where nobody has set them."""
+"""Initial values of inherited properties."""
 
 MAX_VARIABLE_DEPTH = 8
 """Levels of custom properties within others."""
@@ -79,11 +79,11 @@ IGNORED_MEDIA = re.compile(
 """Media whose rules do not count: paper, voices, screens in the dark."""
 
 IGNORED_AT_RULES = ("charset", "counter-style", "font-face", "keyframes", "namespace", "page", "property")
-"""At-rules that hide and move nothing by themselves."""
+"""At-rules that neither hide nor move an element."""
 
 
 def apply_styles(root: ET.Element, source: str) -> None:
-    """Write what sheets and style="" say onto the elements, in place. Raises InputError for what is not read."""
+    """Write the styles of sheets and style="" onto the elements, in place. Raises InputError for unsupported ones."""
     matcher = cssselect2.Matcher()
     for element in root.iter():
         css = element.attrib.get("type", "").strip().lower() in ("", "text/css")
@@ -111,7 +111,7 @@ def apply_styles(root: ET.Element, source: str) -> None:
 
 
 def _resolve_value(attributes: dict[str, str], key: str, custom: Mapping[str, str]) -> None:
-    """Put its value in place of a custom property, and of a word for what an element has without one."""
+    """Replace a custom property by its value, and a keyword such as "initial" by the initial value."""
     text = attributes[key]
     if "var(" in text:
         attributes[key] = text = _substitute_variables(text, custom)
@@ -123,7 +123,7 @@ def _resolve_value(attributes: dict[str, str], key: str, custom: Mapping[str, st
 
 
 def _substitute_variables(text: str, custom: Mapping[str, str], depth: int = 0) -> str:
-    """Value with var(--name, other) as the custom properties have it; "unset" where none has."""
+    """Replace var(--name, other) by the values of custom properties; "unset" without a value."""
     parts = []
     for token in tinycss2.parse_component_value_list(text):
         if token.type == "function" and token.lower_name == "var":
@@ -173,7 +173,7 @@ def _add_at_rule(matcher: Any, rule: Any, spaces: dict[str | None, str], source:
 
 
 def _is_screen_media(media: str, source: str) -> bool:
-    """Whether rules for these media count. Raises InputError where it depends on who looks."""
+    """Return whether rules for these media count. Raises InputError if it depends on the viewer."""
     each = [medium.strip() for medium in media.split(",")]
     if any(SCREEN_MEDIA.fullmatch(medium) for medium in each):
         return True
@@ -187,7 +187,7 @@ def _unsupported_error(what: str, source: str) -> InputError:
 
 
 def _parse_declarations(declarations: Sequence[Any], source: str) -> Iterator[tuple[str, str, bool]]:
-    """Properties of a list that are read here: key, value, and whether it is important."""
+    """Yield the supported properties of a list: key, value, and whether it is important."""
     for each in declarations:
         if each.type != "declaration":
             continue

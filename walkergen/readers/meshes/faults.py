@@ -49,7 +49,7 @@ class Shells(NamedTuple):
 def check_solid(mesh: Mesh, source: str, repairs: Sequence[Remedy] = ()) -> None:
     """Raise InputError, one line that begins with `source`, when a mesh is not a sound solid.
 
-    It knows how to repair what a repair may help.
+    It carries `repairs` for faults that a repair may mend.
     """
     fault = _triangle_fault(mesh) or _edge_fault(mesh) or _shell_fault(mesh, shells(mesh))
     if fault:
@@ -59,7 +59,7 @@ def check_solid(mesh: Mesh, source: str, repairs: Sequence[Remedy] = ()) -> None
 
 
 def crossing_tolerance(mesh: Mesh) -> float:
-    """Depth of a crossing that is not seen, mm."""
+    """Return the depth of a crossing that is ignored, mm."""
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     far = max(float(np.abs(mesh.vertices).max()), float((high - low).max()))
     return RELATIVE_TOLERANCE * far
@@ -85,7 +85,7 @@ def _edge_keys(starts: Whole, ends: Whole, size: np.int64) -> Whole:
 
 
 def shells(mesh: Mesh) -> Shells:
-    """Pieces of a closed surface that share no edge, in the order of their first triangles."""
+    """Return the pieces of a closed surface that share no edge, in the order of their first triangles."""
     from scipy.sparse import coo_matrix, csgraph
 
     count = len(mesh.triangles)
@@ -103,7 +103,7 @@ def shells(mesh: Mesh) -> Shells:
 
 
 def format_place(points: Array) -> str:
-    """Words for the middle of some points, as a person finds it in a viewer."""
+    """Describe the middle of some points, as a person finds it in a viewer."""
     x, y, z = points.reshape(-1, 3).mean(axis=0) + 0.0
     return f"({x:.4g}, {y:.4g}, {z:.4g})"
 
@@ -168,7 +168,7 @@ def _crossing_fault(mesh: Mesh) -> str:
 
 
 def winding_number(mesh: Mesh, point: Array) -> float:
-    """Winding number of a closed surface about a point that is not on it: 1 inside, 0 outside.
+    """Return the winding number of a closed surface about a point that is not on it: 1 inside, 0 outside.
 
     Source: solid angle of a triangle by van Oosterom and Strackee (1983), summed.
     """

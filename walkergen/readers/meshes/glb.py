@@ -6,7 +6,7 @@ from typing import Any
 from walkergen.core.errors import InputError
 
 TRIANGLE_STRIP_MODE = 5
-"""Mode of faces in which every corner after the second makes a triangle."""
+"""Mode of faces with a triangle for every corner after the second."""
 
 PACKING_EXTENSIONS = (
     "EXT_mesh_gpu_instancing",
@@ -14,7 +14,7 @@ PACKING_EXTENSIONS = (
     "KHR_draco_mesh_compression",
     "KHR_mesh_quantization",
 )
-"""Extensions by which corners stand otherwise than as plain numbers, or meshes in more places than nodes say."""
+"""Extensions that pack the corners of meshes, or place meshes outside the nodes."""
 
 PARSE_ERRORS = (LookupError, TypeError, ValueError, AttributeError, RecursionError)
 """What looking at a file raises that is none, or not as the standard has it."""
@@ -32,7 +32,7 @@ def check(data: bytes, source: str) -> None:
         posed = any("skin" in node for node in tree.get("nodes", ()))
         bent = any(any(one.get("weights", ())) for one in [*tree.get("nodes", ()), *tree.get("meshes", ())])
     except PARSE_ERRORS:
-        return  # its reader tells
+        return  # its reader reports the error
     for found, what in (
         (packed, f"is packed by {', '.join(packed)}"),
         (posed, "has a skeleton"),
@@ -43,7 +43,7 @@ def check(data: bytes, source: str) -> None:
 
 
 def triangle_count(data: bytes) -> int:
-    """Triangles of all nodes of a GLB, by the counts of its arrays; 0 for one that only a reader can tell.
+    """Count the triangles of all nodes of a GLB by the counts of its arrays; 0 if only a full reader can count them.
 
     Arrays that nothing uses count too: one without contents is as many zeros, made by a few bytes.
     """

@@ -1,9 +1,9 @@
-"""Reading of mesh files of any kind: STL, OBJ, PLY, OFF, 3MF, GLB; bodies as they stand there.
+"""Reading of mesh files of any kind: STL, OBJ, PLY, OFF, 3MF, GLB; bodies as placed in the file.
 
 Binary STL is read here, 3MF by lib3mf, everything else by trimesh, from the bytes alone: no other
 file and no address that a file may name is opened. Vertices that coincide become one, to the last bit
-or, on open edges, within ROUNDING. What slicers note as cut away is cut away, and what is not printed
-is left out. All of that is noted.
+or, on open edges, within ROUNDING. What slicers note as cut away is cut away, and unprinted parts
+are left out. All of that is noted.
 """
 
 import codecs
@@ -35,23 +35,23 @@ MAX_COORDINATE = 1e12
 """Largest coordinate, in the file's unit."""
 
 WELD_TOLERANCE = 1e-6
-"""Distance over the size of a part up to which corners on open edges are one: some last bits of the
-32-bit floats of STL and 3MF."""
+"""Maximum distance between corners on open edges that are one, over the size of a part: some last bits of
+the 32-bit floats of STL and 3MF."""
 
 
 class MeshFile(NamedTuple):
     """Contents of a mesh file."""
 
     parts: tuple[Part, ...]
-    """Objects as they are placed; a file without objects, such as STL, is one."""
+    """Objects in their places; a file without objects, such as STL, is one."""
     sha256: str
     """Hash of the file's bytes."""
     notes: tuple[str, ...]
-    """What was left out, cut away or merged, a few words each."""
+    """Notes on what was left out, cut away or merged, a few words each."""
 
 
 def read_mesh(path: Path, source: str) -> MeshFile:
-    """Read a mesh file. Raises InputError, beginning with `source`, for what is not one."""
+    """Read a mesh file. Raises InputError, beginning with `source`, for any other file."""
     kind = path.suffix.lower().removeprefix(".")
     if kind not in FORMATS:
         raise InputError(f"{source}: ends in {path.suffix[:20]!r}; give a mesh: {', '.join(FORMATS)}")
@@ -83,7 +83,7 @@ def _too_many_error(count: int, source: str) -> InputError:
 
 
 def _estimate_triangles(data: bytes, kind: str) -> int:
-    """Triangles that a file seems to hold, at a glance at its bytes; 0 where only a reader can tell."""
+    """Estimate the number of triangles of a file from its bytes; 0 if only a full reader can count them."""
     if kind == "stl":
         text = not _is_binary_stl(data) and max(data.count(word) for word in (b"endfacet", b"ENDFACET"))
         return text or (len(data) - stl.HEADER_BYTES) // stl.TRIANGLE.itemsize
@@ -101,7 +101,7 @@ def _estimate_triangles(data: bytes, kind: str) -> int:
 
 
 def _read_parts(data: bytes, kind: str, source: str) -> tuple[list[Part], list[str]]:
-    """Parts of a file as they stand there, and notes; the libraries that read it raise whatever they like."""
+    """Read the placed parts of a file, and notes; the libraries that read it may raise any exception."""
     if kind == "3mf":
         _check_unpacked_size(data, source)
         return threemf.read_parts(data, source), []
@@ -122,7 +122,7 @@ def _read_parts(data: bytes, kind: str, source: str) -> tuple[list[Part], list[s
 
 
 def _printable_parts(parts: list[Part], source: str) -> list[Part]:
-    """Parts that are printed, less what is cut away from those of their item."""
+    """Return the printed parts, without what is cut away from those of their item."""
     printed = [part for part in parts if part.role == "model"]
     for number in {part.item for part in parts if part.role == "negative"}:
         own = [part for part in printed if part.item == number]
@@ -150,7 +150,7 @@ def _omission_notes(parts: list[Part]) -> list[str]:
 
 
 def _weld_edges(part: Part) -> tuple[Part, int]:
-    """Part whose corners along open edges are one within ROUNDING, and the number of those merged."""
+    """Merge corners along open edges of a part within ROUNDING, and return the number of merged ones."""
     if not len(part.triangles) or not len(faults.faulty_edges(part.triangles).open):
         return part, 0
     mesh = Mesh(part.vertices, part.triangles)
@@ -159,7 +159,7 @@ def _weld_edges(part: Part) -> tuple[Part, int]:
 
 
 def join_parts(parts: tuple[Part, ...]) -> Part:
-    """All parts as one surface; vertices that coincide to the last bit become one."""
+    """Join all parts to one surface; vertices that coincide to the last bit become one."""
     if len(parts) == 1:
         return parts[0]
     starts = np.cumsum([0] + [len(part.vertices) for part in parts])
@@ -169,7 +169,7 @@ def join_parts(parts: tuple[Part, ...]) -> Part:
 
 
 def merge_vertices(vertices: Array, triangles: Whole) -> tuple[Array, Whole]:
-    """Vertices that differ, in the order of their coordinates, and the triangles between them."""
+    """Return the distinct vertices, in the order of their coordinates, and the triangles between them."""
     vertices = vertices + 0.0  # minus zero is zero
     order = np.lexsort(vertices.T)
     ordered = vertices[order]
@@ -190,7 +190,7 @@ def _is_binary_stl(data: bytes) -> bool:
 
 
 def _clean_part(source: str, part: Part) -> Part:
-    """Part with coinciding vertices merged. Raises InputError for indices and numbers of no use."""
+    """Merge coinciding vertices of a part. Raises InputError for unusable indices and numbers."""
     vertices, triangles = part.vertices, part.triangles
     if len(triangles) and not 0 <= triangles.min() <= triangles.max() < len(vertices):
         raise InputError(f"{source}: a triangle has a corner that does not exist; export it anew")
@@ -204,7 +204,7 @@ def _clean_part(source: str, part: Part) -> Part:
 
 
 def _read_with_trimesh(data: bytes, kind: str, source: str) -> list[Part]:
-    """Names, vertices and triangles of all that a file holds, placed as it says."""
+    """Return the names, vertices and triangles of all objects of a file, in their places."""
     import trimesh
 
     try:
@@ -222,7 +222,7 @@ def _read_with_trimesh(data: bytes, kind: str, source: str) -> list[Part]:
         triangles = np.asarray(mesh.faces, np.int64).reshape(-1, 3)
         if np.linalg.det(turn) < 0.0:  # a mirror image is turned inside out
             triangles = triangles[:, ::-1]
-        with np.errstate(invalid="ignore"):  # what is not finite is refused by _part
+        with np.errstate(invalid="ignore"):  # _part refuses values that are not finite
             vertices = np.asarray(mesh.vertices, np.float64) @ turn.T + shift
         parts.append(Part(str(name), vertices, triangles))
     return parts

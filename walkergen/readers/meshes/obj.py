@@ -9,8 +9,8 @@ from walkergen.core.errors import InputError
 from walkergen.core.numerics import Array
 
 UNSUPPORTED_PATTERN = re.compile(rb"^[^#\n]+#|\t|^ |\\\r?\n", re.MULTILINE)
-"""What trimesh passes over without a word, and with it the line: a comment behind, a tab, a blank before, a line
-that goes on in the next."""
+"""Lines that trimesh drops without a warning: with a comment behind, a tab, a blank before, or continued on
+the next line."""
 
 
 def triangulate_faces(data: bytes, source: str) -> bytes:
@@ -51,7 +51,7 @@ def _parse_number(word: str) -> float:
 
 
 def _triangulate_polygon(corners: Array) -> Sequence[Sequence[int]]:
-    """Triangles of a plane polygon in three dimensions, shape (n, 3), turned as it is."""
+    """Triangulate a plane polygon in three dimensions, shape (n, 3), and keep its sense of rotation."""
     following = np.roll(corners, -1, axis=0)
     normal = np.cross(corners, following).sum(axis=0)  # Newell's, twice the area
     turns = np.cross(following - corners, np.roll(corners, -2, axis=0) - following) @ normal

@@ -1,9 +1,9 @@
-"""Repair of a surface that is not yet a solid: each step does one thing and says what it did.
+"""Repair of a surface that is not yet a solid: each step does one thing and reports what it did.
 
 Vertices along open edges are merged, triangles without area and doubled ones dropped, the turning of
-triangles made one, small holes filled, bodies that overlap united by manifold3d, and
-crumbs beside the largest body dropped. What is still unsound afterwards is for `faults` to refuse;
-a body that crosses itself stays so.
+triangles made one, small holes filled, bodies that overlap united by manifold3d, and crumbs
+next to the largest body dropped. `faults` refuses what is still unsound afterwards.
+A body that crosses itself stays so.
 """
 
 from collections.abc import Callable, Sequence
@@ -22,14 +22,14 @@ MAX_HOLE_EDGES = 200
 """Most open edges that are filled: a larger hole is a missing side, not a flaw."""
 
 MERGE_DISTANCE_FACTOR = 10.0
-"""Distance over the tolerance of crossings up to which vertices of open edges are one."""
+"""Maximum distance between vertices of open edges that are one, over the tolerance of crossings."""
 
 MAX_CRUMB_SHARE = 0.01
-"""Volume of all bodies beside the largest, over the largest, up to which they are dropped."""
+"""Maximum volume of the bodies that are dropped, all but the largest, over the volume of the largest."""
 
 
 def repair(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
-    """Mesh after the steps that changed it, and what each changed, in words; (mesh, ()) if none."""
+    """Repair a mesh, and return what each effective step changed, as text; (mesh, ()) without changes."""
     steps: tuple[Callable[[Mesh], tuple[Mesh, str]], ...] = (
         _merge_vertices,
         _drop_duplicates,
@@ -64,7 +64,7 @@ def _merge_vertices(mesh: Mesh) -> tuple[Mesh, str]:
 
 
 def merge_rim_vertices(mesh: Mesh, within: float) -> tuple[Mesh, int]:
-    """Mesh whose vertices along open edges are one where they lie so near, and how many were merged."""
+    """Merge near vertices along open edges of a mesh, and return how many were merged."""
     from scipy.sparse import coo_matrix, csgraph
     from scipy.spatial import KDTree
 
@@ -131,7 +131,7 @@ def _fill_holes(mesh: Mesh) -> tuple[Mesh, str]:
 
 
 def _trace_holes(vertices: Array, edges: Sequence[tuple[int, int]]) -> list[list[int]]:
-    """Vertices about each hole, of open edges that run as their triangles do.
+    """Return the vertices about each hole, of open edges in the direction of their triangles.
 
     Where holes touch in a vertex the way goes on along the edge that is nearest in direction.
     """
@@ -176,7 +176,7 @@ def _fix_orientation(mesh: Mesh) -> tuple[Mesh, str]:
 
 
 def _orient_outward(mesh: Mesh) -> Whole:
-    """Triangles with every closed piece of negative volume turned, unless it is a cavity."""
+    """Turn every closed piece of negative volume, unless it is a cavity."""
     pieces = faults.shells(mesh)
     triangles = mesh.triangles.copy()
     for number in np.flatnonzero(pieces.volumes < 0.0):

@@ -20,15 +20,15 @@ MAX_THICKNESS_MM = 1.6
 """Thickness of a plate at most, mm: eight layers. Of a body in plan view it is at most half of the body's."""
 
 RIM_MM = 1.0
-"""Width of a plate beyond the hull of what stands on it, mm."""
+"""Width of a plate beyond the hull of the parts on it, mm."""
 
 MIN_LENGTH_MM, MIN_WIDTH_MM, GROWTH_PER_HEIGHT = 13.0, 7.0, 0.35
-"""Least length and width of a plate, mm, and what they grow by over the height of what stands on it: room
-for legs whose feet stand as far apart as `placing` wants them."""
+"""Least length and width of a plate, mm, and their growth over the height of the parts on it: room
+for legs whose feet are as far apart as `placing` requires."""
 
 
 def add_to_outline(outline: Sequence[Array], thickness: float) -> tuple[list[Array], Mesh]:
-    """Contour of the plate under an outline, its middle at the origin, and both extruded upward from 0, mm."""
+    """Return the contour of the plate under an outline, centred at the origin, and both extruded upward from 0, mm."""
     import shapely
 
     (contour,) = overlaps.contours(_plate_region(shapely.union_all(overlaps.pieces(outline)), thickness))
@@ -39,7 +39,7 @@ def add_to_outline(outline: Sequence[Array], thickness: float) -> tuple[list[Arr
 
 
 def add_to_mesh(mesh: Mesh) -> Mesh:
-    """Mesh, y up, with a plate at its lowest level, in which it stands. Raises GeometryError for what floats."""
+    """Add a plate at the lowest level of a mesh, y up. Raises GeometryError for parts that float."""
     import shapely
 
     low, high = mesh.vertices[:, 1].min(), mesh.vertices[:, 1].max()
@@ -50,7 +50,7 @@ def add_to_mesh(mesh: Mesh) -> Mesh:
 
 
 def _plate_region(shadow: "BaseGeometry", height: float) -> "BaseGeometry":
-    """Plate under what is seen from above as `shadow` and is so high, mm: its hull with a rim.
+    """Return the plate under a `shadow`, the view from above, of parts of this height, mm: its hull with a rim.
 
     About the shadow's centroid it has at least the size that legs need.
     """
@@ -63,7 +63,7 @@ def _plate_region(shadow: "BaseGeometry", height: float) -> "BaseGeometry":
 
 
 def _unite_parts(parts: Sequence[Mesh]) -> Mesh:
-    """One closed mesh of a plate and what stands on it. Raises GeometryError."""
+    """Unite a plate and the parts on it to one closed mesh. Raises GeometryError."""
     solids = [modeller.to_solid(part) for part in parts]
     whole = modeller.check_solid(manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add))
     if apart := len(modeller.split_bodies(whole)) - 1:

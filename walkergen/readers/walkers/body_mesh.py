@@ -1,4 +1,4 @@
-"""A body of a person's own: a mesh file read, checked, if asked repaired, and put into the frame.
+"""A body of a person's own: a mesh file read, checked, repaired on request, and put into the frame.
 
 In the file one axis is up and one runs forward; here x is forward, y up and z across, right-handed.
 The middle of the bounding box is the origin in x and y, and z begins at 0, as in any walker.
@@ -21,25 +21,25 @@ from walkergen.readers.walkers import base
 
 
 class ReadOptions(NamedTuple):
-    """How a file is to be read."""
+    """Options for reading a mesh file."""
 
     scale_mm: float | None = None
     """Length of the file's unit, mm (3MF names its unit; there it multiplies). None: 1."""
     length_mm: float | None = None
-    """Length along the run to which all is scaled, mm. None: as it is."""
+    """Length along the run after scaling, mm. None: not scaled."""
     up: Axis = "z"
     forward: Axis = "x"
     """Axes of the file that become y and x."""
     repair: bool = False
-    """True to mend what is not sound."""
+    """True to mend an unsound mesh."""
     base: bool | None = False
-    """Whether a plate lies under it; None: where there are several bodies."""
+    """True for a plate under the body. None: a plate only if there are several bodies."""
     mirror: bool = False
     """True to turn what points forward backward."""
 
 
 DEFAULT_WISHES = ReadOptions()
-"""Wishes of a file that is taken as it is."""
+"""Options of a file that is not changed."""
 
 
 REPAIR_REMEDY = Remedy("mend it", {"body.repair": True})
@@ -53,7 +53,7 @@ class OwnMesh(NamedTuple):
     sha256: str
     """Hash of the file's bytes."""
     changes: tuple[str, ...]
-    """What was left out of the file or mended, in words; none when it was taken as it is."""
+    """Notes on what was left out of the file or mended; empty if nothing was changed."""
 
 
 def read_body(path: Path, wishes: ReadOptions = DEFAULT_WISHES, key: str = "body.mesh") -> OwnMesh:
@@ -80,7 +80,7 @@ def read_body(path: Path, wishes: ReadOptions = DEFAULT_WISHES, key: str = "body
 
 
 def _make_sound(mesh: Mesh, wishes: ReadOptions, source: str, notes: tuple[str, ...]) -> tuple[Mesh, tuple[str, ...]]:
-    """Mesh of one sound body, and what was left out or mended. Raises InputError."""
+    """Return one sound body as a mesh, and what was left out or mended. Raises InputError."""
     if not wishes.repair and not wishes.base:
         faults.check_solid(mesh, f"{source} ({'; '.join(notes)})" if notes else source, [REPAIR_REMEDY])
         return mesh, notes
@@ -99,7 +99,7 @@ def _make_sound(mesh: Mesh, wishes: ReadOptions, source: str, notes: tuple[str, 
 
 
 def _make_single_body(mesh: Mesh, plate: bool | None) -> tuple[Mesh, tuple[str, ...]]:
-    """One body of closed ones: on a plate, unless there shall be none, else the largest; and what was done."""
+    """Return one body of closed ones, on a plate or, without a plate, the largest; and what was done."""
     if any(map(len, faults.faulty_edges(mesh.triangles))):
         return mesh, ()
     bodies = modeller.split_bodies(modeller.to_solid(mesh))
@@ -113,7 +113,7 @@ def _make_single_body(mesh: Mesh, plate: bool | None) -> tuple[Mesh, tuple[str, 
 
 
 def rotation(up: Axis, forward: Axis, key: str) -> Array:
-    """Rotation from a file's axes to walkergen's, shape (3, 3). Raises InputError for one axis."""
+    """Return the rotation from a file's axes to walkergen's, shape (3, 3). Raises InputError for one axis."""
     for name, axis in (("up", up), ("forward", forward)):
         if axis not in get_args(Axis):
             raise InputError(f"{key}: {name} = {axis!r}: must be one of {', '.join(get_args(Axis))}")
@@ -130,7 +130,7 @@ def _unit_vector(axis: str) -> Array:
 
 
 def _centre_vertices(vertices: Array) -> Array:
-    """Vertices with the middle of their box at the origin in x and y, and z from 0."""
+    """Centre the vertices: the middle of their box at the origin in x and y, and z from 0."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     middle: Array = 0.5 * (low + high)
     middle[2] = low[2]

@@ -23,7 +23,7 @@ MAX_SPECK_SHARE = 0.005
 
 
 class Plan(NamedTuple):
-    """What is seen from above."""
+    """Outline seen from above."""
 
     contours: list[Array]
     notes: tuple[str, ...]
@@ -74,7 +74,7 @@ def _plan_size(contours: Sequence[Array], thickness: float) -> Size:
 
 
 def _mesh_shape(body: Body) -> Shape:
-    """Shape of a mesh from a file."""
+    """Return the shape of a mesh from a file."""
     assert body.mesh is not None
     wishes = body_mesh.ReadOptions(
         body.scale_mm, body.wished_mm, body.up, body.forward, body.repair, body.base, body.mirror
@@ -93,7 +93,7 @@ def _mesh_size(mesh: Mesh) -> Size:
 
 
 def _plan_view(body: Body) -> Plan:
-    """Outline in plan view, and what was left out of the file that it is from."""
+    """Return the outline in plan view, and what was left out of its file."""
     if body.text is not None:
         return _text_plan(body)
     if body.outline == "disc":
@@ -107,7 +107,7 @@ def _plan_view(body: Body) -> Plan:
 
 
 def _text_plan(body: Body) -> Plan:
-    """Letters. Where they may not stand on a plate they must be one piece."""
+    """Return the letters. Without a plate they must be one piece."""
     assert body.text is not None
     font = None if body.font is None else Path(body.font)
     height = body.depth_mm
@@ -118,7 +118,7 @@ def _text_plan(body: Body) -> Plan:
 
 
 def _read_plan(body: Body, path: Path) -> Plan:
-    """Outline of a drawing or a picture."""
+    """Return the outline of a drawing or a picture."""
     import shapely
 
     if path.suffix.lower() not in outlines.READERS:

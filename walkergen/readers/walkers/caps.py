@@ -1,11 +1,11 @@
-"""Caps: markers on top of walkers, by which a camera above tells place, heading and number.
+"""Caps: markers on top of walkers that show a camera above their place, heading and number.
 
 A cap is a square tile with a marker of OpenCV's ArUco, glued flat onto the middle of the body's
-upper side. The marker's upper edge, on whose side the tile has a notch, points to the front. The
-tile is printed apart, face up: its black cells are pockets to be inked, or stand out to be printed
+upper side. The marker's upper edge points to the front. The tile has a notch on this side. The
+tile is printed apart, face up: its black cells are pockets to be inked, or are raised to be printed
 in a second colour; or it is paper. Frame of a tile: its middle at the origin, x to the front, y to
-the left, z from 0 up. Source of the bits: OpenCV 5.0, DICT_4X4_100, of which DICT_4X4_50 is the
-first half; Garrido-Jurado et al., Pattern Recognition 47 (2014) 2280.
+the left, z from 0 up. Source of the bits: OpenCV 5.0, DICT_4X4_100, whose first half is
+DICT_4X4_50; Garrido-Jurado et al., Pattern Recognition 47 (2014) 2280.
 """
 
 from functools import lru_cache
@@ -36,24 +36,24 @@ QUIET_CELLS = (TILE_CELLS - MARKER_CELLS) // 2
 """White cells around a marker, without which its edge cannot be found."""
 
 OVERLAP_CELLS = 0.02
-"""Part of a cell by which black cells of the code overlap those that touch them at a corner only:
+"""Overlap of black cells of the code with those that touch them at a corner only, as a part of a cell:
 a solid has no edge that four faces share."""
 
 NOTCH_CELLS = 0.5
-"""Depth of the notch at the front, cells; it is twice as wide."""
+"""Depth of the notch at the front, cells; its width is two depths."""
 
 MIN_SUPPORTED_SHARE = 0.4
 """Least part of a tile that lies on the body."""
 
 
 def white_cells(number: int) -> Mask:
-    """White cells of a whole marker, rows from its upper edge down, shape (6, 6)."""
+    """Return the white cells of a whole marker, rows from its upper edge down, shape (6, 6)."""
     bits = np.array([bit == "1" for bit in f"{int(MARKER_CODES[4 * number : 4 * number + 4], 16):016b}"])
     return np.pad(bits.reshape(CODE_CELLS, CODE_CELLS), BORDER_CELLS)
 
 
 def symmetric_numbers() -> set[int]:
-    """Numbers of markers that are their own mirror images: a mirror shows them turned, no more."""
+    """Return the numbers of markers that are their own mirror images: a mirror only turns them."""
     return {
         number
         for number in range(len(MARKER_CODES) // 4)
@@ -62,7 +62,7 @@ def symmetric_numbers() -> set[int]:
 
 
 def black_rectangles(cap: Cap, overlap: float = 0.0) -> list[Array]:
-    """Rectangles, corners of shape (4, 2), whose union is the black of a cap, mm.
+    """Return the rectangles, corners of shape (4, 2), whose union is the black of a cap, mm.
 
     Cells of the code are larger by a part of a cell on all sides, `overlap`.
     """
@@ -83,7 +83,7 @@ def black_rectangles(cap: Cap, overlap: float = 0.0) -> list[Array]:
 
 
 def tile_outline(cap: Cap) -> Array:
-    """Outline of a tile with its notch in the middle of the front, counter-clockwise, mm."""
+    """Return the outline of a tile with its notch in the middle of the front, counter-clockwise, mm."""
     half, notch = 0.5 * cap.side, NOTCH_CELLS * cap.cell
     return np.array(
         [(-half, -half), (half, -half), (half, -notch), (half - notch, 0.0), (half, notch), (half, half), (-half, half)]
@@ -104,7 +104,7 @@ def build_tile(cap: Cap) -> Mesh:
 
 
 def place_on_body(cap: Cap, body: Mesh, depth: float) -> Mesh:
-    """Mesh of a cap on the upper side of a body of that depth across the run, in its frame.
+    """Return the mesh of a cap on the upper side of a body of this depth across the run, in its frame.
 
     Raises GeometryError for a body whose upper side does not hold it.
     """
@@ -122,7 +122,7 @@ def place_on_body(cap: Cap, body: Mesh, depth: float) -> Mesh:
 
 
 def _supported_share(cap: Cap, body: Mesh, top: float, depth: float) -> float:
-    """Part of a tile that lies on what is flat at the top of a body."""
+    """Return the share of a tile that is supported by the flat top of a body."""
     import shapely
 
     corners = body.vertices[body.triangles]

@@ -41,7 +41,7 @@ def cut_letters(ground: Mesh, design: Design) -> Mesh:
     raised = tool.vertices + np.array([0.0, size.thickness - depth, 0.0])
     solid, drawn = modeller.to_solid(ground), modeller.to_solid(Mesh(raised, tool.triangles))
     cut = modeller.check_solid(solid - drawn)
-    # Half of the tool stands above the body, the other half makes the pockets
+    # Half of the tool is above the body, the other half makes the pockets
     lost = 2.0 * (solid.volume() - cut.volume())
     if lost < drawn.volume() * (1.0 - 1e-6) or len(modeller.split_bodies(cut)) != 1:
         raise GeometryError(
@@ -51,7 +51,7 @@ def cut_letters(ground: Mesh, design: Design) -> Mesh:
 
 
 def _text_polygons(design: Design, length: float, height: float) -> list[Polygon]:
-    """Text of the marks, which fits into a face of length and height, mm. Raises GeometryError."""
+    """Return the text of the marks, which fits into a face of length and height, mm. Raises GeometryError."""
     mark, source = design.marks, _mark_key(design)
     polygons = text_outline(design.letters, mark.text_height_mm or 0.5 * height, False, source)
     low = np.min([polygon.min(axis=0) for polygon in polygons], axis=0)
@@ -67,7 +67,7 @@ def _text_polygons(design: Design, length: float, height: float) -> list[Polygon
 
 
 def _format_mark(design: Design) -> str:
-    """Key whose letters are engraved, with all that is."""
+    """Return the key of the engraved letters, with the whole engraved text."""
     return f"{_mark_key(design)} = {design.letters!r}"
 
 

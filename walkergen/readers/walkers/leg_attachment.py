@@ -19,7 +19,7 @@ from walkergen.core.walker.sections import section_of
 from walkergen.readers.walkers.body_shapes import shape_of
 
 EMBEDDING_MM = 0.05
-"""Depth by which a leg reaches into the body beyond where its section is covered, mm."""
+"""Depth of a leg inside the body beyond where its section is covered, mm."""
 
 
 UP = np.array([0.0, 1.0, 0.0])
@@ -34,16 +34,16 @@ def extend_legs(body: str, limbs: tuple[Limb, ...]) -> tuple[Limb, ...]:
 
 @lru_cache(maxsize=16)
 def prepare_body(body: str) -> joining.Body:
-    """Body of its JSON, made ready for the modeller."""
+    """Prepare a body, given as JSON, for the modeller."""
     return joining.prepare_body(shape_of(Body.model_validate_json(body)).solid())
 
 
-atexit.register(prepare_body.cache_clear)  # else the modeller tells of leaks at the end of the program
+atexit.register(prepare_body.cache_clear)  # otherwise the modeller reports leaks at the end of the program
 
 
 @lru_cache(maxsize=16)
 def body_mass(body: str) -> SolidMass:
-    """Mass of a body of its JSON, at 1 g/mm^3."""
+    """Return the mass of a body, given as JSON, at 1 g/mm^3."""
     return weigh(prepare_body(body).mesh, 1.0)
 
 

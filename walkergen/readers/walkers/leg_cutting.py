@@ -2,7 +2,7 @@
 
 Everything below the cut is legs, a closed piece each. The section at the cut gives a leg's anchor,
 thickness and width; its lowest points give the foot. A leg with several struts at the cut, such as
-a brace beside the leg, is measured at the largest of them.
+a leg and its brace, is measured at the largest of them.
 """
 
 import math
@@ -18,7 +18,7 @@ from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker.limbs import Kind, Legs, Limb
 
 FOOT_TOLERANCE_MM = 1e-3
-"""Height above a leg's lowest point up to which points touch the plate, mm: a micrometre."""
+"""Maximum height of points that touch the plate above a leg's lowest point, mm: a micrometre."""
 
 MAX_LEGS = 100
 
@@ -90,7 +90,7 @@ def cut_legs(mesh: Mesh, below_mm: float, key: str = "walker.legs_below_mm") -> 
 
 
 def centre_on_body(cut: CutWalker) -> CutWalker:
-    """Walker in the design's frame, that of its body's box."""
+    """Move a walker into the design's frame, that of its body's box."""
     low, high = cut.body.vertices.min(axis=0), cut.body.vertices.max(axis=0)
     shift = -0.5 * (low + high)
     shift[2] = -low[2]
@@ -109,7 +109,7 @@ def centre_on_body(cut: CutWalker) -> CutWalker:
 def _to_limb(leg: CutLeg, kind: Kind, number: int, depth: float) -> Limb:
     """Return a leg of a finished walker with all its numbers; its foot counts as flat.
 
-    Raises GeometryError for a leg with a brace that is said to be flexible.
+    Raises GeometryError for a leg with a brace that is declared flexible.
     """
     if leg.struts > 1 and kind == "flexible":
         raise GeometryError(
@@ -136,7 +136,7 @@ def _to_limb(leg: CutLeg, kind: Kind, number: int, depth: float) -> Limb:
 
 
 def _measure_leg(piece: manifold3d.Manifold, height: float, source: str) -> CutLeg:
-    """Leg of a piece below the cut. Raises GeometryError when it is not a leg that reaches up."""
+    """Measure the leg of a piece below the cut. Raises GeometryError if it is not a leg that reaches up."""
     mesh = modeller.to_mesh(piece)
     struts = _find_struts(mesh, height)
     if not struts:
@@ -160,7 +160,7 @@ def _measure_leg(piece: manifold3d.Manifold, height: float, source: str) -> CutL
 
 
 def _find_foot(mesh: Mesh) -> Array:
-    """Middle in x and z of the lowest points; y of the lowest."""
+    """Return the middle of the lowest points in x and z, and y of the lowest point."""
     lowest = float(mesh.vertices[:, 1].min())
     touching = mesh.vertices[mesh.vertices[:, 1] <= lowest + FOOT_TOLERANCE_MM]
     foot: Array = 0.5 * (touching.min(axis=0) + touching.max(axis=0))
@@ -169,7 +169,7 @@ def _find_foot(mesh: Mesh) -> Array:
 
 
 def _find_struts(mesh: Mesh, height: float) -> list[tuple[Array, Array]]:
-    """Corners, shape (n, 3), and centroid, shape (3,), of every section at a height, largest first.
+    """Return the corners, shape (n, 3), and centroid, shape (3,), of every section at a height, largest first.
 
     The sections are the flat faces that the cut has left at the top of a leg.
     """

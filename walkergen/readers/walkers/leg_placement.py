@@ -1,8 +1,8 @@
-"""Legs that place themselves: rows of them under a body of any outline.
+"""Automatic placement of legs: rows of them under a body of any outline.
 
-What a person has drawn is taken as it is seen from above. Two rows stand across the walk, their feet as
+A person's drawing is the view from above. Two rows are across the walk, their feet as
 far behind the centre of mass as before it, as wide as the outline allows, and in pieces where a hole or
-a notch divides it; between rows that are far apart stand more. What they stand on reaches so far in every
+a notch divides it. Rows that are far apart get more rows between them. The feet reach so far in every
 direction that a walker that leans by LEAN falls back on its feet.
 """
 
@@ -37,7 +37,7 @@ SPAN_PER_LENGTH = 13.0 / 28.0
 """Distance of the rows' feet over the length of the body, that of the paper's walker, where it fits."""
 
 MIN_LEAN_DEG = 10.0
-"""Least angle by which a walker may lean, in any direction, and still fall back on its feet, deg."""
+"""Lean, in any direction, that a walker must at least recover from, deg."""
 
 MIN_SPAN_PER_HEIGHT = 2.0 * math.tan(math.radians(MIN_LEAN_DEG))
 """Distance of the feet over the height of the centre of mass at least, by that angle."""
@@ -53,10 +53,10 @@ MAX_LENGTH_MM = 180.0
 """Length of a body, mm, that fits on the beds of all common printers."""
 
 LENGTH_FACTORS = tuple(1.35**step for step in range(1, 8))
-"""Sizes, over a body's own, of which the first that stands is told."""
+"""Sizes, over a body's own, that are tried in turn. The first one with stable legs is reported."""
 
 LEG_LENGTH_FACTORS = (0.75, 0.5)
-"""Lengths of legs, over the wished, of which the first that stands is told."""
+"""Lengths of legs, over the requested one, that are tried in turn. The first stable one is reported."""
 
 INCH_MM = size_check.UNITS_MM["inches"]
 
@@ -73,11 +73,11 @@ MIDDLE_SHIFTS = (0.0, 0.05, -0.05, 0.15, -0.15)
 """Distances of the middle of the feet from the centre of mass, over theirs, that are tried in turn."""
 
 SIMPLIFY_MM = 0.01
-"""Distance by which an outline may be simplified, mm."""
+"""Maximum change of a simplified outline, mm."""
 
 
 INSET_SHARES = (0.0, 0.04, 0.08, 0.12, 0.16, 0.2)
-"""Shares of a mesh's depth by which its outline is drawn in, in turn, until all legs meet the mesh."""
+"""Insets of a mesh's outline, over the mesh's depth, that are tried in turn until all legs meet the mesh."""
 
 MARGIN_TOLERANCE = 1e-9
 """Largest relative error of a margin."""
@@ -98,15 +98,15 @@ class LegSpace(NamedTuple):
 
     ground: "BaseGeometry"
     free: "BaseGeometry"
-    """What legs of the least width may cover."""
+    """Area that legs of the least width may cover."""
     centre: tuple[float, float]
     """Centre of mass."""
     radius: float
-    """Distance from it, in every direction, to which feet must reach."""
+    """Minimum distance of feet from the centre, in every direction."""
 
 
 class Reach(NamedTuple):
-    """What a leg takes up along the run, mm, from its foot."""
+    """Space of a leg along the run, mm, from its foot."""
 
     back: float
     """Where it begins: at its foot for a brace, else at the back of its top."""
@@ -138,11 +138,11 @@ class Placement(NamedTuple):
     limbs: tuple[Limb, ...]
     """The rear row first."""
     lean_deg: float
-    """Angle by which the walker may lean, in any direction, and still fall back on its feet, deg."""
+    """Largest lean, in any direction, that the walker recovers from, deg."""
 
     @property
     def words(self) -> str:
-        """What was chosen, in a line."""
+        """Description of the choice, in a line."""
         places = sorted({limb.along for limb in self.limbs})
         widths = [sum(limb.width for limb in self.limbs if limb.along == place) for place in places]
         wide = f"{min(widths):.3g}" + (f" to {max(widths):.3g}" if max(widths) - min(widths) > 0.05 else "")
@@ -154,7 +154,7 @@ class Placement(NamedTuple):
 
 @lru_cache(maxsize=4096)
 def find_placement(body_key: str, legs_key: str) -> Placement:
-    """Legs for a body; both as their JSON. They are turned and long as those that are written, at other places.
+    """Find the places of legs for a body; both as JSON. Tilt and length stay as written.
 
     Raises UnplacedError where none stand, with what would help.
     """
@@ -170,7 +170,7 @@ def find_placement(body_key: str, legs_key: str) -> Placement:
 
 
 def _place_legs(body: Body, legs: Legs) -> Placement:
-    """Legs for a body. Raises GeometryError."""
+    """Place legs for a body. Raises GeometryError."""
     import shapely
 
     size = shape_of(body).size
@@ -192,7 +192,7 @@ def _place_legs(body: Body, legs: Legs) -> Placement:
 
 
 def available_space(body: Body, legs: Legs) -> LegSpace:
-    """Room for legs under a body. Raises GeometryError for a body that has no shape."""
+    """Return the room for legs under a body. Raises GeometryError for a body without a shape."""
     import shapely
 
     size = shape_of(body).size
@@ -235,7 +235,7 @@ def _find_remedies(body_key: str, legs_key: str) -> list[Remedy]:
 
 
 def _drop_other_size(remedy: Remedy) -> Remedy:
-    """Remedy that leaves out the other key that gives a body's size."""
+    """Return the remedy that leaves out the other key for a body's size."""
     other = {"body.length_mm": "body.scale_mm", "body.scale_mm": "body.length_mm"}
     return remedy._replace(values={**{other[key]: None for key in remedy.values if key in other}, **remedy.values})
 
@@ -247,7 +247,7 @@ def auto_remedies(body: Body, legs: Legs) -> list[Remedy]:
 
 
 def _other_orientations(body: Body) -> list[dict[str, Any]]:
-    """How a mesh may lie instead: about the axis that is forward, or on what was its front."""
+    """Return other positions of a mesh: turned about the forward axis, or onto its former front."""
     if body.mesh is None or body.legs_below_mm is not None:
         return []
     (across,) = set("xyz") - {body.up[-1], body.forward[-1]}
@@ -299,7 +299,7 @@ def _leg_reach(leg: Limb) -> Reach:
 
 
 def _from_rows(leg: Limb, placed: Sequence[Row], centre: tuple[float, float], height: float) -> Placement:
-    """Legs of rows, each like `leg`."""
+    """Return the legs of rows, each like `leg`."""
     found = tuple(
         leg._replace(along=round(row.along, DECIMALS), across=round(across, DECIMALS), width=round(width, DECIMALS))
         for row in placed
@@ -309,7 +309,7 @@ def _from_rows(leg: Limb, placed: Sequence[Row], centre: tuple[float, float], he
 
 
 def _stability_margin(placed: Sequence[Row], centre: tuple[float, float]) -> float:
-    """Distance, mm, of the centre of mass from the edge of what the feet stand on; 0 outside."""
+    """Return the distance, mm, of the centre of mass from the edge of the support of the feet; 0 outside."""
     import shapely
 
     corners = [(row.along, edge) for row in placed for edge in (row.legs[0][0] - 0.5 * row.legs[0][1], row.high)]
@@ -319,7 +319,7 @@ def _stability_margin(placed: Sequence[Row], centre: tuple[float, float]) -> flo
 
 
 def find_rows(ground: "BaseGeometry", centre: tuple[float, float], height: float, reach: Reach) -> tuple[Row, ...]:
-    """Rows behind and before the centre of mass, (along, across), under a ground seen from above, mm.
+    """Return the rows behind and before the centre of mass, (along, across), under a ground seen from above, mm.
 
     `height` is that of the centre of mass above the plate. Feet stand as far behind it as before it
     wherever such rows exist, else nearly so. Raises GeometryError where none do.
@@ -349,7 +349,7 @@ def find_rows(ground: "BaseGeometry", centre: tuple[float, float], height: float
 
 
 def _add_middle_rows(outer: tuple[Row, Row], inner: "BaseGeometry", across: float, reach: Reach) -> tuple[Row, ...]:
-    """Rows with others between them, where these are far apart and there is room."""
+    """Add rows between those that are far apart, if there is room."""
     back, front = outer
     number = math.ceil((front.along - back.along) / MAX_ROW_DISTANCE_MM - MARGIN_TOLERANCE)
     places = np.linspace(back.along, front.along, number + 1)[1:-1]
@@ -358,7 +358,7 @@ def _add_middle_rows(outer: tuple[Row, Row], inner: "BaseGeometry", across: floa
 
 
 def _widest_rows(inner: "BaseGeometry", places: Array, across: float, reach: Reach) -> list[Row | None]:
-    """Legs whose feet stand at each place along the run, as wide as the ground allows; None for no room.
+    """Return the legs with feet at each place along the run, as wide as the ground allows; None without room.
 
     They are their own mirror image about the centre of mass, where such pieces are wide enough.
     """
@@ -373,7 +373,7 @@ def _widest_rows(inner: "BaseGeometry", places: Array, across: float, reach: Rea
 
 
 def _build_row(along: float, across: float, pieces: Sequence[tuple[float, float]]) -> Row | None:
-    """Legs in those pieces that are wide enough, if the centre of mass lies between the outer ones."""
+    """Return the legs in sufficiently wide pieces, if the centre of mass lies between the outer ones."""
     wide = sorted((low, high) for low, high in pieces if high - low >= MIN_LEG_WIDTH_MM)
     if not wide or not wide[0][0] <= across <= wide[-1][1]:
         return None
@@ -381,7 +381,7 @@ def _build_row(along: float, across: float, pieces: Sequence[tuple[float, float]
 
 
 def _covered_intervals(inner: "BaseGeometry", backs: Array, fronts: Array) -> list[list[tuple[float, float]]]:
-    """Intervals across the run over which each strip along it is wholly under a ground."""
+    """Return the intervals across the run over which each strip along it is wholly under a ground."""
     import shapely
 
     if inner.is_empty:
@@ -398,7 +398,7 @@ def _covered_intervals(inner: "BaseGeometry", backs: Array, fronts: Array) -> li
 
 
 def _free_intervals(shadows: Sequence[tuple[float, float]], low: float, high: float) -> Iterator[tuple[float, float]]:
-    """Intervals of a range that no shadow, in their order, covers."""
+    """Yield the intervals of a range that no shadow covers; shadows are in order."""
     for begin, end in shadows:
         if begin > low:
             yield low, begin
@@ -408,7 +408,7 @@ def _free_intervals(shadows: Sequence[tuple[float, float]], low: float, high: fl
 
 
 def _match_widths(back: Row, front: Row) -> tuple[Row, Row]:
-    """Rows of one leg each at one place across: both as wide as the narrower, so that they are equal."""
+    """Return the rows of one leg each at one place across: both as wide as the narrower, so that they are equal."""
     if len(back.legs) != 1 or len(front.legs) != 1 or abs(back.legs[0][0] - front.legs[0][0]) > MIN_EDGE_MM:
         return back, front
     leg = front.legs[0][0], min(back.width, front.width)

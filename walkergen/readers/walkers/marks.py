@@ -50,9 +50,9 @@ class Rectangle(NamedTuple):
 
 
 def format_mark(marks: Marks, tilts_deg: Sequence[float], tilt_deg: float) -> str:
-    """Mark of the part with this tilt: "", its tilt in digits, its text, or its notches as #.
+    """Format the mark of the part with this tilt: "", its tilt in digits, its text, or its notches as #.
 
-    A serial number follows it, or stands alone.
+    A serial number follows the mark, or is the whole mark.
 
     A drawing such as "### # ## ##" shows the notches from the start on, one # per unit of width.
     """
@@ -65,7 +65,7 @@ def format_mark(marks: Marks, tilts_deg: Sequence[float], tilt_deg: float) -> st
 
 
 def _engraved_digits(marks: Marks, tilt_deg: float) -> str:
-    """Digits that are engraved: the tilt's, the serial number, or both as in 10-7; "" without."""
+    """Return the engraved digits: the tilt's, the serial number, or both as in 10-7; "" without any."""
     numbers = [format_tilt(tilt_deg)] if marks.kind == "digits" else []
     if marks.serial is not None and marks.kind != "text":
         numbers.append(str(marks.serial))
@@ -73,14 +73,14 @@ def _engraved_digits(marks: Marks, tilt_deg: float) -> str:
 
 
 def format_tilt(tilt_deg: float) -> str:
-    """Tilt with all its digits and without an exponent: 10, -7.5."""
+    """Return the tilt with all its digits and without an exponent: 10, -7.5."""
     return format(Decimal(repr(tilt_deg + 0.0)).normalize(), "f")
 
 
 def notches(
     marks: Marks, tilts_deg: Sequence[float], tilt_deg: float, length: float, thickness: float
 ) -> list[Rectangle]:
-    """Grooves in the upper edge of a body, from front to back; none unless the marks are notches.
+    """Return the grooves in the upper edge of a body, from front to back; none unless the marks are notches.
 
     The start lies one unit from the front end. Valid when `problems` reports none.
     """
@@ -95,7 +95,7 @@ def notches(
 
 
 def digit_strokes(marks: Marks, tilt_deg: float, thickness: float) -> list[Rectangle]:
-    """Strokes of tilt and serial number about the middle of the body, overlapping where they meet.
+    """Return the strokes of tilt and serial number about the middle of the body, overlapping where they meet.
 
     Strokes are a line wide; digits leave a line free above and below, and are 0.6 as wide as high.
     Below notches they stand lower by half of those.
@@ -117,12 +117,12 @@ def digit_strokes(marks: Marks, tilt_deg: float, thickness: float) -> list[Recta
 
 
 def _notch_depth(marks: Marks) -> float:
-    """Depth of the edge that notches take from digits, mm."""
+    """Return the depth of the edge that notches take from digits, mm."""
     return marks.depth_mm if marks.kind == "notches" else 0.0
 
 
 def problems(marks: Marks, tilts_deg: Sequence[float], tilt_deg: float, body: tuple[float, float, float]) -> list[str]:
-    """Reasons why a body of length, thickness, depth (mm) cannot bear its marks, one line each."""
+    """Return the reasons why a body of length, thickness, depth (mm) has no room for its marks, one line each."""
     length, thickness, depth = body
     if marks.kind == "text" and marks.depth_mm > 0.5 * depth:
         return [f"marks.depth_mm = {marks.depth_mm:g}: must be at most half of {depth:.4g} mm"]
@@ -160,7 +160,7 @@ def _notch_problems(
 
 
 def _digit_problems(marks: Marks, text: str, length: float, thickness: float, depth: float) -> list[str]:
-    """Reasons why digits do not fit onto a face of length and thickness, mm."""
+    """Return the reasons why digits do not fit onto a face of length and thickness, mm."""
     reasons = []
     serial = marks.serial is not None
     shallower = "" if marks.kind != "notches" else ", below the notches"
@@ -196,13 +196,13 @@ def _bit_count(tilts_deg: Sequence[float]) -> int:
 
 
 def _notch_widths(tilts_deg: Sequence[float], tilt_deg: float) -> list[int]:
-    """Widths of a tilt's notches, from the start on, in units."""
+    """Return the widths of a tilt's notches, from the start on, in units."""
     number = list(tilts_deg).index(tilt_deg) + 1
     return [START_NOTCH] + [WIDE_NOTCH if bit == "1" else NARROW_NOTCH for bit in f"{number:0{_bit_count(tilts_deg)}b}"]
 
 
 def _advance(glyph: str, height: float, line: float) -> float:
-    """Distance between the left ends of a glyph and of the next, two lines after it, mm."""
+    """Return the distance between the left ends of a glyph and of the next, two lines after it, mm."""
     return (line if glyph == "." else 0.6 * height) + 2.0 * line
 
 
@@ -211,7 +211,7 @@ def _text_length(text: str, height: float, line: float) -> float:
 
 
 def _glyph_segments(left: float, height: float, width: float, line: float) -> dict[str, Rectangle]:
-    """Segments of a glyph by letter; neighbours share the square where they meet."""
+    """Return the segments of a glyph by letter; neighbours share the square where they meet."""
     right, low, high, half = left + width, -0.5 * height, 0.5 * height, 0.5 * line
     return {
         "a": Rectangle(left, high - line, right, high),

@@ -24,7 +24,7 @@ MAX_LEAN_RAD = math.radians(60.0)
 
 
 class _Parts(Section):
-    """Tables that are read together, so that a mistake in one is told by its whole key: legs[2].friction."""
+    """Tables that are read together, so that errors name the whole key: legs[2].friction."""
 
     body: Body
     legs: list[Leg]
@@ -75,7 +75,7 @@ def _leg_list(data: Mapping[str, Any]) -> list[Mapping[str, Any]]:
 
 
 def _find_lean(back: Limb, front: Limb) -> float:
-    """Angle (rad, counter-clockwise) by which a body turns until two feet are level."""
+    """Return the angle (rad, counter-clockwise) that a body turns until two feet are level."""
     from scipy.optimize import brentq
 
     def height_difference(lean: float) -> float:
@@ -101,7 +101,7 @@ def _foot_position(limb: Limb, lean: float) -> Array:
 
 
 def _standing_leg(leg: Mapping[str, Any], limb: Limb, lean: float, middle: Array, bottom: float) -> dict[str, Any]:
-    """Keys of a leg of the walker as it stands; lengths count from its lowest level, `bottom`."""
+    """Return the keys of a leg of the finished walker; lengths count from its lowest level, `bottom`."""
     tilt = limb.tilt - lean
     anchor, foot = _rotate(np.array(limb.anchor), lean) - middle, _foot_position(limb, lean) - middle
     end = anchor[1] - limb.length * math.cos(tilt)

@@ -36,7 +36,7 @@ def body_contours(design: Design) -> tuple[Array, ...]:
 
 
 def outline_of(design: Design, mass: MassProperties | None = None) -> list[Array]:
-    """Outer contours of the body from O, whose place a trajectory shows, counter-clockwise, mm.
+    """Return the outer contours of the body from O, the point of a trajectory, counter-clockwise, mm.
 
     Shape (n, 2) each, the last point not repeated; no point moves farther than `MOVED`. A mass that
     is known saves its making. Raises GeometryError for a body that cannot be made.
@@ -49,12 +49,12 @@ def outline_of(design: Design, mass: MassProperties | None = None) -> list[Array
 
 
 def area_of(outline: Sequence[Array]) -> float:
-    """Area within an outline's contours, mm^2, which do not overlap."""
+    """Return the area within an outline's contours, mm^2, which do not overlap."""
     return float(sum(area(contour) for contour in outline))
 
 
 def _simplify_ring(ring: Array) -> Array:
-    """Contour without the points that it can spare."""
+    """Drop the points that a contour does not need."""
     import shapely
 
     exterior = shapely.polygons(ring).simplify(MAX_DEVIATION_MM, preserve_topology=True).exterior
@@ -63,7 +63,7 @@ def _simplify_ring(ring: Array) -> Array:
 
 
 def _thin_evenly(ring: Array) -> Array:
-    """Every k-th point of a round contour, which stays its own mirror image."""
+    """Return every k-th point of a round contour, which stays its own mirror image."""
     half = len(ring) // 2
     for step in range(half // 2, 1, -1):
         if half % step == 0 and _thinning_error(ring, step) <= MAX_DEVIATION_MM:
@@ -72,7 +72,7 @@ def _thin_evenly(ring: Array) -> Array:
 
 
 def _thinning_error(ring: Array, step: int) -> float:
-    """Distance of a contour from that of every `step`-th of its points, mm."""
+    """Return the distance of a contour from that of every `step`-th of its points, mm."""
     import shapely
 
     kept = shapely.linearrings(ring[::step])

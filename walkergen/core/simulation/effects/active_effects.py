@@ -39,7 +39,7 @@ class Acting(NamedTuple):
 
 
 def acting_parameters(case: Case, on: Callable[[str], bool]) -> Acting:
-    """Parameters of those effects of a case whose names are `on`."""
+    """Return the parameters of those effects of a case whose names are `on`."""
     descent = math.radians(case.scene.plate.slope_deg) if on(slope.NAME) else 0.0
     air = air_drag.parameters(case) if on(air_drag.NAME) else air_drag.OFF
     return Acting(
@@ -51,7 +51,7 @@ def acting_parameters(case: Case, on: Callable[[str], bool]) -> Acting:
 
 
 def _sway_parameters(case: Case, on: Callable[[str], bool]) -> Sway:
-    """Sway of a case's plate."""
+    """Return the sway of a case's plate."""
     if not (on(ALONG) or on(GRADIENT) or on(ROCKING)):
         return sway.OFF
     from walkergen.core.simulation.effects import swaying_plate
@@ -60,7 +60,7 @@ def _sway_parameters(case: Case, on: Callable[[str], bool]) -> Sway:
 
 
 def _rotor_parameters(case: Case, on: Callable[[str], bool]) -> Rotor:
-    """Rotor of a case with a motor."""
+    """Return the rotor of a case with a motor."""
     from walkergen.core.simulation.effects import motor
 
     turned = motor.parameters(case, on(GYROSCOPIC))
@@ -69,13 +69,13 @@ def _rotor_parameters(case: Case, on: Callable[[str], bool]) -> Rotor:
 
 @kernel
 def gravity_along(acting: Acting) -> float:
-    """Gravity along the plate, toward +x, mm/s^2."""
+    """Return the gravity along the plate, toward +x, mm/s^2."""
     return acting.gravity.along
 
 
 @kernel
 def gravity_into(acting: Acting) -> float:
-    """Gravity into the plate, mm/s^2, positive."""
+    """Return the gravity into the plate, mm/s^2, positive."""
     return acting.gravity.into
 
 

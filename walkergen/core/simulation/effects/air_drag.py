@@ -43,14 +43,14 @@ OFF = Air(0.0, 0.0, 0.0)
 
 
 def parameters(case: Case) -> Air:
-    """Drag parameters of the design's body."""
+    """Return the drag parameters of the design's body."""
     size, scale = case.design.size, 0.5 * COEFFICIENT * DENSITY
     faces = size.depth * size.thickness, size.depth * size.length
     return Air(*(scale * face for face in (*faces, size.length * size.thickness)))
 
 
 def judge(case: Case) -> Effect:
-    """Rule: off unless forced. The number is drag over friction, for a fast walker."""
+    """Judge the effect: off unless forced. The number is drag over friction, for a fast walker."""
     scene, air = case.scene, parameters(case)
     wanted, speed = scene.effects.forced_state(SWITCH), case.shaken.peak_speed
     friction = max(scene.contact.friction, 1e-3) * float(case.mass.M) * GRAVITY
@@ -65,7 +65,7 @@ RULE = Rule(judge, SWITCH, usual={f"effects.{SWITCH}": True})
 
 @kernel
 def force_in_space(air, velocity):
-    """Drag on a body moving at `velocity` (body axes, three entries or more, mm/s)."""
+    """Compute the drag on a body moving at `velocity` (body axes, three entries or more, mm/s)."""
     if air.ends == 0.0:
         return 0.0, 0.0, 0.0
     u, v, w = velocity[0], velocity[1], velocity[2]

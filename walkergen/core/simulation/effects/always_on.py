@@ -6,11 +6,11 @@ from walkergen.core.simulation.effects.effect import Case, Effect
 from walkergen.core.theory.tensors import foot_tensors
 
 RARE_CONTACT_GAMMA = 50.0
-"""Peak acceleration over g from which feet hardly rest on the plate."""
+"""Peak acceleration over g above which feet hardly rest on the plate."""
 
 
 def judge_sticking(case: Case) -> Effect:
-    """Rule of sticking of a foot within an impact (docs/physics.md section 3)."""
+    """Judge sticking of a foot within an impact (docs/physics.md section 3)."""
     scenes = case.scene.contact.friction
     ratios = [
         (scenes if limb.friction is None else limb.friction) * float(H.xx) / abs(float(H.xy))
@@ -26,14 +26,14 @@ def judge_sticking(case: Case) -> Effect:
 
 
 def judge_sustained_contact(case: Case) -> Effect:
-    """Rule of contact that lasts: always on."""
+    """Judge lasting contact: always on."""
     gamma = case.shaken.peak_gamma
     reason = "bounces die out and feet rest on the plate" if gamma < RARE_CONTACT_GAMMA else "rare at this drive"
     return Effect("sustained contact", True, gamma, "peak acceleration over g", reason, "")
 
 
 def judge_pitch(case: Case) -> Effect:
-    """Rule of turning in the plane: always on."""
+    """Judge turning in the plane: always on."""
     number = case.design.foot_span / case.design.size.length
     return Effect("pitch", True, number, "contact spacing over body length", _format_foot_count(case), "")
 
@@ -45,7 +45,7 @@ def _format_foot_count(case: Case) -> str:
 
 
 def judge_neighbours(case: Case) -> Effect:
-    """Rule of other walkers: bodies of a crowd meet, legs never, which its number judges."""
+    """Judge other walkers: bodies of a crowd meet, legs never; the number judges this."""
     size, beyond = case.design.size, 0.0
     for limb in case.design.limbs:
         ahead = abs(limb.anchor[0] - limb.length * math.sin(limb.tilt)) - 0.5 * size.length

@@ -14,14 +14,14 @@ from walkergen.core.walker.sections import section_of
 NAME = "leg compliance"
 
 EQUAL_FREQUENCY_RATIO = 1.0 + 1e-6
-"""Ratio of frequencies up to which legs swing alike: meshes weigh them to rounding."""
+"""Ratio of frequencies below which legs count as equal: meshes give their masses only to rounding."""
 
 CANTILEVER_FACTOR = 3.0
 """Torsional stiffness times length over E I that gives a cantilever's static tip stiffness (physics.md, 5)."""
 
 
 def judge(case: Case) -> Effect:
-    """Rule: on for free legs. The number is the frequency of the slowest leg over the drive's."""
+    """Judge the effect: on for free legs. The number is the frequency of the slowest leg over the drive's."""
     scene, design = case.scene, case.design
     if design.rigid:
         return Effect(NAME, False, 0.0, f"legs are {design.kind}", "no free leg", "")
@@ -39,7 +39,7 @@ RULE = Rule(judge)
 
 
 def _describe_slowest(frequencies: Mapping[str, float]) -> str:
-    """Names of the slowest and the fastest leg; "" of legs that swing alike."""
+    """Name the slowest and the fastest leg; "" if legs swing alike."""
     if len(frequencies) < 2:
         return ""
     slow, fast = (pick(frequencies, key=frequencies.__getitem__) for pick in (min, max))
@@ -48,10 +48,10 @@ def _describe_slowest(frequencies: Mapping[str, float]) -> str:
 
 
 def stiffness(limb: Limb, modulus: float) -> float:
-    """Torsional stiffness of a flexible leg's hinge, g mm^2/s^2 per rad; modulus in Pa."""
+    """Return the torsional stiffness of a flexible leg's hinge, g mm^2/s^2 per rad; modulus in Pa."""
     return CANTILEVER_FACTOR * modulus * section_of(limb).second_moment(limb) / limb.length
 
 
 def natural_frequency(stiffness: float, inertia: float) -> float:
-    """Natural frequency (Hz) of a leg with `inertia` (g mm^2) about its anchor, on a held body."""
+    """Return the natural frequency (Hz) of a leg with `inertia` (g mm^2) about its anchor, on a held body."""
     return math.sqrt(stiffness / inertia) / (2.0 * math.pi)

@@ -12,7 +12,7 @@ from walkergen.core.walker.mass import MassProperties
 
 WALLS, LID, NOISE, MOTOR, GYROSCOPIC = "lane walls", "lid", "plate noise", "motor", "gyroscopic torque"
 ALONG, GRADIENT, ROCKING = "motion along the plate", "plate gradient", "plate rocking"
-"""Effects whose modules are imported with the first scene that calls for them."""
+"""Effects whose modules are imported with the first scene that requires them."""
 
 
 class Case(NamedTuple):
@@ -36,7 +36,7 @@ class Effect(NamedTuple):
     number: float
     """Dimensionless number that decides."""
     meaning: str
-    """Meaning of the number, in words."""
+    """Description of the number."""
     reason: str
     """Why the effect is on or off."""
     switch: str
@@ -44,28 +44,28 @@ class Effect(NamedTuple):
 
 
 class Rule(NamedTuple):
-    """How an effect is judged, and where it is known."""
+    """How an effect is judged, and its keys in a scene."""
 
     judge: Callable[[Case], Effect]
     """The effect in a case. Raises InputError where the scene contradicts itself or the design."""
     switch: str = ""
     """Name in effects.on and effects.off, or key of the scene, that forces it."""
     away: Mapping[str, Any] = MappingProxyType({})
-    """Values of keys of the scene with which it is no part of a still plate, as a bench's is; none
-    where it remains."""
+    """Values of the scene's keys that exclude it from a still plate, such as a bench's; empty if
+    it remains."""
     usual: Mapping[str, Any] = MappingProxyType({})
-    """Values of keys with which an effect that is off has a usual size; none where it has none."""
+    """Values of keys that give an effect that is off its usual size; empty if it has none."""
     without: Mapping[str, Any] = MappingProxyType({})
-    """Values of keys with which it is off; none: effects.off has its switch."""
+    """Values of keys that switch it off; empty if its switch in effects.off does."""
 
     @property
     def off(self) -> Mapping[str, Any]:
-        """Values of keys with which it is off; none of an effect that nothing switches."""
+        """Values of keys that switch it off; empty for an effect that nothing switches."""
         return self.without or ({f"effects.{self.switch}": False} if self.switch else {})
 
 
 def decide_from_key(case: Case, key: str, switch: str) -> tuple[bool, str]:
-    """Decision and reason of an effect that a number of the scene calls for: that of a key.
+    """Decide whether an effect that needs a number is on, from the scene's key, and give the reason.
 
     Raises InputError where its switch forces an effect on that has no number.
     """
@@ -77,14 +77,14 @@ def decide_from_key(case: Case, key: str, switch: str) -> tuple[bool, str]:
 
 
 def absence_reason(case: Case, switch: str, why: str) -> str:
-    """Reason for which an effect is no part of a case. Raises InputError where its switch is forced on."""
+    """Return the reason why an effect is not part of a case. Raises InputError if its switch is forced on."""
     if case.scene.effects.forced_state(switch):
         raise InputError(f"{forced_effect_line(switch, True)}: {why}, or leave {switch} out of effects.on")
     return why
 
 
 def apply_switch(wanted: bool | None, decided: bool, reason: str) -> tuple[bool, str]:
-    """Decision and reason after the scene's switch `wanted`, which overrules them unless None."""
+    """Return decision and reason after the scene's switch `wanted`, which overrules them unless None."""
     if wanted is None:
         return decided, reason
     return wanted, f"forced {'on' if wanted else 'off'}; otherwise: {reason}"

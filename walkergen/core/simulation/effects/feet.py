@@ -44,7 +44,7 @@ def axial_stiffness(limb: Limb, modulus: float) -> float:
 
 
 def restitution(damping_ratio: float) -> float:
-    """Restitution of a mass on a viscous foot that never pulls, for any damping ratio >= 0."""
+    """Return the restitution of a mass on a viscous foot that never pulls, for any damping ratio >= 0."""
     z = damping_ratio
     if z < 1.0:
         fast = math.sqrt(1.0 - z * z)
@@ -58,7 +58,7 @@ def restitution(damping_ratio: float) -> float:
 
 
 def damping_ratio(wanted: float) -> float:
-    """Damping ratio whose `restitution` is the wanted one, 0 < wanted <= 1, by bisection."""
+    """Find the damping ratio whose `restitution` is the wanted one, 0 < wanted <= 1, by bisection."""
     low, high = 0.0, 1.0
     while restitution(high) > wanted:
         high *= 2.0
@@ -72,7 +72,7 @@ def damping_ratio(wanted: float) -> float:
 
 
 def foot_of(scene: Scene, limb: Limb, material: Material) -> Foot:
-    """Elastic contact of a corner of a leg's foot. Raises InputError."""
+    """Return the elastic contact of a corner of a leg's foot. Raises InputError."""
     e = scene.contact.restitution if limb.restitution is None else limb.restitution
     if e < MIN_RESTITUTION:
         raise InputError(
@@ -82,12 +82,12 @@ def foot_of(scene: Scene, limb: Limb, material: Material) -> Foot:
 
 
 def landing_stiffness(tip: float, mass: float, speed: float) -> float:
-    """Tangent stiffness (g/s^2) of a tip alone at the depth to which a mass (g) presses it as it lands (mm/s)."""
+    """Return the tangent stiffness (g/s^2) of a tip alone at the landing depth of a mass (g) at a speed (mm/s)."""
     return math.inf if math.isinf(tip) else 1.5 * tip * math.sqrt(landing_depth(tip, mass, speed, GRAVITY * mass))
 
 
 def judge(case: Case) -> Effect:
-    """Rule: on unless tips are rigid. The number is how much softer a tip is than its leg, at a landing."""
+    """Judge the effect: on unless tips are rigid. The number is a tip's softness relative to its leg, at a landing."""
     meaning = "stiffness of a leg's corner over that of its tip, at a landing"
     rigid, material, ratio = case.scene.feet.rigid_tips, case.design.material, 0.0
     if not rigid:

@@ -27,7 +27,7 @@ OFF = Harmonic(0.0, 0.0)
 
 
 def judge(case: Case) -> Effect:
-    """Rule: on when the scene's drive has a second harmonic."""
+    """Judge the effect: on when the scene's drive has a second harmonic."""
     ratio = case.scene.drive.second_harmonic_ratio
     on, reason = decide_from_key(case, KEY, SWITCH)
     return Effect(NAME, on, ratio, "amplitude over the fundamental's", reason, SWITCH)
@@ -37,14 +37,14 @@ RULE = Rule(judge, SWITCH, away={KEY: 0.0}, usual={KEY: 0.2})
 
 
 def parameters(case: Case) -> Harmonic:
-    """Parameters of the second harmonic of the scene's drive."""
+    """Return the parameters of the second harmonic of the scene's drive."""
     drive = case.scene.drive
     return Harmonic(drive.second_harmonic_ratio, math.radians(drive.second_harmonic_phase_deg))
 
 
 @kernel
 def height(harmonic, phase):
-    """Harmonic's part of the height over A, at a phase (rad) of the fundamental."""
+    """Return the harmonic's part of the height over A, at a phase (rad) of the fundamental."""
     if harmonic.ratio == 0.0:
         return 0.0
     return harmonic.ratio * math.sin(2.0 * phase + harmonic.shift)
@@ -52,7 +52,7 @@ def height(harmonic, phase):
 
 @kernel
 def velocity(harmonic, phase):
-    """Harmonic's part of the velocity over A omega, at a phase (rad) of the fundamental."""
+    """Return the harmonic's part of the velocity over A omega, at a phase (rad) of the fundamental."""
     if harmonic.ratio == 0.0:
         return 0.0
     return 2.0 * harmonic.ratio * math.cos(2.0 * phase + harmonic.shift)
@@ -60,7 +60,7 @@ def velocity(harmonic, phase):
 
 @kernel
 def acceleration(harmonic, phase):
-    """Harmonic's part of the acceleration over A omega^2, at a phase (rad) of the fundamental."""
+    """Return the harmonic's part of the acceleration over A omega^2, at a phase (rad) of the fundamental."""
     if harmonic.ratio == 0.0:
         return 0.0
     return -4.0 * harmonic.ratio * math.sin(2.0 * phase + harmonic.shift)
@@ -68,7 +68,7 @@ def acceleration(harmonic, phase):
 
 @kernel
 def bound(harmonic, order):
-    """Largest |d^order height / dt^order| of the harmonic over A omega^order."""
+    """Return the largest |d^order height / dt^order| of the harmonic over A omega^order."""
     if harmonic.ratio == 0.0:
         return 0.0
     return abs(harmonic.ratio) * 2.0**order

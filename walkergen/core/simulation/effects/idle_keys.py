@@ -1,4 +1,4 @@
-"""Idle keys: what a scene gives and its simulation does not read, which is said in one line."""
+"""Idle keys: keys that a scene gives and its simulation does not read, reported in one line."""
 
 from collections.abc import Callable, Iterator
 
@@ -10,10 +10,10 @@ FOOT_KEYS = ("contact.restitution", "contact.friction")
 
 
 def describe_idle_keys(case: Case, on: Callable[[str], bool]) -> str:
-    """Line on the keys of a scene that are not as by default and have no part in a case; "" for none.
+    """Return a line on a scene's non-default keys that have no part in a case; "" without any.
 
-    Of an effect that its switch leaves out nothing is said. Keys of other jobs, and standard
-    deviations, are no matter of one simulation.
+    Keys of an effect switched off are not reported. Keys of other jobs, and standard
+    deviations, do not concern a single simulation.
     """
     given: dict[str, list[str]] = {}
     for key, why in _find_idle_keys(case, on):
@@ -26,7 +26,7 @@ def describe_idle_keys(case: Case, on: Callable[[str], bool]) -> str:
 
 
 def _find_idle_keys(case: Case, on: Callable[[str], bool]) -> Iterator[tuple[str, str]]:
-    """Keys that a case does not read, each with the reason, whether the scene gives them or not."""
+    """Yield the keys that a case does not read, each with the reason, whether the scene gives them or not."""
     scene, limbs = case.scene, case.design.limbs
     if case.design.rigid:
         yield "legs.damping_ratio", "no leg swings"

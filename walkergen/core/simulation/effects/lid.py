@@ -15,7 +15,7 @@ DROP_AMPLITUDES, TILT_ALLOWANCE_RAD = 1.5, 2e-3
 
 
 def judge(case: Case) -> Effect:
-    """Rule: on under a lid. The number is how high the plate's peak speed throws a body, over the room.
+    """Judge the effect: on under a lid. The number is the height of a throw at the plate's peak speed over the room.
 
     Raises InputError where the walker does not fit.
     """

@@ -25,14 +25,14 @@ ROTOR_MASS_SHARE = 0.5
 """Share of a motor's mass that turns, as a disc of its diameter: of a coin motor about half."""
 
 MIN_SPIN_RATIO = 1e-3
-"""Inertia of the rotor over the walker's least from which its gyroscopic torque acts."""
+"""Rotor inertia over the walker's smallest above which its gyroscopic torque acts."""
 
 MAX_PUSH_RATIO = 200.0
 """Largest push of a motor over the walker's weight: coin motors reach some 30."""
 
 
 def judge(case: Case) -> Effect:
-    """Effect of the scene's motor. The number is its push over the weight.
+    """Judge the scene's motor. The number is its push over the weight.
 
     Raises InputError for walkers that carry no motor, and moments beyond reason.
     """
@@ -57,7 +57,7 @@ def judge(case: Case) -> Effect:
 
 
 def judge_gyroscopic(case: Case) -> Effect:
-    """Effect of the rotor's angular momentum. The number is its inertia over the walker's least."""
+    """Judge the rotor's angular momentum. The number is its inertia over the walker's smallest."""
     wanted, meaning = case.scene.effects.forced_state(SWITCH), "inertia of the rotor over the walker's"
     if case.scene.drive.kind == "plate" or case.design.motor is None:
         why = absence_reason(case, SWITCH, "there is no motor: set drive.kind = 'motor' and give the design one")
@@ -73,7 +73,7 @@ SPIN_RULE = Rule(judge_gyroscopic, SWITCH, usual={f"effects.{SWITCH}": True})
 
 
 def _rotor_inertia(case: Case) -> float:
-    """Inertia of the rotor about its axis as the walker feels it, g mm^2.
+    """Return the effective inertia of the rotor about its axis, g mm^2.
 
     A part of its unbalanced mass's turns the walker's centre about, not about the axis.
     """
@@ -83,21 +83,21 @@ def _rotor_inertia(case: Case) -> float:
 
 
 def _least_inertia(case: Case) -> float:
-    """Least principal inertia of the body, g mm^2."""
+    """Return the smallest principal inertia of the body, g mm^2."""
     if case.mass.spatial is None:
         return float(case.mass.J)
     return float(np.linalg.eigvalsh(case.mass.spatial.body)[0])
 
 
 def motor_position(case: Case) -> Vector:
-    """Middle of the motor from O at half depth, body axes, mm."""
+    """Return the middle of the motor from O at half depth, body axes, mm."""
     motor = case.design.driving_motor()
     x, y = to_centre_frame(case.design.limbs, case.mass, np.array([motor.along_mm, motor.up_mm]))
     return float(x), float(y), motor.across_mm
 
 
 def parameters(case: Case, spins: bool) -> Rotor:
-    """Rotor of a case; `spins`: with its gyroscopic torque."""
+    """Return the rotor of a case; `spins`: with its gyroscopic torque."""
     drive, motor = case.scene.drive, case.design.driving_motor()
     along, across, up = drive.axis_vector(motor.axis)
     n = along, up, across
@@ -114,7 +114,7 @@ def parameters(case: Case, spins: bool) -> Rotor:
 
 
 def restrict_to_plane(rotor: Rotor) -> Rotor:
-    """Rotor as a walker that is held in its plane feels it: what would move it across is gone."""
+    """Return the rotor of a walker held in its plane, without components across the plane."""
     first, second, place, spin = rotor.first, rotor.second, rotor.place, rotor.spin
     return rotor._replace(
         first=(first[0], first[1], 0.0),
@@ -125,7 +125,7 @@ def restrict_to_plane(rotor: Rotor) -> Rotor:
 
 
 def cross_product(a: Vector, b: Vector) -> Vector:
-    """Vector product."""
+    """Compute the vector product."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 

@@ -32,7 +32,7 @@ OFF = Noise(np.zeros(0), np.zeros(0), 0.0, 0.0, 0.0)
 
 @lean
 def advance_time(noise, time, t):
-    """Time (s, within the noise's period) after t seconds."""
+    """Return the time (s, within the noise's period) after t seconds."""
     if len(noise.heights) == 0:
         return time
     return (time + t) % (len(noise.heights) * noise.interval)
@@ -40,7 +40,7 @@ def advance_time(noise, time, t):
 
 @lean
 def _cubic(noise, time):
-    """Coefficients of the cubic about the sample before `time`, and the part of the interval."""
+    """Return the coefficients of the cubic about the sample before `time`, and the part of the interval."""
     place = time / noise.interval
     i = int(place)
     s = place - i
@@ -54,7 +54,7 @@ def _cubic(noise, time):
 
 @lean
 def height(noise, time):
-    """Height of the noise, mm, at a time in its period, s."""
+    """Return the height of the noise, mm, at a time in its period, s."""
     if len(noise.heights) == 0:
         return 0.0
     a, u, c, d, s = _cubic(noise, time)
@@ -63,7 +63,7 @@ def height(noise, time):
 
 @lean
 def velocity(noise, time):
-    """Velocity of the noise, mm/s."""
+    """Return the velocity of the noise, mm/s."""
     if len(noise.heights) == 0:
         return 0.0
     _, u, c, d, s = _cubic(noise, time)
@@ -72,7 +72,7 @@ def velocity(noise, time):
 
 @lean
 def acceleration(noise, time):
-    """Acceleration of the noise, mm/s^2."""
+    """Return the acceleration of the noise, mm/s^2."""
     if len(noise.heights) == 0:
         return 0.0
     _, _, c, d, s = _cubic(noise, time)
@@ -81,5 +81,5 @@ def acceleration(noise, time):
 
 @lean
 def bounds(noise):
-    """Largest velocity (mm/s) and acceleration (mm/s^2) of the noise."""
+    """Return the largest velocity (mm/s) and acceleration (mm/s^2) of the noise."""
     return noise.fastest, noise.strongest

@@ -30,7 +30,7 @@ MIN_LINES = 32
 
 
 def judge(case: Case) -> Effect:
-    """Rule: on when the scene's plate is noisy."""
+    """Judge the effect: on when the scene's plate is noisy."""
     ratio = case.scene.plate.noise_ratio
     on, reason = decide_from_key(case, KEY, SWITCH)
     if on:
@@ -56,7 +56,7 @@ def _frequency_grid(case: Case) -> tuple[int, float, int, int]:
 
 
 def sample_noise(case: Case, rng: np.random.Generator) -> Noise:
-    """Noise of a run of the scene. Raises InputError for a band too narrow."""
+    """Draw the noise of a run of the scene. Raises InputError for a band too narrow."""
     count, interval, first, last = _frequency_grid(case)
     lines = np.zeros(count // 2 + 1, complex)
     lines[first : last + 1] = rng.normal(size=(last + 1 - first, 2)) @ (1.0, 1.0j)

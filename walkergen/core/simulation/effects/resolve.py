@@ -26,7 +26,7 @@ class Resolved(NamedTuple):
 
 
 def _effect_states(effects: Sequence[Effect]) -> dict[str, bool]:
-    """Whether each effect is on, by name; those that the scene does not call for are off."""
+    """Return whether each effect is on, by name; effects outside the scene are off."""
     return dict.fromkeys(rules.RARE_EFFECTS, False) | {effect.name: effect.on for effect in effects}
 
 
@@ -43,7 +43,7 @@ def resolve(case: Case) -> Resolved:
 
 
 def without_plate_effects(scene: Scene) -> Scene:
-    """Scene without the effects that are no part of a still plate."""
+    """Return the scene without the effects that a still plate does not have."""
     for rule in rules.all_rules():
         if rule.away:
             scene = replace_without_validation(scene, {**rule.away, f"effects.{rule.switch}": None})

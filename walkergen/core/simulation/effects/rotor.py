@@ -25,7 +25,7 @@ class Rotor(NamedTuple):
     place: Vector
     """Middle of the motor from O at half depth, mm."""
     spin: Vector
-    """Angular momentum of the rotor about its axis, g mm^2/s; 0 where it is left out."""
+    """Angular momentum of the rotor about its axis, g mm^2/s; 0 if it is left out."""
 
 
 OFF = Rotor(0.0, 1.0, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
@@ -52,14 +52,14 @@ def swing(rotor, mass, phase, swung):
 
 @lean
 def moment_of(rotor, centre, mass, x, y, z):
-    """Moment about C of a momentum (or force) `mass` (x, y, z) at the rotor's place."""
+    """Return the moment about C of a momentum (or force) `mass` (x, y, z) at the rotor's place."""
     p_x, p_y, p_z = (rotor.place[0] + centre[0], rotor.place[1] + centre[1], rotor.place[2] + centre[2])
     return (mass * (p_y * z - p_z * y), mass * (p_z * x - p_x * z), mass * (p_x * y - p_y * x))
 
 
 @lean
 def spin(rotor, centre, mass, swung):
-    """Angular momentum about C that the rotor has against the body, body axes, g mm^2/s.
+    """Return the rotor's angular momentum about C relative to the body, body axes, g mm^2/s.
 
     `centre`: C -> O, mm.
     """
@@ -70,20 +70,20 @@ def spin(rotor, centre, mass, swung):
 
 @lean
 def torque(rotor, centre, mass, swung):
-    """Torque of the rotor on the body about C, body axes, g mm^2/s^2."""
+    """Return the torque of the rotor on the body about C, body axes, g mm^2/s^2."""
     # p x S Omega^2 e of eq. 8.2, for s'' = -Omega^2 s
     return moment_of(rotor, centre, mass, -swung[2, 0], -swung[2, 1], -swung[2, 2])
 
 
 @lean
 def push(rotor, mass):
-    """Largest acceleration of C without its unbalanced mass, mm/s^2; 0 without a motor."""
+    """Return the largest acceleration of C without the rotor's unbalanced mass, mm/s^2; 0 without a motor."""
     return rotor.moment * rotor.omega * rotor.omega / mass
 
 
 @lean
 def _push_acceleration(rotor, way, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z):
-    """Acceleration along d of a point r of a rigid body, from C, by the rotor's push along `way`.
+    """Return the acceleration along d of a rigid body's point r, from C, caused by the rotor's push along `way`.
 
     Over that of C; `inverse` is the inverse inertia of the body.
     """

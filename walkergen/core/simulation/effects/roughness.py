@@ -1,6 +1,6 @@
 """Plate roughness: bumps of the plate's surface, as a sum of plane waves of random directions.
 
-Every run draws its own plate: `WAVES` waves of one wavelength, with random directions and phases,
+Every run draws its own plate: `WAVE_COUNT` waves of one wavelength, with random directions and phases,
 isotropic on average. Feet feel the height and, by the tilted normal, the slope, so that energy is
 kept. Limit: no waves is the flat plate.
 """
@@ -21,7 +21,7 @@ WAVE_COUNT = 12
 """Number of waves: heights are normal within a few percent."""
 
 MAX_RMS_SLOPE = 0.2
-"""Largest rms slope for which the tilted normal is a small correction."""
+"""Largest rms slope at which the tilted normal is a small correction."""
 
 
 class Roughness(NamedTuple):
@@ -36,7 +36,7 @@ OFF = Roughness(np.zeros((0, 4)))
 
 
 def judge(case: Case) -> Effect:
-    """Rule: on when the scene's plate is rough."""
+    """Judge the effect: on when the scene's plate is rough."""
     plate = case.scene.plate
     slope = math.sqrt(2.0) * math.pi * 1e-3 * plate.roughness_um / plate.roughness_length_mm
     on, reason = decide_from_key(case, KEY, SWITCH)
@@ -52,7 +52,7 @@ RULE = Rule(judge, SWITCH, usual={KEY: 5.0})
 
 
 def sample_surface(case: Case, rng: np.random.Generator) -> Roughness:
-    """Surface of a run of the scene."""
+    """Draw the surface of a run of the scene."""
     plate = case.scene.plate
     direction, phase = rng.uniform(0.0, 2.0 * math.pi, (2, WAVE_COUNT))
     k = 2.0 * math.pi / plate.roughness_length_mm
@@ -62,7 +62,7 @@ def sample_surface(case: Case, rng: np.random.Generator) -> Roughness:
 
 @lean
 def surface(roughness, x, z):
-    """Height (mm) of the surface at (x, z) in mm, and its slopes along both."""
+    """Return height (mm) of the surface at (x, z) in mm, and its slopes along both."""
     h, h_x, h_z = 0.0, 0.0, 0.0
     for i in range(len(roughness.waves)):
         k_x, k_z = roughness.waves[i, 0], roughness.waves[i, 1]
@@ -77,7 +77,7 @@ def surface(roughness, x, z):
 
 @lean
 def steepest(roughness):
-    """Upper bound of the surface's slope."""
+    """Return an upper bound of the surface's slope."""
     total = 0.0
     for i in range(len(roughness.waves)):
         k_x, k_z, size = roughness.waves[i, 0], roughness.waves[i, 1], roughness.waves[i, 2]

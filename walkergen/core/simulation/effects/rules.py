@@ -45,14 +45,14 @@ COMMON_RULES: tuple[Rule, ...] = (
     Rule(always_on.judge_neighbours),
     air_drag.RULE,
 )
-"""Rules that are judged in every scene, in the order in which `explain` shows them."""
+"""Rules that are judged in every scene, in the order that `explain` shows."""
 
 RARE_EFFECTS = (WALLS, LID, NOISE, ALONG, GRADIENT, ROCKING, MOTOR, GYROSCOPIC)
 """Names of the effects of all other rules."""
 
 
 def applicable_rules(case: Case) -> tuple[Rule, ...]:
-    """Rules that are judged in a case."""
+    """Return the rules that are judged in a case."""
     scene, rules, on = case.scene, list(COMMON_RULES), set(case.scene.effects.on)
     if scene.arena.kind == "lane" or "lane_walls" in on:
         from walkergen.core.simulation.effects import walls
@@ -78,7 +78,7 @@ def applicable_rules(case: Case) -> tuple[Rule, ...]:
 
 
 def all_rules() -> tuple[Rule, ...]:
-    """All rules, also of effects that a scene has not."""
+    """Return all rules, also of effects outside the scene."""
     from walkergen.core.simulation.effects import lid, motor, noisy_plate, swaying_plate, walls
 
     return (*COMMON_RULES, walls.RULE, lid.RULE, noisy_plate.RULE, *swaying_plate.RULES, motor.RULE, motor.SPIN_RULE)

@@ -23,7 +23,7 @@ class Sway(NamedTuple):
 
 
 OFF = Sway(False, (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
-"""A plate of which all points move up and down alike."""
+"""A plate that moves up and down equally everywhere."""
 
 
 @lean
@@ -34,7 +34,7 @@ def moves(sway):
 
 @lean
 def displacements_and_slopes(sway, phase):
-    """Displacements (mm) and slopes along x and z at a phase (rad) of the drive."""
+    """Return the displacements (mm) and slopes along x and z at a phase (rad) of the drive."""
     p, q, s, c = sway.with_sine, sway.with_cosine, math.sin(phase), math.cos(phase)
     return s * p[0] + c * q[0], s * p[1] + c * q[1], s * p[2] + c * q[2], s * p[3] + c * q[3]
 
@@ -61,7 +61,7 @@ def motion(sway, omega, phase, x, z):
 
 @lean
 def bounds(sway):
-    """Largest displacement (mm) and slope."""
+    """Return the largest displacement (mm) and slope."""
     p, q = sway.with_sine, sway.with_cosine
     return (
         math.sqrt(p[0] * p[0] + p[1] * p[1] + q[0] * q[0] + q[1] * q[1]),

@@ -1,10 +1,10 @@
-"""Plates as they are: they move along themselves too, shake more in one place than in another, and rock.
+"""Real plates: they also move horizontally, shake more in one place than in another, and rock.
 
-All at the drive's frequency, phi its phase. Along x the plate is at q A sin(phi + p), and likewise to the left. Its
-height has a gradient: A (1 + g . r) sin(phi), as over a shaker of which one side is stiffer; and it rocks about the
-start by A (k . r) cos(phi), which moves its middle by nothing. Feet feel height, slope and velocity of the place under
-them; walls, lid and bumps ride along. Limits: small slopes, so that walls and lid stay at their places; an axis of
-rocking that lies below the surface adds motion along the plate. In space only.
+All motion has the drive's frequency, phi its phase. Along x the plate is at q A sin(phi + p), and likewise to the left.
+Its height has a gradient: A (1 + g . r) sin(phi), as over a shaker with one stiffer side. It rocks about the start by
+A (k . r) cos(phi), which leaves its middle in place. Feet feel height, slope and velocity of the plate under
+them; walls, lid and bumps move with it. Limits: small slopes, so that walls and lid stay at their places; an axis of
+rocking below the surface adds motion along the plate. In space only.
 """
 
 import math
@@ -26,7 +26,7 @@ MAX_SPEED_RATIO = 2.0
 
 
 def judge_along(case: Case) -> Effect:
-    """Rule: on where the plate moves along itself. The number says when friction lets a resting body slide."""
+    """Judge the effect: on if the plate moves horizontally. The number shows when a resting body slides."""
     plate, friction = case.scene.plate, case.scene.contact.friction
     key = ALONG_KEY if plate.along_ratio or not plate.across_ratio else ACROSS_KEY
     on, reason = _decide_from_key(case, key, "plate_along")
@@ -36,12 +36,12 @@ def judge_along(case: Case) -> Effect:
 
 
 def judge_gradient(case: Case) -> Effect:
-    """Rule: on where the amplitude differs from place to place."""
+    """Judge the effect: on if the amplitude differs from place to place."""
     return _judge_linear(case, GRADIENT, GRADIENT_KEY, "plate_gradient", "change of the amplitude between the feet")
 
 
 def judge_rocking(case: Case) -> Effect:
-    """Rule: on where the plate rocks."""
+    """Judge the effect: on if the plate rocks."""
     return _judge_linear(case, ROCKING, ROCKING_KEY, "plate_rocking", "rocking between the feet over the amplitude")
 
 
@@ -60,7 +60,7 @@ def _judge_linear(case: Case, name: str, key: str, switch: str, meaning: str) ->
 
 
 def _max_distance(case: Case) -> float:
-    """Distance (mm) from the start that walkers may reach: to the ends of the ground, or as fast as they run."""
+    """Return the largest distance (mm) that walkers may reach from the start: the ground's ends, or the fastest run."""
     arena, run = case.scene.arena, case.scene.run
     way = MAX_SPEED_RATIO * case.shaken.peak_speed * (run.seconds + run.discard_seconds)
     ends = [math.inf if size is None else 0.5 * size for size in (arena.length_mm, arena.width_mm)]
@@ -68,7 +68,7 @@ def _max_distance(case: Case) -> float:
 
 
 def _decide_from_key(case: Case, key: str, switch: str) -> tuple[bool, str]:
-    """As `called_for`. Raises InputError for still plates."""
+    """Decide as `decide_from_key` does. Raises InputError for still plates."""
     on, reason = decide_from_key(case, key, switch)
     if on and case.scene.drive.kind == "motor":
         raise InputError(
@@ -93,7 +93,7 @@ def check_still_plate(scene: Scene, whom: str) -> None:
 
 
 def parameters(case: Case, along: bool, gradient: bool, rocking: bool) -> Sway:
-    """Sway of a case, of which effects may be off."""
+    """Return the sway of a case; effects may be off."""
     plate, size = case.scene.plate, case.scene.drive.amplitude
     sines, cosines = [0.0] * 4, [0.0] * 4
     if along:
@@ -109,6 +109,6 @@ def parameters(case: Case, along: bool, gradient: bool, rocking: bool) -> Sway:
 
 
 def _slope_components(size: float, toward_deg: float) -> tuple[float, float]:
-    """Slopes along x and z of one of this size that rises toward a direction, from x to the left."""
+    """Return the slopes along x and z of a slope of this size that rises toward a direction, from x to the left."""
     toward = math.radians(toward_deg)
     return size * math.cos(toward), -size * math.sin(toward)

@@ -9,7 +9,7 @@ NAME = "flexible foot tensor"
 
 
 def judge(case: Case) -> Effect:
-    """Rule: on for flexible legs. The number is m/M."""
+    """Judge the effect: on for flexible legs. The number is m/M."""
     if case.design.rigid:
         return Effect(NAME, False, 0.0, f"legs are {case.design.kind}", "the rigid tensor is exact", "")
     heaviest = max(float(leg.m) for leg in case.mass.legs)

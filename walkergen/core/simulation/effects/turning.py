@@ -1,6 +1,6 @@
 """Roll and yaw: motion out of the plane, and across it, with its corners landing one by one.
 
-Limit: a walker held in its plane lands on both corners of a foot at once (docs/physics.md
+Limit: a walker held in its plane lands on both corners of a foot simultaneously (docs/physics.md
 section 7, which shows that the plane is not the limit of small roll).
 """
 
@@ -10,7 +10,7 @@ NAME, SWITCH = "yaw and roll", "roll_and_yaw"
 
 
 def judge(case: Case) -> Effect:
-    """Rule: on unless forced off. The number is depth over contact spacing."""
+    """Judge the effect: on unless forced off. The number is depth over contact spacing."""
     depth = case.design.size.depth / case.design.foot_span
     meaning = "depth over contact spacing"
     reason = "a foot is an edge: one of its corners lands first"

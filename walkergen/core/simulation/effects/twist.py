@@ -15,7 +15,7 @@ NAME, SWITCH = "leg twist", "leg_twist"
 
 
 def judge(case: Case) -> Effect:
-    """Rule: on for flexible legs.
+    """Judge the effect: on for flexible legs.
 
     The number is the least frequency of a leg's twist over the drive's.
     """
@@ -37,6 +37,6 @@ RULE = Rule(judge, SWITCH, usual={f"effects.{SWITCH}": True})
 
 
 def stiffness(limb: Limb, material: Material) -> float:
-    """Torsional stiffness of a flexible leg about its long axis, g mm^2/s^2 per rad."""
+    """Return the torsional stiffness of a flexible leg about its long axis, g mm^2/s^2 per rad."""
     shear = material.youngs_modulus / (2.0 * (1.0 + material.poisson_ratio))
     return shear * section_of(limb).torsion_constant(limb) / limb.length

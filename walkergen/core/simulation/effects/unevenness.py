@@ -17,7 +17,7 @@ MAX_SD_RATIO = 0.1
 
 
 def judge(case: Case) -> Effect:
-    """Rule: on when corners differ. The number is their standard deviation over the amplitude.
+    """Judge the effect: on when corners differ. The number is their standard deviation over the amplitude.
 
     Raises InputError for corners that differ as much as legs are long.
     """
@@ -39,6 +39,6 @@ RULE = Rule(judge, SWITCH, usual={KEY: 10.0})
 
 
 def sample_heights(case: Case, corners: int, rng: np.random.Generator) -> npt.NDArray[np.float64]:
-    """Heights of the corners of one print, mm, with mean zero."""
+    """Draw the heights of the corners of one print, mm, with mean zero."""
     heights = 1e-3 * case.scene.feet.unevenness_um * rng.normal(size=corners)
     return np.asarray(heights - heights.mean())

@@ -14,7 +14,7 @@ from walkergen.core.simulation.effects.effect import WALLS, Case, Effect, Rule, 
 NAME, SWITCH = WALLS, "lane_walls"
 
 DEFAULT_PLAY_MM = 0.5
-"""Gap of a lane over the depth of the body, mm, unless the scene says."""
+"""Default gap of a lane over the depth of the body, mm."""
 
 MIN_PLAY_RATIO = 4e-3
 """Least gap of a lane over the body's depth, over the walker's height: twice what the roll of its
@@ -22,7 +22,7 @@ first drop takes, so that it does not start inside a wall."""
 
 
 def gap(case: Case) -> float:
-    """Distance of the walls, mm. Raises InputError where the walker does not fit."""
+    """Return the distance of the walls, mm. Raises InputError if the walker does not fit."""
     size, legs = case.design.size, case.design.limbs
     depth, wanted = size.depth, case.scene.arena.gap_mm
     if wanted is None:
@@ -52,7 +52,7 @@ def _check_headings(case: Case) -> None:
 
 
 def judge(case: Case) -> Effect:
-    """Rule: on in a lane that the walker may turn in. The number is the turn it allows, rad."""
+    """Judge the effect: on in a lane that the walker may turn in. The number is the turn it allows, rad."""
     arena, size = case.scene.arena, case.design.size
     meaning = "turn (rad) at which both walls are touched"
     if arena.kind != "lane":

@@ -76,20 +76,20 @@ def _swing_speed(state, R, points, shift, fast, leg, f, k, side):
 
 @lean
 def max_plate_acceleration(world):
-    """Upper bound of the plate's acceleration, mm/s^2."""
+    """Return an upper bound of the plate's acceleration, mm/s^2."""
     _, strongest = _noise_bounds(world.acting.noise)
     return derivative_bound(world.drive, 2) + strongest
 
 
 @lean
 def longest_flight(world):
-    """Duration (s) of the longest tabulated flight."""
+    """Return the duration (s) of the longest tabulated flight."""
     return world.options.step * 2.0 ** (len(world.walker.flights) - HALVINGS - 1)
 
 
 @lean
 def _motor_acceleration(walker, motor, points, k, d_x, d_y, d_z):
-    """Largest acceleration (mm/s^2) by a motor along d, body axes, of contact k, legs rigid."""
+    """Return the largest acceleration (mm/s^2) from a motor along d, body axes, of contact k, legs rigid."""
     p = points[k].at
     return _motor_strongest(motor, walker.centre, walker.mass, walker.inverse_inertia, p[0], p[1], p[2], d_x, d_y, d_z)
 
@@ -117,7 +117,7 @@ def _add_forced_swing(walker, omega, state, phase, sign):
 
 @lean
 def _turning_energy(walker, state):
-    """Energy of the body's turning rate W, g mm^2/s^2."""
+    """Return the energy of the body's turning rate W, g mm^2/s^2."""
     total = 0.0
     for i in range(3):
         for j in range(3):
@@ -144,7 +144,7 @@ def _sway_closing_rates(world, state, work, k, side, speed):
 
 @lean
 def clear_time(world, state, work, longest):
-    """Time (s), at most `longest`, in which no contact can close; fills that of each contact."""
+    """Compute a time (s), at most `longest`, without any contact closing; fill that of each contact."""
     walker, R, points, now = world.walker, work.R, work.points, work.now
     shift, fast, f = walker.shift, walker.fast, walker.freedoms
     leg, place, first, time = walker.leg, walker.place, first_row(walker), longest
@@ -211,7 +211,7 @@ def _swing(walker, work, state, level):
 
 @lean
 def legs_energy(walker, state):
-    """Kinetic energy of the legs' coordinates, with C and W given, and energy of their springs."""
+    """Return the kinetic energy of the legs' coordinates, with C and W given, and energy of their springs."""
     n, total = len(walker.stiffness), 0.0
     for i in range(n):
         total += walker.stiffness[i] * state[LEGS + i] * state[LEGS + i]
@@ -231,7 +231,7 @@ def _multiply_vector(M, x, y, z):
 
 @lean
 def _rotate_back(x, y, z, t_x, t_y, t_z):
-    """Vector (x, y, z) seen from axes that have turned by a rotation vector t."""
+    """Return the vector (x, y, z) in axes turned by a rotation vector t."""
     s, c = rotation_coefficients(t_x * t_x + t_y * t_y + t_z * t_z)
     a_x, a_y, a_z = t_y * z - t_z * y, t_z * x - t_x * z, t_x * y - t_y * x
     b_x, b_y, b_z = t_y * a_z - t_z * a_y, t_z * a_x - t_x * a_z, t_x * a_y - t_y * a_x
@@ -275,9 +275,9 @@ def _swing_shaken(world, state, work, t, level):
 
 @lean
 def _turn_free(world, state, work, t):
-    """Turn the body, a free top, for t seconds in which its legs have swung from `work.before`.
+    """Turn the body, a free top, for t seconds while its legs have swung from `work.before`.
 
-    With a motor the angular momentum that is kept holds the rotor's, whose unbalanced mass turns
+    With a motor the conserved angular momentum includes the rotor's, and its unbalanced mass turns
     the body to and fro.
     """
     walker, motor = world.walker, _motor_acts(world.acting.motor)

@@ -19,10 +19,10 @@ from walkergen.core.simulation.space.state import MODE, OPEN, ROW_LENGTH, SHEAR,
 from walkergen.core.simulation.space.tips import response
 
 MAX_CORRECTIONS = 8
-"""Corrections of the modes after which forces are cut to their limits as they are."""
+"""Largest number of corrections of the modes; then forces are cut to their limits."""
 
 TANGENT_TOLERANCE = 0.2
-"""Four times the share of a normal force by which the tangent of a tip's spring may be off: F''/2 is k / (4 d)."""
+"""Four times the allowed error of a tip spring's tangent, as a share of the normal force: F''/2 is k / (4 d)."""
 
 MIN_DEPTH_RATIO = 1e-3
 """Least depth about which a tip's spring is linearised, of the depths that a contact passes in a step."""
@@ -32,14 +32,14 @@ NEAR_STEPS = 4.0
 where they end."""
 
 TOUCH_TOLERANCE, MIN_CLOSED_SHARE = 0.01, 1e-6
-"""Share of a step to which a touch is located, and the share below which it is left out."""
+"""Error of a touch's time as a share of a step, and the share below which the touch is left out."""
 
 DIRECTION_TOLERANCE_RAD = 0.06
-"""Change of a sliding direction, rad, below which a step is not solved anew."""
+"""Change of a sliding direction, rad, below which a step is not solved again."""
 
 JAM_RATIO = 0.25
-"""Part of its own force to which sliding may reduce the equation of a contact: below it friction presses a foot on
-faster than the step, and the foot is taken to stick."""
+"""Share of its own force that sliding must leave in a contact's equation: below it friction presses a foot on
+faster than the step, and the foot counts as sticking."""
 
 
 @lean
@@ -60,7 +60,7 @@ def _linearise(near, i, h, depth):
 
 @lean
 def _depth_in_middle(near, i, h):
-    """Depth (mm) of contact i in the middle of its share of a step of h seconds."""
+    """Return the depth (mm) of contact i in the middle of its share of a step of h seconds."""
     return max(-near[i].gap[0], 0.0) - 0.5 * near[i].share * h * near[i].middle[0]
 
 
@@ -103,7 +103,7 @@ def _touch(near, i, h, share):
 
 @lean
 def _closed_share(near, i, u, h):
-    """Share of a step of h seconds, up to its end, in which contact i is closed; 0 if it is not.
+    """Compute the share of a step of h seconds, up to its end, with contact i closed; 0 if it stays open.
 
     It is open at its start and moves at the mean normal velocity u (mm/s) until it touches.
     """
@@ -131,7 +131,7 @@ def guess(state, near, H, m, h, first):
 
 @lean
 def _guess_mode(state, near, H, i, h, at):
-    """First guess of the mode of contact i, whose row in the state is at `at`."""
+    """Guess the mode of contact i, whose row in the state is at `at`."""
     gap = near[i].gap[0]
     if gap > 0.0:
         share = 0.0
@@ -314,7 +314,7 @@ def _correct(near, H, m, h):
 
 @lean
 def _landing_changes(near, H, i, h):
-    """Locate the touch of contact i, open when the step began, anew; True if that changes it."""
+    """Locate the touch of contact i, open when the step began, again; return True if that changes it."""
     r, u = 3 * i, near[i].middle[0]
     if near[i].tried == OPEN:
         share = _closed_share(near, i, u, h)

@@ -74,7 +74,7 @@ def _fill_row(J, points, shift, lock, leg, f, k, m, d_x, d_y, d_z):
 
 @lean
 def _rate_acceleration(state, now, points, side, leg, f, n, k):
-    """Acceleration of contact k by the rates alone (centripetal, Coriolis), body axes, mm/s^2.
+    """Return the acceleration of contact k from the rates alone (centripetal, Coriolis), body axes, mm/s^2.
 
     It is what changes velocities while Jacobians are frozen; `side` is the point's place across
     its leg.
@@ -138,7 +138,7 @@ def halfway(world, state, work, t):
 
 @lean
 def _motor_point_acceleration(now, thrown):
-    """Acceleration (mm/s^2, body axes) of the body's points by a motor, that of Coriolis too."""
+    """Return the acceleration (mm/s^2, body axes) of the body's points from a motor, including Coriolis."""
     x, y, z = thrown[1, 0], thrown[1, 1], thrown[1, 2]
     return (
         -thrown[2, 0] - 2.0 * (now[4] * z - now[5] * y),
@@ -202,7 +202,7 @@ def _directions(world, state, work, near, lifted, t, m):
 
 @lean
 def _subtract_sway(world, state, work, tilted, i, p, t, d_x, d_y, d_z):
-    """Subtract from contact i, along direction d (world), how the plate under it moves relative to its middle.
+    """Subtract the plate's motion relative to its middle from contact i, along direction d (world).
 
     The frame has t seconds.
     """
@@ -219,7 +219,7 @@ def _subtract_sway(world, state, work, tilted, i, p, t, d_x, d_y, d_z):
 
 @lean
 def sway_work(near, m, t):
-    """Work (g mm^2/s^2) of a plate on m contacts in a frame of t seconds, by what it moves beside its middle."""
+    """Compute a plate's work (g mm^2/s^2) on m contacts in t seconds, from its motion relative to its middle."""
     total = 0.0
     for i in range(m):
         for p in range(3):
@@ -272,7 +272,7 @@ def _fill_mobility(J, MJ, ML, H, rows):
 
 @lean
 def plate_acceleration(world, state):
-    """Vertical acceleration of the plate, mm/s^2."""
+    """Return the vertical acceleration of the plate, mm/s^2."""
     shaken = acceleration(world.drive, state[PHASE])
     return shaken + _noise_acceleration(world.acting.noise, state[NOISE])
 
@@ -318,7 +318,7 @@ def _add_motor_acceleration(world, work):
 
 @lean
 def motor_work(walker, motor, state, work, m, t):
-    """Work (g mm^2/s^2) of a motor in a frame of t seconds: on m contacts, body and legs."""
+    """Compute a motor's work (g mm^2/s^2) in a frame of t seconds: on m contacts, body and legs."""
     near, J, thrown, total = work.near, work.J, work.thrown, 0.0
     for i in range(m):
         for p in range(3):

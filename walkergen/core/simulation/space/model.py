@@ -101,7 +101,7 @@ def _set_motor_rates(world: World, state: State, work: Work) -> None:
 
 @kernel
 def energy(world, state):
-    """Kinetic, gravitational and elastic energy, contacts included, g mm^2/s^2 (1e-9 J)."""
+    """Return the kinetic, gravitational and elastic energy, contacts included, g mm^2/s^2 (1e-9 J)."""
     walker = world.walker
     copy = state.copy()
     work = work_for(walker, state)
@@ -143,7 +143,7 @@ def feet(world: World, state: State) -> Array:
 
 
 def mirror_state(walker: Walker, state: State) -> State:
-    """State of the mirror image (x -> -x) of a walker, whose legs are listed the other way round.
+    """Return the state of a walker's mirror image (x -> -x), whose legs are listed in reverse.
 
     `walker` is the one that the state belongs to. Points of the body are listed from back to
     front, as in both.
@@ -165,7 +165,7 @@ def pose(state: State) -> tuple[float, float, float]:
 
 
 def sample_world(case: Case, resolved: Resolved, world: World, rng: np.random.Generator) -> World:
-    """World of one run, with its own print and its own plate, where the scene calls for them."""
+    """Return the world of one run, with its own print and plate if the scene requires them."""
     walker, acting = world.walker, world.acting
     if resolved.is_on(unevenness.NAME):
         corners = walker.place == 0.0

@@ -1,7 +1,7 @@
 """Points of a walker in space: corners of its feet, points that touch walls or a lid, the hull of its body.
 
-A body is as good as the convex hull of its corners: 8 of a rectangle, at most `MOST` of others. A
-round body touches walls and lids at `ROUND` points of its outline, between which it reaches up to 2 % of its
+A body is as good as the convex hull of its corners: 8 of a rectangle, at most `MAX_HULL_POINTS` of others. A
+round body touches walls and lids at `DIRECTION_COUNT` points of its outline, between which it reaches up to 2 % of its
 radius farther.
 """
 
@@ -18,13 +18,13 @@ from walkergen.core.walker.limbs import Limb
 from walkergen.core.walker.mass import MassProperties, to_centre_frame
 
 MAX_HULL_POINTS = 128
-"""Largest number of points that stand for the hull of a body."""
+"""Largest number of points that represent the hull of a body."""
 
 DIRECTION_COUNT = 16
-"""Number of directions, seen from above, in which an outline's outermost points touch walls or a lid."""
+"""Number of horizontal directions whose outermost points of an outline may touch walls or a lid."""
 
 LID_SLOPES = (0.4, 1.0, 4.0)
-"""Slopes of the directions in which a body's outermost points may touch a lid."""
+"""Slopes of the directions whose outermost points of a body may touch a lid."""
 
 EQUAL_REACH_MM = 1e-9
 """Difference (mm) of how far points reach that is none."""
@@ -38,7 +38,7 @@ def leg_axis(limb: Limb) -> Array:
 
 
 def contact_points(case: Case, free: Sequence[int], centre: Array, walled: bool, lidded: bool) -> dict[str, Any]:
-    """Points of contact: both corners of every foot, and points of the body between walls or under a lid.
+    """Return points of contact: both corners of every foot, and body points between walls or under a lid.
 
     `foot` is the number of the leg whose foot a point is, -1 for a point of the body; those come
     last, those of each kind from back to front. `centre`: C from O, mm; `free`: numbers of the legs that swing.
@@ -72,35 +72,35 @@ def contact_points(case: Case, free: Sequence[int], centre: Array, walled: bool,
 
 
 def mirror_order(walker: Walker) -> Any:
-    """Numbers of a walker's points of contact in the order of its mirror image's, shape (k,)."""
+    """Return the numbers of a walker's points of contact in the order of its mirror image's, shape (k,)."""
     feet = np.flatnonzero(walker.place == 0.0).reshape(-1, 2)[::-1].ravel()
     others = [np.flatnonzero(kind) for kind in (walker.place > 0.0, walker.place < 0.0)]
     return np.concatenate([feet, *(kind[_order_from_back(walker.root[kind] * (-1.0, 1.0, 1.0))] for kind in others)])
 
 
 def _order_from_back(points: Array) -> Any:
-    """Numbers of points, shape (n, 3), in order from back to front, then across."""
+    """Return the numbers of points, shape (n, 3), in order from back to front, then across."""
     return np.lexsort((points[:, 2], points[:, 0].round(6)))
 
 
 def body_hull(design: Design, mass: MassProperties, centre: Array) -> Array:
-    """Points of the body's convex hull from C, shape (n, 3), mm: corners or outermost points."""
+    """Return points of the body's convex hull from C, shape (n, 3), mm: corners or outermost points."""
     corners = _box_corners(design) if design.body.plain else _hull_points(design)
     corners[:, :2] = to_centre_frame(design.limbs, mass, corners[:, :2])
     return np.asarray(corners - centre)
 
 
 def _box_corners(design: Design) -> Array:
-    """Corners of a rectangular body, shape (8, 3), from its middle."""
+    """Return the corners of a rectangular body, shape (8, 3), from its middle."""
     size = design.size
     signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
     return signs * (0.5 * np.array([size.length, size.thickness, size.depth]))
 
 
 def _hull_points(design: Design) -> Array:
-    """Points of the hull of a body, shape (n, 3) with n <= MOST, from its middle.
+    """Return points of the hull of a body, shape (n, 3) with n <= MAX_HULL_POINTS, from its middle.
 
-    Of larger hulls the outermost points in `MOST` directions, even over the sphere.
+    Of larger hulls the outermost points in `MAX_HULL_POINTS` directions, even over the sphere.
     """
     from scipy.spatial import ConvexHull
 
@@ -116,7 +116,7 @@ def _hull_points(design: Design) -> Array:
 
 
 def _wall_points(design: Design) -> Array:
-    """Points of the body that touch walls, shape (n, 3), from its middle: from back to front.
+    """Return the points of the body that touch walls, shape (n, 3), from its middle: from back to front.
 
     Of bodies in side view their upright edges, at the middle of their height; of others the
     outermost points of the outline.
@@ -133,7 +133,7 @@ def _wall_points(design: Design) -> Array:
 
 
 def _lid_points(design: Design) -> Array:
-    """Corners of the body that a lid may touch as it tilts, shape (n, 3), from its middle: from back to front."""
+    """Return corners that may touch a lid as the body tilts, shape (n, 3), from its middle: from back to front."""
     body, size = design.body, design.size
     hull = _box_corners(design) if body.plain else design.shape.solid().vertices - (0.0, 0.0, 0.5 * size.depth)
     reach = _directions(*LID_SLOPES) @ hull.T
@@ -145,7 +145,7 @@ def _lid_points(design: Design) -> Array:
 
 
 def _directions(*slopes: float) -> Array:
-    """`ROUND` directions of each of some slopes, shape (n, 3)."""
+    """Return `DIRECTION_COUNT` directions of each of some slopes, shape (n, 3)."""
     turn = (np.arange(DIRECTION_COUNT) + 0.5) * 2.0 * math.pi / DIRECTION_COUNT
     flat = np.column_stack([np.cos(turn), 0.0 * turn, np.sin(turn)])
     return np.concatenate([np.array([0.0, slope, 0.0]) + flat for slope in slopes])

@@ -40,21 +40,21 @@ _motor_acts, _swing_of_motor = motors.acts, motors.swing
 
 @lean
 def plate_height(world, state):
-    """Height of the plate's middle, mm, without its roughness."""
+    """Return the height of the plate's middle, mm, without its roughness."""
     shaken = height(world.drive, state[PHASE])
     return shaken + _noise_height(world.acting.noise, state[NOISE])
 
 
 @lean
 def plate_velocity(world, state):
-    """Vertical velocity of the plate's middle, mm/s."""
+    """Return the vertical velocity of the plate's middle, mm/s."""
     shaken = velocity(world.drive, state[PHASE])
     return shaken + _noise_velocity(world.acting.noise, state[NOISE])
 
 
 @lean
 def plate_sway(world, state):
-    """Displacements of the plate along x and z, mm, and its slopes along both, as it sways."""
+    """Return the displacements of a swaying plate along x and z, mm, and its slopes along both."""
     if not _sways(world.acting.sway):
         return 0.0, 0.0, 0.0, 0.0
     return _sway_displacements(world.acting.sway, state[PHASE])
@@ -202,7 +202,7 @@ def normal_of(roughness, swayed, place, state, R, points, k):
 
 @lean
 def point_velocity(state, now, points, shift, leg, f, k):
-    """Velocity of contact point k, body axes, mm/s: of leg `leg` (-1: none), f coordinates each.
+    """Return the velocity of contact point k, body axes, mm/s: of leg `leg` (-1: none), f coordinates each.
 
     `now`, `points`: of `Work`; `shift`: of `Walker`.
     """
@@ -228,7 +228,7 @@ def point_velocity(state, now, points, shift, leg, f, k):
 
 @lean
 def lowest_corner(world, state, work):
-    """Height of the body's lowest corner over the plate, mm; toppled when it reaches zero."""
+    """Return the height of the body's lowest corner over the plate, mm; toppled when it reaches zero."""
     R, corners, lowest = work.R, world.walker.corners, math.inf
     for i in range(len(corners)):
         y = R[1, 0] * corners[i, 0] + R[1, 1] * corners[i, 1] + R[1, 2] * corners[i, 2]

@@ -21,7 +21,7 @@ MIN_STUCK_CORNERS = 3
 
 @lean
 def _energy_over_plate(world, state):
-    """Kinetic energy of a walker as seen from the plate, g mm^2/s^2."""
+    """Return the kinetic energy of a walker relative to the plate, g mm^2/s^2."""
     walker, n = world.walker, len(world.walker.stiffness)
     v = state[V_X + 1] - plate_velocity(world, state)
     twice = walker.mass * (state[V_X] ** 2 + v * v + state[V_X + 2] ** 2)

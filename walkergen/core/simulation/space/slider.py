@@ -15,7 +15,7 @@ MAX_WAY_RADII = 20.0
 
 @lean
 def stretch_directions(e_1, e_2, u_1, u_2, t, radius):
-    """Directions of the stretch (e_1, e_2), mm, after slip (u_1, u_2), mm/s, for t and 2 t seconds.
+    """Return the directions of the stretch (e_1, e_2), mm, after slip (u_1, u_2), mm/s, for t and 2 t seconds.
 
     A stretch inside the circle of `radius` (mm) first moves freely. Exact for constant slip and
     radius; (0, 0) where neither slip nor stretch has a direction.
@@ -49,9 +49,9 @@ def stretch_directions(e_1, e_2, u_1, u_2, t, radius):
 
 @lean
 def _direction_after_slip(a_1, a_2, side_1, side_2, along, exit, way, radius):
-    """Direction of a stretch inside its circle after the slip has gone so far, mm.
+    """Compute the direction of a stretch inside its circle after a slip of `way`, mm.
 
-    `along` and `exit`: where it is, and where it meets the circle, along the slip's direction a.
+    `along` and `exit`: positions of the stretch and of its exit from the circle, along the slip's direction a.
     """
     if along + way < exit:
         x_1, x_2 = side_1 + (along + way) * a_1, side_2 + (along + way) * a_2
@@ -64,7 +64,7 @@ def _direction_after_slip(a_1, a_2, side_1, side_2, along, exit, way, radius):
 
 @lean
 def _direction_toward_slip(a_1, a_2, side_1, side_2, ahead, behind, shrunk):
-    """Direction of a stretch whose half angle with the slip's direction a has `shrunk`.
+    """Return the direction of a stretch whose half angle with the slip's direction a has `shrunk`.
 
     `ahead` and `behind`: its size, and with that its part along a added or taken.
     """

@@ -44,7 +44,7 @@ SLIDING, IN_RESTITUTION, IN_COMPRESSION = range(3)
 
 
 class Walker(NamedTuple):
-    """Everything the integrator knows of a walker: n legs' coordinates, k points of contact.
+    """The integrator's data on a walker: n legs' coordinates, k points of contact.
 
     Lengths in mm; vectors in body axes from C. The coordinates of a leg are the angle of its hinge
     and, if it twists, the twist of its foot (rad).
@@ -118,11 +118,11 @@ class Options(NamedTuple):
     step: float
     """Longest step while a foot may touch, s."""
     frame: int
-    """Steps for which pose and contact directions are frozen."""
+    """Number of steps with frozen pose and contact directions."""
 
 
 # A point of contact: place from C (body axes, mm), derivatives by both coordinates of its leg, gap
-# (mm), time in which it cannot close (s).
+# (mm), time (s) during which it cannot close.
 POINT_DTYPE = np.dtype(
     (np.record, [("at", np.float64, 3), ("turned", np.float64, (2, 3)), ("gap", np.float64), ("clear", np.float64)])
 )
@@ -142,7 +142,7 @@ NEAR_DTYPE = np.dtype(
             ("shear", np.float64),
             ("damper", np.float64),
             # depth about which its normal spring is linearised, force and tangent stiffness there; tangential
-            # stiffness, normal damping; resistances c + h k / 2, the share of the step, up to its end, in which it
+            # stiffness, normal damping; resistances c + h k / 2, the share of the step, up to its end, with contact;
             # touches; elastic energy of its stretch as the step begins
             ("about", np.float64),
             ("push", np.float64),
@@ -164,7 +164,7 @@ NEAR_DTYPE = np.dtype(
             ("middle", np.float64, 3),  # the same with them
             ("force", np.float64, 3),  # g mm/s^2
             ("drift", np.float64, 3),  # accelerations by all but contacts and legs
-            # of the place under it beside the plate's middle: velocity as a frame begins, acceleration in it
+            # of the place under it relative to the plate's middle: velocity as a frame begins, acceleration in it
             ("swept", np.float64, 3),
             ("sweeping", np.float64, 3),
             ("impulse", np.float64, 3),  # since the frame began, g mm/s
@@ -186,9 +186,9 @@ class Work(NamedTuple):
     acting: Array
     """Accelerations of both without contact, shape (6,)."""
     gained: Array
-    """What both gain in a frame, shape (6,)."""
+    """Change of both in a frame, shape (6,)."""
     moved: Array
-    """By how much both move in it, shape (6,)."""
+    """Displacements from both in a frame, shape (6,)."""
     points: npt.NDArray[np.record]
     """Points of contact, shape (k,)."""
     near: npt.NDArray[np.record]
@@ -210,21 +210,21 @@ class Work(NamedTuple):
     after: Array
     """Coordinates and rates after a flight, shape (2 n,)."""
     left: Array
-    """Torques by which effects that turn the body leave legs behind, shape (n,)."""
+    """Lag torques on the legs from effects that turn the body, shape (n,)."""
     swing: Array
     """Inverse inertia of the coordinates in a step, their springs included, shape (n, n)."""
     swung: Array
-    """Length of the step for which `swing` is, shape (1,), s."""
+    """Length of the step that `swing` belongs to, shape (1,), s."""
     thrown: Array
     """By how much a motor's unbalanced mass leads C away, its rate and its second derivative, body
     axes, shape (3, 3)."""
     midway: Array
-    """State at the middle of a frame, as far as it is known at its start."""
+    """State at the middle of a frame, estimated at its start."""
 
 
 @kernel
 def work_for(walker, state):
-    """Work space for a walker and its state."""
+    """Create the work space for a walker and its state."""
     n, k = len(walker.stiffness), len(walker.leg)
     m = 3 * k
     return Work(

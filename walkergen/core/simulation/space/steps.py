@@ -1,7 +1,7 @@
 """Time stepping in space: frozen frames of implicit midpoint steps, and flights between them.
 
 Within a frame the pose's directions and Jacobians are held, so that corner velocities obey linear
-equations with Coulomb's cones; exact gaps are taken anew in every frame. A contact that touches
+equations with Coulomb's cones; exact gaps are computed again in every frame. A contact that touches
 within a step acts for the rest of it (forces.py): landings, sliding and flight all err by second
 order. While no contact can close, the walker flies (flight.py).
 """
@@ -167,10 +167,10 @@ def _correct_late_touches(state, near, H, ML, n, m, h):
 
 @lean
 def _closed_time(state, near, m, first, h):
-    """Time (s) within a step of h seconds in which any of m near contacts is closed.
+    """Compute the time (s) within a step of h seconds with any of m near contacts closed.
 
-    One that opens in it does so where its force, linear in time, vanishes: before the step's start
-    where it counted to the end of the last one.
+    A contact opens when its force, linear in time, vanishes. If it counted to the end of the last
+    step, that time may lie before this step's start.
     """
     begin, end = 1.0, -0.5
     for i in range(m):
@@ -260,13 +260,13 @@ def _advance_frame(world, state, work, begin, h, count, tally):
 
 @lean
 def _turning_rate(state):
-    """Rate at which the body turns, rad/s, never zero."""
+    """Return the rate at which the body turns, rad/s, never zero."""
     return math.sqrt(state[W_X] ** 2 + state[W_X + 1] ** 2 + state[W_X + 2] ** 2) + 1e-300
 
 
 @lean
 def _flight_level(world, state, clear):
-    """Level of the longest tabulated flight within `clear` seconds, less than -HALVINGS if none is.
+    """Return the level of the longest tabulated flight within `clear` seconds; below -HALVINGS without one.
 
     Flights shorter than a step are for a body that spins fast: close to a surface a frame of steps costs less.
     """

@@ -19,7 +19,7 @@ ROOT_TOLERANCE = 1e-7
 
 @lean
 def _root_of_tip_depth(spring, tip, depth):
-    """Root of the depth of the tip, mm^0.5, where the whole contact is pressed by `depth` (mm)."""
+    """Return the root of the depth of the tip, mm^0.5, for a depth of the whole contact (mm)."""
     ratio, x = tip / spring, math.sqrt(depth)
     x *= 2.0 / (2.0 + ratio * x)  # for a leg much stiffer than its tip
     while True:  # eq. 7.7, convex and increasing: after its first step Newton's method descends to the root
@@ -43,7 +43,7 @@ def response(spring, tip, depth):
 
 @lean
 def elastic_energy(spring, tip, depth):
-    """Elastic energy of a contact at a depth, g mm^2/s^2; 0 where it is open."""
+    """Compute the elastic energy of a contact at a depth, g mm^2/s^2; 0 for an open one."""
     if not depth > 0.0:
         return 0.0
     if tip == math.inf:

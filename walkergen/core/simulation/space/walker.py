@@ -27,7 +27,7 @@ FLIGHT_LEVELS = 5
 """Tabulated flights of a step and longer: the longest takes 2^(LEVELS - 1) steps, 0.4 ms of the paper's walker."""
 
 MAX_SERIES_NORM, SERIES_TERMS = 0.5, 14
-"""Norm of a matrix up to which so many terms of its exponential's series are exact to rounding."""
+"""Largest norm of a matrix, and number of terms that give its exponential exactly to rounding up to that norm."""
 
 MAX_STEP_PHASE, MAX_STEP_PHASE_UP, MAX_STEP_PHASE_SIDEWAYS = 0.23, 1.6, 2.4
 """Length of a step times the frequency of a corner that bears its share of the walker, pressed as deep as a landing
@@ -42,8 +42,8 @@ MAX_STEP_PERIODS, MIN_STEP_RATIO = 5e-3, 1 / 64
 the least part of what resolves the feet that a step is, however fast the plate."""
 
 FRAME_STEPS, MAX_FRAME_PERIODS = 24, 2.2e-2
-"""Steps for which a pose is frozen, and the longest frame of the walker's own steps, of the plate's period (240 us at
-90 Hz)."""
+"""Largest number of steps with a frozen pose, and longest such frame of the walker's own steps, in periods of the plate
+(240 us at 90 Hz)."""
 
 Z = np.array([0.0, 0.0, 1.0])
 
@@ -60,7 +60,7 @@ class _Limbs(NamedTuple):
 
 
 def make_walker(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
-    """Walker and steps of a case. Raises InputError for masses without a third dimension."""
+    """Return walker and steps of a case. Raises InputError for masses without a third dimension."""
     design, mass, scene = case.design, case.mass, case.scene
     if mass.spatial is None or any(leg.tensor is None for leg in mass.legs):
         raise InputError(f"{design.name}: motion in space needs inertia tensors, as of a mesh")
@@ -110,7 +110,7 @@ def make_walker(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
 
 
 def _total_mass_properties(mass: MassProperties, spatial: Spatial) -> tuple[float, Array, Array]:
-    """Mass of the whole walker, its centre C from O (at half depth), and its inertia about C."""
+    """Return the mass of the whole walker, its centre C from O (at half depth), and its inertia about C."""
     masses = np.array([mass.M, *(leg.m for leg in mass.legs)], float)
     centres = np.array([(0.0, 0.0), *(leg.anchor + leg.c_A for leg in mass.legs)])
     centre, inertia = centre_and_inertia(spatial, mass.legs, masses, centres)
@@ -118,7 +118,7 @@ def _total_mass_properties(mass: MassProperties, spatial: Spatial) -> tuple[floa
 
 
 def _leg_momenta(legs: Sequence[tuple[Limb, LegMass]], centre: Array, freedoms: int) -> _Limbs:
-    """Momenta of the legs' coordinates; the twist is linear along a leg, zero at its anchor."""
+    """Return the momenta of the legs' coordinates; the twist is linear along a leg, zero at its anchor."""
     n = len(legs) * freedoms
     limbs = _Limbs(np.zeros((3, n)), np.zeros((3, n)), np.zeros((n, n)))
     for number, (limb, leg) in enumerate(legs):
@@ -137,7 +137,7 @@ def _leg_momenta(legs: Sequence[tuple[Limb, LegMass]], centre: Array, freedoms: 
 
 
 def _hinge_constants(case: Case, free: Sequence[int], freedoms: int) -> tuple[Array, Array]:
-    """Stiffness and damping of the free legs' coordinates, shape (n,) each."""
+    """Return the stiffness and damping of the free legs' coordinates, shape (n,) each."""
     design, legs = case.design, case.scene.legs
     springs: list[float] = []
     dampers: list[float] = []
@@ -156,7 +156,7 @@ def _hinge_constants(case: Case, free: Sequence[int], freedoms: int) -> tuple[Ar
 
 
 def _forced_swing(walker: Walker, rotor: motors.Rotor) -> Array:
-    """Coordinates of the legs in lasting flight, by the phase's cosine and sine, shape (2, n)."""
+    """Return the coordinates of the legs in lasting flight, by the phase's cosine and sine, shape (2, n)."""
     omega, push = rotor.omega, rotor.moment * rotor.omega**2
     pushes = push * np.array([rotor.first, rotor.second])
     torques = np.cross(rotor.place + walker.centre, pushes)
@@ -168,14 +168,14 @@ def _forced_swing(walker: Walker, rotor: motors.Rotor) -> Array:
 
 
 def _upward_components(place: Array) -> Array:
-    """Upward components of the directions of contacts with walls, the plate and a lid, shape (k, 3)."""
+    """Return the upward components of the directions of contacts with walls, the plate and a lid, shape (k, 3)."""
     upward = np.zeros((len(place), 3))
     upward[place == 0.0, 0], upward[place < 0.0, 0], upward[place > 0.0, 2] = 1.0, -1.0, 1.0
     return upward
 
 
 def _point_friction(scene: Scene, design: Design, foot: int) -> float:
-    """Friction of a point: a foot's own or the scene's, or that of walls and lid (foot -1)."""
+    """Return the friction of a point: a foot's own or the scene's, or that of walls and lid (foot -1)."""
     if foot < 0:
         return scene.arena.wall_friction
     own = design.limbs[foot].friction
@@ -183,7 +183,7 @@ def _point_friction(scene: Scene, design: Design, foot: int) -> float:
 
 
 def _add_feet(walker: Walker, case: Case, feet_of_points: Array) -> tuple[Walker, Options]:
-    """Walker with its elastic contacts and tabulated flights, and the steps that resolve them."""
+    """Return the walker with its elastic contacts and tabulated flights, and the steps that resolve them."""
     scene, material = case.scene, case.design.material
     of_legs = [feet.foot_of(scene, limb, material) for limb in case.design.limbs]
     H, wall = mobility(walker), walker.place != 0.0
@@ -234,7 +234,7 @@ def _round_step(step: float, unit: float) -> float:
 
 
 def _largest_eigenvalue(block: Array, factors: Array) -> float:
-    """Largest eigenvalue of a mobility (1/g) times springs (g/s^2) or dampers (g/s)."""
+    """Return the largest eigenvalue of a mobility (1/g) times springs (g/s^2) or dampers (g/s)."""
     if np.all(factors == factors[0]):
         return float(factors[0]) * float(np.linalg.eigvalsh(block)[-1])
     roots = np.sqrt(factors)
@@ -242,7 +242,7 @@ def _largest_eigenvalue(block: Array, factors: Array) -> float:
 
 
 def _choose_step(given_us: float | None, own: float) -> float:
-    """Length of a step, s: the feet's own, or a given one. Raises InputError for one that steps over whole contacts."""
+    """Choose the step, s: the feet's own, or a given one. Raises InputError for one longer than whole contacts."""
     if given_us is None:
         return own
     if 1e-6 * given_us > MAX_STEP_RATIO * own:
@@ -254,14 +254,14 @@ def _choose_step(given_us: float | None, own: float) -> float:
 
 
 def coarser(world: World, factor: float) -> World:
-    """World with steps `factor` times longer, and flights tabulated for them."""
+    """Return the world with steps `factor` times longer, and flights tabulated for them."""
     walker, step = world.walker, factor * world.options.step
     flights = _flight_propagators(walker, step, len(walker.stiffness), world.drive.period)
     return world._replace(walker=walker._replace(flights=flights), options=world.options._replace(step=step))
 
 
 def mobility(walker: Walker) -> Array:
-    """Inverse mass of all contacts of a level, relaxed walker, shape (3 k, 3 k), 1/g."""
+    """Return the inverse mass of all contacts of a level, relaxed walker, shape (3 k, 3 k), 1/g."""
     size = 6 + len(walker.stiffness)
     J = np.zeros((3 * len(walker.leg), size))
     for k, leg in enumerate(walker.leg):
@@ -286,7 +286,7 @@ def mobility(walker: Walker) -> Array:
 
 
 def _flight_propagators(walker: Walker, step: float, n: int, period: float) -> Array:
-    """Propagators of the legs in flight for step 2^i seconds, i from -HALVINGS, shape (HALVINGS + LEVELS, 2 n, 2 n).
+    """Return propagators of legs in flight for step 2^i s, i from -HALVINGS, shape (HALVINGS + LEVELS, 2 n, 2 n).
 
     The unit of time is a power of two, so that a scaled walker has the same bits, near a radian of legs' swing.
     """

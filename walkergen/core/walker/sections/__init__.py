@@ -16,22 +16,22 @@ class CrossSection(Protocol):
     """Relative uncertainty of the plastic of a whole leg that prints on its side."""
 
     def profile(self, limb: Limb, segments: int) -> list[Polygon]:
-        """Polygons below the underside, counter-clockwise, the leg's first; anchor at the origin."""
+        """Return the polygons below the underside, counter-clockwise, the leg's first; anchor at the origin."""
 
     def struts(self, limb: Limb) -> tuple[Strut, ...]:
-        """Supports beside the leg."""
+        """Return the supports next to the leg."""
 
     def second_moment(self, limb: Limb) -> float:
-        """Second moment of area about the axis across the run, mm^4."""
+        """Return the second moment of area about the axis across the run, mm^4."""
 
     def torsion_constant(self, limb: Limb) -> float:
-        """Torsion constant about the leg's long axis, mm^4."""
+        """Return the torsion constant about the leg's long axis, mm^4."""
 
     def axial(self, limb: Limb) -> float:
-        """Stiffness along the leg, over Young's modulus times the width."""
+        """Return the stiffness along the leg, over Young's modulus times the width."""
 
     def problems(self, limb: Limb) -> list[str]:
-        """Reasons why the leg cannot be built, whatever the body."""
+        """Return the reasons why the leg cannot be built on any body."""
 
 
 SECTIONS: dict[Kind, CrossSection] = {"flexible": flexible, "braced": braced}

@@ -14,23 +14,23 @@ PLASTIC_TOLERANCE = 0.08
 
 
 def profile(limb: Limb, segments: int) -> list[Polygon]:
-    """Profiles of the leg and of its brace, as `flexible` has them."""
+    """Return the profiles of the leg and of its brace, as `flexible` has them."""
     return [*flexible.profile(limb, segments), _brace_profile(limb)]
 
 
 def struts(limb: Limb) -> tuple[Strut, ...]:
-    """Its brace, whose middle is on the foot."""
+    """Return its brace, whose middle is on the foot."""
     reach = limb.length - (0.5 * limb.thickness if limb.foot == "round" else 0.0)
     return (Strut(-reach * math.sin(limb.tilt), limb.brace),)
 
 
 def axial(limb: Limb) -> float:
-    """Stiffness of leg and brace together, over Young's modulus times the width."""
+    """Return the stiffness of leg and brace together, over Young's modulus times the width."""
     return 1.0 / _compliance(limb)
 
 
 def _compliance(limb: Limb) -> float:
-    """Axial compliance of a leg and its upright brace, times modulus and width, without unit.
+    """Return the axial compliance of a leg and its upright brace, times modulus and width, dimensionless.
 
     Cuts in series, each as wide as the leg's and the brace's parts that do not overlap: at the
     foot the brace lies in the leg, which leaves it by tan(tilt) a height. An upright leg hides its
@@ -48,7 +48,7 @@ def _compliance(limb: Limb) -> float:
 
 
 def problems(limb: Limb) -> list[str]:
-    """Problem of a brace that its foot does not bear."""
+    """Return the problem of a brace wider than its foot supports."""
     foot_width = (
         limb.thickness * {"flat": 1.0 / math.cos(limb.tilt), "square": math.cos(limb.tilt), "round": 1.0}[limb.foot]
     )
@@ -58,7 +58,7 @@ def problems(limb: Limb) -> list[str]:
 
 
 def _brace_profile(limb: Limb) -> Polygon:
-    """Profile of the brace, from the foot to the underside."""
+    """Return the profile of the brace, from the foot to the underside."""
     x, half = struts(limb)[0].offset, 0.5 * limb.brace
     reach = limb.length - (0.5 * limb.thickness if limb.foot == "round" else 0.0)
     y = -reach * math.cos(limb.tilt)

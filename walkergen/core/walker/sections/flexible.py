@@ -10,11 +10,11 @@ import numpy as np
 from walkergen.core.walker.limbs import Limb, Polygon, Strut
 
 PLASTIC_TOLERANCE = 0.05
-"""Its ends differ from its middle, for which the plastic is known (measured; `printing.walls`)."""
+"""Its ends differ from its middle, and only the middle's plastic is known (measured; `printing.walls`)."""
 
 
 def profile(limb: Limb, segments: int) -> list[Polygon]:
-    """Profile below the underside, counter-clockwise, with the anchor at the origin, y <= 0.
+    """Return the profile below the underside, counter-clockwise, with the anchor at the origin, y <= 0.
 
     `segments`: edges of a round foot's half circle.
     """
@@ -44,25 +44,25 @@ def _half_circle(tilt: float, segments: int) -> Polygon:
 
 
 def struts(limb: Limb) -> tuple[Strut, ...]:
-    """No supports."""
+    """Return no supports."""
     return ()
 
 
 def second_moment(limb: Limb) -> float:
-    """Second moment of its area about the axis across the run, mm^4."""
+    """Return the second moment of its area about the axis across the run, mm^4."""
     return limb.width * limb.thickness**3 / 12.0
 
 
 def torsion_constant(limb: Limb) -> float:
-    """Torsion constant of a strip that is much wider than thick, mm^4."""
+    """Return the torsion constant of a strip that is much wider than thick, mm^4."""
     return limb.width * limb.thickness**3 / 3.0
 
 
 def axial(limb: Limb) -> float:
-    """Stiffness along the leg, over Young's modulus times the width."""
+    """Return the stiffness along the leg, over Young's modulus times the width."""
     return limb.thickness / limb.length
 
 
 def problems(limb: Limb) -> list[str]:
-    """Nothing that keeps it from being built."""
+    """Return no problems."""
     return []

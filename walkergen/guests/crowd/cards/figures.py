@@ -33,15 +33,13 @@ def draw_card(card: Card, measured: Measured) -> Figure:
 
 
 def _draw_spread(axes: Axes, card: Card, measured: Measured) -> None:
-    """Squared displacement measured, and what run and diffusion of the card make of it."""
+    """Draw the measured squared displacement, and the card's from run and diffusion."""
     at, value, _ = measured.motion.msd
     speed, turning = card.speed_mm_s.number, card.turning_rad_s.number
     time, rotation = card.velocity_relaxation_s.number, card.rotational_diffusion_rad2_s.number
     fine = np.geomspace(at[0], at[-1], 200)
     run = persistent_walk.squared_displacement(fine, Spread(speed**2, rotation, 0.0, 0.0, turning))
-    late = (
-        persistent_walk.delayed_lag(fine, time) if time > 0.0 else fine
-    )  # less the time in which pushes are remembered
+    late = persistent_walk.delayed_lag(fine, time) if time > 0.0 else fine  # less the relaxation time of pushes
     pushed = 4.0 * card.translational_diffusion_mm2_s.number * late
     plots.draw_points(axes, measured.motion.msd, label="measured")
     axes.plot(fine, run + pushed, color=FITTED.colour, label="card: sum")
@@ -84,7 +82,7 @@ def _draw_correlation(axes: Axes, relaxed: Relaxation, shown: int, look: Look, n
 
 
 def _draw_delay(axes: Axes, card: Card, measured: Measured) -> None:
-    """Delay function measured, and that of a particle with the card's numbers."""
+    """Draw the measured delay function, and that of a particle with the card's numbers."""
     function = measured.delay.function
     stride = max(len(function.at) // MAX_DELAY_POINTS, 1)
     at, value, se = (part[::stride] for part in function)
@@ -106,7 +104,7 @@ def _draw_delay(axes: Axes, card: Card, measured: Measured) -> None:
 
 @style()
 def draw_walls(card: Card, walled: Walled) -> Figure:
-    """Draw how often a walker stands to a wall at each angle, and how it turns there."""
+    """Draw how often a walker has each angle to a wall, and its turning rate there."""
     figure, (often, turns) = new_panels(f"{card.name} by the wall of {walled.dish.words}", (1.6, 1.9))
     by_wall = walled.by_wall
     angles = np.degrees(by_wall.angles)

@@ -33,14 +33,13 @@ DEFAULT_SCENE = "plane-90hz"
 """Scene of a card by default: a walker alone has to have room to turn."""
 
 SLOPE_DEG = 1.0
-"""Slope that pushes a walker aside, a sixtieth of its weight: about a fifth of what drives the paper's."""
+"""Slope that pushes a walker aside, a sixtieth of its weight: about a fifth of the paper's propulsion."""
 
 SLOPE_SETTINGS = {"plate.slope_deg": SLOPE_DEG, "run.heading_deg": "uniform"}
 """Keys of a scene whose walkers are pushed, whichever way they head."""
 
 MIN_INTERVAL_PERIODS = 0.75
-"""Part of a drive's period from which on frames are taken as they are: more of them in a period
-would show the bouncing."""
+"""Shortest frame interval whose frames are all used, over a drive's period: shorter ones would show the bouncing."""
 
 
 class Measured(NamedTuple):
@@ -50,27 +49,27 @@ class Measured(NamedTuple):
     velocity: Relaxation
     """Of the velocity along the heading."""
     sideways: Quantity
-    """Time in which a push across it is forgotten, s; refused of films, in which nobody pushes."""
+    """Relaxation time of the velocity across the heading, s; refused for films, which have no pushes."""
     translation: Quantity
     """Translational diffusion of each axis, mm^2/s."""
     turning: Relaxation
     aligning: Quantity
-    """Self-alignment, 1/mm; refused of films, in which nobody pushes."""
+    """Self-alignment, 1/mm; refused for films, which have no pushes."""
     delay: Delay
     leaning: Quantity
-    """Velocity to the left that goes with a rate of turning to the left, mm."""
+    """Velocity to the left per turning rate to the left, mm."""
     interval: float
     """Time between samples, s."""
     runs: int
     """Number of runs, or of filmed walkers."""
     notes: tuple[str, ...]
-    """How it was measured, in words."""
+    """Method of measurement, as text."""
 
 
 def simulate_walker(scene: Scene, design: Design, mass: MassProperties, progress: Progress) -> Measured:
-    """Measure runs of a walker alone, each another print where the scene says so; and others of it on a slope.
+    """Simulate runs of a single walker, level and on a slope; each run is another print if the scene varies prints.
 
-    Raises InputError for a scene in which it cannot turn, or whose plate sways, and where too few runs end well.
+    Raises InputError if the walker cannot turn in the scene, if the plate sways, or if too few runs end well.
     """
     swaying_plate.check_still_plate(scene, "a card is of plates that move up and down alike everywhere")
     if scene.arena.kind != "plane":
@@ -155,7 +154,7 @@ def measure_film(path: Path, units: Units, scene: Scene) -> Measured:
 
 
 def measure_tracks(own: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured:
-    """Measure tracks with headings; `exact` says that places have no noise."""
+    """Measure tracks with headings; `exact` marks positions without noise."""
     moved = motion.analyse(own)
     both, translation = relaxation.measure_velocity(own, exact)
     velocity = relaxation.measure_along_heading(own, exact, both, translation)
@@ -197,7 +196,7 @@ def _centre_and_inertia(mass: MassProperties) -> tuple[Array, Array]:
 
 
 def shift_poses(rows: Array, shift: Array) -> Array:
-    """Places and headings of a point that lies forward and to the left of those of `rows`."""
+    """Move the poses `rows` to a point forward and to the left of them."""
     cos, sin = np.cos(rows[:, 2]), np.sin(rows[:, 2])
     x = rows[:, 0] + cos * shift[0] - sin * shift[1]
     y = rows[:, 1] + sin * shift[0] + cos * shift[1]

@@ -1,7 +1,6 @@
-"""One run of a crowd of cards in a plane: its LAMMPS input, or where everybody was.
+"""One run of a crowd of cards in a plane: its LAMMPS input, or its positions.
 
-What is run is a crowd as `doors` has checked it. Here LAMMPS is a program like any other; with `files`
-it is another machine's.
+The crowd comes from `crowd_checks`. `simulate` runs LAMMPS here; `input_files` writes the input for another machine.
 """
 
 import tempfile
@@ -29,9 +28,9 @@ class FlatRun(NamedTuple):
 def simulate(crowd: Crowd, ranks: int = 1, progress: Progress = silent) -> FlatRun:
     """Run a crowd with LAMMPS and read back where its walkers were.
 
-    Equal crowds give the same, to the bit. `ranks` above 1 are processes of MPI. Progress counts frames. Its
-    files stand in a temporary folder that goes with the run. Raises InputError for LAMMPS absent, too old or
-    stopped; OutputError where the disk is full.
+    Equal crowds give the same bits. `ranks` above 1 starts MPI processes. Progress counts frames. The files are in a
+    temporary folder, deleted after the run. Raises InputError if LAMMPS is absent, too old or stopped; OutputError if
+    the disk is full.
     """
     if ranks < 1:
         raise crowd_checks.argument_error("ranks", ranks, ">= 1")

@@ -1,4 +1,4 @@
-"""What a run of a crowd in a plane is asked for, checked once."""
+"""Settings of a run of a crowd in a plane, checked once."""
 
 import math
 from collections.abc import Sequence
@@ -84,7 +84,7 @@ def argument_error(name: str, value: object, allowed: str) -> InputError:
 
 
 def _turning_rates(cards: Sequence[Card], kinds: Whole, seed: int) -> Array:
-    """Mean turning rate of each walker, rad/s: a print's own where the card knows their spread."""
+    """Draw the mean turning rate of each walker, rad/s: per print if the card has their spread."""
     generator = np.random.default_rng([seed, 1])
     means = np.array([card.turning_rad_s.number for card in cards])
     spreads = np.array([one.turning_sd_rad_s.number if one.turning_sd_rad_s else 0.0 for one in cards])
@@ -131,11 +131,11 @@ def _check_room(asked: lammps_input.Crowd) -> None:
 
 
 def _wrap_points(points: Array, period: float) -> Array:
-    """Points in a square from 0 to its side, which is outside; as they are without a period."""
+    """Wrap points into a square from 0 to its side, exclusive; without a period, return them unchanged."""
     if not period:
         return points
     wrapped = np.mod(points, period)
-    return np.where(wrapped < period, wrapped, 0.0)  # a hair below 0 is rounded up to the side
+    return np.where(wrapped < period, wrapped, 0.0)  # a rounding error below 0 becomes the side itself
 
 
 def _place_discs(asked: lammps_input.Crowd, shapes: Sequence[discs.Discs]) -> tuple[Array, Array, Whole]:

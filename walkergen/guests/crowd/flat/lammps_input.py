@@ -1,9 +1,8 @@
-"""LAMMPS input of a crowd: what moves, how it meets, and when its places are written; as text.
+"""LAMMPS input of a crowd as text: bodies, contacts, and output times.
 
-Every walker is a rigid body of discs (fix rigid/small) with the card's mass and inertia. A particle
-without size at C carries the push (fix propel/self), the noise and the drag (fix langevin), by
-which they act at C and as torque; one where a turn is wanted lies ahead of it and pushes sideways.
-Units are mm, g and s: `units lj` leaves all factors 1.
+Every walker is a rigid body of discs (fix rigid/small) with the card's mass and inertia. A particle without size at C
+carries the push (fix propel/self), the noise and the drag (fix langevin), so these act at C and as torque. For a
+turning walker a second particle ahead of C pushes sideways. Units are mm, g and s: `units lj` leaves all factors 1.
 """
 
 import math
@@ -24,7 +23,7 @@ DISC_TOLERANCE = 0.025
 """Bumps of a row of discs, as a share of the widest disc's radius of the narrowest walker."""
 
 INFINITE_RELAXATION_S = 1e9
-"""Relaxation of the noise that only turns: of what it does to velocities nothing is left, s."""
+"""Relaxation time of the noise that only turns: large enough to leave velocities unchanged, s."""
 
 BOX_MARGIN_MM = 20.0
 """Room between the walls of a dish and the edge of the box, mm."""
@@ -34,7 +33,7 @@ MAX_BINS = 500
 
 
 class Crowd(NamedTuple):
-    """What one run is about."""
+    """Definition of one run."""
 
     cards: Sequence[Card]
     kinds: Whole
@@ -62,7 +61,7 @@ def frame_count(seconds: float, rate_hz: float) -> int:
 
 
 class Mechanics(NamedTuple):
-    """What the cards come to in LAMMPS, by kind."""
+    """Mechanics of the cards in LAMMPS, by kind."""
 
     motions: list[motion.Motion]
     discs: list[discs.Discs]
@@ -159,7 +158,7 @@ def _format_contact(one: contact.Contact) -> str:
 
 
 def _wall_commands(crowd: Crowd, parts: Mechanics) -> list[str]:
-    """Walls of the dish, which discs of each kind meet in their way."""
+    """Write the walls of the dish, as obstacles for discs of each kind."""
     kind, sizes, count = crowd.dish.kind, crowd.dish.sizes, len(crowd.cards)
     lines: list[str] = []
     if kind == "ring":

@@ -52,7 +52,7 @@ class Bounds(NamedTuple):
 
 
 class Cells(NamedTuple):
-    """Walkers by the squares of a grid in which their middles lie."""
+    """Walkers sorted into the squares of a grid by their middles."""
 
     side: float
     across: int
@@ -92,7 +92,7 @@ def _insert_walker(cells, bounds, i, x, y):
 
 @lean
 def _remove_walker(cells, bounds, i, x, y):
-    """Take walker i out of the square of its place."""
+    """Remove walker i from the square of its place."""
     column, row = _cell_index(cells, bounds, x, y)
     at = row * cells.across + column
     if cells.head[at] == i:

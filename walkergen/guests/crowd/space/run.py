@@ -1,7 +1,7 @@
-"""One run of a crowd: walkers let go at their places, the discarded start, then the record.
+"""One run of a crowd: walkers released at their places, the discarded start, then the record.
 
-Runs and walkers draw from their own random streams (seed, run, walker), the first as if it were
-alone: results are the same bits on any number of threads. All walkers are on one plate.
+Runs and walkers draw from their own random streams (seed, run, walker), the first as a single walker: results are the
+same bits on any number of threads. All walkers are on one plate.
 """
 
 import math
@@ -30,11 +30,11 @@ from walkergen.guests.crowd.space.result import CrowdRun, Impulses
 from walkergen.guests.crowd.space.shape import Shape, make_shape
 
 CONTACT_TIME_S = 1e-3 * 0.6
-"""Time (s) for which a corner and a face that keep nothing touch (docs/physics.md section 9)."""
+"""Contact time (s) of a corner and a face without restitution (docs/physics.md section 9)."""
 
 MIN_TICKS_PER_TOUCH = 13.0
-"""Ticks of a touch at least: what a crowd's contacts take is then 1 to 3 % off what restitution
-says, half of that with twice as many."""
+"""Minimum number of ticks in a touch: the loss in a crowd's contacts is then 1 to 3 % off the restitution's, and
+half of that with double the ticks."""
 
 
 Walkers = list[tuple[World, State]]
@@ -127,9 +127,9 @@ def simulate(
     stopped: Callable[[], bool] = lambda: False,
     progress: Callable[[float], None] = lambda seconds: None,
 ) -> CrowdRun:
-    """Simulate one run, with `rate_hz` frames a second; `progress` is told the seconds done.
+    """Simulate one run with `rate_hz` frames a second; `progress` receives the seconds done.
 
-    A run that is `stopped` keeps the frames that it has.
+    A run that is `stopped` keeps its frames so far.
     """
     started, run = time.thread_time(), plan.scene.run
     walkers = release_walkers(plan, number)
@@ -255,7 +255,7 @@ def advance(
 
 
 def _energies(walkers: Walkers) -> Array:
-    """Energy of each walker without that of its contacts with others, g mm^2/s^2."""
+    """Compute each walker's energy without that of its contacts with others, g mm^2/s^2."""
     return np.array([energy(*walker) for walker in walkers])
 
 
@@ -267,6 +267,6 @@ def _contact_energy_error(book: Array, held: float) -> float:
 
 
 def _outcomes(crowd: bodies.Crowd, unfinished: bool) -> tuple[str, ...]:
-    """How it ended for each walker."""
+    """Return the outcome of each walker."""
     well = Outcome.STOPPED if unfinished else Outcome.OK
     return tuple((well if status == OK else STATUS_OUTCOMES[int(status)]).value for status in crowd.status)

@@ -1,9 +1,9 @@
-"""A crowd in time: every walker moves as it does alone, for as long as it cannot touch another.
+"""Time steps of a crowd: every walker moves as a single one while it cannot touch another.
 
-Time passes in ticks, of which contacts take one each, and in rounds of 2^LEVELS ticks. A walker
-moves on by 2^n ticks at once, n as large as its gaps allow at the speeds that it and its neighbours
-have: far from all others a whole stretch. As these spans nest, whoever is near is always at the
-same time. What a walker does depends on no order of work but that of the pairs that touch.
+Time passes in ticks and in rounds of 2^LEVELS ticks. Contacts take one tick each. A walker moves on by 2^n ticks in one
+step. n is as large as its gaps allow at its own and its neighbours' speeds: far from all others, a whole round. As
+these spans nest, walkers near each other are always at the same time. The result depends only on the order of the pairs
+that touch.
 """
 
 import math
@@ -39,17 +39,17 @@ LEVELS = 8
 
 
 class Plans(NamedTuple):
-    """When what has to be looked at again, in ticks of a round, for p pairs and N walkers."""
+    """Times of the next updates, in ticks of a round, for p pairs and N walkers."""
 
     safe: Array
     """Until then a pair cannot touch, shape (p,)."""
     seen: Array
-    """Gap (mm) of a pair when it was last looked at, and that time, shape (p, 2)."""
+    """Gap (mm) of a pair at its last update, and that time, shape (p, 2)."""
     safe_wall: Array
     seen_wall: Array
     """The same of walkers and walls, shapes (N,), (N, 2)."""
     until: Array
-    """Time to which a walker has moved, shape (N,)."""
+    """Time reached by each walker, shape (N,)."""
     allowed: Array
     """Largest n of the 2^n ticks that it may move now, shape (N,)."""
 
@@ -59,17 +59,16 @@ NEAR_TICKS = 64.0
 
 
 RECENT_TICKS = 8.0
-"""Ticks after which the rate at which a gap closed says nothing of how it closes now."""
+"""Ticks after which an earlier closing rate of a gap no longer counts."""
 
 
 FORESEEN_TICKS, LANDING_SHARE = 2.0, 0.25
-"""Ticks for which a gap's rate says how it goes on, and the part of a landing's change of velocity
-that falls into them."""
+"""Ticks over which a gap's rate is extrapolated, and the part of a landing's change of velocity within these ticks."""
 
 
 @kernel_without_refcount
 def _move(crowd, i, t):
-    """Move walker i by t seconds, as it moves alone, and note what it shows from above."""
+    """Move walker i by t seconds as if alone, and update its top view."""
     mover = borrow_item(crowd.movers, i)
     if t == 0.0:
         place(mover.world, mover.state, mover.work)
@@ -80,7 +79,7 @@ def _move(crowd, i, t):
 
 @lean
 def _update_planar(crowd, i, mover):
-    """Note what walker i shows from above, and a bound of how fast its outline moves."""
+    """Update the top view of walker i, and a bound of its outline's speed."""
     state, work, walker, planar = mover.state, mover.work, mover.world.walker, crowd.planar
     R, now, n = work.R, work.now, len(walker.stiffness)
     o_x, o_y, o_z = 0.0, 0.0, 0.0
@@ -128,11 +127,11 @@ def _record_touch(crowd, row, column, count, late):
 
 @lean
 def _ticks_to_contact(crowd, fastest, margin, gap, past, ticks):
-    """Ticks for which a gap (mm) stays open, below 1 where it may close in the next.
+    """Compute the ticks until a gap (mm) may close; below 1 if it may close in the next tick.
 
-    It closes at most as the `fastest` points of both sides can (mm/s). One that was `past` a few
-    `ticks` ago closes as it has, or faster by half and by a part of what a landing adds, the
-    `margin` (mm/s): for FORESEEN ticks.
+    The gap closes at most at the speed of the `fastest` points of both sides (mm/s). For FORESEEN_TICKS the rate since
+    the gap `past`, `ticks` ago, counts too: increased by half and by a part of `margin` (mm/s), the change of velocity
+    in a landing.
     """
     tick = crowd.tick[0]
     sure = gap / (tick * fastest)
@@ -145,9 +144,9 @@ def _ticks_to_contact(crowd, fastest, margin, gap, past, ticks):
 
 @lean
 def _meet_pair(crowd, i, j, seen, now):
-    """Meet walkers i and j: ticks that pass before they can touch, 1 where they do.
+    """Resolve contacts of walkers i and j; return the ticks before they can touch, 1 where they do.
 
-    `seen`: their gap when it was last looked at, and that time in ticks, shape (2,).
+    `seen`: their gap at the last update, and that time in ticks, shape (2,).
     """
     if crowd.status[i] != OK and crowd.status[j] != OK:
         return FAR
@@ -163,7 +162,7 @@ def _meet_pair(crowd, i, j, seen, now):
 
 @lean
 def _meet_walls(crowd, i, seen, now):
-    """Meet walker i with the walls: ticks that pass before it can touch one, 1 where it does."""
+    """Resolve contacts of walker i with the walls; return the ticks before it can touch one, 1 where it does."""
     if crowd.status[i] != OK:
         return FAR
     gap = wall_gap(crowd.bodies, crowd.ground, crowd.planar, i)
@@ -192,7 +191,7 @@ def _list_neighbours(crowd, span, pairs):
 
 @kernel_without_refcount
 def _advance_round(crowd, pairs, count, plans, levels):
-    """Move the crowd by 2^levels ticks, in which the first `count` of `pairs` may touch."""
+    """Move the crowd by 2^levels ticks; the first `count` of `pairs` may touch."""
     n, ticks, tick = len(crowd.status), 1 << levels, crowd.tick[0]
     safe, seen, safe_wall, seen_wall = plans.safe, plans.seen, plans.safe_wall, plans.seen_wall
     until, allowed = plans.until, plans.allowed

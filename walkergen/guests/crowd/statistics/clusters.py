@@ -1,6 +1,6 @@
 """Clusters: walkers that touch each other, or touch others of the same cluster.
 
-Two touch where their outlines are nearer than `TOUCHING` times the mean outer radius; where only
+Two touch where their outlines are nearer than `TOUCHING_GAP` times the mean outer radius; where only
 outer radii are known, where their places are nearer than the sum of these.
 """
 
@@ -17,7 +17,7 @@ from walkergen.guests.crowd.statistics import dish_geometry
 from walkergen.guests.crowd.statistics.film import CrowdFilm
 
 TOUCHING_GAP = 0.05
-"""Gap up to which outlines touch, over the mean outer radius: films do not show less."""
+"""Largest gap between touching outlines, over the mean outer radius: the resolution of films."""
 
 
 class Clusters(NamedTuple):

@@ -1,7 +1,7 @@
 """Statistics of a crowd from independent runs: numbers, their course in time, and curves.
 
-Every error is from the scatter of the runs. Of one run alone the numbers that vary in time have an
-error if the run is long beside the time in which they change; curves then have none.
+Every error comes from the scatter of the runs. A single run gives errors of numbers that vary in time, if it is much
+longer than their correlation time. Its curves then have no errors.
 """
 
 import math
@@ -47,13 +47,13 @@ WHOLE_RUN_NUMBERS = ("spread_exponent", "fluctuation_exponent")
 """Numbers of a whole run, without a course in time."""
 
 MAX_PAIR_FRAMES = 200
-"""Frames, evenly spaced, at most, for what is found pair by pair."""
+"""Largest number of evenly spaced frames for pair statistics."""
 
 MIN_FRAMES = 4
 """Least number of frames of a run."""
 
 EQUAL_TOLERANCE = 1e-12
-"""Share by which runs differ, at most, in a number that they do not differ in, as the packing."""
+"""Relative tolerance for numbers that are equal in all runs, as the packing."""
 
 NO_OUTLINE = "no outlines known"
 NO_HEADING = "no headings known"
@@ -64,12 +64,12 @@ NO_ERROR_ONE_RUN = "no error of one run"
 
 
 class CrowdStatistics(NamedTuple):
-    """What a crowd did, over all runs."""
+    """Statistics of a crowd over all runs."""
 
     numbers: dict[str, Quantity]
     """Numbers by their keys, those of `UNITS`."""
     by_chance: dict[str, float]
-    """What the same numbers would be for walkers placed and turned at random."""
+    """The same numbers for walkers placed and turned at random."""
     by_run: dict[str, Array]
     """Numbers of each run, shape (runs,)."""
     series: dict[str, Curve]

@@ -89,7 +89,7 @@ def run_drop_test(job: Job, height: float, measured: Measured | None, folder: Pa
 
 
 def _answers(design: Design, measured: Measured | None, curves: Mapping[str, Curve | None]) -> list[tuple[str, Answer]]:
-    """Find what restitution each curve gives for the measured rebound, with the curve's condition."""
+    """Find the restitution on each curve for the measured rebound, with the curve's condition."""
     if measured is None:
         return []
     return [
@@ -109,13 +109,13 @@ def _settings(answers: Sequence[tuple[str, Answer]]) -> dict[str, float]:
 
 
 def _make_table(name: str, title: str, keys: Sequence[str], values: Sequence[Sequence[Value]]) -> Table:
-    """Table of a bench test, every key of which people read."""
+    """Return the table of a bench test; all its keys are shown to people."""
     texts = [key for key, first in zip(keys, values[0], strict=True) if isinstance(first, str)]
     return Table(name, values, keys, report.key_columns(keys, texts), title)
 
 
 def _drop_tables(rebounds: Dropped) -> list[Table]:
-    """Rebounds by restitution, by what else counts, and by the first turn."""
+    """Return rebounds by restitution, by other conditions, and by the first turn."""
     conditions = {"restitution": list(zip(drops.RESTITUTIONS, rebounds.by_label, strict=True)), **rebounds.by}
     units = {"tilt": "tilt_deg", "height": "height_mm"}
     tables = []

@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DARK, LIGHT = "#0072B2", "#9ECAE1"
-"""Colours of pieces by turns, told apart in grey."""
+"""Alternating colours of pieces, distinguishable in grey."""
 
 THUMBNAIL_DPI = 26
 """Dots an inch of the picture that file managers show, of a map 10 inches wide."""
 
 
 class Piece(NamedTuple):
-    """Part as it lies on the bed, and what the checks of its kind found."""
+    """Part in its place on the bed, with the findings of its checks."""
 
     name: str
     mesh: Mesh

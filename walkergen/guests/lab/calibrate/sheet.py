@@ -35,17 +35,17 @@ HOUSEHOLD_WEIGHTS = (
 """Weights (g) at hand: coins by their mints, nuts of steel by DIN 934, paper by its grammage."""
 
 MAX_WEIGHT_DIFFERENCE = 0.35
-"""Relative distance up to which an ordinary weight is named for one that is wanted."""
+"""Largest relative difference between a wanted weight and the ordinary one named for it."""
 
 
 def nearest_weight(grams: float) -> str:
-    """Ordinary weight next to one that is wanted, g; "" where none is near."""
+    """Return the ordinary weight nearest to a wanted one, g; "" if none is near."""
     name, weight = min(HOUSEHOLD_WEIGHTS, key=lambda pair: abs(pair[1] - grams))
     return f"{name} ({weight:g})" if abs(weight - grams) <= MAX_WEIGHT_DIFFERENCE * grams else ""
 
 
 def to_markdown(drawn: Sequence[Drawn], design: Design, printer: Printer) -> str:
-    """Sections on measuring, after those of the print; their words stand in assets."""
+    """Return the sections on measuring, after those on printing; their text is in the assets."""
     words = Path(__file__).with_name("assets").joinpath("measuring.md").read_text(encoding="utf-8")
     return words.format(
         form=form.FORM_FILE,
@@ -72,7 +72,7 @@ def _number_label(part: Drawn) -> str:
 
 
 def _weights_table(drawn: Sequence[Drawn]) -> str:
-    """Weights that bend a strip a little and much, and what is as heavy."""
+    """Return the weights that bend a strip a little and much, and objects of that weight."""
     rows = []
     for part in drawn:
         light, heavy = ((f"{grams:.2g}", nearest_weight(grams)) for grams in (part.light_g, part.heavy_g))

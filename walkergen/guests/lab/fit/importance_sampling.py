@@ -70,7 +70,7 @@ def sample(
 
 
 def _log_density(z: Array, middle: Array, root: Array) -> Array:
-    """Logarithm of the density, up to a constant, of which rows of z were drawn."""
+    """Compute the logarithm of the sampling density of rows of z, up to a constant."""
     inner = np.linalg.solve(root, (z - middle).T)
     narrow = -0.5 * np.sum(inner**2, axis=0) - np.log(np.diag(root)).sum()
     prior = -0.5 * np.sum(z**2, axis=1)
@@ -84,9 +84,9 @@ def _normalise_weights(logarithm: Array) -> Array:
 
 
 def _temper_weights(logarithm: Array) -> Array:
-    """Weights to the power, at most 1, at which they are worth a tenth of ENOUGH at least.
+    """Raise weights to the largest power, at most 1, that makes them worth a tenth of MIN_INDEPENDENT.
 
-    By a few heavy draws alone the next ones would be drawn from too narrow a spread.
+    With a few heavy draws alone the next ones would come from too narrow a spread.
     """
     power = 1.0
     while True:

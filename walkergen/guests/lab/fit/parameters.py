@@ -1,4 +1,4 @@
-"""Parameters that simulated speeds can teach: their ranges, what is known of them beforehand."""
+"""Parameters that simulated speeds can determine: their ranges and priors."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -21,7 +21,7 @@ is the default.
 """
 
 ModelName = Literal["prediction", "space"]
-"""Models whose speeds are learnt from: the table by which speeds are predicted, and runs."""
+"""Models to fit to speeds: the table behind speed predictions, and runs."""
 
 PARAMETER_KEYS = {
     "restitution": "contact.restitution",
@@ -40,13 +40,13 @@ SCENE_PARAMETERS = ("restitution", "friction", "tip_radius_um", "damping_ratio",
 """Names of those that a scene holds; a design has the others."""
 
 PRINT_INPUTS = ("body mass", "leg mass", "feet.unevenness_um")
-"""Inputs in which one print differs from the next: drawn anew for every simulated walker."""
+"""Inputs that differ from print to print: drawn again for every simulated walker."""
 
 FLAT_RANGES = {"restitution": (0.0, 1.0), "friction": (0.02, 0.6)}
 """Ranges of the flat priors. Dry friction of plastics on plates lies within (0.1 to 0.5)."""
 
 MIN_TABLE_FRICTION = 0.05
-"""Least friction of the table by which speeds are predicted."""
+"""Smallest friction in the table behind speed predictions."""
 
 SCATTER_NAME = "print_scatter"
 PRIOR_SCATTER_SD = 0.15
@@ -81,7 +81,7 @@ class Parameter(NamedTuple):
 
 
 class Unknown(NamedTuple):
-    """Everything that a fit does not know exactly of walkers and contact."""
+    """All uncertain inputs of walkers and contact in a fit."""
 
     simulated: tuple[Parameter, ...]
     """Parameters that simulated speeds depend on."""
@@ -97,7 +97,7 @@ class Unknown(NamedTuple):
 
     @property
     def sampled(self) -> tuple[Parameter, ...]:
-        """What a table is a function of: what is learnt, and what all prints of a printer share."""
+        """Inputs of a table: fitted parameters, and inputs shared by all prints of a printer."""
         return (*self.parameters, *(Parameter(varying.name, varying, False) for varying in self.printed))
 
     @property
@@ -109,7 +109,7 @@ class Unknown(NamedTuple):
 def list_unknowns(
     scene: Scene, design: Design, model: ModelName, prior: PriorName, fixed: Mapping[str, float], errors: bool = True
 ) -> Unknown:
-    """List what is to be learnt and what differs from print to print.
+    """List the parameters to fit and the inputs that differ from print to print.
 
     Thickness, Young's modulus and damping have the standard deviations of design and scene as
     priors; without one they are held. Speeds without `errors` of their own tell their scatter from

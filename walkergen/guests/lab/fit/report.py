@@ -27,7 +27,7 @@ MAX_DRAWS = 512
 """Draws of the posterior that are written."""
 
 SPEED_COLUMNS = ("tilt_deg", "legs", "plate_speed_mm_s", "speed_mm_s", "speed_se_mm_s", "fit_mm_s")
-"""Columns of speeds.csv: measured beside fitted."""
+"""Columns of speeds.csv: measured and fitted speeds."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -89,7 +89,7 @@ def make_theory_report(fitted: Fitted, job: Job, path: Path, folder: Path) -> Fi
 
 
 def make_model_report(learned: Learned, job: Job, path: Path, folder: Path) -> FitReport:
-    """Report of what a model learnt from a file of speeds."""
+    """Report a model's fit to a file of speeds."""
     posterior = learned.posterior
     columns = (
         Column("parameter", lambda row: row.name.replace("_", " ")),
@@ -159,7 +159,7 @@ def _make_report(
 
 
 def _speed_table(seen: Measured, fitted: Sequence[tuple[float, ...]], keys: Sequence[str]) -> Table:
-    """Measured speeds beside those that are fitted, or predicted for one more print."""
+    """Return measured speeds with fitted speeds, or with speeds predicted for one more print."""
     errors = [None] * len(seen.speed) if seen.se is None else seen.se
     measured = zip(seen.tilt, seen.legs, seen.plate_speed, seen.speed, errors, strict=True)
     return Table("speeds", [(*row, *bounds) for row, bounds in zip(measured, fitted, strict=True)], keys)
@@ -170,7 +170,7 @@ def _origin(fit: ContactFit, name: str) -> str:
 
 
 def _format_value(value: float, se: float | None, origin: str) -> str:
-    """Value of a parameter with its error, as people read it."""
+    """Format a parameter's value with its error."""
     if origin == "given":
         return formatting.format_number(value, 6)
     return f"{formatting.format_number(value, 4)} ± unknown" if se is None else formatting.format_with_error(value, se)

@@ -1,7 +1,7 @@
-"""Speeds of settings by the surrogate over the parameters: what `predict` and `family` print.
+"""Speeds of settings from the surrogate over the parameters: what `predict` and `family` print.
 
-Beside the parameters a row holds how uneven the printer's feet are and the errors of its masses,
-which all prints of a file share.
+In addition to the parameters a row holds the unevenness of the printer's feet and the errors of its masses. All prints
+of a file share these.
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ from walkergen.guests.lab.fit.parameters import SCATTER_NAME
 
 
 class Tabled(NamedTuple):
-    """Speed of a setting over the parameters, by the surrogate."""
+    """Speed of a setting over the parameters, from the surrogate."""
 
     setting: Setting
     known: surrogate.Known
@@ -43,7 +43,7 @@ class Tabled(NamedTuple):
 
 
 def responses(ground: Ground, settings: Sequence[Setting]) -> list[Tabled]:
-    """Speeds of every setting by the surrogate. Raises InputError for those that it does not know."""
+    """Return the speeds of every setting from the surrogate. Raises InputError for settings outside its domain."""
     names = tuple(parameter.prior.name for parameter in ground.unknown.sampled)
     by_setting = []
     for setting in settings:

@@ -35,7 +35,7 @@ MAX_STILL_PX = 0.02
 
 
 class Unmarked(NamedTuple):
-    """What tracks of walkers without markers rest on."""
+    """Findings behind tracks of walkers without markers."""
 
     look: Appearance
     linked: Linked
@@ -43,11 +43,11 @@ class Unmarked(NamedTuple):
     """The same walkers by a lens that does not bend."""
     shake: Shake
     still: int
-    """Frames in which nothing has moved since the one before."""
+    """Number of frames without movement since the frame before."""
 
 
 def track(film: Film, part: Box, options: Options, lens: Lens | None, progress: Progress) -> tuple[Tracked, Unmarked]:
-    """Walkers in a part of a film's frames, and what they rest on. Raises InputError for none."""
+    """Track the walkers in a part of a film's frames, with the findings behind them. Raises InputError for none."""
     frames = _find_in_frames(film, part, options, progress)
     linked = linking.link(frames.blobs, options.frames[0], frames.clock.fps)
     straight = [_undistort(seen, lens, part) for seen in linked.walkers]
@@ -63,7 +63,7 @@ def track(film: Film, part: Box, options: Options, lens: Lens | None, progress: 
 
 
 class _Frames(NamedTuple):
-    """What was found in a film, frame by frame."""
+    """Findings in a film, frame by frame."""
 
     picture: Grey
     """First of the frames."""
@@ -92,7 +92,7 @@ def _find_in_frames(film: Film, part: Box, options: Options, progress: Progress)
 
 
 def _count_still(frames: Sequence[Sequence[Blob]]) -> int:
-    """Count the frames in which something is seen and nothing moves."""
+    """Count the frames that show something but no movement."""
 
     def is_still(before: Sequence[Blob], now: Sequence[Blob]) -> bool:
         if not now or len(now) != len(before):

@@ -28,7 +28,7 @@ MARKER_KINDS: tuple[str, ...] = ("aruco",)
 """Markers that are read: OpenCV's ArUco."""
 
 MIN_SIZE_PX = 8
-"""Smallest width and height of what is looked at, pixels."""
+"""Smallest width and height of the searched part, pixels."""
 
 MIN_VALUE, MAX_VALUE = 1e-6, 1e9
 
@@ -50,7 +50,7 @@ def track(path: Path, options: Options, folder: Path, progress: Progress) -> Tra
 
 
 def find_walkers(path: Path, options: Options, progress: Progress) -> tuple[Tracked, Unmarked | Marked, Told]:
-    """Walkers of a film, what they rest on, and what is to be said of it. Raises InputError."""
+    """Return a film's walkers, the findings behind them, and warnings. Raises InputError."""
     films.require_extra()
     check_options(options)
     film = films.probe_film(path)
@@ -88,7 +88,7 @@ def _conversion_notes(film: Film) -> list[str]:
 
 
 def check_options(options: Options) -> None:
-    """Raise InputError for wishes that contradict each other or are out of range."""
+    """Raise InputError for settings that contradict each other or are out of range."""
     for field, value, most in (
         ("mm_per_px", options.mm_per_px.value, MAX_VALUE),
         ("length", options.length.value, MAX_VALUE),
@@ -116,7 +116,7 @@ def check_options(options: Options) -> None:
 
 
 def _check_scale(options: Options) -> None:
-    """Raise InputError unless one thing tells the scale: markers, which tell more, or a length."""
+    """Raise InputError unless exactly one input gives the scale: markers, which give more, or a length."""
     if options.markers is None:
         if options.marker.value is not None:
             raise InputError("‹markers› is not given: leave ‹marker_mm› out")
@@ -139,7 +139,7 @@ def _check_scale(options: Options) -> None:
 
 
 def select_part(film: Film, region: tuple[int, int, int, int] | None) -> Box:
-    """Left, top, right and bottom of what is looked at, pixels. Raises InputError."""
+    """Return left, top, right and bottom of the searched part, pixels. Raises InputError."""
     if region is None and min(film.width, film.height) < MIN_SIZE_PX:
         raise InputError(
             f"{film.path}: {film.width} x {film.height} pixels a frame: at least {MIN_SIZE_PX} x "

@@ -1,4 +1,4 @@
-"""What goes wrong in a film with markers, each with its size: what is missing, twice or bent."""
+"""Problems of a film with markers, each with its size: missing, duplicate or bent ones."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -23,8 +23,8 @@ MAX_TILT_DEG = 45.0
 """Tilt of the camera that is worth a warning, deg: far markers are few pixels high."""
 
 EDGE_MARGIN_SIDES = 3.0
-"""Sides of a marker between its middle and the edge of what is looked at, beyond which it has not
-come in, or gone, over that edge."""
+"""Smallest distance, in sides of a marker, between its middle and the edge of the searched part for one that has not
+crossed that edge."""
 
 MIN_SIZE_CHANGE, MIN_SIGNIFICANCE = 0.005, 3.0
 """Change of the size of markers by a lens that is worth a warning, and how many of its errors."""
@@ -34,7 +34,7 @@ MAX_NAMES = 10
 
 
 def collect_doubts(tracked: Tracked, found: Marked) -> Told:
-    """All that is to be said of a film."""
+    """Return all warnings and notes on a film."""
     flat, out = found.plane, found.left_out
     change = _scale_change(found)
     facts = {
@@ -57,13 +57,13 @@ def collect_doubts(tracked: Tracked, found: Marked) -> Told:
 
 
 def _scale_change(found: Marked) -> float:
-    """Share by which lengths differ between the places that walkers reach."""
+    """Compute the relative change of lengths between the places that walkers reach."""
     scales = np.concatenate([found.plane.scales(corners.mean(axis=1)) for corners in found.straight])
     return float(scales.max() / scales.min() - 1.0)
 
 
 def _notes(tracked: Tracked, found: Marked, change: float) -> Iterator[str]:
-    """Yield notes on what was read: scale, tilt and rate."""
+    """Yield notes on the readings: scale, tilt and rate."""
     flat, (_, _, side, side_se, *_) = found.plane, tracked.options.marker
     scale, scale_se = tracked.mm_per_px.pair
     size = f"{formatting.format_number(side or MARKER_MM, 4)} mm"
@@ -106,7 +106,7 @@ def _left_out_warnings(tracked: Tracked, found: Marked) -> Iterator[str]:
 
 
 def _lens_warnings(found: Marked) -> Iterator[str]:
-    """Warnings of a lens that bends, and a camera that looks askew."""
+    """Yield warnings of lens distortion, and of a tilted camera."""
     flat, (bend, away_px) = found.plane, lens_bend(found)
     share, error = bend.pair
     if abs(share) > max(MIN_SIZE_CHANGE, MIN_SIGNIFICANCE * error):
@@ -126,7 +126,7 @@ def _lens_warnings(found: Marked) -> Iterator[str]:
 
 
 def lens_bend(found: Marked) -> tuple[Quantity, float]:
-    """Change of markers' sides, as a share, farthest from the picture's middle, and how far that is, pixels.
+    """Compute the relative change of markers' sides farthest from the picture's middle, and that distance, pixels.
 
     It grows with the square of the way: a lens that bends. Perspective changes them in a line, which the plane undoes.
     """
@@ -146,26 +146,26 @@ def lens_bend(found: Marked) -> tuple[Quantity, float]:
 
 
 class Missing(NamedTuple):
-    """Frames in which a walker must be there, and its marker is not read."""
+    """Frames that must contain a walker but show no marker of it."""
 
     number: int
     frames: int
     beside: int
-    """Those of them in which other markers are read."""
+    """Number of missing frames with other readable markers."""
     of: int
-    """Frames in which it must be there."""
+    """Number of frames that must contain the walker."""
 
     @property
     def share(self) -> float:
-        """Share of the frames in which it must be there."""
+        """Missing frames over the frames that must contain the walker."""
         return self.frames / self.of
 
 
 def count_missing(tracked: Tracked) -> list[Missing]:
-    """Frames in which each walker is missing, of those in which it must be there.
+    """Count the frames that must contain each walker but do not show it.
 
-    It must from its first frame to its last, and before and after these where it was seen in the
-    midst of the picture, into which nothing comes but over its edge.
+    These run from its first frame to its last. They also include frames before and after if it was seen in the middle
+    of the picture: walkers enter only over the edge.
     """
     first = tracked.options.frames[0]
     read = np.zeros(tracked.looked, int)
