@@ -27,7 +27,7 @@ SUMS = {"II+III": ("II", "III"), "II+III+rest": ("II", "III", "from rest"), "III
 COUNTINGS = ("every impact", "landings", "by impulse")
 """Ways to take a share: of all impacts, in space every contact of a corner from the first force to the last, in the
 paper's model all impacts of a foot at one instant by the type of the first; of landings, a foot's first impact after a
-time without any (`landings.QUIET_S`); or of the normal impulse of these impacts."""
+time without any (`landings.MIN_QUIET_S`); or of the normal impulse of these impacts."""
 
 Shares = Mapping[tuple[str, str], Quantity]
 """Shares by counting and type, or sum of types."""

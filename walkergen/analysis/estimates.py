@@ -141,12 +141,12 @@ class Frame(NamedTuple):
 
 
 def quantity(name: str, value: float, se: float, freedom: float = math.inf) -> Quantity:
-    """Create a quantity of UNITS, or of FITS, with its error."""
+    """Create a quantity of UNITS, or of FIT_NUMBERS, with its error."""
     return Quantity(name, UNITS.get(name, ""), value, se, freedom)
 
 
 def refusal(name: str, reason: str) -> Quantity:
-    """Create a quantity of UNITS, or of FITS, without a value, and with the reason."""
+    """Create a quantity of UNITS, or of FIT_NUMBERS, without a value, and with the reason."""
     return Quantity(name, UNITS.get(name, ""), None, refused=reason)
 
 
@@ -156,7 +156,7 @@ def mean(sums: npt.NDArray[np.generic], pairs: Array) -> npt.NDArray[np.generic]
 
 
 def evaluate(sums: Moments, frame: Frame) -> dict[str, float]:
-    """Compute every number of UNITS and of FITS but those of the squared displacement on a plane.
+    """Compute every number of UNITS and of FIT_NUMBERS but those of the squared displacement on a plane.
 
     NaN for a number without a meaning or a fit.
     """
@@ -305,7 +305,7 @@ def _guess_start(lag: Array, values: Complex, errors: Array) -> tuple[float, flo
 
 
 def from_spread(spread: Spread, interval: float) -> dict[str, float]:
-    """Return the numbers of a fit of the squared displacement, by the names of UNITS and FITS."""
+    """Return the numbers of a fit of the squared displacement, by the names of UNITS and FIT_NUMBERS."""
     speed2, offset = spread.mean_square, spread.offset
     return {
         "msd_speed2": speed2,

@@ -89,7 +89,7 @@ def sum_cross_products(first: Complex, second: Complex, lags: Whole) -> tuple[Co
 
 
 def sum_free_squares(position: Array, lags: Whole, reach: Whole) -> tuple[Array, Array]:
-    """Sum as `squares` does, over pairs whose first sample has a `reach` (samples) of at least the lag."""
+    """Sum as `sum_squares` does, over pairs whose first sample has a `reach` (samples) of at least the lag."""
     sums, counts = np.zeros(len(lags)), np.zeros(len(lags))
     for place, lag in enumerate(lags):
         moved = (position[lag:] - position[:-lag])[reach[:-lag] >= lag]
@@ -100,7 +100,7 @@ def sum_free_squares(position: Array, lags: Whole, reach: Whole) -> tuple[Array,
 
 
 def sum_free_products(series: Complex, lags: Whole, reach: Whole) -> tuple[Complex, Array]:
-    """Sum as `products` does, over pairs whose first sample has a `reach` (samples) of at least the lag."""
+    """Sum as `sum_products` does, over pairs whose first sample has a `reach` (samples) of at least the lag."""
     sums, counts = np.zeros(len(lags), complex), np.zeros(len(lags))
     for place, lag in enumerate(lags):
         each = (np.conj(series[:-lag]) * series[lag:])[reach[: len(series)][:-lag] >= lag]

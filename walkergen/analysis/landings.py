@@ -21,7 +21,7 @@ class Landings(NamedTuple):
     corners: Whole
     """Landings of each corner, shape (2 feet,)."""
     alone: int
-    """Groups of landings within `TOGETHER_S` with only one corner."""
+    """Groups of landings within `MAX_GROUP_S` with only one corner."""
     edges: Whole
     """Groups with both corners of a foot, shape (feet,)."""
     pairs: int
@@ -33,7 +33,7 @@ def count(time: Array, corner: Whole, duration: float, feet: int = 2) -> Landing
     """Count the landings of a walker on `feet` feet in `duration` seconds, one entry a landing.
 
     `time` of the first touch (s), in any order; number of the `corner`. A group begins with a
-    landing and takes in all that follow within `TOGETHER_S` of it.
+    landing and takes in all that follow within `MAX_GROUP_S` of it.
     """
     order = np.argsort(time, kind="stable")
     landed = _group_corners(time[order], corner[order], feet * CORNERS_PER_FOOT)

@@ -107,7 +107,7 @@ def analyse(
 ) -> Motion:
     """Compute the statistics of all tracks; displacements along and across the body span `lag_s`.
 
-    `lag_s` (s) is by default LAG_S, or one sample where that is longer.
+    `lag_s` (s) is by default DEFAULT_LAG_S, or one sample where that is longer.
     Between walls that were `found` all numbers are of free motion. `descent` is the direction (rad) toward which the
     plate descends; None: it is level.
 

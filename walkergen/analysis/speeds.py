@@ -130,7 +130,7 @@ def check_units(path: Path, seen: Measured) -> None:
 
 
 def read_at_plate_speed(path: Path, kind: Kind, plate_speed: float) -> Measured:
-    """Read the speeds measured on a plate with this peak speed (mm/s), within SAME_PLATE.
+    """Read the speeds measured on a plate with this peak speed (mm/s), within PLATE_SPEED_TOLERANCE.
 
     `kind` and `plate_speed` are used if the file has none. Raises InputError.
     """
@@ -138,7 +138,7 @@ def read_at_plate_speed(path: Path, kind: Kind, plate_speed: float) -> Measured:
 
 
 def select_plate_speed(measured: Measured, plate_speed: float) -> Measured:
-    """Select the speeds measured on a plate with this peak speed (mm/s), within SAME_PLATE."""
+    """Select the speeds measured on a plate with this peak speed (mm/s), within PLATE_SPEED_TOLERANCE."""
     same = np.abs(measured.plate_speed / plate_speed - 1.0) <= PLATE_SPEED_TOLERANCE
     away = int(np.count_nonzero(~same))
     left_out = f"{away} speeds at other plate speeds than {plate_speed:.3g} mm/s left out"

@@ -66,7 +66,7 @@ class ArrayFile(NamedTuple):
 
 
 def read_arrays(path: Path, lane: bool) -> Source | None:
-    """Read the rows of a file of arrays; None for a file of text, or of columns (`lines`). Raises InputError."""
+    """Read the rows of a file of arrays; None for a file of text, or of columns (`npz_lines`). Raises InputError."""
     begin = file_reading.read_start(path, 16, columns.FORMAT_NAME)
     for first, what in UNSUPPORTED_MAGIC.items():
         if begin.startswith(first):

@@ -250,7 +250,7 @@ def _family_flags(design: Design) -> list[str]:
 
 
 def format_value(value: Any) -> str:
-    """Format a value for --set on a command line; `assignments.value_of` parses it."""
+    """Format a value for --set on a command line; `assignments.parse_value` parses it."""
     if isinstance(value, str) and BARE_KEY.fullmatch(value) and assignments.parse_value(value) == value:
         return value
     return "".join(_format_toml(value))

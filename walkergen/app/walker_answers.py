@@ -74,7 +74,7 @@ def walker_facts(document: Document) -> tuple[dict[str, Any], Mesh]:
 def pack_walker(document: Document) -> bytes:
     """Return the facts on the walker as a line of JSON, the corners of its triangles, and which belong to legs.
 
-    Raises WalkergenError, as `walker` does.
+    Raises WalkergenError, as `walker_facts` does.
     """
     facts, mesh = walker_facts(document)
     corners, legs = triangle_corners(mesh), leg_mask(document, mesh)
@@ -86,7 +86,7 @@ def pack_walker(document: Document) -> bytes:
 def printing_outlook(document: Document) -> dict[str, Any]:
     """Return the printer's findings on the walker, and its export as a shell command and Python code.
 
-    Raises WalkergenError, as `walker` does.
+    Raises WalkergenError, as `walker_facts` does.
     """
     found = checking.check([document.load_design()], [1], document.load_printer()).findings
     return {
@@ -101,7 +101,7 @@ def variance_shares(document: Document) -> list[dict[str, Any]]:
     """Return each unknown input's part of the spread of the speed, largest first; none if only runs give the speed.
 
     A part is what knowing that input alone would remove. The last one is what several inputs cause together. Each has
-    the key under which a measured value is entered, "" without one. Raises WalkergenError, as `walker` does.
+    the key under which a measured value is entered, "" without one. Raises WalkergenError, as `walker_facts` does.
     """
     design, scene = document.load_design(), document.load_scene()
     report = predicting.predict(design, [design], scene, "coulomb", uncertain=True, model="known")
@@ -131,7 +131,7 @@ def _page_key(name: str, design: Design) -> str:
 def format_refusal(error: WalkergenError) -> list[dict[str, Any]]:
     """Return mistakes in words for users of a mouse, each with its key if it has one.
 
-    The last one comes with remedies, and states whether `trouble` draws it.
+    The last one comes with remedies, and states whether `trouble_picture` draws it.
     """
     mistaken = error if isinstance(error, InputError) else InputError(error.text)
     keys, remedies = mistaken.keys, mistaken.remedies

@@ -70,7 +70,7 @@ def render_view(parts: Sequence[Part]) -> markupsafe.Markup:
 def render_frame(parts: Sequence[Part], title: str) -> str:
     """Render a frame (HTML) that shows one of the parts, with its size as text below it.
 
-    Parts beyond MOST_TRIANGLES are left out, and named. Equal parts give equal text.
+    Parts beyond MAX_TRIANGLES are left out, and named. Equal parts give equal text.
     """
     seen = _parts_within_limit(parts)
     left_out = [part.name for part in parts[len(seen) :]]
@@ -93,7 +93,7 @@ def render_frame(parts: Sequence[Part], title: str) -> str:
 
 
 def _parts_within_limit(parts: Sequence[Part]) -> Sequence[Part]:
-    """Return the first parts that have at most MOST_TRIANGLES together."""
+    """Return the first parts that have at most MAX_TRIANGLES together."""
     total = np.cumsum([len(part.triangles) for part in parts])
     return parts[: int(np.searchsorted(total, MAX_TRIANGLES, side="right"))]
 

@@ -64,7 +64,7 @@ def fit(x: Array, y: Array, noise: Array | None = None, seed: int = 1, like: Emu
     """Fit an emulator to values y (n,) at x (n, d) with known standard errors, or one to be found.
 
     Lengths and, without `noise`, the noise maximise the likelihood; the lengths are those of
-    `like`, if given. Raises ValueError for fewer than FEWEST values.
+    `like`, if given. Raises ValueError for fewer than MIN_VALUES values.
     """
     from sklearn.exceptions import ConvergenceWarning
     from sklearn.gaussian_process import GaussianProcessRegressor

@@ -90,7 +90,7 @@ class PrintRuns(NamedTuple):
 def simulate_prints(scene: Scene, design: Design, draws: int, progress: Progress) -> PrintRuns:
     """Simulate `draws` prints, the scene's seconds each.
 
-    Raises InputError when nothing is uncertain, and when fewer than FEWEST_DRAWS runs end well.
+    Raises InputError when nothing is uncertain, and when fewer than MIN_DRAWS runs end well.
     """
     plan = prepare(scene, design, solids.mass_of(design))
     inputs = uncertain_inputs.inputs(scene, design, uncertain_inputs.SPACE_READER)
@@ -195,7 +195,7 @@ def speed_bounds(speeds: Array, statistical: float) -> Bounds:
     """Return the speeds below which 2.5, 16, 84 and 97.5 % of prints run, from draws of shape (n,), mm/s.
 
     Draws are drawn together until they scatter as prints alone do, so that the error of short runs
-    is not in the bounds; but no more than MOST_TAKEN of their variance is taken out.
+    is not in the bounds; but no more than MAX_VARIANCE_SHARE of their variance is taken out.
     """
     mean, variance = speeds.mean(), float(speeds.var(ddof=1))
     share = min(statistical**2 / variance, MAX_VARIANCE_SHARE) if variance else 0.0

@@ -19,7 +19,7 @@ class Trajectory(NamedTuple):
     """States of one run, or of all runs one after the other, at a fixed interval."""
 
     columns: tuple[str, ...]
-    """Names with units: t_s, for several runs `particle`, then `space.state.COLUMNS`."""
+    """Names with units: t_s, for several runs `particle`, then `space.state.TRAJECTORY_COLUMNS`."""
     rows: Array
     """Shape (samples, columns); the time counts from the end of the discarded start."""
 

@@ -1,6 +1,6 @@
 """Simulated walkers: by the runs that their scenes ask for, or by as many as an error needs; their motion.
 
-An error of the speed counts of FEWEST_AT_ALL of the plate's peak speed where a walker is slower.
+An error of the speed counts of MIN_SPEED_RATIO of the plate's peak speed where a walker is slower.
 """
 
 import math

@@ -1,7 +1,7 @@
 """Choice of the cheapest setting that meets an error: a step, a number of runs and their length.
 
 Errors are half-widths of 95 %, as shares of the speed, or of a fifth of the plate's where that is more
-(`step_law.unit`).
+(`step_law.speed_scale`).
 """
 
 import math

@@ -31,7 +31,7 @@ def simulate_members(scene: Scene, members: Sequence[Member], progress: Progress
 def verdict(row: Prediction, speed: Quantity) -> str:
     """Say whether the bounds of 95 % of the runs meet those of 68 % of the prediction.
 
-    Speeds within SMALL agree.
+    Speeds within AGREEMENT_MM_S agree.
     """
     ends, predicted, below, above = speed.interval(), row.speed_mm_s, row.speed_low_68_mm_s, row.speed_high_68_mm_s
     if ends is None or predicted is None or below is None or above is None:

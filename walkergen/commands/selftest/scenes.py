@@ -107,7 +107,7 @@ def check_motion(
 ) -> Iterator[Check]:
     """Yield checks of any motion, however extreme: a physical end, finite, over the plate, its energy balanced.
 
-    ENDS_OF_PHYSICS excludes failed convergence and unexplained energy. `tolerance`: share of the
+    PHYSICAL_OUTCOMES excludes failed convergence and unexplained energy. `tolerance`: share of the
     exchanged energy that may be unaccounted for; `deepest`: depth of a foot below the plate, mm.
     """
     before, outcome, lowest = plan.energy(state), Outcome.OK, 0.0

@@ -53,7 +53,7 @@ def collect(experiment: Walker, point: Results, progress: Progress) -> Trajector
 
 
 def with_film_columns(trajectory: Trajectory, interval: float) -> Trajectory:
-    """Return trajectories with the columns of `FILM` before their own; samples are `interval` s apart."""
+    """Return trajectories with the columns of `FILM_COLUMNS` before their own; samples are `interval` s apart."""
     own = dict(zip(trajectory.columns, trajectory.rows.T, strict=True))
     film = (np.rint(own["t_s"] / interval), *(own[name] for name in ("particle", "x_mm", "y_mm", "theta_rad")))
     ours = {name: values for name, values in own.items() if name != "particle"}

@@ -20,7 +20,7 @@ MAX_CHARACTERS = 10_000
 
 
 def split_key_value(text: str) -> tuple[str, str]:
-    """Split KEY=VALUE into key and value, as written. Raises InputError."""
+    """Split KEY_PATTERN=VALUE into key and value, as written. Raises InputError."""
     key, sign, value = (part.strip() for part in text.partition("="))
     if len(text) > MAX_CHARACTERS:
         raise InputError(
@@ -77,7 +77,7 @@ def read_with_values(
 def read_with_data(
     path: Path, model: type[Model], values: Mapping[str, Any], source: str = "‹set›", prefix: str = ""
 ) -> tuple[Model, dict[str, Any]]:
-    """Read as `read` does, and return the data that the contents were validated from, for `assign_values`."""
+    """Read as `read_with_values` does, and return the data that the contents were validated from, for `assign_values`."""
     data, text = read_data(path, model)
     try:
         settings = validate(data, model, str(path), text)

@@ -180,7 +180,7 @@ def hash_file(path: Path) -> str | None:
 
 
 def add_seal(data: bytes) -> bytes:
-    """Put the data's own hash into their last value, or comment, which is BLANK, so that any change shows."""
+    """Put the data's own hash into their last value, or comment, which is BLANK_SEAL, so that any change shows."""
     match = SEAL_PATTERN.search(data)
     assert match is not None
     assert match[0] == BLANK_SEAL
@@ -189,7 +189,7 @@ def add_seal(data: bytes) -> bytes:
 
 
 def is_sealed(data: bytes) -> bool:
-    """Return whether data are what `sealed` returned, byte for byte."""
+    """Return whether data are what `add_seal` returned, byte for byte."""
     match = SEAL_PATTERN.search(data)
     if match is None:
         return False

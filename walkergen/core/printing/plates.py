@@ -122,7 +122,7 @@ def list_places(layout: Layout) -> list[Place]:
 def layout_files(
     layout: Layout, stem: str, draw: DrawPlate | None, prusaslicer: bool = False
 ) -> Iterator[tuple[str, bytes]]:
-    """Yield names and bytes of a layout's files: first COMMON_FILES with descriptions, then plate by plate.
+    """Yield names and bytes of a layout's files: first COMMON_FILE_COUNT with descriptions, then plate by plate.
 
     STEM_PRINTER.csv is the map and STEM_PRINTER.md the print sheet. STEM_PRINTER.ini holds the
     settings for PrusaSlicer, with printer and filament to load it alone; STEM_PRINTER_print.ini

@@ -57,7 +57,7 @@ def run_parallel(
 
 
 def run_all(one: OneRun[Made], count: int, progress: Progress = silent, threads: int | None = None) -> list[Made]:
-    """Make all `count` runs with `run`. Raises KeyboardInterrupt instead of leaving some out."""
+    """Make all `count` runs with `run_parallel`. Raises KeyboardInterrupt instead of leaving some out."""
     finished = run_parallel(one, range(count), progress, threads)
     if len(finished) < count:
         raise KeyboardInterrupt

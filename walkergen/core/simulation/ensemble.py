@@ -76,7 +76,7 @@ def simulate_runs(
     impacts: bool = False,
     sample_interval: float | None = None,
 ) -> list[RunResult]:
-    """Simulate scene.run.runs runs (see `runner`), sorted by number, as `batch.run` does."""
+    """Simulate scene.run.runs runs (see `runner`), sorted by number, as `batch.run_parallel` does."""
     one = runner(plan, impacts, sample_interval)
     return list(batch.run_parallel(one, range(plan.scene.run.runs), progress, threads).values())
 
@@ -85,7 +85,7 @@ def runner(plan: Plan, impacts: bool = False, sample_interval: float | None = No
     """Return a function that simulates the run of a number.
 
     With `impacts` each run keeps all its impacts. With a `sample_interval` (s) it also keeps samples of the entries of
-    its state that a trajectory shows, `space.state.COLUMNS`.
+    its state that a trajectory shows, `space.state.TRAJECTORY_COLUMNS`.
     """
     simulate_one = simulate_with_impacts if impacts else simulate
     return lambda number, stopped, tell: simulate_one(plan, number, stopped, sample_interval, len(TRAJECTORY_COLUMNS))

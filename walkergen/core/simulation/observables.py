@@ -46,7 +46,7 @@ MIN_RUNS = 4
 
 
 def observe(results: Sequence[RunResult]) -> dict[str, Quantity]:
-    """Return the observables over all time of the runs, by the names of NAMES, without the speed.
+    """Return the observables over all time of the runs, by the names of OBSERVABLE_NAMES, without the speed.
 
     Each is a quotient of sums: by time, by the number of impacts, or by their impulse. Shares of
     runs without impacts are 0.

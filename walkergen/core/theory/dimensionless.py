@@ -71,7 +71,7 @@ class Place(NamedTuple):
     noise_ratio: float | Array
     """Root mean square of the plate's random speed over the drive's peak speed."""
     closeness: float | Array
-    """Narrowness of a lane: 1/(1 + turn that its walls allow/TURN); 0 on an open plane."""
+    """Narrowness of a lane: 1/(1 + turn that its walls allow/HALF_WEIGHT_TURN_RAD); 0 on an open plane."""
     wall_friction: float | Array
     wall_restitution: float | Array
     """Both 0 on an open plane."""

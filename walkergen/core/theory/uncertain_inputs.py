@@ -55,7 +55,7 @@ class Input(NamedTuple):
 
 
 def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
-    """Return the inputs with a standard deviation that `reader`, PREDICTION or SPACE, uses."""
+    """Return the inputs with a standard deviation that `reader`, PREDICTION_READER or SPACE_READER, uses."""
     contact, feet = scene.contact, scene.feet
     mass_sd = 0.01 * design.weighed.mass_sd_percent
     known = (

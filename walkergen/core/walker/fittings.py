@@ -263,7 +263,7 @@ def place_problems(parts: Mapping[str, Part], pockets: Pockets, size: Size, foot
     """Problems of parts, by the names of their tables, that do not go into a body's box.
 
     `foot` is the height of the feet from the middle of the body, mm. Whether a body of another
-    shape has plastic where a pocket needs it, only its solid says (`pockets.cut`).
+    shape has plastic where a pocket needs it, only its solid says (`pockets.cut_pockets`).
     """
     return [
         f"{name}.{problem}"

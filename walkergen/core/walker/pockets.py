@@ -150,7 +150,7 @@ def _hull(points: Array) -> manifold3d.Manifold:
 
 
 def _cylinder_points(cylinder: Cylinder, design: Design, clearance: float) -> Array:
-    """Return the corners of a cylinder with clearance on every side, shape (2 SEGMENTS, 3), mm."""
+    """Return the corners of a cylinder with clearance on every side, shape (2 CIRCLE_SEGMENTS, 3), mm."""
     angles = 2.0 * np.pi * np.arange(CIRCLE_SEGMENTS) / CIRCLE_SEGMENTS
     radius, half = cylinder.radius + clearance, 0.5 * cylinder.height + clearance
     ring = np.zeros((CIRCLE_SEGMENTS, 3))

@@ -39,7 +39,7 @@ CARRIED_ROWS = ("motor", "battery", "wires", "glue")
 """Rows of what a walker carries."""
 
 PART_NAME_PATTERN = re.compile(r"(?P<stem>.+)_t(?P<tilt>-?[0-9.]{1,20})_(?P<kind>[a-z]+)_s[0-9.]+")
-"""Name of a walker, as `names.part` writes it."""
+"""Name of a walker, as `names.part_name` writes it."""
 
 COPY_SUFFIX = re.compile(r"-[1-9][0-9]*$")
 
@@ -65,7 +65,7 @@ def to_dict(mean: Quantity) -> dict[str, float | None]:
 def form_name(members: Sequence[Design], name: str) -> str:
     """Name of the file for the masses of a design's walkers, by the design's name, among others'.
 
-    Of one design alone it is FILE; several have a form each, since `read` takes those of one.
+    Of one design alone it is FILE_NAME; several have a form each, since `read_masses` takes those of one.
     """
     return FILE_NAME if len(names.group_by_design(members)) == 1 else f"weights_{name}.csv"
 
@@ -102,7 +102,7 @@ def read_masses(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
     """Read mean masses by the names of members, copies (NAME-3) taken together, and of their parts.
 
     Names may begin with the design's name, as on plates of several designs. Walkers of the same
-    designs that are not members are left out, and `unused` names them: a form is of a whole family.
+    designs that are not members are left out, and `unused_parts` names them: a form is of a whole family.
     Raises InputError when the file is no table of masses, or with every line of a wrong mass and
     every unknown part with its near matches.
     """
@@ -136,7 +136,7 @@ def read_masses(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
 def unused_parts(path: Path, members: Sequence[Design]) -> list[str]:
     """Return parts with masses in a file that `read_masses` leaves out: other walkers of the same designs.
 
-    Raises InputError as `read` does.
+    Raises InputError as `read_masses` does.
     """
     own = _names_to_parts(members)
     masses = (row["part"].strip() for _, row in _read_rows(path) if _parse_masses(row))
@@ -200,7 +200,7 @@ def _mesh_masses(design: Design, parts: Solids) -> tuple[float, float]:
 
 
 def _is_implausible(weighed: float, drawn: float) -> bool:
-    """Return whether masses differ by more than FACTOR, either way."""
+    """Return whether masses differ by more than MAX_MASS_RATIO, either way."""
     return not drawn / MAX_MASS_RATIO <= weighed <= drawn * MAX_MASS_RATIO
 
 

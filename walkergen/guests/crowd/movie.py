@@ -41,7 +41,7 @@ SIMPLIFY_PX = 0.25
 """Tolerance for simplified outlines, pixels."""
 
 DART_SHAPE = np.array([(0.5, 0.0), (-0.35, 0.3), (-0.2, 0.0), (-0.35, -0.3)])
-"""Body of a walker whose outline is not known, over `pairs.scale` of the crowd: it points ahead."""
+"""Body of a walker whose outline is not known, over `pairs.length_scale` of the crowd: it points ahead."""
 
 MAX_FRAMES = 2000
 """Most frames of a movie; of longer films every second frame is shown, or every third."""
@@ -77,7 +77,7 @@ def write(path: Path, film: CrowdFilm, title: str, fps: int, progress: Progress)
     """Write a movie as .mp4 or .gif, or the last frame as .png; returns the number of frames.
 
     A GIF has the nearest of its rates. Of thousands that all move it takes some 0.13 MB a frame, an
-    MP4 a fifth of it. Raises InputError as `check` does.
+    MP4 a fifth of it. Raises InputError as `check_format` does.
     """
     check_format(path)
     suffix = path.suffix.lower()
@@ -141,7 +141,7 @@ def make_draw_function(film: CrowdFilm, title: str, fps: int | None = None) -> D
 
 
 def heading_colours() -> Array:
-    """Colours of headings from 0 on, counter-clockwise, shape (HUES, 3), 0 to 1."""
+    """Colours of headings from 0 on, counter-clockwise, shape (HUE_COUNT, 3), 0 to 1."""
     angle = 2.0 * np.pi * np.arange(HUE_COUNT) / HUE_COUNT
     a, b = CHROMA * np.cos(angle), CHROMA * np.sin(angle)
     roots = np.stack(

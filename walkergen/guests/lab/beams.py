@@ -71,7 +71,7 @@ def natural_frequency(bending: float, mass: float, length: float, tip: float = 0
 def moving_mass(density: float, strip: Strip) -> float:
     """Compute the moving mass (g) of a strip with a density (g/mm^3): the strip and the air around it.
 
-    Air adds pi / 4 AIR width^2 per length (a flat plate that moves across itself in an ideal
+    Air adds pi / 4 AIR_DENSITY width^2 per length (a flat plate that moves across itself in an ideal
     fluid), 1 % of a printed line's.
     """
     across = density * strip.thickness * strip.width + 0.25 * math.pi * AIR_DENSITY * strip.width**2

@@ -78,7 +78,7 @@ def make_sweep(job: Job, path: Path, store: Store, pool: WorkerPool | None, prog
 
 
 def evaluate_all(job: Job, store: Store, pool: WorkerPool | None, progress: Progress) -> SweepReport:
-    """Evaluate all points of a request, without a folder. Raises as `make` does."""
+    """Evaluate all points of a request, without a folder. Raises as `make_sweep` does."""
     points = Points(_column_names(job), kept=True)
     for values, done in _evaluate_points(job, job.request.points(), store, pool, progress):
         points.add(values, done)

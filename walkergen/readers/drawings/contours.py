@@ -17,7 +17,7 @@ MAX_POINTS = 100_000
 """Points of an outline at most: on a body of 28 mm one to a micrometre, beyond every printer."""
 
 MAX_BYTES = 10_000_000
-"""Size of a drawing at most: MOST_POINTS with all their digits are 4 MB."""
+"""Size of a drawing at most: MAX_POINTS with all their digits are 4 MB."""
 
 MAX_END_GAP = 1e-6
 """Maximum distance between two ends that meet, over the drawing's longer side: drawing
@@ -52,7 +52,7 @@ def flatten(curve: Callable[[Array], Array], tolerance: float) -> Array:
     """Return the points on a curve, from its start to its end, such that no chord leaves it by `tolerance`.
 
     `curve` takes parameters of 0 to 1, shape (n,), and returns points (n, 2). Chords are halved
-    until those of the next round would stay within the tolerance, at most MOST_CHORDS times.
+    until those of the next round would stay within the tolerance, at most MAX_CHORDS times.
     """
     chords = MIN_CHORDS  # not one: the middle of an S lies on its chord
     while True:

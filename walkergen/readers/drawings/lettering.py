@@ -41,7 +41,7 @@ def text_outline(
     With `rails` two bars so wide (mm), about the feet and the tops of capitals, join the letters. `font` is a file
     of one, by default DejaVu Sans.
     Where `connected`, it must be one piece, as for a body. Raises GeometryError, which begins with
-    `source` = the text, for none or more than MOST_CHARACTERS, for characters that the font lacks
+    `source` = the text, for none or more than MAX_CHARACTERS, for characters that the font lacks
     or that draw nothing but blanks, for a text of several pieces, and for what `sound` refuses.
     """
     where = f"{source} = {text if len(text) <= MAX_CHARACTERS else text[:20] + '...'!r}"

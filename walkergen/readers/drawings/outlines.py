@@ -2,7 +2,7 @@
 
 An outline is a list of polygons, shape (n, 2), mm, without a repeated last point: outer contours
 counter-clockwise, holes clockwise, the outer ones first. The middle of its bounding box is the
-origin. Outlines from all sources pass `sound`: one piece, no contour that crosses or
+origin. Outlines from all sources pass `from_shapes`: one piece, no contour that crosses or
 touches itself or another.
 """
 
@@ -51,11 +51,11 @@ def disc(diameter: float, source: str = "body.diameter_mm") -> list[Polygon]:
 
 
 def ellipse(length: float, depth: float, source: str = "body.length_mm") -> list[Polygon]:
-    """Return the outline of an ellipse with these axes along x and y, mm, by SEGMENTS edges.
+    """Return the outline of an ellipse with these axes along x and y, mm, by ELLIPSE_SEGMENTS edges.
 
     The polygon is inscribed, its vertices on the ellipse and its bounding box exact; mirrored in
     either axis it is the same, bit for bit. Its area is sin(t) / t of the ellipse's, t = 2 pi /
-    SEGMENTS. Raises GeometryError, which begins with `source`.
+    ELLIPSE_SEGMENTS. Raises GeometryError, which begins with `source`.
     """
     angles = np.linspace(0.0, 0.5 * np.pi, ELLIPSE_SEGMENTS // 4 + 1)
     quarter = np.column_stack([np.cos(angles), np.sin(angles)])
@@ -70,7 +70,7 @@ def polygon(points: Sequence[Sequence[float]] | Polygon, source: str = "body.poi
     """Return the outline through a person's points, mm, in either sense; the last is joined to the first.
 
     Raises GeometryError, which begins with `source`, for fewer than three points, a repeated
-    point, or an outline that `sound` refuses.
+    point, or an outline that `from_shapes` refuses.
     """
     try:
         corners = np.array(points, dtype=np.float64)
@@ -111,7 +111,7 @@ def from_file(
     the length of the whole. Paths inside others are holes, and so on alternately, colours aside; in one SVG path,
     its fill rule decides. Paths that cross or touch are united where `mend`. Raises InputError for a file that
     cannot be read as such (shapes/svg.py, dxf.py, silhouette.py), NoUnitError for one that states no unit,
-    GeometryError for a shape that `sound` refuses; all begin with `source` = the name.
+    GeometryError for a shape that `from_shapes` refuses; all begin with `source` = the name.
     """
     where = f"{source} = {path.name!r}"
     if scale_mm is not None and not (np.isfinite(scale_mm) and scale_mm > 0.0):
@@ -145,7 +145,7 @@ def from_shapes(shapes: Sequence[Shape], source: str, connected: bool = True) ->
     """Return the outline of shapes: their contours checked, sorted and centred.
 
     Raises GeometryError, which begins with `source`, for an outline without contours or area, with
-    a number that is not finite, beyond MOST_POINTS, MOST_CONTOURS or the sizes allowed, with
+    a number that is not finite, beyond MOST_POINTS, MAX_CONTOURS or the sizes allowed, with
     contours that cross or touch, or, where `connected`, of several pieces.
     """
     contours = [_drop_repeated_points(contour) for shape in shapes for contour in shape.contours]

@@ -29,7 +29,7 @@ def unite_shapes(shapes: Sequence[Shape]) -> Shape:
     """Unite shapes that may overlap into one whose contours neither cross nor touch.
 
     Each is filled by its own rule. Of two, the smaller is a hole where it lies within the larger, as in
-    `outlines.sound`, and is united with it where they cross. What meets in a point alone is joined.
+    `outlines.from_shapes`, and is united with it where they cross. What meets in a point alone is joined.
     """
     import shapely
 

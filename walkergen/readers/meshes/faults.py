@@ -3,7 +3,7 @@
 A sound mesh is closed, consistently turned, outward, of one body (which may hold closed cavities),
 encloses something and does not cross itself. Edges are compared by their vertices' indices, so
 that vertices at one place must be one vertex. Bodies that touch in a vertex count as apart, as
-manifold3d has it; touching within TOLERANCE is no crossing.
+manifold3d has it; touching within RELATIVE_TOLERANCE is no crossing.
 """
 
 from collections.abc import Sequence

@@ -2,7 +2,7 @@
 
 Binary STL is read here, 3MF by lib3mf, everything else by trimesh, from the bytes alone: no other
 file and no address that a file may name is opened. Vertices that coincide become one, to the last bit
-or, on open edges, within ROUNDING. What slicers note as cut away is cut away, and unprinted parts
+or, on open edges, within WELD_TOLERANCE. What slicers note as cut away is cut away, and unprinted parts
 are left out. All of that is noted.
 """
 
@@ -150,7 +150,7 @@ def _omission_notes(parts: list[Part]) -> list[str]:
 
 
 def _weld_edges(part: Part) -> tuple[Part, int]:
-    """Merge corners along open edges of a part within ROUNDING, and return the number of merged ones."""
+    """Merge corners along open edges of a part within WELD_TOLERANCE, and return the number of merged ones."""
     if not len(part.triangles) or not len(faults.faulty_edges(part.triangles).open):
         return part, 0
     mesh = Mesh(part.vertices, part.triangles)
@@ -229,7 +229,7 @@ def _read_with_trimesh(data: bytes, kind: str, source: str) -> list[Part]:
 
 
 def _check_unpacked_size(data: bytes, source: str) -> None:
-    """Raise InputError for what is no archive, or unpacks to more than MOST_BYTES."""
+    """Raise InputError for what is no archive, or unpacks to more than MAX_BYTES."""
     try:
         size = sum(entry.file_size for entry in zipfile.ZipFile(io.BytesIO(data)).infolist())
     except (zipfile.BadZipFile, ValueError) as error:

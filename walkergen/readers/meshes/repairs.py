@@ -57,7 +57,7 @@ def _format_volume(mesh: Mesh) -> str:
 
 
 def _merge_vertices(mesh: Mesh) -> tuple[Mesh, str]:
-    """Merge vertices of open edges that lie within NEIGHBOURS tolerances of each other."""
+    """Merge vertices of open edges that lie within MERGE_DISTANCE_FACTOR tolerances of each other."""
     within = MERGE_DISTANCE_FACTOR * faults.crossing_tolerance(mesh)
     closer, count = merge_rim_vertices(mesh, within)
     return closer, f"merged {count} vertices with others less than {within:.2g} mm away" if count else ""

@@ -34,7 +34,7 @@ class CutLeg(NamedTuple):
     anchor: Array
     """Middle (centroid) of the section at the cut, shape (3,)."""
     foot: Array
-    """Middle in x and z of the lowest points, within FOOT_TOLERANCE, shape (3,)."""
+    """Middle in x and z of the lowest points, within FOOT_TOLERANCE_MM, shape (3,)."""
     tilt: float
     """Angle of the line from anchor to foot from the vertical in the x-y plane, rad; positive when
     the foot lies behind the anchor."""
@@ -68,7 +68,7 @@ def cut_legs(mesh: Mesh, below_mm: float, key: str = "walker.legs_below_mm") -> 
     """Cut a sound walker (y up) at a height above its lowest point into body and legs.
 
     Raises GeometryError, beginning with `key`, when the height is outside of the walker, the body
-    would fall apart, or there are more than MOST_LEGS pieces below.
+    would fall apart, or there are more than MAX_LEGS pieces below.
     """
     bottom, top = float(mesh.vertices[:, 1].min()), float(mesh.vertices[:, 1].max())
     if not 0.0 < below_mm < top - bottom:

@@ -28,7 +28,7 @@ class Roughness(NamedTuple):
     """A drawn surface."""
 
     waves: npt.NDArray[np.float64]
-    """A wave a row, shape (WAVES, 4): wave vector (1/mm, x and z), amplitude (mm), phase."""
+    """A wave a row, shape (WAVE_COUNT, 4): wave vector (1/mm, x and z), amplitude (mm), phase."""
 
 
 OFF = Roughness(np.zeros((0, 4)))

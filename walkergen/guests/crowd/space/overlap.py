@@ -294,7 +294,7 @@ def move_and_grow(outlines, bounds, cells, places, scales, randoms, steps, growt
 
 @kernel
 def find_overlap(outlines, bounds, cells, places, scales):
-    """First walker that overlaps a wall or another one; NONE without any. Fills empty cells."""
+    """First walker that overlaps a wall or another one; NO_WALKER without any. Fills empty cells."""
     for i in range(len(places)):
         x, y, heading = places[i, 0], places[i, 1], places[i, 2]
         if not is_free(outlines, bounds, cells, places, scales, i, x, y, heading, scales[i]):

@@ -26,7 +26,7 @@ def total_packing(film: CrowdFilm) -> Array:
 def local_packing(film: CrowdFilm) -> Array:
     """Area of the walkers whose places lie in a box over that of its part in the dish, (F, boxes).
 
-    Its mean is near `packing`; boxes with two likely values tell of a dense and a thin phase.
+    Its mean is near `total_packing`; boxes with two likely values tell of a dense and a thin phase.
     """
     parts = box_count(film)
     grid = boxes.clipped_grid(film.dish, parts)

@@ -24,7 +24,7 @@ class Walls(NamedTuple):
     alignment: Array
     """Mean cos 2(heading - wall): 1 along the wall, -1 across, 0 at random."""
     near_density: Array
-    """Density within `near` of the wall over the mean, at each time, shape (F,)."""
+    """Density within `near_distance` of the wall over the mean, at each time, shape (F,)."""
     near_speed: Array
     """Mean speed there, shape (F - 1,), mm/s."""
     near_alignment: Array
@@ -32,7 +32,7 @@ class Walls(NamedTuple):
 
 
 def near_distance(film: CrowdFilm) -> float:
-    """Distance that counts as at the wall, mm: a mean outer diameter, as `pairs.scale` has it."""
+    """Distance that counts as at the wall, mm: a mean outer diameter, as `pairs.length_scale` has it."""
     return min(pairs.length_scale(film), 0.5 * dish_geometry.max_wall_distance(film.dish))
 
 

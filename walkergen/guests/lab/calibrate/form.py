@@ -131,7 +131,7 @@ def empty_form(air: Mapping[str, float]) -> str:
 
 
 def is_filled(path: Path) -> bool:
-    """Return whether a path holds work to keep: anything that is not byte for byte a `template`."""
+    """Return whether a path holds work to keep: anything that is not byte for byte a `empty_form`."""
     if not os.path.lexists(path):
         return False
     try:

@@ -125,7 +125,7 @@ def calibrate(path: Path, design: Design, scene: Scene, folder: Path | None) -> 
 
 
 def _format_value(cell: tuple[Any, ...]) -> str:
-    """Value of a row of KEYS with its error and unit, or why there is none."""
+    """Value of a row of COLUMNS with its error and unit, or why there is none."""
     _, value, se, unit, _, refused = cell
     return str(refused) if refused else f"{formatting.format_with_error(value, se)} {unit}".strip()
 

@@ -22,7 +22,7 @@ FPS = 20
 """Frames per second of the film of a drop."""
 
 FORM_KIND = "form"
-"""What a form filled in is called in `OWN`."""
+"""What a form filled in is called in `KINDS_BY_FIELD`."""
 
 SIMULATED_KINDS = (FORM_KIND, "drop")
 KINDS_BY_FIELD = {

@@ -86,7 +86,7 @@ STILL_SPEED_RATIO = 0.1
 def sample_parameters(ground: Ground, count: int) -> Array:
     """Parameters of `count` walkers over their priors, shape (count, simulated parameters).
 
-    Points of a lattice (`uncertain.even`).
+    Points of a lattice (`uncertain_inputs.lattice_points`).
     """
     parameters = ground.unknown.simulated
     return prior_values(parameters, uncertain_inputs.lattice_points(len(parameters), count, ground.scene.run.seed))

@@ -53,7 +53,7 @@ class Posterior(NamedTuple):
     """Draws of the parameters, and how independent they are."""
 
     draws: Array
-    """Parameters, shape (KEPT, parameters)."""
+    """Parameters, shape (KEPT_DRAWS, parameters)."""
     steps: int
     """Steps of the chains, or weighted draws, that these were chosen of."""
     correlation: float | None

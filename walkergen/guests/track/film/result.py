@@ -32,7 +32,7 @@ class Options(NamedTuple):
     width_px: float | None = None
     """Width of a walker, the shorter side."""
     heading: str = "motion"
-    """One of `heading.BY`."""
+    """One of `heading.HEADING_SOURCES`."""
     lens: Lens | None = None
     """Lens whose distortion is corrected; None without distortion."""
     markers: str | None = None
