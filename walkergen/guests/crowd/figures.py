@@ -24,7 +24,7 @@ class Panel(NamedTuple):
     height: float
     """Inches."""
     names: tuple[str, ...]
-    """Curves, those of which the crowd has are drawn."""
+    """Names of the curves; those that the crowd has are drawn."""
     chance: float | None = None
     """What walkers at random would have."""
 

@@ -41,7 +41,7 @@ class Asked(NamedTuple):
 
     dish: Dish
     contours: tuple[Array, ...]
-    """Outline of a body, none where it is not known."""
+    """Outline of a body; empty if unknown."""
     middle: tuple[float, float]
     """Place of the dish's middle in the tracks, mm."""
     others: tuple[Path, ...]

@@ -91,7 +91,7 @@ class InPlane(NamedTuple):
 
 
 def check_packing(packing: float) -> None:
-    """Refuse packings at which nobody knows whether cards hold. Raises InputError."""
+    """Refuse packings outside the tested range of cards. Raises InputError."""
     if round(packing, 2) > MAX_TESTED_PACKING:
         raise InputError(
             f"packing {packing:.3g}: {TESTED_RANGE}; take fewer walkers, a larger ‹arena›, designs for cards "

@@ -118,7 +118,7 @@ def _make_plan(job: Job) -> CrowdPlan:
 
 
 def _contours_from_centre(job: Job, plan: CrowdPlan) -> list[list[Array]]:
-    """Contours of each kind from the centre of mass, by which walkers are let go."""
+    """Return the contours of each kind relative to the centre of mass, for placing the walkers."""
     about_C = []
     for kind, own in zip(job.kinds, plan.plans, strict=True):
         forward, _, right = own.world.walker.centre  # from C to O

@@ -1,4 +1,4 @@
-"""Crowd that is asked for, where its walkers begin, and what came of it: in space and in a plane."""
+"""Requested crowd, initial positions of its walkers, and results: in space and in a plane."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -51,7 +51,7 @@ class Kind(NamedTuple):
 
 
 class Job(NamedTuple):
-    """Crowd that is asked for."""
+    """Requested crowd."""
 
     scene: Scene
     kinds: tuple[Kind, ...]

@@ -38,7 +38,7 @@ LIGHTNESS, CHROMA = 0.72, 0.12
 stands out, and inside sRGB at every hue."""
 
 SIMPLIFY_PX = 0.25
-"""Pixels by which an outline may be simplified."""
+"""Tolerance for simplified outlines, pixels."""
 
 DART_SHAPE = np.array([(0.5, 0.0), (-0.35, 0.3), (-0.2, 0.0), (-0.35, -0.3)])
 """Body of a walker whose outline is not known, over `pairs.scale` of the crowd: it points ahead."""
@@ -52,7 +52,7 @@ GIF_FPS = (1, 2, 4, 5, 10, 20, 25, 50)
 """Frames per second that a GIF can have: it counts in hundredths of a second."""
 
 HOLD_S = 1.5
-"""Time for which the last frame of a GIF stays, s."""
+"""Duration of the last frame of a GIF, s."""
 
 
 class _Bodies(NamedTuple):
@@ -108,9 +108,9 @@ def render_still(film: CrowdFilm, title: str) -> bytes:
 
 
 def make_draw_function(film: CrowdFilm, title: str, fps: int | None = None) -> Draw:
-    """Make a function that draws a frame, in the colours of headings, or of kinds where these are not known.
+    """Make a function that draws a frame, coloured by heading, or by kind where headings are unknown.
 
-    `fps` of the movie tells how fast it is beside life.
+    `fps` of the movie gives its speed compared with real time.
     """
     length, width = film.dish.box
     scale = min((WIDTH_PX - 2 * MARGIN_PX) / length, MAX_DISH_HEIGHT_PX / width)

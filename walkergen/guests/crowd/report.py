@@ -19,7 +19,7 @@ from walkergen.guests.crowd.space.result import CrowdRun
 from walkergen.guests.crowd.statistics import CrowdStatistics
 
 MAX_ROWS = 2_000_000
-"""Walkers times frames of a run up to which its tracks are written, some 100 bytes each."""
+"""Largest number of walkers times frames in a run whose tracks are written, some 100 bytes each."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -27,7 +27,7 @@ class CrowdReport(Report):
     """What a crowd did, each number with its error from independent runs."""
 
     simulated: Simulated
-    """Runs and films, of which the numbers are."""
+    """Runs and films that the numbers describe."""
 
     @property
     def statistics(self) -> CrowdStatistics:

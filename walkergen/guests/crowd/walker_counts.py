@@ -1,4 +1,4 @@
-"""Walkers of a crowd: how many of which design, as people write it or a packing says; its runs."""
+"""Walkers of a crowd: the number of each design, as typed or from a packing; its runs."""
 
 from collections.abc import Mapping
 from typing import Any

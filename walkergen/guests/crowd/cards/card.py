@@ -43,7 +43,7 @@ class _Number(Section):
 
     value: Value
     se: Annotated[float, Field(ge=0, le=1e9)] | None = None
-    """Standard error; None where nothing tells it."""
+    """Standard error; None where it is unknown."""
     runs: Annotated[int, Field(ge=1, le=10**9)] | None = None
     """Independent runs or films that it is from: one more than the degrees of freedom of the error."""
 
@@ -63,7 +63,7 @@ def _to_dict(quantity: Quantity) -> dict[str, Any]:
 
 if TYPE_CHECKING:
     Measured = Quantity
-else:  # what a file has is a table, of which a quantity is made
+else:  # A file contains a table. The validator turns it into a quantity.
     Measured = Annotated[_Number, WrapValidator(_to_quantity), PlainSerializer(_to_dict)]
 
 
@@ -102,21 +102,21 @@ class Card(Section):
     speed_mm_s: Measured
     """Mean speed along the heading, of a walker alone."""
     velocity_relaxation_s: Measured
-    """Time in which the velocity along the heading forgets a push: mass over friction coefficient."""
+    """Relaxation time of the velocity along the heading: mass over friction coefficient."""
     sideways_relaxation_s: Measured | None = None
-    """The same of the velocity across the heading; None where it is that along it."""
+    """Relaxation time of the velocity across the heading; None if equal to the one along the heading."""
     turning_rad_s: Measured
     """Mean turning rate."""
     turning_sd_rad_s: Measured | None = None
     """Spread of that rate from print to print."""
     turning_relaxation_s: Measured | None = None
-    """Time in which the turning rate forgets a push."""
+    """Relaxation time of the turning rate."""
     rotational_diffusion_rad2_s: Measured
     """D_R: the heading's squared change grows by 2 D_R t."""
     translational_diffusion_mm2_s: Measured
     """D_T across and along the heading: the part of the spread that no heading explains."""
     delay_s: Measured | None = None
-    """Mean time by which the velocity lags behind the heading."""
+    """Mean delay of the velocity behind the heading."""
     sideways_mm_s: Measured | None = None
     """Mean velocity to the left of the heading."""
     self_alignment_per_mm: Measured | None = None
@@ -196,6 +196,6 @@ def read_card(path: Path) -> Card:
 
 
 def to_json(card: Card) -> bytes:
-    """Card as it is written: equal cards give equal bytes."""
+    """Serialize a card. Equal cards give equal bytes."""
     data: dict[str, Any] = card.model_dump(mode="json")
     return spell_for_python(json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()

@@ -1,10 +1,9 @@
-"""Delay of the velocity behind the heading, as inertia makes it.
+"""Delay of the velocity behind the heading, caused by inertia.
 
-The delay function d(t) = <v(t) . e(0)> - <v(0) . e(t)> (C. Scholz, S. Jahanshahi, A. Ldov,
-H. Loewen, Nat. Commun. 9, 5156, 2018) is 0 where the velocity follows the heading e at once, and
-above 0 where it comes later. A velocity that follows as an average over earlier headings, with a
-mean delay s, has the integral of d from 0 to t equal to 2 s (f(0) - f(t)), where f is the mean of
-the two correlations; exact for an exponential memory as t grows.
+The delay function is d(t) = <v(t) . e(0)> - <v(0) . e(t)> (C. Scholz, S. Jahanshahi, A. Ldov, H. Loewen, Nat. Commun.
+9, 5156, 2018). It is 0 if the velocity follows the heading e without delay, and positive if the velocity is late. Let
+the velocity average earlier headings with a mean delay s. Then the integral of d from 0 to t is 2 s (f(0) - f(t)),
+where f is the mean of the two correlations. This is exact for an exponential memory as t grows.
 """
 
 import math
@@ -34,7 +33,7 @@ class Delay(NamedTuple):
     mean: Quantity
     """Mean delay, s; refused where headings do not turn or data are too few."""
     until: float
-    """Lag up to which the delay function was integrated, s."""
+    """Upper limit of the integral of the delay function, s."""
     function: Curve
     """Delay function by lag, mm/s."""
 
@@ -70,10 +69,10 @@ def measure(tracks: Tracks) -> Delay:
 
 
 def inertial_delay(lag: Array, speed: float, rate: float, turn: float, relaxation: float) -> Array:
-    """Delay function (mm/s) of a particle with inertia, at lags in s.
+    """Compute the delay function (mm/s) of a particle with inertia at lags in s.
 
-    `speed` of its propulsion (mm/s), `rate` of diffusion of its heading (rad^2/s), which forgets at
-    once, `turn` in rad/s, `relaxation` of its velocity in s (> 0).
+    `speed`: propulsion speed (mm/s). `rate`: rotational diffusion of the heading (rad^2/s), without memory. `turn`:
+    turning rate (rad/s). `relaxation`: relaxation time of the velocity (s, > 0).
     """
     lost = complex(rate, -turn)
     kept, forgot = np.exp(-lost * lag), np.exp(-lag / relaxation)

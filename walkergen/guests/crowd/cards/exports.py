@@ -1,7 +1,7 @@
-"""Inputs for programs of others: a card's numbers at the head of scripts that stand in assets.
+"""Inputs for other programs: a card's numbers above script templates from the assets.
 
-pymunk's script has every number of the card; HOOMD-blue's has no friction and one temperature;
-LAMMPS takes the numbers as variables, for a script of one's own.
+The pymunk script has every number of the card. The HOOMD-blue script has no friction and one temperature. LAMMPS reads
+the numbers as variables of the user's own script.
 """
 
 import math

@@ -39,9 +39,7 @@ def _draw_spread(axes: Axes, card: Card, measured: Measured) -> None:
     time, rotation = card.velocity_relaxation_s.number, card.rotational_diffusion_rad2_s.number
     fine = np.geomspace(at[0], at[-1], 200)
     run = persistent_walk.squared_displacement(fine, Spread(speed**2, rotation, 0.0, 0.0, turning))
-    late = (
-        persistent_walk.delayed_lag(fine, time) if time > 0.0 else fine
-    )  # less the time in which pushes are remembered
+    late = persistent_walk.delayed_lag(fine, time) if time > 0.0 else fine  # less the relaxation time of pushes
     pushed = 4.0 * card.translational_diffusion_mm2_s.number * late
     plots.draw_points(axes, measured.motion.msd, label="measured")
     axes.plot(fine, run + pushed, color=FITTED.colour, label="card: sum")

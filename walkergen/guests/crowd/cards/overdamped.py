@@ -1,8 +1,7 @@
-"""Whether a model without inertia is enough: what a walker's numbers say, and what others saw.
+"""Test whether a model without inertia is enough: a walker's numbers and published criteria.
 
-While a velocity relaxes a walker turns by a share of its direction, and coasts over a share of its
-length. Where both are small, a model in which the velocity follows the heading at once has the same
-places, and walkers that meet stop as if they had no mass.
+While its velocity relaxes, a walker turns by an angle and coasts over a part of its length. If both are small, a model
+without velocity lag gives the same positions. Walkers that meet then stop as if they had no mass.
 """
 
 import math
@@ -40,7 +39,7 @@ def judge(speed: Quantity, turning: Quantity, rotation: Quantity, velocity: Rela
 def inertial_shares(
     speed: Quantity, turning: Quantity, rotation: Quantity, velocity: Relaxation, length_mm: float
 ) -> tuple[Quantity, Quantity]:
-    """Share of its direction by which a walker turns, and of its length over which it coasts."""
+    """Compute a walker's turn, in radians of heading, and its coasting distance over its length."""
     time, time_se = velocity.time.number, velocity.time.se or 0.0
     rate = rotation.number + abs(turning.number)
     rate_se = math.hypot(rotation.se or 0.0, turning.se or 0.0)

@@ -31,26 +31,26 @@ MIN_STEPS_PER_RELAXATION, MAX_STEPS_PER_SAMPLE = 4, 40
 """Steps of a following velocity in a time of relaxation, at least, and in a sample, at most."""
 
 TRANSIENT_RELAXATIONS = 3.0
-"""Times of relaxation after which a walker's first velocity, which nobody knows, is forgotten."""
+"""Relaxation times after which a walker's unknown initial velocity is forgotten."""
 
 MIN_PIECES, MAX_ITERATIONS = 16, 4
-"""Samples that tracks of few walkers are cut into, at least; repetitions that find the time of
-relaxation with which headings are followed (of five walkers all agreed to 1e-4 after three)."""
+"""Minimum number of samples from tracks of few walkers; iterations that find the relaxation time of the velocity (for
+five walkers all agreed to 1e-4 after three)."""
 
 MAX_LAGS = 1000
 
 VELOCITY_KEY, DIFFUSION_KEY = "velocity_relaxation", "translational_diffusion"
-"""Names of what a velocity tells."""
+"""Names of the quantities measured from a velocity."""
 
 
 class Relaxation(NamedTuple):
     """Fluctuations of a velocity or of a rate of turning about what is expected."""
 
     time: Quantity
-    """Time in which a push is forgotten, s; refused where data are too few."""
+    """Relaxation time, s; refused where data are too few."""
     resolved: bool
-    """Whether it is longer than a sample. If not, it is the one with which spread and diffusion
-    agree, and a sample is what bounds it."""
+    """Whether the time exceeds a sample interval. If not, the time follows from spread and diffusion, and one sample
+    interval is its upper bound."""
     deviation: float
     """Standard deviation of the fluctuations at an instant, of each axis."""
     noise: float
@@ -201,7 +201,7 @@ def _unresolved_relaxation(
 
 
 def _relaxation_time(square: float, diffusion: float, interval: float) -> float:
-    """Time of relaxation (s) of which means over `interval` have this mean square; 0: none has."""
+    """Compute the relaxation time (s) from the mean square of means over `interval`; 0 if no time fits."""
     ratio = square * interval / (2.0 * diffusion) if diffusion > 0 else 0.0
     if not 0.0 < ratio < 1.0:
         return 0.0

@@ -39,8 +39,7 @@ SLOPE_SETTINGS = {"plate.slope_deg": SLOPE_DEG, "run.heading_deg": "uniform"}
 """Keys of a scene whose walkers are pushed, whichever way they head."""
 
 MIN_INTERVAL_PERIODS = 0.75
-"""Part of a drive's period from which on frames are taken as they are: more of them in a period
-would show the bouncing."""
+"""Shortest frame interval whose frames are all used, over a drive's period: shorter ones would show the bouncing."""
 
 
 class Measured(NamedTuple):
@@ -50,12 +49,12 @@ class Measured(NamedTuple):
     velocity: Relaxation
     """Of the velocity along the heading."""
     sideways: Quantity
-    """Time in which a push across it is forgotten, s; refused of films, in which nobody pushes."""
+    """Relaxation time of the velocity across the heading, s; refused for films, which have no pushes."""
     translation: Quantity
     """Translational diffusion of each axis, mm^2/s."""
     turning: Relaxation
     aligning: Quantity
-    """Self-alignment, 1/mm; refused of films, in which nobody pushes."""
+    """Self-alignment, 1/mm; refused for films, which have no pushes."""
     delay: Delay
     leaning: Quantity
     """Velocity to the left that goes with a rate of turning to the left, mm."""
@@ -68,9 +67,9 @@ class Measured(NamedTuple):
 
 
 def simulate_walker(scene: Scene, design: Design, mass: MassProperties, progress: Progress) -> Measured:
-    """Measure runs of a walker alone, each another print where the scene says so; and others of it on a slope.
+    """Simulate runs of a single walker, level and on a slope; each run is another print if the scene varies prints.
 
-    Raises InputError for a scene in which it cannot turn, or whose plate sways, and where too few runs end well.
+    Raises InputError if the walker cannot turn in the scene, if the plate sways, or if too few runs end well.
     """
     swaying_plate.check_still_plate(scene, "a card is of plates that move up and down alike everywhere")
     if scene.arena.kind != "plane":

@@ -29,7 +29,7 @@ MAX_RUN_S = 4.0
 """Measured time of a run, at most: by then walkers stand to the wall as they go on to do."""
 
 START_GAP_MM = 2.0
-"""Distance from the wall at which a walker is let go, mm, beside its way until the record."""
+"""Extra distance from the wall at a walker's release, mm, added to the path before recording starts."""
 
 
 class Walled(NamedTuple):

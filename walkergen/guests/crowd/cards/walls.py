@@ -46,7 +46,7 @@ class ByWall(NamedTuple):
     density: Array
     """Density of the angle by the wall in the second half of the runs, 1/rad."""
     rates: Array
-    """Mean turning rate by the wall in these bins, rad/s; NaN where nobody was."""
+    """Mean turning rate near the wall in these bins, rad/s; NaN in empty bins."""
     rates_se: Array
 
 

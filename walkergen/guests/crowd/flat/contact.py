@@ -24,11 +24,11 @@ STEPS_IN_TOUCH = 12
 """Steps in a contact of two typical points."""
 
 STEPS_IN_DAMPING = 4
-"""Least number of steps in which the dashpot of a contact fades a speed: several discs touch at once where faces meet.
-With two, as a restitution of 0.1 would have it, one of six dense crowds flew apart; with four none."""
+"""Minimum number of steps for a contact's dashpot to damp a speed: several discs touch together where faces meet.
+With two, as for a restitution of 0.1, one of six dense crowds flew apart; with four none."""
 
 STEPS_IN_MEMORY = 100
-"""Least number of steps in which a velocity forgets a push."""
+"""Minimum number of steps in a relaxation time of the velocity."""
 
 MIN_RESTITUTION, MAX_RESTITUTION = 0.05, 0.98
 """Restitutions that a dashpot gives: below, it would need steps too short; above, it slips."""

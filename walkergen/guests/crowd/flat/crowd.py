@@ -29,9 +29,9 @@ class FlatRun(NamedTuple):
 def simulate(crowd: Crowd, ranks: int = 1, progress: Progress = silent) -> FlatRun:
     """Run a crowd with LAMMPS and read back where its walkers were.
 
-    Equal crowds give the same, to the bit. `ranks` above 1 are processes of MPI. Progress counts frames. Its
-    files stand in a temporary folder that goes with the run. Raises InputError for LAMMPS absent, too old or
-    stopped; OutputError where the disk is full.
+    Equal crowds give the same bits. `ranks` above 1 starts MPI processes. Progress counts frames. The files are in a
+    temporary folder, deleted after the run. Raises InputError if LAMMPS is absent, too old or stopped; OutputError if
+    the disk is full.
     """
     if ranks < 1:
         raise crowd_checks.argument_error("ranks", ranks, ">= 1")

@@ -1,4 +1,4 @@
-"""What a run of a crowd in a plane is asked for, checked once."""
+"""Settings of a run of a crowd in a plane, checked once."""
 
 import math
 from collections.abc import Sequence
@@ -131,11 +131,11 @@ def _check_room(asked: lammps_input.Crowd) -> None:
 
 
 def _wrap_points(points: Array, period: float) -> Array:
-    """Points in a square from 0 to its side, which is outside; as they are without a period."""
+    """Wrap points into a square from 0 to its side, exclusive; without a period, return them unchanged."""
     if not period:
         return points
     wrapped = np.mod(points, period)
-    return np.where(wrapped < period, wrapped, 0.0)  # a hair below 0 is rounded up to the side
+    return np.where(wrapped < period, wrapped, 0.0)  # a rounding error below 0 becomes the side itself
 
 
 def _place_discs(asked: lammps_input.Crowd, shapes: Sequence[discs.Discs]) -> tuple[Array, Array, Whole]:

@@ -23,7 +23,7 @@ ARC_SEGMENTS = 16
 
 
 class Discs(NamedTuple):
-    """Discs that stand for a body, from C, mm."""
+    """Discs that represent a body, relative to C, mm."""
 
     places: Array
     """Centres, shape (D, 2)."""

@@ -1,7 +1,7 @@
-"""LAMMPS as a program of its own: where it is, whether it fits, and one run of it in a folder.
+"""LAMMPS as an external program: find it, check its packages, and run it once in a folder.
 
-The wheel from the package index (extra `crowd`) brings it; any other `lmp` on the PATH will do, if
-it has the packages. A run ends with this process: on any exception its processes are stopped.
+The wheel from the package index (extra `crowd`) provides it. Any other `lmp` on the PATH works if it has the packages.
+A run ends with this process: any exception stops its processes.
 """
 
 import contextlib
@@ -159,7 +159,7 @@ def _stop_process(child: subprocess.Popen[str]) -> None:
 
 
 def _send_signal(child: subprocess.Popen[str], number: int) -> None:
-    with contextlib.suppress(ProcessLookupError):  # it has just ended by itself
+    with contextlib.suppress(ProcessLookupError):  # the process has already ended
         if os.name == "posix":
             os.killpg(child.pid, number)
         else:
@@ -195,7 +195,7 @@ def _find_in_wheel() -> Engine | None:
     if folders:
         paths = [environment.get("LD_LIBRARY_PATH", ""), *folders]
         environment["LD_LIBRARY_PATH"] = os.pathsep.join(path for path in paths if path)
-    mpirun = Path(sys.executable).with_name("mpirun")  # of the MPI that pip has put beside it
+    mpirun = Path(sys.executable).with_name("mpirun")  # of the MPI that pip installed next to it
     return Engine(str(program), environment, str(mpirun) if mpirun.is_file() else None)
 
 

@@ -1,9 +1,8 @@
-"""LAMMPS input of a crowd: what moves, how it meets, and when its places are written; as text.
+"""LAMMPS input of a crowd as text: bodies, contacts, and output times.
 
-Every walker is a rigid body of discs (fix rigid/small) with the card's mass and inertia. A particle
-without size at C carries the push (fix propel/self), the noise and the drag (fix langevin), by
-which they act at C and as torque; one where a turn is wanted lies ahead of it and pushes sideways.
-Units are mm, g and s: `units lj` leaves all factors 1.
+Every walker is a rigid body of discs (fix rigid/small) with the card's mass and inertia. A particle without size at C
+carries the push (fix propel/self), the noise and the drag (fix langevin), so these act at C and as torque. For a
+turning walker a second particle ahead of C pushes sideways. Units are mm, g and s: `units lj` leaves all factors 1.
 """
 
 import math

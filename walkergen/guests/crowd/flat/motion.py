@@ -1,9 +1,9 @@
-"""Motion of a walker alone: forces and noise by which its card's numbers come back.
+"""Motion of a single walker: forces and noise that reproduce its card's numbers.
 
-m dv/dt = -(m/tau)(v - V e(theta)) + noise, I dw/dt = -(I/tau_r)(w - w0) + noise: the underdamped
-Langevin model of Scholz et al., Nature Communications 9, 5156 (2018), but that a velocity across the
-heading is forgotten within a time of its own; noise spreads by D_T, the mean of both axes, and D_R.
-The velocity's direction lags behind the heading by about that time: a card's own delay is not used.
+m dv/dt = -(m/tau)(v - V e(theta)) + noise, I dw/dt = -(I/tau_r)(w - w0) + noise: the underdamped Langevin model of
+Scholz et al., Nature Communications 9, 5156 (2018). Here the velocity across the heading has its own relaxation time.
+Noise spreads by D_T, the mean of both axes, and D_R. The velocity lags behind the heading by about that time; a card's
+own delay is not used.
 """
 
 import math
@@ -15,7 +15,7 @@ from walkergen.core.errors import InputError
 from walkergen.guests.crowd.cards.card import Card
 
 MAX_TURN_RAD = 50.0
-"""Angle by which a walker turns while it keeps its velocity, rad: beyond it an average has no digit left."""
+"""Turn within the velocity's relaxation time, rad: above it an average has no correct digit left."""
 
 
 class Motion(NamedTuple):

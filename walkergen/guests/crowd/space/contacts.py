@@ -1,15 +1,14 @@
 """Contacts of bodies with bodies and walls: impulses in a tick, between two drifts of both.
 
-A corner that gives by d pushes with k d as long as it is pressed on, and with e^2 k d as it comes
-back, k such that any two bodies part after the same time (docs/physics.md section 9). Of the work
-that it took it returns the share e^2, as Stronge defines restitution, whatever the masses, the
-place and the number of corners in touch. Friction takes what slips, at most its coefficient times
-the normal impulse, along the face and up or down it. A tick's impulse is that of the time in which
-the corner touches: touch and parting err by second order.
+A corner compressed by d pushes with k d during compression and with e^2 k d during release. k is such that any two
+bodies part after the same time (docs/physics.md section 9). The corner returns the share e^2 of the work done on it, as
+in Stronge's definition of restitution. This holds for any masses, positions and number of corners in touch. Friction
+acts along the face and up or down it, at most its coefficient times the normal impulse. A tick's impulse covers the
+time that the corner touches: touch and parting err by second order.
 
-Why springs and not rigid impulses: a printed corner and a face part after 0.1 to 0.2 ms (Hertz), a
-fiftieth of a period of the plate, so that either gives the same velocities; but springs also hold
-walkers that push each other and jams of many, without an order of contacts that would matter.
+Springs replace rigid impulses for two reasons. A printed corner and a face part after 0.1 to 0.2 ms (Hertz), a fiftieth
+of a period of the plate, so both models give the same velocities. Springs also hold walkers that push each other and
+jams of many, and the order of contacts does not matter.
 """
 
 import math

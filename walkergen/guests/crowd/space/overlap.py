@@ -52,7 +52,7 @@ class Bounds(NamedTuple):
 
 
 class Cells(NamedTuple):
-    """Walkers by the squares of a grid in which their middles lie."""
+    """Walkers sorted into the squares of a grid by their middles."""
 
     side: float
     across: int

@@ -1,9 +1,8 @@
-"""Places of a crowd without overlap: at random one by one, or, where it is dense, by growth.
+"""Positions of a crowd without overlap: random one by one, or, for dense crowds, by growth.
 
-Sparse crowds are random sequential additions, largest walkers first (B. Widom, J. Chem. Phys. 44,
-3888, 1966). Where such additions find no room, walkers start smaller, and then in turns move at
-random and grow as far as the others let them, which is a compression by Monte Carlo moves of hard
-bodies. Deterministic: a generator and outlines give places.
+Sparse crowds are random sequential additions, largest walkers first (B. Widom, J. Chem. Phys. 44, 3888, 1966). If such
+additions find no room, walkers start smaller. They then move at random and grow in turns as far as the others allow: a
+Monte Carlo compression of hard bodies. Deterministic for a given generator and given outlines.
 """
 
 import math
@@ -21,7 +20,7 @@ from walkergen.readers.drawings.outlines import area
 Outline = Sequence[Array]
 
 MAX_SPARSE_PACKING = 0.4
-"""Packing up to which walkers are added at their full size."""
+"""Largest packing for adding walkers at their full size."""
 
 MAX_TRIES_PER_WALKER = 400
 """Random places that are tried for each walker at most, on average, before all start smaller."""
@@ -33,7 +32,7 @@ GROWTH_RATES = (0.1, 0.01, 0.001)
 """Largest growth of a walker with a move: slower where a crowd has jammed."""
 
 SHRINK_SCALE = 0.9
-"""Scale by which all shrink before they grow at a slower pace."""
+"""Scale factor that shrinks all walkers before they grow at a slower pace."""
 
 MAX_SCALE_RATIO = 1.05
 """Largest scale over the smallest: all grow together."""
@@ -45,7 +44,7 @@ MAX_MOVES = 30_000_000
 """Moves of all walkers at a pace at most: half a minute."""
 
 SIMPLIFY_MM = 0.01
-"""Distance (mm) that simplified outlines may lie inside what they stand for."""
+"""Largest distance (mm) of simplified outlines inside the true ones."""
 
 
 def place(outlines: Sequence[Outline], dish: Dish, rng: np.random.Generator, clearance_mm: float) -> Array:
@@ -184,7 +183,7 @@ def _grow_at_rate(
 
 
 def _check_size(shapes: Outlines, dish: Dish) -> None:
-    """Raise InputError for a dish in which the largest walker has no room alone."""
+    """Raise InputError if the dish has no room for the largest walker alone."""
     across = 2.0 * float(shapes.outer.max())
     room = min(dish.box)
     alone = across > dish.sizes[0] if dish.kind == "disc" else across > dish.period > 0.0

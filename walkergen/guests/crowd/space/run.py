@@ -30,11 +30,11 @@ from walkergen.guests.crowd.space.result import CrowdRun, Impulses
 from walkergen.guests.crowd.space.shape import Shape, make_shape
 
 CONTACT_TIME_S = 1e-3 * 0.6
-"""Time (s) for which a corner and a face that keep nothing touch (docs/physics.md section 9)."""
+"""Contact time (s) of a corner and a face without restitution (docs/physics.md section 9)."""
 
 MIN_TICKS_PER_TOUCH = 13.0
-"""Ticks of a touch at least: what a crowd's contacts take is then 1 to 3 % off what restitution
-says, half of that with twice as many."""
+"""Minimum number of ticks in a touch: the loss in a crowd's contacts is then 1 to 3 % off the restitution's, and
+half of that with double the ticks."""
 
 
 Walkers = list[tuple[World, State]]
@@ -127,9 +127,9 @@ def simulate(
     stopped: Callable[[], bool] = lambda: False,
     progress: Callable[[float], None] = lambda seconds: None,
 ) -> CrowdRun:
-    """Simulate one run, with `rate_hz` frames a second; `progress` is told the seconds done.
+    """Simulate one run with `rate_hz` frames a second; `progress` receives the seconds done.
 
-    A run that is `stopped` keeps the frames that it has.
+    A run that is `stopped` keeps its frames so far.
     """
     started, run = time.thread_time(), plan.scene.run
     walkers = release_walkers(plan, number)

@@ -37,7 +37,7 @@ class Shape(NamedTuple):
     edges: Whole
     """Numbers of both ends of each edge of the core, shape (e, 2); of a disc one of no length."""
     radius: float
-    """Radius by which the core is rounded."""
+    """Rounding radius of the core."""
     reach: float
     """Largest distance of the outline from C."""
     area: float

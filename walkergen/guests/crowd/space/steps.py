@@ -1,9 +1,9 @@
-"""A crowd in time: every walker moves as it does alone, for as long as it cannot touch another.
+"""Time steps of a crowd: every walker moves as a single one while it cannot touch another.
 
-Time passes in ticks, of which contacts take one each, and in rounds of 2^LEVELS ticks. A walker
-moves on by 2^n ticks at once, n as large as its gaps allow at the speeds that it and its neighbours
-have: far from all others a whole stretch. As these spans nest, whoever is near is always at the
-same time. What a walker does depends on no order of work but that of the pairs that touch.
+Time passes in ticks and in rounds of 2^LEVELS ticks. Contacts take one tick each. A walker moves on by 2^n ticks in one
+step. n is as large as its gaps allow at its own and its neighbours' speeds: far from all others, a whole round. As
+these spans nest, walkers near each other are always at the same time. The result depends only on the order of the pairs
+that touch.
 """
 
 import math
@@ -49,7 +49,7 @@ class Plans(NamedTuple):
     seen_wall: Array
     """The same of walkers and walls, shapes (N,), (N, 2)."""
     until: Array
-    """Time to which a walker has moved, shape (N,)."""
+    """Time reached by each walker, shape (N,)."""
     allowed: Array
     """Largest n of the 2^n ticks that it may move now, shape (N,)."""
 
@@ -63,8 +63,7 @@ RECENT_TICKS = 8.0
 
 
 FORESEEN_TICKS, LANDING_SHARE = 2.0, 0.25
-"""Ticks for which a gap's rate says how it goes on, and the part of a landing's change of velocity
-that falls into them."""
+"""Ticks over which a gap's rate is extrapolated, and the part of a landing's change of velocity within these ticks."""
 
 
 @kernel_without_refcount
@@ -128,11 +127,11 @@ def _record_touch(crowd, row, column, count, late):
 
 @lean
 def _ticks_to_contact(crowd, fastest, margin, gap, past, ticks):
-    """Ticks for which a gap (mm) stays open, below 1 where it may close in the next.
+    """Compute the ticks until a gap (mm) may close; below 1 if it may close in the next tick.
 
-    It closes at most as the `fastest` points of both sides can (mm/s). One that was `past` a few
-    `ticks` ago closes as it has, or faster by half and by a part of what a landing adds, the
-    `margin` (mm/s): for FORESEEN ticks.
+    The gap closes at most at the speed of the `fastest` points of both sides (mm/s). For FORESEEN_TICKS the rate since
+    the gap `past`, `ticks` ago, counts too: increased by half and by a part of `margin` (mm/s), the change of velocity
+    in a landing.
     """
     tick = crowd.tick[0]
     sure = gap / (tick * fastest)
@@ -192,7 +191,7 @@ def _list_neighbours(crowd, span, pairs):
 
 @kernel_without_refcount
 def _advance_round(crowd, pairs, count, plans, levels):
-    """Move the crowd by 2^levels ticks, in which the first `count` of `pairs` may touch."""
+    """Move the crowd by 2^levels ticks; the first `count` of `pairs` may touch."""
     n, ticks, tick = len(crowd.status), 1 << levels, crowd.tick[0]
     safe, seen, safe_wall, seen_wall = plans.safe, plans.seen, plans.safe_wall, plans.seen_wall
     until, allowed = plans.until, plans.allowed

@@ -45,7 +45,7 @@ def inner_grid(dish: Dish, parts: int) -> Grid:
 
 
 def clipped_grid(dish: Dish, parts: int) -> Grid:
-    """Boxes that cover a dish, cut by its walls, less those of which more than half is outside."""
+    """Return boxes that cover a dish, cut by its walls, without boxes mostly outside."""
     side = min(dish.box) / parts
     across = [math.ceil(length / side * (1.0 - 1e-12)) for length in dish.box]
     low = [side * (np.arange(n) - 0.5 * n) for n in across]

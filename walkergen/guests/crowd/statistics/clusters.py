@@ -17,7 +17,7 @@ from walkergen.guests.crowd.statistics import dish_geometry
 from walkergen.guests.crowd.statistics.film import CrowdFilm
 
 TOUCHING_GAP = 0.05
-"""Gap up to which outlines touch, over the mean outer radius: films do not show less."""
+"""Largest gap between touching outlines, over the mean outer radius: the resolution of films."""
 
 
 class Clusters(NamedTuple):

@@ -13,7 +13,7 @@ from walkergen.core.numerics import Array, Whole
 
 
 def wrap_places(x: Array, y: Array, dish: Dish) -> tuple[Array, Array]:
-    """Places inside a periodic square, from -side/2 to side/2; as they are in other dishes."""
+    """Wrap positions into a periodic square, from -side/2 to side/2; keep them in other dishes."""
     if not dish.period:
         return x, y
     half = 0.5 * dish.period

@@ -16,9 +16,9 @@ LAG_DIVISOR = 4
 
 
 def speeds(film: CrowdFilm) -> tuple[Array, Array]:
-    """Speed and its part along the heading, of each walker between frames, (F - 1, N) each, mm/s.
+    """Compute each walker's speed and its part along the heading between frames, (F - 1, N) each, mm/s.
 
-    Over an interval in which walkers turn by half a radian or more both come out too small.
+    Both are too small if walkers turn by half a radian or more in an interval.
     """
     x, y = (np.diff(places, axis=0) / film.interval for places in (film.x, film.y))
     heading = 0.5 * (film.theta[1:] + film.theta[:-1])

@@ -47,7 +47,7 @@ class CrowdFilm(NamedTuple):
 
     @property
     def walkers(self) -> float:
-        """Mean number of walkers seen at a time: tracks that break number a walker anew."""
+        """Mean number of walkers seen at a time. Broken tracks give a walker several numbers."""
         return float(np.isfinite(self.x).sum(axis=1).mean())
 
     @property

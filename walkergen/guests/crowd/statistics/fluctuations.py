@@ -35,12 +35,11 @@ class Fluctuations(NamedTuple):
 
 
 def measure(films: Sequence[CrowdFilm]) -> Fluctuations:
-    """Variance in boxes about their own means, which are over all times and all runs.
+    """Compute the variance in boxes about their own means over all times and runs.
 
-    So a density that differs from place to place for good, as at a wall, is no fluctuation. As the
-    dish holds a fixed number of walkers a box of the share p of its area varies by 1 - p less than
-    it would in a large one: this is divided out. Too small by up to 1 / runs, and with one run by
-    more, where the runs are not long beside the time in which the density changes.
+    So a permanent difference of density, as at a wall, is no fluctuation. The dish holds a fixed number of walkers: a
+    box with the share p of its area varies by 1 - p less than in a large dish. This is divided out. The result is too
+    small by up to 1 / runs; with one run by more, unless the run is much longer than the density's correlation time.
     """
     film = films[0]
     parts = _box_counts(film)

@@ -1,7 +1,7 @@
 """Statistics of a crowd from independent runs: numbers, their course in time, and curves.
 
-Every error is from the scatter of the runs. Of one run alone the numbers that vary in time have an
-error if the run is long beside the time in which they change; curves then have none.
+Every error comes from the scatter of the runs. A single run gives errors of numbers that vary in time, if it is much
+longer than their correlation time. Its curves then have no errors.
 """
 
 import math
@@ -53,7 +53,7 @@ MIN_FRAMES = 4
 """Least number of frames of a run."""
 
 EQUAL_TOLERANCE = 1e-12
-"""Share by which runs differ, at most, in a number that they do not differ in, as the packing."""
+"""Relative tolerance for numbers that are equal in all runs, as the packing."""
 
 NO_OUTLINE = "no outlines known"
 NO_HEADING = "no headings known"
