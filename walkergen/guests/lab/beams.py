@@ -1,8 +1,7 @@
-"""Beams clamped at one end: how far they sink under a weight, and how fast they ring.
+"""Beams clamped at one end: their deflection under a weight, and their ringing frequency.
 
-Euler and Bernoulli's beam, with what a printed strip on a block needs beside: the large bend, the
-softness of its root, the stiffness of a strip that is wide at its clamp, the air that it moves, and
-a mass on its tip. mm, g, s; moduli in Pa = g/(mm s^2).
+The Euler-Bernoulli beam, extended for a printed strip on a block: large bends, the softness of its root, the stiffness
+of a strip that is wide at its clamp, the air that it moves, and a mass on its tip. mm, g, s; moduli in Pa = g/(mm s^2).
 """
 
 import math
@@ -20,15 +19,15 @@ a half-space 16.67 / (12 pi) = 0.44 (O'Donnell, J. Appl. Mech. 27, 461, 1960). T
 hands that hold a block."""
 
 CLAMP_FACTOR, CLAMP_FACTOR_SD = 0.05, 0.02
-"""Length by which a clamp shortens a strip, over its width: there it cannot curve across, and is
-stiffer by 1 / (1 - nu^2). By Ritz's method for a clamped plate with a loaded end, widths of 0.05 to
-0.4 of its length: 0.033, 0.050, 0.068 at nu = 0.30, 0.36, 0.42."""
+"""Apparent shortening of a strip at its clamp, over its width: there it cannot curve across, and is stiffer by 1 /
+(1 - nu^2). By Ritz's method for a clamped plate with a loaded end, widths of 0.05 to 0.4 of its length: 0.033,
+0.050, 0.068 at nu = 0.30, 0.36, 0.42."""
 
 AIR_DENSITY = 1.2e-6
 """Density of air, g/mm^3."""
 
 MAX_BEND = 0.2
-"""Depth over length up to which `sunk` holds within 0.2 %."""
+"""Largest depth over length for `deflection` to hold within 0.2 %."""
 
 BEND_STIFFENS = 4.0 / 35.0
 """Second order of the elastica under a weight that stays vertical: depth over length is
@@ -36,7 +35,7 @@ a / 3 (1 - 4 a^2 / 35 + ...), a = weight times length^2 over bending stiffness."
 
 
 class Strip(NamedTuple):
-    """Strip that sticks out of a block, as it is, not as drawn; lengths in mm."""
+    """Strip that sticks out of a block, as printed, not as drawn; lengths in mm."""
 
     thickness: float
     width: float
@@ -55,9 +54,9 @@ def bending_stiffness(modulus: float, strip: Strip) -> float:
 
 
 def deflection(load: float, length: float, bending: float) -> float:
-    """Depth (mm) by which a weight of `load` (g) at `length` (mm) sinks on a rigid root.
+    """Compute the deflection (mm) under a weight of `load` (g) at `length` (mm) on a rigid root.
 
-    Valid up to LARGEST_BEND of the length.
+    Valid up to MAX_BEND of the length.
     """
     bend = load * GRAVITY * length**2 / bending
     return length * bend / (3.0 * (1.0 + BEND_STIFFENS * bend * bend))
@@ -70,7 +69,7 @@ def natural_frequency(bending: float, mass: float, length: float, tip: float = 0
 
 
 def moving_mass(density: float, strip: Strip) -> float:
-    """Mass (g) that swings with a strip of a density (g/mm^3): its own, and air beside it.
+    """Compute the moving mass (g) of a strip with a density (g/mm^3): the strip and the air around it.
 
     Air adds pi / 4 AIR width^2 per length (a flat plate that moves across itself in an ideal
     fluid), 1 % of a printed line's.

@@ -14,7 +14,7 @@ CURVE_POINTS = 4001
 """Points at which a curve is read between its own."""
 
 MIN_MEASURED = 1e-9
-"""Least number that is measured, in whatever unit."""
+"""Smallest measured number, in its unit."""
 
 MAX_ERRORS_AWAY = 2.0
 """Errors beyond which a number does not belong to a curve."""
@@ -52,7 +52,7 @@ class Branch(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """What a measured number tells of a number that the model needs."""
+    """Model parameter derived from a measured number."""
 
     text: str
     """It, in words."""

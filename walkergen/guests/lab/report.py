@@ -15,7 +15,7 @@ from walkergen.files.report import Report
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class LabReport(Report):
-    """Material and contact that a test tells; design and scene go on with them."""
+    """Material and contact from a test, with the updated design and scene."""
 
     design: Design
     scene: Scene

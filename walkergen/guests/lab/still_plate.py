@@ -26,9 +26,9 @@ def film_scene(scene: Scene) -> Scene:
 
 
 def make_plan(scene: Scene, design: Design, finer: float = STEP_RATIO) -> Plan:
-    """Plan of a walker on the scene's plate at rest; `finer`: its steps over usual ones.
+    """Plan a walker on the scene's plate at rest; `finer`: its steps over usual ones.
 
-    A step that the scene states stays as it is. Raises InputError.
+    A step stated by the scene is kept. Raises InputError.
     """
     plan = prepare(still_scene(scene), design, solids.mass_of(design))
     if scene.run.step_us is not None:
@@ -62,5 +62,5 @@ def describe_test(scene: Scene, design: Design) -> str:
 
 
 def fall_time(height: float, gravity: float) -> float:
-    """Time (s) in which a body falls by `height` (mm) under `gravity` (mm/s^2)."""
+    """Compute the time (s) of a fall by `height` (mm) under `gravity` (mm/s^2)."""
     return math.sqrt(2.0 * max(height, 0.0) / gravity)

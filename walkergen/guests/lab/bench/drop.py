@@ -42,7 +42,7 @@ class Dropped(NamedTuple):
 
     @property
     def flat_within(self) -> float | None:
-        """Largest roll (deg) of the table up to which a drop shows what a flat one does."""
+        """Largest roll (deg) of the table with the same result as a flat drop."""
         rolls = [(turn, roll) for turn, roll, _ in self.by_turn if roll is not None]
         alike = None
         for turn, roll in rolls:

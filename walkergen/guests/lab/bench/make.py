@@ -109,7 +109,7 @@ def _settings(answers: Sequence[tuple[str, Answer]]) -> dict[str, float]:
 
 
 def _make_table(name: str, title: str, keys: Sequence[str], values: Sequence[Sequence[Value]]) -> Table:
-    """Table of a bench test, every key of which people read."""
+    """Return the table of a bench test; all its keys are shown to people."""
     texts = [key for key, first in zip(keys, values[0], strict=True) if isinstance(first, str)]
     return Table(name, values, keys, report.key_columns(keys, texts), title)
 

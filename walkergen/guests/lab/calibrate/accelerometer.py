@@ -1,8 +1,8 @@
-"""Recordings of an accelerometer on the plate, as apps of phones export them: times and three axes.
+"""Accelerometer recordings on the plate, as exported by phone apps: times and three axes.
 
-Columns are told by their names: phyphox ("Time (s)", "Acceleration x (m/s^2)", "Linear Acceleration x (m/s^2)"),
-Physics Toolbox (time, ax or gFx), Sensor Logger (seconds_elapsed, x), and any others that name the same. Columns of a
-gyroscope beside them (phyphox "Gyroscope x (rad/s)", Physics Toolbox wx) are read too.
+Columns are recognised by their names: phyphox ("Time (s)", "Acceleration x (m/s^2)", "Linear Acceleration x (m/s^2)"),
+Physics Toolbox (time, ax or gFx), Sensor Logger (seconds_elapsed, x), and any others with these names. Gyroscope
+columns (phyphox "Gyroscope x (rad/s)", Physics Toolbox wx) are read too.
 """
 
 import re
@@ -60,7 +60,7 @@ def read_recording(path: Path) -> Recording:
     times = SECONDS_BY_UNIT[unit] * found.values[time]
     felt = scale * np.column_stack([found.values[axis] for axis in axes])
     order = np.argsort(times, kind="stable")
-    order = order[np.append(True, np.diff(times[order]) > 0.0)]  # a sample that is told twice counts once
+    order = order[np.append(True, np.diff(times[order]) > 0.0)]  # a repeated sample counts once
     turned = radians * np.column_stack([found.values[name] for name in rates])[order] if rates else None
     recording = Recording(times[order] - times[order[0]], felt[order], linear, turned)
     if len(order) < MIN_SAMPLES:

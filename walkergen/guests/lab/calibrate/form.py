@@ -1,9 +1,8 @@
-"""Form of measurements: measurements.csv, a row a reading, empty when made and read when filled.
+"""Form of measurements: measurements.csv, one row per reading, written empty and read when filled.
 
-Columns: part; measured, the quantity with its unit; reading; error, the standard deviation of that
-reading, in its unit; unloaded_mm, weight_g and at_mm, which some quantities need beside. Rows of
-one part and quantity are tries, and may be as many as one likes. A column tracks may name the
-tracks.csv of a slide's film, beside the form, which filmed_deg needs.
+Columns: part; measured, the quantity with its unit; reading; error, the standard deviation of that reading, in its
+unit; unloaded_mm, weight_g and at_mm, which some quantities also need. Rows of one part and quantity are tries; any
+number is allowed. A column tracks may name the tracks.csv of a slide's film, in the form's folder; filmed_deg needs it.
 """
 
 import math
@@ -25,27 +24,27 @@ FORM_FILE = "measurements.csv"
 CONDITION_COLUMNS = ("unloaded_mm", "weight_g", "at_mm")
 HEADER = ("part", "measured", "reading", "error", *CONDITION_COLUMNS)
 TRACKS_COLUMN = "tracks"
-"""Column that a form may have: a file of tracks, by its name beside the form."""
+"""Optional column of a form: the name of a file of tracks in the form's folder."""
 MAX_BYTES, MAX_ROWS = 1_000_000, 2000
 
 
 class Kind(NamedTuple):
-    """Kind of reading: what may stand in its row."""
+    """Kind of reading: what its row may contain."""
 
     error: float
     """Error of a reading with ordinary means, which the empty form proposes."""
     most: float
-    """Largest value, which tells a wrong unit."""
+    """Largest value; a larger one suggests a wrong unit."""
     rows: int
     """Rows of the empty form."""
     beside: tuple[str, ...] = ()
-    """Columns that it needs beside its reading."""
+    """Columns needed in addition to its reading."""
     may: tuple[str, ...] = ()
     """Columns that it may have."""
     least: float = 0.0
     """Value that it must exceed."""
     slip: str = ""
-    """Question to somebody whose value is outside."""
+    """Question to the user if the value is out of range."""
 
 
 SLIDE_KIND = Kind(1.0, 80.0, 6, least=2.0, slip=": is it a friction? The angle of 0.25, in degrees, is 14")
@@ -77,7 +76,7 @@ BLOCK_KINDS = {
 WALKER_KINDS = {**SLIDING_KINDS, "flight_s": Kind(0.002, 2.0, 6, ("at_mm",))}
 
 MIN_ERROR = 1e-6
-"""Least error of a reading, in whatever unit."""
+"""Smallest error of a reading, in its unit."""
 
 
 class Reading(NamedTuple):
@@ -119,9 +118,9 @@ def reading_kinds(part: str) -> Mapping[str, Kind] | None:
 
 
 def empty_form(air: Mapping[str, float]) -> str:
-    """Text of an empty form for strips, block and walker, with proposed errors.
+    """Return the text of an empty form for strips, block and walker, with proposed errors.
 
-    `air` has the strips by name, with the share of air in percent, which stands there already.
+    `air` maps each strip to its share of air in percent, filled in already.
     """
     lines: list[tuple[object, ...]] = []
     for part in (*air, "block", "walker"):
@@ -139,11 +138,11 @@ def is_filled(path: Path) -> bool:
         air = {row["part"]: float(row["reading"]) for _, row in _read_rows(path) if row["measured"] == AIR_SHARE}
         return reading.read_bytes(path, MAX_BYTES) != empty_form(air).encode()
     except (InputError, ValueError):
-        return True  # whatever it is, somebody wrote it
+        return True  # a file with any other content was written by a person
 
 
 def write_empty_form(path: Path, air: Mapping[str, float]) -> bool:
-    """Write the empty form unless somebody filled it in; returns whether. Raises OutputError."""
+    """Write the empty form unless a person filled it in; return whether it was written. Raises OutputError."""
     if is_filled(path):
         return False
     output.write(path, empty_form(air).encode())

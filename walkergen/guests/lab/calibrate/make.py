@@ -21,7 +21,7 @@ from walkergen.guests.lab.inverse import Answer
 from walkergen.guests.lab.report import LabReport, name_after, write_report
 
 MAX_THICKNESS_DIFFERENCE = 0.3
-"""Relative difference of thickness up to which a strip stands for a leg."""
+"""Largest relative difference of thickness between a strip and the leg that it represents."""
 
 
 class Job(NamedTuple):
@@ -184,7 +184,7 @@ def _missing_notes(
     means: Mapping[str, Estimate | None],
     drop: Answer | None,
 ) -> list[str]:
-    """Return notes on what is not estimated, and why."""
+    """Return notes on quantities without an estimate, and why."""
     notes = []
     if bent is None:
         notes.append("no strip with sizes and a deflection or a ring: no Young's modulus")

@@ -31,8 +31,8 @@ PA_PER_GPA, G_MM3_PER_G_CM3 = 1e9, 1e-3
 """Units inside over those outside: Pa in a GPa, g/mm^3 in a g/cm^3."""
 
 OFFSET_NAME = "offset"
-"""Name of a length that is added to all thicknesses, which a fit may leave free; as RINGS, by which
-the ring has a modulus of its own."""
+"""Name of a length that is added to all thicknesses and may be free in a fit. With RING_METHOD free, the ring has
+its own modulus."""
 
 WEIGHT_SD, POSITION_SD_MM = 0.01, 0.5
 """Errors assumed of weights, relative, and of the places where they hang."""
@@ -41,7 +41,7 @@ DENSITY_SD = 0.03
 """Relative error of a density that was not measured."""
 
 SHARED_PARAMETERS = 4
-"""Numbers that all strips share beside the modulus: density, root, clamp, air."""
+"""Numbers shared by all strips in addition to the modulus: density, root, clamp, air."""
 
 MIN_MODULUS_GPA, MAX_MODULUS_GPA = 1e-3, 30.0
 """Moduli (GPa) of plastics, from soft elastomers to those filled with short fibres (Ashby,
@@ -86,10 +86,10 @@ class Bent(NamedTuple):
 
 
 def fit(strips: Sequence[Specimen], density: Quantity) -> Estimate:
-    """Modulus of strips, of which at least one has readings.
+    """Fit the modulus of strips, at least one of them with readings.
 
-    Its error is larger by the root of chi2 over dof where strips disagree. Raises InputError for a
-    modulus that no plastic has.
+    Where strips disagree, the error grows by the root of chi2 over dof. Raises InputError for a modulus outside the
+    range of plastics.
     """
     (number,), chi2, dof = _solve(strips, density, ())
     if not MIN_MODULUS_GPA <= number.number <= MAX_MODULUS_GPA:
@@ -145,10 +145,10 @@ def thickness_offset(strips: Sequence[Specimen], density: Quantity) -> Quantity 
 
 
 def _solve(strips: Sequence[Specimen], density: Quantity, extras: Sequence[str]) -> tuple[list[Quantity], float, int]:
-    """Fit the modulus, and `extras` of RINGS (excess of its logarithm there) and OFFSET (mm).
+    """Fit the modulus, and `extras`: RING_METHOD (excess of its logarithm there) and OFFSET_NAME (mm).
 
-    Returns these with their errors, the sum of squares at its minimum, and its degrees of freedom.
-    Beside these every size, the density, root, clamp and air are free, in units of their errors.
+    Returns these with their errors, the minimum sum of squares, and its degrees of freedom. All sizes, the density,
+    root, clamp and air are free too, in units of their errors.
     """
     from scipy.optimize import least_squares
 

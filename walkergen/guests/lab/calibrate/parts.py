@@ -1,7 +1,7 @@
 """Parts of a calibration plate: strips for Young's modulus, a block for friction and density.
 
-Strips print as legs on their side do: a wall of whole lines along the strip, layers across its
-width. So they tell the modulus with which such a leg bends, not that of solid plastic.
+Strips print like legs on their side: a wall of whole lines along the strip, layers across its width. So they measure
+the bending modulus of such a leg, not that of solid plastic.
 """
 
 import math
@@ -50,7 +50,7 @@ CHAMFER_MM = 0.6
 """Chamfer of its edges on the bed, where a first layer spreads: it would ride on them."""
 
 HEAVY_BEND_RATIO, LIGHT_BEND_RATIO = 0.1, 0.05
-"""Depths over length to which the heaviest and a light weight shall bend a strip."""
+"""Target depths over length of a strip under the heaviest and a light weight."""
 
 
 class Drawn(NamedTuple):

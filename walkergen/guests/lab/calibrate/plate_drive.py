@@ -1,11 +1,11 @@
 """A plate's drive from a phone that rides on it: frequency, amplitude, harmonic, motion along, rocking, noise.
 
 The recording is cut into equal pieces. In each, sines at the drive's frequency and its multiples are fitted to the
-acceleration along gravity and across it; pieces differ by noise and by drifts, which the errors come from (Student's
-t). Phases are those of `drive`: the plate is at A [sin(phi) + r sin(2 phi + s)], and along it at q A sin(phi + p).
-A gyroscope tells slopes: heights beside the phone's are A (g . r sin(phi) + k . r cos(phi)), with the gradient g of the
-amplitude and the rocking k; x and y of the scene are the phone's as it lies, on its back y to the left of x.
-What moves beside the sines is integrated to a velocity in the band of the scene's noise; the phone's own is in it.
+acceleration along gravity and across it. Errors come from the differences between pieces, due to noise and drifts
+(Student's t). Phases are those of `drive`: the plate is at A [sin(phi) + r sin(2 phi + s)], and along it at q A sin(phi
++ p). A gyroscope measures slopes: heights away from the phone are A (g . r sin(phi) + k . r cos(phi)), with the
+gradient g of the amplitude and the rocking k. x and y of the scene are the phone's: on its back, y is to the left of x.
+The remaining motion is integrated to a velocity in the band of the scene's noise; it includes the phone's own noise.
 """
 
 import math
@@ -38,11 +38,11 @@ MIN_PEAK_RATIO = 30.0
 """Power of the drive's line over the median of the spectrum, at least."""
 
 MIN_SIGNIFICANCE = 3.0
-"""Errors by which an amplitude must differ from 0 to be one."""
+"""Significance threshold of an amplitude, in standard errors."""
 
 NYQUIST = 0.5
 USED_BANDWIDTH = 0.8
-"""Share of half the rate up to which a spectrum counts: phones damp what is close to it."""
+"""Used share of half the sampling rate: phones damp frequencies close to it."""
 
 MIN_SETTINGS = {
     "plate.noise_ratio": 0.01,
@@ -54,7 +54,7 @@ MIN_SETTINGS = {
 """Least numbers that a scene has: phones alone make as much noise, and less moves no walker."""
 
 SIDEWAYS_THRESHOLD = 0.8
-"""Upward part of the phone's x axis beyond which its y axis stands for it: the phone lies on its side."""
+"""Upward part of the phone's x axis above which its y axis replaces it: the phone lies on its side."""
 
 FILTERED_FREQUENCY_RATIO = 0.25
 """Frequency over the rate beyond which a phone's own filter may take off from an amplitude."""
@@ -80,11 +80,11 @@ class Sines(NamedTuple):
     """Of those along both axes of the plate, at the drive's frequency, and of rates (rad/s) of turning about both, if
     known: shape (pieces, 2) or (pieces, 4)."""
     rest: Array
-    """What the upward acceleration has beside them, shape (n,), mm/s^2."""
+    """Upward acceleration without these sines, shape (n,), mm/s^2."""
 
 
 def calibrate(path: Path, design: Design, scene: Scene, folder: Path | None) -> LabReport:
-    """Report of what a recording tells of the plate, with the scene that has it. Raises InputError."""
+    """Report the plate's motion from a recording, with the scene that has it. Raises InputError."""
     if scene.drive.kind == "motor":
         raise InputError(f"‹plate=›{path}: the plate of a scene with a motor is still; take a scene with a plate")
     recording = accelerometer.read_recording(path)
@@ -157,7 +157,7 @@ def measure(recording: Recording, scene: Scene, source: str) -> tuple[list[Row],
         Row("amplitude", amplitude, "drive.amplitude_um"),
         Row("peak acceleration", _mean_quantity("gamma", "g", size / GRAVITY)),
     ]
-    # upward is Re[Z exp(i omega t)] with Z = A omega^2 i exp(i phi), and -4 r A omega^2 sin(2 phi + s) beside it
+    # upward is Re[Z exp(i omega t)] with Z = A omega^2 i exp(i phi), plus -4 r A omega^2 sin(2 phi + s)
     second = sines.upward[:, 1] * np.conj(-1j * unit) ** 2 / (4j * size)
     beyond = f"not seen at {rate:.0f} samples a second: at {2 * frequency:.4g} Hz it looks like another"
     refused = "" if 2.0 * frequency < _max_frequency(rate) else beyond
@@ -275,7 +275,7 @@ def _mean_quantity(key: str, unit: str, values: Array) -> Quantity:
 def _sine_rows(
     name: str, waves: Complex, ratio: str, phase: str, refused: str, unit: str = "", turn: str = "phase"
 ) -> list[Row]:
-    """Amplitude over the drive's, and phase, of a sine beside it; declined, or of none that differs from 0."""
+    """Return amplitude over the drive's, and phase, of a further sine; refused if insignificant or for `refused`."""
     mean, root = complex(waves.mean()), math.sqrt(len(waves))
     turned = waves * np.exp(-1j * np.angle(mean))
     along, across = (float(part.std(ddof=1)) / root for part in (turned.real, turned.imag))
@@ -292,12 +292,12 @@ def _sine_rows(
 
 
 def _max_frequency(rate: float) -> float:
-    """Frequency (Hz) up to which noise is seen."""
+    """Return the highest frequency (Hz) of measurable noise."""
     return USED_BANDWIDTH * NYQUIST * rate
 
 
 def _noise_ratio(rest: Array, recording: Recording, scene: Scene, omega: float, size: float) -> Quantity:
-    """Root mean square velocity beside the sines, in the band of the scene's noise, over the drive's peak speed."""
+    """Compute the r.m.s. velocity without the sines, in the scene's noise band, over the drive's peak speed."""
     low, high = scene.plate.noise_band_hz[0], min(scene.plate.noise_band_hz[1], _max_frequency(recording.rate))
     if not low < high:
         return Quantity("noise", "", None, refused=f"its band begins at {low:g} Hz, beyond what is seen")

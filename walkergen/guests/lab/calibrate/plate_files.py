@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DARK, LIGHT = "#0072B2", "#9ECAE1"
-"""Colours of pieces by turns, told apart in grey."""
+"""Alternating colours of pieces, distinguishable in grey."""
 
 THUMBNAIL_DPI = 26
 """Dots an inch of the picture that file managers show, of a map 10 inches wide."""

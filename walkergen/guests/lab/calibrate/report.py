@@ -35,7 +35,7 @@ def make_report(
     path: Path,
     folder: Path,
 ) -> LabReport:
-    """Report of what a filled form tells: numbers, the strips, and what a drop test answers."""
+    """Report the results of a filled form: numbers, the strips, and the drop test."""
     columns = (
         Column("measured", lambda row: row[0]),
         Column("value ± error", lambda row: f"{formatting.format_with_error(row[1], row[2])} {row[3]}".strip()),

@@ -35,7 +35,7 @@ HOUSEHOLD_WEIGHTS = (
 """Weights (g) at hand: coins by their mints, nuts of steel by DIN 934, paper by its grammage."""
 
 MAX_WEIGHT_DIFFERENCE = 0.35
-"""Relative distance up to which an ordinary weight is named for one that is wanted."""
+"""Largest relative difference between a wanted weight and the ordinary one named for it."""
 
 
 def nearest_weight(grams: float) -> str:
@@ -45,7 +45,7 @@ def nearest_weight(grams: float) -> str:
 
 
 def to_markdown(drawn: Sequence[Drawn], design: Design, printer: Printer) -> str:
-    """Sections on measuring, after those of the print; their words stand in assets."""
+    """Return the sections on measuring, after those on printing; their text is in the assets."""
     words = Path(__file__).with_name("assets").joinpath("measuring.md").read_text(encoding="utf-8")
     return words.format(
         form=form.FORM_FILE,

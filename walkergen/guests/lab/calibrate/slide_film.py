@@ -24,18 +24,18 @@ CORRELATED_FRAMES = 10
 """Number of neighbouring frames, about, that err alike."""
 
 MAX_STILL_SHARE = 0.1
-"""Way of what stands still over that of what slides, at most: reading errors, a camera's shake."""
+"""Largest displacement of a still part over that of the sliding part: reading errors, a camera's shake."""
 
 MAX_FRICTION_CHANGE, MIN_SIGNIFICANCE = 0.1, 4.0
-"""Change of the friction along the way from which a film holds more than one slide, and the number
-of its errors from which such a change is seen."""
+"""Change of the friction along the path that indicates several slides in a film, and its minimum significance in
+standard errors."""
 
 
 def friction(path: Path, angle_deg: float, error_deg: float) -> Quantity:
-    """Friction of the one part that slides in a file of tracks, on an incline of this angle.
+    """Compute the friction of the one part that slides in a file of tracks, on an incline of this angle.
 
-    What stands still beside it, as caps that tell the camera's tilt, is left out. Raises InputError
-    for tracks of several parts, of more than a slide, and of no friction.
+    Still parts, such as caps that show the camera's tilt, are left out. Raises InputError for tracks of several sliding
+    parts, of more than one slide, and without friction.
     """
     read = track_files.read_tracks(path, track_files.Units())
     name = safe_text.shorten_line(path.name)
@@ -70,7 +70,7 @@ def friction(path: Path, angle_deg: float, error_deg: float) -> Quantity:
 
 
 def _visible_positions(position: Array, interval: float) -> tuple[Array, Array]:
-    """Return times, s, from the middle, and positions, mm, of the frames in which the walker was seen."""
+    """Return times, s, from the middle, and positions, mm, of the frames that show the walker."""
     seen = ~np.isnan(position).any(axis=1)
     times = interval * np.flatnonzero(seen)
     return times - times.mean(), position[seen]

@@ -16,10 +16,10 @@ from walkergen.guests.lab.calibrate.form import AIR_SHARE, Reading, Readings
 
 SIZE_READINGS = ("thickness_mm", "width_mm", "free_length_mm")
 BEND_METHOD, RING_METHOD = "deflection", "ring"
-"""Methods by which a strip tells its modulus."""
+"""Methods that measure a strip's modulus."""
 
 DEFAULT_AIR = Quantity("air", "", 0.0, 0.05)
-"""Share of air, and its error, in a strip of which nothing is said."""
+"""Default share of air, and its error, in a strip."""
 
 MAX_SIZE_ERROR, MIN_SLENDERNESS = 0.25, 10.0
 """Largest relative error of a size; least length of a strip over its thickness, for a beam."""
@@ -150,7 +150,7 @@ class Rough(NamedTuple):
 
 
 def check_consistency(rough: Sequence[Rough]) -> None:
-    """Raise InputError for readings of which some cannot be of one plastic."""
+    """Raise InputError for readings that cannot belong to one plastic."""
     for method in (BEND_METHOD, RING_METHOD):
         own = sorted((single for single in rough if single.method == method), key=lambda single: single.modulus)
         if own and own[-1].modulus > MAX_READING_RATIO * own[0].modulus:

@@ -157,7 +157,7 @@ def _short_scene(ground: Ground, setting: Setting) -> Scene:
 
 
 def plate_scene(scene: Scene, setting: Setting) -> Scene:
-    """Scene whose plate has a setting's speed, at its own frequency; a motor's stays as it is."""
+    """Return the scene with a setting's plate speed at its own frequency; a motor keeps its own."""
     drive = scene.drive
     if drive.kind == "motor" or math.isclose(setting.plate_speed, drive.peak_speed, rel_tol=1e-9):
         return scene

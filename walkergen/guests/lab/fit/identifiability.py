@@ -11,19 +11,19 @@ from walkergen.guests.lab.fit.parameters import Parameter
 from walkergen.guests.lab.fit.posterior import Posterior
 
 MAX_LEARNT_RATIO = 0.9
-"""Standard deviation over that of the prior from which a parameter counts as not learnt."""
+"""Standard deviation over that of the prior above which a parameter counts as not learnt."""
 
 MAX_TRADE_ERROR = 0.5
-"""Error of a combination, over that of a parameter in it, up to which parameters trade."""
+"""Largest error of a combination, over that of a parameter in it, for parameters to trade off."""
 
 MIN_COMPONENT = 0.3
-"""Component of a direction (of length 1) from which a parameter belongs to it."""
+"""Smallest component of a unit direction for a parameter to belong to it."""
 
 MAX_DEVIATIONS = 2.0
 """Standard deviations of a measured value beyond which speeds that lead elsewhere disagree with it."""
 
 MIN_PROBABILITY = 1e-3
-"""Probability of a misfit below which a model is said not to describe the speeds."""
+"""Probability of a misfit below which a model is reported not to describe the speeds."""
 
 
 class Learnt(NamedTuple):
@@ -56,7 +56,7 @@ def summarise_draws(parameters: Sequence[Parameter], draws: Array) -> tuple[Lear
 
 
 def unlearnt_notes(rows: Sequence[Learnt]) -> list[str]:
-    """Note on parameters of which the speeds tell no more than was known before."""
+    """Note the parameters that the speeds do not constrain beyond the prior."""
     names = [row.name for row in rows if row.narrowed > MAX_LEARNT_RATIO]
     if not names:
         return []
@@ -108,7 +108,7 @@ def misfit_notes(sampled: Posterior, count: int, model: str) -> list[str]:
 
 
 def disagreement_notes(parameters: Sequence[Parameter], rows: Sequence[Learnt]) -> list[str]:
-    """Note each measured value from which the speeds lead more than `DISAGREES` standard deviations away."""
+    """Note each measured value that differs from the fit by more than `MAX_DEVIATIONS` standard deviations."""
     notes = []
     for parameter, row in zip(parameters, rows, strict=True):
         prior = parameter.prior

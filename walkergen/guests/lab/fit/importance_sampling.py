@@ -70,7 +70,7 @@ def sample(
 
 
 def _log_density(z: Array, middle: Array, root: Array) -> Array:
-    """Logarithm of the density, up to a constant, of which rows of z were drawn."""
+    """Compute the logarithm of the sampling density of rows of z, up to a constant."""
     inner = np.linalg.solve(root, (z - middle).T)
     narrow = -0.5 * np.sum(inner**2, axis=0) - np.log(np.diag(root)).sum()
     prior = -0.5 * np.sum(z**2, axis=1)

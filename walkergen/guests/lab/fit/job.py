@@ -71,7 +71,7 @@ class Job(NamedTuple):
 
 
 def with_default_prior(job: Job) -> Job:
-    """Job with its prior, of which a fit of the theory has none."""
+    """Return the job with its default prior; a fit of the theory has none."""
     return job if job.model == "theory" or job.prior is not None else job._replace(prior=PRIORS[0])
 
 

@@ -18,7 +18,7 @@ from walkergen.core.theory.tensors import InverseMass, foot_tensors
 from walkergen.core.walker.mass import MassProperties
 
 RANGES = {"restitution": (0.0, 1.0), "friction": (1e-3, 5.0), "impact_speed_factor": (1e-3, 100.0)}
-"""Names of the parameters that can be fitted, and the range in which each is sought."""
+"""Names of the parameters that can be fitted, and the search range of each."""
 
 SEARCH_GRID = {"restitution": np.linspace(0.0, 1.0, 33), "friction": np.geomspace(1e-3, 5.0, 145)}
 """Grid that the search starts from: speeds have kinks and several minima in friction."""
@@ -34,7 +34,7 @@ SINGULAR_SHARE = 1e-6
 """Share of the information that counts as none: differences of speeds are known to 1e-9."""
 
 MAX_INTERVAL_RATIO = 3.0
-"""Ratio of an interval's ends from which a parameter counts as not determined."""
+"""Ratio of an interval's ends above which a parameter counts as not determined."""
 
 
 class Speeds(NamedTuple):

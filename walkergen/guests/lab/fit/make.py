@@ -1,4 +1,4 @@
-"""Fit: from measured speeds to the contact by which they are predicted, simulated or described."""
+"""Fit: from measured speeds to the contact that predicts, simulates or describes them."""
 
 from pathlib import Path
 

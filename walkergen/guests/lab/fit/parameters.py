@@ -21,7 +21,7 @@ is the default.
 """
 
 ModelName = Literal["prediction", "space"]
-"""Models whose speeds are learnt from: the table by which speeds are predicted, and runs."""
+"""Models to fit to speeds: the table behind speed predictions, and runs."""
 
 PARAMETER_KEYS = {
     "restitution": "contact.restitution",
@@ -40,13 +40,13 @@ SCENE_PARAMETERS = ("restitution", "friction", "tip_radius_um", "damping_ratio",
 """Names of those that a scene holds; a design has the others."""
 
 PRINT_INPUTS = ("body mass", "leg mass", "feet.unevenness_um")
-"""Inputs in which one print differs from the next: drawn anew for every simulated walker."""
+"""Inputs that differ from print to print: drawn again for every simulated walker."""
 
 FLAT_RANGES = {"restitution": (0.0, 1.0), "friction": (0.02, 0.6)}
 """Ranges of the flat priors. Dry friction of plastics on plates lies within (0.1 to 0.5)."""
 
 MIN_TABLE_FRICTION = 0.05
-"""Least friction of the table by which speeds are predicted."""
+"""Smallest friction in the table behind speed predictions."""
 
 SCATTER_NAME = "print_scatter"
 PRIOR_SCATTER_SD = 0.15

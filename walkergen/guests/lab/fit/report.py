@@ -27,7 +27,7 @@ MAX_DRAWS = 512
 """Draws of the posterior that are written."""
 
 SPEED_COLUMNS = ("tilt_deg", "legs", "plate_speed_mm_s", "speed_mm_s", "speed_se_mm_s", "fit_mm_s")
-"""Columns of speeds.csv: measured beside fitted."""
+"""Columns of speeds.csv: measured and fitted speeds."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -159,7 +159,7 @@ def _make_report(
 
 
 def _speed_table(seen: Measured, fitted: Sequence[tuple[float, ...]], keys: Sequence[str]) -> Table:
-    """Measured speeds beside those that are fitted, or predicted for one more print."""
+    """Return measured speeds with fitted speeds, or with speeds predicted for one more print."""
     errors = [None] * len(seen.speed) if seen.se is None else seen.se
     measured = zip(seen.tilt, seen.legs, seen.plate_speed, seen.speed, errors, strict=True)
     return Table("speeds", [(*row, *bounds) for row, bounds in zip(measured, fitted, strict=True)], keys)

@@ -1,7 +1,7 @@
-"""Speeds of settings by the surrogate over the parameters: what `predict` and `family` print.
+"""Speeds of settings from the surrogate over the parameters: what `predict` and `family` print.
 
-Beside the parameters a row holds how uneven the printer's feet are and the errors of its masses,
-which all prints of a file share.
+In addition to the parameters a row holds the unevenness of the printer's feet and the errors of its masses. All prints
+of a file share these.
 """
 
 from collections.abc import Sequence
