@@ -24,7 +24,7 @@ from walkergen.files.figures import (
 from walkergen.points.track_figure import MAX_TRACKS
 
 MAX_EXPONENT_SE = 0.5
-"""Standard error of a local exponent beyond which it is not drawn: it tells 1 from 2 no more."""
+"""Largest standard error of a local exponent that is drawn: beyond it 1 and 2 look alike."""
 
 
 @style()
@@ -166,4 +166,4 @@ MOTION_FIGURES = {
     "density": draw_density,
     "correlation": draw_correlation,
 }
-"""Figures of a motion beside its tracks, by the stems of their files."""
+"""Figures of a motion in addition to its tracks, by the stems of their files."""

@@ -62,7 +62,7 @@ WALKER_COLUMNS = (
     "turning_se_rad_s",
     "refused",
 )
-"""Columns of walkers.csv, a walker by itself a row."""
+"""Columns of walkers.csv, one row per walker."""
 
 PLATE_SPEED_COLUMNS = ("plate_speed_mm_s", *SPEED_COLUMNS, "speed_scale_se_mm_s", "refused")
 """Columns of plate_speed.csv."""
@@ -117,7 +117,7 @@ def _tables(motion: Motion) -> Iterator[Table]:
 
 
 def _format_with_scale(number: Quantity, motion: Motion) -> str:
-    """Value with its error and, where the scale has one, that of the scale beside it."""
+    """Format a value with its error and, if the scale has one, the scale's error."""
     by_scale = facts.scale_se(number, motion)
     scale = f" ± {formatting.format_number(by_scale, 2)} (scale)" if by_scale and number.known else ""
     return quantity_format.format_value(number) + scale
@@ -136,7 +136,7 @@ def _plate_speed_table(motion: Motion) -> Table:
 
 
 def _walker_table(motion: Motion) -> Table:
-    """Table of each walker by itself; people read the first."""
+    """Return the table of single walkers; people read the first."""
     rows, alone = [], {walker.particle: walker for walker in motion.walkers}
     for walker in motion.walkers:
         speed, turning = (walker.mean(name) for name in WALKER_ESTIMATES)
@@ -156,7 +156,7 @@ def _walker_table(motion: Motion) -> Table:
 
 
 def _walker_cell(name: str, alone: Mapping[int, WalkerMeans]) -> Callable[[tuple[int, ...]], str]:
-    """Return the cell of a number of each walker by itself."""
+    """Return the cell of a number of each single walker."""
     return lambda row: quantity_format.format_value(alone[row[0]].mean(name))
 
 

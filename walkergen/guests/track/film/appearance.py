@@ -1,10 +1,9 @@
-"""Appearance of a film: how bright ground and walkers are, which is darker, how wide walkers are.
+"""Appearance of a film: brightness of ground and walkers, the darker of both, and the walkers' width.
 
-The light may be uneven, with edges and gradients: the ground's brightness is what remains when all
-that is narrower than a few walkers is painted over (a grey closing where walkers are dark, an
-opening where they are light). Light multiplies, so that contrasts are measured in shares of the
-ground's own brightness, as steps of 255 where it is bright. A walker is what differs from the
-ground by half of the walkers' own contrast.
+The light may be uneven, with edges and gradients. The ground's brightness is what remains after removing everything
+narrower than a few walkers (a grey closing for dark walkers, an opening for light ones). Light multiplies, so contrasts
+are shares of the ground's own brightness, in steps of 255 where it is bright. A walker differs from the ground by at
+least half of the walkers' own contrast.
 """
 
 import math
@@ -23,7 +22,7 @@ from walkergen.guests.track.film.films import Grey
 Floats = npt.NDArray[np.float32]
 
 MEDIAN_PIXELS = 40_000
-"""Number of pixels, about, of which medians are taken."""
+"""Approximate number of pixels for medians."""
 
 BRIGHT_QUANTILE = 0.9
 """Share of the ground that is darker than where it counts as bright."""
@@ -32,7 +31,7 @@ NOISE_FACTOR, MIN_CONTRAST, MAX_CONTRAST = 5.0, 16.0, 100.0
 """Smallest contrast of a walker: so many deviations of the noise, but within these steps of 255."""
 
 THRESHOLD_STEPS = 4
-"""Number of thresholds that are tried, each twice as high."""
+"""Number of thresholds that are tried, each double the one before."""
 
 MIN_WIDTH_PX = 3.0
 """Smallest width of a walker, pixels."""
@@ -42,17 +41,17 @@ MAX_WINDOW_SHARE, WINDOW_WIDTHS = 0.7, 4.0
 may touch: what is wider is ground."""
 
 WINDOW_SHARES, MIN_WINDOW_WIDTHS, WIDTH_TOLERANCE = (1.0, 0.85, 0.5), 1.6, 0.25
-"""Windows over the widest; least window over a walker's width; share by which that may depend on
-them."""
+"""Windows over the widest; smallest window over a walker's width; largest relative change of that width between
+windows."""
 
 MIN_GROUND_SHARE = 0.2
-"""Brightness of the ground, over where it is bright, below which contrasts grow no more."""
+"""Brightness of the ground, over its bright part, below which contrasts no longer grow."""
 
 FIRST_BLUR_PX = 1.5
-"""Deviation of the blur by which walkers are first looked for, pixels."""
+"""Standard deviation of the blur in the first search for walkers, pixels."""
 
 BLURS, MAX_BLUR_SHARE = (0.0, 1.0, 1.5, 2.0, 3.0), 0.2
-"""Blurs against noise, of which the first that is enough is taken; largest over the width."""
+"""Blurs against noise, the first sufficient one is used; largest blur over the width."""
 
 MIN_EDGE_SLOPE, MAX_SOFT_SHARE = 0.06, 0.2
 """Least slope of the brightness at a walker's edge, over its contrast, 1/pixel: shades of the light
@@ -63,10 +62,10 @@ EIGHT_NEIGHBOURS = np.ones((3, 3), dtype=bool)
 
 
 class Appearance(NamedTuple):
-    """What tells walkers from the ground in one film."""
+    """Differences between walkers and ground in one film."""
 
     picture: Floats
-    """Brightness of all that stands still, shape (height, width)."""
+    """Brightness of all still objects, shape (height, width)."""
     ground: Floats
     """Brightness of the ground, shape (height, width)."""
     dark: bool
@@ -74,7 +73,7 @@ class Appearance(NamedTuple):
     blur: float = FIRST_BLUR_PX
     """Deviation of the blur that takes out noise, pixels; 0 where there is little."""
     noise: float = 0.0
-    """Standard deviation of a pixel's contrast, as it is filmed."""
+    """Standard deviation of a pixel's contrast in the film."""
     threshold: float = 0.0
     """Contrast beyond which a pixel is a walker's, steps of brightness."""
     contrast: float = 0.0

@@ -43,7 +43,7 @@ class Unmarked(NamedTuple):
     """The same walkers by a lens that does not bend."""
     shake: Shake
     still: int
-    """Frames in which nothing has moved since the one before."""
+    """Number of frames without movement since the frame before."""
 
 
 def track(film: Film, part: Box, options: Options, lens: Lens | None, progress: Progress) -> tuple[Tracked, Unmarked]:
@@ -92,7 +92,7 @@ def _find_in_frames(film: Film, part: Box, options: Options, progress: Progress)
 
 
 def _count_still(frames: Sequence[Sequence[Blob]]) -> int:
-    """Count the frames in which something is seen and nothing moves."""
+    """Count the frames that show something but no movement."""
 
     def is_still(before: Sequence[Blob], now: Sequence[Blob]) -> bool:
         if not now or len(now) != len(before):

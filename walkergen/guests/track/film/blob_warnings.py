@@ -18,15 +18,15 @@ CORRELATED_FRAMES = 10
 """Number of neighbouring frames, about, that err alike."""
 
 MIN_SIGNIFICANCE = 4.0
-"""Standard errors by which a shadow, or a change of size, must differ from 0."""
+"""Significance threshold of a shadow, or a change of size, in standard errors."""
 
 MAX_SHAKE_PX, MAX_PULL_PX, MAX_SIZE_CHANGE, MAX_SIZE_SCATTER = 0.2, 0.3, 0.04, 0.02
-"""Shake and pull of shadows, pixels, and shares by which a walker's size differs from place to
-place, or from frame to frame, that are worth a warning."""
+"""Thresholds of warnings: shake and pull of shadows, pixels; relative change of a walker's size between places, and
+from frame to frame."""
 
 
 def collect_doubts(tracked: Tracked, found: Unmarked) -> Told:
-    """All that is to be said of a film."""
+    """Return all warnings and notes on a film."""
     look, linked, shake = found.look, found.linked, found.shake
     pull, (change, scatter) = shadow_pull(linked.walkers), size_change(found.straight)
     facts = {
@@ -146,10 +146,10 @@ def _image_warnings(tracked: Tracked, found: Unmarked, pull: float, change: Quan
 
 
 def shadow_pull(walkers: Sequence[Seen]) -> float:
-    """Way by which shadows pull at the centres of walkers, pixels; 0 where none is resolved.
+    """Compute the shift of walkers' centres by shadows, pixels; 0 if none is resolved.
 
-    A shadow lies on one side in the picture; what turns with walkers is their own shades. Of those
-    that never turn the two cannot be told apart.
+    A shadow lies on one side in the picture; shades that turn with a walker are its own. If walkers never turn, the two
+    cannot be distinguished.
     """
     blobs = _join_blobs(walkers)
     c, s = np.cos(blobs.axis), np.sin(blobs.axis)
@@ -167,10 +167,10 @@ def shadow_pull(walkers: Sequence[Seen]) -> float:
 
 
 def size_change(walkers: Sequence[Seen]) -> tuple[Quantity, float]:
-    """Change of a walker's own size over the places that walkers reach, as a share: perspective, or a lens.
+    """Compute the relative change of a walker's size over the places that walkers reach: perspective, or a lens.
 
-    Beside it the deviation of the rest, from frame to frame and as walkers turn. The size's
-    logarithm is fitted with a plane and a bowl, each walker with a size of its own.
+    Also returns the deviation of the rest, from frame to frame and as walkers turn. The size's logarithm is fitted with
+    a plane and a bowl, each walker with its own size.
     """
     blobs = _join_blobs(walkers)
     owner = np.repeat(np.arange(len(walkers)), [len(walker.frames) for walker in walkers])

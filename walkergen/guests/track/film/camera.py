@@ -1,8 +1,7 @@
-"""Shake of the camera, from what stands still: edges of the plate, screws, letters, a table.
+"""Shake of the camera, measured from still objects: edges of the plate, screws, letters, a table.
 
-Points with a steep brightness are followed from frame to frame (Lucas and Kanade 1981): the shift
-that explains best how the brightness there changes, beside a lamp that flickers. Where the ground
-shows nothing, the shake stays unknown.
+Points with a steep brightness are followed from frame to frame (Lucas and Kanade 1981): the shift that best explains
+the change of brightness, together with a lamp that flickers. If the ground shows nothing, the shake remains unknown.
 """
 
 import math
@@ -31,14 +30,14 @@ WALKER_MARGIN = 0.75
 """Distance from a walker, over its length, within which nothing counts as standing still."""
 
 SHIFT_ROUNDS = 5
-"""Rounds in which a shift is improved."""
+"""Rounds that refine a shift."""
 
 MAX_SHIFT_ERROR_PX = 0.1
 """Standard error of a shift beyond which it is not known, pixels."""
 
 
 class Fixed(NamedTuple):
-    """Points that stand still, in the picture that frames are compared with."""
+    """Still points in the reference picture."""
 
     places: Array
     """Columns and rows, shape (2, n)."""
@@ -49,7 +48,7 @@ class Fixed(NamedTuple):
 
 
 class Shake(NamedTuple):
-    """How far the camera, or all that stands still, moves, pixels; NaN where nothing tells."""
+    """Movement of the camera, or of all still objects, pixels; NaN where unknown."""
 
     rms: float
     """Root mean square of the shifts along an axis."""
@@ -79,9 +78,9 @@ def find_fixed_points(samples: Sequence[Grey], look: Appearance, walkers: Sequen
 
 
 def find_shift(points: Fixed, frame: Grey, walkers: Sequence[Blob]) -> Array:
-    """Displacement of what stands still since the first frames, pixels, x to the right, y down.
+    """Compute the displacement of still objects since the first frames, pixels, x to the right, y down.
 
-    NaN where too few points are free of walkers, or where they leave it open.
+    NaN where too few points are free of walkers, or where they do not determine it.
     """
     free = _is_clear(points.places, walkers)
     places, values, slopes = points.places[:, free], points.values[free], points.slopes[:, free]

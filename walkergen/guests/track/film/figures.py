@@ -63,7 +63,7 @@ def _draw_walker(axes: Axes, walker: Walker, first: int, colour: str) -> None:
 
 
 def _draw_timeline(axes: Axes, walkers: Sequence[Walker], first: int, looked: int) -> None:
-    """Draw the frames in which each walker was seen, a row each, of `looked` from `first` on."""
+    """Draw the frames that show each walker, a row each, of `looked` from `first` on."""
     shown = walkers[:MAX_ROWS]
     for row, walker in enumerate(shown):
         cuts = np.flatnonzero(np.diff(walker.frames) > 1) + 1

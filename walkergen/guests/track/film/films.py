@@ -41,7 +41,7 @@ MAX_LINE_BYTES = 4096
 """Longest line between frames."""
 
 RATE_TOLERANCE = 0.01
-"""Share of the time between frames by which their times may lie off a constant rate."""
+"""Tolerance of frame times against a constant rate, over the time between frames."""
 
 
 class Film(NamedTuple):
@@ -163,7 +163,7 @@ def play(film: Film, part: Box, frames: tuple[int, int | None], progress: Progre
 
 
 def _crop_frames(frames: Iterator[Grey], part: Box, expected: int, progress: Progress) -> Iterator[Grey]:
-    """Parts of frames, each told of once it is done with."""
+    """Yield parts of frames, and report progress after each."""
     left, top, right, bottom = part
     for done, whole in enumerate(frames, 1):
         yield np.ascontiguousarray(whole[top:bottom, left:right])
@@ -229,8 +229,8 @@ def _run_ffmpeg(
     import imageio_ffmpeg
 
     program = imageio_ffmpeg.get_ffmpeg_exe()
-    # Whatever the file says, nothing is fetched from elsewhere; whatever its name, it is a file's: one that begins
-    # with a dash, or with "http:".
+    # Never fetch from elsewhere, for any content of the file. Any name is a file's, even one that begins with a dash,
+    # or with "http:".
     options = ["-hide_banner", "-nostats", "-nostdin", "-protocol_whitelist", "file"]
     if shots:
         options += ["-f", "concat", "-safe", "0"]

@@ -16,28 +16,27 @@ from walkergen.guests.track.film.linking import Seen
 
 By = Literal["motion", "mark"]
 HEADING_SOURCES: tuple[By, ...] = get_args(By)
-"""What tells which end is the front."""
+"""Sources that decide which end is the front."""
 
 MIN_ELONGATION = 1.2
 """Smallest length over width of a walker whose long axis is known."""
 
 MAX_TURN = math.radians(40.0)
-"""Largest turn of a long axis between two frames in which it was seen; it may be either beyond 90
-degrees."""
+"""Largest turn of a long axis between two frames that show it; beyond 90 degrees it is ambiguous."""
 
 MAX_GAP_FRAMES = 3
-"""Largest number of frames for which a walker may be lost and its axis followed."""
+"""Longest gap, in frames, across which a lost walker's axis is followed."""
 
 MIN_RUN_LENGTHS = 0.1
-"""Shortest way along the axis, over a walker's length, that tells which end is the front."""
+"""Shortest path along the axis, over a walker's length, that decides which end is the front."""
 
 
 class Headed(NamedTuple):
     """Headings of a walker."""
 
     theta: Array
-    """Headings in the frames in which it was seen, shape (n,), rad, from x (to the right) toward y
-    (up); whole turns are counted; NaN where the heading is not known."""
+    """Headings in the frames that show the walker, shape (n,), rad, from x (to the right) toward y (up); whole turns
+    are counted; NaN where the heading is unknown."""
     how: str
     """What they rest on, or the reason why there is none."""
 
@@ -73,7 +72,7 @@ def _no_heading(walker: Seen, why: str) -> Headed:
 
 
 def _continuous_parts(frames: Whole, axis: Array) -> list[slice]:
-    """Parts of a track in which the long axis can be followed from frame to frame."""
+    """Return the parts of a track whose long axis can be followed from frame to frame."""
     turns = np.abs((np.diff(axis) + 0.5 * math.pi) % math.pi - 0.5 * math.pi)
     cuts = np.flatnonzero((turns > MAX_TURN) | (np.diff(frames) > MAX_GAP_FRAMES)) + 1
     ends = [0, *cuts.tolist(), len(axis)]
@@ -81,12 +80,12 @@ def _continuous_parts(frames: Whole, axis: Array) -> list[slice]:
 
 
 def _mark_votes(axis: Array, mark: Array) -> float:
-    """Frames in which the mark lies ahead on an axis less those in which it lies behind."""
+    """Count frames with the mark ahead on an axis, minus those with the mark behind."""
     return float(np.nansum(np.sign(np.cos(mark - axis))))
 
 
 def _distance_ahead(axis: Array, walker: Seen, part: slice) -> float:
-    """Way run along an axis, pixels; 0 where it is too short to tell."""
+    """Compute the distance moved along an axis, pixels; 0 if too short to decide."""
     x, y = walker.blobs.x[part], -walker.blobs.y[part]
     middle = 0.5 * (axis[1:] + axis[:-1])
     run = float(np.diff(x) @ np.cos(middle) + np.diff(y) @ np.sin(middle))

@@ -16,14 +16,14 @@ MAX_STEP_LENGTHS = 0.5
 """Largest way from frame to frame, over a walker's length."""
 
 MEMORY_S = 0.2
-"""Time for which a walker may be lost and is known again."""
+"""Longest time that a walker may be lost and still be recognised."""
 
 MIN_TRACK_FRAMES, MIN_TRACK_SHARE = 5, 0.05
 """Least number of frames of a track, and least part of the film's frames."""
 
 
 class Seen(NamedTuple):
-    """One walker in the frames in which it was seen."""
+    """One walker in the frames that show it."""
 
     frames: Whole
     """Numbers of the frames, ascending, shape (n,)."""
@@ -35,15 +35,15 @@ class Linked(NamedTuple):
     """All walkers of a film, and what was left out."""
 
     walkers: Sequence[Seen]
-    """Walkers in the order in which they come, from above where they come together."""
+    """Walkers in order of appearance, from above where they appear together."""
     area: float
     """Area of a walker, pixels."""
     length: float
     """Length of a walker, pixels."""
     empty: int
-    """Frames in which nothing was found."""
+    """Number of frames without a find."""
     merged: int
-    """Frames in which something as large as several walkers was left out."""
+    """Number of frames with something as large as several walkers, left out."""
     short: int
     """Tracks that were too short and were left out."""
 

@@ -50,7 +50,7 @@ def track(path: Path, options: Options, folder: Path, progress: Progress) -> Tra
 
 
 def find_walkers(path: Path, options: Options, progress: Progress) -> tuple[Tracked, Unmarked | Marked, Told]:
-    """Walkers of a film, what they rest on, and what is to be said of it. Raises InputError."""
+    """Return a film's walkers, the findings behind them, and warnings. Raises InputError."""
     films.require_extra()
     check_options(options)
     film = films.probe_film(path)
@@ -116,7 +116,7 @@ def check_options(options: Options) -> None:
 
 
 def _check_scale(options: Options) -> None:
-    """Raise InputError unless one thing tells the scale: markers, which tell more, or a length."""
+    """Raise InputError unless exactly one input gives the scale: markers, which give more, or a length."""
     if options.markers is None:
         if options.marker.value is not None:
             raise InputError("‹markers› is not given: leave ‹marker_mm› out")

@@ -1,6 +1,6 @@
-"""Tracking by markers on caps: number, place and heading of every walker in every frame it shows.
+"""Tracking by markers on caps: number, position and heading of every walker in every frame.
 
-Reads markers frame by frame, and finds the plane in which they are squares of their size.
+Reads markers frame by frame, and finds the plane that makes them squares of their size.
 """
 
 import math
@@ -32,18 +32,17 @@ EDGE_ERROR_PX = 0.2
 scale. Drawn films err by that where walkers blur by 2 pixels a frame, by a tenth where none do."""
 
 MIRROR_SAMPLES = 8
-"""Number of frames in which markers are looked for in the mirror where there are none."""
+"""Number of frames searched for mirrored markers if no others are found."""
 
 MAX_DOUBLE_SHARE = 0.02
-"""Part of a marker's frames in which it may be seen at two places at once: misread, not printed
-twice."""
+"""Largest share of a marker's frames with two simultaneous places: misread, not printed twice."""
 
 
 class LeftOut(NamedTuple):
     """What was read and is in no track."""
 
     twice: Mapping[int, int]
-    """Frames in which a number was read at two places, by the number that is left out for it."""
+    """Frames with a number at two places, by the number left out for it."""
     rare: Mapping[int, int]
     """Frames of numbers that were read too rarely."""
     bent: Mapping[int, int]
@@ -61,7 +60,7 @@ class Marked(NamedTuple):
     `markers.Sighted`."""
     left_out: LeftOut
     empty: Whole
-    """Numbers of the frames in which no marker was read."""
+    """Numbers of the frames without a marker."""
 
 
 def track(film: Film, part: Box, options: Options, lens: Lens | None, progress: Progress) -> tuple[Tracked, Marked]:
@@ -173,7 +172,7 @@ class _Sorted(NamedTuple):
     tracks: dict[int, tuple[Whole, Array]]
     """Frames, ascending, and corners of those that are walkers'."""
     twice: dict[int, int]
-    """Frames in which a number was read at two places, of those left out for it."""
+    """Frames with a number at two places, by the number left out for it."""
     rare: dict[int, int]
     """Frames of those that were read too rarely."""
 
@@ -185,7 +184,7 @@ def _sort_by_number(seen: list[Sighted], first: int) -> _Sorted:
     double: Counter[int] = Counter()
     for at, sighted in enumerate(seen, first):
         counts = Counter(sighted.numbers.tolist())
-        # Which of two is the walker's cannot be told
+        # It is unknown which of the two is the walker's.
         double.update(number for number, count in counts.items() if count > 1)
         for number, square in zip(sighted.numbers.tolist(), sighted.corners, strict=True):
             if counts[number] == 1:

@@ -34,7 +34,7 @@ MAX_NAMES = 10
 
 
 def collect_doubts(tracked: Tracked, found: Marked) -> Told:
-    """All that is to be said of a film."""
+    """Return all warnings and notes on a film."""
     flat, out = found.plane, found.left_out
     change = _scale_change(found)
     facts = {
@@ -57,7 +57,7 @@ def collect_doubts(tracked: Tracked, found: Marked) -> Told:
 
 
 def _scale_change(found: Marked) -> float:
-    """Share by which lengths differ between the places that walkers reach."""
+    """Compute the relative change of lengths between the places that walkers reach."""
     scales = np.concatenate([found.plane.scales(corners.mean(axis=1)) for corners in found.straight])
     return float(scales.max() / scales.min() - 1.0)
 
@@ -146,26 +146,26 @@ def lens_bend(found: Marked) -> tuple[Quantity, float]:
 
 
 class Missing(NamedTuple):
-    """Frames in which a walker must be there, and its marker is not read."""
+    """Frames that must contain a walker but show no marker of it."""
 
     number: int
     frames: int
     beside: int
-    """Those of them in which other markers are read."""
+    """Number of missing frames with other readable markers."""
     of: int
-    """Frames in which it must be there."""
+    """Number of frames that must contain the walker."""
 
     @property
     def share(self) -> float:
-        """Share of the frames in which it must be there."""
+        """Missing frames over the frames that must contain the walker."""
         return self.frames / self.of
 
 
 def count_missing(tracked: Tracked) -> list[Missing]:
-    """Frames in which each walker is missing, of those in which it must be there.
+    """Count the frames that must contain each walker but do not show it.
 
-    It must from its first frame to its last, and before and after these where it was seen in the
-    midst of the picture, into which nothing comes but over its edge.
+    These run from its first frame to its last. They also include frames before and after if it was seen in the middle
+    of the picture: walkers enter only over the edge.
     """
     first = tracked.options.frames[0]
     read = np.zeros(tracked.looked, int)

@@ -20,8 +20,8 @@ MIN_SIDE_PX = 12.0
 """Smallest side of a marker that is read, pixels: two a cell."""
 
 CELL_PIXELS = 8
-"""Pixels a cell to which a marker is turned upright before it is read: of films at low bitrate 89 %
-of the markers are read so, 85 % by OpenCV's 4."""
+"""Pixels per cell of a marker turned upright for reading: in films at low bitrate 89 % of the markers are read so,
+85 % by OpenCV's 4."""
 
 EDGE_PLACES, END_SHARE = 24, 0.15
 """Number of places along a side where its edge is found, and part of a side free at both ends."""
@@ -33,7 +33,7 @@ MIN_WINDOW_PX = 1.5
 SAMPLES_PER_PIXEL = 4
 """Samples a pixel across a side."""
 REFINE_ROUNDS = 2
-"""Rounds in which edges are found: the second in windows about the first."""
+"""Rounds of edge finding: the second in windows about the first."""
 
 MIN_STEP_RATIO = 0.5
 """Least step of a place on a side over the side's median step: less is covered or in glare."""

@@ -1,11 +1,10 @@
-"""Plane of the caps as a camera sees it: from pixels to millimetres, by the shape of squares.
+"""Plane of the caps in the camera's view: from pixels to millimetres, using the shape of squares.
 
-A camera that looks askew at a plane maps it by a homography, which has eight numbers. Three of them
-(where the origin lies, and the direction of x) are free to choose; the other five, scale, tilt and
-perspective, are those with which all markers are squares of the size that they have (least squares
-over corners, each marker turned and moved to where it fits best). Source: Hartley and Zisserman,
-Multiple View Geometry, 2nd ed., section 2.7, with squares in place of circular points.
-Lenses that bend are undone before, by `lens`; what is left of them is in `Plane.residual_px`.
+A tilted camera maps a plane by a homography, which has eight numbers. Three of them (the origin and the direction of x)
+are free to choose. The other five, scale, tilt and perspective, make all markers squares of their size (least squares
+over corners, each marker turned and moved to its best fit). Source: Hartley and Zisserman, Multiple View Geometry, 2nd
+ed., section 2.7, with squares in place of circular points. `lens` corrects lens distortion before; the remainder is in
+`Plane.residual_px`.
 """
 
 import math
@@ -93,9 +92,9 @@ class Pose(NamedTuple):
 
 
 def fit_plane(corners: Array, side: float, width: int, height: int) -> Plane:
-    """Plane in which markers are squares of a side, mm; corners of shape (n, 4, 2), pixels.
+    """Fit the plane that makes markers squares of a side, mm; corners of shape (n, 4, 2), pixels.
 
-    Raises InputError when they are squares in no plane.
+    Raises InputError if no plane makes them squares.
     """
     from scipy.optimize import least_squares
 
@@ -165,7 +164,7 @@ def _square_offsets(mapped: Array, points: Array, side: float) -> tuple[Array, A
 
 
 def _turn_angles(centred: Array) -> Array:
-    """Angle by which squares about the origin, shape (n, 4, 2), are turned."""
+    """Compute the rotation angles of squares about the origin, shape (n, 4, 2)."""
     cross = centred[..., 1] @ UNIT_SQUARE[:, 0] - centred[..., 0] @ UNIT_SQUARE[:, 1]
     along = centred[..., 0] @ UNIT_SQUARE[:, 0] + centred[..., 1] @ UNIT_SQUARE[:, 1]
     return np.asarray(np.arctan2(cross, along))

@@ -16,11 +16,11 @@ MIN_READ_SHARE, READ_MARGIN_S = 0.95, 0.5
 """Share of its duration, less this time (s) for its last frames, below which a film breaks off."""
 
 MAX_LOST_SHARE = 0.05
-"""Share of frames in which a walker is lost that is worth a warning."""
+"""Share of frames without a walker above which a warning is due."""
 
 
 class Told(NamedTuple):
-    """What is to be said of a film beside its tracks."""
+    """Warnings and notes on a film."""
 
     facts: dict[str, Any]
     """For JSON and the manifest, with units in the names."""

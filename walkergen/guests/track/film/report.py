@@ -22,9 +22,8 @@ if TYPE_CHECKING:
 COLUMNS = ("frame", "particle", "x", "y", "theta", "t_s", "x_mm", "y_mm", "theta_rad", "mm_per_px", "mm_per_px_se")
 """Columns of tracks.csv: trackpy's names, here in mm and rad, then walkergen's own.
 
-The last two are the scale, by which places have been multiplied, and its standard error, blank when
-that is not known: every length measured from the tracks is off by them. With markers a particle is
-the number of its marker.
+The last two are the scale, already applied to positions, and its standard error, blank if unknown. Every length
+measured from the tracks shares this error. With markers a particle is the number of its marker.
 """
 
 TRACKS_FILE, PICTURE_FILE = "tracks.csv", "check.png"
@@ -48,10 +47,10 @@ class Row(NamedTuple):
 
     particle: int
     first: int
-    """First frame in which it was seen."""
+    """First frame that shows the walker."""
     last: int
     lost: int
-    """Frames between these in which it was not seen."""
+    """Number of frames between these that do not show it."""
     net_mm: float
     path_mm: float
     turned_deg: float | None
@@ -60,7 +59,7 @@ class Row(NamedTuple):
     """Side of its marker in the picture, or its length."""
     heading_by: str
     headings: int
-    """Frames in which its heading is known."""
+    """Number of frames with a known heading."""
 
 
 WALKER_COLUMNS = (

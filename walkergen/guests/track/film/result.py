@@ -14,11 +14,11 @@ from walkergen.guests.track.film.lens import Lens
 
 
 class Options(NamedTuple):
-    """Wishes of a person; None, or no value, is what the film tells."""
+    """A user's settings; None, or no value, is read from the film."""
 
     mm_per_px: Quantity = Quantity("mm_per_px", "", None)
     length: Quantity = Quantity("length", "mm", None)
-    """Length of a walker; either this or `mm_per_px` is given. Its error is beside that of its image."""
+    """Length of a walker; either this or `mm_per_px` is given. The error of its image is separate."""
     fps: float | None = None
     """Frames per second at which the film was taken."""
     frames: tuple[int, int | None] = (0, None)
@@ -52,10 +52,10 @@ class Outline(NamedTuple):
 
 
 class Walker(NamedTuple):
-    """One tracked walker, in the frames in which it was seen."""
+    """One tracked walker, in the frames that show it."""
 
     number: int
-    """Number of its marker, or of the walker in the order in which they come."""
+    """Number of its marker, or of the walker in order of appearance."""
     frames: Whole
     """Ascending, shape (n,)."""
     pixels: Array
@@ -74,7 +74,7 @@ class Walker(NamedTuple):
 
     @property
     def lost(self) -> int:
-        """Number of frames between its first and its last in which it was not seen."""
+        """Number of frames between its first and its last that do not show it."""
         return int(self.frames[-1] - self.frames[0] + 1 - len(self.frames))
 
     @property
