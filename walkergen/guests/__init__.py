@@ -1,1 +1,1 @@
-"""Guests: crowds, films and tracks, fits, sweeps and movies, which stand on the core and of which it knows nothing."""
+"""Guests: crowds, films, tracks, fits, sweeps and movies. They use the core; the core does not import them."""

@@ -21,10 +21,10 @@ WIDTH_PX, HEIGHT_PX = 800, 620
 """Size of a picture of slow motion, pixels."""
 
 AFTERGLOW_S = 0.45
-"""Time in which a flash fades, s, as the spectator sees it."""
+"""Fading time of a flash in the movie, s."""
 
 MAX_STILL_LENGTHS = 1.5
-"""Length of a run, in body lengths, up to which the view stands still."""
+"""Longest run, in body lengths, with a fixed view."""
 
 
 class Style(NamedTuple):

@@ -34,7 +34,7 @@ DEFAULT_RACE_S = 3.0
 """Length of a race by default, s, in real time."""
 
 AT_REST_UM = 1e-6
-"""Amplitude below which a plate is said to be at rest, um."""
+"""Amplitude below which a plate is reported to be at rest, um."""
 
 MIN_FRAMES, MAX_FRAMES, MAX_LANES = 2, 1000, 8
 
@@ -48,7 +48,7 @@ WRITE_TIME_RATIO = 1.5
 """Time of a frame, written, over that of drawing it."""
 
 HOLD_S = 1.5
-"""Time for which the last frame stays before the GIF starts again, s."""
+"""Duration of the last frame before the GIF starts again, s."""
 
 MIN_VALUE, MAX_VALUE = 1e-3, 1e6
 """Limits of times (s), of periods and of slowing down."""
@@ -144,10 +144,10 @@ def _choose_view(members: Sequence[Design], scene: Scene, wanted: View | None) -
 
 
 def make_movie(job: Job, path: Path, progress: Progress, named: bool = True, expect: Expect = ignore_estimate) -> Made:
-    """Simulate and film; writes `path` (a GIF) and, with ffmpeg, an MP4 beside it.
+    """Simulate and film; write `path` (a GIF) and, with ffmpeg, an MP4 next to it.
 
-    Both files are written whole at the end; over one that is not ours only the GIF is, and only
-    where a person `named` it. Raises InputError when a run ends before two frames.
+    Both files are written in full at the end. A file from another source is overwritten only by the GIF, and only if
+    the user `named` it. Raises InputError when a run ends before two frames.
     """
     from walkergen.files import animation
     from walkergen.guests.movie import impacts

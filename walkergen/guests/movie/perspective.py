@@ -45,7 +45,7 @@ MAX_BEND_RATIO = 0.3
 """Largest bending of a leg as the magnified view shows it, over the largest gap."""
 
 MAX_LABELS = 8
-"""Largest number of corners whose heights are written beside them."""
+"""Largest number of corners that are labelled with their heights."""
 
 GROUND_COLOUR, LINE_COLOUR = "#e4e4e1", "#c9c9c5"
 
@@ -147,7 +147,7 @@ def _make_view(
     longest: float,
     corners: int,
 ) -> View:
-    """View in which `points` fit, of a plate that covers `area` (along x and z), mm."""
+    """Return a view that fits `points` on a plate that covers `area` (along x and z), mm."""
     axes = canvas.axes(*place)
     axes.set_axis_off()
     axes.set_xlim(0, place.width)

@@ -22,7 +22,7 @@ AMBIENT = 0.5
 """Brightness of a face that the light only grazes."""
 
 SHARP_EDGE_COSINE = math.cos(math.radians(25.0))
-"""Cosine of the angle between faces from which their edge is drawn."""
+"""Cosine of the smallest angle between faces whose common edge is drawn."""
 
 SAMPLES_PER_PIXEL = 2
 """Samples along either side of a pixel."""
@@ -39,7 +39,7 @@ class Camera(NamedTuple):
     eye: Array
     """Place of the camera, shape (3,), mm."""
     scale: float
-    """Pixels by which a point moves for its tangent from the line of sight."""
+    """Pixels per unit tangent of the angle from the line of sight."""
     offset: Array
     """Pixels at which the line of sight meets the picture, shape (2,)."""
 
@@ -72,7 +72,7 @@ class Model(NamedTuple):
     normals: Array
     """Normals of the triangles, shape (m, 3)."""
     edges: Whole
-    """Sharp edges: two vertices and the two triangles beside them, shape (e, 4)."""
+    """Sharp edges: two vertices and the two adjacent triangles, shape (e, 4)."""
 
 
 def make_model(mesh: Mesh) -> Model:

@@ -34,7 +34,7 @@ def make_impact(event: Array) -> Impact:
 
 
 class Title(NamedTuple):
-    """Words by which a picture tells its walker from others."""
+    """Words in a picture that distinguish its walker from others."""
 
     design: str
     tilt: str

@@ -20,9 +20,9 @@ POSES_PER_SECOND = 2000.0
 
 
 def record_run(design: Design, scene: Scene, seconds: float) -> dict[str, Any]:
-    """Simulate seconds of a walker's run in space and pack what a viewer plays of it.
+    """Simulate seconds of a walker's run in space and pack the data for the viewer.
 
-    Raises InputError for a run that ends at once.
+    Raises InputError for a run that ends immediately.
     """
     mass = solids.mass_of(design)
     short = scene.run.model_copy(update={"seconds": seconds})

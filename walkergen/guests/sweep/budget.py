@@ -29,11 +29,11 @@ MAX_POINTS = 100_000
 
 
 def spend(request: Request, seconds: float, store: Store, pool: WorkerPool | None, progress: Progress) -> list[Asked]:
-    """Points of a request, each with as many runs as it got in so many seconds.
+    """Evaluate the points of a request, spending a number of seconds on runs.
 
-    All points get FIRST_RUNS short runs, however long that takes; then those with the widest
-    bounds get twice as many, again and again. Runs that an earlier budget bought are kept. Raises
-    InputError for predictions, which have no runs, and for too many points.
+    All points first get a few short runs, at any cost. Then the points with the widest bounds get double the runs,
+    repeatedly. Runs from an earlier budget are kept. Raises InputError for predictions, which have no runs, and for too
+    many points.
     """
     check_budget(request)
     until = time.monotonic() + seconds

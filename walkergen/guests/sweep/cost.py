@@ -12,7 +12,7 @@ from walkergen.points.point import PREDICTION, Point, point_key
 from walkergen.points.store import Store
 
 MAX_UNCONFIRMED_POINTS = 100_000
-"""Number of points up to which a sweep begins without being asked for its cost."""
+"""Largest number of points in a sweep that starts without confirmation of its cost."""
 
 PILOT_POINTS, PILOT_DIVISOR = 5, 3
 """Number of points whose cost is found out; of those that shall meet an error, or leave out what one accepts, whose

@@ -78,7 +78,7 @@ def evaluate_points(points: Iterable[Asked], store: Store, pool: WorkerPool | No
     under_way: dict[Future[Answer], _Task] = {}
     try:
         yield from _evaluate_by_pool(stream, store, pool, under_way)
-    finally:  # an error, Ctrl-C, or no more is asked for: what others have finished is kept
+    finally:  # after an error, Ctrl-C, or an early stop: the finished results are kept
         for future, task in under_way.items():
             if future.done() and not future.cancelled() and future.exception() is None:
                 store.save(zip(task.points, _task_records(future), strict=True))

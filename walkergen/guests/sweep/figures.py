@@ -24,7 +24,7 @@ from walkergen.guests.sweep.panels import Columns as Columns
 from walkergen.guests.sweep.scales import Scale, format_axis, format_value, make_scale
 
 MAX_LINES, MAX_PANELS = 5, 12
-"""Numbers of values of a key up to which each is a line of its own, or a panel."""
+"""Largest numbers of values of a key for a line each, and for a panel each."""
 
 MIN_GRID_SHARE = 0.5
 """Share of all combinations of the values beyond which points are taken to lie on a grid."""
@@ -34,7 +34,7 @@ STYLE_CHANGES: Any = {"lines.markersize": 3.5, "errorbar.capsize": 1.5}
 
 
 def draw_figure(columns: Columns, keys: Sequence[str], title: str) -> Figure:
-    """Draw a number over the keys, of which those with one value are left out.
+    """Draw a number over the keys, without keys that have a single value.
 
     One key at least has two values, and one point a value.
     """

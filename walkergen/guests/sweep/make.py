@@ -22,7 +22,7 @@ from walkergen.points.store import Store
 from walkergen.points.worker_pool import WorkerPool
 
 MAX_DRAWN_POINTS = 200_000
-"""Number of points up to which pictures are drawn; their memory grows with it."""
+"""Largest number of points that are drawn; memory grows with it."""
 
 
 class Job(NamedTuple):
@@ -36,7 +36,7 @@ class Job(NamedTuple):
     kept: bool = False
     """True for a report that holds every row."""
     wish: float | None = None
-    """Wished speed, to which the report sorts its rows, mm/s; None for rows in their order."""
+    """Wished speed for sorting the report's rows, mm/s; None for rows in their order."""
 
     @property
     def drawn(self) -> bool:
@@ -141,10 +141,9 @@ def _request_facts(request: Request) -> dict[str, Any]:
 
 
 def _set_aside(folder: Folder) -> list[str]:
-    """Keep an earlier table that somebody changed under another name, and say so.
+    """Keep an earlier table with a user's changes under another name, and report it.
 
-    Its changes are not ours to lose, nor to trust. Raises InputError for a file that is no table of
-    a sweep.
+    A user's changes are kept but not trusted. Raises InputError for a file that is no table of a sweep.
     """
     place = folder.path / table.TABLE_FILE
     if not place.exists():

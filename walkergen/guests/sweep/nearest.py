@@ -23,7 +23,7 @@ def check_speed(names: Sequence[str]) -> None:
 
 
 def sort_by_distance(table: Table, keys: Sequence[str], wish: float) -> Table:
-    """Return a table with the points nearest to a wished speed first, some of which people read.
+    """Return a table with the points nearest to a wished speed first, a part of it for people.
 
     Points whose checks found print errors come after the others, points without a speed last.
     """

@@ -17,10 +17,10 @@ from walkergen.guests.sweep.scales import Scale, cell_edges, format_axis
 from walkergen.points.point import PointStatus
 
 MAX_BARS = 40
-"""Points of a line up to which bounds are bars, and beyond a band."""
+"""Largest number of points in a line with error bars; longer lines have a band."""
 
 MAX_CLOUD_BARS = 1000
-"""Points of a cloud up to which their bounds can be seen, and are drawn."""
+"""Largest number of points in a cloud with visible error bars."""
 
 MIN_CONTOUR_VALUES, MIN_CONTOUR_SHARE = 4, 0.75
 """Values that both keys of a map need for contours between them, and the share of points that have a number."""
@@ -32,7 +32,7 @@ the panel's width and height."""
 MAX_CORNERS = 200
 """Corners of a contour among which its label is placed."""
 
-# Okabe and Ito's, told apart in grey by dash and marker.
+# Okabe and Ito's colours; dash and marker distinguish them in grey.
 LINE_STYLES: tuple[tuple[str, Any, str], ...] = (
     ("#000000", "-", "o"),
     ("#0072B2", "--", "s"),
@@ -78,7 +78,7 @@ class Columns(NamedTuple):
 
     @property
     def doubtful(self) -> Mask:
-        """Points whose number is not to be taken as it is."""
+        """Points with a doubtful number."""
         doubtful: Mask = np.array([status != PointStatus.OK for status in self.status], dtype=bool)
         return doubtful & ~self.missing
 

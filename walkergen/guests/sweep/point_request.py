@@ -35,8 +35,7 @@ class Request(NamedTuple):
     wanted: Tolerance | None = None
     printer: Printer | None = None
     data: Mapping[str, Any] | None = None
-    """Data of the design as in its file, where these are known: one that stands as built is turned
-    anew when a key is set."""
+    """Data of the design as in its file, if known: setting a key turns a design that stands as built again."""
 
     @property
     def kind(self) -> Kind:
@@ -68,7 +67,7 @@ class Request(NamedTuple):
         raise InputError(f"none of {len(reasons)} points can be right: {reasons[0]}", *self.space.keys[:1])
 
     def _check_form(self, key: str, value: Any) -> None:
-        """Refuse a word, a list or a table that its key never takes; numbers out of range are rows that say so."""
+        """Refuse a word, a list or a table that its key never takes; numbers out of range become rows with an error."""
         try:
             change_keys(self.design, self.scene, {key: value}, "‹set›", self.data)
         except GeometryError:  # of parts that cannot be built: with other values of other keys they may

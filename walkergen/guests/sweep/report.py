@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 
 @dataclass
 class Points:
-    """Points of a sweep as they are evaluated, counted by how they went."""
+    """Evaluated points of a sweep, counted by outcome."""
 
     names: Sequence[str]
     """Names of the numbers of a row, beyond those of the keys."""
     kept: bool
-    """True for rows that are kept in memory, for a figure or for whoever goes on with them."""
+    """True for rows that are kept in memory, for a figure or for the caller."""
     count: int = 0
     stored: int = 0
     """Number of those that an earlier run, or another sweep, had evaluated."""

@@ -91,7 +91,7 @@ class SweepFile(NamedTuple):
 
     @property
     def folder(self) -> Path:
-        """Folder of the file, from which its paths begin."""
+        """Folder of the file; its paths are relative to it."""
         return self.path.parent
 
 

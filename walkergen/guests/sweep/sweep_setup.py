@@ -25,7 +25,7 @@ DEFAULT_ERROR = parse_tolerance("5%")
 
 
 class Ask(NamedTuple):
-    """A sweep as it is asked for; None for what is left to defaults."""
+    """Requested sweep; None for what is left to defaults."""
 
     design: Design
     data: Mapping[str, Any] | None
@@ -98,9 +98,9 @@ def make_ask(
     keep: Sequence[str] | None,
     source: str,
 ) -> Ask:
-    """Sweep of a design, a scene and a printer, by name or as they are, with keys set for all points.
+    """Return the sweep of a design, a scene and a printer, by name or as objects, with keys set for all points.
 
-    Paths begin at the folder `near`. Raises InputError, for constants with `source`.
+    Paths are relative to the folder `near`. Raises InputError, for constants with `source`.
     """
     design, scene, printer = sources
     for key in constants:

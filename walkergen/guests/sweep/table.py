@@ -1,7 +1,7 @@
 """Table of a sweep: a row for each point, in their order, written while it runs.
 
-Every row ends with the key of its point and a check sum of its other cells: a row that somebody
-changed is told from one that we wrote. No number is read back: a sum is no signature.
+Every row ends with the key of its point and a check sum of its other cells. It distinguishes rows that a user changed
+from our own. No number is read back: a sum is no signature.
 """
 
 import os
