@@ -1,4 +1,4 @@
-"""Figures of what a crowd did, the same for films and for simulations."""
+"""Figures of a crowd, the same for films and for simulations."""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -26,7 +26,7 @@ class Panel(NamedTuple):
     names: tuple[str, ...]
     """Names of the curves; those that the crowd has are drawn."""
     chance: float | None = None
-    """What walkers at random would have."""
+    """Value for walkers at random."""
 
 
 COURSE_PANELS = (

@@ -1,4 +1,4 @@
-"""Analysis of tracks of a crowd: what many walkers do together in a dish, film by film."""
+"""Analysis of a crowd's tracks: collective motion in a dish, film by film."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -37,7 +37,7 @@ MIN_SIZE_MM, MAX_SIZE_MM = 1e-3, 1e5
 
 
 class Asked(NamedTuple):
-    """Crowd that a person asks about."""
+    """Crowd to analyse."""
 
     dish: Dish
     contours: tuple[Array, ...]

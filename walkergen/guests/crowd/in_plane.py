@@ -30,11 +30,11 @@ TESTED_RANGE = (
     "there their places are right or undecided, and their speed is that of space times 0.999 ± 0.026 at packing 0.1, "
     "0.992 ± 0.035 at 0.3"
 )
-"""Where the numbers of a crowd in a plane were tested, in words."""
+"""Tested range of the numbers of a crowd in a plane, as text."""
 
 
 def make_job(scene: Scene, cards: Sequence[Card], counts: Sequence[int] | None, rate_hz: float) -> Job:
-    """Crowd of so many walkers of each card; without counts of one, as many as the scene says.
+    """Make a crowd with these counts of each card; without counts of one, the scene's number.
 
     Raises InputError for too many walkers or frames, and for a lid.
     """
@@ -87,7 +87,7 @@ class InPlane(NamedTuple):
         return list(measure(records).numbers.values())
 
     def finer(self) -> None:
-        """None: what a step leaves of a crowd is not known."""
+        """None: the step's effect on a crowd is unknown."""
 
 
 def check_packing(packing: float) -> None:
@@ -100,7 +100,7 @@ def check_packing(packing: float) -> None:
 
 
 def input_files(job: Job) -> dict[str, bytes]:
-    """Input of LAMMPS for every run, by names of files: run-N/crowd.in and what it reads."""
+    """Return the LAMMPS input of every run by file name: run-N/crowd.in and the files it reads."""
     return {
         f"run-{number}/{name}": data
         for number in range(job.scene.run.runs)

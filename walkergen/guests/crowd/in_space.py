@@ -1,4 +1,4 @@
-"""A crowd in space: walkers placed, their runs, and what the films of them say."""
+"""A crowd in space: placing, runs, and the results of their films."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -31,9 +31,9 @@ COMPILE_RUN_S = 1e-6
 
 
 def make_job(scene: Scene, designs: Sequence[Design], counts: Sequence[int] | None, rate_hz: float) -> Job:
-    """Crowd of so many walkers of each design; without counts of one, as many as the scene says.
+    """Make a crowd with these counts of each design; without counts of one, the scene's number.
 
-    Raises InputError for too many walkers or frames, and what the designs raise.
+    Raises InputError for too many walkers or frames, and the errors of the designs.
     """
     kinds = []
     for number, design in enumerate(designs):
@@ -82,7 +82,7 @@ class InSpace(NamedTuple):
         return list(measure([self.film(run) for run in records]).numbers.values())
 
     def finer(self) -> None:
-        """None: what a step leaves of a crowd is not known."""
+        """None: the step's effect on a crowd is unknown."""
 
 
 def cpu_seconds(job: Job) -> float:

@@ -61,7 +61,7 @@ class Job(NamedTuple):
 
     @property
     def numbers(self) -> tuple[int, ...]:
-        """Kind of each walker, those of one kind one after the other."""
+        """Kind of each walker, sorted by kind."""
         return tuple(number for number, kind in enumerate(self.kinds) for _ in range(kind.walkers))
 
     @property
@@ -71,7 +71,7 @@ class Job(NamedTuple):
 
 
 class Simulated(NamedTuple):
-    """Runs of a crowd that came to their end, and what they say."""
+    """Completed runs of a crowd, and their results."""
 
     job: Job
     films: tuple[CrowdFilm, ...]
@@ -82,12 +82,12 @@ class Simulated(NamedTuple):
 
     @property
     def outcomes(self) -> Counter[str]:
-        """Walkers of all runs by how it ended for them."""
+        """Walkers of all runs, counted by outcome."""
         return Counter(outcome for run in self.runs for outcome in run.outcomes)
 
     @property
     def fallen(self) -> dict[str, int]:
-        """Walkers of all runs that did not come to the end, by how it ended for them."""
+        """Walkers of all runs that did not reach the end, counted by outcome."""
         return {name: count for name, count in self.outcomes.items() if name not in GOOD_OUTCOMES}
 
     @property

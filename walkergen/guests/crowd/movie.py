@@ -231,7 +231,7 @@ def _update_bodies(kind: _Bodies, x: Array, y: Array, theta: Array, faces: Array
 
 
 def _add_periodic_images(places: Array, walkers: Whole, period: float, reach: float) -> tuple[Array, Whole]:
-    """Places with those of images that reach over the edges of a periodic square."""
+    """Add images across the edges of a periodic square to the places."""
     for axis in (0, 1):
         over = np.abs(places[:, axis]) > 0.5 * period - 1.5 * reach
         other = places[over]
@@ -255,7 +255,7 @@ def _draw_dish(axes: Axes, film: CrowdFilm) -> None:
 
 
 def _draw_footer(canvas: Canvas, film: CrowdFilm, scale: float, fps: int | None) -> None:
-    """Write what the picture shows, draw a bar of a round length and what the colours mean."""
+    """Write the picture's caption, a scale bar of a round length, and the legend of the colours."""
     power = 10.0 ** math.floor(math.log10(160.0 / scale))
     length = max(power * step for step in (1, 2, 5) if power * step * scale <= 160.0 * (1 + 1e-9))
     bar = canvas.axes(MARGIN_PX, 14, length * scale, 5)

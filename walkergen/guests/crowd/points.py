@@ -1,4 +1,4 @@
-"""Points that are a crowd: all its statistics with their errors, and how it went (see `points.kinds`).
+"""Points that are a crowd: all its statistics with their errors, and its outcome (see `points.kinds`).
 
 A crowd takes minutes: its record holds every statistic, so that others may be shown without a run.
 """
@@ -27,7 +27,7 @@ def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
 
 
 def title(model: str) -> str:
-    """By what the numbers come, in words."""
+    """Return the source of the numbers, as text."""
     return "crowds"
 
 

@@ -1,4 +1,4 @@
-"""Report of a crowd, and its folder: numbers with errors, what contacts took, figures, tracks of every run."""
+"""Report of a crowd, and its folder: numbers with errors, contact losses, figures, tracks of every run."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -36,7 +36,7 @@ class CrowdReport(Report):
 
 
 class Contacts(NamedTuple):
-    """What the contacts of one run did; the field names are the columns of runs.csv."""
+    """Contacts of one run; the field names are the columns of runs.csv."""
 
     run: int
     touches: int
@@ -49,7 +49,7 @@ class Contacts(NamedTuple):
     lost_friction_nj: float
     energy_error: float
     contact_error: float
-    """What contacts took along their normals, less what restitution says, over it."""
+    """Relative excess of the contacts' normal losses over those from restitution."""
     fallen: int
     """Walkers that did not come to the end."""
 
@@ -98,13 +98,13 @@ def make_report(simulated: Simulated, folder: Path | None = None) -> CrowdReport
 
 
 def crowd_title(job: Job) -> str:
-    """Who runs where, in words."""
+    """Name the walkers and the place of the run, as text."""
     who = " and ".join(f"{kind.walkers} {kind.name}" for kind in job.kinds)
     return f"{who} in {job.scene.crowd.dish.words}"
 
 
 def crowd_caption(job: Job) -> str:
-    """Describe what was simulated, without a full stop."""
+    """Describe the simulation, without a full stop."""
     crowd = job.scene.crowd
     if job.model == "flat":
         cards = " and ".join(f"{kind.name} ({kind.card.scene})" for kind in job.kinds if kind.card)
@@ -162,7 +162,7 @@ def write(report: CrowdReport, folder: Path, pictures: bool, progress: Progress)
 
 
 def write_inputs(job: Job, folder: Path) -> Report:
-    """Write the input of LAMMPS for every run into a folder, and say what is there."""
+    """Write the input of LAMMPS for every run into a folder, and list the files."""
     inputs = in_plane.input_files(job)
     with Folder(folder) as target:
         for name, data in inputs.items():

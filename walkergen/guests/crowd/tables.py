@@ -1,4 +1,4 @@
-"""Tables of what a crowd did, the same for films and for simulations."""
+"""Tables of a crowd, the same for films and for simulations."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -33,7 +33,7 @@ CURVE_TABLES: Mapping[str, tuple[str, Mapping[str, str]]] = {
 
 
 def make_tables(statistics: CrowdStatistics) -> list[Table]:
-    """Numbers with their errors, which people read; their course in time, each run, and curves."""
+    """Return the numbers with their errors, shown to people; their course in time, each run, and curves."""
     numbers, series, by_run = statistics.numbers, statistics.series, statistics.by_run
     rows = [_row(statistics, number) for number in numbers.values()]
     shown = [row for row, number in zip(rows, numbers.values(), strict=True) if number.refused != NO_WALL]
@@ -65,7 +65,7 @@ def facts(statistics: CrowdStatistics) -> dict[str, Any]:
 
 
 def summary_line(statistics: CrowdStatistics) -> str:
-    """Describe in a sentence what was measured."""
+    """Describe the measurement in a sentence."""
     runs = "one run" if statistics.runs == 1 else f"{statistics.runs} independent runs"
     return (
         f"{runs} of {formatting.format_duration(statistics.seconds)} each, {statistics.frames} frames, of "

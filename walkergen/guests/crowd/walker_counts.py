@@ -8,12 +8,12 @@ from walkergen.core.files import columns
 from walkergen.core.scene import Scene
 
 DEFAULT_COUNT = 10
-"""Walkers of a crowd unless something says how many."""
+"""Default number of walkers in a crowd."""
 
 MAX_WALKERS = 100_000
 
 DEFAULT_RUNS, DEFAULT_RATE_HZ = 4, 25.0
-"""Independent runs of a crowd, and frames a second of them, unless asked otherwise."""
+"""Default number of independent runs of a crowd, and of frames a second."""
 
 
 def parse_count(value: int | str | Mapping[str, int]) -> int | dict[str, int]:

@@ -1,1 +1,1 @@
-"""Job of `crowd --card`: what a crowd in a plane has to know of a walker, from runs or films."""
+"""Job of `crowd --card`: the parameters of a walker for a crowd in a plane, from runs or films."""

@@ -1,4 +1,4 @@
-"""Card of a walker: what a crowd in a plane has to know of it, each number with its error.
+"""Card of a walker: its parameters for a crowd in a plane, each number with its error.
 
 A card is measured from runs or films (`walkergen crowd --card`), written as JSON, and read again by the
 flat model of a crowd. Its frame is the walker seen from above: heading along +x, C at the origin.
@@ -74,7 +74,7 @@ def field_quantity(field: str, value: float, se: float | None = None, runs: int 
 
 
 def run_count(quantity: Quantity) -> int | None:
-    """Independent runs that a card's number is from; None where it does not say."""
+    """Return the number of independent runs behind a card's number; None if not stated."""
     return None if math.isinf(quantity.freedom) else round(quantity.freedom) + 1
 
 
@@ -84,7 +84,7 @@ class Overdamped(Section):
     enough: bool | None
     """None: within their errors the numbers allow both."""
     reason: str
-    """Numbers that decide, in words."""
+    """Deciding numbers, as text."""
 
 
 class Card(Section):
@@ -127,10 +127,10 @@ class Card(Section):
     wall_restitution: Fraction = 0.5
     wall_friction: Friction = 0.25
     wall_alignment: Measured | None = None
-    """Mean of -cos(2 angle) by a wall, of the angle from the way out to the heading: 1 along the
-    wall, 0 for any direction alike, -1 head on."""
+    """Mean of -cos(2 angle) by a wall, of the angle from the outward direction to the heading: 1 along the wall, 0
+    for random directions, -1 head on."""
     wall_turning_rad_s: Measured | None = None
-    """Mean rate at which a wall turns a walker along itself that runs against it askew."""
+    """Mean rate at which a wall turns an obliquely incident walker along itself."""
     wall_torque_g_mm2_s2: Measured | None = None
     """Torque of the wall that does this."""
     overdamped: Overdamped | None = None

@@ -83,7 +83,7 @@ def inertial_delay(lag: Array, speed: float, rate: float, turn: float, relaxatio
 
 
 def _mean_delay(areas: Array, lost: Array) -> Quantity:
-    """Half of the areas over what was lost of the correlation, first of all samples."""
+    """Return half of the areas over the loss of correlation, first of all samples."""
     error = float(statistics.jackknife_error(lost[1:, None])[0])
     if not lost[0] > 3.0 * error:
         reason = "headings hardly turn, or no speed along them is known: film for longer"

@@ -36,7 +36,7 @@ def input_files(card: Card) -> dict[str, bytes]:
 
 
 def model_parameters(card: Card) -> dict[str, float]:
-    """Numbers of a flat model, by the names of the scripts; what was not measured is 0."""
+    """Return the parameters of a flat model by the names of the scripts; unmeasured ones are 0."""
     late, sd, aside = card.turning_relaxation_s, card.turning_sd_rad_s, card.sideways_relaxation_s
     return {
         "MASS": card.mass_g,

@@ -33,7 +33,7 @@ def draw_card(card: Card, measured: Measured) -> Figure:
 
 
 def _draw_spread(axes: Axes, card: Card, measured: Measured) -> None:
-    """Squared displacement measured, and what run and diffusion of the card make of it."""
+    """Draw the measured squared displacement, and the card's from run and diffusion."""
     at, value, _ = measured.motion.msd
     speed, turning = card.speed_mm_s.number, card.turning_rad_s.number
     time, rotation = card.velocity_relaxation_s.number, card.rotational_diffusion_rad2_s.number
@@ -82,7 +82,7 @@ def _draw_correlation(axes: Axes, relaxed: Relaxation, shown: int, look: Look, n
 
 
 def _draw_delay(axes: Axes, card: Card, measured: Measured) -> None:
-    """Delay function measured, and that of a particle with the card's numbers."""
+    """Draw the measured delay function, and that of a particle with the card's numbers."""
     function = measured.delay.function
     stride = max(len(function.at) // MAX_DELAY_POINTS, 1)
     at, value, se = (part[::stride] for part in function)
@@ -104,7 +104,7 @@ def _draw_delay(axes: Axes, card: Card, measured: Measured) -> None:
 
 @style()
 def draw_walls(card: Card, walled: Walled) -> Figure:
-    """Draw how often a walker stands to a wall at each angle, and how it turns there."""
+    """Draw how often a walker has each angle to a wall, and its turning rate there."""
     figure, (often, turns) = new_panels(f"{card.name} by the wall of {walled.dish.words}", (1.6, 1.9))
     by_wall = walled.by_wall
     angles = np.degrees(by_wall.angles)

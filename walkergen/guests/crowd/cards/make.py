@@ -34,7 +34,7 @@ def default_folder(design: Design) -> Path:
 
 
 def from_design(scene: Scene, design: Design, walls: bool, progress: Progress) -> CardReport:
-    """Card of simulated runs of a walker alone, and if wanted against the wall of the scene's dish.
+    """Measure a card from simulated runs of a single walker, optionally also against the dish's wall.
 
     Raises InputError before or after they run.
     """
@@ -62,7 +62,7 @@ def from_film(path: Path, units: Units, scene: Scene, design: Design) -> CardRep
 
 
 def from_file(path: Path) -> CardReport:
-    """Card that was written before, or by hand. Raises InputError for what is none."""
+    """Read a card that was written before, or by hand. Raises InputError for other files."""
     return report.make_report(cards.read_card(path), None)
 
 

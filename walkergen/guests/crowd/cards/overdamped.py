@@ -21,11 +21,11 @@ SOURCES = (
     "Breoni, Ldov, Scholz, Loewen (arXiv 2406.01038) saw inertia let them bounce back and hinder "
     "their clusters"
 )
-"""What was found of printed walkers, by those who filmed them."""
+"""Published results for printed walkers."""
 
 
 def judge(speed: Quantity, turning: Quantity, rotation: Quantity, velocity: Relaxation, length_mm: float) -> Overdamped:
-    """Judge by what a walker turns and coasts while its velocity relaxes."""
+    """Judge from a walker's turn and coasting distance while its velocity relaxes."""
     shares = inertial_shares(speed, turning, rotation, velocity, length_mm)
     reason = "; ".join(map(_format_share, shares))
     verdicts = {share.compare_with_range(-math.inf, NEGLIGIBLE_SHARE) for share in shares}

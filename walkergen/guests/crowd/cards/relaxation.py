@@ -44,7 +44,7 @@ VELOCITY_KEY, DIFFUSION_KEY = "velocity_relaxation", "translational_diffusion"
 
 
 class Relaxation(NamedTuple):
-    """Fluctuations of a velocity or of a rate of turning about what is expected."""
+    """Fluctuations of a velocity or of a turning rate about the expected value."""
 
     time: Quantity
     """Relaxation time, s; refused where data are too few."""
@@ -61,9 +61,9 @@ class Relaxation(NamedTuple):
 
 
 def measure_velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Quantity]:
-    """Relaxation of the velocity (mm/s), and translational diffusion (mm^2/s) of each axis.
+    """Measure the velocity's relaxation (mm/s), and the translational diffusion (mm^2/s) of each axis.
 
-    Tracks have headings; `exact` says that places have no noise, as of a simulation.
+    Tracks have headings; `exact` marks positions without noise, as from a simulation.
     """
     seconds, size = 0.0, max(len(track.position) for track in tracks.tracks) // PIECES
     relaxed, diffusion = _missing_relaxation(VELOCITY_KEY, "no walker has a heading"), refusal(DIFFUSION_KEY, "")
@@ -93,7 +93,7 @@ def measure_velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Quantity]
 
 
 def measure_along_heading(tracks: Tracks, exact: bool, both: Relaxation, diffusion: Quantity) -> Relaxation:
-    """Relaxation of the velocity along the heading that a walker had, once that of both axes is known."""
+    """Measure the velocity's relaxation along the earlier heading, given that of both axes."""
     rests, ahead = [], []
     for track in tracks.tracks:
         rest, middle, _ = _residuals_and_turns(track, both.time.value or 0.0, tracks.interval)
@@ -113,10 +113,10 @@ def measure_turning(tracks: Tracks, exact: bool, diffusion: Quantity) -> Relaxat
 
 
 def lateral_coupling(tracks: Tracks, relaxed: float) -> Quantity:
-    """Velocity to the left that goes with a rate of turning to the left, mm/s by rad/s.
+    """Compute the velocity to the left per turning rate to the left, mm/s by rad/s.
 
-    Of what the heading does not explain, with velocities that relax within `relaxed` s. A walker
-    that turns about a point so far behind its centre has this much; noise of headings lowers it.
+    Uses the residual of the velocity without its part along the heading, with velocities that relax within `relaxed` s.
+    A walker that turns about a point so far behind its centre has this coupling. Noise of headings lowers it.
     """
     rows = []
     for track in tracks.tracks:
@@ -143,7 +143,7 @@ def fit_relaxation(
     axes: int = 2,
     parts: Sequence[Complex] | None = None,
 ) -> Relaxation:
-    """Relaxation, called `key`, of series about their means, each over `interval` s, of one axis or two.
+    """Measure the relaxation `key` of series about their means, each over `interval` s, of one axis or two.
 
     Where a place has noise, neighbours share it: their correlation starts at the second lag. With `parts` of the
     series, what is left of them later.
@@ -219,7 +219,7 @@ def _fit_exponentials(
 ) -> list[tuple[float, float]] | None:
     """Height and time (s) of an exponential, of all samples and without each; None where none fits.
 
-    Fitted from the first lag to that at which the first values have fallen to FALLEN.
+    Fitted from the first lag to that at which the first values have fallen to FIT_CUTOFF.
     """
     whole = values[0]
     if not whole[first] > 3.0 * errors[first] > 0.0:
@@ -284,7 +284,7 @@ def _lagged_heading(track: Track, samples: float) -> Complex:
 
 
 def _residual_velocity(track: Track, followed: Complex, skip: int, interval: float) -> Complex:
-    """Velocity less the share of the `followed` one that fits best, mm/s."""
+    """Subtract the best-fitting share of the `followed` velocity from the velocity, mm/s."""
     moved = np.diff(moments.complex_position(track))[skip:] / interval
     unit = followed[skip:]
     known = ~np.isnan(moved) & ~np.isnan(unit)
@@ -304,7 +304,7 @@ def _residuals_and_turns(track: Track, relaxed: float, interval: float) -> tuple
 
 
 def _residual_diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, size: int, relaxed: float) -> Quantity:
-    """Diffusion (mm^2/s) of each axis, from what headings leave unexplained in pieces of tracks.
+    """Compute the diffusion (mm^2/s) of each axis from residuals about the headings in pieces of tracks.
 
     In each piece of t s that is 4 D t on average, once a share of the way along the headings is
     fitted to all pieces of a walker; less what a time of relaxation takes off short pieces.

@@ -1,4 +1,4 @@
-"""Report of a card: its numbers with errors, how they were found, and what is assumed."""
+"""Report of a card: its numbers with errors, the methods, and the assumptions."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -50,7 +50,7 @@ class CardReport(Report):
 
 
 def make_report(card: Card, measured: Measured | None, walled: Walled | None = None) -> CardReport:
-    """Report of a card; of one that was measured also how."""
+    """Report a card; for a measured one, include the methods."""
     about = [card.scene] if card.scene else []
     about += [
         f"{formatting.format_number(card.mass_g)} g",
@@ -83,7 +83,7 @@ def make_report(card: Card, measured: Measured | None, walled: Walled | None = N
 
 
 def _table(card: Card, measured: Measured | None) -> Table:
-    """Numbers of a card; a note says why one is not known, or why less is known of it."""
+    """Return the numbers of a card; a note explains why one is unknown or uncertain."""
     notes = {} if measured is None else _missing_reasons(measured)
     rows = []
     for key in QUANTITY_LABELS:
@@ -109,7 +109,7 @@ def _table(card: Card, measured: Measured | None) -> Table:
 
 
 def _missing_reasons(measured: Measured) -> dict[str, str]:
-    """Why numbers are not known, or what bounds them."""
+    """Return the reasons for unknown numbers, or their bounds."""
     found = measured.motion.estimates
     reasons = {
         "delay_s": measured.delay.mean.refused,
@@ -147,7 +147,7 @@ def _notes(card: Card, measured: Measured | None, walled: Walled | None) -> Iter
 
 
 def _motion_notes(measured: Measured) -> Iterator[str]:
-    """Yield the method of speeds and their errors, and what a delay was found with."""
+    """Yield the method of speeds and their errors, and the data behind a delay."""
     yield measured.motion.method
     yield (
         f"velocities fluctuate by {formatting.format_number(measured.velocity.deviation)} mm/s along the heading; "

@@ -33,7 +33,7 @@ DEFAULT_SCENE = "plane-90hz"
 """Scene of a card by default: a walker alone has to have room to turn."""
 
 SLOPE_DEG = 1.0
-"""Slope that pushes a walker aside, a sixtieth of its weight: about a fifth of what drives the paper's."""
+"""Slope that pushes a walker aside, a sixtieth of its weight: about a fifth of the paper's propulsion."""
 
 SLOPE_SETTINGS = {"plate.slope_deg": SLOPE_DEG, "run.heading_deg": "uniform"}
 """Keys of a scene whose walkers are pushed, whichever way they head."""
@@ -57,13 +57,13 @@ class Measured(NamedTuple):
     """Self-alignment, 1/mm; refused for films, which have no pushes."""
     delay: Delay
     leaning: Quantity
-    """Velocity to the left that goes with a rate of turning to the left, mm."""
+    """Velocity to the left per turning rate to the left, mm."""
     interval: float
     """Time between samples, s."""
     runs: int
     """Number of runs, or of filmed walkers."""
     notes: tuple[str, ...]
-    """How it was measured, in words."""
+    """Method of measurement, as text."""
 
 
 def simulate_walker(scene: Scene, design: Design, mass: MassProperties, progress: Progress) -> Measured:
@@ -154,7 +154,7 @@ def measure_film(path: Path, units: Units, scene: Scene) -> Measured:
 
 
 def measure_tracks(own: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured:
-    """Measure tracks with headings; `exact` says that places have no noise."""
+    """Measure tracks with headings; `exact` marks positions without noise."""
     moved = motion.analyse(own)
     both, translation = relaxation.measure_velocity(own, exact)
     velocity = relaxation.measure_along_heading(own, exact, both, translation)
@@ -196,7 +196,7 @@ def _centre_and_inertia(mass: MassProperties) -> tuple[Array, Array]:
 
 
 def shift_poses(rows: Array, shift: Array) -> Array:
-    """Places and headings of a point that lies forward and to the left of those of `rows`."""
+    """Move the poses `rows` to a point forward and to the left of them."""
     cos, sin = np.cos(rows[:, 2]), np.sin(rows[:, 2])
     x = rows[:, 0] + cos * shift[0] - sin * shift[1]
     y = rows[:, 1] + sin * shift[0] + cos * shift[1]

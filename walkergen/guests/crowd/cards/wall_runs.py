@@ -20,10 +20,10 @@ from walkergen.points.experiments import Walker
 from walkergen.readers.walkers import top_outline
 
 MAX_START_ANGLE = math.radians(85.0)
-"""Largest angle from the way out at which a walker is let go."""
+"""Largest angle from the outward direction at a walker's release."""
 
 SETTLING_S = 0.2
-"""Time (s) before the record begins: a walker is let go at rest, and drops."""
+"""Time (s) before the record begins: a walker is released at rest, and drops."""
 
 MAX_RUN_S = 4.0
 """Measured time of a run, at most: by then walkers stand to the wall as they go on to do."""
@@ -49,7 +49,7 @@ def check_dish(dish: Dish) -> None:
 def simulate_wall_runs(
     scene: Scene, design: Design, mass: MassProperties, speed: Quantity, progress: Progress
 ) -> Walled:
-    """Let a walker of this mean speed run against the wall of the scene's dish, alone.
+    """Simulate a single walker of this mean speed against the wall of the scene's dish.
 
     Raises InputError for a dish too small for it.
     """

@@ -1,9 +1,8 @@
-"""Walkers by a wall: how they stand to it, and how it turns them.
+"""Walkers by a wall: their angle to it, and how it turns them.
 
-A walker is by the wall where the point of its outline that is nearest to a wall is within REACH of
-it. The angle counts from the way out of the dish at that point to the heading: 0 head on, a quarter
-turn along the wall. A mean rate of turning there, in friction that forgets it within a time t, is a
-torque of the inertia times that rate over t.
+A walker is by the wall if the point of its outline nearest to a wall is within WALL_RANGE_MM of it. The angle counts
+from the dish's outward direction at that point to the heading: 0 head on, a quarter turn along the wall. A mean turning
+rate there, with a relaxation time t, means a torque of the inertia times that rate over t.
 """
 
 import math
@@ -21,7 +20,7 @@ WALL_RANGE_MM = 0.5
 """Distance (mm) within which a walker is by a wall: some hops of a tenth of a millimetre."""
 
 OBLIQUE_ANGLES = math.radians(20.0), math.radians(70.0)
-"""Angles between heading and way out between which a walker runs against a wall askew."""
+"""Range of angles between heading and outward direction for an oblique run against a wall."""
 
 ANGLE_BINS = 36
 """Number of angles between heading and way out, from -pi to pi."""
@@ -37,10 +36,10 @@ class ByWall(NamedTuple):
     share: Quantity
     """Share of the second half of the runs by a wall."""
     alignment: Quantity
-    """Mean of -cos(2 angle) there: 1 along the wall, 0 for any direction alike, -1 head on."""
+    """Mean of -cos(2 angle) there: 1 along the wall, 0 for random directions, -1 head on."""
     turning: Quantity
-    """Mean rate (rad/s) at which a wall turns walkers along itself that run against it askew; below
-    0 where it turns them head on."""
+    """Mean rate (rad/s) at which a wall turns obliquely incident walkers along itself; below 0 if it turns them head
+    on."""
     angles: Array
     """Middles of bins of the angle, rad."""
     density: Array

@@ -1,5 +1,5 @@
-"""Crowds of thousands in a plane: walkers known by their cards, moved by LAMMPS.
+"""Crowds of thousands in a plane: walkers from their cards, moved by LAMMPS.
 
-`doors.crowd` checks what is asked, `crowd.files` writes its input, `crowd.simulate` runs it and reads back
-where everybody was.
+`crowd_checks.make_crowd` checks the request and `crowd.input_files` writes the input. `crowd.simulate` runs it and
+reads the positions.
 """

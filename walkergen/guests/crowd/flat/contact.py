@@ -74,7 +74,7 @@ def restitution(zeta: float) -> float:
 
 
 def damping_ratio(wanted: float) -> float:
-    """Damping over its critical value, of a restitution between SMALLEST and LARGEST."""
+    """Compute the damping over its critical value, for a restitution between MIN_RESTITUTION and MAX_RESTITUTION."""
     wanted = min(max(wanted, MIN_RESTITUTION), MAX_RESTITUTION)
     return float(brentq(lambda zeta: restitution(zeta) - wanted, 0.0, 10.0))
 

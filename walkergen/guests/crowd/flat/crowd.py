@@ -1,7 +1,6 @@
-"""One run of a crowd of cards in a plane: its LAMMPS input, or where everybody was.
+"""One run of a crowd of cards in a plane: its LAMMPS input, or its positions.
 
-What is run is a crowd as `doors` has checked it. Here LAMMPS is a program like any other; with `files`
-it is another machine's.
+The crowd comes from `crowd_checks`. `simulate` runs LAMMPS here; `input_files` writes the input for another machine.
 """
 
 import tempfile

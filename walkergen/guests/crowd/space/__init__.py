@@ -1,1 +1,1 @@
-"""Crowds of walkers in space, whose bodies meet: each moves as it does alone between contacts."""
+"""Crowds of walkers in space with contacts between bodies: each moves as if alone between contacts."""

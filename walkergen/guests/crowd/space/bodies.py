@@ -1,4 +1,4 @@
-"""What kernels read of a crowd: its walkers, the shapes of their bodies, the ground, the law."""
+"""Input of the kernels for a crowd: its walkers, the shapes of their bodies, the ground, the law."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -101,7 +101,7 @@ class Ground(NamedTuple):
 
 
 class Law(NamedTuple):
-    """How bodies meet bodies (first) and walls (second)."""
+    """Contact laws of bodies with bodies (first) and walls (second)."""
 
     spring: float
     """Stiffness of either end of an upright edge over the mass that it moves, 1/s^2."""
@@ -109,7 +109,7 @@ class Law(NamedTuple):
     """Share of the normal work that a contact gives back: restitution squared."""
     friction: tuple[float, float]
     margin: float
-    """What a landing may add to a body's speed before its gaps are looked at again, mm/s."""
+    """Largest change of a body's speed by a landing before its gaps are updated, mm/s."""
     tick: float
     """Longest time step of contacts, s."""
 
@@ -124,9 +124,9 @@ class Crowd(NamedTuple):
     ground: Ground
     law: Law
     planar: Array
-    """What bodies show from above, shape (N, 8)."""
+    """Top view of the bodies, shape (N, 8)."""
     status: Whole
-    """Status of `world` of each walker, shape (N,); one that is not OK lies where it fell."""
+    """Status of `world` of each walker, shape (N,); a walker that is not OK lies where it fell."""
     touching: npt.NDArray[np.uint8]
     """1 where i and j > i touch, and on the diagonal i and a wall, shape (N, N)."""
     book: Array

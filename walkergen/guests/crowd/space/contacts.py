@@ -98,9 +98,9 @@ def _mobility(free, i, a_x, a_y, a_z, d_x, d_y, d_z):
 
 @lean
 def _apply_impulse(free, i, a_x, a_y, a_z, f_x, f_y, f_z):
-    """Give an impulse (world, g mm/s) to a point of body i (body axes), and book its work.
+    """Apply an impulse (world, g mm/s) to a point of body i (body axes), and record its work.
 
-    Returns the point's velocity then. Legs are left behind as far as their joints let them.
+    Returns the point's velocity after it. Legs lag as far as their joints allow.
     """
     state, now, n, m = free.state, free.now, free.coordinates[i], free.inverse_mass[i]
     shift, lock, I = free.shift, free.lock, free.inverse_inertia  # noqa: E741

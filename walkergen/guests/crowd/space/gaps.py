@@ -77,7 +77,7 @@ def gap_lower_bound(bodies, ground, planar, i, j):
 
 @lean
 def lean_displacement(bodies, planar, i, j):
-    """How far the ends of two bodies' edges are displaced as they lean, at most, mm."""
+    """Compute the largest displacement of the ends of two bodies' edges by their lean, mm."""
     largest = 0.0
     for body in (i, j):
         kind = bodies.kind[body]

@@ -92,7 +92,7 @@ def _insert_walker(cells, bounds, i, x, y):
 
 @lean
 def _remove_walker(cells, bounds, i, x, y):
-    """Take walker i out of the square of its place."""
+    """Remove walker i from the square of its place."""
     column, row = _cell_index(cells, bounds, x, y)
     at = row * cells.across + column
     if cells.head[at] == i:

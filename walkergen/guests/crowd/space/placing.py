@@ -153,7 +153,7 @@ def _add_walkers(
 def _grow_walkers(
     shapes: Outlines, bounds: Bounds, cells: Cells, places: Array, scales: Array, rng: np.random.Generator
 ) -> bool:
-    """Move walkers and let them grow to their size; False where they find no room for it."""
+    """Move walkers and grow them to full size; False if there is no room for it."""
     for number, pace in enumerate(GROWTH_RATES):
         if number > 0:
             scales *= SHRINK_SCALE
@@ -165,7 +165,7 @@ def _grow_walkers(
 def _grow_at_rate(
     shapes: Outlines, bounds: Bounds, cells: Cells, places: Array, scales: Array, rng: np.random.Generator, pace: float
 ) -> bool:
-    """Move walkers and let them grow at a pace, until all have their size or no room for it."""
+    """Move walkers and grow them at a pace, until all have full size or no room for it."""
     n, largest = len(places), float(shapes.outer.max())
     steps, smallest = np.array([0.3 * largest, 0.5]), float(scales.min())
     least, most_steps = np.array([1e-4 * largest, 1e-4]), np.array([largest, math.pi])

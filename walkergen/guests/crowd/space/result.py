@@ -1,4 +1,4 @@
-"""Result of one run of a crowd: where every walker was, and what its contacts took."""
+"""Result of one run of a crowd: every walker's motion, and the losses of its contacts."""
 
 from typing import NamedTuple
 
@@ -6,7 +6,7 @@ from walkergen.core.numerics import Array
 
 
 class Impulses(NamedTuple):
-    """Sums of what contacts between bodies and walls gave, g mm/s."""
+    """Sums of the impulses of contacts between bodies and walls, g mm/s."""
 
     normal: float
     along: float
@@ -20,7 +20,7 @@ class CrowdRun(NamedTuple):
 
     number: int
     outcomes: tuple[str, ...]
-    """How it ended for each walker: values of `run.Outcome`."""
+    """Outcome of each walker: values of `run.Outcome`."""
     kinds: tuple[str, ...]
     """Name of each walker's design, length N."""
     times: Array
@@ -33,12 +33,12 @@ class CrowdRun(NamedTuple):
     deepest: float
     """Deepest give of a contact, mm."""
     energy_error: float
-    """Largest energy of a walker that nothing accounts for, over what it exchanged."""
+    """Largest unexplained energy of a walker, over the energy it exchanged."""
     contact_error: float
     """What contacts took along their normals, less what restitution says, over it: that of a blow
     is small, in jams restitution comes out higher than it should; near restitution 0 bodies hold on
     to each other for long, and turn meanwhile."""
     losses: dict[str, float]
-    """Energies that contacts took from walkers, with what they hold: "normal", "friction", g mm^2/s^2."""
+    """Energies lost by walkers in contacts, with the energy stored in them: "normal", "friction", g mm^2/s^2."""
     impulses: Impulses
     cpu_s: float

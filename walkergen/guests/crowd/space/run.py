@@ -1,7 +1,7 @@
-"""One run of a crowd: walkers let go at their places, the discarded start, then the record.
+"""One run of a crowd: walkers released at their places, the discarded start, then the record.
 
-Runs and walkers draw from their own random streams (seed, run, walker), the first as if it were
-alone: results are the same bits on any number of threads. All walkers are on one plate.
+Runs and walkers draw from their own random streams (seed, run, walker), the first as a single walker: results are the
+same bits on any number of threads. All walkers are on one plate.
 """
 
 import math
@@ -255,7 +255,7 @@ def advance(
 
 
 def _energies(walkers: Walkers) -> Array:
-    """Energy of each walker without that of its contacts with others, g mm^2/s^2."""
+    """Compute each walker's energy without that of its contacts with others, g mm^2/s^2."""
     return np.array([energy(*walker) for walker in walkers])
 
 
@@ -267,6 +267,6 @@ def _contact_energy_error(book: Array, held: float) -> float:
 
 
 def _outcomes(crowd: bodies.Crowd, unfinished: bool) -> tuple[str, ...]:
-    """How it ended for each walker."""
+    """Return the outcome of each walker."""
     well = Outcome.STOPPED if unfinished else Outcome.OK
     return tuple((well if status == OK else STATUS_OUTCOMES[int(status)]).value for status in crowd.status)

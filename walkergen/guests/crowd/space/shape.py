@@ -94,9 +94,9 @@ def _make_core(design: Design, contours: list[Array]) -> tuple[Array, Whole, flo
 
 
 def common_heights(shapes: tuple[Shape, ...]) -> Array:
-    """Heights over C of kind i at which it meets kind j, shape (kinds, kinds, 2).
+    """Return the heights over C where kind i can meet kind j, shape (kinds, kinds, 2).
 
-    Not a number where standing bodies pass over each other.
+    NaN where standing bodies pass over each other.
     """
     heights = np.full((len(shapes), len(shapes), 2), math.nan)
     for i, own in enumerate(shapes):

@@ -39,12 +39,12 @@ LEVELS = 8
 
 
 class Plans(NamedTuple):
-    """When what has to be looked at again, in ticks of a round, for p pairs and N walkers."""
+    """Times of the next updates, in ticks of a round, for p pairs and N walkers."""
 
     safe: Array
     """Until then a pair cannot touch, shape (p,)."""
     seen: Array
-    """Gap (mm) of a pair when it was last looked at, and that time, shape (p, 2)."""
+    """Gap (mm) of a pair at its last update, and that time, shape (p, 2)."""
     safe_wall: Array
     seen_wall: Array
     """The same of walkers and walls, shapes (N,), (N, 2)."""
@@ -59,7 +59,7 @@ NEAR_TICKS = 64.0
 
 
 RECENT_TICKS = 8.0
-"""Ticks after which the rate at which a gap closed says nothing of how it closes now."""
+"""Ticks after which an earlier closing rate of a gap no longer counts."""
 
 
 FORESEEN_TICKS, LANDING_SHARE = 2.0, 0.25
@@ -68,7 +68,7 @@ FORESEEN_TICKS, LANDING_SHARE = 2.0, 0.25
 
 @kernel_without_refcount
 def _move(crowd, i, t):
-    """Move walker i by t seconds, as it moves alone, and note what it shows from above."""
+    """Move walker i by t seconds as if alone, and update its top view."""
     mover = borrow_item(crowd.movers, i)
     if t == 0.0:
         place(mover.world, mover.state, mover.work)
@@ -79,7 +79,7 @@ def _move(crowd, i, t):
 
 @lean
 def _update_planar(crowd, i, mover):
-    """Note what walker i shows from above, and a bound of how fast its outline moves."""
+    """Update the top view of walker i, and a bound of its outline's speed."""
     state, work, walker, planar = mover.state, mover.work, mover.world.walker, crowd.planar
     R, now, n = work.R, work.now, len(walker.stiffness)
     o_x, o_y, o_z = 0.0, 0.0, 0.0
@@ -144,9 +144,9 @@ def _ticks_to_contact(crowd, fastest, margin, gap, past, ticks):
 
 @lean
 def _meet_pair(crowd, i, j, seen, now):
-    """Meet walkers i and j: ticks that pass before they can touch, 1 where they do.
+    """Resolve contacts of walkers i and j; return the ticks before they can touch, 1 where they do.
 
-    `seen`: their gap when it was last looked at, and that time in ticks, shape (2,).
+    `seen`: their gap at the last update, and that time in ticks, shape (2,).
     """
     if crowd.status[i] != OK and crowd.status[j] != OK:
         return FAR
@@ -162,7 +162,7 @@ def _meet_pair(crowd, i, j, seen, now):
 
 @lean
 def _meet_walls(crowd, i, seen, now):
-    """Meet walker i with the walls: ticks that pass before it can touch one, 1 where it does."""
+    """Resolve contacts of walker i with the walls; return the ticks before it can touch one, 1 where it does."""
     if crowd.status[i] != OK:
         return FAR
     gap = wall_gap(crowd.bodies, crowd.ground, crowd.planar, i)

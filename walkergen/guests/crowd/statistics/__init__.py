@@ -1,4 +1,4 @@
-"""What crowds do: films of many walkers in, statistics with errors from independent runs out."""
+"""Crowd statistics: from films of many walkers to numbers with errors from independent runs."""
 
 from walkergen.guests.crowd.statistics.film import CrowdFilm
 from walkergen.guests.crowd.statistics.summary import CrowdStatistics, measure

@@ -1,4 +1,4 @@
-"""Square boxes side by side about the middle of a dish, and what is in them."""
+"""Square boxes side by side about the middle of a dish, and their content."""
 
 import math
 from typing import NamedTuple

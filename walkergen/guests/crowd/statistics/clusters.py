@@ -1,6 +1,6 @@
 """Clusters: walkers that touch each other, or touch others of the same cluster.
 
-Two touch where their outlines are nearer than `TOUCHING` times the mean outer radius; where only
+Two touch where their outlines are nearer than `TOUCHING_GAP` times the mean outer radius; where only
 outer radii are known, where their places are nearer than the sum of these.
 """
 

@@ -1,4 +1,4 @@
-"""Geometry of a dish for statistics: walls, what of a circle lies inside, neighbours across edges.
+"""Geometry of a dish for statistics: walls, the part of a circle inside, neighbours across edges.
 
 Lengths in mm; places are from the middle of the dish.
 """

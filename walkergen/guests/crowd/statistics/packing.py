@@ -35,7 +35,7 @@ def local_packing(film: CrowdFilm) -> Array:
 
 
 def box_count(film: CrowdFilm) -> int:
-    """Boxes along the shorter side of the dish, each about `WIDE` mean outer diameters wide."""
+    """Return the number of boxes along the dish's shorter side, about `BOX_DIAMETERS` mean outer diameters wide."""
     side = min(film.dish.box)
     return max(round(side / (BOX_DIAMETERS * 2.0 * float(film.radii.mean()))), boxes.MIN_BOXES)
 

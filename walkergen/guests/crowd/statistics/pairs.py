@@ -1,4 +1,4 @@
-"""Pairs of walkers by their distance: pair correlation g(r), and how alike their headings are.
+"""Pairs of walkers by their distance: pair correlation g(r), and correlation of their headings.
 
 g is 1 at every distance for walkers that ignore each other, in every dish: what of each ring about
 a walker lies outside the dish counts for nothing (exact areas; no walker is left out at walls). It

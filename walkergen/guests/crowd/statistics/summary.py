@@ -47,7 +47,7 @@ WHOLE_RUN_NUMBERS = ("spread_exponent", "fluctuation_exponent")
 """Numbers of a whole run, without a course in time."""
 
 MAX_PAIR_FRAMES = 200
-"""Frames, evenly spaced, at most, for what is found pair by pair."""
+"""Largest number of evenly spaced frames for pair statistics."""
 
 MIN_FRAMES = 4
 """Least number of frames of a run."""
@@ -64,12 +64,12 @@ NO_ERROR_ONE_RUN = "no error of one run"
 
 
 class CrowdStatistics(NamedTuple):
-    """What a crowd did, over all runs."""
+    """Statistics of a crowd over all runs."""
 
     numbers: dict[str, Quantity]
     """Numbers by their keys, those of `UNITS`."""
     by_chance: dict[str, float]
-    """What the same numbers would be for walkers placed and turned at random."""
+    """The same numbers for walkers placed and turned at random."""
     by_run: dict[str, Array]
     """Numbers of each run, shape (runs,)."""
     series: dict[str, Curve]
