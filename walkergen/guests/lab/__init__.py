@@ -1,1 +1,1 @@
-"""Bench, calibration and fits: what measurements say of plate, plastic and walker."""
+"""Bench, calibration and fits: plate, plastic and walker from measurements."""

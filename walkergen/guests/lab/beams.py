@@ -79,7 +79,7 @@ def moving_mass(density: float, strip: Strip) -> float:
 
 
 def first_mode(ratio: float) -> float:
-    """Square of the first root x of a cantilever whose tip bears `ratio` times its own mass.
+    """Compute the square of the first root x of a cantilever with `ratio` times its own mass on its tip.
 
     1 + cos x cosh x + ratio x (cos x sinh x - sin x cosh x) = 0 (Blevins, Formulas for natural
     frequency and mode shape, 1979, table 8-8). The rest of the mass counts as a point.

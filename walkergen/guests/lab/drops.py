@@ -1,7 +1,7 @@
-"""Drops of a walker on a plate at rest: rebound of the whole structure, as a phone shows it.
+"""Drops of a walker on a plate at rest: rebound of the whole structure, as filmed by a phone.
 
-What counts is the height of the body's middle above that of the walker at rest: let go from h_1, it
-comes up to h_2 again; the rebound is sqrt(h_2 / h_1), for a ball the restitution of its contact.
+The height counts from the body's middle at rest. Released from h_1, the walker rises to h_2 again. The rebound is
+sqrt(h_2 / h_1); for a ball it is the restitution of its contact.
 """
 
 import math
@@ -47,7 +47,7 @@ class Rebound(NamedTuple):
 
 
 class Rebounds(NamedTuple):
-    """Rebounds of one walker in one scene: let go flat once, and from the hand some times."""
+    """Rebounds of one walker in one scene: released flat once, and from the hand some times."""
 
     flat: float | None
     mean: float | None

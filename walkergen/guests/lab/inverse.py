@@ -1,4 +1,4 @@
-"""Inverse of a curve: from what was seen on the bench to what the model needs, with its errors."""
+"""Inverse of a curve: from a bench measurement to the model's parameter, with its errors."""
 
 import math
 from collections.abc import Sequence
@@ -21,12 +21,12 @@ MAX_ERRORS_AWAY = 2.0
 
 
 class Curve(NamedTuple):
-    """Curve from what the model needs (`at`, rising) to what is seen."""
+    """Curve from the model's parameter (`at`, rising) to the measured number."""
 
     at: Array
     seen: Array
     spread: Array
-    """Standard deviation of what one try shows, from try to try."""
+    """Standard deviation of single tries."""
     tries: Array
     """Number of simulated tries that `seen` is the mean of."""
 
@@ -39,12 +39,12 @@ class Measured(NamedTuple):
 
     @property
     def facts(self) -> dict[str, float | None]:
-        """What manifests hold of it."""
+        """Facts for manifests."""
         return {"value": self.number.value, "sd": self.number.se, "tries": self.tries}
 
 
 class Branch(NamedTuple):
-    """Range of what the model needs that agrees with the measured within one error."""
+    """Range of the model's parameter that agrees with the measured number within one error."""
 
     value: float
     low: float
@@ -55,7 +55,7 @@ class Answer(NamedTuple):
     """Model parameter derived from a measured number."""
 
     text: str
-    """It, in words."""
+    """The range as text."""
     branches: Sequence[Branch]
     """Ranges that agree with it."""
     everywhere: bool = False
@@ -67,7 +67,7 @@ class Answer(NamedTuple):
 
     @property
     def facts(self) -> dict[str, Any]:
-        """What JSON holds of it."""
+        """Facts for JSON."""
         told = {"told": self.text, "branches": [branch._asdict() for branch in self.branches]}
         return {**told, "everywhere": self.everywhere, "nearest": self.nearest, "misses": self.misses}
 
@@ -82,7 +82,7 @@ class Answer(NamedTuple):
 def parse_measured(value: float | None, sd: float | None, tries: int, most: float) -> Measured | None:
     """Measured number with its standard error, as a request gives them; None without. Raises InputError.
 
-    Both must be at least LEAST and at most `most`.
+    Both must be at least MIN_MEASURED and at most `most`.
     """
     if value is None and sd is None:
         return None

@@ -1,4 +1,4 @@
-"""One report of the laboratory: what readings, a simulated test or a fit tell, and what goes on with it."""
+"""Report of the laboratory: results of readings, a simulated test or a fit, and the files written with it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class LabReport(Report):
     settings: Mapping[str, float]
     """Keys of design and scene with the values that follow."""
     notes: Sequence[str] = ()
-    """What was left out or stays open."""
+    """Omissions and open questions."""
 
 
 R = TypeVar("R", bound=LabReport)

@@ -20,7 +20,7 @@ def still_scene(scene: Scene) -> Scene:
 
 
 def film_scene(scene: Scene) -> Scene:
-    """Scene of a film on a plate at rest, which begins when the walker is let go."""
+    """Return the scene of a film on a plate at rest; it begins at the walker's release."""
     run = scene.run.model_copy(update={"discard_seconds": 0.0})
     return still_scene(scene).model_copy(update={"run": run})
 

@@ -9,7 +9,7 @@ from walkergen.guests.lab.inverse import Measured
 
 @style()
 def draw_drop(dropped: Dropped, title: str, turn_deg: float, measured: Measured | None) -> Figure:
-    """Draw the rebound against the feet's restitution, let go flat and from the hand."""
+    """Draw the rebound against the feet's restitution, for flat drops and drops from the hand."""
     figure, axes = new_axes(title)
     axes.plot((0, 1), (0, 1), ":", color=GREY, linewidth=0.9, label="a ball")
     flat, hand = dropped.curve(flat=True), dropped.curve(flat=False)

@@ -89,7 +89,7 @@ def run_drop_test(job: Job, height: float, measured: Measured | None, folder: Pa
 
 
 def _answers(design: Design, measured: Measured | None, curves: Mapping[str, Curve | None]) -> list[tuple[str, Answer]]:
-    """Find what restitution each curve gives for the measured rebound, with the curve's condition."""
+    """Find the restitution on each curve for the measured rebound, with the curve's condition."""
     if measured is None:
         return []
     return [
@@ -115,7 +115,7 @@ def _make_table(name: str, title: str, keys: Sequence[str], values: Sequence[Seq
 
 
 def _drop_tables(rebounds: Dropped) -> list[Table]:
-    """Rebounds by restitution, by what else counts, and by the first turn."""
+    """Return rebounds by restitution, by other conditions, and by the first turn."""
     conditions = {"restitution": list(zip(drops.RESTITUTIONS, rebounds.by_label, strict=True)), **rebounds.by}
     units = {"tilt": "tilt_deg", "height": "height_mm"}
     tables = []

@@ -33,7 +33,7 @@ MIN_SAMPLES, MAX_INTERVAL_S = 400, 0.1
 
 
 class Recording(NamedTuple):
-    """What an accelerometer felt."""
+    """Recording of an accelerometer."""
 
     times: Array
     """Times, s, shape (n,), from 0."""
@@ -73,7 +73,7 @@ def read_recording(path: Path) -> Recording:
 
 
 def _find_time_column(names: list[str], path: Path) -> tuple[str, str]:
-    """Name of the column of times, and its unit: of several that of elapsed seconds."""
+    """Find the column of times, and its unit: of several, the elapsed seconds."""
     found = {name: match for name in names if (match := TIME_PATTERN.fullmatch(name.strip()))}
     if not found:
         raise InputError(f"{path}: no column of times, as 'Time (s)'; columns seen: {_format_names(names)}")

@@ -35,7 +35,7 @@ class Rebound(NamedTuple):
     height: float
     """Height of the drop, mm; the mean, where there were several."""
     spread: float
-    """Standard deviation from drop to drop beyond that of the clock; 0 where none is seen."""
+    """Standard deviation from drop to drop beyond that of the clock; 0 if not measurable."""
 
     @property
     def estimate(self) -> Estimate:
@@ -84,9 +84,9 @@ def friction(readings: Readings) -> Estimate | None:
 
 
 def damping(readings: Readings) -> Estimate | None:
-    """Damping ratio from the swings after which half of the way is left; None without any.
+    """Compute the damping ratio from the swings until half amplitude; None without any.
 
-    Air and clamp take their part, and a strip's plastic is that of a leg.
+    Air and clamp contribute, and a strip's plastic is that of a leg.
     """
     singles = []
     for part in sorted(readings):

@@ -12,10 +12,10 @@ MIN_PROBABILITY = 0.05
 """Probability of so large a chi2 below which readings disagree."""
 
 DIGITS = 6
-"""Significant digits of a value in a file: what lies beyond is rounding."""
+"""Significant digits of a value in a file; further digits are rounding."""
 
 UNIT_LABELS = {"gpa": "GPa", "g_cm3": "g/cm3", "percent": "%"}
-"""Units as people write them, by those of keys."""
+"""Displayed units, by those of keys."""
 
 
 class Estimate(NamedTuple):
@@ -25,7 +25,7 @@ class Estimate(NamedTuple):
     number: Quantity
     readings: int = 0
     chi2: float = 0.0
-    """Sum of squares of the readings about what they agree on, over their errors."""
+    """Sum of squares of the readings about their common value, over their errors."""
     dof: int = 0
     sets: tuple[str, ...] = ()
     """Key of design or scene (these begin with scene.) that it sets, and that of its error."""

@@ -1,4 +1,4 @@
-"""Figure of a calibration: Young's modulus by strip and method, and what all agree on."""
+"""Figure of a calibration: Young's modulus by strip and method, and the common value."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -14,7 +14,7 @@ METHOD_LOOKS = {
 """Look, whether it is hollow, side and words of each method."""
 
 FIT_LABELS = {"both": "all", BEND_METHOD: "all weights", RING_METHOD: "all rings"}
-"""Words for what the line is fitted to."""
+"""Labels of the data behind the fitted line."""
 
 HEADROOM = 0.3
 """Height that is left to the words above the points, over theirs."""

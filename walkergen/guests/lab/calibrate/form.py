@@ -96,7 +96,7 @@ class Reading(NamedTuple):
 
 
 class _Condition(NamedTuple):
-    """What tries of one kind have in common."""
+    """Common conditions of tries of one kind."""
 
     part: str
     name: str

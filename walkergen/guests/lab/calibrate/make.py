@@ -35,7 +35,7 @@ class Job(NamedTuple):
     """Simulated drops from the hand for each restitution."""
     pictures: bool
     by: str = "both"
-    """Method whose modulus counts: BENDS or RINGS of `specimens`, or both."""
+    """Method whose modulus counts: BEND_METHOD or RING_METHOD of `specimens`, or both."""
 
 
 def calibrate(path: Path, job: Job, folder: Path, progress: Progress) -> LabReport:
@@ -108,7 +108,7 @@ def _restitution(seen: Rebound, drop: Answer) -> list[Estimate]:
 
 
 def _apply_settings(estimates: Sequence[Estimate], job: Job, path: Path) -> tuple[Design, Scene]:
-    """Design and scene with what was estimated, named after the file of measurements."""
+    """Return the design and scene with the estimates, named after the file of measurements."""
     settings = report.collect_settings(estimates)
     outside = {key.removeprefix("scene."): value for key, value in settings.items() if key.startswith("scene.")}
     inside = {key: value for key, value in settings.items() if not key.startswith("scene.")}
@@ -133,7 +133,7 @@ def _drop_notes(seen: Rebound, drop: Answer) -> list[str]:
 
 
 def _strip_notes(bent: Bent) -> list[str]:
-    """Return notes on whether the strips agree, and on what would make them agree."""
+    """Return notes on whether the strips agree, and on changes that would make them agree."""
     notes = []
     if not bent.fit.agrees:
         notes.append("the strips disagree beyond their errors: the error of the modulus is larger by that")

@@ -1,8 +1,8 @@
-"""Young's modulus from strips that sink under weights and ring, with all that is not known exactly.
+"""Young's modulus from strips that sink under weights and ring, with all uncertain inputs.
 
-One least-squares fit: the modulus is free; sizes, density and the softness of the roots may move
-within their own errors, so that what strips share counts once and what differs averages out. The
-sum of squares at its end, chi2, says whether the strips agree.
+One least-squares fit: the modulus is free; sizes, density and the softness of the roots may move within their own
+errors. So shared errors count once and independent ones average out. The final sum of squares, chi2, shows whether the
+strips agree.
 """
 
 import math
@@ -68,13 +68,13 @@ class Point(NamedTuple):
 
 
 class Bent(NamedTuple):
-    """What strips tell."""
+    """Results of the strips."""
 
     fit: Estimate
     """Young's modulus that they agree on."""
     points: Sequence[Point]
     by: str
-    """Method that counts, BENDS or RINGS of `specimens`, or both."""
+    """Method that counts, BEND_METHOD or RING_METHOD of `specimens`, or both."""
     ring_over_bend: Quantity | None
     offset: Quantity | None
 

@@ -27,7 +27,7 @@ STRIP_NUMBERS = (1, 2, 3, 4)
 
 WIDTH_MM = 5.0
 """Width of the strips, which is the height of their print, to whole layers: wide enough for a nut,
-narrow enough for a beam (beams.CLAMP)."""
+narrow enough for a beam (beams.CLAMP_FACTOR)."""
 
 TARGET_RING_HZ = 40.0
 """Frequency at which strips shall ring: 3 pictures a swing at 120 a second, 6 at 240; and low
@@ -59,7 +59,7 @@ class Drawn(NamedTuple):
     name: str
     strip: Strip
     heavy_g: float
-    """Weight near the tip, g, that bends it by BEND of its length, at the design's modulus."""
+    """Weight near the tip, g, that bends it by HEAVY_BEND_RATIO of its length, at the design's modulus."""
     light_g: float
     ring_hz: float
     """Frequency at which it rings, at the design's modulus and density."""
@@ -86,7 +86,7 @@ def make_strips(design: Design, printer: Printer) -> list[Drawn]:
 
 
 def _free_length(thickness: float, design: Design, longest: float) -> float:
-    """Free length, mm, at which a strip rings at RING_HZ, in whole steps, as far as it fits."""
+    """Compute the free length, mm, of a strip that rings at TARGET_RING_HZ, in whole steps, as far as it fits."""
     material = design.material
     speed = math.sqrt(material.youngs_modulus / (1e-3 * material.density_g_cm3 * 12.0))
     length = math.sqrt(beams.FIRST_MODE * thickness * speed / (2.0 * math.pi * TARGET_RING_HZ))

@@ -80,7 +80,7 @@ def make_plate(order: Order, folder: Path, progress: Progress, tell: Callable[[S
 
 
 def _make_report(rows: Sequence[Place], files: Sequence[Path], filled: Path) -> Report:
-    """Report of what lies on which plate, and of what to do with the form."""
+    """Report the parts on each plate, and the use of the form."""
     columns = (
         report.text_column("printer", "printer"),
         report.text_column("plate", "plate"),
@@ -146,7 +146,7 @@ def _places(laid: Laid) -> list[Place]:
 
 
 def _facts(order: Order, drawn: Sequence[Drawn], laid: Laid) -> dict[str, Any]:
-    """Facts for the manifest: inputs resolved, what is drawn, findings, versions."""
+    """Return facts for the manifest: resolved inputs, drawn parts, findings, versions."""
     return {
         "design": order.design.model_dump(mode="json"),
         "bodies": {order.design.name: print_sheet.body_facts(order.design)},

@@ -64,7 +64,7 @@ COLUMNS = ("quantity", "value", "se", "unit", "key", "refused")
 
 
 class Row(NamedTuple):
-    """Number of the plate: as people call it, with the key of a scene that it sets ("": none)."""
+    """Number of the plate: its display name, with the key of a scene that it sets ("": none)."""
 
     name: str
     number: Quantity
@@ -72,10 +72,10 @@ class Row(NamedTuple):
 
 
 class Sines(NamedTuple):
-    """What pieces of a recording fit."""
+    """Fits of a recording's pieces."""
 
     upward: Complex
-    """Amplitudes (mm/s^2) of upward accelerations, shape (pieces, MULTIPLES)."""
+    """Amplitudes (mm/s^2) of upward accelerations, shape (pieces, HARMONICS)."""
     sideways: Complex
     """Of those along both axes of the plate, at the drive's frequency, and of rates (rad/s) of turning about both, if
     known: shape (pieces, 2) or (pieces, 4)."""
@@ -136,7 +136,7 @@ def _round_value(number: Quantity) -> float:
 
 
 def measure(recording: Recording, scene: Scene, source: str) -> tuple[list[Row], list[str]]:
-    """Numbers of a plate, and notes on what they leave open. Raises InputError, which begins with `source`."""
+    """Measure the numbers of a plate, with notes on open questions. Raises InputError, which begins with `source`."""
     rate, hinted = recording.rate, scene.drive.frequency
     if hinted >= NYQUIST * rate:
         raise InputError(
@@ -175,7 +175,7 @@ def measure(recording: Recording, scene: Scene, source: str) -> tuple[list[Row],
 
 
 def _notes(recording: Recording, frequency: float, gravity: float | None, scene: Scene) -> list[str]:
-    """Return notes on what the numbers leave open."""
+    """Return notes on the limits of the numbers."""
     rate, notes = (recording.rate, ["x of the scene is the phone's, lying on its back: along the lane"])
     if recording.linear:
         notes.append(

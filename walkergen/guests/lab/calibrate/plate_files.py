@@ -26,7 +26,7 @@ THUMBNAIL_DPI = 26
 
 
 class Piece(NamedTuple):
-    """Part as it lies on the bed, and what the checks of its kind found."""
+    """Part in its place on the bed, with the findings of its checks."""
 
     name: str
     mesh: Mesh

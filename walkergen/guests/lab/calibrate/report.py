@@ -1,4 +1,4 @@
-"""Report of a calibration: what was measured, each strip alone, and the keys that follow."""
+"""Report of a calibration: the measurements, each strip alone, and the resulting keys."""
 
 from collections.abc import Sequence
 from pathlib import Path

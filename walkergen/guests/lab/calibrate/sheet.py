@@ -39,7 +39,7 @@ MAX_WEIGHT_DIFFERENCE = 0.35
 
 
 def nearest_weight(grams: float) -> str:
-    """Ordinary weight next to one that is wanted, g; "" where none is near."""
+    """Return the ordinary weight nearest to a wanted one, g; "" if none is near."""
     name, weight = min(HOUSEHOLD_WEIGHTS, key=lambda pair: abs(pair[1] - grams))
     return f"{name} ({weight:g})" if abs(weight - grams) <= MAX_WEIGHT_DIFFERENCE * grams else ""
 
@@ -72,7 +72,7 @@ def _number_label(part: Drawn) -> str:
 
 
 def _weights_table(drawn: Sequence[Drawn]) -> str:
-    """Weights that bend a strip a little and much, and what is as heavy."""
+    """Return the weights that bend a strip a little and much, and objects of that weight."""
     rows = []
     for part in drawn:
         light, heavy = ((f"{grams:.2g}", nearest_weight(grams)) for grams in (part.light_g, part.heavy_g))

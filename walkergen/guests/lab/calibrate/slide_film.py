@@ -21,7 +21,7 @@ MIN_FRAMES = 10
 """Smallest number of frames of a slide."""
 
 CORRELATED_FRAMES = 10
-"""Number of neighbouring frames, about, that err alike."""
+"""Approximate number of neighbouring frames with equal errors."""
 
 MAX_STILL_SHARE = 0.1
 """Largest displacement of a still part over that of the sliding part: reading errors, a camera's shake."""

@@ -1,6 +1,6 @@
-"""Strips as they were measured: sizes, deflections, frequencies, checked to be those of a beam.
+"""Measured strips: sizes, deflections, frequencies, checked against a beam.
 
-Slips of pen and clock that their readings betray are refused, or named by their looks.
+Mistakes in writing and timing are refused if the readings show them, or named by their ratio.
 """
 
 import math
@@ -34,7 +34,7 @@ MAX_READING_RATIO = 8.0
 thickness that is off by half."""
 
 SLIP_TOLERANCE = 1.5
-"""Ratio within which a number looks like that of a slip."""
+"""Largest ratio between a number and that of a typical mistake."""
 
 TIME_SLIPS = {
     **{n**-2.0: f"1/{n}^2: are the times of a film in slow motion, {n} times too long?" for n in (2, 4, 8, 16, 32)},
@@ -52,10 +52,10 @@ class Specimen(NamedTuple):
 
     name: str
     sizes: Mapping[str, Quantity]
-    """Those of SIZES, mm."""
+    """Sizes named by SIZE_READINGS, mm."""
     bends: Sequence[Reading]
     rings: Sequence[Reading]
-    """Frequencies, Hz; weight_g is what sits on the tip."""
+    """Frequencies, Hz; weight_g is the weight on the tip."""
     air: Quantity
     """Share of its outline that is air."""
 
@@ -188,6 +188,6 @@ def slip_notes(rough: Sequence[Rough], usual: float) -> list[str]:
 
 
 def _describe_slip(ratio: float, slips: Mapping[float, str]) -> str:
-    """Slip that leaves such a ratio, in words; "" for none."""
+    """Name the mistake with such a ratio; "" for none."""
     like = min(slips, key=lambda usual: abs(math.log(ratio / usual)))
     return f"; the ratio is near {slips[like]}" if 1 / SLIP_TOLERANCE <= ratio / like <= SLIP_TOLERANCE else ""

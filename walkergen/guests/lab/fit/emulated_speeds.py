@@ -48,7 +48,7 @@ class Setting(NamedTuple):
 
 
 class Ground(NamedTuple):
-    """What all simulated walkers of a fit have in common."""
+    """Common inputs of all simulated walkers of a fit."""
 
     scene: Scene
     model: ModelName
@@ -93,10 +93,10 @@ def sample_parameters(ground: Ground, count: int) -> Array:
 
 
 def simulate(ground: Ground, setting: Setting, x: Array, progress: Progress, batch: int) -> Array:
-    """Speeds (mm/s) of simulated walkers with parameters `x` (n, simulated), NaN where they fall.
+    """Simulate the speeds (mm/s) of walkers with parameters `x` (n, simulated), NaN where they fall.
 
-    A print and a start each, from the scene's seed, the setting and the number of the batch. What
-    was simulated before is not simulated again; Ctrl-C loses only the runs under way.
+    Each has its own print and start, from the scene's seed, the setting and the number of the batch. Earlier
+    simulations are reused; Ctrl-C loses only the current runs.
     """
     prints, seeds = _sample_prints(ground, setting, len(x), batch)
     names = [parameter.prior.name for parameter in ground.unknown.simulated]
@@ -129,7 +129,7 @@ def cpu_seconds(ground: Ground, setting: Setting) -> float:
 
 
 def _sample_prints(ground: Ground, setting: Setting, count: int, batch: int) -> tuple[Array, list[int]]:
-    """Draw what differs from print to print, (count, inputs), and a seed for each print's run.
+    """Draw the inputs that differ from print to print, (count, inputs), and a seed for each print's run.
 
     Independent from setting to setting: otherwise errors of emulators would be the same at all tilts.
     """

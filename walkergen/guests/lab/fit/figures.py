@@ -1,4 +1,4 @@
-"""Figures of measured speeds with the theory fitted to them, or with what a model makes of them."""
+"""Figures of measured speeds with the fitted theory, or with a model's prediction."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""Lessons of a posterior: what was learnt, what was not, and what only as a combination."""
+"""Summary of a posterior: parameters that were learnt, not learnt, or learnt only in combination."""
 
 import math
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ MIN_PROBABILITY = 1e-3
 
 
 class Learnt(NamedTuple):
-    """What is known of a parameter after the fit."""
+    """State of a parameter after the fit."""
 
     name: str
     mean: float
@@ -64,7 +64,7 @@ def unlearnt_notes(rows: Sequence[Learnt]) -> list[str]:
 
 
 def trade_off_notes(parameters: Sequence[Parameter], draws: Array) -> list[str]:
-    """Return notes on parameters that are known only in combination.
+    """Return notes on parameters that are determined only in combination.
 
     Directions are eigenvectors of the correlation of the parameters' logarithms, so that what is known is a product of
     powers.

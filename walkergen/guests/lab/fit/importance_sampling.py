@@ -84,9 +84,9 @@ def _normalise_weights(logarithm: Array) -> Array:
 
 
 def _temper_weights(logarithm: Array) -> Array:
-    """Weights to the power, at most 1, at which they are worth a tenth of ENOUGH at least.
+    """Raise weights to the largest power, at most 1, that makes them worth a tenth of MIN_INDEPENDENT.
 
-    By a few heavy draws alone the next ones would be drawn from too narrow a spread.
+    With a few heavy draws alone the next ones would come from too narrow a spread.
     """
     power = 1.0
     while True:

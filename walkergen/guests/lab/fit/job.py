@@ -1,4 +1,4 @@
-"""What a person asks of a fit, and the values that it is to hold, NAME=VALUE, checked."""
+"""Settings of a fit, and the values that it holds, NAME=VALUE, checked."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -25,7 +25,7 @@ MODEL_RANGES = {
 
 
 class Job(NamedTuple):
-    """Choices of a fit, as people write them."""
+    """Choices of a fit, as entered."""
 
     design: Design
     scene: Scene
@@ -43,7 +43,7 @@ class Job(NamedTuple):
 
     @property
     def held(self) -> dict[str, float]:
-        """Parameters that are held, by name. Raises InputError for names and values out of range."""
+        """Held parameters, by name. Raises InputError for names and values out of range."""
         of = "" if self.model == "theory" else f" (model {self.model})"
         ranges, values = _ranges(self.model), {}
         for text in self.fix:

@@ -38,7 +38,7 @@ MAX_INTERVAL_RATIO = 3.0
 
 
 class Speeds(NamedTuple):
-    """Measured speeds of n walkers, and what the theory needs to predict them."""
+    """Measured speeds of n walkers, and the theory's inputs for them."""
 
     speed: Array
     """Measured speeds, mm/s, shape (n,)."""

@@ -1,4 +1,4 @@
-"""Fit of a model: measured speeds in, what they teach and what follows from it out."""
+"""Fit of a model: from measured speeds to parameters and predictions."""
 
 import math
 from collections.abc import Sequence
@@ -36,7 +36,7 @@ DEVIATION_KEYS = {"frequency_hz": "frequency_sd_hz", "eccentric_g_mm": "eccentri
 """Keys of standard deviations that do not end in _sd."""
 
 MAX_SETTINGS = 40
-"""Number of settings (tilts on plates), measured and predicted, that a fit knows at most."""
+"""Largest number of settings (tilts on plates), measured and predicted, in a fit."""
 
 BAND_LEVELS = (0.5, 0.025, 0.05, 0.1587, 0.8413, 0.95, 0.975)
 """Median and ends of the 95, 90 and 68 % bands."""
@@ -76,7 +76,7 @@ class Learned(NamedTuple):
 
 
 def learn(path: Path, job: Job, progress: Progress, expect: Expect = ignore_estimate) -> Learned:
-    """Learn from a CSV file of speeds by a model.
+    """Fit a model to a CSV file of speeds.
 
     Columns as in `theory.fit`; simulated models need speed_se_mm_s. Raises InputError for unusable
     input.
@@ -180,7 +180,7 @@ def _sample_by_table(
     ahead: Sequence[Setting],
     progress: Progress,
 ) -> tuple[Posterior, Sequence[Responds], Sequence[Responds]]:
-    """Posterior by the table, and what it says of settings measured and ahead."""
+    """Compute the posterior from the table, and its predictions of measured and further settings."""
     responses, later = (surrogate_speeds.responses(ground, some) for some in (settings, ahead))
     seed = ground.scene.run.seed
     sampled = importance_sampling.sample(ground.unknown.sampled, observed, responses, seed, progress)
@@ -253,7 +253,7 @@ def _predict_bands(
 
 
 def _caveats(ground: Ground) -> list[str]:
-    """Return notes on what the bands leave out."""
+    """Return notes on errors that the bands do not include."""
     notes = [
         "scene.toml and design.toml hold means and standard deviations; how parameters go "
         "together stands in posterior.csv, and only bands.csv knows it"
@@ -264,7 +264,7 @@ def _caveats(ground: Ground) -> list[str]:
 
 
 def _fitted_scene(model: ModelName, scene: Scene, rows: Sequence[Learnt], path: Path) -> Scene:
-    """Scene with what was learnt; held values keep the standard deviations of the scene."""
+    """Return the scene with the fitted values; held values keep the scene's standard deviations."""
     data: dict[str, Any] = scene.model_dump(exclude_none=True)
     for row in rows:
         if row.name == "tip_radius_um":  # log-normal: the factor from the 68 % interval
@@ -279,7 +279,7 @@ def _fitted_scene(model: ModelName, scene: Scene, rows: Sequence[Learnt], path: 
 
 
 def _fitted_design(design: Design, rows: Sequence[Learnt], path: Path) -> Design:
-    """Design with what was learnt of its legs and material."""
+    """Return the design with the fitted values of its legs and material."""
     data: dict[str, Any] = {"legs": {}, "material": {}} | design.model_dump(exclude_unset=True)
     for row in rows:
         if row.name == "thickness_mm":

@@ -1,4 +1,4 @@
-"""Parameters that simulated speeds can teach: their ranges, what is known of them beforehand."""
+"""Parameters that simulated speeds can determine: their ranges and priors."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -81,7 +81,7 @@ class Parameter(NamedTuple):
 
 
 class Unknown(NamedTuple):
-    """Everything that a fit does not know exactly of walkers and contact."""
+    """All uncertain inputs of walkers and contact in a fit."""
 
     simulated: tuple[Parameter, ...]
     """Parameters that simulated speeds depend on."""
@@ -97,7 +97,7 @@ class Unknown(NamedTuple):
 
     @property
     def sampled(self) -> tuple[Parameter, ...]:
-        """What a table is a function of: what is learnt, and what all prints of a printer share."""
+        """Inputs of a table: fitted parameters, and inputs shared by all prints of a printer."""
         return (*self.parameters, *(Parameter(varying.name, varying, False) for varying in self.printed))
 
     @property
@@ -109,7 +109,7 @@ class Unknown(NamedTuple):
 def list_unknowns(
     scene: Scene, design: Design, model: ModelName, prior: PriorName, fixed: Mapping[str, float], errors: bool = True
 ) -> Unknown:
-    """List what is to be learnt and what differs from print to print.
+    """List the parameters to fit and the inputs that differ from print to print.
 
     Thickness, Young's modulus and damping have the standard deviations of design and scene as
     priors; without one they are held. Speeds without `errors` of their own tell their scatter from

@@ -116,7 +116,7 @@ def _run_chains(
 
 
 def _chain_starts(logarithm: Callable[[Array], Array], wide: int, rng: np.random.Generator) -> Array:
-    """Draw starts of the chains in z, from the prior weighted by the likelihood, (WALKERS, wide).
+    """Draw starts of the chains in z, from the prior weighted by the likelihood, (CHAIN_COUNT, wide).
 
     A little of the prior is added, because equal starts could not span what is to be sampled.
     """

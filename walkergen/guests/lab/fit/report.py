@@ -89,7 +89,7 @@ def make_theory_report(fitted: Fitted, job: Job, path: Path, folder: Path) -> Fi
 
 
 def make_model_report(learned: Learned, job: Job, path: Path, folder: Path) -> FitReport:
-    """Report of what a model learnt from a file of speeds."""
+    """Report a model's fit to a file of speeds."""
     posterior = learned.posterior
     columns = (
         Column("parameter", lambda row: row.name.replace("_", " ")),
@@ -170,7 +170,7 @@ def _origin(fit: ContactFit, name: str) -> str:
 
 
 def _format_value(value: float, se: float | None, origin: str) -> str:
-    """Value of a parameter with its error, as people read it."""
+    """Format a parameter's value with its error."""
     if origin == "given":
         return formatting.format_number(value, 6)
     return f"{formatting.format_number(value, 4)} ± unknown" if se is None else formatting.format_with_error(value, se)

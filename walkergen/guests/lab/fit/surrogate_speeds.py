@@ -21,7 +21,7 @@ from walkergen.guests.lab.fit.parameters import SCATTER_NAME
 
 
 class Tabled(NamedTuple):
-    """Speed of a setting over the parameters, by the surrogate."""
+    """Speed of a setting over the parameters, from the surrogate."""
 
     setting: Setting
     known: surrogate.Known
@@ -43,7 +43,7 @@ class Tabled(NamedTuple):
 
 
 def responses(ground: Ground, settings: Sequence[Setting]) -> list[Tabled]:
-    """Speeds of every setting by the surrogate. Raises InputError for those that it does not know."""
+    """Return the speeds of every setting from the surrogate. Raises InputError for settings outside its domain."""
     names = tuple(parameter.prior.name for parameter in ground.unknown.sampled)
     by_setting = []
     for setting in settings:

@@ -22,13 +22,13 @@ from walkergen.guests.lab.report import name_after
 CURVE_POINTS = 121
 
 DECIMALS = 12
-"""Decimals of fitted numbers in scene.toml: what lies beyond is the search's rounding."""
+"""Decimals of fitted numbers in scene.toml; further ones are the search's rounding."""
 
 THEORY_NOTE = (
     "this is the theory's contact, with which theory_mm_s meets the speeds; without ‹model=›theory "
     "fit learns that by which speeds are predicted"
 )
-"""Note on what a fitted contact is good for."""
+"""Note on the use of a fitted contact."""
 
 
 class Fitted(NamedTuple):
@@ -71,7 +71,7 @@ def fit(path: Path, job: Job, progress: Progress) -> Fitted:
 
 
 def _make_speeds(job: Job, tilt: Array, legs: list[Kind], speed: Array, se: Array | None, plate: Array) -> Speeds:
-    """Speeds with what the theory needs of walkers with these tilts (deg) and legs."""
+    """Return the speeds with the theory's inputs for walkers with these tilts (deg) and legs."""
     pairs = zip(tilt, legs, strict=True)
     masses = [solids.mass_of(job.design.members([float(angle)], [kind])[0]) for angle, kind in pairs]
     return Speeds(speed, se, plate, *least_squares.inverse_mass_tensors(masses), job.mode)
