@@ -1,1 +1,1 @@
-"""Printed walkers filmed: from pictures to tracks, and what tracks say."""
+"""Printed walkers filmed: from pictures to tracks, and from tracks to motion."""

@@ -94,7 +94,7 @@ class Appearance(NamedTuple):
         return np.asarray(slope * gain, np.float32)
 
     def _light_and_gain(self, frame: Grey) -> tuple[float, Floats]:
-        """Light of a frame over that of the picture, and the factor of contrasts in dark places."""
+        """Return the light of a frame over that of the picture, and the factor of contrasts in dark places."""
         step = max(1, int(np.sqrt(frame.size / MEDIAN_PIXELS)))
         few = np.s_[::step, ::step]
         lamp = float(np.median(frame[few] / np.maximum(self.picture[few], 1.0)))
@@ -106,9 +106,9 @@ class Appearance(NamedTuple):
 def learn_appearance(
     samples: Sequence[Grey], dark: bool | None, threshold: float | None, width: float | None
 ) -> Appearance:
-    """Appearance of a film from some of its frames, which also decide what is None here.
+    """Measure the appearance of a film from some of its frames, including the values that are None here.
 
-    Raises InputError when nothing stands out, with what was seen.
+    Raises InputError, with the findings, if nothing stands out.
     """
     picture = ndimage.gaussian_filter(np.median(np.stack(samples), axis=0).astype(np.float32), 1.0)
     widest = MAX_WINDOW_SHARE * min(picture.shape)
@@ -137,10 +137,9 @@ def learn_appearance(
 
 
 def _try_side(samples: Sequence[Grey], picture: Floats, dark: bool, threshold: float | None) -> Appearance:
-    """Appearance by the widest window that may hold a walker; width 0 unless smaller ones agree.
+    """Find the appearance with the widest window that may hold a walker; width 0 unless smaller ones agree.
 
-    What lies between walkers stands out as well, on their other side, but as wide as the window
-    lets it.
+    The gaps between walkers also stand out, on their other side, but are as wide as the window allows.
     """
     widest = MAX_WINDOW_SHARE * min(picture.shape)
     looks = [
@@ -169,10 +168,10 @@ def estimate_ground(picture: Floats, dark: bool, widest: float) -> Floats:
 
 
 def _measure_contrast(samples: Sequence[Grey], look: Appearance, threshold: float | None) -> Appearance:
-    """Appearance with what stands out from its ground, sharp-edged; its width is 0 without any.
+    """Return the appearance with the contrast of sharp-edged objects; its width is 0 without any.
 
-    Where the ground is not known well, shades of the light that are fainter than walkers run into
-    them: of several thresholds the one counts that shows the widest thing.
+    If the ground is uncertain, shades of the light fainter than walkers merge with them. Of several thresholds the one
+    with the widest object counts.
     """
     fields = [look.contrasts(sample) for sample in samples]
     slopes = [look.slopes(sample) for sample in samples]

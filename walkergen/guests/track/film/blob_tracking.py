@@ -35,7 +35,7 @@ MAX_STILL_PX = 0.02
 
 
 class Unmarked(NamedTuple):
-    """What tracks of walkers without markers rest on."""
+    """Findings behind tracks of walkers without markers."""
 
     look: Appearance
     linked: Linked
@@ -47,7 +47,7 @@ class Unmarked(NamedTuple):
 
 
 def track(film: Film, part: Box, options: Options, lens: Lens | None, progress: Progress) -> tuple[Tracked, Unmarked]:
-    """Walkers in a part of a film's frames, and what they rest on. Raises InputError for none."""
+    """Track the walkers in a part of a film's frames, with the findings behind them. Raises InputError for none."""
     frames = _find_in_frames(film, part, options, progress)
     linked = linking.link(frames.blobs, options.frames[0], frames.clock.fps)
     straight = [_undistort(seen, lens, part) for seen in linked.walkers]
@@ -63,7 +63,7 @@ def track(film: Film, part: Box, options: Options, lens: Lens | None, progress: 
 
 
 class _Frames(NamedTuple):
-    """What was found in a film, frame by frame."""
+    """Findings in a film, frame by frame."""
 
     picture: Grey
     """First of the frames."""

@@ -1,4 +1,4 @@
-"""What goes wrong in a film of walkers without markers, each with its size: shadows, sizes, shake."""
+"""Problems of a film of walkers without markers, each with its size: shadows, sizes, shake."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -15,7 +15,7 @@ from walkergen.guests.track.film.quality import MAX_LOST_SHARE, Told
 from walkergen.guests.track.film.result import Tracked
 
 CORRELATED_FRAMES = 10
-"""Number of neighbouring frames, about, that err alike."""
+"""Approximate number of neighbouring frames with equal errors."""
 
 MIN_SIGNIFICANCE = 4.0
 """Significance threshold of a shadow, or a change of size, in standard errors."""
@@ -60,7 +60,7 @@ def _finite_or_none(value: float) -> float | None:
 
 
 def _notes(tracked: Tracked, found: Unmarked) -> Iterator[str]:
-    """Yield notes on what was searched for, and the scale with its error."""
+    """Yield notes on the search, and the scale with its error."""
     look, linked = found.look, found.linked
     error = " (its error is not known: give it as 0.05+-0.001)"
     scale, scale_se = tracked.mm_per_px.number, tracked.mm_per_px.se
@@ -104,7 +104,7 @@ def _link_warnings(tracked: Tracked, found: Unmarked) -> Iterator[str]:
 
 
 def _image_warnings(tracked: Tracked, found: Unmarked, pull: float, change: Quantity, scatter: float) -> Iterator[str]:
-    """Warnings of what light and camera do to the places, each with its size."""
+    """Return warnings of the effects of light and camera on the places, each with its size."""
     look, shake = found.look, found.shake
 
     def format_length(pixels: float) -> str:

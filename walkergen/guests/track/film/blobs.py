@@ -1,7 +1,7 @@
-"""Walkers in a frame: where they are, how they lie, and where their mark is.
+"""Walkers in a frame: their positions, orientations and marks.
 
-What is thinner than a share of a walker's width is rubbed out first (an opening with a disc), so
-that trails, arrows, letters and walls are no walkers and do not pull at the centre of one.
+Things thinner than a share of a walker's width are erased first (an opening with a disc). So trails, arrows, letters
+and walls are no walkers and do not shift the centre of one.
 """
 
 import math
@@ -15,7 +15,7 @@ from walkergen.guests.track.film.appearance import EIGHT_NEIGHBOURS, Appearance,
 from walkergen.guests.track.film.films import Grey
 
 OPENING_RADIUS = 0.3
-"""Radius of the disc that rubs out what is thin, over the walkers' width."""
+"""Radius of the disc that erases thin things, over the walkers' width."""
 
 MIN_HALF_WIDTH = 0.38
 """Least distance from the edge to the middle of a walker, over the width: letters have less."""
@@ -27,7 +27,7 @@ MAX_HOLE_AREA = 0.8
 """Largest hole that is filled, a mark as bright as the ground, over the square of the width."""
 
 MARK_DEPTH = 0.12
-"""Distance from the edge, over the width, at which a mark is looked for."""
+"""Distance from the edge, over the width, at which the search for a mark starts."""
 
 MIN_MARK_CONTRAST, MAX_MARK_SHARE = 0.25, 0.3
 """Smallest contrast of a mark over that of the walkers; its largest share of a walker's area."""
@@ -56,7 +56,7 @@ class Blob(NamedTuple):
     mark: float
     """Direction from the centre to the mark, counted like `axis`; NaN without a mark."""
     pull_x: float = 0.0
-    """Way from the centre of what is as dark (or light) as a walker to `x`, pixels: of a shadow."""
+    """Displacement from the centre of everything as dark (or light) as a walker to `x`, pixels: of a shadow."""
     pull_y: float = 0.0
 
 
@@ -75,7 +75,7 @@ class Blobs(NamedTuple):
 
 
 def find_blobs(frame: Grey, look: Appearance, marked: bool) -> list[Blob]:
-    """Things at least as thick as walkers in a frame, from the upper one down; marks if wanted."""
+    """Find things at least as thick as walkers in a frame, from the upper one down; with marks if `marked`."""
     field = look.contrasts(frame)
     blobs = []
     for box, piece in connected_pieces(field > look.threshold, 0.5 * look.width):
@@ -99,7 +99,7 @@ def find_blobs(frame: Grey, look: Appearance, marked: bool) -> list[Blob]:
 
 
 def _coverage(mask: Mask, field: Floats) -> Floats:
-    """Share of each pixel that a walker covers: at its edge what the contrast says, inside 1."""
+    """Compute the share of each pixel covered by a walker: from the contrast at its edge, 1 inside."""
     near = ndimage.binary_dilation(mask, EIGHT_NEIGHBOURS)
     deep = ndimage.binary_erosion(mask, EIGHT_NEIGHBOURS, iterations=2)
     level = np.median(field[deep if deep.any() else mask])  # light may differ from place to place
@@ -109,7 +109,7 @@ def _coverage(mask: Mask, field: Floats) -> Floats:
 
 
 def _shadow_pull(piece: Mask, field: Floats) -> tuple[float, float]:
-    """Way from the middle of a walker's own contrast to that of all that is taken for it, pixels.
+    """Compute the displacement from the middle of a walker's own contrast to that of everything taken for it, pixels.
 
     Marks within do not count.
     """
@@ -130,7 +130,7 @@ def _fill_holes(piece: Mask, width: float) -> Mask:
 
 
 def _open_mask(piece: Mask, radius: float) -> Mask:
-    """Piece without what is thinner than a disc of that radius, pixels."""
+    """Return the piece without parts thinner than a disc of that radius, pixels."""
     core: Mask = ndimage.distance_transform_edt(piece) > radius
     if not core.any():
         return core

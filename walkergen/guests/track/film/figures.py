@@ -1,4 +1,4 @@
-"""Picture to check a film's tracks by: what was found, where it went, when it was seen."""
+"""Picture for checking a film's tracks: walkers in the first frame, their paths, and their times."""
 
 from collections.abc import Sequence
 
@@ -23,7 +23,7 @@ MAX_ROWS = 40
 
 
 def draw_check(tracked: Tracked) -> Figure:
-    """Draw the first frame with what was found in it, all tracks, and when each was seen."""
+    """Draw the first frame with its walkers, all tracks, and the times of each."""
     left, top, right, bottom = tracked.part
     tall = min(WIDTH_INCHES * (bottom - top) / (right - left), MAX_FRAME_INCHES)
     low = 0.9 + 0.16 * min(len(tracked.walkers), MAX_ROWS)

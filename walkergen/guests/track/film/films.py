@@ -45,16 +45,16 @@ RATE_TOLERANCE = 0.01
 
 
 class Film(NamedTuple):
-    """What a film says of itself."""
+    """Metadata of a film."""
 
     path: Path
     width: int
     """Width of a frame, pixels."""
     height: int
     fps: float | None
-    """Frames per second at which it plays; None when it does not say. Often a round number."""
+    """Playing rate in frames per second; None if not stated. Often a round number."""
     seconds: float
-    """Duration; 0 when it does not say."""
+    """Duration; 0 if not stated."""
     aspect: Fraction = Fraction(1)
     """Width of a pixel of the file over its height; those of the frames are square."""
     pictures: tuple[Path, ...] = ()
@@ -65,10 +65,10 @@ class Reel(NamedTuple):
     """Frames of a film as they come, and then their times."""
 
     frames: Iterator[Grey]
-    """Parts of the frames that are looked at. Raises InputError where a frame is incomplete, or
-    where there are too many."""
+    """Parts of the frames to be searched. Raises InputError where a frame is incomplete, or where there are too
+    many."""
     expected: int
-    """Number of them by what the film says, 1 at least."""
+    """Expected number of frames from the film's metadata, 1 at least."""
     stamps: Path
     """File of the times, complete after the last frame."""
 
@@ -87,7 +87,7 @@ class Clock(NamedTuple):
 
     @property
     def in_words(self) -> str:
-        """Rate of frames, and how far apart they are where that changes."""
+        """Rate of frames, and their distance in time if it varies, as text."""
         rate = f"{formatting.format_number(self.fps, 4)} frames a second"
         if self.regular:
             return rate
@@ -131,7 +131,7 @@ def probe_film(path: Path) -> Film:
 
 
 def _parse_ratio(text: bytes) -> Fraction:
-    """Ratio that ffmpeg writes as 4:3; 0 where it does not know."""
+    """Parse a ratio that ffmpeg writes as 4:3; 0 if unknown."""
     numbers = [int(part) for part in text.split(b":")] if text else [0]
     return Fraction(*numbers) if len(numbers) == 2 and numbers[1] else Fraction(0)
 
@@ -263,7 +263,7 @@ def _last_message(messages: IO[bytes]) -> str:
 
 
 def _parse_duration(messages: IO[bytes]) -> float:
-    """Duration by the film's own account, s; 0 where it says nothing."""
+    """Parse the duration from the film's metadata, s; 0 if not stated."""
     match = re.search(r"Duration: (\d+):(\d+):(\d+\.\d+)", " ".join(_message_lines(messages)))
     if match is None:
         return 0.0

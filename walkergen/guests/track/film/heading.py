@@ -38,7 +38,7 @@ class Headed(NamedTuple):
     """Headings in the frames that show the walker, shape (n,), rad, from x (to the right) toward y (up); whole turns
     are counted; NaN where the heading is unknown."""
     how: str
-    """What they rest on, or the reason why there is none."""
+    """Source of the headings, or the reason why there is none."""
 
 
 def find_headings(walker: Seen, by: By) -> Headed:

@@ -1,4 +1,4 @@
-"""Lens that bends straight lines, by a calibration as OpenCV makes it, and what undoes it.
+"""Lens distortion from an OpenCV calibration, and its correction.
 
 The file is JSON: image_width, image_height, camera_matrix (three rows, or OpenCV's own object with
 `data`) and distortion_coefficients (k1, k2, p1, p2 and up to ten more). Source: OpenCV's model of a
@@ -19,7 +19,7 @@ from walkergen.guests.track.film.blobs import Blobs
 
 MAX_BYTES = 1_000_000
 COEFFICIENT_COUNTS = (4, 5, 8, 12, 14)
-"""Numbers of coefficients that OpenCV knows."""
+"""Numbers of coefficients that OpenCV supports."""
 
 ASPECT_TOLERANCE = 0.01
 """Largest relative difference of the shapes of two pictures of one lens, width over height."""
@@ -45,7 +45,7 @@ class Lens(NamedTuple):
     distortion: tuple[float, ...]
 
     def for_film(self, width: int, height: int) -> "Lens":
-        """Lens for pictures of another size. Raises InputError for those of another shape."""
+        """Scale the lens to pictures of another size. Raises InputError for those of another shape."""
         if abs(width * self.height / (height * self.width) - 1.0) > ASPECT_TOLERANCE:
             raise InputError(
                 f"‹lens›: calibrated with pictures of {self.width} x {self.height}, the film has "
@@ -120,7 +120,7 @@ class Lens(NamedTuple):
 
 
 def read_lens(path: Path) -> Lens:
-    """Lens of a file. Raises InputError for what is missing, or no lens."""
+    """Read a lens from a file. Raises InputError if something is missing, or it is no lens."""
     data = file_reading.read_json(path, MAX_BYTES)
     if not isinstance(data, dict):
         raise InputError(f"{path}: must be a JSON object with camera_matrix and more, see ‹help›")

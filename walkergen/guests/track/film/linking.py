@@ -1,4 +1,4 @@
-"""Tracks: what was found in frames, linked from frame to frame by trackpy."""
+"""Tracks: finds in frames, linked from frame to frame by trackpy."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -10,7 +10,7 @@ from walkergen.core.numerics import Array, Whole
 from walkergen.guests.track.film.blobs import Blob, Blobs
 
 MIN_AREA_RATIO, MAX_AREA_RATIO = 0.5, 1.6
-"""Areas, over that of a walker, below which a thing is none, and above which it is several."""
+"""Range of areas, over that of a walker, of a single walker; larger things are several."""
 
 MAX_STEP_LENGTHS = 0.5
 """Largest way from frame to frame, over a walker's length."""
@@ -28,11 +28,11 @@ class Seen(NamedTuple):
     frames: Whole
     """Numbers of the frames, ascending, shape (n,)."""
     blobs: Blobs
-    """What was seen in each of them."""
+    """Finds in each of these frames."""
 
 
 class Linked(NamedTuple):
-    """All walkers of a film, and what was left out."""
+    """All walkers of a film, and the frames left out."""
 
     walkers: Sequence[Seen]
     """Walkers in order of appearance, from above where they appear together."""

@@ -28,7 +28,7 @@ MARKER_KINDS: tuple[str, ...] = ("aruco",)
 """Markers that are read: OpenCV's ArUco."""
 
 MIN_SIZE_PX = 8
-"""Smallest width and height of what is looked at, pixels."""
+"""Smallest width and height of the searched part, pixels."""
 
 MIN_VALUE, MAX_VALUE = 1e-6, 1e9
 
@@ -88,7 +88,7 @@ def _conversion_notes(film: Film) -> list[str]:
 
 
 def check_options(options: Options) -> None:
-    """Raise InputError for wishes that contradict each other or are out of range."""
+    """Raise InputError for settings that contradict each other or are out of range."""
     for field, value, most in (
         ("mm_per_px", options.mm_per_px.value, MAX_VALUE),
         ("length", options.length.value, MAX_VALUE),
@@ -139,7 +139,7 @@ def _check_scale(options: Options) -> None:
 
 
 def select_part(film: Film, region: tuple[int, int, int, int] | None) -> Box:
-    """Left, top, right and bottom of what is looked at, pixels. Raises InputError."""
+    """Return left, top, right and bottom of the searched part, pixels. Raises InputError."""
     if region is None and min(film.width, film.height) < MIN_SIZE_PX:
         raise InputError(
             f"{film.path}: {film.width} x {film.height} pixels a frame: at least {MIN_SIZE_PX} x "

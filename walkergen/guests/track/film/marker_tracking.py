@@ -39,7 +39,7 @@ MAX_DOUBLE_SHARE = 0.02
 
 
 class LeftOut(NamedTuple):
-    """What was read and is in no track."""
+    """Markers that were read and are in no track."""
 
     twice: Mapping[int, int]
     """Frames with a number at two places, by the number left out for it."""
@@ -52,7 +52,7 @@ class LeftOut(NamedTuple):
 
 
 class Marked(NamedTuple):
-    """What tracks of walkers with markers rest on."""
+    """Findings behind tracks of walkers with markers."""
 
     plane: Plane
     straight: Sequence[Array]
@@ -116,7 +116,7 @@ def _make_walker(number: int, frames: Whole, corners: Array, pose: Pose) -> Walk
 
 
 class _Read(NamedTuple):
-    """What was read in a film, frame by frame."""
+    """Readings of a film, frame by frame."""
 
     seen: list[Sighted]
     clock: Clock

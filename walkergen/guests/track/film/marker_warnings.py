@@ -1,4 +1,4 @@
-"""What goes wrong in a film with markers, each with its size: what is missing, twice or bent."""
+"""Problems of a film with markers, each with its size: missing, duplicate or bent ones."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -23,8 +23,8 @@ MAX_TILT_DEG = 45.0
 """Tilt of the camera that is worth a warning, deg: far markers are few pixels high."""
 
 EDGE_MARGIN_SIDES = 3.0
-"""Sides of a marker between its middle and the edge of what is looked at, beyond which it has not
-come in, or gone, over that edge."""
+"""Smallest distance, in sides of a marker, between its middle and the edge of the searched part for one that has not
+crossed that edge."""
 
 MIN_SIZE_CHANGE, MIN_SIGNIFICANCE = 0.005, 3.0
 """Change of the size of markers by a lens that is worth a warning, and how many of its errors."""
@@ -63,7 +63,7 @@ def _scale_change(found: Marked) -> float:
 
 
 def _notes(tracked: Tracked, found: Marked, change: float) -> Iterator[str]:
-    """Yield notes on what was read: scale, tilt and rate."""
+    """Yield notes on the readings: scale, tilt and rate."""
     flat, (_, _, side, side_se, *_) = found.plane, tracked.options.marker
     scale, scale_se = tracked.mm_per_px.pair
     size = f"{formatting.format_number(side or MARKER_MM, 4)} mm"
@@ -106,7 +106,7 @@ def _left_out_warnings(tracked: Tracked, found: Marked) -> Iterator[str]:
 
 
 def _lens_warnings(found: Marked) -> Iterator[str]:
-    """Warnings of a lens that bends, and a camera that looks askew."""
+    """Yield warnings of lens distortion, and of a tilted camera."""
     flat, (bend, away_px) = found.plane, lens_bend(found)
     share, error = bend.pair
     if abs(share) > max(MIN_SIZE_CHANGE, MIN_SIGNIFICANCE * error):
@@ -126,7 +126,7 @@ def _lens_warnings(found: Marked) -> Iterator[str]:
 
 
 def lens_bend(found: Marked) -> tuple[Quantity, float]:
-    """Change of markers' sides, as a share, farthest from the picture's middle, and how far that is, pixels.
+    """Compute the relative change of markers' sides farthest from the picture's middle, and that distance, pixels.
 
     It grows with the square of the way: a lens that bends. Perspective changes them in a line, which the plane undoes.
     """

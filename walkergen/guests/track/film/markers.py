@@ -81,7 +81,7 @@ def refine_corners(frame: Grey, corners: Array) -> Array:
 
 
 def _refine_once(frame: Grey, squares: Array) -> Array:
-    """Corners where the sides of markers meet; as they were where a side has no edge.
+    """Return the corners where the sides of markers meet; unchanged where a side has no edge.
 
     Axes of arrays: marker, side, place along it, sample across it.
     """
@@ -129,7 +129,7 @@ def _fit_lines(along: Array, shift: Array, good: Mask) -> tuple[Array, Array]:
 
 
 def _intersect_lines(normal: Array, point: Array) -> Array:
-    """Corners where each side's line, by a normal and a point, meets the one before it."""
+    """Return the corners where each side's line, by a normal and a point, meets the one before it."""
     before = np.roll(normal, 1, axis=1)
     lines = np.stack([before, normal], axis=2)
     far = np.einsum("nsk,nsk->ns", normal, point)

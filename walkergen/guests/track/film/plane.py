@@ -32,7 +32,7 @@ PERSPECTIVE_PRIOR_PX = 0.1
 at the picture's edge: it holds what one marker in one place leaves open."""
 
 CORRELATED_SIGHTINGS = 25.0
-"""Number of sightings that err alike: of one marker in neighbouring frames."""
+"""Number of sightings with equal errors: of one marker in neighbouring frames."""
 
 
 class Plane(NamedTuple):

@@ -25,17 +25,17 @@ class Told(NamedTuple):
     facts: dict[str, Any]
     """For JSON and the manifest, with units in the names."""
     notes: list[str]
-    """What was looked for, in words, and the scale with its error."""
+    """Notes on the search, and the scale with its error."""
     warnings: list[str]
-    """What went wrong, each with its size or its number of frames."""
+    """Warnings, each with its size or its number of frames."""
 
 
 def jitter(tracks: Sequence[tuple[Array, Array]]) -> float:
-    """Error of a place that changes from frame to frame, along an axis.
+    """Compute the error of a place that changes from frame to frame, along an axis.
 
-    `tracks` are times, shape (n,), and places in neighbouring frames, shape (n, 2), NaN in others.
-    It follows from how far a place lies off the line between those before and after: uneven motion
-    adds to it, and what stays, or changes slowly, is not in it. NaN for too few frames.
+    `tracks` are times, shape (n,), and places in neighbouring frames, shape (n, 2), NaN in others. It follows from a
+    place's distance to the line between those before and after. Uneven motion adds to it; constant and slowly changing
+    errors are not in it. NaN for too few frames.
     """
     squares = [np.zeros((0, 2))]
     for times, places in tracks:

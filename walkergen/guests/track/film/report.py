@@ -1,4 +1,4 @@
-"""Report of what was tracked: tracks, walkers, and warnings with their numbers."""
+"""Report of tracking: tracks, walkers, and warnings with their numbers."""
 
 import math
 from dataclasses import dataclass
@@ -37,9 +37,9 @@ class TrackReport(Report):
     tracked: Tracked
     """Everything that was found, walker by walker."""
     found: "Unmarked | Marked"
-    """What that rests on: of walkers without markers, or with them."""
+    """Findings behind the tracks: of walkers without markers, or with them."""
     picture: Path
-    """Picture of what was found, to be looked at."""
+    """Picture for checking the tracks."""
 
 
 class Row(NamedTuple):

@@ -1,4 +1,4 @@
-"""Result of tracking a film: what was asked, and its walkers."""
+"""Result of tracking a film: the settings, and its walkers."""
 
 import math
 from collections.abc import Sequence
@@ -24,9 +24,9 @@ class Options(NamedTuple):
     frames: tuple[int, int | None] = (0, None)
     """First frame, and the one after the last."""
     region: tuple[int, int, int, int] | None = None
-    """Left and upper edge, width and height of the part that is looked at, pixels."""
+    """Left and upper edge, width and height of the searched part, pixels."""
     walkers: str | None = None
-    """One of `make.SIDES`."""
+    """One of `make.CONTRAST_SIDES`."""
     threshold: float | None = None
     """Contrast beyond which a pixel is a walker's, steps of 255."""
     width_px: float | None = None
@@ -34,10 +34,9 @@ class Options(NamedTuple):
     heading: str = "motion"
     """One of `heading.BY`."""
     lens: Lens | None = None
-    """Lens that bends, which is undone; None for one that does not."""
+    """Lens whose distortion is corrected; None without distortion."""
     markers: str | None = None
-    """Markers that walkers bear, one of `make.MARKERS`, which tell scale, walkers and headings; None:
-    they bear none."""
+    """Markers on the walkers, one of `make.MARKER_KINDS`, for scale, walkers and headings; None without markers."""
     marker: Quantity = Quantity("marker", "mm", None)
     """Side of the markers, their black frame included; without a value as `plate --caps` prints them."""
 
@@ -66,7 +65,7 @@ class Walker(NamedTuple):
     """Headings, shape (n,), rad, from x (to the right) toward y (up); whole turns are counted; NaN
     where one is not known."""
     heading_by: str
-    """What the headings rest on, or the reason why there is none."""
+    """Source of the headings, or the reason why there is none."""
     size_px: float
     """Median side of its marker in the picture, or length of the walker."""
     outlines: tuple[Outline, Outline]
@@ -90,20 +89,20 @@ class Walker(NamedTuple):
 
 
 class Tracked(NamedTuple):
-    """What was found in a film."""
+    """Findings in a film."""
 
     film: Film
     options: Options
     part: Box
-    """What was looked at."""
+    """Searched part."""
     picture: Grey
     """That part of the first frame."""
     clock: Clock
     looked: int
-    """Frames looked at."""
+    """Number of searched frames."""
     walkers: Sequence[Walker]
     mm_per_px: Quantity
-    """Scale; with markers that in the middle of the picture. Its error is that of all lengths."""
+    """Scale; with markers that in the middle of the picture. Its error applies to all lengths."""
 
     @property
     def jitter_mm(self) -> float:
