@@ -67,7 +67,7 @@ def movie_colours(feet: int) -> tuple[str, ...]:
 
 
 def impact_style(kind: Kind) -> Style:
-    """Look of a kind; mirrored kinds look like their twins, with a minus to their name."""
+    """Return the style of a kind; mirrored kinds look like their twins, with a minus in their name."""
     if kind in STYLES:
         return STYLES[kind]
     twin = STYLES[Kind(-kind)]

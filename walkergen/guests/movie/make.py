@@ -55,7 +55,7 @@ MIN_VALUE, MAX_VALUE = 1e-3, 1e6
 
 
 class Job(NamedTuple):
-    """Choice of what to film: members, in a scene, how they are seen, how long and how slowly."""
+    """Settings of a film: members, scene, view, duration and slow motion."""
 
     members: Sequence[Design]
     scene: Scene
@@ -66,7 +66,7 @@ class Job(NamedTuple):
     fps: int
     view: View
     release: Release | None = None
-    """How the walker is let go; None: as in the ensemble's first run."""
+    """Release of the walker; None: as in the ensemble's first run."""
 
     @property
     def frames(self) -> int:
@@ -168,7 +168,7 @@ def make_movie(job: Job, path: Path, progress: Progress, named: bool = True, exp
 
 
 def _expected_time(draw: "Draw", frames: int) -> Expected:
-    """Time of drawing all frames, by that of one, and of writing them."""
+    """Estimate the time of drawing all frames from that of one, and of writing them."""
     draw(0)
     started = time.thread_time()
     draw(frames // 2)
@@ -176,7 +176,7 @@ def _expected_time(draw: "Draw", frames: int) -> Expected:
 
 
 def _prepare_drawing(job: Job, progress: Progress) -> tuple["Draw", int, Sequence[Shot]]:
-    """Movie of walkers: what draws its frames, their number, and what they show."""
+    """Return a movie's draw function, its number of frames, and their content."""
     from walkergen.guests.movie import top_view
 
     every = ABOVE_POSES_PER_FRAME if job.view == "above" else SLOW_POSES_PER_FRAME
@@ -232,7 +232,7 @@ def _friction_note(members: Sequence[Design]) -> str:
 
 
 def format_settings(scene: Scene) -> str:
-    """Line that says what was simulated."""
+    """Describe the simulation in a line."""
     drive, contact = scene.drive, scene.contact
     shaken = drive.motor_in_words or (
         f"{drive.frequency:g} Hz, {drive.peak_gamma:.3g} g, plate ± {1e3 * drive.amplitude:.3g} µm"

@@ -56,7 +56,7 @@ class View(NamedTuple):
     axes: Axes
     camera: Camera
     area: tuple[tuple[float, float], tuple[float, float]]
-    """Ends of the plate that is shown, along x and z from what the view follows, mm."""
+    """Ends of the visible plate, along x and z from the followed point, mm."""
     ground: PolyCollection
     lines: LineCollection
     flashes: list[Flash]
@@ -72,7 +72,7 @@ class Close(NamedTuple):
     view: View
     zoom: int
     bend: int
-    """Magnification of what legs give way by: unbent, their feet were so far below the plate."""
+    """Magnification of the legs' deflection: unbent, their feet would be so far below the plate."""
     edges: list[Line2D]
     drops: LineCollection
     labels: list[Text]

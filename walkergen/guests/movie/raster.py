@@ -13,7 +13,7 @@ CAMERA_DIRECTION = np.array([0.45, 0.36, 0.85])
 """Direction from the walker to the camera: before it, above it, and to its right."""
 
 CAMERA_DISTANCE = 6.0
-"""Distance of the camera over the size of what it sees."""
+"""Distance of the camera over the size of its view."""
 
 LIGHT_DIRECTION = np.array([-0.35, 0.6, 0.72])
 """Direction to the light: to the right, up, and toward the camera, in the camera's axes."""
@@ -32,7 +32,7 @@ DEPTH_TOLERANCE = 2e-3
 
 
 class Camera(NamedTuple):
-    """Camera that looks along -TOWARD; pictures count pixels from their lower left corner."""
+    """Camera that looks along -CAMERA_DIRECTION; pictures count pixels from their lower left corner."""
 
     axes: Array
     """Rows to the right, up and toward the camera, shape (3, 3)."""

@@ -1,4 +1,4 @@
-"""Report of a film: what its walkers did, and where it lies."""
+"""Report of a film: its walkers' motion, and its file."""
 
 from walkergen.files.report import Report
 from walkergen.guests.movie.make import Job, Made

@@ -51,7 +51,7 @@ class Title(NamedTuple):
 
 
 def format_pace(slow: float) -> str:
-    """Pace of a movie in words; `slow` seconds of it show one second of the run."""
+    """Describe the pace of a movie; `slow` seconds of it show one second of the run."""
     if slow == 1.0:
         return "real time"
     return f"{slow:.3g} times slower" if slow > 1.0 else f"{1.0 / slow:.3g} times faster"

@@ -108,7 +108,7 @@ def make_draw_function(
 
 
 def _shared_name(shots: Sequence[Shot]) -> str:
-    """Name of a single walker, or what several have in common."""
+    """Return the name of a single walker, or the common part of several names."""
     return f"{shots[0].name} legs" if len(shots) == 1 else shots[0].title.design
 
 
@@ -205,7 +205,7 @@ def _format_readout(shot: Shot, at: int) -> str:
 
 
 def _draw_scale_bar(canvas: Canvas, scale: float, interval: float) -> None:
-    """Draw a scale bar of a round length along the bottom, and say what the marks are."""
+    """Draw a scale bar of a round length along the bottom, and explain the marks."""
     length = nice_floor(200.0 / scale)
     axes = canvas.axes(MARGIN_PX, 18, length * scale, 6)
     axes.set_xlim(0, 1)

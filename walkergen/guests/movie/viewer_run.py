@@ -59,7 +59,7 @@ def _pack_poses(motion: poses.Poses, O: Array) -> dict[str, Any]:  # noqa: E741
 
 
 def _caption(motion: poses.Poses, scene: Scene, name: str) -> str:
-    """Sentence that says what is played."""
+    """Describe the played run in a sentence."""
     drive = scene.drive
     ended = "" if motion.outcome in ENDED_WELL else f"; it ended: {motion.outcome.value}"
     shaken = drive.motor_in_words or (

@@ -31,9 +31,9 @@ MAX_POINTS = 100_000
 def spend(request: Request, seconds: float, store: Store, pool: WorkerPool | None, progress: Progress) -> list[Asked]:
     """Evaluate the points of a request, spending a number of seconds on runs.
 
-    All points first get a few short runs, at any cost. Then the points with the widest bounds get double the runs,
-    repeatedly. Runs from an earlier budget are kept. Raises InputError for predictions, which have no runs, and for too
-    many points.
+    All points first get a few short runs, however long these take. Then the points with the widest bounds get double
+    the runs, repeatedly. Runs from an earlier budget are kept. Raises InputError for predictions, which have no runs,
+    and for too many points.
     """
     check_budget(request)
     until = time.monotonic() + seconds

@@ -1,4 +1,4 @@
-"""Cost of a sweep beforehand: that of a few of its points, spread over all of them."""
+"""Expected cost of a sweep, extrapolated from a few of its points."""
 
 from collections.abc import Iterator
 from itertools import islice
@@ -19,7 +19,7 @@ PILOT_POINTS, PILOT_DIVISOR = 5, 3
 first runs that takes, one in so many at most."""
 
 MIN_SWEEP_S, PREDICTION_S = 100.0, 0.5
-"""Simulated time (s) of a sweep below which its cost is not found out, and what a prediction counts for."""
+"""Simulated time (s) of a sweep below which its cost is not estimated, and the assumed time of a prediction."""
 
 BYTES_PER_POINT = 300
 """Most bytes that a point takes in table and store together, and again for each group it keeps."""
@@ -53,7 +53,7 @@ def estimate(request: Request, store: Store, workers: int) -> Cost | None:
 
 
 def _pilots(request: Request, count: int) -> Iterator[Point]:
-    """Points at even distances, of the first UNASKED; none for those that are refused."""
+    """Yield points at even distances, of the first MAX_UNCONFIRMED_POINTS; skip refused ones."""
     among = min(request.space.points, MAX_UNCONFIRMED_POINTS)
     places = {among * (2 * number + 1) // (2 * count) for number in range(count)}
     for place, row in enumerate(islice(request.space.rows(), among)):
@@ -64,7 +64,7 @@ def _pilots(request: Request, count: int) -> Iterator[Point]:
 
 
 def _point_cost(point: Point) -> float:
-    """CPU seconds of a point; none of one that cannot be simulated."""
+    """Return the CPU seconds of a point; 0 for one that cannot be simulated."""
     try:
         return model_kinds.load_kind(point.kind).cost(point)
     except WalkergenError:

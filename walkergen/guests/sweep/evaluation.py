@@ -176,7 +176,7 @@ def _submit_task(points: dict[str, Point], pool: WorkerPool) -> "Future[Answer]"
 
 
 def _is_lost(task: _Task) -> bool:
-    """Whether an answer did not arrive and is worth asking for again.
+    """Return whether an answer did not arrive and should be requested again.
 
     While a worker of a cluster dies, *distributed* can take the answer that it has just sent for an error, and
     stumbles over its form. What the points themselves raise comes again.

@@ -30,7 +30,7 @@ MIN_GRID_SHARE = 0.5
 """Share of all combinations of the values beyond which points are taken to lie on a grid."""
 
 STYLE_CHANGES: Any = {"lines.markersize": 3.5, "errorbar.capsize": 1.5}
-"""What differs from other figures: points are many."""
+"""Style changes for many points."""
 
 
 def draw_figure(columns: Columns, keys: Sequence[str], title: str) -> Figure:
@@ -181,7 +181,7 @@ def _draw_colour_bar(drawn: Figure, panels: Sequence[Axes], norm: Normalize, col
 
 
 def _line_handles(columns: Columns, by: Sequence[Scale]) -> list[Any]:
-    """Entries of a legend for lines, and for what is wrong with their points."""
+    """Return the legend entries for lines, and for problems of their points."""
     handles: list[Any] = []
     for scale in by:
         for number, (colour, dash, marker) in zip(range(len(scale.values)), LINE_STYLES, strict=False):

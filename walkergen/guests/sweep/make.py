@@ -102,9 +102,9 @@ def _column_names(job: Job) -> tuple[str, ...]:
 
 
 def _load_finished(job: Job, folder: Folder) -> SweepReport | None:
-    """Report of an earlier run of the same request, when all of its files are as it left them.
+    """Return the report of an earlier run of the same request if all of its files are unchanged.
 
-    None where the rows are wanted, which the manifest has not.
+    None if the rows are wanted: the manifest does not contain them.
     """
     facts, again = folder.earlier_manifest(), job.kept or job.budget_s is not None or job.wish is not None
     if again or facts.get("request") != _request_hash(job.request):

@@ -9,7 +9,7 @@ from walkergen.core.files import formatting
 from walkergen.files.report import Column, Table, format_value
 
 MAX_SHOWN = 5
-"""Number of points that people read."""
+"""Number of points shown to people."""
 
 SPEED_COLUMN = "speed_mm_s"
 BOUND_COLUMNS = ("low_95_mm_s", "high_95_mm_s"), ("predicted_low_95_mm_s", "predicted_high_95_mm_s")
@@ -40,7 +40,7 @@ def sort_by_distance(table: Table, keys: Sequence[str], wish: float) -> Table:
 
 
 def _columns(names: Sequence[str], keys: Sequence[str]) -> list[Column]:
-    """Columns that people read: the keys that vary, the speed and its bounds."""
+    """Return the displayed columns: the varied keys, the speed and its bounds."""
     columns = [_column(key, (names.index(key),), format_value) for key in keys]
     columns.append(_column("speed\n(mm/s)", (names.index(SPEED_COLUMN),), format_value))
     for low, high in BOUND_COLUMNS:
@@ -56,5 +56,5 @@ def _column(heading: str, places: Sequence[int], text: Callable[..., str]) -> Co
 
 
 def _format_span(low: float | None, high: float | None) -> str:
-    """Bounds in words, nothing where they are unknown."""
+    """Format bounds as text, empty where they are unknown."""
     return "" if low is None or high is None else formatting.format_range(low, high)

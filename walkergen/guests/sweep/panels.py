@@ -66,9 +66,9 @@ class Columns(NamedTuple):
     high: Array
     """Bounds of 95 % of the numbers; NaN where they are unknown."""
     status: Sequence[str]
-    """"ok", or what is wrong with a point."""
+    """"ok", or the problem of a point."""
     label: str = "speed (mm/s)"
-    """Number in words, with its unit."""
+    """Name of the number, with its unit."""
 
     @property
     def missing(self) -> Mask:
@@ -177,7 +177,7 @@ def draw_dots(
 
 
 def value_label(columns: Columns, most: int | None = None) -> str:
-    """Label of an axis of numbers, with what the bars and bands are, if there are any."""
+    """Return the label of an axis of numbers, with the meaning of bars and bands if there are any."""
     bounded = np.isfinite(columns.low).any() and (most is None or len(columns.low) <= most)
     return f"{columns.label}, bounds of 95 %" if bounded else columns.label
 

@@ -1,4 +1,4 @@
-"""Request of points: which keys vary, and what to know of each point."""
+"""Request of points: the varied keys, and the numbers of each point."""
 
 import copy
 from collections.abc import Iterator, Mapping
@@ -30,7 +30,7 @@ class Request(NamedTuple):
     scene: Scene
     space: Space
     model: str = PREDICTION
-    """One of `kinds.EVERY`."""
+    """Name of the kind of points."""
     keep: tuple[str, ...] = ("speed",)
     wanted: Tolerance | None = None
     printer: Printer | None = None
@@ -39,7 +39,7 @@ class Request(NamedTuple):
 
     @property
     def kind(self) -> Kind:
-        """What is known of points of this model."""
+        """Kind of the points of this model."""
         return model_kinds.load_kind(model_kinds.kind_of(self.model))
 
     def check(self) -> None:
@@ -78,14 +78,14 @@ class Request(NamedTuple):
                 raise
 
     def try_point(self, values: Mapping[str, Any]) -> Asked:
-        """Point at values of the keys, or the record of one that is refused."""
+        """Return the point at values of the keys, or the record of a refused one."""
         try:
             return self.point(values)
         except WalkergenError as error:
             return refused_record(error)
 
     def point(self, values: Mapping[str, Any]) -> Point:
-        """Point at values of the keys. Raises InputError for one that cannot be built."""
+        """Return the point at values of the keys. Raises InputError for one that cannot be built."""
         design, scene = change_keys(self.design, self.scene, values, data=self.data)
         if (kind := model_kinds.kind_of(self.model)) != ALONE:
             return Point(design, scene, True, (), kind=kind)

@@ -1,4 +1,4 @@
-"""Report of a sweep: how many points, what is wrong with some, their rows, and their figure."""
+"""Report of a sweep: number of points, their problems, their rows, and their figure."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -31,7 +31,7 @@ class Points:
     stored: int = 0
     """Number of those that an earlier run, or another sweep, had evaluated."""
     bad: dict[str, int] = field(default_factory=dict)
-    """Number of points by what their status says, for all but "ok"."""
+    """Number of points by status, for all but "ok"."""
     rows: list[tuple[Any, ...]] = field(default_factory=list)
 
     def add(self, values: Sequence[Any], done: Done) -> None:

@@ -1,4 +1,4 @@
-"""Scales of the axes of a picture: the values of a key as places, in words and with units."""
+"""Scales of the axes of a picture: the values of a key as positions, and as text with units."""
 
 from collections.abc import Sequence
 from typing import Any, Literal, NamedTuple
@@ -14,8 +14,8 @@ from walkergen.files.figures import wrap_text
 from walkergen.files.key_names import format_key
 
 LOG_MIN_RATIO, LOG_MAX_MEDIAN = 30.0, 1 / 3
-"""An axis of positive values is logarithmic where the largest is more than WIDE times the least and
-the median below LOW times the largest: values in even steps stay on a linear axis."""
+"""An axis of positive values is logarithmic where the largest is more than LOG_MIN_RATIO times the least and
+the median below LOG_MAX_MEDIAN times the largest: values in even steps stay on a linear axis."""
 
 MAX_WORD_TICKS = 12
 
@@ -60,7 +60,7 @@ def _to_word(value: Any) -> str:
 
 
 def format_value(scale: Scale, number: int, named: bool = True) -> str:
-    """One value of a scale in words: "tilt of the legs 10 deg" or, not named, "10 deg"."""
+    """Format one value of a scale: "tilt of the legs 10 deg" or, not named, "10 deg"."""
     name, _, unit = format_key(scale.key).partition(" (")
     value = scale.values[number]
     shown = value if scale.words else f"{value:.5g}"

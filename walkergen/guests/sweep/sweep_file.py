@@ -1,4 +1,4 @@
-"""Sweep of a file, sweep.toml: what a command line says of a sweep, to be kept and shared.
+"""Sweep of a file, sweep.toml: the settings of a sweep's command line, to keep and share.
 
 Keys of designs and scenes are written in quotes, "legs.tilt_deg" = "0:45:2.5", or as TOML nests
 them: legs.tilt_deg = "0:45:2.5".
@@ -74,7 +74,7 @@ class Contents(Section):
 
 
 class SweepFile(NamedTuple):
-    """Sweep that a file asks for; None for what it leaves to others."""
+    """Sweep from a file; None for what is left to defaults."""
 
     path: Path
     design: str | None
@@ -145,7 +145,7 @@ def _format_place(table: str, key: str, source: str, text: str) -> str:
 
 
 def _flatten_tables(data: Mapping[str, Any], source: str, text: str) -> dict[str, Any]:
-    """Contents of a file with dotted keys in its TABLES, where TOML has nested tables.
+    """Contents of a file with dotted keys in its KEY_TABLES, where TOML has nested tables.
 
     Raises InputError for a key that is written in both forms.
     """

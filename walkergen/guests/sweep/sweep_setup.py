@@ -1,4 +1,4 @@
-"""What is asked of a sweep, from a command line or from a file: a request, checked."""
+"""Request of a sweep, from a command line or from a file, checked."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -21,7 +21,7 @@ from walkergen.points.point import ALONE, PREDICTION
 from walkergen.request import PAPER_WALKER, choose_scene
 
 DEFAULT_ERROR = parse_tolerance("5%")
-"""Error of simulated speeds unless asked otherwise."""
+"""Default error of simulated speeds."""
 
 
 class Ask(NamedTuple):
@@ -42,7 +42,7 @@ class Ask(NamedTuple):
     def make_request(self) -> Request:
         """Return the checked request. Raises InputError.
 
-        Simulated speeds meet ERROR unless another error is given, or the runs are set.
+        Simulated speeds meet DEFAULT_ERROR unless another error is given, or the runs are set.
         """
         keys = (*self.space.keys, *self.constants)
         own_runs = any(key in ("scene.run.runs", "scene.run.seconds") for key in keys)
@@ -78,7 +78,7 @@ class Ask(NamedTuple):
         return request
 
     def title(self) -> str:
-        """Title of the pictures: the walker, where it runs, and by what."""
+        """Title of the pictures: the walker, its scene, and the model."""
         by = model_kinds.load_kind(model_kinds.kind_of(self.model)).title(self.model)
         return f"{self.design.name}, {self.scene.name}, {by}"
 
@@ -127,7 +127,7 @@ def make_ask(
 
 
 def from_file(path: Path) -> Ask:
-    """Sweep that a file asks for. Raises InputError."""
+    """Read the sweep of a file. Raises InputError."""
     file = sweep_file.read_sweep(path)
     return make_ask(
         (file.design, file.scene, file.printer),
