@@ -2,7 +2,7 @@
 
 The light may be uneven, with edges and gradients. The ground's brightness is what remains after removing everything
 narrower than a few walkers (a grey closing for dark walkers, an opening for light ones). Light multiplies, so contrasts
-are shares of the ground's own brightness, in steps of 255 where it is bright. A walker differs from the ground by at
+are shares of the ground's own brightness, in steps of 255 in bright places. A walker differs from the ground by at
 least half of the walkers' own contrast.
 """
 
