@@ -80,7 +80,7 @@ def subtract(whole: Moments, part: Moments) -> Moments:
 def independent_samples(tracks: Sequence[Track]) -> tuple[list[list[Track]], int]:
     """Group independent samples, and find the length at which half of all time is in longer samples.
 
-    Samples are particles if there are enough, otherwise at least MIN_PIECES pieces of their tracks of about equal length.
+    Samples are particles if there are enough, otherwise at least MIN_PIECES pieces of tracks of about equal length.
     Pieces are independent only if increments decorrelate, which `motion` checks.
     """
     long = [track for track in tracks if len(track.position) > 1]

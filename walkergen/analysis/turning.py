@@ -50,7 +50,7 @@ class Turning(NamedTuple):
 def walker_turnings(tracks: Sequence[Track], interval: float) -> list[Turning]:
     """Measure the turning of each walker whose headings are known in at least two pieces.
 
-    Samples are `interval` s apart. Turns across a gap count only if headings stay correlated by MIN_GAP_CORRELATION over its
+    Samples are `interval` s apart. Turns across a gap count if headings correlate by MIN_GAP_CORRELATION over its
     length.
     """
     headed = [track for track in tracks if track.heading is not None]

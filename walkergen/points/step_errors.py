@@ -54,7 +54,7 @@ COARSE_STEP_REASON = "not resolved by this step: ‹step=›{own:.2g} or less is
 
 
 def judge(plan: Plan, numbers: Mapping[str, Quantity]) -> dict[str, Quantity]:
-    """Return the numbers of runs, by the names of `observables.OBSERVABLE_NAMES`, each with the step's error as its bias.
+    """Return the numbers of runs by `observables.OBSERVABLE_NAMES`, each with the step's error as its bias.
 
     A reason explains an unknown error. Also landings of corners and of groups of corners per second, as shares of a
     rate, and motion.

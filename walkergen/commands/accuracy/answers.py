@@ -42,7 +42,7 @@ AnswerAndChoice = tuple[Answer, Choice | None]
 
 
 def answer_from_cells(estimate: Estimate, title: str, accepted: float | None) -> Answers:
-    """Return the answers for all ERROR_LEVELS from the shipped cells. The answer within an `accepted` error is marked."""
+    """Return answers for all ERROR_LEVELS from the shipped cells. The answer within an `accepted` error is marked."""
     candidates = estimate.candidates(machine_speed.cpu_per_s())
     found = [find_in_cells(estimate, candidates, wanted) for wanted in ERROR_LEVELS]
     rows, unmet = mark_accepted([answer for answer, _ in found], accepted)

@@ -180,7 +180,7 @@ def make_report(
 
 
 def _rungs_table(ladders: Sequence[Ladder]) -> Table:
-    """Return the table of all rungs: COMMON_COLUMNS columns, then the details of every ladder, blank for other ladders."""
+    """Return the table of all rungs: COMMON_COLUMNS columns, then details of every ladder, blank for other ladders."""
     rungs: list[tuple[str, Rung]] = [(ladder.name, rung) for ladder in ladders for rung in ladder.rungs]
     details = list(dict.fromkeys(key for _, rung in rungs for key in rung.details))
     rows = [(name, *rung[: len(COMMON_COLUMNS)], *map(rung.details.get, details)) for name, rung in rungs]

@@ -128,7 +128,7 @@ def _observable_rung(measured: StepMeasurement, true: Quantity) -> Rung:
 
 
 def _note(name: str, size: float, measurements: Sequence[StepMeasurement], true: Quantity) -> str:
-    """Return the order of an observable's bias, and the longest step that resolves it to RESOLVED_BIAS_SHARE, in words."""
+    """Describe the order of an observable's bias, and the longest step that resolves it to RESOLVED_BIAS_SHARE."""
     biases = [(measured.step_us, measured.quantity(name).minus(true)) for measured in measurements]  # finest first
     certain = [(step, abs(bias.value)) for step, bias in biases if bias.value and abs(bias.value) > bias.half_width()]
     sentence = "no bias told from zero"

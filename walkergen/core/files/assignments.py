@@ -77,7 +77,7 @@ def read_with_values(
 def read_with_data(
     path: Path, model: type[Model], values: Mapping[str, Any], source: str = "‹set›", prefix: str = ""
 ) -> tuple[Model, dict[str, Any]]:
-    """Read as `read_with_values` does, and return the data that the contents were validated from, for `assign_values`."""
+    """Read as `read_with_values` does, and return the data before validation, for `assign_values`."""
     data, text = read_data(path, model)
     try:
         settings = validate(data, model, str(path), text)

@@ -315,7 +315,7 @@ def make_row(
 
 
 def _theory_note(design: Design, mass: MassProperties, scene: Scene, mode: Mode, by_foot: Stationary) -> str:
-    """Return why the theory's speed is not that of the paper's eq. 15; "" where it nearly is, within `REPORTED_DIFFERENCE`."""
+    """Return why the theory's speed is not that of eq. 15; "" where it is, within `REPORTED_DIFFERENCE`."""
     contact = scene.contact
     if contact.friction == 0.0:
         return "friction 0: every speed is stationary; the limit friction -> 0 is given"

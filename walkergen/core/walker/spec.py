@@ -134,7 +134,7 @@ class WalkerSpec(Section):
 
     @classmethod
     def data_from_file(cls, path: Path) -> dict[str, Any] | None:
-        """Return data of a walker from a drawing, picture or mesh; None for others. Raises InputError for CAD_SUFFIXES files."""
+        """Return data of a walker from a drawing, picture or mesh; None for others. Raises InputError for CAD files."""
         ending, endings = path.suffix.lower(), {"outline": OUTLINE_SUFFIXES, "mesh": MESH_SUFFIXES}
         if ending in CAD_SUFFIXES:
             raise InputError(f"{path}: save it as a mesh in the program that made it: Export, STL (or 3MF), in mm")

@@ -109,7 +109,7 @@ def writable_suffixes() -> tuple[str, ...]:
 
 
 def encode(film: CrowdFilm, path: Path) -> bytes:
-    """Run in the format that a file's suffix names, for that file.
+    """Encode a run in the format of a file's suffix.
 
     Raises OutputError where the library that packs it finds no room for its own file.
     """

@@ -49,7 +49,7 @@ class Asked(NamedTuple):
 
 
 def parse_crowd(dish: str, body: str | None, middle: str | None, others: Sequence[Path]) -> Asked:
-    """Crowd from a person's words, as in "disc:120", "24x8", "60,60". Raises InputError."""
+    """Parse a crowd's dish, such as "disc:120", "24x8", "60,60". Raises InputError."""
     ground = dishes.parse_dish(dish, "‹dish›")
     return Asked(ground, _parse_body(body), _parse_middle(middle), tuple(others))
 

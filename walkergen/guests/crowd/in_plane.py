@@ -79,11 +79,11 @@ class InPlane(NamedTuple):
         return simulate_run
 
     def film(self, run: CrowdFilm) -> CrowdFilm:
-        """Film of a run, seen from above, which is all that is kept of it."""
+        """Return the film of a run, seen from above; nothing else of the run is kept."""
         return run
 
     def quantities(self, records: Sequence[CrowdFilm]) -> list[Quantity]:
-        """Statistics of the films of runs; of speeds only a walker's alone."""
+        """Compute the statistics of the films of runs; for speeds only a single walker's."""
         return list(measure(records).numbers.values())
 
     def finer(self) -> None:
@@ -109,7 +109,7 @@ def input_files(job: Job) -> dict[str, bytes]:
 
 
 def _total_seconds(job: Job) -> float:
-    """Time of a run with its start, s."""
+    """Return the time of a run with its start, s."""
     return job.scene.run.seconds + job.scene.run.discard_seconds
 
 

@@ -86,7 +86,7 @@ class InSpace(NamedTuple):
 
 
 def cpu_seconds(job: Job) -> float:
-    """CPU seconds of a run of a crowd, by a moment of the first, once its walkers have landed."""
+    """Estimate the CPU seconds of a crowd's run from a moment of the first, after its walkers have landed."""
     plan, times = _placement_function(job)(0), list[tuple[float, float]]()
     _compile_kernels(plan, job.rate_hz)
     over = run_time.stop_after_moment()
@@ -127,6 +127,6 @@ def _contours_from_centre(job: Job, plan: CrowdPlan) -> list[list[Array]]:
 
 
 def _compile_kernels(plan: CrowdPlan, rate_hz: float) -> None:
-    """Compile, or load, the kernels of a plan by a moment of a run: once, for all threads."""
+    """Compile, or load, the kernels of a plan in a short run: once, for all threads."""
     run = plan.scene.run.model_copy(update={"seconds": COMPILE_RUN_S, "discard_seconds": 0.0})
     crowds.simulate(plan._replace(scene=plan.scene.model_copy(update={"run": run})), 0, rate_hz)

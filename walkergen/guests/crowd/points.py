@@ -37,7 +37,7 @@ def columns(model: str, keep: Sequence[str]) -> tuple[str, ...]:
 
 
 def statistic_columns(name: str) -> tuple[str, str, str, str]:
-    """Columns of a statistic of `measuring.UNITS`: value, standard error, bounds of 95 %."""
+    """Return the columns of a statistic of `measuring.UNITS`: value, standard error, bounds of 95 %."""
     unit = f"_{UNITS[name]}" if UNITS[name] else ""
     return f"{name}{unit}", f"{name}_se{unit}", f"{name}_low_95{unit}", f"{name}_high_95{unit}"
 
@@ -52,7 +52,7 @@ def pictures(keep: Sequence[str]) -> tuple[Picture, ...]:
 
 
 def cost(point: Point) -> float:
-    """CPU seconds that a crowd takes, by a moment of it. Raises as `evaluate` does."""
+    """Estimate the CPU seconds of a crowd from a moment of it. Raises as `evaluate` does."""
     return point.scene.run.runs * in_space.cpu_seconds(
         in_space.make_job(point.scene, [point.design], None, walker_counts.DEFAULT_RATE_HZ)
     )

@@ -74,7 +74,7 @@ def summary_line(statistics: CrowdStatistics) -> str:
 
 
 def _describe_walkers(statistics: CrowdStatistics) -> str:
-    """How many run where."""
+    """Describe the number of walkers, and their dish."""
     return f"{statistics.walkers} walker{'s' * (statistics.walkers != 1)} in {statistics.dish.words}"
 
 
@@ -117,5 +117,5 @@ def _error_key(key: str) -> str:
 
 
 def _nan_to_none(values: Sequence[np.float64]) -> list[float | None]:
-    """Numbers of a row; None where one is not known."""
+    """Convert a row's unknown numbers to None."""
     return [None if math.isnan(value) else float(value) for value in values]

@@ -44,7 +44,7 @@ class Strip(NamedTuple):
 
 
 def effective_length(length: float, strip: Strip, root: float = ROOT_FACTOR, clamp: float = CLAMP_FACTOR) -> float:
-    """Length (mm) of the beam on a rigid root that bends as the first `length` of a strip does."""
+    """Compute the length (mm) of a beam on a rigid root that bends like the first `length` of a strip."""
     return length + root * strip.thickness - clamp * strip.width
 
 

@@ -61,7 +61,7 @@ class Rebounds(NamedTuple):
 
 
 def simulate_drop(plan: Plan, let: Let) -> Rebound:
-    """Rebound of a drop, from the height of the body's middle."""
+    """Simulate the rebound of a drop from the height of the body's middle."""
     plan = plan.sample_print(np.random.default_rng([plan.scene.run.seed, let.number]))
     standing = plan.initial_state(0.0, 0.0, 0.0)[HEIGHT]
     state = plan.initial_state(let.height, let.pitch, 0.0, let.roll)
@@ -85,7 +85,7 @@ def hand_drops(height: float, turn_deg: float, drops: int, seed: int) -> list[Le
 
 
 def drop_seconds(height: float) -> float:
-    """Time (s) from the release until a perfect bounce would be back, and a little more."""
+    """Compute the time (s) of a perfect bounce from the release, and a little more."""
     # Contacts take 0.1 ms
     return 2.1 * still_plate.fall_time(height, GRAVITY) + 2e-3
 

@@ -143,5 +143,5 @@ def _format_branch(branch: Branch, ends: tuple[float, float]) -> str:
 
 
 def error_digits(error: float) -> int:
-    """Digits after the point that show two of an error."""
+    """Return the number of decimals that show two digits of an error."""
     return max(1 - math.floor(math.log10(error)), 0) if error > 0.0 else 3

@@ -61,7 +61,7 @@ def foot_colour(foot: int) -> str:
 
 
 def movie_colours(feet: int) -> tuple[str, ...]:
-    """Colours that a movie of a walker on so many feet needs whole."""
+    """Return the colours that a movie of a walker on so many feet keeps exactly."""
     named = max(feet, len(FIRST_FOOT_COLOURS))
     return (*(style.colour for style in STYLES.values()), *dict.fromkeys(foot_colour(foot) for foot in range(named)))
 
@@ -201,7 +201,7 @@ def largest_impulse(shot: Shot) -> float:
 
 
 def strongest_impact(shot: Shot, time: float, afterglow: float, side: int) -> tuple[Impact, float] | None:
-    """Impact that a foot shows at `time`, and the share of its flash that is left (1 down to 0).
+    """Return the impact shown by a foot at `time`, and the remaining share of its flash (1 down to 0).
 
     Among the impacts within the afterglow (s) it is that whose impulse, faded linearly, is largest.
     """

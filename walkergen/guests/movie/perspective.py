@@ -116,13 +116,13 @@ def make_draw_function(shot: Shot, every: int, slow: float, settings: str) -> Dr
 
 
 def _view_centres(shot: Shot) -> Array:
-    """Places that the views follow, shape (n, 3), mm: the origin, or O in long runs."""
+    """Return the centres of the views, shape (n, 3), mm: the origin, or O in long runs."""
     flat = shot.poses.places * (1.0, 0.0, 1.0)
     return flat if np.ptp(flat, axis=0).max() > MAX_STILL_LENGTHS * shot.size[0] else 0.0 * flat
 
 
 def _make_main_view(canvas: Canvas, shot: Shot, centres: Array) -> View:
-    """View of the whole walker, to scale, with a plate that is larger than its run."""
+    """Make a view of the whole walker, to scale, with a plate larger than its run."""
     poses = shot.poses
     shown = range(0, len(shot.times), max(1, len(shot.times) // 100))
     covered = np.concatenate(

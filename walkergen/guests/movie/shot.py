@@ -127,7 +127,7 @@ def make_shot(title: Title, design: Design, mass: MassProperties, poses: Poses) 
 
 
 def point_in_mesh(design: Design, mass: MassProperties) -> Array:
-    """Point O of a walker, which poses follow, in the frame of its mesh, shape (3,), mm."""
+    """Return the reference point O of a walker's poses in the frame of its mesh, shape (3,), mm."""
     return np.array([*-to_centre_frame(design.limbs, mass, np.zeros(2)), 0.5 * design.size.depth])
 
 

@@ -113,7 +113,7 @@ def _shared_name(shots: Sequence[Shot]) -> str:
 
 
 def _window(shot: Shot, gap: float | None) -> Window:
-    """Window on all that a run and its arrow cover, with a margin."""
+    """Return a window around a run and its arrow, with a margin."""
     shown = range(0, len(shot.poses.times), max(1, len(shot.poses.times) // 500))
     covered = np.concatenate([np.vstack([*body_outline(shot, at), *_arrow_ends(shot, at)]) for at in shown])
     margin = 0.08 * float(shot.size[0])

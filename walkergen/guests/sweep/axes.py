@@ -139,7 +139,7 @@ def check_keys(axes: Sequence[Axis | Span]) -> None:
 
 
 def _split_list(text: str) -> list[str]:
-    """Parts of a list at its commas, but for those within brackets, braces and quotes."""
+    """Split a list at its commas, except within brackets, braces and quotes."""
     parts, depth, quote = [""], 0, ""
     for letter in text:
         if quote:

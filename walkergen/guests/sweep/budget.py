@@ -72,7 +72,7 @@ def check_budget(request: Request) -> None:
 
 
 def _double_runs(point: Asked, times: int) -> Asked:
-    """Point with its runs doubled so many times; with 0 times the first runs, short ones."""
+    """Double the runs of a point so many times; with 0 times return the first runs, short ones."""
     if not isinstance(point, Point):
         return point
     run_ = point.scene.run
@@ -82,7 +82,7 @@ def _double_runs(point: Asked, times: int) -> Asked:
 
 
 def _restore_runs(point: Asked, store: Store) -> Asked:
-    """Point with the most runs that the store has, or with the first ones."""
+    """Return a point with the most runs in the store, or with the first ones."""
     if not isinstance(point, Point):
         return point
     levels = [point, *(_double_runs(point, times) for times in range(1, MAX_DOUBLINGS + 1))]

@@ -137,7 +137,7 @@ def _evaluate_here(block: Sequence[Asked], store: Store) -> Iterator[Done]:
 
 
 def _send_block(block: Sequence[Asked], store: Store, pool: WorkerPool) -> list[_Slot]:
-    """Places of a block's points, the unknown ones sent to the pool."""
+    """Return the places of a block's points, and send the unknown ones to the pool."""
     keys = [point_key(point) if isinstance(point, Point) else "" for point in block]
     stored = store.get([name for name in keys if name])
     fresh = {
@@ -168,7 +168,7 @@ def _evaluate_task(points: Sequence[Point]) -> Answer:
 
 
 def _submit_task(points: dict[str, Point], pool: WorkerPool) -> "Future[Answer]":
-    """Answer to come of a task. Raises WalkergenError where the workers have ended."""
+    """Submit a task and return its future answer. Raises WalkergenError where the workers have ended."""
     try:
         return pool.executor.submit(_evaluate_task, list(points.values()))
     except BrokenExecutor as error:
@@ -202,7 +202,7 @@ def _task_records(future: "Future[Answer]") -> list[Record]:
 
 
 def _finish_slot(slot: _Slot) -> Done:
-    """Point of a slot whose task has ended."""
+    """Return the point of a slot whose task has ended."""
     if slot.done is not None:
         return slot.done
     assert slot.task is not None

@@ -138,7 +138,7 @@ def _spread_numbers(count: int, most: int) -> list[int]:
 
 
 def _select_rows(columns: Columns, rows: Mask, scales: Sequence[Scale]) -> tuple[Any, ...]:
-    """Columns and scales of some rows."""
+    """Select the columns and scales of some rows."""
     kept = Columns(
         {},
         columns.value[rows],
@@ -173,7 +173,7 @@ def _make_sheet(title: str, count: int) -> Iterator[tuple[Figure, list[Axes], in
 
 
 def _draw_colour_bar(drawn: Figure, panels: Sequence[Axes], norm: Normalize, columns: Columns) -> None:
-    """Scale of the colours, no longer than the numbers that have them."""
+    """Draw the scale of the colours, no longer than the range of the numbers."""
     mapped = matplotlib.cm.ScalarMappable(norm, draw.colour_map(norm))
     bar = drawn.colorbar(mapped, ax=list(panels), label=columns.label, pad=0.02, aspect=25)
     if np.ptp(shown := columns.value[~columns.missing]):
@@ -199,7 +199,7 @@ def _line_handles(columns: Columns, by: Sequence[Scale]) -> list[Any]:
 
 
 def _mark_handles(columns: Columns, hatched: bool = False) -> list[Any]:
-    """Entries of a legend for points without a number, and for those in doubt."""
+    """Return the legend entries for points without a number, and for doubtful ones."""
     name = columns.label.partition(" (")[0]
     missing, doubtful = int(columns.missing.sum()), int(columns.doubtful.sum())
     handles: list[Any] = []

@@ -118,7 +118,7 @@ def _load_finished(job: Job, folder: Folder) -> SweepReport | None:
 
 
 def _request_hash(request: Request) -> str:
-    """Hash of all that a sweep's table depends on."""
+    """Compute the hash of all inputs of a sweep's table."""
     text = json.dumps(_request_facts(request) | {"sources": digest()}, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
 

@@ -92,7 +92,7 @@ def make_norm(value: Array) -> Normalize:
 
 
 def colour_map(norm: Normalize) -> str:
-    """Colours of a map for every kind of eye: white at zero where that is the middle, else evenly lighter."""
+    """Return the colours of a map, safe for colour blindness: white at zero if centred, else evenly lighter."""
     return "PuOr" if isinstance(norm, CenteredNorm) else "cividis"
 
 

@@ -178,7 +178,7 @@ def _dotted_pairs(table: Mapping[str, Any], before: str = "") -> Iterator[tuple[
 
 
 def _key_mistakes(contents: Contents, source: str, text: str) -> Iterator[str]:
-    """Lines on keys that neither design nor scene has, and on those that two tables have."""
+    """Return an error line for each key unknown to design and scene, and for each key in two tables."""
     between = contents.sample.between if contents.sample else {}
     seen: dict[str, str] = {}
     tables = (("set", contents.set), ("grid", contents.grid), ("sample.between", between))

@@ -142,12 +142,12 @@ def from_file(path: Path) -> Ask:
 
 
 def choose_model(model: str | None, keys: Sequence[str]) -> str:
-    """Model of a sweep over these keys where none is named: the kind that a key is of."""
+    """Choose the model of a sweep without a given one from the kind of its keys."""
     return model or next(filter(None, map(model_kinds.kind_of_key, keys)), PREDICTION)
 
 
 def default_scene(model: str) -> str:
-    """Template of the scene where none is named."""
+    """Return the default template of the scene."""
     return model_kinds.load_kind(model_kinds.kind_of(model)).SCENE
 
 

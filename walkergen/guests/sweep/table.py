@@ -76,7 +76,7 @@ def row_checksum(line: str) -> str:
 
 
 def find_changed_lines(path: Path) -> list[int]:
-    """Numbers of the lines of a table that are not as a sweep writes them.
+    """Find the numbers of a table's lines that differ from those of a sweep.
 
     A last line that was cut short is as written, the header too. Raises InputError
     for a file that is no table of a sweep.

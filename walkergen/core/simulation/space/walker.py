@@ -24,7 +24,7 @@ from walkergen.core.walker.limbs import Limb
 from walkergen.core.walker.mass import LegMass, MassProperties, Spatial, centre_and_inertia
 
 FLIGHT_LEVELS = 5
-"""Tabulated flights of a step and longer: the longest takes 2^(FLIGHT_LEVELS - 1) steps, 0.4 ms of the paper's walker."""
+"""Tabulated flights of a step and longer: the longest is 2^(FLIGHT_LEVELS - 1) steps, 0.4 ms of the paper's walker."""
 
 MAX_SERIES_NORM, SERIES_TERMS = 0.5, 14
 """Largest norm of a matrix, and number of terms that give its exponential exactly to rounding up to that norm."""
@@ -286,7 +286,7 @@ def mobility(walker: Walker) -> Array:
 
 
 def _flight_propagators(walker: Walker, step: float, n: int, period: float) -> Array:
-    """Return propagators of legs in flight for step 2^i s, i from -HALVINGS, shape (HALVINGS + FLIGHT_LEVELS, 2 n, 2 n).
+    """Return propagators of flying legs for step 2^i s, i from -HALVINGS, shape (HALVINGS + FLIGHT_LEVELS, 2 n, 2 n).
 
     The unit of time is a power of two, so that a scaled walker has the same bits, near a radian of legs' swing.
     """

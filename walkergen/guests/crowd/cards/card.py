@@ -43,7 +43,7 @@ class _Number(Section):
 
     value: Value
     se: Annotated[float, Field(ge=0, le=1e9)] | None = None
-    """Standard error; None where it is unknown."""
+    """Standard error; None if unknown."""
     runs: Annotated[int, Field(ge=1, le=10**9)] | None = None
     """Independent runs or films that it is from: one more than the degrees of freedom of the error."""
 

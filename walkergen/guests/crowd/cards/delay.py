@@ -117,6 +117,6 @@ def _correlation_sums(velocity: Complex, unit: Complex, lags: Whole) -> Array:
 
 
 def _correlations(sums: Array) -> Array:
-    """Mean products v(t) . e(0) and v(0) . e(t), shape (2, lags)."""
+    """Compute the mean products v(t) . e(0) and v(0) . e(t), shape (2, lags)."""
     after, pairs, before, others = sums
     return np.array([after / np.maximum(pairs, 1.0), before / np.maximum(others, 1.0)])

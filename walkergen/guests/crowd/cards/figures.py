@@ -71,7 +71,7 @@ def _draw_correlations(axes: Axes, measured: Measured) -> None:
 
 
 def _draw_correlation(axes: Axes, relaxed: Relaxation, shown: int, look: Look, name: str) -> None:
-    """First points of a correlation, and its exponential."""
+    """Draw the first points of a correlation, and its exponential."""
     at, value, se = (part[:shown] for part in relaxed.correlation)
     first, time = value[0], relaxed.time.value
     plots.draw_points(axes, (at, value / first, se / first), look, f"of {name}")

@@ -56,7 +56,7 @@ def from_design(scene: Scene, design: Design, walls: bool, progress: Progress) -
 
 
 def from_film(path: Path, units: Units, scene: Scene, design: Design) -> CardReport:
-    """Card of filmed walkers of a design, on the plate of a scene. Raises InputError."""
+    """Measure the card of filmed walkers of a design, on the plate of a scene. Raises InputError."""
     motion = walker_motion.measure_film(path, units, scene)
     return report.make_report(make_card(scene, design, solids.mass_of(design), motion), motion)
 
@@ -67,7 +67,7 @@ def from_file(path: Path) -> CardReport:
 
 
 def make_card(scene: Scene, design: Design, mass: MassProperties, motion: Measured) -> Card:
-    """Card of a walker whose motion was measured.
+    """Make a card from a measured motion.
 
     Raises InputError where one of the numbers that every card has is not known.
     """

@@ -55,13 +55,13 @@ def inertial_shares(
 
 
 def _format_share(share: Quantity) -> str:
-    """Share with its error, and on which side of the limit it is."""
+    """Format a share with its error, and its side of the limit."""
     side = "above" if share.number > NEGLIGIBLE_SHARE else "below"
     return f"{share.key}: {formatting.format_with_error(share.number, share.se or 0.0)}, {side} {NEGLIGIBLE_SHARE:g}"
 
 
 def format_verdict(verdict: Overdamped) -> str:
-    """Verdict as a sentence."""
+    """Describe a verdict in a sentence."""
     answer = {
         True: "is enough for this walker",
         False: "is not enough for this walker",

@@ -217,7 +217,7 @@ def _relaxation_time(square: float, diffusion: float, interval: float) -> float:
 def _fit_exponentials(
     values: Sequence[Array], errors: Array, interval: float, first: int
 ) -> list[tuple[float, float]] | None:
-    """Height and time (s) of an exponential, of all samples and without each; None where none fits.
+    """Fit the height and time (s) of an exponential, to all samples and without each; None where none fits.
 
     Fitted from the first lag to that at which the first values have fallen to FIT_CUTOFF.
     """

@@ -91,7 +91,7 @@ def simulate_walker(scene: Scene, design: Design, mass: MassProperties, progress
 
 
 def _simulate_tracks(scene: Scene, design: Design, mass: MassProperties, progress: Progress) -> tuple[Tracks, str]:
-    """Tracks of the centre of mass, of runs that ended well, and how all ended."""
+    """Simulate tracks of the centre of mass in runs that ended well; describe how all runs ended."""
     experiment = Walker(scene, design, mass)
     interval = 1.0 / experiment.shaken.frequency
     trajectory.check_sample_count(scene, interval, scene.run.runs)
@@ -178,7 +178,7 @@ def measure_tracks(own: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured
 
 
 def centre_of_mass(mass: MassProperties) -> Array:
-    """Centre of mass seen from the place that a trajectory shows, forward and to the left, mm."""
+    """Compute the centre of mass relative to a trajectory's point, forward and to the left, mm."""
     return np.array([1.0, -1.0]) * _centre_and_inertia(mass)[0][[0, 2]]
 
 

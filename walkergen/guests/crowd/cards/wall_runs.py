@@ -75,7 +75,7 @@ def simulate_wall_runs(
 
 
 def wall_torque(turning: Quantity, relaxed: Quantity, inertia_g_mm2: float) -> Quantity:
-    """Torque (g mm^2/s^2) that turns a walker at a rate, in friction that forgets it so fast."""
+    """Compute the torque (g mm^2/s^2) that turns a walker at a rate, from its relaxation time."""
     if turning.value is None or turning.se is None or not relaxed.value or relaxed.se is None:
         return Quantity("wall_torque", "g_mm2_s2", None, refused=turning.refused or relaxed.refused)
     value = inertia_g_mm2 * turning.value / relaxed.value

@@ -74,7 +74,7 @@ def measure(runs: Sequence[Array], interval: float, outline: Array, dish: Dish) 
 
 
 def nearest_wall(rows: Array, outline: Array, dish: Dish) -> tuple[Array, Array]:
-    """Distance of an outline from the nearest wall (mm), and the angle of the way out there (rad).
+    """Compute an outline's distance from the nearest wall (mm), and the outward direction there (rad).
 
     Shape (n,) each, for places and headings `rows`, shape (n, 3).
     """

@@ -154,7 +154,7 @@ def _place_discs(asked: lammps_input.Crowd, shapes: Sequence[discs.Discs]) -> tu
 
 
 def wall_gaps(dish: Dish, points: Array, radii: Array) -> Array:
-    """Distance of each disc from the nearest wall, mm; negative inside one."""
+    """Compute the distance of each disc from the nearest wall, mm; negative inside one."""
     if dish.kind == "rectangle":
         return np.asarray((0.5 * np.array(dish.sizes) - np.abs(points)).min(axis=1) - radii)
     if dish.kind == "periodic":

@@ -46,7 +46,7 @@ class Rim(NamedTuple):
 
 
 def covered_region(card: Card) -> BaseGeometry:
-    """Ground that a walker covers, corners rounded. Raises InputError where it has no area."""
+    """Return a walker's area on the ground, corners rounded. Raises InputError where it has no area."""
     ground = union_all([Polygon(contour).buffer(0.0) for contour in card.outline_mm])
     radius = card.corner_radius_mm
     rounded = ground.buffer(-radius).buffer(radius, quad_segs=ARC_SEGMENTS) if radius else ground

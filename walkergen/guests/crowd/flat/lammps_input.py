@@ -69,7 +69,7 @@ class Mechanics(NamedTuple):
 
 
 def outline_tolerance(cards: Sequence[Card]) -> float:
-    """How finely discs follow outlines, mm."""
+    """Return the tolerance of the discs along outlines, mm."""
     return DISC_TOLERANCE * min(discs.inscribed_radius(card) for card in cards)
 
 
@@ -86,7 +86,7 @@ def steps_per_frame(crowd: Crowd, parts: Mechanics) -> int:
 
 
 def input_files(crowd: Crowd, parts: Mechanics) -> dict[str, bytes]:
-    """Files by name: the input, the particles and the bodies. The same crowd gives the same."""
+    """Return the files by name: the input, the particles and the bodies. Equal crowds give equal files."""
     texts = {
         INPUT_FILE: _input_script(crowd, parts),
         DATA_FILE: _particle_data(crowd, parts),
@@ -150,7 +150,7 @@ def _input_script(crowd: Crowd, parts: Mechanics) -> str:
 
 
 def _format_contact(one: contact.Contact) -> str:
-    """Contact as pair granular and fix wall/gran write it."""
+    """Format a contact for pair granular and fix wall/gran."""
     return (
         f"hooke {_format_number(one.stiffness)} {_format_number(one.damping)} damping velocity tangential "
         f"linear_nohistory {_format_number(one.grip / one.damping)} {_format_number(one.friction)} limit_damping"
@@ -263,7 +263,7 @@ def _particle_data(crowd: Crowd, parts: Mechanics) -> str:
 
 
 def _body_data(crowd: Crowd, parts: Mechanics) -> str:
-    """Mass, centre, inertia, velocity and angular momentum of each body, as it starts."""
+    """Return the initial mass, centre, inertia, velocity and angular momentum of each body."""
     rows = [str(len(crowd.places))]
     for number, (k, (x, y, angle)) in enumerate(zip(crowd.kinds, crowd.places, strict=True), 1):
         one = parts.motions[k]
@@ -280,7 +280,7 @@ def _body_data(crowd: Crowd, parts: Mechanics) -> str:
 
 
 def _format_types(first: int, last: int) -> str:
-    """Types from first to last, as LAMMPS writes them."""
+    """Format the types from first to last for LAMMPS."""
     return f"{first}" if first == last else f"{first}:{last}"
 
 

@@ -72,7 +72,7 @@ def from_card(card: Card) -> Motion:
 
 
 def speed_ratio(tau: float, tau_r: float, spread: float, turning: float) -> float:
-    """Mean speed along the heading over the speed V that the push alone would give.
+    """Compute the mean speed along the heading over the speed V of the push alone.
 
     The velocity is an average of past headings, by exp(-t/tau)/tau; a heading of a time t ago has
     kept cos(w0 t) exp(-D_R (t - tau_r (1 - exp(-t/tau_r)))).

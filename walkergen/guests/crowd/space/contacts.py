@@ -146,7 +146,7 @@ def _spring_impulse(stiffness, depth, speed, tick):
 
 @lean
 def _normal_impulse(stiffness, kept, depth, u, mobility, tick):
-    """Impulse (g mm/s) along the normal in a tick, and the one of a spring that keeps nothing."""
+    """Compute the impulse (g mm/s) along the normal in a tick, and that of a spring without restitution."""
     whole = _spring_impulse(stiffness, depth, abs(u), tick)
     after = u + mobility * whole
     if u >= 0.0:
@@ -286,7 +286,7 @@ def _resolve_corners(crowd, i, j, layer, first, pushes):
 
 @kernel_without_refcount
 def resolve_pair(crowd, i, j, pushes):
-    """Let bodies i and j push each other where they touch; returns how many corners do."""
+    """Apply the contact impulses between bodies i and j; return the number of touching corners."""
     count = 0
     for layer in range(2):
         count += _resolve_corners(crowd, i, j, layer, True, pushes)
@@ -296,7 +296,7 @@ def resolve_pair(crowd, i, j, pushes):
 
 @lean
 def _push_off_wall(crowd, i, x, z, n_x, n_z, b_x, b_z, y, depth, pushes):
-    """Push body i off a wall at a point, or store its energy; returns 1 where it touches."""
+    """Push body i off a wall at a point, or store its energy; return 1 where it touches."""
     if depth <= 0.0:
         return 0
     _resolve_contact(crowd, i, -1, x, z, n_x, n_z, b_x, b_z, y, 0.0, 0.0, 0.0, depth, pushes)
@@ -305,7 +305,7 @@ def _push_off_wall(crowd, i, x, z, n_x, n_z, b_x, b_z, y, depth, pushes):
 
 @kernel_without_refcount
 def resolve_walls(crowd, i, pushes):
-    """Let body i push off the walls that it touches; returns how many points do."""
+    """Apply the contact impulses of the walls on body i; return the number of touching points."""
     bodies, ground, count = crowd.bodies, crowd.ground, 0
     if ground.kind >= PERIODIC:
         return 0

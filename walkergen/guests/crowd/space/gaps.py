@@ -68,7 +68,7 @@ def to_body_frame(planar, i, height, x, z):
 
 @lean
 def gap_lower_bound(bodies, ground, planar, i, j):
-    """Lower bound of the gap of bodies i and j by their reach, mm."""
+    """Compute a lower bound of the gap of bodies i and j from their outer radii, mm."""
     d_x = minimum_image(ground, planar[i, X] - planar[j, X])
     d_z = minimum_image(ground, planar[i, Z] - planar[j, Z])
     reach = bodies.reach[bodies.kind[i]] + bodies.reach[bodies.kind[j]]

@@ -195,7 +195,7 @@ def _check_size(shapes: Outlines, dish: Dish) -> None:
 
 
 def _density_error(count: int, packing: float, reached: float | None) -> InputError:
-    """Error of a crowd that has no room."""
+    """Return the error for a crowd without room."""
     number = "one walker finds" if count == 1 else f"{count} walkers find"
     dense = "" if reached is None else f" beyond {reached:.2f} at most"
     return InputError(

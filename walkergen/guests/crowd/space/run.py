@@ -98,7 +98,7 @@ def prepare(
 
 
 def _centre_places(places: Array, of_walkers: Sequence[Plan]) -> Array:
-    """Places of the centres of mass of walkers whose O are at `places`."""
+    """Return the places of the centres of mass of walkers with O at `places`."""
     centres = np.asarray(places, float).copy()
     for row, plan in zip(centres, of_walkers, strict=True):
         forward, left = -plan.world.walker.centre[0], plan.world.walker.centre[2]
@@ -190,7 +190,7 @@ def _place_walker(world: World, state: State, x: float, y: float, heading: float
 
 
 def make_crowd(plan: CrowdPlan, walkers: Walkers) -> tuple[bodies.Crowd, Walkers]:
-    """Crowd of walkers in these states, which nothing records; and they, with their states in it."""
+    """Make a crowd of walkers in these states, without records; also return the walkers with their states in it."""
     return _assemble_crowd(plan, walkers, [record.new_tally() for _ in walkers])
 
 
@@ -235,7 +235,7 @@ def advance(
     stopped: Callable[[], bool],
     progress: Callable[[float], None] = lambda seconds: None,
 ) -> float:
-    """Advance by `seconds` in so many blocks; returns the seconds done."""
+    """Advance by `seconds` in so many blocks; return the seconds done."""
     if seconds <= 0.0:
         return 0.0
     block, done = seconds / blocks, 0.0
@@ -260,7 +260,7 @@ def _energies(walkers: Walkers) -> Array:
 
 
 def _contact_energy_error(book: Array, held: float) -> float:
-    """Energy of contacts along their normals that nothing accounts for, over the energy taken."""
+    """Compute the unexplained energy of contacts along their normals, over the energy taken."""
     lost = book[bodies.LOST]
     taken = max(abs(book[bodies.WORK]), lost, abs(held))
     return float(abs(book[bodies.WORK] + held + lost) / taken) if taken else 0.0

@@ -116,7 +116,7 @@ def _max_level(ticks, most):
 
 @lean
 def _record_touch(crowd, row, column, count, late):
-    """Book whether a pair touches, and whether it was found deeper than a tick explains."""
+    """Record whether a pair touches, and whether it was deeper than a tick explains."""
     touches = 1 if count > 0 else 0
     if touches == 1 and crowd.touching[row, column] == 0:
         crowd.book[TOUCHES] += 1.0
@@ -261,7 +261,7 @@ def advance(crowd, pairs, duration):
 
 @kernel
 def contact_energy(crowd):
-    """Energy that contacts between bodies and with walls hold now, g mm^2/s^2."""
+    """Compute the energy stored in contacts between bodies and with walls, g mm^2/s^2."""
     deepest = crowd.book[DEEPEST]
     crowd.book[STORED] = 0.0
     for i in range(len(crowd.status)):

@@ -33,7 +33,7 @@ def wall_distance(x: Array, y: Array, dish: Dish) -> Array:
 
 
 def wall_tangent(x: Array, y: Array, dish: Dish) -> Array:
-    """Direction of the nearest wall, rad; either sense along it is meant."""
+    """Compute the direction of the nearest wall, rad, modulo half a turn."""
     if dish.kind == "rectangle":
         length, width = dish.sizes
         nearer_end = 0.5 * length - np.abs(x) < 0.5 * width - np.abs(y)
@@ -42,14 +42,14 @@ def wall_tangent(x: Array, y: Array, dish: Dish) -> Array:
 
 
 def max_wall_distance(dish: Dish) -> float:
-    """Largest distance from a wall that there is."""
+    """Compute the largest possible distance from a wall."""
     if dish.kind == "ring":
         return 0.25 * (dish.sizes[0] - dish.sizes[1])
     return 0.5 * min(dish.box)
 
 
 def area_beyond(depth: Array, dish: Dish) -> Array:
-    """Area (mm^2) of the dish that lies further from all walls than `depth`."""
+    """Compute the area (mm^2) of the dish beyond `depth` from all walls."""
     depth = np.clip(depth, 0.0, max_wall_distance(dish))
     if dish.kind == "rectangle":
         length, width = dish.sizes
@@ -81,7 +81,7 @@ def _share_in_disc(middle: Array, radius: Array, size: float) -> Array:
 
 
 def _share_in_rectangle(x: Array, y: Array, radius: Array, length: float, width: float) -> Array:
-    """Share that no side cuts off; what two sides cut off together is counted once."""
+    """Compute the share that no side cuts off; overlaps of two sides count once."""
     gaps = 0.5 * length - x, 0.5 * width - y, 0.5 * length + x, 0.5 * width + y
     cut = [np.arccos(np.clip(gap / radius, 0.0, 1.0)) for gap in gaps]
     outside = 2.0 * sum(cut)

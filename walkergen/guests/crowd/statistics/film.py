@@ -61,7 +61,7 @@ class CrowdFilm(NamedTuple):
         return not bool(np.isnan(self.theta).all())
 
     def select_frames(self, frames: Whole) -> "CrowdFilm":
-        """Film of these frames alone."""
+        """Return the film of these frames alone."""
         kept = {key: getattr(self, key)[frames] for key in ("times", "x", "y", "theta")}
         return self._replace(**kept)
 
@@ -108,7 +108,7 @@ def _unwrap_heading(heading: Array) -> Array:
 
 
 def mean_over_walkers(values: npt.NDArray[Any], chosen: Mask | None = None) -> npt.NDArray[Any]:
-    """Mean of values (F, N) over the walkers whose value is known, of those that are `chosen`, at each time.
+    """Average values (F, N) at each time over the `chosen` walkers with a known value.
 
     NaN where there are none.
     """

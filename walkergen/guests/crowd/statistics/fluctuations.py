@@ -59,7 +59,7 @@ def measure(films: Sequence[CrowdFilm]) -> Fluctuations:
 
 
 def _box_counts(film: CrowdFilm) -> list[int]:
-    """Numbers of boxes along the dish, from few large ones to those that hold a walker or so."""
+    """Return numbers of boxes along the dish, from few large ones to those with about one walker."""
     count = film.walkers
     smallest = math.sqrt(MIN_MEAN * film.dish.area / max(count, 1.0))
     most = int(min(film.dish.box) / smallest)

@@ -18,13 +18,13 @@ MAX_PACKING = 1.2
 
 
 def total_packing(film: CrowdFilm) -> Array:
-    """Area of all walkers that are seen over that of the dish, at each time, shape (F,)."""
+    """Compute the area of all visible walkers over that of the dish, at each time, shape (F,)."""
     seen = np.isfinite(film.x)
     return np.asarray(seen @ film.areas / film.dish.area)
 
 
 def local_packing(film: CrowdFilm) -> Array:
-    """Area of the walkers whose places lie in a box over that of its part in the dish, (F, boxes).
+    """Compute the area of the walkers with places in a box over that of its part in the dish, (F, boxes).
 
     Its mean is near `total_packing`; boxes with two likely values tell of a dense and a thin phase.
     """

@@ -42,7 +42,7 @@ class Pairs(NamedTuple):
 
 
 def length_scale(film: CrowdFilm) -> float:
-    """Mean outer diameter, mm; without outlines the side of the square a walker has on average."""
+    """Compute the mean outer diameter, mm; without outlines the side of the mean square per walker."""
     if film.sized:
         return 2.0 * float(film.radii.mean())
     return float(np.sqrt(film.dish.area / max(film.walkers, 1.0)))
@@ -84,7 +84,7 @@ def measure(film: CrowdFilm, edges: Array) -> Pairs:
 
 
 def _random_pair_counts(x: Array, y: Array, edges: Array, film: CrowdFilm) -> Array:
-    """Pairs in each bin if all other walkers of a frame were anywhere in the dish."""
+    """Compute the pairs in each bin if all other walkers of a frame were anywhere in the dish."""
     low, width = edges[:-1, None], np.diff(edges)[:, None]
     radius = low + width * GAUSS_NODES
     middle_x, middle_y = dish_geometry.wrap_places(x, y, film.dish)

@@ -145,7 +145,7 @@ def _describe(film: CrowdFilm) -> str:
 
 
 def _measure_run(film: CrowdFilm) -> _Run:
-    """All statistics of one run but the fluctuations, which are about the mean of all runs."""
+    """Compute all statistics of one run except the fluctuations, which are about the mean of all runs."""
     few = film.select_frames(np.arange(0, len(film.times), -(-len(film.times) // MAX_PAIR_FRAMES)))
     run = _Run({}, {}, {})
     _add_motion(run, film)
@@ -250,7 +250,7 @@ def _error_of_one_run(times: Array, course: Array) -> tuple[float | None, float,
 
 
 def _refusal(name: str, film: CrowdFilm) -> str:
-    """Reason why a number is not known."""
+    """Return the reason for an unknown number."""
     walled = name.startswith("wall_") or name in ("circulation", "milling")
     if walled and film.dish.period:
         return NO_WALL
@@ -273,7 +273,7 @@ def _mean_curve(curves: Sequence[tuple[Array, Array]]) -> Curve:
 
 
 def _random_values(film: CrowdFilm) -> dict[str, float]:
-    """Numbers of walkers at random places and headings, where they are known."""
+    """Return the numbers of walkers at random places and headings, if defined."""
     walkers = max(film.walkers, 1.0)
     return {
         "polar_order": order.random_order(walkers),
@@ -312,6 +312,6 @@ def _notes(films: Sequence[CrowdFilm]) -> tuple[str, ...]:
 
 
 def _finite_mean(values: Array) -> float:
-    """Mean of the values that are known; NaN without any."""
+    """Average the known values; NaN without any."""
     known = values[np.isfinite(values)]
     return float(known.mean()) if len(known) else math.nan

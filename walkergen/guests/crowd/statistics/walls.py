@@ -24,7 +24,7 @@ class Walls(NamedTuple):
     alignment: Array
     """Mean cos 2(heading - wall): 1 along the wall, -1 across, 0 at random."""
     near_density: Array
-    """Density within `near_distance` of the wall over the mean, at each time, shape (F,)."""
+    """Density within `near` of the wall over the mean, at each time, shape (F,)."""
     near_speed: Array
     """Mean speed there, shape (F - 1,), mm/s."""
     near_alignment: Array
@@ -32,7 +32,7 @@ class Walls(NamedTuple):
 
 
 def near_distance(film: CrowdFilm) -> float:
-    """Distance that counts as at the wall, mm: a mean outer diameter, as `pairs.length_scale` has it."""
+    """Return the largest distance at the wall, mm: a mean outer diameter, as in `pairs.length_scale`."""
     return min(pairs.length_scale(film), 0.5 * dish_geometry.max_wall_distance(film.dish))
 
 
@@ -61,7 +61,7 @@ def measure(film: CrowdFilm) -> Walls:
 
 
 def _bin_means(distance: Array, values: Array, edges: Array) -> Array:
-    """Mean of values that are known in each bin of the distance; NaN where there are none."""
+    """Average known values in each bin of the distance; NaN where there are none."""
     known = np.isfinite(values) & np.isfinite(distance)
     counts = np.histogram(distance[known], edges)[0]
     sums = np.histogram(distance[known], edges, weights=values[known])[0]

@@ -100,7 +100,7 @@ def _answers(design: Design, measured: Measured | None, curves: Mapping[str, Cur
 
 
 def _settings(answers: Sequence[tuple[str, Answer]]) -> dict[str, float]:
-    """Restitution of the scene and its standard deviation by the last answer, where that has a single branch."""
+    """Return the scene's restitution and its standard deviation from the last answer, if it has a single branch."""
     if not answers:
         return {}
     number = answers[-1][1].number("restitution")

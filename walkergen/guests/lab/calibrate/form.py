@@ -110,7 +110,7 @@ Readings = Mapping[str, Mapping[str, Sequence[Reading]]]
 
 
 def reading_kinds(part: str) -> Mapping[str, Kind] | None:
-    """Kinds of readings of a part by its name: strip_1, block, walker; None of other names."""
+    """Return the kinds of readings of a part by its name: strip_1, block, walker; None for other names."""
     stem, _, number = part.partition("_")
     if stem == "strip" and columns.parse_count(number, 99) is not None:
         return STRIP_KINDS
@@ -238,7 +238,7 @@ def _parse_number(what: str, cell: str, most: float, zero: bool = False) -> floa
 
 
 def _mean_reading(condition: _Condition, pairs: Sequence[tuple[float, float]], film: Path | None) -> Reading:
-    """Mean of tries (value, error), weighted by their stated errors where these differ."""
+    """Average tries (value, error), weighted by their stated errors where these differ."""
     values, errors = np.array(pairs).T
     weights = errors**-2 / (errors**-2).sum()
     stated = float((errors**-2).sum() ** -0.5)

@@ -39,7 +39,7 @@ class Job(NamedTuple):
 
 
 def calibrate(path: Path, job: Job, folder: Path, progress: Progress) -> LabReport:
-    """Estimate material and contact from a filled form, and write all of it.
+    """Estimate material and contact from a filled form, and write the results.
 
     Writes calibration.csv and .md, strips.csv, design.toml, scene.toml, strips.png and .pdf,
     manifest.json. A drop test simulates drops of the walker. Raises InputError, before anything is
@@ -73,7 +73,7 @@ def calibrate(path: Path, job: Job, folder: Path, progress: Progress) -> LabRepo
 
 
 def _fit_modulus(strips: Sequence[specimens.Specimen], measured: Estimate | None, job: Job, notes: list[str]) -> Bent:
-    """Modulus of the strips; a density that was not measured is the design's. Adds to `notes`."""
+    """Fit the modulus of the strips; an unmeasured density is the design's. Adds to `notes`."""
     material = job.design.material
     drawn = material.density_g_cm3
     density = Quantity("density", "g_cm3", drawn, modulus.DENSITY_SD * drawn) if measured is None else measured.number
@@ -100,7 +100,7 @@ def _invert_rebound(seen: Rebound, design: Design, scene: Scene, job: Job, progr
 
 
 def _restitution(seen: Rebound, drop: Answer) -> list[Estimate]:
-    """Restitution of the feet, where one range of it agrees with the drops."""
+    """Estimate the feet's restitution, if a single range of it agrees with the drops."""
     number = drop.number("restitution")
     sets = ("scene.contact.restitution", "scene.contact.restitution_sd")
     tries = seen.measured.tries

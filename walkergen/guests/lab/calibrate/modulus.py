@@ -107,7 +107,7 @@ def fit(strips: Sequence[Specimen], density: Quantity) -> Estimate:
 
 
 def fit_each_strip(strips: Sequence[Specimen], density: Quantity) -> list[Point]:
-    """Modulus by each strip and each method alone, with the error of all that it rests on."""
+    """Fit the modulus to each strip and each method alone, with the full error."""
     by_method = []
     for strip in strips:
         for method in (BEND_METHOD, RING_METHOD):
@@ -118,7 +118,7 @@ def fit_each_strip(strips: Sequence[Specimen], density: Quantity) -> list[Point]
 
 
 def ring_excess(strips: Sequence[Specimen], density: Quantity) -> Quantity | None:
-    """Excess, in percent, of the modulus by the ring over that by weights.
+    """Compute the excess, in percent, of the modulus from the ring over that from weights.
 
     Plastic that creeps while a weight hangs makes it positive. None without both, and where the
     readings leave it open.
@@ -131,7 +131,7 @@ def ring_excess(strips: Sequence[Specimen], density: Quantity) -> Quantity | Non
 
 
 def thickness_offset(strips: Sequence[Specimen], density: Quantity) -> Quantity | None:
-    """Length (mm) that, added to all thicknesses, makes strips agree best.
+    """Compute the length (mm), added to all thicknesses, that makes strips agree best.
 
     A caliper measures over the ridges of layers, which stiffen little: that makes it negative. Ring
     and weights may tell different moduli. None of a single strip, and where strips leave it open.

@@ -117,7 +117,7 @@ def strip_mesh(drawn: Drawn) -> Mesh:
 
 
 def air_percent(drawn: Drawn, printer: Printer) -> float:
-    """Share of a strip's outline, percent, that the printer's lines leave open."""
+    """Compute the share of a strip's outline, percent, outside the printer's lines."""
     return max(-100.0 * walls.deviation(drawn.strip.thickness, printer), 0.0)
 
 

@@ -97,7 +97,7 @@ def _make_report(rows: Sequence[Place], files: Sequence[Path], filled: Path) -> 
 
 
 def _make_pieces(design: Design, drawn: Sequence[Drawn], printer: Printer) -> list[Piece]:
-    """Build strips, block and walker as they lie on the bed, each with its findings."""
+    """Build strips, block and walker in their places on the bed, each with its findings."""
     checked = []
     for part in drawn:
         mesh, strip = parts.strip_mesh(part), part.strip

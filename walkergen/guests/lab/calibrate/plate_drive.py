@@ -125,7 +125,7 @@ def calibrate(path: Path, design: Design, scene: Scene, folder: Path | None) -> 
 
 
 def _format_value(cell: tuple[Any, ...]) -> str:
-    """Value of a row of COLUMNS with its error and unit, or why there is none."""
+    """Format the value of a row of KEYS with its error and unit, or the reason for its absence."""
     _, value, se, unit, _, refused = cell
     return str(refused) if refused else f"{formatting.format_with_error(value, se)} {unit}".strip()
 
@@ -227,7 +227,7 @@ def _resolve_axes(recording: Recording) -> tuple[Array, Array, float | None]:
 
 
 def _find_frequency(recording: Recording, upward: Array, source: str) -> tuple[float, float]:
-    """Frequency of the strongest line and its error, Hz: by its phase from piece to piece."""
+    """Find the frequency of the strongest line and its error, Hz, from its phase from piece to piece."""
     times, rate = recording.times, recording.rate
     even = np.arange(0.0, times[-1], 1.0 / rate)
     power = np.abs(np.fft.rfft(np.interp(even, times, upward) * np.hanning(len(even)))) ** 2

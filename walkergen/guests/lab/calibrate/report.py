@@ -21,7 +21,7 @@ STRIP_COLUMNS = ("strip", "by", "thickness_mm", "modulus_gpa", "modulus_se_gpa",
 
 
 def collect_settings(estimates: Sequence[Estimate]) -> dict[str, float]:
-    """Keys of design and scene that numbers set, with their values."""
+    """Collect the keys of design and scene set by numbers, with their values."""
     return {key: value for each in estimates for key, value in each.settings.items()}
 
 

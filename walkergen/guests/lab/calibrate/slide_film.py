@@ -77,7 +77,7 @@ def _visible_positions(position: Array, interval: float) -> tuple[Array, Array]:
 
 
 def _acceleration(times: Array, places: Array) -> tuple[float, float, float, float]:
-    """Acceleration along the way and its error, its change from end to end and that one's error."""
+    """Compute the acceleration along the path and its error, its change from end to end and that one's error."""
     way = places[-1] - places[0]
     ahead = places @ way / (np.linalg.norm(way) or 1.0)
 

@@ -94,7 +94,7 @@ def scale_quantity(number: Quantity, scale: float) -> Quantity:
 
 
 def _to_frequency(time: Reading) -> Reading:
-    """Frequency, Hz, of a time of 20 swings, s."""
+    """Convert a time of 20 swings, s, to a frequency, Hz."""
     seconds, se = time.number.pair
     hertz = 20.0 / seconds
     scale = hertz / seconds

@@ -145,7 +145,7 @@ def _sample_prints(ground: Ground, setting: Setting, count: int, batch: int) -> 
 
 
 def _short_scene(ground: Ground, setting: Setting) -> Scene:
-    """Scene of the short runs: endless ground, since a speed needs no end to run to."""
+    """Return the scene of the short runs: endless ground, since a speed needs no walls."""
     scene = plate_scene(ground.scene, setting)
     run = {"seconds": RUN_SECONDS, "discard_seconds": DISCARDED_SECONDS, "runs": 1}
     return scene.model_copy(

@@ -217,7 +217,7 @@ def _sample_by_runs(
 
 
 def _expected_time(ground: Ground, settings: Sequence[Setting], ahead: Sequence[Setting]) -> Expected:
-    """Time of a fit: of its runs, by a moment in each setting, and of learning from them."""
+    """Estimate the time of a fit: of its runs, from a moment in each setting, and of learning from them."""
     counts = [PRIOR_WALKERS + POSTERIOR_WALKERS] * len(settings) + [AHEAD_WALKERS] * len(ahead)
     costs = (emulated_speeds.cpu_seconds(ground, setting) for setting in [*settings, *ahead])
     runs_s = sum(run_time.wall_time(each_s, count) for each_s, count in zip(costs, counts, strict=True))

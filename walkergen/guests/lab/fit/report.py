@@ -177,7 +177,7 @@ def _format_value(value: float, se: float | None, origin: str) -> str:
 
 
 def format_quality(fit: ContactFit) -> str:
-    """Statement of how well the theory describes the speeds."""
+    """Describe the quality of the theory's fit to the speeds."""
     if fit.chi2 is None:
         return (
             f"{fit.dof} degrees of freedom; no standard errors given, so those here come from the scatter about the fit"

@@ -2,7 +2,7 @@
 
 The light may be uneven, with edges and gradients. The ground's brightness is what remains after removing everything
 narrower than a few walkers (a grey closing for dark walkers, an opening for light ones). Light multiplies, so contrasts
-are shares of the ground's own brightness, in steps of 255 where it is bright. A walker differs from the ground by at
+are shares of the ground's own brightness, in steps of 255 in bright places. A walker differs from the ground by at
 least half of the walkers' own contrast.
 """
 
@@ -82,7 +82,7 @@ class Appearance(NamedTuple):
     """Width of the walkers, pixels: twice the largest distance from their edge."""
 
     def contrasts(self, frame: Grey) -> Floats:
-        """Contrasts of pixels with the ground, positive on walkers; lamps that flicker undone."""
+        """Compute contrasts of pixels with the ground, positive on walkers, corrected for flickering lamps."""
         lamp, gain = self._light_and_gain(frame)
         sharp = (frame - lamp * self.ground) * (-gain if self.dark else gain)
         return np.asarray(ndimage.gaussian_filter(sharp, self.blur), np.float32)
@@ -157,7 +157,7 @@ def _try_side(samples: Sequence[Grey], picture: Floats, dark: bool, threshold: f
 
 
 def estimate_ground(picture: Floats, dark: bool, widest: float) -> Floats:
-    """Brightness of the ground, without what is dark, or light, and narrower than that, pixels."""
+    """Estimate the brightness of the ground without dark, or light, things narrower than `widest`, pixels."""
     side, window = 1.0 if dark else -1.0, round(widest) | 1
     # A closing, but of what is seen alone: beyond the frame there is neither ground nor walker.
     high = ndimage.maximum_filter(side * picture, window, mode="constant", cval=-np.inf)

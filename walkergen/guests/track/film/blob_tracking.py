@@ -104,12 +104,12 @@ def _count_still(frames: Sequence[Sequence[Blob]]) -> int:
 
 
 def _undistort(seen: Seen, lens: Lens | None, part: Box) -> Seen:
-    """Walker as a lens that does not bend sees it."""
+    """Correct a walker for lens distortion."""
     return seen if lens is None else seen._replace(blobs=lens.undistort_blobs(seen.blobs, part[:2]))
 
 
 def _walker_length(linked: Linked, straight: Sequence[Seen]) -> float:
-    """Length of a walker by a lens that does not bend, pixels."""
+    """Compute the length of a walker, corrected for lens distortion, pixels."""
     bent, own = (np.concatenate([walker.blobs.length for walker in walkers]) for walkers in (linked.walkers, straight))
     return linked.length * float(np.median(own / bent))
 

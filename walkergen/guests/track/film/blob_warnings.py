@@ -78,7 +78,7 @@ def _notes(tracked: Tracked, found: Unmarked) -> Iterator[str]:
 
 
 def _link_warnings(tracked: Tracked, found: Unmarked) -> Iterator[str]:
-    """Warnings of walkers that are missing, merged, lost or taken for others."""
+    """Return warnings of walkers that are missing, merged, lost or mistaken for others."""
     linked, count, walkers = found.linked, tracked.looked, tracked.walkers
     if linked.empty:
         yield f"nothing was found in {linked.empty} of {count} frames"
@@ -194,7 +194,7 @@ def size_change(walkers: Sequence[Seen]) -> tuple[Quantity, float]:
 
 
 def _subtract_means(values: Array, owner: Whole) -> Array:
-    """Values without the mean of their walker's."""
+    """Subtract from values the mean of their walker."""
     means = np.bincount(owner, values) / np.bincount(owner)
     return np.asarray(values - means[owner])
 

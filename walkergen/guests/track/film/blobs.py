@@ -119,7 +119,7 @@ def _shadow_pull(piece: Mask, field: Floats) -> tuple[float, float]:
 
 
 def _fill_holes(piece: Mask, width: float) -> Mask:
-    """Piece without its small holes."""
+    """Fill small holes of a piece."""
     holes, count = ndimage.label(~piece)  # its outside is the first of them
     if count < 2:
         return piece
@@ -163,7 +163,7 @@ def _extent(weight: Floats, off: Floats, half: float) -> float:
 
 
 def _mark_direction(own: Mask, field: Floats, blob: Blob, left: int, top: int, look: Appearance) -> float:
-    """Direction to the spot that differs most from the rest of a walker; NaN without one."""
+    """Find the direction to the spot of a walker that differs most from its rest; NaN without one."""
     deep = ndimage.distance_transform_edt(own) > max(1.5, MARK_DEPTH * look.width)
     if not deep.any():
         return math.nan

@@ -225,7 +225,7 @@ def read_clock(film: Film, stamps: Path, filmed_fps: float | None) -> Clock:
 def _run_ffmpeg(
     path: Path, shots: Sequence[Path], more: Sequence[str] = ()
 ) -> Iterator[tuple["subprocess.Popen[bytes]", IO[bytes]]]:
-    """Ffmpeg at work on a film or on pictures, sending its frames, and its messages; ended at the end."""
+    """Run ffmpeg on a film or on pictures; yield its process and messages, and end it afterwards."""
     import imageio_ffmpeg
 
     program = imageio_ffmpeg.get_ffmpeg_exe()
@@ -258,7 +258,7 @@ def _message_lines(messages: IO[bytes]) -> list[str]:
 
 
 def _last_message(messages: IO[bytes]) -> str:
-    """Last of ffmpeg's lines."""
+    """Return the last of ffmpeg's lines."""
     return next((line[:120] for line in reversed(_message_lines(messages)) if line), "no reason is given")
 
 

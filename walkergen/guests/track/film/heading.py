@@ -93,7 +93,7 @@ def _distance_ahead(axis: Array, walker: Seen, part: slice) -> float:
 
 
 def unwrap(theta: Array) -> Array:
-    """Angles with whole turns counted, each from the one before that is known."""
+    """Unwrap angles, counting whole turns, each from the previous known one."""
     unwrapped, certain = theta.copy(), ~np.isnan(theta)
     unwrapped[certain] = np.unwrap(theta[certain])
     if certain.any():

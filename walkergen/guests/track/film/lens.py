@@ -67,7 +67,7 @@ class Lens(NamedTuple):
         return np.array([(self.focal[0], 0.0, self.middle[0]), (0.0, self.focal[1], self.middle[1]), (0.0, 0.0, 1.0)])
 
     def undistort(self, pixels: Array) -> Array:
-        """Places by a lens that does not bend, of the same focal length, shape (..., 2).
+        """Correct places for lens distortion, with the same focal length, shape (..., 2).
 
         Pixels count from the picture's upper left corner. Raises InputError where there are none.
         """
@@ -87,7 +87,7 @@ class Lens(NamedTuple):
         return np.asarray(rays * self.focal + self.middle + 0.5).reshape(pixels.shape)
 
     def undistort_blobs(self, blobs: Blobs, offset: tuple[int, int]) -> Blobs:
-        """Blobs by a lens that does not bend: places, directions, lengths and areas.
+        """Correct blobs for lens distortion: places, directions, lengths and areas.
 
         `offset` is the place of their upper left corner in the whole picture, pixels.
         """

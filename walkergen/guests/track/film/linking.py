@@ -88,7 +88,7 @@ def link(frames: Sequence[Sequence[Blob]], first: int, fps: float) -> Linked:
 
 
 def typical_area(areas: Array) -> float:
-    """Area of a walker: half of all that was found, by area, is larger.
+    """Compute the typical area of a walker: half of the total area found is in larger things.
 
     Many small things, or a few walkers that touch, do not change it.
     """

@@ -147,14 +147,14 @@ def _read_markers(film: Film, part: Box, options: Options, progress: Progress) -
 
 
 def _find_mirrored(reader: Reader, samples: list[Grey]) -> list[int]:
-    """Numbers of markers that are read in the mirror image of most of some frames."""
+    """Find numbers of markers that are read in the mirror image of most of some frames."""
     images = (np.ascontiguousarray(grey[:, ::-1]) for grey in samples)
     counts = Counter(number for image in images for number in reader.find_markers(image).numbers.tolist())
     return sorted(number for number, count in counts.items() if count > 0.5 * len(samples))
 
 
 def _no_marker_reason(mirrored: list[int], count: int) -> str:
-    """Reason why no marker was read."""
+    """Return the reason why no marker was read."""
     if mirrored:
         return (
             "the film is mirrored: markers are read in its mirror image only; mirror it back: "
@@ -209,7 +209,7 @@ def _sort_by_number(seen: list[Sighted], first: int) -> _Sorted:
 
 
 def _no_walker_reason(twice: Mapping[int, int], rare: Mapping[int, int], least: float, count: int) -> str:
-    """Reason why no marker that was read is a walker's."""
+    """Return the reason why no readable marker is a walker's."""
     if twice:
         return (
             f"marker {', '.join(map(str, list(twice)[:10]))} is seen at two places at once, in "

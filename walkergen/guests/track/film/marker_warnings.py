@@ -193,7 +193,7 @@ def _is_inside(tracked: Tracked, walker: Walker, at: int) -> bool:
 
 
 def _lost_warnings(tracked: Tracked) -> Iterator[str]:
-    """Walkers that are missing in more than a few frames, with the share of them."""
+    """Yield warnings of walkers that are missing in more than a few frames, with the share of them."""
     for walker in count_missing(tracked):
         if walker.share > MAX_LOST_SHARE:
             others = (
@@ -228,7 +228,7 @@ def _format_counts(frames: Mapping[int, int]) -> str:
 
 
 def _gap_warnings(tracked: Tracked, found: Marked) -> Iterator[str]:
-    """Frames without any marker, and the longest time of them."""
+    """Yield warnings of frames without any marker, with their longest time."""
     if not len(found.empty):
         return
     runs = np.split(found.empty, np.flatnonzero(np.diff(found.empty) > 1) + 1)

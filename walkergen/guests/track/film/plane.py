@@ -150,7 +150,7 @@ def _map_points(terms: Array, points: Array) -> Array:
 
 
 def _square_offsets(mapped: Array, points: Array, side: float) -> tuple[Array, Array]:
-    """Ways of corners from those of the nearest square; lengths in the plane over the picture's.
+    """Compute the displacements of corners from the nearest square; lengths in the plane over the picture's.
 
     Both `mapped` and `points` are of shape (n, 4, 2).
     """

@@ -64,7 +64,7 @@ def path_length(places: Array, noise: float) -> float:
 
 
 def truncation_warnings(film: Film, clock: Clock, frames: tuple[int, int | None]) -> list[str]:
-    """Warning of a film that ends before it should, when it was read to its end."""
+    """Return a warning for a film that ends early, if it was read to its end."""
     end, announced = clock.played_s, film.seconds
     if frames[1] is not None or end >= MIN_READ_SHARE * announced - READ_MARGIN_S:
         return []

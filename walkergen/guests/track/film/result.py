@@ -110,7 +110,7 @@ class Tracked(NamedTuple):
         return quality.jitter([self._full_track(walker) for walker in self.walkers])
 
     def path_mm(self, walker: Walker) -> float:
-        """Length of a walker's path, mm, its jitter left out."""
+        """Length of a walker's path, mm, without its jitter."""
         return quality.path_length(walker.position, 0.0 if math.isnan(self.jitter_mm) else self.jitter_mm)
 
     def _full_track(self, walker: Walker) -> tuple[Array, Array]:
