@@ -60,7 +60,7 @@ class Point(NamedTuple):
     printer: Printer | None = None
     """Printer of the group "printability"."""
     kind: str = ALONE
-    """Kind of the experiment, of `model_kinds.KIND_MODULES`. Any but ALONE has all its numbers, regardless of `keep`."""
+    """Kind of the experiment, of `model_kinds.KIND_MODULES`. Any but ALONE has all numbers, regardless of `keep`."""
 
     @property
     def predicted(self) -> bool:
