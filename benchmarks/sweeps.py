@@ -32,7 +32,7 @@ REPEATS = 3
 MEMORY = """
 import resource, sys
 from walkergen.cli import command_line
-from walkergen.core.simulation import experiments
+from walkergen.points import experiments
 if __name__ == "__main__":
     try:
         command_line(["sweep", "--set", sys.argv[1], "--workers", "1", "--no-pictures", "--quiet",

@@ -16,9 +16,9 @@ _FUNCTIONS = (
 
 _HOMES = {
     "Design": "api",
-    "Printer": "printing.printers",
-    "Scene": "scene",
-    "WalkergenError": "errors",
+    "Printer": "core.printing.printers",
+    "Scene": "core.scene",
+    "WalkergenError": "core.errors",
     "load": "api.loading",
     "templates": "api.loading",
 }

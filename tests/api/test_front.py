@@ -61,6 +61,7 @@ def test_names_are_sorted_lazy_and_typed():
     assert functions == {name for name in wg.__all__ if name in COMMANDS and name != "templates"}
     assert ast.dump(tree) == ast.dump(ast.parse(front.make_stub()))  # else: python -m walkergen.api.functions
     assert set(wg.__all__) <= set(dir(wg))
+    assert [name for name in wg.__all__ if getattr(wg, name) is None] == []  # each loads
     submodules = {found.name for found in pkgutil.iter_modules(wg.__path__)}
     for name in submodules & set(wg.__all__):  # a room of that name does not take the function's place
         importlib.import_module(f"walkergen.{name}")

@@ -100,8 +100,8 @@ def share_within(record, drawn):
 def holds_direct(record, walker):
     """Whether the bounds of the speed as designed hold that of long runs, within their own error."""
     direct = walkers.simulate(walker.with_run(runs=12, seconds=3.0, discard_seconds=1.0, seed=5)).summary
-    noise = NORMAL_95 * (direct.speed_se_mm_s or 0.0)
-    return record["low"] - noise <= direct.speed_mm_s <= record["high"] + noise
+    noise = NORMAL_95 * (direct.speed.se or 0.0)
+    return record["low"] - noise <= direct.speed.number <= record["high"] + noise
 
 
 @pytest.mark.slow

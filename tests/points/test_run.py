@@ -218,15 +218,16 @@ import sys
 signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored by what a shell runs behind it
 sys.path.insert(0, {tests!r})
 from pathlib import Path
-from walkergen.points import worker_pool, run
+from walkergen.guests.sweep import evaluation
+from walkergen.points import worker_pool
 from walkergen.points.store import Store
 import test_run
 
 if __name__ == "__main__":
     store = Store(Path({path!r}))
     try:
-        with worker_pool.local(1) as one:
-            for done in run.each(test_run.endless(), store, one):
+        with worker_pool.local_pool(1) as one:
+            for done in evaluation.evaluate_points(test_run.endless(), store, one):
                 print(done.key, *one.executor._processes, flush=True)
     except KeyboardInterrupt:
         print("interrupted", flush=True)

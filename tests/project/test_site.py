@@ -35,7 +35,7 @@ def site(tmp_path_factory):
 
 
 def test_the_reference_is_of_docstrings_and_begins_with_what_people_call(site):
-    assert "walkergen.core.theory.impact" in (site / "api" / "core.theory.html").read_text()
+    assert "walkergen.core.theory.impact" in (site / "api" / "theory.html").read_text()
     page = (site / "api" / "python.html").read_text()
     headings = re.findall(r"^ *wg\.(\w+)$", page, flags=re.MULTILINE)
     assert headings[:4] == ["load", "predict", "simulate", "family"]

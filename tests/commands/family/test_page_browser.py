@@ -18,6 +18,7 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
 from walkergen.commands.family import report
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.points.members import Simulated
 
 TILTS = (0.0, 10.0, 35.0)
@@ -179,7 +180,7 @@ def test_the_print_sheet_is_unfolded_and_fits(browser, width):
 @pytest.fixture(scope="module")
 def simulated_page(made, tmp_path_factory):
     """The page of a family that was simulated too, whose table has the most columns."""
-    runs = [Simulated(55.9, 0.5, 53.7, 58.1, f"{k} ok", "agree") for k in range(len(made.members))]
+    runs = [Simulated(Quantity("speed", "mm_s", 55.9, 0.5, 3.0), f"{k} ok", "agree") for k in range(len(made.members))]
     walkers = [member._replace(simulated=one) for member, one in zip(made.members, runs, strict=True)]
     job, path = job_of(TILTS), tmp_path_factory.mktemp("simulated") / "report.html"
     table = report.make_report(job.design, job.scene, job.mode, walkers, made.folder).markdown().encode()

@@ -81,7 +81,7 @@ def close(coarse, fine, names):
     """Names of observables that are further off than 2 errors of the runs and the step's."""
     far = []
     for name in names:
-        gap = coarse[name].less(fine[name])
+        gap = coarse[name].minus(fine[name])
         # 3: about 20 names, of which none shall miss by chance
         if abs(gap.number) > coarse[name].bias + 3.0 * gap.pair[1]:
             far.append(gap)

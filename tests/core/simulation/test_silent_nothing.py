@@ -185,13 +185,13 @@ IMPORTED = """
 import sys
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.plan import prepare
-from walkergen.core.simulation.run import dropped
+from walkergen.core.simulation.run import drop_for_run
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 
 design = Design()
 scene = Scene().variant(**eval(sys.argv[1]))
-dropped(prepare(scene, design, solids.mass_of(design)), 0)
+drop_for_run(prepare(scene, design, solids.mass_of(design)), 0)
 print(" ".join(name.rpartition(".")[2] for name in sys.modules if name.startswith("walkergen.core.simulation.")))
 """
 

@@ -231,7 +231,7 @@ def drawn(plan):
     """Plan of run 0 with its own print and plate, drawn as `simulate` draws them."""
     rng = np.random.default_rng([plan.scene.run.seed, 0])
     rng.uniform(size=4)  # the drop
-    return plan.drawn(rng)
+    return plan.sample_print(rng)
 
 
 def gaps_of(world, state):
