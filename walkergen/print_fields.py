@@ -8,33 +8,33 @@ from pydantic import BeforeValidator, Field
 from walkergen.core.files import columns
 from walkergen.request import Flag, file_flag, parse_tilt
 
-MOST_COPIES = 5000
-"""Most copies of a request."""
+MAX_COPIES = 5000
+"""Largest number of copies in a request."""
 
 
-def _copies(value: Any) -> int | dict[float, int]:
+def _parse_copies(value: Any) -> int | dict[float, int]:
     """Parse the copies of each walker, or by tilt: 8, or 10:20,15:40, or {10: 20, 15: 40}."""
     if isinstance(value, Mapping):
         pairs = list(value.items())
     elif isinstance(value, str) and ":" in value:
         pairs = [(word, count) for word, _, count in (piece.partition(":") for piece in value.split(","))]
     else:
-        return _count(value)
+        return _parse_count(value)
     if not pairs:
         raise ValueError("no tilt: write copies by tilt, {10: 20, 15: 40}")
     quotas: dict[float, int] = {}
     for word, count in pairs:
         tilt = parse_tilt(word)
-        quotas[tilt] = quotas.get(tilt, 0) + _count(count)
+        quotas[tilt] = quotas.get(tilt, 0) + _parse_count(count)
     return quotas
 
 
-def _count(value: Any) -> int:
+def _parse_count(value: Any) -> int:
     plain = value.item() if hasattr(value, "item") else value
-    count = columns.parse_count(plain, MOST_COPIES) if isinstance(plain, str) else plain
-    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST_COPIES:
+    count = columns.parse_count(plain, MAX_COPIES) if isinstance(plain, str) else plain
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MAX_COPIES:
         raise ValueError(
-            f"{str(value)[:30]!r} must be a whole number in 1..{MOST_COPIES}; write 8, or TILT:COPIES,TILT:COPIES"
+            f"{str(value)[:30]!r} must be a whole number in 1..{MAX_COPIES}; write 8, or TILT:COPIES,TILT:COPIES"
         )
     return count
 
@@ -42,7 +42,7 @@ def _count(value: Any) -> int:
 Machines = Annotated[Any, file_flag("printers", "Printers: templates or TOML files.")]
 Copies = Annotated[
     Any,
-    BeforeValidator(_copies),
+    BeforeValidator(_parse_copies),
     Flag(
         "Copies of each walker, 1 by default: 8, or by tilt: 10:20,15:40.",
         "COPIES",

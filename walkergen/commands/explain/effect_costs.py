@@ -57,7 +57,7 @@ COLUMNS = (
 
 
 def format_factor(number: Quantity) -> str:
-    """Factor with its standard error, to hundredths."""
+    """Format a factor with its standard error, to hundredths."""
     return (
         "-"
         if number.value is None

@@ -4,7 +4,7 @@ Small networks on dimensionless numbers of a walker with two equal legs on a sha
 (evidence/tables trains them on simulated walkers). Ten of them were trained, each without another tenth of the rows.
 Their differences estimate their error for a walker, scaled so that it holds at rows that none has seen.
 The surrogate gives no answer if that error is beyond GOAL, if walkers topple, or outside the sampled numbers.
-Such a walker is simulated (`points.speeds`).
+Such a walker is simulated (`points.speed_prediction`).
 """
 
 import math

@@ -237,7 +237,7 @@ def without_weighed_masses(design: Design) -> Design:
 
 
 def total(grams: float, weighed: Weighings, legs: int) -> Quantity:
-    """Compute the standard error of a whole walker's mass, g, with this number of legs; None if unknown."""
+    """Return the mass of a whole walker with this number of legs, g, with its standard error if it is known."""
     whole, body, leg = (mean and mean.se for mean in weighed)
     if weighed.grams is None and body is not None and leg is not None:
         whole = math.hypot(body, legs * leg)
