@@ -28,7 +28,7 @@ LIMITS = {
     "walkergen/guests/track": 3710,
     "walkergen/points": 3110,
     "walkergen/readers": 5350,
-    "walkergen/sheets": 530,
+    "walkergen/sheets": 540,
     "benchmarks": 2760,
     "docs": 650,
     "evidence": 7210,

@@ -65,7 +65,7 @@ class ToGoal(NamedTuple):
 
 
 def simulate(walker: Walker, known: Known | None, progress: Progress) -> Record | None:
-    """Return the numbers of `points.short` by the corrected surrogate; None if it is too unsure of a walker."""
+    """Return the numbers of `points.short_simulation` by the corrected surrogate; None if it is too unsure."""
     if known is None or not _can_correct(known):
         return None
     few = walker.with_run(seconds=SECONDS, discard_seconds=_settling_s(known))
@@ -122,11 +122,10 @@ def _print_spread(known: Known, nominal: Speeds, by_step: float) -> Record:
     speeds = known.sample_speeds(drawn)
     factor = DIFFERENCE_FACTOR * networks.load_arrays()[f"{known.design.kind}_error"][0]
     error = np.hypot(nominal.error, factor * (speeds.each - alone.each).std(axis=0, ddof=1))
-    print_, own = (drawn.columns[law.name] for law in (prediction.PRINT_INPUT, prediction.SURROGATE_INPUT))
-    off = known.sign * (speeds.between_prints * print_ + error * own)
-    shares = known.peak_speed * speeds.speed_ratios(nominal.centre - alone.centre + off)
-    middle = float(np.median(shares))
-    first2, first1, last1, last2 = np.quantile(shares, QUANTILES).tolist()
+    shift = nominal.centre - alone.centre
+    prints = prediction.print_speeds(known, speeds._replace(error=error), drawn, shift)
+    middle = float(np.median(prints))
+    first2, first1, last1, last2 = np.quantile(prints, QUANTILES).tolist()
     low2, low1, high1, high2 = print_ensemble.add_step_error((first2, first1, last1, last2), middle, by_step)
-    spread: Record = {"mean": middle, "sd": float(np.std(shares))}
+    spread: Record = {"mean": middle, "sd": float(np.std(prints))}
     return spread | {"low_95": low2, "low_68": low1, "high_68": high1, "high_95": high2}

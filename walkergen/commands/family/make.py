@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from walkergen import sheets
 from walkergen.analysis.speeds import PLATE_SPEED_TOLERANCE, Measured
 from walkergen.commands.family import chart_data, member_runs, report
 from walkergen.commands.family.chart_data import ChartData
@@ -89,11 +90,7 @@ def make(job: Job, path: Path, progress: Progress, tell: FindingsCallback) -> Fa
     )
     tell(layout.findings)
     check_printable(layout.findings, job.strict)
-    draw = None
-    if job.pictures:
-        from walkergen.sheets import plate_map  # brings matplotlib
-
-        draw = plate_map.draw_pictures
+    draw = sheets.plate_drawing() if job.pictures else None
     with Folder(path) as folder:
         walkers: list[Member] = []
         every = members.predict_members(job.members, built, job.scene, job.mode, job.weighed, job.model, progress)

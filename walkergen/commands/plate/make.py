@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from walkergen import sheets
 from walkergen.core.files import output
 from walkergen.core.files.assignments import replace_values
 from walkergen.core.files.output import Folder
@@ -111,11 +112,7 @@ def make(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequenc
     tell(findings)
     check_printable(findings, order.strict)
     steps = sum(plates.COMMON_FILE_COUNT + len(layout.plates) * (1 + order.pictures) + 1 for layout in layouts)
-    draw = None
-    if order.pictures:
-        from walkergen.sheets import plate_map  # brings matplotlib
-
-        draw = plate_map.draw_pictures
+    draw = sheets.plate_drawing() if order.pictures else None
     of_caps = list(cap_files.files(capped, order.printers)) if capped else []
     paths: list[Path] = []
     for layout in layouts:

@@ -3,7 +3,7 @@
 A speed has two faces. *As designed* is the nominal run, what `simulate` gives. *As you will get it* is the median,
 with bounds, over what design and scene do not know exactly, from print to print, and with a structural error of
 the model. Here both come from the surrogate, or from statics where a walker stands; a walker that neither knows is
-simulated (`points.speeds`).
+simulated (`points.speed_prediction`).
 """
 
 import math
@@ -16,6 +16,7 @@ import numpy.typing as npt
 from walkergen.core.files import formatting
 from walkergen.core.scene import Scene
 from walkergen.core.theory import standing, surrogate, uncertain_inputs
+from walkergen.core.theory.networks import Speeds
 from walkergen.core.theory.speed import Mode
 from walkergen.core.theory.stationary import Stationary, stationary
 from walkergen.core.theory.surrogate import NORMAL_95, FallsError, Known, UnknownError
@@ -213,11 +214,18 @@ def prediction_inputs(scene: Scene, design: Design) -> tuple[Input, ...]:
 
 def sample_speeds(known: Known, drawn: Drawn) -> Array:
     """Return the surrogate's speeds of a walker at values of `prediction_inputs`, mm/s, shape (n,)."""
-    speeds, columns = known.sample_speeds(drawn), drawn.columns
-    mirrored = known.sign  # a mirror image has mirrored errors
+    share = print_speeds(known, known.sample_speeds(drawn), drawn)
+    return np.asarray(share + known.sign * model_error_sd(share, known.scene) * drawn.columns[MODEL_INPUT.name])
+
+
+def print_speeds(known: Known, speeds: Speeds, drawn: Drawn, shift: Array | float = 0.0) -> Array:
+    """Return speeds of prints without the model's error, mm/s, shape (n,); a mirror image has mirrored errors.
+
+    `speeds` are those of the networks at the drawn inputs; `shift` moves all of them on the networks' scale.
+    """
+    columns = drawn.columns
     off = speeds.between_prints * columns[PRINT_INPUT.name] + speeds.error * columns[SURROGATE_INPUT.name]
-    share = known.peak_speed * speeds.speed_ratios(mirrored * off)
-    return np.asarray(share + mirrored * model_error_sd(share, known.scene) * columns[MODEL_INPUT.name])
+    return known.peak_speed * speeds.speed_ratios(shift + known.sign * off)
 
 
 def model_error_sd(speed: Array | float, scene: Scene) -> Array:
@@ -238,7 +246,7 @@ def compute_spread(design: Design, mass: MassProperties, scene: Scene, drawn: Dr
 
 
 def impact_speed(scene: Scene, mass: MassProperties) -> float:
-    """Compute the theory's speeds at values of the inputs, mm/s, shape (count,)."""
+    """Compute the normal speed w at which the theory's feet meet the plate, mm/s; a motor counts as a moving plate."""
     return scene.prediction.impact_speed_factor * scene.drive.equivalent_plate_drive(float(mass.total)).peak_speed
 
 
