@@ -1,38 +1,28 @@
 """The core: from a design to a part, its masses, its predicted and its simulated speed.
 
-It imports nothing above it. Its nouns and verbs stand here, in the order of docs/story.md; each loads its module when
-it is first used.
+It imports nothing above it. `__init__.pyi` is the table of its published names: code above the core imports these from
+`walkergen.core`, and each loads its module when it is first used.
 """
 
+import ast
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
-if TYPE_CHECKING:
-    from walkergen.core.numerics.quantity import Quantity
-    from walkergen.core.printing.printers import Printer
-    from walkergen.core.scene import Scene
-    from walkergen.core.simulation.plan import prepare
-    from walkergen.core.simulation.run import simulate
-    from walkergen.core.theory.prediction import predict
-    from walkergen.core.walker.design import Design
-    from walkergen.core.walker.solids import build, mass_of
 
-__all__ = ["Design", "Printer", "Quantity", "Scene", "build", "mass_of", "predict", "prepare", "simulate"]
+def _read_table() -> dict[str, str]:
+    """Read the module of each published name from the stub."""
+    stub = ast.parse(Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
+    imports = (statement for statement in stub.body if isinstance(statement, ast.ImportFrom))
+    return {name.name: str(line.module) for line in imports for name in line.names}
 
-_MODULES = {
-    "Quantity": "numerics.quantity",
-    "Design": "walker.design",
-    "Scene": "scene",
-    "build": "walker.solids",
-    "mass_of": "walker.solids",
-    "predict": "theory.prediction",
-    "prepare": "simulation.plan",
-    "simulate": "simulation.run",
-    "Printer": "printing.printers",
-}
+
+_MODULES = _read_table()
+
+__all__ = list(_MODULES)
 
 
 def __getattr__(name: str) -> Any:
     if name not in _MODULES:
         raise AttributeError(f"module {__name__} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
+    return getattr(import_module(_MODULES[name]), name)

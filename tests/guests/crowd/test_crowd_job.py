@@ -83,9 +83,10 @@ def test_a_disc_with_a_hole_has_nobody_in_its_hole(tmp_path):
 
 
 def test_counts_are_numbers_or_designs_with_theirs():
-    assert walker_counts.parse_count(" 30 ") == 30
-    assert walker_counts.parse_count("polar-disc:20, my/rotator.toml:10") == {"polar-disc": 20, "my/rotator.toml": 10}
-    assert walker_counts.parse_count("C:\\walkers\\mine.toml:3,b:2")["C:\\walkers\\mine.toml"] == 3
+    assert walker_counts.parse_walker_count(" 30 ") == 30
+    both = walker_counts.parse_walker_count("polar-disc:20, my/rotator.toml:10")
+    assert both == {"polar-disc": 20, "my/rotator.toml": 10}
+    assert walker_counts.parse_walker_count("C:\\walkers\\mine.toml:3,b:2")["C:\\walkers\\mine.toml"] == 3
 
 
 def test_one_walker_in_a_dish_is_a_crowd_of_one(run, walking):

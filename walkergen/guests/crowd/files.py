@@ -14,9 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from walkergen import extras
-from walkergen.core.errors import OutputError
-from walkergen.core.files import tables
-from walkergen.core.numerics import Array
+from walkergen.core import Array, OutputError, csv_text
 from walkergen.files import extended_xyz
 from walkergen.files.extended_xyz import Bodies
 from walkergen.guests.crowd.statistics import dish_geometry
@@ -37,7 +35,7 @@ def to_csv(film: CrowdFilm) -> bytes:
         *(part[frame, walker].tolist() for part in (film.x, film.y, film.theta)),
         strict=True,
     )
-    return tables.csv_text(CSV_COLUMNS, rows).encode()
+    return csv_text(CSV_COLUMNS, rows).encode()
 
 
 def to_xyz(film: CrowdFilm) -> bytes:

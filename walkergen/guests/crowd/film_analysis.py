@@ -8,14 +8,7 @@ import numpy as np
 
 from walkergen.analysis import track_files
 from walkergen.analysis.track_files import Units
-from walkergen.core import dish as dishes
-from walkergen.core.dish import Dish
-from walkergen.core.errors import InputError
-from walkergen.core.files import formatting, safe_text
-from walkergen.core.files.output import Folder
-from walkergen.core.files.progress import Progress
-from walkergen.core.numerics import Array
-from walkergen.core.walker.design import Design
+from walkergen.core import Array, Design, Dish, Folder, InputError, Progress, parse_dish, parse_number, shorten_line
 from walkergen.files import templates
 from walkergen.files.report import Report
 from walkergen.guests.crowd import figures as crowd_figures
@@ -50,7 +43,7 @@ class Asked(NamedTuple):
 
 def parse_crowd(dish: str, body: str | None, middle: str | None, others: Sequence[Path]) -> Asked:
     """Parse a crowd's dish, such as "disc:120", "24x8", "60,60". Raises InputError."""
-    ground = dishes.parse_dish(dish, "‹dish›")
+    ground = parse_dish(dish, "‹dish›")
     return Asked(ground, _parse_body(body), _parse_middle(middle), tuple(others))
 
 
@@ -113,12 +106,12 @@ def _parse_body(body: str | None) -> tuple[Array, ...]:
     """Outline of a body from its length and width, from its diameter, or from a walker's file."""
     if body is None:
         return ()
-    sizes = [formatting.parse_number(word) for word in body.split("x")]
+    sizes = [parse_number(word) for word in body.split("x")]
     if sizes[0] is None:
         return tuple(top_outline.outline_of(templates.load(body, "walkers", Design)))
     if len(sizes) > 2 or not all(size is not None and MIN_SIZE_MM <= size <= MAX_SIZE_MM for size in sizes):
         raise InputError(
-            f"‹body=›{safe_text.shorten_line(body)[:40]}: must be LENGTHxWIDTH, as 24x8, or the DIAMETER of a "
+            f"‹body=›{shorten_line(body)[:40]}: must be LENGTHxWIDTH, as 24x8, or the DIAMETER of a "
             f"disc, as 20, or a walker, mm, in {MIN_SIZE_MM:g}..{MAX_SIZE_MM:g}"
         )
     half = 0.5 * np.array([size for size in sizes if size is not None])
@@ -132,10 +125,8 @@ def _parse_middle(middle: str | None) -> tuple[float, float]:
     """Place of the dish's middle; the origin where none is given."""
     if middle is None:
         return 0.0, 0.0
-    numbers = [formatting.parse_number(word) for word in middle.split(",")]
+    numbers = [parse_number(word) for word in middle.split(",")]
     if len(numbers) != 2 or any(n is None or abs(n) > MAX_SIZE_MM for n in numbers):
-        raise InputError(
-            f"‹middle=›{safe_text.shorten_line(middle)[:40]}: must be X,Y in mm, as 60,55, within ±{MAX_SIZE_MM:g}"
-        )
+        raise InputError(f"‹middle=›{shorten_line(middle)[:40]}: must be X,Y in mm, as 60,55, within ±{MAX_SIZE_MM:g}")
     x, y = (float(number or 0.0) for number in numbers)
     return x, y

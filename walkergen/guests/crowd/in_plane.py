@@ -5,10 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.core.errors import InputError
-from walkergen.core.numerics.quantity import Quantity
-from walkergen.core.scene import Scene
-from walkergen.core.simulation.batch import OneRun, Stopped, Tell
+from walkergen.core import InputError, OneRun, Quantity, Scene, Stopped, Tell
 from walkergen.guests.crowd import job as jobs
 from walkergen.guests.crowd import walker_counts
 from walkergen.guests.crowd.cards.card import Card

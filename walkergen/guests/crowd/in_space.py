@@ -6,13 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.core.errors import InputError
-from walkergen.core.numerics import Array
-from walkergen.core.numerics.quantity import Quantity
-from walkergen.core.scene import Scene
-from walkergen.core.simulation.batch import OneRun, Stopped, Tell
-from walkergen.core.walker import solids
-from walkergen.core.walker.design import Design
+from walkergen.core import Array, Design, InputError, OneRun, Quantity, Scene, Stopped, Tell, mass_of
 from walkergen.guests.crowd import job as jobs
 from walkergen.guests.crowd import walker_counts
 from walkergen.guests.crowd.job import Job, Kind
@@ -37,7 +31,7 @@ def make_job(scene: Scene, designs: Sequence[Design], counts: Sequence[int] | No
     """
     kinds = []
     for number, design in enumerate(designs):
-        mass = solids.mass_of(design)
+        mass = mass_of(design)
         outline = tuple(top_outline.outline_of(design, mass))
         area = top_outline.area_of(outline)
         walkers = walker_counts.walker_count(scene, area) if counts is None else counts[number]

@@ -6,12 +6,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from walkergen.core.errors import InputError
-from walkergen.core.numerics import Array
-from walkergen.core.scene import Scene
-from walkergen.core.simulation.run import ENDED_WELL
-from walkergen.core.walker.design import Design
-from walkergen.core.walker.mass import MassProperties
+from walkergen.core import ENDED_WELL, Array, Design, InputError, MassProperties, Scene
 from walkergen.guests.crowd.cards.card import Card
 from walkergen.guests.crowd.space.placing import place
 from walkergen.guests.crowd.space.result import CrowdRun

@@ -1,7 +1,7 @@
 """A crowd by its model: walkers in space, or cards in a plane."""
 
-from walkergen.core.files.progress import Progress
-from walkergen.core.measure import Runs, measure
+from walkergen.core import Progress, Runs
+from walkergen.core.measure import measure
 from walkergen.guests.crowd import statistics
 from walkergen.guests.crowd.in_plane import InPlane
 from walkergen.guests.crowd.in_space import InSpace

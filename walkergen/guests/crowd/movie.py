@@ -13,10 +13,8 @@ from matplotlib.collections import PolyCollection
 from matplotlib.patches import Circle, Patch, Rectangle, Wedge
 from PIL import Image
 
-from walkergen.core.errors import InputError
+from walkergen.core import Array, InputError, Progress, Whole
 from walkergen.core.files import output
-from walkergen.core.files.progress import Progress
-from walkergen.core.numerics import Array, Whole
 from walkergen.files import animation
 from walkergen.files.animation import Draw, Pixels
 from walkergen.files.canvas import INK, LARGE_PT, PLATE_COLOUR, SMALL_PT, Canvas, set_scale

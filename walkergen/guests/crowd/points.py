@@ -5,10 +5,7 @@ A crowd takes minutes: its record holds every statistic, so that others may be s
 
 from collections.abc import Sequence
 
-from walkergen.core.files import formatting
-from walkergen.core.files.progress import silent
-from walkergen.core.printing.printers import Printer
-from walkergen.core.simulation.run import ENERGY_TOLERANCE
+from walkergen.core import ENERGY_TOLERANCE, Printer, format_number, silent
 from walkergen.guests.crowd import in_space, make, walker_counts
 from walkergen.guests.crowd.job import Simulated
 from walkergen.guests.crowd.statistics.summary import UNITS, WHOLE_RUN_NUMBERS
@@ -86,7 +83,7 @@ def _run_status(simulated: Simulated) -> Record:
         how = PointStatus.WALKERS_ENDED_BADLY
         return status_record(how, f"{how}: {which}, of {count} in all runs")
     if simulated.energy_error > ENERGY_TOLERANCE:
-        share = formatting.format_number(100.0 * simulated.energy_error, 2)
+        share = format_number(100.0 * simulated.energy_error, 2)
         return status_record(
             PointStatus.UNBALANCED, f"{PointStatus.UNBALANCED}: {share} % unaccounted for; take a smaller run.step_us"
         )

@@ -5,10 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from walkergen.core.files import formatting
-from walkergen.core.files.output import Folder, versions
-from walkergen.core.files.progress import Progress
-from walkergen.core.simulation.run import ENERGY_TOLERANCE, Outcome
+from walkergen.core import ENERGY_TOLERANCE, Folder, Outcome, Progress, format_number, versions
 from walkergen.files import report
 from walkergen.files.report import Report, Table
 from walkergen.guests.crowd import figures as crowd_figures
@@ -137,7 +134,7 @@ def _warnings(simulated: Simulated) -> Iterator[str]:
     worst = simulated.energy_error
     if worst > ENERGY_TOLERANCE:
         yield (
-            f"{Outcome.ENERGY.value}: {formatting.format_number(100.0 * worst, 2)} % of the energy exchanged "
+            f"{Outcome.ENERGY.value}: {format_number(100.0 * worst, 2)} % of the energy exchanged "
             f"is unaccounted for, more than {100.0 * ENERGY_TOLERANCE:g} %"
         )
 

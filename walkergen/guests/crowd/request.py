@@ -7,14 +7,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import BeforeValidator, Field
 
 from walkergen import film_fields, request
-from walkergen.core.errors import InputError
-from walkergen.core.files.progress import Expected, Progress
+from walkergen.core import Expected, InputError, Progress
 from walkergen.inputs import Inputs
 from walkergen.request import Flag
 
 if TYPE_CHECKING:
-    from walkergen.core.scene import Scene
-    from walkergen.core.walker.design import Design
+    from walkergen.core import Design, Scene
     from walkergen.files.report import Report
     from walkergen.guests.crowd.job import Job
 
@@ -26,7 +24,7 @@ def _parse_count(value: Any) -> Any:
     """Parse a number of walkers, or numbers by design: 30, "30", "polar-disc:20,rotator:10", {"polar-disc": 20}."""
     from walkergen.guests.crowd import walker_counts
 
-    return value if value is None else walker_counts.parse_count(value)
+    return value if value is None else walker_counts.parse_walker_count(value)
 
 
 class CrowdRequest(request.Request):
@@ -194,7 +192,7 @@ class CrowdRequest(request.Request):
 
     def _make_card(self, progress: Progress) -> "Report":
         """Measure a walker alone, by runs or by a film, or read the card that somebody edited, and write it."""
-        from walkergen.core.files import output
+        from walkergen.core import result_folder
         from walkergen.guests.crowd.cards import make
 
         source = self.design or request.PAPER_WALKER
@@ -204,7 +202,7 @@ class CrowdRequest(request.Request):
                 "a card is read as it is", *(set(type(self).model_fields) - {"design", "card", "pictures", "out"})
             )
             result, path = make.from_file(Path(source)), Path(source)
-            folder = output.result_folder(path, self.out, "card")
+            folder = result_folder(path, self.out, "card")
             return make.write(result, {"card": path.name}, folder, self.pictures)
         walker = given.single_member(source, self.tilt, self.legs)
         scene = given.scene(request.choose_scene(self.scene, [walker], request.PLANE_SCENE))
@@ -216,7 +214,7 @@ class CrowdRequest(request.Request):
         self.check_unset("a film tells nothing of walls", "arena")
         self.check_unset("tracks of a film are as long as they are", "seconds", "runs", "seed")
         units = film_fields.units(self.fps, self.mm_per_px, self.y_down, self.unit)
-        folder = output.result_folder(self.tracks, self.out, "card")
+        folder = result_folder(self.tracks, self.out, "card")
         result = make.from_film(self.tracks, units, scene, walker)
         return make.write(result, {"file": self.tracks.name, **units._asdict(), **asked}, folder, self.pictures)
 

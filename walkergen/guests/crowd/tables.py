@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from walkergen.core.files import formatting
-from walkergen.core.numerics.quantity import Quantity
+from walkergen.core import Quantity, format_duration, format_number
 from walkergen.files import quantity_format
 from walkergen.files.report import Column, Table
 from walkergen.guests.crowd.statistics.summary import NO_WALL, CrowdStatistics
@@ -68,7 +67,7 @@ def summary_line(statistics: CrowdStatistics) -> str:
     """Describe the measurement in a sentence."""
     runs = "one run" if statistics.runs == 1 else f"{statistics.runs} independent runs"
     return (
-        f"{runs} of {formatting.format_duration(statistics.seconds)} each, {statistics.frames} frames, of "
+        f"{runs} of {format_duration(statistics.seconds)} each, {statistics.frames} frames, of "
         f"{_describe_walkers(statistics)}."
     )
 
@@ -92,7 +91,7 @@ def _columns(statistics: CrowdStatistics) -> tuple[Column, ...]:
     def chance(row: Sequence[Any]) -> str:
         number = numbers[row[0]]
         value = statistics.by_chance.get(number.key)
-        return "" if value is None or number.value is None else formatting.format_number(value)
+        return "" if value is None or number.value is None else format_number(value)
 
     return (*quantity_format.columns(lambda row: numbers[row[0]]), Column("at random", chance, right=True))
 

@@ -3,9 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from walkergen.core.errors import InputError
-from walkergen.core.files import columns
-from walkergen.core.scene import Scene
+from walkergen.core import InputError, Scene, parse_count
 
 DEFAULT_COUNT = 10
 """Default number of walkers in a crowd."""
@@ -16,12 +14,12 @@ DEFAULT_RUNS, DEFAULT_RATE_HZ = 4, 25.0
 """Default number of independent runs of a crowd, and of frames a second."""
 
 
-def parse_count(value: int | str | Mapping[str, int]) -> int | dict[str, int]:
+def parse_walker_count(value: int | str | Mapping[str, int]) -> int | dict[str, int]:
     """Parse a number of walkers, or numbers by designs: 30, "30", {"rotator": 10} or "polar-disc:20,rotator:10".
 
     Raises ValueError, InputError for none or too many.
     """
-    whole = columns.parse_count(value, MAX_WALKERS) if isinstance(value, str) else value
+    whole = parse_count(value, MAX_WALKERS) if isinstance(value, str) else value
     if isinstance(whole, int) and not isinstance(whole, bool):
         return check_count(whole, f"‹count=›{whole}")
     pairs: list[tuple[str, Any]] = []
@@ -30,7 +28,7 @@ def parse_count(value: int | str | Mapping[str, int]) -> int | dict[str, int]:
     elif isinstance(value, str) and ":" in value:
         for part in value.split(","):
             name, _, number = part.strip().rpartition(":")
-            pairs.append((name, columns.parse_count(number, MAX_WALKERS)))
+            pairs.append((name, parse_count(number, MAX_WALKERS)))
     for name, count in pairs:
         if not name or isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MAX_WALKERS:
             raise ValueError(f"{name[:40]!r} must be DESIGN:N, N in 1..{MAX_WALKERS}")

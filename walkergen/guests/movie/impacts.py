@@ -8,7 +8,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import FancyArrowPatch
 from matplotlib.text import Text
 
-from walkergen.core.numerics import Array
+from walkergen.core import Array
 from walkergen.core.theory.impact import Kind
 from walkergen.files.canvas import INK, LARGE_PT, PLATE_COLOUR, SMALL_PT, Canvas, Place
 from walkergen.guests.movie.shot import Impact, Shot, format_pace

@@ -6,15 +6,22 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from walkergen.core.errors import InputError
+from walkergen.core import (
+    Design,
+    Expect,
+    Expected,
+    InputError,
+    Progress,
+    Release,
+    Scene,
+    ignore_estimate,
+    mass_of,
+    prepare,
+)
 from walkergen.core.files import output
-from walkergen.core.files.progress import Expect, Expected, Progress, ignore_estimate
-from walkergen.core.scene import Scene
 from walkergen.core.simulation.effects import walls
 from walkergen.core.simulation.effects.effect import Case
-from walkergen.core.simulation.plan import Release, prepare
-from walkergen.core.walker import names, solids
-from walkergen.core.walker.design import Design
+from walkergen.core.walker import names
 from walkergen.guests.movie.shot import Shot, Title, format_pace, make_shot
 from walkergen.points import poses
 
@@ -188,7 +195,7 @@ def _prepare_drawing(job: Job, progress: Progress) -> tuple["Draw", int, Sequenc
         from walkergen.guests.movie import perspective
 
         return perspective.make_draw_function(shots[0], every, job.slow, words), frames, shots
-    case = Case(job.scene, job.members[0], solids.mass_of(job.members[0]))
+    case = Case(job.scene, job.members[0], mass_of(job.members[0]))
     gap, period = walls.gap(case) if lane else None, 1.0 / job.scene.drive.frequency
     return top_view.make_draw_function(shots, every, job.slow, words, period, gap), frames, shots
 
@@ -209,7 +216,7 @@ def simulate_shot(job: Job, design: Design, every: int) -> Shot:
     seconds = ((job.frames - 1) * every + 0.5) * interval
     run = job.scene.run.model_copy(update={"seconds": seconds})
     scene = job.scene.model_copy(update={"run": run})
-    mass = solids.mass_of(design)
+    mass = mass_of(design)
     prepared = prepare(scene, design, mass)._replace(release=job.release)
     shot = make_shot(make_title(design), design, mass, poses.sample(prepared, interval))
     if len(shot.times) <= every:

@@ -10,7 +10,7 @@ from matplotlib.image import FigureImage
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
-from walkergen.core.numerics import Array
+from walkergen.core import Array
 from walkergen.files.animation import Draw, Pixels
 from walkergen.files.canvas import BODY_COLOUR, INK, PLATE_COLOUR, SMALL_PT, Canvas, Place, nice_ceil
 from walkergen.guests.movie import raster

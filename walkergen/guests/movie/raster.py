@@ -6,8 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.core.numerics import Array, Mask, Whole
-from walkergen.core.shapes.mesh import Mesh
+from walkergen.core import Array, Mask, Mesh, Whole
 
 CAMERA_DIRECTION = np.array([0.45, 0.36, 0.85])
 """Direction from the walker to the camera: before it, above it, and to its right."""

@@ -4,8 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from walkergen import request
-from walkergen.core.errors import InputError
-from walkergen.core.files.progress import Progress
+from walkergen.core import InputError, Progress
 from walkergen.request import Flag
 
 if TYPE_CHECKING:

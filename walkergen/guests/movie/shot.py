@@ -4,13 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.core.numerics import Array
-from walkergen.core.shapes.mesh import Mesh
-from walkergen.core.simulation.run import ENDED_WELL
+from walkergen.core import ENDED_WELL, Array, Design, MassProperties, Mesh, build
 from walkergen.core.theory.impact import Kind
-from walkergen.core.walker import solids
-from walkergen.core.walker.design import Design
-from walkergen.core.walker.mass import MassProperties, to_centre_frame
+from walkergen.core.walker.mass import to_centre_frame
 from walkergen.points.poses import Poses
 from walkergen.readers.walkers import top_outline
 
@@ -114,7 +110,7 @@ class Shot(NamedTuple):
 
 def make_shot(title: Title, design: Design, mass: MassProperties, poses: Poses) -> Shot:
     """Create the shot of a run in space, in the terms of the picture."""
-    mesh, O = solids.build(design).seen, point_in_mesh(design, mass)  # noqa: E741  (the paper's name)
+    mesh, O = build(design).seen, point_in_mesh(design, mass)  # noqa: E741  (the paper's name)
     return Shot(
         title=title,
         mesh=mesh.shift(-O),

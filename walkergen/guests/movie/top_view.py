@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import FancyArrowPatch
 from matplotlib.text import Text
 
-from walkergen.core.numerics import Array
+from walkergen.core import Array
 from walkergen.files.animation import Draw, Pixels
 from walkergen.files.canvas import (
     BODY_COLOUR,

@@ -5,13 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from walkergen.core.errors import InputError
-from walkergen.core.numerics import Array
-from walkergen.core.scene import Scene
-from walkergen.core.simulation.plan import prepare
-from walkergen.core.simulation.run import ENDED_WELL
-from walkergen.core.walker import names, solids
-from walkergen.core.walker.design import Design
+from walkergen.core import ENDED_WELL, Array, Design, InputError, Scene, mass_of, part_name, prepare
 from walkergen.guests.movie.shot import point_in_mesh
 from walkergen.points import poses
 
@@ -24,14 +18,12 @@ def record_run(design: Design, scene: Scene, seconds: float) -> dict[str, Any]:
 
     Raises InputError for a run that ends immediately.
     """
-    mass = solids.mass_of(design)
+    mass = mass_of(design)
     short = scene.run.model_copy(update={"seconds": seconds})
     motion = poses.sample(prepare(scene.model_copy(update={"run": short}), design, mass), 1.0 / POSES_PER_SECOND)
     if len(motion.times) < 2:
         raise InputError(f"{scene.name}: the run ended at once ({motion.outcome.value})")
-    return _pack_poses(motion, point_in_mesh(design, mass)) | {
-        "words": _caption(motion, scene, names.part_name(design))
-    }
+    return _pack_poses(motion, point_in_mesh(design, mass)) | {"words": _caption(motion, scene, part_name(design))}
 
 
 def _pack_poses(motion: poses.Poses, O: Array) -> dict[str, Any]:  # noqa: E741

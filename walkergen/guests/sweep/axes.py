@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from walkergen.core.errors import InputError
+from walkergen.core import InputError
 from walkergen.core.files import assignments
 from walkergen.core.files.config import MAX_INTEGER, MIN_MAGNITUDE
 

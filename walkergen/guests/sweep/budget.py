@@ -3,9 +3,7 @@
 import math
 import time
 
-from walkergen.core.errors import InputError
-from walkergen.core.files import formatting
-from walkergen.core.files.progress import Progress
+from walkergen.core import InputError, Progress, format_number
 from walkergen.core.measure import FIRST_RUNS
 from walkergen.guests.sweep import evaluation as run
 from walkergen.guests.sweep.evaluation import Asked
@@ -52,9 +50,7 @@ def spend(request: Request, seconds: float, store: Store, pool: WorkerPool | Non
         worst = sorted(open_, key=lambda n: (-half[n], n))[:batch]
         if not worst:
             break
-        progress(
-            f"widest bars, ± {formatting.format_number(half[worst[0]], 2)} mm/s", round(seconds - left), round(seconds)
-        )
+        progress(f"widest bars, ± {format_number(half[worst[0]], 2)} mm/s", round(seconds - left), round(seconds))
         more = [_double_runs(points[n], 1) for n in worst]
         for n, point, done in zip(worst, more, run.evaluate_points(more, store, pool), strict=True):
             points[n], half[n] = point, _half_width(done.record)

@@ -4,8 +4,7 @@ from collections.abc import Iterator
 from itertools import islice
 from typing import NamedTuple
 
-from walkergen.core.errors import WalkergenError
-from walkergen.core.files import formatting
+from walkergen.core import WalkergenError, format_duration, format_number
 from walkergen.guests.sweep.point_request import Request
 from walkergen.points import model_kinds, run_time
 from walkergen.points.point import PREDICTION, Point, point_key
@@ -74,9 +73,9 @@ def _point_cost(point: Point) -> float:
 def format_cost(cost: Cost | None, points: int) -> str:
     """Cost of so many points as a line for a person."""
     if cost is None:
-        return f"{formatting.format_number(points, 4)} points"
-    needed = f"about {formatting.format_duration(cost.seconds)} and {_format_bytes(cost.bytes)} on the disk"
-    return f"{formatting.format_number(cost.points, 4)} points: {needed}"
+        return f"{format_number(points, 4)} points"
+    needed = f"about {format_duration(cost.seconds)} and {_format_bytes(cost.bytes)} on the disk"
+    return f"{format_number(cost.points, 4)} points: {needed}"
 
 
 def _format_bytes(size: float) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import NamedTuple
 
-from walkergen.core.errors import WalkergenError
+from walkergen.core import WalkergenError
 from walkergen.points.model_kinds import evaluate
 from walkergen.points.point import Point, Record, digest, point_key
 from walkergen.points.store import Store

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from walkergen.core.numerics import Mask
+from walkergen.core import Mask
 from walkergen.files.figures import COLUMN_INCHES, PAGE_INCHES, style, wrap_text
 from walkergen.guests.sweep import panels as draw
 from walkergen.guests.sweep.panels import DOUBTFUL_STYLE, LINE_STYLES, MISSING_STYLE

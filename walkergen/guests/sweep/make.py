@@ -7,10 +7,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from walkergen.core import Folder, Progress, versions
 from walkergen.core.files import output
 from walkergen.core.files.formatting import is_number
-from walkergen.core.files.output import Folder, versions
-from walkergen.core.files.progress import Progress
 from walkergen.guests.sweep import budget, report, table
 from walkergen.guests.sweep import evaluation as run
 from walkergen.guests.sweep.evaluation import Asked, Done

@@ -4,8 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from walkergen.core.errors import InputError
-from walkergen.core.files import formatting
+from walkergen.core import InputError, format_range
 from walkergen.files.report import Column, Table, format_value
 
 MAX_SHOWN = 5
@@ -57,4 +56,4 @@ def _column(heading: str, places: Sequence[int], text: Callable[..., str]) -> Co
 
 def _format_span(low: float | None, high: float | None) -> str:
     """Format bounds as text, empty where they are unknown."""
-    return "" if low is None or high is None else formatting.format_range(low, high)
+    return "" if low is None or high is None else format_range(low, high)

@@ -12,7 +12,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import CenteredNorm, Normalize
 from matplotlib.ticker import MaxNLocator
 
-from walkergen.core.numerics import Array, Mask
+from walkergen.core import Array, Mask
 from walkergen.guests.sweep.scales import Scale, cell_edges, format_axis
 from walkergen.points.point import PointStatus
 

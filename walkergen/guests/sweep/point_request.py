@@ -4,12 +4,8 @@ import copy
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
-from walkergen.core.errors import GeometryError, InputError, WalkergenError
+from walkergen.core import Design, GeometryError, InputError, Printer, Scene, Tolerance, WalkergenError
 from walkergen.core.files import assignments
-from walkergen.core.printing.printers import Printer
-from walkergen.core.scene import Scene
-from walkergen.core.tolerance import Tolerance
-from walkergen.core.walker.design import Design
 from walkergen.guests.sweep.axes import Space
 from walkergen.guests.sweep.evaluation import Asked
 from walkergen.points import model_kinds

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 from pydantic import BeforeValidator, Field
 
 from walkergen import inputs, request
-from walkergen.core.errors import InputError
-from walkergen.core.files.progress import Expected, Progress
+from walkergen.core import Expected, InputError, Progress
 from walkergen.request import Flag
 
 if TYPE_CHECKING:
@@ -113,7 +112,7 @@ class SweepRequest(request.Request):
 
     def _make_ask(self) -> "Ask":
         """Sweep that is asked for here, or by a file. Raises InputError."""
-        from walkergen.core.tolerance import parse_tolerance
+        from walkergen.core import parse_tolerance
         from walkergen.guests.sweep import axes
         from walkergen.guests.sweep import sweep_setup as ask
 

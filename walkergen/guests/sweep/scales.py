@@ -8,8 +8,8 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
+from walkergen.core import Array
 from walkergen.core.files.formatting import is_number
-from walkergen.core.numerics import Array
 from walkergen.files.figures import wrap_text
 from walkergen.files.key_names import format_key
 

@@ -11,11 +11,9 @@ from typing import Annotated, Any, NamedTuple
 
 from pydantic import Field, field_validator
 
-from walkergen.core import tolerance
-from walkergen.core.errors import InputError
-from walkergen.core.files import config, safe_text
+from walkergen.core import InputError, Tolerance, parse_tolerance, shorten_line
+from walkergen.core.files import config
 from walkergen.core.files.config import Section
-from walkergen.core.tolerance import Tolerance
 from walkergen.guests.sweep import axes
 from walkergen.guests.sweep import point_request as request
 from walkergen.guests.sweep.axes import Axis, Method, Sample, Space, Span
@@ -114,7 +112,7 @@ def read_sweep(path: Path) -> SweepFile:
             except InputError as mistake:
                 mistakes.append(mistake.text)
     try:
-        error = tolerance.parse_tolerance(contents.error) if contents.error is not None else None
+        error = parse_tolerance(contents.error) if contents.error is not None else None
     except InputError as mistake:
         place = config.format_location(("error",), str(path), text)
         mistakes.append(f"{place}: error: {mistake.text.removeprefix('‹error=›')}")
@@ -141,7 +139,7 @@ def read_sweep(path: Path) -> SweepFile:
 def _format_place(table: str, key: str, source: str, text: str) -> str:
     """Beginning of a line on a key of a table: file, line and key."""
     location = (*table.split("."), *key.split("."))
-    return f"{config.format_location(location, source, text)}: {safe_text.shorten_line(f'{table}.{key}')}"
+    return f"{config.format_location(location, source, text)}: {shorten_line(f'{table}.{key}')}"
 
 
 def _flatten_tables(data: Mapping[str, Any], source: str, text: str) -> dict[str, Any]:

@@ -4,12 +4,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, get_args
 
-from walkergen.core.errors import InputError
-from walkergen.core.files import assignments, columns
-from walkergen.core.printing.printers import Printer
-from walkergen.core.scene import Scene
-from walkergen.core.tolerance import Tolerance, parse_tolerance
-from walkergen.core.walker.design import Design
+from walkergen.core import Design, InputError, Printer, Scene, Tolerance, parse_count, parse_tolerance
+from walkergen.core.files import assignments
 from walkergen.files import templates
 from walkergen.guests.sweep import axes, nearest, sweep_file
 from walkergen.guests.sweep import point_request as request
@@ -174,7 +170,7 @@ def make_space(entries: Sequence[Axis | Span], sample: str | None, seed: int) ->
 def parse_sample(text: str, spans: tuple[Span, ...], seed: int, source: str) -> Sample:
     """Parse samples of spans from sobol:N or latin:N. Raises InputError."""
     method, _, count = text.partition(":")
-    samples = columns.parse_count(count, axes.MAX_VALUES)
+    samples = parse_count(count, axes.MAX_VALUES)
     if method not in get_args(Method) or samples is None:
         raise InputError(f"{source}: write sobol:N or latin:N, N a whole number in 1..{axes.MAX_VALUES}")
     sequence: Method = "sobol" if method == "sobol" else "latin"

@@ -10,11 +10,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Self
 
-from walkergen.core.errors import InputError, OutputError
+from walkergen.core import InputError, OutputError, csv_text
 from walkergen.core.files import file_reading
 from walkergen.core.files.columns import split_cells as cells_of
 from walkergen.core.files.ledger import open_flags
-from walkergen.core.files.tables import csv_text
 from walkergen.points.point import STATUS_KEY, Record
 
 TABLE_FILE = "table.csv"

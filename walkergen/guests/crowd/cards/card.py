@@ -19,10 +19,10 @@ from pydantic import (
     model_validator,
 )
 
-from walkergen.core.errors import InputError, spell_for_python
-from walkergen.core.files import config, file_reading
+from walkergen.core import InputError, Quantity, read_json
+from walkergen.core.errors import spell_for_python
+from walkergen.core.files import config
 from walkergen.core.files.config import Fraction, Friction, Name, Section
-from walkergen.core.numerics.quantity import Quantity
 
 Size = Annotated[float, Field(gt=0, le=1e9)]
 Value = Annotated[float, Field(ge=-1e9, le=1e9)]
@@ -189,7 +189,7 @@ def area(contour: Contour) -> float:
 
 def read_card(path: Path) -> Card:
     """Read a card. Raises InputError for a file that is cut off, or a number that is none."""
-    data = file_reading.read_json(path)
+    data = read_json(path)
     if not isinstance(data, dict):
         raise InputError(f"{path}: holds no table of a card; give what `walkergen crowd --card` wrote")
     return config.validate(data, Card, str(path), "")

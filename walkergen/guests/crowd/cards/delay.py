@@ -15,8 +15,7 @@ from walkergen.analysis import lag_sums, moments
 from walkergen.analysis.estimates import MIN_SAMPLES
 from walkergen.analysis.motion import Curve
 from walkergen.analysis.tracks import Track, Tracks
-from walkergen.core.numerics import Array, Complex, Whole, statistics
-from walkergen.core.numerics.quantity import Quantity
+from walkergen.core import Array, Complex, Quantity, Whole, jackknife_error
 
 CUTOFF_SHARE = 0.5
 """Share of the direction at whose loss the integral ends, if a quarter of a track shows it."""
@@ -64,7 +63,7 @@ def measure(tracks: Tracks) -> Delay:
     end = max(int(fallen[0]), 2) if len(fallen) else len(lags) - 1
     lost = at_once - 0.5 * (mean[:, end] + mean[:, end - 1])
     areas = tracks.interval * function[:, :end].sum(axis=1)
-    curve = Curve(tracks.interval * (lags.astype(float) + 0.5), function[0], statistics.jackknife_error(function[1:]))
+    curve = Curve(tracks.interval * (lags.astype(float) + 0.5), function[0], jackknife_error(function[1:]))
     return Delay(_mean_delay(areas, lost), end * tracks.interval, curve)
 
 
@@ -84,12 +83,12 @@ def inertial_delay(lag: Array, speed: float, rate: float, turn: float, relaxatio
 
 def _mean_delay(areas: Array, lost: Array) -> Quantity:
     """Return half of the areas over the loss of correlation, first of all samples."""
-    error = float(statistics.jackknife_error(lost[1:, None])[0])
+    error = float(jackknife_error(lost[1:, None])[0])
     if not lost[0] > 3.0 * error:
         reason = "headings hardly turn, or no speed along them is known: film for longer"
         return Quantity("delay", "s", None, refused=reason)
     delays = 0.5 * areas / lost
-    se = float(statistics.jackknife_error(delays[1:, None])[0])
+    se = float(jackknife_error(delays[1:, None])[0])
     return Quantity("delay", "s", float(delays[0]), se, len(delays) - 2.0)
 
 

@@ -9,14 +9,7 @@ import numpy as np
 from markupsafe import Markup
 
 from walkergen.analysis.track_files import Units
-from walkergen.core.errors import InputError
-from walkergen.core.files.output import Folder
-from walkergen.core.files.progress import Progress
-from walkergen.core.numerics.quantity import Quantity
-from walkergen.core.scene import Scene
-from walkergen.core.walker import names, solids
-from walkergen.core.walker.design import Design
-from walkergen.core.walker.mass import MassProperties
+from walkergen.core import Design, Folder, InputError, MassProperties, Progress, Quantity, Scene, mass_of, part_name
 from walkergen.files import web_page
 from walkergen.guests.crowd.cards import card as cards
 from walkergen.guests.crowd.cards import exports, overdamped, report, walker_motion, wall_runs
@@ -30,7 +23,7 @@ CARD_FILE = "card.json"
 
 def default_folder(design: Design) -> Path:
     """Folder of a card by default: below out/ and the walker's name."""
-    return Path("out") / design.name / f"card_{names.part_name(design)}"
+    return Path("out") / design.name / f"card_{part_name(design)}"
 
 
 def from_design(scene: Scene, design: Design, walls: bool, progress: Progress) -> CardReport:
@@ -38,7 +31,7 @@ def from_design(scene: Scene, design: Design, walls: bool, progress: Progress) -
 
     Raises InputError before or after they run.
     """
-    mass = solids.mass_of(design)
+    mass = mass_of(design)
     if walls:
         wall_runs.check_dish(scene.crowd.dish)
     motion = walker_motion.simulate_walker(scene, design, mass, progress)
@@ -58,7 +51,7 @@ def from_design(scene: Scene, design: Design, walls: bool, progress: Progress) -
 def from_film(path: Path, units: Units, scene: Scene, design: Design) -> CardReport:
     """Measure the card of filmed walkers of a design, on the plate of a scene. Raises InputError."""
     motion = walker_motion.measure_film(path, units, scene)
-    return report.make_report(make_card(scene, design, solids.mass_of(design), motion), motion)
+    return report.make_report(make_card(scene, design, mass_of(design), motion), motion)
 
 
 def from_file(path: Path) -> CardReport:

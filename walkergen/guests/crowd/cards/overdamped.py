@@ -6,8 +6,7 @@ without velocity lag gives the same positions. Walkers that meet then stop as if
 
 import math
 
-from walkergen.core.files import formatting
-from walkergen.core.numerics.quantity import Quantity, Verdict
+from walkergen.core import Quantity, Verdict, format_with_error
 from walkergen.guests.crowd.cards.card import Overdamped
 from walkergen.guests.crowd.cards.relaxation import Relaxation
 
@@ -57,7 +56,7 @@ def inertial_shares(
 def _format_share(share: Quantity) -> str:
     """Format a share with its error, and its side of the limit."""
     side = "above" if share.number > NEGLIGIBLE_SHARE else "below"
-    return f"{share.key}: {formatting.format_with_error(share.number, share.se or 0.0)}, {side} {NEGLIGIBLE_SHARE:g}"
+    return f"{share.key}: {format_with_error(share.number, share.se or 0.0)}, {side} {NEGLIGIBLE_SHARE:g}"
 
 
 def format_verdict(verdict: Overdamped) -> str:

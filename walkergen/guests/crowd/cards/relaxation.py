@@ -20,8 +20,7 @@ from walkergen.analysis.estimates import MIN_SAMPLES, quantity, refusal
 from walkergen.analysis.motion import Curve
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.analysis.turning import PIECES
-from walkergen.core.numerics import Array, Complex, statistics
-from walkergen.core.numerics.quantity import Quantity
+from walkergen.core import Array, Complex, Quantity, jackknife_error
 
 FIT_CUTOFF = math.exp(-1.0)
 """Share of the first correlation at which its fit ends. Later lags lower no error: of ten ensembles
@@ -130,7 +129,7 @@ def lateral_coupling(tracks: Tracks, relaxed: float) -> Quantity:
         reason = f"{len(sums)} walkers that turn; at least {MIN_SAMPLES}"
         return Quantity("leaning", "mm", None, refused=reason)
     whole, others = sums.sum(axis=0), sums.sum(axis=0) - sums
-    se = float(statistics.jackknife_error((others[:, 0] / others[:, 1])[:, None])[0])
+    se = float(jackknife_error((others[:, 0] / others[:, 1])[:, None])[0])
     return Quantity("leaning", "mm", float(whole[0] / whole[1]), se, len(sums) - 1.0)
 
 
@@ -168,7 +167,7 @@ def fit_relaxation(
     whole, *without = [
         (total - own).real / (axes * np.maximum(pairs - number, 1.0)) + removed for own, number in [(0.0, 0.0), *sums]
     ]
-    errors = statistics.jackknife_error(np.array(without))
+    errors = jackknife_error(np.array(without))
     curve = Curve(interval * lags.astype(float), whole, errors)
     fits = _fit_exponentials([whole, *without], errors, interval, first)
     if fits is not None and fits[0][1] > interval:
@@ -178,7 +177,7 @@ def fit_relaxation(
         variance = height * x**2 / (2.0 * (math.cosh(x) - 1.0))
         at_once = variance * 2.0 * (x - 1.0 + math.exp(-x)) / x**2
         noise = 0.0 if exact else interval * math.sqrt(max(whole[0] - at_once, 0.0) / 2.0)
-        se = float(statistics.jackknife_error(times[1:, None])[0])
+        se = float(jackknife_error(times[1:, None])[0])
         relaxed = Quantity(key, "s", float(time), se, len(pieces) - 1.0)
         return Relaxation(relaxed, True, math.sqrt(max(variance, 0.0)), noise, curve)
     return _unresolved_relaxation(key, whole[0], np.array(without)[:, 0], diffusion, interval, curve)
@@ -191,7 +190,7 @@ def _unresolved_relaxation(
     assert diffusion.value is not None
     whole = _relaxation_time(square, diffusion.value, interval)
     others = [_relaxation_time(own, diffusion.value, interval) for own in squares]
-    se = float(statistics.jackknife_error(np.array(others)[:, None])[0])
+    se = float(jackknife_error(np.array(others)[:, None])[0])
     if diffusion.se is not None:
         more = _relaxation_time(square, diffusion.value + diffusion.se, interval)
         se = math.hypot(se, more - whole)

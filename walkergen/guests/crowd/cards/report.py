@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
-from walkergen.core.files import formatting
+from walkergen.core import format_number, format_with_error
 from walkergen.files import report
 from walkergen.files.report import Column, Report, Table
 from walkergen.guests.crowd.cards import overdamped, walls
@@ -53,9 +53,9 @@ def make_report(card: Card, measured: Measured | None, walled: Walled | None = N
     """Report a card; for a measured one, include the methods."""
     about = [card.scene] if card.scene else []
     about += [
-        f"{formatting.format_number(card.mass_g)} g",
-        f"{formatting.format_number(card.inertia_g_mm2)} g mm² about the vertical axis",
-        f"{formatting.format_number(card.length_mm)} mm long",
+        f"{format_number(card.mass_g)} g",
+        f"{format_number(card.inertia_g_mm2)} g mm² about the vertical axis",
+        f"{format_number(card.length_mm)} mm long",
     ]
     draw: dict[str, Callable[[], Figure]] = {}
     if measured is not None:
@@ -97,7 +97,7 @@ def _table(card: Card, measured: Measured | None) -> Table:
         _, value, se, _, note = row
         if value is None:
             return note
-        return formatting.format_with_error(value, se or 0.0) + (f" ({note})" if note else "")
+        return format_with_error(value, se or 0.0) + (f" ({note})" if note else "")
 
     columns = (
         Column("", lambda row: QUANTITY_LABELS[row[0]][0]),
@@ -121,7 +121,7 @@ def _missing_reasons(measured: Measured) -> dict[str, str]:
     }
     for key, relaxed in (("velocity_relaxation_s", measured.velocity), ("turning_relaxation_s", measured.turning)):
         if relaxed.time.value is not None and not relaxed.resolved:
-            reasons[key] = f"not resolved: below {formatting.format_number(measured.interval)} s"
+            reasons[key] = f"not resolved: below {format_number(measured.interval)} s"
     return reasons
 
 
@@ -150,17 +150,17 @@ def _motion_notes(measured: Measured) -> Iterator[str]:
     """Yield the method of speeds and their errors, and the data behind a delay."""
     yield measured.motion.method
     yield (
-        f"velocities fluctuate by {formatting.format_number(measured.velocity.deviation)} mm/s along the heading; "
+        f"velocities fluctuate by {format_number(measured.velocity.deviation)} mm/s along the heading; "
         "the relaxation "
         "is that of their correlation, once what the heading explains is taken off"
     )
     if measured.delay.mean.value is not None:
-        yield f"the delay is from the delay function up to {formatting.format_number(measured.delay.until)} s"
+        yield f"the delay is from the delay function up to {format_number(measured.delay.until)} s"
     leaning = measured.leaning
     if leaning.value is not None and leaning.se is not None:
         yield (
             "pushes that turn it by 1 rad/s move it by "
-            f"{formatting.format_with_error(leaning.value, leaning.se)} mm/s to "
+            f"{format_with_error(leaning.value, leaning.se)} mm/s to "
             "the same side: above 0 its velocity leads the heading by them, which the delay counts"
         )
 

@@ -11,18 +11,22 @@ from walkergen.analysis.estimates import ALIGNMENT_NAMES
 from walkergen.analysis.motion import Motion
 from walkergen.analysis.track_files import Units
 from walkergen.analysis.tracks import Tracks
-from walkergen.core.errors import InputError
-from walkergen.core.files import formatting
-from walkergen.core.files.progress import Progress
-from walkergen.core.numerics import Array, statistics
-from walkergen.core.numerics.quantity import Quantity
-from walkergen.core.scene import GRAVITY, Scene
+from walkergen.core import (
+    ENDED_WELL,
+    GRAVITY,
+    Array,
+    Design,
+    InputError,
+    MassProperties,
+    Progress,
+    Quantity,
+    Scene,
+    format_number,
+    jackknife_error,
+)
 from walkergen.core.simulation import ensemble
 from walkergen.core.simulation.effects import swaying_plate
-from walkergen.core.simulation.run import ENDED_WELL
 from walkergen.core.walker import mass as masses
-from walkergen.core.walker.design import Design
-from walkergen.core.walker.mass import MassProperties
 from walkergen.guests.crowd.cards import delay, relaxation
 from walkergen.guests.crowd.cards.delay import Delay
 from walkergen.guests.crowd.cards.relaxation import Relaxation
@@ -80,7 +84,7 @@ def simulate_walker(scene: Scene, design: Design, mass: MassProperties, progress
     own, ended = _simulate_tracks(scene, design, mass, progress)
     note = (
         f"{len(own.tracks)} runs of {scene.run.seconds:g} s, seen once in a period of the drive "
-        f"({formatting.format_number(1e3 * own.interval)} ms), so that the bouncing itself is not seen: {ended}"
+        f"({format_number(1e3 * own.interval)} ms), so that the bouncing itself is not seen: {ended}"
     )
     sloping, _ = _simulate_tracks(scene.variant(**SLOPE_SETTINGS), design, mass, progress)
     groups = [[track] for track in sloping.tracks]
@@ -124,7 +128,7 @@ def sideways_relaxation(sloping: Tracks, force: float) -> Quantity:
     sums = np.array(rows)
     whole = sums.sum(axis=0)
     times = np.array([(a - c * d / n) / (b - c * c / n) for a, b, c, d, n in (whole, *(whole - sums))])
-    se = float(statistics.jackknife_error(times[1:, None])[0])
+    se = float(jackknife_error(times[1:, None])[0])
     if not times[0] > 3.0 * se:
         return Quantity("sideways_relaxation", "s", None, refused="headings turn too little: longer runs")
     return Quantity("sideways_relaxation", "s", float(times[0]), se, len(rows) - 1.0)

@@ -5,14 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.core.dish import Dish
-from walkergen.core.errors import InputError
-from walkergen.core.files.progress import Progress
-from walkergen.core.numerics.quantity import Quantity
-from walkergen.core.scene import Scene
-from walkergen.core.simulation.run import ENDED_WELL
-from walkergen.core.walker.design import Design
-from walkergen.core.walker.mass import MassProperties
+from walkergen.core import ENDED_WELL, Design, Dish, InputError, MassProperties, Progress, Quantity, Scene
 from walkergen.guests.crowd.cards import walls
 from walkergen.guests.crowd.cards.walls import ByWall
 from walkergen.guests.crowd.space import run as crowd

@@ -12,9 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.analysis.estimates import MIN_SAMPLES
-from walkergen.core.dish import Dish
-from walkergen.core.numerics import Array, statistics
-from walkergen.core.numerics.quantity import Quantity
+from walkergen.core import Array, Dish, Quantity, jackknife_error
 
 WALL_RANGE_MM = 0.5
 """Distance (mm) within which a walker is by a wall: some hops of a tenth of a millimetre."""
@@ -70,7 +68,7 @@ def measure(runs: Sequence[Array], interval: float, outline: Array, dish: Dish) 
     with np.errstate(invalid="ignore", divide="ignore"):
         rates = turned.sum(axis=0) / samples.sum(axis=0)
         others = (turned.sum(axis=0) - turned) / (samples.sum(axis=0) - samples)
-    return ByWall(share, alignment, turning, angles, density, rates, statistics.jackknife_error(others))
+    return ByWall(share, alignment, turning, angles, density, rates, jackknife_error(others))
 
 
 def nearest_wall(rows: Array, outline: Array, dish: Dish) -> tuple[Array, Array]:
@@ -130,5 +128,5 @@ def _ratio(key: str, over: Array, under: Array) -> Quantity:
             key, QUANTITY_UNITS[key], None, refused="hardly a run meets a wall: a smaller dish, or longer runs"
         )
     value = float(over.sum() / under.sum())
-    se = float(statistics.jackknife_error(((over.sum() - over) / left)[:, None])[0])
+    se = float(jackknife_error(((over.sum() - over) / left)[:, None])[0])
     return Quantity(key, QUANTITY_UNITS[key], value, se, len(over) - 1.0)

@@ -9,9 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from walkergen.core import Array, Progress, silent
 from walkergen.core.files import output
-from walkergen.core.files.progress import Progress, silent
-from walkergen.core.numerics import Array
 from walkergen.guests.crowd.flat import crowd_checks, dump, lammps_engine, lammps_input
 from walkergen.guests.crowd.flat.lammps_input import Crowd
 

@@ -7,9 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import cKDTree
 
-from walkergen.core.dish import Dish
-from walkergen.core.errors import InputError
-from walkergen.core.numerics import Array, Whole
+from walkergen.core import Array, Dish, InputError, Whole
 from walkergen.guests.crowd.cards.card import Card
 from walkergen.guests.crowd.flat import discs, lammps_input
 

@@ -11,8 +11,7 @@ import numpy as np
 from shapely import Polygon, union_all
 from shapely.geometry.base import BaseGeometry
 
-from walkergen.core.errors import InputError
-from walkergen.core.numerics import Array
+from walkergen.core import Array, InputError
 from walkergen.guests.crowd.cards.card import Card
 
 OUTLINE_POINTS = 900

@@ -6,8 +6,7 @@ from typing import TextIO
 
 import numpy as np
 
-from walkergen.core.errors import InputError, OutputError
-from walkergen.core.numerics import Array
+from walkergen.core import Array, InputError, OutputError
 
 COLUMNS = "id xu yu c_heading[1] c_heading[2]"
 """Columns in the input's order: number, place, cos and sin of half the heading."""

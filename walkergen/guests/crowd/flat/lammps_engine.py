@@ -21,8 +21,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from walkergen import extras
-from walkergen.core.errors import InputError, OutputError
-from walkergen.core.files.progress import Progress
+from walkergen.core import InputError, OutputError, Progress
 
 PROGRAM_NAMES = ("lmp", "lmp_mpi", "lmp_serial")
 """Names of the programs searched on the PATH."""

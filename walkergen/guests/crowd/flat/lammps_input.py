@@ -11,8 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.core.dish import Dish
-from walkergen.core.numerics import Array, Whole
+from walkergen.core import Array, Dish, Whole
 from walkergen.guests.crowd.cards.card import Card
 from walkergen.guests.crowd.flat import contact, discs, motion
 

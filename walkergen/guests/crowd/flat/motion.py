@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from scipy.integrate import quad
 
-from walkergen.core.errors import InputError
+from walkergen.core import InputError
 from walkergen.guests.crowd.cards.card import Card
 
 MAX_TURN_RAD = 50.0

@@ -6,10 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.core.dish import Dish
-from walkergen.core.numerics import Whole
+from walkergen.core import Array, Dish, Whole
 from walkergen.core.simulation.record import Tally
-from walkergen.core.simulation.space.state import Array, Work, work_for
+from walkergen.core.simulation.space.state import Work, work_for
 from walkergen.core.simulation.world import State, World
 from walkergen.guests.crowd.space.shape import Shape, common_heights
 

@@ -10,9 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.core.numerics import Array, Whole
+from walkergen.core import Array, Whole
 from walkergen.core.numerics.kernels import kernel, lean
-from walkergen.core.simulation.drive import TWO_PI
 
 DISC, RING, RECTANGLE, PERIODIC = range(4)
 
@@ -254,7 +253,7 @@ def add_walkers(outlines, bounds, cells, places, scales, order, done, randoms):
             break
         i = order[done]
         x, y = half_x * (2.0 * randoms[t, 0] - 1.0), half_y * (2.0 * randoms[t, 1] - 1.0)
-        heading = TWO_PI * randoms[t, 2]
+        heading = 2.0 * math.pi * randoms[t, 2]
         if is_free(outlines, bounds, cells, places, scales, i, x, y, heading, scales[i]):
             places[i, 0], places[i, 1], places[i, 2] = x, y, heading
             _insert_walker(cells, bounds, i, x, y)

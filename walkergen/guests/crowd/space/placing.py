@@ -10,9 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from walkergen.core.dish import Dish
-from walkergen.core.errors import InputError
-from walkergen.core.numerics import Array, Whole
+from walkergen.core import Array, Dish, InputError, Whole
 from walkergen.guests.crowd.space import overlap
 from walkergen.guests.crowd.space.overlap import Bounds, Cells, Outlines
 from walkergen.readers.drawings.outlines import area

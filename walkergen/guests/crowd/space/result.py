@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from walkergen.core.numerics import Array
+from walkergen.core import Array
 
 
 class Impulses(NamedTuple):

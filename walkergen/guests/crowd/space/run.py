@@ -11,20 +11,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.core.errors import InputError
+from walkergen.core import Arena, Array, Design, InputError, MassProperties, Outcome, Plan, Scene
+from walkergen.core import prepare as prepare_walker
 from walkergen.core.numerics import kernels
-from walkergen.core.scene import Arena, Scene
-from walkergen.core.simulation import plan as plans
 from walkergen.core.simulation import record
 from walkergen.core.simulation.effects import swaying_plate
-from walkergen.core.simulation.plan import Plan
-from walkergen.core.simulation.run import MAX_BLOCKS, PERIODS_PER_BLOCK, STATUS_OUTCOMES, Outcome, sample_drop
+from walkergen.core.simulation.run import MAX_BLOCKS, PERIODS_PER_BLOCK, STATUS_OUTCOMES, sample_drop
 from walkergen.core.simulation.space.model import energy, turn_to
 from walkergen.core.simulation.space.pose import place
-from walkergen.core.simulation.space.state import C_X, C_Z, PHASE, TRAJECTORY_COLUMNS, Array, work_for
+from walkergen.core.simulation.space.state import C_X, C_Z, PHASE, TRAJECTORY_COLUMNS, work_for
 from walkergen.core.simulation.world import OK, State, World
-from walkergen.core.walker.design import Design
-from walkergen.core.walker.mass import MassProperties
 from walkergen.guests.crowd.space import bodies, steps
 from walkergen.guests.crowd.space.result import CrowdRun, Impulses
 from walkergen.guests.crowd.space.shape import Shape, make_shape
@@ -81,7 +77,7 @@ def prepare(
     `endless` removes the scene's dish. Raises InputError if a scene or a design contradicts the model in space.
     """
     flat = plane_scene(scene)
-    every = tuple(plans.prepare(flat, design, mass) for design, mass in designs)
+    every = tuple(prepare_walker(flat, design, mass) for design, mass in designs)
     shapes = tuple(
         make_shape(design, mass, plan.world.walker) for (design, mass), plan in zip(designs, every, strict=True)
     )

@@ -14,12 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from shapely.geometry import MultiPolygon, Polygon
 
-from walkergen.core.errors import InputError
-from walkergen.core.numerics import Whole
-from walkergen.core.simulation.space.state import Array
+from walkergen.core import Array, Design, InputError, MassProperties, Whole
 from walkergen.core.simulation.space.state import Walker as InSpace
-from walkergen.core.walker.design import Design
-from walkergen.core.walker.mass import MassProperties
 from walkergen.readers.walkers.top_outline import outline_of
 
 CORNER_MM = 0.2

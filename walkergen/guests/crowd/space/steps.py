@@ -11,9 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from walkergen.core import Array
 from walkergen.core.numerics.kernels import borrow_item, kernel, kernel_without_refcount, lean
 from walkergen.core.simulation.space.pose import place, plate_velocity
-from walkergen.core.simulation.space.state import C_X, C_Z, HEADING, LEGS, V_X, Array
+from walkergen.core.simulation.space.state import C_X, C_Z, HEADING, LEGS, V_X
 from walkergen.core.simulation.space.steps import advance_in
 from walkergen.core.simulation.world import OK
 from walkergen.guests.crowd.space.bodies import (

@@ -6,8 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-from walkergen.core.dish import Dish
-from walkergen.core.numerics import Array, Mask
+from walkergen.core import Array, Dish, Mask
 
 MIN_BOXES = 3
 """Least number of boxes along the shorter side: of two none lies inside a disc."""

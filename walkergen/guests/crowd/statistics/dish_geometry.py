@@ -8,8 +8,7 @@ import math
 import numpy as np
 from scipy.spatial import cKDTree
 
-from walkergen.core.dish import Dish
-from walkergen.core.numerics import Array, Whole
+from walkergen.core import Array, Dish, Whole
 
 
 def wrap_places(x: Array, y: Array, dish: Dish) -> tuple[Array, Array]:

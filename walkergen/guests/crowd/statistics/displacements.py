@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from walkergen.analysis import lag_sums
-from walkergen.core.numerics import Array
+from walkergen.core import Array
 from walkergen.guests.crowd.statistics.film import CrowdFilm
 
 MAX_LAGS = 24

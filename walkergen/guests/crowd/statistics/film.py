@@ -8,8 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis.tracks import Tracks
-from walkergen.core.dish import Dish
-from walkergen.core.numerics import Array, Mask, Whole
+from walkergen.core import Array, Dish, Mask, Whole
 from walkergen.readers.drawings import outlines as polygons
 
 Outlines = Mapping[str, Sequence[Array]]

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from walkergen.core.numerics import Array
+from walkergen.core import Array
 from walkergen.guests.crowd.statistics.film import CrowdFilm, mean_over_walkers
 
 

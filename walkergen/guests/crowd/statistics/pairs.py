@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.core.numerics import Array
+from walkergen.core import Array
 from walkergen.guests.crowd.statistics import dish_geometry
 from walkergen.guests.crowd.statistics.film import CrowdFilm
 

@@ -11,10 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.analysis.motion import Curve
-from walkergen.core.dish import Dish
-from walkergen.core.errors import InputError
-from walkergen.core.numerics import Array, statistics
-from walkergen.core.numerics.quantity import Quantity
+from walkergen.core import Array, Dish, InputError, Quantity, correlation_time, error_of_mean, weighted_mean
 from walkergen.guests.crowd.statistics import clusters, displacements, fluctuations, order, packing, pairs, walls
 from walkergen.guests.crowd.statistics.film import CrowdFilm, mean_over_walkers
 
@@ -230,7 +227,7 @@ def _quantity(name: str, values: Array, runs: Sequence[_Run], film: CrowdFilm) -
     if len(values) > 1:
         if np.ptp(values) <= EQUAL_TOLERANCE * abs(first):
             return Quantity(name, unit, first, 0.0)
-        return Quantity(name, unit, *statistics.weighted_mean(values)[:2], freedom=len(values) - 1.0)
+        return Quantity(name, unit, *weighted_mean(values)[:2], freedom=len(values) - 1.0)
     if name in WHOLE_RUN_NUMBERS:
         return Quantity(name, unit, first, refused=NO_ERROR_ONE_RUN)
     return Quantity(name, unit, first, *_error_of_one_run(*runs[0].series[name]))
@@ -242,8 +239,8 @@ def _error_of_one_run(times: Array, course: Array) -> tuple[float | None, float,
     if np.ptp(course[known]) == 0.0:
         return 0.0, math.inf, ""
     interval = float(times[1] - times[0])
-    if known.all() and (time := statistics.correlation_time([course], interval)) is not None:
-        se = statistics.error_of_mean([course], interval, time)
+    if known.all() and (time := correlation_time([course], interval)) is not None:
+        se = error_of_mean([course], interval, time)
         if se is not None:
             return se, len(course) * interval / (2.0 * time) - 1.0, ""
     return None, math.inf, NO_ERROR_SHORT_RUN

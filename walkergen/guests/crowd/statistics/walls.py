@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.core.numerics import Array
+from walkergen.core import Array
 from walkergen.guests.crowd.statistics import dish_geometry, displacements, pairs
 from walkergen.guests.crowd.statistics.film import CrowdFilm, mean_over_walkers
 
