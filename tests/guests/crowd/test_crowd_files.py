@@ -1,11 +1,9 @@
-"""Crowds as files of other programs, read back: CSV, GSD, extended XYZ, movies, stills."""
+"""Crowds as files of other programs, read back: CSV, extended XYZ, movies, stills."""
 
-import errno
 import io
 import json
 import re
 
-import gsd.hoomd
 import numpy as np
 import pytest
 from crowd_films import BOX, gas, of
@@ -13,7 +11,7 @@ from PIL import Image
 
 from walkergen.analysis import track_files
 from walkergen.analysis.track_files import Units
-from walkergen.core.errors import InputError, OutputError
+from walkergen.core.errors import InputError
 from walkergen.core.files.progress import silent
 from walkergen.files import animation, extended_xyz
 from walkergen.guests.crowd import figures as crowd_figures
@@ -37,36 +35,13 @@ def running(dish="periodic:50", walkers=6, frames=12):
 def test_csv_is_read_back_to_the_same_film(tmp_path):
     film = running()
     path = tmp_path / "run.csv"
-    path.write_bytes(crowd_files.encode(film, path))
+    path.write_bytes(crowd_files.to_csv(film))
     assert path.read_text().splitlines()[0] == "t_s,particle,x_mm,y_mm,theta_rad"
     back = films.from_tracks(track_files.read_tracks(path, Units()), film.dish, [BOX])
     for key in ("times", "x", "y", "areas", "radii"):
         np.testing.assert_allclose(getattr(back, key), getattr(film, key), atol=1e-9)
     turned = (back.theta - film.theta) / (2.0 * np.pi)
     assert np.nanmax(np.abs(turned - np.rint(turned))) < 1e-9
-
-
-def test_gsd_is_read_back_with_images_outlines_and_those_not_seen(tmp_path):
-    film = running()
-    path = tmp_path / "run.gsd"
-    path.write_bytes(crowd_files.encode(film, path))
-    with gsd.hoomd.open(str(path), "r") as file:
-        assert len(file) == len(film.times)
-        for at, frame in enumerate(file):
-            seen = frame.log["particles/id"]
-            assert list(seen) == list(np.flatnonzero(np.isfinite(film.x[at])))
-            assert frame.log["time_s"][0] == pytest.approx(film.times[at])
-            whole = frame.particles.position[:, :2] + 50.0 * frame.particles.image[:, :2]
-            assert np.abs(frame.particles.position).max() <= 25.0 + 1e-5
-            assert whole[:, 0] == pytest.approx(film.x[at][seen], abs=1e-4)
-            assert whole[:, 1] == pytest.approx(film.y[at][seen], abs=1e-4)
-            w, _, _, z = frame.particles.orientation.T
-            turn = np.cos(2.0 * np.arctan2(z, w) - film.theta[at][seen])
-            assert turn == pytest.approx(1.0, abs=1e-5)
-        assert frame.particles.types == ["walker"]
-        assert frame.particles.type_shapes[0]["vertices"] == BOX.tolist()
-        assert frame.configuration.dimensions == 2
-    assert crowd_files.to_gsd(film) == path.read_bytes()
 
 
 def test_extended_xyz_has_a_frame_for_each_time_and_who_was_seen():
@@ -85,16 +60,6 @@ def test_extended_xyz_has_a_frame_for_each_time_and_who_was_seen():
         assert values[:, 8:] == pytest.approx(np.tile([1.5, 0.5, 0.25], (count, 1)))
         at += 2 + count
     assert at == len(lines)
-
-
-def test_without_room_for_temporary_files_the_file_that_was_asked_for_is_named(tmp_path, monkeypatch):
-    def full(name, mode):
-        raise OSError(errno.ENOSPC, "No space left on device", name)
-
-    monkeypatch.setattr(gsd.hoomd, "open", full)
-    path = tmp_path / "run.gsd"
-    with pytest.raises(OutputError, match=rf"^'{path}': .*No space left on device; .*TMPDIR$"):
-        crowd_files.encode(running(), path)
 
 
 def test_a_file_of_no_known_kind_is_refused(tmp_path):

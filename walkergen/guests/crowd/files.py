@@ -1,20 +1,10 @@
-"""Files of a crowd's run for other programs: CSV, extended XYZ for OVITO, and GSD for HOOMD-blue.
+"""Files of a crowd's run: CSV with the columns that `walkergen analyse` reads, and extended XYZ for OVITO."""
 
-CSV has the columns that `walkergen analyse` reads. GSD (extra `crowd`) is HOOMD-blue's schema
-(https://gsd.readthedocs.io): a type for each kind, with its outline as a polygon; places are in
-single precision there, wrapped with their images in a periodic square, times in `log/time_s`, and
-`log/particles/id` numbers the walkers that a frame has.
-"""
-
-import importlib.util
-import tempfile
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 
-from walkergen import extras
-from walkergen.core import Array, OutputError, csv_text
+from walkergen.core import Array, csv_text
 from walkergen.files import extended_xyz
 from walkergen.files.extended_xyz import Bodies
 from walkergen.guests.crowd.statistics import dish_geometry
@@ -61,64 +51,8 @@ def to_xyz(film: CrowdFilm) -> bytes:
     return extended_xyz.format_frames(bodies, box).encode()
 
 
-def to_gsd(film: CrowdFilm) -> bytes:
-    """GSD of HOOMD-blue's schema, in two dimensions. Raises InputError without the package."""
-    extras.require("crowd", "GSD")
-    import gsd.hoomd
-
-    kinds = list(dict.fromkeys(film.kinds))
-    numbers = np.array([kinds.index(name) for name in film.kinds])
-    shapes = [_polygon(film, kind) for kind in kinds]
-    x, y = dish_geometry.wrap_places(film.x, film.y, film.dish)
-    period = film.dish.period or 1.0
-    images = [np.rint((far - near) / period) for far, near in ((film.x, x), (film.y, y))]
-    with tempfile.TemporaryDirectory(prefix="walkergen-gsd-") as folder:
-        path = Path(folder) / "crowd.gsd"
-        with gsd.hoomd.open(str(path), "w") as file:
-            for at, time in enumerate(film.times):
-                seen = np.flatnonzero(np.isfinite(film.x[at]))
-                frame = gsd.hoomd.Frame()
-                frame.configuration.step = at
-                frame.configuration.dimensions = 2
-                frame.configuration.box = [*film.dish.box, 0, 0, 0, 0]
-                frame.particles.N = len(seen)
-                frame.particles.types, frame.particles.type_shapes = kinds, shapes
-                frame.particles.typeid = numbers[seen]
-                flat = np.zeros(len(seen))
-                frame.particles.position = np.column_stack([x[at][seen], y[at][seen], flat])
-                frame.particles.image = np.column_stack([*(far[at][seen] for far in images), flat])
-                half = 0.5 * np.nan_to_num(film.theta[at][seen])
-                turns = [np.cos(half), flat, flat, np.sin(half)]
-                frame.particles.orientation = np.column_stack(turns)
-                frame.log["time_s"] = np.array([time])
-                frame.log["particles/id"] = seen
-                file.append(frame)
-        return path.read_bytes()
-
-
-FORMATS: dict[str, Callable[[CrowdFilm], bytes]] = {".csv": to_csv, ".xyz": to_xyz, ".gsd": to_gsd}
+FORMATS: dict[str, Callable[[CrowdFilm], bytes]] = {".csv": to_csv, ".xyz": to_xyz}
 """Writers of the formats, by the suffixes of their files."""
-
-
-def writable_suffixes() -> tuple[str, ...]:
-    """Suffixes of the formats that can be written here: GSD with its package alone."""
-    missing = importlib.util.find_spec("gsd") is None
-    return tuple(suffix for suffix in FORMATS if not (suffix == ".gsd" and missing))
-
-
-def encode(film: CrowdFilm, path: Path) -> bytes:
-    """Encode a run in the format of a file's suffix.
-
-    Raises OutputError where the library that packs it finds no room for its own file.
-    """
-    try:
-        return FORMATS[path.suffix.lower()](film)
-    except OSError as error:
-        folder = tempfile.gettempdir()
-        raise OutputError(
-            f"{str(path)!r}: cannot be made in {folder!r}, where temporary files lie: {error.strerror or error}; "
-            "make room there, or name another folder by TMPDIR"
-        ) from None
 
 
 def _half_axes(film: CrowdFilm, kind: str) -> Array:
@@ -128,11 +62,3 @@ def _half_axes(film: CrowdFilm, kind: str) -> Array:
     corners = np.concatenate(list(film.outlines[kind]))
     length, width = 0.5 * np.ptp(corners, axis=0)
     return np.array([length, width, HEIGHT_RATIO * width])
-
-
-def _polygon(film: CrowdFilm, kind: str) -> dict[str, object]:
-    """Outline of a kind as GSD describes shapes: the largest of its contours; nothing without."""
-    if kind not in film.outlines:
-        return {}
-    largest = max(film.outlines[kind], key=lambda contour: float(np.ptp(contour, axis=0).max()))
-    return {"type": "Polygon", "vertices": largest.tolist(), "rounding_radius": 0}

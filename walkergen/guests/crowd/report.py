@@ -150,10 +150,9 @@ def write(report: CrowdReport, folder: Path, pictures: bool, progress: Progress)
         for number, film in enumerate(report.simulated.films):
             if film.x.size > MAX_ROWS:
                 continue
-            for suffix in tracks.writable_suffixes():
+            for suffix, to_bytes in tracks.FORMATS.items():
                 progress("writing tracks", 99, 100)
-                name = f"tracks/run-{number}{suffix}"
-                target.write(name, tracks.encode(film, target.path / name))
+                target.write(f"tracks/run-{number}{suffix}", to_bytes(film))
         target.finish(manifest_inputs(report.simulated.job))
     return report
 
