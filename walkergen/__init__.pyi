@@ -206,7 +206,6 @@ def sweep(
     printer: Machine | None = None,
     file: Name | None = None,
     wish: float | None = None,
-    budget: str | float | None = None,
     workers: int | None = None,
     dask: str | None = None,
     yes: bool = False,
@@ -297,8 +296,8 @@ def crowd(
 
     Writes a folder with a page, tables, figures and the tracks of every run. The same seed gives the same bytes on any
     number of threads. Every run begins at other places; their scatter gives the errors. A card in place of a design
-    makes a crowd in a plane, of thousands; --card measures one: all that such a crowd has to know of a walker, from
-    simulated runs or from the tracks of a film, with inputs for pymunk, HOOMD-blue and LAMMPS.
+    makes a crowd in a plane, of thousands. --card measures one walker for such a crowd, from simulated runs or from the
+    tracks of a film.
 
     Example: `wg.crowd("koumakis2016", count=6, arena="disc:90", seconds=0.5, runs=2)`
     """

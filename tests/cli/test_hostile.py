@@ -178,7 +178,7 @@ def test_whole_numbers_that_nothing_could_print_are_not_read(text):
         ("fit", "fix", int),
         ("sweep", "set", ...),
         ("predict", "set", np.array(5.0)),
-        ("sweep", "budget", datetime.date(2020, 1, 1)),
+        ("accuracy", "budget", datetime.date(2020, 1, 1)),
     ],
 )
 def test_values_of_python_of_any_type_are_refused_in_a_line(name, field, value):

@@ -1,13 +1,10 @@
-"""Cards of walkers: measured, written, read again, and taken on to other programs."""
+"""Cards of walkers: measured, written and read again."""
 
 import json
 import math
-import random
 import re
-import runpy
 
 import numpy as np
-import pymunk
 import pytest
 from answers import refused
 from inertial_tracks import Inertial, tracks
@@ -15,14 +12,13 @@ from inertial_tracks import Inertial, tracks
 from walkergen.analysis import motion
 from walkergen.analysis.tracks import from_places
 from walkergen.core.errors import InputError, WalkergenError
-from walkergen.core.files.progress import silent
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import Scene
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.guests.crowd.cards import card as cards
-from walkergen.guests.crowd.cards import exports, make, overdamped, relaxation, wall_runs
+from walkergen.guests.crowd.cards import make, overdamped, relaxation
 from walkergen.guests.crowd.cards import walker_motion as measured
 from walkergen.guests.crowd.cards.card import Card
 from walkergen.guests.crowd.flat import motion as flat_motion
@@ -63,15 +59,6 @@ def test_a_card_is_read_as_it_was_written(tmp_path):
     path.write_bytes(cards.to_json(CARD))
     assert cards.read_card(path) == CARD
     assert cards.to_json(cards.read_card(path)) == path.read_bytes()
-
-
-def test_a_card_of_a_person_makes_inputs_again(run, tmp_path):
-    (tmp_path / "mine.json").write_bytes(cards.to_json(CARD))
-    assert run("mine.json").exit_code == 0
-    folder = tmp_path / "out" / "mine" / "card"
-    assert (folder / "card.json").read_bytes() == cards.to_json(CARD)
-    assert (folder / "crowd_pymunk.py").read_bytes() == exports.input_files(CARD)["crowd_pymunk.py"]
-    assert "variable mass equal 0.9\n" in (folder / "card.lammps").read_text()
 
 
 @pytest.mark.slow
@@ -215,95 +202,6 @@ def test_a_model_without_inertia_is_enough_for_what_neither_turns_nor_coasts():
     assert judged(60.0, 0.1, 0.046, 0.01) is None
 
 
-def scripts(tmp_path, card):
-    for name, text in exports.input_files(card).items():
-        (tmp_path / name).write_bytes(text)
-    return runpy.run_path(str(tmp_path / "crowd_pymunk.py"))
-
-
-@pytest.mark.slow
-def test_pymunk_gives_the_walker_of_the_card(tmp_path):
-    """Speed, relaxation, both diffusions and turning of a walker alone come back."""
-    script, draws = scripts(tmp_path, CARD), random.Random(5)
-    space, step, every = pymunk.Space(), 2e-3, 5
-    bodies = [script["walker"](space, (200.0 * n, 0.0), 0.3 * n, draws) for n in range(24)]
-    rows = []
-    for n in range(round(8.0 / step)):
-        space.step(step)
-        if n % every == 0:
-            rows.append([(*body.position, body.angle) for body in bodies])
-    own = from_places(np.array(rows)[20:].transpose(1, 0, 2), every * step, lane=False)
-    moved = motion.analyse(own).estimates
-    both, diffusion = relaxation.measure_velocity(own, exact=True)
-    velocity = relaxation.measure_along_heading(own, True, both, diffusion)
-    turning = relaxation.measure_turning(own, True, moved["rotational_diffusion"])
-    for estimate, known in (
-        (moved["speed"], CARD.speed_mm_s),
-        (velocity.time, CARD.velocity_relaxation_s),
-        (diffusion, CARD.translational_diffusion_mm2_s),
-        (moved["turning_bias"], CARD.turning_rad_s),
-        (moved["rotational_diffusion"], CARD.rotational_diffusion_rad2_s),
-        (turning.time, CARD.turning_relaxation_s),
-    ):
-        assert abs(estimate.value - known.value) < 3.5 * estimate.se + 0.01 * known.value, (estimate, known)
-    assert moved["speed"].se < 0.02 * CARD.speed_mm_s.value
-
-
-def test_pymunk_forgets_what_goes_aside_within_its_own_time(tmp_path):
-    sideways = cards.field_quantity("sideways_relaxation_s", 0.03)
-    script, draws = scripts(tmp_path, CARD.model_copy(update={"sideways_relaxation_s": sideways})), random.Random(5)
-    space = pymunk.Space()
-    bodies = [script["walker"](space, (200.0 * n, 0.0), 0.3 * n, draws) for n in range(24)]
-    for body in bodies:
-        body.velocity = pymunk.Vec2d(0.0, 200.0).rotated(body.angle)
-    for _ in range(30):
-        space.step(1e-3)
-    left = np.mean([body.velocity.rotated(-body.angle).y for body in bodies])
-    assert left == pytest.approx(200.0 / math.e, abs=8.0)
-
-
-def test_pymunk_collides_with_the_card_s_restitution(tmp_path):
-    """Two walkers without propulsion and friction, head on."""
-    card = CARD.model_copy(
-        update={
-            "speed_mm_s": cards.field_quantity("speed_mm_s", 0.0),
-            "velocity_relaxation_s": cards.field_quantity("velocity_relaxation_s", 1e6),
-            "turning_relaxation_s": cards.field_quantity("turning_relaxation_s", 1e6),
-            "turning_rad_s": cards.field_quantity("turning_rad_s", 0.0),
-            "translational_diffusion_mm2_s": cards.field_quantity("translational_diffusion_mm2_s", 0.0),
-            "restitution": 0.6,
-            "rotational_diffusion_rad2_s": cards.field_quantity("rotational_diffusion_rad2_s", 0.0),
-        }
-    )
-    script, draws, space = scripts(tmp_path, card), random.Random(1), pymunk.Space()
-    assert script["MASS"] == card.mass_g
-    left, right = (script["walker"](space, (x, 0.0), 0.0, draws) for x in (-20.0, 20.0))
-    left.velocity, right.velocity = (30.0, 0.0), (-30.0, 0.0)
-    for _ in range(1000):
-        space.step(1e-3)
-    assert right.velocity.x - left.velocity.x == pytest.approx(0.6 * 60.0, rel=0.02)
-    assert left.velocity.x + right.velocity.x == pytest.approx(0.0, abs=1e-6)
-
-
-def test_scripts_of_others_name_every_number_and_are_python(tmp_path):
-    made = exports.input_files(CARD)
-    for name in ("crowd_pymunk.py", "crowd_hoomd.py"):
-        compile(made[name], name, "exec")
-        text = made[name].decode()
-        for number, value in exports.model_parameters(CARD).items():
-            assert f"{number} = {value!r}" in text
-    values = {
-        words[1]: float(words[3])
-        for line in made["card.lammps"].decode().splitlines()
-        if (words := line.split())[0] == "variable"
-    }
-    assert values["thrust"] == pytest.approx(values["drag"] * CARD.propulsion_mm_s)
-    relaxed = CARD.mass_g / values["drag"]
-    assert relaxed == pytest.approx(CARD.velocity_relaxation_s.value)
-    assert values["velocity_sd"] ** 2 * relaxed == pytest.approx(CARD.translational_diffusion_mm2_s.value)
-    assert math.isfinite(sum(values.values()))
-
-
 def test_numbers_that_every_card_has_are_asked_for():
     own = measured.measure_tracks(tracks(1, Inertial(), walkers=2, seconds=0.4), True, ())
     scene, walker = templates.load("plane-90hz", "scenes", Scene), design()
@@ -311,28 +209,11 @@ def test_numbers_that_every_card_has_are_asked_for():
         make.make_card(scene, walker, solids.mass_of(walker), own)
 
 
-@pytest.mark.nightly
-def test_a_wall_turns_a_walker_that_runs_against_it(run, tmp_path):
-    """A flat nose stands head on, or beyond the reach of its corners turns along the wall."""
-    words = ("koumakis2016", "--runs", "12", "--seconds", "3", "--arena", "disc:120", "--json")
-    result = run(*words, "--out", "here")
-    assert result.exit_code == 0, result.exception
-    card = Card.model_validate(json.loads(result.stdout)["card"])
-    assert -1.0 <= card.wall_alignment.value <= 1.0
-    assert card.wall_turning_rad_s.value > 3.0 * card.wall_turning_rad_s.se
-    late = card.turning_relaxation_s.value
-    torque = card.inertia_g_mm2 * card.wall_turning_rad_s.value / late
-    assert card.wall_torque_g_mm2_s2.value == pytest.approx(torque)
-    assert (tmp_path / "here" / "walls.png").exists()
-
-
-def test_dishes_in_which_a_walker_meets_no_wall_are_refused(run, tmp_path):
-    assert "no walls" in refused(run, "--arena", "periodic:100")
-    assert "'hexagon:3'" in refused(run, "--arena", "hexagon:3")
-    (tmp_path / "tracks.csv").write_text(csv_of(tracks(1, Inertial(), walkers=2, seconds=0.3)))
-    film = ("rotator", "--tracks", "tracks.csv", "--arena", "disc:120")
-    assert "--arena disc:120: a film tells nothing of walls" in refused(run, *film)
-    scene, walker = templates.load("plane-90hz", "scenes", Scene), design()
-    small = scene.model_copy(update={"crowd": scene.crowd.model_copy(update={"arena_mm": "disc:35"})})
-    with pytest.raises(InputError, match="too small"):
-        wall_runs.simulate_wall_runs(small, walker, solids.mass_of(walker), CARD.speed_mm_s, silent)
+def test_what_a_card_no_longer_has_is_refused_with_the_way_that_remains(run, tmp_path):
+    assert "--arena disc:120: is of a crowd, not of --card" in refused(run, "--arena", "disc:120")
+    (tmp_path / "mine.json").write_bytes(cards.to_json(CARD))
+    assert "DESIGN: is a card already. Give it with --count" in refused(run, "mine.json")
+    old = json.loads(cards.to_json(CARD)) | {"wall_alignment": None}
+    (tmp_path / "mine.json").write_text(json.dumps(old))
+    with pytest.raises(InputError, match=r"wall_alignment: this key is gone: .*`walkergen crowd --count 1`"):
+        cards.read_card(tmp_path / "mine.json")

@@ -8,7 +8,6 @@ import subprocess
 import sys
 import time
 
-import numpy as np
 import pytest
 from answers import rows_of
 from typer.testing import CliRunner
@@ -21,7 +20,7 @@ from walkergen.core.scene import Scene
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.guests.sweep import axes, budget, make, table
+from walkergen.guests.sweep import axes, make, table
 from walkergen.guests.sweep.make import Job
 from walkergen.guests.sweep.point_request import Request
 from walkergen.points import model_kinds
@@ -267,33 +266,6 @@ def ends_whole(folder, home, texts):
 def test_a_killed_sweep_goes_on(home):
     assert 0 < killed(home / "one", 0.0) < 391
     ends_whole("one", home, ENDLESS_ENOUGH)
-
-
-def test_a_budget_goes_where_the_bars_are_widest(home, monkeypatch):
-    """A stand-in for the simulation: bars of known widths that shrink as one over the root."""
-    widths = {4.0: 1.0, 8.0: 4.0, 12.0: 2.0}
-
-    def measured(one):
-        half = widths[one.design.tilt_deg] * (8 / one.scene.run.runs) ** 0.5
-        return {
-            "went": "ok",
-            "status": "ok",
-            "speed_mm_s": 10.0,
-            "low_95_mm_s": 10.0 - half,
-            "high_95_mm_s": 10.0 + half,
-            "runs": one.scene.run.runs,
-        }
-
-    clock = iter(np.arange(0.0, 100.0))
-    monkeypatch.setattr("walkergen.guests.sweep.evaluation.evaluate", measured)
-    monkeypatch.setattr(budget.time, "monotonic", lambda: float(next(clock)))
-    monkeypatch.setattr(budget, "POINTS_PER_WORKER", 1)
-    request = request_of("legs.tilt_deg=4,8,12", model="space")
-    found = budget.spend(request, 8.5, Store(home / "points"), None, lambda *told: None)
-    # Eight doublings: of 4 five times, of 2 twice, of 1 once; of equal ones the first comes first.
-    assert [one.scene.run.runs for one in found] == [16, 256, 32]
-    again = budget.spend(request, 0.5, Store(home / "points"), None, lambda *told: None)
-    assert [one.scene.run.runs for one in again] == [one.scene.run.runs for one in found]
 
 
 def test_memory_does_not_grow_with_the_points():

@@ -32,8 +32,8 @@ class CrowdRequest(request.Request):
 
     Writes a folder with a page, tables, figures and the tracks of every run. The same seed gives the same bytes on any
     number of threads. Every run begins at other places; their scatter gives the errors. A card in place of a design
-    makes a crowd in a plane, of thousands; --card measures one: all that such a crowd has to know of a walker, from
-    simulated runs or from the tracks of a film, with inputs for pymunk, HOOMD-blue and LAMMPS.
+    makes a crowd in a plane, of thousands. --card measures one walker for such a crowd, from simulated runs or from the
+    tracks of a film.
     """
 
     design: Annotated[
@@ -106,7 +106,7 @@ class CrowdRequest(request.Request):
     def run(self, progress: Progress) -> "Report":
         """Simulate the crowd, write the input of another program for it, or measure a walker's card."""
         if self.card:
-            crowds = "count", "packing", "model", "rate_hz", "threads", "write_only", "movie"
+            crowds = "count", "packing", "arena", "model", "rate_hz", "threads", "write_only", "movie"
             self.check_unset("is of a crowd, not of ‹card›", *crowds)
             return self._make_card(progress)
         self.check_unset("is for ‹card›", "tracks", "fps", "mm_per_px", "unit", "y_down")
@@ -191,27 +191,21 @@ class CrowdRequest(request.Request):
         return in_plane.make_job(scene, known, counts, self.rate_hz)
 
     def _make_card(self, progress: Progress) -> "Report":
-        """Measure a walker alone, by runs or by a film, or read the card that somebody edited, and write it."""
+        """Measure a walker alone, from runs or from the tracks of a film, and write its card."""
         from walkergen.core import result_folder
         from walkergen.guests.crowd.cards import make
 
         source = self.design or request.PAPER_WALKER
         given = self.inputs()
         if _is_card(source):
-            self.check_unset(
-                "a card is read as it is", *(set(type(self).model_fields) - {"design", "card", "pictures", "out"})
-            )
-            result, path = make.from_file(Path(source)), Path(source)
-            folder = result_folder(path, self.out, "card")
-            return make.write(result, {"card": path.name}, folder, self.pictures)
+            raise InputError("‹design›: is a card already. Give it with ‹count›, and leave ‹card› out.", "card")
         walker = given.single_member(source, self.tilt, self.legs)
         scene = given.scene(request.choose_scene(self.scene, [walker], request.PLANE_SCENE))
         asked: dict[str, Any] = {"design": walker.model_dump(mode="json"), "scene": scene.model_dump(mode="json")}
         if self.tracks is None:
             self.check_unset("is for ‹tracks› of a film", "fps", "mm_per_px", "unit", "y_down")
-            result = make.from_design(scene, walker, self.arena is not None, progress)
+            result = make.from_design(scene, walker, progress)
             return make.write(result, asked, self.out or make.default_folder(walker), self.pictures)
-        self.check_unset("a film tells nothing of walls", "arena")
         self.check_unset("tracks of a film are as long as they are", "seconds", "runs", "seed")
         units = film_fields.units(self.fps, self.mm_per_px, self.y_down, self.unit)
         folder = result_folder(self.tracks, self.out, "card")

@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 from walkergen.core import Folder, Progress, versions
 from walkergen.core.files import output
 from walkergen.core.files.formatting import is_number
-from walkergen.guests.sweep import budget, report, table
 from walkergen.guests.sweep import evaluation as run
-from walkergen.guests.sweep.evaluation import Asked, Done
+from walkergen.guests.sweep import report, table
+from walkergen.guests.sweep.evaluation import Done
 from walkergen.guests.sweep.point_request import Request
 from walkergen.guests.sweep.report import Points, SweepReport
 from walkergen.guests.sweep.table import Table
@@ -30,8 +30,6 @@ class Job(NamedTuple):
     request: Request
     title: str
     pictures: bool = True
-    budget_s: float | None = None
-    """Time for more runs where the error bars are worst, s; None for none."""
     kept: bool = False
     """True for a report that holds every row."""
     wish: float | None = None
@@ -53,24 +51,17 @@ def make_sweep(job: Job, path: Path, store: Store, pool: WorkerPool | None, prog
     """
     started = time.perf_counter()
     job.request.check()
-    if job.budget_s is not None:
-        budget.check_budget(job.request)
     with Folder(path) as folder:
         folder.claim()
         if earlier := _load_finished(job, folder):
             return earlier
         warnings = _set_aside(folder)
-        stream = job.request.points()
-        if job.budget_s is not None:
-            stream = iter(budget.spend(job.request, job.budget_s, store, pool, progress))
         points = Points(_column_names(job), job.kept or job.drawn or job.wish is not None)
         folder.start_growing_file(table.TABLE_FILE)
         with Table(path / table.TABLE_FILE, job.request.space.keys, points.names) as rows:
-            for values, done in _evaluate_points(job, stream, store, pool, progress):
+            for values, done in _evaluate_points(job, store, pool, progress):
                 rows.add(values, done.record, done.key)
                 points.add(values, done)
-        if job.budget_s is not None:
-            points.stored = 0  # they are known by what the budget has just bought
         result = report.make_report(job.request, job.title, points, warnings, job.wish)
         _write_rest(job, folder, result, time.perf_counter() - started)
     return report.add_files(result, path, list(folder.hashes))
@@ -79,17 +70,17 @@ def make_sweep(job: Job, path: Path, store: Store, pool: WorkerPool | None, prog
 def evaluate_all(job: Job, store: Store, pool: WorkerPool | None, progress: Progress) -> SweepReport:
     """Evaluate all points of a request, without a folder. Raises as `make_sweep` does."""
     points = Points(_column_names(job), kept=True)
-    for values, done in _evaluate_points(job, job.request.points(), store, pool, progress):
+    for values, done in _evaluate_points(job, store, pool, progress):
         points.add(values, done)
     return report.make_report(job.request, job.title, points, wish=job.wish)
 
 
 def _evaluate_points(
-    job: Job, stream: Iterator[Asked], store: Store, pool: WorkerPool | None, progress: Progress
+    job: Job, store: Store, pool: WorkerPool | None, progress: Progress
 ) -> Iterator[tuple[tuple[Any, ...], Done]]:
     """Values of the keys at each point, and the evaluated point."""
     space = job.request.space
-    points = zip(space.rows(), run.evaluate_points(stream, store, pool), strict=True)
+    points = zip(space.rows(), run.evaluate_points(job.request.points(), store, pool), strict=True)
     for number, (values, done) in enumerate(points, start=1):
         yield values, done
         progress("points", number, space.points)
@@ -105,7 +96,7 @@ def _load_finished(job: Job, folder: Folder) -> SweepReport | None:
 
     None if the rows are wanted: the manifest does not contain them.
     """
-    facts, again = folder.earlier_manifest(), job.kept or job.budget_s is not None or job.wish is not None
+    facts, again = folder.earlier_manifest(), job.kept or job.wish is not None
     if again or facts.get("request") != _request_hash(job.request):
         return None
     if not folder.is_unchanged() or (job.pictures and not any(name.endswith(".png") for name in facts["files"])):
@@ -182,7 +173,7 @@ def _write_rest(job: Job, folder: Folder, result: SweepReport, seconds: float) -
         result.write_figures(folder)
     facts = {
         **_request_facts(request),
-        "request": "" if job.budget_s is not None else _request_hash(request),
+        "request": _request_hash(request),
         "sources": digest(),
         **{name: result.facts[name] for name in ("points", "known", "bad")},
         "seconds": round(seconds, 3),

@@ -69,11 +69,6 @@ class SweepRequest(request.Request):
     wish: Annotated[
         float | None, Field(ge=-1e6, le=1e6), Flag("Wished speed: list the points nearest to it first.", "MM/S")
     ] = None
-    budget: Annotated[
-        float | None,
-        BeforeValidator(request.parse_time),
-        Flag("Time to spend where errors are worst: 10m.", "TIME", takes="str | float | None"),
-    ] = None
     workers: request.Workers = None
     dask: Annotated[str | None, Flag("Cluster instead: tcp://scheduler:8786.", "ADDRESS")] = None
     yes: Annotated[bool, Flag("Begin, however long it takes.")] = False
@@ -88,8 +83,6 @@ class SweepRequest(request.Request):
 
         ask = self._make_ask()
         points = ask.make_request() if self.wish is None else ask.make_wish_request()
-        if self.budget is not None:
-            self.check_unset("not with ‹budget›, which adds runs until it is spent", "error")
         folder = self.output_folder(Path("out") / "sweeps" / ask.name())
         few = not self._shell or (points.model == PREDICTION and points.space.points <= MAX_LOCAL_POINTS)
         with closing(Store()) as store, inputs.open_pool(few, self.workers, self.dask) as pool:
@@ -104,8 +97,8 @@ class SweepRequest(request.Request):
                     f"{cost.format_cost(estimate(), points.space.points)}; give ‹yes› to begin, or take fewer points",
                     "yes",
                 )
-            self._expect(lambda: Expected(self.budget) if self.budget else _to_expected(estimate()))
-            job = make.Job(points, ask.title(), self.pictures, self.budget, not self._shell, self.wish)
+            self._expect(lambda: _to_expected(estimate()))
+            job = make.Job(points, ask.title(), self.pictures, not self._shell, self.wish)
             if folder is None:
                 return make.evaluate_all(job, store, pool, progress)
             return make.make_sweep(job, folder, store, pool, progress)

@@ -6,8 +6,9 @@ flat model of a crowd. Its frame is the walker seen from above: heading along +x
 
 import json
 import math
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import (
     Field,
@@ -34,7 +35,7 @@ MIN_AREA_MM2 = 1e-6
 """Least area of a contour, mm^2."""
 
 
-KEY_UNITS = ("g_mm2_s2", "mm2_s", "rad2_s", "rad_s", "mm_s", "per_mm", "s")
+KEY_UNITS = ("mm2_s", "rad2_s", "rad_s", "mm_s", "per_mm", "s")
 """Units that keys of a card end in, those first that end in others."""
 
 
@@ -88,7 +89,12 @@ class Overdamped(Section):
 
 
 class Card(Section):
-    """What a flat crowd has to know of a walker; None for what was not measured."""
+    """Parameters of a walker for a crowd in a plane; None for what was not measured."""
+
+    gone: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("wall_alignment", "wall_turning_rad_s", "wall_torque_g_mm2_s2"),
+        "no crowd used it; `walkergen crowd --count 1` measures a walker in a dish with walls; leave the key out",
+    )
 
     name: Name
     scene: str = ""
@@ -126,13 +132,6 @@ class Card(Section):
     """Restitution and friction of body on body."""
     wall_restitution: Fraction = 0.5
     wall_friction: Friction = 0.25
-    wall_alignment: Measured | None = None
-    """Mean of -cos(2 angle) by a wall, of the angle from the outward direction to the heading: 1 along the wall, 0
-    for random directions, -1 head on."""
-    wall_turning_rad_s: Measured | None = None
-    """Mean rate at which a wall turns an obliquely incident walker along itself."""
-    wall_torque_g_mm2_s2: Measured | None = None
-    """Torque of the wall that does this."""
     overdamped: Overdamped | None = None
 
     @field_validator("outline_mm")

@@ -1,4 +1,4 @@
-"""Figures of a card: how a walker spreads, how long it remembers a push, how late it follows; and by a wall."""
+"""Figures of a card: how a walker spreads, how long it remembers a push, how late it follows."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -7,12 +7,11 @@ from matplotlib.figure import Figure
 from walkergen.analysis import persistent_walk
 from walkergen.analysis.persistent_walk import Spread
 from walkergen.files import figures as plots
-from walkergen.files.figures import COLUMN_INCHES, FITTED, GREY, MEASURED, SERIES, Look, new_grid, new_panels, style
+from walkergen.files.figures import COLUMN_INCHES, FITTED, GREY, SERIES, Look, new_grid, style
 from walkergen.guests.crowd.cards import delay
 from walkergen.guests.crowd.cards.card import Card
 from walkergen.guests.crowd.cards.relaxation import Relaxation
 from walkergen.guests.crowd.cards.walker_motion import Measured
-from walkergen.guests.crowd.cards.wall_runs import Walled
 
 CORRELATION_SPAN = 5.0
 """Times of relaxation over which correlations are drawn."""
@@ -100,20 +99,3 @@ def _draw_delay(axes: Axes, card: Card, measured: Measured) -> None:
     low, high = axes.get_ylim()
     axes.set_ylim(low, high + 0.2 * (high - low))
     axes.legend(loc="upper right", ncols=2)
-
-
-@style()
-def draw_walls(card: Card, walled: Walled) -> Figure:
-    """Draw how often a walker has each angle to a wall, and its turning rate there."""
-    figure, (often, turns) = new_panels(f"{card.name} by the wall of {walled.dish.words}", (1.6, 1.9))
-    by_wall = walled.by_wall
-    angles = np.degrees(by_wall.angles)
-    edges = np.linspace(-180.0, 180.0, len(angles) + 1)
-    often.stairs(by_wall.density, edges, color=MEASURED.colour, fill=True, alpha=0.6)
-    seen = np.isfinite(by_wall.rates) & np.isfinite(by_wall.rates_se)
-    plots.draw_points(turns, (angles[seen], by_wall.rates[seen], by_wall.rates_se[seen]))
-    plots.draw_level(turns)
-    turns.set(xlim=(-180.0, 180.0), xticks=np.arange(-180, 181, 90))
-    plots.label_axes(often, y="density (1/rad)")
-    plots.label_axes(turns, "heading from the way out (deg)", "turning by it (rad/s)")
-    return figure

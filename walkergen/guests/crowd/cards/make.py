@@ -1,4 +1,4 @@
-"""Card of a walker: measured, judged, and written as JSON, a page and inputs for other programs."""
+"""Card of a walker: measured, judged, and written as JSON and a page."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -12,7 +12,7 @@ from walkergen.analysis.track_files import Units
 from walkergen.core import Design, Folder, InputError, MassProperties, Progress, Quantity, Scene, mass_of, part_name
 from walkergen.files import web_page
 from walkergen.guests.crowd.cards import card as cards
-from walkergen.guests.crowd.cards import exports, overdamped, report, walker_motion, wall_runs
+from walkergen.guests.crowd.cards import overdamped, report, walker_motion
 from walkergen.guests.crowd.cards.card import Card, field_quantity
 from walkergen.guests.crowd.cards.report import CardReport
 from walkergen.guests.crowd.cards.walker_motion import Measured
@@ -26,37 +26,17 @@ def default_folder(design: Design) -> Path:
     return Path("out") / design.name / f"card_{part_name(design)}"
 
 
-def from_design(scene: Scene, design: Design, walls: bool, progress: Progress) -> CardReport:
-    """Measure a card from simulated runs of a single walker, optionally also against the dish's wall.
-
-    Raises InputError before or after they run.
-    """
+def from_design(scene: Scene, design: Design, progress: Progress) -> CardReport:
+    """Measure a card from simulated runs of a single walker. Raises InputError before or after they run."""
     mass = mass_of(design)
-    if walls:
-        wall_runs.check_dish(scene.crowd.dish)
     motion = walker_motion.simulate_walker(scene, design, mass, progress)
-    card = make_card(scene, design, mass, motion)
-    if not walls:
-        return report.make_report(card, motion)
-    by_wall = wall_runs.simulate_wall_runs(scene, design, mass, card.speed_mm_s, progress)
-    numbers = {
-        "wall_alignment": by_wall.by_wall.alignment,
-        "wall_turning_rad_s": by_wall.by_wall.turning,
-        "wall_torque_g_mm2_s2": wall_runs.wall_torque(by_wall.by_wall.turning, motion.turning.time, card.inertia_g_mm2),
-    }
-    known = {field: _optional_quantity(field, number, by_wall.runs) for field, number in numbers.items()}
-    return report.make_report(card.model_copy(update=known), motion, by_wall)
+    return report.make_report(make_card(scene, design, mass, motion), motion)
 
 
 def from_film(path: Path, units: Units, scene: Scene, design: Design) -> CardReport:
     """Measure the card of filmed walkers of a design, on the plate of a scene. Raises InputError."""
     motion = walker_motion.measure_film(path, units, scene)
     return report.make_report(make_card(scene, design, mass_of(design), motion), motion)
-
-
-def from_file(path: Path) -> CardReport:
-    """Read a card that was written before, or by hand. Raises InputError for other files."""
-    return report.make_report(cards.read_card(path), None)
 
 
 def make_card(scene: Scene, design: Design, mass: MassProperties, motion: Measured) -> Card:
@@ -114,14 +94,12 @@ def _optional_quantity(field: str, number: Quantity, runs: int) -> Quantity | No
 
 
 def write(result: CardReport, asked: Mapping[str, Any], folder: Path, pictures: bool) -> CardReport:
-    """Write card.json, tables, page, figure and inputs for other programs into a folder."""
+    """Write card.json, tables, page and figure into a folder."""
     result = replace(result, folder=folder)
     with Folder(folder) as target:
         target.write(CARD_FILE, cards.to_json(result.card))
         result.write(target, pictures)
         target.write("card.html", render_page(result, pictures))
-        for name, text in exports.input_files(result.card).items():
-            target.write(name, text)
         target.finish(dict(asked))
     return result
 

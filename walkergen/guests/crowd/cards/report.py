@@ -1,7 +1,6 @@
 """Report of a card: its numbers with errors, the methods, and the assumptions."""
 
-import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
@@ -9,10 +8,9 @@ from typing import TYPE_CHECKING
 from walkergen.core import format_number, format_with_error
 from walkergen.files import report
 from walkergen.files.report import Column, Report, Table
-from walkergen.guests.crowd.cards import overdamped, walls
+from walkergen.guests.crowd.cards import overdamped
 from walkergen.guests.crowd.cards.card import Card, run_count
 from walkergen.guests.crowd.cards.walker_motion import Measured
-from walkergen.guests.crowd.cards.wall_runs import Walled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,11 +27,8 @@ QUANTITY_LABELS = {
     "turning_relaxation_s": ("turning relaxes within", "s"),
     "rotational_diffusion_rad2_s": ("rotational diffusion D_R", "rad²/s"),
     "self_alignment_per_mm": ("self-alignment, > 0 toward a push", "1/mm"),
-    "wall_alignment": ("alignment by a wall", ""),
-    "wall_turning_rad_s": ("turning along it", "rad/s"),
-    "wall_torque_g_mm2_s2": ("torque of the wall", "g mm²/s²"),
 }
-"""Names and units that people read, by the keys of a card; those of a wall only where runs against it tell them."""
+"""Names and units that people read, by the keys of a card."""
 
 CONTACT_KEYS = ("restitution", "friction", "wall_restitution", "wall_friction")
 
@@ -43,26 +38,18 @@ class CardReport(Report):
     """Card of a walker, with the motion that it is from."""
 
     card: Card
-    measured: Measured | None
-    """None for a card that was read from a file."""
-    walled: Walled | None
-    """None for a walker that did not run against walls."""
+    measured: Measured
 
 
-def make_report(card: Card, measured: Measured | None, walled: Walled | None = None) -> CardReport:
-    """Report a card; for a measured one, include the methods."""
+def make_report(card: Card, measured: Measured) -> CardReport:
+    """Report a card and how it was measured."""
     about = [card.scene] if card.scene else []
     about += [
         f"{format_number(card.mass_g)} g",
         f"{format_number(card.inertia_g_mm2)} g mm² about the vertical axis",
         f"{format_number(card.length_mm)} mm long",
     ]
-    draw: dict[str, Callable[[], Figure]] = {}
-    if measured is not None:
-        draw["card"] = partial(_draw_card, card, measured)
-    if walled is not None:
-        draw["walls"] = partial(_draw_walls, card, walled)
-    notes = list(_notes(card, measured, walled))
+    notes = list(_notes(card, measured))
     contacts = [(key, getattr(card, key)) for key in CONTACT_KEYS]
     assumed = report.key_columns(("quantity", "assumed"), ("quantity",))
     return CardReport(
@@ -75,22 +62,21 @@ def make_report(card: Card, measured: Measured | None, walled: Walled | None = N
         ],
         facts={"card": card.model_dump(mode="json"), "notes": notes},
         lines=[f"{note}." for note in notes],
-        figures=draw,
+        figures={"card": partial(_draw_card, card, measured)},
         card=card,
         measured=measured,
-        walled=walled,
     )
 
 
-def _table(card: Card, measured: Measured | None) -> Table:
+def _table(card: Card, measured: Measured) -> Table:
     """Return the numbers of a card; a note explains why one is unknown or uncertain."""
-    notes = {} if measured is None else _missing_reasons(measured)
+    notes = _missing_reasons(measured)
     rows = []
     for key in QUANTITY_LABELS:
         number, note = getattr(card, key), notes.get(key, "")
         if number is not None:
             rows.append((key, number.value, number.se, run_count(number), note))
-        elif not key.startswith("wall_"):
+        else:
             rows.append((key, None, None, None, note or "not known"))
 
     def value(row: tuple[str, float | None, float | None, int | None, str]) -> str:
@@ -125,21 +111,13 @@ def _missing_reasons(measured: Measured) -> dict[str, str]:
     return reasons
 
 
-def _notes(card: Card, measured: Measured | None, walled: Walled | None) -> Iterator[str]:
+def _notes(card: Card, measured: Measured) -> Iterator[str]:
     """Whether a model without inertia is enough, how numbers were measured, and what is assumed."""
     if card.overdamped is not None:
         yield overdamped.format_verdict(card.overdamped)
         yield overdamped.SOURCES
-    if measured is not None:
-        yield from measured.notes
-        yield from _motion_notes(measured)
-    if walled is not None:
-        low, high = (round(math.degrees(angle)) for angle in walls.OBLIQUE_ANGLES)
-        yield (
-            f"by the wall of {walled.dish.words}: {walled.runs} runs, let go beside it at angles from "
-            "head on to along it; alignment is -1 head on, 1 along it, over the second half of each; "
-            f"turning and torque are those of walkers that run against it at {low} to {high} degrees"
-        )
+    yield from measured.notes
+    yield from _motion_notes(measured)
     yield (
         "restitution and friction of contacts are those of the scene ([crowd], [arena]), assumed, "
         "not measured; outlines are those of bodies, legs left out"
@@ -169,9 +147,3 @@ def _draw_card(card: Card, measured: Measured) -> "Figure":
     from walkergen.guests.crowd.cards import figures
 
     return figures.draw_card(card, measured)
-
-
-def _draw_walls(card: Card, walled: Walled) -> "Figure":
-    from walkergen.guests.crowd.cards import figures
-
-    return figures.draw_walls(card, walled)
