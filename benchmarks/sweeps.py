@@ -19,8 +19,9 @@ from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.guests.sweep import axes
 from walkergen.guests.sweep import evaluation as run
-from walkergen.guests.sweep.make import Job, make_sweep
-from walkergen.guests.sweep.point_request import Request
+from walkergen.guests.sweep.make import make_sweep
+from walkergen.guests.sweep.request import SweepRequest
+from walkergen.guests.sweep.sweep_points import SweepPoints
 from walkergen.points import walkers
 from walkergen.points.experiments import Walker
 from walkergen.points.point import Point
@@ -47,11 +48,11 @@ def silent(what: str, done: int, total: int) -> None:
     """Progress that reports nothing."""
 
 
-def request_of(count: int, model: str = "prediction") -> Request:
+def request_of(count: int, model: str = "prediction") -> SweepPoints:
     design = templates.load("koumakis2016", "walkers", Design)
     scene = templates.load("lane-90hz", "scenes", Scene).variant(**{"run.runs": 4, "run.seconds": 4.0})
     space = axes.Space((axes.parse(f"legs.tilt_deg=1:40:{39 / (count - 1):.9g}"),))
-    return Request(design, scene, space, model)
+    return SweepPoints(design, scene, space, model)
 
 
 def overhead(count: int, folder: Path) -> None:
@@ -91,18 +92,12 @@ def workers(count: int, folder: Path) -> None:
 def predicted(count: int, folder: Path) -> None:
     """Predicted points on one core, and the same sweep again, finished, and extended by one."""
     request, store = request_of(count), Store(folder / "predicted")
-    for told, one in (
-        ("first", request),
-        ("again", request),
-        (
-            "one more",
-            request_of(count)._replace(
-                space=axes.Space((axes.Axis("legs.tilt_deg", (*request.space.axes[0].values, 40.5)),))
-            ),
-        ),
-    ):
+    bare = SweepRequest.from_values({"pictures": False}, shell=True)
+    tilts = axes.Axis("legs.tilt_deg", (*request.space.axes[0].values, 40.5))
+    one_more = request._replace(space=axes.Space((tilts,)))
+    for told, one in (("first", request), ("again", request), ("one more", one_more)):
         started, used = time.perf_counter(), time.process_time()
-        make_sweep(Job(one, "benchmark", pictures=False), folder / "table", store, None, silent)
+        make_sweep(bare, one, folder / "table", store, None, silent)
         print(
             f"{count} predicted points, {told}: {time.perf_counter() - started:.2f} s "
             f"({time.process_time() - used:.2f} s CPU)"

@@ -80,7 +80,7 @@ ROOMS = {
     ],
     "explorations": [
         "guests/sweep/axes",
-        "guests/sweep/point_request",
+        "guests/sweep/sweep_points",
         "points/point",
         "core/measure",
         "points/walkers",

@@ -13,8 +13,9 @@ from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.walker import solids
 from walkergen.files.report import Report
 from walkergen.guests.crowd import in_space
-from walkergen.guests.crowd.job import Simulated
 from walkergen.guests.crowd.make import simulate
+from walkergen.guests.crowd.population import Simulated
+from walkergen.guests.crowd.request import CrowdRequest
 from walkergen.points import walkers
 from walkergen.points.experiments import Walker
 
@@ -77,8 +78,8 @@ def simulated(size: Size, progress: Progress) -> Numbers:
 
 def _crowd(case: Case, progress: Progress) -> Simulated:
     """All runs of a crowd; equal on any number of threads. Ctrl-C is raised again."""
-    job = in_space.make_job(case.scene, [case.design], None, RATE_HZ)
-    crowd = simulate(job, None, progress)
+    request = CrowdRequest(rate_hz=RATE_HZ)
+    crowd = simulate(request, in_space.make_population(request, case.scene, [case.design]), progress)
     if len(crowd.runs) < case.scene.run.runs:  # those that Ctrl-C left would be another sample
         raise KeyboardInterrupt
     return crowd

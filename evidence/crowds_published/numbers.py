@@ -13,7 +13,7 @@ from evidence.crowds_published.cases import Case
 from walkergen.core.numerics import Array, Complex
 from walkergen.core.numerics.quantity import Quantity, mean
 from walkergen.core.simulation.run import ENDED_WELL, RunResult
-from walkergen.guests.crowd.job import Simulated
+from walkergen.guests.crowd.population import Simulated
 from walkergen.guests.crowd.statistics import CrowdFilm
 from walkergen.guests.crowd.statistics import order as orders
 from walkergen.points.trajectory import sample_rows

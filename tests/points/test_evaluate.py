@@ -16,7 +16,7 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.guests.sweep.axes import Space
-from walkergen.guests.sweep.point_request import Request
+from walkergen.guests.sweep.sweep_points import SweepPoints
 from walkergen.points import experiments as simulated
 from walkergen.points import model_kinds, single_walker, walkers
 from walkergen.points import point as points
@@ -33,7 +33,7 @@ SHORT = {"scene.run.seconds": 0.5, "scene.run.discard_seconds": 0.1, "scene.run.
 def point_at(model="prediction", design=PAPER, keep=("speed",), error=None, printer=None, **values):
     asked = tolerance.parse_tolerance(error) if error else None
     dotted = {name.replace("__", "."): value for name, value in values.items()}
-    request = Request(design, LANE, Space(()), model, keep, asked, printer)
+    request = SweepPoints(design, LANE, Space(()), model, keep, asked, printer)
     request.check()
     return request.point(SHORT | dotted)
 
@@ -138,7 +138,7 @@ def test_a_braced_walker_has_no_leg_of_its_own():
 
 
 def test_a_point_that_cannot_be_says_why_on_one_line():
-    request = Request(PAPER, LANE, Space(()))
+    request = SweepPoints(PAPER, LANE, Space(()))
     for values, told in (
         ({"legs.tilt_deg": 85.0}, "a leg leaves"),
         ({"legs.tilt_deg": math.nan}, "legs.tilt_deg = nan"),

@@ -16,7 +16,7 @@ from walkergen.files import templates
 from walkergen.guests.lab.fit import model_fit
 from walkergen.guests.sweep import cost
 from walkergen.guests.sweep.axes import Space, make_axis
-from walkergen.guests.sweep.point_request import Request
+from walkergen.guests.sweep.sweep_points import SweepPoints
 from walkergen.points import run_time, single_walker, walkers
 from walkergen.points.experiments import Walker
 from walkergen.points.store import Store
@@ -103,7 +103,7 @@ def test_a_sweep_costs_what_its_points_do_and_nothing_of_it_is_found_out_where_i
         templates.load("lane-90hz", "scenes", Scene), {"run.seconds": 1.0, "run.runs": 2}
     )
     space = Space((make_axis("legs.tilt_deg", [float(tilt) for tilt in range(1, 61)], "test"),))
-    request = Request(templates.load("koumakis2016", "walkers", Design), scene, space, "space")
+    request = SweepPoints(templates.load("koumakis2016", "walkers", Design), scene, space, "space")
     store = Store()
     try:
         one, two = (cost.estimate(request, store, workers) for workers in (1, 2))

@@ -17,7 +17,7 @@ from walkergen.files import templates
 from walkergen.guests.sweep import axes
 from walkergen.guests.sweep import evaluation as run
 from walkergen.guests.sweep.axes import Space
-from walkergen.guests.sweep.point_request import Request
+from walkergen.guests.sweep.sweep_points import SweepPoints
 from walkergen.points import worker_pool
 from walkergen.points.model_kinds import evaluate
 from walkergen.points.point import Point, digest
@@ -31,7 +31,7 @@ PAPER = templates.load("koumakis2016", "walkers", Design)
 
 
 def request_of(*varied, model="prediction", scene=LANE):
-    return Request(PAPER, scene, Space(tuple(axes.parse(text) for text in varied)), model)
+    return SweepPoints(PAPER, scene, Space(tuple(axes.parse(text) for text in varied)), model)
 
 
 MANY = request_of("legs.tilt_deg=2:90:1", "scene.contact.friction=0.1,0.3")

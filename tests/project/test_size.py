@@ -21,10 +21,10 @@ LIMITS = {
     "walkergen/commands": 8710,
     "walkergen/core": 18520,
     "walkergen/files": 1410,
-    "walkergen/guests/crowd": 7200,
+    "walkergen/guests/crowd": 7250,
     "walkergen/guests/lab": 5340,
-    "walkergen/guests/movie": 1500,
-    "walkergen/guests/sweep": 2260,
+    "walkergen/guests/movie": 1480,
+    "walkergen/guests/sweep": 2220,
     "walkergen/guests/track": 3710,
     "walkergen/points": 3110,
     "walkergen/readers": 5350,
@@ -32,7 +32,7 @@ LIMITS = {
     "benchmarks": 2760,
     "docs": 650,
     "evidence": 7210,
-    "tests": 39250,
+    "tests": 39000,
 }
 
 

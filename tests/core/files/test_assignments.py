@@ -8,7 +8,7 @@ from walkergen.core.files.config import validate
 from walkergen.core.scene import Scene
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.guests.sweep import point_request as request
+from walkergen.guests.sweep import sweep_points
 
 LANE = templates.load("lane-90hz", "scenes", Scene)
 PAPER = templates.load("koumakis2016", "walkers", Design)
@@ -151,10 +151,10 @@ def test_nothing_else_of_the_scene_moves():
 
 
 def test_keys_of_the_scene_go_to_the_scene_and_messages_say_so():
-    design, scene = request.change_keys(PAPER, LANE, {"scene.legs.damping_ratio": 0.1, "legs.tilt_deg": 12})
+    design, scene = sweep_points.change_keys(PAPER, LANE, {"scene.legs.damping_ratio": 0.1, "legs.tilt_deg": 12})
     assert (scene.legs.damping_ratio, design.tilt_deg) == (0.1, 12)
     with pytest.raises(InputError, match=r"^set: scene\.contact\.friction = -1: must be"):
-        request.change_keys(PAPER, LANE, {"scene.contact.friction": -1})
+        sweep_points.change_keys(PAPER, LANE, {"scene.contact.friction": -1})
 
 
 @pytest.mark.parametrize(

@@ -23,6 +23,7 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.guests.crowd import in_plane
+from walkergen.guests.crowd.request import CrowdRequest
 from walkergen.guests.crowd.space import run as crowds
 from walkergen.points import trajectory
 
@@ -127,7 +128,7 @@ def test_discs_that_topple_in_the_open_stay_up_under_a_lid_and_push_each_other()
 
 def test_a_card_knows_no_lid_but_its_own():
     with pytest.raises(InputError, match=r"arena.lid_mm = 12: a card was measured with its own lid, or none"):
-        in_plane.make_job(PLANE.variant(**{"arena.lid_mm": 12.0}), [card()], [2], 25.0)
+        in_plane.make_population(CrowdRequest(), PLANE.variant(**{"arena.lid_mm": 12.0}), [card()], [2])
 
 
 def turned(design):

@@ -18,6 +18,7 @@ from walkergen.guests.crowd import in_plane
 from walkergen.guests.crowd.cards import card as cards
 from walkergen.guests.crowd.flat import crowd as flat
 from walkergen.guests.crowd.flat.crowd import FlatRun
+from walkergen.guests.crowd.request import CrowdRequest
 
 COMMAND = ("crowd",)
 
@@ -105,7 +106,7 @@ def test_runs_of_cards_begin_apart_and_leave_their_start_out(run, asked, tmp_pat
 
 def test_a_scene_replaces_the_contact_of_a_card_where_it_says_so():
     scene = Scene().variant(**{"crowd.friction": 0.7})
-    (kind,) = in_plane.make_job(scene, [card(restitution=0.2, friction=0.1)], [3], 25.0).kinds
+    (kind,) = in_plane.make_population(CrowdRequest(), scene, [card(restitution=0.2, friction=0.1)], [3]).kinds
     assert (kind.card.restitution, kind.card.friction) == (0.2, 0.7)
 
 

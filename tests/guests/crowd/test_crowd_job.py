@@ -19,6 +19,7 @@ from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.guests.crowd import in_space as crowd_space
 from walkergen.guests.crowd import make, walker_counts
+from walkergen.guests.crowd.request import CrowdRequest
 from walkergen.guests.crowd.space import placing
 from walkergen.guests.crowd.space import run as crowds
 from walkergen.guests.crowd.space.result import CrowdRun, Impulses
@@ -56,13 +57,14 @@ def walking(monkeypatch):
 
 
 COMMAND = ("crowd",)
+REQUEST = CrowdRequest(rate_hz=10.0, threads=1)
 SHORT = ("--seconds", "2", "--runs", "3", "--no-pictures")
 
 
-def job_of(names, counts, **keys):
+def population_of(names, counts, **keys):
     scene = templates.load("plane-90hz", "scenes", Scene).variant(**{"run.seconds": 1.0, "run.runs": 3, **keys})
     designs = [templates.load(name, "walkers", Design) for name in names]
-    return crowd_space.make_job(scene, designs, counts, 10.0)
+    return crowd_space.make_population(REQUEST, scene, designs, counts)
 
 
 def test_a_disc_with_a_hole_has_nobody_in_its_hole(tmp_path):
@@ -77,9 +79,9 @@ def test_a_disc_with_a_hole_has_nobody_in_its_hole(tmp_path):
     small = templates.load("polar-disc", "walkers", Design)
     scene = templates.load("plane-90hz", "scenes", Scene)
     scene = scene.variant(**{"crowd.arena_mm": "disc:61"})
-    job = crowd_space.make_job(scene, [holed, small], [1, 2], 10.0)
+    crowd = crowd_space.make_population(REQUEST, scene, [holed, small], [1, 2])
     with pytest.raises(InputError, match="no room"):
-        make.simulate(job, 1, silent)
+        make.simulate(REQUEST, crowd, silent)
 
 
 def test_counts_are_numbers_or_designs_with_theirs():
@@ -101,10 +103,10 @@ def test_one_walker_in_a_dish_is_a_crowd_of_one(run, walking):
 
 
 def test_a_packing_says_how_many_and_the_report_how_dense():
-    job = job_of(["koumakis2016"], None, **{"crowd.packing": 0.3, "crowd.arena_mm": "disc:200"})
-    assert sum(kind.walkers for kind in job.kinds) == round(0.3 * np.pi * 100.0**2 / 224.0)
-    assert job.packing == pytest.approx(0.3, rel=0.02)
-    assert [kind.walkers for kind in job_of(["koumakis2016"], None).kinds] == [walker_counts.DEFAULT_COUNT]
+    crowd = population_of(["koumakis2016"], None, **{"crowd.packing": 0.3, "crowd.arena_mm": "disc:200"})
+    assert sum(kind.walkers for kind in crowd.kinds) == round(0.3 * np.pi * 100.0**2 / 224.0)
+    assert crowd.packing == pytest.approx(0.3, rel=0.02)
+    assert [kind.walkers for kind in population_of(["koumakis2016"], None).kinds] == [walker_counts.DEFAULT_COUNT]
 
 
 def test_the_folder_holds_numbers_with_errors_and_every_run(run, walking, tmp_path):
@@ -138,11 +140,11 @@ def test_any_number_of_threads_gives_the_same_bytes(run, walking, tmp_path):
 
 
 def test_every_run_begins_at_places_of_its_own_without_overlap(walking):
-    job = job_of(["rotator", "polar-disc"], [4, 6], **{"crowd.arena_mm": "disc:150"})
-    films = make.simulate(job, 1, silent).films
+    crowd = population_of(["rotator", "polar-disc"], [4, 6], **{"crowd.arena_mm": "disc:150"})
+    films = make.simulate(REQUEST, crowd, silent).films
     starts = [np.column_stack([film.x[0], film.y[0], film.theta[0]]) for film in films]
     assert all(np.abs(starts[0] - other).max() > 1.0 for other in starts[1:])
-    outlines = {kind.design.name: kind.outline for kind in job.kinds}
+    outlines = {kind.design.name: kind.outline for kind in crowd.kinds}
     # The walk begins within 0.1 mm, and shows C where a simulation shows O, 0.4 mm off at most
     within = [0.95 * contour for contour in outlines["rotator"]]
     shapes = {"rotator": within, "polar-disc": [0.95 * ring for ring in outlines["polar-disc"]]}
@@ -163,8 +165,8 @@ def test_ctrl_c_keeps_the_runs_that_are_done_and_stops_the_others(monkeypatch):
             raise KeyboardInterrupt
 
     monkeypatch.setattr(crowds, "simulate", slow)
-    job = job_of(["polar-disc"], [4])
-    simulated = make.simulate(job, 2, interrupting)
+    crowd = population_of(["polar-disc"], [4])
+    simulated = make.simulate(CrowdRequest(rate_hz=10.0, threads=2), crowd, interrupting)
     assert [run.number for run in simulated.runs] == [0]
 
     def at_once(what, done, total):
@@ -172,7 +174,7 @@ def test_ctrl_c_keeps_the_runs_that_are_done_and_stops_the_others(monkeypatch):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        make.simulate(job._replace(scene=job.scene.variant(**{"run.seconds": 2})), 1, at_once)
+        make.simulate(REQUEST, crowd._replace(scene=crowd.scene.variant(**{"run.seconds": 2})), at_once)
 
 
 def test_a_full_disk_is_told_and_leaves_no_half_file(run, walking, tmp_path):

@@ -14,9 +14,10 @@ from test_crowd_job import walk
 from walkergen.core.files.progress import silent
 from walkergen.guests.crowd import in_space as crowd_space
 from walkergen.guests.crowd.make import simulate
+from walkergen.guests.crowd.request import CrowdRequest
 from walkergen.guests.crowd.space import run as crowds
-from walkergen.guests.crowd.walker_counts import DEFAULT_RATE_HZ
 from walkergen.guests.sweep import axes, make, sweep_setup
+from walkergen.guests.sweep.request import SweepRequest
 from walkergen.points.store import Store
 
 PACKINGS = "scene.crowd.packing=0.1,0.2"
@@ -44,31 +45,31 @@ def store(tmp_path):
     kept.close()
 
 
-def request_of(*texts, keep=None, design="polar-disc", model=None, error=None):
+def points_of(*texts, keep=None, design="polar-disc", model=None, error=None):
     space, constants = sweep_setup.make_space([axes.parse(text) for text in texts], None, 1)
     names = design, None, None
-    asked = sweep_setup.make_ask(names, Path(), space, constants, model, error, keep, "--set")
-    return asked.make_request(), asked.title()
+    return sweep_setup.make_points(names, Path(), space, constants, model, error, keep, "--set")
 
 
 def swept(store, *texts, folder=None, pictures=False, **choices):
-    job = make.Job(*request_of(*texts, **choices), pictures, kept=True)
+    request, points = SweepRequest(pictures=pictures), points_of(*texts, **choices)
     if folder is None:
-        return make.evaluate_all(job, store, None, silent)
-    return make.make_sweep(job, folder, store, None, silent)
+        return make.evaluate_all(request, points, store, None, silent)
+    return make.make_sweep(request, points, folder, store, None, silent)
 
 
 def test_each_row_is_what_the_command_crowd_says_of_the_same_crowd(calls, store):
     keep = ["polar_order", "speed", "largest_cluster"]
     report = swept(store, PACKINGS, *SHORT, keep=keep)
-    request, _ = request_of(PACKINGS, *SHORT)
+    points = points_of(PACKINGS, *SHORT)
     assert [row[0] for row in report.table.rows] == [0.1, 0.2]
     for row in report.table.rows:
         cells = dict(zip(report.table.keys, row, strict=True))
-        point = request.point({"scene.crowd.packing": cells["scene.crowd.packing"]})
-        job = crowd_space.make_job(point.scene, [point.design], None, DEFAULT_RATE_HZ)
-        numbers = simulate(job, 2, silent).statistics.numbers
-        assert cells["walkers"] == len(job.numbers)
+        point = points.point({"scene.crowd.packing": cells["scene.crowd.packing"]})
+        own = CrowdRequest(threads=2)
+        crowd = crowd_space.make_population(own, point.scene, [point.design])
+        numbers = simulate(own, crowd, silent).statistics.numbers
+        assert cells["walkers"] == len(crowd.numbers)
         assert cells["runs"] == 3
         for name in keep:
             unit = "_mm_s" if name == "speed" else ""
@@ -186,5 +187,5 @@ def test_a_file_asks_for_crowds_as_the_command_line_does(tmp_path):
         'design = "polar-disc"\nkeep = ["milling"]\n[set]\n"scene.run.seconds" = 2\n'
         '[grid]\n"scene.crowd.packing" = [0.1, 0.2]\n'
     )
-    line, _ = request_of(PACKINGS, "scene.run.seconds=2", keep=["milling"])
-    assert sweep_setup.from_file(file).make_request() == line._replace(data=line.data)
+    line = points_of(PACKINGS, "scene.run.seconds=2", keep=["milling"])
+    assert sweep_setup.from_file(file) == line._replace(data=line.data)

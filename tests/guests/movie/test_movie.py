@@ -16,6 +16,7 @@ from walkergen.core.walker.design import Design
 from walkergen.files import animation, templates
 from walkergen.guests.movie import impacts
 from walkergen.guests.movie import make as movie
+from walkergen.guests.movie.request import MovieRequest
 
 PAPER = templates.load("koumakis2016", "walkers", Design)
 LANE = templates.load("lane-90hz", "scenes", Scene)
@@ -26,9 +27,13 @@ def silent(what, done, total):
     pass
 
 
+def film_of(members, scene, **choices):
+    return movie.plan_film(MovieRequest(**choices), members, scene)
+
+
 @pytest.fixture
 def short():
-    return movie.make_job([PAPER], LANE, periods=0.5, slow=180, fps=10)
+    return film_of([PAPER], LANE, periods=0.5, slow=180, fps=10)
 
 
 @pytest.mark.slow
@@ -88,7 +93,7 @@ def leaving(length_mm, discard_seconds):
 
 @pytest.mark.slow
 def test_a_run_that_ends_early_is_shown_to_its_end(tmp_path):
-    job = movie.make_job([PAPER], leaving(4.0, 0.0), periods=16, slow=10, fps=20)
+    job = film_of([PAPER], leaving(4.0, 0.0), periods=16, slow=10, fps=20)
     made = movie.make_movie(job, tmp_path / "a.gif", silent)
     (shot,) = made.shots
     assert shot.ended == "left the ground"
@@ -96,7 +101,7 @@ def test_a_run_that_ends_early_is_shown_to_its_end(tmp_path):
 
 
 def test_a_run_that_ends_at_once_is_refused():
-    job = movie.make_job([PAPER], leaving(1e-3, 0.1), fps=10)
+    job = film_of([PAPER], leaving(1e-3, 0.1), fps=10)
     with pytest.raises(InputError, match=r"10°, flexible: the run ended before .*left the ground"):
         movie.simulate_shot(job, PAPER, movie.SLOW_POSES_PER_FRAME)
 

@@ -19,6 +19,7 @@ from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.guests.movie import impacts, perspective, raster, shot, top_view
 from walkergen.guests.movie import make as movie
+from walkergen.guests.movie.request import MovieRequest
 from walkergen.points import poses
 
 PAPER = templates.load("koumakis2016", "walkers", Design)
@@ -30,6 +31,10 @@ def silent(what, done, total):
     pass
 
 
+def film_of(members, scene, **choices):
+    return movie.plan_film(MovieRequest(**choices), members, scene)
+
+
 def lasting(scene, seconds, discard=0.0):
     run = scene.run.model_copy(update={"seconds": seconds, "discard_seconds": discard})
     return scene.model_copy(update={"run": run})
@@ -38,14 +43,14 @@ def lasting(scene, seconds, discard=0.0):
 @cache
 def slow():
     """Three periods, 40 frames of 0.8 ms, 8 poses a frame."""
-    job = movie.make_job([PAPER], lasting(PLANE, 1.0), periods=3, slow=60, fps=20, view="perspective")
+    job = film_of([PAPER], lasting(PLANE, 1.0), periods=3, slow=60, fps=20, view="perspective")
     return job, movie.simulate_shot(job, PAPER, movie.SLOW_POSES_PER_FRAME)
 
 
 @cache
 def real():
     """Half a second in real time, from above."""
-    job = movie.make_job([PAPER], lasting(PLANE, 1.0), seconds=0.5, fps=10)
+    job = film_of([PAPER], lasting(PLANE, 1.0), seconds=0.5, fps=10)
     return job, movie.simulate_shot(job, PAPER, movie.ABOVE_POSES_PER_FRAME)
 
 
@@ -191,7 +196,7 @@ def test_a_lane_shows_its_walls():
 
 
 def test_a_movie_has_equal_bytes_for_equal_input(tmp_path):
-    job = movie.make_job([PAPER], lasting(PLANE, 1.0), seconds=0.3, fps=10)
+    job = film_of([PAPER], lasting(PLANE, 1.0), seconds=0.3, fps=10)
     one, two = (movie.make_movie(job, tmp_path / f"{k}.gif", silent) for k in "ab")
     assert (one.frames, job.view, job.slow) == (4, "above", 1.0)
     assert one.gif.read_bytes() == two.gif.read_bytes()
@@ -202,7 +207,7 @@ def test_a_movie_has_equal_bytes_for_equal_input(tmp_path):
 @pytest.mark.slow
 def test_a_movie_in_perspective_has_equal_bytes_for_equal_input(tmp_path):
     choice = {"periods": 0.5, "slow": 180, "fps": 10, "view": "perspective"}
-    job = movie.make_job([PAPER], lasting(PLANE, 1.0), **choice)
+    job = film_of([PAPER], lasting(PLANE, 1.0), **choice)
     one, two = (movie.make_movie(job, tmp_path / f"{k}.gif", silent) for k in "ab")
     assert one.gif.read_bytes() == two.gif.read_bytes()
     with Image.open(one.gif) as image:
@@ -215,7 +220,7 @@ def test_a_movie_in_perspective_has_equal_bytes_for_equal_input(tmp_path):
 
 def test_several_tilts_run_in_an_arena_each(tmp_path):
     members = PAPER.members([5.0, 35.0], ["flexible"])
-    job = movie.make_job(members, lasting(PLANE, 1.0), seconds=0.2, fps=10)
+    job = film_of(members, lasting(PLANE, 1.0), seconds=0.2, fps=10)
     made = movie.make_movie(job, tmp_path / "a.gif", silent)
     assert [one.name for one in made.shots] == ["koumakis2016, 5°, flexible", "koumakis2016, 35°, flexible"]
     with Image.open(made.gif) as image:
@@ -248,8 +253,8 @@ def test_corners_flash_from_their_landing_on(view):
     one = one._replace(impacts=(first,))
     draw = in_perspective(one, job)
     colour = impacts.impact_style(first.kind).colour
-    begin = int(np.ceil(first.time * job.fps * job.slow))
-    over = int(np.ceil((first.time + glow) * job.fps * job.slow))
+    begin = int(np.ceil(first.time * job.request.fps * job.slow))
+    over = int(np.ceil((first.time + glow) * job.request.fps * job.slow))
     lit = [coloured(draw(frame), colour, view) for frame in (begin - 1, begin, over)]
     assert lit[1] > 30
     assert lit[0] == lit[2] == 0
@@ -359,7 +364,7 @@ def test_the_command_films_a_plane_from_above(run):
 
 def test_views_follow_from_where_walkers_run():
     def seen(scene, members):
-        return movie.make_job(members, scene, seconds=0.2).view
+        return film_of(members, scene, seconds=0.2).view
 
     both = PAPER.members([10.0], ["flexible", "braced"])
     assert seen(PLANE, [PAPER]) == "above"
@@ -371,7 +376,7 @@ def test_views_follow_from_where_walkers_run():
 def test_a_run_that_ends_at_once_is_refused():
     # It runs at some 70 mm/s, and is off a plane of its own length before anything is measured.
     arena = PLANE.arena.model_copy(update={"length_mm": 28.0})
-    job = movie.make_job([PAPER], lasting(PLANE.model_copy(update={"arena": arena}), 1.0, 0.6), fps=10)
+    job = film_of([PAPER], lasting(PLANE.model_copy(update={"arena": arena}), 1.0, 0.6), fps=10)
     with pytest.raises(InputError, match=r"10°, flexible: the run ended before .*left the"):
         movie.simulate_shot(job, PAPER, movie.ABOVE_POSES_PER_FRAME)
 

@@ -129,7 +129,7 @@ def test_a_sweep_without_any_point_that_can_be_right_is_refused(tmp_path):
     for values in ("[90, 95]", "[5, 95]"):  # a number out of range among others is a row that says so
         path.write_text(f'[grid]\n"legs.tilt_deg" = {values}\n')
         if values == "[5, 95]":
-            assert sweep_setup.from_file(path).make_request().space.points == 2
+            assert sweep_setup.from_file(path).space.points == 2
         else:
             with pytest.raises(InputError, match=r"none of 2 points can be right: .*legs.tilt_deg = 90"):
-                sweep_setup.from_file(path).make_request()
+                sweep_setup.from_file(path)

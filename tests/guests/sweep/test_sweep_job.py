@@ -16,19 +16,21 @@ import walkergen as wg
 from walkergen.cli import command_line
 from walkergen.core.errors import InputError
 from walkergen.core.files.output import Folder
+from walkergen.core.files.progress import silent
 from walkergen.core.scene import Scene
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.guests.sweep import axes, make, table
-from walkergen.guests.sweep.make import Job
-from walkergen.guests.sweep.point_request import Request
+from walkergen.guests.sweep.request import SweepRequest
+from walkergen.guests.sweep.sweep_points import SweepPoints
 from walkergen.points import model_kinds
 from walkergen.points import speed_prediction as speeds
 from walkergen.points.store import Store
 
 TILTS = "legs.tilt_deg=2:20:2"
 GAMMAS = "scene.drive.gamma=1.5,1.8,2.2"
+SHELL, BARE = (SweepRequest.from_values({"pictures": pictures}, shell=True) for pictures in (True, False))
 
 
 def swept(*arguments, code=0):
@@ -38,10 +40,10 @@ def swept(*arguments, code=0):
     return found
 
 
-def request_of(*texts, **choices):
+def points_of(*texts, **choices):
     design = templates.load("koumakis2016", "walkers", Design)
     scene = templates.load("lane-90hz", "scenes", Scene)
-    return Request(design, scene, axes.Space(tuple(map(axes.parse, texts))), **choices)
+    return SweepPoints(design, scene, axes.Space(tuple(map(axes.parse, texts))), **choices)
 
 
 def test_the_table_holds_the_predictions(home):
@@ -50,7 +52,7 @@ def test_the_table_holds_the_predictions(home):
     )
     rows = rows_of(home / "map" / "table.csv")
     assert len(rows) == 30
-    one = request_of().point({"legs.tilt_deg": 14, "scene.drive.gamma": 1.8})
+    one = points_of().point({"legs.tilt_deg": 14, "scene.drive.gamma": 1.8})
     expected = speeds.predict(one.design, solids.mass_of(one.design), one.scene, model="known")
     key = ("14", "1.8")
     (row,) = [r for r in rows if (r["legs.tilt_deg"], r["scene.drive.gamma"]) == key]
@@ -277,8 +279,8 @@ def test_memory_does_not_grow_with_the_points():
 
 @pytest.mark.parametrize("tilts", ["5"])
 def test_there_is_no_figure_where_nothing_can_be_compared(home, tilts):
-    job = Job(request_of(f"legs.tilt_deg={tilts}"), "title")
-    made = make.make_sweep(job, home / "one", Store(home / "points"), None, lambda *one: None)
+    points = points_of(f"legs.tilt_deg={tilts}")
+    made = make.make_sweep(SHELL, points, home / "one", Store(home / "points"), None, silent)
     assert len(made.table) == len(tilts.split(","))
     assert not (home / "one" / "sweep.png").exists()
     with pytest.raises(InputError, match="there is no figure"):
@@ -286,10 +288,10 @@ def test_there_is_no_figure_where_nothing_can_be_compared(home, tilts):
 
 
 def test_rows_are_kept_for_pictures_and_for_python_alone(home):
-    store, job = Store(home / "points"), Job(request_of(TILTS), "title", pictures=False)
-    bare = make.make_sweep(job, home / "one", store, None, lambda *one: None)
-    whole = make.make_sweep(job._replace(kept=True), home / "one", store, None, lambda *one: None)
-    found = make.evaluate_all(job, store, None, lambda *one: None)
+    store, points, python = Store(home / "points"), points_of(TILTS), SweepRequest(pictures=False)
+    bare = make.make_sweep(BARE, points, home / "one", store, None, silent)
+    whole = make.make_sweep(python, points, home / "one", store, None, silent)
+    found = make.evaluate_all(python, points, store, None, silent)
     assert len(bare.table) == 0
     assert bare.facts["points"] == len(whole.table) == 10
     assert whole.table.rows == found.table.rows
@@ -299,9 +301,8 @@ def test_rows_are_kept_for_pictures_and_for_python_alone(home):
 
 def test_a_job_reports_its_progress(home):
     told = []
-    job = Job(request_of(TILTS), "title", pictures=False)
     store = Store(home / "points")
-    make.make_sweep(job, home / "one", store, None, lambda *one: told.append(one))
+    make.make_sweep(BARE, points_of(TILTS), home / "one", store, None, lambda *one: told.append(one))
     assert told[-1] == ("points", 10, 10)
 
 

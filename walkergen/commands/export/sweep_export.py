@@ -23,15 +23,14 @@ def write(path: Path, formats: Sequence[str], folder: Path | None, progress: Pro
     The number is that of the row in the sweep's own table, from 1. For a walker that cannot be made
     the table gives the sweep's reason. Raises InputError for an invalid sweep.
     """
-    asked = sweep_setup.from_file(path)
-    points = asked.make_request()
+    points = sweep_setup.from_file(path)
     count, width = points.space.points, len(str(points.space.points))
-    folder = folder or Path("out") / asked.name()
+    folder = folder or Path("out") / points.folder_name
     keys, refused = points.space.keys, 0
     rows: list[tuple[Any, ...]] = []
     with Folder(folder, "") as target:
         for number, values in enumerate(points.space.rows(), start=1):
-            name, reason = f"{asked.design.name}_{number:0{width}}", ""
+            name, reason = f"{points.design.name}_{number:0{width}}", ""
             try:
                 design = points.point(dict(zip(keys, values, strict=True))).design
                 mesh = solids.orient_for_print(design, solids.build(design).walker)

@@ -1,19 +1,22 @@
 """A crowd in a plane: walkers by their cards, placed, moved by LAMMPS, and measured."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from walkergen.core import InputError, OneRun, Quantity, Scene, Stopped, Tell
-from walkergen.guests.crowd import job as jobs
+from walkergen.guests.crowd import population as populations
 from walkergen.guests.crowd import walker_counts
 from walkergen.guests.crowd.cards.card import Card
 from walkergen.guests.crowd.flat import crowd as flat
 from walkergen.guests.crowd.flat import crowd_checks, lammps_input
-from walkergen.guests.crowd.job import Job, Kind
+from walkergen.guests.crowd.population import Kind, Population
 from walkergen.guests.crowd.statistics import CrowdFilm, measure
 from walkergen.readers.walkers import top_outline
+
+if TYPE_CHECKING:
+    from walkergen.guests.crowd.request import CrowdRequest
 
 CONTACT_KEYS = ("restitution", "friction")
 """Keys of a scene's [crowd] that replace a card's own where they are set."""
@@ -30,8 +33,10 @@ TESTED_RANGE = (
 """Tested range of the numbers of a crowd in a plane, as text."""
 
 
-def make_job(scene: Scene, cards: Sequence[Card], counts: Sequence[int] | None, rate_hz: float) -> Job:
-    """Make a crowd with these counts of each card; without counts of one, the scene's number.
+def make_population(
+    request: "CrowdRequest", scene: Scene, cards: Sequence[Card], counts: Sequence[int] | None = None
+) -> Population:
+    """Return a population with these counts of each card; without counts of one, the scene's number.
 
     Raises InputError for too many walkers or frames, and for a lid.
     """
@@ -45,13 +50,16 @@ def make_job(scene: Scene, cards: Sequence[Card], counts: Sequence[int] | None, 
         area = top_outline.area_of(outline)
         walkers = walker_counts.walker_count(scene, area) if counts is None else counts[number]
         kinds.append(Kind(card.name, walkers, outline, card=card.model_copy(update=own)))
-    return jobs.check_job(Job(scene, tuple(kinds), rate_hz, "flat"))
+    population = Population(scene, tuple(kinds))
+    populations.check_population(request, population)
+    return population
 
 
 class InPlane(NamedTuple):
     """Crowd in a plane: an experiment (`points.measure`), a run a LAMMPS from places of its own."""
 
-    job: Job
+    request: "CrowdRequest"
+    population: Population
 
     def prepare(self) -> OneRun[CrowdFilm]:
         """Return a function that places and simulates the run of a number.
@@ -59,9 +67,9 @@ class InPlane(NamedTuple):
         Raises InputError for a crowd denser than was tested. A run raises it if the crowd does not fit, or LAMMPS is
         absent.
         """
-        job = self.job
-        check_packing(job.packing)
-        whole = _total_seconds(job)
+        population = self.population
+        check_packing(population.packing)
+        whole = _total_seconds(population)
 
         def simulate_run(number: int, stopped: Stopped, tell: Tell) -> CrowdFilm:
             def advance(what: str, frames: int, total: int) -> None:
@@ -69,9 +77,9 @@ class InPlane(NamedTuple):
                     raise KeyboardInterrupt  # ends LAMMPS, on this thread
                 tell(frames / total)
 
-            run = flat.simulate(_make_crowd(job, number), progress=advance)
-            kept = run.times >= job.scene.run.discard_seconds - 1e-9 * whole
-            return jobs.make_film(job, run.times[kept] - run.times[kept][0], run.poses[kept])
+            run = flat.simulate(_make_crowd(self.request, population, number), progress=advance)
+            kept = run.times >= population.scene.run.discard_seconds - 1e-9 * whole
+            return populations.make_film(population, run.times[kept] - run.times[kept][0], run.poses[kept])
 
         return simulate_run
 
@@ -96,25 +104,31 @@ def check_packing(packing: float) -> None:
         )
 
 
-def input_files(job: Job) -> dict[str, bytes]:
+def input_files(request: "CrowdRequest", population: Population) -> dict[str, bytes]:
     """Return the LAMMPS input of every run by file name: run-N/crowd.in and the files it reads."""
     return {
         f"run-{number}/{name}": data
-        for number in range(job.scene.run.runs)
-        for name, data in flat.input_files(_make_crowd(job, number)).items()
+        for number in range(population.scene.run.runs)
+        for name, data in flat.input_files(_make_crowd(request, population, number)).items()
     }
 
 
-def _total_seconds(job: Job) -> float:
+def _total_seconds(population: Population) -> float:
     """Return the time of a run with its start, s."""
-    return job.scene.run.seconds + job.scene.run.discard_seconds
+    return population.scene.run.seconds + population.scene.run.discard_seconds
 
 
-def _make_crowd(job: Job, number: int) -> lammps_input.Crowd:
+def _make_crowd(request: "CrowdRequest", population: Population, number: int) -> lammps_input.Crowd:
     """Create the input for a run in a plane, from its number."""
-    seed = int(np.random.SeedSequence([job.scene.run.seed, number]).generate_state(1)[0])
-    places = jobs.place_walkers(job, [kind.outline for kind in job.kinds], number)
-    cards = [kind.card for kind in job.kinds if kind.card]
+    seed = int(np.random.SeedSequence([population.scene.run.seed, number]).generate_state(1)[0])
+    places = populations.place_walkers(population, [kind.outline for kind in population.kinds], number)
+    cards = [kind.card for kind in population.kinds if kind.card]
     return crowd_checks.make_crowd(
-        cards, job.numbers, job.scene.crowd.dish, places, _total_seconds(job), job.rate_hz, seed
+        cards,
+        population.numbers,
+        population.scene.crowd.dish,
+        places,
+        _total_seconds(population),
+        request.rate_hz,
+        seed,
     )

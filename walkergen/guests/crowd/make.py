@@ -1,22 +1,28 @@
-"""A crowd by its model: walkers in space, or cards in a plane."""
+"""Simulation of a crowd: walkers in space, or cards in a plane."""
+
+from typing import TYPE_CHECKING
 
 from walkergen.core import Progress, Runs
 from walkergen.core.measure import measure
 from walkergen.guests.crowd import statistics
 from walkergen.guests.crowd.in_plane import InPlane
 from walkergen.guests.crowd.in_space import InSpace
-from walkergen.guests.crowd.job import Job, Simulated
+from walkergen.guests.crowd.population import Population, Simulated
+
+if TYPE_CHECKING:
+    from walkergen.guests.crowd.request import CrowdRequest
 
 
-def simulate(job: Job, threads: int | None, progress: Progress) -> Simulated:
-    """Place and simulate every run, on `threads` threads (None: every core), and measure them.
+def simulate(request: "CrowdRequest", population: Population, progress: Progress) -> Simulated:
+    """Place and simulate every run on the requested threads, and measure them.
 
-    Any number of threads gives equal bits. Ctrl-C gives the runs that were done, without any it is
-    raised again. Raises as the experiment of its model does.
+    Any number of threads gives equal bits. After Ctrl-C, the runs that were done are returned; without any,
+    KeyboardInterrupt is raised again. Raises as the experiment of its model does.
     """
-    crowd: InSpace | InPlane = InPlane(job) if job.model == "flat" else InSpace(job)
-    measured = measure(crowd, Runs(job.scene.run.runs), progress, threads)
+    flat = population.model == "flat"
+    crowd: InSpace | InPlane = (InPlane if flat else InSpace)(request, population)
+    measured = measure(crowd, Runs(population.scene.run.runs), progress, request.threads)
     progress("measuring", 99, 100)
     films = tuple(map(crowd.film, measured.records))
-    runs = () if job.model == "flat" else tuple(measured.records)
-    return Simulated(job, films, runs, statistics.measure(films), measured.wall_s)
+    runs = () if flat else tuple(measured.records)
+    return Simulated(request, population, films, runs, statistics.measure(films), measured.wall_s)

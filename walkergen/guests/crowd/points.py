@@ -7,7 +7,8 @@ from collections.abc import Sequence
 
 from walkergen.core import ENERGY_TOLERANCE, Printer, format_number, silent
 from walkergen.guests.crowd import in_space, make, walker_counts
-from walkergen.guests.crowd.job import Simulated
+from walkergen.guests.crowd.population import Simulated
+from walkergen.guests.crowd.request import CrowdRequest
 from walkergen.guests.crowd.statistics.summary import UNITS, WHOLE_RUN_NUMBERS
 from walkergen.points.model_kinds import Picture
 from walkergen.points.point import Point, PointStatus, Record, status_record
@@ -50,9 +51,9 @@ def pictures(keep: Sequence[str]) -> tuple[Picture, ...]:
 
 def cost(point: Point) -> float:
     """Estimate the CPU seconds of a crowd from a moment of it. Raises as `evaluate` does."""
-    return point.scene.run.runs * in_space.cpu_seconds(
-        in_space.make_job(point.scene, [point.design], None, walker_counts.DEFAULT_RATE_HZ)
-    )
+    request = CrowdRequest()
+    population = in_space.make_population(request, point.scene, [point.design])
+    return point.scene.run.runs * in_space.cpu_seconds(request, population)
 
 
 def evaluate(point: Point) -> Record:
@@ -61,12 +62,13 @@ def evaluate(point: Point) -> Record:
     Raises InputError where it has no room or too many walkers, and KeyboardInterrupt where runs
     are missing.
     """
-    job = in_space.make_job(point.scene, [point.design], None, walker_counts.DEFAULT_RATE_HZ)
-    simulated = make.simulate(job, 1, silent)
+    request = CrowdRequest(threads=1)
+    population = in_space.make_population(request, point.scene, [point.design])
+    simulated = make.simulate(request, population, silent)
     if len(simulated.films) < point.scene.run.runs:
         raise KeyboardInterrupt
     measured = simulated.statistics
-    sizes = len(job.numbers), measured.runs, point.scene.run.seconds
+    sizes = len(population.numbers), measured.runs, point.scene.run.seconds
     record = _run_status(simulated) | dict(zip(SIZE_COLUMNS, sizes, strict=True))
     for name, estimate in measured.numbers.items():
         bounds = estimate.interval(0.95) or (None, None)

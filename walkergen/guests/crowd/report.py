@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from walkergen.core import ENERGY_TOLERANCE, Folder, Outcome, Progress, format_number, versions
 from walkergen.files import report
@@ -11,9 +11,12 @@ from walkergen.files.report import Report, Table
 from walkergen.guests.crowd import figures as crowd_figures
 from walkergen.guests.crowd import files as tracks
 from walkergen.guests.crowd import in_plane, tables
-from walkergen.guests.crowd.job import GOOD_OUTCOMES, Job, Simulated
+from walkergen.guests.crowd.population import GOOD_OUTCOMES, Population, Simulated
 from walkergen.guests.crowd.space.result import CrowdRun
 from walkergen.guests.crowd.statistics import CrowdStatistics
+
+if TYPE_CHECKING:
+    from walkergen.guests.crowd.request import CrowdRequest
 
 MAX_ROWS = 2_000_000
 """Largest number of walkers times frames in a run whose tracks are written, some 100 bytes each."""
@@ -66,27 +69,27 @@ CONTACT_COLUMNS = (
 
 def make_report(simulated: Simulated, folder: Path | None = None) -> CrowdReport:
     """Report of a crowd, written into a folder if there is one."""
-    job, statistics = simulated.job, simulated.statistics
-    title = crowd_title(job)
+    population, statistics = simulated.population, simulated.statistics
+    title = crowd_title(population)
     rows = [_contact_row(run, statistics.seconds) for run in simulated.runs]
     contacts = Table("contacts", rows, Contacts._fields, CONTACT_COLUMNS, "Contacts of bodies and walls")
     return CrowdReport(
         name="report",
         title=title,
-        caption=crowd_caption(job),
+        caption=crowd_caption(population),
         tables=[*tables.make_tables(statistics), *([contacts] if rows else [])],
         facts={
-            "scene": job.scene.name,
-            "model": job.model,
-            "kinds": {kind.name: kind.walkers for kind in job.kinds},
-            "seed": job.scene.run.seed,
-            "asked_runs": job.scene.run.runs,
-            "packing": job.packing,
+            "scene": population.scene.name,
+            "model": population.model,
+            "kinds": {kind.name: kind.walkers for kind in population.kinds},
+            "seed": population.scene.run.seed,
+            "asked_runs": population.scene.run.runs,
+            "packing": population.packing,
             **tables.facts(statistics),
             "contacts": [row._asdict() for row in rows],
             "outcomes": dict(simulated.outcomes),
         },
-        lines=[tables.summary_line(statistics), *([in_plane.TESTED_RANGE] if job.model == "flat" else [])],
+        lines=[tables.summary_line(statistics), *([in_plane.TESTED_RANGE] if population.model == "flat" else [])],
         warnings=list(_warnings(simulated)),
         figures=crowd_figures.draw_functions(statistics, title),
         folder=folder,
@@ -94,20 +97,20 @@ def make_report(simulated: Simulated, folder: Path | None = None) -> CrowdReport
     )
 
 
-def crowd_title(job: Job) -> str:
+def crowd_title(population: Population) -> str:
     """Name the walkers and the place of the run, as text."""
-    who = " and ".join(f"{kind.walkers} {kind.name}" for kind in job.kinds)
-    return f"{who} in {job.scene.crowd.dish.words}"
+    who = " and ".join(f"{kind.walkers} {kind.name}" for kind in population.kinds)
+    return f"{who} in {population.scene.crowd.dish.words}"
 
 
-def crowd_caption(job: Job) -> str:
+def crowd_caption(population: Population) -> str:
     """Describe the simulation, without a full stop."""
-    crowd = job.scene.crowd
-    if job.model == "flat":
-        cards = " and ".join(f"{kind.name} ({kind.card.scene})" for kind in job.kinds if kind.card)
-        return f"model flat, by the cards of {cards}, packing {job.packing:.3g}"
+    crowd = population.scene.crowd
+    if population.model == "flat":
+        cards = " and ".join(f"{kind.name} ({kind.card.scene})" for kind in population.kinds if kind.card)
+        return f"model flat, by the cards of {cards}, packing {population.packing:.3g}"
     return (
-        f"{job.scene.name}, model space, packing {job.packing:.3g}; bodies meet with restitution "
+        f"{population.scene.name}, model space, packing {population.packing:.3g}; bodies meet with restitution "
         f"{crowd.restitution:g} and friction {crowd.friction:g}"
     )
 
@@ -153,46 +156,46 @@ def write(report: CrowdReport, folder: Path, pictures: bool, progress: Progress)
             for suffix, to_bytes in tracks.FORMATS.items():
                 progress("writing tracks", 99, 100)
                 target.write(f"tracks/run-{number}{suffix}", to_bytes(film))
-        target.finish(manifest_inputs(report.simulated.job))
+        target.finish(manifest_inputs(report.simulated.request, report.simulated.population))
     return report
 
 
-def write_inputs(job: Job, folder: Path) -> Report:
+def write_inputs(request: "CrowdRequest", population: Population, folder: Path) -> Report:
     """Write the input of LAMMPS for every run into a folder, and list the files."""
-    inputs = in_plane.input_files(job)
+    inputs = in_plane.input_files(request, population)
     with Folder(folder) as target:
         for name, data in inputs.items():
             target.write(name, data)
-        target.finish(manifest_inputs(job))
+        target.finish(manifest_inputs(request, population))
     return Report(
         name="inputs",
-        title=crowd_title(job),
+        title=crowd_title(population),
         tables=[],
         lines=["in each of its folders: `lmp -in crowd.in`"],
         folder=folder,
-        caption=crowd_caption(job),
+        caption=crowd_caption(population),
         facts={"files": sorted(inputs)},
     )
 
 
-def manifest_inputs(job: Job) -> dict[str, Any]:
+def manifest_inputs(request: "CrowdRequest", population: Population) -> dict[str, Any]:
     """Return every resolved input of a crowd, for its manifest."""
-    designs = [kind.design for kind in job.kinds if kind.design]
+    designs = [kind.design for kind in population.kinds if kind.design]
     return {
-        "model": job.model,
-        "scene": job.scene.model_dump(mode="json"),
+        "model": population.model,
+        "scene": population.scene.model_dump(mode="json"),
         "designs": [design.model_dump(mode="json") for design in designs],
         "bodies_sha256": [design.shape.sha256 for design in designs],
-        "cards": [kind.card.model_dump(mode="json") for kind in job.kinds if kind.card],
-        "counts": [kind.walkers for kind in job.kinds],
-        "rate_hz": job.rate_hz,
+        "cards": [kind.card.model_dump(mode="json") for kind in population.kinds if kind.card],
+        "counts": [kind.walkers for kind in population.kinds],
+        "rate_hz": request.rate_hz,
         "versions": versions(),
     }
 
 
-def folder_name(job: Job) -> str:
+def folder_name(population: Population) -> str:
     """Name of a crowd's folder, after its walkers and the dish."""
-    who = "-".join(kind.name for kind in job.kinds)
-    count = sum(kind.walkers for kind in job.kinds)
-    dish = job.scene.crowd.dish.words.replace(":", "-").replace(",", "-")
+    who = "-".join(kind.name for kind in population.kinds)
+    count = sum(kind.walkers for kind in population.kinds)
+    dish = population.scene.crowd.dish.words.replace(":", "-").replace(",", "-")
     return f"crowd-{who}-{count}-{dish}"[:100]

@@ -14,7 +14,7 @@ from walkergen.request import Flag
 if TYPE_CHECKING:
     from walkergen.core import Design, Scene
     from walkergen.files.report import Report
-    from walkergen.guests.crowd.job import Job
+    from walkergen.guests.crowd.population import Population
 
 MAX_FPS = 50
 """Frames a second of a movie at most; tracks may have more."""
@@ -117,7 +117,6 @@ class CrowdRequest(request.Request):
         from walkergen.guests.crowd import in_space, make, report
         from walkergen.guests.crowd import movie as crowd_movie
         from walkergen.guests.crowd import walker_counts as crowd_members
-        from walkergen.points import run_time
 
         if self.movie is not None:
             crowd_movie.check_format(self.movie)
@@ -131,16 +130,16 @@ class CrowdRequest(request.Request):
         ground = request.choose_scene(self.scene, designs, request.PLANE_SCENE)
         scene = given.scene(ground, {"scene.run.runs": crowd_members.DEFAULT_RUNS})
         if designs:
-            job = in_space.make_job(scene, designs, counts, self.rate_hz)
+            population = in_space.make_population(self, scene, designs, counts)
         else:
-            job = self._make_flat_job(given, scene, sources, counts)
-        folder = self.output_folder(Path("out") / report.folder_name(job))
+            population = self._make_flat_population(given, scene, sources, counts)
+        default = Path("out") / report.folder_name(population)
+        folder = self.output_folder(default)
         if self.write_only:
-            return report.write_inputs(job, folder or Path("out") / report.folder_name(job))
-        if job.model == "space":
-            runs = scene.run.runs
-            self._expect(lambda: Expected(run_time.wall_time(in_space.cpu_seconds(job), runs, self.threads)))
-        simulated = make.simulate(job, self.threads, progress)
+            return report.write_inputs(self, population, folder or default)
+        if designs:
+            self._expect(lambda: self._expected_time(population))
+        simulated = make.simulate(self, population, progress)
         result = report.make_report(simulated, folder)
         if folder is not None:
             result = report.write(result, folder, self.pictures, progress)
@@ -153,6 +152,14 @@ class CrowdRequest(request.Request):
             warnings = [f"interrupted after {done} of {wished} runs", *result.warnings]
             result = replace(result, warnings=warnings, code=130)
         return result
+
+    def _expected_time(self, population: "Population") -> Expected:
+        """Estimate the time of a crowd in space from a moment of it."""
+        from walkergen.guests.crowd import in_space
+        from walkergen.points import run_time
+
+        cpu_seconds = in_space.cpu_seconds(self, population)
+        return Expected(run_time.wall_time(cpu_seconds, population.scene.run.runs, self.threads))
 
     def _is_flat(self, sources: list[Any]) -> bool:
         """Whether a crowd moves in a plane, by cards. Raises InputError for what is not of one kind."""
@@ -178,7 +185,9 @@ class CrowdRequest(request.Request):
             return [given.design(source) for source in sources]
         return [given.single_member(sources[0], self.tilt, self.legs)]
 
-    def _make_flat_job(self, given: Inputs, scene: "Scene", sources: list[Any], counts: list[int] | None) -> "Job":
+    def _make_flat_population(
+        self, given: Inputs, scene: "Scene", sources: list[Any], counts: list[int] | None
+    ) -> "Population":
         """Crowd of cards. Raises InputError for what their measurement has settled."""
         from walkergen.guests.crowd import in_plane
         from walkergen.guests.crowd.cards import card
@@ -188,7 +197,7 @@ class CrowdRequest(request.Request):
         settled = [key for key in given.values if not key.startswith(("scene.crowd.", "scene.run."))]
         given.check_unset([*settled, "scene.run.step_us"], f"{why}, or leave it out")
         known = [card.read_card(Path(source)) if isinstance(source, (str, Path)) else source for source in sources]
-        return in_plane.make_job(scene, known, counts, self.rate_hz)
+        return in_plane.make_population(self, scene, known, counts)
 
     def _make_card(self, progress: Progress) -> "Report":
         """Measure a walker alone, from runs or from the tracks of a film, and write its card."""

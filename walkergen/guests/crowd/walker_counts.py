@@ -10,8 +10,8 @@ DEFAULT_COUNT = 10
 
 MAX_WALKERS = 100_000
 
-DEFAULT_RUNS, DEFAULT_RATE_HZ = 4, 25.0
-"""Default number of independent runs of a crowd, and of frames a second."""
+DEFAULT_RUNS = 4
+"""Default number of independent runs of a crowd."""
 
 
 def parse_walker_count(value: int | str | Mapping[str, int]) -> int | dict[str, int]:

@@ -1,1 +1,1 @@
-"""The job `movie`: one walker in slow motion, or several side by side."""
+"""The command `movie`: one walker in slow motion, or several side by side."""

@@ -27,6 +27,7 @@ from walkergen.points import poses
 
 if TYPE_CHECKING:
     from walkergen.files.animation import Draw
+    from walkergen.guests.movie.request import MovieRequest
 
 View = Literal["above", "perspective"]
 """Ways to see a walker."""
@@ -61,35 +62,52 @@ MIN_VALUE, MAX_VALUE = 1e-3, 1e6
 """Limits of times (s), of periods and of slowing down."""
 
 
-class Job(NamedTuple):
-    """Settings of a film: members, scene, view, duration and slow motion."""
+class Film(NamedTuple):
+    """Requested film, with the walkers and the scene that were read from files."""
 
+    request: "MovieRequest"
     members: Sequence[Design]
     scene: Scene
-    seconds: float
-    """Simulated time to show, s."""
-    slow: float
-    """Seconds of the movie for each second of the run."""
-    fps: int
-    view: View
     release: Release | None = None
     """Release of the walker; None: as in the ensemble's first run."""
 
     @property
+    def view(self) -> View:
+        """View that was requested, or the default of the scene and of the number of walkers."""
+        default: View = "above" if self.scene.arena.kind == "plane" or len(self.members) > 1 else "perspective"
+        return self.request.view or default
+
+    @property
+    def seconds(self) -> float:
+        """Simulated time to show, s."""
+        if self.request.seconds is not None:
+            return self.request.seconds
+        if self.request.periods is None and self.view == "above":
+            return DEFAULT_RACE_S
+        return (self.request.periods or DEFAULT_PERIODS) / self.scene.drive.frequency
+
+    @property
+    def slow(self) -> float:
+        """Seconds of the film for each second of the run."""
+        if self.request.slow is not None:
+            return self.request.slow
+        return 1.0 if self.view == "above" else max(1.0, float(f"{DEFAULT_PLAY_S / self.seconds:.2g}"))
+
+    @property
     def frames(self) -> int:
         """Number of frames, the first at time 0."""
-        return 1 + int(self.seconds * self.slow * self.fps + 1e-9)
+        return 1 + int(self.seconds * self.slow * self.request.fps + 1e-9)
 
 
-def file_name(job: Job, values: Mapping[str, Any]) -> str:
+def file_name(film: Film, values: Mapping[str, Any]) -> str:
     """Default name of the GIF: the walker's, or the tilts and kinds of legs, the scene's.
 
     Then come values of dotted keys that were set, in letters that are safe, as far as a name goes.
     """
-    what = names.part_name(job.members[0]) if len(job.members) == 1 else names.race_name(job.members)
-    seen = "_perspective" if job.view == "perspective" else ""
+    what = names.part_name(film.members[0]) if len(film.members) == 1 else names.race_name(film.members)
+    seen = "_perspective" if film.view == "perspective" else ""
     settings = "".join(f"_{key.rpartition('.')[2]}-{value}" for key, value in values.items())
-    return f"{what}_{job.scene.name}{seen}{re.sub(r'[^A-Za-z0-9_.-]+', '-', settings)[:80]}.gif"
+    return f"{what}_{film.scene.name}{seen}{re.sub(r'[^A-Za-z0-9_.-]+', '-', settings)[:80]}.gif"
 
 
 class Made(NamedTuple):
@@ -103,54 +121,33 @@ class Made(NamedTuple):
     shots: Sequence[Shot]
 
 
-def make_job(
-    members: Sequence[Design],
-    scene: Scene,
-    *,
-    seconds: float | None = None,
-    periods: float | None = None,
-    slow: float | None = None,
-    fps: int = 25,
-    view: View | None = None,
-) -> Job:
-    """Make a job, with defaults for all that is None. Raises InputError."""
+def plan_film(request: "MovieRequest", members: Sequence[Design], scene: Scene, release: Release | None = None) -> Film:
+    """Return the film of these walkers in this scene. Raises InputError for what cannot be shown."""
+    film, fps = Film(request, members, scene, release), request.fps
     if fps not in GIF_FPS:
         rates = ", ".join(str(rate) for rate in GIF_FPS)
         raise InputError(f"‹fps=›{fps}: must be one of {rates} (a GIF counts in 1/100 s)")
-    for name, value in (("seconds", seconds), ("periods", periods), ("slow", slow)):
+    for name in ("seconds", "periods", "slow"):
+        value = getattr(request, name)
         if value is not None and not MIN_VALUE <= value <= MAX_VALUE:
             raise InputError(f"‹{name}=›{value:g}: must lie in {MIN_VALUE:g}..{MAX_VALUE:g}")
     if len(members) > MAX_LANES:
         raise InputError(f"{len(members)} walkers in one movie; at most {MAX_LANES}")
-    if seconds is not None and periods is not None:
+    if request.seconds is not None and request.periods is not None:
         raise InputError("‹seconds› and ‹periods›: both say how long; leave one of them out")
-    seen = _choose_view(members, scene, view)
-    single = len(members) == 1 and seen != "above"
-    if periods is not None:
-        seconds = periods / scene.drive.frequency
-    elif seconds is None:
-        seconds = DEFAULT_PERIODS / scene.drive.frequency if single else DEFAULT_RACE_S
-    if slow is None:
-        slow = max(1.0, float(f"{DEFAULT_PLAY_S / seconds:.2g}")) if single else 1.0
-    job = Job(members, scene, seconds, slow, fps, seen)
-    if not MIN_FRAMES <= job.frames <= MAX_FRAMES:
+    if request.view == "perspective" and len(members) > 1:
+        raise InputError(f"‹view=›perspective: shows one walker, seen {len(members)}")
+    if not MIN_FRAMES <= film.frames <= MAX_FRAMES:
         raise InputError(
-            f"{job.frames:.6g} frames ({seconds:g} s of the run, {format_pace(slow)}, {fps} a second): "
+            f"{film.frames:.6g} frames ({film.seconds:g} s of the run, {format_pace(film.slow)}, {fps} a second): "
             f"must lie in {MIN_FRAMES}..{MAX_FRAMES}; change ‹seconds›, ‹slow› or ‹fps›"
         )
-    return job
+    return film
 
 
-def _choose_view(members: Sequence[Design], scene: Scene, wanted: View | None) -> View:
-    """How the members are seen. Raises InputError."""
-    if wanted is None:
-        return "above" if scene.arena.kind == "plane" or len(members) > 1 else "perspective"
-    if wanted == "perspective" and len(members) > 1:
-        raise InputError(f"‹view=›perspective: shows one walker, seen {len(members)}")
-    return wanted
-
-
-def make_movie(job: Job, path: Path, progress: Progress, named: bool = True, expect: Expect = ignore_estimate) -> Made:
+def make_movie(
+    film: Film, path: Path, progress: Progress, named: bool = True, expect: Expect = ignore_estimate
+) -> Made:
     """Simulate and film; write `path` (a GIF) and, with ffmpeg, an MP4 next to it.
 
     Both files are written in full at the end. A file from another source is overwritten only by the GIF, and only if
@@ -159,10 +156,10 @@ def make_movie(job: Job, path: Path, progress: Progress, named: bool = True, exp
     from walkergen.files import animation
     from walkergen.guests.movie import impacts
 
-    draw, frames, shots = _prepare_drawing(job, progress)
-    colours = impacts.movie_colours(max(len(design.limbs) for design in job.members))
+    draw, frames, shots = _prepare_drawing(film, progress)
+    colours = impacts.movie_colours(max(len(design.limbs) for design in film.members))
     expect(lambda: _expected_time(draw, frames))
-    encoded = animation.encode(draw, frames, job.fps, HOLD_S, colours, progress)
+    encoded = animation.encode(draw, frames, film.request.fps, HOLD_S, colours, progress)
     mp4 = path.with_suffix(".mp4") if encoded.mp4 is not None else None
     with output.Folder(path.parent, "") as target:
         if named:
@@ -182,42 +179,42 @@ def _expected_time(draw: "Draw", frames: int) -> Expected:
     return Expected((time.thread_time() - started) * WRITE_TIME_RATIO * frames)
 
 
-def _prepare_drawing(job: Job, progress: Progress) -> tuple["Draw", int, Sequence[Shot]]:
+def _prepare_drawing(film: Film, progress: Progress) -> tuple["Draw", int, Sequence[Shot]]:
     """Return a movie's draw function, its number of frames, and their content."""
     from walkergen.guests.movie import top_view
 
-    every = ABOVE_POSES_PER_FRAME if job.view == "above" else SLOW_POSES_PER_FRAME
-    shots = [simulate_shot(job, design, every) for design in _with_progress(job, progress)]
+    every = ABOVE_POSES_PER_FRAME if film.view == "above" else SLOW_POSES_PER_FRAME
+    shots = [simulate_shot(film, design, every) for design in _with_progress(film, progress)]
     frames = 1 + max(len(shot.times) - 1 for shot in shots) // every
-    words, lane = format_settings(job.scene), job.scene.arena.kind == "lane"
-    words += _friction_note(job.members)
-    if job.view == "perspective":
+    words, lane = format_settings(film.scene), film.scene.arena.kind == "lane"
+    words += _friction_note(film.members)
+    if film.view == "perspective":
         from walkergen.guests.movie import perspective
 
-        return perspective.make_draw_function(shots[0], every, job.slow, words), frames, shots
-    case = Case(job.scene, job.members[0], mass_of(job.members[0]))
-    gap, period = walls.gap(case) if lane else None, 1.0 / job.scene.drive.frequency
-    return top_view.make_draw_function(shots, every, job.slow, words, period, gap), frames, shots
+        return perspective.make_draw_function(shots[0], every, film.slow, words), frames, shots
+    case = Case(film.scene, film.members[0], mass_of(film.members[0]))
+    gap, period = walls.gap(case) if lane else None, 1.0 / film.scene.drive.frequency
+    return top_view.make_draw_function(shots, every, film.slow, words, period, gap), frames, shots
 
 
-def _with_progress(job: Job, progress: Progress) -> Iterator[Design]:
-    for number, design in enumerate(job.members):
-        progress(f"simulating {make_title(design)}", number, len(job.members))
+def _with_progress(film: Film, progress: Progress) -> Iterator[Design]:
+    for number, design in enumerate(film.members):
+        progress(f"simulating {make_title(design)}", number, len(film.members))
         yield design
 
 
-def simulate_shot(job: Job, design: Design, every: int) -> Shot:
+def simulate_shot(film: Film, design: Design, every: int) -> Shot:
     """Simulate the ensemble's first run, with `every` poses for a frame.
 
     Raises InputError for a run that ended before its second frame.
     """
-    interval = 1.0 / (job.fps * job.slow * every)
+    interval = 1.0 / (film.request.fps * film.slow * every)
     # Half an interval more, so that rounding cannot lose the last pose.
-    seconds = ((job.frames - 1) * every + 0.5) * interval
-    run = job.scene.run.model_copy(update={"seconds": seconds})
-    scene = job.scene.model_copy(update={"run": run})
+    seconds = ((film.frames - 1) * every + 0.5) * interval
+    run = film.scene.run.model_copy(update={"seconds": seconds})
+    scene = film.scene.model_copy(update={"run": run})
     mass = mass_of(design)
-    prepared = prepare(scene, design, mass)._replace(release=job.release)
+    prepared = prepare(scene, design, mass)._replace(release=film.release)
     shot = make_shot(make_title(design), design, mass, poses.sample(prepared, interval))
     if len(shot.times) <= every:
         raise InputError(f"{make_title(design)}: the run ended before the second frame ({shot.poses.outcome.value})")

@@ -1,23 +1,23 @@
 """Report of a film: its walkers' motion, and its file."""
 
 from walkergen.files.report import Report
-from walkergen.guests.movie.make import Job, Made
+from walkergen.guests.movie.make import Film, Made
 from walkergen.guests.movie.shot import format_pace
 
 
-def make_report(job: Job, film: Made) -> Report:
-    """Report of a film that was made: a line a walker, then its files."""
+def make_report(film: Film, made: Made) -> Report:
+    """Report of a film that was written: a line a walker, then its files."""
     lines = []
-    for shot in film.shots:
+    for shot in made.shots:
         seconds, distance = shot.times[-1], shot.distance
         ended = f"; {shot.ended}" if shot.ended else ""
         lines.append(
             f"{shot.name}: {distance:.2f} mm in {seconds:.3g} s, {distance / seconds:.1f} mm/s, "
             f"{len(shot.impacts)} impacts{ended}"
         )
-    lines.append(f"{film.frames} frames, {job.fps} a second, {format_pace(job.slow)}")
-    if film.mp4 is None:
-        lines.append(f"no MP4: {film.without_mp4}")
+    lines.append(f"{made.frames} frames, {film.request.fps} a second, {format_pace(film.slow)}")
+    if made.mp4 is None:
+        lines.append(f"no MP4: {made.without_mp4}")
     walkers = [
         {
             "name": shot.name,
@@ -26,17 +26,17 @@ def make_report(job: Job, film: Made) -> Report:
             "impacts": len(shot.impacts),
             "ended": shot.ended,
         }
-        for shot in film.shots
+        for shot in made.shots
     ]
     facts = {
-        "gif": str(film.gif),
-        "mp4": None if film.mp4 is None else str(film.mp4),
-        "without_mp4": film.without_mp4,
-        "frames": film.frames,
-        "fps": job.fps,
-        "slow": job.slow,
-        "view": job.view,
+        "gif": str(made.gif),
+        "mp4": None if made.mp4 is None else str(made.mp4),
+        "without_mp4": made.without_mp4,
+        "frames": made.frames,
+        "fps": film.request.fps,
+        "slow": film.slow,
+        "view": film.view,
         "walkers": walkers,
     }
-    files = [film.gif] if film.mp4 is None else [film.gif, film.mp4]
+    files = [made.gif] if made.mp4 is None else [made.gif, made.mp4]
     return Report(name="movie", title="Film", tables=[], facts=facts, lines=lines, files=files)

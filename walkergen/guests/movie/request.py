@@ -55,7 +55,6 @@ class MovieRequest(request.Request):
         scene = given.scene(request.choose_scene(self.scene, [design]))
         effect_selection.check_no_accepted_error(scene, "is of a speed, and a film shows all that its scene calls for")
         members = given.members(design, self.tilt, self.legs, whole=False)
-        times = {"seconds": self.seconds, "periods": self.periods, "slow": self.slow}
-        job = make.make_job(members, scene, **times, fps=self.fps, view=self.view)
-        path = self.out or Path("out") / design.name / make.file_name(job, given.values)
-        return report.make_report(job, make.make_movie(job, path, progress, self.out is not None, self._expect))
+        film = make.plan_film(self, members, scene)
+        path = self.out or Path("out") / design.name / make.file_name(film, given.values)
+        return report.make_report(film, make.make_movie(film, path, progress, self.out is not None, self._expect))

@@ -5,7 +5,7 @@ from itertools import islice
 from typing import NamedTuple
 
 from walkergen.core import WalkergenError, format_duration, format_number
-from walkergen.guests.sweep.point_request import Request
+from walkergen.guests.sweep.sweep_points import SweepPoints
 from walkergen.points import model_kinds, run_time
 from walkergen.points.point import PREDICTION, Point, point_key
 from walkergen.points.store import Store
@@ -33,31 +33,30 @@ class Cost(NamedTuple):
     bytes: float
 
 
-def estimate(request: Request, store: Store, workers: int) -> Cost | None:
+def estimate(sweep: SweepPoints, store: Store, workers: int) -> Cost | None:
     """Cost by points at even distances; those that are refused, or that the store has, cost nothing.
 
     None where finding it out would take a good part of the sweep itself.
     """
-    points = request.space.points
-    run = request.scene.run
-    costly = request.wanted is not None or (request.model != PREDICTION and run.accepted_error is not None)
+    points, run = sweep.space.points, sweep.scene.run
+    costly = sweep.wanted is not None or (sweep.model != PREDICTION and run.accepted_error is not None)
     count = min(PILOT_POINTS, points // PILOT_DIVISOR) if costly else PILOT_POINTS
-    if count == 0 or points * (PREDICTION_S if request.model == PREDICTION else run.runs * run.seconds) < MIN_SWEEP_S:
+    if count == 0 or points * (PREDICTION_S if sweep.model == PREDICTION else run.runs * run.seconds) < MIN_SWEEP_S:
         return None
-    pilots = list(_pilots(request, count))
+    pilots = list(_pilots(sweep, count))
     stored = store.get([point_key(pilot) for pilot in pilots])
     costs = [0.0 if point_key(pilot) in stored else _point_cost(pilot) for pilot in pilots]
     each_s = run_time.wall_time(sum(costs) / count, points, workers)
-    return Cost(points, each_s, BYTES_PER_POINT * (1.0 + len(request.keep)) * points)
+    return Cost(points, each_s, BYTES_PER_POINT * (1.0 + len(sweep.keep)) * points)
 
 
-def _pilots(request: Request, count: int) -> Iterator[Point]:
+def _pilots(sweep: SweepPoints, count: int) -> Iterator[Point]:
     """Yield points at even distances, of the first MAX_UNCONFIRMED_POINTS; skip refused ones."""
-    among = min(request.space.points, MAX_UNCONFIRMED_POINTS)
+    among = min(sweep.space.points, MAX_UNCONFIRMED_POINTS)
     places = {among * (2 * number + 1) // (2 * count) for number in range(count)}
-    for place, row in enumerate(islice(request.space.rows(), among)):
+    for place, row in enumerate(islice(sweep.space.rows(), among)):
         if place in places:
-            point = request.try_point(dict(zip(request.space.keys, row, strict=True)))
+            point = sweep.try_point(dict(zip(sweep.space.keys, row, strict=True)))
             if isinstance(point, Point):
                 yield point
 

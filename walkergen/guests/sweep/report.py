@@ -11,7 +11,7 @@ import numpy as np
 from walkergen.files.report import Report, Table
 from walkergen.guests.sweep import nearest
 from walkergen.guests.sweep.evaluation import Done
-from walkergen.guests.sweep.point_request import Request
+from walkergen.guests.sweep.sweep_points import SweepPoints
 from walkergen.points.model_kinds import Picture
 from walkergen.points.point import STATUS_KEY, WENT_KEY, PointStatus
 
@@ -56,13 +56,13 @@ class SweepReport(Report):
 
 
 def make_report(
-    request: Request, title: str, points: Points, warnings: Sequence[str] = (), wish: float | None = None
+    sweep: SweepPoints, points: Points, warnings: Sequence[str] = (), wish: float | None = None
 ) -> SweepReport:
     """Report of points; without kept rows its table is empty, and there is no figure.
 
     The warnings are those on an earlier table in the folder. With a wished speed the nearest points come first.
     """
-    keys = request.space.keys
+    keys, title = sweep.space.keys, sweep.title
     rows = Table("table", points.rows, (*keys, *points.names), title=title)
     facts: dict[str, Any] = {"points": points.count, "known": points.stored, "bad": points.bad, "files": []}
     shown = rows
@@ -75,16 +75,16 @@ def make_report(
         tables=[shown],
         lines=_count_lines(points),
         facts=facts,
-        figures=_draw_functions(rows, keys, request.kind.pictures(request.keep)),
+        figures=_draw_functions(rows, keys, sweep.kind.pictures(sweep.keep)),
         keys=keys,
         warnings=warnings,
     )
 
 
-def add_files(sweep: SweepReport, folder: Path, names: Sequence[str]) -> SweepReport:
+def add_files(report: SweepReport, folder: Path, names: Sequence[str]) -> SweepReport:
     """Return the report with the names of the files that were written into a folder."""
-    facts = {**sweep.facts, "files": [str(folder / name) for name in names]}
-    return replace(sweep, facts=facts, lines=[*sweep.lines, f"in {folder}: {', '.join(names)}"])
+    facts = {**report.facts, "files": [str(folder / name) for name in names]}
+    return replace(report, facts=facts, lines=[*report.lines, f"in {folder}: {', '.join(names)}"])
 
 
 def _count_lines(points: Points) -> list[str]:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from walkergen.guests.sweep.axes import Axis, Span
     from walkergen.guests.sweep.cost import Cost
     from walkergen.guests.sweep.report import SweepReport
-    from walkergen.guests.sweep.sweep_setup import Ask
+    from walkergen.guests.sweep.sweep_points import SweepPoints
 
 MAX_LOCAL_POINTS = 512
 """Number of predicted points that take less time here than processes take to start."""
@@ -81,43 +81,49 @@ class SweepRequest(request.Request):
         from walkergen.points.point import PREDICTION
         from walkergen.points.store import Store
 
-        ask = self._make_ask()
-        points = ask.make_request() if self.wish is None else ask.make_wish_request()
-        folder = self.output_folder(Path("out") / "sweeps" / ask.name())
-        few = not self._shell or (points.model == PREDICTION and points.space.points <= MAX_LOCAL_POINTS)
+        sweep = self._make_points()
+        folder = self.output_folder(Path("out") / "sweeps" / sweep.folder_name)
+        few = not self._shell or (sweep.model == PREDICTION and sweep.space.points <= MAX_LOCAL_POINTS)
         with closing(Store()) as store, inputs.open_pool(few, self.workers, self.dask) as pool:
             workers = 1 if pool is None else pool.workers
 
             def estimate() -> cost.Cost | None:
                 """Cost of this sweep."""
-                return cost.estimate(points, store, workers)
+                return cost.estimate(sweep, store, workers)
 
-            if not self.yes and points.space.points > cost.MAX_UNCONFIRMED_POINTS:
+            if not self.yes and sweep.space.points > cost.MAX_UNCONFIRMED_POINTS:
                 raise InputError(
-                    f"{cost.format_cost(estimate(), points.space.points)}; give ‹yes› to begin, or take fewer points",
+                    f"{cost.format_cost(estimate(), sweep.space.points)}; give ‹yes› to begin, or take fewer points",
                     "yes",
                 )
             self._expect(lambda: _to_expected(estimate()))
-            job = make.Job(points, ask.title(), self.pictures, not self._shell, self.wish)
             if folder is None:
-                return make.evaluate_all(job, store, pool, progress)
-            return make.make_sweep(job, folder, store, pool, progress)
+                return make.evaluate_all(self, sweep, store, pool, progress)
+            return make.make_sweep(self, sweep, folder, store, pool, progress)
 
-    def _make_ask(self) -> "Ask":
-        """Sweep that is asked for here, or by a file. Raises InputError."""
+    @property
+    def keeps_rows(self) -> bool:
+        """Whether the report holds every row, as Python functions return it and a wished speed needs it."""
+        return not self._shell or self.wish is not None
+
+    def _make_points(self) -> "SweepPoints":
+        """Return the points of the sweep that is given here, or in a file. Raises InputError."""
         from walkergen.core import parse_tolerance
-        from walkergen.guests.sweep import axes
-        from walkergen.guests.sweep import sweep_setup as ask
+        from walkergen.guests.sweep import axes, sweep_setup
+
+        with_speed = self.wish is not None
 
         if self.file is not None:
             self.check_unset("not with ‹file›, which says it", "design", "set", "scene", "printer", "error", "sample")
-            return ask.from_file(self.file)
+            return sweep_setup.from_file(self.file, with_speed)
         pairs = self.set.items() if isinstance(self.set, Mapping) else ()
         entries = [_parse_entry(key, values) for key, values in pairs] or [axes.parse(text) for text in self.set]
-        space, constants = ask.make_space(entries, self.sample, self.seed)
+        space, constants = sweep_setup.make_space(entries, self.sample, self.seed)
         wanted = None if self.error is None else parse_tolerance(self.error)
         sources = self.design, self.scene, self.printer
-        return ask.make_ask(sources, Path(), space, constants, self.model, wanted, self.keep, "‹set›")
+        return sweep_setup.make_points(
+            sources, Path(), space, constants, self.model, wanted, self.keep, "‹set›", with_speed
+        )
 
 
 def _to_expected(cost: "Cost | None") -> Expected | None:

@@ -14,8 +14,7 @@ from pydantic import Field, field_validator
 from walkergen.core import InputError, Tolerance, parse_tolerance, shorten_line
 from walkergen.core.files import config
 from walkergen.core.files.config import Section
-from walkergen.guests.sweep import axes
-from walkergen.guests.sweep import point_request as request
+from walkergen.guests.sweep import axes, sweep_points
 from walkergen.guests.sweep.axes import Axis, Method, Sample, Space, Span
 from walkergen.points import model_kinds
 from walkergen.points.point import ALONE
@@ -184,7 +183,7 @@ def _key_mistakes(contents: Contents, source: str, text: str) -> Iterator[str]:
         for key in values:
             place = _format_place(table, key, source, text)
             try:
-                request.check_key(key, place)
+                sweep_points.check_key(key, place)
             except InputError as mistake:
                 yield mistake.text
             if key in seen:

@@ -1,17 +1,16 @@
-"""Request of a sweep, from a command line or from a file, checked."""
+"""Points of a sweep, from a command line or from a file, checked."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple, get_args
+from typing import Any, get_args
 
 from walkergen.core import Design, InputError, Printer, Scene, Tolerance, parse_count, parse_tolerance
 from walkergen.core.files import assignments
 from walkergen.files import templates
-from walkergen.guests.sweep import axes, nearest, sweep_file
-from walkergen.guests.sweep import point_request as request
+from walkergen.guests.sweep import axes, nearest, sweep_file, sweep_points
 from walkergen.guests.sweep.axes import Axis, Method, Sample, Space, Span
-from walkergen.guests.sweep.point_request import SCENE_PREFIX as SCENES
-from walkergen.guests.sweep.point_request import Request, check_single_key
+from walkergen.guests.sweep.sweep_points import SCENE_PREFIX as SCENES
+from walkergen.guests.sweep.sweep_points import SweepPoints, check_single_key
 from walkergen.points import model_kinds
 from walkergen.points.point import ALONE, PREDICTION
 from walkergen.request import PAPER_WALKER, choose_scene
@@ -20,71 +19,7 @@ DEFAULT_ERROR = parse_tolerance("5%")
 """Default error of simulated speeds."""
 
 
-class Ask(NamedTuple):
-    """Requested sweep; None for what is left to defaults."""
-
-    design: Design
-    data: Mapping[str, Any] | None
-    """Data of the design as in its file; None for a design that comes from none."""
-    scene: Scene
-    printer: Printer | None
-    space: Space
-    constants: tuple[str, ...]
-    """Keys that design and scene have set for all points."""
-    model: str
-    error: Tolerance | None
-    keep: Sequence[str] | None
-
-    def make_request(self) -> Request:
-        """Return the checked request. Raises InputError.
-
-        Simulated speeds meet DEFAULT_ERROR unless another error is given, or the runs are set.
-        """
-        keys = (*self.space.keys, *self.constants)
-        own_runs = any(key in ("scene.run.runs", "scene.run.seconds") for key in keys)
-        kind = model_kinds.load_kind(model_kinds.kind_of(self.model))
-        default = None if self.model == PREDICTION or not kind.MEETS_ERRORS or own_runs else DEFAULT_ERROR
-        scene, keep = self.scene, self.keep or kind.KEPT
-        if kind.RUNS is not None and "scene.run.runs" not in keys:
-            scene = scene.variant(**{"run.runs": kind.RUNS})
-        request = Request(
-            self.design,
-            scene,
-            self.space,
-            self.model,
-            tuple(dict.fromkeys(keep)),
-            default if self.error is None else self.error,
-            self.printer,
-            self.data,
-        )
-        for key in self.constants:
-            if model_kinds.kind_of(self.model) == ALONE:
-                check_single_key(key, f"‹set› {key}")
-        request.check()
-        return request
-
-    def make_wish_request(self) -> Request:
-        """Return the checked request of points that have a speed, predicted ones with bounds unless groups are chosen.
-
-        Raises InputError.
-        """
-        keep = self.keep or (("speed", "spread") if self.model == PREDICTION else None)
-        request = self._replace(keep=keep).make_request()
-        nearest.check_speed(request.kind.columns(request.model, request.keep))
-        return request
-
-    def title(self) -> str:
-        """Title of the pictures: the walker, its scene, and the model."""
-        by = model_kinds.load_kind(model_kinds.kind_of(self.model)).title(self.model)
-        return f"{self.design.name}, {self.scene.name}, {by}"
-
-    def name(self) -> str:
-        """Name of the folder, after the design and the keys that vary."""
-        keys = "-".join(key.rpartition(".")[2] for key in self.space.keys) or "point"
-        return f"{self.design.name}-{keys}"[:100]
-
-
-def make_ask(
+def make_points(
     sources: tuple[Any, Any, Any],
     near: Path,
     space: Space,
@@ -93,17 +28,44 @@ def make_ask(
     error: Tolerance | None,
     keep: Sequence[str] | None,
     source: str,
-) -> Ask:
-    """Return the sweep of a design, a scene and a printer, by name or as objects, with keys set for all points.
+    with_speed: bool = False,
+) -> SweepPoints:
+    """Return the checked points of a design, a scene and a printer, by name or as objects.
 
-    Paths are relative to the folder `near`. Raises InputError, for constants with `source`.
+    The `constants` are keys that are set for all points. Paths are relative to the folder `near`. Simulated speeds meet
+    DEFAULT_ERROR unless another error is given, or the runs are set. Points `with_speed` keep it, and predicted ones
+    its bounds too. Raises InputError, for constants with `source`.
     """
+    model = choose_model(model, (*space.keys, *constants))
+    design, scene, printer, data = _read_sources(sources, near, constants, model, source)
+    keys = (*space.keys, *constants)
+    kind = model_kinds.load_kind(model_kinds.kind_of(model))
+    own_runs = any(key in ("scene.run.runs", "scene.run.seconds") for key in keys)
+    if error is None and model != PREDICTION and kind.MEETS_ERRORS and not own_runs:
+        error = DEFAULT_ERROR
+    if kind.RUNS is not None and "scene.run.runs" not in keys:
+        scene = scene.variant(**{"run.runs": kind.RUNS})
+    default = ("speed", "spread") if with_speed and model == PREDICTION else kind.KEPT
+    kept = tuple(dict.fromkeys(keep or default))
+    points = SweepPoints(design, scene, space, model, kept, error, printer, data)
+    for key in constants:
+        if model_kinds.kind_of(model) == ALONE:
+            check_single_key(key, f"‹set› {key}")
+    points.check()
+    if with_speed:
+        nearest.check_speed(points.columns)
+    return points
+
+
+def _read_sources(
+    sources: tuple[Any, Any, Any], near: Path, constants: Mapping[str, Any], model: str, source: str
+) -> tuple[Design, Scene, Printer | None, Mapping[str, Any] | None]:
+    """Read design, scene and printer, set the constants, and return them with the data of the design's file."""
     design, scene, printer = sources
     for key in constants:
-        request.check_key(key, f"{source} {key}")
+        sweep_points.check_key(key, f"{source} {key}")
     own = {key: value for key, value in constants.items() if not key.startswith(SCENES)}
     scenes = {key.removeprefix(SCENES): constants[key] for key in constants if key not in own}
-    model = choose_model(model, (*space.keys, *constants))
     if isinstance(design, Design):
         walker, data = assignments.replace_values(design, own, source), None
     else:
@@ -119,13 +81,13 @@ def make_ask(
         )
     if not isinstance(printer, Printer | None):
         printer = templates.load(printer, "printers", Printer, near)
-    return Ask(walker, data, place, printer, space, tuple(constants), model, error, keep)
+    return walker, place, printer, data
 
 
-def from_file(path: Path) -> Ask:
-    """Read the sweep of a file. Raises InputError."""
+def from_file(path: Path, with_speed: bool = False) -> SweepPoints:
+    """Read the points of a sweep's file. Raises InputError."""
     file = sweep_file.read_sweep(path)
-    return make_ask(
+    return make_points(
         (file.design, file.scene, file.printer),
         file.folder,
         file.space,
@@ -134,6 +96,7 @@ def from_file(path: Path) -> Ask:
         file.error,
         file.keep,
         f"{path}: set",
+        with_speed,
     )
 
 

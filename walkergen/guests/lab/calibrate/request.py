@@ -190,11 +190,9 @@ def _film_drop(dropped: "Job", height: float, path: Path, progress: Progress) ->
     from walkergen.core.simulation.plan import Release
     from walkergen.guests.lab import drops, still_plate
     from walkergen.guests.movie import make
+    from walkergen.guests.movie.request import MovieRequest
 
     let = drops.hand_drops(height, dropped.turn_deg, dropped.drops, dropped.scene.run.seed)[0]
-    seconds = drops.drop_seconds(height)
-    job = make.make_job(
-        [dropped.design], still_plate.film_scene(dropped.scene), seconds=seconds, fps=FPS, view="perspective"
-    )
-    release = Release(let.height, let.pitch, let.roll)
-    return make.make_movie(job._replace(release=release), path, progress)
+    request = MovieRequest(seconds=drops.drop_seconds(height), fps=FPS, view="perspective")
+    scene, release = still_plate.film_scene(dropped.scene), Release(let.height, let.pitch, let.roll)
+    return make.make_movie(make.plan_film(request, [dropped.design], scene, release), path, progress)

@@ -1,8 +1,8 @@
-"""Requested crowd, initial positions of its walkers, and results: in space and in a plane."""
+"""Population of a crowd, initial positions of its walkers, and results: in space and in a plane."""
 
 from collections import Counter
 from collections.abc import Sequence
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from walkergen.guests.crowd.statistics.summary import MIN_FRAMES
 from walkergen.points import effect_selection
 from walkergen.points.trajectory import check_sample_count
 from walkergen.readers.walkers import top_outline
+
+if TYPE_CHECKING:
+    from walkergen.guests.crowd.request import CrowdRequest
 
 Model = Literal["space", "flat"]
 
@@ -45,14 +48,16 @@ class Kind(NamedTuple):
         return top_outline.area_of(self.outline)
 
 
-class Job(NamedTuple):
-    """Requested crowd."""
+class Population(NamedTuple):
+    """Walkers of a crowd and their scene, as read from files."""
 
     scene: Scene
     kinds: tuple[Kind, ...]
-    rate_hz: float
-    """Frames a second of every run."""
-    model: Model
+
+    @property
+    def model(self) -> Model:
+        """Model that moves the walkers: in space with designs, in a plane with cards."""
+        return "space" if self.kinds[0].card is None else "flat"
 
     @property
     def numbers(self) -> tuple[int, ...]:
@@ -68,7 +73,8 @@ class Job(NamedTuple):
 class Simulated(NamedTuple):
     """Completed runs of a crowd, and their results."""
 
-    job: Job
+    request: "CrowdRequest"
+    population: Population
     films: tuple[CrowdFilm, ...]
     runs: tuple[CrowdRun, ...]
     """The runs themselves, by their numbers; none of a crowd in a plane."""
@@ -91,36 +97,35 @@ class Simulated(NamedTuple):
         return max((run.energy_error for run in self.runs), default=0.0)
 
 
-def make_film(job: Job, times: Array, poses: Array) -> CrowdFilm:
-    """Film of a run, seen from above, from times (F,) and places and headings (F, N, 3 or more)."""
-    outlines = {kind.name: kind.outline for kind in job.kinds}
-    names = [job.kinds[number].name for number in job.numbers]
-    return from_places(times, poses, names, outlines, job.scene.crowd.dish)
+def make_film(population: Population, times: Array, poses: Array) -> CrowdFilm:
+    """Return the film of a run, seen from above, from times (F,) and places and headings (F, N, 3 or more)."""
+    outlines = {kind.name: kind.outline for kind in population.kinds}
+    names = [population.kinds[number].name for number in population.numbers]
+    return from_places(times, poses, names, outlines, population.scene.crowd.dish)
 
 
-def check_job(job: Job) -> Job:
-    """Return a job. Raises InputError for kinds of one name, an accepted error, too few frames and too many."""
-    names = [kind.name for kind in job.kinds]
+def check_population(request: "CrowdRequest", population: Population) -> None:
+    """Raise InputError for two kinds of one name, an accepted error, too few frames or too many."""
+    names = [kind.name for kind in population.kinds]
     if len(set(names)) < len(names):
         raise InputError(f"‹count›: two designs are called {max(names, key=names.count)!r}: rename one")
-    run = job.scene.run
+    run, rate_hz = population.scene.run, request.rate_hz
     effect_selection.check_no_accepted_error(
-        job.scene, "is of one walker's speed, and a crowd has all that its scene calls for"
+        population.scene, "is of one walker's speed, and a crowd has all that its scene calls for"
     )
-    if not run.seconds * job.rate_hz >= MIN_FRAMES:
+    if not run.seconds * rate_hz >= MIN_FRAMES:
         raise InputError(
-            f"‹rate_hz=›{job.rate_hz:g} of {run.seconds:g} s: statistics need {MIN_FRAMES} frames "
+            f"‹rate_hz=›{rate_hz:g} of {run.seconds:g} s: statistics need {MIN_FRAMES} frames "
             "of a run at least: raise ‹rate_hz› or ‹seconds›"
         )
-    check_sample_count(job.scene, 1.0 / (job.rate_hz * len(job.numbers)), run.runs)
-    return job
+    check_sample_count(population.scene, 1.0 / (rate_hz * len(population.numbers)), run.runs)
 
 
-def place_walkers(job: Job, contours: Sequence[Sequence[Array]], number: int) -> Array:
+def place_walkers(population: Population, contours: Sequence[Sequence[Array]], number: int) -> Array:
     """Draw places and headings at which a run begins, shape (N, 3). Raises InputError if walkers do not fit.
 
     Places are those of the origins of the contours of each kind.
     """
-    stream = np.random.SeedSequence([job.scene.run.seed, number], spawn_key=(PLACES_STREAM_KEY,))
-    outlines = [contours[kind] for kind in job.numbers]
-    return place(outlines, job.scene.crowd.dish, np.random.default_rng(stream), CLEARANCE_MM)
+    stream = np.random.SeedSequence([population.scene.run.seed, number], spawn_key=(PLACES_STREAM_KEY,))
+    outlines = [contours[kind] for kind in population.numbers]
+    return place(outlines, population.scene.crowd.dish, np.random.default_rng(stream), CLEARANCE_MM)

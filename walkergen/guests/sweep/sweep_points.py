@@ -1,4 +1,4 @@
-"""Request of points: the varied keys, and the numbers of each point."""
+"""Points of a sweep: a design in a scene, with keys that vary."""
 
 import copy
 from collections.abc import Iterator, Mapping
@@ -10,7 +10,7 @@ from walkergen.guests.sweep.axes import Space
 from walkergen.guests.sweep.evaluation import Asked
 from walkergen.points import model_kinds
 from walkergen.points.model_kinds import Kind
-from walkergen.points.point import ALONE, PREDICTION, REASON_KEY, Point, refused_record
+from walkergen.points.point import ALONE, PREDICTION, REASON_KEY, STATUS_KEY, Point, refused_record
 
 MAX_CHECKED_POINTS = 1000
 """Most points of a sweep that is refused where none of them can be right."""
@@ -19,8 +19,8 @@ SCENE_PREFIX = "scene."
 """Beginning of the keys of a scene; all others are a design's."""
 
 
-class Request(NamedTuple):
-    """Points to evaluate: a design in a scene, with keys that vary."""
+class SweepPoints(NamedTuple):
+    """Points to evaluate, as read from files and from the keys that were set."""
 
     design: Design
     scene: Scene
@@ -37,6 +37,22 @@ class Request(NamedTuple):
     def kind(self) -> Kind:
         """Kind of the points of this model."""
         return model_kinds.load_kind(model_kinds.kind_of(self.model))
+
+    @property
+    def title(self) -> str:
+        """Title of the pictures: the walker, its scene, and the model."""
+        return f"{self.design.name}, {self.scene.name}, {self.kind.title(self.model)}"
+
+    @property
+    def folder_name(self) -> str:
+        """Name of the folder, after the design and the keys that vary."""
+        keys = "-".join(key.rpartition(".")[2] for key in self.space.keys) or "point"
+        return f"{self.design.name}-{keys}"[:100]
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Columns of the table after those of the keys."""
+        return (*self.kind.columns(self.model, self.keep), STATUS_KEY)
 
     def check(self) -> None:
         """Refuse unknown keys, words, groups and models before anything runs. Raises InputError."""
