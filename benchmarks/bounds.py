@@ -157,7 +157,7 @@ def bounds(method: str, hidden: Hidden, filmed: Sequence[tuple[float, float]], d
     design, scene = hidden.design, hidden.scene
     if method == "predict":
         row = speed_of.predict(design, solids.mass_of(design), hidden.scene)
-        return (row.speed_low_95_mm_s, row.speed_low_68_mm_s, row.speed_high_68_mm_s, row.speed_high_95_mm_s)
+        return row.speed.ends or [None] * 4
     if method == "uncertain":
         short = scene.variant(**{"run.seconds": PRINT_S})
         return prints.measure(short, design, draws, silent).speed.ends or [None] * 4

@@ -152,12 +152,13 @@ def put_in(scene: Scene) -> dict[str, float]:
 def found(place: Path) -> dict[str, Any]:
     """Return the main numbers that the README's commands find in the files of a folder."""
     speed = wg.predict(str(place / "walker.toml"), str(place / "scene.toml")).speed
+    bounds = speed.interval() or ()
     film = wg.analyse(place / "film/tracks.csv", fps=FPS, mm_per_px=MM_PER_PX, y_down=True, pictures=False)
     plate = wg.calibrate(plate=place / "plate/acceleration.csv", pictures=False)
     return {
         "predict": {
             f"{name}_mm_s": rounded(value)
-            for name, value in (("speed", speed.value), ("low_95", speed.low_95), ("high_95", speed.high_95))
+            for name, value in zip(("speed", "low_95", "high_95"), (speed.number, *bounds), strict=True)
         },
         "analyse": {
             f"{name}_{unit}": [rounded(film.facts[f"{name}_{unit}"]), rounded(film.facts[f"{name}_se_{unit}"])]

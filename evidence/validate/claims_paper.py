@@ -89,9 +89,7 @@ def predicted(effort: Effort) -> Iterator[Claim]:
         scene = templates.load(name, "scenes", Scene)
         design = paper_design(10.0)
         row = prediction.predict(design, solids.mass_of(design), scene)
-        ours = Quantity(
-            "speed", "mm_s", row.speed_mm_s, 0.5 * ((row.speed_high_68_mm_s or 0.0) - (row.speed_low_68_mm_s or 0.0))
-        )
+        ours = Quantity("speed", "mm_s", row.speed.value, row.speed.half_width(0.68))
         circumstances = f"predicted, with half of its 68 % bounds, {name}"
         yield _of_fact("speed at 10 deg", circumstances, ours, INFERRED, fitted=True)
 

@@ -166,7 +166,7 @@ def test_the_example_of_a_variant_runs():
 def test_a_prediction_is_the_commands(run):
     (row,) = json.loads(run("predict", "koumakis2016", "--tilt", "10", "--json"))["rows"]
     found = wg.predict("koumakis2016", tilt=10)
-    assert found.row._asdict() == row
+    assert found.row.columns() == row
     assert found.speed.value == row["speed_mm_s"]
     assert found.speed.se == row["speed_sd_mm_s"]
     bounds = found.speed.low_95, found.speed.high_95
@@ -185,7 +185,7 @@ def test_a_simulation_is_the_commands(run, runs):
     assert runs.summary.numbers["impacts_per_s"].value == pytest.approx(told["impacts_per_s"], rel=0.2)
     plain = json.loads(run("simulate", "koumakis2016", "--tilt", "10", *SHORT_FLAGS, "--json"))
     assert runs.speed.value == plain["speed_mm_s"]
-    assert (runs.speed.orbit, plain["orbit"]) == ("", None)
+    assert (runs.speed.refused, plain["orbit"]) == ("", None)
     bounds = runs.speed.low_95, runs.speed.high_95
     assert bounds == (plain["speed_low_95_mm_s"], plain["speed_high_95_mm_s"])
     found, (first, *_) = runs.trajectory(50), Path("all.csv").read_text().splitlines()
@@ -212,8 +212,8 @@ def test_a_simulation_says_how_far_it_is():
     words = {**SHORT, "seconds": 0.05, "runs": 1}
     one = wg.simulate(PAPER, LANE, **words, progress=lambda *step: seen.append(step))
     assert seen[-1] == ("runs", 100, 100)  # percent
-    assert np.isnan(one.speed.se)
-    assert str(one.speed).endswith("mm/s, standard error unknown")
+    assert one.speed.se is None
+    assert str(one.speed).endswith("mm/s, too few data for an error bar")
 
 
 def film():

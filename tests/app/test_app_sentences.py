@@ -3,7 +3,7 @@
 import pytest
 
 from walkergen.app import sentences
-from walkergen.core.theory.prediction import Prediction
+from walkergen.core.theory.prediction import Prediction, make_speed
 from walkergen.files import templates
 
 
@@ -12,13 +12,9 @@ def row(middle, low, high, by="surrogate", nominal=None, falls=0.0):
     designed, least, most = (None, None, None) if nominal is None else nominal
     numbers = dict.fromkeys(Prediction._fields)
     return Prediction(**numbers)._replace(
-        speed_mm_s=middle,
-        speed_low_68_mm_s=low,
-        speed_high_68_mm_s=high,
+        speed=make_speed("speed", middle, None, (low, low, high, high)),
         speed_by=by,
-        nominal_mm_s=designed,
-        nominal_low_95_mm_s=least,
-        nominal_high_95_mm_s=most,
+        nominal=make_speed("nominal", designed, None, (least, least, most, most)),
         falls=falls,
     )
 

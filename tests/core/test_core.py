@@ -29,7 +29,7 @@ scene = Scene.model_validate({"run": {"seconds": 0.02, "discard_seconds": 0.0, "
 mass = mass_of(design)
 predicted = predict(design, mass, scene)
 run = simulate(prepare(scene, design, mass), 0)
-print(len(build(design).walker.triangles), mass.total, predicted.nominal_mm_s, run.outcome.value)
+print(len(build(design).walker.triangles), mass.total, predicted.nominal.value, run.outcome.value)
 """
 
 MAX_NAMES = 60

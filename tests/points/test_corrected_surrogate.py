@@ -83,7 +83,7 @@ def test_a_few_runs_correct_the_surrogate_alike_on_any_number_of_threads(tmp_pat
         monkeypatch.setattr("os.cpu_count", lambda: 1)
         assert corrected_surrogate.simulate(walker, known, silent) == record
         row = speed_prediction.predict(walker.design, walker.mass, walker.scene)
-        assert (row.speed_by, row.nominal_mm_s) == ("corrected", record["nominal"])
+        assert (row.speed_by, row.nominal.value) == ("corrected", record["nominal"])
         assert row.note.startswith("by the surrogate, corrected by a few runs, since ")
 
 

@@ -31,11 +31,11 @@ def predicted(design, scene, model="best"):
 def test_what_the_surrogate_declines_is_simulated_once_and_then_known():
     """By direct runs 46.6 mm/s; short runs err by some more. On a slope the surrogate is not corrected."""
     design, scene = Design().variant(tilt_deg=10.0), on_plane(contact={"friction": 0.6}, plate={"slope_deg": 0.5})
-    assert predicted(design, scene, "known").speed_mm_s is None
+    assert predicted(design, scene, "known").speed.value is None
     row = predicted(design, scene)
     assert row.speed_by == "runs"
-    assert row.nominal_mm_s == pytest.approx(46.6, rel=0.2)
-    assert row.speed_low_95_mm_s < row.speed_low_68_mm_s < row.speed_mm_s < row.speed_high_68_mm_s
+    assert row.nominal.value == pytest.approx(46.6, rel=0.2)
+    assert row.speed.low_95 < row.speed.ends[1] < row.speed.value < row.speed.ends[2]
     assert predicted(design, scene, "known") == row
 
 
@@ -45,28 +45,28 @@ def test_walkers_that_fall_have_no_speed():
     body = {"length_mm": 26.1, "thickness_mm": 3.11, "depth_mm": 8.16}
     scene = on_plane(drive={"frequency_hz": 60.6, "gamma": 2.43}, contact={"restitution": 0.88, "friction": 0.073})
     row = predicted(Design.model_validate({"legs": legs, "body": body}), scene)
-    assert row.speed_mm_s is None
+    assert row.speed.value is None
     assert row.falls >= short_simulation.MAX_FALL_SHARE
 
 
 def test_a_record_becomes_bounds_with_the_models_own_error():
     record = {"nominal": 50.0, "low": 48.0, "high": 52.0, "falls": 0.0, "mean": 40.0, "sd": 10.0}
     record |= dict(zip(short_simulation.BOUND_NAMES, (20.0, 30.0, 50.0, 60.0), strict=True))
-    spread = short_simulation.to_spread(record, on_plane(prediction={"model_sd": 0.0}))
-    assert spread.bounds == (20.0, 30.0, 50.0, 60.0)
-    wider = short_simulation.to_spread(record, on_plane(prediction={"model_sd": 0.15}))
-    assert wider.bounds[3] == pytest.approx(40.0 + (20.0**2 + (1.96 * 6.0) ** 2) ** 0.5, rel=1e-3)
+    spread = short_simulation.speed_from_record(record, on_plane(prediction={"model_sd": 0.0}))
+    assert spread.speed.ends == (20.0, 30.0, 50.0, 60.0)
+    wider = short_simulation.speed_from_record(record, on_plane(prediction={"model_sd": 0.15}))
+    assert wider.speed.ends[3] == pytest.approx(40.0 + (20.0**2 + (1.96 * 6.0) ** 2) ** 0.5, rel=1e-3)
 
 
 def test_bounds_bear_the_error_of_what_was_left_out():
     record = {"nominal": 50.0, "low": 47.0, "high": 53.0, "falls": 0.0, "mean": 40.0, "sd": 10.0, "left_out_mm_s": 4.0}
     record |= dict(zip(short_simulation.BOUND_NAMES, (37.0, 38.5, 41.5, 43.0), strict=True))
     exact = on_plane(prediction={"model_sd": 0.0})
-    wider = short_simulation.to_spread(record, exact)
-    assert wider.nominal_bounds == (45.0, 55.0)
-    assert wider.bounds[0::3] == (35.0, 45.0)
-    few = short_simulation.to_spread(record | {"mean": None}, exact)
-    assert few.bounds[0::3] == (45.0, 55.0)
+    wider = short_simulation.speed_from_record(record, exact)
+    assert wider.nominal.interval() == (45.0, 55.0)
+    assert wider.speed.ends[0::3] == (35.0, 45.0)
+    few = short_simulation.speed_from_record(record | {"mean": None}, exact)
+    assert few.speed.ends[0::3] == (45.0, 55.0)
 
 
 def test_a_walker_is_simulated_without_what_its_accepted_error_allows():
@@ -80,8 +80,8 @@ def test_a_walker_is_simulated_without_what_its_accepted_error_allows():
         predicted(design, on_plane(**tables | more))
         for more in ({"drive": PLATE}, {}, {"run": run | {"accepted_error": 0.5}})
     )
-    assert plain.nominal_mm_s == simple.nominal_mm_s != whole.nominal_mm_s
-    assert simple.speed_low_95_mm_s < plain.speed_low_95_mm_s
+    assert plain.nominal.value == simple.nominal.value != whole.nominal.value
+    assert simple.speed.low_95 < plain.speed.low_95
     assert "left out: second harmonic" in simple.note
     assert "left out" not in whole.note
 
@@ -114,7 +114,7 @@ def test_a_walker_that_would_take_minutes_is_refused_by_the_key_that_makes_it_so
     assert " of CPU time" in str(refused.value)
     assert "`simulate --seconds" in str(refused.value)
     assert "\n" not in str(refused.value)
-    assert predicted(Design(), scene, "known").speed_mm_s is None
+    assert predicted(Design(), scene, "known").speed.value is None
 
 
 def test_a_walker_of_stiff_parts_names_itself(would_begin):

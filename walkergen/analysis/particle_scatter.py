@@ -16,8 +16,7 @@ from walkergen.analysis.estimates import FAR_WEIGHT, MIN_SIGNIFICANCE, NEAR_WEIG
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.core.numerics import Array, Complex, statistics
 from walkergen.core.numerics.distributions import fisher_tail
-from walkergen.core.numerics.quantity import Quantity
-from walkergen.files import quantity_format
+from walkergen.core.numerics.quantity import UNIT_SYMBOLS, Quantity
 
 SCATTER_P_VALUE = 0.01
 """Probability, for walkers that are alike, of a spread that counts as resolved (an F test)."""
@@ -96,7 +95,7 @@ def walker_scatter(name: str, values: Array, noise: float, inside: float) -> Qua
         least = chdtri(free, 0.95)  # chi^2 lies above it with 95 %
         most = math.sqrt(max(total * free / least - noise, 0.0))
         bound = (
-            f"below {most:.2g} {quantity_format.UNITS[UNITS[name]]} (95 %)"
+            f"below {most:.2g} {UNIT_SYMBOLS[UNITS[name]]} (95 %)"
             if most
             else "smaller than each one's own error makes it"
         )

@@ -65,15 +65,16 @@ def format_speed(row: Prediction) -> Speed:
 
     The quartiles follow from the 68 % interval, on either side as for a normal distribution.
     """
-    middle, low, high = row.speed_mm_s, row.speed_low_68_mm_s, row.speed_high_68_mm_s
-    if middle is None and row.falls > 0.0:
+    ends = row.speed.interval(0.68)
+    if ends is None and row.falls > 0.0:
         return Speed(f"falls over in {100.0 * row.falls:.0f} % of its runs.", "falls", True)
-    if middle is None or low is None or high is None:
+    if ends is None:
         return Speed("Runs of seconds tell how fast.", "unknown", False)
     if prediction.is_standing(row):
-        bounds = "" if row.speed_by == "statics" else f", as far as can be told: {_format_range(low, high)}"
+        bounds = "" if row.speed_by == "statics" else f", as far as can be told: {_format_range(*ends)}"
         return Speed(f"stands{bounds}.", "stands", True)
-    quarter, most = (middle + QUARTILE_RATIO * (end - middle) for end in (low, high))
+    middle = row.speed.number
+    quarter, most = (middle + QUARTILE_RATIO * (end - middle) for end in ends)
     return Speed(
         f"{_format_velocity(middle)}; half of the prints run {_format_range(quarter, most)}.", _direction(middle), True
     )

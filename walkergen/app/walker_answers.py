@@ -46,7 +46,7 @@ def walker_facts(document: Document) -> tuple[dict[str, Any], Mesh]:
     design, scene = document.load_design(), document.load_scene()
     report = predicting.predict(design, [design], scene, "coulomb", model="known", united=False)
     (member,) = report.members
-    row = member.row._asdict()
+    row = member.row.columns()
     facts = {
         "name": design.name,
         "part": member.name,

@@ -5,14 +5,8 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from walkergen.core.files import formatting
-from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.numerics.quantity import UNIT_SYMBOLS, Quantity
 from walkergen.files.report import Column
-
-UNITS = {
-    **{"mm_s": "mm/s", "mm2_s": "mm²/s", "per_s": "1/s", "per_mm": "1/mm", "rad_s": "rad/s", "rad2_s": "rad²/s"},
-    "percent": "%",
-}
-"""Units as people read them, if different from those of keys."""
 
 
 def format_name(number: Quantity) -> str:
@@ -22,7 +16,7 @@ def format_name(number: Quantity) -> str:
 
 def format_unit(number: Quantity) -> str:
     """Return the unit of a quantity as people read it."""
-    return UNITS.get(number.unit, number.unit)
+    return UNIT_SYMBOLS.get(number.unit, number.unit)
 
 
 def format_value(number: Quantity, unit: str = "") -> str:

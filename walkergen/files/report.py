@@ -181,13 +181,14 @@ class Table:
 
     def _repr_html_(self) -> str:
         heads: Sequence[str] = self.keys or [column.heading for column in self.columns]
+        shown = self.rows if self.keys else self._visible_rows()
         rows = [
             map(format_value, row) if self.keys else [column.cell(row) for column in self.columns]
-            for row in self._visible_rows()[:MAX_NOTEBOOK_ROWS]
+            for row in shown[:MAX_NOTEBOOK_ROWS]
         ]
         head = "".join(f"<th>{escape(one)}</th>" for one in heads) if any(heads) else ""
         body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
-        more = len(self._visible_rows()) - MAX_NOTEBOOK_ROWS
+        more = len(shown) - MAX_NOTEBOOK_ROWS
         notes = [*self.footer_lines(markdown=True), *([f"and {more} more rows"] if more > 0 else [])]
         title = f"<caption>{escape(self.title)}</caption>" if self.title else ""
         table = f"<table>{title}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"

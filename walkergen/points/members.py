@@ -1,8 +1,7 @@
 """Predictions for the walkers of a design: masses and speeds, compared with weighed masses and runs."""
 
-from collections import namedtuple
 from collections.abc import Iterator, Mapping, Sequence
-from types import MappingProxyType
+from types import MappingProxyType, SimpleNamespace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from walkergen.core.files.progress import Progress, part_progress, silent
@@ -123,20 +122,13 @@ def _weighing(
         weighings=means.number,
         mass=weighed_masses.total(float(member.mass.total), means, len(member.mass.legs)),
         mass_mesh_g=float(mesh.total),
-        speed_mesh_mm_s=speed_prediction.predict(plain, mesh, scene, mode, model).speed_mm_s,
+        speed_mesh_mm_s=speed_prediction.predict(plain, mesh, scene, mode, model).speed.value,
     )
 
 
-def rows(members: Sequence[Member]) -> list[Any]:
-    """Return the named tuples of all numbers of each walker: prediction, runs, weighed mass."""
-    found = [_columns(member) for member in members]
-    Row = namedtuple("Row", found[0] if found else ())  # type: ignore[misc]
-    return [Row(**columns) for columns in found]
-
-
-def _columns(member: Member) -> dict[str, Any]:
-    """Return all numbers of a walker by their columns."""
-    found, runs = member.row._asdict(), member.simulated
+def columns(member: Member) -> dict[str, Any]:
+    """Return all numbers of a walker by the columns of a table: prediction, runs, weighed mass."""
+    found, runs = member.row.columns(), member.simulated
     if runs is not None:
         speed = runs.speed._replace(key="sim_speed").row(95, stem="sim_")
         found |= speed | {"sim_outcomes": runs.outcomes, "verdict": runs.verdict}
@@ -145,3 +137,11 @@ def _columns(member: Member) -> dict[str, Any]:
 
         found |= column_values(member.weighing)
     return found
+
+
+def row(member: Member) -> SimpleNamespace:
+    """Return all numbers of a walker as attributes. Those with an error are quantities."""
+    found, runs, weighing = member.row._asdict(), member.simulated, member.weighing
+    if runs is not None:
+        found |= {"sim_speed": runs.speed, "sim_outcomes": runs.outcomes, "verdict": runs.verdict}
+    return SimpleNamespace(**found, **(weighing._asdict() if weighing is not None else {}))

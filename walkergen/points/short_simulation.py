@@ -17,7 +17,7 @@ from walkergen.core.scene import Scene
 from walkergen.core.simulation.effects.resolve import replace_without_validation
 from walkergen.core.simulation.run import Outcome
 from walkergen.core.theory import prediction
-from walkergen.core.theory.prediction import By, Spread
+from walkergen.core.theory.prediction import By, PredictedSpeed, make_speed
 from walkergen.core.theory.surrogate import NORMAL_95, Known
 from walkergen.core.tolerance import Tolerance
 from walkergen.points import corrected_surrogate, print_ensemble, run_time, walkers
@@ -176,26 +176,27 @@ def _simulate_prints(walker: Walker, progress: Progress) -> Record:
     return record | {"mean": mean, "sd": float(speeds.std(ddof=1))}
 
 
-def to_spread(record: Record, scene: Scene) -> Spread | None:
-    """Return the speeds of a record, with the model's own error in the bounds; None for a walker that falls."""
-    nominal, low, high = (_float_or_none(record, name) for name in ("nominal", "low", "high"))
-    if nominal is None or float(record["falls"] or 0.0) >= MAX_FALL_SHARE:
+def speed_from_record(record: Record, scene: Scene) -> PredictedSpeed | None:
+    """Return the speed of a record, with the model's own error in the bounds; None for a walker that falls."""
+    value, low, high = (_float_or_none(record, name) for name in ("nominal", "low", "high"))
+    if value is None or float(record["falls"] or 0.0) >= MAX_FALL_SHARE:
         return None
     left_out = _float_or_none(record, "left_out_mm_s") or 0.0
-    first, last = nominal if low is None else low, nominal if high is None else high  # one orbit has no scatter
-    first, _, _, last = print_ensemble.add_step_error((first, nominal, nominal, last), nominal, left_out)
+    first, last = value if low is None else low, value if high is None else high  # one orbit has no scatter
+    first, _, _, last = print_ensemble.add_step_error((first, value, value, last), value, left_out)
+    half = 0.5 * (last - first)
+    bounds = first, value - half / 2.0, value + half / 2.0, last
+    nominal = make_speed("nominal", value, half / NORMAL_95, bounds)
     mean = _float_or_none(record, "mean")
     if mean is None:  # nothing is uncertain, or too few prints walk
-        half = 0.5 * (last - first)
-        mean, sd = nominal, half / NORMAL_95
-        ends = first, nominal - half / 2.0, nominal + half / 2.0, last
+        mean, sd, ends = value, half / NORMAL_95, bounds
     else:
         sd = math.hypot(float(record["sd"] or 0.0), left_out / NORMAL_95)
         low2, low1, high1, high2 = (float(record[name] or 0.0) for name in BOUND_NAMES)
         ends = print_ensemble.add_step_error((low2, low1, high1, high2), mean, left_out)
     own = float(prediction.model_error_sd(mean, scene))
     ends = print_ensemble.add_error(ends, mean, (NORMAL_95 * own, own, own, NORMAL_95 * own))
-    return Spread(nominal, (first, last), mean, math.hypot(sd, own), ends, _source(record))
+    return PredictedSpeed(nominal, make_speed("speed", mean, math.hypot(sd, own), ends), _source(record))
 
 
 def _source(record: Record) -> By:

@@ -105,14 +105,15 @@ def evaluate(point: Point) -> Record:
     if point.predicted:
         row = speed_prediction.predict(design, mass, scene, model="known")
         if point.simulated:
-            record["predicted_mm_s"] = row.speed_mm_s
+            record["predicted_mm_s"] = row.speed.value
         else:
-            record |= {"speed_mm_s": row.speed_mm_s, "model": row.speed_by}
-            if row.speed_mm_s is None:
+            record |= {"speed_mm_s": row.speed.value, "model": row.speed_by}
+            if row.speed.value is None:
                 record |= status_record(PointStatus.OK, f"{row.note}: ‹model=›space")
         record["theory_mm_s"] = row.theory_mm_s
         if "spread" in keep:
-            record |= {name: getattr(row, name.replace("predicted", "speed")) for name in GROUP_COLUMNS["spread"]}
+            columns = row.columns()
+            record |= {name: columns[name.replace("predicted", "speed")] for name in GROUP_COLUMNS["spread"]}
     if "masses" in keep:
         leg = next((leg for leg in mass.legs if leg.m > 0.0), None)
         record |= {

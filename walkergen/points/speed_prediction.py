@@ -54,7 +54,8 @@ def predict(
         falls, note = float(record["falls"] or 0.0), f"{_how(record)}, since {reason}{left_out}"
         if scene.drive.kind == "motor":
             note += _push_warning(scene.drive.push_ratio(float(mass.total)))
-        return prediction.make_row(design, mass, scene, mode, short_simulation.to_spread(record, scene), note, falls)
+        speed = short_simulation.speed_from_record(record, scene)
+        return prediction.make_row(design, mass, scene, mode, speed, note, falls)
 
 
 def _how(record: "Record") -> str:

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from walkergen.core.files import formatting
+from walkergen.core.numerics.quantity import CONFIDENCE, Quantity
 from walkergen.core.scene import Scene
 from walkergen.core.theory import prediction
-from walkergen.core.theory.prediction import Prediction
 from walkergen.core.theory.uncertain_inputs import Share
 from walkergen.core.walker.design import Design
 from walkergen.files import report
@@ -63,13 +63,20 @@ MIN_FOLDED_WALKERS = 3
 
 def tables(name: str, design: str, walkers: Sequence[Member], why: bool = True) -> list[Table]:
     """Build the table of a design's walkers, with notes if `why`, and of their masses and the meshes' if weighed."""
-    rows = members.rows(walkers)
-    keys = rows[0]._fields if rows else Prediction._fields
+    rows = [members.columns(member) for member in walkers]
     standing = {member.row for member in _standing(walkers)}
-    moving = [row for row, member in zip(rows, walkers, strict=True) if member.row not in standing]
-    title = f"Predicted speeds of {design}"
-    speeds = Table(name, rows, keys, columns(walkers, why), title, read=moving)
-    return [speeds, Table("weighed", rows, (), MASS_COLUMNS, "Weighed")] if _has_weighings(walkers) else [speeds]
+    moving = [members.row(member) for member in walkers if member.row not in standing]
+    speeds = Table(
+        name,
+        [tuple(row.values()) for row in rows],
+        tuple(rows[0]),
+        columns(walkers, why),
+        f"Predicted speeds of {design}",
+        read=moving,
+    )
+    if not _has_weighings(walkers):
+        return [speeds]
+    return [speeds, Table("weighed", [members.row(member) for member in walkers], (), MASS_COLUMNS, "Weighed")]
 
 
 def lines(walkers: Sequence[Member]) -> list[str]:
@@ -99,15 +106,14 @@ def columns(walkers: Sequence[Member], why: bool = True) -> tuple[Column, ...]:
         return f" [{notes.index(note) + 1}]" if note in notes and why else ""
 
     def format_designed(row: Any) -> str:
-        return (_format_outcome(row) or formatting.format_fixed(row.nominal_mm_s, 1)) + mark(row.note)
+        return (_format_outcome(row) or formatting.format_fixed(row.nominal.number, 1)) + mark(row.note)
 
     def theory(row: Any) -> str:
         return formatting.format_fixed(row.theory_mm_s, 1) + mark(row.theory_note)
 
     def format_speed(row: Any) -> str:
-        return (
-            "" if row.speed_mm_s is None or prediction.is_standing(row) else formatting.format_fixed(row.speed_mm_s, 1)
-        )
+        speed = row.speed.value
+        return "" if speed is None or prediction.is_standing(row) else formatting.format_fixed(speed, 1)
 
     alone = _has_theory_alone(walkers)
     given = (report.number_column("tilt\n(deg)", "tilt_deg", 6), report.text_column("legs", "legs"))
@@ -131,8 +137,8 @@ def columns(walkers: Sequence[Member], why: bool = True) -> tuple[Column, ...]:
         *masses,
         Column("as designed\n(mm/s)", format_designed, right=True),
         Column("your print\n(mm/s)", format_speed, right=True),
-        _bounds_column("68 %\n(mm/s)", "68"),
-        _bounds_column("95 %\n(mm/s)", "95", wide=simulated),
+        _bounds_column("68 %\n(mm/s)", 0.68),
+        _bounds_column("95 %\n(mm/s)", 0.95, wide=simulated),
         eq_15,
         *factors,
         *(RUN_COLUMNS if simulated else ()),
@@ -143,7 +149,7 @@ def _format_outcome(row: Any) -> str:
     """Return the outcome of a walker without a speed worth a number; "" of others."""
     if prediction.is_standing(row):
         return "stands"
-    if row.nominal_mm_s is None:
+    if row.nominal.value is None:
         return "falls over" if row.falls > 0.0 else "-"
     return ""
 
@@ -187,24 +193,20 @@ def _has_theory_alone(walkers: Sequence[Member]) -> bool:
     return all(member.row.has_theory_alone for member in walkers)
 
 
-def _bounds_column(heading: str, share: str, wide: bool = False) -> Column:
-    """Return the column of the bounds that hold a speed with 68 or 95 %."""
-    low, high = f"speed_low_{share}_mm_s", f"speed_high_{share}_mm_s"
-    return Column(heading, lambda row: _format_range(getattr(row, low), getattr(row, high)), True, wide)
+def _bounds_column(heading: str, confidence: float, wide: bool = False) -> Column:
+    """Return the column of the bounds that hold a speed with this confidence."""
+    return Column(heading, lambda row: _format_bounds(row.speed, confidence), True, wide)
 
 
-def _format_range(low: float | None, high: float | None) -> str:
+def _format_bounds(speed: Quantity, confidence: float = CONFIDENCE) -> str:
     """Format the bounds in whole numbers; "" without any."""
-    if low is None or high is None:
-        return ""
-    return f"{formatting.format_fixed(low, 0)} to {formatting.format_fixed(high, 0)}"
+    return " to ".join(formatting.format_fixed(end, 0) for end in speed.interval(confidence) or ())
 
 
 def _format_runs(row: Any) -> str:
-    if row.sim_speed_mm_s is None:
+    if row.sim_speed.value is None:
         return "-"
-    bounds = _format_range(row.sim_low_95_mm_s, row.sim_high_95_mm_s)
-    return f"{formatting.format_fixed(row.sim_speed_mm_s, 1)}, {bounds}"
+    return f"{formatting.format_fixed(row.sim_speed.number, 1)}, {_format_bounds(row.sim_speed)}"
 
 
 RUN_COLUMNS = (
@@ -216,14 +218,18 @@ RUN_COLUMNS = (
 
 
 def _format_mass(row: Any) -> str:
-    error = "" if row.mass_se_g is None else f" ± {formatting.format_number(row.mass_se_g, 2)}"
-    return f"{formatting.format_number(row.mass_g, 4)}{error}"
+    error = "" if row.mass.se is None else f" ± {formatting.format_number(row.mass.se, 2)}"
+    return f"{formatting.format_number(row.mass.number, 4)}{error}"
+
+
+def _format_mesh_speed(speed: float | None) -> str:
+    """Format a speed that a mesh's mass may change, mm/s; "" for None."""
+    return "" if speed is None else formatting.format_fixed(speed, 2)
 
 
 def _format_change(row: Any) -> str:
-    if row.speed_mm_s is None or row.speed_mesh_mm_s is None:
-        return ""
-    return formatting.format_fixed(row.speed_mm_s - row.speed_mesh_mm_s, 2)
+    speed, of_mesh = row.speed.value, row.speed_mesh_mm_s
+    return _format_mesh_speed(None if speed is None or of_mesh is None else speed - of_mesh)
 
 
 MASS_COLUMNS = (
@@ -232,8 +238,8 @@ MASS_COLUMNS = (
     report.number_column("weighings", "weighings"),
     Column("mass\n(g)", _format_mass, right=True),
     report.number_column("mesh's\n(g)", "mass_mesh_g"),
-    report.fixed_column("speed\n(mm/s)", "speed_mm_s", 2),
-    report.fixed_column("mesh's\n(mm/s)", "speed_mesh_mm_s", 2),
+    Column("speed\n(mm/s)", lambda row: _format_mesh_speed(row.speed.value), right=True),
+    Column("mesh's\n(mm/s)", lambda row: _format_mesh_speed(row.speed_mesh_mm_s), right=True),
     Column("change\n(mm/s)", _format_change, right=True),
 )
 """Columns of weighed masses and their speeds, next to those of the mesh."""

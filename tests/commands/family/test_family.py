@@ -75,7 +75,7 @@ def test_csv_rows_are_the_predictions(tmp_path):
     assert len(rows) == len(made) == 6
     assert list(rows[0]) == COLUMNS
     for row, member in zip(rows, made, strict=True):
-        assert float(row["speed_mm_s"]) == member.row.speed_mm_s
+        assert float(row["speed_mm_s"]) == member.row.speed.value
         assert (row["m_g"] == "") == (member.row.m_g is None)
 
 

@@ -18,7 +18,7 @@ from walkergen.commands.accuracy.figures import FigureData, Point, choice_figure
 from walkergen.commands.family import chart_data
 from walkergen.commands.family import figures as family
 from walkergen.core.numerics.quantity import Quantity
-from walkergen.core.theory.prediction import Curve, Prediction
+from walkergen.core.theory.prediction import Curve, Prediction, make_speed
 from walkergen.files import figures
 from walkergen.guests.track.analyse import report as analysis
 from walkergen.points.members import Simulated
@@ -29,11 +29,9 @@ MM = 25.4
 
 
 def row(tilt, legs, speed):
-    bounds = [speed + off for off in (-10.0, 20.0, -20.0, 40.0)]
+    bounds = tuple(speed + off for off in (-20.0, -10.0, 20.0, 40.0))
     values = dict.fromkeys(Prediction._fields)
-    values |= {"tilt_deg": tilt, "legs": legs, "speed_mm_s": speed}
-    ends = ("low_68", "high_68", "low_95", "high_95")
-    values |= {f"speed_{end}_mm_s": value for end, value in zip(ends, bounds, strict=True)}
+    values |= {"tilt_deg": tilt, "legs": legs, "speed": make_speed("speed", speed, 15.0, bounds)}
     return Prediction(**values)
 
 

@@ -15,6 +15,7 @@ from report_folder import files_of, job_of, made_in, rendered, silent, text_of
 from walkergen.commands.family import make as family
 from walkergen.commands.family import report
 from walkergen.core.errors import OutputError
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.files import viewer, web_page
 
 ROOT = Path(__file__).parents[3]
@@ -180,7 +181,7 @@ def test_a_page_that_somebody_changed_is_left_alone(tmp_path):
 
 
 def test_a_walker_of_unknown_speed_says_so(made):
-    speeds = {name: None for name in made.members[0].row._fields if name.startswith(("speed_", "nominal_"))}
+    speeds = {name: Quantity(name, "mm_s", None) for name in ("speed", "nominal")}
     unknown = [member._replace(row=member.row._replace(**speeds)) for member in made.members]
     assert {part.words for part in report.view_parts(unknown)} == {"no speed yet"}
 

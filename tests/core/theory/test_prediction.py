@@ -127,11 +127,11 @@ def test_a_prediction_without_unknowns_is_the_nominal_speed():
     for model_sd in (0.0, 0.3):
         row = prediction.predict(design, mass, scene.variant(**{"prediction.model_sd": model_sd}))
         sd = np.hypot(se, model_sd * speed)
-        assert row.nominal_mm_s == speed
+        assert row.nominal.value == speed
         # 512 points know a median to a hundredth of a deviation, a bound to a tenth.
-        assert row.speed_mm_s == pytest.approx(speed, abs=0.03 * sd)
-        assert row.speed_low_95_mm_s == pytest.approx(speed - 1.96 * sd, abs=0.15 * sd)
-        assert row.speed_high_68_mm_s == pytest.approx(speed + 0.994 * sd, abs=0.15 * sd)
+        assert row.speed.value == pytest.approx(speed, abs=0.03 * sd)
+        assert row.speed.low_95 == pytest.approx(speed - 1.96 * sd, abs=0.15 * sd)
+        assert row.speed.ends[2] == pytest.approx(speed + 0.994 * sd, abs=0.15 * sd)
 
 
 def test_words_for_walkers_that_run_stand_run_backward_and_fall():
@@ -142,23 +142,26 @@ def test_words_for_walkers_that_run_stand_run_backward_and_fall():
     assert back.startswith("runs backward")
     assert prediction.describe_speed(row_of(Design().variant(tilt_deg=0.0))[0]).startswith("stands")
     assert prediction.describe_speed(row_of(friction=0.0, friction_sd=0.0)[0]) == "stands"
-    assert prediction.describe_speed(row._replace(speed_mm_s=None, falls=1.0)) == "falls over in 100 % of its runs"
-    apart = row._replace(nominal_mm_s=1.5 * (row.speed_mm_s or 0.0))
+    assert (
+        prediction.describe_speed(row._replace(speed=row.speed._replace(value=None), falls=1.0))
+        == "falls over in 100 % of its runs"
+    )
+    apart = row._replace(nominal=row.nominal._replace(value=1.5 * row.speed.number))
     assert "as designed" in prediction.describe_speed(apart)
-    assert "as designed" not in prediction.describe_speed(row._replace(nominal_mm_s=row.speed_mm_s))
+    assert "as designed" not in prediction.describe_speed(row._replace(nominal=row.speed))
 
 
 def test_a_contact_of_which_less_is_known_has_wider_bounds():
     exact, paper = (row_of(restitution_sd=sd)[0] for sd in (0.0, 0.07))
-    widths = [row.speed_high_95_mm_s - row.speed_low_95_mm_s for row in (exact, paper)]
+    widths = [row.speed.high_95 - row.speed.low_95 for row in (exact, paper)]
     assert widths[1] > widths[0]
 
 
 def test_the_first_number_of_a_newcomer_holds_the_papers_speed():
     row, _, _ = row_of()
-    assert row.speed_low_68_mm_s < 60.0 < row.speed_high_68_mm_s
+    assert row.speed.ends[1] < 60.0 < row.speed.ends[2]
     # 4.25: alone the label's 0.07 makes 2.5, the model's 15 % 2.1, feet uneven by 5 um 3.0
-    assert row.speed_high_95_mm_s < 4.6 * row.speed_low_95_mm_s
+    assert row.speed.high_95 < 4.6 * row.speed.low_95
 
 
 def test_draws_stay_in_the_physical_range_and_repeat():
@@ -184,17 +187,17 @@ def test_shares_name_what_to_measure_next():
 def test_tilt_zero_stands_still_and_its_mirror_image_runs_back():
     upright, left, right = (row_of(Design().variant(tilt_deg=tilt))[0] for tilt in (0.0, -12.0, 12.0))
     assert upright.theory_mm_s == 0.0
-    assert abs(upright.speed_mm_s) < 0.5  # by symmetry 0, in a table with a scatter of 1.8
+    assert abs(upright.speed.value) < 0.5  # by symmetry 0, in a table with a scatter of 1.8
     assert left.theory_mm_s == pytest.approx(-right.theory_mm_s, rel=1e-12)
-    assert left.speed_mm_s == pytest.approx(-right.speed_mm_s, rel=1e-9)
-    assert left.speed_low_95_mm_s == pytest.approx(-right.speed_high_95_mm_s, rel=1e-9)
+    assert left.speed.value == pytest.approx(-right.speed.value, rel=1e-9)
+    assert left.speed.low_95 == pytest.approx(-right.speed.high_95, rel=1e-9)
 
 
 def test_braced_walkers_hardly_move():
     """Paper: rigid objects show no significant propulsion; docs/physics.md: below 2 mm/s."""
     for tilt in (0.0, 10.0, 30.0, 45.0):
         row = row_of(Design().variant(tilt_deg=tilt, kind="braced"))[0]
-        assert abs(row.speed_mm_s) < 2.0
+        assert abs(row.speed.value) < 2.0
         assert abs(row.theory_mm_s) < 2.0
         assert row.m_g is None
 
@@ -212,7 +215,7 @@ def test_a_curve_runs_through_its_members():
     curve = prediction.predict_curve(Design(), Scene(), "coulomb", 0.0, 45.0)
     for tilt in (5.0, 10.0, 35.0):
         row, place = (row_of(Design().variant(tilt_deg=tilt))[0], np.argmin(abs(curve.tilt_deg - tilt)))
-        assert curve.speed[place] == pytest.approx(row.speed_mm_s, rel=1e-9)
+        assert curve.speed[place] == pytest.approx(row.speed.value, rel=1e-9)
         assert curve.theory[place] == pytest.approx(row.theory_mm_s, rel=1e-9)
 
 
@@ -252,4 +255,4 @@ def test_the_theory_does_not_depend_on_density():
 def test_a_heavier_leg_changes_the_prediction():
     heavy = Design.model_validate({"weighed": {"leg_mass_g": 0.04}})
     assert by_theory(heavy).theory_mm_s < 0.99 * by_theory(Design()).theory_mm_s
-    assert row_of(heavy)[0].speed_mm_s != row_of()[0].speed_mm_s
+    assert row_of(heavy)[0].speed.value != row_of()[0].speed.value

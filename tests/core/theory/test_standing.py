@@ -28,7 +28,7 @@ def predicted(**keys):
 @pytest.mark.parametrize("gamma", [0.05, 0.5, 0.9])
 def test_a_plate_below_gravity_throws_nothing(tilt, gamma):
     row = predicted(tilt=tilt, drive__gamma=gamma)
-    assert (row.speed_mm_s, row.speed_low_95_mm_s, row.speed_high_95_mm_s) == (0.0, 0.0, 0.0)
+    assert (row.speed.value, row.speed.low_95, row.speed.high_95) == (0.0, 0.0, 0.0)
     assert row.speed_by == "statics"
     assert "the walker stands" in row.note
 
@@ -50,7 +50,7 @@ def test_what_may_run_is_not_said_to_stand(keys):
 
 def test_without_friction_nothing_pushes():
     row = predicted(contact__friction=0.0)
-    assert (row.speed_mm_s, row.speed_by) == (0.0, "statics")
+    assert (row.speed.value, row.speed_by) == (0.0, "statics")
 
 
 @pytest.mark.slow

@@ -92,7 +92,7 @@ def test_whole_walkers_scale_all_masses_alike_and_change_the_speed_little(read):
     body, leg = meshed(MEMBERS[1])
     scale = 1.0 / (body + 2 * leg)
     assert (member.row.M_g, member.row.m_g) == pytest.approx((scale * body, scale * leg))
-    assert member.row.speed_mm_s == pytest.approx(member.weighing.speed_mesh_mm_s, rel=0.1)
+    assert member.row.speed.value == pytest.approx(member.weighing.speed_mesh_mm_s, rel=0.1)
     assert member.weighing.mass.value == pytest.approx(1.0)
     assert member.weighing.mass_mesh_g == pytest.approx(body + 2 * leg)
 
@@ -111,8 +111,8 @@ def test_a_heavier_leg_changes_the_speed_as_the_same_mass_in_the_design_does(rea
     data["weighed"]["leg_mass_g"] = 0.06
     (same,) = predicted({}, [Design.model_validate(data)])
     assert second.row == same.row
-    assert second.weighing.speed_mesh_mm_s != second.row.speed_mm_s
-    assert first.row.speed_mm_s == first.weighing.speed_mesh_mm_s
+    assert second.weighing.speed_mesh_mm_s != second.row.speed.value
+    assert first.row.speed.value == first.weighing.speed_mesh_mm_s
     assert first.weighing.weighings == 0
 
 

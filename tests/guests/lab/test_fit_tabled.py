@@ -85,9 +85,9 @@ def test_a_hidden_contact_comes_out_and_the_scene_predicts_what_was_measured(tmp
         for tilt, seen in zip(TILTS, seen_speeds, strict=True):
             one = design.variant(tilt_deg=tilt)
             row = speeds.predict(one, solids.mass_of(one), scene, model="known")
-            if row.speed_mm_s is None:  # the surrogate leaves it to a simulation
+            if row.speed.value is None:  # the surrogate leaves it to a simulation
                 continue
-            held.append(row.speed_low_95_mm_s <= seen <= row.speed_high_95_mm_s)
+            held.append(row.speed.low_95 <= seen <= row.speed.high_95)
     assert sum(within) >= 3  # of 4; fewer by chance in 1.4 %
     assert sum(held) >= 0.8 * len(held)
     assert np.median(errors) < 0.5  # and the speeds do teach

@@ -56,7 +56,7 @@ def test_the_table_holds_the_predictions(home):
     expected = speeds.predict(one.design, solids.mass_of(one.design), one.scene, model="known")
     key = ("14", "1.8")
     (row,) = [r for r in rows if (r["legs.tilt_deg"], r["scene.drive.gamma"]) == key]
-    assert float(row["speed_mm_s"]) == expected.speed_mm_s
+    assert float(row["speed_mm_s"]) == expected.speed.value
     assert float(row["M_g"]) == expected.M_g
     assert row["print_errors"] == "0"
 

@@ -127,18 +127,15 @@ def _draw_theory(axes: Axes, curves: Mapping[Kind, Curve]) -> dict[str, Any]:
 def _draw_predicted(axes: Axes, walkers: Sequence[PlottedWalker], kind: str, curve: Curve | None) -> dict[str, Any]:
     """Draw the members' speeds, with bars as bounds if no band of a curve shows them."""
     colour, _, marker = LEG_STYLES[kind]
-    x, speeds = [walker.x for walker in walkers], np.array([walker.row.speed_mm_s for walker in walkers], float)
+    x, speeds = [walker.x for walker in walkers], np.array([walker.row.speed.value for walker in walkers], float)
     (marks,) = axes.plot(x, speeds, marker, color=colour, markersize=4, zorder=3)
     if curve is not None:
         walkers = [walker for walker in walkers if np.isnan(np.interp(walker.x, curve.tilt_deg, curve.speed))]
         x = [walker.x for walker in walkers]
     if not walkers:
         return {}
-    for share, width, shade in ((95, 1.2, 0.5), (68, 5.0, BAND_68_ALPHA)):
-        low, high = (
-            np.array([getattr(one.row, f"speed_{end}_{share}_mm_s") for one in walkers], float)
-            for end in ("low", "high")
-        )
+    for level, width, shade in ((0.95, 1.2, 0.5), (0.68, 5.0, BAND_68_ALPHA)):
+        low, high = np.array([one.row.speed.interval(level) or (np.nan, np.nan) for one in walkers]).T
         axes.vlines(x, low, high, color=colour, linewidth=width, alpha=shade)
     return {f"{kind}, {BOUNDS_LABEL}": marks}
 

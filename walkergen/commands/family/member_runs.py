@@ -33,9 +33,9 @@ def verdict(row: Prediction, speed: Quantity) -> str:
 
     Speeds within AGREEMENT_MM_S agree.
     """
-    ends, predicted, below, above = speed.interval(), row.speed_mm_s, row.speed_low_68_mm_s, row.speed_high_68_mm_s
-    if ends is None or predicted is None or below is None or above is None:
+    ends, predicted = speed.interval(), row.speed.interval(0.68)
+    if ends is None or predicted is None:
         return "unknown"
-    off = predicted - speed.number
-    meet = ends[0] <= above and below <= ends[1]
+    off = row.speed.number - speed.number
+    meet = ends[0] <= predicted[1] and predicted[0] <= ends[1]
     return "agree" if meet or abs(off) <= AGREEMENT_MM_S else f"off by {off:+.0f}"

@@ -48,7 +48,7 @@ def predict(
 
 def _shares(member: Member, scene: Scene) -> tuple[Share, ...]:
     """Return the shares of a walker's bounds; none without bounds. Raises InputError if it was simulated."""
-    if member.row.speed_mm_s is None:
+    if member.row.speed.value is None:
         return ()
     try:
         return prediction.variance_shares(member.design, member.mass, scene)

@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import Scene
 from walkergen.core.theory import prediction
-from walkergen.core.theory.prediction import Prediction, Speed
+from walkergen.core.theory.prediction import Prediction
 from walkergen.core.theory.uncertain_inputs import Share
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
@@ -33,11 +34,11 @@ class PredictReport(Report):
 
     @property
     def row(self) -> Prediction:
-        """Row of the table, with units in its names."""
+        """Prediction of the first walker; its `columns()` are those of the table."""
         return self.members[0].row
 
     @property
-    def speed(self) -> Speed:
+    def speed(self) -> Quantity:
         """Median speed in mm/s; its `se` is the standard deviation of its distribution."""
         return self.row.speed
 

@@ -17,7 +17,6 @@ from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.ensemble import Summary
 from walkergen.core.simulation.run import ENDED_WELL, Outcome
-from walkergen.core.theory.prediction import Speed, make_speed
 from walkergen.core.walker.design import Design
 from walkergen.files import quantity_format, report
 from walkergen.files.report import Column, Report, Table
@@ -85,7 +84,7 @@ class SimulationReport(Report):
         return self.simulated.motion
 
     @property
-    def speed(self) -> Speed:
+    def speed(self) -> Quantity:
         """Mean speed in mm/s with its standard error from the runs. Bounds include runs and step.
 
         If all runs end on one orbit they have no statistical error. The bounds are then those of prints.
@@ -152,11 +151,10 @@ def _flatten(values: Mapping[str, Any], before: str = "") -> dict[str, Any]:
     return flat
 
 
-def _mean_speed(simulated: Simulation) -> Speed:
-    kind = "" if simulated.orbit is None else simulated.orbit.kind
+def _mean_speed(simulated: Simulation) -> Quantity:
+    """Return the mean speed of the runs. Runs on one orbit have no error; its name is the reason."""
     speed = simulated.point.summary.speed
-    low, high = speed.interval() or (None, None)
-    return make_speed(speed.value, speed.se, low, high, kind)
+    return speed if simulated.orbit is None else speed._replace(refused=simulated.orbit.kind)
 
 
 def _figures(simulated: Simulation, design: Design) -> "dict[str, Callable[[], Figure]]":

@@ -72,7 +72,7 @@ def simulate_each(found: Sequence[Simplest], progress: Progress) -> Iterator[Row
             name,
             walker.design.tilt_deg,
             walker.design.kind,
-            predicted.speed_mm_s,
+            predicted.speed.value,
             predicted.theory_mm_s,
             summary.speed,
             summary.runs,

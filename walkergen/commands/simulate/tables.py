@@ -53,10 +53,9 @@ def _format_print_bounds(simulated: Simulation) -> str:
     """Format the bounds of the speed of a print from its unknown properties, as `predict` computes them."""
     walker = simulated.point.walker
     row = speed_prediction.predict(walker.design, walker.mass, walker.scene, model="known")
-    low, high = row.speed_low_95_mm_s, row.speed_high_95_mm_s
-    if low is None or high is None:
+    if (ends := row.speed.interval()) is None:
         return "predict tells, or ‹uncertain›"
-    return f"{low:.1f} to {high:.1f} mm/s (95 %), by what is not known of contact and print"
+    return f"{ends[0]:.1f} to {ends[1]:.1f} mm/s (95 %), by what is not known of contact and print"
 
 
 def format_orbit_bounds(orbit: Orbit) -> str:

@@ -15,12 +15,16 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from walkergen.core.errors import InputError
 from walkergen.core.files import file_reading, safe_text
 from walkergen.core.files import formatting as words_of
 from walkergen.core.files.tables import unquote_formula
-from walkergen.core.numerics import Array, Mask, Whole
+
+Array = npt.NDArray[np.float64]
+Whole = npt.NDArray[np.int64]
+Mask = npt.NDArray[np.bool_]
 
 FORMAT_NAME = "a CSV file"
 MAX_ROWS, MAX_COLUMNS, MAX_BAD_ROWS = 20_000_000, 1000, 1_000_000

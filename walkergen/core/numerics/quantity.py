@@ -11,12 +11,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from walkergen.core.files import formatting
 from walkergen.core.numerics import Array, statistics
 from walkergen.core.numerics.distributions import student_quantile
 
 CONFIDENCE = 0.95
 """Confidence of the bounds that compare two quantities."""
 
+
+UNIT_SYMBOLS = {
+    **{"mm_s": "mm/s", "mm2_s": "mm²/s", "per_s": "1/s", "per_mm": "1/mm", "rad_s": "rad/s", "rad2_s": "rad²/s"},
+    "percent": "%",
+}
+"""Units as people read them, if different from those of keys."""
 
 BOUND_ITERATIONS = 50
 """Number of iterations for the lower bound of a variance that is reported only if it is large."""
@@ -59,6 +66,19 @@ class Quantity(NamedTuple):
     ends: "tuple[float, float, float, float] | None" = None
     """Ends of its bounds of 95, 68, 68 and 95 % where these are of draws, and not of its error."""
 
+    def __str__(self) -> str:
+        unit = f" {UNIT_SYMBOLS.get(self.unit, self.unit)}".rstrip()
+        if self.value is None:
+            return self.refused or "none"
+        if self.se is None:
+            text = f"{self.value:.2f}{unit}, {self.refused or 'standard error unknown'}"
+            return text if self.ends is None else f"{text}; 95 % of prints {self.low_95:.1f} to {self.high_95:.1f}"
+        text = f"{formatting.format_with_error(self.value, self.se)}{unit}"
+        ends = self.interval()
+        if ends is None:
+            return f"{text}, bounds unknown"
+        return f"{text}, with 95 % {' to '.join(formatting.format_to_error(min(self.se, 9.0), ends))}"
+
     @property
     def known(self) -> bool:
         """Whether there are both a value and its error."""
@@ -95,6 +115,16 @@ class Quantity(NamedTuple):
             return None
         ends = self._bounds(self.value, self.se, confidence)
         return ends if all(map(math.isfinite, ends)) else None
+
+    @property
+    def low_95(self) -> float | None:
+        """Lower bound of 95 %; None without bounds."""
+        return (self.interval() or (None, None))[0]
+
+    @property
+    def high_95(self) -> float | None:
+        """Upper bound of 95 %; None without bounds."""
+        return (self.interval() or (None, None))[1]
 
     def _bounds(self, value: float, se: float, confidence: float) -> tuple[float, float]:
         """Return the bounds of a number with an error; they may be infinite or NaN."""

@@ -8,12 +8,13 @@ simulated (`points.speed_prediction`).
 
 import math
 from collections.abc import Sequence
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from walkergen.core.files import formatting
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import Scene
 from walkergen.core.theory import standing, surrogate, uncertain_inputs
 from walkergen.core.theory.networks import Speeds
@@ -47,47 +48,32 @@ By = Literal["surrogate", "corrected", "runs", "statics", "theory"]
 and its prints; statics if it rests; "theory" if only theory was requested, and there is no speed."""
 
 
-class Speed(NamedTuple):
-    """Speed with its error, all in mm/s; NaN where runs leave a number unknown."""
-
-    value: float
-    se: float
-    """Standard error of a simulated mean; of a prediction its standard deviation."""
-    low_95: float
-    """Bounds that hold the speed with 95 %; that of another print, where runs share an orbit."""
-    high_95: float
-    orbit: str = ""
-    """Name of what all runs end on, so that they tell no error: one periodic orbit, or at rest."""
-
-    def __str__(self) -> str:
-        if math.isnan(self.value):
-            return "none"
-        if self.orbit:
-            return f"{self.value:.2f} mm/s, {self.orbit}{self._format_print_bounds()}"
-        if math.isnan(self.se):
-            return f"{self.value:.2f} mm/s, standard error unknown"
-        text = f"{formatting.format_with_error(self.value, self.se)} mm/s"
-        if math.isnan(self.low_95) or math.isnan(self.high_95):
-            return f"{text}, bounds unknown"
-        return f"{text}, with 95 % {self.low_95:.1f} to {self.high_95:.1f}"
-
-    def _format_print_bounds(self) -> str:
-        """Describe the bounds of prints; "" if they are unknown."""
-        if math.isnan(self.low_95):
-            return ""
-        return f"; 95 % of prints {self.low_95:.1f} to {self.high_95:.1f}"
+Bounds = tuple[float, float, float, float]
+"""Ends of the bounds that hold a speed with 95, 68, 68 and 95 %, mm/s, as `QUANTILES` orders them."""
 
 
-def make_speed(
-    value: float | None, se: float | None, low_95: float | None, high_95: float | None, orbit: str = ""
-) -> Speed:
-    """Return the speed from numbers in mm/s; None is unknown."""
-    four = [math.nan if number is None else float(number) for number in (value, se, low_95, high_95)]
-    return Speed(four[0], four[1], four[2], four[3], orbit)
+BOUND_LEVELS = {"nominal": (95,), "speed": (68, 95)}
+"""Bounds of each speed that tables show, %."""
+
+
+class PredictedSpeed(NamedTuple):
+    """Speed of a walker: as designed, and over prints and the other uncertain inputs."""
+
+    nominal: Quantity
+    """Speed as designed, with the surrogate's error or the scatter of runs."""
+    speed: Quantity
+    """Median over prints; its error is the standard deviation of the distribution."""
+    by: By
+    note: str = ""
+
+
+def make_speed(key: str, value: float, sd: float, ends: Bounds) -> Quantity:
+    """Return a speed (mm/s) whose bounds are not those of its standard deviation alone."""
+    return Quantity(key, "mm_s", value, sd, ends=ends)
 
 
 class Prediction(NamedTuple):
-    """Row of the family's table; the field names are the CSV's columns, with units."""
+    """Prediction for one walker; `columns` gives the row of the family's table."""
 
     tilt_deg: float
     legs: str
@@ -98,21 +84,12 @@ class Prediction(NamedTuple):
     m_g: float | None
     """Mass of the first free leg, g; None where all are braced and part of M."""
     j_g_mm2: float | None
-    nominal_mm_s: float | None
-    """Speed as designed, of the nominal run. None, like the speeds below, if walkers fall or if only theory was
-    requested."""
-    nominal_low_95_mm_s: float | None
-    """Bounds of the nominal speed, by the surrogate's error or the scatter of runs."""
-    nominal_high_95_mm_s: float | None
-    speed_mm_s: float | None
-    """Expected speed of a print: median of the distribution over prints and the other uncertain inputs."""
-    speed_sd_mm_s: float | None
-    """Standard deviation of the distribution."""
-    speed_low_68_mm_s: float | None
-    """Bounds that hold the speed of a print with 68 and 95 %."""
-    speed_high_68_mm_s: float | None
-    speed_low_95_mm_s: float | None
-    speed_high_95_mm_s: float | None
+    nominal: Quantity
+    """Speed as designed, of the nominal run, with the surrogate's error or the scatter of runs. Without a value, like
+    the speed below, if the walker falls or if only theory was requested."""
+    speed: Quantity
+    """Expected speed of a print: median of the distribution over prints and the other uncertain inputs. Its error is
+    the standard deviation of that distribution."""
     speed_by: By
     falls: float
     """Share of the runs that end with the walker fallen over."""
@@ -129,10 +106,13 @@ class Prediction(NamedTuple):
     note: str
     """Remark on the speed."""
 
-    @property
-    def speed(self) -> Speed:
-        """Speed with its bounds; its `se` is the standard deviation of the distribution."""
-        return make_speed(self.speed_mm_s, self.speed_sd_mm_s, self.speed_low_95_mm_s, self.speed_high_95_mm_s)
+    def columns(self) -> dict[str, Any]:
+        """Return all numbers by the columns of a table, with units in their names."""
+        found: dict[str, Any] = {}
+        for name, value in self._asdict().items():
+            found |= value.row(*BOUND_LEVELS[name]) if isinstance(value, Quantity) else {name: value}
+        del found["nominal_se_mm_s"]
+        return {name.replace("speed_se", "speed_sd"): value for name, value in found.items()}
 
     @property
     def has_theory_alone(self) -> bool:
@@ -149,28 +129,28 @@ REPORTED_DIFFERENCE = 0.1
 
 def is_standing(row: Prediction) -> bool:
     """Return whether a walker rests: by statics, or within the error of its speed."""
-    nominal, low, high = row.nominal_mm_s, row.nominal_low_95_mm_s, row.nominal_high_95_mm_s
-    if nominal is None or low is None or high is None:
+    ends = row.nominal.interval()
+    if ends is None:
         return False
-    slow = abs(nominal) < STANDING_MM_S and abs(row.speed_mm_s or 0.0) < STANDING_MM_S
-    return row.speed_by == "statics" or (slow and low <= 0.0 <= high)
+    slow = abs(row.nominal.number) < STANDING_MM_S and abs(row.speed.value or 0.0) < STANDING_MM_S
+    return row.speed_by == "statics" or (slow and ends[0] <= 0.0 <= ends[1])
 
 
 def describe_briefly(row: Prediction) -> str:
     """Describe in a few words what a walker does: its speed, or that it stands, falls over or has no speed yet."""
-    speed = row.speed_mm_s
+    speed = row.speed.value
     if row.has_theory_alone:
         return f"{formatting.format_fixed(row.theory_mm_s, 1)} mm/s (theory)"
     if speed is None:
         return "falls over" if row.falls > 0.0 else "no speed yet"
     if is_standing(row):
         return "stands"
-    return f"{formatting.format_with_error(abs(speed), row.speed_sd_mm_s or 0.0)} mm/s{' back' if speed < 0.0 else ''}"
+    return f"{formatting.format_with_error(abs(speed), row.speed.se or 0.0)} mm/s{' back' if speed < 0.0 else ''}"
 
 
 def describe_speed(row: Prediction) -> str:
     """Describe a walker's predicted speed for the person who prints it."""
-    speed, nominal = row.speed_mm_s, row.nominal_mm_s
+    speed, nominal = row.speed.value, row.nominal.value
     if row.falls > 0.0:
         falls = f"falls over in {100.0 * row.falls:.0f} % of its runs"
     if row.has_theory_alone:
@@ -180,8 +160,8 @@ def describe_speed(row: Prediction) -> str:
     if is_standing(row):
         return "stands" if row.speed_by == "statics" else f"stands: {_format_nominal(row)}"
     way = "runs backward, " if speed < 0.0 else ""
-    text = f"{way}{formatting.format_with_error(abs(speed), row.speed_sd_mm_s or 0.0)} mm/s"
-    text += f"; your print: {row.speed_low_95_mm_s:.1f} to {row.speed_high_95_mm_s:.1f} (95 %)"
+    text = f"{way}{formatting.format_with_error(abs(speed), row.speed.se or 0.0)} mm/s"
+    text += f"; your print: {row.speed.low_95:.1f} to {row.speed.high_95:.1f} (95 %)"
     if abs(nominal - speed) > REPORTED_DIFFERENCE * abs(speed):
         text += f"; as designed {_format_nominal(row)}"
     return f"{text}; {falls}" if row.falls > 0.0 else text
@@ -189,22 +169,7 @@ def describe_speed(row: Prediction) -> str:
 
 def _format_nominal(row: Prediction) -> str:
     """Format the speed as designed with its 95 % bounds."""
-    half = 0.5 * ((row.nominal_high_95_mm_s or 0.0) - (row.nominal_low_95_mm_s or 0.0))
-    return f"{formatting.format_with_error(row.nominal_mm_s or 0.0, half)} mm/s"
-
-
-class Spread(NamedTuple):
-    """Speeds of a walker: as designed, and over draws of the uncertain inputs."""
-
-    nominal_mm_s: float
-    nominal_bounds: tuple[float, float]
-    """Bounds of 95 % of it, mm/s."""
-    median: float
-    sd: float
-    bounds: tuple[float, float, float, float]
-    """Bounds at `QUANTILES`, mm/s."""
-    by: By
-    note: str = ""
+    return f"{formatting.format_with_error(row.nominal.number, row.nominal.half_width())} mm/s"
 
 
 def prediction_inputs(scene: Scene, design: Design) -> tuple[Input, ...]:
@@ -233,16 +198,18 @@ def model_error_sd(speed: Array | float, scene: Scene) -> Array:
     return np.asarray(scene.prediction.model_sd * np.abs(speed))
 
 
-def compute_spread(design: Design, mass: MassProperties, scene: Scene, drawn: Drawn | None = None) -> Spread:
-    """Compute a walker's speeds by statics or the surrogate. Raises UnknownError if neither applies."""
+def compute_speed(design: Design, mass: MassProperties, scene: Scene, drawn: Drawn | None = None) -> PredictedSpeed:
+    """Compute a walker's speed by statics or the surrogate. Raises UnknownError if neither applies."""
     if stands := standing.standing_reason(scene, design, mass):
-        return Spread(0.0, (0.0, 0.0), 0.0, 0.0, (0.0, 0.0, 0.0, 0.0), "statics", stands)
+        rest = make_speed("nominal", 0.0, 0.0, (0.0, 0.0, 0.0, 0.0))
+        return PredictedSpeed(rest, rest._replace(key="speed"), "statics", stands)
     known = surrogate.case_in_domain(scene, design, mass)
     speed, se = known.nominal
     draws = sample_speeds(known, drawn or sample_prediction_inputs(scene, design))
     low2, low1, high1, high2 = np.quantile(draws, QUANTILES).tolist()
-    ends = speed - NORMAL_95 * se, speed + NORMAL_95 * se
-    return Spread(speed, ends, float(np.median(draws)), float(np.std(draws)), (low2, low1, high1, high2), "surrogate")
+    nominal = make_speed("nominal", speed, se, (speed - NORMAL_95 * se, speed - se, speed + se, speed + NORMAL_95 * se))
+    prints = make_speed("speed", float(np.median(draws)), float(np.std(draws)), (low2, low1, high1, high2))
+    return PredictedSpeed(nominal, prints, "surrogate")
 
 
 def impact_speed(scene: Scene, mass: MassProperties) -> float:
@@ -274,7 +241,7 @@ def predict(design: Design, mass: MassProperties, scene: Scene, mode: Mode = "co
     is to be simulated, TheoryError for an unknown mode.
     """
     try:
-        return make_row(design, mass, scene, mode, compute_spread(design, mass, scene))
+        return make_row(design, mass, scene, mode, compute_speed(design, mass, scene))
     except FallsError as falling:
         return make_row(design, mass, scene, mode, None, falls=falling.chance)
 
@@ -284,7 +251,7 @@ def make_row(
     mass: MassProperties,
     scene: Scene,
     mode: Mode,
-    speeds: Spread | None,
+    speed: PredictedSpeed | None,
     note: str = "",
     falls: float = 0.0,
 ) -> Prediction:
@@ -292,7 +259,8 @@ def make_row(
     contact = scene.contact
     by_foot = stationary(design, mass, contact.restitution, contact.friction, mode)
     free = next((leg for leg in mass.legs if leg.m > 0.0), None)
-    bounds = (None,) * 4 if speeds is None else speeds.bounds
+    none = Quantity("nominal", "mm_s", None)
+    nominal, prints = (none, none._replace(key="speed")) if speed is None else (speed.nominal, speed.speed)
     return Prediction(
         tilt_deg=design.tilt_deg,
         legs=design.kind,
@@ -301,16 +269,9 @@ def make_row(
         J_g_mm2=float(mass.J),
         m_g=None if free is None else float(free.m),
         j_g_mm2=None if free is None else float(free.j),
-        nominal_mm_s=None if speeds is None else speeds.nominal_mm_s,
-        nominal_low_95_mm_s=None if speeds is None else speeds.nominal_bounds[0],
-        nominal_high_95_mm_s=None if speeds is None else speeds.nominal_bounds[1],
-        speed_mm_s=None if speeds is None else speeds.median,
-        speed_sd_mm_s=None if speeds is None else speeds.sd,
-        speed_low_68_mm_s=bounds[1],
-        speed_high_68_mm_s=bounds[2],
-        speed_low_95_mm_s=bounds[0],
-        speed_high_95_mm_s=bounds[3],
-        speed_by="theory" if speeds is None else speeds.by,
+        nominal=nominal,
+        speed=prints,
+        speed_by="theory" if speed is None else speed.by,
         falls=falls,
         theory_mm_s=float(by_foot.factor) * impact_speed(scene, mass),
         factor_back=float(by_foot.feet[0]),
@@ -318,7 +279,7 @@ def make_row(
         factor_mean=float(by_foot.factor),
         mode=mode,
         theory_note=by_foot.note or _theory_note(design, mass, scene, mode, by_foot),
-        note=note or ("" if speeds is None else speeds.note),
+        note=note or ("" if speed is None else speed.note),
     )
 
 
@@ -372,14 +333,14 @@ def predict_curve(
         mass = solids.mass_of(variant)
         by_foot = stationary(variant, mass, contact.restitution, contact.friction, mode)
         try:
-            of_tilt = compute_spread(variant, mass, scene, drawn)
-            speeds.append((of_tilt.nominal_mm_s, of_tilt.median, *of_tilt.bounds))
+            nominal, speed, *_ = compute_speed(variant, mass, scene, drawn)
+            speeds.append((nominal.number, speed.number, *(speed.ends or ())))
         except UnknownError:
             speeds.append((math.nan,) * 6)
         theory.append(float(by_foot.factor) * impact_speed(scene, mass))
         sticks.append(not all(by_foot.reverses))
-    nominal, middle, *bounds = np.array(speeds).T
-    return Curve(tilts, middle, np.array(bounds), nominal, np.array(theory), np.array(sticks))
+    nominals, middle, *bounds = np.array(speeds).T
+    return Curve(tilts, middle, np.array(bounds), nominals, np.array(theory), np.array(sticks))
 
 
 def curve_from_rows(walkers: Sequence[tuple[Design, MassProperties, Prediction]], scene: Scene, mode: Mode) -> Curve:
@@ -387,10 +348,9 @@ def curve_from_rows(walkers: Sequence[tuple[Design, MassProperties, Prediction]]
     speeds, sticks, contact = [], [], scene.contact
     for design, mass, row in sorted(walkers, key=lambda walker: walker[2].tilt_deg):
         by_foot = stationary(design, mass, contact.restitution, contact.friction, mode)
-        own = row.nominal_mm_s, row.speed_mm_s, row.speed_low_95_mm_s, row.speed_low_68_mm_s
-        ends = row.speed_high_68_mm_s, row.speed_high_95_mm_s
         known = row.speed_by in ("statics", "surrogate")
-        speeds.append((row.tilt_deg, row.theory_mm_s, *((*own, *ends) if known else (math.nan,) * 6)))
+        own = (row.nominal.number, row.speed.number, *(row.speed.ends or ())) if known else (math.nan,) * 6
+        speeds.append((row.tilt_deg, row.theory_mm_s, *own))
         sticks.append(not all(by_foot.reverses))
     tilts, theory, nominal, middle, *bounds = np.array(speeds, dtype=float).T
     return Curve(tilts, middle, np.array(bounds), nominal, theory, np.array(sticks))
