@@ -50,7 +50,7 @@ def _settings(findings: Findings) -> Iterator[str]:
         f"({LONGER * run.seconds:g} s for figure 6), after {run.discard_seconds:g} s discarded; seed {run.seed}."
     )
     yield (
-        "The paper's model is `walkergen/core/theory/paper_simulation.py`. In space walkers run on elastic feet "
+        "The paper's model is `evidence/paper_simulation.py`. In space walkers run on elastic feet "
         f"with tips of {scene.feet.tip_radius_um:g} um, on an open plane: a lane without walls."
     )
     yield (

@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
+from evidence import paper_simulation
 from evidence.reproduce import impact_types
 from evidence.reproduce.impact_types import Impacts, Shares
 from walkergen.analysis import landings
@@ -12,7 +13,6 @@ from walkergen.core.numerics.quantity import Quantity, mean
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.ensemble import format_outcomes
 from walkergen.core.simulation.run import ENDED_WELL, recorded_impacts
-from walkergen.core.theory import paper_simulation
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates

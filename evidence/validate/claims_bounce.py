@@ -14,11 +14,11 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from evidence import paper_simulation
+from evidence.paper_simulation import CONTACT_S, OK, PHASE, PITCH, V_Y, World, Y, energy, initial_state
 from evidence.validate.claim import Claim, Effort, Outside
 from walkergen.core.numerics import Array
 from walkergen.core.scene import GRAVITY, REST_GAMMA, Drive, Scene
-from walkergen.core.theory import paper_simulation
-from walkergen.core.theory.paper_simulation import CONTACT_S, OK, PHASE, PITCH, V_Y, World, Y, energy, initial_state
 
 TUFILLARO = (
     "N. B. Tufillaro, T. M. Mello, Y. M. Choi, A. M. Albano, Period doubling boundaries of a "

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from evidence import landings
+from evidence import landings, paper_simulation
 from evidence.validate.claim import Effort
 from walkergen.analysis import lag_sums
 from walkergen.analysis.landings import CORNERS_PER_FOOT
@@ -19,7 +19,6 @@ from walkergen.core.simulation import record
 from walkergen.core.simulation.plan import prepare
 from walkergen.core.simulation.run import recorded_impacts
 from walkergen.core.simulation.space.state import C_Y, SHOWN_X, SHOWN_Y
-from walkergen.core.theory import paper_simulation
 from walkergen.core.theory.impact import Kind
 from walkergen.core.walker import limbs, solids
 from walkergen.core.walker.design import Design

@@ -9,6 +9,7 @@ from answers import rows_of
 from test_growth import INTERVAL, LENGTH, persistent
 from typer.testing import CliRunner
 
+from evidence import paper_simulation
 from evidence.commands import commands
 from evidence.landings import QUIET_S
 from evidence.published import FACTS
@@ -23,7 +24,6 @@ from walkergen.core.numerics.quantity import Quantity, Verdict, mean
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import record
 from walkergen.core.simulation.run import Outcome, recorded_impacts
-from walkergen.core.theory import paper_simulation
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import figures as pictures

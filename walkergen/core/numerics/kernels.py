@@ -23,7 +23,6 @@ SOURCE_PATTERNS = (
     "core/numerics/shipped_kernels.py",
     "core/theory/balance.py",
     "core/theory/impact.py",
-    "core/theory/paper_simulation.py",
     "core/simulation/**/*.py",
     "points/emulator.py",
     "points/poses.py",

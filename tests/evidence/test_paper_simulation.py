@@ -5,9 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from walkergen.core.scene import GRAVITY, Scene, still_plate_drive
-from walkergen.core.theory import impact, paper_simulation
-from walkergen.core.theory.paper_simulation import (
+from evidence import paper_simulation
+from evidence.paper_simulation import (
     CONTACT_S,
     OK,
     PHASE,
@@ -21,6 +20,8 @@ from walkergen.core.theory.paper_simulation import (
     initial_state,
     simulate,
 )
+from walkergen.core.scene import GRAVITY, Scene, still_plate_drive
+from walkergen.core.theory import impact
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
