@@ -77,9 +77,6 @@ WINDOW = (1215, 845)
 APP_WINDOW = (1440, 900)
 """Width and height of the browser's window, pixels."""
 
-LONGER_RUNS = b"\n## Longer runs\n"
-"""Title below which a page is kept when it is made anew."""
-
 
 class Picture(NamedTuple):
     """Picture of docs/: how it is made, and of what."""
@@ -268,7 +265,7 @@ PICTURES = (
         (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "evidence/reproduce/maximum.py", "evidence/validate/*.py"),
         180,
         "validation.png",
-        beside=("validation.md",),
+        beside=("validation.csv",),
         program="prusa-slicer",
         package="prusa-slicer",
     ),
@@ -406,17 +403,10 @@ def _make(command: str, pictures: Sequence[Picture]) -> None:
             made = picture.made
             data = made(folder) if callable(made) else (folder / made).read_bytes()
             for other in picture.beside:
-                path = ROOT / "docs" / other
-                output.write(path, (folder / other).read_bytes() + _longer_runs(path))
+                output.write(ROOT / "docs" / other, (folder / other).read_bytes())
             output.write(ROOT / "docs" / picture.name, stamped(data, facts(picture)))
             took = time.perf_counter() - began
             print(f"{picture.name}: {took:.0f} s, by {command_of(picture)}", flush=True)
-
-
-def _longer_runs(page: Path) -> bytes:
-    """End of a page that its command does not make: tables of benchmarks/, which take hours."""
-    old = page.read_bytes() if page.exists() else b""
-    return old[old.index(LONGER_RUNS) :] if LONGER_RUNS in old else b""
 
 
 def chosen(words: Sequence[str]) -> list[Picture]:

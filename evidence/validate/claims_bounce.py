@@ -35,8 +35,8 @@ HOUSNER = (
 )
 ELGAWADY = (
     "M. A. ElGawady, Q. Ma, J. M. Butterworth, J. M. Ingham, Effects of interface material on the "
-    "dynamic behaviour of rigid blocks, doi 10.1201/9781003060888-45, abstract: about 0.97 (3 times as high as wide) "
-    "and 0.95 (5 times) of the predicted value on concrete, 0.67 (5 times) on rubber"
+    "dynamic behaviour of rigid blocks, doi 10.1201/9781003060888-45, abstract. Stated: about 0.97 (3 times as high as "
+    "wide) and 0.95 (5 times) of the predicted value on concrete, 0.67 (5 times) on rubber"
 )
 REAL_BASE = (
     "A rigid plastic block on two corners loses only the energy of changing corners. A real base takes more, and "

@@ -44,7 +44,7 @@ REBOUND = (
 )
 BALLISTIC = (
     "The paper's legs touch at random points along their width. Our feet have two corners, and soft tips let both "
-    "touch together. More points along a foot lower the exponent to 1.5 (docs/causes.md)."
+    "touch together. More points along a foot lower the exponent to 1.5 (docs/validation.md)."
 )
 FROM_REST = "At 35 deg landings of that model start from rest. This is the limit of type III for slow slip."
 OTHER_TYPES = (

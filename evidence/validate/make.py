@@ -55,5 +55,5 @@ def make(groups: Sequence[str], effort: Effort, command: str, folder: Path, prog
     with Folder(folder, "") as target:
         target.write("validation.png", figures.png(validation.plot()))
         target.write("validation.csv", validation.table.csv().encode())
-        target.write("validation.md", report.page(claims, command).encode())
+        target.write("validation.md", report.page(list(map(report.row_of, claims)), command).encode())
     return validation

@@ -1,14 +1,14 @@
 """Report of the claims: a table, and a page with each number's error bar, source, z-score and verdict."""
 
+import csv
 import math
-from collections.abc import Iterator, Sequence
-from itertools import takewhile
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from evidence.validate.claim import TITLE, TITLES, WORDS, Claim
 from walkergen import __version__
-from walkergen.core.numerics.quantity import Quantity, Verdict
+from walkergen.core.numerics.quantity import Verdict
 from walkergen.files.report import Report, Table
 
 PAPER = (
@@ -21,19 +21,58 @@ LETTERS = "abcdefghijklmnopqrstuvwxyz"
 
 SIGNS = {"<": "below ", ">": "above ", "": ""}
 
-KEYS = (
-    *("group", "quantity", "unit", "ours", "ours_se", "theirs", "theirs_se", "bound", "margin", "margin_reason"),
-    *("z", "gap_over_allowed", "verdict", "source", "why", "missing"),
-)
+FILES = "validation.png", "validation.csv", "validation.md"
 
-FILES = ("validation.png", "validation.csv", "validation.md")
+
+class Row(NamedTuple):
+    """A claim as a row of validation.csv; the field names are its columns."""
+
+    group: str
+    quantity: str
+    unit: str
+    ours: float | None
+    ours_se: float | None
+    theirs: float | None
+    theirs_se: float | None
+    bound: str
+    margin: float
+    margin_reason: str
+    z: float | None
+    gap_over_allowed: float | None
+    verdict: str
+    source: str
+    why: str
+    missing: str
+
+    @property
+    def is_equal(self) -> bool:
+        """Whether two numbers without errors agree, so that there is nothing to explain beyond the value."""
+        remark = self.ours_se or self.theirs_se or self.bound or self.why
+        return not remark and self.verdict == Verdict.AGREE.value and bool(self.theirs)
+
+    @property
+    def reason(self) -> str:
+        """Explanation below the table; empty if none is needed."""
+        return self.missing or self.why or "We know no reason." * (self.verdict == Verdict.DISAGREE.value)
+
+
+def read(path: Path) -> list[Row]:
+    """Return the rows of a stored validation.csv."""
+    with path.open(encoding="utf-8", newline="") as stream:
+        lines = list(csv.reader(stream))[1:]
+    is_text = [kind is str for kind in Row.__annotations__.values()]
+    return [
+        Row._make(cell if text else float(cell) if cell else None for cell, text in zip(line, is_text, strict=True))
+        for line in lines
+    ]
 
 
 def of(claims: Sequence[Claim], folder: Path) -> Report:
     """Report of the claims, for FILES in a folder."""
-    table = Table("validation", [_row(claim) for claim in claims], KEYS)
-    told = [claim for claim in claims if claim.verdict in (Verdict.DISAGREE, Verdict.MISSING)]
-    lines = [f"{claim.word}: {claim.quantity}: {claim.missing or claim.why}" for claim in told]
+    rows = list(map(row_of, claims))
+    table = Table("validation", rows, Row._fields)
+    shown = [row for row in rows if row.verdict in (Verdict.DISAGREE.value, Verdict.MISSING.value)]
+    lines = [f"{row.verdict}: {row.quantity}: {row.missing or row.why}" for row in shown]
 
     def draw() -> Any:
         from evidence.validate import figures
@@ -45,76 +84,58 @@ def of(claims: Sequence[Claim], folder: Path) -> Report:
         title=TITLE,
         tables=[table],
         facts={"rows": [_finite(row) for row in table], "files": [str(folder / name) for name in FILES]},
-        lines=[*lines, f"{len(claims)} claims: {counted(claims)}", f"in {folder}: {', '.join(FILES)}"],
+        lines=[*lines, f"{len(rows)} claims: {counted(rows)}", f"in {folder}: {', '.join(FILES)}"],
         figures={"validation": draw},
     )
 
 
-def _row(claim: Claim) -> tuple[Any, ...]:
+def row_of(claim: Claim) -> Row:
+    """Return the row of a claim."""
     ours, theirs = claim.ours, claim.theirs
     numbers = ours.value, ours.se or None, theirs.value, theirs.se or None
-    gaps = claim.z, claim.gap_over_allowed
-    margin = claim.bound, claim.margin, claim.margin_reason
-    return (
-        claim.group,
-        claim.quantity,
-        ours.unit,
-        *numbers,
-        *margin,
-        *gaps,
-        claim.word,
-        claim.source,
-        claim.why,
-        claim.missing,
-    )
+    gaps = claim.bound, claim.margin, claim.margin_reason, claim.z, claim.gap_over_allowed
+    words = claim.word, claim.source, claim.why, claim.missing
+    return Row._make((claim.group, claim.quantity, ours.unit, *numbers, *gaps, *words))
 
 
 def _finite(row: dict[str, Any]) -> dict[str, Any]:
     """Row for JSON, which has no NaN and no infinity; the verdict tells of them."""
-    return {
-        name: None if isinstance(value, float) and not math.isfinite(value) else value for name, value in row.items()
-    }
+    return {key: None if isinstance(x, float) and not math.isfinite(x) else x for key, x in row.items()}
 
 
-def counted(claims: Sequence[Claim]) -> str:
+def counted(rows: Sequence[Row]) -> str:
     """Format the number of claims for each word."""
-    return ", ".join(f"{sum(claim.word == word for claim in claims)} {word}" for word in WORDS)
+    return ", ".join(f"{sum(row.verdict == word for row in rows)} {word}" for word in WORDS)
 
 
-def page(claims: Sequence[Claim], command: str) -> str:
-    """Page of the claims under the titles of their groups, in Markdown; `command`: what made it."""
-    sources = list(dict.fromkeys(claim.source for claim in claims))
-    parts = [_head(claims, command)]
+def page(rows: Sequence[Row], command: str, picture: str = FILES[0]) -> str:
+    """Write the page of the claims in Markdown. `command` made them; `picture`: address of their figure."""
+    sources = list(dict.fromkeys(row.source for row in rows))
+    parts = [_head(rows, command, picture)]
     for group, title in TITLES.items():
-        of_group = [claim for claim in claims if claim.group == group]
+        of_group = [row for row in rows if row.group == group]
         if of_group:
-            equal = [claim for claim in of_group if _is_equal(claim)]
-            others = [claim for claim in of_group if claim not in equal]
-            reasons = list(dict.fromkeys(filter(None, map(_reason, others))))
+            equal = [row for row in of_group if row.is_equal]
+            others = [row for row in of_group if not row.is_equal]
+            reasons = list(dict.fromkeys(row.reason for row in others if row.reason))
             listed = [f"- **{LETTERS[at]}**: {reason}" for at, reason in enumerate(reasons)]
             parts += [f"## {title}", _table(others, sources, reasons), "\n".join(listed), _agreements(equal, sources)]
     listed = [f"{number}. {source}" for number, source in enumerate(sources, 1)]
     return "\n\n".join([*filter(None, parts), f"## Sources\n\n{PAPER}", "\n".join(listed)]) + "\n"
 
 
-def _is_equal(claim: Claim) -> bool:
-    """Return whether two numbers without errors agree, so that there is nothing to explain beyond the value."""
-    without_errors = not (claim.ours.se or claim.theirs.se or claim.bound)
-    return without_errors and claim.verdict == Verdict.AGREE and bool(claim.theirs.value) and not claim.why
-
-
-def _head(claims: Sequence[Claim], command: str) -> str:
+def _head(rows: Sequence[Row], command: str, picture: str) -> str:
     meanings = "\n".join(f"- **{word}**: {meaning}" for word, meaning in WORDS.items())
-    disagree = [claim.group for claim in claims if claim.verdict == Verdict.DISAGREE]
+    disagree = [row.group for row in rows if row.verdict == Verdict.DISAGREE.value]
     groups = [f"{disagree.count(group)} of *{title}*" for group, title in TITLES.items() if group in disagree]
     against = f" Disagreements: {', '.join(groups)}." if groups else ""
     return f"""# {TITLE}
 
-{len(claims)} claims: {counted(claims)}.{against}
+{len(rows)} claims: {counted(rows)}.{against}
 Closed forms, engines and programs test the arithmetic. Only the paper's walkers and measured blocks test the physics.
 No walker of ours has been measured yet.
 
-![Gap over margin, by group](validation.png)
+![Gap over margin, by group]({picture})
 
 Made by `{command}` (walkergen {__version__}), which writes every number as CSV too.
 Errors are standard errors. The gap is ours less theirs, and z is the gap over the error of both. The margin is a
@@ -124,65 +145,47 @@ uses the 95 % interval of the gap (Student's t):
 {meanings}"""
 
 
-def _table(claims: Sequence[Claim], sources: Sequence[str], reasons: Sequence[str]) -> str:
+def _table(rows: Sequence[Row], sources: Sequence[str], reasons: Sequence[str]) -> str:
     """Table of claims; "" without any."""
     lines = [
         "| quantity | walkergen | outside | margin | z | verdict | source, reason |",
         "|---|--:|--:|--:|--:|---|--:|",
     ]
-    for claim in claims:
-        reason = _reason(claim)
+    for row in rows:
         cells = (
-            claim.quantity,
-            _number(claim.ours),
-            SIGNS[claim.bound] * (claim.theirs.value is not None) + _number(claim.theirs),
-            "" if claim.gap is None else f"{claim.margin:.2g}",
-            "" if claim.z is None else f"{claim.z:.1f}",
-            f"**{claim.word}**",
-            f"{sources.index(claim.source) + 1}" + (f" {LETTERS[reasons.index(reason)]}" if reason else ""),
+            row.quantity,
+            _number(row.ours, row.ours_se, row.unit),
+            SIGNS[row.bound] * (row.theirs is not None) + _number(row.theirs, row.theirs_se, row.unit),
+            "" if row.ours is None else f"{row.margin:.2g}",
+            "" if row.z is None else f"{row.z:.1f}",
+            f"**{row.verdict}**",
+            f"{sources.index(row.source) + 1}" + (f" {LETTERS[reasons.index(row.reason)]}" if row.reason else ""),
         )
         lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines) if claims else ""
+    return "\n".join(lines) if rows else ""
 
 
-def _agreements(claims: Sequence[Claim], sources: Sequence[str]) -> str:
-    """List of equal numbers, a line a source; "" without any."""
-    lines = []
-    for source in dict.fromkeys(claim.source for claim in claims):
-        of_source = [claim for claim in claims if claim.source == source]
-        names = _without_repeats([claim.quantity for claim in of_source])
-        values = "; ".join(f"{name}: {_number(claim.theirs)}" for name, claim in zip(names, of_source, strict=True))
-        sizes = [abs(claim.theirs.value or 1.0) for claim in of_source]
-        apart = max(abs(claim.gap or 0.0) / size for claim, size in zip(of_source, sizes, strict=True))
-        allowed = max(claim.margin / size for claim, size in zip(of_source, sizes, strict=True))
-        lines.append(f"- {values} ({sources.index(source) + 1}; {apart:.0g} of {allowed:.0g})")
-    head = "**Agree**, without statistical error (source; largest relative difference, of the margin):\n\n"
-    return head + "\n".join(lines) if lines else ""
+def _agreements(rows: Sequence[Row], sources: Sequence[str]) -> str:
+    """Table of equal numbers; "" without any."""
+    lines = [
+        "**Agree**, without statistical error:\n",
+        "| quantity | number | relative difference | margin | source |",
+        "|---|--:|--:|--:|--:|",
+    ]
+    for row in rows:
+        size = abs(row.theirs or 1.0)
+        apart, margin = abs((row.ours or 0.0) - (row.theirs or 0.0)) / size, row.margin / size
+        number = _number(row.theirs, None, row.unit)
+        lines.append(f"| {row.quantity} | {number} | {apart:.0g} | {margin:.0g} | {sources.index(row.source) + 1} |")
+    return "\n".join(lines) if rows else ""
 
 
-def _without_repeats(names: Sequence[str]) -> Iterator[str]:
-    """Names, each without the words with which the one before it begins too."""
-    before = list[str]()
-    for name in names:
-        words = name.split()
-        alike = list(takewhile(lambda pair: pair[0] == pair[1], zip(before, words, strict=False)))
-        yield " ".join(words[len(alike) :])
-        before = words
-
-
-def _number(quantity: Quantity) -> str:
-    value, error = quantity.value, quantity.se
-    unit = f" {quantity.unit}" if quantity.unit else ""
+def _number(value: float | None, error: float | None, unit: str) -> str:
+    end = f" {unit}" if unit else ""
     if value is None:
         return ""
     if not error:
-        return f"{value:.6g}{unit}"
+        return f"{value:.6g}{end}"
     exponent = int(f"{error:e}".partition("e")[2])  # of the leading digit
     digits = min(max(1 - exponent, 0), 9)
-    return f"{value:.{digits}f} ± {error:.{digits}f}{unit}"
-
-
-def _reason(claim: Claim) -> str:
-    """Return the explanation below a claim's table; empty if it needs none."""
-    none = "We know no reason." if claim.verdict == Verdict.DISAGREE else ""
-    return claim.missing or claim.why or none
+    return f"{value:.{digits}f} ± {error:.{digits}f}{end}"

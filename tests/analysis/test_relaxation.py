@@ -126,7 +126,7 @@ def test_walkers_that_stand_have_no_fluctuations():
 def test_errors_are_honest(case, least):
     """Over 40 sets, 68 and 95 % of the truths lie within one and two errors, within chance: of 40
     in each, less than 18 and less than 33 come once in 500. Of a film the relaxation of the
-    turning, four frames, has errors too small by a quarter (docs/card.md).
+    turning, four frames, has errors too small by a quarter (docs/crowds-flat.md).
     """
     one, made, exact = CASES[case]
     off = {}

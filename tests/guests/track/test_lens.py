@@ -203,7 +203,7 @@ def test_the_calibration_of_the_docs_finds_a_hidden_lens(tmp_path, monkeypatch, 
     monkeypatch.chdir(tmp_path)
     shown = [films.bent(one, NEAR, -0.1) for one in boards(NEAR) for _ in range(10)]
     films.write(tmp_path / "board.mp4", shown)
-    text = (Path(__file__).parents[3] / "docs" / "measuring.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[3] / "docs" / "track-files.md").read_text(encoding="utf-8")
     (lines,) = re.findall(r"```python\n(import cv2.*?)```", text, re.DOTALL)
     exec(lines, {})
     print(capsys.readouterr().out)

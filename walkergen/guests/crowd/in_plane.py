@@ -22,7 +22,7 @@ CONTACT_KEYS = ("restitution", "friction")
 """Keys of a scene's [crowd] that replace a card's own where they are set."""
 
 MAX_TESTED_PACKING = 0.3
-"""Largest packing at which a crowd of cards was held against the same in space (docs/crowds.md, three checks)."""
+"""Largest packing at which a crowd of cards was held against the same in space (docs/crowds-flat.md)."""
 
 TESTED_RANGE = (
     "cards were tested against walkers in space: koumakis2016, in a square without walls, up to packing "

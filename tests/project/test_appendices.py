@@ -1,0 +1,55 @@
+"""Appendices are written from stored data: `python tests/project/test_appendices.py` writes them again."""
+
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from evidence.tables import held_out
+from evidence.validate import report
+
+ROOT = Path(__file__).parents[2]
+FOLDER = ROOT / "docs" / "appendix"
+MADE_FROM = "This page is written from `docs/appendix/{}` by `python tests/project/test_appendices.py`."
+
+
+def rows(table):
+    """Return the stored rows of a table, or those of the statements in another file that have all of its fields."""
+    if "file" not in table:
+        return table["rows"]
+    sources = tomllib.loads((ROOT / table["file"]).read_text(encoding="utf-8"))["source"]
+    statements = [source | one for source in sources for one in source.get("finding", source.get("statement"))]
+    return [[one[field] for field in table["fields"]] for one in statements if one.keys() >= {*table["fields"]}]
+
+
+def section(table):
+    """Return a table with its title, its source and its date."""
+    lines = [table["columns"], ["---"] * len(table["columns"]), *rows(table)]
+    drawn = "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    parts = f"## {table['title']}", table.get("text"), drawn, f"Source: {table['source']}. Date: {table['date']}."
+    return "\n\n".join(filter(None, parts))
+
+
+def page(name):
+    """Return the appendix of a file of data, TOML or the comparisons of `python -m evidence validate`."""
+    if name == "validation":
+        stored = report.read(ROOT / "docs" / "validation.csv")
+        return report.page(stored, "python -m evidence validate", "../validation.png")
+    data = tomllib.loads((FOLDER / f"{name}.toml").read_text(encoding="utf-8"))
+    lines = held_out.verdict(held_out.read(), data["settings"]) if "settings" in data else []
+    parts = f"# {data['title']}", MADE_FROM.format(f"{name}.toml"), "\n".join(f"- {line}" for line in lines)
+    return "\n\n".join([*filter(None, parts), *map(section, data["table"])]) + "\n"
+
+
+PAGES = sorted({"validation"} | {path.stem for path in FOLDER.iterdir()})
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_an_appendix_is_that_of_its_data(name):
+    text = (FOLDER / f"{name}.md").read_text(encoding="utf-8")
+    assert text == page(name), "run python tests/project/test_appendices.py"
+
+
+if __name__ == "__main__":
+    for one in PAGES:
+        (FOLDER / f"{one}.md").write_text(page(one), encoding="utf-8")
