@@ -1,7 +1,7 @@
-"""Every picture of docs/, made again by its command; each says inside which code made it.
+"""Make the pictures of docs/ with their commands. Each picture contains the digest of its code.
 
-`make pictures` makes those whose code has moved on, `make pictures ONLY=choice,speed` these in any
-case, ONLY=all every one. A killed run goes on where it was: a picture is written when it is made.
+`make pictures` makes those whose code has changed. `make pictures ONLY=choice,speed` makes these two,
+ONLY=all makes every one. A picture is written when it is ready, so an interrupted run can continue.
 """
 
 import ast
@@ -26,7 +26,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 ROOT = Path(__file__).parent.parent
-sys.path.insert(0, str(ROOT))  # the code beside this file, installed or not
+sys.path.insert(0, str(ROOT))  # the code of this checkout, installed or not
 
 from PIL import Image  # noqa: E402
 
@@ -68,10 +68,10 @@ OTHERS = {
     "rotator": "left legs lean back, right ones ahead",
     "name": "letters between two rails",
 }
-"""Templates of other mechanisms than the paper's, each with the words below its picture."""
+"""Templates of other mechanisms than the paper's, with their captions."""
 
 OWN_SHAPES = ("heart.svg", "duck.stl", "ANNA")
-"""Two files and a text, as people bring them."""
+"""Two files and a text, as a user has them."""
 
 WINDOW = (1215, 845)
 APP_WINDOW = (1440, 900)
@@ -79,31 +79,31 @@ APP_WINDOW = (1440, 900)
 
 
 class Picture(NamedTuple):
-    """Picture of docs/: how it is made, and of what."""
+    """Picture of docs/, its command and its sources."""
 
     name: str
     command: str
-    """Command whose folder has it; "" for one that is drawn here."""
+    """Command that writes it; empty if a function here draws it."""
     sources: Sequence[str]
-    """Patterns of the files that say what it shows; those of all that is imported would change
-    with every commit, and the picture with few of them."""
+    """Patterns of the files that decide what it shows. Not all imported files: most of their changes do not
+    change the picture."""
     seconds: int
-    """Time that it took on two cores, s, with the kernels compiled; 0 of one that another's
-    command makes too."""
+    """Time on two cores with compiled kernels, s. It is 0 if the command of another picture makes it
+    too."""
     made: str | Callable[[Path], bytes]
-    """Its name in that folder, or the function that makes it there."""
-    beside: tuple[str, ...] = ()
-    """Other files of that folder that are kept in docs/ with it."""
+    """Its name in the folder of the command, or the function that makes it there."""
+    companions: tuple[str, ...] = ()
+    """Other files of that folder that are stored in docs/."""
     program: str = ""
-    """Program of others without which it cannot be made."""
+    """Other program that it requires."""
     package: str = ""
-    """Package of Debian that has the program."""
+    """Debian package of that program."""
     shown: str = ""
-    """Commands by which people see it, a line each, where `command` is not what they would run."""
+    """Commands that show it, one per line, if a user would not run `command`."""
 
 
-def mechanisms(folder: Path) -> bytes:
-    """Picture of the templates of other mechanisms, to one scale."""
+def draw_mechanisms(folder: Path) -> bytes:
+    """Draw the templates of other mechanisms, to one scale."""
     from walkergen.commands.family.preview import Part, preview_figure
     from walkergen.core.walker import solids
     from walkergen.core.walker.design import Design
@@ -117,8 +117,8 @@ def mechanisms(folder: Path) -> bytes:
     return figures.png(preview_figure(parts, "Walkers of other mechanisms, as templates"), 150)
 
 
-def own_shapes(folder: Path) -> bytes:
-    """Picture of a drawing, a mesh and a name on legs that placed themselves, with their speeds."""
+def draw_own_shapes(folder: Path) -> bytes:
+    """Draw a drawing, a mesh and a name on automatic legs, with their speeds."""
     from evidence.shapes import drawings, meshes
     from walkergen import inputs
     from walkergen.commands.family.preview import Part, preview_figure
@@ -138,33 +138,33 @@ def own_shapes(folder: Path) -> bytes:
     return figures.png(preview_figure(parts, "A drawing, a mesh, a name: legs place themselves"), 150)
 
 
-def surrogate(folder: Path) -> bytes:
-    """Picture of the surrogate beside direct runs, from their table."""
+def draw_surrogate(folder: Path) -> bytes:
+    """Draw the surrogate compared with direct runs, from their table."""
     from evidence.tables import held_out
 
     return held_out.picture(held_out.read())
 
 
-def page(folder: Path) -> bytes:
-    """Picture of a family's page in a browser."""
-    return browser(folder, (folder / "report.html").as_uri(), *WINDOW)
+def take_page(folder: Path) -> bytes:
+    """Take a screenshot of a family's page."""
+    return take_screenshot(folder, (folder / "report.html").as_uri(), *WINDOW)
 
 
-def app(folder: Path) -> bytes:
-    """Picture of the page on which a walker is designed."""
+def take_app(folder: Path) -> bytes:
+    """Take a screenshot of the design page."""
     words = [sys.executable, "-m", "walkergen", "app", "--port", "0", "--no-browser"]
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
     with subprocess.Popen(words, cwd=folder, env=environment, stdout=subprocess.PIPE, text=True) as server:
         assert server.stdout is not None
         address = server.stdout.readline().split()[-1]
         try:
-            return browser(folder, address, *APP_WINDOW)
+            return take_screenshot(folder, address, *APP_WINDOW)
         finally:
             server.terminate()
 
 
-def browser(folder: Path, address: str, width: int, height: int) -> bytes:
-    """Picture of a page in a browser."""
+def take_screenshot(folder: Path, address: str, width: int, height: int) -> bytes:
+    """Take a screenshot of a page in a browser."""
     shot = folder / "shot.png"
     command = [
         "chromium",
@@ -190,7 +190,7 @@ PICTURES = (
         f"{FAMILY} --page",
         (*PREDICTION, "walkergen/commands/family/**/*", *PAGE),
         10,
-        page,
+        take_page,
         program="chromium",
         package="chromium",
     ),
@@ -199,7 +199,7 @@ PICTURES = (
         "",
         (*PREDICTION, *WALKER, "walkergen/app/**/*", "viewer/*.js"),
         10,
-        app,
+        take_app,
         program="chromium",
         package="chromium",
         shown="walkergen app",
@@ -209,7 +209,7 @@ PICTURES = (
         "",
         (*STYLE, *WALKER, "walkergen/commands/family/preview.py"),
         2,
-        mechanisms,
+        draw_mechanisms,
         shown="\n".join(f"walkergen family {name}" for name in OTHERS),
     ),
     Picture(
@@ -217,7 +217,7 @@ PICTURES = (
         "",
         (*STYLE, *WALKER, *PREDICTION, *SIMULATION, "walkergen/points/*.py", "walkergen/commands/family/preview.py"),
         40,
-        own_shapes,
+        draw_own_shapes,
         shown="walkergen family heart.svg\nwalkergen family duck.stl\nwalkergen family --text ANNA",
     ),
     Picture("map.png", MAP, (*STYLE, *PREDICTION, "walkergen/guests/sweep/*.py"), 5, "sweep.png"),
@@ -249,7 +249,7 @@ PICTURES = (
         "",
         (*STYLE, "docs/surrogate.csv", "evidence/tables/held_out.py"),
         2,
-        surrogate,
+        draw_surrogate,
         shown="python -m evidence.tables.held_out",
     ),
     Picture(
@@ -265,39 +265,39 @@ PICTURES = (
         (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "evidence/reproduce/maximum.py", "evidence/validate/*.py"),
         180,
         "validation.png",
-        beside=("validation.csv",),
+        companions=("validation.csv",),
         program="prusa-slicer",
         package="prusa-slicer",
     ),
 )
-"""All pictures, those of one command beside one another."""
+"""All pictures. Those of one command are adjacent."""
 
 
 def digest(sources: Sequence[str]) -> str:
-    """Hash of the files of some patterns, 16 hexadecimal digits: of code, not of what is said.
+    """Return the hash of the code in the files of some patterns, 16 hexadecimal digits.
 
-    Comments, docstrings and layout may change without the picture.
+    Comments, docstrings and layout do not change it.
     """
     found = hashlib.sha256()
     paths = {path for pattern in sources for path in ROOT.glob(pattern) if path.is_file()}
     for path in sorted(path for path in paths if "__pycache__" not in path.parts):
-        found.update(path.relative_to(ROOT).as_posix().encode() + said(path))
+        found.update(path.relative_to(ROOT).as_posix().encode() + read_code(path))
     return found.hexdigest()[:16]
 
 
 @functools.cache
-def said(path: Path) -> bytes:
-    """Contents of a file that can change a picture."""
+def read_code(path: Path) -> bytes:
+    """Return the contents of a file that can change a picture."""
     data = path.read_bytes()
     if path.suffix == ".py":
-        return bare(data.decode()).encode()
+        return strip_comments(data.decode()).encode()
     if path.suffix == ".toml":
         return json.dumps(tomllib.loads(data.decode()), sort_keys=True).encode()
     return b"".join(data.split())  # ends of lines differ between systems
 
 
-def bare(source: str) -> str:
-    """Python code without comments, docstrings and white space, alike on every Python."""
+def strip_comments(source: str) -> str:
+    """Return Python code without comments, docstrings and white space, the same on every Python."""
     lines = source.encode().splitlines(keepends=True)
     starts = [0]
     for line in lines:
@@ -320,24 +320,24 @@ def bare(source: str) -> str:
     return "".join(data.decode().split())
 
 
-def command_of(picture: Picture) -> str:
-    """Command that makes a picture, for people."""
+def command_for(picture: Picture) -> str:
+    """Return the command that makes a picture."""
     if not picture.command or callable(picture.made):
         return f"make pictures ONLY={Path(picture.name).stem}"
     return picture.command
 
 
-def facts(picture: Picture) -> dict[str, str]:
-    """Facts that a picture bears: version of walkergen, command, digest of the code."""
-    return {"Software": f"walkergen {__version__}", "Command": command_of(picture), "Code": digest(picture.sources)}
+def current_facts(picture: Picture) -> dict[str, str]:
+    """Return the version of walkergen, the command and the digest of the code of a picture."""
+    return {"Software": f"walkergen {__version__}", "Command": command_for(picture), "Code": digest(picture.sources)}
 
 
-def stamped(data: bytes, told: dict[str, str]) -> bytes:
-    """PNG with facts as chunks of text, or GIF with them as a comment of a line each."""
+def add_facts(data: bytes, facts: dict[str, str]) -> bytes:
+    """Return a PNG with facts as chunks of text, or a GIF with facts as lines of a comment."""
     if data.startswith(b"\x89PNG"):
-        chunks = b"".join(_chunk(f"{key}\0{value}".encode("latin-1")) for key, value in told.items())
+        chunks = b"".join(_chunk(f"{key}\0{value}".encode("latin-1")) for key, value in facts.items())
         return data[:33] + chunks + data[33:]  # behind the header
-    comment = "\n".join(f"{key}: {value}" for key, value in told.items()).encode()
+    comment = "\n".join(f"{key}: {value}" for key, value in facts.items()).encode()
     colours = 3 * 2 ** ((data[10] & 7) + 1) if data[10] & 0x80 else 0
     start = 13 + colours  # behind the header and the colours of all frames
     blocks = [comment[at : at + 255] for at in range(0, len(comment), 255)]
@@ -346,13 +346,13 @@ def stamped(data: bytes, told: dict[str, str]) -> bytes:
 
 
 def _chunk(text: bytes) -> bytes:
-    """Chunk tEXt of a PNG."""
+    """Return a tEXt chunk of a PNG."""
     body = b"tEXt" + text
     return struct.pack(">I", len(text)) + body + struct.pack(">I", zlib.crc32(body))
 
 
-def stamp(path: Path) -> dict[str, str]:
-    """Facts that a picture bears; nothing of one without them."""
+def read_facts(path: Path) -> dict[str, str]:
+    """Return the facts stored in a picture; empty if there are none."""
     if not path.exists():
         return {}
     with Image.open(path) as image:
@@ -364,20 +364,20 @@ def stamp(path: Path) -> dict[str, str]:
     return {key: str(found[key]) for key in ("Software", "Command", "Code") if key in found}
 
 
-def stale(picture: Picture) -> bool:
-    """Whether a picture is of another command, or of code that has moved on."""
-    known, today = stamp(ROOT / "docs" / picture.name), facts(picture)
+def is_stale(picture: Picture) -> bool:
+    """Return whether a picture was made with another command or other code."""
+    known, today = read_facts(ROOT / "docs" / picture.name), current_facts(picture)
     return any(known.get(key) != today[key] for key in ("Command", "Code"))
 
 
-def walkergen(command: str, *more: str) -> None:
-    """Run a command of walkergen from the code beside this file."""
+def run_walkergen(command: str, *more: str) -> None:
+    """Run a command of walkergen with the code of this checkout."""
     words = [sys.executable, "-m", *shlex.split(command.removeprefix("python -m ")), *more]
     subprocess.run(words, check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
 
 
 def make(pictures: Sequence[Picture]) -> None:
-    """Make pictures, those of one command together; those that lack a program are skipped."""
+    """Make pictures, those of one command together. A picture without its program is skipped."""
     began = time.perf_counter()
     for command, group in groupby(pictures, key=lambda one: one.command):
         wanted = []
@@ -387,33 +387,33 @@ def make(pictures: Sequence[Picture]) -> None:
             else:
                 wanted.append(picture)
         if wanted:
-            _make(command, wanted)
+            _make_group(command, wanted)
     print(f"{time.perf_counter() - began:.0f} s in all")
 
 
-def _make(command: str, pictures: Sequence[Picture]) -> None:
-    """Run a command in a folder of its own, and take its pictures from there."""
+def _make_group(command: str, pictures: Sequence[Picture]) -> None:
+    """Run a command in a temporary folder and store its pictures."""
     began = time.perf_counter()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         if command:
             out = folder / "movie.gif" if command == MOVIE else folder
-            walkergen(command, "--quiet", "--out", str(out))
+            run_walkergen(command, "--quiet", "--out", str(out))
         for picture in pictures:
             made = picture.made
             data = made(folder) if callable(made) else (folder / made).read_bytes()
-            for other in picture.beside:
+            for other in picture.companions:
                 output.write(ROOT / "docs" / other, (folder / other).read_bytes())
-            output.write(ROOT / "docs" / picture.name, stamped(data, facts(picture)))
+            output.write(ROOT / "docs" / picture.name, add_facts(data, current_facts(picture)))
             took = time.perf_counter() - began
-            print(f"{picture.name}: {took:.0f} s, by {command_of(picture)}", flush=True)
+            print(f"{picture.name}: {took:.0f} s, by {command_for(picture)}", flush=True)
 
 
-def chosen(words: Sequence[str]) -> list[Picture]:
-    """Pictures of some names, "all", or without any those that are stale."""
+def choose(words: Sequence[str]) -> list[Picture]:
+    """Return the pictures of some names, of "all", or the outdated ones if no name is given."""
     names = [name for word in words for name in word.split(",") if name]
     if not names:
-        return [picture for picture in PICTURES if stale(picture)]
+        return [picture for picture in PICTURES if is_stale(picture)]
     known = {Path(picture.name).stem: picture for picture in PICTURES}
     wrong = [name for name in names if name not in known and name != "all"]
     if wrong:
@@ -422,7 +422,7 @@ def chosen(words: Sequence[str]) -> list[Picture]:
 
 
 if __name__ == "__main__":
-    pictures = chosen(sys.argv[1:])
+    pictures = choose(sys.argv[1:])
     expected = sum(picture.seconds for picture in pictures)
     print(f"{len(pictures)} of {len(PICTURES)} pictures, some {expected} s on two cores")
     make(pictures)

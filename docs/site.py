@@ -1,4 +1,4 @@
-"""Pages of the site that are made of other things: README, pictures, notebooks, docstrings."""
+"""Make the pages of the site that come from other files: README, pictures, notebooks, docstrings."""
 
 import importlib.util
 import os
@@ -19,15 +19,15 @@ from walkergen.cli import command_line
 from walkergen.command_table import COMMANDS
 
 ROOT = Path(__file__).parent.parent
-NAMES = list(COMMANDS)
+COMMAND_NAMES = list(COMMANDS)
 """Commands, in the order of the help."""
 
-PAPERS = {"index.md": "README.md", "contributing.md": "CONTRIBUTING.md", "changelog.md": "CHANGELOG.md"}
-"""Pages that are papers of the project, whose links to docs/ become links within the site."""
+PROJECT_PAGES = {"index.md": "README.md", "contributing.md": "CONTRIBUTING.md", "changelog.md": "CHANGELOG.md"}
+"""Pages made from files of the project. Their links to docs/ become links within the site."""
 
-FIRST = ["load", "predict", "simulate", "family"]
-CALLS = [*FIRST, *(name for name in COMMANDS if name in walkergen.__all__ and name not in FIRST)]
-"""What people call after `import walkergen as wg`."""
+FIRST_CALLS = ["load", "predict", "simulate", "family"]
+CALLS = [*FIRST_CALLS, *(name for name in COMMANDS if name in walkergen.__all__ and name not in FIRST_CALLS)]
+"""Functions of `import walkergen as wg`."""
 
 RESULTS = {
     "what every call returns": ["files.report.Report", "files.report.Table", "core.numerics.quantity.Quantity"],
@@ -44,9 +44,9 @@ RESULTS = {
         "guests.crowd.cards.card.Card",
     ],
 }
-"""Classes of what calls return."""
+"""Classes of the values that calls return."""
 
-ROOMS = {
+REFERENCE_PAGES = {
     "walkers": [
         "core/walker/design",
         "core/walker/limbs",
@@ -95,49 +95,49 @@ ROOMS = {
     "printing": ["core/printing/printers", "core/printing/checks", "core/printing/plates", "core/printing/export"],
     "files": ["files/templates", "core/files/config", "core/files/assignments", "core/files/output", "core/errors"],
 }
-"""Modules of the reference, a page for each room."""
+"""Modules of the reference, one page per topic."""
 
 
 def on_files(files, config):
-    """Add the pages that are made."""
-    made = {page: _paper(ROOT / name) for page, name in PAPERS.items()}
-    made["gallery.md"] = _gallery()
+    """Add the generated pages."""
+    made = {page: _convert_links(ROOT / name) for page, name in PROJECT_PAGES.items()}
+    made["gallery.md"] = _make_gallery()
     for notebook in sorted((ROOT / "examples").glob("*.ipynb")):
-        made |= _notebook(notebook)
-    made |= {f"commands/{name}.md": _command(name) for name in NAMES}
-    made["api/python.md"] = _calls()
-    made["api/results.md"] = _results()
-    for room, modules in ROOMS.items():
+        made |= _run_notebook(notebook)
+    made |= {f"commands/{name}.md": _make_command_page(name) for name in COMMAND_NAMES}
+    made["api/python.md"] = _make_calls_page()
+    made["api/results.md"] = _make_results_page()
+    for topic, modules in REFERENCE_PAGES.items():
         names = [f"walkergen.{module.replace('/', '.')}" for module in modules]
-        made[f"api/{room}.md"] = f"# {room.capitalize()}\n\n" + "\n\n".join(f"::: {name}" for name in names)
+        made[f"api/{topic}.md"] = f"# {topic.capitalize()}\n\n" + "\n\n".join(f"::: {name}" for name in names)
     for page, text in made.items():
         files.append(File.generated(config, page, content=text))
     return Files([file for file in files if not file.src_path.endswith(".py")])
 
 
 def on_page_markdown(markdown, page, config, files):
-    """Links to notebooks lead to their pages."""
+    """Point links to notebooks at their pages."""
     return re.sub(r"\]\(\.\./(examples/[\w-]+)\.ipynb\)", r"](\1.md)", markdown)
 
 
-def _paper(path):
-    """Text of a paper of the project, as a page; what lies outside docs/ is no link there."""
+def _convert_links(path):
+    """Return a file of the project as a page. Links to files outside docs/ become text."""
     text = re.sub(r"\[([^]]+)\]\((?!https?:|#|docs/)[^)]+\)", r"\1", path.read_text(encoding="utf-8"))
     return re.sub(r"\]\(docs/", "](", text)
 
 
-def _gallery():
-    """Page of all pictures that the program makes, each with its title and its command."""
+def _make_gallery():
+    """Return a page of all pictures, each with its title and its command."""
     pages = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
     text = "".join(page.read_text(encoding="utf-8") for page in pages)
-    said = {name: words for words, name in re.findall(r"!\[(.*?)\]\((?:docs/)?(.*?)\)", text)}
-    commands = {one.name: one.shown or one.command for one in _pictures().PICTURES}
+    captions = {name: words for words, name in re.findall(r"!\[(.*?)\]\((?:docs/)?(.*?)\)", text)}
+    commands = {one.name: one.shown or one.command for one in _load_pictures().PICTURES}
     return "# Gallery\n\n" + "\n\n".join(
-        f"## {words}\n\n![{words}]({name})\n\n```sh\n{commands[name]}\n```" for name, words in said.items()
+        f"## {words}\n\n![{words}]({name})\n\n```sh\n{commands[name]}\n```" for name, words in captions.items()
     )
 
 
-def _pictures():
+def _load_pictures():
     """Load docs/pictures.py, even if another module has the same name."""
     spec = importlib.util.spec_from_file_location("docs_pictures", ROOT / "docs" / "pictures.py")
     module = importlib.util.module_from_spec(spec)
@@ -145,8 +145,8 @@ def _pictures():
     return module
 
 
-def _notebook(path):
-    """Page of a notebook, run anew by this code, and its pictures: contents by their names."""
+def _run_notebook(path):
+    """Run a notebook with this code. Return its page and its pictures by name."""
     notebook = nbformat.read(path, as_version=4)
     quiet = Config({"KernelManager": {"transport_encryption": "auto"}})  # else it warns of TCP
     with tempfile.TemporaryDirectory() as folder:
@@ -158,8 +158,8 @@ def _notebook(path):
     }
 
 
-def _calls():
-    """Page of what people call, in the names by which they call it."""
+def _make_calls_page():
+    """Return the page of the functions under `wg`."""
     begin = (
         "# From Python\n\n`import walkergen as wg`, and then these. A `Walker` is a `wg.Design` "
         "or the name of a template or of a TOML file; so is a `Ground` a `wg.Scene` or a name, "
@@ -170,8 +170,8 @@ def _calls():
     )
 
 
-def _results():
-    """Page of what calls return, each by its own name."""
+def _make_results_page():
+    """Return the page of the classes that calls return."""
     parts = ["# Results"]
     for words, classes in RESULTS.items():
         parts.append(f"*{words[0].upper()}{words[1:]}:*")
@@ -183,25 +183,25 @@ def _results():
     return "\n\n".join(parts)
 
 
-def _command(name):
-    """Page of a command: its help, and that of the commands under it."""
-    texts = [_help(name)]
+def _make_command_page(name):
+    """Return the page of a command: its help and the help of its subcommands."""
+    texts = [_read_help(name)]
     for under in re.findall(r"^  (\w+)  ", texts[0].partition("Commands:\n")[2], flags=re.MULTILINE):
-        texts.append(_help(name, under))
+        texts.append(_read_help(name, under))
     return f"# {name}\n\n" + "\n\n".join(f"```text\n{text}\n```" for text in texts)
 
 
-def _help(*words):
+def _read_help(*words):
     text = CliRunner().invoke(command_line, [*words, "-h"], prog_name="walkergen", env={"COLUMNS": "88"})
     assert text.exit_code == 0, text.output
     return text.stdout.strip()
 
 
 def on_nav(nav, config, files):
-    """Put commands and the reference behind the pages that are written."""
+    """Add commands and reference after the written pages."""
     for title, names in (
-        ("Commands", [f"commands/{name}.md" for name in NAMES]),
-        ("Reference", [f"api/{room}.md" for room in ("python", "results", *ROOMS)]),
+        ("Commands", [f"commands/{name}.md" for name in COMMAND_NAMES]),
+        ("Reference", [f"api/{topic}.md" for topic in ("python", "results", *REFERENCE_PAGES)]),
     ):
         nav.items.append(Section(title, [files.get_file_from_path(name).page for name in names]))
     return nav

@@ -25,7 +25,7 @@ pictures = module()
 @pytest.mark.pictures
 def test_pictures_are_of_this_code():
     """Of its numbers and its drawing: comments and docstrings may change without them."""
-    old = [one for one in pictures.PICTURES if pictures.stale(one)]
+    old = [one for one in pictures.PICTURES if pictures.is_stale(one)]
     names, took = ",".join(Path(one.name).stem for one in old), sum(one.seconds for one in old)
     assert not old, f"their code has moved on; some {took} s: make pictures ONLY={names}"
 
@@ -46,10 +46,10 @@ def test_a_picture_bears_version_command_and_digest_and_looks_the_same(form, tmp
     data = io.BytesIO()
     more = {} if form == "PNG" else {"save_all": True, "append_images": frames[1:]}
     frames[0].save(data, form, **more)
-    told = pictures.facts(pictures.PICTURES[0]) | {"Command": "walkergen family " + 300 * "x"}
+    told = pictures.current_facts(pictures.PICTURES[0]) | {"Command": "walkergen family " + 300 * "x"}
     path = tmp_path / "picture"
-    path.write_bytes(pictures.stamped(data.getvalue(), told))
-    assert pictures.stamp(path) == told
+    path.write_bytes(pictures.add_facts(data.getvalue(), told))
+    assert pictures.read_facts(path) == told
     assert told["Software"].startswith("walkergen 0")
     with Image.open(path) as after, Image.open(data) as before:
         assert after.n_frames == before.n_frames if form == "GIF" else 1
@@ -69,5 +69,5 @@ def f(x):  # what
 
 def test_the_digest_is_of_code_and_not_of_what_is_said_about_it():
     same = 'def f(x):\n    "Other."\n    # more\n    return "# no comment" + g(x, 2.0)\n'
-    assert pictures.bare(CODE) == pictures.bare(same) == 'deff(x):return"#nocomment"+g(x,2.0)'
-    assert pictures.bare(CODE.replace("2.0", "3.0")) != pictures.bare(same)
+    assert pictures.strip_comments(CODE) == pictures.strip_comments(same) == 'deff(x):return"#nocomment"+g(x,2.0)'
+    assert pictures.strip_comments(CODE.replace("2.0", "3.0")) != pictures.strip_comments(same)
