@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 from predictions import machine
 
 from walkergen.core.scene import Scene
-from walkergen.core.simulation import ensemble
+from walkergen.core.simulation import batch, ensemble
 from walkergen.core.simulation.plan import Plan, prepare
 from walkergen.core.simulation.run import compile_kernels
 from walkergen.core.walker import solids
@@ -95,7 +95,7 @@ def summary(plan: Plan, threads: int) -> ensemble.Summary:
     """Run a plan, kernels compiled before."""
     compile_kernels(plan)
     started = time.perf_counter()
-    results = ensemble.simulate_runs(plan, silent, threads)
+    results = batch.run_all(ensemble.runner(plan), plan.scene.run.runs, silent, threads)
     return ensemble.summarise(results, plan.shaken.peak_speed, time.perf_counter() - started)
 
 

@@ -10,7 +10,7 @@ from evidence.validate.claims_bounce import bisect
 from walkergen.core.numerics import Array
 from walkergen.core.scene import GRAVITY, Scene, still_plate_drive
 from walkergen.core.simulation import record
-from walkergen.core.simulation.effects import compliance
+from walkergen.core.simulation.effects import legs
 from walkergen.core.simulation.plan import prepare
 from walkergen.core.simulation.space.state import SHOWN_X, V_X
 from walkergen.core.theory import speed, tensors
@@ -130,7 +130,7 @@ def leg(effort: Effort) -> Iterator[Claim]:
     E, length = 1e9 * design.material.youngs_modulus_gpa, design.limbs[0].length
     second = design.size.depth * design.limbs[0].thickness ** 3 / 12.0
     density = 1e-3 * design.material.density_g_cm3
-    k = compliance.stiffness(design.limbs[0], E)
+    k = legs.hinge_stiffness(design.limbs[0], E)
     beam = Outside("cantilever beam, Euler and Bernoulli", 1e-12, ROUNDING)
     yield beam.claim("stiffness of a leg's tip", "N/m", 1e-3 * k / length**2, 1e-3 * 3.0 * E * second / length**3)
     line = density * design.limbs[0].thickness * design.size.depth

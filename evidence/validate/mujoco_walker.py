@@ -13,7 +13,7 @@ from mujoco import rollout
 
 from walkergen.core.numerics import Array
 from walkergen.core.scene import GRAVITY
-from walkergen.core.simulation.drive import Drive
+from walkergen.core.simulation.world import Drive
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import LegMass, MassProperties
 

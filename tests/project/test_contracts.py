@@ -25,7 +25,7 @@ from walkergen.core.errors import InputError, WalkergenError
 from walkergen.core.printing import packing, plates
 from walkergen.core.printing.printers import Printer
 from walkergen.core.scene import Scene
-from walkergen.core.simulation.effects import rules
+from walkergen.core.simulation.effects import active_effects
 from walkergen.core.simulation.effects.effect import Case
 from walkergen.core.simulation.effects.resolve import replace_without_validation
 from walkergen.core.walker import mass, solids
@@ -134,7 +134,7 @@ def walker_on(scene):
     for design in [PAPER, *(load("walkers", name) for name in WALKERS)]:
         case = Case(scene, design, solids.mass_of(design))
         try:
-            return case, [rule.judge(case) for rule in rules.all_rules()]
+            return case, [rule.judge(case) for rule in active_effects.all_rules()]
         except InputError as refused:
             assert_one_line(refused)
     raise AssertionError(f"no walker runs on {scene.name}")
@@ -155,7 +155,7 @@ CASES = [
     Case(load("scenes", scene), design, solids.mass_of(design))
     for scene, design in (("plane-90hz", PAPER), ("table-motor", load("walkers", "coinbot")))
 ]
-EFFECTS = {rule.judge(CASES[0]).name: rule for rule in rules.all_rules()}
+EFFECTS = {rule.judge(CASES[0]).name: rule for rule in active_effects.all_rules()}
 
 
 def judge(rule, values):

@@ -19,7 +19,7 @@ LIMITS = {
     "walkergen/app": 2640,
     "walkergen/cli": 900,
     "walkergen/commands": 8710,
-    "walkergen/core": 18520,
+    "walkergen/core": 18270,
     "walkergen/files": 1410,
     "walkergen/guests/crowd": 7250,
     "walkergen/guests/lab": 5340,

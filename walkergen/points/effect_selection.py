@@ -8,7 +8,7 @@ from walkergen.core.files.progress import Progress, silent
 from walkergen.core.measure import FIRST_RUNS, Measured, measure
 from walkergen.core.numerics.quantity import Verdict
 from walkergen.core.scene import Scene
-from walkergen.core.simulation.effects import rules
+from walkergen.core.simulation.effects import active_effects
 from walkergen.core.simulation.effects.resolve import replace_without_validation
 from walkergen.core.tolerance import Tolerance
 from walkergen.points import variants
@@ -128,7 +128,7 @@ def find_simplest(walker: Walker, progress: Progress = silent, threads: int | No
         return found._replace(kept=(*found.kept, change), cpu_s=spent)
 
     until = UntilDecided(Tolerance(accepted, relative=True))
-    for rule in rules.all_rules():
+    for rule in active_effects.all_rules():
         effect = rule.judge(found.walker.plan().case)
         if effect.on and rule.switch and rule.switch not in whole.scene.effects.on:
             variant = variants.without_effect(found.walker, rule)

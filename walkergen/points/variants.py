@@ -12,9 +12,9 @@ import numpy as np
 from walkergen.core.errors import InputError
 from walkergen.core.numerics import quantity
 from walkergen.core.numerics.quantity import Quantity, Verdict
-from walkergen.core.simulation import orbits
+from walkergen.core.simulation import ensemble
 from walkergen.core.simulation.batch import OneRun
-from walkergen.core.simulation.effects import harmonic, rules
+from walkergen.core.simulation.effects import active_effects, harmonic
 from walkergen.core.simulation.effects.effect import Effect, Rule
 from walkergen.core.simulation.effects.resolve import replace_without_validation
 from walkergen.core.simulation.plan import Plan
@@ -117,7 +117,7 @@ def _speed_difference(pairs: Sequence[tuple[RunResult, RunResult]], plate_speed:
         )
     speeds = np.array([[own.speed, other.speed] for own, other in pairs])
     mean = quantity.mean("change", "mm_s", speeds[:, 1] - speeds[:, 0])
-    if orbits.ORBIT in (orbits.common_orbit(speeds[:, 0], plate_speed), orbits.common_orbit(speeds[:, 1], plate_speed)):
+    if ensemble.ORBIT in (ensemble.common_orbit(column, plate_speed) for column in speeds.T):
         return mean._replace(se=None, refused=Outcome.ORBIT.value)
     return mean
 
@@ -130,7 +130,7 @@ def _with_short_runs(walker: Walker) -> Walker:
 
 def rule_effects(plan: Plan) -> list[tuple[Rule, Effect]]:
     """Return every rule with the effect of a plan, even if its scene does not need it."""
-    return [(rule, rule.judge(plan.case)) for rule in rules.all_rules()]
+    return [(rule, rule.judge(plan.case)) for rule in active_effects.all_rules()]
 
 
 def without_effect(walker: Walker, rule: Rule) -> Variant | None:

@@ -11,7 +11,7 @@ from walkergen.commands.accuracy import answers, cell_estimates, cells, choice, 
 from walkergen.commands.accuracy.cells import REFERENCE_STEP_SHARE, Row
 from walkergen.commands.accuracy.request import AccuracyRequest
 from walkergen.core.scene import Scene
-from walkergen.core.simulation import orbits
+from walkergen.core.simulation import ensemble
 from walkergen.core.tolerance import Tolerance
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
@@ -211,7 +211,7 @@ def test_a_cell_measured_anew_is_the_one_that_is_shipped():
     setting = measure.Setting("lane-90hz", 5.0, 0.8, 1.25)
     row = measure.measured(setting, seed=1001)
     (kept,) = (one for one in cells.read_rows() if (*one.cell, one.share) == setting)
-    error = math.hypot(row.se_mm_s or 0.0, kept.se_mm_s or 0.0, orbits.MAX_SPEED_DIFFERENCE * PEAK)
+    error = math.hypot(row.se_mm_s or 0.0, kept.se_mm_s or 0.0, ensemble.MAX_SPEED_DIFFERENCE * PEAK)
     assert row.speed_mm_s == pytest.approx(kept.speed_mm_s, abs=4.0 * error)
     assert 0.5 < row.work / kept.work < 2.0
 

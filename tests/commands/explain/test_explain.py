@@ -10,7 +10,7 @@ from walkergen.core.errors import InputError
 from walkergen.core.measure import Runs, measure
 from walkergen.core.numerics.quantity import Verdict
 from walkergen.core.scene import Scene
-from walkergen.core.simulation.effects import twist
+from walkergen.core.simulation.effects import legs
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.points import single_walker, variants
@@ -42,7 +42,7 @@ COMMAND = ("explain",)
 
 def test_a_variant_that_is_the_scene_changes_nothing():
     walker = walker_of()
-    pairs = Pairs(walker, (Variant("nothing", "off", walker, {}), variants.without_effect(walker, twist.RULE)))
+    pairs = Pairs(walker, (Variant("nothing", "off", walker, {}), variants.without_effect(walker, legs.TWIST_RULE)))
     done = measure(pairs, Runs(4))
     none, stiff = pairs.changes(done.records)
     assert none.speed.pair == (0.0, 0.0)

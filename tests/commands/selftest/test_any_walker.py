@@ -7,7 +7,6 @@ from walkergen.analysis import landings
 from walkergen.commands.simulate import quantities
 from walkergen.core.errors import InputError
 from walkergen.core.scene import Scene
-from walkergen.core.simulation.effects import compliance
 from walkergen.core.simulation.effects.effect import Case
 from walkergen.core.simulation.plan import prepare
 from walkergen.core.simulation.space.model import initial_state
@@ -111,7 +110,7 @@ def test_explain_names_the_slowest_and_the_fastest_leg():
     for legs, told in ((TWO, False), (unlike, True)):
         design = design_of(legs)
         case = Case(scene_of(), design, solids.mass_of(design))
-        meaning = compliance.judge(case).meaning
+        meaning = legs.judge_compliance(case).meaning
         assert ("slowest back; fastest front, 1.5" in meaning) == told
 
 

@@ -16,7 +16,7 @@ from slicing import Walker, laid_out, print_of, program, sliced, walkers_of
 
 from walkergen.commands.export import make as exports
 from walkergen.commands.plate import make as batch
-from walkergen.core.printing import checks, estimate, export, findings, plates, slicer, walls
+from walkergen.core.printing import checks, export, findings, plates, print_sheet, slicer, walls
 from walkergen.core.printing.packing import Part, Placement, Plate
 from walkergen.core.printing.printers import Printer
 from walkergen.core.walker import mass, names, solids
@@ -127,7 +127,7 @@ def compare_with_the_slicer(sheet: str, text: str) -> None:
     words = told(r"estimated printing time \(normal mode\)").split()
     length = {"h": 60.0, "m": 1.0, "s": 1.0 / 60.0}
     theirs = sum(float(word[:-1]) * length[word[-1]] for word in words)
-    assert minutes == pytest.approx(theirs, rel=estimate.TIME_TOLERANCE)
+    assert minutes == pytest.approx(theirs, rel=print_sheet.TIME_TOLERANCE)
 
 
 def test_plastic_and_time_of_the_print_sheet_are_the_slicers(sliced_family):

@@ -12,7 +12,8 @@ import pytest
 import threemf
 import trimesh
 
-from walkergen.core.printing import estimate, export, plates, print_sheet, slicer
+from walkergen.core.files import formatting
+from walkergen.core.printing import export, plates, print_sheet, slicer
 from walkergen.core.printing import packing as plate
 from walkergen.core.printing.printers import Printer
 from walkergen.core.shapes.mesh import Mesh
@@ -201,7 +202,7 @@ def test_the_sheet_says_how_to_load_the_settings_and_what_a_plate_takes():
     weighed = [
         print_sheet.weigh("", design, built, MK3S) for design, built in zip(made.members, made.built, strict=True)
     ]
-    found = estimate.plate_totals(one, made.parts, [each.load for each in weighed], MK3S)
+    found = print_sheet.plate_totals(one, made.parts, [each.load for each in weighed], MK3S)
     grams = 2 * weighed[0].load.grams + 3 * weighed[1].load.grams
     assert found.grams == pytest.approx(grams)
     # 1.75 mm filament: 2.4053 mm^2
@@ -213,7 +214,7 @@ def test_the_sheet_says_how_to_load_the_settings_and_what_a_plate_takes():
 
 def test_sides_are_a_bodys_outline_times_its_height():
     box = mesh_of_box(28.0, 3.0, 8.0)
-    assert estimate.side_area(box) == pytest.approx(2.0 * (28.0 + 3.0) * 8.0)
+    assert print_sheet.side_area(box) == pytest.approx(2.0 * (28.0 + 3.0) * 8.0)
 
 
 def mesh_of_box(*lengths: float) -> Mesh:
@@ -224,12 +225,12 @@ def mesh_of_box(*lengths: float) -> Mesh:
 def test_half_a_layer_prints_as_one():
     part = plate.Part("flat", 10.0, 10.0, 0.5, 1)
     (one,) = plate.pack([part], MK3S)
-    assert estimate.plate_totals(one, [part], [estimate.Load(1.0, 1.24, 9.0)], MK3S).layers == 3
+    assert print_sheet.plate_totals(one, [part], [print_sheet.Load(1.0, 1.24, 9.0)], MK3S).layers == 3
 
 
 @pytest.mark.parametrize(
     ("seconds", "words"),
-    [(4.94, "4.9 s"), (119.0, "120 s"), (121.0, "2 min"), (6900.0, "120 min"), (7200.0, "2 h"), (400000.0, "110 h")],
+    [(4.94, "4.9 s"), (119.0, "120 s"), (121.0, "2 min"), (6900.0, "120 min"), (7200.0, "2 h"), (400000.0, "4.6 days")],
 )
 def test_times_have_two_digits_and_a_unit(seconds, words):
-    assert estimate.format_duration(seconds) == words
+    assert formatting.format_duration(seconds) == words

@@ -9,7 +9,7 @@ from scipy import special
 from scipy.signal import lfilter
 
 from walkergen.core.scene import Scene
-from walkergen.core.simulation import ensemble, record
+from walkergen.core.simulation import batch, ensemble, record
 from walkergen.core.simulation.plan import prepare
 from walkergen.core.simulation.run import ENDED_WELL, Outcome, RunResult
 from walkergen.core.walker import solids
@@ -124,7 +124,8 @@ def pool(tilt, restitution, count, seconds):
         }
     )
     design = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=tilt)
-    results = ensemble.simulate_runs(prepare(scene, design, solids.mass_of(design)), lambda *told: None, 1)
+    one = ensemble.runner(prepare(scene, design, solids.mass_of(design)))
+    results = batch.run_all(one, scene.run.runs, threads=1)
     assert {one.outcome for one in results} <= set(ENDED_WELL)
     return results
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from walkergen.core.scene import Scene
-from walkergen.core.simulation import ensemble, record
+from walkergen.core.simulation import batch, ensemble, record
 from walkergen.core.simulation.plan import prepare
 from walkergen.core.simulation.run import Outcome, simulate
 from walkergen.core.walker import mass as masses
@@ -29,8 +29,8 @@ def test_energy_balances_and_the_outcome_is_ok():
 def test_threads_change_no_bit_and_few_runs_are_the_first_of_many():
     few = plan_of(run={"seconds": 0.2, "discard_seconds": 0.0, "runs": 2})
     many = plan_of(run={"seconds": 0.2, "discard_seconds": 0.0, "runs": 5})
-    one = ensemble.simulate_runs(few, lambda *told: None, threads=1)
-    four = ensemble.simulate_runs(many, lambda *told: None, threads=4)
+    one = batch.run_all(ensemble.runner(few), few.scene.run.runs, threads=1)
+    four = batch.run_all(ensemble.runner(many), many.scene.run.runs, threads=4)
     for a, b in zip(one, four, strict=False):
         np.testing.assert_array_equal(a.block_speeds, b.block_speeds)
         np.testing.assert_array_equal(a.tally.counts, b.tally.counts)

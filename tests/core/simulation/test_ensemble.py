@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 
 from walkergen.core.scene import Scene
-from walkergen.core.simulation import ensemble, record
-from walkergen.core.simulation.drive import Drive
+from walkergen.core.simulation import batch, ensemble, record
 from walkergen.core.simulation.effects.effect import Case
 from walkergen.core.simulation.plan import Plan
 from walkergen.core.simulation.run import Outcome, RunResult, simulate
-from walkergen.core.simulation.world import OK, TOPPLED, World
+from walkergen.core.simulation.world import OK, TOPPLED, Drive, World
 
 PERIOD = 1.0 / 90.0
 
@@ -107,7 +106,7 @@ def test_standard_error_is_the_spread_of_repeated_experiments(runs):
 
 
 def measured(plan):
-    results = ensemble.simulate_runs(plan, silent)
+    results = batch.run_all(ensemble.runner(plan), plan.scene.run.runs)
     return ensemble.summarise(results, plan.shaken.peak_speed, 0.0), results
 
 

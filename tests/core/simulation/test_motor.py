@@ -13,8 +13,8 @@ from walkergen.core.scene import Scene
 from walkergen.core.simulation import record
 from walkergen.core.simulation.effects import motor
 from walkergen.core.simulation.effects.effect import Case
+from walkergen.core.simulation.effects.motor import spin
 from walkergen.core.simulation.effects.resolve import resolve
-from walkergen.core.simulation.effects.rotor import spin
 from walkergen.core.simulation.run import simulate
 from walkergen.core.simulation.space.model import mirror_state
 from walkergen.core.simulation.space.pose import place

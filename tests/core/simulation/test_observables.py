@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from walkergen.core.scene import Scene
-from walkergen.core.simulation import ensemble, observables, record
+from walkergen.core.simulation import batch, ensemble, observables, record
 from walkergen.core.simulation.plan import prepare
 from walkergen.core.simulation.run import recorded_impacts
 from walkergen.core.walker import solids
@@ -30,7 +30,8 @@ def plan_of(tilt=10.0, kind="flexible", label=0.8, **run):
 
 def measured(plan):
     """Numbers of a plan with their errors and biases, by name."""
-    found = ensemble.summarise(ensemble.simulate_runs(plan, silent), plan.shaken.peak_speed, 0.0)
+    results = batch.run_all(ensemble.runner(plan), plan.scene.run.runs)
+    found = ensemble.summarise(results, plan.shaken.peak_speed, 0.0)
     return step_errors.judge(plan, found.numbers)
 
 
@@ -53,7 +54,7 @@ def test_too_few_runs_have_a_value_but_no_error():
 
 def test_impulses_by_type_are_those_of_all_impacts_kept():
     plan = plan_of(seconds=0.2, runs=4)
-    results = ensemble.simulate_runs(plan, silent, impacts=True)
+    results = batch.run_all(ensemble.runner(plan, impacts=True), plan.scene.run.runs)
     found = ensemble.summarise(results, plan.shaken.peak_speed, 0.0)
     rows = np.concatenate([recorded_impacts(result) for result in results])
     rows = rows[rows[:, 1] < 4]  # without touches of the lane's walls
@@ -109,7 +110,8 @@ def test_a_step_five_times_finer_changes_nothing_by_more_than_its_error(tilt, la
 def test_finer_steps_have_smaller_errors_and_coarser_none():
     own = plan_of().world.options.step
     whole = plan_of(step_us=1e6 * own, runs=4, seconds=0.1)
-    found = ensemble.summarise(ensemble.simulate_runs(whole, silent), whole.shaken.peak_speed, 0.0)
+    results = batch.run_all(ensemble.runner(whole), whole.scene.run.runs)
+    found = ensemble.summarise(results, whole.shaken.peak_speed, 0.0)
     errors = []
     for part in (1.0, 0.9, 0.5, 0.499, 0.1):
         judged = step_errors.judge(plan_of(step_us=1e6 * part * own), found.numbers)

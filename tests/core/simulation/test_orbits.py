@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 import walkergen as wg
 from walkergen.cli import command_line
-from walkergen.core.simulation import orbits
+from walkergen.core.simulation import ensemble
 
 LOCKED = ("simulate", "--scene", "lane-90hz", "--restitution", "0.8", "--seconds", "1", "--runs", "4")
 
@@ -17,7 +17,7 @@ LOCKED = ("simulate", "--scene", "lane-90hz", "--restitution", "0.8", "--seconds
 @pytest.fixture
 def locked(monkeypatch):
     """Runs that all end on one orbit."""
-    monkeypatch.setattr(orbits, "common_orbit", lambda speeds, plate_speed: orbits.ORBIT)
+    monkeypatch.setattr(ensemble, "common_orbit", lambda speeds, plate_speed: ensemble.ORBIT)
 
 
 def simulate(*words):
@@ -28,16 +28,16 @@ def simulate(*words):
 
 def test_only_runs_that_agree_to_rounding_share_an_orbit():
     locked = 97.4 + 1e-6 * np.arange(4)
-    assert orbits.common_orbit(locked, 31.2) == orbits.ORBIT
-    assert orbits.common_orbit(np.zeros(4), 31.2) == orbits.REST
-    assert orbits.common_orbit(locked[:3], 31.2) == ""  # three may agree by chance
-    assert orbits.common_orbit(np.array([*locked, 97.5]), 31.2) == ""
-    assert orbits.common_orbit(np.random.default_rng(1).normal(97.0, 0.1, 4), 31.2) == ""
+    assert ensemble.common_orbit(locked, 31.2) == ensemble.ORBIT
+    assert ensemble.common_orbit(np.zeros(4), 31.2) == ensemble.REST
+    assert ensemble.common_orbit(locked[:3], 31.2) == ""  # three may agree by chance
+    assert ensemble.common_orbit(np.array([*locked, 97.5]), 31.2) == ""
+    assert ensemble.common_orbit(np.random.default_rng(1).normal(97.0, 0.1, 4), 31.2) == ""
 
 
 def test_runs_on_one_orbit_tell_no_error_and_prints_the_bounds(locked):
     found = json.loads(simulate("--tilt", "10", "--json"))
-    assert found["orbit"]["kind"] == orbits.ORBIT
+    assert found["orbit"]["kind"] == ensemble.ORBIT
     assert found["orbit"]["draws"] == 24
     assert found["speed_se_mm_s"] is None
     assert set(found["errors"].values()) == {None}

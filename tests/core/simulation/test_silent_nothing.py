@@ -1,8 +1,5 @@
 """Nothing that a scene or a design says is silently nothing: it changes the motion, or one line says why not."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
@@ -179,33 +176,3 @@ def test_keys_without_a_part_are_named_in_one_line():
     for key in ("legs.damping_ratio (no leg swings)", "arena.gap_mm (no walls)"):
         assert line.count(key) == 1
     assert "\n" not in line
-
-
-IMPORTED = """
-import sys
-from walkergen.core.scene import Scene
-from walkergen.core.simulation.plan import prepare
-from walkergen.core.simulation.run import drop_for_run
-from walkergen.core.walker import solids
-from walkergen.core.walker.design import Design
-
-design = Design()
-scene = Scene().variant(**eval(sys.argv[1]))
-drop_for_run(prepare(scene, design, solids.mass_of(design)), 0)
-print(" ".join(name.rpartition(".")[2] for name in sys.modules if name.startswith("walkergen.core.simulation.")))
-"""
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("keys", "needed"),
-    [
-        ({"arena.kind": "plane"}, set()),
-        ({"arena.kind": "plane", "plate.noise_ratio": 0.2}, {"noisy_plate"}),
-        ({"arena.kind": "plane", "plate.along_ratio": 0.2}, {"swaying_plate"}),
-        ({}, {"walls"}),
-    ],
-)
-def test_a_scene_imports_no_module_of_what_it_has_not(keys, needed):
-    run = subprocess.run([sys.executable, "-c", IMPORTED, repr(keys)], check=True, capture_output=True, text=True)
-    assert set(run.stdout.split()) & {"walls", "noisy_plate", "swaying_plate", "motor"} == needed

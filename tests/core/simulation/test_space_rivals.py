@@ -10,7 +10,7 @@ from space_rival import Walker, keller, land, plan_of, speeds, tip_of, weightles
 
 from evidence.validate import mujoco_walker
 from walkergen.core.scene import Scene
-from walkergen.core.simulation import ensemble
+from walkergen.core.simulation import batch, ensemble
 from walkergen.core.simulation.plan import prepare
 from walkergen.core.simulation.space.walker import mobility
 from walkergen.core.walker import solids
@@ -108,7 +108,7 @@ def speed(tilt, label, seconds, finer=1.0, **tables):
     plan = prepare(scene, design, solids.mass_of(design))
     if finer > 1.0:
         plan = plan.coarser(1.0 / finer)
-    results = ensemble.simulate_runs(plan, lambda *progress: None, 1)
+    results = batch.run_all(ensemble.runner(plan), plan.scene.run.runs, threads=1)
     return ensemble.summarise(results, plan.shaken.peak_speed, 0.0).speed.pair
 
 

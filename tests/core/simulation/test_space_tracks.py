@@ -12,7 +12,7 @@ from walkergen.cli import command_line
 from walkergen.commands.simulate import make, trajectories
 from walkergen.core.errors import InputError
 from walkergen.core.scene import Scene
-from walkergen.core.simulation import ensemble, record
+from walkergen.core.simulation import batch, ensemble, record
 from walkergen.core.simulation.plan import prepare
 from walkergen.core.simulation.run import recorded_impacts, simulate
 from walkergen.core.walker import solids
@@ -97,7 +97,9 @@ def test_tracks_are_the_same_bytes_on_any_number_of_threads():
     plan = prepare(one.scene, one.design, one.mass)
     written = []
     for threads in (1, 3):
-        results = ensemble.simulate_runs(plan, silent, threads, one.impacts, one.sample_interval)
+        results = batch.run_all(
+            ensemble.runner(plan, one.impacts, one.sample_interval), plan.scene.run.runs, threads=threads
+        )
         found = trajectory.from_runs(results)
         written.append(trajectory.to_csv(trajectories.with_film_columns(found, one.sample_interval)))
     assert written[0] == written[1]

@@ -19,8 +19,7 @@ from walkergen.core.numerics import Array
 from walkergen.core.printing.export import stl_bytes
 from walkergen.core.scene import GRAVITY, Drive, Scene, forced_effect_line
 from walkergen.core.shapes.mesh import Mesh
-from walkergen.core.simulation.effects import compliance, feet, turning
-from walkergen.core.simulation.effects.effect import LID, WALLS
+from walkergen.core.simulation.effects import feet, legs, turning, walls
 from walkergen.core.simulation.plan import Plan, prepare
 from walkergen.core.simulation.space.state import Walker
 from walkergen.core.simulation.space.walker import mobility
@@ -52,7 +51,7 @@ PLATE_MASS_G = 1e9
 HERTZ_TIME = 2.0 * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9)
 """Contact time of a landing on a Hertzian tip without damper, times speed over greatest depth."""
 
-SUPPORTED_EFFECTS = {compliance.NAME, feet.NAME, turning.NAME, WALLS, LID}
+SUPPORTED_EFFECTS = {legs.COMPLIANCE, feet.NAME, turning.NAME, walls.NAME, walls.LID}
 """Effects with a switch that the file can represent."""
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress
 from walkergen.core.numerics.quantity import Quantity
-from walkergen.core.simulation import observables, orbits
+from walkergen.core.simulation import ensemble, observables
 from walkergen.core.simulation.ensemble import Summary
 from walkergen.core.simulation.run import ENDED_WELL
 from walkergen.points.experiments import Results
@@ -36,7 +36,7 @@ def find_shared_orbit(point: Results, progress: Progress) -> Orbit | None:
     """
     walker, scene = point.walker, point.walker.scene
     good = [result.speed for result in point.results if result.outcome in ENDED_WELL]
-    kind = orbits.common_orbit(np.array(good), walker.shaken.peak_speed)
+    kind = ensemble.common_orbit(np.array(good), walker.shaken.peak_speed)
     if not kind or len(good) < scene.run.runs:
         return None
     from walkergen.points import print_ensemble as draws

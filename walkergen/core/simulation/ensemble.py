@@ -12,17 +12,25 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from walkergen.core.files.progress import Progress
-from walkergen.core.numerics import statistics
+from walkergen.core.numerics import Array, statistics
 from walkergen.core.numerics.quantity import Quantity
-from walkergen.core.simulation import batch, observables, orbits, record
+from walkergen.core.simulation import observables, record
 from walkergen.core.simulation.batch import OneRun
 from walkergen.core.simulation.plan import Plan
 from walkergen.core.simulation.run import ENDED_WELL, Outcome, RunResult, simulate, simulate_with_impacts
 from walkergen.core.simulation.space.state import TRAJECTORY_COLUMNS
 
 MIN_RUNS = 4
-"""Number of runs that ended well below which a mean has no error bar (see `mean_speed`)."""
+"""Number of runs that ended well below which a mean has no error bar (see `mean_speed`), and their agreement may be
+chance."""
+
+MAX_SPEED_DIFFERENCE = 1e-4
+"""Largest difference of two runs' speeds on one orbit, over the plate's peak speed. Runs that start
+at random fall into an orbit within some hundred periods to rounding; those that do not repeat
+differ by 1e-2 and more after a minute."""
+
+ORBIT, REST = "one periodic orbit", "at rest"
+"""Names of what runs end on."""
 
 
 class Summary(NamedTuple):
@@ -69,18 +77,6 @@ class Summary(NamedTuple):
         }
 
 
-def simulate_runs(
-    plan: Plan,
-    progress: Progress,
-    threads: int | None = None,
-    impacts: bool = False,
-    sample_interval: float | None = None,
-) -> list[RunResult]:
-    """Simulate scene.run.runs runs (see `runner`), sorted by number, as `batch.run_parallel` does."""
-    one = runner(plan, impacts, sample_interval)
-    return list(batch.run_parallel(one, range(plan.scene.run.runs), progress, threads).values())
-
-
 def runner(plan: Plan, impacts: bool = False, sample_interval: float | None = None) -> OneRun[RunResult]:
     """Return a function that simulates the run of a number.
 
@@ -102,7 +98,7 @@ def summarise(results: Sequence[RunResult], plate_speed: float, wall_s: float) -
     if 0 < len(good) < MIN_RUNS:
         outcomes[Outcome.TOO_FEW.value] = len(good)
     numbers = {observables.SPEED: mean_speed(good), **observables.observe(results)}
-    if orbits.common_orbit(speeds, plate_speed) == orbits.ORBIT:
+    if common_orbit(speeds, plate_speed) == ORBIT:
         outcomes[Outcome.ORBIT.value] = len(good)
         for name, number in numbers.items():
             numbers[name] = number._replace(se=None, freedom=0.0, refused=Outcome.ORBIT.value)
@@ -120,6 +116,18 @@ def summarise(results: Sequence[RunResult], plate_speed: float, wall_s: float) -
         energy_error=energy_error,
         outcomes=dict(outcomes),
     )
+
+
+def common_orbit(speeds: Array, plate_speed: float) -> str:
+    """Name of what all runs end on, from their mean speeds, shape (n,), in mm/s as the plate's.
+
+    "" when they differ, or are fewer than MIN_RUNS. A walker driven by a periodic plate and let
+    go at random repeats its motion every whole number of drive periods, or never; only in the first
+    case can all runs have one speed. REST is the orbit that does not move.
+    """
+    if len(speeds) < MIN_RUNS or float(np.ptp(speeds)) > MAX_SPEED_DIFFERENCE * plate_speed:
+        return ""
+    return REST if not np.any(speeds) else ORBIT
 
 
 def correlation_time(results: Sequence[RunResult]) -> float | None:

@@ -8,14 +8,13 @@ import numpy as np
 from walkergen.core.drive import Drive as PlateDrive
 from walkergen.core.numerics import Array, kernels
 from walkergen.core.scene import Scene
-from walkergen.core.simulation.drive import Drive
 from walkergen.core.simulation.effects import harmonic
 from walkergen.core.simulation.effects.effect import Case
 from walkergen.core.simulation.effects.resolve import Resolved, resolve
 from walkergen.core.simulation.record import Tally
 from walkergen.core.simulation.space import model, steps
 from walkergen.core.simulation.space.walker import coarser, make_walker
-from walkergen.core.simulation.world import State, World
+from walkergen.core.simulation.world import Drive, State, World
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
 

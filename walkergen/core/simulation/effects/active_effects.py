@@ -1,21 +1,79 @@
-"""Effects on a walker: the parameters of those that act, and their total force.
+"""Effects on a walker: their rules, the parameters of those that act, and their total force.
 
-A new effect is a file of its own, its line in `rules`, and three here: field, parameters, `+`.
+A new effect is a file of its own, its line in the rules, and three below: field, parameters, `+`.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from walkergen.core.numerics.kernels import kernel, lean
-from walkergen.core.simulation.effects import air_drag, noise, rotor, roughness, slope, sway, turning
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.effects import (
+    air_drag,
+    always_on,
+    feet,
+    harmonic,
+    legs,
+    motor,
+    noise,
+    roughness,
+    slope,
+    sway,
+    turning,
+    unevenness,
+    walls,
+)
 from walkergen.core.simulation.effects.air_drag import Air
-from walkergen.core.simulation.effects.effect import ALONG, GRADIENT, GYROSCOPIC, MOTOR, ROCKING, Case
+from walkergen.core.simulation.effects.effect import Case, Rule
+from walkergen.core.simulation.effects.motor import Rotor
 from walkergen.core.simulation.effects.noise import Noise
-from walkergen.core.simulation.effects.rotor import Rotor
 from walkergen.core.simulation.effects.roughness import Roughness
 from walkergen.core.simulation.effects.slope import Gravity
 from walkergen.core.simulation.effects.sway import Sway
+
+COMMON_RULES: tuple[Rule, ...] = (
+    Rule(legs.judge_tensor),
+    Rule(legs.judge_compliance),
+    Rule(always_on.judge_sticking),
+    Rule(always_on.judge_sustained_contact),
+    Rule(always_on.judge_pitch),
+    harmonic.RULE,
+    slope.RULE,
+    turning.RULE,
+    legs.TWIST_RULE,
+    feet.RULE,
+    unevenness.RULE,
+    roughness.RULE,
+    Rule(always_on.judge_neighbours),
+    air_drag.RULE,
+)
+"""Rules that are judged in every scene, in the order that `explain` shows."""
+
+RARE_RULES: tuple[tuple[Callable[[Scene], object], tuple[Rule, ...]], ...] = (
+    (lambda scene: scene.arena.kind == "lane", (walls.RULE,)),
+    (lambda scene: scene.arena.lid_mm, (walls.LID_RULE,)),
+    (lambda scene: scene.plate.noise_ratio, (noise.RULE,)),
+    (lambda scene: scene.plate.sways, sway.RULES),
+    (lambda scene: scene.drive.kind == "motor", motor.RULES),
+)
+"""Rules that are judged only in the scenes that meet a condition, or force one of them on."""
+
+RARE_EFFECTS = (walls.NAME, walls.LID, noise.NAME, *sway.NAMES, motor.NAME, motor.GYROSCOPIC)
+"""Names of the effects of these rules."""
+
+
+def applicable_rules(case: Case) -> tuple[Rule, ...]:
+    """Return the rules that are judged in a case."""
+    scene, forced = case.scene, {*case.scene.effects.on}
+    needed = [rules for is_met, rules in RARE_RULES if is_met(scene) or forced & {rule.switch for rule in rules}]
+    return (*COMMON_RULES, *(rule for rules in needed for rule in rules))
+
+
+def all_rules() -> tuple[Rule, ...]:
+    """Return all rules, also of effects outside the scene."""
+    return (*COMMON_RULES, *(rule for _, rules in RARE_RULES for rule in rules))
+
 
 _drag = air_drag.force_in_space
 
@@ -35,36 +93,17 @@ class Acting(NamedTuple):
     """Surface of one run, which draws it."""
     sway: Sway = sway.OFF
     """Motion of the plate along itself, and what makes its height differ from place to place."""
-    motor: Rotor = rotor.OFF
+    motor: Rotor = motor.OFF
 
 
-def acting_parameters(case: Case, on: Callable[[str], bool]) -> Acting:
-    """Return the parameters of those effects of a case whose names are `on`."""
-    descent = math.radians(case.scene.plate.slope_deg) if on(slope.NAME) else 0.0
-    air = air_drag.parameters(case) if on(air_drag.NAME) else air_drag.OFF
+def acting_parameters(case: Case, on: Mapping[str, bool]) -> Acting:
+    """Return the parameters of the effects of a case that are `on`, by their names."""
     return Acting(
-        slope.gravity_of(descent),
-        air,
-        sway=_sway_parameters(case, on),
-        motor=_rotor_parameters(case, on) if on(MOTOR) else rotor.OFF,
+        slope.gravity_of(math.radians(case.scene.plate.slope_deg) if on[slope.NAME] else 0.0),
+        air_drag.parameters(case) if on[air_drag.NAME] else air_drag.OFF,
+        sway=sway.parameters(case, on),
+        motor=motor.parameters(case, on[motor.GYROSCOPIC], on[turning.NAME]) if on[motor.NAME] else motor.OFF,
     )
-
-
-def _sway_parameters(case: Case, on: Callable[[str], bool]) -> Sway:
-    """Return the sway of a case's plate."""
-    if not (on(ALONG) or on(GRADIENT) or on(ROCKING)):
-        return sway.OFF
-    from walkergen.core.simulation.effects import swaying_plate
-
-    return swaying_plate.parameters(case, on(ALONG), on(GRADIENT), on(ROCKING))
-
-
-def _rotor_parameters(case: Case, on: Callable[[str], bool]) -> Rotor:
-    """Return the rotor of a case with a motor."""
-    from walkergen.core.simulation.effects import motor
-
-    turned = motor.parameters(case, on(GYROSCOPIC))
-    return turned if on(turning.NAME) else motor.restrict_to_plane(turned)
 
 
 @kernel

@@ -10,10 +10,6 @@ from walkergen.core.scene import Scene, forced_effect_line
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties
 
-WALLS, LID, NOISE, MOTOR, GYROSCOPIC = "lane walls", "lid", "plate noise", "motor", "gyroscopic torque"
-ALONG, GRADIENT, ROCKING = "motion along the plate", "plate gradient", "plate rocking"
-"""Effects whose modules are imported with the first scene that requires them."""
-
 
 class Case(NamedTuple):
     """Scene and walker that a rule judges."""

@@ -11,15 +11,18 @@ Limits: without a moment there is no motor; a free walker draws a circle of radi
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from walkergen.core.errors import InputError
-from walkergen.core.simulation.effects.effect import GYROSCOPIC, MOTOR, Case, Effect, Rule, absence_reason, apply_switch
-from walkergen.core.simulation.effects.rotor import Rotor, Vector
+from walkergen.core.numerics.kernels import lean
+from walkergen.core.simulation.effects.effect import Case, Effect, Rule, absence_reason, apply_switch
 from walkergen.core.walker.mass import to_centre_frame
 
-NAME, SWITCH = MOTOR, "gyroscopic_torque"
+NAME, GYROSCOPIC, SWITCH = "motor", "gyroscopic torque", "gyroscopic_torque"
+
+Vector = tuple[float, float, float]
 
 ROTOR_MASS_SHARE = 0.5
 """Share of a motor's mass that turns, as a disc of its diameter: of a coin motor about half."""
@@ -29,6 +32,27 @@ MIN_SPIN_RATIO = 1e-3
 
 MAX_PUSH_RATIO = 200.0
 """Largest push of a motor over the walker's weight: coin motors reach some 30."""
+
+
+class Rotor(NamedTuple):
+    """An unbalanced rotor; vectors in the axes of `space.state` (x forward, y up, z right)."""
+
+    moment: float
+    """Eccentric moment m_e r, g mm; 0: no motor."""
+    omega: float
+    """Rate of its turning, rad/s, > 0."""
+    first: Vector
+    """Unit vector to the unbalanced mass at phase 0, body axes."""
+    second: Vector
+    """The same a quarter turn later."""
+    place: Vector
+    """Middle of the motor from O at half depth, mm."""
+    spin: Vector
+    """Angular momentum of the rotor about its axis, g mm^2/s; 0 if it is left out."""
+
+
+OFF = Rotor(0.0, 1.0, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+"""No motor."""
 
 
 def judge(case: Case) -> Effect:
@@ -68,8 +92,7 @@ def judge_gyroscopic(case: Case) -> Effect:
     return Effect(GYROSCOPIC, on, number, meaning, reason, SWITCH)
 
 
-RULE = Rule(judge)
-SPIN_RULE = Rule(judge_gyroscopic, SWITCH, usual={f"effects.{SWITCH}": True})
+RULES = (Rule(judge), Rule(judge_gyroscopic, SWITCH, usual={f"effects.{SWITCH}": True}))
 
 
 def _rotor_inertia(case: Case) -> float:
@@ -96,37 +119,25 @@ def motor_position(case: Case) -> Vector:
     return float(x), float(y), motor.across_mm
 
 
-def parameters(case: Case, spins: bool) -> Rotor:
-    """Return the rotor of a case; `spins`: with its gyroscopic torque."""
+def parameters(case: Case, spins: bool, turns: bool) -> Rotor:
+    """Return the rotor of a case; `spins`: with its gyroscopic torque; `turns`: the walker is not held in its plane."""
     drive, motor = case.scene.drive, case.design.driving_motor()
     along, across, up = drive.axis_vector(motor.axis)
     n = along, up, across
     first = _perpendicular(n)
+    x, y, z = np.cross(n, first).tolist()
     h = _rotor_inertia(case) * drive.omega if spins else 0.0
-    return Rotor(
-        drive.eccentric,
-        drive.omega,
-        first,
-        cross_product(n, first),
-        motor_position(case),
-        (h * n[0], h * n[1], h * n[2]),
-    )
+    spin = (h * n[0], h * n[1], h * n[2])
+    rotor = Rotor(drive.eccentric, drive.omega, first, (x, y, z), motor_position(case), spin)
+    return rotor if turns else _restrict_to_plane(rotor)
 
 
-def restrict_to_plane(rotor: Rotor) -> Rotor:
+def _restrict_to_plane(rotor: Rotor) -> Rotor:
     """Return the rotor of a walker held in its plane, without components across the plane."""
-    first, second, place, spin = rotor.first, rotor.second, rotor.place, rotor.spin
+    (f_x, f_y, _), (s_x, s_y, _), (x, y, _) = rotor.first, rotor.second, rotor.place
     return rotor._replace(
-        first=(first[0], first[1], 0.0),
-        second=(second[0], second[1], 0.0),
-        place=(place[0], place[1], 0.0),
-        spin=(0.0, 0.0, spin[2]),
+        first=(f_x, f_y, 0.0), second=(s_x, s_y, 0.0), place=(x, y, 0.0), spin=(0.0, 0.0, rotor.spin[2])
     )
-
-
-def cross_product(a: Vector, b: Vector) -> Vector:
-    """Compute the vector product."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 def _perpendicular(n: Vector) -> Vector:
@@ -136,3 +147,80 @@ def _perpendicular(n: Vector) -> Vector:
     chosen = up if 1.0 - n[1] * n[1] > 0.25 else ahead
     size = math.hypot(*chosen)
     return chosen[0] / size, chosen[1] / size, chosen[2] / size
+
+
+@lean
+def acts(rotor):
+    """Return whether there is a motor."""
+    return rotor.moment > 0.0
+
+
+@lean
+def swing(rotor, mass, phase, swung):
+    """Fill s (mm), its rate and its second derivative, body axes, as rows of `swung`."""
+    c, s, radius, omega = math.cos(phase), math.sin(phase), rotor.moment / mass, rotor.omega
+    # Eq. 8.1: s = (S/M) e
+    for i in range(3):
+        ahead = radius * (rotor.first[i] * c + rotor.second[i] * s)
+        swung[0, i] = ahead
+        swung[1, i] = radius * omega * (rotor.second[i] * c - rotor.first[i] * s)
+        swung[2, i] = -omega * omega * ahead
+
+
+@lean
+def moment_of(rotor, centre, mass, x, y, z):
+    """Return the moment about C of a momentum (or force) `mass` (x, y, z) at the rotor's place."""
+    p_x, p_y, p_z = (rotor.place[0] + centre[0], rotor.place[1] + centre[1], rotor.place[2] + centre[2])
+    return (mass * (p_y * z - p_z * y), mass * (p_z * x - p_x * z), mass * (p_x * y - p_y * x))
+
+
+@lean
+def spin(rotor, centre, mass, swung):
+    """Return the rotor's angular momentum about C relative to the body, body axes, g mm^2/s.
+
+    `centre`: C -> O, mm.
+    """
+    # p x M s' + h n of eq. 8.2
+    x, y, z = moment_of(rotor, centre, mass, swung[1, 0], swung[1, 1], swung[1, 2])
+    return x + rotor.spin[0], y + rotor.spin[1], z + rotor.spin[2]
+
+
+@lean
+def torque(rotor, centre, mass, swung):
+    """Return the torque of the rotor on the body about C, body axes, g mm^2/s^2."""
+    # p x S Omega^2 e of eq. 8.2, for s'' = -Omega^2 s
+    return moment_of(rotor, centre, mass, -swung[2, 0], -swung[2, 1], -swung[2, 2])
+
+
+@lean
+def push(rotor, mass):
+    """Return the largest acceleration of C without the rotor's unbalanced mass, mm/s^2; 0 without a motor."""
+    return rotor.moment * rotor.omega * rotor.omega / mass
+
+
+@lean
+def _push_acceleration(rotor, way, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z):
+    """Return the acceleration along d of a rigid body's point r, from C, caused by the rotor's push along `way`.
+
+    Over that of C; `inverse` is the inverse inertia of the body.
+    """
+    t_x, t_y, t_z = moment_of(rotor, centre, mass, way[0], way[1], way[2])
+    q_x = inverse[0, 0] * t_x + inverse[0, 1] * t_y + inverse[0, 2] * t_z
+    q_y = inverse[1, 0] * t_x + inverse[1, 1] * t_y + inverse[1, 2] * t_z
+    q_z = inverse[2, 0] * t_x + inverse[2, 1] * t_y + inverse[2, 2] * t_z
+    return (
+        (way[0] + q_y * r_z - q_z * r_y) * d_x
+        + (way[1] + q_z * r_x - q_x * r_z) * d_y
+        + (way[2] + q_x * r_y - q_y * r_x) * d_z
+    )
+
+
+@lean
+def strongest(rotor, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z):
+    """Compute the largest acceleration (mm/s^2) along unit vector d of point r of a body that its rotor shakes.
+
+    Both are in body axes, from C, mm.
+    """
+    c = _push_acceleration(rotor, rotor.first, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z)
+    s = _push_acceleration(rotor, rotor.second, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z)
+    return push(rotor, mass) * math.sqrt(c * c + s * s)

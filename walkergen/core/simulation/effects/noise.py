@@ -1,14 +1,34 @@
-"""Noise of the plate as kernels know it: a random motion over the sine, by samples and cubics between.
+"""Plate noise: a random motion of the plate over its sine, with its power in a band.
 
-How it is drawn: `noisy_plate`; a scene without noise imports this alone.
+Every run draws its own: independent normal amplitudes at the frequencies of a long period, of equal
+mean power in velocity over the band, scaled to its root mean square (S. O. Rice, Bell System
+Technical Journal 23, 1944, 282). Heights between samples are cubic in time, with the samples'
+velocities. Limit: no noise is the plain drive; the period repeats after `PERIOD_S` at most.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.core.errors import InputError
 from walkergen.core.numerics.kernels import lean
+from walkergen.core.simulation.effects.effect import Case, Effect, Rule, decide_from_key
+
+NAME, SWITCH, KEY = "plate noise", "plate_noise", "plate.noise_ratio"
+
+SAMPLES_PER_PERIOD = 16.0
+"""Samples in a period of the highest frequency: cubics between them err by 1e-3 of the velocity."""
+
+PERIOD_S = 30.0
+"""Longest period of the noise, s."""
+
+MAX_SAMPLES = 2**20
+"""Largest number of samples: higher bands repeat sooner."""
+
+MIN_LINES = 32
+"""Fewest frequencies in the band: with fewer the noise is a beat."""
 
 
 class Noise(NamedTuple):
@@ -28,6 +48,47 @@ class Noise(NamedTuple):
 
 OFF = Noise(np.zeros(0), np.zeros(0), 0.0, 0.0, 0.0)
 """No noise: no samples."""
+
+
+def judge(case: Case) -> Effect:
+    """Judge the effect: on when the scene's plate is noisy."""
+    ratio = case.scene.plate.noise_ratio
+    on, reason = decide_from_key(case, KEY, SWITCH)
+    if on:
+        _frequency_grid(case)
+    return Effect(NAME, on, ratio, "rms velocity over the drive's peak speed", reason, SWITCH)
+
+
+RULE = Rule(judge, SWITCH, away={KEY: 0.0}, usual={KEY: 0.3})
+
+
+def _frequency_grid(case: Case) -> tuple[int, float, int, int]:
+    """Return the number of samples, their interval (s), and the first and last line of the band."""
+    low, high = case.scene.plate.noise_band_hz
+    interval = 1.0 / (SAMPLES_PER_PERIOD * high)
+    count = int(min(PERIOD_S / interval, MAX_SAMPLES))
+    first, last = math.ceil(low * count * interval), math.floor(high * count * interval)
+    if last - first < MIN_LINES:
+        raise InputError(
+            f"plate.noise_band_hz = [{low:g}, {high:g}]: the band has {last - first} "
+            f"frequencies of its period of {count * interval:.3g} s; widen it"
+        )
+    return count, interval, max(first, 1), last
+
+
+def sample_noise(case: Case, rng: np.random.Generator) -> Noise:
+    """Draw the noise of a run of the scene. Raises InputError for a band too narrow."""
+    count, interval, first, last = _frequency_grid(case)
+    lines = np.zeros(count // 2 + 1, complex)
+    lines[first : last + 1] = rng.normal(size=(last + 1 - first, 2)) @ (1.0, 1.0j)
+    wanted = case.scene.plate.noise_ratio * case.shaken.peak_speed
+    velocity = np.fft.irfft(lines, count)
+    scale = wanted / math.sqrt(float(np.mean(velocity**2)))
+    omega = 2.0 * math.pi * np.fft.rfftfreq(count, interval)
+    heights = np.fft.irfft(np.divide(scale * lines, 1j * omega, where=omega > 0.0, out=lines * 0), count)
+    acceleration = np.fft.irfft(scale * lines * 1j * omega, count)
+    velocities = scale * velocity
+    return Noise(heights, velocities, interval, float(np.abs(velocities).max()), float(np.abs(acceleration).max()))
 
 
 @lean

@@ -1,15 +1,23 @@
-"""Effects that a scene calls for, decided from dimensionless numbers."""
+"""Effects that a scene calls for, decided from dimensionless numbers, and keys that it gives in vain."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from walkergen.core.errors import InputError
-from walkergen.core.scene import Scene, forced_effect_line
-from walkergen.core.simulation.effects import idle_keys as idle
-from walkergen.core.simulation.effects import rules, turning
-from walkergen.core.simulation.effects.active_effects import Acting, acting_parameters
+from walkergen.core.scene import DEPENDENT_KEYS, Scene, forced_effect_line
+from walkergen.core.simulation.effects import turning, walls
+from walkergen.core.simulation.effects.active_effects import (
+    RARE_EFFECTS,
+    Acting,
+    acting_parameters,
+    all_rules,
+    applicable_rules,
+)
 from walkergen.core.simulation.effects.effect import Case, Effect
 from walkergen.core.walker.design import Design
+
+WALL_KEYS = ("arena.wall_friction", "arena.wall_restitution")
+FOOT_KEYS = ("contact.restitution", "contact.friction")
 
 
 class Resolved(NamedTuple):
@@ -27,7 +35,7 @@ class Resolved(NamedTuple):
 
 def _effect_states(effects: Sequence[Effect]) -> dict[str, bool]:
     """Return whether each effect is on, by name; effects outside the scene are off."""
-    return dict.fromkeys(rules.RARE_EFFECTS, False) | {effect.name: effect.on for effect in effects}
+    return dict.fromkeys(RARE_EFFECTS, False) | {effect.name: effect.on for effect in effects}
 
 
 def resolve(case: Case) -> Resolved:
@@ -35,16 +43,16 @@ def resolve(case: Case) -> Resolved:
 
     Raises InputError where the scene's choices contradict each other or the design.
     """
-    _check_room(case.scene, case.design)
-    effects = tuple(rule.judge(case) for rule in rules.applicable_rules(case))
-    on = _effect_states(effects).__getitem__
-    _check_headings(case.scene, on(turning.NAME))
-    return Resolved(effects, acting_parameters(case, on), idle.describe_idle_keys(case, on))
+    _check_arena_size(case.scene, case.design)
+    effects = tuple(rule.judge(case) for rule in applicable_rules(case))
+    on = _effect_states(effects)
+    _check_headings(case.scene, on[turning.NAME])
+    return Resolved(effects, acting_parameters(case, on), describe_idle_keys(case, on))
 
 
 def without_plate_effects(scene: Scene) -> Scene:
     """Return the scene without the effects that a still plate does not have."""
-    for rule in rules.all_rules():
+    for rule in all_rules():
         if rule.away:
             scene = replace_without_validation(scene, {**rule.away, f"effects.{rule.switch}": None})
     return scene
@@ -65,7 +73,7 @@ def replace_without_validation(scene: Scene, values: Mapping[str, Any]) -> Scene
     return scene
 
 
-def _check_room(scene: Scene, design: Design) -> None:
+def _check_arena_size(scene: Scene, design: Design) -> None:
     """Raise InputError for a plane that is smaller than the walker."""
     arena, body = scene.arena, design.body
     for key, size, needed, extent in (
@@ -86,6 +94,38 @@ def _check_headings(scene: Scene, turns: bool) -> None:
     if (wanted == "uniform" or any(wanted)) and not turns:
         raise InputError(
             f"run.heading_deg = {words}: {forced_effect_line(turning.SWITCH, False)} holds the walker in its "
-            "plane along x; "
-            "leave one of them out"
+            "plane along x; leave one of them out"
         )
+
+
+def describe_idle_keys(case: Case, on: Mapping[str, bool]) -> str:
+    """Return a line on a scene's non-default keys that have no part in a case; "" without any.
+
+    Keys of an effect switched off are not reported. Keys of other jobs, and standard
+    deviations, do not concern a single simulation.
+    """
+    given: dict[str, list[str]] = {}
+    for key, why in _find_idle_keys(case, on):
+        table, _, own = key.partition(".")
+        section = getattr(case.scene, table)
+        if own in section.model_fields_set and getattr(section, own) != type(section).model_fields[own].default:
+            given.setdefault(why, []).append(key)
+    listed = "; ".join(f"{', '.join(keys)} ({why})" for why, keys in given.items())
+    return f"no part here: {listed}" if listed else ""
+
+
+def _find_idle_keys(case: Case, on: Mapping[str, bool]) -> Iterator[tuple[str, str]]:
+    """Yield the keys that a case does not read, each with the reason, whether the scene gives them or not."""
+    scene, limbs = case.scene, case.design.limbs
+    if case.design.rigid:
+        yield "legs.damping_ratio", "no leg swings"
+    for number, keys in DEPENDENT_KEYS.items():
+        if not scene.value(number):
+            yield from ((key, f"{number} = 0") for key in keys)
+    if not on[walls.NAME] and walls.SWITCH not in scene.effects.off:
+        yield "arena.gap_mm", "no walls"
+        if not on[walls.LID]:
+            yield from ((key, "no walls") for key in WALL_KEYS)
+    for key in FOOT_KEYS:
+        if all(getattr(limb, key.partition(".")[2]) is not None for limb in limbs):
+            yield key, "every leg has its own"

@@ -1,12 +1,33 @@
-"""Sway of the plate as kernels know it: motion along it, and heights linear in place, at the drive's frequency.
+"""Real plates: they also move horizontally, shake more in one place than in another, and rock.
 
-What a scene makes of it: `swaying_plate`; a scene without sway imports this alone.
+All motion has the drive's frequency, phi its phase. Along x the plate is at q A sin(phi + p), and likewise to the left.
+Its height has a gradient: A (1 + g . r) sin(phi), as over a shaker with one stiffer side. It rocks about the start by
+A (k . r) cos(phi), which leaves its middle in place. Feet feel height, slope and velocity of the plate under
+them; walls, lid and bumps move with it. Limits: small slopes, so that walls and lid stay at their places; an axis of
+rocking below the surface adds motion along the plate. In space only.
 """
 
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
+from walkergen.core.errors import InputError
 from walkergen.core.numerics.kernels import lean
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.effects.effect import Case, Effect, Rule, decide_from_key
+
+NAMES = ALONG, GRADIENT, ROCKING = "motion along the plate", "plate gradient", "plate rocking"
+
+ALONG_KEY, ACROSS_KEY = "plate.along_ratio", "plate.across_ratio"
+GRADIENT_KEY, ROCKING_KEY = "plate.gradient_percent_per_mm", "plate.rocking_percent_per_mm"
+KEYS = (ALONG_KEY, ACROSS_KEY, GRADIENT_KEY, ROCKING_KEY)
+
+MAX_AMPLITUDE_CHANGE = 1.0
+"""Largest change of the amplitude where a walker may get: beyond, a gradient is none of a plate."""
+
+MAX_SPEED_RATIO = 2.0
+"""Speed of walkers over the plate's, at most: those that run farther than this lets them are rare."""
+
 
 Four = tuple[float, float, float, float]
 
@@ -24,6 +45,97 @@ class Sway(NamedTuple):
 
 OFF = Sway(False, (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
 """A plate that moves up and down equally everywhere."""
+
+
+def judge_along(case: Case) -> Effect:
+    """Judge the effect: on if the plate moves horizontally. The number shows when a resting body slides."""
+    plate, friction = case.scene.plate, case.scene.contact.friction
+    key = ALONG_KEY if plate.along_ratio or not plate.across_ratio else ACROSS_KEY
+    on, reason = _decide_from_key(case, key, "plate_along")
+    shaken = math.hypot(plate.along_ratio, plate.across_ratio) * case.shaken.peak_gamma
+    meaning = "peak acceleration along the plate over what friction holds"
+    return Effect(ALONG, on, shaken / max(friction, 1e-9), meaning, reason, "plate_along")
+
+
+def judge_gradient(case: Case) -> Effect:
+    """Judge the effect: on if the amplitude differs from place to place."""
+    return _judge_linear(case, GRADIENT, GRADIENT_KEY, "plate_gradient", "change of the amplitude between the feet")
+
+
+def judge_rocking(case: Case) -> Effect:
+    """Judge the effect: on if the plate rocks."""
+    return _judge_linear(case, ROCKING, ROCKING_KEY, "plate_rocking", "rocking between the feet over the amplitude")
+
+
+def _judge_linear(case: Case, name: str, key: str, switch: str, meaning: str) -> Effect:
+    on, reason = _decide_from_key(case, key, switch)
+    percent = float(case.scene.value(key))
+    per_mm, way = 0.01 * abs(percent), _max_distance(case)
+    if on and per_mm * way > MAX_AMPLITUDE_CHANGE:
+        raise InputError(
+            f"{key} = {percent:g}: a walker may get {way:.3g} mm far, where the amplitude would change by "
+            f"{100.0 * per_mm * way:.3g} %, and {100.0 * MAX_AMPLITUDE_CHANGE:g} is most; give the ground "
+            "ends (arena.length_mm, on a "
+            "plane arena.width_mm too), or less of run.seconds"
+        )
+    return Effect(name, on, per_mm * case.design.foot_span, meaning, reason, switch)
+
+
+def _max_distance(case: Case) -> float:
+    """Return the largest distance (mm) that walkers may reach from the start: the ground's ends, or the fastest run."""
+    arena, run = case.scene.arena, case.scene.run
+    way = MAX_SPEED_RATIO * case.shaken.peak_speed * (run.seconds + run.discard_seconds)
+    ends = [math.inf if size is None else 0.5 * size for size in (arena.length_mm, arena.width_mm)]
+    return min(way, ends[0] if arena.kind == "lane" else math.hypot(*ends))
+
+
+def _decide_from_key(case: Case, key: str, switch: str) -> tuple[bool, str]:
+    """Decide as `decide_from_key` does. Raises InputError for still plates."""
+    on, reason = decide_from_key(case, key, switch)
+    if on and case.scene.drive.kind == "motor":
+        raise InputError(
+            f"{key} = {case.scene.value(key):g}: the plate under a motor is still; leave the key out, or take "
+            "a shaken plate (drive.kind = 'plate')"
+        )
+    return on, reason
+
+
+RULES = (
+    Rule(judge_along, "plate_along", away={ALONG_KEY: 0.0, ACROSS_KEY: 0.0}, usual={ALONG_KEY: 0.1}),
+    Rule(judge_gradient, "plate_gradient", away={GRADIENT_KEY: 0.0}, usual={GRADIENT_KEY: 0.1}),
+    Rule(judge_rocking, "plate_rocking", away={ROCKING_KEY: 0.0}, usual={ROCKING_KEY: 0.1}),
+)
+
+
+def check_still_plate(scene: Scene, whom: str) -> None:
+    """Raise InputError where a scene's plate sways, which `whom` does not know."""
+    for key in KEYS:
+        if scene.value(key):
+            raise InputError(f"{key} = {scene.value(key):g}: {whom}; leave the key out, or simulate one walker")
+
+
+def parameters(case: Case, on: Mapping[str, bool]) -> Sway:
+    """Return the sway of a case's plate by those of its effects that are `on`."""
+    if not any(on[name] for name in NAMES):
+        return OFF
+    plate, size = case.scene.plate, case.scene.drive.amplitude
+    sines, cosines = [0.0] * 4, [0.0] * 4
+    if on[ALONG]:
+        pairs = (plate.along_ratio, plate.along_phase_deg), (-plate.across_ratio, plate.across_phase_deg)
+        for axis, (ratio, phase) in enumerate(pairs):
+            sines[axis] = size * ratio * math.cos(math.radians(phase))
+            cosines[axis] = size * ratio * math.sin(math.radians(phase))
+    if on[GRADIENT]:
+        sines[2:] = _slope_components(size * 0.01 * plate.gradient_percent_per_mm, plate.gradient_toward_deg)
+    if on[ROCKING]:
+        cosines[2:] = _slope_components(size * 0.01 * plate.rocking_percent_per_mm, plate.rocking_toward_deg)
+    return Sway(True, (sines[0], sines[1], sines[2], sines[3]), (cosines[0], cosines[1], cosines[2], cosines[3]))
+
+
+def _slope_components(size: float, toward_deg: float) -> tuple[float, float]:
+    """Return the slopes along x and z of a slope of this size that rises toward a direction, from x to the left."""
+    toward = math.radians(toward_deg)
+    return size * math.cos(toward), -size * math.sin(toward)
 
 
 @lean

@@ -7,11 +7,13 @@ viscous feet). Limits: a wide lane is the plane; edges touch at the height of th
 import math
 
 from walkergen.core.errors import InputError
-from walkergen.core.scene import Arena
+from walkergen.core.scene import GRAVITY, Arena
 from walkergen.core.simulation.effects import turning
-from walkergen.core.simulation.effects.effect import WALLS, Case, Effect, Rule, absence_reason, apply_switch
+from walkergen.core.simulation.effects.effect import Case, Effect, Rule, absence_reason, apply_switch, decide_from_key
 
-NAME, SWITCH = WALLS, "lane_walls"
+NAME, SWITCH = "lane walls", "lane_walls"
+LID, LID_KEY = "lid", "arena.lid_mm"
+"""Name of the lid, which is also its switch, and its key."""
 
 DEFAULT_PLAY_MM = 0.5
 """Default gap of a lane over the depth of the body, mm."""
@@ -19,6 +21,10 @@ DEFAULT_PLAY_MM = 0.5
 MIN_PLAY_RATIO = 4e-3
 """Least gap of a lane over the body's depth, over the walker's height: twice what the roll of its
 first drop takes, so that it does not start inside a wall."""
+
+
+DROP_AMPLITUDES, TILT_ALLOWANCE_RAD = 1.5, 2e-3
+"""Room over a walker that is let go: amplitudes that it drops, and twice what it is tilted by then, rad."""
 
 
 def gap(case: Case) -> float:
@@ -68,3 +74,28 @@ def judge(case: Case) -> Effect:
 
 
 RULE = Rule(judge, SWITCH, away={"arena": Arena(kind="plane")}, usual={"arena.kind": "lane"})
+
+
+def judge_lid(case: Case) -> Effect:
+    """Judge the effect: on under a lid. The number is the height of a throw at the plate's peak speed over the room.
+
+    Raises InputError where the walker does not fit.
+    """
+    meaning = "height of a hop over the room above the walker"
+    on, reason = decide_from_key(case, LID_KEY, LID)
+    wanted = case.scene.arena.lid_mm
+    if wanted is None:
+        return Effect(LID, on, 0.0, meaning, reason, LID)
+    size, shaken = case.design.size, case.shaken
+    height = 0.5 * size.thickness - min(limb.foot_height for limb in case.design.limbs)
+    least = height + DROP_AMPLITUDES * shaken.amplitude + TILT_ALLOWANCE_RAD * max(size.length, size.depth)
+    if on and wanted < least:
+        raise InputError(
+            f"{LID_KEY} = {wanted:g}: the walker is {height:g} mm high and needs {least:.6g} mm to be let go; "
+            "raise the lid, or leave the key out (open)"
+        )
+    hop = shaken.peak_speed**2 / (2.0 * GRAVITY)
+    return Effect(LID, on, hop / max(wanted - height, 1e-9), meaning, reason, LID)
+
+
+LID_RULE = Rule(judge_lid, LID, away={LID_KEY: None})

@@ -9,9 +9,8 @@ import math
 
 from walkergen.core.numerics.kernels import lean
 from walkergen.core.simulation import record
-from walkergen.core.simulation.drive import advance_phase, derivative_bound
+from walkergen.core.simulation.effects import motor as motors
 from walkergen.core.simulation.effects import noise as noises
-from walkergen.core.simulation.effects import rotor as motors
 from walkergen.core.simulation.effects import roughness as rough
 from walkergen.core.simulation.effects import sway as sways
 from walkergen.core.simulation.effects.active_effects import force_in_space, gravity_along, gravity_into
@@ -33,6 +32,7 @@ from walkergen.core.simulation.space.state import (
     W_X,
     first_row,
 )
+from walkergen.core.simulation.world import advance_phase, derivative_bound
 
 MIDPOINT_ITERATIONS = 6
 """Passes of the midpoint rule: each takes its error down by half the turn of a step."""

@@ -1,7 +1,7 @@
 """Forces of elastic contacts in one implicit midpoint step (docs/physics.md section 7).
 
 Each contact has a normal spring with a damper, never adhesive, and a tangential spring whose force
-a Coulomb slider cuts at friction times the normal force (slider.py). In the middle of the
+a Coulomb slider cuts at friction times the normal force (tips.py). In the middle of the
 step f = -k (x + h u / 2) - c u with u = u_free + h H f / 2, so that forces obey
 f + b h H f / 2 = -k x - b u_free, b = c + h k / 2: one linear system for given modes and
 directions of sliding, which are corrected until each contact's force agrees with its mode and
@@ -14,9 +14,8 @@ its force over the step is s times that of spring and damper at the middle of th
 import math
 
 from walkergen.core.numerics.kernels import lean
-from walkergen.core.simulation.space.slider import stretch_directions
 from walkergen.core.simulation.space.state import MODE, OPEN, ROW_LENGTH, SHEAR, SLIDE, STICK
-from walkergen.core.simulation.space.tips import response
+from walkergen.core.simulation.space.tips import response, stretch_directions
 
 MAX_CORRECTIONS = 8
 """Largest number of corrections of the modes; then forces are cut to their limits."""

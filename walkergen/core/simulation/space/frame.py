@@ -7,14 +7,14 @@ h c / 2 + h^2 k / 4: no step is too long for a stiff leg.
 import math
 
 from walkergen.core.numerics.kernels import lean
-from walkergen.core.simulation.drive import acceleration
+from walkergen.core.simulation.effects import motor as motors
 from walkergen.core.simulation.effects import noise as noises
-from walkergen.core.simulation.effects import rotor as motors
 from walkergen.core.simulation.effects import sway as sways
 from walkergen.core.simulation.effects.active_effects import force_in_space, gravity_along, gravity_into
 from walkergen.core.simulation.space.flight import lag_torque, pass_time
 from walkergen.core.simulation.space.pose import locate, normal_of, place, plate_sway, turn
 from walkergen.core.simulation.space.state import C_X, C_Z, LEGS, NOISE, PHASE, V_X, W_X
+from walkergen.core.simulation.world import acceleration
 
 _noise_acceleration = noises.acceleration
 _sways, _sway_motion = sways.moves, sways.motion

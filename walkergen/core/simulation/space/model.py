@@ -6,10 +6,10 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.core.numerics.kernels import kernel
-from walkergen.core.simulation.effects import rotor as motors
-from walkergen.core.simulation.effects import roughness, unevenness
+from walkergen.core.simulation.effects import motor as motors
+from walkergen.core.simulation.effects import noise, roughness, unevenness
 from walkergen.core.simulation.effects.active_effects import gravity_along, gravity_into
-from walkergen.core.simulation.effects.effect import NOISE, Case
+from walkergen.core.simulation.effects.effect import Case
 from walkergen.core.simulation.effects.resolve import Resolved
 from walkergen.core.simulation.space.flight import legs_energy
 from walkergen.core.simulation.space.points import mirror_order
@@ -175,10 +175,8 @@ def sample_world(case: Case, resolved: Resolved, world: World, rng: np.random.Ge
         root[corners, 1] += np.where(on_body, heights, 0.0)
         reach[corners, 1] += np.where(on_body, 0.0, heights)
         walker = walker._replace(root=root, reach=reach)
-    if resolved.is_on(NOISE):
-        from walkergen.core.simulation.effects import noisy_plate
-
-        acting = acting._replace(noise=noisy_plate.sample_noise(case, rng))
+    if resolved.is_on(noise.NAME):
+        acting = acting._replace(noise=noise.sample_noise(case, rng))
     if resolved.is_on(roughness.NAME):
         acting = acting._replace(roughness=roughness.sample_surface(case, rng))
     return world._replace(walker=walker, acting=acting)

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from walkergen.core.simulation.effects import walls
 from walkergen.core.simulation.effects.effect import Case
 from walkergen.core.simulation.space.state import Array, Walker
 from walkergen.core.walker.design import Design
@@ -56,8 +57,6 @@ def contact_points(case: Case, free: Sequence[int], centre: Array, walled: bool,
                 else (-1, root + np.array([*foot, side]), NO_REACH, 0.0, NO_REACH, 0.0, number)
             )
     if walled:
-        from walkergen.core.simulation.effects import walls
-
         place = 0.5 * walls.gap(case)
         for edge in _wall_points(design):
             root = np.array([*to_centre_frame(design.limbs, mass, edge[:2]), edge[2]]) - centre

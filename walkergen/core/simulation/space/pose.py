@@ -3,9 +3,8 @@
 import math
 
 from walkergen.core.numerics.kernels import lean
-from walkergen.core.simulation.drive import TWO_PI, height, velocity
+from walkergen.core.simulation.effects import motor as motors
 from walkergen.core.simulation.effects import noise as noises
-from walkergen.core.simulation.effects import rotor as motors
 from walkergen.core.simulation.effects import roughness as rough
 from walkergen.core.simulation.effects import sway as sways
 from walkergen.core.simulation.space.state import (
@@ -28,6 +27,7 @@ from walkergen.core.simulation.space.state import (
     V_X,
     W_X,
 )
+from walkergen.core.simulation.world import TWO_PI, height, velocity
 
 SMALL_ANGLE_SQUARED = 0.01
 """Square of an angle (rad^2) below which its series are exact to rounding: 0.1 rad."""

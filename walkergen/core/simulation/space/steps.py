@@ -10,8 +10,7 @@ import math
 
 from walkergen.core.numerics.kernels import kernel, lean
 from walkergen.core.simulation import record
-from walkergen.core.simulation.drive import TWO_PI
-from walkergen.core.simulation.effects import rotor as motors
+from walkergen.core.simulation.effects import motor as motors
 from walkergen.core.simulation.effects import sway as sways
 from walkergen.core.simulation.effects.active_effects import gravity_into
 from walkergen.core.simulation.record import next_sample, take_sample
@@ -47,7 +46,7 @@ from walkergen.core.simulation.space.state import (
     work_for,
 )
 from walkergen.core.simulation.space.tips import response
-from walkergen.core.simulation.world import FAILED, FOLDED, OK, TOPPLED
+from walkergen.core.simulation.world import FAILED, FOLDED, OK, TOPPLED, TWO_PI
 
 MIN_TIME_PERIODS = 9e-11
 """Time, of the plate's period, that counts as zero: 1e-12 s at 90 Hz."""

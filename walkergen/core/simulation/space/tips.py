@@ -7,6 +7,10 @@ The damper is c = 2 zeta F sqrt(m / (2 U)), U the elastic energy. For any spring
 of a linear oscillator of damping ratio zeta: with q = sqrt(2 U) and p = sqrt(m) u, d tau = F / (q sqrt(m)) dt turns
 m u' = F - c u into q'' + 2 zeta q' + q = 0. So the restitution is the same at every speed. For the Hertzian tip alone
 this is Tsuji's damper (Tsuji, Tanaka and Ishida, Powder Technology 71, 1992, 239).
+
+Along the surface a spring has a Coulomb slider: its stretch e follows the slip u while |e| < R = mu f_n / k_t. On that
+circle it is dragged along, and its direction n = e / R obeys n' = (u - (u.n) n) / R. Where u and R are constant, the
+tangent of half the angle between n and u then falls as exp(-|u| t / R).
 """
 
 import math
@@ -15,6 +19,9 @@ from walkergen.core.numerics.kernels import lean
 
 ROOT_TOLERANCE = 1e-7
 """Relative change of the root of the tip's depth after which Newton's method, of second order, is exact to rounding."""
+
+MAX_WAY_RADII = 20.0
+"""Way, in radii of the circle, after which a stretch points along the slip: to 1e-8, across the circle first."""
 
 
 @lean
@@ -52,3 +59,67 @@ def elastic_energy(spring, tip, depth):
     force = tip * x * x * x
     # U = F^2 / (2 k) + 2/5 F delta
     return 0.5 * force * force / spring + 0.4 * force * x * x
+
+
+@lean
+def stretch_directions(e_1, e_2, u_1, u_2, t, radius):
+    """Return the directions of the stretch (e_1, e_2), mm, after slip (u_1, u_2), mm/s, for t and 2 t seconds.
+
+    A stretch inside the circle of `radius` (mm) first moves freely. Exact for constant slip and
+    radius; (0, 0) where neither slip nor stretch has a direction.
+    """
+    speed = math.sqrt(u_1 * u_1 + u_2 * u_2)
+    way = t * speed
+    if way > MAX_WAY_RADII * radius:
+        inverse = 1.0 / speed
+        return u_1 * inverse, u_2 * inverse, u_1 * inverse, u_2 * inverse
+    size = math.sqrt(e_1 * e_1 + e_2 * e_2)
+    if not way > 0.0:
+        inverse = 1.0 / size if size > 0.0 else 0.0
+        return e_1 * inverse, e_2 * inverse, e_1 * inverse, e_2 * inverse
+    a_1, a_2 = u_1 / speed, u_2 / speed
+    along = e_1 * a_1 + e_2 * a_2
+    side_1, side_2 = e_1 - along * a_1, e_2 - along * a_2
+    room = radius * radius - (side_1 * side_1 + side_2 * side_2)
+    exit = math.sqrt(room) if room > 0.0 else -math.inf
+    if exit > along:  # through the circle, to its edge
+        n_1, n_2 = _direction_after_slip(a_1, a_2, side_1, side_2, along, exit, way, radius)
+        m_1, m_2 = _direction_after_slip(a_1, a_2, side_1, side_2, along, exit, 2.0 * way, radius)
+        return n_1, n_2, m_1, m_2
+    if not size > 0.0:
+        return a_1, a_2, a_1, a_2
+    # Eq. 7.10, integrated: the tangent of half the angle to the slip falls as exp(-|u| t / R)
+    shrunk = math.exp(-way / radius) if radius > 0.0 else 0.0
+    n_1, n_2 = _direction_toward_slip(a_1, a_2, side_1, side_2, size + along, size - along, shrunk)
+    m_1, m_2 = _direction_toward_slip(a_1, a_2, side_1, side_2, size + along, size - along, shrunk * shrunk)
+    return n_1, n_2, m_1, m_2
+
+
+@lean
+def _direction_after_slip(a_1, a_2, side_1, side_2, along, exit, way, radius):
+    """Compute the direction of a stretch inside its circle after a slip of `way`, mm.
+
+    `along` and `exit`: positions of the stretch and of its exit from the circle, along the slip's direction a.
+    """
+    if along + way < exit:
+        x_1, x_2 = side_1 + (along + way) * a_1, side_2 + (along + way) * a_2
+        size = math.sqrt(x_1 * x_1 + x_2 * x_2)
+        inverse = 1.0 / size if size > 0.0 else 0.0
+        return x_1 * inverse, x_2 * inverse
+    shrunk = math.exp((exit - along - way) / radius)
+    return _direction_toward_slip(a_1, a_2, side_1, side_2, radius + exit, radius - exit, shrunk)
+
+
+@lean
+def _direction_toward_slip(a_1, a_2, side_1, side_2, ahead, behind, shrunk):
+    """Return the direction of a stretch whose half angle with the slip's direction a has `shrunk`.
+
+    `ahead` and `behind`: its size, and with that its part along a added or taken.
+    """
+    behind *= shrunk * shrunk
+    total = ahead + behind
+    if not total > 0.0:
+        return -a_1, -a_2
+    inverse = 1.0 / total
+    across, forward = 2.0 * shrunk * inverse, (ahead - behind) * inverse
+    return forward * a_1 + across * side_1, forward * a_2 + across * side_2

@@ -12,9 +12,10 @@ import numpy as np
 
 from walkergen.core.errors import InputError
 from walkergen.core.scene import Scene
-from walkergen.core.simulation.effects import compliance, feet, turning, twist
-from walkergen.core.simulation.effects import rotor as motors
-from walkergen.core.simulation.effects.effect import LID, WALLS, Case
+from walkergen.core.simulation.effects import feet, legs, turning, walls
+from walkergen.core.simulation.effects import motor as motors
+from walkergen.core.simulation.effects.effect import Case
+from walkergen.core.simulation.effects.legs import hinge_stiffness, twist_stiffness
 from walkergen.core.simulation.effects.resolve import Resolved
 from walkergen.core.simulation.space.points import body_hull, contact_points, leg_axis
 from walkergen.core.simulation.space.state import HALVINGS, Array, Options, Walker
@@ -65,7 +66,7 @@ def make_walker(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
     if mass.spatial is None or any(leg.tensor is None for leg in mass.legs):
         raise InputError(f"{design.name}: motion in space needs inertia tensors, as of a mesh")
     free = [place for place, leg in enumerate(mass.legs) if leg.m > 0.0]
-    freedoms = 0 if not free else 2 if resolved.is_on(twist.NAME) else 1
+    freedoms = 0 if not free else 2 if resolved.is_on(legs.TWIST) else 1
     loose, n = resolved.is_on(turning.NAME), len(free) * freedoms
     total, centre, inertia = _total_mass_properties(mass, mass.spatial)
     inverse_inertia = np.asarray(np.linalg.inv(inertia), float)
@@ -76,7 +77,7 @@ def make_walker(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
     # G of eq. 7.3: the legs' inertia without what the whole takes over
     own = limbs.inertia - limbs.momentum.T @ limbs.momentum / total - limbs.spin.T @ lock
     springs, dampers = _hinge_constants(case, free, freedoms)
-    points = contact_points(case, free, centre, resolved.is_on(WALLS), resolved.is_on(LID))
+    points = contact_points(case, free, centre, resolved.is_on(walls.NAME), resolved.is_on(walls.LID))
     feet = points.pop("foot")
     walker = Walker(
         mass=total,
@@ -146,7 +147,7 @@ def _hinge_constants(case: Case, free: Sequence[int], freedoms: int) -> tuple[Ar
         axis = leg_axis(limb)
         modulus = design.material.youngs_modulus
         inertias = float(leg.inertia), float(axis @ leg.tensor @ axis) / 3.0
-        stiff = compliance.stiffness(limb, modulus), twist.stiffness(limb, design.material)
+        stiff = hinge_stiffness(limb, modulus), twist_stiffness(limb, design.material)
         springs += stiff[:freedoms]
         dampers += [
             2.0 * legs.damping_ratio * math.sqrt(k * inertia)

@@ -25,7 +25,7 @@ from walkergen.core import (
     jackknife_error,
 )
 from walkergen.core.simulation import ensemble
-from walkergen.core.simulation.effects import swaying_plate
+from walkergen.core.simulation.effects import sway
 from walkergen.core.walker import mass as masses
 from walkergen.guests.crowd.cards import delay, relaxation
 from walkergen.guests.crowd.cards.delay import Delay
@@ -75,7 +75,7 @@ def simulate_walker(scene: Scene, design: Design, mass: MassProperties, progress
 
     Raises InputError if the walker cannot turn in the scene, if the plate sways, or if too few runs end well.
     """
-    swaying_plate.check_still_plate(scene, "a card is of plates that move up and down alike everywhere")
+    sway.check_still_plate(scene, "a card is of plates that move up and down alike everywhere")
     if scene.arena.kind != "plane":
         raise InputError(
             f"scene.arena.kind = {scene.arena.kind!r}: a card is of a walker that may turn: "

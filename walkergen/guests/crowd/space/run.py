@@ -15,7 +15,7 @@ from walkergen.core import Arena, Array, Design, InputError, MassProperties, Out
 from walkergen.core import prepare as prepare_walker
 from walkergen.core.numerics import kernels
 from walkergen.core.simulation import record
-from walkergen.core.simulation.effects import swaying_plate
+from walkergen.core.simulation.effects import sway
 from walkergen.core.simulation.run import MAX_BLOCKS, PERIODS_PER_BLOCK, STATUS_OUTCOMES, sample_drop
 from walkergen.core.simulation.space.model import energy, turn_to
 from walkergen.core.simulation.space.pose import place
@@ -60,7 +60,7 @@ def plane_scene(scene: Scene) -> Scene:
     """
     if scene.run.heading_deg != (0.0,):
         raise InputError("run.heading_deg: headings of a crowd are drawn with its places; leave the key out")
-    swaying_plate.check_still_plate(scene, "a crowd's plate moves up and down alike everywhere")
+    sway.check_still_plate(scene, "a crowd's plate moves up and down alike everywhere")
     kept = scene.arena.model_dump(include={"lid_mm", "wall_friction", "wall_restitution"})
     return scene.model_copy(update={"arena": Arena(kind="plane", **kept)})
 

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from walkergen.core.printing import checks, estimate, export, packing, slicer
-from walkergen.core.printing.estimate import Load
+from walkergen.core.printing import checks, export, packing, print_sheet, slicer
 from walkergen.core.printing.findings import Finding
 from walkergen.core.printing.packing import Part, Plate
+from walkergen.core.printing.print_sheet import Load
 from walkergen.core.printing.printers import Printer
 from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker import mass
@@ -65,7 +65,7 @@ def arrange(pieces: Sequence[Piece], printer: Printer, max_plates: int | None) -
 def loads(laid: Laid, density: float) -> list[Load]:
     """Plastic of each piece at a density, g/cm^3, as drawn."""
     return [
-        Load(float(mass.weigh(piece.mesh, 1e-3 * density).mass), density, estimate.side_area(piece.mesh))
+        Load(float(mass.weigh(piece.mesh, 1e-3 * density).mass), density, print_sheet.side_area(piece.mesh))
         for piece in laid.pieces
     ]
 
