@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from one_corner import Corner, Rival, land
-from walkergen.core.simulation.space.slider import stretch_directions
+from walkergen.core.simulation.space.tips import stretch_directions
 
 from walkergen.core.simulation import record
 
