@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 from pydantic import BeforeValidator, Field
 
-from walkergen import request
+from walkergen import field_values, request
 from walkergen.cli import command_builder
 from walkergen.cli.layout import HELP_OPTIONS, Command
 from walkergen.core.files.progress import Expected, Progress
@@ -21,7 +21,7 @@ Quick = Annotated[bool, Flag("Simulate less: wider error bars.")]
 
 def _drives(value: object) -> list[float]:
     """Drives, g, of a text with commas or as they are."""
-    numbers = [request.parse_number(word) for word in request.split_values(value)]
+    numbers = [field_values.parse_number(word) for word in field_values.split_values(value)]
     if not all(0.01 <= number <= 50.0 for number in numbers):
         raise ValueError("each must lie in 0.01..50")
     return numbers

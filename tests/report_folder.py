@@ -2,36 +2,22 @@
 
 import json
 
-from walkergen.commands.family import make as family
 from walkergen.commands.family import page, report
-from walkergen.core.printing.printers import Printer
-from walkergen.core.scene import Scene
-from walkergen.core.walker.design import Design
-from walkergen.files import templates
+from walkergen.commands.family.request import FamilyRequest
 
 
-def job_of(tilts=(0.0, 10.0, 35.0), pictures=True, **more):
-    """The family of the paper's walkers, with its page."""
-    design = templates.load("koumakis2016", "walkers", Design)
-    scene = templates.load("lane-90hz", "scenes", Scene)
-    return family.Job(
-        design=design,
-        members=design.members(tilts, None),
-        scene=scene,
-        printer=templates.load("prusa-mk3s", "printers", Printer),
-        mode="coulomb",
-        pictures=pictures,
-        page=True,
-    )._replace(**more)
+def request_of(path, tilts=(0.0, 10.0, 35.0), **more):
+    """The request of a family of the paper's walkers, with its page."""
+    return FamilyRequest.from_values({"scene": "lane-90hz", "tilt": tilts, "page": True, "out": path} | more)
 
 
-def silent(*told):
-    """Nothing is said."""
+def silent(*step):
+    """Nothing is reported."""
 
 
 def made_in(path, *words, **more):
     """Report of the family that `family --page` writes there."""
-    return family.make(job_of(*words, **more), path, silent, silent)
+    return request_of(path, *words, **more).run(silent)
 
 
 def text_of(folder):

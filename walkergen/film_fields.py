@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import BeforeValidator
 
 from walkergen.core.files import formatting
-from walkergen.request import Flag, split_values
+from walkergen.field_values import split_values
+from walkergen.request import Flag
 
 if TYPE_CHECKING:
     from walkergen.analysis.track_files import Units

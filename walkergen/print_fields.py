@@ -6,7 +6,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field
 
 from walkergen.core.files import columns
-from walkergen.request import Flag, file_flag, parse_tilt
+from walkergen.field_values import parse_tilt
+from walkergen.request import Flag, file_flag
 
 MAX_COPIES = 5000
 """Largest number of copies in a request."""

@@ -13,12 +13,12 @@ from walkergen.core.scene import Scene
 from walkergen.core.simulation.effects import legs
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
+from walkergen.field_values import parse_effects
 from walkergen.points import single_walker, variants
 from walkergen.points.effect_selection import find_simplest
 from walkergen.points.experiments import Walker
 from walkergen.points.point import Point
 from walkergen.points.variants import Pairs, Variant
-from walkergen.request import parse_effects
 
 DESIGN = Design()
 LANE = Scene.model_validate({"drive": {"frequency_hz": 90.0, "gamma": 1.8}})

@@ -343,18 +343,18 @@ def test_a_single_walker_has_points_with_bounds_and_no_curve(tmp_path):
 
 def test_curves_are_drawn_only_where_walkers_can_be_built(monkeypatch):
     members = PAPER.members([5.0, 10.0], ["flexible"])
-    job = families.Job(PAPER, members, SCENE, MK3S, "coulomb", pictures=True)
-    built = [solids.build(one) for one in job.members]
-    made = list(predictions.predict_members(job.members, built, SCENE, "coulomb"))
+    family = families.FamilyInputs(PAPER, members, [1, 1], SCENE, MK3S, {}, None, [])
+    built = [solids.build(one) for one in members]
+    made = list(predictions.predict_members(members, built, SCENE, "coulomb"))
     monkeypatch.setattr(families.prediction, "predict_curve", lambda *asked: asked[-2:])
-    assert families._curves(job, made) == {"flexible": (5.0, 10.0)}
-    assert families._curves(job, made[:1]) == {"flexible": (-5.0, 15.0)}  # alone: and around it
+    assert families._curves(family, "coulomb", made) == {"flexible": (5.0, 10.0)}
+    assert families._curves(family, "coulomb", made[:1]) == {"flexible": (-5.0, 15.0)}  # alone: and around it
 
     def refuse(*_):
         raise GeometryError("a hole in between")
 
     monkeypatch.setattr(families.prediction, "predict_curve", refuse)
-    assert families._curves(job, made) == {}
+    assert families._curves(family, "coulomb", made) == {}
     figure = figures.speed_figure([one.row for one in made], ChartData({}), "points")
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels == ["flexible, 68 and 95 %"]

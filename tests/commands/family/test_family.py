@@ -9,35 +9,23 @@ import trimesh
 from answers import rows_of
 from test_cli import COLUMNS
 
-from walkergen.commands.family import make as family
+from walkergen.commands.family.request import FamilyRequest
 from walkergen.core.errors import OutputError, PlateError
 from walkergen.core.files import ledger, output
-from walkergen.core.printing.printers import Printer
-from walkergen.core.scene import Scene
 from walkergen.core.walker import names
 from walkergen.core.walker.design import Design
-from walkergen.files import templates
-
-
-def job_of(tilts=(0.0, 10.0, 35.0), kinds=None, pictures=False):
-    design = templates.load("koumakis2016", "walkers", Design)
-    return family.Job(
-        design=design,
-        members=design.members(tilts, kinds),
-        scene=templates.load("lane-90hz", "scenes", Scene),
-        printer=templates.load("prusa-mk3s", "printers", Printer),
-        mode="coulomb",
-        pictures=pictures,
-    )
 
 
 def silent(what, done, total):
     assert done <= total
 
 
-def unheard(findings):
-    """A family without warnings."""
-    assert not [finding for finding in findings if finding.level != "advice"]
+def make_family(out, progress=silent, **values):
+    """Make a family without warnings, and return its report."""
+    start = {"scene": "lane-90hz", "tilt": [0.0, 10.0, 35.0], "pictures": False, "out": out}
+    report = FamilyRequest.from_values(start | values).run(progress)
+    assert not report.warnings
+    return report
 
 
 def files_of(folder):
@@ -45,7 +33,7 @@ def files_of(folder):
 
 
 def test_the_folder_holds_what_the_readme_says(tmp_path):
-    family.make(job_of(pictures=True), tmp_path, silent, unheard)
+    make_family(tmp_path, pictures=True)
     assert files_of(tmp_path) == sorted(
         [f"stl/walker_t{t}_{kind}.stl" for t in ("00.0", "10.0", "35.0") for kind in ("flexible_s0.40", "braced_s1.00")]
         + [f"plates/family_prusa-mk3s{end}" for end in ("_1.3mf", "_1.png", ".csv", ".md")]
@@ -58,7 +46,7 @@ def test_the_folder_holds_what_the_readme_says(tmp_path):
 
 
 def test_stl_files_are_closed_and_of_the_right_volume(tmp_path):
-    made = family.make(job_of(), tmp_path, silent, unheard)
+    made = make_family(tmp_path)
     for member in made.members:
         mesh = trimesh.load(tmp_path / "stl" / f"{member.name}.stl")
         assert mesh.is_watertight
@@ -70,7 +58,7 @@ def test_stl_files_are_closed_and_of_the_right_volume(tmp_path):
 
 
 def test_csv_rows_are_the_predictions(tmp_path):
-    made = family.make(job_of(), tmp_path, silent, unheard).members
+    made = make_family(tmp_path).members
     rows = rows_of(tmp_path / "family.csv")
     assert len(rows) == len(made) == 6
     assert list(rows[0]) == COLUMNS
@@ -80,7 +68,7 @@ def test_csv_rows_are_the_predictions(tmp_path):
 
 
 def test_manifest_lists_every_file_with_its_hash(tmp_path):
-    family.make(job_of(pictures=True), tmp_path, silent, unheard)
+    make_family(tmp_path, pictures=True)
     manifest = json.loads((tmp_path / "manifest.json").read_text(encoding="utf-8"))
     ours = [name for name in files_of(tmp_path) if name not in ("manifest.json", "weights.csv")]
     assert sorted(manifest["files"]) == ours  # the form of masses is theirs to fill in
@@ -95,7 +83,7 @@ def test_manifest_lists_every_file_with_its_hash(tmp_path):
 @pytest.mark.slow
 def test_equal_input_gives_equal_bytes(tmp_path):
     for folder in ("one", "two"):
-        family.make(job_of(pictures=True), tmp_path / folder, silent, unheard)
+        make_family(tmp_path / folder, pictures=True)
     one, two = (json.loads((tmp_path / f / "manifest.json").read_text()) for f in ("one", "two"))
     assert one["files"] == two["files"]
 
@@ -106,28 +94,28 @@ def test_interruption_keeps_finished_files_whole_and_a_second_run_completes(tmp_
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        family.make(job_of(), tmp_path, interrupt, unheard)
+        make_family(tmp_path, interrupt)
     finished = [name for name in files_of(tmp_path) if not name.startswith(".")]
     assert len(finished) == 3
     for name in finished:
         assert trimesh.load(tmp_path / name).is_watertight
-    family.make(job_of(), tmp_path, silent, unheard)
+    make_family(tmp_path)
     assert len(files_of(tmp_path)) == 6 + 10
 
 
 def test_output_that_cannot_be_written_is_one_line(tmp_path):
     (tmp_path / "file").write_text("not a folder")
     with pytest.raises(OutputError, match="cannot be written") as caught:
-        family.make(job_of(), tmp_path / "file", silent, unheard)
+        make_family(tmp_path / "file")
     assert len(str(caught.value).splitlines()) == 1
 
 
 def test_leftovers_of_an_earlier_run_are_removed_unless_changed(tmp_path):
-    family.make(job_of((0.0, 5.0, 10.0), ["flexible"]), tmp_path, silent, unheard)
+    make_family(tmp_path, tilt=(0.0, 5.0, 10.0), legs=["flexible"])
     edited = tmp_path / "stl" / "walker_t05.0_flexible_s0.40.stl"
     edited.write_bytes(b"mine now")
     (tmp_path / "notes.txt").write_text("the user's")
-    family.make(job_of((10.0,), ["flexible"]), tmp_path, silent, unheard)
+    make_family(tmp_path, tilt=(10.0,), legs=["flexible"])
     kept = files_of(tmp_path)
     assert "notes.txt" in kept
     assert "stl/walker_t05.0_flexible_s0.40.stl" in kept
@@ -143,7 +131,7 @@ def test_a_forged_manifest_removes_nothing_outside(tmp_path):
         for data in (json.dumps({"files": forged}).encode(), ledger.encode_manifest({"files": forged})):
             output.write(folder / "manifest.json", data)
             with pytest.raises(OutputError, match="all files there are left alone"):
-                family.make(job_of((10.0,), ["flexible"]), folder, silent, unheard)
+                make_family(folder, tilt=(10.0,), legs=["flexible"])
             assert victim.read_bytes() == b"precious"
             assert files_of(folder) == ["manifest.json"]
 
@@ -158,14 +146,13 @@ def test_names_are_unique_whatever_the_tilts():
 
 def test_a_part_too_large_for_the_printer_is_refused_before_anything_is_written(tmp_path):
     large = Design.model_validate({"body": {"length_mm": 300.0}})
-    job = job_of()._replace(design=large, members=large.members([0.0]))
     with pytest.raises(PlateError, match="does not fit prusa-mk3s"):
-        family.make(job, tmp_path / "out", silent, unheard)
+        make_family(tmp_path / "out", design=large, tilt=0.0)
     assert not (tmp_path / "out").exists()
 
 
 def test_walkers_that_stand_are_one_line_and_the_mass_is_a_balances(tmp_path):
-    report = family.make(job_of(), tmp_path, silent, unheard)
+    report = make_family(tmp_path)
     text = report.markdown()
     assert "braced legs, 0 to 35 deg: 3 walkers of 0.982 to 1.03 g that stand" in text
     assert text.index("0.8928") < text.index("0.8333")  # M + 2 m before M
@@ -178,6 +165,5 @@ def test_no_walker_is_compared_with_another(tmp_path, monkeypatch):
     def compared(*_):
         raise AssertionError("two designs are compared")
 
-    job = job_of()
     monkeypatch.setattr(Design, "__eq__", compared)
-    assert family.make(job, tmp_path, silent, unheard).members
+    assert make_family(tmp_path).members

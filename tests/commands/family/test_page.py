@@ -10,9 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from report_folder import files_of, job_of, made_in, rendered, silent, text_of
+from report_folder import files_of, made_in, rendered, text_of
 
-from walkergen.commands.family import make as family
 from walkergen.commands.family import report
 from walkergen.core.errors import OutputError
 from walkergen.core.numerics.quantity import Quantity
@@ -110,7 +109,7 @@ def test_the_page_is_one_file_that_asks_for_no_other(folder):
     assert all(image["src"].startswith("data:image/png;base64,") for image in elements.all("img"))
     assert all("src" not in script for script in elements.all("script"))
     assert len(elements.all("img")) == 3  # speeds, parts, the map of one plate
-    family.make(job_of(), folder, silent, silent)  # ours is made anew, and equal families have equal pages
+    made_in(folder)  # ours is made again, and equal families have equal pages
     assert (folder / "report.html").read_bytes() == data
 
 
@@ -172,11 +171,10 @@ def test_the_table_is_the_folders_with_its_notes(folder):
 
 
 def test_a_page_that_somebody_changed_is_left_alone(tmp_path):
-    job = job_of((10.0,), pictures=False)
-    family.make(job, tmp_path, silent, silent)
+    made_in(tmp_path, (10.0,), pictures=False)
     (tmp_path / "report.html").write_bytes(b"mine")
     with pytest.raises(OutputError, match=r"report\.html.*not as walkergen wrote it: left alone"):
-        family.make(job, tmp_path, silent, silent)
+        made_in(tmp_path, (10.0,), pictures=False)
     assert (tmp_path / "report.html").read_bytes() == b"mine"
 
 

@@ -11,7 +11,7 @@ import matplotlib.image
 import numpy as np
 import pytest
 from browsed import BROWSER, DRIVER, WANTED, chromium
-from report_folder import files_of, job_of, made_in, rendered
+from report_folder import files_of, made_in, rendered
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
@@ -19,6 +19,9 @@ from selenium.webdriver.support.ui import WebDriverWait
 
 from walkergen.commands.family import report
 from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.scene import Scene
+from walkergen.core.walker.design import Design
+from walkergen.files import templates
 from walkergen.points.members import Simulated
 
 TILTS = (0.0, 10.0, 35.0)
@@ -182,8 +185,9 @@ def simulated_page(made, tmp_path_factory):
     """The page of a family that was simulated too, whose table has the most columns."""
     runs = [Simulated(Quantity("speed", "mm_s", 55.9, 0.5, 3.0), f"{k} ok", "agree") for k in range(len(made.members))]
     walkers = [member._replace(simulated=one) for member, one in zip(made.members, runs, strict=True)]
-    job, path = job_of(TILTS), tmp_path_factory.mktemp("simulated") / "report.html"
-    table = report.make_report(job.design, job.scene, job.mode, walkers, made.folder).markdown().encode()
+    path = tmp_path_factory.mktemp("simulated") / "report.html"
+    design, scene = templates.load("koumakis2016", "walkers", Design), templates.load("lane-90hz", "scenes", Scene)
+    table = report.make_report(design, scene, "coulomb", walkers, made.folder).markdown().encode()
     path.write_text(rendered(made, files_of(made.folder) | {"family.md": table}), encoding="utf-8")
     return path
 

@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.table import Table
 
 from walkergen.core.files import formatting, tables
-from walkergen.request import parse_time
+from walkergen.field_values import parse_time
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ import threemf
 from answers import rows_of
 
 from walkergen.commands.plate import make as batch
+from walkergen.commands.plate.request import PlateRequest
 from walkergen.core.errors import PlateError
 from walkergen.core.printing import plates
 from walkergen.core.printing.printers import Printer
@@ -145,8 +146,9 @@ def test_a_thousand_parts_are_planned_in_one_pass_over_solids_built_once(tmp_pat
         return genuine(design, *more)
 
     def plan(copies):
-        order, steps = batch.Order(members, [copies, copies], PRINTERS[:1], pictures=False), []
-        made = batch.make(order, tmp_path / str(copies), lambda *step: steps.append(step[1:]), lambda found: None)
+        inputs, steps = batch.PlateInputs(members, [copies, copies], PRINTERS[:1], "walker"), []
+        request = PlateRequest(out=tmp_path / str(copies), pictures=False)
+        made = batch.make(request, inputs, lambda *step: steps.append(step[1:]))
         plans.append((made, steps))
 
     monkeypatch.setattr(solids, "build", build)

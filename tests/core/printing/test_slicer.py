@@ -17,6 +17,7 @@ from slicing import Walker, laid_out, print_of, program, sliced, walkers_of
 from walkergen.commands.export import make as exports
 from walkergen.commands.plate import make as batch
 from walkergen.core.printing import checks, export, findings, plates, print_sheet, slicer, walls
+from walkergen.commands.plate.request import PlateRequest
 from walkergen.core.printing.packing import Part, Placement, Plate
 from walkergen.core.printing.printers import Printer
 from walkergen.core.walker import mass, names, solids
@@ -51,8 +52,8 @@ def sliced_family(request, tmp_path_factory) -> Batch:
     printer = templates.load(request.param, "printers", Printer)
     paper = templates.load("koumakis2016", "walkers", Design)
     members = paper.members(TILTS, ["flexible", "braced"])
-    order = batch.Order(members, [2] * len(members), [printer], pictures=False)
-    report = batch.make(order, folder, lambda *step: None, lambda findings: None)
+    inputs = batch.PlateInputs(members, [2] * len(members), [printer], "walker")
+    report = batch.make(PlateRequest(out=folder, pictures=False), inputs, lambda *step: None)
     rows, files = report.places, report.files
     (model,) = [path for path in files if path.suffix == ".3mf"]
     (model.parent / "yours.ini").write_text(maker.ini(printer))
@@ -112,6 +113,12 @@ def test_printer_and_filament_stay_the_makers_own(sliced_family):
     assert slicer.prusaslicer_settings(sliced_family.printer).keys().isdisjoint(wanted)
 
 
+def write_plates(design: Design, copies: int, printer: Printer, folder) -> None:
+    """Write plates of copies of a design."""
+    request = PlateRequest(design=design, copies=copies, printer=printer, out=folder, pictures=False)
+    request.run(lambda *step: None)
+
+
 def compare_with_the_slicer(sheet: str, text: str) -> None:
     """The sheet's only plate against G-code: masses within 1 %, which the infill overlap allows."""
     row = re.search(r"\| `plate_\S+` \| ([\d.]+) \| ([\d.]+) \| (\d+) \| .*\| ([\d.]+) (h|min) \|", sheet)
@@ -139,8 +146,7 @@ def test_plastic_and_time_of_the_print_sheet_are_the_slicers(sliced_family):
 def test_plastic_and_time_of_every_shipped_walker_are_the_slicers(tmp_path, name):
     printer = templates.load("prusa-mk3s", "printers", Printer)
     design = templates.load(name, "walkers", Design)
-    order = batch.Order([design], [3], [printer], pictures=False)
-    batch.make(order, tmp_path, lambda *step: None, lambda findings: None)
+    write_plates(design, 3, printer, tmp_path)
     folder = tmp_path / "plates"
     (folder / "yours.ini").write_text(maker.ini(printer))
     model = folder / "plate_prusa-mk3s_1.3mf"
@@ -153,8 +159,7 @@ def test_plastic_and_time_of_every_shipped_walker_are_the_slicers(tmp_path, name
 def test_the_command_on_the_print_sheet_runs_as_shown(tmp_path):
     program("prusa-slicer")
     printer = templates.load("ender3", "printers", Printer)
-    order = batch.Order([Design()], [2], [printer], pictures=False)
-    batch.make(order, tmp_path, lambda *step: None, lambda findings: None)
+    write_plates(Design(), 2, printer, tmp_path)
     folder = tmp_path / "plates"
     sheet = (folder / "plate_ender3.md").read_text(encoding="utf-8")
     (folder / "yours.ini").write_text(maker.ini(printer))
@@ -176,8 +181,7 @@ def test_the_bundle_alone_heats_and_weighs_as_the_material_says(tmp_path, name, 
     program("prusa-slicer")
     printer = templates.load(name, "printers", Printer)
     design = Design.model_validate({"material": material})
-    order = batch.Order([design], [2], [printer], pictures=False)
-    batch.make(order, tmp_path, lambda *step: None, lambda findings: None)
+    write_plates(design, 2, printer, tmp_path)
     folder = tmp_path / "plates"
     sheet = (folder / f"plate_{name}.md").read_text(encoding="utf-8")
     alone = re.findall(r"^prusa-slicer .*$", sheet, re.MULTILINE)[1]

@@ -8,7 +8,7 @@ import trimesh
 from soundness import to_trimesh
 
 from walkergen.commands.export import profile
-from walkergen.commands.plate import make as batch
+from walkergen.commands.plate.request import PlateRequest
 from walkergen.core.errors import GeometryError, InputError
 from walkergen.core.files import config
 from walkergen.core.printing import checks
@@ -298,8 +298,8 @@ WIDE = {"length_mm": 40.0, "depth_mm": 24.0, "thickness_mm": 6.0}
 
 @pytest.mark.parametrize(("name", "steps"), [("coinbot", 7), ("koumakis2016", 6)])
 def test_the_print_sheet_says_when_to_weigh_and_to_put_in_what_is_carried(tmp_path, name, steps):
-    order = batch.Order([shipped(name)], [1], [printer_of("ender3")], pictures=False)
-    batch.make(order, tmp_path, lambda *step: None, lambda findings: None)
+    request = PlateRequest(design=name, printer="ender3", out=tmp_path, pictures=False)
+    request.run(lambda *step: None)
     sheet = (tmp_path / "plates" / "plate_ender3.md").read_text(encoding="utf-8")
     assert f"\n{steps}. " in sheet
     assert f"\n{steps + 1}. " not in sheet

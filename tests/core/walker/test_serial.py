@@ -8,6 +8,7 @@ from typer.testing import CliRunner
 
 from walkergen.cli import command_line
 from walkergen.commands.plate import make as batch
+from walkergen.commands.plate.request import PlateRequest
 from walkergen.core.errors import GeometryError
 from walkergen.core.printing.printers import Printer
 from walkergen.core.walker import names, solids
@@ -82,8 +83,8 @@ def test_no_room_is_one_line(design, keys, told):
 
 def test_numbers_count_over_all_copies_and_name_everything(tmp_path):
     members = PAPER.members([5.0, 10.0], ["flexible", "braced"])
-    order = batch.Order(members, [2, 1, 1, 2], [PRINTER], pictures=False, serial=98)
-    rows = batch.make(order, tmp_path, lambda *_: None, lambda _: None).places
+    inputs = batch.PlateInputs(members, [2, 1, 1, 2], [PRINTER], "walker")
+    rows = batch.make(PlateRequest(out=tmp_path, pictures=False, serial=98), inputs, lambda *_: None).places
     assert [row.copy for row in rows] == list(range(98, 104))
     assert [row.mark for row in rows] == [str(number) for number in range(98, 104)]
     assert all(row.item == f"{row.name}-{row.copy}" for row in rows)
@@ -98,8 +99,7 @@ def test_numbers_count_over_all_copies_and_name_everything(tmp_path):
 
 
 def test_without_numbers_nothing_changes():
-    order = batch.Order([PAPER], [3], [PRINTER])
-    assert batch.number_copies(order) == ([PAPER], [3])
+    assert batch.number_copies(None, [PAPER], [3]) == ([PAPER], [3])
     assert names.reading_instructions(Marks()) == ""
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator
 
-from walkergen import request
+from walkergen import field_values, request
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Expected, Progress
 from walkergen.request import Flag
@@ -48,7 +48,7 @@ class AccuracyRequest(request.Request):
     ] = None
     budget: Annotated[
         float | None,
-        BeforeValidator(request.parse_time),
+        BeforeValidator(field_values.parse_time),
         Flag(
             "Time in which to measure ladders: 30s, 5min, 1h; without, and without --only, none is.",
             "TIME",

@@ -1,25 +1,26 @@
-"""Main job: one design becomes solids, STL, plates, predicted speeds and pictures in a folder."""
+"""Family of one design in a folder: solids, STL, plates, predicted speeds and pictures."""
 
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from walkergen import sheets
+from walkergen.analysis import speeds
 from walkergen.analysis.speeds import PLATE_SPEED_TOLERANCE, Measured
 from walkergen.commands.family import chart_data, member_runs, report
 from walkergen.commands.family.chart_data import ChartData
 from walkergen.commands.family.report import FamilyReport
+from walkergen.commands.family.request import FamilyRequest
 from walkergen.core.errors import GeometryError
 from walkergen.core.files.output import Folder, versions
 from walkergen.core.files.progress import Progress
 from walkergen.core.printing import export, plates, print_sheet
-from walkergen.core.printing import packing as plate
-from walkergen.core.printing.findings import Finding, check_printable
+from walkergen.core.printing.findings import Finding, check_printable, warning_lines
 from walkergen.core.printing.printers import Printer
 from walkergen.core.scene import Drive, Scene
 from walkergen.core.theory import networks, prediction
@@ -30,9 +31,10 @@ from walkergen.core.walker.body import Body
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.limbs import Kind, Legs
 from walkergen.core.walker.weighed_masses import Weighings
+from walkergen.inputs import filled_form_warnings, read_masses
 from walkergen.points import members
 from walkergen.points.members import Member
-from walkergen.points.speed_prediction import Model
+from walkergen.request import choose_scene
 
 CURVE_MARGIN_DEG = 10.0
 """Margin around a single tilt within which the theory is drawn as well, deg."""
@@ -40,38 +42,41 @@ MAX_TILT_DEG = 85.0
 """Largest tilt of a design's legs, deg."""
 
 
-class Job(NamedTuple):
-    """Choices of the family command."""
+class FamilyInputs(NamedTuple):
+    """Values that a request reads from files."""
 
     design: Design
     members: Sequence[Design]
+    copies: Sequence[int]
+    """Number of copies of each member on the plates."""
     scene: Scene
     printer: Printer
-    mode: Mode
-    pictures: bool
-    model: Model = "best"
-    simulate: bool = False
-    copies: Sequence[int] = ()
-    """Number of copies of each member on the plates; by default one of each."""
-    max_parts: int = plate.MAX_PARTS
-    """Largest number of parts on a plate."""
-    prusaslicer: bool = False
-    """True to declare the 3MF files PrusaSlicer's own."""
-    weighed: Mapping[str, Weighings] = MappingProxyType({})
+    weighed: Mapping[str, Weighings]
     """Masses from a balance by the members' names."""
-    strict: bool = False
-    """True to refuse prints that differ from the prediction, not only failed prints."""
-    measured: Measured | None = None
+    measured: Measured | None
     """Measured speeds of printed walkers, for the figure."""
-    page: bool = False
-    """True to write report.html, one page with all results that opens offline."""
+    notes: Sequence[str]
+    """Notes on rows of the files that were left out."""
 
 
-FindingsCallback = Callable[[Sequence[Finding]], None]
-"""Function called once, before writing, with the findings of the printability checks."""
+def read_inputs(request: FamilyRequest) -> FamilyInputs:
+    """Read the files that a request names. Raises InputError, and GeometryError for a body without space for legs."""
+    given = request.inputs()
+    try:
+        design = given.design(request.design)
+    except GeometryError as error:
+        raise attach_picture(error, request.output_folder(Path("out") / "trouble")) from None
+    scene = given.scene(choose_scene(request.scene, [design]))
+    family, copies = given.batch(design, request.tilt, request.legs, request.copies, whole=True)
+    masses, notes = read_masses(request.weights, family)
+    measured = None
+    if request.measured is not None:
+        measured = speeds.read_at_plate_speed(request.measured, design.kind, scene.drive.peak_speed)
+        notes = [*notes, *(f"{request.measured}: {note}" for note in measured.notes)]
+    return FamilyInputs(design, family, copies, scene, given.printer(request.printer), masses, measured, notes)
 
 
-def make(job: Job, path: Path, progress: Progress, tell: FindingsCallback) -> FamilyReport:
+def run(request: FamilyRequest, progress: Progress) -> FamilyReport:
     """Write a family's folder. Finished files stay complete if a later step fails.
 
     Writes stl/, plates/, family.csv, family.md, weights.csv (unless it is already filled in),
@@ -82,48 +87,50 @@ def make(job: Job, path: Path, progress: Progress, tell: FindingsCallback) -> Fa
     impossible, all before anything is written. Raises OutputError when a file
     cannot be written.
     """
+    inputs = read_inputs(request)
     started = time.perf_counter()
-    steps = len(job.members) + 2
-    built = [solids.build(design) for design in job.members]
-    layout = plates.arrange(
-        job.members, built, job.copies or [1] * len(job.members), job.printer, max_parts=job.max_parts
-    )
-    tell(layout.findings)
-    check_printable(layout.findings, job.strict)
-    draw = sheets.plate_drawing() if job.pictures else None
+    steps = len(inputs.members) + 2
+    built = [solids.build(design) for design in inputs.members]
+    layout = plates.arrange(inputs.members, built, inputs.copies, inputs.printer, max_parts=request.max_parts)
+    check_printable(layout.findings, request.strict)
+    draw = sheets.plate_drawing() if request.pictures else None
+    path = request.out or Path("out") / inputs.design.name
     with Folder(path) as folder:
         walkers: list[Member] = []
-        every = members.predict_members(job.members, built, job.scene, job.mode, job.weighed, job.model, progress)
-        for member, mesh in zip(every, layout.meshes, strict=True):
+        predicted = members.predict_members(
+            inputs.members, built, inputs.scene, request.mode, inputs.weighed, request.model, progress
+        )
+        for member, mesh in zip(predicted, layout.meshes, strict=True):
             folder.write(f"stl/{member.name}.stl", export.stl_bytes(mesh, member.name))
             walkers.append(member)
             progress(member.name, len(walkers), steps)
-        for name, data in plates.layout_files(layout, "family", draw, job.prusaslicer):
+        for name, data in plates.layout_files(layout, "family", draw, request.prusaslicer):
             folder.write(f"plates/{name}", data)
-        parts = [*(member.name for member in walkers), *weighed_masses.carried_rows(job.design)]
+        parts = [*(member.name for member in walkers), *weighed_masses.carried_rows(inputs.design)]
         weighed_masses.write_template(path, parts)  # people's: not in the manifest
         progress("plates", len(walkers) + 1, steps)
-        written = report.make_report(job.design, job.scene, job.mode, walkers, path)
+        written = report.make_report(inputs.design, inputs.scene, request.mode, walkers, path)
         written.write(folder, pictures=False)
-        if job.simulate:  # takes long: everything else is already safe in the folder
-            walkers = member_runs.simulate_members(job.scene, walkers, progress)
-        shown = _chart_data(job, walkers) if job.pictures else None
-        if job.simulate or job.pictures:
-            written = report.make_report(job.design, job.scene, job.mode, walkers, path, shown)
-            written.write(folder, job.pictures)
-        if job.pictures:
-            folder.write("preview.png", _preview_png(job, walkers))
-            if (picture := _trace_picture(job.design)) is not None:
+        if request.simulate:  # takes long: everything else is already safe in the folder
+            walkers = member_runs.simulate_members(inputs.scene, walkers, progress)
+        shown = _chart_data(inputs, request.mode, walkers) if request.pictures else None
+        if request.simulate or request.pictures:
+            written = report.make_report(inputs.design, inputs.scene, request.mode, walkers, path, shown)
+            written.write(folder, request.pictures)
+        if request.pictures:
+            folder.write("preview.png", _preview_png(inputs.design.name, walkers))
+            if (picture := _trace_picture(inputs.design)) is not None:
                 folder.write("taken.png", picture)
-        facts = _facts(job, layout.findings, time.perf_counter() - started)
-        if job.page:
+        facts = _facts(request, inputs, layout.findings, time.perf_counter() - started)
+        if request.page:
             from walkergen.commands.family import page
 
             files = {name: (path / name).read_bytes() for name in sorted(folder.hashes)}
             folder.write("report.html", page.render(report.view_parts(walkers), files, facts))
         folder.finish(facts)
         progress("done", steps, steps)
-    return written
+    forms = filled_form_warnings(path, inputs.members)
+    return replace(written, warnings=[*warning_lines(layout.findings), *inputs.notes, *forms])
 
 
 def attach_picture(error: GeometryError, path: Path | None) -> GeometryError:
@@ -152,36 +159,38 @@ def _trace_picture(design: Design) -> bytes | None:
     return None if source is None else figures.png(traced_outline.draw_outline(source), 100)
 
 
-def _preview_png(job: Job, walkers: Sequence[Member]) -> bytes:
+def _preview_png(name: str, walkers: Sequence[Member]) -> bytes:
     """Return a picture (PNG) of all members, side by side."""
     from walkergen.commands.family import preview
     from walkergen.files import figures
 
-    said = [
+    captions = [
         prediction.describe_briefly(member.row) if len(walkers) <= preview.MAX_LARGE_PARTS else "" for member in walkers
     ]
-    parts = [preview.Part(member.design, member.mesh, speed=text) for member, text in zip(walkers, said, strict=True)]
-    return figures.png(preview.preview_figure(parts, job.design.name), 150)
+    parts = [
+        preview.Part(member.design, member.mesh, speed=text) for member, text in zip(walkers, captions, strict=True)
+    ]
+    return figures.png(preview.preview_figure(parts, name), 150)
 
 
-def _chart_data(job: Job, walkers: Sequence[Member]) -> ChartData:
+def _chart_data(inputs: FamilyInputs, mode: Mode, walkers: Sequence[Member]) -> ChartData:
     """Return the additional speeds of speed.png."""
-    measured = job.measured
-    if measured is not None and not job.design.follows:
+    measured = inputs.measured
+    if measured is not None and not inputs.design.follows:
         measured = chart_data.assign_member_tilts(
             measured, {walker.row.legs: walker.row.tilt_deg for walker in walkers}
         )
-    return ChartData(_curves(job, walkers), measured, _paper_speed(job.design, job.scene))
+    return ChartData(_curves(inputs, mode, walkers), measured, _paper_speed(inputs.design, inputs.scene))
 
 
-def _curves(job: Job, walkers: Sequence[Member]) -> dict[Kind, Curve]:
+def _curves(inputs: FamilyInputs, mode: Mode, walkers: Sequence[Member]) -> dict[Kind, Curve]:
     """Compute speed against tilt by the members' kinds of legs; empty if only the members can be drawn.
 
     A single tilt is shown with the tilts around it. Legs with individual tilts have no curve. Neither
     has a body on which the walker cannot be built at every tilt in between (legs would meet
     a hole, or miss it).
     """
-    if not job.design.follows:
+    if not inputs.design.follows:
         return {}
     tilts = [member.design.tilt_deg for member in walkers]
     low, high = min(tilts), max(tilts)
@@ -189,15 +198,15 @@ def _curves(job: Job, walkers: Sequence[Member]) -> dict[Kind, Curve]:
         low, high = max(low - CURVE_MARGIN_DEG, -MAX_TILT_DEG), min(high + CURVE_MARGIN_DEG, MAX_TILT_DEG)
     curves = {}
     for kind in dict.fromkeys(member.design.kind for member in walkers):
-        design = job.design.variant(kind=kind)
-        own = [member for member in walkers if member.design.kind == kind]
-        if _has_dense_tilts(design, own, low, high) and not job.weighed:
+        design = inputs.design.variant(kind=kind)
+        same_kind = [member for member in walkers if member.design.kind == kind]
+        if _has_dense_tilts(design, same_kind, low, high) and not inputs.weighed:
             curves[kind] = prediction.curve_from_rows(
-                [(one.design, one.mass, one.row) for one in own], job.scene, job.mode
+                [(one.design, one.mass, one.row) for one in same_kind], inputs.scene, mode
             )
             continue
         try:
-            curves[kind] = prediction.predict_curve(design, job.scene, job.mode, low, high)
+            curves[kind] = prediction.predict_curve(design, inputs.scene, mode, low, high)
         except GeometryError:  # at a tilt in between; an error of a member would have been raised before
             return {}
     return curves
@@ -224,22 +233,22 @@ def _paper_speed(design: Design, scene: Scene) -> tuple[float, float] | None:
     return None
 
 
-def _facts(job: Job, findings: Sequence[Finding], seconds: float) -> dict[str, Any]:
+def _facts(request: FamilyRequest, inputs: FamilyInputs, findings: Sequence[Finding], seconds: float) -> dict[str, Any]:
     """Return facts for the manifest: resolved inputs, software versions, elapsed time."""
     return {
-        "design": job.design.model_dump(mode="json"),
-        "body": print_sheet.body_facts(job.design),
-        "members": [names.part_name(member) for member in job.members],
-        "legs_up": [names.part_name(member) for member in job.members if not solids.is_printed_on_side(member)],
-        "copies": list(job.copies),
+        "design": inputs.design.model_dump(mode="json"),
+        "body": print_sheet.body_facts(inputs.design),
+        "members": [names.part_name(member) for member in inputs.members],
+        "legs_up": [names.part_name(member) for member in inputs.members if not solids.is_printed_on_side(member)],
+        "copies": list(inputs.copies),
         "weighed": {
             name: {part: mean and weighed_masses.to_dict(mean) for part, mean in weighings._asdict().items()}
-            for name, weighings in job.weighed.items()
+            for name, weighings in inputs.weighed.items()
         },
-        "scene": job.scene.model_dump(mode="json"),
-        "printer": job.printer.model_dump(mode="json"),
-        "print": print_sheet.manifest_facts(job.printer, findings),
-        "mode": job.mode,
+        "scene": inputs.scene.model_dump(mode="json"),
+        "printer": inputs.printer.model_dump(mode="json"),
+        "print": print_sheet.manifest_facts(inputs.printer, findings),
+        "mode": request.mode,
         "draws": prediction.DRAW_COUNT,
         "seed": prediction.SEED,
         "surrogate": networks.digest(),

@@ -1,46 +1,42 @@
 """Copies of walkers arranged on plates for printers: 3MF files, maps, sheets, forms for masses."""
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from walkergen import sheets
+from walkergen.commands.plate import order_list
+from walkergen.commands.plate.request import PlateRequest
+from walkergen.core.errors import InputError
 from walkergen.core.files import output
 from walkergen.core.files.assignments import replace_values
 from walkergen.core.files.output import Folder
 from walkergen.core.files.progress import Progress
 from walkergen.core.printing import packing, plates, print_sheet
-from walkergen.core.printing.findings import Finding, check_printable, combine_printers
+from walkergen.core.printing.findings import check_printable, combine_printers, warning_lines
 from walkergen.core.printing.plates import Place
 from walkergen.core.printing.printers import Printer
 from walkergen.core.walker import names, solids, weighed_masses
 from walkergen.core.walker.design import Design
 from walkergen.files import report
 from walkergen.files.report import Report, Table
+from walkergen.inputs import add_caps, filled_form_warnings
+from walkergen.request import PAPER_WALKER
 from walkergen.sheets import cap_files
 from walkergen.sheets.cap_files import CappedWalker
 
 
-class Order(NamedTuple):
-    """Choice of what to print, and on which printers."""
+class PlateInputs(NamedTuple):
+    """Values that a request reads from files."""
 
     members: Sequence[Design]
     copies: Sequence[int]
     """Number of copies of each member."""
     printers: Sequence[Printer]
     """Printers to arrange for; each prints all copies."""
-    max_plates: int | None = None
-    """Largest number of plates; None: no limit."""
-    max_parts: int = packing.MAX_PARTS
-    """Largest number of parts on a plate."""
-    pictures: bool = True
-    prusaslicer: bool = False
-    """True to declare the 3MF files PrusaSlicer's own."""
-    serial: int | None = None
-    """Number on the first copy; the others count on from it. None for copies without numbers."""
-    strict: bool = False
-    """True to refuse prints that differ from the prediction, not only failed prints."""
+    name: str
+    """Name of the design or of the order list, and of the default folder."""
 
 
 class Capacity(NamedTuple):
@@ -90,51 +86,86 @@ def count_fitting(members: Sequence[Design], printers: Sequence[Printer], max_pa
     )
 
 
-def make(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequence[Finding]], None]) -> PlateReport:
+def read_inputs(request: PlateRequest) -> PlateInputs:
+    """Read the walkers of a request, from one design or from an order list. Raises InputError."""
+    given = request.inputs()
+    if request.orders is None:
+        design = given.design(request.design or PAPER_WALKER)
+        members, copies = given.batch(design, request.tilt, request.legs, request.copies, whole=False)
+        name = design.name
+    else:
+        problem = f"‹orders=›{str(request.orders)[:80]!r} names it"
+        request.check_unset(problem, "design", "tilt", "legs", "copies")
+        if "copies" in request.model_fields_set:  # 1, as by default, may contradict the list
+            raise InputError(f"‹copies=›{request.copies}: {problem}; leave it out", "copies")
+        given.check_unset(given.keys_of("design"), "‹orders› names designs; leave it out")
+        members, copies = order_list.read_orders(request.orders)
+        name = output.safe_folder_name(request.orders)
+    return PlateInputs(add_caps(members, request.caps), copies, given.printers(request.printer), name)
+
+
+def run(request: PlateRequest, progress: Progress) -> Report:
+    """Arrange the copies of a request, or count how many fit on a plate."""
+    inputs = read_inputs(request)
+    if request.how_many:
+        return count_fitting(inputs.members, inputs.printers, request.max_parts)
+    return make(request, inputs, progress)
+
+
+def make(request: PlateRequest, inputs: PlateInputs, progress: Progress) -> PlateReport:
     """Arrange copies for every printer; write 3MF files, maps, print sheets and weights.csv.
 
     Members of several designs share plates, and have a weights_DESIGN.csv each.
     Plates of an earlier run for the same printer that this run does not make are removed,
-    unless they were changed since.
-    `tell` is called with the findings of the printability checks. Before anything is written, raises
+    unless they were changed since. Before anything is written, raises
     PlateError when a part is too large for a printer or more plates are needed than allowed, and
     PrintabilityError when a part would not print (strict: would differ from the prediction).
     """
-    members, copies = number_copies(order)
+    members, copies = number_copies(request.serial, inputs.members, inputs.copies)
     built = [solids.build(design) for design in members]
     layouts = [
-        plates.arrange(members, built, copies, printer, order.max_plates, order.max_parts) for printer in order.printers
+        plates.arrange(members, built, copies, printer, request.max_plates, request.max_parts)
+        for printer in inputs.printers
     ]
     capped = _list_caps(layouts[0])
     findings = combine_printers(
         [(one.printer.name, [*one.findings, *cap_files.findings(capped, one.printer)]) for one in layouts]
     )
-    tell(findings)
-    check_printable(findings, order.strict)
-    steps = sum(plates.COMMON_FILE_COUNT + len(layout.plates) * (1 + order.pictures) + 1 for layout in layouts)
-    draw = sheets.plate_drawing() if order.pictures else None
-    of_caps = list(cap_files.files(capped, order.printers)) if capped else []
+    check_printable(findings, request.strict)
+    folder = request.out or Path("out") / inputs.name
+    paths = _write_plates(request, layouts, folder, progress)
+    if capped:
+        cap_sheets = list(cap_files.files(capped, inputs.printers))
+        with Folder(folder / "caps", "caps.json") as target:
+            for name, data in cap_sheets:
+                target.write(name, data)
+                paths.append(target.path / name)
+            target.finish({"caps": [entry.cap.model_dump(mode="json") for entry in capped]})
+            paths.append(target.path / target.manifest)
+    rows = [row for layout in layouts for row in plates.list_places(layout)]
+    paths += _write_forms(inputs.members, rows, folder)
+    report = _report(request.serial, inputs, rows, paths, cap_files.advice(capped) if capped else [])
+    return replace(report, warnings=[*warning_lines(findings), *filled_form_warnings(folder, inputs.members)])
+
+
+def _write_plates(
+    request: PlateRequest, layouts: Sequence[plates.Layout], folder: Path, progress: Progress
+) -> list[Path]:
+    """Write the files of the plates of every printer, and return their paths."""
+    steps = sum(plates.COMMON_FILE_COUNT + len(layout.plates) * (1 + request.pictures) + 1 for layout in layouts)
+    draw = sheets.plate_drawing() if request.pictures else None
     paths: list[Path] = []
     for layout in layouts:
-        # A manifest a printer, so that plates for one do not sweep away those for another.
+        # Each printer has a manifest, so that plates for one do not remove those for another
         with Folder(folder / "plates", f"plate_{layout.printer.name}.json") as target:
-            for name, data in plates.layout_files(layout, "plate", draw, order.prusaslicer):
+            for name, data in plates.layout_files(layout, "plate", draw, request.prusaslicer):
                 target.write(name, data)
                 paths.append(target.path / name)
                 progress(name, len(paths), steps)
             target.finish(_facts(layout))
             paths.append(target.path / target.manifest)
             progress(target.manifest, len(paths), steps)
-    if of_caps:
-        with Folder(folder / "caps", "caps.json") as target:
-            for name, data in of_caps:
-                target.write(name, data)
-                paths.append(target.path / name)
-            target.finish({"caps": [entry.cap.model_dump(mode="json") for entry in capped]})
-            paths.append(target.path / target.manifest)
-    rows = [row for layout in layouts for row in plates.list_places(layout)]
-    paths += _write_forms(order.members, rows, folder)
-    return _report(order, rows, paths, cap_files.advice(capped) if capped else [])
+    return paths
 
 
 def _list_caps(layout: plates.Layout) -> list[CappedWalker]:
@@ -144,7 +175,9 @@ def _list_caps(layout: plates.Layout) -> list[CappedWalker]:
     return cap_files.number_caps([layout.members[place.part] for place in placed], items)
 
 
-def _report(order: Order, rows: Sequence[Place], files: Sequence[Path], of_caps: Sequence[str]) -> PlateReport:
+def _report(
+    serial: int | None, inputs: PlateInputs, rows: Sequence[Place], files: Sequence[Path], cap_advice: Sequence[str]
+) -> PlateReport:
     """Make the report of the contents of each plate, the meaning of the marks, and the caps."""
     columns = [
         report.text_column("printer", "printer"),
@@ -156,15 +189,15 @@ def _report(order: Order, rows: Sequence[Place], files: Sequence[Path], of_caps:
         columns.append(report.text_column("marks", "marks"))
     lines = []
     for printer in dict.fromkeys(row.printer for row in rows):
-        own = [row.plate for row in rows if row.printer == printer]
-        count = max(own)
-        lines.append(f"{printer}: {len(own)} parts on {count} plate{'s' if count > 1 else ''}")
-    advice = dict.fromkeys(names.reading_instructions(design.marks) for design in order.members)
+        numbers = [row.plate for row in rows if row.printer == printer]
+        count = max(numbers)
+        lines.append(f"{printer}: {len(numbers)} parts on {count} plate{'s' if count > 1 else ''}")
+    advice = dict.fromkeys(names.reading_instructions(design.marks) for design in inputs.members)
     lines += [text for text in advice if text]
-    if order.serial is not None:
-        last = order.serial + sum(order.copies) - 1
-        lines.append(f"copies bear numbers {order.serial} to {last}, last in each mark")
-    lines += of_caps
+    if serial is not None:
+        last = serial + sum(inputs.copies) - 1
+        lines.append(f"Copies are numbered {serial} to {last}. The number is the last in each mark.")
+    lines += cap_advice
     return PlateReport(
         name="plates",
         title="Plates",
@@ -181,31 +214,33 @@ def _loads(rows: Sequence[Place]) -> Iterator[Load]:
     marks: dict[tuple[str, int, str], list[str]] = {}
     for row in rows:
         marks.setdefault((row.printer, row.plate, row.name), []).append(row.mark)
-    for (printer, number, name), own in marks.items():
-        yield Load(printer, number, len(own), name, names.mark_range(own))
+    for (printer, number, name), copies in marks.items():
+        yield Load(printer, number, len(copies), name, names.mark_range(copies))
 
 
-def number_copies(order: Order) -> tuple[Sequence[Design], Sequence[int]]:
-    """Return the members and copies of an order. With serial numbers every copy is a member of its own.
+def number_copies(
+    serial: int | None, members: Sequence[Design], copies: Sequence[int]
+) -> tuple[Sequence[Design], Sequence[int]]:
+    """Return the members and copies to arrange. With serial numbers every copy is a separate member.
 
-    Numbers count over all members, so that every copy of an order has a different one. Raises
+    Numbers count over all members from `serial`, so that every copy has a different one. Raises
     GeometryError for a copy too small for its number, InputError for too large a number.
     """
-    if order.serial is None:
-        return order.members, order.copies
-    packing.check_part_count(sum(order.copies))
-    every = [design for design, count in zip(order.members, order.copies, strict=True) for _ in range(count)]
-    members = [
+    if serial is None:
+        return members, copies
+    packing.check_part_count(sum(copies))
+    every = [design for design, count in zip(members, copies, strict=True) for _ in range(count)]
+    numbered = [
         replace_values(design, _number_settings(design, number), design.name)
-        for number, design in enumerate(every, start=order.serial)
+        for number, design in enumerate(every, start=serial)
     ]
-    return members, [1] * len(members)
+    return numbered, [1] * len(numbered)
 
 
 def _number_settings(design: Design, number: int) -> dict[str, int]:
     """Return the keys that give a copy its number: on its body, and on its cap if it has one."""
-    own = {} if design.cap is None else {"cap.number": number}
-    return {"marks.serial": number, **own}
+    on_cap = {} if design.cap is None else {"cap.number": number}
+    return {"marks.serial": number, **on_cap}
 
 
 def _facts(layout: plates.Layout) -> dict[str, Any]:
@@ -231,7 +266,7 @@ def _write_forms(members: Sequence[Design], rows: Sequence[Place], folder: Path)
     for row in rows:  # with several printers a copy has several rows
         items.setdefault(design_of[row.name].name, {})[row.item] = None
     written = []
-    for name, own in items.items():
-        rows_of = [*own, *weighed_masses.carried_rows(names.group_by_design(members)[name][0])]
+    for name, copies in items.items():
+        rows_of = [*copies, *weighed_masses.carried_rows(names.group_by_design(members)[name][0])]
         written.append(weighed_masses.write_template(folder, rows_of, weighed_masses.form_name(members, name)))
     return [path for path in written if path is not None]

@@ -1,18 +1,15 @@
-"""What `plate` is asked for."""
+"""Request of the command `plate`."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
-from walkergen import inputs, print_fields, request
-from walkergen.core.errors import InputError
+from walkergen import print_fields, request
 from walkergen.core.files.progress import Progress
 from walkergen.request import Flag
 
 if TYPE_CHECKING:
-    from walkergen.core.printing.findings import Finding
     from walkergen.files.report import Report
 
 
@@ -57,40 +54,5 @@ class PlateRequest(request.Request):
 
     def run(self, progress: Progress) -> "Report":
         """Arrange the copies, or count how many fit."""
-        from walkergen.commands.plate import make, order_list
-        from walkergen.core.files import output
-        from walkergen.core.printing import findings as printed
-
-        given = self.inputs()
-        if self.orders is not None:
-            why = f"‹orders=›{str(self.orders)[:80]!r} names it"
-            self.check_unset(why, "design", "tilt", "legs", "copies")
-            if "copies" in self.model_fields_set:  # 1, as by default, may not be what the list says
-                raise InputError(f"‹copies=›{self.copies}: {why}; leave it out", "copies")
-            given.check_unset(given.keys_of("design"), "‹orders› names designs; leave it out")
-            members, counts = order_list.read_orders(self.orders)
-            name = output.safe_folder_name(self.orders)
-        else:
-            design = given.design(self.design or request.PAPER_WALKER)
-            members, counts = given.batch(design, self.tilt, self.legs, self.copies, whole=False)
-            name = design.name
-        members = inputs.add_caps(members, self.caps)
-        printers = given.printers(self.printer)
-        if self.how_many:
-            return make.count_fitting(members, printers, self.max_parts)
-        order = make.Order(
-            members,
-            counts,
-            printers,
-            self.max_plates,
-            self.max_parts,
-            self.pictures,
-            self.prusaslicer,
-            self.serial,
-            self.strict,
-        )
-        folder, findings = self.out or Path("out") / name, list["Finding"]()
-        report = make.make(order, folder, progress, findings.extend)
-        return replace(
-            report, warnings=[*printed.warning_lines(findings), *inputs.filled_form_warnings(folder, members)]
-        )
+        report: Report = self.do_work(progress)
+        return report

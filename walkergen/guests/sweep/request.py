@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, Field
 
-from walkergen import inputs, request
+from walkergen import field_values, inputs, request
 from walkergen.core import Expected, InputError, Progress
 from walkergen.request import Flag
 
@@ -36,7 +36,7 @@ class SweepRequest(request.Request):
     ] = None
     set: Annotated[
         Any,
-        BeforeValidator(lambda value: value if isinstance(value, Mapping) else request.parse_texts(value)),
+        BeforeValidator(lambda value: value if isinstance(value, Mapping) else field_values.parse_texts(value)),
         Flag(
             "Values of any key: KEY=5, KEY=5,10,15, KEY=FIRST:LAST:STEP, or, with --sample, "
             "KEY=LOW:HIGH. Keys of the scene begin with scene.",

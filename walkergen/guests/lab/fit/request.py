@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator
 
-from walkergen import request
+from walkergen import field_values, request
 from walkergen.core.files.progress import Progress
 from walkergen.request import Flag
 
@@ -19,7 +19,7 @@ def _parse_fixed(value: Any) -> list[str]:
     return (
         [f"{name}={number!r}" for name, number in value.items()]
         if isinstance(value, Mapping)
-        else request.parse_texts(value)
+        else field_values.parse_texts(value)
     )
 
 
@@ -56,7 +56,7 @@ class FitRequest(request.Request):
     ] = None
     predict: Annotated[
         list[float] | None,
-        BeforeValidator(request.parse_tilts),
+        BeforeValidator(field_values.parse_tilts),
         Flag(
             "Tilts to predict: 8,12 or FIRST:LAST:STEP; else the family's.",
             "DEG",
