@@ -16,8 +16,8 @@ from slicing import Walker, laid_out, print_of, program, sliced, walkers_of
 
 from walkergen.commands.export import make as exports
 from walkergen.commands.plate import make as batch
-from walkergen.core.printing import checks, export, findings, plates, print_sheet, slicer, walls
 from walkergen.commands.plate.request import PlateRequest
+from walkergen.core.printing import checks, export, findings, plates, print_sheet, slicer, walls
 from walkergen.core.printing.packing import Part, Placement, Plate
 from walkergen.core.printing.printers import Printer
 from walkergen.core.walker import mass, names, solids

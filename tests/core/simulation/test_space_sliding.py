@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 from one_corner import Corner, Rival, land
-from walkergen.core.simulation.space.tips import stretch_directions
 
 from walkergen.core.simulation import record
+from walkergen.core.simulation.space.tips import stretch_directions
 
 MOBILITY = np.array([[2.31, 0.9, 0.4], [0.9, 2.3, 0.3], [0.4, 0.3, 2.0]])
 """Inverse mass of a corner: normal, along, across, 1/g."""
