@@ -128,9 +128,9 @@ def _convert_links(path):
 
 def _make_gallery():
     """Return a page of all pictures, each with its title and its command."""
-    pages = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+    pages = [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md"))]
     text = "".join(page.read_text(encoding="utf-8") for page in pages)
-    captions = {name: words for words, name in re.findall(r"!\[(.*?)\]\((?:docs/)?(.*?)\)", text)}
+    captions = {name: words for words, name in re.findall(r"!\[(.*?)\]\((?:docs/|\.\./)?(.*?)\)", text)}
     commands = {one.name: one.shown or one.command for one in _load_pictures().PICTURES}
     return "# Gallery\n\n" + "\n\n".join(
         f"## {words}\n\n![{words}]({name})\n\n```sh\n{commands[name]}\n```" for name, words in captions.items()

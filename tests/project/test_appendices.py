@@ -10,7 +10,7 @@ from evidence.validate import report
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "docs" / "appendix"
-MADE_FROM = "This page is written from `docs/appendix/{}` by `python tests/project/test_appendices.py`."
+MADE_FROM = "This page is written from `docs/appendix/{}.toml` by `python tests/project/test_appendices.py`."
 
 
 def rows(table):
@@ -37,7 +37,7 @@ def page(name):
         return report.page(stored, "python -m evidence validate", "../validation.png")
     data = tomllib.loads((FOLDER / f"{name}.toml").read_text(encoding="utf-8"))
     lines = held_out.verdict(held_out.read(), data["settings"]) if "settings" in data else []
-    parts = f"# {data['title']}", MADE_FROM.format(f"{name}.toml"), "\n".join(f"- {line}" for line in lines)
+    parts = f"# {data['title']}", MADE_FROM.format(name), data.get("text"), "\n".join(f"- {line}" for line in lines)
     return "\n\n".join([*filter(None, parts), *map(section, data["table"])]) + "\n"
 
 
