@@ -1,5 +1,6 @@
 """Appendices are written from stored data: `python tests/project/test_appendices.py` writes them again."""
 
+import re
 import tomllib
 from pathlib import Path
 
@@ -46,8 +47,14 @@ PAGES = sorted({"validation"} | {path.stem for path in FOLDER.iterdir()})
 
 @pytest.mark.parametrize("name", PAGES)
 def test_an_appendix_is_that_of_its_data(name):
-    text = (FOLDER / f"{name}.md").read_text(encoding="utf-8")
-    assert text == page(name), "run python tests/project/test_appendices.py"
+    assert (FOLDER / f"{name}.md").read_text("utf-8") == page(name), "run python tests/project/test_appendices.py"
+
+
+@pytest.mark.parametrize("path", ["README.md", "docs/validation.md"])
+def test_pages_state_the_verdicts_of_the_data(path):
+    verdicts = [row.verdict for row in report.read(ROOT / "docs" / "validation.csv")]
+    numbers = [len(verdicts), *map(verdicts.count, ("agree", "disagree"))]
+    assert re.search(r"Of {} .*?{} agree.*? {} d".format(*numbers), (ROOT / path).read_text("utf-8"), re.DOTALL)
 
 
 if __name__ == "__main__":
