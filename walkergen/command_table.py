@@ -129,8 +129,8 @@ COMMANDS = {
         "Trust",
         "commands.accuracy",
         "accuracy --tilt 10",
-        "accuracy --tilt 10 --only steps --budget 2min",
-        'wg.accuracy(tilt=10, only="statistics", budget="5s").lines',
+        "accuracy --tilt 10 --budget 2min",
+        'wg.accuracy(tilt=10, budget="5s").lines',
     ),
     "selftest": Command(
         "Trust", "commands.selftest", "selftest", "selftest --only 6.4", 'wg.selftest("6.4").code == 0'

@@ -49,7 +49,7 @@ def test_every_door_opens_to_a_page_of_this_server(doors):
 def test_pages_of_elsewhere_open_no_door(doors, headers):
     for door in (*QUICK, *MAKING):
         answer = doors.ask(door, {"document": PAPER}, **headers)
-        assert (answer.status, answer.refused) == (403, "this server answers its own pages alone")
+        assert (answer.status, answer.refused) == (403, "This server answers only its own pages.")
     assert doors.ask("", method="GET", **headers).status == 403
 
 
@@ -90,7 +90,7 @@ def test_an_address_for_another_device_works_once(tmp_path):
     assert (first.status, first.headers["location"]) == (303, f"/{doors.server.secret}/")
     again = doors.at(f"/once/{doors.server.once}", method="GET")
     assert again.status == 410
-    assert "start walkergen app again" in again.refused
+    assert "Start walkergen app again" in again.refused
 
 
 @pytest.mark.parametrize(

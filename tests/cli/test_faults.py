@@ -470,7 +470,7 @@ LONG = {
     "fit": ("fit", "SPEEDS"),
     "calibrate": ("calibrate", "FORM"),
     "drop": ("calibrate", "drop", "--roll-deg", "0", "--drops", "2", "--measured", "0.6", "--measured-sd", "0.1"),
-    "accuracy": ("accuracy", "--only", "steps", "--budget", "1s"),
+    "accuracy": ("accuracy", "--budget", "1s"),
     "crowd": ("crowd", "rotator", "--count", "3", "--seconds", "0.5", "--runs", "2", "--no-pictures"),
     "card": ("crowd", "rotator", "--card", "--seconds", "2", "--runs", "4"),
     "validate": ("validate", "--only", "closed", "--quick"),

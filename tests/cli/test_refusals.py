@@ -1,4 +1,4 @@
-"""What is refused, and with which words: every input of refusals.toml against the lines that it holds.
+"""What is refused, and with which words: every input of tests/golden/refusals.toml against the lines that it holds.
 
 A table has a command, `{}` in which is the input, or one of whose files has the input for its text. Without a command
 the input is a command line, of walkergen or of the program `evidence`. `files` are there for all inputs of a table.
@@ -19,7 +19,7 @@ from evidence.commands import commands
 from walkergen.cli import command_line
 from walkergen.core.errors import OutputError, WalkergenError
 
-GOLDEN = Path(__file__).with_name("refusals.toml")
+GOLDEN = Path(__file__).parents[1] / "golden" / "refusals.toml"
 TABLES = tomllib.loads(GOLDEN.read_text(encoding="utf-8"))
 
 

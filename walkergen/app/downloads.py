@@ -18,8 +18,17 @@ from walkergen.core.printing.packing import MAX_PARTS
 from walkergen.core.walker.body import BUILTIN_OUTLINES
 from walkergen.files import templates
 
-FORMATS = ("stl", "3mf", "plate", "page", "toml", "zip")
-"""Files that a page offers for download."""
+FILE_PATTERNS = {
+    "stl": "stl/*.stl",
+    "3mf": "3mf/*.3mf",
+    "plate": "plates/*",
+    "page": "family/report.html",
+    "toml": "settings/*",
+    "zip": "**/*",
+}
+"""Locations in their folder of the files that a page offers for download."""
+
+FORMATS = tuple(FILE_PATTERNS)
 
 SWEEP_OPTIONS = {
     "legs.tilt_deg": ("--set", "legs.tilt_deg=2:40:1", "--set", "legs.length_mm=5:10:0.5"),
@@ -28,63 +37,59 @@ SWEEP_OPTIONS = {
 """Sweep that searches for a wished speed, by the key of the tilt: two equal legs are predicted, others simulated."""
 
 
-class FileOrder(NamedTuple):
-    """Files to make, and their folder."""
+class FileChoice(NamedTuple):
+    """Files that a page requests."""
 
-    document: Document
     what: str
-    folder: Path
-    commands: list[list[str]]
-    """Words after `walkergen` of the commands that make the files, in order."""
+    """One of FORMATS."""
+    copies: int
+    """Number of copies on a plate."""
 
 
-def make_order(document: Document, what: Any, copies: Any, folder: Path) -> FileOrder:
-    """Return the order of files for a walker, in a new folder below `folder`.
-
-    Raises InputError for unknown files and for an invalid walker.
-    """
+def parse_choice(what: Any, copies: Any) -> FileChoice:
+    """Return the choice that a page sent. Raises InputError for unknown files and numbers."""
     if not isinstance(what, str) or what not in FORMATS:
         raise InputError(f"{documents.SOURCE}: what: must be one of {', '.join(FORMATS)}")
     if isinstance(copies, bool) or not isinstance(copies, int) or not 1 <= copies <= MAX_PARTS:
         raise InputError(f"{documents.SOURCE}: copies: must be a whole number in 1..{MAX_PARTS}")
-    digest = hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()[:8]
-    target = folder / f"{walker_answers.part_name(document)}-{digest}"
+    return FileChoice(what, copies)
+
+
+def file_commands(document: Document, choice: FileChoice, folder: Path) -> list[list[str]]:
+    """Return the words after `walkergen` of the commands that make the files, in order. Raises InputError."""
+    target = target_folder(document, folder)
     out = ("--out", str(target))
-    made = {
+    commands = {
         "stl": documents.arguments(document, "export", "--format", "stl", *out),
         "3mf": documents.arguments(document, "export", "--format", "3mf", *out),
-        "plate": documents.arguments(document, "plate", "--copies", str(copies), *out),
+        "plate": documents.arguments(document, "plate", "--copies", str(choice.copies), *out),
         "page": documents.arguments(document, "family", "--page", "--out", str(target / "family")),
     }
-    return FileOrder(document, what, target, [words for name, words in made.items() if what in (name, "zip")])
+    return [words for name, words in commands.items() if choice.what in (name, "zip")]
 
 
-def collect_files(asked: FileOrder) -> tuple[str, bytes]:
-    """Return the name and contents of what the commands of an order made: a file, or several in an archive.
+def target_folder(document: Document, folder: Path) -> Path:
+    """Return the folder below `folder` for the files of a document. Raises InputError for an invalid walker."""
+    digest = hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()[:8]
+    return folder / f"{walker_answers.part_name(document)}-{digest}"
+
+
+def collect_files(document: Document, choice: FileChoice, folder: Path) -> tuple[str, bytes, list[list[str]]]:
+    """Return the name and contents of a file, or of an archive of several, and the commands that made them.
 
     Raises InputError if they have not run, OutputError for settings that cannot be written.
     """
-    if asked.what in ("toml", "zip"):
-        _write_settings(asked.document, asked.folder)
-    folder, patterns = (
-        asked.folder,
-        {
-            "stl": "stl/*.stl",
-            "3mf": "3mf/*.3mf",
-            "plate": "plates/*",
-            "page": "family/report.html",
-            "toml": "settings/*",
-            "zip": "**/*",
-        },
-    )
-    paths = sorted(path for path in folder.glob(patterns[asked.what]) if path.is_file())
+    commands, target = file_commands(document, choice, folder), target_folder(document, folder)
+    if choice.what in ("toml", "zip"):
+        _write_settings(document, target)
+    paths = sorted(path for path in target.glob(FILE_PATTERNS[choice.what]) if path.is_file())
     paths = [path for path in paths if not path.name.startswith(".")]
     if not paths:
-        raise InputError(f"{documents.SOURCE}: these files are not made yet")
+        raise InputError(f"{documents.SOURCE}: these files have not been made yet")
     if len(paths) == 1:
-        return paths[0].name, paths[0].read_bytes()
-    what = "" if asked.what == "zip" else f"-{asked.what}"
-    return f"{folder.name}{what}.zip", _zip_files(folder, paths)
+        return paths[0].name, paths[0].read_bytes(), commands
+    what = "" if choice.what == "zip" else f"-{choice.what}"
+    return f"{target.name}{what}.zip", _zip_files(target, paths), commands
 
 
 def _zip_files(folder: Path, paths: list[Path]) -> bytes:

@@ -8,6 +8,7 @@ from answers import rows_of
 
 import walkergen as wg
 from walkergen.commands.accuracy import make as accuracy
+from walkergen.commands.accuracy.report import Ladder, Rung
 from walkergen.core.files.output import Folder
 
 SCENE = """
@@ -32,7 +33,7 @@ def run(run, home):
 @pytest.mark.slow
 def test_a_study_of_steps(run, tmp_path):
     words = ("--scene", "short.toml", "--tilt", "10")
-    result = run("accuracy", *words, "--only", "steps", "--budget", "12s", "--json")
+    result = run("accuracy", *words, "--budget", "12s", "--json")
     assert result.exit_code == 0, result.exception
     found = json.loads(result.stdout)
     assert set(found["ladders"]) == {"steps-long", "observables"}
@@ -89,21 +90,17 @@ def test_an_error_that_was_asked_for_is_met(run):
     assert "within the" in repr(same)
 
 
-@pytest.mark.slow
-def test_shape_alone_needs_no_simulation(run, tmp_path):
-    result = run("accuracy", "--legs", "braced", "--only", "shape", "--out", "here")
-    assert result.exit_code == 0, result.exception
-    assert "number of edges, claimed 2" in result.stdout
-    assert {path.name for path in (tmp_path / "here").iterdir()} == {"accuracy.csv", "accuracy.md", "manifest.json"}
-
-
-@pytest.mark.slow
 def test_ctrl_c_keeps_the_ladders_already_done(run, tmp_path, monkeypatch):
+    def finished(survey, progress):
+        return Ladder(
+            "steps-long", "Bias", "bias", "CPU time, s", "the finest", [Rung("a", "9 us", 0.5, None, 1.0, {})]
+        )
+
     def interrupted(survey, progress):
         raise KeyboardInterrupt
 
-    monkeypatch.setitem(accuracy.LADDERS, "steps", (interrupted,))
-    result = run("accuracy", "--only", "shape,steps", "--out", "here")
+    monkeypatch.setattr(accuracy, "LADDERS", (finished, interrupted))
+    result = run("accuracy", "--budget", "9s", "--out", "here")
     assert result.exit_code == 130
-    assert "round foot" in (tmp_path / "here/accuracy.csv").read_text()
+    assert "9 us" in (tmp_path / "here/accuracy.csv").read_text()
     assert not (tmp_path / "here/accuracy.png").exists()

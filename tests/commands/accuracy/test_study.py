@@ -1,4 +1,4 @@
-"""The accuracy study: ladders against closed forms, honest error bars, the choice of a step, the budget."""
+"""The accuracy study: bounds of biases, the choice of a step, the budget."""
 
 import math
 from itertools import pairwise
@@ -7,17 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from walkergen.commands.accuracy import answers, report, shape_ladder, statistics_ladder
-from walkergen.commands.accuracy import survey as surveys
+from walkergen.commands.accuracy import answers, report
 from walkergen.commands.accuracy.report import Answer, Ladder, Rung, convergence_order
 from walkergen.commands.accuracy.survey import StepMeasurement, Survey
 from walkergen.core import measure, tolerance
 from walkergen.core.errors import InputError
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import Scene
-from walkergen.core.simulation import record
 from walkergen.core.simulation.observables import SPEED
-from walkergen.core.simulation.run import Outcome, RunResult
 from walkergen.core.tolerance import Tolerance
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
@@ -51,68 +48,6 @@ def test_order_of_an_exact_power_is_its_exponent():
     assert se < 1e-12
 
 
-@pytest.mark.slow
-def test_shape_ladder_agrees_with_the_closed_form_of_a_half_disc():
-    """The round foot taken for exact, against the closed-form mass of quad and half disc."""
-    design = Design.model_validate({"legs": {"foot": "round"}})
-    mass = solids.weigh(design, solids.build(design, shape_ladder.EXACT_SEGMENTS))
-    limb = design.limbs[0]
-    half = 0.5 * limb.thickness
-    # The leg's centre line ends half a thickness early; its slanted top adds as much as it cuts.
-    area = 2.0 * half * (limb.length - half) + 0.5 * math.pi * half**2
-    exact = 1e-3 * design.material.density_g_cm3 * limb.width * area
-    ladder = shape_ladder.measure_shapes(Design(), Scene(), silent)
-    finest = next(rung for rung in ladder.rungs if rung.setting == "512 edges")
-    assert mass.legs[0].m == pytest.approx(exact, rel=0.05 * finest.details["m"])
-    far = {rung.setting: rung for rung in ladder.rungs if rung.series == "double precision"}
-    # 1e6 mm away a coordinate has lost 1e6/0.4 of its 16 digits
-    assert far["1e+06 mm away"].error < 1e-9
-    files = {rung.setting: rung for rung in ladder.rungs if rung.series.startswith("through")}
-    assert 1e-9 < files["0 mm away"].error < 1e-6  # float32: 6e-8 of a coordinate
-    assert files["1e+06 mm away"].error > 1e-3
-
-
-@pytest.mark.slow
-def test_braced_shape_has_no_error_at_the_origin():
-    ladder = shape_ladder.measure_shapes(Design().variant(kind="braced"), Scene(), silent)
-    far = [rung for rung in ladder.rungs if rung.series == "double precision"]
-    assert max(rung.error for rung in far) < 1e-9  # as above
-    assert far[0].details["m"] is None
-
-
-def made_runs(runs, blocks, rng):
-    """Runs of independent block speeds with mean 10 and standard deviation 2."""
-    speeds = rng.normal(10.0, 2.0, (runs, blocks))
-    return [
-        RunResult(k, Outcome.OK, 0.1 * blocks, row.mean(), 0.1, row, np.zeros((0, 3)), 0.0, record.new_tally(3), 0.0)
-        for k, row in enumerate(speeds)
-    ]
-
-
-def test_parts_of_an_ensemble_use_no_block_twice_and_err_as_theory_says():
-    results = made_runs(32, 500, np.random.default_rng(5))
-    for runs, length in ((4, 5.0), (8, 10.0), (16, 10.0)):
-        parts = statistics_ladder._split_into_parts(results, runs, length)
-        used = sum(len(result.block_speeds) for part in parts for result in part)
-        assert used == 32 * 500
-        rung = statistics_ladder._rung(parts, results, 1.0, 0.01, 1.0)
-        expected = 2.0 / math.sqrt(runs * length / 0.1)
-        # four standard errors of a standard deviation from that many parts
-        assert rung.error == pytest.approx(expected, abs=4.0 * rung.error_sd)
-        assert rung.details["stated_se_mm_s"] == pytest.approx(expected, rel=0.2)
-        assert 0.8 < rung.details["inside_95"] <= 1.0  # of 80, 20 and 10 parts
-        assert rung.cpu_s == pytest.approx(0.01 * runs * (length + 1.0))
-
-
-@pytest.mark.parametrize(
-    ("granted_s", "runs", "seconds"),
-    [(1e4, 32, 50.0), (200.0, 32, 5.2), (60.0, 16, 2.8), (20.0, 8, 1.5), (0.0, 8, 1.0)],
-)
-def test_runs_that_are_compared_are_fewer_before_they_are_too_short(granted_s, runs, seconds):
-    own = StepMeasurement(23.0, {}, 4, 1.0, 1.0, 16.0, 8.0, "4 ok")  # a second by the clock for a simulated one
-    assert statistics_ladder._affordable_runs(granted_s, own) == (runs, seconds)
-
-
 @pytest.mark.parametrize(("text", "expected"), [("5%", Tolerance(0.05, True)), (" 0.5 mm/s", Tolerance(0.5, False))])
 def test_errors_are_read(text, expected):
     assert tolerance.parse_tolerance(text) == expected
@@ -121,7 +56,7 @@ def test_errors_are_read(text, expected):
 def test_the_cheapest_step_within_the_error_is_chosen():
     survey = known(survey_of(), (100.0, 99.0, 99.0, 97.0, 92.0), costs=(0.2, 0.1, 0.07, 0.05, 0.04))
     assert len(survey.steps) == 5
-    assert survey.own in survey.steps
+    assert float(f"{1e6 * survey.plan.world.options.step:.2g}") in survey.steps  # the scene's own
     # The longest step has no margin; the third has that of the longest, which is 8 % off.
     assert chosen(survey, 0.2).candidate.step_us == survey.steps[3]
     fine = chosen(survey, 0.05)
@@ -161,7 +96,7 @@ def test_what_cannot_be_promised_says_what_would_help():
     candidates = [survey.to_candidate(one) for one in survey.measured.values()]
     assert chosen(survey, 1e-3) is None
     told = answers.advise_budget(candidates, Tolerance(1e-3, True), survey)
-    assert "known to 0.2 mm/s only; measure longer: walkergen accuracy ... --only steps --budget" in told
+    assert "known to 0.2 mm/s only; measure longer: ‹budget=›" in told
     assert "a day of simulations would not do" in answers.advise_budget(candidates, Tolerance(1e-5, True), survey)
     dead = survey_of()
     dead.measured[dead.steps[0]] = StepMeasurement(dead.steps[0], {}, 16, 1.0, 1.0, 1.0, 1.0, "16 toppled")
@@ -182,10 +117,10 @@ def test_few_runs_have_wider_bounds_of_a_bias():
 @pytest.mark.parametrize(("budget_s", "run_s"), [(15.0, 0.05), (60.0, 0.05), (60.0, 0.4)])
 def test_a_study_spends_its_budget(budget_s, run_s, monkeypatch):
     """Made-up runs that take `run_s` by the clock each; what one leaves over the others get."""
-    survey, ladders = survey_of(budget_s), ["steps", "statistics"]
-    survey.allot_budget(ladders)
-    for what in [*survey.steps, surveys.STATISTICS]:
-        granted_s, runs = survey.claim_budget(what), 4
+    survey = survey_of(budget_s)
+    survey.allot_budget()
+    for step in survey.steps:
+        granted_s, runs = survey.claim_budget(step), 4
         made = measure.Measured(None, [], runs, runs * run_s)
         while (more := measure.Budget(granted_s, 4).further(made)) is not None:
             made = more._replace(wall_s=more.runs * run_s)
@@ -194,15 +129,10 @@ def test_a_study_spends_its_budget(budget_s, run_s, monkeypatch):
     assert survey.simulated_s == pytest.approx(budget_s, rel=0.15)
 
 
-def test_one_ladder_alone_has_the_whole_budget():
-    alone, both = survey_of(60.0), survey_of(60.0)
-    alone.allot_budget(["steps"])
-    both.allot_budget(["steps", "statistics"])
-    step = alone.steps[0]
-    assert alone.claim_budget(step) == pytest.approx(1.4 * both.claim_budget(step)) == pytest.approx(60.0 * 0.3)
-    few = survey_of(60.0)
-    few.allot_budget(["statistics"])
-    assert {*few.due} == {few.steps[0], few.own, surveys.STATISTICS}
+def test_the_finest_step_has_three_tenths_of_the_budget():
+    survey = survey_of(60.0)
+    survey.allot_budget()
+    assert survey.claim_budget(survey.steps[0]) == pytest.approx(60.0 * 0.3)
 
 
 @pytest.mark.parametrize(("rungs", "shown"), [(2, True), (61, False)])

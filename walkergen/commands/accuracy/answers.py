@@ -170,9 +170,7 @@ def advise_budget(candidates: Sequence[Candidate], wanted: Tolerance, survey: Su
     needed_s = survey.budget_s * max(least / (MAX_BIAS_SHARE * wanted.value), 1.0) ** 2
     if needed_s > MAX_BUDGET_S:
         return f"{known_to}; a day of simulations would not do"
-    return (
-        f"{known_to}; measure longer: walkergen accuracy ... --only steps --budget {formatting.format_budget(needed_s)}"
-    )
+    return f"{known_to}; measure longer: ‹budget=›{formatting.format_budget(needed_s)}"
 
 
 def draw_choice(

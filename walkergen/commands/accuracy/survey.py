@@ -14,7 +14,7 @@ from walkergen.commands.accuracy import step_law
 from walkergen.commands.accuracy.choice import Candidate
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress, part_progress
-from walkergen.core.measure import Budget, Until, measure
+from walkergen.core.measure import Budget, measure
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import observables
@@ -33,12 +33,6 @@ STEP_SHARES = (0.25, 0.5, 1.0, 1.25, 1.6)
 BUDGET_WEIGHTS = (0.3, 0.15)
 """Shares of the budget for the finest step, and for the next finest step, which certifies it. The others share the
 rest."""
-
-STATISTICS = "statistics"
-"""Name of the ensemble whose parts are compared, in the budget."""
-
-STATISTICS_WEIGHT = 0.4
-"""Budget for it, relative to the budget of all steps together."""
 
 MIN_RUN_S, BUDGET_PER_SECOND_S = 2.0, 30.0
 """Shortest measured time of a run, s, and the budget that lengthens runs by a second. The number of runs grows first,
@@ -103,8 +97,8 @@ class Survey:
         self.budget_s, self.simulated_s = budget_s, 0.0
         self.too_short = False
         """Whether the fewest runs took longer than their budget."""
-        self.due: dict[float | str, float] = {}
-        """Budget weights of the simulations that remain, by step or name."""
+        self.due: dict[float, float] = {}
+        """Budget weights of the steps that remain."""
         self.measured: dict[float, StepMeasurement] = {}
 
     @cached_property
@@ -118,26 +112,15 @@ class Survey:
         steps_us = [_round_two_digits(share * 1e6 * self.plan.world.options.step) for share in STEP_SHARES]
         return list(dict.fromkeys(min(max(step, 0.01), 1000.0) for step in steps_us))
 
-    @property
-    def own(self) -> float:
-        """The scene's own step, us."""
-        step = self.scene.run.step_us
-        return _round_two_digits(1e6 * self.plan.world.options.step) if step is None else step
-
-    def allot_budget(self, ladders: Sequence[str]) -> None:
-        """Reserve a part of the budget for each step that these ladders need."""
+    def allot_budget(self) -> None:
+        """Reserve a part of the budget for each step."""
         others = (1.0 - sum(BUDGET_WEIGHTS)) / max(len(self.steps) - len(BUDGET_WEIGHTS), 1)
         of_steps = [*BUDGET_WEIGHTS, *[others] * len(self.steps)]
-        if "steps" in ladders:
-            self.due.update(zip(self.steps, of_steps, strict=False))
-        if STATISTICS in ladders:
-            self.due.setdefault(self.steps[0], BUDGET_WEIGHTS[0])
-            self.due.setdefault(self.own, others)
-            self.due[STATISTICS] = STATISTICS_WEIGHT
+        self.due.update(zip(self.steps, of_steps, strict=False))
 
-    def claim_budget(self, what: float | str) -> float:
-        """Return the wall time for a step or a named ensemble, s. Unused time of earlier ones is shared out."""
-        weight, left_s = self.due.pop(what, BUDGET_WEIGHTS[1]), max(self.budget_s - self.simulated_s, 0.0)
+    def claim_budget(self, step_us: float) -> float:
+        """Return the wall time for a step, s. Unused time of earlier steps is shared out."""
+        weight, left_s = self.due.pop(step_us, BUDGET_WEIGHTS[1]), max(self.budget_s - self.simulated_s, 0.0)
         return left_s * weight / (weight + sum(self.due.values()))
 
     def measure(self, steps: Sequence[float], progress: Progress) -> list[StepMeasurement]:
@@ -159,15 +142,6 @@ class Survey:
                 "mean speed whose error could be studied; try another drive, tilt or restitution"
             )
         return reference
-
-    def simulate(self, step_us: float, seconds: float, until: Until, progress: Progress) -> Results:
-        """Simulate runs at a step until `until` has enough. Raises KeyboardInterrupt if Ctrl-C leaves some out."""
-        walker = experiments.Walker(self._scene_with_step(step_us, seconds=seconds), self.design, self.mass)
-        made = measure(walker, until, progress)
-        if made.partial:
-            raise KeyboardInterrupt
-        self.simulated_s += made.wall_s
-        return experiments.from_records(made.experiment, made.records, made.runs, made.wall_s)
 
     @property
     def unit(self) -> float:
@@ -210,12 +184,17 @@ class Survey:
         return self.scene.model_copy(update={"run": changed})
 
     def _measure_step(self, step_us: float, progress: Progress) -> StepMeasurement:
-        """Simulate a step for its part of the budget."""
+        """Simulate a step for its part of the budget. Raises KeyboardInterrupt if Ctrl-C leaves runs out."""
         seconds, granted_s = (
             max(MIN_RUN_S, _round_two_digits(self.budget_s / BUDGET_PER_SECOND_S)),
             self.claim_budget(step_us),
         )
-        results = self.simulate(step_us, seconds, Budget(granted_s, MIN_RUNS), progress)
+        walker = experiments.Walker(self._scene_with_step(step_us, seconds=seconds), self.design, self.mass)
+        made = measure(walker, Budget(granted_s, MIN_RUNS), progress)
+        if made.partial:
+            raise KeyboardInterrupt
+        self.simulated_s += made.wall_s
+        results = experiments.from_records(made.experiment, made.records, made.runs, made.wall_s)
         summary = results.summary
         self.too_short |= summary.runs == MIN_RUNS and summary.wall_s > granted_s
         well = set(summary.outcomes) <= {outcome.value for outcome in ENDED_WELL} and summary.speed.value is not None
