@@ -22,9 +22,9 @@ from walkergen.core.numerics.kernels import kernel
 from walkergen.core.scene import Scene
 from walkergen.core.theory import tensors as inverse_mass
 from walkergen.core.theory.impact import impact
+from walkergen.core.theory.stationary import project_to_plane
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import MassProperties, to_centre_frame
-from walkergen.core.walker.planar import project_to_plane
 
 Array = npt.NDArray[np.float64]
 Point = tuple[float, float]

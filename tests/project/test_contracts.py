@@ -26,6 +26,7 @@ from walkergen.core.printing import packing, plates
 from walkergen.core.printing.printers import Printer
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.effects import active_effects
+from walkergen.core.shapes import modeller
 from walkergen.core.simulation.effects.effect import Case
 from walkergen.core.simulation.effects.resolve import replace_without_validation
 from walkergen.core.walker import mass, solids
@@ -79,7 +80,7 @@ def test_a_walker_is_closed_and_weighs_what_its_stl_file_weighs(tmp_path, name):
     theirs = trimesh.load(tmp_path / "walker.stl")
     assert theirs.is_watertight
     assert theirs.is_winding_consistent
-    assert theirs.body_count == solids.count_bodies(walker) == 1
+    assert theirs.body_count == modeller.count_bodies(walker) == 1
     # Numbers of 32 bits in the file: 1e-6 of some 30 mm, over legs of some 0.4 mm
     theirs.density = density
     assert theirs.mass == pytest.approx(ours.mass, rel=1e-4)

@@ -172,7 +172,7 @@ def test_a_cavity_is_part_of_its_body_but_not_beside_it():
     hollow = hostile.together(BOX, hostile.inverted(hostile.box(2.0, 2.0, 2.0)))
     faults.check_solid(hollow, "hollow")
     assert mass.weigh(hollow, 1.0).volume == pytest.approx(952.0)
-    assert solids.count_bodies(hollow) == 1  # as it is checked before the print
+    assert modeller.count_bodies(hollow) == 1  # as it is checked before the print
     beside = hostile.inverted(hostile.box(2.0, 2.0, 2.0, middle=(30.0, 0.0, 0.0)))
     assert "second body, inside out" in _fault(hostile.together(BOX, beside))
 

@@ -13,8 +13,9 @@ from walkergen.core.printing import packing as plate
 from walkergen.core.printing.findings import About
 from walkergen.core.printing.packing import Part, Placement, Plate
 from walkergen.core.printing.printers import Printer
+from walkergen.core.shapes import modeller
 from walkergen.core.shapes.mesh import Mesh
-from walkergen.core.walker import solids
+from walkergen.core.walker import sections, solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
 
@@ -124,7 +125,7 @@ def test_gaps_narrower_than_a_line_fuse():
     def window(tilt):
         braced = design_of(kind="braced", tilt_deg=tilt)
         warned = "the window between leg and brace may fuse" in [what for _, what in told(braced)]
-        return warned, solids.window_width(braced.limbs[0])
+        return warned, sections.window_width(braced.limbs[0])
 
     assert window(5.0)[0] is False  # leg and brace overlap
     assert window(5.0)[1] < 0.0
@@ -149,8 +150,8 @@ def test_window_and_clearance_are_those_of_the_solid():
     vertices = solids.build(braced).walker.vertices
     at_bottom = np.unique(np.round(vertices[np.abs(vertices[:, 1] + 1.5) < 1e-9, 0], 9))
     gaps = np.diff(at_bottom[np.abs(at_bottom) < 13.9])  # without the body's own corners
-    assert np.isclose(gaps, solids.window_width(braced.limbs[0])).any()
-    assert np.isclose(gaps, solids.leg_clearance(braced.limbs)).any()
+    assert np.isclose(gaps, sections.window_width(braced.limbs[0])).any()
+    assert np.isclose(gaps, sections.leg_clearance(braced.limbs)).any()
 
 
 @pytest.mark.parametrize(
@@ -199,7 +200,7 @@ def test_a_mesh_that_is_open_or_in_pieces_is_refused():
     for bad, bodies in ((opened, 0), (apart, 2), (inside_out, 0)):
         (error,) = [one for one in found(design, mesh=bad) if one.level == "error"]
         assert (error.what, error.seen) == ("the mesh is not one closed body", bodies)
-    assert solids.count_bodies(mesh) == 1
+    assert modeller.count_bodies(mesh) == 1
 
 
 def test_a_part_larger_than_the_printer_is_an_error_in_every_direction():

@@ -14,7 +14,7 @@ from walkergen.core.simulation.run import drop_for_run
 from walkergen.core.simulation.space.model import energy
 from walkergen.core.simulation.space.pose import locate, place
 from walkergen.core.simulation.space.state import C_X, C_Z, PHASE, V_X, V_Y, V_Z, work_for
-from walkergen.core.theory import standing
+from walkergen.core.theory import stationary
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
@@ -226,5 +226,5 @@ def test_a_motor_and_a_crowd_know_no_plate_that_sways():
 def test_a_plate_that_throws_nothing_up_may_still_convey():
     scene = PLANE.variant(**{"drive.gamma": 0.5})
     mass = solids.mass_of(PAPER)
-    assert standing.standing_reason(scene, PAPER, mass)
-    assert not standing.standing_reason(scene.variant(**{"plate.along_ratio": 1.0}), PAPER, mass)
+    assert stationary.standing_reason(scene, PAPER, mass)
+    assert not stationary.standing_reason(scene.variant(**{"plate.along_ratio": 1.0}), PAPER, mass)

@@ -17,7 +17,7 @@ ABSENT = {
         "walkergen.readers.walkers.caps",
         "walkergen.core.walker.pockets",
     ),
-    *("walkergen.readers.walkers.leg_attachment", "walkergen.readers.walkers.stance", "walkergen.core.walker.planar"),
+    *("walkergen.readers.walkers.leg_attachment", "walkergen.readers.walkers.stance"),
     *("walkergen.core.shapes.joining", "walkergen.core.theory.balance"),
 }
 """Modules of parts that it has not."""

@@ -4,7 +4,7 @@ import pytest
 
 from walkergen.core.measure import Runs, measure
 from walkergen.core.scene import Scene
-from walkergen.core.theory import prediction, standing
+from walkergen.core.theory import prediction, stationary
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
@@ -45,7 +45,7 @@ def test_a_plate_below_gravity_throws_nothing(tilt, gamma):
     ],
 )
 def test_what_may_run_is_not_said_to_stand(keys):
-    assert standing.standing_reason(*asked(**keys)) == ""
+    assert stationary.standing_reason(*asked(**keys)) == ""
 
 
 def test_without_friction_nothing_pushes():
@@ -64,7 +64,7 @@ def test_without_friction_nothing_pushes():
 )
 def test_the_model_in_space_stands_too(keys):
     scene, design, mass = asked(**keys)
-    assert standing.standing_reason(scene, design, mass)
+    assert stationary.standing_reason(scene, design, mass)
     short = scene.variant(**{"run.seconds": 1.0, "run.runs": 4})
     speed = measure(Walker(short, design, mass), Runs(short.run.runs)).quantities["speed_mm_s"]
     # feet creep by a hundredth of the plate's speed at most: they are elastic

@@ -13,6 +13,7 @@ from PIL import Image
 from walkergen.commands.family import preview
 from walkergen.core.errors import GeometryError
 from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.shapes import modeller
 from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker import mass, solids, weighed_masses
 from walkergen.core.walker.design import Design
@@ -75,7 +76,7 @@ def test_a_cap_on_its_walker_is_read_from_above_with_its_front_ahead(kind, numbe
 @pytest.mark.parametrize("kind", ["engraved", "raised"])
 def test_every_cap_is_one_closed_body(kind):
     for number in range(100):
-        assert solids.count_bodies(caps.build_tile(Cap(kind=kind, dictionary="4x4_100", number=number))) == 1
+        assert modeller.count_bodies(caps.build_tile(Cap(kind=kind, dictionary="4x4_100", number=number))) == 1
 
 
 def test_the_mass_of_a_tile_is_that_of_its_cells():

@@ -9,9 +9,9 @@ from walkergen.core.files import config
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.plan import prepare
 from walkergen.core.theory.speed import factors
+from walkergen.core.theory.stationary import project_to_plane
 from walkergen.core.walker import mass, solids
 from walkergen.core.walker.design import Design
-from walkergen.core.walker.planar import project_to_plane
 
 DENSITY = 1.24e-3
 

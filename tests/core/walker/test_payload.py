@@ -14,6 +14,7 @@ from walkergen.core.files import config
 from walkergen.core.printing import checks
 from walkergen.core.printing.pocket_checks import ceiling_span, thinnest_wall
 from walkergen.core.printing.printers import Printer
+from walkergen.core.shapes import modeller
 from walkergen.core.walker import names, pockets, solids, weighed_masses
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
@@ -114,7 +115,7 @@ def test_parts_go_into_their_pockets_with_their_clearance(name):
     built = solids.build(design)
     printed = trimesh.Trimesh(*built.walker, process=False)
     assert printed.is_watertight
-    assert solids.count_bodies(built.walker) == 1
+    assert modeller.count_bodies(built.walker) == 1
     sampled, _ = trimesh.sample.sample_surface(printed, 50_000, seed=1)
     points = np.concatenate([printed.vertices, sampled])
     for part in design.parts.values():
@@ -311,7 +312,7 @@ def test_marks_that_pockets_take_away_are_refused():
     assert "marks.serial = 7" in line
     assert line.count("\n") == 0
     beside = shipped("spinner").variant(**{"marks.kind": "text", "marks.text": "A7"})
-    assert solids.count_bodies(solids.build(beside).walker) == 1
+    assert modeller.count_bodies(solids.build(beside).walker) == 1
 
 
 def test_pockets_are_in_no_drawing_for_a_laser_cutter():

@@ -11,6 +11,7 @@ from walkergen.commands.plate import make as batch
 from walkergen.commands.plate.request import PlateRequest
 from walkergen.core.errors import GeometryError
 from walkergen.core.printing.printers import Printer
+from walkergen.core.shapes import modeller
 from walkergen.core.walker import names, solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
@@ -41,7 +42,7 @@ def test_a_number_stands_beside_the_mark_and_takes_plastic(keys, shown):
     assert own.mark == shown
     bare = own.variant(**{"marks.serial": None}) if keys else PAPER
     built, before = solids.build(own), solids.build(bare)
-    assert solids.count_bodies(built.walker) == 1
+    assert modeller.count_bodies(built.walker) == 1
     assert solids.weigh(own, built).M < solids.weigh(bare, before).M
     other = solids.build(numbered(PAPER, 41, **keys))
     assert other.walker.vertices.shape != built.walker.vertices.shape or not np.array_equal(
@@ -60,7 +61,7 @@ def test_numbers_keep_below_notches():
 def test_a_body_in_plan_view_bears_it_in_letters():
     own = numbered(DISC, 7)
     assert own.letters == own.mark == "7"
-    assert solids.count_bodies(solids.build(own).walker) == 1
+    assert modeller.count_bodies(solids.build(own).walker) == 1
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,8 @@ from slicing import print_of, program
 
 from walkergen.core.printing import walls
 from walkergen.core.printing.printers import Printer
-from walkergen.core.walker import mass, solids
+from walkergen.core.shapes import modeller
+from walkergen.core.walker import mass
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.guests.lab import beams
@@ -49,14 +50,14 @@ def test_meshes_are_closed_and_as_large_as_drawn():
     printer = PRINTERS["prusa-mk3s"]
     for one in parts.make_strips(PAPER, printer):
         mesh, strip = parts.strip_mesh(one), one.strip
-        assert solids.count_bodies(mesh) == 1
+        assert modeller.count_bodies(mesh) == 1
         long, deep = parts.CLAMP_MM
         whole = (long * deep + strip.length * strip.thickness) * strip.width
         volume = mass.weigh(mesh, 1.0).mass
         assert 0.97 * whole < volume < whole  # less the number on it
         assert np.ptp(mesh.vertices, axis=0) == pytest.approx((long + strip.length, deep, strip.width))
     block = parts.block_mesh(printer)
-    assert solids.count_bodies(block) == 1
+    assert modeller.count_bodies(block) == 1
     assert mass.weigh(block, 1.0).mass == pytest.approx(parts.block_volume(*parts.block_size(printer)), rel=1e-9)
 
 

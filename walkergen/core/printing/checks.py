@@ -16,8 +16,9 @@ from walkergen.core.printing.findings import ROUNDING_MM, About, Finding, Level,
 from walkergen.core.printing.packing import Part, Plate, border_width, spacing
 from walkergen.core.printing.printers import Printer
 from walkergen.core.printing.walls import Wall
+from walkergen.core.shapes import modeller
 from walkergen.core.shapes.mesh import Mesh
-from walkergen.core.walker import solids
+from walkergen.core.walker import sections, solids
 from walkergen.core.walker.design import Design
 
 ONE_LINE_RANGE, TWO_LINES_RANGE = (0.75, 1.45), (1.75, 1.95)
@@ -183,12 +184,12 @@ def _classic_walls_hint(lines: float, printer: Printer) -> str:
 
 def _check_gaps(design: Design, printer: Printer) -> Iterator[Finding]:
     width = printer.line_width_mm
-    for window, name in walls.group_legs(design, solids.window_width):
+    for window, name in walls.group_legs(design, sections.window_width):
         if 0.0 < window < width:
             what = f"the window between {'leg and brace' if name == 'leg' else f'leg and brace of {name}'} may fuse"
             change = "tilt the legs more, or less; the legs are braced either way"
             yield make_finding(About.LEGS, "warning", what, window, width, "mm", change)
-    clearance = solids.leg_clearance(design.limbs)
+    clearance = sections.leg_clearance(design.limbs)
     if clearance < width:
         what = f"{'the two' if len(design.limbs) == 2 else 'two'} legs may fuse"
         change = "raise legs.contact_spacing_mm" if design.pair else "move them apart"
@@ -262,7 +263,7 @@ def _check_size(part: Part, printer: Printer) -> Iterator[Finding]:
 
 
 def _check_mesh(mesh: Mesh) -> Iterator[Finding]:
-    bodies = solids.count_bodies(mesh)
+    bodies = modeller.count_bodies(mesh)
     if bodies != 1:
         change = "enlarge details below about 1e-5 mm, which files do not hold"
         yield make_finding(About.WALKER, "error", "the mesh is not one closed body", bodies, 1, "bodies", change)

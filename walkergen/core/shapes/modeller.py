@@ -37,3 +37,17 @@ def split_bodies(manifold: manifold3d.Manifold) -> list[manifold3d.Manifold]:
     """Split a solid into its bodies, largest first; closed cavities do not count as bodies."""
     outward = [piece for piece in manifold.decompose() if piece.volume() > 0.0]
     return sorted(outward, key=lambda piece: -piece.volume())
+
+
+def count_bodies(mesh: Mesh) -> int:
+    """Count the closed bodies of a mesh with coordinates as 32-bit floats, as in a file; cavities are none.
+
+    Zero if it is not closed and oriented, or encloses nothing. Vertices that coincide are merged.
+    """
+    rounded = mesh.vertices.astype(np.float32)
+    vertices, index = np.unique(rounded, axis=0, return_inverse=True)
+    triangles = index.reshape(-1)[mesh.triangles].astype(np.uint32)
+    solid = manifold3d.Manifold(manifold3d.Mesh(vertices, triangles))
+    if solid.status() != manifold3d.Error.NoError or solid.volume() <= 0.0:
+        return 0
+    return len(split_bodies(solid))

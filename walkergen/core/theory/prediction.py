@@ -16,10 +16,10 @@ import numpy.typing as npt
 from walkergen.core.files import formatting
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import Scene
-from walkergen.core.theory import standing, surrogate, uncertain_inputs
+from walkergen.core.theory import surrogate, uncertain_inputs
 from walkergen.core.theory.networks import Speeds
 from walkergen.core.theory.speed import Mode
-from walkergen.core.theory.stationary import Stationary, stationary
+from walkergen.core.theory.stationary import Stationary, standing_reason, stationary
 from walkergen.core.theory.surrogate import NORMAL_95, FallsError, Known, UnknownError
 from walkergen.core.theory.uncertain_inputs import PREDICTION_READER, QUANTILES, Drawn, Input, Share
 from walkergen.core.walker import solids
@@ -200,7 +200,7 @@ def model_error_sd(speed: Array | float, scene: Scene) -> Array:
 
 def compute_speed(design: Design, mass: MassProperties, scene: Scene, drawn: Drawn | None = None) -> PredictedSpeed:
     """Compute a walker's speed by statics or the surrogate. Raises UnknownError if neither applies."""
-    if stands := standing.standing_reason(scene, design, mass):
+    if stands := standing_reason(scene, design, mass):
         rest = make_speed("nominal", 0.0, 0.0, (0.0, 0.0, 0.0, 0.0))
         return PredictedSpeed(rest, rest._replace(key="speed"), "statics", stands)
     known = surrogate.case_in_domain(scene, design, mass)

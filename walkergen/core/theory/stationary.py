@@ -1,7 +1,10 @@
-"""Stationary speed of a whole walker: the paper's mean of two equal feet, or the feet's balance.
+"""Stationary speed of a whole walker: zero at rest, the paper's mean of two equal feet, or the feet's balance.
 
-Two equal feet are taken to have as many impacts, as in the paper; unlike feet have as many as
-balance the angular momentum (`walkergen.core.theory.balance`).
+A body stays on its feet while the plate's largest downward acceleration, times what the legs add to it, is less than
+gravity. The feet keep to the plate by friction unless it is too steep. Without friction no foot pushes along a level
+plate. Two equal feet have equally many impacts, as in the paper. Those of unlike feet balance the angular momentum
+(`walkergen.core.theory.balance`). The theory knows the run and the height only: a pair of legs side by side is one leg
+of the plane, with their masses, widths and stiffnesses added. In space one of them lands first where the walker rolls.
 """
 
 import math
@@ -10,11 +13,15 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.core.scene import GRAVITY, Scene
+from walkergen.core.theory.hertz import tip_stiffness
 from walkergen.core.theory.speed import Array, Factors, Mode, factor, factors
 from walkergen.core.theory.tensors import foot_tensors
 from walkergen.core.theory.uncertain_inputs import scale_proportionally
 from walkergen.core.walker.design import Design
-from walkergen.core.walker.mass import MassProperties
+from walkergen.core.walker.limbs import Limb
+from walkergen.core.walker.mass import LegMass, MassProperties
+from walkergen.core.walker.sections import section_of
 
 Flags = npt.NDArray[np.bool_]
 
@@ -49,8 +56,6 @@ def stationary(
     """
     if design.pair:
         return _average_equal_feet(factors(mass, restitution, friction, mode))
-    from walkergen.core.walker.planar import project_to_plane
-
     flat = project_to_plane(design, mass)
     if design.alike:
         return _average_equal_feet(factors(flat.mass, restitution, friction, mode))
@@ -90,3 +95,79 @@ def _format_note(design: Design, note: str, shares: Array) -> str:
     if not design.symmetric:
         note += "; legs are not alike left and right: it turns, which only the model in space knows"
     return note
+
+
+class Planar(NamedTuple):
+    """Walker in the plane; its legs from back to front."""
+
+    mass: MassProperties
+    limbs: tuple[Limb, ...]
+    """Legs of the plane, as wide as the legs that they represent together."""
+
+
+def project_to_plane(design: Design, mass: MassProperties) -> Planar:
+    """Project a walker to its side view; two equal legs stay unchanged."""
+    if design.pair:
+        return Planar(mass, design.limbs)
+    groups: dict[tuple[object, ...], list[tuple[Limb, LegMass]]] = {}
+    for limb, leg in zip(design.limbs, mass.legs, strict=True):
+        key = limb._replace(width=0.0, across=0.0, thickness_sd=0.0)
+        groups.setdefault(key, []).append((limb, leg))
+    merged = sorted((_merge_legs(group) for group in groups.values()), key=lambda pair: pair[0].along)
+    return Planar(mass._replace(legs=tuple(leg for _, leg in merged)), tuple(limb for limb, _ in merged))
+
+
+def _merge_legs(group: list[tuple[Limb, LegMass]]) -> tuple[Limb, LegMass]:
+    (limb, leg), legs = group[0], [leg for _, leg in group]
+    return (
+        limb._replace(width=sum(limb.width for limb, _ in group)),
+        leg._replace(m=sum(leg.m for leg in legs), j=sum(leg.j for leg in legs)),
+    )
+
+
+def standing_reason(scene: Scene, design: Design, mass: MassProperties) -> str:
+    """Return the reason why a walker rests; "" if it may run.
+
+    Source: statics; the amplification is that of an undamped mass on a spring. Its rival are the runs of
+    tests/core/theory/test_standing.py.
+    """
+    drive, plate, contact = scene.drive, scene.plate, scene.contact
+    if plate.sways:
+        return ""
+    frictions = [contact.friction if limb.friction is None else limb.friction for limb in design.limbs]
+    if max(frictions) == 0.0 and plate.slope_deg == 0.0:
+        return "without friction no foot pushes: the walker bounces in place"
+    if drive.kind != "plate" or plate.noise_ratio > 0.0:
+        return ""
+    slope = math.radians(abs(plate.slope_deg))
+    if math.tan(slope) >= min(frictions):
+        return ""
+    thrown = _largest_acceleration(scene) * _amplification(scene, design, mass)
+    if thrown >= GRAVITY * math.cos(slope):
+        return ""
+    return f"the plate throws nothing up (peak acceleration {drive.peak_gamma:.3g} g): the walker stands"
+
+
+def _largest_acceleration(scene: Scene) -> float:
+    """Bound on the plate's acceleration, mm/s^2: the second harmonic's adds up at most."""
+    return scene.drive.peak_gamma * GRAVITY * (1.0 + 4.0 * scene.drive.second_harmonic_ratio)
+
+
+def _amplification(scene: Scene, design: Design, mass: MassProperties) -> float:
+    """Return the acceleration of a body on its legs over the plate's; infinite beyond their resonance."""
+    modulus = 1e9 * design.material.youngs_modulus_gpa
+    load = float(mass.total) * GRAVITY / (2 * len(design.limbs))
+    tip = tip_stiffness(scene, design.material)
+    softer = 0.5 / (1.5 * tip ** (2.0 / 3.0) * load ** (1.0 / 3.0))  # of both tips of a foot at rest
+    stiffness = sum(1.0 / (_vertical_compliance(limb, modulus) + softer) for limb in design.limbs)
+    fastest = scene.drive.omega * (2.0 if scene.drive.second_harmonic_ratio else 1.0)
+    ratio = fastest**2 * float(mass.total) / stiffness
+    return 1.0 / (1.0 - ratio) if ratio < 1.0 else math.inf
+
+
+def _vertical_compliance(limb: Limb, modulus: float) -> float:
+    """Return the vertical compliance of a leg with a sliding foot, s^2/g: it bends as a cantilever and is pressed."""
+    softness = math.cos(limb.tilt) ** 2 / (modulus * limb.width * section_of(limb).axial(limb))
+    if not limb.rigid:
+        softness += math.sin(limb.tilt) ** 2 * limb.length**3 / (3.0 * modulus * section_of(limb).second_moment(limb))
+    return softness

@@ -20,7 +20,6 @@ from walkergen.core.walker import resolve
 from walkergen.core.walker.body import Shape, Size
 from walkergen.core.walker.fittings import Marks
 from walkergen.core.walker.limbs import Kind, Legs, Limb
-from walkergen.core.walker.readers import load_readers
 from walkergen.core.walker.spec import DEFAULT_TILT_DEG, WalkerSpec, merge_walker_table
 
 SHORT_KEYS = {"tilt": "tilt_deg", "text": "body.text", "mirror": "body.mirror"}
@@ -39,7 +38,7 @@ class Design(WalkerSpec):
         if data.get("stance") != "as built":
             return data
         follow = data.get("leg_tilt_deg")
-        return load_readers().stand_level(data, DEFAULT_TILT_DEG if follow is None else follow)
+        return resolve.load_readers().level_feet(data, DEFAULT_TILT_DEG if follow is None else follow)
 
     @model_validator(mode="after")
     def _check_buildable(self) -> Self:
@@ -214,7 +213,7 @@ class Design(WalkerSpec):
         """Mark that the part shows: its tilt in digits, its notches drawn with #, or nothing."""
         if self.marks.blank:
             return ""
-        return load_readers().mark_text(self.marks, self.family.tilt_deg, self.tilt_deg)
+        return resolve.load_readers().format_mark(self.marks, self.family.tilt_deg, self.tilt_deg)
 
     @property
     def unmarked(self) -> "Design":

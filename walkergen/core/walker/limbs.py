@@ -167,46 +167,34 @@ def embedding_height(bottom: float) -> float:
 
 
 def resolve_pair(legs: Legs, depth: float, bottom: float) -> tuple[Limb, ...]:
-    """Two equal legs, back and front, on a body `depth` mm deep with its underside at `bottom`."""
+    """Return two equal legs, back and front, on a body `depth` mm deep with its underside at `bottom`."""
     half = 0.5 * legs.contact_spacing_mm
-    return tuple(
-        Limb(
-            legs.kind,
-            math.radians(legs.tilt_deg),
-            legs.length_mm,
-            legs.thickness_mm,
-            legs.thickness_sd_mm,
-            legs.brace_thickness_mm,
-            legs.foot,
-            along,
-            0.0,
-            legs.width_mm or depth,
-            bottom,
-            embedding_height(bottom),
-            None,
-            None,
-        )
-        for along in (-half, half)
-    )
+    return tuple(_make_limb(legs, legs.tilt_deg, legs.thickness_mm, along, depth, bottom) for along in (-half, half))
 
 
 def resolve_leg(leg: Leg, follow_deg: float, depth: float, bottom: float) -> Limb:
-    """Leg of a list; without a tilt of its own it has `follow_deg`."""
+    """Return a leg of a list; without a tilt of its own it has `follow_deg`."""
     tilt = follow_deg if leg.tilt_deg is None else leg.tilt_deg
     thickness = leg.thickness_mm or Legs(kind=leg.kind).thickness_mm
+    limb = _make_limb(leg, 0.0 - tilt if leg.mirrored else tilt, thickness, leg.along_mm, depth, bottom)
+    return limb._replace(across=leg.across_mm, friction=leg.friction, restitution=leg.restitution)
+
+
+def _make_limb(keys: Legs | Leg, tilt_deg: float, thickness: float, along: float, depth: float, bottom: float) -> Limb:
+    """Return a leg in the middle of the depth, with the scene's contact."""
     return Limb(
-        leg.kind,
-        math.radians(0.0 - tilt if leg.mirrored else tilt),
-        leg.length_mm,
-        thickness,
-        leg.thickness_sd_mm,
-        leg.brace_thickness_mm,
-        leg.foot,
-        leg.along_mm,
-        leg.across_mm,
-        leg.width_mm or depth,
-        bottom,
-        embedding_height(bottom),
-        leg.friction,
-        leg.restitution,
+        kind=keys.kind,
+        tilt=math.radians(tilt_deg),
+        length=keys.length_mm,
+        thickness=thickness,
+        thickness_sd=keys.thickness_sd_mm,
+        brace=keys.brace_thickness_mm,
+        foot=keys.foot,
+        along=along,
+        across=0.0,
+        width=keys.width_mm or depth,
+        bottom=bottom,
+        embedding=embedding_height(bottom),
+        friction=None,
+        restitution=None,
     )

@@ -1,23 +1,29 @@
-"""Resolve what a person wrote of a walker: the shape of its body, its legs where they stand, and what hinders them.
+"""Resolve the keys of a walker: the shape of its body, the positions of its legs, and the faults of both.
 
-This alone reads drawings and meshes and places legs, by the readers that `readers.py` loads for bodies other than
-rectangles.
+Drawings and meshes are read, and legs are placed, by `walkergen.readers`. The readers are above the core and import
+it. They are loaded when a design first needs one of them; a plain rectangle needs none.
 """
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 
 from walkergen.core.errors import GeometryError, Remedy
+from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker.body import Body, Shape, Size, rectangle_shape
-from walkergen.core.walker.fittings import place_problems
-from walkergen.core.walker.limbs import Legs, Limb, resolve_leg, resolve_pair
-from walkergen.core.walker.readers import load_readers
+from walkergen.core.walker.fittings import Cap, Marks, place_problems
+from walkergen.core.walker.limbs import Legs, Limb, Polygon, resolve_leg, resolve_pair
+from walkergen.core.walker.mass import SolidMass
 from walkergen.core.walker.sections import section_of
 from walkergen.core.walker.spec import WalkerSpec
+
+if TYPE_CHECKING:
+    from walkergen.core.shapes import joining
 
 MAX_HEIGHT_DIFFERENCE_MM = 0.005
 """Largest difference of the feet's heights of a walker that stands level, mm: as much as prints
@@ -25,6 +31,32 @@ differ anyway (feet.unevenness_sd_um)."""
 
 ROUNDING_MM = 1e-9
 """Largest error, mm, of sums of lengths that people write."""
+
+
+class Readers(Protocol):
+    """Functions of `walkergen.readers`, whose docstrings are there.
+
+    A str for a body or legs is their JSON, the key for caching results. `Any` is a `Design` or a `Placement`.
+    """
+
+    shape_of: Callable[[Body], Shape]
+    prepare_body: "Callable[[str], joining.Body]"
+    body_mass: Callable[[str], SolidMass]
+    extend_legs: Callable[[str, tuple[Limb, ...]], tuple[Limb, ...]]
+    find_placement: Callable[[str, str], Any]
+    auto_remedies: Callable[[Body, Legs], Sequence[Remedy]]
+    level_feet: Callable[[Mapping[str, Any], float], dict[str, Any]]
+    format_mark: Callable[[Marks, Sequence[float], float], str]
+    mark_problems: Callable[[Marks, Sequence[float], float, tuple[float, float, float]], list[str]]
+    add_notches: Callable[[Any, Polygon], Polygon]
+    engraved_profiles: Callable[[Any], list[Polygon]]
+    cut_letters: Callable[[Mesh, Any], Mesh]
+    place_on_body: Callable[[Cap, Mesh, float], Mesh]
+
+
+def load_readers() -> Readers:
+    """Load the readers."""
+    return cast(Readers, import_module("walkergen.readers"))
 
 
 def shape_of(body: Body) -> Shape:
@@ -45,7 +77,8 @@ def place_legs(spec: WalkerSpec) -> tuple[Limb, ...]:
         return shape.whole.limbs(legs.kind, shape.size.depth)
     if spec.placed:
         assert isinstance(legs, Legs)
-        return load_readers().place_legs(spec.body.key, legs.model_dump_json())
+        placed: tuple[Limb, ...] = load_readers().find_placement(spec.body.key, legs.model_dump_json()).limbs
+        return placed
     depth, bottom = shape.size.depth, -0.5 * shape.size.thickness
     if isinstance(legs, Legs):
         limbs = resolve_pair(legs, depth, bottom)
@@ -53,13 +86,14 @@ def place_legs(spec: WalkerSpec) -> tuple[Limb, ...]:
         limbs = tuple(resolve_leg(leg, spec.followed_tilt_deg, depth, bottom) for leg in legs)
     if spec.body.plain or spec.body.flat:
         return limbs
-    return load_readers().meet_body(spec.body.key, limbs)
+    return load_readers().extend_legs(spec.body.key, limbs)
 
 
 def describe_placement(spec: WalkerSpec) -> str:
     """Describe the positions of automatic legs. Raises UnplacedError if there are none."""
     assert isinstance(spec.legs, Legs)
-    return load_readers().describe_placement(spec.body.key, spec.legs.model_dump_json())
+    words: str = load_readers().find_placement(spec.body.key, spec.legs.model_dump_json()).words
+    return words
 
 
 def family_tilt_deg(spec: WalkerSpec) -> float:
@@ -94,7 +128,7 @@ def _suggest_placement(spec: WalkerSpec) -> Sequence[Remedy]:
     """Suggest automatic placement if two equal legs do not stand at their given places."""
     if not isinstance(spec.legs, Legs) or spec.placed or spec.whole:
         return []
-    return load_readers().suggest_placement(spec.body, spec.legs)
+    return load_readers().auto_remedies(spec.body, spec.legs)
 
 
 def _mark_faults(spec: WalkerSpec, size: Size) -> list[str]:

@@ -6,26 +6,22 @@ side that prints last, by a second, shallow extrusion taken from the first.
 """
 
 import itertools
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-import manifold3d
 import numpy as np
 
 from walkergen.core.errors import GeometryError
 from walkergen.core.numerics import Array
-from walkergen.core.shapes import modeller
-from walkergen.core.shapes.extrusion import MIN_WINDOW_RATIO as MIN_WINDOW_RATIO
-from walkergen.core.shapes.extrusion import Engraving, extrude
+from walkergen.core.shapes.extrusion import MIN_WINDOW_RATIO, Engraving, extrude
 from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker import mass
 from walkergen.core.walker.body import FinishedWalker
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.limbs import Limb, Polygon
 from walkergen.core.walker.mass import LegMass, MassProperties, SolidMass, Spatial
-from walkergen.core.walker.readers import load_readers
-from walkergen.core.walker.sections import section_of
+from walkergen.core.walker.resolve import load_readers
+from walkergen.core.walker.sections import section_of, window_width
 
 if TYPE_CHECKING:
     from walkergen.core.shapes import joining
@@ -89,7 +85,7 @@ def _build_cap(design: Design, body: Mesh) -> Mesh | None:
     """Build the cap of a body; None without a cap. Raises GeometryError."""
     if design.cap is None:
         return None
-    return load_readers().put_cap(design.cap, body, design.size.depth)
+    return load_readers().place_on_body(design.cap, body, design.size.depth)
 
 
 def _add_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
@@ -147,8 +143,8 @@ def _build_any_body(design: Design, foot_segments: int, united: bool) -> Solids:
     from walkergen.core.shapes import joining
 
     readers = load_readers()
-    ground, limbs, depth = readers.solid_of(design.body.key), design.limbs, design.size.depth
-    weighed = None if design.letters else readers.mass_of(design.body.key)
+    ground, limbs, depth = readers.prepare_body(design.body.key), design.limbs, design.size.depth
+    weighed = None if design.letters else readers.body_mass(design.body.key)
     if design.letters:
         ground = joining.prepare_body(readers.cut_letters(ground.mesh, design))
     sections = _leg_profiles(limbs, foot_segments)
@@ -343,48 +339,6 @@ def assemble(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | 
 def has_window(limb: Limb) -> bool:
     """Return whether there is air between a braced leg and its brace, as at all but small tilts."""
     return window_width(limb) > MIN_WINDOW_RATIO * limb.length
-
-
-def window_width(limb: Limb) -> float:
-    """Return the width of the gap between a leg and its strut along the body's bottom face, mm.
-
-    There it is widest; it is negative where leg and strut overlap, and 0 for legs without struts.
-    """
-    struts = section_of(limb).struts(limb)
-    return min((abs(strut.offset) - (limb.half_width + 0.5 * strut.thickness) for strut in struts), default=0.0)
-
-
-def leg_clearance(limbs: Sequence[Limb]) -> float:
-    """Return the smallest distance along the run between two legs (or their braces) in line, mm."""
-    apart = [math.inf]
-    for first, second in itertools.combinations(limbs, 2):
-        back, front = sorted((first, second), key=lambda limb: limb.along)
-        if abs(first.across - second.across) >= 0.5 * (first.width + second.width):
-            continue
-        spacing = front.along - back.along
-        if back.tilt == front.tilt:
-            apart.append(spacing - (back.half_width + front.half_width))
-        else:
-            apart.append(min(spacing, front.anchor[0] - back.anchor[0]) - (back.half_width + front.half_width))
-        for limb in (back, front):
-            for strut in section_of(limb).struts(limb):
-                crossing = abs(strut.offset) + limb.half_width + 0.5 * strut.thickness
-                apart.append(spacing - crossing)
-    return min(apart)
-
-
-def count_bodies(mesh: Mesh) -> int:
-    """Count the closed bodies of a mesh with coordinates as 32-bit floats, as in a file; cavities are none.
-
-    Zero if it is not closed and oriented, or encloses nothing. Vertices that coincide are merged.
-    """
-    rounded = mesh.vertices.astype(np.float32)
-    vertices, index = np.unique(rounded, axis=0, return_inverse=True)
-    triangles = index.reshape(-1)[mesh.triangles].astype(np.uint32)
-    solid = manifold3d.Manifold(manifold3d.Mesh(vertices, triangles))
-    if solid.status() != manifold3d.Error.NoError or solid.volume() <= 0.0:
-        return 0
-    return len(modeller.split_bodies(solid))
 
 
 def _body_profile(design: Design) -> Polygon:

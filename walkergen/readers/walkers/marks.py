@@ -82,7 +82,7 @@ def notches(
 ) -> list[Rectangle]:
     """Return the grooves in the upper edge of a body, from front to back; none unless the marks are notches.
 
-    The start lies one unit from the front end. Valid when `problems` reports none.
+    The start lies one unit from the front end. Valid if `mark_problems` returns none.
     """
     if marks.kind != "notches":
         return []
@@ -121,7 +121,9 @@ def _notch_depth(marks: Marks) -> float:
     return marks.depth_mm if marks.kind == "notches" else 0.0
 
 
-def problems(marks: Marks, tilts_deg: Sequence[float], tilt_deg: float, body: tuple[float, float, float]) -> list[str]:
+def mark_problems(
+    marks: Marks, tilts_deg: Sequence[float], tilt_deg: float, body: tuple[float, float, float]
+) -> list[str]:
     """Return the reasons why a body of length, thickness, depth (mm) has no room for its marks, one line each."""
     length, thickness, depth = body
     if marks.kind == "text" and marks.depth_mm > 0.5 * depth:

@@ -1,5 +1,8 @@
-"""Cross-sections of legs, a file each: what follows from a leg's kind."""
+"""Cross-sections of legs, one file for each kind, and the gaps between legs and braces."""
 
+import itertools
+import math
+from collections.abc import Sequence
 from typing import Protocol
 
 from walkergen.core.walker.limbs import Kind, Limb, Polygon, Strut
@@ -40,3 +43,31 @@ SECTIONS: dict[Kind, CrossSection] = {"flexible": flexible, "braced": braced}
 def section_of(limb: Limb) -> CrossSection:
     """Return the cross-section of a leg."""
     return SECTIONS[limb.kind]
+
+
+def window_width(limb: Limb) -> float:
+    """Return the width of the gap between a leg and its strut along the body's bottom face, mm.
+
+    There it is widest; it is negative where leg and strut overlap, and 0 for legs without struts.
+    """
+    struts = section_of(limb).struts(limb)
+    return min((abs(strut.offset) - (limb.half_width + 0.5 * strut.thickness) for strut in struts), default=0.0)
+
+
+def leg_clearance(limbs: Sequence[Limb]) -> float:
+    """Return the smallest distance along the run between two legs (or their braces) in line, mm."""
+    apart = [math.inf]
+    for first, second in itertools.combinations(limbs, 2):
+        back, front = sorted((first, second), key=lambda limb: limb.along)
+        if abs(first.across - second.across) >= 0.5 * (first.width + second.width):
+            continue
+        spacing = front.along - back.along
+        if back.tilt == front.tilt:
+            apart.append(spacing - (back.half_width + front.half_width))
+        else:
+            apart.append(min(spacing, front.anchor[0] - back.anchor[0]) - (back.half_width + front.half_width))
+        for limb in (back, front):
+            for strut in section_of(limb).struts(limb):
+                crossing = abs(strut.offset) + limb.half_width + 0.5 * strut.thickness
+                apart.append(spacing - crossing)
+    return min(apart)
