@@ -1,4 +1,4 @@
-"""Commands of the evidence, and what each is asked for."""
+"""Commands of `python -m evidence`, each with its request."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -20,7 +20,7 @@ Quick = Annotated[bool, Flag("Simulate less: wider error bars.")]
 
 
 def _drives(value: object) -> list[float]:
-    """Drives, g, of a text with commas or as they are."""
+    """Return the drives (g) of a text with commas or of a list."""
     numbers = [field_values.parse_number(word) for word in field_values.split_values(value)]
     if not all(0.01 <= number <= 50.0 for number in numbers):
         raise ValueError("each must lie in 0.01..50")
@@ -28,7 +28,7 @@ def _drives(value: object) -> list[float]:
 
 
 class ValidateRequest(request.Request):
-    """Put every prediction beside what is known outside: number, error, source, verdict."""
+    """Compare every prediction with outside results: number, error, source, verdict."""
 
     only: Annotated[
         str | None, Flag("Comma-separated groups: paper, closed, bouncing, rivals, programs.", "GROUPS")

@@ -1,4 +1,4 @@
-"""Facts that the paper states, which stand in published.toml, and how our numbers stand beside them."""
+"""Facts that the paper states, from published.toml, and their comparison with our numbers."""
 
 import math
 import tomllib
@@ -9,7 +9,7 @@ from walkergen.core.numerics.quantity import Quantity, Verdict
 
 
 class Fact(NamedTuple):
-    """Statement of the paper with which a number can be compared."""
+    """Statement of the paper that a number can be compared with."""
 
     key: str
     figure: int
@@ -44,11 +44,11 @@ class Fact(NamedTuple):
         return f"{self.value:g} ({self.low:.2g} to {self.high:.2g}){unit}"
 
     def verdict(self, ours: Quantity) -> Verdict:
-        """How our number stands beside the statement: all of its bounds, of 95 %, within the range agree."""
+        """Compare our number with the statement. They agree if all of the 95 % bounds are within the range."""
         return ours.compare_with_range(self.low, self.high)
 
     def off(self, ours: Quantity) -> float | None:
-        """Distance of our number from the stated value; from the bound, where the paper states a bound."""
+        """Return the distance of our number from the stated value or bound."""
         if ours.value is None:
             return None
         if self.bound:

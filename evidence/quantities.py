@@ -1,4 +1,4 @@
-"""Quantities beside others: ratios, and whether two agree."""
+"""Ratios of quantities, and whether two quantities agree."""
 
 import math
 
@@ -6,7 +6,7 @@ from walkergen.core.numerics.quantity import Quantity, Verdict
 
 
 def ratio(above: Quantity, below: Quantity) -> Quantity:
-    """Ratio of two independent quantities, the second not 0, without a unit; errors to first order."""
+    """Return the ratio of two independent quantities, the second not 0, with errors to first order."""
     if above.value is None or below.value is None:
         return Quantity(above.key, "", None, None, refused=above.refused or below.refused or "no value")
     quotient = above.value / below.value
@@ -18,11 +18,10 @@ def ratio(above: Quantity, below: Quantity) -> Quantity:
 
 
 def compare(ours: Quantity, other: Quantity, margin: float = 0.0, allowed: float = 0.0) -> Verdict:
-    """How a quantity stands beside another: their difference within `margin` of the other, or `allowed` in the unit.
+    """Compare a quantity with another. The range is the larger of `margin` times the other and `allowed` in the unit.
 
-    The larger of both counts. It says agree when the whole interval of the difference lies within
-    what is allowed, disagree when none of it does, undecided in between: the noisier a number, the
-    less it agrees. So without a margin only numbers without errors agree.
+    They agree if the whole interval of the difference lies within the range, disagree if none of it does, and are
+    undecided otherwise. A noisy number agrees less often, and without a range only numbers without errors agree.
     """
     room = max(margin * abs(other.value or 0.0), allowed)
     return ours.minus(other).compare_with_range(-room, room)

@@ -17,11 +17,11 @@ from walkergen.files.report import Column, Report, Table
 NAME = "crowd_checks"
 
 MARGIN = 0.1
-"""Share of the number of space by which the plane may differ: a card that is off by more moves who meets whom."""
+"""Largest difference of the plane from space, as a share of the number in space."""
 
 ALLOWED = {"": 0.05, "deg": 2.0, "mm": 0.3, "rad_s": 0.05}
-"""The same by units, of what may be near 0: a twentieth of an order or a share; a turn of two degrees, hardly seen
-in a film; a way of 1 mm/s in 0.3 s; a turn of three degrees a second."""
+"""Largest difference in each unit, for numbers near 0: a twentieth of an order or a share; a turn of two degrees; a
+displacement at 1 mm/s in 0.3 s; a turning rate of three degrees a second."""
 
 KEYS = (
     *("check", "case", "quantity", "space", "space_se", "plane", "plane_se"),
@@ -38,21 +38,21 @@ LEGEND = (
 
 
 SEEN = ("speed", "polar_order", "nematic_order", "local_polar_order", "local_nematic_order")
-"""Numbers of a crowd by which cards hold at a packing, or do not; with them g."""
+"""Numbers that decide whether cards are valid at a packing, together with g."""
 
 CLOSED = {
     Verdict.AGREE: "",
     Verdict.DISAGREE: ": it is no reason",
     Verdict.UNDECIDED: ", within errors that leave open whether it is a reason",
-    Verdict.MISSING: ", which nobody knows",
+    Verdict.MISSING: ", which is unknown",
 }
-"""What the part of a difference that goes with a change says of it as a reason."""
+"""Words on a change as a reason of the difference, by the part of the difference that it removes."""
 
 PART = 0.2
-"""Least part of a difference that makes a reason."""
+"""Smallest part of a difference that counts as a reason."""
 
 SHARED = ("speed", "g_")
-"""How keys begin of those that are never near 0, whose ratios are told."""
+"""Prefixes of the keys whose ratios are reported: these numbers are never near 0."""
 
 RUBBED = (
     Column("meeting", lambda row: str(row[0])),
@@ -73,7 +73,7 @@ class Row(NamedTuple):
 
     @property
     def expected(self) -> Quantity:
-        """What the plane is compared with: in the single check the card's own number, which is its input."""
+        """Number that the plane is compared with. In the single check it is the card's number, an input."""
         return self.space._replace(se=0.0) if self.check == "single" else self.space
 
     @property
@@ -83,18 +83,18 @@ class Row(NamedTuple):
 
     @property
     def verdict(self) -> Verdict:
-        """Whether the plane has what space has."""
+        """Verdict on the number in the plane."""
         return compare(self.plane, self.expected, MARGIN, ALLOWED.get(self.space.unit, 0.0))
 
 
 class Checked(NamedTuple):
-    """All that the checks say."""
+    """Results of the checks."""
 
     rows: Sequence[Row]
     assumed: float
     """Friction of body on body in space."""
     friction: float
-    """Friction of the card in the plane: what the pairs in space had along their faces."""
+    """Friction of the card in the plane: the friction of pairs in space along their faces."""
     rubbed: Cases
     """Impulses of friction over that along the normal, in the plane (along) and up or down (up), by meeting."""
     gained: Mapping[str, tuple[Quantity, Quantity]]
@@ -104,7 +104,7 @@ class Checked(NamedTuple):
 
 
 def rows_of(check: str, space: Cases, plane: Cases) -> Iterator[Row]:
-    """Rows of a check: of each quantity that both know with its error."""
+    """Yield a row for each quantity that space and plane have with its error."""
     for case, numbers in space.items():
         for key, own in numbers.items():
             rival = plane.get(case, {}).get(key)
@@ -113,7 +113,7 @@ def rows_of(check: str, space: Cases, plane: Cases) -> Iterator[Row]:
 
 
 def of(checked: Checked, folder: Path, notes: Sequence[str]) -> Report:
-    """Report that lies in a folder; `notes` say how it was made."""
+    """Return the report of a folder. `notes` describe the runs."""
     rows = checked.rows
     cells = [_cells(row) for row in rows]
     columns = (
@@ -142,7 +142,7 @@ def of(checked: Checked, folder: Path, notes: Sequence[str]) -> Report:
 
 
 def _cells(row: Row) -> tuple[Any, ...]:
-    """Row of the CSV."""
+    """Return a row of the CSV file."""
     space, plane, apart = row.space, row.plane, row.apart
     bounds = apart.interval() or (None, None)
     numbers = space.value, space.se, plane.value, plane.se, apart.value, *bounds
@@ -150,7 +150,7 @@ def _cells(row: Row) -> tuple[Any, ...]:
 
 
 def _counted(rows: Sequence[Row]) -> Iterator[str]:
-    """How many of each check agree, and what disagrees by how much."""
+    """Yield the number of each verdict for each check, and every disagreement."""
     for check in dict.fromkeys(row.check for row in rows):
         own = [row for row in rows if row.check == check]
         counts = Counter(row.verdict for row in own)
@@ -175,22 +175,22 @@ STILL = {
     Verdict.UNDECIDED: "undecided whether stationary",
     Verdict.MISSING: "not known",
 }
-"""What a change of the speed says."""
+"""Words on a change of the speed."""
 
 
 def _stationary(checked: Checked) -> Iterator[str]:
-    """Whether crowds were stationary while they were watched."""
+    """Yield whether each crowd was stationary in its record."""
     for case, pair in checked.gained.items():
-        told = [f"{100 * one.number:.2g} ± {100 * (one.se or 0.0):.2g} %" for one in pair]
+        changes = [f"{100 * one.number:.2g} ± {100 * (one.se or 0.0):.2g} %" for one in pair]
         still = [STILL[one.compare_with_range(-MARGIN, MARGIN)] for one in pair]
         yield (
-            f"{case}: from the first half of the record to the second the speed changes by {told[0]} in space "
-            f"({still[0]}), by {told[1]} in the plane ({still[1]})"
+            f"{case}: from the first half of the record to the second the speed changes by {changes[0]} in space "
+            f"({still[0]}), by {changes[1]} in the plane ({still[1]})"
         )
 
 
 def _reasons(checked: Checked) -> Iterator[str]:
-    """How far space and plane are apart in the densest crowd, and with one thing changed."""
+    """Yield the difference of space and plane in the densest crowd, also after each change."""
     case = f"packing {DENSEST:g}"
     speeds = (row for row in checked.rows if row.case == case and row.space.key == "speed")
     for row in speeds:
@@ -210,7 +210,7 @@ def _reasons(checked: Checked) -> Iterator[str]:
 
 
 def _region(rows: Sequence[Row]) -> Iterator[str]:
-    """At which packings cards have the crowd that space has: by its speed, its orders and g."""
+    """Yield for each packing whether the crowd of cards has the speed, the orders and the g of space."""
     own = [row for row in rows if row.check == "collective" and row.space.key.startswith((*SEEN, "g_"))]
     for case in dict.fromkeys(row.case for row in own):
         named = {_name(row): row for row in own if row.case == case}

@@ -1,1 +1,1 @@
-"""Published crowds beside ours."""
+"""Published crowds compared with ours."""

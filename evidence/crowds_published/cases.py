@@ -1,4 +1,4 @@
-"""Crowds simulated beside published ones: walkers, dishes, drives, and what varies from one on."""
+"""Crowds that are compared with published ones: walkers, dishes, drives and varied settings."""
 
 import math
 from typing import Any, NamedTuple
@@ -22,7 +22,7 @@ LEANS = (10.0, 0.0, -5.0)
 DISC, SQUARE = "disc:150", "periodic:150"
 
 PACKED = 0.12
-"""Packing of the crowds in which the drive varies: at 0.25 nine in ten touch at any frequency."""
+"""Packing of the crowds whose drive varies: at 0.25 nine in ten touch at any frequency."""
 
 CONFINED = 0.35
 """Packing of those that walk or spin between walls."""

@@ -44,7 +44,7 @@ def make(size: Size, folder: Path, progress: Progress) -> Report:
     check(size)
     note = (
         f"Each number: {size.runs} runs of {size.seconds:g} s after {size.discard_seconds:g} s, of "
-        f"walkers alone {ALONE}; 90 Hz and 1.8 g where nothing else is said; seed {size.seed}"
+        f"walkers alone {ALONE}; 90 Hz and 1.8 g by default; seed {size.seed}"
     )
     result = report.of(list(compared(simulated(size, progress))), folder, note)
     with Folder(folder, "") as target:

@@ -23,13 +23,13 @@ class Claim(NamedTuple):
     series: str
     number: str
     quantity: str
-    """What our numbers are, in words."""
+    """Our quantity in words."""
     setting: str
-    """What is varied, with its unit."""
+    """Varied setting with its unit."""
     rises: bool
     """Whether the number rises from the first setting to the last, or falls."""
     differs: str
-    """How our crowds are other than the source's."""
+    """Difference of our crowds from those of the source."""
 
 
 class Finding(NamedTuple):
@@ -40,13 +40,13 @@ class Finding(NamedTuple):
     quote: str
     """Words of the source."""
     sign: str
-    """What should come out if the same holds of our walkers, without a number."""
+    """Expected result for our walkers, without a number."""
     values: tuple[float, ...] = ()
     """Numbers that the part read states; none where only the sign is known."""
     unit: str = ""
     claims: tuple[Claim, ...] = ()
     not_compared: str = ""
-    """Why no number of ours stands beside it."""
+    """Reason why no number of ours is compared with it."""
 
     @property
     def stated(self) -> str:
@@ -56,7 +56,7 @@ class Finding(NamedTuple):
 
 
 def read() -> tuple[Finding, ...]:
-    """All statements, source by source."""
+    """Return all statements, source by source."""
     data = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
     findings = []
     for entry in data["source"]:

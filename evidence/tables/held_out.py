@@ -1,4 +1,4 @@
-"""Test of what `predict` answers from the surrogate: random settings beside the nominal run of each.
+"""Test of the surrogate in `predict`: random settings, each compared with its nominal run.
 
 `python -m evidence.tables.held_out` draws settings of every key, a third of them at the ends of ranges, keeps the
 first 200 that the surrogate answers, simulates each directly and writes docs/surrogate.csv and its picture;
@@ -54,8 +54,8 @@ class Compared(NamedTuple):
     falls: float
 
 
-def answered(rows: Iterator[Row], counts: list[int]) -> Iterator[Row]:
-    """Those of the settings that the surrogate answers; `counts` counts what was asked."""
+def select_answered(rows: Iterator[Row], counts: list[int]) -> Iterator[Row]:
+    """Yield the settings that the surrogate answers. `counts` counts all settings."""
     for row in rows:
         case = settings.case(row)
         counts[0] += 1
@@ -68,8 +68,8 @@ def answered(rows: Iterator[Row], counts: list[int]) -> Iterator[Row]:
         yield row
 
 
-def compared(row: Row) -> Compared | None:
-    """Surrogate beside the direct run of a setting; None for one that cannot be simulated."""
+def compare(row: Row) -> Compared | None:
+    """Compare the surrogate with the direct run of a setting. Return None if it cannot be simulated."""
     case = settings.case(row)
     mass = solids.mass_of(case.design)
     speed, half = None, None
@@ -87,10 +87,10 @@ def compared(row: Row) -> Compared | None:
     return Compared(row["tilt_deg"] or 0.0, lane, lively, speed, half, summary.speed.value, summary.speed.se, falls)
 
 
-def right(row: Compared) -> bool:
-    """Whether what a person is told happens: it runs that way, or stands within 1 mm/s, and does not fall over.
+def is_correct(row: Compared) -> bool:
+    """Return whether the kind is correct: it runs that way, or stands within 1 mm/s, and does not fall over.
 
-    As far as the direct runs tell: within their own 95 % either is right.
+    Within the 95 % bounds of the direct runs either kind is correct.
     """
     falls = row.falls >= MAX_FALL_SHARE or row.direct_mm_s is None
     if row.surrogate_mm_s is None or row.half_95_mm_s is None or falls or row.direct_mm_s is None:
@@ -105,11 +105,11 @@ def verdict(rows: Sequence[Compared], asked: int) -> list[str]:
     """Summarize the comparison, a line for each goal; the direct runs' own 95 % are added in squares."""
     speeds = [row for row in rows if row.surrogate_mm_s is not None]
     good = [row for row in speeds if row.direct_mm_s is not None and row.direct_se_mm_s is not None]
-    said, half, direct, se = (
+    predicted, half, direct, se = (
         np.array([getattr(row, name) for row in good], float)
         for name in ("surrogate_mm_s", "half_95_mm_s", "direct_mm_s", "direct_se_mm_s")
     )
-    off, noise = np.abs(said - direct), NORMAL_95 * se
+    off, noise = np.abs(predicted - direct), NORMAL_95 * se
     near = np.maximum(MEDIAN_SHARE * np.abs(direct), MEDIAN_MM_S)
     goal = np.maximum(MAX_ERROR_SHARE * np.abs(direct), MAX_ERROR_MM_S)
     falls = np.mean([row.falls > 0.0 for row in speeds])
@@ -121,14 +121,14 @@ def verdict(rows: Sequence[Compared], asked: int) -> list[str]:
         f"{np.sum(off <= goal)} speeds ({100 * np.mean(off <= goal):.1f} %) are within 10 % or 1 mm/s (goal: 95 %). "
         f"Without the error of the direct runs {100 * np.mean(off <= np.hypot(goal, noise)):.1f} % are.",
         f"{100 * np.mean(off <= np.hypot(half, noise)):.1f} % are within the predicted bounds of 95 %.",
-        f"The surrogate less the direct speed is {np.mean(said - direct):+.2f} mm/s on average.",
+        f"The surrogate less the direct speed is {np.mean(predicted - direct):+.2f} mm/s on average.",
         f"Of the settings with a speed, {100 * falls:.1f} % had runs that fell.",
-        f"The kind (runs on, backward, stands, falls) is correct in {100 * np.mean([*map(right, rows)]):.1f} %.",
+        f"The kind (runs on, backward, stands, falls) is correct in {100 * np.mean([*map(is_correct, rows)]):.1f} %.",
     ]
 
 
 def read() -> list[Compared]:
-    """Rows of the stored table."""
+    """Return the rows of the stored table."""
     with (DOCS / "surrogate.csv").open(encoding="utf-8", newline="") as stream:
         return [
             Compared(*(float(text) if text else None for text in line.values()))  # type: ignore[arg-type]
@@ -137,7 +137,7 @@ def read() -> list[Compared]:
 
 
 def picture(rows: Sequence[Compared]) -> bytes:
-    """Predicted against simulated, both on scales that are linear below 1 mm/s, with the goal as a band."""
+    """Draw predicted against simulated speeds. Scales are linear below 1 mm/s, and the goal is a band."""
     figure, axes = figures.new_axes("Surrogate beside direct runs")
     good = [row for row in rows if row.direct_mm_s is not None and row.surrogate_mm_s is not None]
     x = np.array([row.direct_mm_s for row in good], float)
@@ -165,11 +165,11 @@ def main() -> None:
     options = parser.parse_args()
     counts = [0]
     chosen = list(
-        islice(answered(settings.rows(100 * options.answered, SEED, held_out=False), counts), options.answered)
+        islice(select_answered(settings.rows(100 * options.answered, SEED, held_out=False), counts), options.answered)
     )
     rows: list[Compared] = []
     with worker_pool.local_pool(options.cores) as pool, console.progress("settings", wanted=True) as progress:
-        for number, row in enumerate(pool.executor.map(compared, chosen), 1):
+        for number, row in enumerate(pool.executor.map(compare, chosen), 1):
             rows += [] if row is None else [row]
             progress("settings", number, len(chosen))
     with (DOCS / "surrogate.csv").open("w", encoding="utf-8", newline="") as stream:

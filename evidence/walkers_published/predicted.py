@@ -1,6 +1,6 @@
-"""What our walkers do where published ones did, over everything that their authors leave open.
+"""Predictions for published walkers, over all values that their authors do not state.
 
-A draw is a walker and a plate with values of all that is not stated; it runs at each point of the sweep's grid.
+A draw is a walker and a plate with values for all unstated inputs. It runs at each point of the sweep's grid.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -18,14 +18,14 @@ BOUNDS = (0.025, 0.5, 0.975)
 """Shares of the draws below the low bound, the median and the high bound."""
 
 FEWEST = 40
-"""Fewest draws that tell bounds of 95 %: one lies beyond each."""
+"""Smallest number of draws for bounds of 95 %: one lies beyond each."""
 
 RESAMPLED, SEED = 400, 1
-"""Resampled sets of draws that tell the errors of the bounds, and their seed."""
+"""Number of resampled sets of draws for the errors of the bounds, and their seed."""
 
 
 class Predicted(NamedTuple):
-    """A statement, and what all draws of our walkers do there."""
+    """A statement and the results of all draws of our walkers."""
 
     statement: Statement
     low: float | None = None
@@ -37,7 +37,7 @@ class Predicted(NamedTuple):
     """Standard errors of the bounds, by resampling the draws."""
     draws: int = 0
     ran: int = 0
-    """Draws, and those that run without their body touching the plate, of which the bounds are."""
+    """Draws, and draws that run without their body touching the plate. The bounds come from these."""
     note: str = ""
 
     @property
@@ -52,7 +52,7 @@ class Predicted(NamedTuple):
 
 
 def draws(columns: Sequence[str], rows: Iterable[Mapping[str, Any]], grid: Sequence[str]) -> list[Speeds]:
-    """Speeds of each draw of a sweep's rows, whose keys beside those of the grid tell the draws apart."""
+    """Return the speeds of each draw of a sweep's rows. Keys outside the grid identify a draw."""
     found: dict[tuple[Any, ...], dict[tuple[tuple[str, Any], ...], float | None]] = {}
     drawn = [key for key in columns if key not in grid]
     for row in rows:
