@@ -19,7 +19,7 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
 
-PAGE = Path(__file__).parents[3] / "docs" / "mujoco.md"
+DOCS = Path(__file__).parents[3] / "docs"
 PAPER = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=10.0)
 LANE, PLANE = (templates.load(name, "scenes", Scene) for name in ("lane-90hz", "plane-90hz"))
 TEMPLATES = ("koumakis2016", "two-materials", "polar-disc", "unequal-legs", "bristle")
@@ -163,7 +163,7 @@ def test_the_command_writes_the_same_bytes_again(tmp_path, monkeypatch):
 @pytest.mark.nightly
 def test_the_page_runs_and_the_walker_as_it_says(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    page = PAGE.read_text(encoding="utf-8")
+    page = "".join((DOCS / name).read_text("utf-8") for name in ("mujoco.md", "appendix/simulation.md"))
     command = re.search(r"^walkergen (export .*?) +#", page, re.MULTILINE)[1]
     assert CliRunner().invoke(command_line, command.split()).exit_code == 0
     capsys.readouterr()
