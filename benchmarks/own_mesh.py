@@ -33,7 +33,7 @@ from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker import mass
 from walkergen.readers.drawings import crossings
 from walkergen.readers.meshes import faults, meshes
-from walkergen.readers.walkers import body_mesh
+from walkergen.readers.walkers import body_mesh, footing
 
 DENSITY = 1.24e-3
 LIMIT = 0.3
@@ -57,7 +57,7 @@ def two_legs(body: joining.Body) -> list[Mesh]:
     middle = 0.5 * (body.mesh.vertices[:, 2].min() + body.mesh.vertices[:, 2].max())
     for x in (-5.0, 2.0):
         foot = np.array([x, -16.0, middle + 0.1])
-        reach = joining.find_footing(body, foot, upward, 0.4, 5.0).reach
+        reach = footing.find_footing(body, foot, upward, 0.4, 5.0).reach
         found.append(joining.leg_prism(foot, upward, 0.4, 5.0, reach + 0.7))
     return found
 

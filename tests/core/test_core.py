@@ -18,7 +18,7 @@ from walkergen import core
 
 CORE = Path(__file__).parents[2] / "walkergen" / "core"
 
-MOST_MODULES, MOST_LINES = 113, 18_100
+MOST_MODULES, MOST_LINES = 113, 17_970
 """Limits of the core, which may only fall."""
 
 STORY = """

@@ -10,7 +10,7 @@ from walkergen.core.files import config
 from walkergen.core.scene import Scene
 
 PAGE = Path(__file__).parents[2] / "docs" / "scenes.md"
-MOST_KEYS = 64
+MOST_KEYS = 60
 """Keys of a scene, which may only become fewer."""
 
 HEAD = """# The keys of a scene

@@ -21,6 +21,7 @@ from walkergen.readers.drawings import crossings
 from walkergen.readers.meshes import faults, repairs
 from walkergen.readers.walkers import body_mesh
 from walkergen.readers.walkers.body_mesh import ReadOptions
+from walkergen.readers.walkers.footing import find_footing, first_hit
 
 DUCK = hostile.duck()
 BOX = hostile.box()
@@ -329,7 +330,7 @@ def test_a_leg_on_a_flat_face_against_closed_forms(scale):
     """The modeller's tolerance is relative: the same digits at any scale."""
     foot = scale * np.array([1.23, -8.0, 0.1])
     body = hostile.box(scale * 20.0, scale * 6.0, scale * 8.0)
-    found = joining.find_footing(joining.prepare_body(body), foot, UPWARD, scale * 0.4, scale * 7.0)
+    found = find_footing(joining.prepare_body(body), foot, UPWARD, scale * 0.4, scale * 7.0)
     rise = scale * 5.0
     expected = foot + rise / math.cos(TILT) * UPWARD
     np.testing.assert_allclose(found.anchor, expected, rtol=1e-12, atol=1e-12 * scale)
@@ -352,9 +353,9 @@ def test_a_duck_on_legs():
     legs = []
     for x, z in ((-6.0, 0.0), (4.0, 0.5)):
         foot = np.array([x, -10.0, z])
-        found = joining.find_footing(joining.prepare_body(body), foot, UPWARD, 0.8, 3.0)
+        found = find_footing(joining.prepare_body(body), foot, UPWARD, 0.8, 3.0)
         legs.append(joining.leg_prism(foot, UPWARD, 0.8, 3.0, found.reach + 0.5))
-        assert joining.first_hit(body, found.anchor + UPWARD, -UPWARD) is not None
+        assert first_hit(body.vertices[body.triangles], found.anchor + UPWARD, -UPWARD) is not None
     whole = joining.unite_with_legs(joining.prepare_body(body), legs)
     faults.check_solid(whole, "walker")
     volume = [mass.weigh(mesh, 1.0).volume for mesh in (body, whole)]
@@ -372,7 +373,7 @@ def test_a_leg_reaches_as_high_as_the_modeller_says(upward):
     turn = body_mesh.rotation("z", "x", "key")
     body = joining.prepare_body(Mesh(DUCK.vertices @ turn.T, DUCK.triangles))
     foot = np.array([-3.0, -10.0, 0.3])
-    found = joining.find_footing(body, foot, upward, 0.8, 3.0)
+    found = find_footing(body, foot, upward, 0.8, 3.0)
     leg = joining.leg_prism(foot, upward, 0.8, 3.0, found.reach + 0.01)
     heights = (joining.cut_flush(leg, body).vertices - foot) @ upward
     assert heights.max() == pytest.approx(found.reach, abs=1e-9)
@@ -384,13 +385,13 @@ def test_legs_that_do_not_stand_under_the_body_are_refused():
     foot, up = np.array([0.0, -8.0, 0.0]), hostile.UP
     ring = modeller.to_mesh(modeller.to_solid(BOX) - modeller.to_solid(hostile.box(3.0, 30.0, 3.0, (5.0, 0.0, 0.0))))
     with pytest.raises(GeometryError, match="misses the body"):
-        joining.find_footing(joining.prepare_body(ring), foot + 5.0 * ALONG, up, 1.0, 1.0)
+        find_footing(joining.prepare_body(ring), foot + 5.0 * ALONG, up, 1.0, 1.0)
     with pytest.raises(GeometryError, match="under a hole or beyond an edge"):
-        joining.find_footing(joining.prepare_body(ring), foot + 3.2 * ALONG, up, 1.0, 1.0)
+        find_footing(joining.prepare_body(ring), foot + 3.2 * ALONG, up, 1.0, 1.0)
     with pytest.raises(GeometryError, match="under a hole or beyond an edge"):
-        joining.find_footing(joining.prepare_body(ring), foot, up, 1.0, 9.0)
+        find_footing(joining.prepare_body(ring), foot, up, 1.0, 9.0)
     with pytest.raises(GeometryError, match="begins within the body"):
-        joining.find_footing(joining.prepare_body(BOX), np.array([0.0, -1.0, 0.0]), up, 1.0, 1.0)
+        find_footing(joining.prepare_body(BOX), np.array([0.0, -1.0, 0.0]), up, 1.0, 1.0)
     apart = hostile.box(1.0, 4.0, 1.0, (0.0, -8.0, 0.0))
     with pytest.raises(GeometryError, match="are 2 pieces"):
         joining.unite_with_legs(joining.prepare_body(BOX), [apart])
@@ -404,8 +405,8 @@ def test_the_first_hit_slips_through_no_edge():
     """Rays at the diagonals and corners of a box's lower face."""
     for x in np.linspace(-10.0, 10.0, 41):
         start = np.array([x, -9.0, 0.4 * x])
-        assert joining.first_hit(BOX, start, hostile.UP) == pytest.approx(6.0, abs=1e-12)
-    assert joining.first_hit(BOX, np.array([11.0, -9.0, 0.0]), hostile.UP) is None
+        assert first_hit(BOX.vertices[BOX.triangles], start, hostile.UP) == pytest.approx(6.0, abs=1e-12)
+    assert first_hit(BOX.vertices[BOX.triangles], np.array([11.0, -9.0, 0.0]), hostile.UP) is None
 
 
 def test_trimesh_agrees_on_soundness():

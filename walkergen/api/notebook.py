@@ -1,9 +1,9 @@
 """Display of a walker in a notebook: on its feet in 3D, with its properties in a table."""
 
 from collections.abc import Iterator
+from html import escape
 
 from walkergen.core.errors import WalkergenError
-from walkergen.core.files.tables import to_html
 from walkergen.core.walker import names, solids
 from walkergen.core.walker.design import Design
 from walkergen.files import viewer
@@ -22,7 +22,8 @@ def html(design: Design) -> str:
         rows.append(("mass (g)", f"{float(mass.total):.4g}"))
     except WalkergenError as error:
         rows.append(("cannot be shown" if not shown else "mass unknown", str(error)))
-    return shown + to_html(rows)
+    cells = (f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in rows)
+    return f"{shown}<table><tbody>{''.join(cells)}</tbody></table>"
 
 
 def _rows(design: Design) -> Iterator[tuple[str, str]]:

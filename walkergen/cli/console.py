@@ -35,9 +35,9 @@ def table(content: "Table", width: int | None = None) -> None:
     """Print a table with complete numbers, at any width (letters); None: the terminal's."""
     from rich.console import Console
 
-    from walkergen.core.files import tables
+    from walkergen.files import rich_tables
 
-    tables.print_table(content, Console(highlight=False, width=width))
+    rich_tables.print_table(content, Console(highlight=False, width=width))
 
 
 def report(result: "Report", json: bool, quiet: bool, width: int | None = None) -> None:

@@ -84,10 +84,11 @@ class Contact(Section):
 
 
 Phase = Annotated[float, Field(ge=-360, le=360)]
-"""Phase or direction, deg."""
-
-
+Ratio = Annotated[float, Field(ge=0, le=100)]
+Percent = Annotated[float, Field(ge=-100, le=100)]
 NoiseHz = Annotated[float, Field(ge=1e-6, le=5_000)]
+PAIR = Field(min_length=2, max_length=2)
+"""Length of a list of two numbers."""
 
 
 class Elastic(NamedTuple):
@@ -111,6 +112,12 @@ class Plate(Section):
     gone: ClassVar[Mapping[str, str]] = {
         "poisson_ratio": "it is the material's; material = 'glass', 'acrylic', 'aluminium' or 'steel'",
         **dict.fromkeys(("noise_low_hz", "noise_high_hz"), "write noise_band_hz = [20, 400]"),
+        **dict.fromkeys(("along_ratio", "across_ratio"), "write horizontal_ratio = [along x, to the left]"),
+        **dict.fromkeys(("along_phase_deg", "across_phase_deg"), "write horizontal_phase_deg = [along x, to the left]"),
+        **{
+            f"{name}_toward_deg": f"write {name}_percent_per_mm = [along x, to the left]"
+            for name in ("gradient", "rocking")
+        },
     }
 
     material: Literal["acrylic", "glass", "aluminium", "steel"] = "acrylic"
@@ -121,29 +128,21 @@ class Plate(Section):
     """Descent of the plate toward +x, deg: a positive slope helps the walker along."""
     noise_ratio: Annotated[float, Field(ge=0, le=100)] = 0.0
     """Root mean square of the plate's random velocity over the drive's peak speed."""
-    noise_band_hz: Annotated[list[NoiseHz], Field(min_length=2, max_length=2)] = Field(default=[20.0, 400.0])
+    noise_band_hz: Annotated[list[NoiseHz], PAIR] = Field(default=[20.0, 400.0])
     """Lowest and highest frequency of the noise, between which its velocity has an even spectrum."""
     roughness_um: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     """Root mean square height of the plate's bumps."""
     roughness_length_mm: Annotated[float, Field(ge=1e-3, le=1e6)] = 1.0
     """Wavelength of the bumps."""
-    along_ratio: Annotated[float, Field(ge=0, le=100)] = 0.0
-    """Amplitude of the plate's motion along x over the drive's, at the same frequency."""
-    along_phase_deg: Phase = 0.0
-    """Phase by which that motion leads the drive's."""
-    across_ratio: Annotated[float, Field(ge=0, le=100)] = 0.0
-    """Amplitude of the plate's motion to the left of x over the drive's, at the same frequency."""
-    across_phase_deg: Phase = 0.0
-    """Phase by which that motion leads the drive's."""
-    gradient_percent_per_mm: Annotated[float, Field(ge=-100, le=100)] = 0.0
-    """Growth of the drive's amplitude with the distance from the start."""
-    gradient_toward_deg: Phase = 0.0
-    """Direction in which it grows, from x to the left."""
-    rocking_percent_per_mm: Annotated[float, Field(ge=-100, le=100)] = 0.0
-    """Rocking of the plate about the start, a quarter of a period ahead of the drive: its amplitude in height, over
-    the drive's, at a mm from there."""
-    rocking_toward_deg: Phase = 0.0
-    """Direction in which it is so far ahead, from x to the left."""
+    horizontal_ratio: Annotated[list[Ratio], PAIR] = Field(default=[0.0, 0.0])
+    """Amplitudes of the plate's motion along x and to the left of x over the drive's, at the same frequency."""
+    horizontal_phase_deg: Annotated[list[Phase], PAIR] = Field(default=[0.0, 0.0])
+    """Phases by which these two motions lead the drive's."""
+    gradient_percent_per_mm: Annotated[list[Percent], PAIR] = Field(default=[0.0, 0.0])
+    """Growth of the drive's amplitude from the start along x and to the left of x."""
+    rocking_percent_per_mm: Annotated[list[Percent], PAIR] = Field(default=[0.0, 0.0])
+    """Slopes of a plate that rocks about the start, a quarter of a period ahead of the drive: its amplitude in height
+    over the drive's, a millimetre along x and to the left of x."""
 
     @model_validator(mode="after")
     def _check_noise_band(self) -> "Plate":
@@ -161,7 +160,7 @@ class Plate(Section):
     @property
     def sways(self) -> bool:
         """Whether its points do not only move up and down alike."""
-        return any((self.along_ratio, self.across_ratio, self.gradient_percent_per_mm, self.rocking_percent_per_mm))
+        return any((*self.horizontal_ratio, *self.gradient_percent_per_mm, *self.rocking_percent_per_mm))
 
 
 class Arena(Section):
@@ -383,10 +382,7 @@ DEPENDENT_KEYS: Mapping[str, tuple[str, ...]] = {
     "drive.second_harmonic_ratio": ("drive.second_harmonic_phase_deg",),
     "plate.noise_ratio": ("plate.noise_band_hz",),
     "plate.roughness_um": ("plate.roughness_length_mm",),
-    "plate.along_ratio": ("plate.along_phase_deg",),
-    "plate.across_ratio": ("plate.across_phase_deg",),
-    "plate.gradient_percent_per_mm": ("plate.gradient_toward_deg",),
-    "plate.rocking_percent_per_mm": ("plate.rocking_toward_deg",),
+    "plate.horizontal_ratio": ("plate.horizontal_phase_deg",),
 }
 """Numbers of a scene, and the keys that only shape what they give: without the number they say nothing."""
 
@@ -428,3 +424,8 @@ class Scene(Section):
         """Value of a dotted key of its file."""
         table, _, own = key.partition(".")
         return getattr(getattr(self, table), own)
+
+    def is_zero(self, key: str) -> bool:
+        """Return whether the number, or all numbers, of a dotted key are zero or not given."""
+        value = self.value(key)
+        return not (any(value) if isinstance(value, list) else value)

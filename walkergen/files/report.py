@@ -269,7 +269,7 @@ class Report:
         parts = [f"# {self.title}", f"{self.caption}." if self.caption else ""]
         for each in self.visible_tables():
             parts += [f"## {each.title}" if each.title else ""]
-            parts += [tables.to_markdown(each.rich(markdown=True))]
+            parts += [_to_markdown(each.rich(markdown=True))]
             parts += ["\n".join(f"- {line}" for line in each.footer_lines(markdown=True))]
         parts += ["\n".join(f"- {line}" for line in self.lines)]
         return spell_for_python("\n\n".join(part for part in parts if part) + "\n")
@@ -323,3 +323,30 @@ class Report:
         """Yield the lines and warnings."""
         yield from map(spell, self.lines)
         yield from (f"warning: {spell(warning)}" for warning in self.warnings)
+
+
+def _to_markdown(table: "RichTable") -> str:
+    """Format a table as Markdown with aligned columns, after its title if it has one.
+
+    As Rich prints it with box.MARKDOWN, which takes ten times as long and breaks lines of 300.
+    """
+    from rich.cells import cell_len
+
+    columns = []
+    for column in table.columns:
+        cells = [_strip_markup(column.header), *map(_strip_markup, column.cells)]
+        wide, right = max(map(cell_len, cells)), column.justify == "right"
+        spaces = [" " * (wide - cell_len(cell)) for cell in cells]
+        columns.append([space + cell if right else cell + space for cell, space in zip(cells, spaces, strict=True)])
+    header, *rows = [f"| {' | '.join(line)} |" for line in zip(*columns, strict=True)]
+    rule = "".join(f"|{'-' * (cell_len(column[0]) + 2)}" for column in columns) + "|"
+    title = [_strip_markup(table.title)] if table.title else []
+    return "\n".join([*title, header, rule, *rows])
+
+
+def _strip_markup(cell: Any) -> str:
+    """Return the text of a cell, or of a heading, without its markup."""
+    from rich.text import Text
+
+    text = Text.from_markup(cell) if isinstance(cell, str) and "[" in cell else cell
+    return " ".join(str(text).split("\n"))

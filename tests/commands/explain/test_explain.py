@@ -61,7 +61,7 @@ def test_every_effect_is_measured_off_or_at_its_usual_size():
     assert every["compliant tips"].change == "off"
     assert every["compliant tips"].leaves_out
     assert every["plate noise"].walker.scene.plate.noise_ratio > 0.0
-    assert every["plate gradient"].change == "on, gradient_percent_per_mm = 0.1"
+    assert every["plate gradient"].change == "on, gradient_percent_per_mm = [0.1, 0.0]"
     assert not every["plate noise"].leaves_out
     assert {"second harmonic", "plate roughness", "air drag", "unevenness", "yaw and roll"} < set(every)
     forced = walker_of(**{"effects.off": ["leg_twist"], "feet.rigid_tips": True})

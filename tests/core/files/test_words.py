@@ -7,8 +7,9 @@ import pytest
 from rich.console import Console
 from rich.table import Table
 
-from walkergen.core.files import formatting, tables
+from walkergen.core.files import formatting
 from walkergen.field_values import parse_time
+from walkergen.files import rich_tables
 
 
 @pytest.mark.parametrize(
@@ -72,7 +73,7 @@ def printed(columns, no_wrap=True):
     for row in NUMBERS:
         table.add_row(*row)
     text = io.StringIO()
-    tables.print_table(table, Console(file=text, width=columns))
+    rich_tables.print_table(table, Console(file=text, width=columns))
     return text.getvalue()
 
 

@@ -19,8 +19,8 @@ EFFECTS = {
         "slope_deg": 2.0,
         "noise_ratio": 0.1,
         "roughness_um": 1.0,
-        "along_ratio": 0.1,
-        "rocking_percent_per_mm": 0.01,
+        "horizontal_ratio": [0.1, 0.0],
+        "rocking_percent_per_mm": [0.01, 0.0],
     },
     "arena": {"kind": "plane"},
 }

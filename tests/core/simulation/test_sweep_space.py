@@ -269,7 +269,7 @@ def check_motion(plan, result):
     world = drawn(plan).world
     walker, noise = world.walker, world.acting.noise
     plate = plan.scene.plate  # along itself, and by slopes as much again where a walker may get
-    swayed = 1.0 + (plate.along_ratio + plate.across_ratio + 2.0 if plate.sways else 0.0)
+    swayed = 1.0 + (sum(plate.horizontal_ratio) + 2.0 if plate.sways else 0.0)
     shaken = swayed * drive.peak_speed * drive.omega + noise.strongest
     fast = liveliest(plan, rows) + swayed * drive.peak_speed + noise.fastest
     drive_force = walker.mass * (GRAVITY + shaken)

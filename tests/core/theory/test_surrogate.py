@@ -72,10 +72,9 @@ UNMET = {
     "feet.tip_radius_um": 1e5,
     "feet.tangential_ratio": 0.5,
     "plate.roughness_um": 1.0,
-    "plate.along_ratio": 0.01,
-    "plate.across_ratio": 0.01,
-    "plate.gradient_percent_per_mm": 0.01,
-    "plate.rocking_percent_per_mm": 0.01,
+    "plate.horizontal_ratio": [0.01, 0.0],
+    "plate.gradient_percent_per_mm": [0.01, 0.0],
+    "plate.rocking_percent_per_mm": [0.01, 0.0],
     "effects.on": ["air_drag"],
     "effects.off": ["lane_walls"],
     "contact.friction": 5.0,
@@ -155,8 +154,7 @@ def test_keys_of_a_scene_are_read_or_declined():
             "arena.kind",
         ),
         "plate.noise_band_hz",  # of noise that there is not
-        *("plate.along_phase_deg", "plate.across_phase_deg"),  # of what there is not either
-        *("plate.gradient_toward_deg", "plate.rocking_toward_deg"),
+        "plate.horizontal_phase_deg",  # of what there is not either
     }
     tested = {*READ, *UNMET, *without_part}
     for name, field in Scene.model_fields.items():

@@ -174,11 +174,13 @@ def test_the_command_writes_the_scene_of_the_plate(tmp_path):
     assert 1e3 * scene.drive.amplitude == pytest.approx(52.0, rel=0.01)
     assert scene.drive.second_harmonic_ratio == pytest.approx(0.06, abs=0.01)
     assert scene.plate.noise_ratio == pytest.approx(0.15, abs=0.02)
-    assert scene.plate.along_ratio == pytest.approx(0.05, abs=0.005)
-    assert scene.plate.along_phase_deg == pytest.approx(-70.0, abs=5.0)
-    assert scene.plate.across_ratio == 0.0  # not told from 0
-    assert scene.plate.gradient_percent_per_mm == pytest.approx(0.2, rel=0.05)
-    assert scene.plate.rocking_toward_deg == pytest.approx(-120.0, abs=3.0)
+    along, left = scene.plate.horizontal_ratio
+    assert along == pytest.approx(0.05, abs=0.005)
+    assert scene.plate.horizontal_phase_deg == [pytest.approx(-70.0, abs=5.0), 0.0]
+    assert left == 0.0  # not told from 0
+    assert math.hypot(*scene.plate.gradient_percent_per_mm) == pytest.approx(0.2, rel=0.05)
+    along, left = scene.plate.rocking_percent_per_mm
+    assert math.degrees(math.atan2(left, along)) == pytest.approx(-120.0, abs=3.0)
     assert not (report.folder / "design.toml").exists()
 
 

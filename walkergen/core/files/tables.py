@@ -1,25 +1,12 @@
-"""Tables as text: CSV with every digit, Markdown."""
+"""Tables as CSV, with every digit, and without cells that a spreadsheet would run."""
 
 import csv
 import io
 import re
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
-from html import escape
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 from walkergen.core.errors import spell_for_python
-
-if TYPE_CHECKING:
-    from rich.console import Console
-    from rich.table import Table
-
-MAX_TABLE_WIDTH = 10_000
-"""Letters in a line, more than any table needs."""
-
-EDGE_WIDTH = 2
-"""Letters of a table's edges, at most."""
-
 
 FORMULA_START = re.compile(r"'*[=+\-@\t\r]")
 """Beginning of a text that a spreadsheet would run as a formula, quoted any number of times."""
@@ -54,138 +41,3 @@ def _is_number(text: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def to_html(rows: Iterable[tuple[str, str]]) -> str:
-    """Format a small table of names and values, both escaped, for a notebook."""
-    cells = (f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in rows)
-    return f"<table><tbody>{''.join(cells)}</tbody></table>"
-
-
-def to_markdown(table: "Table") -> str:
-    """Format a table as Markdown with aligned columns, after its title if it has one.
-
-    As Rich prints it with box.MARKDOWN, which takes ten times as long and breaks lines of 300.
-    """
-    from rich.cells import cell_len
-
-    columns = []
-    for column in table.columns:
-        cells = [_strip_markup(column.header), *map(_strip_markup, column.cells)]
-        wide = max(map(cell_len, cells))
-        right = column.justify == "right"
-        spaces = [" " * (wide - cell_len(cell)) for cell in cells]
-        columns.append([space + cell if right else cell + space for cell, space in zip(cells, spaces, strict=True)])
-    header, *rows = [f"| {' | '.join(line)} |" for line in zip(*columns, strict=True)]
-    rule = "".join(f"|{'-' * (cell_len(column[0]) + 2)}" for column in columns) + "|"
-    title = [_strip_markup(table.title)] if table.title else []
-    return "\n".join([*title, header, rule, *rows])
-
-
-def _strip_markup(cell: Any) -> str:
-    """Return the text of a cell, or of a heading, without its markup."""
-    from rich.text import Text
-
-    text = Text.from_markup(cell) if isinstance(cell, str) and "[" in cell else cell
-    return " ".join(str(text).split("\n"))
-
-
-def print_table(table: "Table", console: "Console") -> None:
-    """Print a table so that no word or number of it is cut, at any width of the console.
-
-    Columns that may wrap become narrower first. What still has no room comes in pieces, one below
-    the other, each with the columns that name the rows.
-    """
-    from rich.measure import Measurement
-
-    sizes = [_column_sizes(table, index, console) for index in range(len(table.columns))]
-    wide = console.options.update(width=MAX_TABLE_WIDTH)
-    whole = Measurement.get(console, wide, table).maximum
-    if whole <= console.width:
-        console.print(table)
-        return
-    frame = -(-(whole - EDGE_WIDTH - sum(size.natural for size in sizes)) // len(sizes))
-    title: Any = table.title
-    for chosen in _split_columns(table, sizes, frame, console.width - EDGE_WIDTH):
-        room = console.width - EDGE_WIDTH - frame * len(chosen)
-        widths = _column_widths([sizes[index] for index in chosen], room)
-        piece = _select_columns(table, chosen, widths)
-        piece.title, title = title, None
-        wide_enough = max(console.width, frame * len(chosen) + EDGE_WIDTH + sum(widths))
-        with _temporary_width(console, wide_enough):
-            console.print(piece)
-
-
-@contextmanager
-def _temporary_width(console: "Console", width: int) -> Iterator[None]:
-    """Set another width of a console: lines too long for the terminal are left to the terminal to break."""
-    before = console.width
-    console.width = width
-    try:
-        yield
-    finally:
-        console.width = before
-
-
-class Sizes(NamedTuple):
-    """Letters that a column needs."""
-
-    least: int
-    """Letters of its longest word, or line where it must not wrap."""
-    natural: int
-
-
-def _column_sizes(table: "Table", index: int, console: "Console") -> Sizes:
-    column = table.columns[index]
-    cells = [column.header, *column.cells] if table.show_header else [*column.cells]
-    texts = [console.render_str(cell).plain if isinstance(cell, str) else str(cell) for cell in cells]
-    lines = [len(line) for text in texts for line in text.splitlines()]
-    words = [len(word) for text in texts for word in text.split()]
-    natural = max(lines, default=0)
-    return Sizes(natural if column.no_wrap else max(words, default=0), natural)
-
-
-def _split_columns(table: "Table", sizes: Sequence[Sizes], frame: int, width: int) -> Sequence[Sequence[int]]:
-    """Return the columns of each piece: those that name the rows, and as many others as fit."""
-    justify = [column.justify for column in table.columns[:2]]
-    names = [0, 1] if justify == ["right", "left"] else [0]
-    pieces: list[list[int]] = []
-    for column in range(len(names), len(sizes)):
-        own = [*(pieces[-1] if pieces else names), column]
-        if not pieces or sum(sizes[index].least + frame for index in own) > width:
-            own = [*names, column]
-            pieces.append(own)
-        else:
-            pieces[-1] = own
-    return pieces or [names]
-
-
-def _column_widths(sizes: Sequence[Sizes], room: int) -> list[int]:
-    """Return widths of columns: at least what each needs, and shares of the rest for columns that wrap."""
-    widths = [size.least for size in sizes]
-    left = room - sum(widths)
-    wanting = sorted(range(len(sizes)), key=lambda index: sizes[index].natural - sizes[index].least)
-    for place, index in enumerate(wanting):
-        more = min(sizes[index].natural - sizes[index].least, left // (len(wanting) - place))
-        widths[index] += max(more, 0)
-        left -= max(more, 0)
-    return widths
-
-
-def _select_columns(table: "Table", chosen: Sequence[int], widths: Sequence[int]) -> "Table":
-    """Copy chosen columns of a table, with given widths, into a table without its title."""
-    from rich.table import Table
-
-    piece = Table(
-        box=table.box,
-        padding=table.padding,
-        pad_edge=table.pad_edge,
-        show_header=table.show_header,
-        title_justify=table.title_justify,
-    )
-    columns = [table.columns[index] for index in chosen]
-    for column, width in zip(columns, widths, strict=True):
-        piece.add_column(column.header, justify=column.justify, no_wrap=column.no_wrap, width=width)
-    for cells in zip(*(column.cells for column in columns), strict=True):
-        piece.add_row(*cells)
-    return piece

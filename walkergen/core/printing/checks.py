@@ -77,7 +77,7 @@ def check_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[
     ]
     if not solids.is_printed_on_side(design):
         findings += upside_down_checks.check_part(design, mesh, printer)
-    if printer.brim_width_mm == 0.0:
+    if printer.brim_width_mm == 0.0 and solids.count_bodies(mesh) == 1:
         findings += _check_adhesion(design, mesh, printer)
     return with_place(name, findings)
 
@@ -297,28 +297,9 @@ def _check_slenderness(upright: Sequence[Wall]) -> Iterator[Finding]:
 def section_area(mesh: Mesh, height: float) -> float:
     """Return the area of a closed mesh's section at a height above its lowest point, mm^2.
 
-    At half a layer's height it is the first layer. Source: Green's theorem, over the segments where
-    the plane cuts the triangles.
+    At half a layer's height it is the first layer.
     """
-    corners = mesh.vertices[mesh.triangles]
-    level = mesh.vertices[:, 2].min() + height
-    above = corners[:, :, 2] > level
-    lines: list[Array] = []
-    # A corner alone on its side: the line runs between the two edges that leave it.
-    for alone in range(3):
-        tip_above = above[:, alone]
-        for side, turn in ((True, 1), (False, -1)):
-            cut = (tip_above == side) & (above[:, alone - 1] != side) & (above[:, alone - 2] != side)
-            tip, left, right = (corners[cut, (alone + turn * k) % 3] for k in range(3))
-            lines.append(np.stack([_crossing_points(tip, left, level), _crossing_points(tip, right, level)], axis=1))
-    (ax, ay), (bx, by) = np.concatenate(lines).transpose(1, 2, 0)
-    return 0.5 * abs(float((ax * by - ay * bx).sum()))
-
-
-def _crossing_points(tip: Array, other: Array, level: float) -> Array:
-    """Return the points x and y, shape (n, 2), where edges cross a level, mm."""
-    share = (level - tip[:, 2]) / (other[:, 2] - tip[:, 2])
-    return np.asarray(tip[:, :2] + share[:, None] * (other[:, :2] - tip[:, :2]))
+    return float(modeller.to_solid(mesh).slice(mesh.vertices[:, 2].min() + height).area())
 
 
 def _check_bed_limits(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:

@@ -17,6 +17,7 @@ from walkergen.core.walker.limbs import Limb
 from walkergen.core.walker.mass import SolidMass, weigh
 from walkergen.core.walker.sections import section_of
 from walkergen.readers.walkers.body_shapes import shape_of
+from walkergen.readers.walkers.footing import find_footing
 
 EMBEDDING_MM = 0.05
 """Depth of a leg inside the body beyond where its section is covered, mm."""
@@ -55,7 +56,7 @@ def _extend_leg(ground: joining.Body, limb: Limb, number: int) -> Limb:
     direction = np.array([sin, cos, 0.0])
     end = anchor - limb.length * direction
     key = f"legs[{number}].along_mm"
-    footing = joining.find_footing(ground, end, direction, limb.thickness, limb.width, key)
+    footing = find_footing(ground, end, direction, limb.thickness, limb.width, key)
     length = float(np.linalg.norm(footing.anchor - end))
     over = max(footing.reach - length, 0.0) * cos + 0.5 * limb.thickness * abs(sin)
     met = limb._replace(length=length, bottom=float(footing.anchor[1]))
@@ -65,7 +66,7 @@ def _extend_leg(ground: joining.Body, limb: Limb, number: int) -> Limb:
     above = math.inf if sin else footing.above - length
     for offset, thickness in upright:
         foot = np.array([met.anchor[0] + offset, end[1], anchor[2]])
-        straight = joining.find_footing(ground, foot, UP, thickness, limb.width, key)
+        straight = find_footing(ground, foot, UP, thickness, limb.width, key)
         over = max(over, float(foot[1]) + straight.reach - met.bottom)
         above = min(above, float(foot[1]) + straight.above - met.bottom)
     if over + EMBEDDING_MM > above:

@@ -65,11 +65,18 @@ def decide_from_key(case: Case, key: str, switch: str) -> tuple[bool, str]:
 
     Raises InputError where its switch forces an effect on that has no number.
     """
-    number = case.scene.value(key)
-    reason = f"{key} is not given" if number is None else f"{key} = {number:g}"
-    if not number:
+    absent, reason = case.scene.is_zero(key), describe_number(case.scene, key)
+    if absent:
         absence_reason(case, switch, f"{reason}, so that nothing would act: set it")
-    return apply_switch(case.scene.effects.forced_state(switch), bool(number), reason)
+    return apply_switch(case.scene.effects.forced_state(switch), not absent, reason)
+
+
+def describe_number(scene: Scene, key: str) -> str:
+    """Return a key with its number or numbers, as a file gives them."""
+    value = scene.value(key)
+    if isinstance(value, list):
+        return f"{key} = [{', '.join(f'{number:g}' for number in value)}]"
+    return f"{key} is not given" if value is None else f"{key} = {value:g}"
 
 
 def absence_reason(case: Case, switch: str, why: str) -> str:

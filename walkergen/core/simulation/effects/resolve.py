@@ -120,7 +120,7 @@ def _find_idle_keys(case: Case, on: Mapping[str, bool]) -> Iterator[tuple[str, s
     if case.design.rigid:
         yield "legs.damping_ratio", "no leg swings"
     for number, keys in DEPENDENT_KEYS.items():
-        if not scene.value(number):
+        if scene.is_zero(number):
             yield from ((key, f"{number} = 0") for key in keys)
     if not on[walls.NAME] and walls.SWITCH not in scene.effects.off:
         yield "arena.gap_mm", "no walls"

@@ -8,19 +8,23 @@ rocking below the surface adds motion along the plate. In space only.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from walkergen.core.errors import InputError
 from walkergen.core.numerics.kernels import lean
 from walkergen.core.scene import Scene
-from walkergen.core.simulation.effects.effect import Case, Effect, Rule, decide_from_key
+from walkergen.core.simulation.effects.effect import Case, Effect, Rule, decide_from_key, describe_number
 
 NAMES = ALONG, GRADIENT, ROCKING = "motion along the plate", "plate gradient", "plate rocking"
 
-ALONG_KEY, ACROSS_KEY = "plate.along_ratio", "plate.across_ratio"
-GRADIENT_KEY, ROCKING_KEY = "plate.gradient_percent_per_mm", "plate.rocking_percent_per_mm"
-KEYS = (ALONG_KEY, ACROSS_KEY, GRADIENT_KEY, ROCKING_KEY)
+KEYS = ALONG_KEY, GRADIENT_KEY, ROCKING_KEY = (
+    "plate.horizontal_ratio",
+    "plate.gradient_percent_per_mm",
+    "plate.rocking_percent_per_mm",
+)
+STILL, USUAL = [0.0, 0.0], [0.1, 0.0]
+"""Numbers of these keys, along x and to the left, of a plate without the effect, and of a usual one."""
 
 MAX_AMPLITUDE_CHANGE = 1.0
 """Largest change of the amplitude where a walker may get: beyond, a gradient is none of a plate."""
@@ -49,12 +53,10 @@ OFF = Sway(False, (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
 
 def judge_along(case: Case) -> Effect:
     """Judge the effect: on if the plate moves horizontally. The number shows when a resting body slides."""
-    plate, friction = case.scene.plate, case.scene.contact.friction
-    key = ALONG_KEY if plate.along_ratio or not plate.across_ratio else ACROSS_KEY
-    on, reason = _decide_from_key(case, key, "plate_along")
-    shaken = math.hypot(plate.along_ratio, plate.across_ratio) * case.shaken.peak_gamma
+    on, reason = _decide_from_key(case, ALONG_KEY, "plate_along")
+    shaken = math.hypot(*case.scene.plate.horizontal_ratio) * case.shaken.peak_gamma
     meaning = "peak acceleration along the plate over what friction holds"
-    return Effect(ALONG, on, shaken / max(friction, 1e-9), meaning, reason, "plate_along")
+    return Effect(ALONG, on, shaken / max(case.scene.contact.friction, 1e-9), meaning, reason, "plate_along")
 
 
 def judge_gradient(case: Case) -> Effect:
@@ -69,14 +71,12 @@ def judge_rocking(case: Case) -> Effect:
 
 def _judge_linear(case: Case, name: str, key: str, switch: str, meaning: str) -> Effect:
     on, reason = _decide_from_key(case, key, switch)
-    percent = float(case.scene.value(key))
-    per_mm, way = 0.01 * abs(percent), _max_distance(case)
+    per_mm, way = 0.01 * math.hypot(*case.scene.value(key)), _max_distance(case)
     if on and per_mm * way > MAX_AMPLITUDE_CHANGE:
         raise InputError(
-            f"{key} = {percent:g}: a walker may get {way:.3g} mm far, where the amplitude would change by "
-            f"{100.0 * per_mm * way:.3g} %, and {100.0 * MAX_AMPLITUDE_CHANGE:g} is most; give the ground "
-            "ends (arena.length_mm, on a "
-            "plane arena.width_mm too), or less of run.seconds"
+            f"{describe_number(case.scene, key)}: a walker may get {way:.3g} mm far, where the amplitude would change "
+            f"by {100.0 * per_mm * way:.3g} %. At most {100.0 * MAX_AMPLITUDE_CHANGE:g} % are allowed. Limit the "
+            "ground (arena.length_mm, on a plane arena.width_mm too), or lower run.seconds."
         )
     return Effect(name, on, per_mm * case.design.foot_span, meaning, reason, switch)
 
@@ -94,24 +94,24 @@ def _decide_from_key(case: Case, key: str, switch: str) -> tuple[bool, str]:
     on, reason = decide_from_key(case, key, switch)
     if on and case.scene.drive.kind == "motor":
         raise InputError(
-            f"{key} = {case.scene.value(key):g}: the plate under a motor is still; leave the key out, or take "
+            f"{describe_number(case.scene, key)}: the plate under a motor is still; leave the key out, or take "
             "a shaken plate (drive.kind = 'plate')"
         )
     return on, reason
 
 
 RULES = (
-    Rule(judge_along, "plate_along", away={ALONG_KEY: 0.0, ACROSS_KEY: 0.0}, usual={ALONG_KEY: 0.1}),
-    Rule(judge_gradient, "plate_gradient", away={GRADIENT_KEY: 0.0}, usual={GRADIENT_KEY: 0.1}),
-    Rule(judge_rocking, "plate_rocking", away={ROCKING_KEY: 0.0}, usual={ROCKING_KEY: 0.1}),
+    Rule(judge_along, "plate_along", away={ALONG_KEY: STILL}, usual={ALONG_KEY: USUAL}),
+    Rule(judge_gradient, "plate_gradient", away={GRADIENT_KEY: STILL}, usual={GRADIENT_KEY: USUAL}),
+    Rule(judge_rocking, "plate_rocking", away={ROCKING_KEY: STILL}, usual={ROCKING_KEY: USUAL}),
 )
 
 
 def check_still_plate(scene: Scene, whom: str) -> None:
     """Raise InputError where a scene's plate sways, which `whom` does not know."""
     for key in KEYS:
-        if scene.value(key):
-            raise InputError(f"{key} = {scene.value(key):g}: {whom}; leave the key out, or simulate one walker")
+        if not scene.is_zero(key):
+            raise InputError(f"{describe_number(scene, key)}: {whom}; leave the key out, or simulate one walker")
 
 
 def parameters(case: Case, on: Mapping[str, bool]) -> Sway:
@@ -121,21 +121,21 @@ def parameters(case: Case, on: Mapping[str, bool]) -> Sway:
     plate, size = case.scene.plate, case.scene.drive.amplitude
     sines, cosines = [0.0] * 4, [0.0] * 4
     if on[ALONG]:
-        pairs = (plate.along_ratio, plate.along_phase_deg), (-plate.across_ratio, plate.across_phase_deg)
-        for axis, (ratio, phase) in enumerate(pairs):
+        along, left = plate.horizontal_ratio
+        for axis, (ratio, phase) in enumerate(zip((along, -left), plate.horizontal_phase_deg, strict=True)):
             sines[axis] = size * ratio * math.cos(math.radians(phase))
             cosines[axis] = size * ratio * math.sin(math.radians(phase))
     if on[GRADIENT]:
-        sines[2:] = _slope_components(size * 0.01 * plate.gradient_percent_per_mm, plate.gradient_toward_deg)
+        sines[2:] = _slopes(size, plate.gradient_percent_per_mm)
     if on[ROCKING]:
-        cosines[2:] = _slope_components(size * 0.01 * plate.rocking_percent_per_mm, plate.rocking_toward_deg)
+        cosines[2:] = _slopes(size, plate.rocking_percent_per_mm)
     return Sway(True, (sines[0], sines[1], sines[2], sines[3]), (cosines[0], cosines[1], cosines[2], cosines[3]))
 
 
-def _slope_components(size: float, toward_deg: float) -> tuple[float, float]:
-    """Return the slopes along x and z of a slope of this size that rises toward a direction, from x to the left."""
-    toward = math.radians(toward_deg)
-    return size * math.cos(toward), -size * math.sin(toward)
+def _slopes(size: float, percent: Sequence[float]) -> tuple[float, float]:
+    """Return the slopes along x and z of a plate whose amplitude `size` grows along x and to the left."""
+    along, left = percent
+    return size * 0.01 * along, -(size * 0.01 * left)
 
 
 @lean

@@ -9,6 +9,7 @@ The remaining motion is integrated to a velocity in the band of the scene's nois
 """
 
 import math
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,7 +19,7 @@ from walkergen.core.errors import InputError
 from walkergen.core.files import formatting
 from walkergen.core.numerics import Array, Complex
 from walkergen.core.numerics.quantity import Quantity
-from walkergen.core.scene import DEPENDENT_KEYS, GRAVITY, Scene
+from walkergen.core.scene import GRAVITY, Scene
 from walkergen.core.walker.design import Design
 from walkergen.files.report import Column, Table
 from walkergen.guests.lab.calibrate import accelerometer
@@ -46,8 +47,8 @@ USED_BANDWIDTH = 0.8
 
 MIN_SETTINGS = {
     "plate.noise_ratio": 0.01,
-    "plate.along_ratio": 0.005,
-    "plate.across_ratio": 0.005,
+    "plate.horizontal_ratio[1]": 0.005,
+    "plate.horizontal_ratio[2]": 0.005,
     "plate.gradient_percent_per_mm": 0.005,
     "plate.rocking_percent_per_mm": 0.005,
 }
@@ -89,11 +90,7 @@ def calibrate(path: Path, design: Design, scene: Scene, folder: Path | None) -> 
         raise InputError(f"‹plate=›{path}: the plate of a scene with a motor is still; take a scene with a plate")
     recording = accelerometer.read_recording(path)
     rows, notes = measure(recording, scene, str(path))
-    settings: dict[str, Any] = {row.key: _round_value(row.number) for row in rows if row.key and row.number.known}
-    for key, least in MIN_SETTINGS.items():
-        if settings.get(key, least) < least:
-            settings = {name: value for name, value in settings.items() if name not in (key, *DEPENDENT_KEYS[key])}
-            notes.append(f"{key} below {least:g} is a phone's own, or moves no walker: not set")
+    settings, used = _scene_settings(rows, notes)
     if "plate.noise_ratio" in settings:
         low, high = scene.plate.noise_band_hz
         settings |= {"plate.noise_band_hz": [low, min(high, math.floor(_max_frequency(recording.rate)))]}
@@ -103,7 +100,7 @@ def calibrate(path: Path, design: Design, scene: Scene, folder: Path | None) -> 
     columns = (
         Column("measured", lambda cell: cell[0]),
         Column("value ± error", _format_value),
-        Column("sets", lambda cell: cell[4] if cell[4] in settings else ""),
+        Column("sets", lambda cell: cell[4] if cell[4] in used else ""),
     )
     keyed = {f"scene.{key}": value for key, value in settings.items()}
     return LabReport(
@@ -122,6 +119,33 @@ def calibrate(path: Path, design: Design, scene: Scene, folder: Path | None) -> 
         settings=keyed,
         notes=notes,
     )
+
+
+def _scene_settings(rows: list[Row], notes: list[str]) -> tuple[dict[str, Any], set[str]]:
+    """Return the values of the scene's keys that rows set, with notes on small ones, and the keys of the rows used.
+
+    The key of a row for one entry of a pair has its number, as in "plate.horizontal_ratio[2]". The row after a number
+    may hold its direction.
+    """
+    measured = {row.key: _round_value(row.number) for row in rows if row.key and row.number.known}
+    for key, least in MIN_SETTINGS.items():
+        if measured.get(key, least) < least:
+            measured = {
+                name: measured[name] for name in measured if name not in (key, key.replace("ratio", "phase_deg"))
+            }
+            notes.append(f"{key} below {least:g} is a phone's own, or moves no walker: not set")
+    directions = {size.key: turn.number for size, turn in pairwise(rows) if turn.name.startswith("direction of")}
+    settings: dict[str, Any] = {}
+    for key, value in measured.items():
+        name, _, place = key.rstrip("]").partition("[")
+        if place:
+            settings.setdefault(name, [0.0, 0.0])[int(place) - 1] = value
+        elif key in directions:
+            angle = math.radians(directions[key].number)
+            settings[key] = [float(f"{value * part:.6g}") for part in (math.cos(angle), math.sin(angle))]
+        else:
+            settings[key] = value
+    return settings, {*measured}
 
 
 def _format_value(cell: tuple[Any, ...]) -> str:
@@ -164,8 +188,8 @@ def measure(recording: Recording, scene: Scene, source: str) -> tuple[list[Row],
     rows += _sine_rows(
         "second harmonic", second, "drive.second_harmonic_ratio", "drive.second_harmonic_phase_deg", refused
     )
-    for axis, key, own in zip("xy", ("along", "across"), sines.sideways.T[:2], strict=True):
-        keys = f"plate.{key}_ratio", f"plate.{key}_phase_deg"
+    for number, (axis, own) in enumerate(zip("xy", sines.sideways.T[:2], strict=True), start=1):
+        keys = f"plate.horizontal_ratio[{number}]", f"plate.horizontal_phase_deg[{number}]"
         rows += _sine_rows(f"motion along the phone's {axis}", own * np.conj(unit) / size, *keys, "")
     rows += _gradient_rows(sines.sideways[:, 2:], unit, size / omega)
     rows.append(
@@ -201,8 +225,8 @@ def _gradient_rows(rates: Complex, unit: Complex, speed: Array) -> list[Row]:
     x, y = np.stack([-rates[:, 1], rates[:, 0]]) * 100j * np.conj(unit) / speed if rates.size else np.zeros((2, PIECES))
     rows = []
     for name, part in (("gradient", np.real), ("rocking", np.imag)):
-        keys = f"plate.{name}_percent_per_mm", f"plate.{name}_toward_deg"
-        rows += _sine_rows(name, part(x) + 1j * part(y), *keys, refused, "%/mm", "direction")
+        key = f"plate.{name}_percent_per_mm"
+        rows += _sine_rows(name, part(x) + 1j * part(y), key, "", refused, "%/mm", "direction")
     return rows
 
 
