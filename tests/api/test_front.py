@@ -410,7 +410,7 @@ REFUSED = {
     ),
     "sweep": (
         lambda words: wg.sweep(PAPER, LANE, **words),
-        [({"set": {"legs[x]": [1]}}, r"'legs\[x\]': must be a key"), ({"set": {"legs.tilt_deg": []}}, "no values")],
+        [({"set": {"legs[x]": [1]}}, r"'legs\[x\]': must be a key"), ({"set": {"legs.tilt_deg": []}}, "has no values")],
     ),
 }
 """Values that only Python can give: what takes them, and what names the mistake. refusals.toml has all others."""

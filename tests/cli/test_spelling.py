@@ -100,9 +100,9 @@ CALLS = [
     (lambda: wg.simulate(error="5%", seconds=3), r"^seconds=3\.0: error chooses it; leave one of them out$"),
     (lambda: wg.predict(tilt=9, set={"legs.tilt_deg": 8}), r"^set legs\.tilt_deg: tilt=9\.0 sets it too"),
     (lambda: wg.track("x.mp4"), r"^the scale: give either mm_per_px, .*, or length, the length"),
-    (lambda: wg.crowd("koumakis2016", count={"rotator": 3}), r"names the designs: leave design out$"),
+    (lambda: wg.crowd("koumakis2016", count={"rotator": 3}), r"already names the designs\. Leave design out\.$"),
     (lambda: wg.calibrate(), r"^what: name a filled form, plate or drop; or plate=FILE$"),
-    (lambda: wg.movie(seconds=1, periods=3), r"^seconds and periods: both say how long"),
+    (lambda: wg.movie(seconds=1, periods=3), r"^seconds and periods: both set the duration"),
 ]
 
 

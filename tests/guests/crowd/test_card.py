@@ -144,7 +144,7 @@ def test_frames_within_a_period_are_thinned_to_one(tmp_path):
 def test_films_that_tell_too_little_are_refused(run, tmp_path):
     path = tmp_path / "tracks.csv"
     path.write_text(csv_of(tracks(1, Inertial(), walkers=2, seconds=0.3)))
-    assert "is not known" in refused(run, "rotator", "--tracks", "tracks.csv")
+    assert "is unknown" in refused(run, "rotator", "--tracks", "tracks.csv")
     assert "--runs 4" in refused(run, "rotator", "--tracks", "tracks.csv", "--runs", "4")
     path.write_text("frame,particle,x,y\n0,0,1,1\n1,0,2,2\n2,0,3,3\n")
     films = ("rotator", "--tracks", "tracks.csv", "--fps", "50", "--mm-per-px", "0.1")
@@ -183,7 +183,7 @@ def test_propulsion_is_that_which_gives_the_mean_speed(turn):
 
 def test_a_walker_that_turns_too_fast_to_be_averaged_is_refused():
     update = {"turning_rad_s": cards.field_quantity("turning_rad_s", 1e9)}
-    with pytest.raises(WalkergenError, match="that cannot be averaged; see turning_rad_s"):
+    with pytest.raises(WalkergenError, match="the walker turns too fast for a mean speed"):
         flat_motion.from_card(CARD.model_copy(update=update))
 
 
@@ -205,12 +205,12 @@ def test_a_model_without_inertia_is_enough_for_what_neither_turns_nor_coasts():
 def test_numbers_that_every_card_has_are_asked_for():
     own = measured.measure_tracks(tracks(1, Inertial(), walkers=2, seconds=0.4), True, ())
     scene, walker = templates.load("plane-90hz", "scenes", Scene), design()
-    with pytest.raises(InputError, match="is not known"):
+    with pytest.raises(InputError, match="is unknown"):
         make.make_card(scene, walker, solids.mass_of(walker), own)
 
 
 def test_what_a_card_no_longer_has_is_refused_with_the_way_that_remains(run, tmp_path):
-    assert "--arena disc:120: is of a crowd, not of --card" in refused(run, "--arena", "disc:120")
+    assert "--arena disc:120: is for a crowd, not for --card" in refused(run, "--arena", "disc:120")
     (tmp_path / "mine.json").write_bytes(cards.to_json(CARD))
     assert "DESIGN: is a card already. Give it with --count" in refused(run, "mine.json")
     old = json.loads(cards.to_json(CARD)) | {"wall_alignment": None}

@@ -80,7 +80,7 @@ def test_a_disc_with_a_hole_has_nobody_in_its_hole(tmp_path):
     scene = templates.load("plane-90hz", "scenes", Scene)
     scene = scene.variant(**{"crowd.arena_mm": "disc:61"})
     crowd = crowd_space.make_population(REQUEST, scene, [holed, small], [1, 2])
-    with pytest.raises(InputError, match="no room"):
+    with pytest.raises(InputError, match="do not fit"):
         make.simulate(REQUEST, crowd, silent)
 
 

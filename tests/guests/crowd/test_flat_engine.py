@@ -117,7 +117,7 @@ def test_an_mpirun_of_another_mpi_is_named_before_its_runs_write_over_each_other
         simulate(ranks=2)
     (tmp_path / "bin" / "mpirun").write_text('#!/bin/sh\nshift 2\n"$@" & "$@"\n')
     (tmp_path / "bin" / "mpirun").chmod(0o755)
-    with pytest.raises(InputError, match="of another MPI"):
+    with pytest.raises(InputError, match="belongs to another MPI"):
         simulate(ranks=2)
 
 

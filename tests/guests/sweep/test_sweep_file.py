@@ -131,5 +131,5 @@ def test_a_sweep_without_any_point_that_can_be_right_is_refused(tmp_path):
         if values == "[5, 95]":
             assert sweep_setup.from_file(path).space.points == 2
         else:
-            with pytest.raises(InputError, match=r"none of 2 points can be right: .*legs.tilt_deg = 90"):
+            with pytest.raises(InputError, match=r"all 2 points are invalid: .*legs.tilt_deg = 90"):
                 sweep_setup.from_file(path)

@@ -67,7 +67,7 @@ def test_a_finished_sweep_is_not_run_again_and_an_extended_one_runs_what_is_new(
     counted = []
     real = model_kinds.evaluate
     monkeypatch.setattr("walkergen.guests.sweep.evaluation.evaluate", lambda p: counted.append(p) or real(p))
-    assert "all 10 points were known before" in swept("--set", TILTS, "--out", "one").output
+    assert "all 10 points were stored before" in swept("--set", TILTS, "--out", "one").output
     swept("--set", "legs.tilt_deg=2:30:2", "--out", "one")
     assert [one.design.tilt_deg for one in counted] == [22, 24, 26, 28, 30]
     assert (home / "one" / "table.csv").read_bytes()[: len(first)] == first
@@ -157,7 +157,7 @@ def test_a_walker_that_stands_as_built_is_turned_anew_at_every_point(home):
 def test_a_person_s_own_table_is_left_alone(home):
     (home / "one").mkdir()
     (home / "one" / "table.csv").write_text("speed,notes\n1,mine\n")
-    assert "is no table of a sweep" in str(swept("--set", TILTS, "--out", "one", code=1).exception)
+    assert "is not a table of a sweep" in str(swept("--set", TILTS, "--out", "one", code=1).exception)
     assert (home / "one" / "table.csv").read_text() == "speed,notes\n1,mine\n"
 
 

@@ -86,7 +86,7 @@ def _read_film(path: Path, units: Units, crowd: Asked) -> CrowdFilm:
     """Film of a file of tracks, about the middle of the dish."""
     read = track_files.read_tracks(path, units)
     if read.lane:
-        raise InputError(f"‹dish›: {path} has walkers in a lane; a crowd runs on a plane")
+        raise InputError(f"‹dish›: {path} has walkers in a lane. A crowd needs a plane.")
     made = film.from_tracks(read, crowd.dish, crowd.contours)
     made = made._replace(x=made.x - crowd.middle[0], y=made.y - crowd.middle[1])
     seen = np.isfinite(made.x)
@@ -95,9 +95,8 @@ def _read_film(path: Path, units: Units, crowd: Asked) -> CrowdFilm:
         x, y = (round(0.5 * float(np.nanmin(part) + np.nanmax(part)), 3) for part in (made.x, made.y))
         centre = f"{x + crowd.middle[0]:.4g},{y + crowd.middle[1]:.4g}"
         raise InputError(
-            f"‹dish=›{crowd.dish.words}: {100 * beyond:.3g} % of the places in {path} lie beyond "
-            f"its walls; give ‹middle=›X,Y (mm), the place of its middle: that of the tracks is "
-            f"{centre}"
+            f"‹dish=›{crowd.dish.words}: {100 * beyond:.3g} % of the places in {path} lie outside its walls. "
+            f"Give the centre of the dish, ‹middle=›X,Y (mm). The centre of the tracks is {centre}."
         )
     return made
 

@@ -22,13 +22,12 @@ CONTACT_KEYS = ("restitution", "friction")
 """Keys of a scene's [crowd] that replace a card's own where they are set."""
 
 MAX_TESTED_PACKING = 0.3
-"""Largest packing at which a crowd of cards was held against the same in space (docs/crowds-flat.md)."""
+"""Largest packing at which a crowd of cards was compared with the same in space (docs/crowds-flat.md)."""
 
 TESTED_RANGE = (
-    "cards were tested against walkers in space: koumakis2016, in a square without walls, up to packing "
-    f"{MAX_TESTED_PACKING:g}; "
-    "there their places are right or undecided, and their speed is that of space times 0.999 ± 0.026 at packing 0.1, "
-    "0.992 ± 0.035 at 0.3"
+    f"cards were compared with walkers in space up to packing {MAX_TESTED_PACKING:g} (koumakis2016, in a square "
+    "without walls). Positions agree or are undecided. The speed is that in space times 0.999 ± 0.026 at packing 0.1, "
+    "and times 0.992 ± 0.035 at 0.3"
 )
 """Tested range of the numbers of a crowd in a plane, as text."""
 
@@ -42,7 +41,7 @@ def make_population(
     """
     crowd, lid = scene.crowd, scene.arena.lid_mm
     if lid is not None:
-        raise InputError(f"arena.lid_mm = {lid:g}: a card was measured with its own lid, or none; leave the key out")
+        raise InputError(f"arena.lid_mm = {lid:g}: the card fixes the lid. Leave the key out.")
     own = {key: getattr(crowd, key) for key in CONTACT_KEYS if key in crowd.model_fields_set}
     kinds = []
     for number, card in enumerate(cards):
@@ -99,8 +98,8 @@ def check_packing(packing: float) -> None:
     """Refuse packings outside the tested range of cards. Raises InputError."""
     if round(packing, 2) > MAX_TESTED_PACKING:
         raise InputError(
-            f"packing {packing:.3g}: {TESTED_RANGE}; take fewer walkers, a larger ‹arena›, designs for cards "
-            "or ‹write_only›"
+            f"packing {packing:.3g}: {TESTED_RANGE}. Use fewer walkers, a larger ‹arena›, designs in place of cards, "
+            "or ‹write_only›."
         )
 
 

@@ -108,15 +108,15 @@ def check_population(request: "CrowdRequest", population: Population) -> None:
     """Raise InputError for two kinds of one name, an accepted error, too few frames or too many."""
     names = [kind.name for kind in population.kinds]
     if len(set(names)) < len(names):
-        raise InputError(f"‹count›: two designs are called {max(names, key=names.count)!r}: rename one")
+        raise InputError(f"‹count›: two designs have the name {max(names, key=names.count)!r}. Rename one.")
     run, rate_hz = population.scene.run, request.rate_hz
     effect_selection.check_no_accepted_error(
-        population.scene, "is of one walker's speed, and a crowd has all that its scene calls for"
+        population.scene, "is for the speed of one walker, and a crowd includes every effect of its scene"
     )
     if not run.seconds * rate_hz >= MIN_FRAMES:
         raise InputError(
-            f"‹rate_hz=›{rate_hz:g} of {run.seconds:g} s: statistics need {MIN_FRAMES} frames "
-            "of a run at least: raise ‹rate_hz› or ‹seconds›"
+            f"‹rate_hz=›{rate_hz:g}: a run of {run.seconds:g} s has fewer than {MIN_FRAMES} frames. "
+            "Raise ‹rate_hz› or ‹seconds›."
         )
     check_sample_count(population.scene, 1.0 / (rate_hz * len(population.numbers)), run.runs)
 

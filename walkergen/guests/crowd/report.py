@@ -132,8 +132,8 @@ def _contact_row(run: CrowdRun, seconds: float) -> Contacts:
 def _warnings(simulated: Simulated) -> Iterator[str]:
     """Yield the reasons to doubt the numbers."""
     if fallen := simulated.fallen:
-        told = ", ".join(f"{count} {name}" for name, count in fallen.items())
-        yield f"of all walkers in all runs: {told}; they lie where they fell"
+        outcomes = ", ".join(f"{count} {name}" for name, count in fallen.items())
+        yield f"walkers that did not reach the end of their runs: {outcomes}. They stayed where they fell"
     worst = simulated.energy_error
     if worst > ENERGY_TOLERANCE:
         yield (

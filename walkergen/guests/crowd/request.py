@@ -1,4 +1,4 @@
-"""What `crowd` is asked for."""
+"""Request of the command `crowd`."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from walkergen.guests.crowd.population import Population
 
 MAX_FPS = 50
-"""Frames a second of a movie at most; tracks may have more."""
+"""Largest number of frames per second of a movie; tracks may have more."""
 
 
 def _parse_count(value: Any) -> Any:
@@ -28,12 +28,12 @@ def _parse_count(value: Any) -> Any:
 
 
 class CrowdRequest(request.Request):
-    """Let many walkers run in a dish and meet: order, clusters and packing with errors.
+    """Simulate many walkers that meet in a dish: order, clusters and packing with errors.
 
-    Writes a folder with a page, tables, figures and the tracks of every run. The same seed gives the same bytes on any
-    number of threads. Every run begins at other places; their scatter gives the errors. A card in place of a design
-    makes a crowd in a plane, of thousands. --card measures one walker for such a crowd, from simulated runs or from the
-    tracks of a film.
+    Write a folder with a page, tables, figures and the tracks of every run. The same seed gives the same bytes on any
+    number of threads. Each run starts from other places, and the scatter of the runs gives the errors. A card in place
+    of a design makes a crowd of thousands in a plane. --card measures one walker for such a crowd, from simulated runs
+    or from the tracks of a film.
     """
 
     design: Annotated[
@@ -50,7 +50,7 @@ class CrowdRequest(request.Request):
         Any,
         request.file_flag(
             "scenes",
-            f"Scene: a template or a TOML file; without, {request.PLANE_SCENE}, of walkers with a motor "
+            f"Scene: a template or a TOML file. Default: {request.PLANE_SCENE}; for walkers with a motor "
             f"{request.TABLE_SCENE}.",
             optional=True,
         ),
@@ -58,10 +58,15 @@ class CrowdRequest(request.Request):
     count: Annotated[
         int | dict[str, int] | None,
         BeforeValidator(_parse_count),
-        Flag("Walkers: 30, or of designs polar-disc:20,rotator:10.", "N", takes="int | Mapping[str, int] | str | None"),
+        Flag(
+            "Number of walkers: 30, or for each design: polar-disc:20,rotator:10.",
+            "N",
+            takes="int | Mapping[str, int] | str | None",
+        ),
     ] = None
     packing: Annotated[
-        float | None, Flag("Area of all bodies over the dish's, for --count.", "SHARE", sets="scene.crowd.packing")
+        float | None,
+        Flag("Area of all bodies over that of the dish, in place of --count.", "SHARE", sets="scene.crowd.packing"),
     ] = None
     arena: Annotated[
         str | None,
@@ -72,7 +77,9 @@ class CrowdRequest(request.Request):
     tilt: request.Tilt = None
     legs: request.Legs = None
     seconds: request.Seconds = None
-    runs: Annotated[int | None, Flag("Independent runs, which give the errors: 4.", "N", sets="scene.run.runs")] = None
+    runs: Annotated[
+        int | None, Flag("Independent runs, whose scatter gives the errors. Default: 4.", "N", sets="scene.run.runs")
+    ] = None
     restitution: request.Restitution = None
     friction: request.Friction = None
     gamma: request.Gamma = None
@@ -81,14 +88,14 @@ class CrowdRequest(request.Request):
     seed: request.Seed = None
     model: Annotated[
         Literal["space", "flat"] | None,
-        Flag("space, of designs, or flat, of cards (.json), by LAMMPS: for thousands.", "MODEL"),
+        Flag("space for designs, or flat for thousands of cards (.json) with LAMMPS.", "MODEL"),
     ] = None
-    rate_hz: Annotated[float, Field(ge=1e-3, le=1e5), Flag("Frames a second of tracks.", "HZ")] = 25.0
-    threads: Annotated[int | None, Field(ge=1, le=1024), Flag("Runs at once: every core.", "N")] = None
-    write_only: Annotated[bool, Flag("Write the input of LAMMPS of a flat crowd, no more.")] = False
-    card: Annotated[bool, Flag("Measure the walker alone, and write its card.")] = False
+    rate_hz: Annotated[float, Field(ge=1e-3, le=1e5), Flag("Frames per second of the tracks.", "HZ")] = 25.0
+    threads: Annotated[int | None, Field(ge=1, le=1024), Flag("Runs in parallel. Default: every core.", "N")] = None
+    write_only: Annotated[bool, Flag("Only write the input of LAMMPS for a flat crowd.")] = False
+    card: Annotated[bool, Flag("Measure a single walker and write its card.")] = False
     tracks: Annotated[
-        Path | None, request.File, Flag("Film's tracks of the walker, for --card.", "TRACKS.csv", takes="Name | None")
+        Path | None, request.File, Flag("Tracks of a filmed walker, for --card.", "TRACKS.csv", takes="Name | None")
     ] = None
     fps: film_fields.Fps = None
     mm_per_px: film_fields.MmPerPx = None
@@ -98,7 +105,7 @@ class CrowdRequest(request.Request):
     movie: Annotated[
         Path | None,
         request.Target,
-        Flag("Film of the first run: .mp4, .gif, or .png, its end.", "FILE", takes="Name | None"),
+        Flag("Film of the first run (.mp4, .gif), or its last frame (.png).", "FILE", takes="Name | None"),
     ] = None
     pictures: request.Pictures = True
     out: request.Out = None
@@ -107,9 +114,9 @@ class CrowdRequest(request.Request):
         """Simulate the crowd, write the input of another program for it, or measure a walker's card."""
         if self.card:
             crowds = "count", "packing", "arena", "model", "rate_hz", "threads", "write_only", "movie"
-            self.check_unset("is of a crowd, not of ‹card›", *crowds)
+            self.check_unset("is for a crowd, not for ‹card›", *crowds)
             return self._make_card(progress)
-        self.check_unset("is for ‹card›", "tracks", "fps", "mm_per_px", "unit", "y_down")
+        self.check_unset("is only for ‹card›", "tracks", "fps", "mm_per_px", "unit", "y_down")
         return self._simulate_crowd(progress)
 
     def _simulate_crowd(self, progress: Progress) -> "Report":
@@ -122,7 +129,7 @@ class CrowdRequest(request.Request):
             crowd_movie.check_format(self.movie)
         counts = list(self.count.values()) if isinstance(self.count, dict) else None
         if counts is not None and self.design is not None:
-            raise InputError(f"‹count=›{self.count}: names the designs: leave ‹design› out", "count")
+            raise InputError(f"‹count=›{self.count}: already names the designs. Leave ‹design› out.", "count")
         total = sum(counts) if counts else self.count
         given = self.inputs({} if total is None else {"scene.crowd.count": ("count", total)})
         sources = list(self.count) if isinstance(self.count, dict) else [self.design or request.PAPER_WALKER]
@@ -162,18 +169,18 @@ class CrowdRequest(request.Request):
         return Expected(run_time.wall_time(cpu_seconds, population.scene.run.runs, self.threads))
 
     def _is_flat(self, sources: list[Any]) -> bool:
-        """Whether a crowd moves in a plane, by cards. Raises InputError for what is not of one kind."""
+        """Whether a crowd moves in a plane, from cards. Raises InputError for cards next to designs."""
         cards = [_is_card(source) for source in sources]
         if all(cards) and self.model != "space":
             return True
         if any(cards):
             name = sources[cards.index(True)]
-            raise InputError(f"{name}: is a card, which model flat alone knows: give designs, or cards for all")
+            raise InputError(f"{name}: is a card, which only ‹model=›flat supports. Give only designs, or only cards.")
         if self.model == "flat" or self.write_only:
             flag = "‹model=›flat" if self.model == "flat" else "‹write_only›"
             raise InputError(
-                f"{flag}: needs the card of {sources[0]}: `walkergen crowd {sources[0]} --card` writes one, "
-                "card.json; give its path in place of the design",
+                f"{flag}: needs a card of {sources[0]}. Run `walkergen crowd {sources[0]} --card`, then give the path "
+                "of its card.json as ‹design›.",
                 "model",
             )
         return False
@@ -181,21 +188,21 @@ class CrowdRequest(request.Request):
     def _load_designs(self, given: Inputs, sources: list[Any]) -> "list[Design]":
         """Designs of a crowd; a tilt and a kind of legs are for one design alone."""
         if len(sources) > 1:
-            self.check_unset(f"is for one design, seen {len(sources)}", "tilt", "legs")
+            self.check_unset(f"is for one design, not for {len(sources)}", "tilt", "legs")
             return [given.design(source) for source in sources]
         return [given.single_member(sources[0], self.tilt, self.legs)]
 
     def _make_flat_population(
         self, given: Inputs, scene: "Scene", sources: list[Any], counts: list[int] | None
     ) -> "Population":
-        """Crowd of cards. Raises InputError for what their measurement has settled."""
+        """Return a population of cards. Raises InputError for keys that the cards fix."""
         from walkergen.guests.crowd import in_plane
         from walkergen.guests.crowd.cards import card
 
-        why = "a card was measured with its own: make another card (‹card›)"
+        why = "is fixed by the card. Measure another card (‹card›)"
         self.check_unset(why, "tilt", "legs")
         settled = [key for key in given.values if not key.startswith(("scene.crowd.", "scene.run."))]
-        given.check_unset([*settled, "scene.run.step_us"], f"{why}, or leave it out")
+        given.check_unset([*settled, "scene.run.step_us"], f"{why}, or leave it out.")
         known = [card.read_card(Path(source)) if isinstance(source, (str, Path)) else source for source in sources]
         return in_plane.make_population(self, scene, known, counts)
 
@@ -212,10 +219,10 @@ class CrowdRequest(request.Request):
         scene = given.scene(request.choose_scene(self.scene, [walker], request.PLANE_SCENE))
         asked: dict[str, Any] = {"design": walker.model_dump(mode="json"), "scene": scene.model_dump(mode="json")}
         if self.tracks is None:
-            self.check_unset("is for ‹tracks› of a film", "fps", "mm_per_px", "unit", "y_down")
+            self.check_unset("is only for ‹tracks›", "fps", "mm_per_px", "unit", "y_down")
             result = make.from_design(scene, walker, progress)
             return make.write(result, asked, self.out or make.default_folder(walker), self.pictures)
-        self.check_unset("tracks of a film are as long as they are", "seconds", "runs", "seed")
+        self.check_unset("is for simulated runs, not for ‹tracks›", "seconds", "runs", "seed")
         units = film_fields.units(self.fps, self.mm_per_px, self.y_down, self.unit)
         folder = result_folder(self.tracks, self.out, "card")
         result = make.from_film(self.tracks, units, scene, walker)
@@ -223,7 +230,7 @@ class CrowdRequest(request.Request):
 
 
 def _is_card(source: Any) -> bool:
-    """Whether a walker is known by a card: a file .json, or what it holds."""
+    """Whether a source is a card or the path of one (.json)."""
     from walkergen.guests.crowd.cards.card import Card
 
     return isinstance(source, Card) or (isinstance(source, (str, Path)) and str(source).lower().endswith(".json"))

@@ -38,7 +38,7 @@ def parse_walker_count(value: int | str | Mapping[str, int]) -> int | dict[str, 
         )
     counts = dict(pairs)
     if len(counts) < len(pairs):
-        raise ValueError("names a design twice; add its numbers up")
+        raise ValueError("names a design twice. Add its numbers.")
     check_count(sum(counts.values()), f"‹count=›{','.join(f'{name}:{count}' for name, count in pairs)[:60]}")
     return counts
 

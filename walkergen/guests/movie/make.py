@@ -126,21 +126,21 @@ def plan_film(request: "MovieRequest", members: Sequence[Design], scene: Scene, 
     film, fps = Film(request, members, scene, release), request.fps
     if fps not in GIF_FPS:
         rates = ", ".join(str(rate) for rate in GIF_FPS)
-        raise InputError(f"‹fps=›{fps}: must be one of {rates} (a GIF counts in 1/100 s)")
+        raise InputError(f"‹fps=›{fps}: must be one of {rates}. A GIF counts in 1/100 s.")
     for name in ("seconds", "periods", "slow"):
         value = getattr(request, name)
         if value is not None and not MIN_VALUE <= value <= MAX_VALUE:
             raise InputError(f"‹{name}=›{value:g}: must lie in {MIN_VALUE:g}..{MAX_VALUE:g}")
     if len(members) > MAX_LANES:
-        raise InputError(f"{len(members)} walkers in one movie; at most {MAX_LANES}")
+        raise InputError(f"{len(members)} walkers: a film shows at most {MAX_LANES}. Choose fewer tilts or legs.")
     if request.seconds is not None and request.periods is not None:
-        raise InputError("‹seconds› and ‹periods›: both say how long; leave one of them out")
+        raise InputError("‹seconds› and ‹periods›: both set the duration. Leave one of them out.")
     if request.view == "perspective" and len(members) > 1:
-        raise InputError(f"‹view=›perspective: shows one walker, seen {len(members)}")
+        raise InputError(f"‹view=›perspective: shows one walker, not {len(members)}. Use ‹view=›above.")
     if not MIN_FRAMES <= film.frames <= MAX_FRAMES:
         raise InputError(
             f"{film.frames:.6g} frames ({film.seconds:g} s of the run, {format_pace(film.slow)}, {fps} a second): "
-            f"must lie in {MIN_FRAMES}..{MAX_FRAMES}; change ‹seconds›, ‹slow› or ‹fps›"
+            f"must lie in {MIN_FRAMES}..{MAX_FRAMES}. Change ‹seconds›, ‹slow› or ‹fps›."
         )
     return film
 

@@ -1,4 +1,4 @@
-"""What `movie` is asked for."""
+"""Request of the command `movie`."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -12,10 +12,10 @@ if TYPE_CHECKING:
 
 
 class MovieRequest(request.Request):
-    """Film a walker in slow motion, or several tilts running (GIF, and MP4).
+    """Film a walker in slow motion, or several tilts from above (GIF and MP4).
 
-    A walker is seen in perspective in a lane, in slow motion, and from above on a plane, as are several;
-    --view above or --view perspective says otherwise.
+    A single walker in a lane is shown in perspective and in slow motion. A walker on a plane, and several walkers, are
+    shown from above in real time. --view above or --view perspective changes this.
     """
 
     design: request.Walker = request.PAPER_WALKER
@@ -25,9 +25,7 @@ class MovieRequest(request.Request):
     seconds: Annotated[float | None, Flag("Simulated time to show, s.", "S")] = None
     periods: Annotated[float | None, Flag("Time to show, in periods of the drive.", "N")] = None
     slow: Annotated[float | None, Flag("Play N times slower than real time.", "N")] = None
-    view: Annotated[
-        Literal["above", "perspective"] | None, Flag("How to see a walker: above or perspective.", "VIEW")
-    ] = None
+    view: Annotated[Literal["above", "perspective"] | None, Flag("View: above or perspective.", "VIEW")] = None
     fps: Annotated[int, Flag("Frames per second: 10, 20, 25 or 50.", "N")] = 25
     restitution: request.Restitution = None
     friction: request.Friction = None
@@ -39,7 +37,7 @@ class MovieRequest(request.Request):
     mirror: request.Mirror = None
     set: request.Settings = {}
     out: Annotated[
-        Path | None, request.Target, Flag("GIF to write; the MP4 comes beside it.", "FILE", takes="Name | None")
+        Path | None, request.Target, Flag("GIF to write. The MP4 is written next to it.", "FILE", takes="Name | None")
     ] = None
 
     def run(self, progress: Progress) -> "Report":
@@ -48,12 +46,12 @@ class MovieRequest(request.Request):
         from walkergen.points import effect_selection
 
         if self.out is not None and self.out.suffix.lower() != ".gif":
-            told = f"‹out=›{str(self.out)[:80]!r}: must end in .gif (the MP4 comes beside it)"
+            told = f"‹out=›{str(self.out)[:80]!r}: must end in .gif. The MP4 is written next to it."
             raise InputError(told, "out")
         given = self.inputs()
         design = given.design(self.design)
         scene = given.scene(request.choose_scene(self.scene, [design]))
-        effect_selection.check_no_accepted_error(scene, "is of a speed, and a film shows all that its scene calls for")
+        effect_selection.check_no_accepted_error(scene, "is for a speed, and a film shows every effect of its scene")
         members = given.members(design, self.tilt, self.legs, whole=False)
         film = make.plan_film(self, members, scene)
         path = self.out or Path("out") / design.name / make.file_name(film, given.values)

@@ -22,7 +22,7 @@ def record_run(design: Design, scene: Scene, seconds: float) -> dict[str, Any]:
     short = scene.run.model_copy(update={"seconds": seconds})
     motion = poses.sample(prepare(scene.model_copy(update={"run": short}), design, mass), 1.0 / POSES_PER_SECOND)
     if len(motion.times) < 2:
-        raise InputError(f"{scene.name}: the run ended at once ({motion.outcome.value})")
+        raise InputError(f"{scene.name}: the run ended immediately ({motion.outcome.value})")
     return _pack_poses(motion, point_in_mesh(design, mass)) | {"words": _caption(motion, scene, part_name(design))}
 
 

@@ -93,9 +93,9 @@ def from_text(key: str, value: str, source: str) -> Axis | Span:
         elif ranged and len(pieces) == 1:
             return make_span(key, float(numbers[0]), float(numbers[1]), source)
         elif ranged:
-            raise InputError(f"{source}: bounds LOW:HIGH stand alone; write FIRST:LAST:STEP in a list")
+            raise InputError(f"{source}: bounds LOW:HIGH cannot be part of a list. Write FIRST:LAST:STEP.")
         elif not piece.strip():
-            raise InputError(f"{source}: an empty value in the list: remove a comma")
+            raise InputError(f"{source}: the list has an empty value. Remove a comma.")
         else:
             values.append(assignments.parse_value(piece.strip()))
         if len(values) > MAX_VALUES:
@@ -106,14 +106,14 @@ def from_text(key: str, value: str, source: str) -> Axis | Span:
 def make_axis(key: str, values: Sequence[Any], source: str) -> Axis:
     """Axis of these values, each once. Raises InputError for none, too many, inf and NaN."""
     if not values:
-        raise InputError(f"{source}: no values: write one at least")
+        raise InputError(f"{source}: has no values. Write at least one.")
     if len(values) > MAX_VALUES:
-        raise InputError(f"{source}: more than {MAX_VALUES} values: take a larger step")
+        raise InputError(f"{source}: more than {MAX_VALUES} values. Use a larger step.")
     for value in values:
         if isinstance(value, float) and not math.isfinite(value):
-            raise InputError(f"{source}: {value} is no value: write finite numbers")
+            raise InputError(f"{source}: {value} is not finite. Write finite numbers.")
         if isinstance(value, (datetime.date, datetime.time)):
-            raise InputError(f"{source}: {value} is a date: write numbers or text")
+            raise InputError(f"{source}: {value} is a date. Write numbers or text.")
     if not all(isinstance(value, (str, int, float)) for value in values):
         return Axis(key, tuple(values))
     # True equals 1, but is another value.
@@ -126,7 +126,7 @@ def make_span(key: str, low: float, high: float, source: str) -> Span:
     for end in (low, high):
         _parse_end(str(end), source)
     if not low < high:
-        raise InputError(f"{source}: the first of LOW:HIGH must lie below the second")
+        raise InputError(f"{source}: the first bound must be less than the second.")
     return Span(key, low, high)
 
 
@@ -135,7 +135,7 @@ def check_keys(axes: Sequence[Axis | Span]) -> None:
     keys = [entry.key for entry in axes]
     for key in keys:
         if keys.count(key) > 1:
-            raise InputError(f"‹set› {key}: given {keys.count(key)} times; write its values once")
+            raise InputError(f"‹set› {key}: given {keys.count(key)} times. Write its values once.")
 
 
 def _split_list(text: str) -> list[str]:
@@ -161,7 +161,7 @@ def _range_values(words: Sequence[str], source: str) -> list[float]:
     if step == 0 or (last - first) / step < 0:
         raise InputError(f"{source}: step {step:g} does not lead from first to last")
     if (last - first) / step > MAX_VALUES:
-        raise InputError(f"{source}: more than {MAX_VALUES} values: take a larger step")
+        raise InputError(f"{source}: more than {MAX_VALUES} values. Use a larger step.")
     count = int((last - first) / step * (1 + 1e-12)) + 1  # 0.3 / 0.1 lies below 3
     if all(re.fullmatch(r"\s*[+-]?[0-9]+\s*", word) for word in words):
         return [int(first) + number * int(step) for number in range(count)]
@@ -173,11 +173,11 @@ def _range_values(words: Sequence[str], source: str) -> list[float]:
 def _parse_end(word: str, source: str) -> float:
     value = float(word)
     if not math.isfinite(value):
-        raise InputError(f"{source}: {word.strip()} is no end of a range: write finite numbers")
+        raise InputError(f"{source}: {word.strip()} cannot be the end of a range. Write finite numbers.")
     if value != 0.0 and not MIN_MAGNITUDE <= abs(value) <= MAX_INTEGER:
         raise InputError(
-            f"{source}: {word.strip()[:30]} is no end of a range: write 0, or numbers in "
-            f"±({MIN_MAGNITUDE:g}..{MAX_INTEGER:.3g})"
+            f"{source}: {word.strip()[:30]} cannot be the end of a range. Write 0, or numbers in "
+            f"±({MIN_MAGNITUDE:g}..{MAX_INTEGER:.3g})."
         )
     return value + 0.0
 

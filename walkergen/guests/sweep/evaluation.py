@@ -24,8 +24,8 @@ MAX_PENDING = 4096
 """Most points that are kept while an earlier one takes long: all are yielded in their order."""
 
 WORKER_LOST = (
-    "a worker process ended at once, as when the memory is full: what was finished is "
-    "kept; the same command goes on, with fewer ‹workers› ({})"
+    "a worker process ended, perhaps because the memory is full ({}). Finished points are kept. "
+    "Repeat the command with fewer ‹workers›."
 )
 
 Asked = Point | Record
@@ -192,11 +192,11 @@ def _task_records(future: "Future[Answer]") -> list[Record]:
     except BrokenExecutor as error:
         raise WalkergenError(WORKER_LOST.format(error)) from error
     except ImportError as error:
-        raise WalkergenError(f"a worker has no such walkergen: {error}; install it there") from error
+        raise WalkergenError(f"a worker cannot import this version of walkergen: {error}. Install it there.") from error
     if sources != digest():
         raise WalkergenError(
-            f"a worker has another version of walkergen, {sources}, here {digest()}: its numbers "
-            "are left out; install the same one there"
+            f"a worker has version {sources} of walkergen, and this machine {digest()}. Its numbers are not used. "
+            "Install the same version there."
         )
     return records
 

@@ -132,7 +132,7 @@ def _set_aside(folder: Folder) -> list[str]:
         raise output.write_error(kept, error) from None
     where = ", ".join(map(str, lines[:5])) + (", ..." if len(lines) > 5 else "")
     which = f" in line {where}" if lines else ""
-    return [f"{place}: changed by hand{which}: evaluated anew; the changed table is kept as {kept.name}"]
+    return [f"{place}: was changed by hand{which}. All points were evaluated again. Your table is now {kept.name}"]
 
 
 def _free_path(path: Path) -> Path:

@@ -18,7 +18,7 @@ BOUND_COLUMNS = ("low_95_mm_s", "high_95_mm_s"), ("predicted_low_95_mm_s", "pred
 def check_speed(names: Sequence[str]) -> None:
     """Refuse a wished speed where the table has no speeds. Raises InputError."""
     if SPEED_COLUMN not in names:
-        raise InputError("‹wish›: the points have no speed: add speed to ‹keep›", "wish")
+        raise InputError("‹wish›: the points have no speed. Add speed to ‹keep›.", "wish")
 
 
 def sort_by_distance(table: Table, keys: Sequence[str], wish: float) -> Table:

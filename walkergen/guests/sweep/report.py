@@ -88,10 +88,10 @@ def add_files(report: SweepReport, folder: Path, names: Sequence[str]) -> SweepR
 
 
 def _count_lines(points: Points) -> list[str]:
-    before = f", {points.stored} of them known before" if points.stored else ""
+    before = f", {points.stored} of them stored before" if points.stored else ""
     counted = f"{points.count} points{before}"
     if points.stored == points.count:
-        counted = f"all {points.count} points were known before"
+        counted = f"all {points.count} points were stored before"
     bad = points.bad.items()
     return [counted, *(f"{count} of them: {name} (see the column status)" for name, count in bad)]
 

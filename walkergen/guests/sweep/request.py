@@ -1,4 +1,4 @@
-"""What `sweep` is asked for."""
+"""Request of the command `sweep`."""
 
 from collections.abc import Iterable, Mapping
 from contextlib import closing
@@ -47,7 +47,7 @@ class SweepRequest(request.Request):
     ] = {}
     scene: Annotated[Any, request.file_flag("scenes", "Scene: a template or a TOML file.", optional=True)] = None
     model: Annotated[
-        str | None, Flag("prediction, the default; a model to simulate by; or crowd, for keys of crowds.", "MODEL")
+        str | None, Flag("prediction (default), space to simulate, or crowd for keys of crowds.", "MODEL")
     ] = None
     error: Annotated[str | None, Flag("Error of each simulated speed: 5% or 3mm/s.", "ERROR")] = None
     sample: Annotated[str | None, Flag("Samples of LOW:HIGH: sobol:256, latin:99.", "METHOD:N")] = None
@@ -56,27 +56,27 @@ class SweepRequest(request.Request):
         list[str] | None,
         request.Words,
         Flag(
-            "Numbers to keep: speed,spread,persistence,impacts,masses,printability; of crowds "
-            "their statistics, as polar_order,largest_cluster.",
+            "Numbers to keep: speed,spread,persistence,impacts,masses,printability. For crowds: "
+            "polar_order,largest_cluster and other statistics.",
             "GROUPS",
             takes="str | Iterable[str] | None",
         ),
     ] = None
     printer: Annotated[Any, request.file_flag("printers", "Printer of --keep printability.", optional=True)] = None
-    file: Annotated[Path | None, request.File, Flag("All of this from a sweep.toml.", "FILE", takes="Name | None")] = (
-        None
-    )
+    file: Annotated[
+        Path | None, request.File, Flag("Read all of this from a sweep.toml.", "FILE", takes="Name | None")
+    ] = None
     wish: Annotated[
-        float | None, Field(ge=-1e6, le=1e6), Flag("Wished speed: list the points nearest to it first.", "MM/S")
+        float | None, Field(ge=-1e6, le=1e6), Flag("Desired speed: list the points nearest to it first.", "MM/S")
     ] = None
     workers: request.Workers = None
-    dask: Annotated[str | None, Flag("Cluster instead: tcp://scheduler:8786.", "ADDRESS")] = None
-    yes: Annotated[bool, Flag("Begin, however long it takes.")] = False
+    dask: Annotated[str | None, Flag("Use a dask cluster: tcp://scheduler:8786.", "ADDRESS")] = None
+    yes: Annotated[bool, Flag("Start without confirmation, however long it takes.")] = False
     out: request.Out = None
     pictures: request.Pictures = True
 
     def run(self, progress: Progress) -> "SweepReport":
-        """Evaluate all points, here or by processes; a function of Python has processes where it asks for them."""
+        """Evaluate all points, in this process or in several; Python functions use several if `workers` is given."""
         from walkergen.guests.sweep import cost, make
         from walkergen.points.point import PREDICTION
         from walkergen.points.store import Store
@@ -93,7 +93,7 @@ class SweepRequest(request.Request):
 
             if not self.yes and sweep.space.points > cost.MAX_UNCONFIRMED_POINTS:
                 raise InputError(
-                    f"{cost.format_cost(estimate(), sweep.space.points)}; give ‹yes› to begin, or take fewer points",
+                    f"{cost.format_cost(estimate(), sweep.space.points)}. Give ‹yes› to start, or use fewer points.",
                     "yes",
                 )
             self._expect(lambda: _to_expected(estimate()))
@@ -114,7 +114,7 @@ class SweepRequest(request.Request):
         with_speed = self.wish is not None
 
         if self.file is not None:
-            self.check_unset("not with ‹file›, which says it", "design", "set", "scene", "printer", "error", "sample")
+            self.check_unset("is set by ‹file›", "design", "set", "scene", "printer", "error", "sample")
             return sweep_setup.from_file(self.file, with_speed)
         pairs = self.set.items() if isinstance(self.set, Mapping) else ()
         entries = [_parse_entry(key, values) for key, values in pairs] or [axes.parse(text) for text in self.set]
@@ -138,6 +138,6 @@ def _parse_entry(key: str, values: Any) -> "Axis | Span":
     if isinstance(values, str):
         return axes.from_text(key, values, f"‹set› {key}={values[:60]!r}")
     if isinstance(values, Mapping):
-        raise InputError(f"{key}: a table seen: give a list of values", key)
+        raise InputError(f"{key}: is a table. Give a list of values.", key)
     listed = list(values) if isinstance(values, Iterable) else [values]
     return axes.make_axis(key, [value.item() if hasattr(value, "item") else value for value in listed], key)

@@ -96,7 +96,7 @@ def read_sweep(path: Path) -> SweepFile:
     """Read and validate a sweep.toml. Raises InputError with a line for every mistake."""
     data, text = config.read_toml(path)
     if not data:
-        raise InputError(f'{path}: the file sets nothing; write [grid] and "legs.tilt_deg" = "0:45:5"')
+        raise InputError(f'{path}: the file sets nothing. Write [grid] and "legs.tilt_deg" = "0:45:5"')
     flat = _flatten_tables(data, str(path), text)
     contents = config.validate(flat, Contents, str(path), text)
     mistakes = list(_key_mistakes(contents, str(path), text))
@@ -187,7 +187,7 @@ def _key_mistakes(contents: Contents, source: str, text: str) -> Iterator[str]:
             except InputError as mistake:
                 yield mistake.text
             if key in seen:
-                yield f"{place}: is in [{seen[key]}] too: remove one of them"
+                yield f"{place}: is in [{seen[key]}] too. Remove one of them."
             seen[key] = table
 
 
@@ -197,13 +197,13 @@ def _parse_axis(key: str, value: Any, place: str) -> Axis:
         axis = axes.from_text(key, value, f"{place} = {value[:60]!r}")
         if isinstance(axis, Span):
             raise InputError(
-                f"{place} = {value[:60]!r}: bounds without a step are of [sample.between]; a grid has FIRST:LAST:STEP"
+                f"{place} = {value[:60]!r}: bounds without a step. Write FIRST:LAST:STEP, or use [sample.between]."
             )
         return axis
     values = value if isinstance(value, list) else [value]
     for entry in values:
         if isinstance(entry, str) and re.fullmatch(r"[\s\d.eE+:-]+:[\s\d.eE+:-]+", entry):
-            raise InputError(f'{place}: {entry[:60]!r} in a list: write one text, "0:10:5,20"')
+            raise InputError(f'{place}: {entry[:60]!r} is in a list. Write one text, "0:10:5,20".')
     return axes.make_axis(key, values, place)
 
 

@@ -55,12 +55,12 @@ class SweepPoints(NamedTuple):
         return (*self.kind.columns(self.model, self.keep), STATUS_KEY)
 
     def check(self) -> None:
-        """Refuse unknown keys, words, groups and models before anything runs. Raises InputError."""
+        """Refuse unknown keys, values, groups and models before anything runs. Raises InputError."""
         model_kinds.check(self.keep, self.model, self.printer)
         if self.wanted is not None and self.model == PREDICTION:
-            raise InputError(f"‹error=›{self.wanted}: the prediction has no runs: ‹model=›space")
+            raise InputError(f"‹error=›{self.wanted}: a prediction has no runs. Use ‹model=›space.")
         if self.wanted is not None and not self.kind.MEETS_ERRORS:
-            raise InputError(f"‹error=›{self.wanted}: is of the speed of one walker: set scene.run.runs")
+            raise InputError(f"‹error=›{self.wanted}: is for the speed of one walker. Set scene.run.runs for crowds.")
         for key in self.space.keys:
             check_key(key, f"‹set› {key}")
             if model_kinds.kind_of(self.model) == ALONE:
@@ -76,10 +76,10 @@ class SweepPoints(NamedTuple):
             if isinstance(point, Point):
                 return
             reasons.append(point[REASON_KEY])
-        raise InputError(f"none of {len(reasons)} points can be right: {reasons[0]}", *self.space.keys[:1])
+        raise InputError(f"all {len(reasons)} points are invalid: {reasons[0]}", *self.space.keys[:1])
 
     def _check_form(self, key: str, value: Any) -> None:
-        """Refuse a word, a list or a table that its key never takes; numbers out of range become rows with an error."""
+        """Refuse text, a list or a table that its key never takes; numbers out of range become rows with an error."""
         try:
             change_keys(self.design, self.scene, {key: value}, "‹set›", self.data)
         except GeometryError:  # of parts that cannot be built: with other values of other keys they may
@@ -122,10 +122,7 @@ def check_key(key: str, source: str) -> None:
 def check_single_key(key: str, source: str) -> None:
     """Raise InputError, which begins with `source`, for a key that a walker alone never reads."""
     if model_kinds.kind_of_key(key) == "crowd":
-        raise InputError(
-            f"{source}: is of crowds, and a walker alone meets nobody: `walkergen sweep` without "
-            "--model, or with --model crowd, is of crowds"
-        )
+        raise InputError(f"{source}: is only for crowds. Leave ‹model› out, or give ‹model=›crowd.")
 
 
 def change_keys(

@@ -120,13 +120,13 @@ def make_space(entries: Sequence[Axis | Span], sample: str | None, seed: int) ->
     if sample is None:
         for span in spans:
             raise InputError(
-                f"‹set› {span.key}={span.low:g}:{span.high:g}: write FIRST:LAST:STEP, or give "
-                "‹sample=›sobol:256 to sample between the two"
+                f"‹set› {span.key}={span.low:g}:{span.high:g}: the range has no step. Write FIRST:LAST:STEP, or give "
+                "‹sample=›sobol:256 to sample the range."
             )
         return Space(varied), fixed
     samples = parse_sample(sample, spans, seed, f"‹sample=›{sample[:30]!r}")
     if not spans:
-        raise InputError(f"‹sample=›{sample}: no key to sample: ‹set› KEY=LOW:HIGH")
+        raise InputError(f"‹sample=›{sample}: has no key to sample. Add ‹set› KEY=LOW:HIGH.")
     return Space(varied, samples), fixed
 
 

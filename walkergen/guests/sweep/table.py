@@ -84,8 +84,8 @@ def find_changed_lines(path: Path) -> list[int]:
     header = next(lines, "")
     if header.endswith("\n") and cells_of(header, str(path), 1)[-2:] != [POINT_COLUMN, CHECK_COLUMN]:
         raise InputError(
-            f"{path}: is no table of a sweep (its last columns are not point, check): "
-            "move it away, or give another ‹out›"
+            f"{path}: is not a table of a sweep (its last columns are not point, check). "
+            "Move it, or give another ‹out›."
         )
     return [number for number, line in enumerate(lines, start=2) if not _is_sound(line)]
 

@@ -93,7 +93,7 @@ class Card(Section):
 
     gone: ClassVar[Mapping[str, str]] = dict.fromkeys(
         ("wall_alignment", "wall_turning_rad_s", "wall_torque_g_mm2_s2"),
-        "no crowd used it; `walkergen crowd --count 1` measures a walker in a dish with walls; leave the key out",
+        "no crowd used it. Leave the key out; `walkergen crowd --count 1` measures a walker in a dish with walls",
     )
 
     name: Name
@@ -142,7 +142,7 @@ class Card(Section):
             if size < MIN_AREA_MM2:
                 raise ValueError(
                     f"contour {number} encloses {size:.3g} mm2: must be counter-clockwise and >= "
-                    f"{MIN_AREA_MM2:g} mm2; turn the order of its corners round, or mend them"
+                    f"{MIN_AREA_MM2:g} mm2. Reverse the order of its corners, or repair them."
                 )
         return contours
 
@@ -190,7 +190,7 @@ def read_card(path: Path) -> Card:
     """Read a card. Raises InputError for a file that is cut off, or a number that is none."""
     data = read_json(path)
     if not isinstance(data, dict):
-        raise InputError(f"{path}: holds no table of a card; give what `walkergen crowd --card` wrote")
+        raise InputError(f"{path}: is not a card. Use a file that `walkergen crowd --card` wrote.")
     return config.validate(data, Card, str(path), "")
 
 

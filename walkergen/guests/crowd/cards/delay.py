@@ -50,7 +50,7 @@ def measure(tracks: Tracks) -> Delay:
     longest = max((len(velocity) for velocity, _ in series), default=0) // 4
     none = np.zeros(0)
     if len(series) < MIN_SAMPLES or longest < 4:
-        reason = f"{len(series)} independent samples; at least {MIN_SAMPLES}: film for longer"
+        reason = f"{len(series)} independent samples, but at least {MIN_SAMPLES} are needed. Film for longer"
         return Delay(Quantity("delay", "s", None, refused=reason), math.nan, Curve(none, none, none))
     lags = np.arange(min(longest, MAX_LAGS), dtype=np.int64)
     sums = np.array([_correlation_sums(velocity, unit, lags) for velocity, unit in series])
@@ -85,7 +85,7 @@ def _mean_delay(areas: Array, lost: Array) -> Quantity:
     """Return half of the areas over the loss of correlation, first of all samples."""
     error = float(jackknife_error(lost[1:, None])[0])
     if not lost[0] > 3.0 * error:
-        reason = "headings hardly turn, or no speed along them is known: film for longer"
+        reason = "headings hardly turn, or the speed along them is unknown. Film for longer"
         return Quantity("delay", "s", None, refused=reason)
     delays = 0.5 * areas / lost
     se = float(jackknife_error(delays[1:, None])[0])

@@ -62,7 +62,7 @@ def make_card(scene: Scene, design: Design, mass: MassProperties, motion: Measur
     }
     for what, number in needed.values():
         if number.value is None:
-            raise InputError(f"the {what} is not known: {number.refused}; ‹runs=›16, or more tracks")
+            raise InputError(f"the {what} is unknown: {number.refused}. Use ‹runs=›16, or more tracks.")
     numbers: dict[str, Any] = {
         field: _optional_quantity(field, number, motion.runs)
         for field, number in [*((field, number) for field, (_, number) in needed.items()), *other.items()]

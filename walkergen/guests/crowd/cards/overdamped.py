@@ -32,7 +32,7 @@ def judge(speed: Quantity, turning: Quantity, rotation: Quantity, velocity: Rela
         return Overdamped(enough=False, reason=reason)
     if verdicts == {Verdict.AGREE}:
         return Overdamped(enough=True, reason=reason)
-    return Overdamped(enough=None, reason=f"{reason}: too near to tell")
+    return Overdamped(enough=None, reason=f"{reason}: too close to the limit to decide")
 
 
 def inertial_shares(

@@ -82,7 +82,7 @@ def measure_velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Quantity]
     piece = size * tracks.interval
     if (relaxed.time.value or 0.0) > piece:
         reason = f"relaxes within {relaxed.time.value:.2g} s, longer than pieces of {piece:.2g} s"
-        relaxed = _missing_relaxation(VELOCITY_KEY, f"{reason}: longer runs, or film for longer")
+        relaxed = _missing_relaxation(VELOCITY_KEY, f"{reason}. Use longer runs or films")
     if relaxed.time.value is None:
         diffusion = refusal(DIFFUSION_KEY, relaxed.time.refused)
     if relaxed.noise and diffusion.value is not None:
@@ -126,7 +126,7 @@ def lateral_coupling(tracks: Tracks, relaxed: float) -> Quantity:
         rows.append((np.nansum(left * rate), np.nansum(rate[~np.isnan(left)] ** 2)))
     sums = np.array(rows, dtype=float).reshape(-1, 2)
     if len(sums) < MIN_SAMPLES or not (sums[:, 1] > 0).any():
-        reason = f"{len(sums)} walkers that turn; at least {MIN_SAMPLES}"
+        reason = f"{len(sums)} walkers turn, but at least {MIN_SAMPLES} are needed"
         return Quantity("leaning", "mm", None, refused=reason)
     whole, others = sums.sum(axis=0), sums.sum(axis=0) - sums
     se = float(jackknife_error((others[:, 0] / others[:, 1])[:, None])[0])
@@ -155,8 +155,8 @@ def fit_relaxation(
     first = 1 if exact else 2
     if len(pieces) < MIN_SAMPLES or longest < first + 3 or diffusion.value is None:
         few = (
-            f"{len(pieces)} independent samples of {length} intervals; at least "
-            f"{MIN_SAMPLES} of {4 * (first + 3)}: more runs, or film for longer"
+            f"{len(pieces)} independent samples of {length} intervals, but at least "
+            f"{MIN_SAMPLES} of {4 * (first + 3)} are needed. Use more runs or longer films"
         )
         return _missing_relaxation(key, diffusion.refused or few)
     sums = [lag_sums.sum_cross_products(part, piece, lags) for part, piece in zip(earlier, pieces, strict=True)]
@@ -319,8 +319,8 @@ def _residual_diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, 
         shares.append(rest * len(ways) / (len(ways) - 1.0))
     count = sum(len(own) - 1 for own in shares)
     if count < MIN_SAMPLES:
-        reason = f"{count} independent pieces of tracks; at least {MIN_SAMPLES}: more runs, "
-        return refusal(DIFFUSION_KEY, f"{reason}or film for longer")
+        reason = f"{count} independent pieces of tracks, but at least {MIN_SAMPLES} are needed"
+        return refusal(DIFFUSION_KEY, f"{reason}. Use more runs or longer films")
     values = np.concatenate(shares)
     se = float(values.std(ddof=1)) / math.sqrt(count)
     return quantity(DIFFUSION_KEY, float(values.mean()), se, float(count))

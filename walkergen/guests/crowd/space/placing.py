@@ -187,16 +187,16 @@ def _check_size(shapes: Outlines, dish: Dish) -> None:
     alone = across > dish.sizes[0] if dish.kind == "disc" else across > dish.period > 0.0
     if alone:
         raise InputError(
-            f"crowd.arena_mm = {dish.words!r}: a walker is {across:.4g} mm across with its "
-            f"clearance, the dish {room:g} mm: give a larger dish"
+            f"crowd.arena_mm = {dish.words!r}: a walker with its clearance is {across:.4g} mm wide, and the dish "
+            f"{room:g} mm. Use a larger dish."
         )
 
 
 def _density_error(count: int, packing: float, reached: float | None) -> InputError:
     """Return the error for a crowd without room."""
-    number = "one walker finds" if count == 1 else f"{count} walkers find"
-    dense = "" if reached is None else f" beyond {reached:.2f} at most"
+    number = "one walker does" if count == 1 else f"{count} walkers do"
+    dense = "" if reached is None else f", which was filled to {reached:.2f} at most"
     return InputError(
-        f"crowd.packing = {packing:.2f}: {number} no room{dense} in this dish; give fewer "
-        "(‹count›, ‹packing›), or a larger dish (‹arena›)"
+        f"crowd.packing = {packing:.2f}: {number} not fit into this dish{dense}. "
+        "Use fewer walkers (‹count›, ‹packing›), or a larger dish (‹arena›)."
     )

@@ -59,8 +59,8 @@ def plane_scene(scene: Scene) -> Scene:
     Raises InputError for headings at the start, which are drawn with the places, and for plates that sway.
     """
     if scene.run.heading_deg != (0.0,):
-        raise InputError("run.heading_deg: headings of a crowd are drawn with its places; leave the key out")
-    sway.check_still_plate(scene, "a crowd's plate moves up and down alike everywhere")
+        raise InputError("run.heading_deg: a crowd draws its headings at random. Leave the key out.")
+    sway.check_still_plate(scene, "a crowd needs a plate that moves up and down equally everywhere")
     kept = scene.arena.model_dump(include={"lid_mm", "wall_friction", "wall_restitution"})
     return scene.model_copy(update={"arena": Arena(kind="plane", **kept)})
 

@@ -77,8 +77,8 @@ def _make_core(design: Design, contours: list[Array]) -> tuple[Array, Whole, flo
         radius *= 0.5
         if radius < 1e-3:
             raise InputError(
-                f"{design.name}: an outline thinner than {2e3 * radius:.2g} micrometres has no "
-                "corners that could meet others; thicken it"
+                f"{design.name}: its outline is thinner than {2e3 * radius:.2g} micrometres and cannot touch other "
+                "bodies. Make it thicker."
             )
     rings = [np.asarray(part.exterior.coords)[:-1] for part in inner]
     edges, first = [], 0

@@ -56,8 +56,8 @@ NO_OUTLINE = "no outlines known"
 NO_HEADING = "no headings known"
 NO_WALL = "a periodic dish has no wall"
 NO_PAIRS = "too few walkers"
-NO_ERROR_SHORT_RUN = "no error of one run so short"
-NO_ERROR_ONE_RUN = "no error of one run"
+NO_ERROR_SHORT_RUN = "one run is too short for an error"
+NO_ERROR_ONE_RUN = "one run gives no error"
 
 
 class CrowdStatistics(NamedTuple):
@@ -127,13 +127,13 @@ def measure(films: Sequence[CrowdFilm]) -> CrowdStatistics:
 
 def _check_runs(films: Sequence[CrowdFilm]) -> None:
     if not films:
-        raise InputError("no run of a crowd: nothing to measure")
+        raise InputError("a crowd has no run. Simulate or film at least one.")
     first = films[0]
     for film in films:
         if film.dish != first.dish or set(film.kinds) != set(first.kinds):
-            raise InputError(f"runs of a crowd differ: {_describe(film)} and {_describe(first)}; measure them apart")
+            raise InputError(f"runs differ: {_describe(film)} and {_describe(first)}. Measure them separately.")
         if len(film.times) < MIN_FRAMES:
-            raise InputError(f"a run of a crowd has {len(film.times)} frames: needs {MIN_FRAMES} at least")
+            raise InputError(f"a run of a crowd has {len(film.times)} frames. At least {MIN_FRAMES} are needed.")
 
 
 def _describe(film: CrowdFilm) -> str:
@@ -288,10 +288,10 @@ def _random_values(film: CrowdFilm) -> dict[str, float]:
 def _notes(films: Sequence[CrowdFilm]) -> tuple[str, ...]:
     film = films[0]
     errors = (
-        f"errors are from the scatter of {len(films)} independent runs"
+        f"errors come from the scatter of {len(films)} independent runs"
         if len(films) > 1
-        else "one run: errors are from the time over which numbers are correlated in it, where it is "
-        "long beside that; changes rarer than the run is long escape"
+        else "errors of one run come from the correlation time of each number, if the run is much longer. Rare "
+        "changes are not included"
     )
     lines = [errors]
     if film.sized:
@@ -300,11 +300,11 @@ def _notes(films: Sequence[CrowdFilm]) -> tuple[str, ...]:
             if film.outlines
             else "centres are nearer than the sum of the outer radii"
         )
-        lines.append(f"walkers touch, and are of one cluster, where their {how}")
+        lines.append(f"walkers touch, and belong to one cluster, if their {how}")
     near = pairs.NEIGHBOUR_DIAMETERS * pairs.length_scale(film)
     lines.append(f"local orders are means over pairs nearer than {near:.3g} mm")
     if not film.dish.period:
-        lines.append(f"at the wall means within {walls.near_distance(film):.3g} mm of it")
+        lines.append(f"a walker is at the wall within {walls.near_distance(film):.3g} mm of it")
     return tuple(lines)
 
 
