@@ -292,12 +292,12 @@ def crowd(
     out: Name | None = None,
     progress: Progress | None = None,
 ) -> Report:
-    """Let many walkers run in a dish and meet: order, clusters and packing with errors.
+    """Simulate many walkers that meet in a dish: order, clusters and packing with errors.
 
-    Writes a folder with a page, tables, figures and the tracks of every run. The same seed gives the same bytes on any
-    number of threads. Every run begins at other places; their scatter gives the errors. A card in place of a design
-    makes a crowd in a plane, of thousands. --card measures one walker for such a crowd, from simulated runs or from the
-    tracks of a film.
+    Write a folder with a page, tables, figures and the tracks of every run. The same seed gives the same bytes on any
+    number of threads. Each run starts from other places, and the scatter of the runs gives the errors. A card in place
+    of a design makes a crowd of thousands in a plane. --card measures one walker for such a crowd, from simulated runs
+    or from the tracks of a film.
 
     Example: `wg.crowd("koumakis2016", count=6, arena="disc:90", seconds=0.5, runs=2)`
     """
@@ -325,10 +325,10 @@ def movie(
     out: Name | None = None,
     progress: Progress | None = None,
 ) -> Report:
-    """Film a walker in slow motion, or several tilts running (GIF, and MP4).
+    """Film a walker in slow motion, or several tilts from above (GIF and MP4).
 
-    A walker is seen in perspective in a lane, in slow motion, and from above on a plane, as are several;
-    --view above or --view perspective says otherwise.
+    A single walker in a lane is shown in perspective and in slow motion. A walker on a plane, and several walkers, are
+    shown from above in real time. --view above or --view perspective changes this.
 
     Example: `wg.movie("koumakis2016", "plane-90hz", tilt=[5, 10, 15], seconds=1, out="film.gif").files`
     """

@@ -17,7 +17,7 @@ HEIGHT_RATIO = 0.5
 
 
 def to_csv(film: CrowdFilm) -> bytes:
-    """CSV with a header line, every digit kept, a row for each walker seen at each time."""
+    """Write CSV with a header line and all digits: a row for each walker seen at each time."""
     frame, walker = np.nonzero(np.isfinite(film.x))
     rows = zip(
         film.times[frame].tolist(),
@@ -56,7 +56,7 @@ FORMATS: dict[str, Callable[[CrowdFilm], bytes]] = {".csv": to_csv, ".xyz": to_x
 
 
 def _half_axes(film: CrowdFilm, kind: str) -> Array:
-    """Half length, width and height of the box around a kind's outline, mm; 1 without outlines."""
+    """Return half the length, width and height of the box around a kind's outline, mm; 1 without outlines."""
     if kind not in film.outlines:
         return np.ones(3)
     corners = np.concatenate(list(film.outlines[kind]))

@@ -29,7 +29,7 @@ MIN_SIZE_MM, MAX_SIZE_MM = 1e-3, 1e5
 """Limits of a body's sizes, and of the middle's distance from the origin, mm."""
 
 
-class Asked(NamedTuple):
+class FilmedCrowd(NamedTuple):
     """Crowd to analyse."""
 
     dish: Dish
@@ -41,13 +41,15 @@ class Asked(NamedTuple):
     """Tracks of other independent runs of the same crowd."""
 
 
-def parse_crowd(dish: str, body: str | None, middle: str | None, others: Sequence[Path]) -> Asked:
+def parse_crowd(dish: str, body: str | None, middle: str | None, others: Sequence[Path]) -> FilmedCrowd:
     """Parse a crowd's dish, such as "disc:120", "24x8", "60,60". Raises InputError."""
     ground = parse_dish(dish, "‹dish›")
-    return Asked(ground, _parse_body(body), _parse_middle(middle), tuple(others))
+    return FilmedCrowd(ground, _parse_body(body), _parse_middle(middle), tuple(others))
 
 
-def analyse(path: Path, units: Units, crowd: Asked, folder: Path | None, pictures: bool, progress: Progress) -> Report:
+def analyse(
+    path: Path, units: Units, crowd: FilmedCrowd, folder: Path | None, pictures: bool, progress: Progress
+) -> Report:
     """Read tracks, measure the crowd and, if there is a folder, write tables and figures.
 
     Writes crowd.csv, crowd.md, tables of its course, its runs and its curves, figures as PNG and
@@ -82,7 +84,7 @@ def analyse(path: Path, units: Units, crowd: Asked, folder: Path | None, picture
     return written
 
 
-def _read_film(path: Path, units: Units, crowd: Asked) -> CrowdFilm:
+def _read_film(path: Path, units: Units, crowd: FilmedCrowd) -> CrowdFilm:
     """Film of a file of tracks, about the middle of the dish."""
     read = track_files.read_tracks(path, units)
     if read.lane:
@@ -102,7 +104,7 @@ def _read_film(path: Path, units: Units, crowd: Asked) -> CrowdFilm:
 
 
 def _parse_body(body: str | None) -> tuple[Array, ...]:
-    """Outline of a body from its length and width, from its diameter, or from a walker's file."""
+    """Parse the outline of a body: its length and width, its diameter, or the file of a walker."""
     if body is None:
         return ()
     sizes = [parse_number(word) for word in body.split("x")]

@@ -91,7 +91,7 @@ class InPlane(NamedTuple):
         return list(measure(records).numbers.values())
 
     def finer(self) -> None:
-        """None: the step's effect on a crowd is unknown."""
+        """Return None, because the step's effect on a crowd is unknown."""
 
 
 def check_packing(packing: float) -> None:

@@ -79,11 +79,11 @@ class InSpace(NamedTuple):
         return populations.make_film(self.population, run.times, run.poses)
 
     def quantities(self, records: Sequence[CrowdRun]) -> list[Quantity]:
-        """Statistics of the films of runs."""
+        """Compute the statistics of the films of runs."""
         return list(measure([self.film(run) for run in records]).numbers.values())
 
     def finer(self) -> None:
-        """None: the step's effect on a crowd is unknown."""
+        """Return None, because the step's effect on a crowd is unknown."""
 
 
 def cpu_seconds(request: "CrowdRequest", population: Population) -> float:
@@ -113,7 +113,7 @@ def _placement_function(population: Population) -> Callable[[int], CrowdPlan]:
 
 
 def _make_plan(population: Population) -> CrowdPlan:
-    """Plan of a crowd whose walkers have no places yet. Raises InputError."""
+    """Make the plan of a crowd whose walkers have no places yet. Raises InputError."""
     designs = [(kind.design, kind.mass) for kind in population.kinds if kind.design and kind.mass]
     return crowds.prepare(population.scene, designs, population.numbers, np.zeros((len(population.numbers), 3)))
 

@@ -99,7 +99,7 @@ def write(path: Path, film: CrowdFilm, title: str, fps: int, progress: Progress)
 
 
 def render_still(film: CrowdFilm, title: str) -> bytes:
-    """Last frame as PNG."""
+    """Render the last frame as PNG."""
     buffer = io.BytesIO()
     Image.fromarray(make_draw_function(film, title)(len(film.times) - 1)).save(buffer, "PNG")
     return buffer.getvalue()
@@ -139,7 +139,7 @@ def make_draw_function(film: CrowdFilm, title: str, fps: int | None = None) -> D
 
 
 def heading_colours() -> Array:
-    """Colours of headings from 0 on, counter-clockwise, shape (HUE_COUNT, 3), 0 to 1."""
+    """Return the colours of headings from 0 on, counter-clockwise, shape (HUE_COUNT, 3), 0 to 1."""
     angle = 2.0 * np.pi * np.arange(HUE_COUNT) / HUE_COUNT
     a, b = CHROMA * np.cos(angle), CHROMA * np.sin(angle)
     roots = np.stack(
@@ -201,14 +201,14 @@ def _add_bodies(axes: Axes, film: CrowdFilm, scale: float) -> list[_Bodies]:
 
 
 def _walker_size(film: CrowdFilm) -> float:
-    """Mean outer diameter, or without outlines half the distance to a neighbour, mm."""
+    """Return the mean outer diameter, or without outlines half the distance to a neighbour, mm."""
     if film.sized:
         return 2.0 * float(film.radii.mean())
     return 0.5 * math.sqrt(film.dish.area / film.x.shape[1])
 
 
 def _symbol_outline(film: CrowdFilm) -> Array:
-    """Shape of walkers without an outline: a dart along the heading, or where none is a disc."""
+    """Return the shape of walkers without an outline: a dart along the heading, or a disc without headings."""
     angle = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
     shape = DART_SHAPE if film.headed else 0.35 * np.column_stack([np.cos(angle), np.sin(angle)])
     return np.asarray(_walker_size(film) * shape)

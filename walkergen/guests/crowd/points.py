@@ -30,7 +30,7 @@ def title(model: str) -> str:
 
 
 def columns(model: str, keep: Sequence[str]) -> tuple[str, ...]:
-    """Columns of records that keep these statistics, without the status."""
+    """Return the columns of records that keep these statistics, without the status."""
     return (*SIZE_COLUMNS, *(column for name in keep for column in statistic_columns(name)))
 
 
@@ -78,7 +78,7 @@ def evaluate(point: Point) -> Record:
 
 
 def _run_status(simulated: Simulated) -> Record:
-    """How the runs of a crowd went."""
+    """Return the status of a crowd's runs."""
     if fallen := simulated.fallen:
         count = sum(simulated.outcomes.values())
         which = ", ".join(f"{count} {name}" for name, count in fallen.items())

@@ -154,9 +154,9 @@ class CrowdRequest(request.Request):
             fps = min(max(round(self.rate_hz), 1), MAX_FPS)
             crowd_movie.write(self.movie, simulated.films[0], result.title, fps, progress)
             result = replace(result, files=[self.movie])
-        done, wished = len(simulated.films), scene.run.runs
-        if done < wished:
-            warnings = [f"interrupted after {done} of {wished} runs", *result.warnings]
+        done, requested = len(simulated.films), scene.run.runs
+        if done < requested:
+            warnings = [f"interrupted after {done} of {requested} runs", *result.warnings]
             result = replace(result, warnings=warnings, code=130)
         return result
 
@@ -186,7 +186,7 @@ class CrowdRequest(request.Request):
         return False
 
     def _load_designs(self, given: Inputs, sources: list[Any]) -> "list[Design]":
-        """Designs of a crowd; a tilt and a kind of legs are for one design alone."""
+        """Load the designs of a crowd. A tilt and a kind of legs are only for a single design."""
         if len(sources) > 1:
             self.check_unset(f"is for one design, not for {len(sources)}", "tilt", "legs")
             return [given.design(source) for source in sources]
@@ -217,16 +217,16 @@ class CrowdRequest(request.Request):
             raise InputError("‹design›: is a card already. Give it with ‹count›, and leave ‹card› out.", "card")
         walker = given.single_member(source, self.tilt, self.legs)
         scene = given.scene(request.choose_scene(self.scene, [walker], request.PLANE_SCENE))
-        asked: dict[str, Any] = {"design": walker.model_dump(mode="json"), "scene": scene.model_dump(mode="json")}
+        inputs: dict[str, Any] = {"design": walker.model_dump(mode="json"), "scene": scene.model_dump(mode="json")}
         if self.tracks is None:
             self.check_unset("is only for ‹tracks›", "fps", "mm_per_px", "unit", "y_down")
             result = make.from_design(scene, walker, progress)
-            return make.write(result, asked, self.out or make.default_folder(walker), self.pictures)
+            return make.write(result, inputs, self.out or make.default_folder(walker), self.pictures)
         self.check_unset("is for simulated runs, not for ‹tracks›", "seconds", "runs", "seed")
         units = film_fields.units(self.fps, self.mm_per_px, self.y_down, self.unit)
         folder = result_folder(self.tracks, self.out, "card")
         result = make.from_film(self.tracks, units, scene, walker)
-        return make.write(result, {"file": self.tracks.name, **units._asdict(), **asked}, folder, self.pictures)
+        return make.write(result, {"file": self.tracks.name, **units._asdict(), **inputs}, folder, self.pictures)
 
 
 def _is_card(source: Any) -> bool:

@@ -50,7 +50,7 @@ def make_tables(statistics: CrowdStatistics) -> list[Table]:
 
 
 def facts(statistics: CrowdStatistics) -> dict[str, Any]:
-    """Numbers for JSON."""
+    """Return the numbers for JSON."""
     rows = [_row(statistics, number) for number in statistics.numbers.values()]
     return {
         "dish": statistics.dish.words,
@@ -78,7 +78,7 @@ def _describe_walkers(statistics: CrowdStatistics) -> str:
 
 
 def _row(statistics: CrowdStatistics, number: Quantity) -> tuple[Any, ...]:
-    """Row of crowd.csv."""
+    """Return a row of crowd.csv."""
     bounds = number.interval() or (None, None)
     chance = statistics.by_chance.get(number.key)
     return number.column, number.value, number.se, *bounds, chance, number.refused
@@ -97,7 +97,7 @@ def _columns(statistics: CrowdStatistics) -> tuple[Column, ...]:
 
 
 def _curve_tables(statistics: CrowdStatistics) -> Iterator[Table]:
-    """Tables of the curves that the crowd has, for CSV and Python alone."""
+    """Yield the tables of the curves that the crowd has, for CSV and Python alone."""
     for name, (at, keys) in CURVE_TABLES.items():
         curves = {key: statistics.curves[curve] for curve, key in keys.items() if curve in statistics.curves}
         if not curves:
@@ -108,7 +108,7 @@ def _curve_tables(statistics: CrowdStatistics) -> Iterator[Table]:
 
 
 def _error_key(key: str) -> str:
-    """Key of a curve's standard error: the unit stays last."""
+    """Return the key of a curve's standard error: the unit stays last."""
     for unit in ("_mm_s", "_mm2"):
         if key.endswith(unit):
             return f"{key.removesuffix(unit)}_se{unit}"

@@ -43,10 +43,10 @@ def parse_walker_count(value: int | str | Mapping[str, int]) -> int | dict[str, 
     return counts
 
 
-def check_count(count: int, told: str) -> int:
+def check_count(count: int, source: str) -> int:
     """Return a number of walkers. Raises InputError for none or too many."""
     if not 1 <= count <= MAX_WALKERS:
-        raise InputError(f"{told}: a crowd has 1 to {MAX_WALKERS} walkers")
+        raise InputError(f"{source}: a crowd has 1 to {MAX_WALKERS} walkers")
     return count
 
 
@@ -57,5 +57,5 @@ def walker_count(scene: Scene, area_mm2: float) -> int:
         count = DEFAULT_COUNT if crowd.count is None else crowd.count
         return check_count(count, f"crowd.count = {count}")
     count = round(crowd.packing * dish.area / area_mm2)
-    told = f"crowd.packing = {crowd.packing:g}: {count} walkers of {area_mm2:.4g} mm²"
-    return check_count(count, f"{told} in {dish.words}")
+    source = f"crowd.packing = {crowd.packing:g}: {count} walkers of {area_mm2:.4g} mm²"
+    return check_count(count, f"{source} in {dish.words}")

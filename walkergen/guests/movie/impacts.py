@@ -52,7 +52,7 @@ FURTHER_FOOT_COLOURS = ("#0072B2", "#009E73", "#B8860B", "#CC3311", "#56B4E9", "
 
 
 def foot_colour(foot: int) -> str:
-    """Colour of a foot by its number."""
+    """Return the colour of a foot, given its number."""
     return (
         FIRST_FOOT_COLOURS[foot]
         if foot < len(FIRST_FOOT_COLOURS)
@@ -179,7 +179,7 @@ def show_flash(flash: Flash, hit: Impact, left: float, largest: float, tail: Arr
 
 
 def make_canvas(name: str, settings: str, slow: float) -> tuple[Canvas, Text]:
-    """Empty picture of slow motion with its head and its legend of impacts; its line of numbers."""
+    """Make an empty picture of slow motion with its head and legend; return it with its line of numbers."""
     canvas = Canvas(WIDTH_PX, HEIGHT_PX)
     canvas.text(12, 598, f"{name} legs", fontsize=LARGE_PT, weight="bold")
     canvas.add_caption(12, 579, settings)
@@ -189,14 +189,14 @@ def make_canvas(name: str, settings: str, slow: float) -> tuple[Canvas, Text]:
 
 
 def format_moment(time: float, phase: float, distance: float) -> str:
-    """Line of numbers of a moment: time (s), phase of the drive (rad), distance run (mm)."""
+    """Format the numbers of a moment: time (s), phase of the drive (rad), distance run (mm)."""
     speed = f"{distance / time:6.1f} mm/s" if time > 0 else "     - mm/s"
     turn = np.degrees(phase) % 360.0
     return f"{1e3 * time:6.1f} ms   phase {turn:3.0f}°   ran {distance:6.2f} mm   so far {speed}"
 
 
 def largest_impulse(shot: Shot) -> float:
-    """Largest impulse of all impacts, g mm/s; 1 when there are none."""
+    """Return the largest impulse of all impacts, g mm/s; 1 without impacts."""
     return max((float(np.hypot(*hit.impulse)) for hit in shot.impacts), default=1.0)
 
 

@@ -100,7 +100,7 @@ class Film(NamedTuple):
 
 
 def file_name(film: Film, values: Mapping[str, Any]) -> str:
-    """Default name of the GIF: the walker's, or the tilts and kinds of legs, the scene's.
+    """Return the default name of the GIF: the walker, or tilts and kinds of legs, then the scene.
 
     Then come values of dotted keys that were set, in letters that are safe, as far as a name goes.
     """
@@ -222,12 +222,12 @@ def simulate_shot(film: Film, design: Design, every: int) -> Shot:
 
 
 def make_title(design: Design) -> Title:
-    """Words of the picture on a walker."""
+    """Make the title of a walker's picture."""
     return Title(design.name, f"{design.tilt_deg:g}°", design.kind)
 
 
 def _friction_note(members: Sequence[Design]) -> str:
-    """Addition to the settings where feet have a friction of their own; "" where none has."""
+    """Return the addition to the settings if feet have their own friction, otherwise ""."""
     limbs = [limb for design in members for limb in design.limbs]
     own = {limb.friction for limb in limbs if limb.friction is not None}
     if not own:

@@ -172,7 +172,7 @@ def _add_moving_signs(canvas: Canvas, view: View) -> None:
 
 
 def _make_close_view(canvas: Canvas, shot: Shot, centres: Array) -> Close:
-    """View of the feet alone, their heights magnified to a share of their distance."""
+    """Make the view of the feet alone, their heights magnified to a share of their distance."""
     corners = shot.poses.corners - centres[:, None]
     flat = corners[..., [0, 2]].reshape(-1, 2)
     (left, near), (right, far) = flat.min(axis=0), flat.max(axis=0)
@@ -212,7 +212,7 @@ def _make_close_view(canvas: Canvas, shot: Shot, centres: Array) -> Close:
 
 
 def _corner_courses(shot: Shot) -> list[Course]:
-    """Heights of the corners in time: colours of the feet, left corners full, right dashed.
+    """Return the heights of the corners in time: colours of the feet, left corners full, right dashed.
 
     Of more than two feet the legend names the feet alone, of many none.
     """
@@ -246,7 +246,7 @@ def _update_view(
 
 
 def _plate_lines(view: View, shot: Shot, centre: Array) -> list[Array]:
-    """Lines of the plate, at rest in it, as the view shows them."""
+    """Return the lines of the plate, at rest in it, as the view shows them."""
     spacing = nice_ceil(0.05 * float(shot.size[0]))
     (left, right), (near, far) = view.area
     ends = []
@@ -281,7 +281,7 @@ def _update_close_view(
 
 
 def _format_micrometres(length: float) -> str:
-    """Length in mm as whole µm, with a decimal where legs bend, without a minus on zero."""
+    """Format a length in mm as whole µm, with a decimal where legs bend, without a minus on zero."""
     micrometres = round(1e3 * length, 1 if length < 0.0 else 0) + 0.0
     text = f"{micrometres:.1f}" if micrometres < 0.0 else f"{micrometres:.0f}"
     return text.replace("-", "\N{MINUS SIGN}")

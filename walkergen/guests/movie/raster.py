@@ -43,7 +43,7 @@ class Camera(NamedTuple):
     """Pixels at which the line of sight meets the picture, shape (2,)."""
 
     def project(self, points: Array) -> Array:
-        """Pixels, and inverse distance (1/mm), of points (..., 3): shape (..., 3)."""
+        """Project points (..., 3) to pixels and inverse distance (1/mm), shape (..., 3)."""
         seen = (points - self.eye) @ self.axes.T
         nearness = -1.0 / seen[..., 2]
         flat = self.scale * seen[..., :2] * nearness[..., None] + self.offset
@@ -51,7 +51,7 @@ class Camera(NamedTuple):
 
 
 def fit_camera(points: Array, size: tuple[float, float]) -> Camera:
-    """Camera in whose picture of `size` (width, height, pixels) points (n, 3) just fit."""
+    """Fit a camera in whose picture of `size` (width, height, pixels) points (n, 3) just fit."""
     low, high = points.min(axis=0), points.max(axis=0)
     back = CAMERA_DIRECTION / np.linalg.norm(CAMERA_DIRECTION)
     right = np.cross([0.0, 1.0, 0.0], back)
@@ -95,7 +95,7 @@ def make_model(mesh: Mesh) -> Model:
 def render(
     model: Model, R: Array, place: Array, camera: Camera, colour: str, ink: str
 ) -> tuple[npt.NDArray[np.uint8], int, int]:
-    """Picture of a mesh turned by R and moved to `place`: RGBA, upper row first.
+    """Render a mesh turned by R and moved to `place`: RGBA, upper row first.
 
     It covers the mesh alone; also its left and lower end in the camera's picture, pixels.
     """
@@ -115,7 +115,7 @@ def render(
 
 
 def _doubled_areas(corners: Array) -> Array:
-    """Twice the areas of triangles (..., 3, 2 or more), positive when counter-clockwise."""
+    """Return twice the areas of triangles (..., 3, 2 or more), positive if counter-clockwise."""
     first, second = (corners[..., 1, :2] - corners[..., 0, :2], corners[..., 2, :2] - corners[..., 0, :2])
     return np.asarray(first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0])
 
@@ -163,7 +163,7 @@ def _draw_edges(number: npt.NDArray[np.int32], near: Array, points: Array, model
 
 
 def _shade_faces(normals: Array, colour: str, ink: str) -> npt.NDArray[np.uint8]:
-    """RGBA of every triangle by its normal in the camera's axes, then ink, then nothing."""
+    """Return RGBA of every triangle, given its normal in the camera's axes, then ink, then nothing."""
     light = LIGHT_DIRECTION / np.linalg.norm(LIGHT_DIRECTION)
     bright = AMBIENT + (1.0 - AMBIENT) * np.clip(normals @ light, 0.0, 1.0)
     full, dark = (np.array([int(code[i : i + 2], 16) for i in (1, 3, 5)]) for code in (colour, ink))
@@ -173,7 +173,7 @@ def _shade_faces(normals: Array, colour: str, ink: str) -> npt.NDArray[np.uint8]
 
 
 def _downsample(picture: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
-    """Mean over the samples of each pixel, of its colours over those that are not clear (and black)."""
+    """Average the samples of each pixel, its colours over those that are not clear (and black)."""
     first, *others = (
         picture[row::SAMPLES_PER_PIXEL, column::SAMPLES_PER_PIXEL]
         for row in range(SAMPLES_PER_PIXEL)

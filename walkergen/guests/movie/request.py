@@ -46,8 +46,8 @@ class MovieRequest(request.Request):
         from walkergen.points import effect_selection
 
         if self.out is not None and self.out.suffix.lower() != ".gif":
-            told = f"‹out=›{str(self.out)[:80]!r}: must end in .gif. The MP4 is written next to it."
-            raise InputError(told, "out")
+            message = f"‹out=›{str(self.out)[:80]!r}: must end in .gif. The MP4 is written next to it."
+            raise InputError(message, "out")
         given = self.inputs()
         design = given.design(self.design)
         scene = given.scene(request.choose_scene(self.scene, [design]))

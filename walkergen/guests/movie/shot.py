@@ -24,7 +24,7 @@ class Impact(NamedTuple):
 
 
 def make_impact(event: Array) -> Impact:
-    """Impact of a row of the simulation's events (see `record.Events`)."""
+    """Make an impact from a row of the simulation's events (see `record.Events`)."""
     time, foot, along, upward, _, _, kind = event
     return Impact(time, int(foot), np.array((along, upward)), Kind(int(kind)))
 
@@ -128,14 +128,14 @@ def point_in_mesh(design: Design, mass: MassProperties) -> Array:
 
 
 def body_outline(shot: Shot, at: int) -> list[Array]:
-    """Polygons of the body seen from above at pose `at`, shape (n, 2) each, mm."""
+    """Return the polygons of the body seen from above at pose `at`, shape (n, 2) each, mm."""
     place: Array = shot.track[at]
     heading = shot.poses.heading[at]
     return [place + rotate(shot.base + contour, heading) for contour in shot.contours]
 
 
 def foot_edges(shot: Shot, at: int) -> Array:
-    """Edges of the feet seen from above, two ends each, shape (feet, 2, 2), mm."""
+    """Return the edges of the feet seen from above, two ends each, shape (feet, 2, 2), mm."""
     ends: Array = shot.poses.corners[at][:, [0, 2]] * (1.0, -1.0)
     return ends.reshape(-1, 2, 2)
 

@@ -123,7 +123,7 @@ def _window(shot: Shot, gap: float | None) -> Window:
 
 
 def _arrow_ends(shot: Shot, at: int) -> Array:
-    """Tail and tip of the heading's arrow at pose `at`, shape (2, 2), mm."""
+    """Return tail and tip of the heading's arrow at pose `at`, shape (2, 2), mm."""
     front, long = shot.base[0] + 0.5 * shot.size[0], ARROW_RATIO * shot.size[0]
     ends = np.array([(front, 0.0), (front + long, 0.0)])
     place: Array = shot.track[at]

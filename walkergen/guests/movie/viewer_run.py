@@ -27,7 +27,7 @@ def record_run(design: Design, scene: Scene, seconds: float) -> dict[str, Any]:
 
 
 def _pack_poses(motion: poses.Poses, O: Array) -> dict[str, Any]:  # noqa: E741
-    """Poses and landings of a walker whose point O lies there in its mesh, as the page reads them.
+    """Pack poses and landings of a walker whose point O lies at this point of its mesh, as the page reads them.
 
     A pose is a shift (mm) and a quaternion (x, y, z, scalar) of the mesh; a landing is its time
     (s), its corner and its impulse over the largest; a plate that moves has a height (mm) for each pose.

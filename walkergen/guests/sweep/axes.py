@@ -64,7 +64,7 @@ class Space(NamedTuple):
         return math.prod((len(axis.values) for axis in self.axes), start=samples)
 
     def rows(self) -> Iterator[tuple[Any, ...]]:
-        """Values of `keys` at each point, made one after the other."""
+        """Yield the values of `keys` at each point."""
         grid = itertools.product(*(axis.values for axis in self.axes))
         if self.sample is None:
             yield from grid
@@ -76,13 +76,13 @@ class Space(NamedTuple):
 
 
 def parse(text: str) -> Axis | Span:
-    """Axis of KEY=1,2,3 or KEY=FIRST:LAST:STEP or KEY=VALUE, span of KEY=LOW:HIGH. InputError."""
+    """Parse KEY=1,2,3, KEY=FIRST:LAST:STEP or KEY=VALUE to an axis, KEY=LOW:HIGH to a span. Raises InputError."""
     key, value = assignments.split_key_value(text)
     return from_text(key, value, f"‹set› {text[:60]!r}")
 
 
 def from_text(key: str, value: str, source: str) -> Axis | Span:
-    """Axis or span of a key from a text, as `parse` takes it after the sign. Raises InputError."""
+    """Parse the axis or span of a key from a text, as `parse` takes it after the sign. Raises InputError."""
     values: list[Any] = []
     pieces = _split_list(value)
     for piece in pieces:
@@ -104,7 +104,7 @@ def from_text(key: str, value: str, source: str) -> Axis | Span:
 
 
 def make_axis(key: str, values: Sequence[Any], source: str) -> Axis:
-    """Axis of these values, each once. Raises InputError for none, too many, inf and NaN."""
+    """Make an axis of these values, each once. Raises InputError for none, too many, inf and NaN."""
     if not values:
         raise InputError(f"{source}: has no values. Write at least one.")
     if len(values) > MAX_VALUES:
@@ -122,7 +122,7 @@ def make_axis(key: str, values: Sequence[Any], source: str) -> Axis:
 
 
 def make_span(key: str, low: float, high: float, source: str) -> Span:
-    """Bounds of samples. Raises InputError unless they are finite and rise."""
+    """Make the bounds of samples. Raises InputError unless they are finite and rise."""
     for end in (low, high):
         _parse_end(str(end), source)
     if not low < high:
@@ -156,7 +156,7 @@ def _split_list(text: str) -> list[str]:
 
 
 def _range_values(words: Sequence[str], source: str) -> list[float]:
-    """Values of FIRST:LAST:STEP with both ends, whole numbers where all three are."""
+    """Return the values of FIRST:LAST:STEP with both ends, whole numbers if all three are whole."""
     first, last, step = (_parse_end(word, source) for word in words)
     if step == 0 or (last - first) / step < 0:
         raise InputError(f"{source}: step {step:g} does not lead from first to last")

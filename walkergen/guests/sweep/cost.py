@@ -34,7 +34,7 @@ class Cost(NamedTuple):
 
 
 def estimate(sweep: SweepPoints, store: Store, workers: int) -> Cost | None:
-    """Cost by points at even distances; those that are refused, or that the store has, cost nothing.
+    """Estimate the cost from points at even distances; refused and stored points cost nothing.
 
     None where finding it out would take a good part of the sweep itself.
     """
@@ -70,7 +70,7 @@ def _point_cost(point: Point) -> float:
 
 
 def format_cost(cost: Cost | None, points: int) -> str:
-    """Cost of so many points as a line for a person."""
+    """Format the cost of so many points as a line."""
     if cost is None:
         return f"{format_number(points, 4)} points"
     needed = f"about {format_duration(cost.seconds)} and {_format_bytes(cost.bytes)} on the disk"

@@ -28,7 +28,7 @@ WORKER_LOST = (
     "Repeat the command with fewer ‹workers›."
 )
 
-Asked = Point | Record
+PointOrRefusal = Point | Record
 """Point, or the record of one that was refused before it can be evaluated."""
 
 Answer = tuple[str, list[Record]]
@@ -63,7 +63,7 @@ class _Slot(NamedTuple):
     place: int = 0
 
 
-def evaluate_points(points: Iterable[Asked], store: Store, pool: WorkerPool | None = None) -> Iterator[Done]:
+def evaluate_points(points: Iterable[PointOrRefusal], store: Store, pool: WorkerPool | None = None) -> Iterator[Done]:
     """Evaluate points and yield them in their order; those that are evaluated are in the store.
 
     Without a pool they are evaluated here, in turn. Raises OutputError where the store fails, and
@@ -85,7 +85,7 @@ def evaluate_points(points: Iterable[Asked], store: Store, pool: WorkerPool | No
 
 
 def _evaluate_by_pool(
-    stream: Iterator[Asked], store: Store, pool: WorkerPool, under_way: dict["Future[Answer]", _Task]
+    stream: Iterator[PointOrRefusal], store: Store, pool: WorkerPool, under_way: dict["Future[Answer]", _Task]
 ) -> Iterator[Done]:
     """Evaluate points by a pool; `under_way` holds the tasks whose records are not yet saved."""
     slots: deque[_Slot] = deque()
@@ -113,7 +113,7 @@ def _evaluate_by_pool(
             yield _finish_slot(slots.popleft())
 
 
-def _evaluate_here(block: Sequence[Asked], store: Store) -> Iterator[Done]:
+def _evaluate_here(block: Sequence[PointOrRefusal], store: Store) -> Iterator[Done]:
     """Evaluate a block in this process; simulated points are saved one by one."""
     keys = [point_key(point) if isinstance(point, Point) else "" for point in block]
     stored = store.get([name for name in keys if name])
@@ -136,7 +136,7 @@ def _evaluate_here(block: Sequence[Asked], store: Store) -> Iterator[Done]:
     yield from finished
 
 
-def _send_block(block: Sequence[Asked], store: Store, pool: WorkerPool) -> list[_Slot]:
+def _send_block(block: Sequence[PointOrRefusal], store: Store, pool: WorkerPool) -> list[_Slot]:
     """Return the places of a block's points, and send the unknown ones to the pool."""
     keys = [point_key(point) if isinstance(point, Point) else "" for point in block]
     stored = store.get([name for name in keys if name])

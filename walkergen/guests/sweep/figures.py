@@ -53,7 +53,7 @@ def draw_figure(columns: Columns, keys: Sequence[str], title: str) -> Figure:
 
 
 def _draw_single(columns: Columns, scales: Sequence[Scale], ranked: Sequence[Scale], title: str) -> Figure:
-    """Figure of one panel: lines, or a map."""
+    """Draw a figure of one panel: lines, or a map."""
     with _make_sheet(title, 1) as (drawn, (axes,), _):
         rows = np.ones(len(columns.value), dtype=bool)
         if _has_lines(scales):
@@ -75,7 +75,7 @@ def _has_lines(scales: Sequence[Scale]) -> bool:
 
 
 def _draw_multiples(columns: Columns, scales: Sequence[Scale], title: str) -> Figure:
-    """Figure of a panel for each value of the key that has the fewest."""
+    """Draw a panel for each value of the key that has the fewest."""
     apart = min(scales, key=lambda scale: len(scale.values))
     others = [scale for scale in scales if scale is not apart]
     shown = _spread_numbers(len(apart.values), MAX_PANELS)
@@ -109,7 +109,7 @@ def _draw_multiples(columns: Columns, scales: Sequence[Scale], title: str) -> Fi
 
 
 def _draw_clouds(columns: Columns, scales: Sequence[Scale], title: str) -> Figure:
-    """Figure of points on no grid: two keys with the number as colour, else one a panel."""
+    """Draw points on no grid: two keys with the number as colour, otherwise a panel for each key."""
     if len(scales) == 2:
         with _make_sheet(title, 1) as (drawn, (axes,), _):
             norm = draw.make_norm(columns.value)
@@ -131,7 +131,7 @@ def _draw_clouds(columns: Columns, scales: Sequence[Scale], title: str) -> Figur
 
 
 def _spread_numbers(count: int, most: int) -> list[int]:
-    """Numbers of at most so many of `count` values, the first and the last among them."""
+    """Return at most `most` numbers of `count` values, including the first and the last."""
     if count <= most:
         return list(range(count))
     return [round(place * (count - 1) / (most - 1)) for place in range(most)]
@@ -155,7 +155,7 @@ def _select_rows(columns: Columns, rows: Mask, scales: Sequence[Scale]) -> tuple
 
 @contextmanager
 def _make_sheet(title: str, count: int) -> Iterator[tuple[Figure, list[Axes], int]]:
-    """Empty figure with its title, its panels, and how many stand side by side.
+    """Make an empty figure with its title, its panels, and their number in a row.
 
     One panel is as wide as a column, and so are two side by side; more fill a page.
     """
@@ -204,11 +204,11 @@ def _mark_handles(columns: Columns, hatched: bool = False) -> list[Any]:
     missing, doubtful = int(columns.missing.sum()), int(columns.doubtful.sum())
     handles: list[Any] = []
     if missing:
-        told_of = f"no {name}: {missing} of {len(columns.value)}"
+        label = f"no {name}: {missing} of {len(columns.value)}"
         handles.append(
-            Patch(**MISSING_STYLE, label=told_of)
+            Patch(**MISSING_STYLE, label=label)
             if hatched
-            else Line2D([], [], color="black", linestyle="none", marker="x", label=told_of)
+            else Line2D([], [], color="black", linestyle="none", marker="x", label=label)
         )
     if doubtful:
         handles.append(Line2D([], [], label=f"not ok: {doubtful}, see status", **DOUBTFUL_STYLE))

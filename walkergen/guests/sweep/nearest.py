@@ -1,4 +1,4 @@
-"""Points of a sweep that are nearest to a wished speed."""
+"""Points of a sweep that are nearest to a desired speed."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -16,13 +16,13 @@ BOUND_COLUMNS = ("low_95_mm_s", "high_95_mm_s"), ("predicted_low_95_mm_s", "pred
 
 
 def check_speed(names: Sequence[str]) -> None:
-    """Refuse a wished speed where the table has no speeds. Raises InputError."""
+    """Refuse a desired speed where the table has no speeds. Raises InputError."""
     if SPEED_COLUMN not in names:
         raise InputError("‹wish›: the points have no speed. Add speed to ‹keep›.", "wish")
 
 
 def sort_by_distance(table: Table, keys: Sequence[str], wish: float) -> Table:
-    """Return a table with the points nearest to a wished speed first, a part of it for people.
+    """Return a table with the points nearest to a desired speed first, a part of it for people.
 
     Points whose checks found print errors come after the others, points without a speed last.
     """
@@ -50,7 +50,7 @@ def _columns(names: Sequence[str], keys: Sequence[str]) -> list[Column]:
 
 
 def _column(heading: str, places: Sequence[int], text: Callable[..., str]) -> Column:
-    """Column with the text of the values at these places of a row."""
+    """Make a column with the text of the values at these places of a row."""
     return Column(heading, lambda row: text(*(row[place] for place in places)), right=True)
 
 

@@ -84,7 +84,7 @@ class Columns(NamedTuple):
 
 
 def make_norm(value: Array) -> Normalize:
-    """Colours of all numbers of a figure, with zero in the middle where both signs are among them."""
+    """Return the colour scale of all numbers of a figure, with zero in the middle if both signs occur."""
     low, high = float(np.nanmin(value)), float(np.nanmax(value))
     if low < 0.0 < high:
         return CenteredNorm(0.0, max(-low, high))
@@ -97,7 +97,7 @@ def colour_map(norm: Normalize) -> str:
 
 
 def _line_colour(norm: Normalize, value: float) -> str:
-    """Colour of a line on a map where it has a value."""
+    """Return the colour of a line on a map at a value."""
     share = float(norm(value))
     dark = abs(share - 0.5) > 0.3 if isinstance(norm, CenteredNorm) else share < 0.5
     return "white" if dark else "black"
@@ -235,7 +235,7 @@ def _draw_contours(axes: Axes, x: Scale, y: Scale, value: Array, norm: Normalize
 
 
 def _label_places(axes: Axes, lines: Sequence[Array]) -> list[Array]:
-    """Places of labels, one for each line at most: where other lines are farthest, if far enough.
+    """Place at most one label on each line: where other lines are farthest, if far enough.
 
     Distances count in widths and heights of the panel.
     """

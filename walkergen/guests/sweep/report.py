@@ -60,7 +60,7 @@ def make_report(
 ) -> SweepReport:
     """Report of points; without kept rows its table is empty, and there is no figure.
 
-    The warnings are those on an earlier table in the folder. With a wished speed the nearest points come first.
+    The warnings are those on an earlier table in the folder. With a desired speed the nearest points come first.
     """
     keys, title = sweep.space.keys, sweep.title
     rows = Table("table", points.rows, (*keys, *points.names), title=title)

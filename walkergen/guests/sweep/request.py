@@ -88,7 +88,7 @@ class SweepRequest(request.Request):
             workers = 1 if pool is None else pool.workers
 
             def estimate() -> cost.Cost | None:
-                """Cost of this sweep."""
+                """Estimate the cost of this sweep."""
                 return cost.estimate(sweep, store, workers)
 
             if not self.yes and sweep.space.points > cost.MAX_UNCONFIRMED_POINTS:
@@ -103,7 +103,7 @@ class SweepRequest(request.Request):
 
     @property
     def keeps_rows(self) -> bool:
-        """Whether the report holds every row, as Python functions return it and a wished speed needs it."""
+        """Whether the report holds every row, as Python functions return it and a desired speed needs it."""
         return not self._shell or self.wish is not None
 
     def _make_points(self) -> "SweepPoints":
@@ -127,12 +127,12 @@ class SweepRequest(request.Request):
 
 
 def _to_expected(cost: "Cost | None") -> Expected | None:
-    """Time of a cost that is known."""
+    """Return the expected time of a known cost."""
     return None if cost is None else Expected(cost.seconds)
 
 
 def _parse_entry(key: str, values: Any) -> "Axis | Span":
-    """Axis or span of a key: of a text as the shell has it, of one value or several, or an array. Raises InputError."""
+    """Parse the axis or span of a key from a text, one value, several, or an array. Raises InputError."""
     from walkergen.guests.sweep import axes
 
     if isinstance(values, str):

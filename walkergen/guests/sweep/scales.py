@@ -69,7 +69,7 @@ def format_value(scale: Scale, number: int, named: bool = True) -> str:
 
 
 def cell_edges(scale: Scale) -> Array:
-    """Edges of the cells about the values, half-way to the next; one more than there are values."""
+    """Return the edges of the cells about the values, half-way to the next; one more than there are values."""
     places = np.log(scale.places) if scale.log else scale.places
     if len(places) == 1:
         return np.array([places[0] - 0.5, places[0] + 0.5])

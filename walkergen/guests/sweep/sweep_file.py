@@ -136,13 +136,13 @@ def read_sweep(path: Path) -> SweepFile:
 
 
 def _format_place(table: str, key: str, source: str, text: str) -> str:
-    """Beginning of a line on a key of a table: file, line and key."""
+    """Format the beginning of a line on a key of a table: file, line and key."""
     location = (*table.split("."), *key.split("."))
     return f"{config.format_location(location, source, text)}: {shorten_line(f'{table}.{key}')}"
 
 
 def _flatten_tables(data: Mapping[str, Any], source: str, text: str) -> dict[str, Any]:
-    """Contents of a file with dotted keys in its KEY_TABLES, where TOML has nested tables.
+    """Flatten nested tables in the KEY_TABLES of a file to dotted keys.
 
     Raises InputError for a key that is written in both forms.
     """
@@ -166,7 +166,7 @@ def _flatten_tables(data: Mapping[str, Any], source: str, text: str) -> dict[str
 
 
 def _dotted_pairs(table: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
-    """Dotted keys of nested tables, and their values."""
+    """Yield the dotted keys of nested tables, and their values."""
     for key, value in table.items():
         if isinstance(value, dict) and value:
             yield from _dotted_pairs(value, f"{before}{key}.")
@@ -192,7 +192,7 @@ def _key_mistakes(contents: Contents, source: str, text: str) -> Iterator[str]:
 
 
 def _parse_axis(key: str, value: Any, place: str) -> Axis:
-    """Axis of a text as on the command line, of a list of values or of one. Raises InputError."""
+    """Parse an axis from a text as on the command line, a list of values, or one value. Raises InputError."""
     if isinstance(value, str):
         axis = axes.from_text(key, value, f"{place} = {value[:60]!r}")
         if isinstance(axis, Span):
@@ -208,7 +208,7 @@ def _parse_axis(key: str, value: Any, place: str) -> Axis:
 
 
 def _parse_span(key: str, value: Any, place: str) -> Span:
-    """Bounds of samples from a text or a list of two numbers. Raises InputError."""
+    """Parse the bounds of samples from a text or a list of two numbers. Raises InputError."""
     if isinstance(value, str):
         span = axes.from_text(key, value, f"{place} = {value[:60]!r}")
         if isinstance(span, Span):

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from walkergen.core import Design, GeometryError, InputError, Printer, Scene, Tolerance, WalkergenError
 from walkergen.core.files import assignments
 from walkergen.guests.sweep.axes import Space
-from walkergen.guests.sweep.evaluation import Asked
+from walkergen.guests.sweep.evaluation import PointOrRefusal
 from walkergen.points import model_kinds
 from walkergen.points.model_kinds import Kind
 from walkergen.points.point import ALONE, PREDICTION, REASON_KEY, STATUS_KEY, Point, refused_record
@@ -89,7 +89,7 @@ class SweepPoints(NamedTuple):
             if model_kinds.kind_of_key(key) or {"", ".", "["} & {*faults}:
                 raise
 
-    def try_point(self, values: Mapping[str, Any]) -> Asked:
+    def try_point(self, values: Mapping[str, Any]) -> PointOrRefusal:
         """Return the point at values of the keys, or the record of a refused one."""
         try:
             return self.point(values)
@@ -103,8 +103,8 @@ class SweepPoints(NamedTuple):
             return Point(design, scene, True, (), kind=kind)
         return Point(design, scene, self.model != PREDICTION, self.keep, self.wanted, self.printer)
 
-    def points(self) -> Iterator[Asked]:
-        """All points, in the order of `space.rows`."""
+    def points(self) -> Iterator[PointOrRefusal]:
+        """Yield all points, in the order of `space.rows`."""
         keys = self.space.keys
         for row in self.space.rows():
             yield self.try_point(dict(zip(keys, row, strict=True)))
@@ -132,7 +132,7 @@ def change_keys(
     source: str = "‹set›",
     data: Mapping[str, Any] | None = None,
 ) -> tuple[Design, Scene]:
-    """Design and scene with other values of dotted keys; those of the scene begin with "scene.".
+    """Return design and scene with other values of dotted keys; those of the scene begin with "scene.".
 
     The design's are set in the data of its file, where these are known. Raises InputError, or
     GeometryError, with a line for every mistake.

@@ -111,7 +111,7 @@ def default_scene(model: str) -> str:
 
 
 def make_space(entries: Sequence[Axis | Span], sample: str | None, seed: int) -> tuple[Space, dict[str, Any]]:
-    """Space of axes and spans, and the keys of a single value. Raises InputError."""
+    """Return the space of axes and spans, and the keys of a single value. Raises InputError."""
     axes.check_keys(entries)
     spans = tuple(entry for entry in entries if isinstance(entry, Span))
     lists = [entry for entry in entries if isinstance(entry, Axis)]

@@ -50,7 +50,7 @@ class _Number(Section):
 
 
 def _to_quantity(data: Any, validate: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Quantity:
-    """Quantity of a number of the file, by the key of its field."""
+    """Convert a number of the file to a quantity, named after its field."""
     if isinstance(data, Quantity):
         return data
     number: _Number = validate(data)
@@ -69,7 +69,7 @@ else:  # A file contains a table. The validator turns it into a quantity.
 
 
 def field_quantity(field: str, value: float, se: float | None = None, runs: int | None = None) -> Quantity:
-    """Quantity of a field of a card, from so many independent runs."""
+    """Return the quantity of a card's field, from so many independent runs."""
     unit = next((unit for unit in KEY_UNITS if field.endswith(f"_{unit}")), "")
     return Quantity(field.removesuffix(f"_{unit}"), unit, value, se, math.inf if runs is None else runs - 1.0)
 
@@ -181,7 +181,7 @@ class Card(Section):
 
 
 def area(contour: Contour) -> float:
-    """Area that a contour encloses, mm^2; below 0 where it runs clockwise."""
+    """Return the area that a contour encloses, mm^2; negative if it runs clockwise."""
     after = [*contour[1:], contour[0]]
     return 0.5 * sum(x * v - u * y for (x, y), (u, v) in zip(contour, after, strict=True))
 

@@ -38,7 +38,7 @@ class Delay(NamedTuple):
 
 
 def measure(tracks: Tracks) -> Delay:
-    """Delay function of tracks with headings, and the mean delay, by a jackknife over walkers."""
+    """Measure the delay function of tracks with headings, and the mean delay, with a jackknife over walkers."""
     series = [_velocities_and_headings(track, tracks.interval) for track in tracks.tracks if _has_heading(track)]
     if len(series) < moments.MIN_PARTICLES:
         cuts = math.ceil(MIN_PIECES / max(len(series), 1))
@@ -97,13 +97,13 @@ def _has_heading(track: Track) -> bool:
 
 
 def _velocities_and_headings(track: Track, interval: float) -> tuple[Complex, Complex]:
-    """Velocities over each interval, mm/s, and unit vectors of the headings at all samples."""
+    """Return velocities over each interval, mm/s, and unit vectors of the headings at all samples."""
     assert track.heading is not None
     return np.diff(moments.complex_position(track)) / interval, np.exp(1j * track.heading)
 
 
 def _split_headings(unit: Complex, cuts: int) -> list[Complex]:
-    """Headings of pieces that have one more of them than velocities."""
+    """Split headings into pieces that have one more heading than velocities."""
     parts = np.array_split(np.arange(len(unit) - 1), cuts)
     return [unit[part[0] : part[-1] + 2] if len(part) else unit[:1] for part in parts]
 

@@ -53,7 +53,7 @@ def _draw_spread(axes: Axes, card: Card, measured: Measured) -> None:
 
 
 def _draw_correlations(axes: Axes, measured: Measured) -> None:
-    """Correlations of velocity and of turning, each over its first value, with exponentials."""
+    """Draw correlations of velocity and of turning, each over its first value, with exponentials."""
     longest = 0.0
     for relaxed, look, name in ((measured.velocity, SERIES[0], "velocity"), (measured.turning, SERIES[1], "turning")):
         curve = relaxed.correlation

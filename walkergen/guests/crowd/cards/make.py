@@ -22,7 +22,7 @@ CARD_FILE = "card.json"
 
 
 def default_folder(design: Design) -> Path:
-    """Folder of a card by default: below out/ and the walker's name."""
+    """Return the default folder of a card: below out/ and the walker's name."""
     return Path("out") / design.name / f"card_{part_name(design)}"
 
 
@@ -93,14 +93,14 @@ def _optional_quantity(field: str, number: Quantity, runs: int) -> Quantity | No
     return field_quantity(field, float(number.value), None if number.se is None else float(number.se), runs)
 
 
-def write(result: CardReport, asked: Mapping[str, Any], folder: Path, pictures: bool) -> CardReport:
+def write(result: CardReport, inputs: Mapping[str, Any], folder: Path, pictures: bool) -> CardReport:
     """Write card.json, tables, page and figure into a folder."""
     result = replace(result, folder=folder)
     with Folder(folder) as target:
         target.write(CARD_FILE, cards.to_json(result.card))
         result.write(target, pictures)
         target.write("card.html", render_page(result, pictures))
-        target.finish(dict(asked))
+        target.finish(dict(inputs))
     return result
 
 

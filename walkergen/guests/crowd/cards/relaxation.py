@@ -102,7 +102,7 @@ def measure_along_heading(tracks: Tracks, exact: bool, both: Relaxation, diffusi
 
 
 def measure_turning(tracks: Tracks, exact: bool, diffusion: Quantity) -> Relaxation:
-    """Relaxation of the rate of turning (rad/s) with this diffusion of the heading, rad^2/s."""
+    """Measure the relaxation of the turning rate (rad/s), given the heading's diffusion, rad^2/s."""
     rates = []
     for track in tracks.tracks:
         unit = np.exp(1j * _headings(track))
@@ -242,7 +242,7 @@ def _fit_exponentials(
 
 
 def _independent_samples(rest: Sequence[Complex]) -> list[Complex]:
-    """Independent samples: a track each, or pieces of the tracks of few walkers."""
+    """Return independent samples: whole tracks, or pieces of the tracks of few walkers."""
     long = [series for series in rest if len(series)]
     if len(long) >= moments.MIN_PARTICLES:
         return long
@@ -251,12 +251,12 @@ def _independent_samples(rest: Sequence[Complex]) -> list[Complex]:
 
 
 def _headings(track: Track) -> Array:
-    """Headings of a track, rad; NaN where it has none."""
+    """Return the headings of a track, rad; NaN where it has none."""
     return np.full(len(track.position), np.nan) if track.heading is None else track.heading
 
 
 def _lagged_heading(track: Track, samples: float) -> Complex:
-    """Mean over each interval of a unit velocity that follows the heading within `samples` of them.
+    """Return means over each interval of a unit velocity that follows the heading within `samples` intervals.
 
     Headings turn steadily between samples, gaps included.
     """
@@ -294,7 +294,7 @@ def _residual_velocity(track: Track, followed: Complex, skip: int, interval: flo
 
 
 def _residuals_and_turns(track: Track, relaxed: float, interval: float) -> tuple[Complex, Complex, Array]:
-    """Of each interval the velocity that the heading does not explain, mm/s, its mean heading, and its turn, rad."""
+    """Return the velocity that the heading does not explain (mm/s), mean heading and turn (rad) of each interval."""
     skip = math.ceil(TRANSIENT_RELAXATIONS * relaxed / interval)
     rest = _residual_velocity(track, _lagged_heading(track, relaxed / interval), skip, interval)
     heading = np.exp(1j * _headings(track))
@@ -329,7 +329,7 @@ def _residual_diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, 
 def _piece_displacements(
     track: Track, followed: Complex, skip: int, size: int, interval: float
 ) -> tuple[Complex, Complex, Array]:
-    """Ways of a track in pieces of about `size` samples, those along its heading, and times, s."""
+    """Return displacements of a track in pieces of about `size` samples, those along its heading, and times, s."""
     place = moments.complex_position(track)
     count = max((len(place) - 1 - skip) // max(size, 1), 0)
     rows: list[tuple[complex, complex, float]] = []

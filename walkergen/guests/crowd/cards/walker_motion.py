@@ -187,12 +187,12 @@ def centre_of_mass(mass: MassProperties) -> Array:
 
 
 def yaw_inertia(mass: MassProperties) -> float:
-    """Moment of inertia about the vertical axis through the centre of mass, g mm^2."""
+    """Return the moment of inertia about the vertical axis through the centre of mass, g mm^2."""
     return float(_centre_and_inertia(mass)[1][1, 1])
 
 
 def _centre_and_inertia(mass: MassProperties) -> tuple[Array, Array]:
-    """Centre of mass from O at half depth, and inertia tensor about it."""
+    """Return the centre of mass from O at half depth, and the inertia tensor about it."""
     assert mass.spatial is not None
     each = np.array([mass.M, *(leg.m for leg in mass.legs)], dtype=float)
     centres = np.array([(0.0, 0.0), *(leg.anchor + leg.c_A for leg in mass.legs)])
@@ -208,7 +208,7 @@ def shift_poses(rows: Array, shift: Array) -> Array:
 
 
 def _subsample(own: Tracks, stride: int) -> Tracks:
-    """Every so many frames of each track."""
+    """Take every `stride`-th frame of each track."""
     thinned = tuple(
         track._replace(
             position=track.position[::stride], heading=None if track.heading is None else track.heading[::stride]

@@ -60,7 +60,7 @@ class Contacts(NamedTuple):
 
 
 def restitution(zeta: float) -> float:
-    """Speed after over speed before, of a spring and a dashpot that never pull.
+    """Return the speed after over the speed before, for a spring and a dashpot that never pull.
 
     They part when the force is zero, as Schwager and Poeschel, Granular Matter 9, 465 (2007), ask.
     zeta is the damping over its critical value 2 sqrt(k m).
@@ -80,14 +80,14 @@ def damping_ratio(wanted: float) -> float:
 
 
 def typical_inverse_mass(card: Card) -> float:
-    """Inverse mass at a typical point of the outline, across it, 1/g: the mean along it."""
+    """Return the inverse mass of a typical point of the outline, normal to it, 1/g: the mean along it."""
     edge = outline_rim(card)
     arms = edge.points[:, 0] * edge.inwards[:, 1] - edge.points[:, 1] * edge.inwards[:, 0]
     return float(np.mean(1.0 / card.mass_g + arms**2 / card.inertia_g_mm2))
 
 
 def contact_laws(cards: Sequence[Card], motions: Sequence[Motion], discs: Sequence[Discs]) -> Contacts:
-    """Contacts of the kinds among each other and with walls."""
+    """Compute the contacts of the kinds among each other and with walls."""
     light = [typical_inverse_mass(card) for card in cards]
     give = TYPICAL_OVERLAP * min(float(body.radii.max()) for body in discs)
     speed = max(2.0 * _approach_speed(motion) for motion in motions)
@@ -117,7 +117,7 @@ def contact_laws(cards: Sequence[Card], motions: Sequence[Motion], discs: Sequen
 
 
 def _approach_speed(motion: Motion) -> float:
-    """Typical speed of a point at the radius of gyration, mm/s."""
+    """Return the typical speed of a point at the radius of gyration, mm/s."""
     speed, rate = motion.typical
     return speed + rate * math.sqrt(motion.inertia / motion.mass)
 

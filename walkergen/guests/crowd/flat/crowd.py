@@ -50,5 +50,5 @@ def simulate(crowd: Crowd, ranks: int = 1, progress: Progress = silent) -> FlatR
 
 
 def input_files(crowd: Crowd) -> dict[str, bytes]:
-    """LAMMPS input of the same run, by names of files, for a cluster: `lmp -in crowd.in`. It needs no LAMMPS here."""
+    """Return the LAMMPS input of the same run by file name, for `lmp -in crowd.in` on another machine."""
     return lammps_input.input_files(crowd, lammps_input.mechanics(crowd.cards))

@@ -60,7 +60,7 @@ def make_crowd(
             seconds * rate_hz,
             f">= 1, and below {MAX_NUMBERS // (3 * len(where))} for {len(where)} walkers",
         )
-    asked = lammps_input.Crowd(
+    crowd = lammps_input.Crowd(
         cards,
         numbers.astype(np.int64),
         dish,
@@ -71,13 +71,13 @@ def make_crowd(
         seed,
         running,
     )
-    _check_rate(asked)
-    _check_room(asked)
-    return asked
+    _check_rate(crowd)
+    _check_room(crowd)
+    return crowd
 
 
 def argument_error(name: str, value: object, allowed: str) -> InputError:
-    """Error for an argument."""
+    """Return the error for an argument."""
     return InputError(f"{name} = {value}: must be {allowed}")
 
 
@@ -89,30 +89,30 @@ def _turning_rates(cards: Sequence[Card], kinds: Whole, seed: int) -> Array:
     return np.asarray(means[kinds] + spreads[kinds] * generator.standard_normal(len(kinds)))
 
 
-def _check_rate(asked: lammps_input.Crowd) -> None:
+def _check_rate(crowd: lammps_input.Crowd) -> None:
     """Raise InputError where a heading may turn by more than half a turn between frames."""
-    spread = max(card.rotational_diffusion_rad2_s.number for card in asked.cards)
-    interval = 1.0 / asked.rate_hz
-    turn = float(np.abs(asked.turning).max()) * interval + 4.0 * math.sqrt(2.0 * spread * interval)
+    spread = max(card.rotational_diffusion_rad2_s.number for card in crowd.cards)
+    interval = 1.0 / crowd.rate_hz
+    turn = float(np.abs(crowd.turning).max()) * interval + 4.0 * math.sqrt(2.0 * spread * interval)
     if turn > math.pi:
-        least = asked.rate_hz * (turn / math.pi) ** 2
-        raise argument_error("rate_hz", f"{asked.rate_hz:g}", f">= {least:.3g}, to follow the headings")
+        least = crowd.rate_hz * (turn / math.pi) ** 2
+        raise argument_error("rate_hz", f"{crowd.rate_hz:g}", f">= {least:.3g}, to follow the headings")
 
 
-def _check_room(asked: lammps_input.Crowd) -> None:
+def _check_room(crowd: lammps_input.Crowd) -> None:
     """Raise InputError where bodies overlap each other or a wall, or a ground is too small."""
-    shapes = [discs.cover_outline(card, lammps_input.outline_tolerance(asked.cards)) for card in asked.cards]
+    shapes = [discs.cover_outline(card, lammps_input.outline_tolerance(crowd.cards)) for card in crowd.cards]
     reach = max(shape.reach for shape in shapes)
-    period = asked.dish.period
+    period = crowd.dish.period
     if period and period < 4.0 * reach:
-        raise argument_error(f"dish {asked.dish.words}: side", f"{period:g} mm", f">= {4.0 * reach:.4g} mm")
-    points, radii, owners = _place_discs(asked, shapes)
-    gaps = wall_gaps(asked.dish, points, radii)
+        raise argument_error(f"dish {crowd.dish.words}: side", f"{period:g} mm", f">= {4.0 * reach:.4g} mm")
+    points, radii, owners = _place_discs(crowd, shapes)
+    gaps = wall_gaps(crowd.dish, points, radii)
     if gaps.min() < -MAX_OVERLAP_MM:
         walker = int(owners[np.argmin(gaps)])
         raise InputError(
-            f"places[{walker}] = {asked.places[walker].round(3).tolist()}: is "
-            f"{-gaps.min():.3g} mm inside a wall of {asked.dish.words}; move it"
+            f"places[{walker}] = {crowd.places[walker].round(3).tolist()}: is "
+            f"{-gaps.min():.3g} mm inside a wall of {crowd.dish.words}; move it"
         )
     tree = cKDTree(_wrap_points(points, period), boxsize=period or None)
     pairs = tree.query_pairs(2.0 * float(radii.max()), output_type="ndarray")
@@ -136,12 +136,12 @@ def _wrap_points(points: Array, period: float) -> Array:
     return np.where(wrapped < period, wrapped, 0.0)  # a rounding error below 0 becomes the side itself
 
 
-def _place_discs(asked: lammps_input.Crowd, shapes: Sequence[discs.Discs]) -> tuple[Array, Array, Whole]:
-    """Centres, shape (A, 2), radii and walkers of all discs at the start."""
+def _place_discs(crowd: lammps_input.Crowd, shapes: Sequence[discs.Discs]) -> tuple[Array, Array, Whole]:
+    """Return centres, shape (A, 2), radii and walkers of all discs at the start."""
     points, radii, owners = [], [], []
     for kind, shape in enumerate(shapes):
-        walkers = np.flatnonzero(asked.kinds == kind)
-        x, y, angle = asked.places[walkers].T[:, :, None]
+        walkers = np.flatnonzero(crowd.kinds == kind)
+        x, y, angle = crowd.places[walkers].T[:, :, None]
         u, v = shape.places.T
         cosine, sine = np.cos(angle), np.sin(angle)
         place = np.stack((x + cosine * u - sine * v, y + sine * u + cosine * v), axis=-1)

@@ -58,7 +58,7 @@ def covered_region(card: Card) -> BaseGeometry:
 
 
 def outline_rim(card: Card) -> Rim:
-    """Points along the outline, equally spaced on each straight piece, none at a corner."""
+    """Return points along the outline, equally spaced on each straight piece, none at a corner."""
     ground = covered_region(card)
     pieces = [ground] if isinstance(ground, Polygon) else list(ground.geoms)
     contours = [np.asarray(piece.exterior.normalize().coords)[:, :2] for piece in pieces]
@@ -80,7 +80,7 @@ def outline_rim(card: Card) -> Rim:
 
 
 def inscribed_radius(card: Card) -> float:
-    """Radius of the widest disc inside the outline, mm."""
+    """Return the radius of the widest disc inside the outline, mm."""
     return float(_inscribed_radii(outline_rim(card)).max())
 
 
@@ -116,7 +116,7 @@ def cover_outline(card: Card, tolerance: float) -> Discs:
 
 
 def _inscribed_radii(edge: Rim) -> Array:
-    """Radius of the widest disc inside that touches the outline at each point, shape (S,)."""
+    """Return the radius of the widest disc inside that touches the outline at each point, shape (S,)."""
     between = edge.points[None, :, :] - edge.points[:, None, :]
     ahead = np.einsum("ijk,ik->ij", between, edge.inwards)
     squares = np.einsum("ijk,ijk->ij", between, between)

@@ -1,4 +1,4 @@
-"""Dump of LAMMPS, read back: where everybody was at each frame."""
+"""Dump of LAMMPS, read back: where each walker was at each frame."""
 
 import io
 from pathlib import Path
@@ -13,7 +13,7 @@ COLUMNS = "id xu yu c_heading[1] c_heading[2]"
 
 
 def read_frames(path: Path, walkers: int, frames: int) -> Array:
-    """Places of a finished run by its dump: x, y (mm) and heading (rad), not wrapped, shape (frames, walkers, 3).
+    """Read x, y (mm) and heading (rad) of a finished run from its dump, not wrapped, shape (frames, walkers, 3).
 
     Raises OutputError where it ends early: the disk was full.
     """

@@ -59,7 +59,7 @@ def find_lammps() -> Engine:
     """Find a LAMMPS with everything that the input needs. Raises InputError with what to install otherwise."""
     here = _find_in_wheel() or _find_on_path()
     try:
-        told = subprocess.run(
+        help_text = subprocess.run(
             [here.program, "-h"],
             env=here.environment,
             capture_output=True,
@@ -72,12 +72,12 @@ def find_lammps() -> Engine:
     except (OSError, subprocess.TimeoutExpired) as error:
         program = here.program
         raise InputError(f"LAMMPS ({program}) cannot be run: {error}. {_advice()}") from None
-    return here._replace(release=check_release(told, here.program))
+    return here._replace(release=check_release(help_text, here.program))
 
 
-def check_release(told: str, program: str) -> date:
+def check_release(help_text: str, program: str) -> date:
     """Parse the release of a LAMMPS from `lmp -h`. Raises InputError if it does not fit."""
-    stamp = RELEASE_PATTERN.search(told)
+    stamp = RELEASE_PATTERN.search(help_text)
     if stamp is None:
         raise InputError(f"{program}: reports no version of LAMMPS. {_advice()}")
     release = datetime.strptime(stamp[1], "%d %b %Y").replace(tzinfo=UTC).date()
@@ -85,7 +85,7 @@ def check_release(told: str, program: str) -> date:
         raise InputError(
             f"LAMMPS ({program}) is from {stamp[1]}: must be from {MIN_RELEASE:%d %b %Y} or later. {_advice()}"
         )
-    listed = re.search(r"Installed packages:\s*(.*?)\n\s*\n\s*List of", told, re.DOTALL)
+    listed = re.search(r"Installed packages:\s*(.*?)\n\s*\n\s*List of", help_text, re.DOTALL)
     has = set(listed[1].split()) if listed else set()
     missing = [name for name in REQUIRED_PACKAGES if name not in has]
     if missing:
@@ -199,7 +199,7 @@ def _find_in_wheel() -> Engine | None:
 
 
 def _mpi_folders() -> list[str]:
-    """Folders of libmpi that pip has installed."""
+    """Return the folders of libmpi that pip has installed."""
     with contextlib.suppress(metadata.PackageNotFoundError):
         files = metadata.files("mpich") or []
         places = {str(Path(str(file.locate())).parent) for file in files if "libmpi.so" in file.name}
@@ -208,7 +208,7 @@ def _mpi_folders() -> list[str]:
 
 
 def _find_on_path() -> Engine:
-    """LAMMPS on the PATH. Raises InputError where there is none."""
+    """Find LAMMPS on the PATH. Raises InputError without one."""
     for name in PROGRAM_NAMES:
         program = shutil.which(name)
         if program:

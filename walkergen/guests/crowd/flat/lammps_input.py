@@ -55,7 +55,7 @@ class Crowd(NamedTuple):
 
 
 def frame_count(seconds: float, rate_hz: float) -> int:
-    """Frames in a time, the first at the start."""
+    """Return the number of frames in a time, the first at the start."""
     return math.floor(seconds * rate_hz + 1e-9) + 1
 
 
@@ -178,7 +178,7 @@ def _wall_commands(crowd: Crowd, parts: Mechanics) -> list[str]:
 
 
 def _noise_commands(crowd: Crowd, parts: Mechanics) -> list[str]:
-    """Drag and noise of each kind: on velocities, and on turning rates."""
+    """Write drag and noise of each kind, on velocities and on turning rates."""
     lines = []
     for k, one in enumerate(parts.motions):
         first, second = np.random.SeedSequence([crowd.seed, k]).generate_state(2) % 899_999_999
@@ -212,14 +212,14 @@ def _sideways_drag_commands(parts: Mechanics) -> list[str]:
 
 
 def _half_box(crowd: Crowd, parts: Mechanics) -> tuple[float, float]:
-    """Half the box along x and y, mm."""
+    """Return half the size of the box along x and y, mm."""
     room = 0.0 if crowd.dish.period else BOX_MARGIN_MM + 2.0 * max(one.reach for one in parts.discs)
     length, width = crowd.dish.box
     return 0.5 * length + room, 0.5 * width + room
 
 
 def _particle_data(crowd: Crowd, parts: Mechanics) -> str:
-    """Particles of all bodies, walker by walker: the one at C, the sideways one, the discs."""
+    """Write the particles of all bodies, walker by walker: the one at C, the sideways one, the discs."""
     count = len(crowd.cards)
     atoms: list[str] = []
     ellipsoids: list[str] = []

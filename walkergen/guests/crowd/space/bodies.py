@@ -135,7 +135,7 @@ class Crowd(NamedTuple):
 
 
 def make_bodies(kinds: Sequence[int], shapes: tuple[Shape, ...]) -> Bodies:
-    """Bodies of walkers of these kinds."""
+    """Make the bodies of walkers of these kinds."""
     first = np.cumsum([0, *(len(shape.corners) for shape in shapes)])
     edges = [shape.edges + start for shape, start in zip(shapes, first, strict=False)]
     return Bodies(
@@ -153,13 +153,13 @@ def make_bodies(kinds: Sequence[int], shapes: tuple[Shape, ...]) -> Bodies:
 
 
 def _bounding_box(corners: Array) -> Array:
-    """Middle and half sizes of the box of corners, shape (4,)."""
+    """Return the middle and half sizes of the box of corners, shape (4,)."""
     low, high = corners.min(axis=0), corners.max(axis=0)
     return np.concatenate([0.5 * (low + high), 0.5 * (high - low)])
 
 
 def make_ground(dish: Dish | None) -> Ground:
-    """Ground of a dish; None: an endless plane."""
+    """Make the ground of a dish; None gives an endless plane."""
     if dish is None:
         return Ground(ENDLESS, 0.0, 0.0, 0.0)
     inner = dish.sizes[1] if len(dish.sizes) > 1 else 0.0
@@ -167,7 +167,7 @@ def make_ground(dish: Dish | None) -> Ground:
 
 
 def make_movers(worlds: Sequence[World], states: Sequence[State], tallies: Sequence[Tally]) -> tuple[list[Mover], Free]:
-    """Movers of walkers, and the arrays over all of them that they share."""
+    """Make the movers of walkers, and the arrays over all of them that they share."""
     count = len(worlds)
     most = max(len(world.walker.stiffness) for world in worlds)
     free = Free(

@@ -38,7 +38,7 @@ from walkergen.guests.crowd.space.gaps import box_distance, closest_point, minim
 
 @lean
 def _to_body_axes(free, i, x, y, z):
-    """Point of the world in the body axes of walker i, from C."""
+    """Convert a point of the world to the body axes of walker i, from C."""
     R, state = free.R, free.state
     d_x, d_y, d_z = x - state[i, C_X], y - state[i, C_Y], z - state[i, C_Z]
     return (
@@ -50,14 +50,14 @@ def _to_body_axes(free, i, x, y, z):
 
 @lean
 def _height(free, i, b_x, b_z, y):
-    """Height in the world of a point of body i (body axes from C)."""
+    """Return the height in the world of a point of body i (body axes from C)."""
     R = free.R
     return free.state[i, C_Y] + R[i, 1, 0] * b_x + R[i, 1, 1] * y + R[i, 1, 2] * b_z
 
 
 @lean
 def _velocity(free, i, a_x, a_y, a_z):
-    """Velocity in the world of a point of body i, mm/s."""
+    """Return the velocity in the world of a point of body i, mm/s."""
     R, now, n, shift = free.R, free.now, free.coordinates[i], free.shift
     v_x = now[i, 0] + now[i, 4] * a_z - now[i, 5] * a_y
     v_y = now[i, 1] + now[i, 5] * a_x - now[i, 3] * a_z
@@ -76,7 +76,7 @@ def _velocity(free, i, a_x, a_y, a_z):
 
 @lean
 def _body_wrench(free, i, a_x, a_y, a_z, f_x, f_y, f_z):
-    """Vector f of the world in body axes, and its moment at a point of body i."""
+    """Return a vector f of the world in body axes, and its moment at a point of body i."""
     R = free.R
     b_x = R[i, 0, 0] * f_x + R[i, 1, 0] * f_y + R[i, 2, 0] * f_z
     b_y = R[i, 0, 1] * f_x + R[i, 1, 1] * f_y + R[i, 2, 1] * f_z
@@ -86,7 +86,7 @@ def _body_wrench(free, i, a_x, a_y, a_z, f_x, f_y, f_z):
 
 @lean
 def _mobility(free, i, a_x, a_y, a_z, d_x, d_y, d_z):
-    """Inverse mass (1/g) of a point of body i along a direction of the world, legs locked."""
+    """Return the inverse mass (1/g) of a point of body i along a direction of the world, legs locked."""
     _, _, _, t_x, t_y, t_z = _body_wrench(free, i, a_x, a_y, a_z, d_x, d_y, d_z)
     I = free.inverse_inertia  # noqa: E741
     return free.inverse_mass[i] + (
@@ -133,7 +133,7 @@ def _apply_impulse(free, i, a_x, a_y, a_z, f_x, f_y, f_z):
 
 @lean
 def _spring_impulse(stiffness, depth, speed, tick):
-    """Impulse of a spring (g mm/s) in the tick about now, during which it may touch or part.
+    """Return the impulse of a spring (g mm/s) in the tick about now, during which it may touch or part.
 
     It has touched for depth / speed, or will for as long: what of the tick, and of the half tick
     beyond, that leaves it, it pushes as its depth then is.

@@ -11,7 +11,7 @@ FAR = 1e9
 
 @lean
 def minimum_image(ground, d):
-    """Shortest difference of two coordinates (mm) whose difference is d."""
+    """Return the shortest difference of two coordinates (mm) whose difference is d."""
     if ground.period > 0.0:
         return d - ground.period * math.floor(d / ground.period + 0.5)
     return d
@@ -42,7 +42,7 @@ def closest_point(bodies, kind, x, z):
 
 @lean
 def box_distance(bodies, kind, x, z):
-    """Distance of (x, z) from the box of a kind's core, all in its own frame."""
+    """Return the distance of (x, z) from the box of a kind's core, all in its own frame."""
     box = bodies.box
     d_x = max(abs(x - box[kind, 0]) - box[kind, 2], 0.0)
     d_z = max(abs(z - box[kind, 1]) - box[kind, 3], 0.0)
@@ -59,7 +59,7 @@ def to_plane(planar, i, height, b_x, b_z):
 
 @lean
 def to_body_frame(planar, i, height, x, z):
-    """Point (x, z) of the plane in the frame of body i at a height over its C."""
+    """Convert a point (x, z) of the plane to the frame of body i at a height over its C."""
     c, s = planar[i, COS], planar[i, SIN]
     d_x = x - planar[i, X] - height * planar[i, LEAN_X]
     d_z = z - planar[i, Z] - height * planar[i, LEAN_Z]
@@ -89,7 +89,7 @@ def lean_displacement(bodies, planar, i, j):
 
 @lean
 def corner_gap(bodies, ground, planar, i, j, layer, least, cutoff):
-    """Least gap of the corners of body i from body j, mm, or `least`, which is smaller.
+    """Return the least gap of the corners of body i from body j, mm, or `least` if that is smaller.
 
     Beyond `cutoff` a lower bound of it.
     """
@@ -112,7 +112,7 @@ def corner_gap(bodies, ground, planar, i, j, layer, least, cutoff):
 
 @lean
 def body_gap(bodies, ground, planar, i, j, cutoff):
-    """Gap of bodies i and j at both ends of their edges, mm; beyond `cutoff` a lower bound."""
+    """Return the gap of bodies i and j at both ends of their edges, mm; beyond `cutoff` a lower bound."""
     least = FAR
     if math.isnan(bodies.heights[bodies.kind[i], bodies.kind[j], 0]):
         return least
@@ -124,7 +124,7 @@ def body_gap(bodies, ground, planar, i, j, cutoff):
 
 @lean
 def wall_gap(bodies, ground, planar, i):
-    """Gap of body i from the walls, mm."""
+    """Return the gap of body i from the walls, mm."""
     if ground.kind == PERIODIC or ground.kind == ENDLESS:
         return FAR
     kind, least = bodies.kind[i], FAR

@@ -63,7 +63,7 @@ class Cells(NamedTuple):
 
 
 def empty_cells(outlines: Outlines, bounds: Bounds) -> Cells:
-    """Empty grid whose squares are as wide as two walkers at least."""
+    """Return an empty grid whose squares are at least as wide as two walkers."""
     half = max(bounds.outer, bounds.inner)
     across = max(int(2.0 * half / (2.0 * float(outlines.outer.max()))), 1)
     across = min(across, 2000)
@@ -73,7 +73,7 @@ def empty_cells(outlines: Outlines, bounds: Bounds) -> Cells:
 
 @lean
 def _cell_index(cells, bounds, x, y):
-    """Column and row of the square of a place."""
+    """Return the column and row of the square of a place."""
     half = max(bounds.outer, bounds.inner)
     last = cells.across - 1
     column = min(max(int((x + half) / cells.side), 0), last)
@@ -293,7 +293,7 @@ def move_and_grow(outlines, bounds, cells, places, scales, randoms, steps, growt
 
 @kernel
 def find_overlap(outlines, bounds, cells, places, scales):
-    """First walker that overlaps a wall or another one; NO_WALKER without any. Fills empty cells."""
+    """Find the first walker that overlaps a wall or another one; NO_WALKER without any. Fills empty cells."""
     for i in range(len(places)):
         x, y, heading = places[i, 0], places[i, 1], places[i, 2]
         if not is_free(outlines, bounds, cells, places, scales, i, x, y, heading, scales[i]):

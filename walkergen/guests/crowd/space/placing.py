@@ -93,7 +93,7 @@ def make_bounds(dish: Dish) -> Bounds:
 
 
 def _make_outlines(outlines: Sequence[Outline], margin: float) -> tuple[Outlines, Array]:
-    """Outlines of all kinds, larger by a margin (mm), and their middles from O, (kinds, 2), mm."""
+    """Return outlines of all kinds, larger by a margin (mm), and their middles from O, (kinds, 2), mm."""
     import shapely
 
     numbers: dict[int, int] = {}
@@ -124,7 +124,7 @@ def _make_outlines(outlines: Sequence[Outline], margin: float) -> tuple[Outlines
 
 
 def _to_origin_poses(places: Array, middles: Array) -> Array:
-    """Poses of O of walkers whose middles, from O, have these poses."""
+    """Convert poses of the walkers' middles, from O, to poses of O."""
     c, s = np.cos(places[:, 2]), np.sin(places[:, 2])
     x, y = middles.T
     turned = np.column_stack([c * x - s * y, s * x + c * y])
@@ -134,7 +134,7 @@ def _to_origin_poses(places: Array, middles: Array) -> Array:
 def _add_walkers(
     shapes: Outlines, bounds: Bounds, scales: Array, order: Whole, rng: np.random.Generator
 ) -> tuple[Array, Cells] | None:
-    """Places of middles, and cells, of walkers added one by one; None where one found no room."""
+    """Return places of middles, and cells, of walkers added one by one; None where one found no room."""
     cells = overlap.empty_cells(shapes, bounds)
     places = np.zeros((len(order), 3))
     done, tries = 0, MAX_TRIES_PER_WALKER * len(order)

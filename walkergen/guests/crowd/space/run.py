@@ -54,7 +54,7 @@ class CrowdPlan(NamedTuple):
 
 
 def plane_scene(scene: Scene) -> Scene:
-    """Scene of a walker in a crowd: free to turn, on ground that the dish bounds, under the scene's lid.
+    """Return the scene of a walker in a crowd: free to turn, on ground that the dish bounds, under its lid.
 
     Raises InputError for headings at the start, which are drawn with the places, and for plates that sway.
     """
@@ -104,7 +104,7 @@ def _centre_places(places: Array, of_walkers: Sequence[Plan]) -> Array:
 
 
 def _contact_law(scene: Scene, every: Sequence[Plan]) -> bodies.Law:
-    """Law of contacts, and the tick that it needs: a number of steps of the walkers' own."""
+    """Return the law of contacts and the tick that it needs, a number of steps of the walkers' own."""
     step = min(plan.world.options.step for plan in every)
     tick = step * 2.0 ** math.floor(math.log2(CONTACT_TIME_S / MIN_TICKS_PER_TOUCH / step))
     return bodies.Law(
@@ -161,7 +161,7 @@ def simulate(
 
 
 def release_walkers(plan: CrowdPlan, number: int) -> Walkers:
-    """World and state of each walker, at rest over its place; the first draws plate and phase."""
+    """Return world and state of each walker, at rest over its place; the first draws plate and phase."""
     walkers: Walkers = []
     seed, phase = plan.scene.run.seed, None
     for i, (kind, place_of) in enumerate(zip(plan.kinds, plan.places, strict=True)):
@@ -219,7 +219,7 @@ def _assemble_crowd(plan: CrowdPlan, walkers: Walkers, tallies: Sequence[record.
 
 
 def _block_count(plan: CrowdPlan, seconds: float) -> int:
-    """Blocks of a single walker's record, whose bits depend on them."""
+    """Return the number of blocks of a single walker's record, whose bits depend on them."""
     period = plan.plans[0].world.drive.period
     return min(max(round(seconds / (PERIODS_PER_BLOCK * period)), 1), MAX_BLOCKS)
 

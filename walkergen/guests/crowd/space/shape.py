@@ -46,7 +46,7 @@ class Shape(NamedTuple):
 
 
 def make_shape(design: Design, mass: MassProperties, walker: InSpace) -> Shape:
-    """Shape of a design's body. Raises InputError for one too thin to have corners."""
+    """Make the shape of a design's body. Raises InputError for one too thin to have corners."""
     contours = [contour * (1.0, -1.0) + walker.centre[[0, 2]] for contour in outline_of(design, mass)]
     corners, edges, radius = _make_core(design, contours)
     reach = float(np.hypot(*corners.T).max()) + radius
@@ -64,7 +64,7 @@ def make_shape(design: Design, mass: MassProperties, walker: InSpace) -> Shape:
 
 
 def _make_core(design: Design, contours: list[Array]) -> tuple[Array, Whole, float]:
-    """Corners and edges of the core of an outline, and the radius around it."""
+    """Return corners and edges of the core of an outline, and the radius around it."""
     middle = contours[0].mean(axis=0)
     far = np.hypot(*(contours[0] - middle).T)
     if len(contours) == 1 and len(far) > 12 and float(np.ptp(far)) < CIRCLE_TOLERANCE_MM:

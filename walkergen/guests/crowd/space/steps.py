@@ -108,7 +108,7 @@ def _update_planar(crowd, i, mover):
 
 @lean
 def _max_level(ticks, most):
-    """Largest n with 2^n <= ticks, at most `most`."""
+    """Return the largest n with 2^n <= ticks, at most `most`."""
     level = 0
     while level < most and 2.0 ** (level + 1) <= ticks:
         level += 1

@@ -30,7 +30,7 @@ class Grid(NamedTuple):
 
 
 def inner_grid(dish: Dish, parts: int) -> Grid:
-    """Boxes wholly inside a dish, of `parts` along the shorter side of the rectangle around it."""
+    """Return boxes wholly inside a dish, with `parts` along the shorter side of the rectangle around it."""
     side = min(dish.box) / parts
     across = [int(length / side * (1.0 + 1e-12)) for length in dish.box]
     used = np.ones(across, dtype=bool)
@@ -73,7 +73,7 @@ def sum_in_boxes(x: Array, y: Array, grid: Grid, weights: Array | None = None) -
 
 
 def _dish_polygon(dish: Dish) -> shapely.Geometry:
-    """Dish as a polygon, whose round walls have many corners."""
+    """Return the dish as a polygon, whose round walls have many corners."""
     if dish.kind in ("rectangle", "periodic"):
         half_x, half_y = (0.5 * side for side in dish.box)
         return shapely.box(-half_x, -half_y, half_x, half_y)

@@ -38,7 +38,7 @@ class Clusters(NamedTuple):
 
 
 def measure(film: CrowdFilm) -> Clusters:
-    """Clusters of one run, whose outlines or outer radii are known."""
+    """Measure the clusters of one run, whose outlines or outer radii are known."""
     rows, octaves = [], np.zeros(int(np.log2(film.x.shape[1])) + 1)
     for frame in range(len(film.times)):
         seen = np.flatnonzero(np.isfinite(film.x[frame]) & np.isfinite(film.y[frame]))
@@ -57,7 +57,7 @@ def measure(film: CrowdFilm) -> Clusters:
 
 
 def touching_pairs(film: CrowdFilm, frame: int, seen: Whole) -> Whole:
-    """Pairs of touching walkers among those `seen`, by their order in it, shape (pairs, 2)."""
+    """Return pairs of touching walkers among those `seen`, by their order in it, shape (pairs, 2)."""
     x, y, radii = film.x[frame][seen], film.y[frame][seen], film.radii[seen]
     gap = TOUCHING_GAP * float(radii.mean()) if film.outlines else 0.0
     reach = 2.0 * float(radii.max()) + gap
@@ -75,7 +75,7 @@ def touching_pairs(film: CrowdFilm, frame: int, seen: Whole) -> Whole:
 
 
 def cluster_sizes(links: Whole, walkers: int) -> Whole:
-    """Numbers of walkers in each cluster that `links` (pairs, 2) join, walkers alone included."""
+    """Return numbers of walkers in each cluster that `links` (pairs, 2) join, walkers alone included."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -87,7 +87,7 @@ def cluster_sizes(links: Whole, walkers: int) -> Whole:
 def _transform_outlines(
     film: CrowdFilm, kinds: Sequence[str], theta: Array, walkers: Whole, places: Array
 ) -> npt.NDArray[np.object_]:
-    """Outlines of `walkers`, each turned by its heading and moved to its place (pairs, 2)."""
+    """Return outlines of `walkers`, each turned by its heading and moved to its place (pairs, 2)."""
     shapes = {kind: _union(contours) for kind, contours in film.outlines.items()}
     outlines = np.array([shapes[kinds[walker]] for walker in walkers], dtype=object)
     corners = shapely.get_num_coordinates(outlines)

@@ -20,7 +20,7 @@ def wrap_places(x: Array, y: Array, dish: Dish) -> tuple[Array, Array]:
 
 
 def wall_distance(x: Array, y: Array, dish: Dish) -> Array:
-    """Distance of places from the nearest wall, below 0 beyond it; infinite without walls."""
+    """Return the distance of places from the nearest wall, negative outside; infinite without walls."""
     if dish.kind == "periodic":
         return np.full(np.shape(x), math.inf)
     if dish.kind == "rectangle":
@@ -58,7 +58,7 @@ def area_beyond(depth: Array, dish: Dish) -> Array:
 
 
 def share_inside(x: Array, y: Array, radius: Array, dish: Dish) -> Array:
-    """Share of a circle of `radius` about a place inside the dish that lies inside as well.
+    """Return the share of a circle of `radius` about a place inside the dish that lies inside as well.
 
     Exact in closed form. In a periodic square all of it does, up to half the side.
     """
@@ -74,7 +74,7 @@ def share_inside(x: Array, y: Array, radius: Array, dish: Dish) -> Array:
 
 
 def _share_in_disc(middle: Array, radius: Array, size: float) -> Array:
-    """Share of circles of `radius`, `middle` from the centre of a disc, inside it (cosine law)."""
+    """Return the share of circles of `radius`, `middle` from the centre of a disc, inside it (cosine law)."""
     cosine = (size**2 - middle**2 - radius**2) / np.maximum(2.0 * middle * radius, 1e-150)
     return np.asarray(1.0 - np.arccos(np.clip(cosine, -1.0, 1.0)) / math.pi)
 
@@ -90,7 +90,7 @@ def _share_in_rectangle(x: Array, y: Array, radius: Array, length: float, width:
 
 
 def pairs_within(x: Array, y: Array, reach: float, dish: Dish) -> tuple[Whole, Array]:
-    """Pairs of places nearer than `reach`: numbers, shape (pairs, 2), and vectors (pairs, 2), mm.
+    """Return pairs of places nearer than `reach`: numbers, shape (pairs, 2), and vectors (pairs, 2), mm.
 
     Each pair once; the vector leads from the first to the nearest image of the second. All places
     are finite; in a periodic square `reach` is at most half the side.

@@ -27,7 +27,7 @@ def speeds(film: CrowdFilm) -> tuple[Array, Array]:
 
 
 def squared_displacement(film: CrowdFilm) -> tuple[Array, Array]:
-    """Lags (s) and the mean squared displacement (mm^2) at each, over walkers and times."""
+    """Return lags (s) and the mean squared displacement (mm^2) at each, over walkers and times."""
     longest = max((len(film.times) - 1) // LAG_DIVISOR, 1)
     lags = lag_sums.log_spaced_lags(longest, MAX_LAGS)
     total, pairs = np.zeros(len(lags)), np.zeros(len(lags))
@@ -41,7 +41,7 @@ def squared_displacement(film: CrowdFilm) -> tuple[Array, Array]:
 
 
 def growth_exponent(lags: Array, squares: Array) -> float:
-    """Local exponent d ln MSD / d ln lag over the last half decade: 2 straight, 1 diffusing."""
+    """Fit the local exponent d ln MSD / d ln lag over the last half decade: 2 straight, 1 diffusing."""
     use = (lags >= lags[-1] / math.sqrt(10.0)) & (squares > 0)
     if use.sum() < 3:
         return math.nan

@@ -94,7 +94,7 @@ def from_tracks(tracks: Tracks, dish: Dish, contours: Sequence[Array] = ()) -> C
 
 
 def _area_and_radius(contours: Sequence[Array]) -> tuple[float, float]:
-    """Area (mm^2) and outer radius (mm) of outlines."""
+    """Return the area (mm^2) and outer radius (mm) of outlines."""
     area = sum(abs(float(polygons.area(contour))) for contour in contours)
     return area, max(float(np.hypot(*contour.T).max()) for contour in contours)
 

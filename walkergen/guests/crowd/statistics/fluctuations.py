@@ -68,7 +68,7 @@ def _box_counts(film: CrowdFilm) -> list[int]:
 
 
 def _exponent(means: Array, variances: Array) -> float:
-    """Slope of ln sd over ln mean; NaN for fewer than 3 sizes or where nothing varies."""
+    """Fit the slope of ln sd over ln mean; NaN for fewer than 3 sizes or where nothing varies."""
     use = (means > 0) & (variances > 0)
     if use.sum() < 3:
         return math.nan

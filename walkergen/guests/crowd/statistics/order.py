@@ -13,17 +13,17 @@ from walkergen.guests.crowd.statistics.film import CrowdFilm, mean_over_walkers
 
 
 def polar(film: CrowdFilm) -> Array:
-    """|mean of e^(i theta)| over walkers, shape (F,): 1 where all head one way."""
+    """Compute |mean of e^(i theta)| over walkers, shape (F,): 1 if all head one way."""
     return np.asarray(np.abs(mean_over_walkers(np.exp(1j * film.theta))))
 
 
 def nematic(film: CrowdFilm) -> Array:
-    """|mean of e^(2 i theta)| over walkers, shape (F,): 1 where all lie along one line."""
+    """Compute |mean of e^(2 i theta)| over walkers, shape (F,): 1 if all lie along one line."""
     return np.asarray(np.abs(mean_over_walkers(np.exp(2j * film.theta))))
 
 
 def circulation(film: CrowdFilm) -> Array:
-    """Mean of r x e / |r| over walkers, shape (F,), r from the dish's middle to the walker.
+    """Compute the mean of r x e / |r| over walkers, shape (F,), r from the dish's middle to the walker.
 
     1 where all circle counter-clockwise, -1 clockwise, 0 where neither wins.
     """
@@ -32,7 +32,7 @@ def circulation(film: CrowdFilm) -> Array:
 
 
 def random_order(walkers: float) -> float:
-    """Mean modulus of the mean of N random unit vectors: 1 of one, sqrt(pi / (4 N)) for N above some ten.
+    """Return the mean modulus of the mean of N random unit vectors: 1 of one, sqrt(pi / (4 N)) for N above ten.
 
     Their sum is then normal in two directions, with variance N / 2 in each.
     """
@@ -40,5 +40,5 @@ def random_order(walkers: float) -> float:
 
 
 def random_circulation(walkers: float) -> float:
-    """Mean |circulation| of N random headings: a half-normal of variance 1 / (2 N)."""
+    """Return the mean |circulation| of N random headings: a half-normal of variance 1 / (2 N)."""
     return 1.0 / math.sqrt(math.pi * walkers)

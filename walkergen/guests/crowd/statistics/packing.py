@@ -48,7 +48,7 @@ def scatter(local_packing: Array) -> Array:
 
 
 def probability_density(local_packing: Array) -> tuple[Array, Array]:
-    """Middles of bins, and the probability density of the local packing in each."""
+    """Return the middles of bins, and the probability density of the local packing in each."""
     edges = np.linspace(0.0, MAX_PACKING, BINS + 1)
     counts, _ = np.histogram(np.minimum(local_packing, MAX_PACKING), edges)
     return 0.5 * (edges[1:] + edges[:-1]), counts / (counts.sum() * (edges[1] - edges[0]))

@@ -49,7 +49,7 @@ def length_scale(film: CrowdFilm) -> float:
 
 
 def bin_edges(film: CrowdFilm) -> Array:
-    """Edges of the bins of distance, mm, up to half the dish's shorter side at most."""
+    """Return the edges of the bins of distance, mm, up to half the dish's shorter side at most."""
     far = min(MAX_DIAMETERS * length_scale(film), 0.5 * min(film.dish.box))
     return np.linspace(0.0, far, BINS + 1)
 

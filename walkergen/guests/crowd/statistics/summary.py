@@ -96,7 +96,7 @@ class _Run(NamedTuple):
 
 
 def measure(films: Sequence[CrowdFilm]) -> CrowdStatistics:
-    """Statistics of one crowd from its independent runs, of the same walkers in the same dish.
+    """Measure one crowd from its independent runs, of the same walkers in the same dish.
 
     Raises InputError where there is no run, or where runs differ or are too short.
     """
@@ -230,20 +230,19 @@ def _quantity(name: str, values: Array, runs: Sequence[_Run], film: CrowdFilm) -
         return Quantity(name, unit, *weighted_mean(values)[:2], freedom=len(values) - 1.0)
     if name in WHOLE_RUN_NUMBERS:
         return Quantity(name, unit, first, refused=NO_ERROR_ONE_RUN)
-    return Quantity(name, unit, first, *_error_of_one_run(*runs[0].series[name]))
+    return _quantity_of_one_run(name, first, *runs[0].series[name])
 
 
-def _error_of_one_run(times: Array, course: Array) -> tuple[float | None, float, str]:
-    """Error of a mean over a run, by the time over which its course is correlated; its freedom; why there is none."""
-    known = np.isfinite(course)
+def _quantity_of_one_run(name: str, value: float, times: Array, course: Array) -> Quantity:
+    """Return a mean over one run, with its error if the run is much longer than its correlation time."""
+    unit, known, interval = UNITS[name], np.isfinite(course), float(times[1] - times[0])
     if np.ptp(course[known]) == 0.0:
-        return 0.0, math.inf, ""
-    interval = float(times[1] - times[0])
+        return Quantity(name, unit, value, 0.0)
     if known.all() and (time := correlation_time([course], interval)) is not None:
         se = error_of_mean([course], interval, time)
         if se is not None:
-            return se, len(course) * interval / (2.0 * time) - 1.0, ""
-    return None, math.inf, NO_ERROR_SHORT_RUN
+            return Quantity(name, unit, value, se, len(course) * interval / (2.0 * time) - 1.0)
+    return Quantity(name, unit, value, refused=NO_ERROR_SHORT_RUN)
 
 
 def _refusal(name: str, film: CrowdFilm) -> str:
@@ -258,7 +257,7 @@ def _refusal(name: str, film: CrowdFilm) -> str:
 
 
 def _mean_curve(curves: Sequence[tuple[Array, Array]]) -> Curve:
-    """Mean of the runs' curves with its error, at the places of the first.
+    """Return the mean of the runs' curves with its error, at the places of the first.
 
     NaN where a run has no value; errors are NaN with one run.
     """

@@ -37,7 +37,7 @@ def near_distance(film: CrowdFilm) -> float:
 
 
 def measure(film: CrowdFilm) -> Walls:
-    """Density, speed and alignment of one run in a dish with walls."""
+    """Measure density, speed and alignment of one run in a dish with walls."""
     dish, at_wall = film.dish, near_distance(film)
     edges = np.linspace(0.0, dish_geometry.max_wall_distance(dish), BINS + 1)
     distance = np.maximum(dish_geometry.wall_distance(film.x, film.y, dish), 0.0)
