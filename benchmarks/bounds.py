@@ -39,7 +39,8 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.guests.lab.fit import model_fit
-from walkergen.guests.lab.fit.job import Job
+from walkergen.guests.lab.fit.request import FitRequest
+from walkergen.guests.lab.report import Setup
 from walkergen.points import print_ensemble as prints
 from walkergen.points import speed_prediction as speed_of
 from walkergen.points import walkers
@@ -161,12 +162,12 @@ def bounds(method: str, hidden: Hidden, filmed: Sequence[tuple[float, float]], d
     if method == "uncertain":
         short = scene.variant(**{"run.seconds": PRINT_S})
         return prints.measure(short, design, draws, silent).speed.ends or [None] * 4
-    job = Job(design, scene, "space", prior="flat", ahead=[design.tilt_deg])
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "speeds.csv")
         lines = [(tilt, speed, FILM_SE) for tilt, speed in filmed]
         path.write_text(csv_text(("tilt_deg", "speed_mm_s", "speed_se_mm_s"), lines))
-        learned = model_fit.learn(path, job, silent)
+        request = FitRequest(speeds=path, model="space", prior="flat", predict=[design.tilt_deg])
+        learned = model_fit.fit(request, Setup(design, scene), {}, silent)
     (band,) = [one for one in learned.bands if not one.measured]
     return band.low_95, band.low_68, band.high_68, band.high_95
 

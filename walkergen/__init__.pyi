@@ -464,7 +464,6 @@ def calibrate(
     measured_sd: float | None = None,
     tries: int = 1,
     height_mm: float = 10.0,
-    movie: Name | None = None,
     printer: Machine = "prusa-mk3s",
     max_plates: int | None = None,
     prusaslicer: bool = False,
@@ -478,19 +477,19 @@ def calibrate(
     """Estimate Young's modulus, density, friction, damping and restitution from your readings.
 
     `calibrate plate` makes a plate to measure: strips of four thicknesses, a block and one walker, with a sheet and a
-    form. Filled in with readings by a ruler and a phone, the form is what `calibrate FORM.csv` takes. What it holds is
-    estimated, with errors from those of the readings and from their scatter, and written into design.toml and
-    scene.toml for `family` and `simulate`; what it lacks stays as design and scene have it. Of films it takes those of
-    slides: the quantity filmed_deg, angle of the incline, with a column tracks that names the film's tracks.csv. A
-    drop test of the walker is simulated (a minute), the rest takes a second.
+    form. Fill in the form with readings from a ruler and a phone, and run `calibrate FORM.csv`. It estimates what the
+    form contains. Errors come from those of the readings and from their scatter. The results are written into
+    design.toml and scene.toml for `family` and `simulate`. Other values stay as design and scene have them. For
+    friction from the film of a slide, give the angle of the incline as filmed_deg, and the film's tracks.csv in a
+    column tracks. A drop test of the walker is simulated (a minute); the rest takes a second.
 
-    `calibrate --plate FILE.csv` takes what a phone's accelerometer recorded on the shaken plate (phyphox and others: a
-    column of times, three of accelerations): frequency and amplitude of the drive, second harmonic, motion along the
-    plate and noise, each with its error, and a scene.toml that has them. Three columns of a gyroscope beside them tell
+    `calibrate --plate FILE.csv` takes a recording of a phone's accelerometer on the shaken plate (phyphox and others: a
+    column of times, three of accelerations). It reports frequency and amplitude of the drive, second harmonic, motion
+    along the plate and noise, each with its error, and writes them into scene.toml. Three columns of a gyroscope add
     how the amplitude changes over the plate, and how it rocks.
 
-    `calibrate drop` simulates drops of the walker on a still plate and inverts the rebound that was --measured, root of
-    height over height: it tells the restitution of the feet.
+    `calibrate drop` estimates the restitution of the feet, at any tilt, from the rebound of a drop on a still plate
+    (--measured: root of height over height). It simulates drops with each restitution.
 
     Example: `wg.calibrate("drop", roll_deg=0, drops=2, measured=0.64, measured_sd=0.05)`
     """

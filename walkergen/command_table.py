@@ -122,7 +122,7 @@ COMMANDS = {
         "Measure",
         "guests.lab.calibrate",
         "calibrate plate --printer ender3",
-        "calibrate drop --measured 0.5 --tries 10",
+        "calibrate drop --measured 0.5 --measured-sd 0.02 --tries 10",
         'wg.calibrate("drop", roll_deg=0, drops=2, measured=0.64, measured_sd=0.05)',
     ),
     "accuracy": Command(

@@ -16,7 +16,7 @@ from walkergen.core.theory import uncertain_inputs
 from walkergen.core.theory.stationary import stationary
 from walkergen.core.walker import names, solids
 from walkergen.core.walker.design import Design
-from walkergen.guests.lab import still_plate
+from walkergen.guests.lab import drops
 from walkergen.guests.movie import shot
 from walkergen.points import experiments, poses
 
@@ -133,6 +133,6 @@ def test_feet_of_another_material_change_as_the_scenes_contact_is_drawn():
 
 def test_a_measurement_asks_for_one_material():
     two = design_of([TWO[0], TWO[1] | {"restitution": 0.4}])
-    with pytest.raises(InputError, match=r"legs\[2\].restitution is that foot's own"):
-        still_plate.check_one_material(two)
-    still_plate.check_one_material(design_of([TWO[0], TWO[1] | {"friction": 0.4}]))
+    with pytest.raises(InputError, match=r"legs\[2\].restitution belongs to one foot"):
+        drops.check_one_material(two)
+    drops.check_one_material(design_of([TWO[0], TWO[1] | {"friction": 0.4}]))

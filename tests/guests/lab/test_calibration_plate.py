@@ -17,6 +17,7 @@ from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.guests.lab import beams
 from walkergen.guests.lab.calibrate import form, parts, plate, sheet
+from walkergen.guests.lab.calibrate.request import CalibrateRequest
 
 PAPER = templates.load("koumakis2016", "walkers", Design)
 PRINTERS = {name: templates.load(name, "printers", Printer) for name in templates.names("printers")}
@@ -105,7 +106,7 @@ def test_a_filled_form_is_left_alone_and_an_earlier_plate_is_not(run, tmp_path):
     manifest = json.loads((path.parent / "calibration_prusa-mk3s.json").read_text())
     assert manifest["design"]["legs"]["tilt_deg"] == 15.0
     told = run("calibrate", "plate", "--out", "a", "--no-pictures").stderr
-    assert "somebody has written in it: left as it is" in told
+    assert "keeps its contents, because it was edited" in told
 
 
 def test_ordinary_weights_are_near_what_they_say():
@@ -122,8 +123,8 @@ def test_ordinary_weights_are_near_what_they_say():
 def test_strips_slice_to_their_lines_and_the_block_to_its_volume(tmp_path, name):
     program("prusa-slicer")
     printer = PRINTERS[name]
-    order = plate.Order(PAPER, [printer], pictures=False)
-    rows = plate.make_plate(order, tmp_path, lambda *_: None, lambda _: None).table.rows
+    request = CalibrateRequest(what="plate", pictures=False)
+    rows = plate.make_plate(request, PAPER, [printer], tmp_path, lambda *_: None, lambda _: None).table.rows
     model = tmp_path / "calibration" / f"calibration_{name}_1.3mf"
     (model.parent / "yours.ini").write_text(maker.ini(printer))
     lines = print_of(model, model.with_name(f"calibration_{name}_print.ini")).lines

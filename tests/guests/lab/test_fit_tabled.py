@@ -13,8 +13,9 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.guests.lab.fit import emulated_speeds, importance_sampling, make, parameters, posterior, surrogate_speeds
-from walkergen.guests.lab.fit.job import Job
 from walkergen.guests.lab.fit.posterior import Observed
+from walkergen.guests.lab.fit.request import FitRequest
+from walkergen.guests.lab.report import Setup
 from walkergen.points import speed_prediction as speeds
 
 PAPER = templates.load("koumakis2016", "walkers", Design)
@@ -63,8 +64,8 @@ def fitted(folder, speeds, errors=True, **choices):
     rows = [(tilt, one, FILM_NOISE)[: 2 + errors] for tilt, one in zip(TILTS, speeds, strict=True)]
     path = folder / "speeds.csv"
     path.write_text(csv_text(header, rows), encoding="utf-8")
-    wish = Job(PAPER, LANE, **{"pictures": False} | choices)
-    return make.fit(path, wish, folder / "out", silent)
+    request = FitRequest(speeds=path, **{"pictures": False} | choices)
+    return make.fit(request, Setup(PAPER, LANE), folder / "out", silent)
 
 
 @pytest.mark.slow
@@ -160,7 +161,8 @@ def test_weighted_draws_are_the_posterior_of_a_grid(error):
 def test_speeds_that_no_contact_has_are_called_so_and_walkers_outside_are_named(tmp_path):
     found = fitted(tmp_path, [20.0, 5.0, 90.0, 5.0, 60.0])
     assert any("does not describe these speeds" in note for note in found.notes)
-    rough = Job(PAPER, LANE.variant(**{"plate.roughness_um": 5.0}))
+    request = FitRequest(speeds=tmp_path / "speeds.csv")
+    rough = Setup(PAPER, LANE.variant(**{"plate.roughness_um": 5.0}))
     with pytest.raises(InputError, match=r"tilt 5 deg: .*model=space"):
-        make.fit(tmp_path / "speeds.csv", rough, tmp_path / "no", silent)
+        make.fit(request, rough, tmp_path / "no", silent)
     assert not (tmp_path / "no").exists()

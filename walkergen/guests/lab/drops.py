@@ -1,7 +1,7 @@
-"""Drops of a walker on a plate at rest: rebound of the whole structure, as filmed by a phone.
+"""Simulated drops of a walker on a plate at rest: rebound of the whole structure, as filmed by a phone.
 
-The height counts from the body's middle at rest. Released from h_1, the walker rises to h_2 again. The rebound is
-sqrt(h_2 / h_1); for a ball it is the restitution of its contact.
+Heights are those of the body's middle above its height at rest. Released from h_1, the walker rises to h_2. The rebound
+is sqrt(h_2 / h_1). For a ball it is the restitution of its contact.
 """
 
 import math
@@ -10,31 +10,37 @@ from typing import NamedTuple
 
 import numpy as np
 
+from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress
-from walkergen.core.scene import GRAVITY, Scene
+from walkergen.core.scene import GRAVITY, Scene, still_plate_drive
 from walkergen.core.simulation import batch, record
-from walkergen.core.simulation.plan import Plan
+from walkergen.core.simulation.effects.resolve import without_plate_effects
+from walkergen.core.simulation.plan import Plan, prepare
 from walkergen.core.simulation.space.state import HEIGHT
 from walkergen.core.simulation.world import OK
+from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
-from walkergen.guests.lab import still_plate
 from walkergen.guests.lab.inverse import Curve
 
 RESTITUTIONS = (0.02, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
 """Restitutions of the feet at which the curve is simulated."""
 
 POSES_PER_DROP = 300
-"""Poses of a drop: their highest misses 1e-5 of the height."""
+"""Recorded poses of a drop: the highest one is 1e-5 of the height too low."""
+
+STEP_RATIO = 0.25
+"""Time step over that of long runs. A single rebound depends on where within a step a foot lands:
+by 0.02 of it with steps of that length, by 0.004 with a quarter (10 deg, drops of 8 to 12 mm)."""
 
 
 class Let(NamedTuple):
-    """Way of letting a walker go: its lowest corner's height (mm), pitch and roll (rad)."""
+    """Release of a walker: height of its lowest corner (mm), pitch and roll (rad)."""
 
     height: float
     pitch: float = 0.0
     roll: float = 0.0
     number: int = 0
-    """Number of the print that drops, where the scene makes prints differ."""
+    """Number of the print that drops, if the scene makes prints differ."""
 
 
 class Rebound(NamedTuple):
@@ -43,25 +49,51 @@ class Rebound(NamedTuple):
     ratio: float | None
     """sqrt(h_2 / h_1); None when the walker fell over or a leg folded before it rose."""
     fell: bool
-    """Whether that happened at all, until a perfect bounce would be back."""
+    """Whether that happened until the end of a perfect bounce."""
 
 
 class Rebounds(NamedTuple):
-    """Rebounds of one walker in one scene: released flat once, and from the hand some times."""
+    """Rebounds of one walker in one scene: released flat once, and several times from the hand."""
 
     flat: float | None
     mean: float | None
-    """Mean of the drops from the hand that rebounded; None without any."""
+    """Mean over the drops from the hand that rebounded; None without any."""
     sd: float
     """Standard deviation of a drop from the hand."""
     tries: int
-    """Number of drops that the mean is of."""
+    """Number of drops in the mean."""
     fell: int
-    """Drops from the hand after which it fell over."""
+    """Number of drops from the hand after which it fell over."""
+
+
+def still_scene(scene: Scene) -> Scene:
+    """Return the scene's contact and feet on an endless level plate at rest."""
+    return without_plate_effects(scene).model_copy(update={"drive": still_plate_drive(scene.drive.frequency)})
+
+
+def make_plan(scene: Scene, design: Design) -> Plan:
+    """Plan a drop of a walker on the scene's plate at rest, with finer steps unless the scene states its step."""
+    plan = prepare(still_scene(scene), design, solids.mass_of(design))
+    return plan if scene.run.step_us is not None else plan.coarser(STEP_RATIO)
+
+
+def with_contact(scene: Scene, **contact: float) -> Scene:
+    """Return the scene with other values in its [contact]."""
+    return scene.model_copy(update={"contact": scene.contact.model_copy(update=contact)})
+
+
+def check_one_material(design: Design) -> None:
+    """Raise InputError if a foot has its own restitution."""
+    exceptions = [number for number, limb in enumerate(design.limbs, start=1) if limb.restitution is not None]
+    if exceptions:
+        raise InputError(
+            f"{design.name}: legs[{exceptions[0]}].restitution belongs to one foot, but a drop determines one "
+            "restitution for all feet. Drop a walker without this key"
+        )
 
 
 def simulate_drop(plan: Plan, let: Let) -> Rebound:
-    """Simulate the rebound of a drop from the height of the body's middle."""
+    """Simulate one drop and return its rebound."""
     plan = plan.sample_print(np.random.default_rng([plan.scene.run.seed, let.number]))
     standing = plan.initial_state(0.0, 0.0, 0.0)[HEIGHT]
     state = plan.initial_state(let.height, let.pitch, 0.0, let.roll)
@@ -79,7 +111,7 @@ def simulate_drop(plan: Plan, let: Let) -> Rebound:
 
 
 def hand_drops(height: float, turn_deg: float, drops: int, seed: int) -> list[Let]:
-    """Draw drops from the hand, each of another print: pitch and roll are normal with deviation `turn_deg`."""
+    """Draw drops from the hand, each of a different print, with normal pitch and roll of deviation `turn_deg`."""
     turns = np.random.default_rng([seed, 0]).normal(0.0, math.radians(turn_deg), (drops, 2))
     return [Let(height, float(pitch), float(roll), number) for number, (pitch, roll) in enumerate(turns)]
 
@@ -87,11 +119,11 @@ def hand_drops(height: float, turn_deg: float, drops: int, seed: int) -> list[Le
 def drop_seconds(height: float) -> float:
     """Compute the time (s) of a perfect bounce from the release, and a little more."""
     # Contacts take 0.1 ms
-    return 2.1 * still_plate.fall_time(height, GRAVITY) + 2e-3
+    return 2.1 * math.sqrt(2.0 * max(height, 0.0) / GRAVITY) + 2e-3
 
 
 def simulate_drops(plan: Plan, hand: Sequence[Let]) -> Rebounds:
-    """Rebounds of a plan's walker from one height, flat and from the hand."""
+    """Simulate drops of a plan's walker from one height, flat and from the hand."""
     flat = Let(hand[0].height)
     lets = [flat, *hand]
     level, *others = batch.run_all(lambda number, stopped, tell: simulate_drop(plan, lets[number]), len(lets))
@@ -102,17 +134,17 @@ def simulate_drops(plan: Plan, hand: Sequence[Let]) -> Rebounds:
 
 
 def rebounds_by_restitution(scene: Scene, design: Design, hand: Sequence[Let], progress: Progress) -> list[Rebounds]:
-    """Rebounds of a walker at every one of RESTITUTIONS, flat and from the hand."""
+    """Simulate drops of a walker at each of RESTITUTIONS, flat and from the hand."""
     rows = []
     for number, restitution in enumerate(RESTITUTIONS):
         progress(f"restitution {restitution:g}", number, len(RESTITUTIONS))
-        plan = still_plate.make_plan(still_plate.with_contact(scene, restitution=restitution), design)
+        plan = make_plan(with_contact(scene, restitution=restitution), design)
         rows.append(simulate_drops(plan, hand))
     return rows
 
 
 def rebound_curve(rows: Sequence[Rebounds], flat: bool) -> Curve | None:
-    """Curve from RESTITUTIONS to the rebound, flat or from the hand; None with fewer than two points."""
+    """Return the curve from RESTITUTIONS to the rebound, flat or from the hand; None with fewer than two points."""
     points = [
         (e, row.flat, 0.0, 1) if flat else (e, row.mean, row.sd, row.tries)
         for e, row in zip(RESTITUTIONS, rows, strict=True)

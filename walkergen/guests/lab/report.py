@@ -1,9 +1,9 @@
-"""Report of the laboratory: results of readings, a simulated test or a fit, and the files written with it."""
+"""Reports of calibrations and fits, and the files written with them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from walkergen.core.files import output
 from walkergen.core.files.output import Folder
@@ -13,14 +13,21 @@ from walkergen.files import templates
 from walkergen.files.report import Report
 
 
+class Setup(NamedTuple):
+    """Walker and scene that a request names, as read from their files."""
+
+    design: Design
+    scene: Scene
+
+
 @dataclass(frozen=True, kw_only=True, repr=False)
 class LabReport(Report):
-    """Material and contact from a test, with the updated design and scene."""
+    """Material and contact from measurements, with the updated design and scene."""
 
     design: Design
     scene: Scene
     settings: Mapping[str, float]
-    """Keys of design and scene with the values that follow."""
+    """Keys of design and scene, with their measured values."""
     notes: Sequence[str] = ()
     """Omissions and open questions."""
 
@@ -28,24 +35,26 @@ class LabReport(Report):
 R = TypeVar("R", bound=LabReport)
 
 
-def write_report(report: R, job: Any, asked: Mapping[str, Any], comment: str = "", every: bool = False) -> R:
-    """Report, once its folder holds it with what was asked, a `job` of design, scene and pictures.
+def write_report(
+    report: R, setup: Setup, choices: Mapping[str, Any], pictures: bool, comment: str = "", all_keys: bool = False
+) -> R:
+    """Write a report with the choices behind it into its folder, and return it.
 
-    With a comment, scene and design as they go on are files as well, with `every` key or those set; a design that
-    nothing changed is none.
+    With a comment, write also the updated scene and, if it changed, the updated design, with all keys or only those
+    that are set.
     """
     assert report.folder is not None
     with Folder(report.folder) as target:
-        report.write(target, job.pictures)
+        report.write(target, pictures)
         if comment:
-            target.write("scene.toml", templates.to_toml(report.scene, comment, every=every).encode())
-            if report.design != job.design:
-                target.write("design.toml", templates.to_toml(report.design, comment, every=every).encode())
-        inputs = {"design": job.design.model_dump(mode="json"), "scene": job.scene.model_dump(mode="json")}
-        target.finish({**inputs, **asked})
+            target.write("scene.toml", templates.to_toml(report.scene, comment, every=all_keys).encode())
+            if report.design != setup.design:
+                target.write("design.toml", templates.to_toml(report.design, comment, every=all_keys).encode())
+        inputs = {"design": setup.design.model_dump(mode="json"), "scene": setup.scene.model_dump(mode="json")}
+        target.finish({**inputs, **choices})
     return report
 
 
 def name_after(original: str, path: Path, word: str = "") -> str:
-    """Name of a design or scene after the file that it was measured by: never that of a shipped one."""
+    """Name a design or scene after the file of its measurements, unlike any template."""
     return f"{original[:30]}-{word}{output.safe_folder_name(path)[:28]}"

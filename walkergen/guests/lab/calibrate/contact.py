@@ -1,8 +1,8 @@
-"""Contact, density and damping from readings: each a closed form with its error."""
+"""Contact, density and damping from readings: closed forms with their errors."""
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from walkergen.guests.lab.calibrate.estimate import Estimate, Single, weighted_m
 from walkergen.guests.lab.calibrate.form import Reading, Readings
 from walkergen.guests.lab.calibrate.modulus import POSITION_SD_MM
 from walkergen.guests.lab.inverse import Measured
+
+if TYPE_CHECKING:
+    from walkergen.guests.lab.calibrate.request import CalibrateRequest
 
 SLIDING_PARTS = ("block", "walker")
 """Parts that slide."""
@@ -33,20 +36,20 @@ class Rebound(NamedTuple):
     measured: Measured
     """Mean, with the error of clock and ruler."""
     height: float
-    """Height of the drop, mm; the mean, where there were several."""
+    """Mean height of the drops, mm."""
     spread: float
     """Standard deviation from drop to drop beyond that of the clock; 0 if not measurable."""
 
     @property
     def estimate(self) -> Estimate:
-        """Rebound with the error of the mean: of clock, ruler and what differs from drop to drop."""
+        """Mean rebound, with the errors of clock and ruler and the scatter of drops."""
         value, sd = self.measured.number.pair
         sd = math.hypot(sd, self.spread / math.sqrt(self.measured.tries))
         return Estimate("rebound of the walker", Quantity("rebound", "", value, sd), self.measured.tries)
 
 
 def density(readings: Readings) -> Estimate | None:
-    """Density of the block, g/cm^3; None where its mass or a size is missing."""
+    """Return the density of the block, g/cm^3; None without its mass or a size."""
     own = readings.get("block", {})
     if any(name not in own for name in DENSITY_READINGS):
         return None
@@ -56,8 +59,8 @@ def density(readings: Readings) -> Estimate | None:
     value = 1e3 * mass / volume if volume > 0.0 else math.inf
     if not MIN_DENSITY_G_CM3 <= value <= MAX_DENSITY_G_CM3:
         raise InputError(
-            f"block: mass and sizes tell a density of {value:.3g} g/cm3: must lie in "
-            f"{MIN_DENSITY_G_CM3:g}..{MAX_DENSITY_G_CM3:g}: are these grams and millimetres?"
+            f"block: mass and sizes give a density of {value:.3g} g/cm3. It must lie in "
+            f"{MIN_DENSITY_G_CM3:g}..{MAX_DENSITY_G_CM3:g}. Are these grams and millimetres?"
         )
     sd = value * math.hypot(*(error / each for error, each in zip(errors, (mass, *sizes), strict=True)))
     number = Quantity("density", "g_cm3", value, sd)
@@ -65,10 +68,7 @@ def density(readings: Readings) -> Estimate | None:
 
 
 def friction(readings: Readings) -> Estimate | None:
-    """Friction, tan of the angle at which block and walker slide, or by films of slides.
-
-    None without any.
-    """
+    """Return the friction from the angles at which block and walker slide, or from films; None without any."""
     singles = []
     for part in SLIDING_PARTS:
         for reading in readings.get(part, {}).get("slides_deg", ()):
@@ -84,9 +84,9 @@ def friction(readings: Readings) -> Estimate | None:
 
 
 def damping(readings: Readings) -> Estimate | None:
-    """Compute the damping ratio from the swings until half amplitude; None without any.
+    """Return the damping ratio from the swings until half amplitude; None without any.
 
-    Air and clamp contribute, and a strip's plastic is that of a leg.
+    It includes the damping by air and clamp. Strip and leg are of the same plastic.
     """
     singles = []
     for part in sorted(readings):
@@ -98,7 +98,7 @@ def damping(readings: Readings) -> Estimate | None:
 
 
 def rebound(readings: Readings) -> Rebound | None:
-    """Rebound of the walker, from the time to its second landing and the height; None without any.
+    """Return the rebound of the walker, from the time to its second landing and the height; None without any.
 
     After a fall by h it flies for t = 2 sqrt(2 h_2 / g), and sqrt(h_2 / h) is t sqrt(g / (8 h)).
     Raises InputError for one above 1.
@@ -112,9 +112,8 @@ def rebound(readings: Readings) -> Rebound | None:
     for time, height, ratio in zip(seconds, heights, ratios, strict=True):
         if ratio > 1.0:
             raise InputError(
-                f"walker: flight_s = {time:.3g} after a drop of {height:g} mm: it "
-                f"would come up {ratio**2:.2f} times as high: are these seconds, not of a film in "
-                "slow motion, and millimetres?"
+                f"walker: flight_s = {time:.3g} after a drop of {height:g} mm: it would rise to {ratio**2:.2f} times "
+                "this height. Are these seconds, not of a film in slow motion, and millimetres?"
             )
     stated = np.array([flight.stated for flight in flights])
     errors = ratios * np.hypot(stated / seconds, 0.5 * POSITION_SD_MM / heights)
@@ -124,8 +123,17 @@ def rebound(readings: Readings) -> Rebound | None:
     return Rebound(Measured(number, int(tries.sum())), float(shares @ heights), _drop_scatter(flights, seconds, ratios))
 
 
+def stated_rebound(request: "CalibrateRequest") -> Rebound:
+    """Return the rebound that a request states. Raises InputError without it or its error."""
+    for name in ("measured", "measured_sd"):
+        if getattr(request, name) is None:
+            raise InputError(f"‹{name}› is missing. A drop needs its rebound, ‹measured›, and its error, ‹measured_sd›")
+    number = Quantity("measured", "", request.measured, request.measured_sd)
+    return Rebound(Measured(number, request.tries), request.height_mm, 0.0)
+
+
 def _drop_scatter(flights: Sequence[Reading], seconds: Array, ratios: Array) -> float:
-    """Estimate the standard deviation from drop to drop at all heights, beyond that of the clock."""
+    """Compute the standard deviation from drop to drop at all heights, beyond that of the clock."""
     tries, per_second = np.array([flight.tries for flight in flights]), ratios / seconds
     within = np.array([(flight.tries - 1) * (flight.scatter or 0.0) ** 2 for flight in flights])
     clock = np.array([flight.tries * flight.stated**2 for flight in flights]) * per_second**2

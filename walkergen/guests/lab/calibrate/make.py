@@ -1,134 +1,150 @@
-"""From measurements of a calibration plate to material and contact, in a design and a scene."""
+"""Material and contact from measurements of a calibration plate, or from one drop, in a design and a scene."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress
 from walkergen.core.numerics.quantity import Quantity, Verdict
-from walkergen.core.scene import Scene
 from walkergen.core.walker.design import Design
-from walkergen.guests.lab import drops, inverse, still_plate
+from walkergen.core.walker.spec import Material
+from walkergen.guests.lab import drops, inverse
 from walkergen.guests.lab.calibrate import contact, form, modulus, report, specimens
 from walkergen.guests.lab.calibrate.contact import Rebound
 from walkergen.guests.lab.calibrate.estimate import Estimate
 from walkergen.guests.lab.calibrate.form import Readings
 from walkergen.guests.lab.calibrate.modulus import Bent
 from walkergen.guests.lab.inverse import Answer
-from walkergen.guests.lab.report import LabReport, name_after, write_report
+from walkergen.guests.lab.report import LabReport, Setup, name_after, write_report
+
+if TYPE_CHECKING:
+    from walkergen.guests.lab.calibrate.request import CalibrateRequest
 
 MAX_THICKNESS_DIFFERENCE = 0.3
 """Largest relative difference of thickness between a strip and the leg that it represents."""
 
-
-class Job(NamedTuple):
-    """Choices of the calibrate command."""
-
-    design: Design
-    scene: Scene
-    turn_deg: float
-    """Deviation of pitch and roll of drops from the hand, deg."""
-    drops: int
-    """Simulated drops from the hand for each restitution."""
-    pictures: bool
-    by: str = "both"
-    """Method whose modulus counts: BEND_METHOD or RING_METHOD of `specimens`, or both."""
+FELL_OVER_REASON = "nearly all simulated drops fell over. Drop the walker from lower, or flatter (‹roll_deg›)"
+"""Reason why drops give no restitution."""
 
 
-def calibrate(path: Path, job: Job, folder: Path, progress: Progress) -> LabReport:
+def calibrate_form(request: "CalibrateRequest", setup: Setup, folder: Path, progress: Progress) -> LabReport:
     """Estimate material and contact from a filled form, and write the results.
 
     Writes calibration.csv and .md, strips.csv, design.toml, scene.toml, strips.png and .pdf,
     manifest.json. A drop test simulates drops of the walker. Raises InputError, before anything is
-    written, for readings that are unusable.
+    written, for unusable readings.
     """
+    path = Path(request.what)
     readings = form.read_form(path)
     density = contact.density(readings)
     strips, notes = specimens.from_readings(readings)
-    bent = _fit_modulus(strips, density, job, notes) if strips else None
+    bent = _fit_modulus(strips, density, setup.design.material, request.by, notes) if strips else None
     means = {"friction": contact.friction(readings), "damping": contact.damping(readings)}
     estimates = [each for each in (*(bent.estimates if bent else ()), density, *means.values()) if each is not None]
-    design, scene = _apply_settings(estimates, job, path)
+    measured = _apply_settings(estimates, setup, path)
     rebound, drop = contact.rebound(readings), None
     if rebound is not None:
-        drop = _invert_rebound(rebound, design, scene, job, progress)
+        drop = _invert_rebound(rebound, measured, request, progress)
     missing = _missing_notes(readings, bent, density, means, drop)
     if drop is None and not any(each.sets for each in estimates):
-        raise InputError(f"{path}: tells nothing: {'; '.join([*notes, *missing])}")
+        raise InputError(f"{path}: no quantity can be estimated: {'; '.join([*notes, *missing])}")
     if bent is not None:
-        notes += [*_strip_notes(bent), *_leg_notes(bent, design)]
+        notes += [*_strip_notes(bent), *_leg_notes(bent, measured.design)]
     for what, each in means.items():
         if each is not None and not each.agrees:
-            notes.append(f"{what}: {', '.join(each.parts)} disagree: the error is larger by that")
+            notes.append(f"{what}: {', '.join(each.parts)} disagree, which increases its error")
     if rebound is not None and drop is not None:
-        estimates, more = [*estimates, rebound.estimate, *_restitution(rebound, drop)], _drop_notes(rebound, drop)
-        notes += more
-        design, scene = _apply_settings(estimates, job, path)
-    made = report.make_report(estimates, bent, drop, [*notes, *missing], design, scene, path, folder)
-    choices = {"by": job.by, "roll_deg": job.turn_deg, "drops": job.drops, "settings": made.settings}
-    return write_report(made, job, {"file": path.name, **choices}, f"Measured: {path.name}")
+        estimates += [rebound.estimate, *_restitution(rebound, drop)]
+        notes += _drop_notes(rebound, drop)
+        measured = _apply_settings(estimates, setup, path)
+    made = report.make_report(estimates, bent, drop, [*notes, *missing], measured, path.name, folder)
+    choices = {"file": path.name, "by": request.by, "roll_deg": request.roll_deg, "drops": request.drops}
+    choices["settings"] = made.settings
+    return write_report(made, setup, choices, request.pictures, f"Measured: {path.name}")
 
 
-def _fit_modulus(strips: Sequence[specimens.Specimen], measured: Estimate | None, job: Job, notes: list[str]) -> Bent:
-    """Fit the modulus of the strips; an unmeasured density is the design's. Adds to `notes`."""
-    material = job.design.material
+def calibrate_drop(request: "CalibrateRequest", setup: Setup, folder: Path, progress: Progress) -> LabReport:
+    """Estimate the feet's restitution from the measured rebound of a drop, and write the results.
+
+    Writes calibration.csv and .md, manifest.json and, if the restitution is determined, scene.toml. Raises InputError
+    without a rebound, and when the walker falls over in nearly all drops.
+    """
+    seen = contact.stated_rebound(request)
+    drop = _invert_rebound(seen, setup, request, progress)
+    if drop is None:
+        raise InputError(f"‹height_mm=›{request.height_mm:g}: {FELL_OVER_REASON}")
+    found = _restitution(seen, drop)
+    measured = setup._replace(scene=_apply_settings(found, setup, Path("drop")).scene) if found else setup
+    title = f"Drop of {setup.design.name}, {setup.design.tilt_deg:g} deg, {setup.design.kind} legs"
+    notes = _drop_notes(seen, drop)
+    made = report.make_report([seen.estimate, *found], None, drop, notes, measured, title, folder)
+    names = ("measured", "measured_sd", "tries", "height_mm", "roll_deg", "drops")
+    choices = {"settings": made.settings, **{name: getattr(request, name) for name in names}}
+    return write_report(made, setup, choices, request.pictures, "Measured: the rebound of a drop" if found else "")
+
+
+def _fit_modulus(
+    strips: Sequence[specimens.Specimen], measured: Estimate | None, material: Material, method: str, notes: list[str]
+) -> Bent:
+    """Fit the modulus of the strips, with the material's density unless measured. Adds to `notes`."""
     drawn = material.density_g_cm3
     density = Quantity("density", "g_cm3", drawn, modulus.DENSITY_SD * drawn) if measured is None else measured.number
     rough = modulus.rough_moduli(strips, density)
     specimens.check_consistency(rough)
     notes += specimens.slip_notes(rough, material.youngs_modulus_gpa)
-    chosen = strips if job.by == "both" else specimens.select_method(strips, job.by)
+    chosen = strips if method == "both" else specimens.select_method(strips, method)
     if not chosen:
-        raise InputError(f"‹by=›{job.by}: no strip has readings of that kind")
+        raise InputError(f"‹by=›{method}: no strip has readings of this method. Use another method, or add readings")
     fit, points = modulus.fit(chosen, density), modulus.fit_each_strip(strips, density)
-    return Bent(fit, points, job.by, modulus.ring_excess(strips, density), modulus.thickness_offset(strips, density))
+    return Bent(fit, points, method, modulus.ring_excess(strips, density), modulus.thickness_offset(strips, density))
 
 
-def _invert_rebound(seen: Rebound, design: Design, scene: Scene, job: Job, progress: Progress) -> Answer | None:
-    """Find the feet's restitution that explains a rebound, from simulated drops with the other measured values."""
-    still_plate.check_one_material(design)
-    hand = drops.hand_drops(seen.height, job.turn_deg, job.drops, scene.run.seed)
-    curve = drops.rebound_curve(drops.rebounds_by_restitution(scene, design, hand, progress), flat=job.turn_deg == 0.0)
+def _invert_rebound(seen: Rebound, setup: Setup, request: "CalibrateRequest", progress: Progress) -> Answer | None:
+    """Find the feet's restitution for a rebound from simulated drops; None if the walker nearly always fell over."""
+    scene, design = setup.scene, setup.design
+    drops.check_one_material(design)
+    hand = drops.hand_drops(seen.height, request.roll_deg, request.drops, scene.run.seed)
+    rows = drops.rebounds_by_restitution(scene, design, hand, progress)
+    curve = drops.rebound_curve(rows, flat=request.roll_deg == 0.0)
     if curve is None:
         return None
-    # A hand may be less sure than the one that is simulated
+    # A hand may be less steady than the simulated one
     curve = curve._replace(spread=np.maximum(curve.spread, seen.spread))
     return inverse.invert(curve, seen.measured, "restitution", f" at {design.tilt_deg:g} deg")
 
 
 def _restitution(seen: Rebound, drop: Answer) -> list[Estimate]:
-    """Estimate the feet's restitution, if a single range of it agrees with the drops."""
+    """Return the feet's restitution, or nothing unless exactly one range of it agrees with the drops."""
     number = drop.number("restitution")
     sets = ("scene.contact.restitution", "scene.contact.restitution_sd")
     tries = seen.measured.tries
     return [Estimate("restitution of the feet", number, tries, sets=sets)] if number.known else []
 
 
-def _apply_settings(estimates: Sequence[Estimate], job: Job, path: Path) -> tuple[Design, Scene]:
-    """Return the design and scene with the estimates, named after the file of measurements."""
+def _apply_settings(estimates: Sequence[Estimate], setup: Setup, path: Path) -> Setup:
+    """Return walker and scene with the estimates, named after the file of measurements."""
     settings = report.collect_settings(estimates)
     outside = {key.removeprefix("scene."): value for key, value in settings.items() if key.startswith("scene.")}
     inside = {key: value for key, value in settings.items() if not key.startswith("scene.")}
-    return _make_variant(job.design, path, inside), _make_variant(job.scene, path, outside)
+    return Setup(_make_variant(setup.design, path, inside), _make_variant(setup.scene, path, outside))
 
 
 def _make_variant(original: Any, path: Path, keys: Mapping[str, float]) -> Any:
-    """Design or scene with these keys, named after the file of measurements."""
+    """Return a design or scene with these keys, named after the file of measurements."""
     description = f"As {original.name}, measured: {path.name[:200]}"
     return original.variant(**keys, name=name_after(original.name, path), description=description)
 
 
 def _drop_notes(seen: Rebound, drop: Answer) -> list[str]:
     """Return the notes on a drop test, in addition to its value."""
-    kept = [] if drop.number("restitution").known else ["contact.restitution stays as the scene has it"]
+    kept = [] if drop.number("restitution").known else ["contact.restitution keeps the scene's value"]
     value, _ = seen.measured.number.pair
     return [
         *kept,
-        f"rebound {value:.3f} from {seen.height:.3g} mm, of the whole walker: "
-        "the restitution is that of its feet in the model in space",
+        f"rebound {value:.3f} from {seen.height:.3g} mm: it belongs to the whole walker, the restitution to its feet",
     ]
 
 
@@ -136,7 +152,7 @@ def _strip_notes(bent: Bent) -> list[str]:
     """Return notes on whether the strips agree, and on changes that would make them agree."""
     notes = []
     if not bent.fit.agrees:
-        notes.append("the strips disagree beyond their errors: the error of the modulus is larger by that")
+        notes.append("the strips disagree beyond their errors, which increases the error of the modulus")
     if (ring := bent.ring_over_bend) is not None and ring.compare_with_range(0.0, 0.0) is Verdict.DISAGREE:
         excess, sd = ring.pair
         cause = (
@@ -145,22 +161,22 @@ def _strip_notes(bent: Bent) -> list[str]:
             else "a clamp that gives way, or a density too low"
         )
         notes.append(
-            f"the ring tells {excess:+.0f} ± {sd:.0f} % against the weights: "
-            f"{cause}; legs swing as fast as the ring or faster: ‹by=›ring takes it alone"
+            f"the modulus from the ring differs by {excess:+.0f} ± {sd:.0f} % from that under weights: {cause}. "
+            "Legs swing as fast as the ring or faster; ‹by=›ring uses the ring alone"
         )
     if (offset := bent.offset) is not None and offset.compare_with_range(0.0, 0.0) is Verdict.DISAGREE:
         added, sd = offset.pair
         notes.append(
-            f"{added:+.3f} ± {sd:.3f} mm on every thickness would make the strips agree "
-            "best: a caliper on ridges of layers (-), or closed on nothing not at 0"
+            f"{added:+.3f} ± {sd:.3f} mm on every thickness would make the strips agree best: "
+            "the caliper lay on ridges of layers (-), or does not read 0 when closed"
         )
     return notes
 
 
 def _leg_notes(bent: Bent, design: Design) -> list[str]:
-    """Note on a leg that prints thicker or thinner than drawn, by the strip that is most like it.
+    """Return a note if a leg prints thicker or thinner than drawn, from the most similar strip.
 
-    It is not set: the key is also what is printed.
+    The thickness is not set, because its key also determines the print.
     """
     drawn = design.limbs[0].thickness
     near = min(bent.points, key=lambda point: abs(point.thickness.pair[0] - drawn))
@@ -171,9 +187,8 @@ def _leg_notes(bent: Bent, design: Design) -> list[str]:
     ):
         return []
     return [
-        f"{near.strip} is {thick:.3f} ± {sd:.3f} mm thick; a leg drawn "
-        f"{drawn:g} mm that prints so bends {(thick / drawn) ** 3:.2f} times as stiffly: "
-        "give its printed thickness to simulate it"
+        f"{near.strip} is {thick:.3f} ± {sd:.3f} mm thick. A leg drawn {drawn:g} mm thick that prints like it is "
+        f"{(thick / drawn) ** 3:.2f} times as stiff. Set its printed thickness to simulate it"
     ]
 
 
@@ -184,24 +199,22 @@ def _missing_notes(
     means: Mapping[str, Estimate | None],
     drop: Answer | None,
 ) -> list[str]:
-    """Return notes on quantities without an estimate, and why."""
+    """Return a note on each quantity without an estimate, with the reason."""
     notes = []
     if bent is None:
-        notes.append("no strip with sizes and a deflection or a ring: no Young's modulus")
+        notes.append("no Young's modulus: no strip has sizes and a deflection or a ring")
     if density is None:
         lacking = [name for name in contact.DENSITY_READINGS if name not in readings.get("block", {})]
         some = len(lacking) < len(contact.DENSITY_READINGS)
         lack = f"the block lacks {', '.join(lacking)}" if some else "the block has no readings"
-        assumed = f": strips count with the design's, ± {100 * modulus.DENSITY_SD:g} %" if bent is not None else ""
-        notes.append(f"{lack}: no density{assumed}")
+        assumed = f". Strips use the design's, ± {100 * modulus.DENSITY_SD:g} %" if bent is not None else ""
+        notes.append(f"no density: {lack}{assumed}")
     if means["friction"] is None:
-        notes.append("no slides_deg or filmed_deg of block or walker: no friction")
+        notes.append("no friction: block and walker have no slides_deg or filmed_deg")
     if means["damping"] is None:
-        notes.append("no swings_to_half of a strip: no damping of the legs")
+        notes.append("no damping of the legs: no strip has swings_to_half")
     if "flight_s" not in readings.get("walker", {}):
-        notes.append("no flight_s of the walker: no restitution")
+        notes.append("no restitution: the walker has no flight_s")
     elif drop is None:
-        notes.append(
-            "the walker fell over in nearly all simulated drops: no restitution: drop it lower, or flatter (‹roll_deg›)"
-        )
+        notes.append(f"no restitution: {FELL_OVER_REASON}")
     return notes

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from walkergen.core.files import output
 from walkergen.core.files.output import Folder
@@ -21,19 +21,10 @@ from walkergen.guests.lab.calibrate import sheet as measuring
 from walkergen.guests.lab.calibrate.parts import Drawn
 from walkergen.guests.lab.calibrate.plate_files import Laid, Piece
 
+if TYPE_CHECKING:
+    from walkergen.guests.lab.calibrate.request import CalibrateRequest
+
 STEM = "calibration"
-
-
-class Order(NamedTuple):
-    """Choice of a calibration plate."""
-
-    design: Design
-    """Walker of the drop test, whose material and leg the strips are made for."""
-    printers: Sequence[Printer]
-    max_plates: int | None = None
-    pictures: bool = True
-    prusaslicer: bool = False
-    strict: bool = False
 
 
 class Place(NamedTuple):
@@ -52,25 +43,33 @@ class Place(NamedTuple):
     depth_mm: float
 
 
-def make_plate(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequence[Finding]], None]) -> Report:
+def make_plate(
+    request: "CalibrateRequest",
+    design: Design,
+    printers: Sequence[Printer],
+    folder: Path,
+    progress: Progress,
+    report_findings: Callable[[Sequence[Finding]], None],
+) -> Report:
     """Write a calibration plate for every printer below folder/calibration, and the empty form.
 
-    For each printer 3MF, STL, map, settings, and a sheet on printing and measuring. A filled form
-    stays. `tell` is called with the checks' findings. Raises, before anything is written,
-    PlateError for parts that do not fit and PrintabilityError for those that would not print.
+    Its strips are made for the material and leg of `design`, the walker of the drop test. For each printer 3MF, STL,
+    map, settings, and a sheet on printing and measuring. An edited form is kept. `report_findings` is called with the
+    checks' findings. Raises, before anything is written, PlateError for parts that do not fit and PrintabilityError for
+    those that would not print.
     """
-    drawings = [(parts.make_strips(order.design, printer), printer) for printer in order.printers]
+    drawings = [(parts.make_strips(design, printer), printer) for printer in printers]
     laid = [
-        plate_files.arrange(_make_pieces(order.design, drawn, printer), printer, order.max_plates)
+        plate_files.arrange(_make_pieces(design, drawn, printer), printer, request.max_plates)
         for drawn, printer in drawings
     ]
     findings = combine_printers([(batch.printer.name, batch.findings) for batch in laid])
-    tell(findings)
-    check_printable(findings, order.strict)
+    report_findings(findings)
+    check_printable(findings, request.strict)
     paths: list[Path] = []
     for number, ((drawn, printer), batch) in enumerate(zip(drawings, laid, strict=True)):
         progress(printer.name, number, len(laid))
-        paths += _write_printer_files(order, drawn, batch, folder / STEM)
+        paths += _write_printer_files(request, design, drawn, batch, folder / STEM)
     path = folder / STEM / form.FORM_FILE
     first, machine = drawings[0]
     air = {strip.name: parts.air_percent(strip, machine) for strip in first}
@@ -80,7 +79,7 @@ def make_plate(order: Order, folder: Path, progress: Progress, tell: Callable[[S
 
 
 def _make_report(rows: Sequence[Place], files: Sequence[Path], filled: Path) -> Report:
-    """Report the parts on each plate, and the use of the form."""
+    """Report the parts on each plate and the next steps."""
     columns = (
         report.text_column("printer", "printer"),
         report.text_column("plate", "plate"),
@@ -91,7 +90,7 @@ def _make_report(rows: Sequence[Place], files: Sequence[Path], filled: Path) -> 
         title="Calibration plate",
         tables=[Table("calibration", rows, (), columns)],
         facts={"rows": [row._asdict() for row in rows], "files": [str(path) for path in files]},
-        lines=[f"measure by the sheet (.md), fill in the form (.csv), then: walkergen calibrate {filled}"],
+        lines=[f"measure as in the sheet (.md), fill in the form (.csv), then run: walkergen calibrate {filled}"],
         files=files,
     )
 
@@ -112,18 +111,20 @@ def _make_pieces(design: Design, drawn: Sequence[Drawn], printer: Printer) -> li
     return [*checked, Piece("walker", mesh, f"walker, {design.tilt_deg:g} deg", seen)]
 
 
-def _write_printer_files(order: Order, drawn: Sequence[Drawn], laid: Laid, folder: Path) -> list[Path]:
-    """Write the files of one printer; returns their paths."""
+def _write_printer_files(
+    request: "CalibrateRequest", design: Design, drawn: Sequence[Drawn], laid: Laid, folder: Path
+) -> list[Path]:
+    """Write the files of one printer and return their paths."""
     start = f"{STEM}_{laid.printer.name}"
     with Folder(folder, f"{start}.json") as target:
         rows = csv_text(Place._fields, _places(laid))
         for name, data in (
             (f"{start}.csv", rows.encode()),
-            (f"{start}.md", _format_sheet(order.design, drawn, laid, start).encode()),
-            *plate_files.plate_files(laid, order.design.material, STEM, order.pictures, order.prusaslicer),
+            (f"{start}.md", _format_sheet(design, drawn, laid, start).encode()),
+            *plate_files.plate_files(laid, design.material, STEM, request.pictures, request.prusaslicer),
         ):
             target.write(name, data)
-        target.finish(_facts(order, drawn, laid))
+        target.finish(_facts(design, drawn, laid))
     return [folder / name for name in (*target.hashes, target.manifest)]
 
 
@@ -145,11 +146,11 @@ def _places(laid: Laid) -> list[Place]:
     return rows
 
 
-def _facts(order: Order, drawn: Sequence[Drawn], laid: Laid) -> dict[str, Any]:
+def _facts(design: Design, drawn: Sequence[Drawn], laid: Laid) -> dict[str, Any]:
     """Return facts for the manifest: resolved inputs, drawn parts, findings, versions."""
     return {
-        "design": order.design.model_dump(mode="json"),
-        "bodies": {order.design.name: print_sheet.body_facts(order.design)},
+        "design": design.model_dump(mode="json"),
+        "bodies": {design.name: print_sheet.body_facts(design)},
         "printer": laid.printer.model_dump(mode="json"),
         "strips": {part.name: part.strip._asdict() for part in drawn},
         "print": print_sheet.manifest_facts(laid.printer, laid.findings),

@@ -20,11 +20,10 @@ from walkergen.core.files import formatting
 from walkergen.core.numerics import Array, Complex
 from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import GRAVITY, Scene
-from walkergen.core.walker.design import Design
 from walkergen.files.report import Column, Table
 from walkergen.guests.lab.calibrate import accelerometer
 from walkergen.guests.lab.calibrate.accelerometer import Recording
-from walkergen.guests.lab.report import LabReport, name_after
+from walkergen.guests.lab.report import LabReport, Setup, name_after
 
 PIECES = 16
 """Pieces of a recording."""
@@ -84,8 +83,9 @@ class Sines(NamedTuple):
     """Upward acceleration without these sines, shape (n,), mm/s^2."""
 
 
-def calibrate(path: Path, design: Design, scene: Scene, folder: Path | None) -> LabReport:
-    """Report the plate's motion from a recording, with the scene that has it. Raises InputError."""
+def calibrate(path: Path, setup: Setup, folder: Path | None) -> LabReport:
+    """Report the plate's motion from a recording, with the updated scene. Raises InputError."""
+    scene = setup.scene
     if scene.drive.kind == "motor":
         raise InputError(f"‹plate=›{path}: the plate of a scene with a motor is still; take a scene with a plate")
     recording = accelerometer.read_recording(path)
@@ -114,7 +114,7 @@ def calibrate(path: Path, design: Design, scene: Scene, folder: Path | None) -> 
         },
         lines=notes,
         folder=folder,
-        design=design,
+        design=setup.design,
         scene=measured,
         settings=keyed,
         notes=notes,

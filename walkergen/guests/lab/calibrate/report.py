@@ -1,23 +1,21 @@
-"""Report of a calibration: the measurements, each strip alone, and the resulting keys."""
+"""Report of a calibration: measured quantities, each strip alone, and the resulting keys."""
 
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from walkergen.core.files import formatting
-from walkergen.core.scene import Scene
-from walkergen.core.walker.design import Design
 from walkergen.files.report import Column, Table
 from walkergen.guests.lab.calibrate.estimate import Estimate
 from walkergen.guests.lab.calibrate.modulus import Bent, Point
 from walkergen.guests.lab.inverse import Answer
-from walkergen.guests.lab.report import LabReport
+from walkergen.guests.lab.report import LabReport, Setup
 
 ESTIMATE_COLUMNS = ("quantity", "value", "se", "unit", "readings", "chi2", "dof", "key")
 """Columns of calibration.csv."""
 
 STRIP_COLUMNS = ("strip", "by", "thickness_mm", "modulus_gpa", "modulus_se_gpa", "readings")
-"""Columns of strips.csv: Young's modulus by a strip and a method alone."""
+"""Columns of strips.csv: Young's modulus from one strip and one method."""
 
 
 def collect_settings(estimates: Sequence[Estimate]) -> dict[str, float]:
@@ -30,12 +28,11 @@ def make_report(
     bent: Bent | None,
     drop: Answer | None,
     notes: Sequence[str],
-    design: Design,
-    scene: Scene,
-    path: Path,
+    measured: Setup,
+    title: str,
     folder: Path,
 ) -> LabReport:
-    """Report the results of a filled form: numbers, the strips, and the drop test."""
+    """Report the results of a filled form or of a drop: numbers, the strips, and the drop test."""
     columns = (
         Column("measured", lambda row: row[0]),
         Column("value ± error", lambda row: f"{formatting.format_with_error(row[1], row[2])} {row[3]}".strip()),
@@ -46,7 +43,7 @@ def make_report(
     tables, figures, lines = [Table("calibration", rows, ESTIMATE_COLUMNS, columns, "Measured")], {}, []
     if bent is not None:
         tables.append(_strip_table(bent))
-        figures["strips"] = lambda: _draw_strips(bent, f"Young's modulus: {path.name}")
+        figures["strips"] = lambda: _draw_strips(bent, f"Young's modulus: {title}")
         if bent.fit.probability is not None:
             chi2, dof, chance = bent.fit.chi2, bent.fit.dof, bent.fit.probability
             lines.append(f"strips: chi2 {chi2:.1f} for {dof} degrees of freedom, probability {chance:.2g}")
@@ -57,22 +54,20 @@ def make_report(
         "measured": list(tables[0]),
         "strips": [] if bent is None else [_point_facts(point) for point in bent.points],
         "probability": None if bent is None else bent.fit.probability,
-        "drop": None
-        if drop is None
-        else {"told": drop.text, "branches": [branch._asdict() for branch in drop.branches]},
+        "drop": drop and {"told": drop.text, "branches": [branch._asdict() for branch in drop.branches]},
         "settings": settings,
         "notes": notes,
     }
     return LabReport(
         name="calibration",
-        title=path.name,
+        title=title,
         tables=tables,
         facts=facts,
         lines=[*lines, *notes],
         figures=figures,
         folder=folder,
-        design=design,
-        scene=scene,
+        design=measured.design,
+        scene=measured.scene,
         settings=settings,
         notes=notes,
     )
@@ -85,14 +80,14 @@ def _draw_strips(bent: Bent, title: str) -> Any:
 
 
 def _point_facts(point: Point) -> dict[str, Any]:
-    """Modulus by a strip and a method alone, for JSON."""
+    """Return the modulus from one strip and one method, for JSON."""
     (thickness, thickness_sd), (modulus, sd) = point.thickness.pair, point.modulus.pair
     names = {"strip": point.strip, "method": point.method, "thickness": thickness, "thickness_sd": thickness_sd}
     return {**names, "modulus": modulus, "sd": sd, "readings": point.readings}
 
 
 def _strip_table(bent: Bent) -> Table:
-    """Modulus by each strip and method alone: the points of the figure."""
+    """Return the modulus from each strip and method alone: the points of the figure."""
     agreed, _ = bent.fit.number.pair
     rows = [
         (point.strip, point.method, point.thickness.value, *point.modulus.pair, point.readings) for point in bent.points

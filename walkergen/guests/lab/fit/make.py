@@ -1,30 +1,39 @@
 """Fit: from measured speeds to the contact that predicts, simulates or describes them."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from walkergen.core.files.progress import Expect, Progress, ignore_estimate
-from walkergen.guests.lab.fit import model_fit, report, theory
-from walkergen.guests.lab.fit.job import Job, with_default_prior
+from walkergen.guests.lab.fit import held_parameters, model_fit, report, theory
+from walkergen.guests.lab.fit.parameters import DEFAULT_PRIOR
 from walkergen.guests.lab.fit.report import FitReport
-from walkergen.guests.lab.report import write_report
+from walkergen.guests.lab.report import Setup, write_report
+
+if TYPE_CHECKING:
+    from walkergen.guests.lab.fit.request import FitRequest
 
 
-def fit(path: Path, job: Job, folder: Path, progress: Progress, expect: Expect = ignore_estimate) -> FitReport:
-    """Fit a model to a CSV file of speeds, and write what follows into a folder.
+def fit(
+    request: "FitRequest", setup: Setup, folder: Path, progress: Progress, expect: Expect = ignore_estimate
+) -> FitReport:
+    """Fit a model to a file of speeds, and write the results into a folder.
 
-    Files: tables, page and figure of the report, scene.toml, design.toml (of the theory as it was
-    given) and a manifest. See `learn.learn` and `theory.fit`. Raises InputError, before anything is
-    written, for unusable input and for choices that do not go together.
+    Files: tables, page and figure of the report, scene.toml, design.toml (unchanged by the theory) and a manifest. See
+    `model_fit.fit` and `theory.fit`. Raises InputError, before anything is written, for unusable input and for choices
+    that exclude each other.
     """
-    job = with_default_prior(job)
-    choices = {"file": path.name, "fixed": job.held}
-    if job.model == "theory":
-        fitted, word = report.make_theory_report(theory.fit(path, job, progress), job, path, folder), "Fitted to"
-        choices["mode"] = job.mode
+    path, held = request.speeds, held_parameters.parse_held(request)
+    assumptions = held_parameters.describe_assumptions(request, setup.design.name, held)
+    choices: dict[str, Any] = {"file": path.name, "fixed": held}
+    if request.model == "theory":
+        described = theory.fit(request, setup, held, progress)
+        made = report.make_theory_report(described, setup, f"fitted with {assumptions}", path, folder)
+        word = "Fitted to"
+        choices["mode"] = request.mode
     else:
-        fitted, word = (
-            report.make_model_report(model_fit.learn(path, job, progress, expect), job, path, folder),
-            "Learnt from",
-        )
-        choices |= {"model": job.model, "prior": job.prior}
-    return write_report(fitted, job, choices, f"{word} {path.name}: {job.caption}", every=True)
+        learned = model_fit.fit(request, setup, held, progress, expect)
+        made = report.make_model_report(learned, f"learnt with {assumptions}", path, folder)
+        word = "Learnt from"
+        choices |= {"model": request.model, "prior": request.prior or DEFAULT_PRIOR}
+    comment = f"{word} {path.name}: {assumptions}"
+    return write_report(made, setup, choices, request.pictures, comment, all_keys=True)

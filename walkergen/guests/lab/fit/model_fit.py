@@ -1,9 +1,9 @@
 """Fit of a model: from measured speeds to parameters and predictions."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -20,11 +20,20 @@ from walkergen.core.walker.limbs import Kind
 from walkergen.guests.lab.fit import emulated_speeds, identifiability, importance_sampling, posterior, surrogate_speeds
 from walkergen.guests.lab.fit.emulated_speeds import Ground, Setting
 from walkergen.guests.lab.fit.identifiability import Learnt
-from walkergen.guests.lab.fit.job import Job
-from walkergen.guests.lab.fit.parameters import PARAMETER_KEYS, SCENE_PARAMETERS, ModelName, apply_fixed, list_unknowns
+from walkergen.guests.lab.fit.parameters import (
+    DEFAULT_PRIOR,
+    PARAMETER_KEYS,
+    SCENE_PARAMETERS,
+    ModelName,
+    apply_fixed,
+    list_unknowns,
+)
 from walkergen.guests.lab.fit.posterior import Observed, Posterior, Responds
-from walkergen.guests.lab.report import name_after
+from walkergen.guests.lab.report import Setup, name_after
 from walkergen.points import effect_selection, run_time
+
+if TYPE_CHECKING:
+    from walkergen.guests.lab.fit.request import FitRequest
 
 PRIOR_WALKERS, POSTERIOR_WALKERS, AHEAD_WALKERS = 64, 32, 48
 """Walkers simulated in a setting: over the prior, over the posterior, and ahead of measuring."""
@@ -75,21 +84,25 @@ class Learned(NamedTuple):
     """Design with the thickness and Young's modulus as learnt."""
 
 
-def learn(path: Path, job: Job, progress: Progress, expect: Expect = ignore_estimate) -> Learned:
-    """Fit a model to a CSV file of speeds.
+def fit(
+    request: "FitRequest", setup: Setup, held: Mapping[str, float], progress: Progress, expect: Expect = ignore_estimate
+) -> Learned:
+    """Fit a model to a file of speeds.
 
     Columns as in `theory.fit`; simulated models need speed_se_mm_s. Raises InputError for unusable
     input.
     """
-    model, fixed = job.model, job.held
-    total = float(solids.mass_of(job.design).total)
-    table = measured.read_speeds(path, job.design.kind, job.scene.drive.equivalent_plate_drive(total).peak_speed)
+    model, path = request.model, request.speeds
+    assert model != "theory"
+    drive = setup.scene.drive.equivalent_plate_drive(float(solids.mass_of(setup.design).total))
+    table = measured.read_speeds(path, setup.design.kind, drive.peak_speed)
     measured.check_units(path, table)
     seen, notes = _select_flexible(table, path, model)
-    scene, design = apply_fixed(job.scene, job.design, fixed)
-    ground = Ground(scene, model, list_unknowns(scene, design, model, job.prior, fixed, seen.se is not None))
+    scene, design = apply_fixed(setup.scene, setup.design, held)
+    prior = request.prior or DEFAULT_PRIOR
+    ground = Ground(scene, model, list_unknowns(scene, design, model, prior, held, seen.se is not None))
     settings, observed = _group_by_setting(design, seen)
-    ahead = _predicted_settings(job.ahead, design, seen, settings)
+    ahead = _predicted_settings(request.predict, design, seen, settings)
     if model != "prediction":
         effect_selection.check_no_accepted_error(scene, "a fit is of one model, and all that the scene calls for")
         expect(lambda: _expected_time(ground, settings, ahead))

@@ -15,10 +15,8 @@ from walkergen.core.theory.uncertain_inputs import Input
 from walkergen.core.walker.design import Design
 
 PriorName = Literal["flat", "scene"]
-PRIORS: tuple[PriorName, ...] = ("scene", "flat")
-"""Names of what may be assumed of restitution and friction: what the scene states, as measured, or nothing. The first
-is the default.
-"""
+DEFAULT_PRIOR: PriorName = "scene"
+"""Prior of restitution and friction by default: the scene's values, as measured."""
 
 ModelName = Literal["prediction", "space"]
 """Models to fit to speeds: the table behind speed predictions, and runs."""

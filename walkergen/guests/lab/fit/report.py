@@ -12,11 +12,10 @@ from walkergen.analysis.speeds import Measured
 from walkergen.core.files import formatting
 from walkergen.files import report
 from walkergen.files.report import Column, Table
-from walkergen.guests.lab.fit.job import Job
 from walkergen.guests.lab.fit.least_squares import ContactFit
 from walkergen.guests.lab.fit.model_fit import Learned
 from walkergen.guests.lab.fit.theory import Fitted
-from walkergen.guests.lab.report import LabReport
+from walkergen.guests.lab.report import LabReport, Setup
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -40,7 +39,7 @@ class FitReport(LabReport):
         return self["bands"]
 
 
-def make_theory_report(fitted: Fitted, job: Job, path: Path, folder: Path) -> FitReport:
+def make_theory_report(fitted: Fitted, setup: Setup, caption: str, path: Path, folder: Path) -> FitReport:
     """Report of the theory's contact, fitted to a file of speeds."""
     fit = fitted.fit
     rows = [
@@ -85,10 +84,10 @@ def make_theory_report(fitted: Fitted, job: Job, path: Path, folder: Path) -> Fi
         return figures.draw_fit(fitted.seen, fitted.curves, path.name)
 
     said = [format_quality(fit), *format_correlations(fit)]
-    return _make_report(path, f"fitted with {job.caption}", tables, facts, said, fitted, job.design, draw, folder)
+    return _make_report(path, caption, tables, facts, said, fitted, setup.design, draw, folder)
 
 
-def make_model_report(learned: Learned, job: Job, path: Path, folder: Path) -> FitReport:
+def make_model_report(learned: Learned, caption: str, path: Path, folder: Path) -> FitReport:
     """Report a model's fit to a file of speeds."""
     posterior = learned.posterior
     columns = (
@@ -126,7 +125,6 @@ def make_model_report(learned: Learned, job: Job, path: Path, folder: Path) -> F
 
         return figures.draw_bands(learned.bands, learned.seen, path.name)
 
-    caption = f"learnt with {job.caption}"
     return _make_report(path, caption, tables, facts, [sampled], learned, learned.design, draw, folder)
 
 

@@ -73,13 +73,12 @@ class FitRequest(request.Request):
         """Fit, and write what follows."""
         from walkergen.core.files import output
         from walkergen.guests.lab.fit import make
-        from walkergen.guests.lab.fit.job import Job
+        from walkergen.guests.lab.report import Setup
 
         if self.model == "theory":
             self.check_unset("‹model=›theory has none", "predict", "prior", "seed")
         else:
             self.check_unset(f"a mode of the theory; ‹model=›{self.model} has none", "mode")
         given = self.inputs()
-        design, scene = given.design(self.design), given.scene(self.scene)
-        job = Job(design, scene, self.model, self.fix, self.prior, self.predict, self.mode, self.pictures)
-        return make.fit(self.speeds, job, output.result_folder(self.speeds, self.out, "fit"), progress, self._expect)
+        setup = Setup(given.design(self.design), given.scene(self.scene))
+        return make.fit(self, setup, output.result_folder(self.speeds, self.out, "fit"), progress, self._expect)

@@ -1,7 +1,8 @@
 """Fit of the theory's contact: from measured speeds to restitution, friction and impact speed, by least squares."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -12,12 +13,16 @@ from walkergen.core.files.config import validate
 from walkergen.core.files.progress import Progress
 from walkergen.core.numerics import Array
 from walkergen.core.scene import Scene
+from walkergen.core.theory.speed import Mode
 from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
 from walkergen.core.walker.limbs import KINDS, Kind
 from walkergen.guests.lab.fit import least_squares
-from walkergen.guests.lab.fit.job import Job
 from walkergen.guests.lab.fit.least_squares import RANGES, ContactFit, Speeds
-from walkergen.guests.lab.report import name_after
+from walkergen.guests.lab.report import Setup, name_after
+
+if TYPE_CHECKING:
+    from walkergen.guests.lab.fit.request import FitRequest
 
 CURVE_POINTS = 121
 
@@ -37,7 +42,7 @@ class Fitted(NamedTuple):
     fit: ContactFit
     seen: Measured
     speeds: Speeds
-    job: Job
+    design: Design
     notes: list[str]
     scene: Scene
     """Scene with the fitted contact."""
@@ -48,33 +53,34 @@ class Fitted(NamedTuple):
         return {kind: _fitted_curve(self, kind) for kind in KINDS if kind in self.seen.legs}
 
 
-def fit(path: Path, job: Job, progress: Progress) -> Fitted:
+def fit(request: "FitRequest", setup: Setup, held: Mapping[str, float], progress: Progress) -> Fitted:
     """Fit the theory's contact to a CSV file of speeds.
 
     Columns: tilt_deg, speed_mm_s; optionally speed_se_mm_s, legs, plate_speed_mm_s (the scene's
     where blank). Raises InputError for unusable input.
     """
-    design, scene = job.design, job.scene
+    (design, scene), path = setup, request.speeds
     if not design.alike:
         raise InputError(
             f"{design.name}: the theory's mean over two equal feet is fitted, and its legs are "
             "not two equal ones: learn from simulated speeds, ‹model=›space"
         )
-    held = job.held
     seen = measured.read_speeds(path, design.kind, scene.drive.peak_speed)
     measured.check_units(path, seen)
-    speeds = _make_speeds(job, seen.tilt, seen.legs, seen.speed, seen.se, seen.plate_speed)
+    speeds = _make_speeds(design, request.mode, seen.tilt, seen.legs, seen.speed, seen.se, seen.plate_speed)
     progress("fitting", 0, 1)
     result = least_squares.fit_contact(speeds, held)
     notes = [*result.notes, *seen.notes, THEORY_NOTE]
-    return Fitted(result, seen, speeds, job, notes, _fitted_scene(scene, result, path))
+    return Fitted(result, seen, speeds, design, notes, _fitted_scene(scene, result, path))
 
 
-def _make_speeds(job: Job, tilt: Array, legs: list[Kind], speed: Array, se: Array | None, plate: Array) -> Speeds:
+def _make_speeds(
+    design: Design, mode: Mode, tilt: Array, legs: list[Kind], speed: Array, se: Array | None, plate: Array
+) -> Speeds:
     """Return the speeds with the theory's inputs for walkers with these tilts (deg) and legs."""
     pairs = zip(tilt, legs, strict=True)
-    masses = [solids.mass_of(job.design.members([float(angle)], [kind])[0]) for angle, kind in pairs]
-    return Speeds(speed, se, plate, *least_squares.inverse_mass_tensors(masses), job.mode)
+    masses = [solids.mass_of(design.members([float(angle)], [kind])[0]) for angle, kind in pairs]
+    return Speeds(speed, se, plate, *least_squares.inverse_mass_tensors(masses), mode)
 
 
 def _fitted_scene(scene: Scene, result: ContactFit, source: Path) -> Scene:
@@ -96,7 +102,7 @@ def _fitted_curve(fitted: Fitted, kind: Kind) -> tuple[Array, Array, Array]:
     """Tilt (deg), speed over plate speed, and its standard error, over the measured tilts."""
     tilt = np.linspace(fitted.seen.tilt.min(), fitted.seen.tilt.max(), CURVE_POINTS)
     ones, result = np.ones_like(tilt), fitted.fit
-    along = _make_speeds(fitted.job, tilt, [kind] * len(tilt), ones, None, ones)
+    along = _make_speeds(fitted.design, fitted.speeds.mode, tilt, [kind] * len(tilt), ones, None, ones)
     values = result.values
     unit = least_squares.unit_speeds(along, values["restitution"], values["friction"])
     slopes = least_squares.jacobian(along, values, result.free)
