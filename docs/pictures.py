@@ -131,7 +131,7 @@ def draw_own_shapes(folder: Path) -> bytes:
     for shape in OWN_SHAPES:
         asked = inputs.from_settings({"body.text": shape} if "." not in shape else {}, {}, ["design"])
         if "." in shape:
-            (folder / shape).write_bytes((drawings.every() | meshes.every())[shape])
+            (folder / shape).write_bytes((drawings.drawing_files() | meshes.mesh_files())[shape])
         design = asked.design(str(folder / shape) if "." in shape else "koumakis2016").variant(tilt_deg=10.0)
         (member,) = predicting.predict(design, [design], scene, "coulomb").members
         parts.append(Part(design, member.mesh, shape, low=True, speed=prediction.describe_briefly(member.row)))
@@ -142,7 +142,7 @@ def draw_surrogate(folder: Path) -> bytes:
     """Draw the surrogate compared with direct runs, from their table."""
     from evidence.tables import held_out
 
-    return held_out.picture(held_out.read())
+    return held_out.draw_picture(held_out.read_rows())
 
 
 def take_page(folder: Path) -> bytes:

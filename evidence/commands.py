@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 Quick = Annotated[bool, Flag("Simulate less: wider error bars.")]
 
 
-def _drives(value: object) -> list[float]:
+def _parse_drives(value: object) -> list[float]:
     """Return the drives (g) of a text with commas or of a list."""
     numbers = [field_values.parse_number(word) for word in field_values.split_values(value)]
     if not all(0.01 <= number <= 50.0 for number in numbers):
@@ -41,10 +41,10 @@ class ValidateRequest(request.Request):
         from evidence.validate import make
         from evidence.validate.claim import Effort
 
-        groups = make.choose(self.only)
+        groups = make.parse_groups(self.only)
         choice = (f" --only {','.join(groups)}" if self.only else "") + (" --quick" if self.quick else "")
         folder = self.out or Path("out") / "validation"
-        return make.make(groups, Effort(self.quick), f"python -m evidence validate{choice}", folder, progress)
+        return make.validate(groups, Effort(self.quick), f"python -m evidence validate{choice}", folder, progress)
 
 
 class CrowdChecksRequest(request.Request):
@@ -56,11 +56,11 @@ class CrowdChecksRequest(request.Request):
     def run(self, progress: Progress) -> "Report":
         """Compare. Raises InputError without LAMMPS."""
         from evidence.crowd_checks import make
-        from evidence.crowd_checks.setting import QUICK, WHOLE
+        from evidence.crowd_checks.setting import FULL, QUICK
 
         command = "python -m evidence crowd-checks" + (" --quick" if self.quick else "")
-        setting = QUICK if self.quick else WHOLE
-        return make.make(setting, command, self.out or Path("out") / "crowd-checks", progress)
+        setting = QUICK if self.quick else FULL
+        return make.compare_crowds(setting, command, self.out or Path("out") / "crowd-checks", progress)
 
 
 class CrowdsPublishedRequest(request.Request):
@@ -78,20 +78,20 @@ class CrowdsPublishedRequest(request.Request):
 
         size = self._size()
         self._expect(lambda: Expected(make.expected_s(size)))
-        return make.make(size, self.out or Path("out") / "crowds-published", progress)
+        return make.compare_crowds(size, self.out or Path("out") / "crowds-published", progress)
 
     def _size(self) -> "Size":
         """Return the size of the comparison, with defaults for what was not given. Raises InputError."""
         from evidence.crowds_published import make
-        from evidence.crowds_published.cases import QUICK, WHOLE
+        from evidence.crowds_published.cases import FULL, QUICK
 
-        size = QUICK if self.quick else WHOLE
+        size = QUICK if self.quick else FULL
         size = size._replace(
             runs=size.runs if self.runs is None else self.runs,
             seconds=size.seconds if self.seconds is None else self.seconds,
             seed=size.seed if self.seed is None else self.seed,
         )
-        make.check(size)
+        make.check_size(size)
         return size
 
 
@@ -105,9 +105,9 @@ class WalkersPublishedRequest(request.Request):
         """Predict them; what was simulated before is kept."""
         from evidence.walkers_published import make
 
-        sets = make.choose(self.only)
+        sets = make.parse_sets(self.only)
         self._expect(lambda: Expected(make.expected_s(sets)))
-        return make.make(sets, self.out or Path("out") / "walkers-published", progress)
+        return make.compare_walkers(sets, self.out or Path("out") / "walkers-published", progress)
 
 
 class ReproduceRequest(request.Request):
@@ -116,7 +116,7 @@ class ReproduceRequest(request.Request):
     tilt: request.Tilts = None
     gamma: Annotated[
         list[float] | None,
-        BeforeValidator(_drives),
+        BeforeValidator(_parse_drives),
         Flag("Drives of figure 5: 1.2,1.8,2.4.", "G", takes="str | Iterable[float] | None"),
     ] = None
     seconds: request.Seconds = None
@@ -129,7 +129,9 @@ class ReproduceRequest(request.Request):
         from evidence.reproduce import make
 
         run = self.model_dump(include={"seconds", "runs", "seed"}, exclude_none=True)
-        return make.make(make.of(self.tilt, self.gamma, run), self.out or Path("out") / "reproduce", progress)
+        return make.reproduce(
+            make.make_job(self.tilt, self.gamma, run), self.out or Path("out") / "reproduce", progress
+        )
 
 
 class ShapesRequest(request.Request):
@@ -146,7 +148,7 @@ class ShapesRequest(request.Request):
         """Try them."""
         from evidence.shapes import make
 
-        return make.make(self.only, self.out or Path("out") / "shapes", progress)
+        return make.check_shapes(self.only, self.out or Path("out") / "shapes", progress)
 
 
 class ExampleDataRequest(request.Request):
@@ -159,7 +161,9 @@ class ExampleDataRequest(request.Request):
         """Write it."""
         from evidence.example_data import make
 
-        return make.make(make.QUICK if self.quick else make.WHOLE, self.out or Path("out") / "example-data", progress)
+        return make.make_archive(
+            make.QUICK if self.quick else make.FULL, self.out or Path("out") / "example-data", progress
+        )
 
 
 REQUESTS: dict[str, type[request.Request]] = {

@@ -10,8 +10,8 @@ from walkergen.core.numerics import Array
 from walkergen.core.numerics.quantity import Quantity
 
 DRAWS, SEED = 2000, 2016
-"""Number of random draws of measured values within their standard errors, for what is not linear in
-them (the place of a top, a distance): its spread is then known to 1.6 %."""
+"""Number of random draws of measured values within their standard errors, for nonlinear functions of them
+(the place of a top, a distance). Their spread is then known to 1.6 %."""
 
 
 class Top(NamedTuple):
@@ -27,7 +27,7 @@ def top(places: Array, heights: Sequence[Quantity]) -> Top:
     Its errors are those of the quantities and, for the place, also a grid's (the spacing over sqrt 12).
     Where the largest is the first or the last it is the top, though that may lie beyond.
     """
-    means, drawn = _drawn(heights)
+    means, drawn = _sample_values(heights)
     tops = np.array([_vertex(places, sample) for sample in drawn])
     place, height = _vertex(places, means)
     at = min(max(int(means.argmax()), 1), len(places) - 2)
@@ -47,24 +47,29 @@ def _vertex(places: Array, values: Array) -> tuple[float, float]:
 
 def slope(places: Array, heights: Sequence[Quantity]) -> Quantity:
     """Slope of the least-squares line through zero, of heights in the unit of the places."""
-    means, drawn = _drawn(heights)
+    means, drawn = _sample_values(heights)
     slopes = drawn @ places / (places @ places)
     return Quantity("slope", "", float(means @ places / (places @ places)), float(slopes.std(ddof=1)))
 
 
-def off_line(places: Array, heights: Sequence[Quantity]) -> Quantity:
+def distance_from_line(places: Array, heights: Sequence[Quantity]) -> Quantity:
     """Rms distance from the line through zero over the mean size, in per cent; 0: proportional."""
 
-    def off(samples: Array) -> Array:
+    def relative_rms(samples: Array) -> Array:
         slope = samples @ places / (places @ places)
         residuals = samples - slope[:, None] * places
         return np.asarray(np.sqrt((residuals**2).mean(axis=1)) / np.abs(samples).mean(axis=1))
 
-    means, drawn = _drawn(heights)
-    return Quantity("off_line", "percent", 100.0 * float(off(means[None])[0]), 100.0 * float(off(drawn).std(ddof=1)))
+    means, drawn = _sample_values(heights)
+    return Quantity(
+        "off_line",
+        "percent",
+        100.0 * float(relative_rms(means[None])[0]),
+        100.0 * float(relative_rms(drawn).std(ddof=1)),
+    )
 
 
-def _drawn(heights: Sequence[Quantity]) -> tuple[Array, Array]:
+def _sample_values(heights: Sequence[Quantity]) -> tuple[Array, Array]:
     """Means, and random values within their errors, shape (DRAWS, quantities)."""
     means = np.array([height.value for height in heights], dtype=float)
     errors = np.array([height.se for height in heights], dtype=float)

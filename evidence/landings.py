@@ -37,7 +37,7 @@ def impacts_in(rows: Array) -> Impacts:
     return Impacts(time, foot.astype(np.int64), F_x, F_y, v_x, v_y, kind.astype(np.int64))
 
 
-def of_feet(time: Array, foot: Whole) -> Mask:
+def find_landings(time: Array, foot: Whole) -> Mask:
     """Whether each impact is a landing: the first of its foot after QUIET_S without any."""
     landing = np.zeros(len(time), dtype=bool)
     for number in np.unique(foot):

@@ -47,7 +47,7 @@ class Fact(NamedTuple):
         """Compare our number with the statement. They agree if all of the 95 % bounds are within the range."""
         return ours.compare_with_range(self.low, self.high)
 
-    def off(self, ours: Quantity) -> float | None:
+    def distance(self, ours: Quantity) -> float | None:
         """Return the distance of our number from the stated value or bound."""
         if ours.value is None:
             return None
@@ -56,10 +56,10 @@ class Fact(NamedTuple):
         return abs(ours.value - self.value)
 
 
-def _read() -> dict[str, Fact]:
+def _read_facts() -> dict[str, Fact]:
     rows = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))["fact"]
     return {row["key"]: Fact(**row) for row in rows}
 
 
-FACTS = _read()
+FACTS = _read_facts()
 """Facts by key, in the order of the paper."""

@@ -60,18 +60,18 @@ def rival(plan, radius, friction=0.0, step=4e-6):
     rotor = plan.world.acting.motor
     at, axis = np.array(rotor.place), np.cross(rotor.first, rotor.second)
     spring = (float(walker.stiffness[0]), float(walker.damping[0]))
-    text = mujoco_walker.mujoco_walker(plan.case.design, mass, spring, friction, step)
+    text = mujoco_walker.walker_mjcf(plan.case.design, mass, spring, friction, step)
     # The body without the mass at its place: O is its centre with it
     whole = mass.spatial.body + float(mass.M) * cross([0, 0, mass.spatial.z]).T @ cross([0, 0, mass.spatial.z])
     rest = float(mass.M) - m
     centre = (float(mass.M) * np.array([0.0, 0.0, mass.spatial.z]) - m * at) / rest
     tensor = whole - m * cross(at).T @ cross(at) - rest * cross(centre).T @ cross(centre)
     tensor -= TINY * np.eye(3)
-    write = mujoco_walker._numbers
+    write = mujoco_walker._format_numbers
     old = text[text.index("<freejoint/>") : text.index("/>", text.index("<inertial")) + 2]
     new = f"""<freejoint/>
       <inertial pos="{write(*centre)}" mass="{write(rest)}"
-        fullinertia="{mujoco_walker._inertia(tensor)}"/>
+        fullinertia="{mujoco_walker._format_inertia(tensor)}"/>
       <body name="rotor" pos="{write(*at)}">
         <joint name="turn" type="hinge" axis="{write(*axis)}"/>
         <inertial pos="{write(*(radius * np.array(rotor.first)))}" mass="{write(m)}"

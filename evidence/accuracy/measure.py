@@ -1,7 +1,7 @@
 """Measurement of cells.csv: `python -m evidence.accuracy.measure [--out FILE]`, about five minutes of one core.
 
 The paper's walker on the shipped plates of 90 Hz and 1.8 g, at the tilts and restitutions of CELLS: every step
-beside a reference by a tenth of the finest step. Each has runs of its own random numbers (SEEDS), so that errors of
+next to a reference with a tenth of the finest step. Each has runs of its own random numbers (SEEDS), so that errors of
 two settings are independent; the loop of `pace` is timed before each, so that costs are those of the machine at that
 moment. Rows are added one by one; a second call goes on after the last.
 """
@@ -35,9 +35,9 @@ CELLS = (
     (LANE, (20.0,), (0.8, 0.9, 0.5)),
     (PLANE, (10.0, 5.0), (0.8,)),
 )
-"""Scenes, tilts and restitutions of the feet, of which the later ones were measured later."""
+"""Scenes, tilts and restitutions of the feet. The later ones were measured later."""
 
-SHARES = (REFERENCE_STEP_SHARE, 0.5, 1.0, 1.25, 1.6)
+STEP_SHARES = (REFERENCE_STEP_SHARE, 0.5, 1.0, 1.25, 1.6)
 """Steps over that which resolves the feet; the first is the reference's."""
 
 RUNS, DISCARD_S, SECONDS, REFERENCE_S = 8, 0.4, 5.0, 1.5
@@ -50,11 +50,11 @@ CALM_DEG, CALM_SHARE = 1.0, 0.2
 MAIN_RESTITUTION, ELSEWHERE_SHARE = 0.8, 0.5
 """Restitution of the shipped scenes, and share of the time of the cells of others."""
 
-ALSO_WHOLE = ((LANE, 5.0, 0.5),)
-"""Cells (scene, tilt, restitution) of another restitution with all settings; the others have only the step that feet
-take by themselves, which gives their speed, scatter and cost."""
+FULLY_MEASURED = ((LANE, 5.0, 0.5),)
+"""Cells (scene, tilt, restitution) of another restitution with all settings; the others have only the automatic
+step, which gives their speed, scatter and cost."""
 
-LOOPS = 3
+PACE_LOOPS = 3
 """Loops of `pace` before each setting."""
 
 
@@ -68,17 +68,19 @@ class Setting(NamedTuple):
     """Step over that which resolves the feet."""
 
 
-def settings() -> list[Setting]:
+def list_settings() -> list[Setting]:
     """All settings of all cells; within a cell the dear one first."""
     every = [
         Setting(scene, tilt, restitution, share)
         for scene, tilts, restitutions in CELLS
-        for restitution, tilt, share in product(restitutions, tilts, SHARES)
+        for restitution, tilt, share in product(restitutions, tilts, STEP_SHARES)
     ]
-    return [one for one in every if one.share == 1.0 or one.restitution == MAIN_RESTITUTION or one[:3] in ALSO_WHOLE]
+    return [
+        one for one in every if one.share == 1.0 or one.restitution == MAIN_RESTITUTION or one[:3] in FULLY_MEASURED
+    ]
 
 
-def walker(setting: Setting, seed: int) -> Walker:
+def build_walker(setting: Setting, seed: int) -> Walker:
     """Build the paper's walker in a shipped scene with the tilt, restitution and step of a setting."""
     design = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=setting.tilt_deg)
     scene = templates.load(setting.scene, "scenes", Scene)
@@ -93,13 +95,13 @@ def walker(setting: Setting, seed: int) -> Walker:
     return made.with_run(step_us=1e6 * setting.share * made.plan().world.options.step)
 
 
-def measured(setting: Setting, seed: int) -> Row:
+def measure_row(setting: Setting, seed: int) -> Row:
     """Row of a setting."""
-    one = walker(setting, seed)
+    one = build_walker(setting, seed)
     step_us = one.scene.run.step_us
     assert step_us is not None
     compile_kernels(one.plan())
-    loop_s = machine_speed.measure_cpu_per_s(LOOPS)
+    loop_s = machine_speed.measure_cpu_per_s(PACE_LOOPS)
     results = walkers.simulate(one, threads=1)
     summary = results.summary
     well = set(summary.outcomes) <= {"on one periodic orbit", *(outcome.value for outcome in ENDED_WELL)}
@@ -117,14 +119,14 @@ def measured(setting: Setting, seed: int) -> Row:
     )
 
 
-def missing(path: Path) -> Iterator[tuple[int, Setting]]:
+def missing_settings(path: Path) -> Iterator[tuple[int, Setting]]:
     """Yield the settings without a row in a file, each after its seed."""
     rows = cells.read_rows(path) if path.exists() else ()
     known = {(*row.cell, row.share) for row in rows}
-    yield from ((seed, setting) for seed, setting in enumerate(settings(), 1) if setting not in known)
+    yield from ((seed, setting) for seed, setting in enumerate(list_settings(), 1) if setting not in known)
 
 
-def text(rows: Iterable[Row]) -> str:
+def format_rows(rows: Iterable[Row]) -> str:
     """Lines of the file, with numbers of five digits."""
     lines = [",".join(Row._fields)]
     for row in rows:
@@ -138,15 +140,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, default=cells.CELLS_PATH)
     path = parser.parse_args().out
-    todo = list(missing(path))
+    todo = list(missing_settings(path))
     if not path.exists():
         stamp = f"# walkergen {__version__}, kernels {kernels.source_digest()}: python -m evidence.accuracy.measure\n"
-        path.write_text(stamp + text([]), encoding="utf-8")
+        path.write_text(stamp + format_rows([]), encoding="utf-8")
     with console.progress("cells", wanted=True) as progress:
         for number, (seed, setting) in enumerate(todo, 1):
-            row = measured(setting, seed)
+            row = measure_row(setting, seed)
             with path.open("a", encoding="utf-8") as stream:
-                stream.write(text([row]).split("\n", 1)[1])
+                stream.write(format_rows([row]).split("\n", 1)[1])
             progress("cells", number, len(todo))
 
 

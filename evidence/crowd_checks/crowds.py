@@ -1,4 +1,4 @@
-"""Third check, in space and in a plane: crowds from rest until they are stationary, as they are or changed."""
+"""Third check, in space and in a plane: crowds from rest until they are stationary, unchanged or with one change."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
@@ -44,44 +44,44 @@ class Crowd(NamedTuple):
     numbers: Mapping[str, Quantity]
     """Means over runs of the statistics that every run has."""
     gained: Quantity
-    """Speed of the second half of the record over that of the first, less 1: about 0 where it is stationary."""
+    """Speed of the second half of the record over that of the first, less 1: about 0 for a stationary crowd."""
 
 
-def in_space(
+def simulate_in_space(
     size: Size, design: Design, mass: MassProperties, card: Card, packing: float, number: int, **keys: float
 ) -> Crowd:
     """Crowd of a packing in space, of so many runs; `keys` change its scene."""
 
     def simulate(scene: Scene, starts: Sequence[Array]) -> list[Run]:
-        return runs.in_space(scene.variant(**keys), design, mass, starts, CROWD_RATE_HZ, endless=False)
+        return runs.simulate_in_space(scene.variant(**keys), design, mass, starts, CROWD_RATE_HZ, endless=False)
 
-    return _of(size, card, packing, number, simulate)
+    return _simulate_crowd(size, card, packing, number, simulate)
 
 
-def in_plane(size: Size, card: Card, packing: float, number: int) -> Crowd:
-    """Simulate the crowd of `in_space` in the plane; runs of the same number start from the same places."""
+def simulate_in_plane(size: Size, card: Card, packing: float, number: int) -> Crowd:
+    """Simulate the crowd of `simulate_in_space` in the plane; runs of the same number start from the same places."""
 
     def simulate(scene: Scene, starts: Sequence[Array]) -> list[Run]:
-        return runs.in_plane(card, scene.crowd.dish, starts, scene.run.seconds, CROWD_RATE_HZ, size.seed)
+        return runs.simulate_in_plane(card, scene.crowd.dish, starts, scene.run.seconds, CROWD_RATE_HZ, size.seed)
 
-    return _of(size, card, packing, number, simulate)
-
-
-def _of(size: Size, card: Card, packing: float, number: int, simulate: Simulate) -> Crowd:
-    scene = setting.scene(size, size.crowd_discard_seconds + size.crowd_seconds, 0.0, number)
-    starts = [places(size, card, packing, run) for run in range(number)]
-    return of_films([film(size, card, run) for run in simulate(scene, starts)], card.length_mm)
+    return _simulate_crowd(size, card, packing, number, simulate)
 
 
-def places(size: Size, card: Card, packing: float, number: int) -> Array:
+def _simulate_crowd(size: Size, card: Card, packing: float, number: int, simulate: Simulate) -> Crowd:
+    scene = setting.make_scene(size, size.crowd_discard_seconds + size.crowd_seconds, 0.0, number)
+    starts = [start_places(size, card, packing, run) for run in range(number)]
+    return measure_films([make_film(size, card, run) for run in simulate(scene, starts)], card.length_mm)
+
+
+def start_places(size: Size, card: Card, packing: float, number: int) -> Array:
     """Places of all walkers of a run, shape (N, 3)."""
-    dish, outline = dishes.parse_dish(DISH, "DISH"), _outline(card)
+    dish, outline = dishes.parse_dish(DISH, "DISH"), _outline_arrays(card)
     count = round(packing * dish.area / top_outline.area_of(outline))
     rng = np.random.default_rng(np.random.SeedSequence([size.seed, number, count], spawn_key=(1,)))
     return place([outline] * count, dish, rng, CLEARANCE_MM)
 
 
-def of_films(films: Sequence[CrowdFilm], length: float) -> Crowd:
+def measure_films(films: Sequence[CrowdFilm], length: float) -> Crowd:
     """Crowd of its runs, of bodies of this length (mm)."""
     by_run = measure(films).by_run
     numbers = {key: mean(key, UNITS[key], by_run[key]) for key in STATISTICS if np.isfinite(by_run[key]).all()}
@@ -93,13 +93,13 @@ def of_films(films: Sequence[CrowdFilm], length: float) -> Crowd:
     return Crowd(numbers, mean("gained", "", [after.mean() / before.mean() - 1.0 for before, after in halves]))
 
 
-def film(size: Size, card: Card, run: Run) -> CrowdFilm:
+def make_film(size: Size, card: Card, run: Run) -> CrowdFilm:
     """Film of a run without its start."""
     kept = run.times >= size.crowd_discard_seconds - 1e-9
     times, count = run.times[kept] - run.times[kept][0], run.poses.shape[1]
     dish = dishes.parse_dish(DISH, "DISH")
-    return from_places(times, run.poses[kept], [card.name] * count, {card.name: _outline(card)}, dish)
+    return from_places(times, run.poses[kept], [card.name] * count, {card.name: _outline_arrays(card)}, dish)
 
 
-def _outline(card: Card) -> tuple[Array, ...]:
+def _outline_arrays(card: Card) -> tuple[Array, ...]:
     return tuple(np.array(contour) for contour in card.outline_mm)

@@ -15,14 +15,14 @@ Part = TypeVar("Part")
 
 
 class Parts:
-    """Parts of one size, by the sources of today: others are made anew."""
+    """Parts of one size, made by the current sources; parts of other sources are made again."""
 
     def __init__(self, folder: Path, size: Size) -> None:
-        """Parts beside the folder of the whole."""
+        """Keep the parts next to the folder of the whole."""
         name = hashlib.sha256(f"{digest()} {size!r}".encode()).hexdigest()[:16]
         self._folder = folder.with_name(f"{folder.name}.parts-{name}")
 
-    def kept(self, name: str, make: Callable[[], Part]) -> Part:
+    def load_or_make(self, name: str, make: Callable[[], Part]) -> Part:
         """Load the stored part of this name, or make and store it."""
         path = self._folder / f"{name}.pickle"
         if path.exists():
@@ -32,6 +32,6 @@ class Parts:
         output.write(path, pickle.dumps(part))
         return part
 
-    def done(self) -> None:
+    def remove(self) -> None:
         """Remove them: the whole is written."""
         shutil.rmtree(self._folder, ignore_errors=True)

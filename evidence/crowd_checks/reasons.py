@@ -41,17 +41,17 @@ class Changed(NamedTuple):
     plane: Quantity
 
 
-def measure(size: Size, parts: Parts, design: Design, mass: MassProperties, card: Card) -> list[Changed]:
+def measure_changes(size: Size, parts: Parts, design: Design, mass: MassProperties, card: Card) -> list[Changed]:
     """Speeds of the densest crowd with each change."""
     found = []
     for change in CHANGES:
         space = None
         if change.space:
             keys = {f"crowd.{key}": value for key, value in change.space.items()}
-            crowd = partial(crowds.in_space, size, design, mass, card, DENSEST, size.changed_runs, **keys)
-            space = parts.kept(f"space, {change.name}", crowd).numbers["speed"]
+            crowd = partial(crowds.simulate_in_space, size, design, mass, card, DENSEST, size.changed_runs, **keys)
+            space = parts.load_or_make(f"space, {change.name}", crowd).numbers["speed"]
         other = card.model_copy(update=change.plane)
-        flat = partial(crowds.in_plane, size, other, DENSEST, setting.MORE * size.changed_runs)
-        plane = parts.kept(f"plane, {change.name}", flat)
+        flat = partial(crowds.simulate_in_plane, size, other, DENSEST, setting.PLANE_RUNS_PER_RUN * size.changed_runs)
+        plane = parts.load_or_make(f"plane, {change.name}", flat)
         found.append(Changed(change.name, space, plane.numbers["speed"]))
     return found

@@ -37,27 +37,27 @@ LEGEND = (
 )
 
 
-SEEN = ("speed", "polar_order", "nematic_order", "local_polar_order", "local_nematic_order")
+COMPARED_KEYS = ("speed", "polar_order", "nematic_order", "local_polar_order", "local_nematic_order")
 """Numbers that decide whether cards are valid at a packing, together with g."""
 
-CLOSED = {
+REASON_WORDS = {
     Verdict.AGREE: "",
     Verdict.DISAGREE: ": it is no reason",
     Verdict.UNDECIDED: ", within errors that leave open whether it is a reason",
-    Verdict.MISSING: ", which is unknown",
+    Verdict.MISSING: ", which is not known",
 }
 """Words on a change as a reason of the difference, by the part of the difference that it removes."""
 
-PART = 0.2
+MIN_REASON_SHARE = 0.2
 """Smallest part of a difference that counts as a reason."""
 
-SHARED = ("speed", "g_")
+RATIO_KEY_STARTS = ("speed", "g_")
 """Prefixes of the keys whose ratios are reported: these numbers are never near 0."""
 
-RUBBED = (
+FRICTION_COLUMNS = (
     Column("meeting", lambda row: str(row[0])),
-    Column("in the plane", lambda row: _stated(row[1]["along"])),
-    Column("up or down", lambda row: _stated(row[1]["up"])),
+    Column("in the plane", lambda row: _number(row[1]["along"])),
+    Column("up or down", lambda row: _number(row[1]["up"])),
 )
 """Columns of the impulses of friction."""
 
@@ -103,7 +103,7 @@ class Checked(NamedTuple):
     """Speeds of the densest crowd, changed in one thing."""
 
 
-def rows_of(check: str, space: Cases, plane: Cases) -> Iterator[Row]:
+def compare_cases(check: str, space: Cases, plane: Cases) -> Iterator[Row]:
     """Yield a row for each quantity that space and plane have with its error."""
     for case, numbers in space.items():
         for key, own in numbers.items():
@@ -112,17 +112,17 @@ def rows_of(check: str, space: Cases, plane: Cases) -> Iterator[Row]:
                 yield Row(check, case, own, rival)
 
 
-def of(checked: Checked, folder: Path, notes: Sequence[str]) -> Report:
+def make_report(checked: Checked, folder: Path, notes: Sequence[str]) -> Report:
     """Return the report of a folder. `notes` describe the runs."""
     rows = checked.rows
-    cells = [_cells(row) for row in rows]
+    cells = [_csv_row(row) for row in rows]
     columns = (
         report.text_column("check", "check"),
         report.text_column("case", "case"),
-        Column("number", _name),
-        Column("space", lambda row: _stated(row.space)),
-        Column("plane", lambda row: _stated(row.plane)),
-        Column("apart", _apart),
+        Column("number", _quantity_name),
+        Column("space", lambda row: _number(row.space)),
+        Column("plane", lambda row: _number(row.plane)),
+        Column("apart", _format_difference),
         report.text_column("verdict", "verdict"),
     )
     return Report(
@@ -132,16 +132,27 @@ def of(checked: Checked, folder: Path, notes: Sequence[str]) -> Report:
             Table(NAME, cells, KEYS),
             Table("rows", rows, (), columns, notes=(LEGEND,)),
             Table(
-                "friction", list(checked.rubbed.items()), (), RUBBED, "Friction of meetings in space, over the normal"
+                "friction",
+                list(checked.rubbed.items()),
+                (),
+                FRICTION_COLUMNS,
+                "Friction of meetings in space, over the normal",
             ),
         ],
         facts={"rows": [dict(zip(KEYS, row, strict=True)) for row in cells]},
-        lines=[*_counted(rows), _rubbing(checked), *_stationary(checked), *_region(rows), *_reasons(checked), *notes],
+        lines=[
+            *_count_verdicts(rows),
+            _describe_friction(checked),
+            *_describe_drift(checked),
+            *_describe_packings(rows),
+            *_describe_changes(checked),
+            *notes,
+        ],
         folder=folder,
     )
 
 
-def _cells(row: Row) -> tuple[Any, ...]:
+def _csv_row(row: Row) -> tuple[Any, ...]:
     """Return a row of the CSV file."""
     space, plane, apart = row.space, row.plane, row.apart
     bounds = apart.interval() or (None, None)
@@ -149,7 +160,7 @@ def _cells(row: Row) -> tuple[Any, ...]:
     return row.check, row.case, space.column, *numbers, row.verdict.value
 
 
-def _counted(rows: Sequence[Row]) -> Iterator[str]:
+def _count_verdicts(rows: Sequence[Row]) -> Iterator[str]:
     """Yield the number of each verdict for each check, and every disagreement."""
     for check in dict.fromkeys(row.check for row in rows):
         own = [row for row in rows if row.check == check]
@@ -157,10 +168,11 @@ def _counted(rows: Sequence[Row]) -> Iterator[str]:
         yield f"{check}: " + ", ".join(f"{counts[word]} {word}" for word in Verdict if counts[word])
         for row in own:
             if row.verdict == Verdict.DISAGREE:
-                yield f"{row.case}, {_name(row)}: {_stated(row.plane)} in the plane, {_stated(row.space)} in space"
+                numbers = f"{_number(row.plane)} in the plane, {_number(row.space)} in space"
+                yield f"{row.case}, {_quantity_name(row)}: {numbers}"
 
 
-def _rubbing(checked: Checked) -> str:
+def _describe_friction(checked: Checked) -> str:
     """Describe the friction in space, with its share up or down the faces, which a plane lacks."""
     up = sum(one["up"].number for one in checked.rubbed.values()) / len(checked.rubbed)
     return (
@@ -169,7 +181,7 @@ def _rubbing(checked: Checked) -> str:
     )
 
 
-STILL = {
+DRIFT_WORDS = {
     Verdict.AGREE: f"stationary to {100 * MARGIN:g} %",
     Verdict.DISAGREE: "not stationary",
     Verdict.UNDECIDED: "undecided whether stationary",
@@ -178,46 +190,46 @@ STILL = {
 """Words on a change of the speed."""
 
 
-def _stationary(checked: Checked) -> Iterator[str]:
+def _describe_drift(checked: Checked) -> Iterator[str]:
     """Yield whether each crowd was stationary in its record."""
     for case, pair in checked.gained.items():
         changes = [f"{100 * one.number:.2g} ± {100 * (one.se or 0.0):.2g} %" for one in pair]
-        still = [STILL[one.compare_with_range(-MARGIN, MARGIN)] for one in pair]
+        still = [DRIFT_WORDS[one.compare_with_range(-MARGIN, MARGIN)] for one in pair]
         yield (
             f"{case}: from the first half of the record to the second the speed changes by {changes[0]} in space "
             f"({still[0]}), by {changes[1]} in the plane ({still[1]})"
         )
 
 
-def _reasons(checked: Checked) -> Iterator[str]:
+def _describe_changes(checked: Checked) -> Iterator[str]:
     """Yield the difference of space and plane in the densest crowd, also after each change."""
     case = f"packing {DENSEST:g}"
     speeds = (row for row in checked.rows if row.case == case and row.space.key == "speed")
     for row in speeds:
-        yield f"{case}: the plane is faster by {_stated(row.apart)} mm/s, {_stated(row.plane)} for {_stated(row.space)}"
+        yield f"{case}: the plane is faster by {_number(row.apart)} mm/s, {_number(row.plane)} for {_number(row.space)}"
         for one in checked.changed:
             if one.space is None:
                 change = one.plane.minus(row.plane)
-                yield f"{case}, {one.name}: the plane has {_stated(one.plane)} mm/s, {_stated(change)} more than it has"
+                yield f"{case}, {one.name}: the plane has {_number(one.plane)} mm/s, {_number(change)} more than it has"
                 continue
             apart = one.plane.minus(one.space)
             closed = row.apart.minus(apart)
             yield (
-                f"{case}, {one.name}: {_stated(one.plane)} mm/s in the plane, {_stated(one.space)} in space, apart "
-                f"by {_stated(apart)}: {_stated(closed)} mm/s of the difference go with it"
-                f"{CLOSED[closed.compare_with_range(PART * abs(row.apart.number), math.inf)]}"
+                f"{case}, {one.name}: {_number(one.plane)} mm/s in the plane, {_number(one.space)} in space, apart "
+                f"by {_number(apart)}: {_number(closed)} mm/s of the difference go with it"
+                f"{REASON_WORDS[closed.compare_with_range(MIN_REASON_SHARE * abs(row.apart.number), math.inf)]}"
             )
 
 
-def _region(rows: Sequence[Row]) -> Iterator[str]:
+def _describe_packings(rows: Sequence[Row]) -> Iterator[str]:
     """Yield for each packing whether the crowd of cards has the speed, the orders and the g of space."""
-    own = [row for row in rows if row.check == "collective" and row.space.key.startswith((*SEEN, "g_"))]
+    own = [row for row in rows if row.check == "collective" and row.space.key.startswith((*COMPARED_KEYS, "g_"))]
     for case in dict.fromkeys(row.case for row in own):
-        named = {_name(row): row for row in own if row.case == case}
+        named = {_quantity_name(row): row for row in own if row.case == case}
         shares = [
-            f"{name} {_stated(ratio(row.plane, row.space))}"
+            f"{name} {_number(ratio(row.plane, row.space))}"
             for name, row in named.items()
-            if row.space.key.startswith(SHARED)
+            if row.space.key.startswith(RATIO_KEY_STARTS)
         ]
         off = [name for name, row in named.items() if row.verdict == Verdict.DISAGREE]
         open_ = [name for name, row in named.items() if row.verdict == Verdict.UNDECIDED]
@@ -226,15 +238,15 @@ def _region(rows: Sequence[Row]) -> Iterator[str]:
         yield f"{case}: cards {'; '.join(words) or 'hold'}; plane over space: {', '.join(shares)}"
 
 
-def _name(row: Row) -> str:
+def _quantity_name(row: Row) -> str:
     unit = row.space.unit.replace("2", "²").replace("_s", "/s")
     return row.space.key.replace("_", " ") + (f" ({unit})" if unit else "")
 
 
-def _stated(number: Quantity) -> str:
+def _number(number: Quantity) -> str:
     return words.format_with_error(number.value or 0.0, number.se or 0.0)
 
 
-def _apart(row: Row) -> str:
+def _format_difference(row: Row) -> str:
     apart = row.apart
     return " to ".join(words.format_to_error(apart.se or 0.0, apart.interval() or ()))

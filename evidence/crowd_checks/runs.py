@@ -31,7 +31,7 @@ class Run(NamedTuple):
     """Of all contacts, in space."""
 
 
-def in_space(
+def simulate_in_space(
     scene: Scene, design: Design, mass: MassProperties, places: Sequence[Array], rate_hz: float, endless: bool
 ) -> list[Run]:
     """Simulate runs in space, one from each of `places` (N, 3), at rest.
@@ -42,26 +42,28 @@ def in_space(
     plan = crowds.prepare(scene, [(design, mass)], [0] * count, np.zeros((count, 3)), endless)
     shift = walker_motion.centre_of_mass(mass)
 
-    def one(number: int, stopped: Stopped, tell: Tell) -> Run:
+    def simulate_run(number: int, stopped: Stopped, tell: Tell) -> Run:
         run = crowds.simulate(plan._replace(places=places[number]), number, rate_hz, stopped)
         poses = walker_motion.shift_poses(run.poses[:, :, :3].reshape(-1, 3), shift)
         return Run(run.times, poses.reshape(len(run.times), count, 3), run.impulses)
 
-    return batch.run_all(one, len(places))
+    return batch.run_all(simulate_run, len(places))
 
 
-def in_plane(card: Card, dish: Dish, places: Sequence[Array], seconds: float, rate_hz: float, seed: int) -> list[Run]:
+def simulate_in_plane(
+    card: Card, dish: Dish, places: Sequence[Array], seconds: float, rate_hz: float, seed: int
+) -> list[Run]:
     """Simulate runs in a plane, one from each of `places` (N, 3), at rest."""
 
-    def one(number: int, stopped: Stopped, tell: Tell) -> Run:
-        def ending(what: str, frames: int, total: int) -> None:
+    def simulate_run(number: int, stopped: Stopped, tell: Tell) -> Run:
+        def stop_if_requested(what: str, frames: int, total: int) -> None:
             if stopped():
                 raise KeyboardInterrupt  # ends LAMMPS, on this thread
 
         own = int(np.random.SeedSequence([seed, number]).generate_state(1)[0])
         kinds = np.zeros(len(places[number]), int)
         asked = crowd_checks.make_crowd([card], kinds, dish, places[number], seconds, rate_hz, own)
-        run = flat.simulate(asked, progress=ending)
+        run = flat.simulate(asked, progress=stop_if_requested)
         return Run(run.times, run.poses)
 
-    return batch.run_all(one, len(places))
+    return batch.run_all(simulate_run, len(places))

@@ -19,7 +19,7 @@ CROWD_RATE_HZ = 30.0
 """Frames a second of crowds: one in three periods of the plate."""
 
 
-MORE = 2
+PLANE_RUNS_PER_RUN = 2
 """Runs of pairs and crowds in the plane, which cost little, for each in space."""
 
 
@@ -41,16 +41,16 @@ class Size(NamedTuple):
     seed: int
 
 
-WHOLE = Size(16, 10.0, 8, 8, 6, 5.0, 3.0, 3, 1)
+FULL = Size(16, 10.0, 8, 8, 6, 5.0, 3.0, 3, 1)
 QUICK = Size(16, 4.0, 4, 5, 3, 3.0, 3.0, 2, 1)
 
 
-def walker() -> Design:
+def load_walker() -> Design:
     """Load the paper's walker."""
     return templates.load(WALKER, "walkers", Design)
 
 
-def scene(size: Size, seconds: float, discard_seconds: float, runs: int) -> Scene:
+def make_scene(size: Size, seconds: float, discard_seconds: float, runs: int) -> Scene:
     """Scene of so many runs in space."""
     keys: dict[str, Any] = {
         "run.seconds": seconds,

@@ -16,19 +16,19 @@ GAMMAS = (1.5, 1.8, 2.4)
 PACKINGS = (0.06, 0.12, 0.25, 0.4)
 """Packings in the periodic square: about the stated 0.12, to what is placed without force."""
 
-LEANS = (10.0, 0.0, -5.0)
+RIGHT_TILTS_DEG = (10.0, 0.0, -5.0)
 """Tilts of the right legs, deg, where the left ones lean by 10: the walker spins more and more."""
 
 DISC, SQUARE = "disc:150", "periodic:150"
 
-PACKED = 0.12
+DRIVE_PACKING = 0.12
 """Packing of the crowds whose drive varies: at 0.25 nine in ten touch at any frequency."""
 
-CONFINED = 0.35
+WALLED_PACKING = 0.35
 """Packing of those that walk or spin between walls."""
 
 
-ALONE = 16
+SINGLE_RUNS = 16
 """Runs of each walker alone: as many prints."""
 
 
@@ -41,7 +41,7 @@ class Size(NamedTuple):
     seed: int
 
 
-WHOLE = Size(6, 5.0, 3.0, 1)
+FULL = Size(6, 5.0, 3.0, 1)
 QUICK = Size(3, 1.5, 1.0, 1)
 
 
@@ -56,28 +56,28 @@ class Case(NamedTuple):
     """Its dish, packing, drive and runs, in space."""
 
 
-def crowds(size: Size) -> list[Case]:
+def crowd_cases(size: Size) -> list[Case]:
     """All crowds: of the paper's walker, of one with a tapered body, and of oblong ones."""
     paper = paper_walker()
     return [
-        *(_case("frequency", hz, paper, size, DISC, PACKED, hz) for hz in FREQUENCIES),
-        *(_case("gamma", gamma, paper, size, SQUARE, PACKED, gamma=gamma) for gamma in GAMMAS),
-        *(_case("packing", share, paper, size, SQUARE, share) for share in PACKINGS),
-        *(_case("tapered", share, tapered(), size, SQUARE, share) for share in PACKINGS[1:3]),
-        *(_case("lean", lean, oblong(lean), size, DISC, CONFINED) for lean in LEANS),
+        *(_make_case("frequency", hz, paper, size, DISC, DRIVE_PACKING, hz) for hz in FREQUENCIES),
+        *(_make_case("gamma", gamma, paper, size, SQUARE, DRIVE_PACKING, gamma=gamma) for gamma in GAMMAS),
+        *(_make_case("packing", share, paper, size, SQUARE, share) for share in PACKINGS),
+        *(_make_case("tapered", share, tapered_walker(), size, SQUARE, share) for share in PACKINGS[1:3]),
+        *(_make_case("lean", lean, oblong_walker(lean), size, DISC, WALLED_PACKING) for lean in RIGHT_TILTS_DEG),
     ]
 
 
-def alone(size: Size) -> list[Case]:
+def single_cases(size: Size) -> list[Case]:
     """One walker alone for each that a crowd is compared with."""
-    paper, many = paper_walker(), size._replace(runs=ALONE)
+    paper, many = paper_walker(), size._replace(runs=SINGLE_RUNS)
     return [
-        *(_case("frequency alone", hz, paper, many, frequency_hz=hz) for hz in FREQUENCIES),
-        *(_case("lean alone", lean, oblong(lean), many) for lean in LEANS),
+        *(_make_case("frequency alone", hz, paper, many, frequency_hz=hz) for hz in FREQUENCIES),
+        *(_make_case("lean alone", lean, oblong_walker(lean), many) for lean in RIGHT_TILTS_DEG),
     ]
 
 
-def _case(
+def _make_case(
     series: str,
     setting: float,
     design: Design,
@@ -102,7 +102,7 @@ def paper_walker() -> Design:
     return walker.variant(tilt_deg=10.0, kind="flexible")
 
 
-def tapered() -> Design:
+def tapered_walker() -> Design:
     """Build the paper's walker with a body that narrows in two steps ahead of its front leg."""
     data = paper_walker().model_dump(exclude_unset=True)
     half = [(-14.0, 4.0), (9.0, 4.0), (9.0, 2.75), (11.5, 2.75), (11.5, 1.5), (14.0, 1.5)]
@@ -111,7 +111,7 @@ def tapered() -> Design:
     return Design.model_validate(data | {"name": "tapered", "body": body})
 
 
-def oblong(lean_deg: float) -> Design:
+def oblong_walker(lean_deg: float) -> Design:
     """Oblong body on the legs of the template rotator, those on its right at another tilt.
 
     10 deg: it walks; -10 deg: it spins on the spot, as the rotator; all stand level.

@@ -1,4 +1,4 @@
-"""Published statements beside our crowds: whether the sign of ours is the stated one."""
+"""Published statements compared with our crowds: whether the signs agree."""
 
 import math
 import sys
@@ -30,23 +30,23 @@ class Compared(NamedTuple):
     """How ours are other than the source's, or why nothing is compared."""
 
 
-def compared(numbers: Numbers) -> Iterator[Compared]:
+def compare_findings(numbers: Numbers) -> Iterator[Compared]:
     """All statements with our numbers."""
     for finding in FINDINGS:
         if finding.key == "one rod":
-            yield _alone(finding, numbers)
+            yield _compare_single(finding, numbers)
         if finding.not_compared:
             yield Compared(finding, note=finding.not_compared)
-        yield from (_of(finding, claim, numbers) for claim in finding.claims)
+        yield from (_compare_claim(finding, claim, numbers) for claim in finding.claims)
 
 
-def sign_of(change: Quantity, rises: bool) -> Verdict:
+def judge_sign(change: Quantity, rises: bool) -> Verdict:
     """Verdict on a change whose sign is stated: no change at all is not one."""
     least = sys.float_info.min
     return change.compare_with_range(least, math.inf) if rises else change.compare_with_range(-math.inf, -least)
 
 
-def points_of(numbers: Numbers, series: str, key: str) -> tuple[tuple[float, Quantity], ...]:
+def series_points(numbers: Numbers, series: str, key: str) -> tuple[tuple[float, Quantity], ...]:
     """One quantity along a series, by its setting or the same walker's number alone, in order."""
     points = []
     for (of, setting), crowd in numbers.items():
@@ -62,15 +62,15 @@ def points_of(numbers: Numbers, series: str, key: str) -> tuple[tuple[float, Qua
     return tuple(sorted(points, key=lambda point: point[0]))
 
 
-def _of(finding: Finding, claim: Claim, numbers: Numbers) -> Compared:
-    points = points_of(numbers, claim.series, claim.number)
+def _compare_claim(finding: Finding, claim: Claim, numbers: Numbers) -> Compared:
+    points = series_points(numbers, claim.series, claim.number)
     if len(points) < 2:
         return Compared(finding, claim.quantity, claim.setting, points, note="too few runs ended")
-    verdict = sign_of(points[-1][1].minus(points[0][1]), claim.rises)
+    verdict = judge_sign(points[-1][1].minus(points[0][1]), claim.rises)
     return Compared(finding, claim.quantity, claim.setting, points, verdict, claim.differs)
 
 
-def _alone(finding: Finding, numbers: Numbers) -> Compared:
+def _compare_single(finding: Finding, numbers: Numbers) -> Compared:
     """Compare the paper's walker alone with one rod, by speed and by scatter between prints."""
     own = numbers["frequency alone", 90.0]
     forward, spread, stated = own["forward"], own["between prints"], finding.values
@@ -84,6 +84,6 @@ def _alone(finding: Finding, numbers: Numbers) -> Compared:
         "speed along the heading, and its standard deviation between prints, mm/s",
         "1: speed; 2: deviation",
         ((1.0, forward), (2.0, spread)),
-        sign_of(forward, rises=True),
+        judge_sign(forward, rises=True),
         note,
     )

@@ -21,20 +21,20 @@ from walkergen.points.trajectory import sample_rows
 LAG_S = 0.1
 """Time over which a walker's velocity is its displacement, s: some periods of the plate."""
 
-INTERVAL = 0.02
+SAMPLE_INTERVAL_S = 0.02
 """Time between samples of a walker alone, s."""
 
-REACH = 1.25
-"""Distance up to which walkers are neighbours, in lengths of their bodies."""
+NEIGHBOUR_LENGTHS = 1.25
+"""Largest distance between neighbours, in lengths of their bodies."""
 
 
-def of_crowd(crowd: Simulated, length: float) -> Mapping[str, Quantity]:
+def crowd_quantities(crowd: Simulated, length: float) -> Mapping[str, Quantity]:
     """Quantities of a crowd of bodies of this length (mm), means over its runs."""
     films, by_run = crowd.films, crowd.statistics.by_run
     own: dict[str, tuple[str, Sequence[float] | Array]] = {
-        "order": ("", [order(film) for film in films]),
-        "speed": ("mm_s", [speed(film) for film in films]),
-        "agreement": ("", [agreement(film, REACH * length) for film in films]),
+        "order": ("", [polar_order(film) for film in films]),
+        "speed": ("mm_s", [mean_speed(film) for film in films]),
+        "agreement": ("", [velocity_agreement(film, NEIGHBOUR_LENGTHS * length) for film in films]),
         "clustered": ("", 1.0 - by_run["alone"]),
         "largest": ("", by_run["largest_cluster"]),
         "near": ("", by_run["local_polar_order"]),
@@ -45,12 +45,12 @@ def of_crowd(crowd: Simulated, length: float) -> Mapping[str, Quantity]:
     return {key: mean(key, unit, values) for key, (unit, values) in own.items() if np.isfinite(values).all()}
 
 
-def of_alone(case: Case, results: Sequence[RunResult]) -> Mapping[str, Quantity]:
+def single_quantities(case: Case, results: Sequence[RunResult]) -> Mapping[str, Quantity]:
     """Speed and its spread between prints (mm/s), and the spin: turning x half length / speed."""
     good = [result for result in results if result.outcome in ENDED_WELL]
     if len(good) < 2:
         return {}
-    lag, half = round(LAG_S / INTERVAL), 0.5 * case.design.size.length
+    lag, half = round(LAG_S / SAMPLE_INTERVAL_S), 0.5 * case.design.size.length
     paths, spins = [], []
     for result in good:
         rows = sample_rows(result)
@@ -69,7 +69,7 @@ def of_alone(case: Case, results: Sequence[RunResult]) -> Mapping[str, Quantity]
     }
 
 
-def order(film: CrowdFilm) -> float:
+def polar_order(film: CrowdFilm) -> float:
     """Polar order: mean cosine between the headings of two walkers, 0 by chance, at most 1."""
     count = film.x.shape[1]
     return float((count * (orders.polar(film) ** 2).mean() - 1.0) / (count - 1.0))
@@ -88,12 +88,12 @@ def circulation(film: CrowdFilm) -> float:
     return math.copysign(math.sqrt(abs(pairs)), pairs)
 
 
-def speed(film: CrowdFilm) -> float:
+def mean_speed(film: CrowdFilm) -> float:
     """Mean speed over LAG_S, mm/s, of all walkers."""
     return float(np.abs(velocities(film)[0]).mean())
 
 
-def agreement(film: CrowdFilm, reach: float) -> float:
+def velocity_agreement(film: CrowdFilm, reach: float) -> float:
     """Mean cosine between the velocities of walkers nearer than `reach` (mm); NaN without any."""
     velocity, place = velocities(film)
     direction = velocity / np.where(velocity == 0.0, 1.0, np.abs(velocity))

@@ -55,7 +55,7 @@ class Finding(NamedTuple):
         return f"{numbers} {self.unit}".strip() if numbers else "sign only"
 
 
-def read() -> tuple[Finding, ...]:
+def read_findings() -> tuple[Finding, ...]:
     """Return all statements, source by source."""
     data = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
     findings = []
@@ -68,4 +68,4 @@ def read() -> tuple[Finding, ...]:
     return tuple(findings)
 
 
-FINDINGS = read()
+FINDINGS = read_findings()

@@ -1,4 +1,4 @@
-"""Report of our crowds beside published ones: the statements, our numbers, a panel each, and the sources."""
+"""Report of our crowds compared with published ones: the statements, our numbers, a panel each, and the sources."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -30,23 +30,23 @@ KEYS = (
 )
 """Columns of crowds_published.csv."""
 
-POINT = ("finding", "quantity", "setting", "at", "ours", "ours_se")
+POINT_KEYS = ("finding", "quantity", "setting", "at", "ours", "ours_se")
 """Columns of crowds.csv: a number behind a statement."""
 
-ACROSS = 3
+PANELS_PER_ROW = 3
 """Panels side by side."""
 
 
-def of(rows: Sequence[Compared], folder: Path, note: str) -> Report:
+def make_report(rows: Sequence[Compared], folder: Path, note: str) -> Report:
     """Report of what was compared, which lies in a folder; `note` says how it was simulated."""
     counts = Counter(row.verdict for row in rows)
-    cells = [_cells(row) for row in rows]
+    cells = [_csv_row(row) for row in rows]
     columns = (
         Column("published", lambda row: row.finding.key),
         Column("stated", lambda row: f"{row.finding.stated}: {row.finding.sign}"),
         report.text_column("ours", "quantity"),
         Column("along", lambda row: row.setting, wide=True),
-        Column("numbers", _numbers),
+        Column("numbers", _format_points),
         report.text_column("sign", "verdict"),
         Column("note", lambda row: row.note, wide=True),
     )
@@ -62,32 +62,32 @@ def of(rows: Sequence[Compared], folder: Path, note: str) -> Report:
         tables=[
             Table("crowds_published", cells, KEYS),
             Table("rows", rows, (), columns, notes=(LEGEND,)),
-            Table("crowds", points, POINT),
+            Table("crowds", points, POINT_KEYS),
         ],
         facts={"rows": [dict(zip(KEYS, row, strict=True)) for row in cells]},
         lines=[
             ", ".join(f"{counts[verdict]} {verdict}" for verdict in Verdict if counts[verdict]),
             note,
-            *map(_source, sources),
+            *map(_describe_source, sources),
         ],
         folder=folder,
-        figures={"crowds": partial(draw, rows)},
+        figures={"crowds": partial(draw_panels, rows)},
     )
 
 
-def draw(rows: Sequence[Compared]) -> "Figure":
+def draw_panels(rows: Sequence[Compared]) -> "Figure":
     """Draw a panel a statement whose numbers were made: means and one standard error."""
     from walkergen.files import figures
 
     shown = [row for row in rows if len(row.points) > 1]
     with figures.style():
-        figure, panels = figures.new_grid(f"{TITLE}: bars are one standard error", len(shown), ACROSS, 2.2)
+        figure, panels = figures.new_grid(f"{TITLE}: bars are one standard error", len(shown), PANELS_PER_ROW, 2.2)
         for axes, row in zip(panels, shown, strict=True):
-            _panel(axes, row)
+            _draw_panel(axes, row)
     return figure
 
 
-def _panel(axes: "Axes", row: Compared) -> None:
+def _draw_panel(axes: "Axes", row: Compared) -> None:
     from walkergen.files import figures
 
     colour = {Verdict.AGREE: figures.BLUE, Verdict.DISAGREE: figures.ORANGE}.get(row.verdict, figures.GREY)
@@ -98,25 +98,25 @@ def _panel(axes: "Axes", row: Compared) -> None:
     for value in row.finding.values:
         if at[0] <= value <= at[-1]:
             figures.draw_level(axes, value, upright=True)
-    width, small = figures.PAGE_INCHES / ACROSS - 0.4, figures.MIN_FONT_PT
+    width, small = figures.PAGE_INCHES / PANELS_PER_ROW - 0.4, figures.MIN_FONT_PT
     axes.set_title(figures.wrap_text(f"{row.finding.key}: {row.verdict}", width, small), fontsize=small)
     figures.label_axes(axes, figures.wrap_text(row.setting, width, small), figures.wrap_text(row.quantity, 1.8, small))
 
 
-def _cells(row: Compared) -> tuple[Any, ...]:
+def _csv_row(row: Compared) -> tuple[Any, ...]:
     """Row of the CSV, which holds every word."""
     finding = row.finding
     said = finding.key, *finding.source, finding.quote, finding.stated, finding.sign
-    return *said, row.quantity, row.setting, _numbers(row), row.verdict.value, row.note
+    return *said, row.quantity, row.setting, _format_points(row), row.verdict.value, row.note
 
 
-def _numbers(row: Compared) -> str:
+def _format_points(row: Compared) -> str:
     return "; ".join(
         f"{formatting.format_number(at)}: {formatting.format_with_error(value.value or 0.0, value.se or 0.0)}"
         for at, value in row.points
     )
 
 
-def _source(source: Source) -> str:
+def _describe_source(source: Source) -> str:
     quotes = "; ".join(f"{finding.key}: “{finding.quote}”" for finding in FINDINGS if finding.source == source)
     return f"{source.citation}. <{source.address}>. Read: {source.read}. {quotes}."

@@ -29,11 +29,11 @@ WALKER, SCENE = "koumakis2016", "plane-90hz"
 FPS, MM_PER_PX, MIDDLE_PX, NOISE_PX = 25.0, 0.25, 500.0, 0.1
 """The camera: frames a second, its scale, its middle, and the error of a place, pixels."""
 
-RATE_HZ, HARMONIC, HARMONIC_DEG, FELT_MM_S2 = 500.0, 0.02, 40.0, 20.0
+RATE_HZ, HARMONIC, HARMONIC_DEG, PHONE_NOISE_MM_S2 = 500.0, 0.02, 40.0, 20.0
 """The phone: samples a second; the plate's second harmonic with its phase; noise of the phone, mm/s^2."""
 
-FOUND = {"speed": "mm_s", "turning_bias": "rad_s", "rotational_diffusion": "rad2_s"}
-"""Numbers of the film that are expected where it tells them, with their units."""
+FILM_NUMBERS = {"speed": "mm_s", "turning_bias": "rad_s", "rotational_diffusion": "rad2_s"}
+"""Numbers expected from the film, with their units; short films leave some out."""
 
 DATE = (1980, 1, 1, 0, 0, 0)
 """Date of everything in the archive: the earliest that one can have."""
@@ -49,7 +49,7 @@ class Size(NamedTuple):
     """Length of the phone's recording, s."""
 
 
-WHOLE, QUICK = Size(4, 24.0, 20.0), Size(4, 3.0, 5.0)
+FULL, QUICK = Size(4, 24.0, 20.0), Size(4, 3.0, 5.0)
 
 
 class Row(NamedTuple):
@@ -59,20 +59,20 @@ class Row(NamedTuple):
     bytes: int
 
 
-def make(size: Size, folder: Path, progress: Progress) -> Report:
+def make_archive(size: Size, folder: Path, progress: Progress) -> Report:
     """Write the archive of example data into a folder."""
     with tempfile.TemporaryDirectory() as place:
-        files = dict(sorted(_files(size, Path(place), progress).items()))
+        files = dict(sorted(_make_files(size, Path(place), progress).items()))
     rows = [Row(name, len(data)) for name, data in files.items()]
     columns = [report.text_column("file", "file"), report.number_column("bytes", "bytes", 9)]
     table = report.table_from_rows("files", rows, columns, f"{NAME}.zip")
     with Folder(folder, "") as target:
-        target.write(f"{NAME}.zip", archive(files))
+        target.write(f"{NAME}.zip", zip_files(files))
         made = [str(folder / f"{NAME}.zip")]
     return Report(name="example-data", title="Example data", tables=[table], facts={"files": made}, folder=folder)
 
 
-def archive(files: Mapping[str, bytes]) -> bytes:
+def zip_files(files: Mapping[str, bytes]) -> bytes:
     """Archive of files, the same bytes for the same files."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as held:
@@ -83,7 +83,7 @@ def archive(files: Mapping[str, bytes]) -> bytes:
     return stream.getvalue()
 
 
-def _files(size: Size, place: Path, progress: Progress) -> dict[str, bytes]:
+def _make_files(size: Size, place: Path, progress: Progress) -> dict[str, bytes]:
     """Contents of the archive, by the names of its files; what commands read and write is in `place`."""
     scene = templates.load(SCENE, "scenes", Scene)
     sources = {
@@ -95,8 +95,8 @@ def _files(size: Size, place: Path, progress: Progress) -> dict[str, bytes]:
     nc = place / "tracks.nc"
     runs = wg.simulate(WALKER, SCENE, seconds=size.seconds, runs=size.runs, trajectory=nc, rate_hz=FPS)
     held["film/tracks.nc"] = nc.read_bytes()
-    held["film/tracks.csv"] = filmed(runs.trajectory(rate_hz=FPS)).encode()
-    held["plate/acceleration.csv"] = felt(scene, size.record_s).encode()
+    held["film/tracks.csv"] = film_table(runs.trajectory(rate_hz=FPS)).encode()
+    held["plate/acceleration.csv"] = plate_table(scene, size.record_s).encode()
     progress("card", 2, 4)
     wg.crowd(WALKER, SCENE, card=True, seconds=size.seconds, runs=size.runs, pictures=False, out=place / "card")
     held["card.json"] = (place / "card" / "card.json").read_bytes()
@@ -104,15 +104,15 @@ def _files(size: Size, place: Path, progress: Progress) -> dict[str, bytes]:
     for name, data in held.items():
         (place / name).parent.mkdir(exist_ok=True)
         (place / name).write_bytes(data)
-    expected = found(place)
-    held["expected.json"] = (json.dumps(expected | {"put in": put_in(scene)}, indent=1) + "\n").encode()
+    expected = find_numbers(place)
+    held["expected.json"] = (json.dumps(expected | {"put in": true_numbers(scene)}, indent=1) + "\n").encode()
     held["LICENSE"] = (HERE / "LICENSE").read_bytes()
-    held["README.md"] = _page(size, expected).encode()
+    held["README.md"] = _readme_text(size, expected).encode()
     progress("archive", 4, 4)
     return held
 
 
-def filmed(runs: Table) -> str:
+def film_table(runs: Table) -> str:
     """Table of a tracker: places and headings of runs in a picture, whose rows go down, each with its error."""
     rng = np.random.default_rng(1)
     x, y = (MIDDLE_PX + way * runs[name] / MM_PER_PX for name, way in (("x", 1.0), ("y", -1.0)))
@@ -122,34 +122,34 @@ def filmed(runs: Table) -> str:
     return "frame,particle,x,y,theta\n" + "".join(rows)
 
 
-def felt(scene: Scene, seconds: float) -> str:
+def plate_table(scene: Scene, seconds: float) -> str:
     """Table of a phone on its back on the plate: the drive with its second harmonic, gravity, and the phone's noise."""
     times = np.arange(round(RATE_HZ * seconds)) / RATE_HZ
-    angle = 2.0 * math.pi * put_in(scene)["drive_hz"] * times
+    angle = 2.0 * math.pi * true_numbers(scene)["drive_hz"] * times
     harmonic = 4.0 * HARMONIC * np.sin(2.0 * angle + math.radians(HARMONIC_DEG))
-    up = GRAVITY - _peak(scene) * (np.sin(angle) + harmonic)
-    noise = np.random.default_rng(2).normal(0.0, FELT_MM_S2, (len(times), 3))
+    up = GRAVITY - _peak_acceleration(scene) * (np.sin(angle) + harmonic)
+    noise = np.random.default_rng(2).normal(0.0, PHONE_NOISE_MM_S2, (len(times), 3))
     felt = 1e-3 * (np.stack([0.0 * up, 0.0 * up, up], axis=1) + noise)
     rows = (f"{time:.3f},{x:.3f},{y:.3f},{z:.3f}\n" for time, (x, y, z) in zip(times, felt, strict=True))
     return ",".join(["Time (s)", *(f"Acceleration {axis} (m/s^2)" for axis in "xyz")]) + "\n" + "".join(rows)
 
 
-def _peak(scene: Scene) -> float:
+def _peak_acceleration(scene: Scene) -> float:
     """Peak acceleration of the plate, mm/s^2, of its first harmonic."""
     assert scene.drive.gamma is not None
     return scene.drive.gamma * GRAVITY
 
 
-def put_in(scene: Scene) -> dict[str, float]:
+def true_numbers(scene: Scene) -> dict[str, float]:
     """Truth of the plate's recording."""
     frequency = scene.drive.frequency_hz
     assert frequency is not None
-    amplitude = 1e3 * _peak(scene) / (2.0 * math.pi * frequency) ** 2
+    amplitude = 1e3 * _peak_acceleration(scene) / (2.0 * math.pi * frequency) ** 2
     truth = {"drive_hz": frequency, "amplitude_um": amplitude, "second_harmonic": HARMONIC}
-    return {name: rounded(value) for name, value in truth.items()}
+    return {name: round_number(value) for name, value in truth.items()}
 
 
-def found(place: Path) -> dict[str, Any]:
+def find_numbers(place: Path) -> dict[str, Any]:
     """Return the main numbers that the README's commands find in the files of a folder."""
     speed = wg.predict(str(place / "walker.toml"), str(place / "scene.toml")).speed
     bounds = speed.interval() or ()
@@ -157,31 +157,34 @@ def found(place: Path) -> dict[str, Any]:
     plate = wg.calibrate(plate=place / "plate/acceleration.csv", pictures=False)
     return {
         "predict": {
-            f"{name}_mm_s": rounded(value)
+            f"{name}_mm_s": round_number(value)
             for name, value in zip(("speed", "low_95", "high_95"), (speed.number, *bounds), strict=True)
         },
         "analyse": {
-            f"{name}_{unit}": [rounded(film.facts[f"{name}_{unit}"]), rounded(film.facts[f"{name}_se_{unit}"])]
-            for name, unit in FOUND.items()
+            f"{name}_{unit}": [
+                round_number(film.facts[f"{name}_{unit}"]),
+                round_number(film.facts[f"{name}_se_{unit}"]),
+            ]
+            for name, unit in FILM_NUMBERS.items()
             if film.facts[f"{name}_{unit}"] is not None  # short films leave some open
         },
         "calibrate": {
-            row["quantity"]: [rounded(row["value"]), rounded(row["se"])]
+            row["quantity"]: [round_number(row["value"]), round_number(row["se"])]
             for row in plate.facts["measured"]
             if row["value"] is not None
         },
     }
 
 
-def rounded(value: float) -> float:
+def round_number(value: float) -> float:
     """Round a number to six digits, so that another machine finds the same."""
     return float(f"{value:.6g}")
 
 
-def _page(size: Size, expected: Mapping[str, Any]) -> str:
+def _readme_text(size: Size, expected: Mapping[str, Any]) -> str:
     """README of the archive."""
     text = (HERE / "README.md").read_text(encoding="utf-8")
-    lines = (f"- `{command}`: {_in_words(numbers)}" for command, numbers in expected.items())
+    lines = (f"- `{command}`: {_describe_numbers(numbers)}" for command, numbers in expected.items())
     return text.format(
         version=__version__,
         runs=size.runs,
@@ -195,10 +198,10 @@ def _page(size: Size, expected: Mapping[str, Any]) -> str:
     )
 
 
-def _in_words(numbers: Mapping[str, Any]) -> str:
-    def told(name: str, number: Any) -> str:
+def _describe_numbers(numbers: Mapping[str, Any]) -> str:
+    def format_number(name: str, number: Any) -> str:
         value, error = number if isinstance(number, list) else (number, None)
         shown = formatting.format_number(value, 4)
         return f"{name} {shown}" + (f" ± {formatting.format_number(error, 2)}" if error else "")
 
-    return ", ".join(told(name, number) for name, number in numbers.items())
+    return ", ".join(format_number(name, number) for name, number in numbers.items())

@@ -1,1 +1,1 @@
-"""The command `reproduce`: the paper beside our theory and simulations."""
+"""The command `reproduce`: the paper compared with our theory and simulations."""

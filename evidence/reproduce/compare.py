@@ -13,20 +13,20 @@ from evidence.reproduce.impact_types import COUNTINGS
 from evidence.reproduce.maximum import Range
 from evidence.reproduce.mechanisms import Mechanism
 from evidence.reproduce.motion import Runs
-from evidence.reproduce.runs import PAPER, Assumption, Point
+from evidence.reproduce.runs import PAPER_MODEL, Assumption, Point
 from evidence.reproduce.theory import Curve, Theory
 from walkergen.core.numerics.quantity import Quantity, Verdict, exact
 
 FITTED = "fitted"
 """Name of the assumption whose contact is the paper's best fit."""
 
-LOW = "low restitution"
+LOW_RESTITUTION = "low restitution"
 """Name of the assumption whose restitution is chosen, not measured."""
 
-TEN = 10.0
+STATED_SPEED_TILT_DEG = 10.0
 """Tilt at which the paper states a speed, deg."""
 
-COUNTED = (
+COUNTING_ROWS = (
     *((counting, counting, "II+III", "III") for counting in COUNTINGS),
     ("landings, rest as III", "landings", "II+III+rest", "III+rest"),
 )
@@ -37,7 +37,7 @@ RATIOS = {"15 below 10": (15.0, 10.0), "35 below 15": (35.0, 15.0)}
 
 
 class Findings(NamedTuple):
-    """Theories and simulations with which the paper's facts are compared."""
+    """Theories and simulations that are compared with the paper's facts."""
 
     assumptions: Sequence[Assumption]
     theories: Sequence[Theory]
@@ -55,7 +55,7 @@ class Findings(NamedTuple):
 
 
 class Row(NamedTuple):
-    """Number beside one fact under one assumption."""
+    """Number compared with one fact under one assumption."""
 
     fact: str
     model: str
@@ -70,34 +70,34 @@ class Row(NamedTuple):
         return FACTS[self.fact].verdict(self.ours)
 
     @property
-    def off(self) -> float | None:
+    def distance(self) -> float | None:
         """Distance from what is stated."""
-        return FACTS[self.fact].off(self.ours)
+        return FACTS[self.fact].distance(self.ours)
 
 
-def rows(findings: Findings) -> list[Row]:
+def compare_facts(findings: Findings) -> list[Row]:
     """Compare every fact with each theory and simulation that has a number for it."""
-    listed = [*_stated(findings)]
+    listed = [*_setting_rows(findings)]
     for theory in findings.theories:
-        listed += _of_theory(theory)
-    for series in curves.series_of(findings.tilts):
-        listed += _of_tilts(series)
-    for series in curves.series_of(findings.drives):
+        listed += _theory_rows(theory)
+    for series in curves.group_points(findings.tilts):
+        listed += _tilt_rows(series)
+    for series in curves.group_points(findings.drives):
         listed.append(Row("proportional", series[0].model, series[0].assumption.name, curves.proportionality(series)))
         if series[0].model == "space":
-            listed.append(_of_lively(series))
-    listed += [row for runs in findings.plane for row in _of_plane(runs)]
+            listed.append(_running_row(series))
+    listed += [row for runs in findings.plane for row in _plane_rows(runs)]
     order = list(FACTS)
     return sorted(listed, key=lambda row: order.index(row.fact))
 
 
-def _percent(share: Quantity) -> Quantity:
+def _to_percent(share: Quantity) -> Quantity:
     if share.value is None:
         return share
     return share._replace(unit="percent", value=100.0 * share.value, se=100.0 * (share.se or 0.0))
 
 
-def _stated(findings: Findings) -> Iterator[Row]:
+def _setting_rows(findings: Findings) -> Iterator[Row]:
     """Rows of facts that need no model: the drive, and the friction that fitted best."""
     for name, scene in findings.assumptions:
         yield Row("plate speed", "sinusoidal drive", name, exact("plate", "mm_s", scene.drive.peak_speed))
@@ -108,15 +108,15 @@ def _stated(findings: Findings) -> Iterator[Row]:
         yield Row("restitution", "space, measured friction", findings.assumptions[0].name, restitution)
 
 
-def _of_theory(theory: Theory) -> Iterator[Row]:
+def _theory_rows(theory: Theory) -> Iterator[Row]:
     name, curve, label = theory.assumption, theory.curve, theory.label
-    yield from _of_top(label, name, _predicted_peak(curve))
+    yield from _peak_rows(label, name, _predicted_peak(curve))
     if theory.type_three is not None:
         for fact in ("types II and III", "mostly type III"):
-            yield Row(fact, "theory, stationary impacts", name, _percent(exact("types", "", theory.type_three)))
+            yield Row(fact, "theory, stationary impacts", name, _to_percent(exact("types", "", theory.type_three)))
     low, high = curve.tilt_deg[0], curve.tilt_deg[-1]
-    if low <= TEN <= high:
-        speed, sd = (float(np.interp(TEN, curve.tilt_deg, of)) for of in (curve.speed, curve.sd))
+    if low <= STATED_SPEED_TILT_DEG <= high:
+        speed, sd = (float(np.interp(STATED_SPEED_TILT_DEG, curve.tilt_deg, of)) for of in (curve.speed, curve.sd))
         yield Row("speed at 10 deg", label, name, Quantity("speed", "mm_s", speed, sd))
         needed = FACTS["speed at 10 deg"].value / speed * theory.impact_speed_factor
         factor = Quantity("impact_speed", "", needed, needed * sd / speed)
@@ -128,7 +128,7 @@ def _of_theory(theory: Theory) -> Iterator[Row]:
             yield Row(fact, label, name, exact("ratio", "", float(ends[0] / ends[1])))
 
 
-def _of_top(model: str, name: str, top: Top) -> Iterator[Row]:
+def _peak_rows(model: str, name: str, top: Top) -> Iterator[Row]:
     for fact in ("peak tilt", "maximum below") if model.startswith("theory") else ("peak tilt",):
         yield Row(fact, model, name, top.place)
     yield Row("peak speed", model, name, top.height)
@@ -144,33 +144,35 @@ def _predicted_peak(curve: Curve) -> Top:
     return Top(Quantity("tilt", "deg", float(curve.tilt_deg[at]), grid), height)
 
 
-def _of_tilts(series: Sequence[Point]) -> Iterator[Row]:
+def _tilt_rows(series: Sequence[Point]) -> Iterator[Row]:
     model, name = series[0].model, series[0].assumption.name
     if model == "space, braced":
         yield Row("braced", model, name, max((point.speed for point in series), key=curves.size))
         return
-    yield from _of_top(model, name, curves.peak(series))
+    yield from _peak_rows(model, name, curves.find_peak(series))
     for fact, (over, under) in RATIOS.items():
-        yield Row(fact, model, name, curves.ratio(series, over, under))
+        yield Row(fact, model, name, curves.speed_ratio(series, over, under))
     yield Row("impact speed", f"{model}, landings, over tilts", name, curves.impact_speed(series))
     at = {point.tilt_deg: point.speed for point in series}
-    yield Row("speed at 10 deg", model, name, at.get(TEN, Quantity("speed", "mm_s", None)))
-    for count_name, counting, both, third in COUNTED:
-        if model != PAPER and "rest" in third:
+    yield Row("speed at 10 deg", model, name, at.get(STATED_SPEED_TILT_DEG, Quantity("speed", "mm_s", None)))
+    for count_name, counting, both, third in COUNTING_ROWS:
+        if model != PAPER_MODEL and "rest" in third:
             continue  # elastic feet never land at exactly no slip
         for fact, kind in (("types II and III", both), ("mostly type III", third)):
-            yield Row(fact, f"{model}, {count_name}", name, _percent(curves.smallest(series, counting, kind)))
+            yield Row(fact, f"{model}, {count_name}", name, _to_percent(curves.smallest_share(series, counting, kind)))
 
 
-def _of_lively(series: Sequence[Point]) -> Row:
+def _running_row(series: Sequence[Point]) -> Row:
     """Row on proportionality from the drive of figure 2 up, where a walker in space runs."""
     assumption = series[0].assumption
     drive = assumption.scene.drive
     model = f"{series[0].model}, from {drive.peak_gamma:.2g} g"
-    return Row("proportional", model, assumption.name, curves.proportionality(curves.lively(series, drive.peak_speed)))
+    return Row(
+        "proportional", model, assumption.name, curves.proportionality(curves.running_points(series, drive.peak_speed))
+    )
 
 
-def _of_plane(runs: Runs) -> Iterator[Row]:
+def _plane_rows(runs: Runs) -> Iterator[Row]:
     """Rows of figure 6's facts about a tilt."""
     tilt, growth = f"{runs.tilt_deg:g}", runs.growth
     exponents = {

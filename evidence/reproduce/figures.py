@@ -10,12 +10,12 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from evidence.published import FACTS
-from evidence.reproduce.compare import LOW, Findings
-from evidence.reproduce.curves import lively, series_of, through_zero
-from evidence.reproduce.growth import HALFWAY
+from evidence.reproduce.compare import LOW_RESTITUTION, Findings
+from evidence.reproduce.curves import group_points, running_points, slope_through_zero
+from evidence.reproduce.growth import CROSSOVER_EXPONENT
 from evidence.reproduce.mechanisms import Mechanism
 from evidence.reproduce.motion import Runs
-from evidence.reproduce.runs import PAPER, Point
+from evidence.reproduce.runs import PAPER_MODEL, Point
 from walkergen.core.numerics import Complex
 from walkergen.core.walker.sections import section_of
 from walkergen.files import figures
@@ -23,32 +23,32 @@ from walkergen.files.figures import GREY, INK, MIN_FONT_PT, PAGE_INCHES, PALE, S
 
 # Each with its own line and marker: readable in grey as well.
 MODELS = {
-    PAPER: (Look("#009E73", "-.", "^"), "simulated, the paper's own model"),
+    PAPER_MODEL: (Look("#009E73", "-.", "^"), "simulated, the paper's own model"),
     "space": (Look("#CC79A7", "-", "D"), "simulated, in space"),
     "space, noisy plate": (Look("#882255", "--", "v"), "simulated, in space, noisy plate"),
     "space, braced": (Look("#000000", "--", "x"), "simulated, braced, in space"),
 }
-THEORY = {"coulomb": Look("#0072B2"), "paper": Look("#56B4E9", "--")}
-STATED = Look("#000000", "none", "*")
-ROOM = 1.15
+THEORY_LOOKS = {"coulomb": Look("#0072B2"), "paper": Look("#56B4E9", "--")}
+STATED_LOOK = Look("#000000", "none", "*")
+HEADROOM = 1.15
 """Upper end of the axes over the largest simulated speed; the theory may exceed it."""
-MOST_TRACKS = 8
+MAX_TRACKS = 8
 """Largest number of tracks drawn for a tilt."""
 
 
 @style()
 def figure2(findings: Findings) -> Figure:
     """Draw speed against tilt: a panel for each set of contact numbers."""
-    figure, panels = _panels(findings, findings.tilts, "Speed against tilt, as in the paper's figure 2")
+    figure, panels = _make_panels(findings, findings.tilts, "Speed against tilt, as in the paper's figure 2")
     tilt, speed, braced = FACTS["peak tilt"], FACTS["peak speed"], FACTS["braced"]
     for axes, assumption in zip(panels, findings.assumptions, strict=True):
         for theory in findings.theories:
             if theory.assumption == assumption.name:
-                figures.draw_curve(axes, theory.curve[:3], THEORY[theory.mode], theory.label)
+                figures.draw_curve(axes, theory.curve[:3], THEORY_LOOKS[theory.mode], theory.label)
         _draw_points(axes, [p for p in findings.tilts if p.assumption == assumption], "tilt_deg", joined=True)
         peak = [tilt.value], [speed.value], [[speed.value - speed.low], [speed.high - speed.value]]
-        figures.draw_points(axes, peak, STATED, "the paper's stated peak", hollow=True)
-        axes.plot([tilt.low, tilt.high], [speed.value] * 2, color=STATED.colour, linewidth=0.8)
+        figures.draw_points(axes, peak, STATED_LOOK, "the paper's stated peak", hollow=True)
+        axes.plot([tilt.low, tilt.high], [speed.value] * 2, color=STATED_LOOK.colour, linewidth=0.8)
         name = "the paper's braced walkers: no significant speed"
         axes.axhspan(braced.low, braced.high, color=PALE, linewidth=0, zorder=-1, label=name)
         figures.label_axes(axes, "tilt of the legs (deg)")
@@ -60,7 +60,9 @@ def figure2(findings: Findings) -> Figure:
 @style()
 def figure5(findings: Findings) -> Figure:
     """Draw speed against the plate's speed: points with errors, thin lines through zero."""
-    figure, panels = _panels(findings, findings.drives, "Speed against the plate's speed, as in the paper's figure 5")
+    figure, panels = _make_panels(
+        findings, findings.drives, "Speed against the plate's speed, as in the paper's figure 5"
+    )
     for axes, assumption in zip(panels, findings.assumptions, strict=True):
         points, drive = [p for p in findings.drives if p.assumption == assumption], assumption.scene.drive.peak_speed
         end = 1.05 * max(point.plate_speed_mm_s for point in points)
@@ -69,10 +71,10 @@ def figure5(findings: Findings) -> Figure:
             if theory.assumption == assumption.name and theory.mode == "coulomb":  # proportional by construction
                 speed = np.interp(points[0].tilt_deg, theory.curve.tilt_deg, theory.curve.speed)
                 line = [0.0, end], [0.0, speed * end / drive], [0.0, 0.0]
-                figures.draw_curve(axes, line, THEORY["coulomb"], theory.label)
+                figures.draw_curve(axes, line, THEORY_LOOKS["coulomb"], theory.label)
         _draw_points(axes, points, "plate_speed_mm_s", joined=False)
         star = f"the paper's stated peak (at {FACTS['peak tilt'].value:g} deg)"
-        figures.draw_points(axes, ([drive], [FACTS["peak speed"].value], None), STATED, star, hollow=True)
+        figures.draw_points(axes, ([drive], [FACTS["peak speed"].value], None), STATED_LOOK, star, hollow=True)
         axes.set_xlim(0.0, end)
         figures.label_axes(axes, "peak speed of the plate (mm/s)")
     figures.label_axes(panels[0], y=f"mean speed at {findings.drives[0].tilt_deg:g} deg (mm/s)")
@@ -80,20 +82,20 @@ def figure5(findings: Findings) -> Figure:
     return figure
 
 
-def _panels(findings: Findings, points: Sequence[Point], title: str) -> tuple[Figure, list[Axes]]:
+def _make_panels(findings: Findings, points: Sequence[Point], title: str) -> tuple[Figure, list[Axes]]:
     """Figure with a panel for each assumption, as high as the largest simulated speed."""
     count = len(findings.assumptions)
     figure, panels = figures.new_grid(title, count, count, 3.9, share_y=True)
     for axes, assumption in zip(panels, findings.assumptions, strict=True):
         axes.set_title(wrap_text(assumption.label, 2.0, MIN_FONT_PT), fontsize=MIN_FONT_PT)
-    highest = ROOM * max([FACTS["peak speed"].high, *(point.speed.value or 0.0 for point in points)])
+    highest = HEADROOM * max([FACTS["peak speed"].high, *(point.speed.value or 0.0 for point in points)])
     panels[0].set_ylim(-0.08 * highest, highest)
     return figure, panels
 
 
 def _draw_points(axes: Axes, points: Sequence[Point], along: str, joined: bool) -> None:
     """Draw simulated speeds with bars of two standard errors, joined along the axis or alone."""
-    for series in series_of(points):
+    for series in group_points(points):
         look, label = MODELS[series[0].model]
         known = [(getattr(p, along), p.speed.value, 2.0 * (p.speed.se or 0.0)) for p in series if p.speed.known]
         if known:
@@ -106,9 +108,9 @@ def _draw_lines(axes: Axes, points: Sequence[Point], drive: float, end: float) -
     A band shows two standard errors of the slope; lines say no more than their points.
     """
     name = "through zero, ± 2 SE (in space: of those that run)"
-    for series in series_of(points):
+    for series in group_points(points):
         look, in_space = MODELS[series[0].model][0], series[0].model == "space"
-        slope = through_zero(lively(series, drive) if in_space else series)
+        slope = slope_through_zero(running_points(series, drive) if in_space else series)
         if slope.value is not None and slope.se is not None:
             x = np.array([drive if in_space else 0.0, end])
             figures.draw_curve(axes, (x, slope.value * x, 2.0 * slope.se * x), look, name, 0.15)
@@ -118,8 +120,8 @@ def _draw_lines(axes: Axes, points: Sequence[Point], drive: float, end: float) -
 @style()
 def figure6(findings: Findings) -> Figure:
     """Draw motion on a plane, with the low restitution: displacements, exponents, tracks, densities."""
-    plane = [runs for runs in findings.plane if runs.assumption == LOW]
-    (low,) = (assumption for assumption in findings.assumptions if assumption.name == LOW)
+    plane = [runs for runs in findings.plane if runs.assumption == LOW_RESTITUTION]
+    (low,) = (assumption for assumption in findings.assumptions if assumption.name == LOW_RESTITUTION)
     figure, panels = figures.new_grid(f"Motion on a plane, {low.label}", 4, 2, 2.8)
     squares, slopes, tracks, densities = panels
     for place, (runs, look) in enumerate(zip(plane, SERIES, strict=False)):
@@ -129,7 +131,7 @@ def figure6(findings: Findings) -> Figure:
             figures.draw_points(axes, drawn, look, f"{runs.tilt_deg:g} deg", hollow=True, joined=True)
         for width, curve in ((1.4, runs.motion.parallel), (0.7, runs.motion.orthogonal)):
             densities.step(curve.at, curve.value, look.line, color=look.colour, where="mid", linewidth=width)
-        for path in _star(runs, place):
+        for path in _star_of_tracks(runs, place):
             tracks.plot(path.real, path.imag, color=look.colour, linewidth=0.9)
     _draw_guides(squares, slopes, plane)
     tracks.set_aspect("equal", adjustable="datalim")
@@ -151,17 +153,17 @@ def _draw_guides(squares: Axes, slopes: Axes, plane: Sequence[Runs]) -> None:
             time = slow.at[[0, -1]]
             height = 2.5 * float(np.interp(fact.value, slow.at, slow.value))
             squares.plot(time, height * (time / fact.value) ** power, line, color=GREY, label=name, linewidth=1.0)
-    figures.draw_points(slopes, ([fact.value], [HALFWAY], None), STATED, hollow=True)
-    slopes.plot([fact.low, fact.high], [HALFWAY] * 2, color=STATED.colour, linewidth=0.8)
+    figures.draw_points(slopes, ([fact.value], [CROSSOVER_EXPONENT], None), STATED_LOOK, hollow=True)
+    slopes.plot([fact.low, fact.high], [CROSSOVER_EXPONENT] * 2, color=STATED_LOOK.colour, linewidth=0.8)
     slopes.set_ylim(0.8, 2.1)
     figures.label_axes(slopes, "lag t (s)", "local exponent of the MSD", log="x")
     figures.label_axes(squares, "lag t (s)", "mean squared displacement (mm²)", log="xy" if plane else "")
 
 
-def _star(runs: Runs, place: int) -> list[Complex]:
+def _star_of_tracks(runs: Runs, place: int) -> list[Complex]:
     """Tracks x + i y (mm) every 40 ms from one start, each turned by its own angle."""
     stride, paths = round(runs.motion.lag_s / runs.tracks.interval), []
-    count = min(len(runs.tracks.tracks), MOST_TRACKS)
+    count = min(len(runs.tracks.tracks), MAX_TRACKS)
     for number, track in enumerate(runs.tracks.tracks[:count]):
         assert track.heading is not None
         turn = 2.0 * math.pi * (number + place / 3) / count - track.heading[0]
@@ -171,15 +173,15 @@ def _star(runs: Runs, place: int) -> list[Complex]:
 
 
 @style()
-def mechanisms(findings: Findings) -> Figure:
+def mechanism_figure(findings: Findings) -> Figure:
     """Draw a panel for each mechanism: its walker from the side above two bars, two errors long."""
     figure = Figure(figsize=(PAGE_INCHES, 3.8), layout="constrained")
     figure.suptitle("Three ways to run, by theory and simulated; bars: 2 SE")
     grid = figure.subplots(2, len(findings.mechanisms), height_ratios=(1.0, 2.4), squeeze=False)
     for (above, below), mechanism in zip(grid.T, findings.mechanisms, strict=True):
-        _profile(above, mechanism)
+        _draw_profile(above, mechanism)
         look, name = MODELS[mechanism.simulated.model]
-        speeds = (mechanism.theory, THEORY["coulomb"]), (mechanism.simulated.speed, look)
+        speeds = (mechanism.theory, THEORY_LOOKS["coulomb"]), (mechanism.simulated.speed, look)
         for place, (speed, own) in enumerate(speeds):
             if speed.value is not None:
                 below.bar(place, speed.value, 0.6, color=own.colour, yerr=2.0 * (speed.se or 0.0), capsize=4)
@@ -190,7 +192,7 @@ def mechanisms(findings: Findings) -> Figure:
     return figure
 
 
-def _profile(axes: Axes, mechanism: Mechanism) -> None:
+def _draw_profile(axes: Axes, mechanism: Mechanism) -> None:
     """Draw a walker of a body in side view, running to the right, its feet with their friction."""
     design = mechanism.design
     side, ground = design.shape.side, min(limb.foot_height for limb in design.limbs)
@@ -215,5 +217,5 @@ FIGURES: dict[str, Callable[[Findings], Figure]] = {
     "figure2": figure2,
     "figure5": figure5,
     "figure6": figure6,
-    "mechanisms": mechanisms,
+    "mechanisms": mechanism_figure,
 }

@@ -12,25 +12,25 @@ from walkergen.analysis.tracks import Tracks
 from walkergen.core.numerics import Array, statistics
 from walkergen.core.numerics.quantity import Quantity
 
-PER_DECADE = 8
+LAGS_PER_DECADE = 8
 """Number of lags in a decade; an exponent is the slope over two steps, a quarter of a decade."""
 
-SHORTEST = 0.04
+MIN_LAG_S = 0.04
 """Shortest lag of the exponents, s: that of figure 6c, some four periods of the drive."""
 
-LATE = 1.0
-"""Lag from which the paper's slow walker is diffusive, s (stated)."""
+LATE_LAG_S = 1.0
+"""Shortest lag at which the paper's slow walker is diffusive, s (stated)."""
 
-HALFWAY = 1.5
+CROSSOVER_EXPONENT = 1.5
 """Local exponent at the crossover, halfway from ballistic to diffusive."""
 
-NONE = np.zeros(0)
+EMPTY = np.zeros(0)
 
 
 class Growth(NamedTuple):
     """Growth of the mean squared displacement with the lag."""
 
-    exponents: Curve = Curve(NONE, NONE, NONE)
+    exponents: Curve = Curve(EMPTY, EMPTY, EMPTY)
     """Local exponents d log MSD / d log lag by lag (s); empty for runs too short, or at rest."""
     first: Quantity = Quantity("exponent", "", None)
     """Exponent at the shortest lag."""
@@ -42,15 +42,15 @@ class Growth(NamedTuple):
     """Lag at which the exponent first falls to HALFWAY; none when it does not in every run."""
 
 
-def of(tracks: Tracks) -> Growth:
+def measure_growth(tracks: Tracks) -> Growth:
     """Local exponents at lags from SHORTEST to a quarter of the shortest track, and what they say.
 
     An exponent is the slope over two neighbouring steps of lags on the logarithmic scale. Errors
     are those of a jackknife over the tracks.
     """
     longest = min(len(track.position) for track in tracks.tracks) // motion.FITTED_LAG_DIVISOR
-    shortest = max(round(SHORTEST / tracks.interval), 1)
-    count = round(PER_DECADE * math.log10(max(longest / shortest, 1.0))) + 1
+    shortest = max(round(MIN_LAG_S / tracks.interval), 1)
+    count = round(LAGS_PER_DECADE * math.log10(max(longest / shortest, 1.0))) + 1
     lags = lag_sums.log_spaced_lags(longest, count, shortest)
     sums = np.array([lag_sums.sum_squares(track.position, lags) for track in tracks.tracks])
     whole = sums.sum(axis=0)
@@ -62,14 +62,14 @@ def of(tracks: Tracks) -> Growth:
     lowest = int(slopes[0].argmin())
     return Growth(
         Curve(np.exp(log_lags[1:-1]), slopes[0], np.asarray(statistics.jackknife_error(slopes[1:]))),
-        _of_replicates("exponent", "", slopes[:, 0]),
-        _of_replicates("exponent", "", slopes[:, lowest]),
-        _of_replicates("exponent", "", [_late(log_lags, logs) for logs in log_sums]),
-        _of_replicates("crossover", "s", [_crossover(log_lags[1:-1], exponents) for exponents in slopes]),
+        _jackknife_quantity("exponent", "", slopes[:, 0]),
+        _jackknife_quantity("exponent", "", slopes[:, lowest]),
+        _jackknife_quantity("exponent", "", [_late_exponent(log_lags, logs) for logs in log_sums]),
+        _jackknife_quantity("crossover", "s", [_crossover_lag(log_lags[1:-1], exponents) for exponents in slopes]),
     )
 
 
-def _of_replicates(key: str, unit: str, replicates: "Sequence[float] | Array") -> Quantity:
+def _jackknife_quantity(key: str, unit: str, replicates: "Sequence[float] | Array") -> Quantity:
     """Value of the whole, which comes first, with the error that the rest give it."""
     numbers = np.asarray(replicates)
     if not np.isfinite(numbers).all():
@@ -78,19 +78,19 @@ def _of_replicates(key: str, unit: str, replicates: "Sequence[float] | Array") -
     return Quantity(key, unit, float(numbers[0]), error, len(numbers) - 2)
 
 
-def _late(log_lag: Array, log_squares: Array) -> float:
+def _late_exponent(log_lag: Array, log_squares: Array) -> float:
     """Slope of log MSD from LATE to the longest lag; NaN when that is shorter than 1.5 LATE."""
-    first, last = math.log(LATE), float(log_lag[-1])
+    first, last = math.log(LATE_LAG_S), float(log_lag[-1])
     if last < first + math.log(1.5):
         return math.nan
     return float((log_squares[-1] - np.interp(first, log_lag, log_squares)) / (last - first))
 
 
-def _crossover(log_lag: Array, slopes: Array) -> float:
+def _crossover_lag(log_lag: Array, slopes: Array) -> float:
     """Lag (s) at which the slopes first fall to HALFWAY; NaN when they do not."""
-    below = np.flatnonzero(slopes <= HALFWAY)
+    below = np.flatnonzero(slopes <= CROSSOVER_EXPONENT)
     if not len(below) or below[0] == 0:
         return math.nan
     at = int(below[0])
-    share = (slopes[at - 1] - HALFWAY) / (slopes[at - 1] - slopes[at])
+    share = (slopes[at - 1] - CROSSOVER_EXPONENT) / (slopes[at - 1] - slopes[at])
     return math.exp(log_lag[at - 1] + share * (log_lag[at] - log_lag[at - 1]))

@@ -43,18 +43,20 @@ class Impacts(NamedTuple):
     landing: Mask
 
 
-def of_run(rows: Array, corners: int) -> Impacts:
+def classify_impacts(rows: Array, corners: int) -> Impacts:
     """Impacts in the record of a run, whose events count so many corners to a foot."""
     impacts = landings.impacts_in(rows)
-    return Impacts(impacts.kind, impacts.F_y, -impacts.v_y, landings.of_feet(impacts.time, impacts.foot // corners))
+    return Impacts(
+        impacts.kind, impacts.F_y, -impacts.v_y, landings.find_landings(impacts.time, impacts.foot // corners)
+    )
 
 
-def shares(runs: Sequence[Impacts]) -> Shares:
+def mean_shares(runs: Sequence[Impacts]) -> Shares:
     """Return mean shares over runs that all have landings; empty for fewer than two."""
     if len(runs) < 2:
         return {}
     weights = [(np.ones(len(run.kind)), run.landing.astype(np.float64), run.impulse) for run in runs]
-    rows = [[of_weights(run.kind, own) for own in ways] for run, ways in zip(runs, weights, strict=True)]
+    rows = [[weighted_shares(run.kind, own) for own in ways] for run, ways in zip(runs, weights, strict=True)]
     table, names = np.array(rows), list(TYPES)
     return {
         (counting, name): mean(name, "", table[:, row, [names.index(kind) for kind in kinds]].sum(axis=1))
@@ -63,7 +65,7 @@ def shares(runs: Sequence[Impacts]) -> Shares:
     }
 
 
-def of_weights(kind: Whole, weights: Array) -> Array:
+def weighted_shares(kind: Whole, weights: Array) -> Array:
     """Shares in the order of TYPES of impacts with weights."""
     amounts = [float(weights[np.isin(kind, kinds)].sum()) for kinds in TYPES.values()]
     return np.array(amounts) / float(weights.sum())

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from evidence.reproduce import compare, curves, figures, maximum, mechanisms, motion, page, report, runs, theory
-from evidence.reproduce.compare import FITTED, LOW, Findings
+from evidence.reproduce.compare import FITTED, LOW_RESTITUTION, Findings
 from evidence.reproduce.runs import Assumption, Case, Point
 from walkergen.core.errors import InputError
 from walkergen.core.files.output import Folder, versions
@@ -22,17 +22,17 @@ from walkergen.request import PAPER_WALKER
 SCENES = "lane-90hz", "lane-90hz-fitted"
 """Scenes with the contact as measured, and as fitted."""
 
-TILT_OF_DRIVES = 15.0
+DRIVES_TILT_DEG = 15.0
 """Tilt of the walkers in figure 5, deg (stated)."""
 
-SECONDS, RUNS, FEWEST_RUNS = 8.0, 8, 8
+SECONDS, RUNS, MIN_RUNS = 8.0, 8, 8
 """Length (s) and number of the runs of an ensemble of the paper's model, and least number, since standard errors come
 from the spread of independent runs."""
 
-SHORTEST = 0.1
+MIN_SECONDS = 0.1
 """Least length of runs, s: those of figure 6 then last for some displacements over 40 ms."""
 
-LOW_RESTITUTION = 0.3
+LOW_RESTITUTION_VALUE = 0.3
 """Restitution of the foot of the third contact: chosen, not measured."""
 
 
@@ -58,43 +58,45 @@ class Parts(NamedTuple):
     plane: list[Design]
 
 
-def of(tilts_deg: Sequence[float] | None, gammas: Sequence[float] | None, run: Mapping[str, Any]) -> Job:
+def make_job(tilts_deg: Sequence[float] | None, gammas: Sequence[float] | None, run: Mapping[str, Any]) -> Job:
     """Job with the paper's walker and scenes, and other values of some keys of their runs. Raises InputError."""
     changes = {f"run.{key}": value for key, value in {"seconds": SECONDS, "runs": RUNS, **run}.items()}
     measured, fitted = (templates.load(name, "scenes", Scene).variant(**changes) for name in SCENES)
     return Job(templates.load(PAPER_WALKER, "walkers", Design), measured, fitted, tilts_deg, gammas)
 
 
-def make(job: Job, folder: Path, progress: Progress) -> Report:
+def reproduce(job: Job, folder: Path, progress: Progress) -> Report:
     """Write figureN.png, .pdf, .csv as soon as each is made, mechanisms.*, reproduce.md and .csv.
 
     Equal jobs give equal bytes of every CSV. Ctrl-C keeps the figures already done. Raises
     InputError when the runs or tilts are too few for error bars and peaks.
     """
-    parts, ways = check(job), mechanisms.designs(job.design)
+    parts, ways = check_job(job), mechanisms.load_designs(job.design)
     counts = {name: len(cases) for name, cases in parts.cases.items()}
-    shares = _shares(counts | {"figure6": len(parts.assumptions) * len(parts.plane)}, progress)
+    shares = _share_progress(counts | {"figure6": len(parts.assumptions) * len(parts.plane)}, progress)
     progress("theory", 0, 1)
-    tilts_deg = job.tilts_deg or runs.swept("figure2")[0]
-    theories = [theory.of(job.design, own, mode, tilts_deg) for own in parts.assumptions for mode in MODES]
-    peaks = [maximum.tilts(job.design.variant(kind="flexible"), mode) for mode in MODES]
+    tilts_deg = job.tilts_deg or runs.sweep_values("figure2")[0]
+    theories = [theory.predict_curve(job.design, own, mode, tilts_deg) for own in parts.assumptions for mode in MODES]
+    peaks = [maximum.find_tilts(job.design.variant(kind="flexible"), mode) for mode in MODES]
 
     def points(name: str) -> list[Point]:
-        return list(runs.simulated(parts.cases[name], shares[name]))
+        return list(runs.simulate_cases(parts.cases[name], shares[name]))
 
     with Folder(folder) as target:
         target.claim()
         found = Findings(parts.assumptions, theories, peaks, points("figure2"))
-        _write(found, target, "figure2")
-        found = found._replace(restitutions=curves.restitutions_of([*found.tilts, *points("figure2-restitutions")]))
-        _write(found, target, "figure2-restitutions")
+        _write_part(found, target, "figure2")
+        found = found._replace(
+            restitutions=curves.group_by_restitution([*found.tilts, *points("figure2-restitutions")])
+        )
+        _write_part(found, target, "figure2-restitutions")
         found = found._replace(drives=points("figure5"))
-        _write(found, target, "figure5")
-        found = found._replace(plane=motion.simulated(parts.assumptions, parts.plane, shares["figure6"]))
-        _write(found, target, "figure6")
-        found = found._replace(mechanisms=mechanisms.beside(ways, points("mechanisms")))
-        _write(found, target, "mechanisms")
-        result = report.of(found, compare.rows(found), folder)
+        _write_part(found, target, "figure5")
+        found = found._replace(plane=motion.simulate_plane(parts.assumptions, parts.plane, shares["figure6"]))
+        _write_part(found, target, "figure6")
+        found = found._replace(mechanisms=mechanisms.compare_mechanisms(ways, points("mechanisms")))
+        _write_part(found, target, "mechanisms")
+        result = report.make_report(found, compare.compare_facts(found), folder)
         target.write("reproduce.csv", result["reproduce"].csv().encode())
         target.write("reproduce.md", page.to_markdown(result, found).encode())
         scenes = {"measured": job.measured, "fitted": job.fitted}
@@ -103,71 +105,71 @@ def make(job: Job, folder: Path, progress: Progress) -> Report:
     return result
 
 
-def parts_of(job: Job, tilts_deg: Sequence[float], gammas: Sequence[float]) -> Parts:
+def make_parts(job: Job, tilts_deg: Sequence[float], gammas: Sequence[float]) -> Parts:
     """Collect the simulations of a job at these tilts and drives, with the values of the shipped sweeps."""
-    assumptions = assumptions_of(job)
+    assumptions = make_assumptions(job)
     flexible, braced = job.design.variant(kind="flexible"), job.design.variant(kind="braced")
-    of_flexible = _cases(assumptions, flexible, runs.PAPER, "space")
-    tilted = of_flexible + _cases(assumptions, braced, "space, braced")
-    driven = [*of_flexible, *_cases(assumptions, flexible, "space, noisy plate")]
-    restitutions, tilts_of_restitutions = runs.swept("figure2-restitutions")
-    varied = [_with(f"e = {e:g}", assumptions[0].scene, {"restitution": e}) for e in restitutions]
-    in_space = _cases(varied, flexible, "space")
-    ways = [Case(assumptions[0], mechanisms.MODEL, design) for _, design in mechanisms.designs(job.design)]
+    of_flexible = _make_cases(assumptions, flexible, runs.PAPER_MODEL, "space")
+    tilted = of_flexible + _make_cases(assumptions, braced, "space, braced")
+    driven = [*of_flexible, *_make_cases(assumptions, flexible, "space, noisy plate")]
+    restitutions, tilts_of_restitutions = runs.sweep_values("figure2-restitutions")
+    varied = [_vary_contact(f"e = {e:g}", assumptions[0].scene, {"restitution": e}) for e in restitutions]
+    in_space = _make_cases(varied, flexible, "space")
+    ways = [Case(assumptions[0], mechanisms.MODEL, design) for _, design in mechanisms.load_designs(job.design)]
     cases = {
-        "figure2": [_tilted(case, tilt) for case in tilted for tilt in tilts_deg],
-        "figure2-restitutions": [_tilted(case, tilt) for case in in_space for tilt in tilts_of_restitutions],
-        "figure5": [_tilted(case, TILT_OF_DRIVES)._replace(gamma=gamma) for case in driven for gamma in gammas],
+        "figure2": [_tilt_case(case, tilt) for case in tilted for tilt in tilts_deg],
+        "figure2-restitutions": [_tilt_case(case, tilt) for case in in_space for tilt in tilts_of_restitutions],
+        "figure5": [_tilt_case(case, DRIVES_TILT_DEG)._replace(gamma=gamma) for case in driven for gamma in gammas],
         "mechanisms": ways,
     }
-    return Parts(assumptions, cases, [flexible.variant(tilt_deg=tilt) for tilt in runs.swept("figure6")[0]])
+    return Parts(assumptions, cases, [flexible.variant(tilt_deg=tilt) for tilt in runs.sweep_values("figure6")[0]])
 
 
-def _cases(assumptions: Sequence[Assumption], design: Design, *models: str) -> list[Case]:
+def _make_cases(assumptions: Sequence[Assumption], design: Design, *models: str) -> list[Case]:
     return [Case(assumption, model, design) for assumption in assumptions for model in models]
 
 
-def _tilted(case: Case, tilt_deg: float) -> Case:
+def _tilt_case(case: Case, tilt_deg: float) -> Case:
     return case._replace(design=case.design.variant(tilt_deg=tilt_deg))
 
 
-def _shares(counts: Mapping[str, int], progress: Progress) -> dict[str, Progress]:
+def _share_progress(counts: Mapping[str, int], progress: Progress) -> dict[str, Progress]:
     """Progress of each of several parts, which have so many ensembles, within the whole."""
     share = 1.0 / sum(counts.values())
     ends = zip(counts.items(), accumulate(counts.values()), strict=True)
     return {name: range_progress(progress, share * (end - count), share * end) for (name, count), end in ends}
 
 
-def check(job: Job) -> Parts:
+def check_job(job: Job) -> Parts:
     """Return the simulations of a job. Raises InputError if they cannot give error bars, peaks or lines."""
-    tilts_deg = runs.swept("figure2")[0] if job.tilts_deg is None else job.tilts_deg
-    gammas = runs.swept("figure5")[0] if job.gammas is None else job.gammas
+    tilts_deg = runs.sweep_values("figure2")[0] if job.tilts_deg is None else job.tilts_deg
+    gammas = runs.sweep_values("figure5")[0] if job.gammas is None else job.gammas
     for scene in (job.measured, job.fitted):
-        if scene.run.runs < FEWEST_RUNS:
-            raise InputError(f"--runs {scene.run.runs}: at least {FEWEST_RUNS}, whose spread gives the error bars")
-        if scene.run.seconds < SHORTEST:
-            allowed = f"at least {SHORTEST:g}, for displacements over 40 ms"
+        if scene.run.runs < MIN_RUNS:
+            raise InputError(f"--runs {scene.run.runs}: at least {MIN_RUNS}, whose spread gives the error bars")
+        if scene.run.seconds < MIN_SECONDS:
+            allowed = f"at least {MIN_SECONDS:g}, for displacements over 40 ms"
             raise InputError(f"--seconds {scene.run.seconds:g}: {allowed}")
     for flag, values, fewest in (("--tilt", tilts_deg, 3), ("--gamma", gammas, 2)):
         if len(values) < fewest or list(values) != sorted(set(values)) or values[0] < 0.0:
             listed = ",".join(f"{value:g}" for value in values)
             raise InputError(f"{flag} {listed[:60]}: give {fewest} or more, none negative, each above the last")
-    job.design.members([*tilts_deg, TILT_OF_DRIVES], ("flexible", "braced"))
-    return parts_of(job, tilts_deg, gammas)
+    job.design.members([*tilts_deg, DRIVES_TILT_DEG], ("flexible", "braced"))
+    return make_parts(job, tilts_deg, gammas)
 
 
-def assumptions_of(job: Job) -> list[Assumption]:
+def make_assumptions(job: Job) -> list[Assumption]:
     """List the sets of contact numbers: measured, fitted, and a low restitution of the foot."""
-    low = _with(LOW, job.measured, {"restitution": LOW_RESTITUTION})
+    low = _vary_contact(LOW_RESTITUTION, job.measured, {"restitution": LOW_RESTITUTION_VALUE})
     return [Assumption("measured", job.measured), Assumption(FITTED, job.fitted), low]
 
 
-def _with(name: str, scene: Scene, contact: Mapping[str, float]) -> Assumption:
+def _vary_contact(name: str, scene: Scene, contact: Mapping[str, float]) -> Assumption:
     """Assumption of other numbers of the contact."""
     return Assumption(name, scene.model_copy(update={"contact": scene.contact.model_copy(update=contact)}))
 
 
-def _write(found: Findings, target: Folder, name: str) -> None:
+def _write_part(found: Findings, target: Folder, name: str) -> None:
     """Write the tables of a part, and its figure."""
     for table in report.TABLES[name](found):
         target.write(f"{table.name}.csv", table.csv().encode())

@@ -20,7 +20,7 @@ class Range(NamedTuple):
     high_deg: float
 
 
-def tilts(design: Design, mode: Mode) -> Range:
+def find_tilts(design: Design, mode: Mode) -> Range:
     """Tilts of the theory's largest speed over realistic contacts, to 0.25 deg within 0.25..25."""
     tried = np.arange(0.25, 25.1, 0.25)
     e, mu = np.meshgrid(RESTITUTIONS, FRICTIONS)

@@ -19,12 +19,12 @@ from walkergen.core.walker.design import Design
 from walkergen.files import templates
 
 MODEL = "space"
-"""Series of `runs.NOISE` by which all three are simulated."""
+"""Series of `runs.NOISE_RATIOS` that simulates all three."""
 
-TILT = 10.0
+FLEXIBLE_TILT_DEG = 10.0
 """Tilt of the flexible legs, deg: that of the paper's peak."""
 
-OTHERS = {"two-materials": "feet of two materials", "unequal-legs": "rigid legs of unequal length"}
+RIGID_MECHANISMS = {"two-materials": "feet of two materials", "unequal-legs": "rigid legs of unequal length"}
 """Mechanisms of rigid walkers, by template."""
 
 DIRECTIONS = {Verdict.AGREE: "same", Verdict.DISAGREE: "opposite"}
@@ -36,7 +36,7 @@ class Mechanism(NamedTuple):
     what: str
     design: Design
     theory: Quantity
-    """Speed by the theory, mm/s, and its standard deviation by what is not known exactly."""
+    """Speed from the theory, mm/s, and its standard deviation from uncertain inputs."""
     used: str
     """What the theory balanced."""
     simulated: Point
@@ -54,19 +54,19 @@ class Mechanism(NamedTuple):
         return DIRECTIONS.get(self.ratio.compare_with_range(0.0, float("inf")), "undecided")
 
 
-def designs(paper: Design) -> list[tuple[str, Design]]:
+def load_designs(paper: Design) -> list[tuple[str, Design]]:
     """Mechanisms and their walkers: flexible legs as the paper's, then those of OTHERS."""
-    tilted = paper.variant(tilt_deg=TILT, kind="flexible")
-    others = [(what, templates.load(name, "walkers", Design)) for name, what in OTHERS.items()]
+    tilted = paper.variant(tilt_deg=FLEXIBLE_TILT_DEG, kind="flexible")
+    others = [(what, templates.load(name, "walkers", Design)) for name, what in RIGID_MECHANISMS.items()]
     return [("tilted flexible legs", tilted), *others]
 
 
-def beside(ways: Sequence[tuple[str, Design]], points: Sequence[Point]) -> list[Mechanism]:
-    """Predict every mechanism beside its simulation."""
-    return [_beside(what, design, point) for (what, design), point in zip(ways, points, strict=True)]
+def compare_mechanisms(ways: Sequence[tuple[str, Design]], points: Sequence[Point]) -> list[Mechanism]:
+    """Compare every mechanism's theory with its simulation."""
+    return [_compare_mechanism(what, design, point) for (what, design), point in zip(ways, points, strict=True)]
 
 
-def _beside(what: str, design: Design, point: Point) -> Mechanism:
+def _compare_mechanism(what: str, design: Design, point: Point) -> Mechanism:
     assumption = point.assumption
     mass, inputs = solids.mass_of(design), uncertain_inputs.inputs(assumption.scene, design, PREDICTION_READER)
     contact, values = assumption.scene.contact, uncertain_inputs.sample_inputs(inputs, DRAW_COUNT, SEED)

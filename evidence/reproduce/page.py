@@ -7,8 +7,8 @@ from evidence.reproduce import curves
 from evidence.reproduce.compare import Findings
 from evidence.reproduce.maximum import FRICTIONS, RESTITUTIONS
 from evidence.reproduce.motion import Runs
-from evidence.reproduce.report import number
-from evidence.reproduce.runs import LONGER, NOISE_RATIO, SHORTER, Point
+from evidence.reproduce.report import format_number
+from evidence.reproduce.runs import FIGURE6_LENGTH_RATIO, NOISE_RATIO, SPACE_LENGTH_RATIO, Point
 from walkergen.core.numerics.quantity import exact
 from walkergen.files.report import Report
 
@@ -34,20 +34,21 @@ def to_markdown(report: Report, findings: Findings) -> str:
         f"Compared: {fact.quantity}, {fact.claim} (margin: {fact.margin})."
         for place, fact in enumerate(FACTS.values(), start=1)
     ]
-    notes = [f"- {line}" for line in (*_settings(findings), *_notes(findings))]
+    notes = [f"- {line}" for line in (*_describe_settings(findings), *_describe_results(findings))]
     pictures = [f"![{name}]({name}.png)\n\n{caption}\n" for name, caption in CAPTIONS.items()]
     parts = ("Notes", notes), ("Statements", statements), ("Figures", pictures)
     return "\n".join([report.markdown(), *(f"## {title}\n\n" + "\n".join(lines) + "\n" for title, lines in parts)])
 
 
-def _settings(findings: Findings) -> Iterator[str]:
+def _describe_settings(findings: Findings) -> Iterator[str]:
     """Lines on what was simulated."""
     scene = findings.assumptions[0].scene
     run, plate, factor = scene.run, scene.plate, scene.prediction.impact_speed_factor
     yield (
         f"Plate: {scene.drive.frequency:g} Hz, {scene.drive.peak_gamma:g} g ({scene.drive.peak_speed:.1f} mm/s). Each "
-        f"number: {run.runs} runs of {run.seconds:g} s, in space of {SHORTER * run.seconds:g} s "
-        f"({LONGER * run.seconds:g} s for figure 6), after {run.discard_seconds:g} s discarded; seed {run.seed}."
+        f"number: {run.runs} runs of {run.seconds:g} s, in space of {SPACE_LENGTH_RATIO * run.seconds:g} s "
+        f"({FIGURE6_LENGTH_RATIO * run.seconds:g} s for figure 6), after {run.discard_seconds:g} s discarded; "
+        f"seed {run.seed}."
     )
     yield (
         "The paper's model is `evidence/paper_simulation.py`. In space walkers run on elastic feet "
@@ -64,7 +65,7 @@ def _settings(findings: Findings) -> Iterator[str]:
     yield "The bias of the time steps is not in ± (`walkergen accuracy` measures it)."
 
 
-def _notes(findings: Findings) -> Iterator[str]:
+def _describe_results(findings: Findings) -> Iterator[str]:
     below = FACTS["maximum below"]
     for peaks in findings.peaks:
         yield (
@@ -73,21 +74,21 @@ def _notes(findings: Findings) -> Iterator[str]:
             f"maximum lies between {peaks.low_deg:g} and {peaks.high_deg:g} deg; below {below.value:g} deg: "
             f"{below.verdict(exact('tilt', 'deg', peaks.high_deg)).value}."
         )
-    tops = [(e, curves.peak(series)) for e, series in findings.restitutions.items()]
-    known = [f"e = {e:g}: {number(h)} mm/s at {number(at)} deg" for e, (at, h) in tops if at.value]
+    tops = [(e, curves.find_peak(series)) for e, series in findings.restitutions.items()]
+    known = [f"e = {e:g}: {format_number(h)} mm/s at {format_number(at)} deg" for e, (at, h) in tops if at.value]
     if known:
         friction = findings.assumptions[0].scene.contact.friction
         yield f"Peak in space with μ = {friction:g}, by restitution: {'; '.join(known)}."
     for runs in findings.plane:
-        yield _moved(runs)
-    for series in curves.series_of(findings.drives):
-        if (slope := curves.through_zero(series)).value is not None:
-            yield f"Figure 5, {series[0].assumption.name}, {series[0].model}: slope {number(slope)}."
-    for series in curves.series_of((*findings.tilts, *findings.drives)):
-        yield from _lost(series)
+        yield _describe_displacements(runs)
+    for series in curves.group_points(findings.drives):
+        if (slope := curves.slope_through_zero(series)).value is not None:
+            yield f"Figure 5, {series[0].assumption.name}, {series[0].model}: slope {format_number(slope)}."
+    for series in curves.group_points((*findings.tilts, *findings.drives)):
+        yield from _describe_lost_runs(series)
 
 
-def _moved(runs: Runs) -> str:
+def _describe_displacements(runs: Runs) -> str:
     """Line on the displacements over 40 ms on a plane."""
     moved = []
     for way, axis in (("along", "parallel"), ("across", "orthogonal")):
@@ -96,12 +97,12 @@ def _moved(runs: Runs) -> str:
             moved.append(f"{way} {mean.value:.3g} mm, sd {sd.value:.3g} mm")
     lost = f"; {runs.lost} runs ended badly" if runs.lost else ""
     return (
-        f"Figure 6, {runs.assumption}, {runs.tilt_deg:g} deg: {number(runs.speed)} mm/s along the "
+        f"Figure 6, {runs.assumption}, {runs.tilt_deg:g} deg: {format_number(runs.speed)} mm/s along the "
         f"heading; displacements over 40 ms {', '.join(moved) or 'too few to tell'}{lost}."
     )
 
 
-def _lost(series: Sequence[Point]) -> Iterator[str]:
+def _describe_lost_runs(series: Sequence[Point]) -> Iterator[str]:
     """Lines on runs that ended badly: the means are over the others."""
     lost = sum(point.lost for point in series)
     missing = [f"{point.tilt_deg:g} deg" for point in series if point.speed.value is None]

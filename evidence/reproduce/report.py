@@ -1,4 +1,4 @@
-"""Report of the reproduction: the paper beside our numbers, and the tables behind the figures."""
+"""Report of the reproduction: the paper compared with our numbers, and the tables behind the figures."""
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -15,8 +15,8 @@ from walkergen.core.numerics.quantity import Quantity, Verdict
 from walkergen.files import report
 from walkergen.files.report import Report, Table
 
-SPEED = ("speed_mm_s", "speed_se_mm_s")
-POINT = ("contact", "model", "tilt_deg", "plate_speed_mm_s")
+SPEED_KEYS = ("speed_mm_s", "speed_se_mm_s")
+POINT_KEYS = ("contact", "model", "tilt_deg", "plate_speed_mm_s")
 
 MARKS = {Verdict.AGREE: "=", Verdict.DISAGREE: "!", Verdict.UNDECIDED: "?"}
 CAPTION = (
@@ -26,54 +26,61 @@ CAPTION = (
 LEGEND = "± 2 standard errors; = agrees, ! disagrees, ? undecided; reproduce.csv says by how much a number is off"
 
 
-def of(findings: Findings, rows: Sequence[Row], folder: Path) -> Report:
+def make_report(findings: Findings, rows: Sequence[Row], folder: Path) -> Report:
     """Report of all that was found and compared, which lies in a folder."""
     tables = [table for of_figure in TABLES.values() for table in of_figure(findings)]
     listed = [row._asdict() | {"ours": row.ours.value, "se": row.ours.se} for row in rows]
-    verdicts = [{"verdict": row.verdict.value, "off": row.off} for row in rows]
+    verdicts = [{"verdict": row.verdict.value, "off": row.distance} for row in rows]
     return Report(
         name="reproduce",
         title="The paper, side by side",
         caption=CAPTION,
-        tables=[side_by_side(rows, findings.assumptions), compared(rows), *tables],
+        tables=[readable_table(rows, findings.assumptions), comparison_table(rows), *tables],
         facts={
             "rows": [own | word for own, word in zip(listed, verdicts, strict=True)],
-            "mechanisms": list(mechanisms(findings.mechanisms)),
+            "mechanisms": list(mechanism_table(findings.mechanisms)),
         },
         lines=[LEGEND],
         folder=folder,
     )
 
 
-def _pair(quantity: Quantity) -> tuple[float | None, float | None]:
+def _value_and_error(quantity: Quantity) -> tuple[float | None, float | None]:
     return quantity.value, quantity.se
 
 
-def _where(point: Point) -> tuple[str, str, float, float]:
+def _point_cells(point: Point) -> tuple[str, str, float, float]:
     return point.assumption.name, point.model, point.tilt_deg, point.plate_speed_mm_s
 
 
-def speeds(name: str, points: Sequence[Point]) -> Table:
+def speed_table(name: str, points: Sequence[Point]) -> Table:
     """Mean speed and impact speed with standard errors, a row per ensemble."""
-    keys = (*POINT, *SPEED, "impact_speed_mm_s", "impact_speed_se_mm_s", "outcomes")
-    rows = [(*_where(point), *_pair(point.speed), *_pair(point.impact_speed), point.outcomes) for point in points]
+    keys = (*POINT_KEYS, *SPEED_KEYS, "impact_speed_mm_s", "impact_speed_se_mm_s", "outcomes")
+    rows = [
+        (*_point_cells(point), *_value_and_error(point.speed), *_value_and_error(point.impact_speed), point.outcomes)
+        for point in points
+    ]
     return Table(name, rows, keys)
 
 
-def types(points: Sequence[Point]) -> Table:
+def type_table(points: Sequence[Point]) -> Table:
     """Share of every type of impacts, and of II and III, a row per ensemble and counting."""
     kinds = (*TYPES, *SUMS)
     rows = [
-        (*_where(point), counting, *(number for kind in kinds for number in _pair(point.shares[counting, kind])))
+        (
+            *_point_cells(point),
+            counting,
+            *(number for kind in kinds for number in _value_and_error(point.shares[counting, kind])),
+        )
         for point in points
         if point.shares
         for counting in COUNTINGS
     ]
     names = [name for kind in kinds for name in (f"share_{kind}", f"share_{kind}_se")]
-    return Table("figure3", rows, (*POINT, "counting", *names))
+    return Table("figure3", rows, (*POINT_KEYS, "counting", *names))
 
 
-def theory(findings: Findings) -> Table:
+def theory_table(findings: Findings) -> Table:
     """Predicted curves, a row for each tilt."""
     rows = [
         (drawn.assumption, drawn.mode, float(tilt), float(speed), float(sd), bool(sticks))
@@ -84,13 +91,13 @@ def theory(findings: Findings) -> Table:
     return Table("figure2_theory", rows, keys)
 
 
-def restitutions(series: Mapping[float, Sequence[Point]]) -> Table:
+def restitution_table(series: Mapping[float, Sequence[Point]]) -> Table:
     """Speeds in space, a row per restitution and tilt."""
-    rows = [(e, p.tilt_deg, *_pair(p.speed), p.outcomes) for e, points in series.items() for p in points]
-    return Table("figure2_restitutions", rows, ("restitution", "tilt_deg", *SPEED, "outcomes"))
+    rows = [(e, p.tilt_deg, *_value_and_error(p.speed), p.outcomes) for e, points in series.items() for p in points]
+    return Table("figure2_restitutions", rows, ("restitution", "tilt_deg", *SPEED_KEYS, "outcomes"))
 
 
-def on_plane(plane: Sequence[Runs]) -> list[Table]:
+def plane_tables(plane: Sequence[Runs]) -> list[Table]:
     """Squared displacements, their exponents, densities and tracks every 40 ms: y to the left of x."""
 
     def table(name: str, keys: tuple[str, ...], of: Callable[[Runs], dict[str, Curve]]) -> Table:
@@ -139,12 +146,12 @@ class Way(NamedTuple):
     outcomes: str
 
 
-def mechanisms(measured: Sequence[Mechanism]) -> Table:
+def mechanism_table(measured: Sequence[Mechanism]) -> Table:
     """Theory and simulation of every mechanism."""
     rows = []
     for way in measured:
-        theory = (*_pair(way.theory), way.used, way.simulated.model)
-        speeds = (*_pair(way.simulated.speed), *_pair(way.ratio))
+        theory = (*_value_and_error(way.theory), way.used, way.simulated.model)
+        speeds = (*_value_and_error(way.simulated.speed), *_value_and_error(way.ratio))
         rows.append(Way(way.what, way.design.name, *theory, *speeds, way.direction, way.simulated.outcomes))
     columns = (
         report.text_column("mechanism", "mechanism"),
@@ -159,49 +166,53 @@ def mechanisms(measured: Sequence[Mechanism]) -> Table:
 
 
 TABLES: Mapping[str, Callable[[Findings], Sequence[Table]]] = {
-    "figure2": lambda findings: [speeds("figure2", findings.tilts), theory(findings), types(findings.tilts)],
-    "figure2-restitutions": lambda findings: [restitutions(findings.restitutions)],
-    "figure5": lambda findings: [speeds("figure5", findings.drives)],
-    "figure6": lambda findings: on_plane(findings.plane),
-    "mechanisms": lambda findings: [mechanisms(findings.mechanisms)],
+    "figure2": lambda findings: [
+        speed_table("figure2", findings.tilts),
+        theory_table(findings),
+        type_table(findings.tilts),
+    ],
+    "figure2-restitutions": lambda findings: [restitution_table(findings.restitutions)],
+    "figure5": lambda findings: [speed_table("figure5", findings.drives)],
+    "figure6": lambda findings: plane_tables(findings.plane),
+    "mechanisms": lambda findings: [mechanism_table(findings.mechanisms)],
 }
 """Tables of the numbers that each part finds."""
 
 
-def compared(rows: Sequence[Row]) -> Table:
+def comparison_table(rows: Sequence[Row]) -> Table:
     """Comparisons with the paper's words and their place, a row each."""
     stated = ("fact", "figure", "quote", "where", "quantity", "unit", "stated", "margin")
     ours = ("model", "contact", "ours", "ours_se", "verdict", "by")
     lines = []
     for row in rows:
-        fact, numbers = FACTS[row.fact], (*_pair(row.ours), row.verdict.value, row.off)
+        fact, numbers = FACTS[row.fact], (*_value_and_error(row.ours), row.verdict.value, row.distance)
         lines.append((*fact[:6], fact.claim, fact.margin, row.model, row.assumption, *numbers))
     return Table("reproduce", lines, (*stated, *ours))
 
 
-def side_by_side(rows: Sequence[Row], assumptions: Sequence[Assumption]) -> Table:
+def readable_table(rows: Sequence[Row], assumptions: Sequence[Assumption]) -> Table:
     """Table to read: a row for a fact and a model, a column for a set of contact numbers."""
     keys = ("the paper", "our number from", *(assumption.label for assumption in assumptions))
     lines, last = list[tuple[Any, ...]](), ""
     for fact, model in dict.fromkeys((row.fact, row.model) for row in rows):
-        same = {row.assumption: _marked(row) for row in rows if (row.fact, row.model) == (fact, model)}
+        same = {row.assumption: _format_with_mark(row) for row in rows if (row.fact, row.model) == (fact, model)}
         cells = [same.get(assumption.name, "") for assumption in assumptions]
-        lines.append((f"{name(fact)}: {FACTS[fact].claim}" if fact != last else "", model, *cells))
+        lines.append((f"{fact_name(fact)}: {FACTS[fact].claim}" if fact != last else "", model, *cells))
         last = fact
     return Table("comparison", lines, keys, report.key_columns(keys, keys))
 
 
-def name(fact: str) -> str:
+def fact_name(fact: str) -> str:
     """Return the number and quantity of a fact."""
     return f"{list(FACTS).index(fact) + 1}. {FACTS[fact].quantity}"
 
 
-def _marked(row: Row) -> str:
+def _format_with_mark(row: Row) -> str:
     """Our number and the mark of the verdict on it."""
-    return f"{number(row.ours)} {MARKS[row.verdict]}" if row.ours.value is not None else "-"
+    return f"{format_number(row.ours)} {MARKS[row.verdict]}" if row.ours.value is not None else "-"
 
 
-def number(quantity: Quantity) -> str:
+def format_number(quantity: Quantity) -> str:
     """Format a number to the first digits that its error leaves, with twice the error (95 %)."""
     if quantity.value is None:
         return ""

@@ -25,15 +25,15 @@ NOISE_RATIO = 0.5
 since with it the speed becomes proportional to the plate's; the paper does not state its plate's.
 """
 
-SHORTER, LONGER = 0.5, 1.5
+SPACE_LENGTH_RATIO, FIGURE6_LENGTH_RATIO = 0.5, 1.5
 """Length of runs in space over that of runs of the paper's model, whose speeds scatter more; of those of figure 6,
 whose lags reach a quarter of it."""
 
-PAPER = "paper's model"
+PAPER_MODEL = "paper's model"
 """Series of ensembles of the paper's own model."""
 
-NOISE = {"space": 0.0, "space, noisy plate": NOISE_RATIO, "space, braced": 0.0}
-"""Noise of the plate of each series in space, all of which run on a plane."""
+NOISE_RATIOS = {"space": 0.0, "space, noisy plate": NOISE_RATIO, "space, braced": 0.0}
+"""Noise of the plate of each series in space; all run on a plane."""
 
 OUTCOMES = {
     paper_simulation.OK: "ok",
@@ -77,8 +77,8 @@ class Case(NamedTuple):
         return scene.model_copy(update={"drive": scene.drive.model_copy(update=drive)})
 
     def walker(self) -> Walker:
-        """Walker in space of which every impact is kept."""
-        scene = on_plane(self.scene, SHORTER, NOISE[self.model])
+        """Return the walker in space, with every impact recorded."""
+        scene = move_to_plane(self.scene, SPACE_LENGTH_RATIO, NOISE_RATIOS[self.model])
         return Walker(scene, self.design, solids.mass_of(self.design), impacts=True)
 
 
@@ -102,13 +102,13 @@ class Point(NamedTuple):
     outcomes: str
 
 
-def swept(name: str) -> list[list[float]]:
+def sweep_values(name: str) -> list[list[float]]:
     """Values of the keys that one of the shipped sweeps varies."""
     space = sweep_file.read_sweep(templates.folder() / "sweeps" / f"{name}.toml").space
     return [[float(value) for value in axis.values] for axis in space.axes]
 
 
-def on_plane(scene: Scene, longer: float, noise_ratio: float = 0.0) -> Scene:
+def move_to_plane(scene: Scene, longer: float, noise_ratio: float = 0.0) -> Scene:
     """Return the same drive and contact on an open plane, without walls."""
     run = {"step_us": None, "seconds": longer * scene.run.seconds}
     changes = {
@@ -119,33 +119,33 @@ def on_plane(scene: Scene, longer: float, noise_ratio: float = 0.0) -> Scene:
     return scene.model_copy(update=changes)
 
 
-def simulated(cases: Sequence[Case], progress: Progress) -> Iterator[Point]:
-    """Simulate every case as it is."""
-    in_space = [case for case in cases if case.model != PAPER]
+def simulate_cases(cases: Sequence[Case], progress: Progress) -> Iterator[Point]:
+    """Simulate every case."""
+    in_space = [case for case in cases if case.model != PAPER_MODEL]
     titles = [f"{case.assumption.name}, {case.model}, {case.design.tilt_deg:g} deg" for case in in_space]
     results = walkers.simulate_each([case.walker() for case in in_space], titles, progress)
     for case in cases:
-        yield _by_paper(case) if case.model == PAPER else _in_space(case, next(results))
+        yield _simulate_paper_model(case) if case.model == PAPER_MODEL else _measure_in_space(case, next(results))
 
 
-def _by_paper(case: Case) -> Point:
+def _simulate_paper_model(case: Case) -> Point:
     """Return the point of a case by the paper's own model."""
     runs = paper_simulation.simulate(case.scene, case.design, solids.mass_of(case.design))
     good = [run for run in runs if run.status == paper_simulation.OK]
-    impacts = [impact_types.of_run(run.impacts, 1) for run in good]
+    impacts = [impact_types.classify_impacts(run.impacts, 1) for run in good]
     outcomes = Counter(OUTCOMES[run.status] for run in runs)
-    return _point(case, [run.speed for run in good], impacts, len(runs), outcomes)
+    return _make_point(case, [run.speed for run in good], impacts, len(runs), outcomes)
 
 
-def _in_space(case: Case, results: Results) -> Point:
+def _measure_in_space(case: Case, results: Results) -> Point:
     """Return the point of a case from its runs in space."""
     good = [result for result in results.results if result.outcome in ENDED_WELL]
-    impacts = [impact_types.of_run(recorded_impacts(result), landings.CORNERS_PER_FOOT) for result in good]
+    impacts = [impact_types.classify_impacts(recorded_impacts(result), landings.CORNERS_PER_FOOT) for result in good]
     speeds = [result.speed for result in good]
-    return _point(case, speeds, impacts, len(results.results), results.summary.outcomes)
+    return _make_point(case, speeds, impacts, len(results.results), results.summary.outcomes)
 
 
-def _point(
+def _make_point(
     case: Case, speeds: Sequence[float], impacts: Sequence[Impacts], runs: int, outcomes: Mapping[str, int]
 ) -> Point:
     """Return the point of a case from speeds and impacts of the runs that ended well, of so many."""
@@ -158,7 +158,7 @@ def _point(
         case.scene.drive.peak_speed,
         mean("speed", "mm_s", speeds if 2 * len(speeds) >= runs else []),
         mean("impact_speed", "mm_s", landing_speeds if len(landing_speeds) > 1 else []),
-        impact_types.shares(landed),
+        impact_types.mean_shares(landed),
         runs - len(speeds),
         format_outcomes(dict(sorted(outcomes.items()))),
     )

@@ -52,15 +52,15 @@ class Theory(NamedTuple):
         return f"theory, {'eq. 15' if self.mode == 'paper' else 'feet may stick'}"
 
 
-def of(design: Design, assumption: Assumption, mode: Mode, tilts_deg: Sequence[float]) -> Theory:
+def predict_curve(design: Design, assumption: Assumption, mode: Mode, tilts_deg: Sequence[float]) -> Theory:
     """Theory of a design's flexible legs, between the first and the last of some tilts."""
     flexible, scene = design.variant(kind="flexible"), assumption.scene
-    drawn = curve(flexible, scene, mode, tilts_deg[0], tilts_deg[-1])
-    third = None if mode == "paper" else type_three(flexible, scene, tilts_deg, mode)
+    drawn = compute_curve(flexible, scene, mode, tilts_deg[0], tilts_deg[-1])
+    third = None if mode == "paper" else share_of_type_three(flexible, scene, tilts_deg, mode)
     return Theory(assumption.name, mode, drawn, scene.prediction.impact_speed_factor, third)
 
 
-def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: float) -> Curve:
+def compute_curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: float) -> Curve:
     """Speeds of a design's kind of legs over a fine range of tilts (91 points)."""
     inputs = uncertain_inputs.inputs(scene, design, uncertain_inputs.PREDICTION_READER)
     drawn = uncertain_inputs.label_columns(inputs, uncertain_inputs.sample_inputs(inputs, DRAWS, SEED))
@@ -94,7 +94,7 @@ def theory_speeds(
     return np.asarray(by_foot.factor) * prediction.impact_speed(scene, mass)
 
 
-def type_three(design: Design, scene: Scene, tilts_deg: Sequence[float], mode: Mode) -> float:
+def share_of_type_three(design: Design, scene: Scene, tilts_deg: Sequence[float], mode: Mode) -> float:
     """Share of type III among impacts at the stationary speed (see `Theory`)."""
     e, mu = scene.contact.restitution, scene.contact.friction
     kinds = []

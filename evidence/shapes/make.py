@@ -32,7 +32,7 @@ REMEDIES: Mapping[str, Mapping[str, Any]] = {
     "cone.stl": {"body.base": True},
     "block-in-inches.stl": {"body.scale_mm": 25.4},
 }
-"""What the message names for shapes that do not stand as they are, taken at its word."""
+"""Remedies that the messages name for shapes without stable legs."""
 
 
 class Row(NamedTuple):
@@ -49,7 +49,7 @@ class Row(NamedTuple):
     speed_se_mm_s: float | None
     """Speed forward of the runs, and its standard error."""
     remedy: str
-    """Keys set, for shapes that do not stand as they are."""
+    """Keys set to make the shape stand."""
 
     @property
     def good(self) -> bool:
@@ -57,13 +57,13 @@ class Row(NamedTuple):
         return self.speed_mm_s is not None and self.speed_mm_s > 0.0
 
 
-def make(kinds: Sequence[str], folder: Path, progress: Progress) -> Report:
+def check_shapes(kinds: Sequence[str], folder: Path, progress: Progress) -> Report:
     """Try the shapes of some kinds, and write the table."""
     rows: list[Row] = []
     with tempfile.TemporaryDirectory() as home:
-        cases = [(kind, source) for kind in kinds for source in _sources(kind, Path(home))]
+        cases = [(kind, source) for kind in kinds for source in _write_sources(kind, Path(home))]
         for number, (kind, source) in enumerate(cases, start=1):
-            rows += _tried(kind, source)
+            rows += _try_shape(kind, source)
             progress(rows[-1].shape, number, len(cases))
     good = sum(row.good for row in rows if not row.remedy)
     columns = [
@@ -75,7 +75,7 @@ def make(kinds: Sequence[str], folder: Path, progress: Progress) -> Report:
         report.number_column("warnings", "warnings"),
         report.error_column("speed\n(mm/s)", "speed_mm_s", "speed_se_mm_s"),
     ]
-    title = f"{good} of {len(cases)} shapes stand, print and run forward as they are"
+    title = f"{good} of {len(cases)} shapes stand, print and run forward unchanged"
     table = report.table_from_rows("shapes", rows, columns, title)
     written = Report(
         name="shapes", title="Shapes that people bring", tables=[table], facts={"good": good}, folder=folder
@@ -85,43 +85,43 @@ def make(kinds: Sequence[str], folder: Path, progress: Progress) -> Report:
     return written
 
 
-def _sources(kind: str, home: Path) -> Iterator[Path | str]:
+def _write_sources(kind: str, home: Path) -> Iterator[Path | str]:
     """Files of a kind, written; or texts."""
     if kind == "names":
-        yield from texts.EVERY
+        yield from texts.NAMES
         return
     for name, data in {"drawings": drawings, "meshes": meshes}[kind].every().items():
         (home / name).write_bytes(data)
         yield home / name
 
 
-def _tried(kind: str, source: Path | str) -> list[Row]:
-    """Row of a shape as it is, and one with its remedy where it needs one."""
+def _try_shape(kind: str, source: Path | str) -> list[Row]:
+    """Return the row of an unchanged shape, and one with its remedy where it needs one."""
     name = source if isinstance(source, str) else source.name
-    first = _row(kind, name, source, {})
+    first = _make_row(kind, name, source, {})
     if first.good or name not in REMEDIES:
         return [first]
-    return [first, _row(kind, name, source, REMEDIES[name])]
+    return [first, _make_row(kind, name, source, REMEDIES[name])]
 
 
-def _row(kind: str, name: str, source: Path | str, keys: Mapping[str, Any]) -> Row:
+def _make_row(kind: str, name: str, source: Path | str, keys: Mapping[str, Any]) -> Row:
     remedy = ", ".join(f"{key} = {str(value).lower()}" for key, value in keys.items())
     try:
-        design = _design(source, keys).variant(tilt_deg=TILT_DEG)
+        design = _load_design(source, keys).variant(tilt_deg=TILT_DEG)
         checked = checks.check([design], [1], templates.load(PRINTER, "printers", Printer))
         findings.check_printable(checked.findings, strict=False)
         warnings = sum(finding.level == "warning" for finding in checked.findings)
         asked = SimulateRequest.from_values({"design": design, "scene": SCENE, "seconds": SECONDS, "runs": RUNS})
-        speed, error = _speed(asked.run(silent))
+        speed, error = _mean_speed(asked.run(silent))
     except WalkergenError as mistake:
         return Row(kind, name, str(mistake).splitlines()[0].replace(str(source), name), "", None, None, None, remedy)
     return Row(kind, name, "yes", design.notes[-1].partition(": ")[2], warnings, speed, error, remedy)
 
 
-def _design(source: Path | str, keys: Mapping[str, Any]) -> Design:
+def _load_design(source: Path | str, keys: Mapping[str, Any]) -> Design:
     """Walker of one word, with keys set as on a command line. Raises InputError."""
     asked = inputs.from_settings(keys, {}, ["design"])
-    if isinstance(source, Path) and keys:  # of a file that does not stand by itself
+    if isinstance(source, Path) and keys:  # a file that needs a remedy
         own = {"body.mesh" if source.suffix == ".stl" else "body.outline": str(source)}
         return asked._replace(values={**own, **keys}).design("koumakis2016")
     if isinstance(source, str):
@@ -129,7 +129,7 @@ def _design(source: Path | str, keys: Mapping[str, Any]) -> Design:
     return asked.design(source)
 
 
-def _speed(result: SimulationReport) -> tuple[float | None, float | None]:
+def _mean_speed(result: SimulationReport) -> tuple[float | None, float | None]:
     """Speed along the run and its standard error, mm/s."""
     speed = result.summary.speed
     return speed.value, speed.se

@@ -8,28 +8,28 @@ if TYPE_CHECKING:
     import trimesh
 
 
-def _scaled(mesh: "trimesh.Trimesh", *size: float) -> "trimesh.Trimesh":
+def _scale_mesh(mesh: "trimesh.Trimesh", *size: float) -> "trimesh.Trimesh":
     mesh.apply_transform(np.diag([*size, 1.0]))
     return mesh
 
 
-def _at(mesh: "trimesh.Trimesh", *place: float) -> "trimesh.Trimesh":
+def _move_mesh(mesh: "trimesh.Trimesh", *place: float) -> "trimesh.Trimesh":
     mesh.apply_translation(place)
     return mesh
 
 
-def _turned(mesh: "trimesh.Trimesh") -> "trimesh.Trimesh":
+def _invert_mesh(mesh: "trimesh.Trimesh") -> "trimesh.Trimesh":
     mesh.invert()
     return mesh
 
 
-def _opened(mesh: "trimesh.Trimesh", above: float) -> "trimesh.Trimesh":
+def _remove_lid(mesh: "trimesh.Trimesh", above: float) -> "trimesh.Trimesh":
     """Mesh without the triangles of its upper lid."""
     mesh.update_faces((mesh.triangles[:, :, 2] < above).any(axis=1))
     return mesh
 
 
-def every() -> dict[str, bytes]:
+def mesh_files() -> dict[str, bytes]:
     """Files of meshes by their names."""
     import trimesh
     from trimesh.creation import box, capsule, cone, cylinder, icosphere, torus
@@ -40,33 +40,35 @@ def every() -> dict[str, bytes]:
     def together(*parts: "trimesh.Trimesh") -> "trimesh.Trimesh":
         return trimesh.util.concatenate(list(parts))
 
-    wavy = _scaled(ball(), 13.0, 7.0, 6.0)
+    wavy = _scale_mesh(ball(), 13.0, 7.0, 6.0)
     wavy.vertices *= 1.0 + 0.06 * np.sin(0.9 * wavy.vertices[:, :1])
     lying = cylinder(5.0, 28.0)
     lying.apply_transform(trimesh.transformations.rotation_matrix(0.5 * np.pi, (0.0, 1.0, 0.0)))
-    duck = (_scaled(ball(), 13.0, 8.0, 6.0), _at(_scaled(ball(), 5.0, 5.0, 5.0), 8.0, 0.0, 8.0))
+    duck = (_scale_mesh(ball(), 13.0, 8.0, 6.0), _move_mesh(_scale_mesh(ball(), 5.0, 5.0, 5.0), 8.0, 0.0, 8.0))
     meshes = {
-        "egg": _scaled(ball(), 12.0, 6.0, 5.0),
-        "ball-20": _scaled(ball(), 10.0, 10.0, 10.0),
-        "ball-4": _scaled(ball(), 2.0, 2.0, 2.0),
+        "egg": _scale_mesh(ball(), 12.0, 6.0, 5.0),
+        "ball-20": _scale_mesh(ball(), 10.0, 10.0, 10.0),
+        "ball-4": _scale_mesh(ball(), 2.0, 2.0, 2.0),
         "brick": box((28.0, 12.0, 6.0)),
         "coin": cylinder(12.0, 3.0, sections=96),
         "log": lying,
-        "pill": _at(capsule(14.0, 5.0), 0.0, 0.0, -7.0).apply_transform(
+        "pill": _move_mesh(capsule(14.0, 5.0), 0.0, 0.0, -7.0).apply_transform(
             trimesh.transformations.rotation_matrix(0.5 * np.pi, (0.0, 1.0, 0.0))
         ),
         "cone": cone(11.0, 16.0, sections=64),
         "ring": torus(11.0, 4.0),
         "saddle": wavy,
         "pyramid": cone(13.0, 10.0, sections=4),
-        "step": together(box((14.0, 12.0, 4.0)), _at(box((16.0, 12.0, 4.0)), 13.0, 0.0, 1.5)),
+        "step": together(box((14.0, 12.0, 4.0)), _move_mesh(box((16.0, 12.0, 4.0)), 13.0, 0.0, 1.5)),
         "duck": together(*duck),
-        "hollow-box": together(box((26.0, 16.0, 10.0)), _turned(box((23.0, 13.0, 7.0)))),
+        "hollow-box": together(box((26.0, 16.0, 10.0)), _invert_mesh(box((23.0, 13.0, 7.0)))),
         "tower": box((8.0, 8.0, 45.0)),
-        "two-blocks": together(box((14.0, 10.0, 6.0)), _at(box((8.0, 10.0, 6.0)), 16.0, 0.0, 0.0)),
-        "open-cup": _opened(cylinder(10.0, 9.0, sections=64), 4.4),
-        "inside-out": _turned(box((24.0, 12.0, 5.0))),
+        "two-blocks": together(box((14.0, 10.0, 6.0)), _move_mesh(box((8.0, 10.0, 6.0)), 16.0, 0.0, 0.0)),
+        "open-cup": _remove_lid(cylinder(10.0, 9.0, sections=64), 4.4),
+        "inside-out": _invert_mesh(box((24.0, 12.0, 5.0))),
         "block-in-inches": box((1.0, 0.5, 0.25)),
-        "crumbs": together(box((26.0, 12.0, 5.0)), *(_at(box((0.5, 0.5, 0.5)), x, 9.0, 0.0) for x in (-5.0, 5.0))),
+        "crumbs": together(
+            box((26.0, 12.0, 5.0)), *(_move_mesh(box((0.5, 0.5, 0.5)), x, 9.0, 0.0) for x in (-5.0, 5.0))
+        ),
     }
     return {f"{name}.stl": bytes(mesh.export(file_type="stl")) for name, mesh in meshes.items()}

@@ -1,6 +1,6 @@
 """Twenty names in the scripts of the font that comes with every installation, and one of another."""
 
-EVERY = (
+NAMES = (
     "ANNA",
     "Otto",
     "Zoë",

@@ -2,7 +2,7 @@
 
 `python -m evidence.tables.contact` prints it, for `feet.tip_radius_um` and `scene.PAPER_CONTACT`. By Bayes' rule over
 draws of a prediction: the radius is drawn evenly in its logarithm, or nearly so; restitution and friction as measured;
-thickness, modulus and feet as a print may have them, prints anew for each tilt. The model's own error is left out: the
+thickness, modulus and feet as a print may have them, new prints for each tilt. The model's own error is left out: the
 radius takes up what it is for the paper's walkers, and predictions of others add it.
 """
 
@@ -20,12 +20,12 @@ from walkergen.core.theory.surrogate import Known
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 
-ENDS = 2.0
+SD_TO_MARGIN = 2.0
 """Standard deviations from a stated value to the ends of its margin: 95 % lie between."""
 
 DRAWS, SEED = 2**15, 60
 
-WIDE = 6.0
+PRIOR_FACTOR = 6.0
 """Factor of a standard deviation of the radius beforehand: little is known."""
 
 TILTS_DEG = (2.5, 5.0, 7.5, 10.0, 12.5, 15.0, 20.0, 35.0)
@@ -45,9 +45,9 @@ class Posterior(NamedTuple):
     """Median speeds at TILTS_DEG by the draws so weighted, mm/s."""
 
 
-def speeds() -> tuple[Array, Array]:
+def sample_speeds() -> tuple[Array, Array]:
     """Return radii (um), shape (n,), and speeds (mm/s) of the paper's walkers at TILTS_DEG, shape (n, 8)."""
-    scene = Scene(feet=Feet(tip_radius_sd_factor=WIDE), prediction=Prediction(model_sd=0.0))
+    scene = Scene(feet=Feet(tip_radius_sd_factor=PRIOR_FACTOR), prediction=Prediction(model_sd=0.0))
     rows = []
     for number, tilt in enumerate(TILTS_DEG):
         design = Design().variant(tilt_deg=tilt)
@@ -61,22 +61,22 @@ def speeds() -> tuple[Array, Array]:
 
 
 def likelihood(speed: Array) -> Array:
-    """Weights of draws by the paper's statements, shape (n,); `speed` as of `speeds`."""
+    """Weights of draws by the paper's statements, shape (n,); `speed` is as `sample_speeds` returns it."""
     tilts = np.array(TILTS_DEG)
     fastest = tilts[np.argmax(speed, axis=1)]
     weights = np.ones(len(speed))
     for ours, key in ((speed.max(axis=1), "peak speed"), (fastest, "peak tilt")):
         fact = FACTS[key]
-        sd = (fact.high - fact.value) / ENDS
+        sd = (fact.high - fact.value) / SD_TO_MARGIN
         weights *= np.exp(-0.5 * ((ours - fact.value) / sd) ** 2)
     at = {tilt: speed[:, place] for place, tilt in enumerate(TILTS_DEG)}
     # "10°, 15°, 35° corresponding to high, medium and low propulsion efficiency"
     return weights * ((at[10.0] > at[15.0]) & (at[15.0] > at[35.0]))
 
 
-def posterior() -> Posterior:
+def compute_posterior() -> Posterior:
     """Return the radius and its factor, given the paper's statements."""
-    radii, speed = speeds()
+    radii, speed = sample_speeds()
     weights = likelihood(speed)
     weights /= weights.sum()
     logs = np.log(radii)
@@ -89,7 +89,7 @@ def posterior() -> Posterior:
 
 def main() -> None:
     """Print the radius, and the speeds that go with it."""
-    found = posterior()
+    found = compute_posterior()
     print(f"radius {found.radius_um:.2f} um, factor {found.factor:.2f}, from draws worth {found.effective:.0f} ones")
     for tilt, speed in zip(TILTS_DEG, found.speed, strict=True):
         print(f"{tilt:5.1f} deg {speed:6.1f} mm/s")

@@ -31,9 +31,9 @@ from walkergen.points.short_simulation import MAX_FALL_SHARE
 
 DOCS = Path(__file__).parents[2] / "docs"
 
-ANSWERED, SEED = 200, 2026
+SETTING_COUNT, SEED = 200, 2026
 
-DIRECT = Run(seconds=4.0, discard_seconds=0.5, runs=16, seed=77)
+DIRECT_RUN = Run(seconds=4.0, discard_seconds=0.5, runs=16, seed=77)
 """Runs of the direct simulation."""
 
 MEDIAN_SHARE, MEDIAN_MM_S = 0.04, 0.5
@@ -54,10 +54,10 @@ class Compared(NamedTuple):
     falls: float
 
 
-def select_answered(rows: Iterator[Row], counts: list[int]) -> Iterator[Row]:
+def answered_settings(rows: Iterator[Row], counts: list[int]) -> Iterator[Row]:
     """Yield the settings that the surrogate answers. `counts` counts all settings."""
     for row in rows:
-        case = settings.case(row)
+        case = settings.make_case(row)
         counts[0] += 1
         try:
             surrogate.case_in_domain(case.scene, case.design, solids.mass_of(case.design))
@@ -68,15 +68,15 @@ def select_answered(rows: Iterator[Row], counts: list[int]) -> Iterator[Row]:
         yield row
 
 
-def compare(row: Row) -> Compared | None:
+def compare_setting(row: Row) -> Compared | None:
     """Compare the surrogate with the direct run of a setting. Return None if it cannot be simulated."""
-    case = settings.case(row)
+    case = settings.make_case(row)
     mass = solids.mass_of(case.design)
     speed, half = None, None
     with contextlib.suppress(FallsError):
         speed, se = surrogate.case_in_domain(case.scene, case.design, mass).nominal
         half = NORMAL_95 * se
-    scene = case.scene.model_copy(update={"run": DIRECT})
+    scene = case.scene.model_copy(update={"run": DIRECT_RUN})
     try:
         summary = walkers.simulate(Walker(scene, case.design, mass), threads=1).summary
     except WalkergenError:
@@ -87,7 +87,7 @@ def compare(row: Row) -> Compared | None:
     return Compared(row["tilt_deg"] or 0.0, lane, lively, speed, half, summary.speed.value, summary.speed.se, falls)
 
 
-def is_correct(row: Compared) -> bool:
+def is_right(row: Compared) -> bool:
     """Return whether the kind is correct: it runs that way, or stands within 1 mm/s, and does not fall over.
 
     Within the 95 % bounds of the direct runs either kind is correct.
@@ -101,7 +101,7 @@ def is_correct(row: Compared) -> bool:
     return row.surrogate_mm_s * row.direct_mm_s > 0.0 or abs(row.direct_mm_s) <= noise
 
 
-def verdict(rows: Sequence[Compared], asked: int) -> list[str]:
+def summarize(rows: Sequence[Compared], asked: int) -> list[str]:
     """Summarize the comparison, a line for each goal; the direct runs' own 95 % are added in squares."""
     speeds = [row for row in rows if row.surrogate_mm_s is not None]
     good = [row for row in speeds if row.direct_mm_s is not None and row.direct_se_mm_s is not None]
@@ -115,19 +115,19 @@ def verdict(rows: Sequence[Compared], asked: int) -> list[str]:
     falls = np.mean([row.falls > 0.0 for row in speeds])
     fallen = [row.falls >= MAX_FALL_SHARE for row in rows if row.surrogate_mm_s is None]
     return [
-        f"It answered {len(rows)} of {asked} settings ({100 * len(rows) / asked:.0f} %), {len(good)} with a speed.",
-        f"It predicted {len(fallen)} falls. {sum(fallen)} of them fell (goal: 90 %).",
-        f"The median error is {np.median(off):.2f} mm/s: {np.median(off / near):.2f} of 4 % or 0.5 mm/s.",
-        f"{np.sum(off <= goal)} speeds ({100 * np.mean(off <= goal):.1f} %) are within 10 % or 1 mm/s (goal: 95 %). "
-        f"Without the error of the direct runs {100 * np.mean(off <= np.hypot(goal, noise)):.1f} % are.",
-        f"{100 * np.mean(off <= np.hypot(half, noise)):.1f} % are within the predicted bounds of 95 %.",
-        f"The surrogate less the direct speed is {np.mean(predicted - direct):+.2f} mm/s on average.",
-        f"Of the settings with a speed, {100 * falls:.1f} % had runs that fell.",
-        f"The kind (runs on, backward, stands, falls) is correct in {100 * np.mean([*map(is_correct, rows)]):.1f} %.",
+        f"{asked} settings asked, {len(rows)} answered ({100 * len(rows) / asked:.0f} %), {len(good)} speeds compared",
+        f"falls over: predicted for {len(fallen)}, true of {sum(fallen)}",
+        f"median error {np.median(off):.2f} mm/s, {np.median(off / near):.2f} of 4 % or 0.5 mm/s",
+        f"within 10 % or 1 mm/s: {np.sum(off <= goal)} ({100 * np.mean(off <= goal):.1f} %); the direct runs' own "
+        f"error taken off: {100 * np.mean(off <= np.hypot(goal, noise)):.1f} %",
+        f"within the stated 95 %: {100 * np.mean(off <= np.hypot(half, noise)):.1f} %",
+        f"mean of surrogate less direct: {np.mean(predicted - direct):+.2f} mm/s",
+        f"runs that fell over in {100 * falls:.1f} % of those with a speed",
+        f"outcome (runs on, backward, stands, falls over) right in {100 * np.mean([*map(is_right, rows)]):.1f} %",
     ]
 
 
-def read() -> list[Compared]:
+def read_rows() -> list[Compared]:
     """Return the rows of the stored table."""
     with (DOCS / "surrogate.csv").open(encoding="utf-8", newline="") as stream:
         return [
@@ -136,9 +136,9 @@ def read() -> list[Compared]:
         ]
 
 
-def picture(rows: Sequence[Compared]) -> bytes:
+def draw_picture(rows: Sequence[Compared]) -> bytes:
     """Draw predicted against simulated speeds. Scales are linear below 1 mm/s, and the goal is a band."""
-    figure, axes = figures.new_axes("Surrogate beside direct runs")
+    figure, axes = figures.new_axes("Surrogate compared with direct runs")
     good = [row for row in rows if row.direct_mm_s is not None and row.surrogate_mm_s is not None]
     x = np.array([row.direct_mm_s for row in good], float)
     y = np.array([row.surrogate_mm_s for row in good])
@@ -161,23 +161,26 @@ def main() -> None:
     """Run the test, and write its table and its picture."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--cores", type=int, default=worker_pool.core_count(), help="processes to simulate in")
-    parser.add_argument("--answered", type=int, default=ANSWERED, help="settings that the surrogate answers")
+    parser.add_argument("--answered", type=int, default=SETTING_COUNT, help="settings that the surrogate answers")
     options = parser.parse_args()
     counts = [0]
     chosen = list(
-        islice(select_answered(settings.rows(100 * options.answered, SEED, held_out=False), counts), options.answered)
+        islice(
+            answered_settings(settings.draw_settings(100 * options.answered, SEED, held_out=False), counts),
+            options.answered,
+        )
     )
     rows: list[Compared] = []
     with worker_pool.local_pool(options.cores) as pool, console.progress("settings", wanted=True) as progress:
-        for number, row in enumerate(pool.executor.map(compare, chosen), 1):
+        for number, row in enumerate(pool.executor.map(compare_setting, chosen), 1):
             rows += [] if row is None else [row]
             progress("settings", number, len(chosen))
     with (DOCS / "surrogate.csv").open("w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(Compared._fields)
         writer.writerows([("" if value is None else f"{value:.5g}") for value in row] for row in rows)
-    (DOCS / "surrogate.png").write_bytes(picture(rows))
-    print("\n".join(verdict(rows, counts[0])))
+    (DOCS / "surrogate.png").write_bytes(draw_picture(rows))
+    print("\n".join(summarize(rows, counts[0])))
 
 
 if __name__ == "__main__":

@@ -29,12 +29,12 @@ class Scatter(NamedTuple):
         return np.hypot(networks.evaluate_smooth(terms, self.in_time), between)
 
 
-def scatter(terms: Array, uneven: Array, se: Array, runs: Array) -> Scatter:
+def fit_scatter(terms: Array, uneven: Array, se: Array, runs: Array) -> Scatter:
     """Scatter of runs from standard errors of the means of so many."""
-    return Scatter(*_likeliest(terms, uneven, np.maximum(se**2 * runs, 1e-6), 0.5 * (runs - 1.0)))
+    return Scatter(*_most_likely_weights(terms, uneven, np.maximum(se**2 * runs, 1e-6), 0.5 * (runs - 1.0)))
 
 
-def _likeliest(terms: Array, uneven: Array, observed: Array, half: Array) -> tuple[Array, Array]:
+def _most_likely_weights(terms: Array, uneven: Array, observed: Array, half: Array) -> tuple[Array, Array]:
     """Weights of both scatters: the likeliest of variances with so many halves of degrees of freedom."""
     from scipy.optimize import minimize
 
@@ -52,10 +52,10 @@ def _likeliest(terms: Array, uneven: Array, observed: Array, half: Array) -> tup
     start[0], start[terms.shape[1]] = -3.0, -1.0
     first = float(np.linalg.norm(loss(start)[1]))  # so that the first step is a short one
 
-    def scaled(values: Array) -> tuple[float, Array]:
+    def scaled_loss(values: Array) -> tuple[float, Array]:
         total, slopes = loss(values)
         return total / first, slopes / first
 
-    solution = minimize(scaled, start, jac=True, method="L-BFGS-B", bounds=[(-6.0, 6.0)] * len(start))
+    solution = minimize(scaled_loss, start, jac=True, method="L-BFGS-B", bounds=[(-6.0, 6.0)] * len(start))
     in_time, between = solution.x.reshape(2, -1)
     return np.asarray(in_time), np.asarray(between)

@@ -1,7 +1,7 @@
 """Settings of the rows: walkers on shaken plates as people write them, each key at its default or in a range.
 
 Every row has a liveliness of its own: the share of its keys that leave their defaults. So the rows are
-dense about the walker that people meet first, and reach to the ends of all ranges at once. Ends of ranges
+dense about the walker that people meet first, and reach the ends of all ranges together. Ends of ranges
 are settings too: what lies beyond one is put there.
 """
 
@@ -31,7 +31,7 @@ class Key(NamedTuple):
     log: bool = False
     often: float = 1.0
 
-    def drawn(self, share: float) -> float:
+    def value_at(self, share: float) -> float:
         """Value at a share of its range, from 0 to 1."""
         if self.log:
             return math.exp(math.log(self.low) + share * math.log(self.high / self.low))
@@ -69,16 +69,18 @@ KEYS = {
 """Keys of a row, as people write them but for `braced`, `width_share` (of a leg, over the body's depth) and
 `play_mm` (of a lane over the body's depth); all lengths of a walker are times its `size`."""
 
-OPEN = 0.35
+PLANE_SHARE = 0.35
 """Share of the rows on an open plane."""
 
-BEYOND = 0.08
-"""Part of a range by which draws reach beyond either end of it, to be put there."""
+OVERSHOOT = 0.08
+"""Share of a range that draws reach beyond either end; such draws are clipped to the end."""
 
-HALF_DEG = 16.0
+MEDIAN_TILT_DEG = 16.0
 """Tilt below which half of the tilts lie: speeds change most there."""
 
-LENGTHS = (*("thickness_mm", "length_mm", "spacing_mm", "body_length_mm", "body_thickness_mm", "depth_mm", "play_mm"),)
+LENGTH_KEYS = (
+    *("thickness_mm", "length_mm", "spacing_mm", "body_length_mm", "body_thickness_mm", "depth_mm", "play_mm"),
+)
 """Keys of a walker's and its lane's lengths."""
 
 ROWS, TESTS = 11_000, 700
@@ -86,10 +88,10 @@ ROWS, TESTS = 11_000, 700
 
 SEED = 57
 
-LEARN = Run(seconds=1.5, discard_seconds=0.3, runs=6)
+TRAINING_RUN = Run(seconds=1.5, discard_seconds=0.3, runs=6)
 """Runs of a row: 7.2 s of measured walk. Many rows with noise tell more than few without."""
 
-TEST = Run(seconds=3.5, discard_seconds=0.5, runs=12)
+HELD_OUT_RUN = Run(seconds=3.5, discard_seconds=0.5, runs=12)
 """Runs of a held-out row."""
 
 
@@ -100,42 +102,42 @@ class Case(NamedTuple):
     design: Design
 
 
-def rows(count: int, seed: int, held_out: bool, braced: bool = False) -> Iterator[Row]:
+def draw_settings(count: int, seed: int, held_out: bool, braced: bool = False) -> Iterator[Row]:
     """Yield about `count` settings that can be built; a larger count begins with the same ones.
 
     With `braced` all have braced legs.
     """
     for number in range(count):
-        row = _drawn(np.random.default_rng([seed, number]))
+        row = _draw_row(np.random.default_rng([seed, number]))
         row["held_out"] = float(held_out)
         row["braced"] = 1.0 if braced else row["braced"]
         try:
-            case(row)
+            make_case(row)
         except (GeometryError, InputError):
             continue
         yield row
 
 
-def _drawn(rng: np.random.Generator) -> Row:
+def _draw_row(rng: np.random.Generator) -> Row:
     lively = rng.uniform(0.1, 1.0)
     row: Row = {}
     for name, key in KEYS.items():
-        share = min(max(rng.uniform(-BEYOND, 1.0 + BEYOND), 0.0), 1.0)
+        share = min(max(rng.uniform(-OVERSHOOT, 1.0 + OVERSHOOT), 0.0), 1.0)
         chance, leaves = key.often * lively, rng.uniform()
-        row[name] = key.drawn(share) if leaves < chance else key.default
+        row[name] = key.value_at(share) if leaves < chance else key.default
         if name == "tilt_deg":
-            row[name] = key.drawn(share ** (math.log(HALF_DEG / key.high) / math.log(0.5)))
-    if rng.uniform() < OPEN:
+            row[name] = key.value_at(share ** (math.log(MEDIAN_TILT_DEG / key.high) / math.log(0.5)))
+    if rng.uniform() < PLANE_SHARE:
         row |= dict.fromkeys(("play_mm", "wall_friction", "wall_restitution"))
     if not row["harmonic_ratio"]:
         row["harmonic_phase_deg"] = 0.0
     return {name: None if value is None else float(f"{value:.4g}") for name, value in row.items()}
 
 
-def case(row: Mapping[str, float | None]) -> Case:
+def make_case(row: Mapping[str, float | None]) -> Case:
     """Walker and scene of a row. Raises GeometryError for one that cannot be built."""
     number = {key: value or 0.0 for key, value in row.items()}
-    number |= {key: number["size"] * number[key] for key in LENGTHS}
+    number |= {key: number["size"] * number[key] for key in LENGTH_KEYS}
     kind: Kind = "braced" if number["braced"] else "flexible"
     width = row["width_share"]
     body = Body(
@@ -170,6 +172,6 @@ def case(row: Mapping[str, float | None]) -> Case:
         arena=walls,
         legs=LegModel(damping_ratio=number["damping_ratio"]),
         feet=Feet(unevenness_um=number["unevenness_um"], tip_radius_um=number["tip_radius_um"]),
-        run=TEST if number["held_out"] else LEARN,
+        run=HELD_OUT_RUN if number["held_out"] else TRAINING_RUN,
     )
     return Case(scene, Design(body=body, legs=legs, material=material))

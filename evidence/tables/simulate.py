@@ -1,8 +1,8 @@
 """Simulation of the rows that the surrogate learns from: `python -m evidence.tables.simulate --out FILE`.
 
 Each row of rows.csv states its setting, so all can be simulated again, in five hours of one core; they are added to
-the file one by one, and a run that was killed goes on after the last of them. With `--sampled N` the settings are
-drawn anew (`settings.rows`), held-out ones among them.
+the file one by one, and a run that was killed goes on after the last of them. With `--sampled N` new settings
+are drawn (`settings.draw_settings`), held-out ones among them.
 """
 
 import argparse
@@ -20,25 +20,25 @@ from walkergen.core.walker import solids
 from walkergen.points import walkers, worker_pool
 from walkergen.points.experiments import Walker
 
-ROWS = Path(__file__).with_name("rows.csv")
+ROWS_PATH = Path(__file__).with_name("rows.csv")
 
-MEASURED = ("speed_mm_s", "se_mm_s", "runs", "toppled")
-"""Columns beside the keys: mean speed of the runs that ended well, its standard error, and how many runs did and
-toppled; blank where none tells."""
+RESULT_COLUMNS = ("speed_mm_s", "se_mm_s", "runs", "toppled")
+"""Columns after the keys: mean speed of the runs that ended well, its standard error, and how many runs did and
+toppled; blank where there is none."""
 
-COLUMNS = ("held_out", *settings.KEYS, *MEASURED)
+COLUMNS = ("held_out", *settings.KEYS, *RESULT_COLUMNS)
 
 CHUNK = 4
 """Rows that a worker takes at a time."""
 
 
-def measured(row: Row) -> Row:
+def simulate_row(row: Row) -> Row:
     """Row with its simulated speed; its own blanks where the scene and the walker contradict each other."""
-    case = settings.case(row)
+    case = settings.make_case(row)
     try:
         results = walkers.simulate(Walker(case.scene, case.design, solids.mass_of(case.design)), threads=1)
     except WalkergenError:
-        return row | dict.fromkeys(MEASURED)
+        return row | dict.fromkeys(RESULT_COLUMNS)
     summary = results.summary
     return row | {
         "speed_mm_s": summary.speed.value,
@@ -48,34 +48,34 @@ def measured(row: Row) -> Row:
     }
 
 
-def read(path: Path = ROWS) -> list[Row]:
+def read_rows(path: Path = ROWS_PATH) -> list[Row]:
     """Rows of a file by the names of their columns, None where one is blank."""
     with path.open(encoding="utf-8", newline="") as stream:
         return [{key: float(text) if text else None for key, text in line.items()} for line in csv.DictReader(stream)]
 
 
-def sampled(count: int) -> Iterator[Row]:
+def sample_settings(count: int) -> Iterator[Row]:
     """Yield about `count` settings, with held-out ones spread among the others."""
     ratio = settings.ROWS // settings.TESTS
-    tests = settings.rows(count // ratio + 1, settings.SEED + 1, held_out=True)
-    for number, row in enumerate(settings.rows(count, settings.SEED, held_out=False)):
+    tests = settings.draw_settings(count // ratio + 1, settings.SEED + 1, held_out=True)
+    for number, row in enumerate(settings.draw_settings(count, settings.SEED, held_out=False)):
         if number % ratio == 0:
             yield from islice(tests, 1)
         yield row
 
 
-def line(row: Row) -> list[str]:
+def csv_row(row: Row) -> list[str]:
     """Cells of a row, numbers with five digits."""
     return ["" if (value := row[name]) is None else f"{value:.5g}" for name in COLUMNS]
 
 
-def add(path: Path, rows: Sequence[Row], cores: int) -> None:
+def add_rows(path: Path, rows: Sequence[Row], cores: int) -> None:
     """Simulate rows, and add them to a file in their order."""
     with worker_pool.local_pool(cores) as pool, path.open("a", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream, lineterminator="\n")
         with console.progress("rows", wanted=True) as progress:
-            for number, row in enumerate(pool.executor.map(measured, rows, chunksize=CHUNK), 1):
-                writer.writerow(line(row))
+            for number, row in enumerate(pool.executor.map(simulate_row, rows, chunksize=CHUNK), 1):
+                writer.writerow(csv_row(row))
                 stream.flush()
                 progress("rows", number, len(rows))
 
@@ -84,14 +84,14 @@ def main() -> None:
     """Simulate the rows that a file has not yet."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--cores", type=int, default=worker_pool.core_count(), help="processes to simulate in")
-    parser.add_argument("--sampled", type=int, help="settings to draw anew; without: those of rows.csv")
+    parser.add_argument("--sampled", type=int, help="number of new settings to draw; without: those of rows.csv")
     parser.add_argument("--out", type=Path, required=True, help="file of the rows")
     options = parser.parse_args()
-    wanted = read() if options.sampled is None else list(sampled(options.sampled))
-    done = len(read(options.out)) if options.out.exists() else 0
+    wanted = read_rows() if options.sampled is None else list(sample_settings(options.sampled))
+    done = len(read_rows(options.out)) if options.out.exists() else 0
     if not done:
         options.out.write_text(",".join(COLUMNS) + "\n", encoding="utf-8")
-    add(options.out, wanted[done:], options.cores)
+    add_rows(options.out, wanted[done:], options.cores)
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from evidence.tables import settings, simulate
-from evidence.tables.scatter import scatter
+from evidence.tables.scatter import fit_scatter
 from walkergen.core.files import output
 from walkergen.core.theory import dimensionless as places
 from walkergen.core.theory import networks
@@ -28,28 +28,28 @@ from walkergen.points import worker_pool
 
 Array = npt.NDArray[Any]
 
-NETWORKS, OUT = 10, 2
+NETWORKS, TENTHS_LEFT_OUT = 10, 2
 """Number of networks, and of the tenths of the rows that each is trained without."""
 
-HIDDEN: Mapping[Kind, tuple[int, ...]] = {"flexible": (64, 64, 64), "braced": (12, 12)}
-FALLS = (24, 24)
+HIDDEN_LAYERS: Mapping[Kind, tuple[int, ...]] = {"flexible": (64, 64, 64), "braced": (12, 12)}
+FALL_LAYERS = (24, 24)
 """Widths of the networks' layers; of those that know where walkers fall."""
 
-EPOCHS, BATCH, RATE, DECAY, WARM = 600, 256, 0.003, 0.12, 300
-"""Passes through the rows, rows of a step, its length at first, share of it by which weights shrink, and steps in
-which it grows: Adam (Kingma and Ba, arXiv 1412.6980) with decay apart (Loshchilov and Hutter, arXiv 1711.05101)."""
+EPOCHS, BATCH, RATE, DECAY, WARM_UP_STEPS = 600, 256, 0.003, 0.12, 300
+"""Passes through the rows, rows of a step, its first length, share of it that weights shrink by, and steps while
+it grows: Adam (Kingma and Ba, arXiv 1412.6980) with decay apart (Loshchilov and Hutter, arXiv 1711.05101)."""
 
-ROUGH = 0.08
-"""Error (after asinh) that every row has beside its own noise: so much the networks err, and a row of less noise
+NETWORK_ERROR = 0.08
+"""Error (after asinh) of every row in addition to its own noise: so much the networks err, and a row of less noise
 counts for no more."""
 
-TOLD = 0.5
-"""Share of the unseen rows, those of the least error, of which the errors are to hold 95 %."""
+CALIBRATED_SHARE = 0.5
+"""Share of the unseen rows, those of least error, that the 95 % bounds are calibrated on."""
 
-NOISIEST = 0.5
-"""Standard error (after asinh) beyond which a row tells nothing."""
+MAX_ROW_SE = 0.5
+"""Largest standard error (after asinh) of a row that is used."""
 
-WIDEST = 6.0
+MAX_RANGE_RATIO = 6.0
 """Largest ratio of an input's range to its scale."""
 
 
@@ -68,7 +68,7 @@ class Rows(NamedTuple):
     """Share of the runs that toppled, NaN where it was not kept."""
     held_out: Array
 
-    def only(self, chosen: Array) -> "Rows":
+    def select(self, chosen: Array) -> "Rows":
         """Select some of the rows."""
         return Rows(*(column[chosen] for column in self))
 
@@ -105,13 +105,13 @@ class Unseen(NamedTuple):
     """Standard deviation of a run, by the smooth function."""
 
 
-def rows(kind: Kind) -> Rows:
+def load_rows(kind: Kind) -> Rows:
     """Rows of a kind of legs."""
     parts = []
-    for row in simulate.read():
+    for row in simulate.read_rows():
         if row["braced"] != (kind == "braced"):
             continue
-        case = settings.case(row)
+        case = settings.make_case(row)
         place = places.compute_place(case.scene, case.design, solids.mass_of(case.design))
         numbers = [row[name] for name in ("speed_mm_s", "se_mm_s", "runs", "toppled", "held_out")]
         speed, se, runs, toppled, held_out = (math.nan if value is None else value for value in numbers)
@@ -119,7 +119,7 @@ def rows(kind: Kind) -> Rows:
     return Rows(*(np.array(column, float) for column in zip(*parts, strict=True)))
 
 
-def trained(task: Task) -> list[Layer]:
+def train_network(task: Task) -> list[Layer]:
     """Network of least weighted error, on one thread: several are trained at a time."""
     from threadpoolctl import threadpool_limits
 
@@ -137,8 +137,8 @@ def trained(task: Task) -> list[Layer]:
         for _ in range(EPOCHS):
             for chosen in np.array_split(rng.permutation(len(task.values)), batches):
                 step += 1
-                rate = RATE * 0.5 * (1.0 + math.cos(math.pi * step / steps)) * min(1.0, step / WARM)
-                for k, slope in enumerate(_slopes(numbers, single, chosen)):
+                rate = RATE * 0.5 * (1.0 + math.cos(math.pi * step / steps)) * min(1.0, step / WARM_UP_STEPS)
+                for k, slope in enumerate(_loss_gradient(numbers, single, chosen)):
                     first[k] += 0.1 * (slope - first[k])
                     second[k] += 0.001 * (slope**2 - second[k])
                     mean, square = first[k] / (1.0 - 0.9**step), second[k] / (1.0 - 0.999**step)
@@ -147,7 +147,7 @@ def trained(task: Task) -> list[Layer]:
     return [Layer(weights, bias) for weights, bias in zip(numbers[::2], numbers[1::2], strict=True)]
 
 
-def _slopes(numbers: Sequence[Array], task: Task, chosen: Array) -> list[Array]:
+def _loss_gradient(numbers: Sequence[Array], task: Task, chosen: Array) -> list[Array]:
     """Compute the derivatives of the mean loss of some rows by a network's numbers, in their order."""
     passed = [task.inputs[chosen]]
     for weights, bias in zip(numbers[:-2:2], numbers[1:-2:2], strict=True):
@@ -163,36 +163,36 @@ def _slopes(numbers: Sequence[Array], task: Task, chosen: Array) -> list[Array]:
     return slopes
 
 
-def of_kind(kind: Kind, every: Rows, pool: worker_pool.WorkerPool) -> tuple[dict[str, Array], dict[str, Any]]:
+def train_kind(kind: Kind, every: Rows, pool: worker_pool.WorkerPool) -> tuple[dict[str, Array], dict[str, Any]]:
     """Arrays of one kind of legs, and its ranges and errors."""
     plain, factors = networks.network_inputs(every.places)
     learnt = every.held_out == 0.0
     middle = plain[learnt].mean(axis=0)
-    scale = np.maximum(plain[learnt].std(axis=0), np.ptp(plain[learnt], axis=0) / WIDEST)
+    scale = np.maximum(plain[learnt].std(axis=0), np.ptp(plain[learnt], axis=0) / MAX_RANGE_RATIO)
     scale = np.where(scale > 0.0, scale, 1.0)
     inputs = (plain - middle) / scale
     values, se = every.transformed
-    good = np.isfinite(values) & (se < NOISIEST) & ~(every.falls > 0.0)
+    good = np.isfinite(values) & (se < MAX_ROW_SE) & ~(every.falls > 0.0)
     chosen = np.flatnonzero(learnt & good)
     terms, uneven = networks.features(inputs), every.places[:, Place._fields.index("unevenness_ratio")]
-    found = scatter(terms[chosen], uneven[chosen], se[chosen], every.runs[chosen])
-    weights = 1.0 / (found.run_sd(terms, uneven)[chosen] ** 2 / every.runs[chosen] + ROUGH**2)
+    found = fit_scatter(terms[chosen], uneven[chosen], se[chosen], every.runs[chosen])
+    weights = 1.0 / (found.run_sd(terms, uneven)[chosen] ** 2 / every.runs[chosen] + NETWORK_ERROR**2)
     tenth = np.random.default_rng(NETWORKS).permutation(len(chosen)) % NETWORKS
     tasks = []
     for number in range(NETWORKS):
-        part = chosen[(tenth - number) % NETWORKS >= OUT]
-        weight = weights[(tenth - number) % NETWORKS >= OUT]
+        part = chosen[(tenth - number) % NETWORKS >= TENTHS_LEFT_OUT]
+        weight = weights[(tenth - number) % NETWORKS >= TENTHS_LEFT_OUT]
         tasks.append(
-            Task(inputs[part], factors[part], values[part], weight / weight.mean(), HIDDEN[kind], False, number)
+            Task(inputs[part], factors[part], values[part], weight / weight.mean(), HIDDEN_LAYERS[kind], False, number)
         )
     told = np.flatnonzero(learnt & (np.isfinite(every.falls) | ~good))
     fallen = ~(every.falls[told] <= 0.0)
     ones = np.ones((len(told), 1))
-    tasks += [Task(inputs[told], ones, fallen, ones[:, 0], FALLS, True, seed) for seed in range(OUT)]
-    ten = list(pool.executor.map(trained, tasks))
+    tasks += [Task(inputs[told], ones, fallen, ones[:, 0], FALL_LAYERS, True, seed) for seed in range(TENTHS_LEFT_OUT)]
+    ten = list(pool.executor.map(train_network, tasks))
     arrays = {
-        **_arrays(ten[:NETWORKS], kind),
-        **_arrays(ten[NETWORKS:], f"{kind}_falls"),
+        **_stack_layers(ten[:NETWORKS], kind),
+        **_stack_layers(ten[NETWORKS:], f"{kind}_falls"),
         f"{kind}_middle": middle,
         f"{kind}_scale": scale,
         f"{kind}_in_time": found.in_time,
@@ -206,11 +206,11 @@ def of_kind(kind: Kind, every: Rows, pool: worker_pool.WorkerPool) -> tuple[dict
     rest = np.flatnonzero(~learnt & np.isfinite(values) & np.isfinite(se) & (np.abs(factors).sum(axis=1) > 0.0))
     run_sd = found.run_sd(terms, uneven)
     unseen = Unseen(inputs[rest], factors[rest], values[rest], se[rest], run_sd[rest])
-    arrays[f"{kind}_error"] = _error(arrays, kind, unseen)
+    arrays[f"{kind}_error"] = _fit_error_factors(arrays, kind, unseen)
     return arrays, ranges
 
 
-def _arrays(alike: Sequence[Sequence[Layer]], name: str) -> dict[str, Array]:
+def _stack_layers(alike: Sequence[Sequence[Layer]], name: str) -> dict[str, Array]:
     """Arrays, in single precision, of networks of one form."""
     arrays = {}
     for place, layers in enumerate(zip(*alike, strict=True)):
@@ -219,7 +219,7 @@ def _arrays(alike: Sequence[Sequence[Layer]], name: str) -> dict[str, Array]:
     return arrays
 
 
-def _error(arrays: Mapping[str, Array], kind: Kind, unseen: Unseen) -> Array:
+def _fit_error_factors(arrays: Mapping[str, Array], kind: Kind, unseen: Unseen) -> Array:
     """Factors of what the networks differ by and of the runs' scatter, and least error: three numbers.
 
     In the proportion that makes the unseen rows likeliest (as Student's t with four degrees of freedom: a few lie
@@ -228,7 +228,7 @@ def _error(arrays: Mapping[str, Array], kind: Kind, unseen: Unseen) -> Array:
     from scipy.optimize import minimize
     from scipy.stats import t
 
-    count = len(HIDDEN[kind]) + 1
+    count = len(HIDDEN_LAYERS[kind]) + 1
     layers = [Layer(arrays[f"{kind}_weights{k}"], arrays[f"{kind}_bias{k}"]) for k in range(count)]
     said = (networks.evaluate(layers, unseen.inputs) * unseen.factors).sum(axis=-1)
     off, odd = said.mean(axis=0) - unseen.values, np.minimum(np.abs(unseen.factors).sum(axis=1), 1.0)
@@ -240,14 +240,14 @@ def _error(arrays: Mapping[str, Array], kind: Kind, unseen: Unseen) -> Array:
 
     shares = np.exp(minimize(loss, np.log([1.5, 0.1, 0.03]), method="Nelder-Mead", options={"maxiter": 2000}).x)
     error = np.sqrt((shares[:, None] ** 2 * parts**2).sum(axis=0))
-    told = error < np.quantile(error, TOLD)
+    told = error < np.quantile(error, CALIBRATED_SHARE)
     reach = float(np.quantile(np.abs(off[told]) / np.hypot(error, unseen.se)[told], 0.95))
     return np.asarray(shares * reach / NORMAL_95)
 
 
-def errors(kind: Kind, every: Rows) -> dict[str, float]:
+def measure_errors(kind: Kind, every: Rows) -> dict[str, float]:
     """How the surrogate does at held-out rows: what it answers, and how far that is from the runs."""
-    unseen = every.only(every.held_out == 1.0)
+    unseen = every.select(every.held_out == 1.0)
     speeds = networks.speeds_at(kind, unseen.places)
     speed = unseen.peak * LINEAR_BELOW * np.sinh(speeds.centre)
     error = unseen.peak * LINEAR_BELOW * np.cosh(speeds.centre) * speeds.error
@@ -275,19 +275,19 @@ def main() -> None:
     """Train, write the surrogate, and print its errors at rows that it has not seen."""
     arrays: dict[str, Array] = {}
     facts: dict[str, Any] = {"ranges": {}, "versions": output.versions()}
-    by_kind = {kind: rows(kind) for kind in HIDDEN}
+    by_kind = {kind: load_rows(kind) for kind in HIDDEN_LAYERS}
     with worker_pool.local_pool() as pool:
         for kind, every in by_kind.items():
-            of_this, facts["ranges"][kind] = of_kind(kind, every, pool)
+            of_this, facts["ranges"][kind] = train_kind(kind, every, pool)
             arrays |= of_this
-    _write(arrays, facts)
-    facts["errors"] = {kind: errors(kind, every) for kind, every in by_kind.items()}
-    _write(arrays, facts)
+    _write_surrogate(arrays, facts)
+    facts["errors"] = {kind: measure_errors(kind, every) for kind, every in by_kind.items()}
+    _write_surrogate(arrays, facts)
     for kind, numbers in facts["errors"].items():
         print(f"{kind}: " + ", ".join(f"{name} {value:.3g}" for name, value in numbers.items()))
 
 
-def _write(arrays: Mapping[str, Array], facts: Mapping[str, Any]) -> None:
+def _write_surrogate(arrays: Mapping[str, Array], facts: Mapping[str, Any]) -> None:
     """Write the file; equal arrays give equal bytes."""
     kept = {**arrays, "facts": np.array(json.dumps(facts))}
     stream = io.BytesIO()

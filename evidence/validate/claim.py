@@ -1,4 +1,4 @@
-"""Claims: a prediction of walkergen beside what is known of it from outside, and the verdict."""
+"""Claims: a prediction of walkergen compared with an outside result, and the verdict."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -9,7 +9,7 @@ from walkergen.core.numerics.quantity import exact as number
 
 FITTED = "fitted"
 
-WORDS = {
+VERDICT_MEANINGS = {
     Verdict.AGREE.value: "the whole interval lies within the margin",
     Verdict.UNDECIDED.value: "the interval crosses an end of the margin",
     Verdict.DISAGREE.value: "the interval lies outside the margin; a letter gives our reason",
@@ -31,14 +31,14 @@ TITLES = {
 
 
 class Claim(NamedTuple):
-    """Prediction of walkergen beside a number from outside."""
+    """Prediction of walkergen compared with a number from outside."""
 
     quantity: str
     ours: Quantity
     """Number of walkergen; without a value where it was not made, with the reason."""
     theirs: Quantity
     below: float
-    """Distance by which ours may lie below theirs whatever the errors; infinite where a bound is stated."""
+    """Allowed distance of ours below theirs, apart from errors; infinite where a bound is stated."""
     above: float
     margin_reason: str
     source: str
@@ -131,15 +131,15 @@ class Outside(NamedTuple):
 
     source: str
     share: float = 0.0
-    """Part of theirs by which ours may be off."""
+    """Allowed deviation of ours, as a share of theirs."""
     reason: str = ""
     why: str = ""
 
     def claim(self, quantity: str, unit: str, ours: float, theirs: float) -> Claim:
         """Claim on a number without chance."""
-        return self.beside(quantity, number("", unit, ours), number("", unit, theirs))
+        return self.compare(quantity, number("", unit, ours), number("", unit, theirs))
 
-    def beside(self, quantity: str, ours: Quantity, theirs: Quantity) -> Claim:
+    def compare(self, quantity: str, ours: Quantity, theirs: Quantity) -> Claim:
         """Claim on a number with its error."""
         margin = self.share * abs(theirs.value or 0.0)
         return Claim(quantity, ours, theirs, margin, margin, self.reason, self.source, self.why)

@@ -1,8 +1,8 @@
 """Claims on bouncing balls and rocking blocks: published results, by the simulator of the paper's own model.
 
-The body is a rigid block on two feet. Without friction, dropped level, it bounces on both at once as a ball does.
+The body is a rigid block on two feet. Without friction, dropped level, it bounces on both together, as a ball does.
 
-The ball's linear stability is derived here anew. With takeoff velocity U at time t, plate velocity
+The ball's linear stability is derived here again. With takeoff velocity U at time t, plate velocity
 V and acceleration a at the impact, an orbit of one impact a period T has U = g T / 2, so that
 Gamma cos(phase) = pi (1 - e)/(1 + e), and the map (t, U) has determinant e^2 and trace
 1 + e^2 + (1 + e)^2 a / g. The orbit is born where a = 0 and doubles its period where
@@ -44,7 +44,7 @@ REAL_BASE = (
     "Struct. Eng. 142, 06016002, 2016)."
 )
 
-HALF, TALL, MASS = 6.5, 9.0, 0.833
+HALF_SPACING_MM, HEIGHT_MM, MASS_G = 6.5, 9.0, 0.833
 """The paper's walker: half between the feet and height of O, mm; mass, g."""
 
 FREQUENCY_HZ = 90.0
@@ -53,12 +53,17 @@ PERIOD = 1.0 / FREQUENCY_HZ
 OMEGA = 2.0 * math.pi * FREQUENCY_HZ
 
 
-def block(gamma: float, restitution: float, friction: float = 0.0, tall: float = TALL) -> World:
+def block(gamma: float, restitution: float, friction: float = 0.0, tall: float = HEIGHT_MM) -> World:
     """Return a block with O `tall` mm above its feet, on a plate whose peak acceleration is `gamma` g."""
     drive = Drive.model_construct(frequency_hz=FREQUENCY_HZ, gamma=gamma)  # not validated: it may be at rest
     contact = {"restitution": restitution, "friction": friction}
     scene = Scene.model_validate({"drive": drive, "contact": contact})
-    return paper_simulation.body_world(MASS, MASS * (HALF**2 + tall**2) / 3.0, ((-HALF, -tall), (HALF, -tall)), scene)
+    return paper_simulation.body_world(
+        MASS_G,
+        MASS_G * (HALF_SPACING_MM**2 + tall**2) / 3.0,
+        ((-HALF_SPACING_MM, -tall), (HALF_SPACING_MM, -tall)),
+        scene,
+    )
 
 
 def advance(own: World, state: Array, seconds: float) -> float:
@@ -98,16 +103,16 @@ def lift_off(effort: Effort) -> Iterator[Claim]:
     yield outside.claim("acceleration at which a ball leaves the plate", "g", bisect(leaves, 0.9, 1.1, 1e-6), 1.0)
 
 
-def _orbit(own: World, gamma: float, restitution: float) -> Array:
+def _orbit_state(own: World, gamma: float, restitution: float) -> Array:
     """State on the orbit of one impact a period, at the top of its flight."""
     phase = math.acos(min(math.pi * (1 - restitution) / (1 + restitution) / gamma, 1.0))
     state = initial_state(own, 0.0, 0.0, math.fmod(phase + math.pi, 2.0 * math.pi))
     # Level feet at the height of the impact, and the rise of half a period's free flight
-    state[Y] = TALL + own.amplitude * math.sin(phase) + GRAVITY * PERIOD**2 / 8.0
+    state[Y] = HEIGHT_MM + own.amplitude * math.sin(phase) + GRAVITY * PERIOD**2 / 8.0
     return state
 
 
-def _map(own: World, orbit: Array, height: float, velocity: float) -> Array:
+def _return_map(own: World, orbit: Array, height: float, velocity: float) -> Array:
     """Return height and velocity (mm, mm/s) off an orbit, a period after being put off by these."""
     state = orbit.copy()
     state[Y] += height
@@ -119,24 +124,24 @@ def _map(own: World, orbit: Array, height: float, velocity: float) -> Array:
 def multipliers(gamma: float, restitution: float) -> tuple[float, float]:
     """Trace and determinant of a period's map about the orbit, by central differences."""
     own, columns = block(gamma, restitution), []
-    orbit = _orbit(own, gamma, restitution)
+    orbit = _orbit_state(own, gamma, restitution)
     for off in ((1e-6, 0.0), (0.0, 1e-6 * OMEGA)):
-        change = _map(own, orbit, *off) - _map(own, orbit, -off[0], -off[1])
+        change = _return_map(own, orbit, *off) - _return_map(own, orbit, -off[0], -off[1])
         columns.append(change / (2.0 * max(off)))
     jacobian = np.array(columns).T
     return float(np.trace(jacobian)), float(np.linalg.det(jacobian))
 
 
-def doubling(restitution: float) -> float:
+def doubling_gamma(restitution: float) -> float:
     """Peak acceleration (g) at which one impact a period becomes two in two."""
     first = math.pi * (1 - restitution) / (1 + restitution)
 
-    def doubled(gamma: float) -> bool:
+    def is_doubled(gamma: float) -> bool:
         trace, determinant = multipliers(gamma, restitution)
         return 1.0 + trace + determinant < 0.0
 
     low = max(1.02, 1.001 * first)
-    return bisect(doubled, low, low + 3.0, 1e-7)
+    return bisect(is_doubled, low, low + 3.0, 1e-7)
 
 
 def period_doubling(effort: Effort) -> Iterator[Claim]:
@@ -144,18 +149,18 @@ def period_doubling(effort: Effort) -> Iterator[Claim]:
     for e in (0.0, 0.25, 0.5, 0.8):
         theirs = math.hypot(math.pi * (1 - e) / (1 + e), 2.0 * (1 + e * e) / (1 + e) ** 2)
         outside = Outside(MEHTA if e == 0.0 else TUFILLARO, 1e-5, "central differences over 1e-6 mm")
-        yield outside.claim(f"period doubling, e = {e:g}", "g", doubling(e), theirs)
+        yield outside.claim(f"period doubling, e = {e:g}", "g", doubling_gamma(e), theirs)
 
 
 def landing_phase(effort: Effort) -> Iterator[Claim]:
     """Claim on the phase of the plate at which an attracted ball lands."""
     for e, gamma in ((0.5, 1.3), (0.8, 1.0)):
         own = block(gamma, e)
-        state = _orbit(own, gamma, e)
+        state = _orbit_state(own, gamma, e)
         state[Y] += 1e-3
         advance(own, state, (60 if effort.quick else 240) * PERIOD)
         # In flight: back to the takeoff, where height and speed are those of the plate
-        top = state[Y] - TALL + state[V_Y] ** 2 / (2.0 * GRAVITY)
+        top = state[Y] - HEIGHT_MM + state[V_Y] ** 2 / (2.0 * GRAVITY)
         since = PERIOD / 2.0 + state[V_Y] / -GRAVITY
         phase = math.fmod(state[PHASE] - OMEGA * since + 4.0 * math.pi, 2.0 * math.pi)
         theirs = math.acos(math.pi * (1 - e) / (1 + e) / gamma)
@@ -181,8 +186,8 @@ def plastic_flight(effort: Effort) -> Iterator[Claim]:
     yield outside.claim("plastic ball: flights of a whole period", "g", ours, theirs)
 
 
-def zeno(effort: Effort) -> Iterator[Claim]:
-    """Claim on the time in which a ball comes to rest on a plate at rest."""
+def time_to_rest(effort: Effort) -> Iterator[Claim]:
+    """Claim on the time that a ball takes to come to rest on a plate at rest."""
     gap, outside = 1.0, Outside(BERNSTEIN, 1e-5, "bounces slower than a foot's speed of rest are left out")
     for e in (0.5, 0.8, 0.95):
         own = block(REST_GAMMA, e)
@@ -192,7 +197,7 @@ def zeno(effort: Effort) -> Iterator[Claim]:
         yield outside.claim(f"end of all bounces from 1 mm, e = {e:g}", "s", ours, theirs)
 
 
-def elastic(effort: Effort) -> Iterator[Claim]:
+def elastic_energy(effort: Effort) -> Iterator[Claim]:
     """Claim on the energy of a ball that bounces with restitution 1."""
     own, gap, bounces = block(REST_GAMMA, 1.0), 0.1, 10_000
     state, at_rest = initial_state(own, gap), level_energy(own)
@@ -202,12 +207,12 @@ def elastic(effort: Effort) -> Iterator[Claim]:
     yield outside.claim("energy kept in 10 000 elastic bounces", "", (energy(own, state) - at_rest) / before, 1.0)
 
 
-def rocking(slenderness: float) -> float:
+def spin_ratio(slenderness: float) -> float:
     """Return the spin after over that before a rocking block changes feet.
 
     `slenderness`: height over width of the block.
     """
-    own = block(REST_GAMMA, 0.0, 50.0, slenderness * HALF)
+    own = block(REST_GAMMA, 0.0, 50.0, slenderness * HALF_SPACING_MM)
     state, level = initial_state(own, 0.0, 0.02), level_energy(own)
     before = energy(own, state) - level
     while state[PITCH] > 0.0:
@@ -215,7 +220,7 @@ def rocking(slenderness: float) -> float:
     return math.sqrt((energy(own, state) - level) / before)
 
 
-def housner(slenderness: float) -> float:
+def housner_ratio(slenderness: float) -> float:
     """Spin after over before by Housner's formula for a block."""
     return 1.0 - 1.5 / (1.0 + slenderness**2)
 
@@ -225,11 +230,11 @@ def rocking_blocks(effort: Effort) -> Iterator[Claim]:
     formula = Outside(HOUSNER, 1e-5, "steps of lasting contact")
     for slenderness in (2.0, 3.0, 5.0):
         quantity = f"rocking block {slenderness:g} times as high as wide: spin kept"
-        yield formula.claim(quantity, "", rocking(slenderness), housner(slenderness))
+        yield formula.claim(quantity, "", spin_ratio(slenderness), housner_ratio(slenderness))
     for slenderness, share, base in ((3.0, 0.97, "concrete"), (5.0, 0.95, "concrete"), (5.0, 0.67, "rubber")):
         quantity = f"rocking block {slenderness:g} times as high as wide on {base}: spin kept, over Housner's"
         measured = Outside(ELGAWADY, 0.02 / share, "our reading of 'about'", REAL_BASE)
-        yield measured.claim(quantity, "", rocking(slenderness) / housner(slenderness), share)
+        yield measured.claim(quantity, "", spin_ratio(slenderness) / housner_ratio(slenderness), share)
 
 
-TESTS = (lift_off, period_doubling, landing_phase, plastic_flight, zeno, elastic, rocking_blocks)
+TESTS = (lift_off, period_doubling, landing_phase, plastic_flight, time_to_rest, elastic_energy, rocking_blocks)

@@ -29,7 +29,7 @@ ONE_NUMBER = (
 )
 
 
-def box(effort: Effort) -> Iterator[Claim]:
+def box_mass(effort: Effort) -> Iterator[Claim]:
     """Claim on mass and inertia of a meshed body, a box."""
     design = Design()
     size, density = design.body, 1e-3 * design.material.density_g_cm3
@@ -61,7 +61,7 @@ def published_tensor(mass: MassProperties, leg: LegMass) -> Array:
     return np.asarray(identity / leg.m + spin(leg.c_T) / leg.j - R.T @ np.linalg.solve(K, R))
 
 
-def tensor(effort: Effort) -> Iterator[Claim]:
+def foot_inverse_mass(effort: Effort) -> Iterator[Claim]:
     """Claim on the inverse mass that an impact meets at a flexible leg's foot."""
     outside = Outside(PAPER.format("8-12"), 1e-9, "the printed form subtracts numbers of order 1/m")
     for tilt in (10.0, 35.0):
@@ -72,7 +72,7 @@ def tensor(effort: Effort) -> Iterator[Claim]:
             yield outside.claim(quantity, "1/g", float(value), float(theirs[place]))
 
 
-def stationary(effort: Effort) -> Iterator[Claim]:
+def stationary_speed(effort: Effort) -> Iterator[Claim]:
     """Claim on the stationary speed, by eq. 15 where feet slide back, as at μ = 0.1."""
     e, mu = 0.9, 0.1
     for tilt in (10.0, 20.0, 35.0):
@@ -87,7 +87,7 @@ def stationary(effort: Effort) -> Iterator[Claim]:
             yield outside.claim(quantity, "", float(value), float(theirs))
 
 
-def slid(slope_deg: float, speed: float = 0.0) -> float:
+def sliding_distance(slope_deg: float, speed: float = 0.0) -> float:
     """Return the way (mm) of an upright braced walker in 0.1 s, let go on an incline at rest with a speed along it."""
     tables = {
         "drive": still_plate_drive(90.0),
@@ -105,26 +105,26 @@ def slid(slope_deg: float, speed: float = 0.0) -> float:
     return float(state[SHOWN_X]) - began
 
 
-def slopes(effort: Effort) -> Iterator[Claim]:
+def sliding_on_slopes(effort: Effort) -> Iterator[Claim]:
     """Claim on a rigid walker on an incline at rest: where it starts to slide, how fast it goes."""
-    angle = bisect(lambda slope: slid(slope) > 1e-3, 10.0, 20.0, 1e-5)
+    angle = bisect(lambda slope: sliding_distance(slope) > 1e-3, 10.0, 20.0, 1e-5)
     outside = Outside("Coulomb's law on an incline", 1e-3, "a way of 1 um in 0.1 s counts as sliding")
     quantity = "slope at which a braced walker starts to slide, μ = 0.25"
     yield outside.claim(quantity, "deg", angle, math.degrees(math.atan(FRICTION)))
     slope = math.radians(20.0)
     theirs = 0.5 * GRAVITY * (math.sin(slope) - FRICTION * math.cos(slope)) * SLIDE_S**2
     outside = outside._replace(share=3e-4, reason="springs of the feet stretch first")
-    yield outside.claim("way down 20 deg in 0.1 s", "mm", slid(20.0), theirs)
+    yield outside.claim("way down 20 deg in 0.1 s", "mm", sliding_distance(20.0), theirs)
 
 
 def sliding_stop(effort: Effort) -> Iterator[Claim]:
     """Claim on a walker that slides to a stop on a level plate at rest."""
     launched = 60.0
     quantity, theirs = "way of a walker that slides to a stop from 60 mm/s", launched**2 / (2.0 * FRICTION * GRAVITY)
-    yield Outside("Coulomb's law", 1e-5, "as above").claim(quantity, "mm", slid(0.0, launched), theirs)
+    yield Outside("Coulomb's law", 1e-5, "as above").claim(quantity, "mm", sliding_distance(0.0, launched), theirs)
 
 
-def leg(effort: Effort) -> Iterator[Claim]:
+def leg_spring(effort: Effort) -> Iterator[Claim]:
     """Claim on a leg as a spring: its tip's stiffness, its first frequency."""
     design = Design()
     E, length = 1e9 * design.material.youngs_modulus_gpa, design.limbs[0].length
@@ -141,4 +141,4 @@ def leg(effort: Effort) -> Iterator[Claim]:
     yield ringing.claim("first frequency of a leg on a held body", "Hz", ours, theirs)
 
 
-TESTS = (box, tensor, stationary, slopes, sliding_stop, leg)
+TESTS = (box_mass, foot_inverse_mass, stationary_speed, sliding_on_slopes, sliding_stop, leg_spring)

@@ -1,4 +1,4 @@
-"""Claims of the paper: what it states, beside the theory's bounds and the walker in space."""
+"""Claims of the paper: what it states, compared with the theory's bounds and the walker in space."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -10,7 +10,7 @@ from evidence.published import FACTS
 from evidence.quantities import ratio
 from evidence.reproduce import maximum
 from evidence.validate.claim import Claim, Effort, Outside
-from evidence.validate.ensembles import exponent, in_space, paper_design, paper_types, rebound
+from evidence.validate.ensembles import exponent, measure_in_space, measure_paper_types, paper_design, rebound
 from walkergen.core.numerics.quantity import Quantity, exact
 from walkergen.core.scene import GRAVITY, Scene
 from walkergen.core.theory import prediction
@@ -24,14 +24,14 @@ CONTACT = "contact as measured"
 
 TILTS = (5.0, 8.0, 10.0, 12.0, 15.0)
 GAMMAS = (1.2, 1.4, 1.6, 1.8, 2.2, 2.6)
-LIVELY = 1.4
-"""Peak acceleration over g from which the speed is proportional to the plate's at 15 deg."""
+MIN_RUNNING_GAMMA = 1.4
+"""Least peak acceleration over g at which the speed is proportional to the plate's at 15 deg."""
 FREQUENCIES_HZ = (60.0, 90.0, 120.0, 200.0)
-SAME_SHARE = 10.0, 8.0
+MAX_CHANGES = 10.0, 8.0
 """Largest change of the speed over the plate's peak speed, %, from LIVELY on and over FREQUENCIES_HZ."""
 
-LATE_S = 0.5
-"""Lag from which to twice it runs of some seconds tell how a walker wanders, s."""
+LATE_LAG_S = 0.5
+"""Lag of the late exponents, s: they are measured from it to twice it."""
 
 INFERRED = "The effective radius of the tips was inferred from this number."
 THRESHOLD = (
@@ -66,7 +66,7 @@ QUANTITIES = {
 """Shorter names of quantities of facts."""
 
 
-def _of_fact(key: str, circumstances: str, ours: Quantity, why: str = "", fitted: bool = False) -> Claim:
+def _claim_on_fact(key: str, circumstances: str, ours: Quantity, why: str = "", fitted: bool = False) -> Claim:
     """Claim on one of the paper's facts."""
     fact = FACTS[key]
     quantity = f"{QUANTITIES.get(key, fact.quantity)}: {circumstances}"
@@ -76,14 +76,14 @@ def _of_fact(key: str, circumstances: str, ours: Quantity, why: str = "", fitted
     return Claim(quantity, ours._replace(unit=fact.unit), theirs, below, above, fact.margin, source, why, fitted)
 
 
-def drive(effort: Effort) -> Iterator[Claim]:
+def plate_speed(effort: Effort) -> Iterator[Claim]:
     """Claim on the plate's peak speed, which frequency and acceleration give."""
     speed = exact("plate", "mm_s", templates.load("plane-90hz", "scenes", Scene).drive.peak_speed)
     why = "The paper's three numbers disagree: 32 mm/s at 90 Hz is 1.85 g. We use its frequency and acceleration."
-    yield _of_fact("plate speed", "1.8 g at 90 Hz", speed, why)
+    yield _claim_on_fact("plate speed", "1.8 g at 90 Hz", speed, why)
 
 
-def predicted(effort: Effort) -> Iterator[Claim]:
+def predicted_speed(effort: Effort) -> Iterator[Claim]:
     """Claim of the predicted speed at 10 deg, in two of the shipped scenes."""
     for name in ("lane-90hz", "plane-90hz"):
         scene = templates.load(name, "scenes", Scene)
@@ -91,76 +91,83 @@ def predicted(effort: Effort) -> Iterator[Claim]:
         row = prediction.predict(design, solids.mass_of(design), scene)
         ours = Quantity("speed", "mm_s", row.speed.value, row.speed.half_width(0.68))
         circumstances = f"predicted, with half of its 68 % bounds, {name}"
-        yield _of_fact("speed at 10 deg", circumstances, ours, INFERRED, fitted=True)
+        yield _claim_on_fact("speed at 10 deg", circumstances, ours, INFERRED, fitted=True)
 
 
 def theory_maximum(effort: Effort) -> Iterator[Claim]:
     """Claim of the theory on the tilt of its largest speed, over realistic contacts."""
-    largest = exact("tilt", "deg", maximum.tilts(paper_design(10.0), "coulomb").high_deg)
-    yield _of_fact("maximum below", "theory, e 0.5 to 1, μ 0.05 to 0.4", largest)
+    largest = exact("tilt", "deg", maximum.find_tilts(paper_design(10.0), "coulomb").high_deg)
+    yield _claim_on_fact("maximum below", "theory, e 0.5 to 1, μ 0.05 to 0.4", largest)
 
 
-def speeds(effort: Effort) -> Iterator[Claim]:
+def speed_in_space(effort: Effort) -> Iterator[Claim]:
     """Claim of the model in space on speed at 10 deg."""
-    yield _of_fact("speed at 10 deg", f"in space, {CONTACT}", in_space(10.0, effort).speed, INFERRED, fitted=True)
+    yield _claim_on_fact(
+        "speed at 10 deg", f"in space, {CONTACT}", measure_in_space(10.0, effort).speed, INFERRED, fitted=True
+    )
 
 
-def bounces(effort: Effort) -> Iterator[Claim]:
+def rebound_in_space(effort: Effort) -> Iterator[Claim]:
     """Claim of the model in space on the bounce of a whole structure, which the paper measured with an error."""
     fact = FACTS["restitution"]
     stated = Quantity("restitution", "", fact.value, fact.high - fact.value)
     outside = Outside(f"{PAPER}, {fact.where}", why=REBOUND)
     for tilt in (0.0, 10.0, 15.0, 35.0):
         quantity = f"rebound of a walker dropped level by 1 mm at {tilt:g} deg, {CONTACT}"
-        yield outside.beside(quantity, rebound(tilt, effort.runs), stated)
+        yield outside.compare(quantity, rebound(tilt, effort.runs), stated)
 
 
-def shape(effort: Effort) -> Iterator[Claim]:
+def speed_against_tilt(effort: Effort) -> Iterator[Claim]:
     """Claim of the model in space on the shape of the curve of speed against tilt."""
-    curve = [in_space(tilt, effort).speed for tilt in TILTS]
+    curve = [measure_in_space(tilt, effort).speed for tilt in TILTS]
     high, middle = curve[TILTS.index(10.0)], curve[-1]
-    low = in_space(35.0, effort).speed
-    yield _of_fact("peak tilt", CONTACT, curves.top(np.array(TILTS), curve).place)
-    yield _of_fact("15 below 10", CONTACT, ratio(middle, high))
-    yield _of_fact("35 below 15", CONTACT, ratio(low, middle))
+    low = measure_in_space(35.0, effort).speed
+    yield _claim_on_fact("peak tilt", CONTACT, curves.top(np.array(TILTS), curve).place)
+    yield _claim_on_fact("15 below 10", CONTACT, ratio(middle, high))
+    yield _claim_on_fact("35 below 15", CONTACT, ratio(low, middle))
 
 
-def braced(effort: Effort) -> Iterator[Claim]:
+def braced_speed(effort: Effort) -> Iterator[Claim]:
     """Claim of the model in space on braced walkers."""
     for tilt in (10.0, 20.0):
-        yield _of_fact("braced", f"in space at {tilt:g} deg", in_space(tilt, effort, kind="braced").speed)
+        yield _claim_on_fact("braced", f"in space at {tilt:g} deg", measure_in_space(tilt, effort, kind="braced").speed)
 
 
-def proportional(effort: Effort) -> Iterator[Claim]:
+def proportionality(effort: Effort) -> Iterator[Claim]:
     """Claim of the model in space on speed against the plate's speed, by acceleration and by frequency."""
-    series = [in_space(15.0, effort, gamma).speed for gamma in GAMMAS]
-    for start, why in ((0, THRESHOLD), (GAMMAS.index(LIVELY), "")):
+    series = [measure_in_space(15.0, effort, gamma).speed for gamma in GAMMAS]
+    for start, why in ((0, THRESHOLD), (GAMMAS.index(MIN_RUNNING_GAMMA), "")):
         circumstances = f"in space at 15 deg, from {GAMMAS[start]:g} g"
-        yield _of_fact("proportional", circumstances, curves.off_line(np.array(GAMMAS[start:]), series[start:]), why)
-    start = GAMMAS.index(LIVELY)
-    by_acceleration = [_over_plate(speed, 90.0, gamma) for gamma, speed in zip(GAMMAS, series, strict=True)][start:]
-    frequencies = [in_space(10.0, effort, frequency_hz=frequency).speed for frequency in FREQUENCIES_HZ]
+        yield _claim_on_fact(
+            "proportional", circumstances, curves.distance_from_line(np.array(GAMMAS[start:]), series[start:]), why
+        )
+    start = GAMMAS.index(MIN_RUNNING_GAMMA)
+    by_acceleration = [_ratio_to_plate_speed(speed, 90.0, gamma) for gamma, speed in zip(GAMMAS, series, strict=True)][
+        start:
+    ]
+    frequencies = [measure_in_space(10.0, effort, frequency_hz=frequency).speed for frequency in FREQUENCIES_HZ]
     by_frequency = [
-        _over_plate(speed, frequency, 1.8) for frequency, speed in zip(FREQUENCIES_HZ, frequencies, strict=True)
+        _ratio_to_plate_speed(speed, frequency, 1.8)
+        for frequency, speed in zip(FREQUENCIES_HZ, frequencies, strict=True)
     ]
     for ratios, share, circumstances in (
-        (by_acceleration, SAME_SHARE[0], f"15 deg, {GAMMAS[start]:g} to {GAMMAS[-1]:g} g"),
-        (by_frequency, SAME_SHARE[1], f"10 deg, {FREQUENCIES_HZ[0]:g} to {FREQUENCIES_HZ[-1]:g} Hz"),
+        (by_acceleration, MAX_CHANGES[0], f"15 deg, {GAMMAS[start]:g} to {GAMMAS[-1]:g} g"),
+        (by_frequency, MAX_CHANGES[1], f"10 deg, {FREQUENCIES_HZ[0]:g} to {FREQUENCIES_HZ[-1]:g} Hz"),
     ):
         quantity = f"largest distance of speed over plate speed from its mean: in space, {circumstances}"
         reason = f"our reading of 'good linear behaviour': {share:g} %"
         theirs = exact("distance", "%", share)
         source = f"{PAPER}, {FACTS['proportional'].where}"
-        yield Claim(quantity, _farthest(ratios), theirs, math.inf, 0.0, reason, source)
+        yield Claim(quantity, _largest_deviation(ratios), theirs, math.inf, 0.0, reason, source)
 
 
-def _over_plate(speed: Quantity, frequency_hz: float, gamma: float) -> Quantity:
+def _ratio_to_plate_speed(speed: Quantity, frequency_hz: float, gamma: float) -> Quantity:
     """Return a speed over the plate's peak speed."""
     plate = gamma * GRAVITY / (2.0 * math.pi * frequency_hz)
     return ratio(speed, exact("plate", "mm_s", plate))
 
 
-def _farthest(ratios: Sequence[Quantity]) -> Quantity:
+def _largest_deviation(ratios: Sequence[Quantity]) -> Quantity:
     """Return the largest distance of a ratio from the mean of all, in per cent of that mean, with its error."""
     values = np.array([ratio.value for ratio in ratios], dtype=float)
     errors = np.array([ratio.se or 0.0 for ratio in ratios])
@@ -172,24 +179,39 @@ def _farthest(ratios: Sequence[Quantity]) -> Quantity:
     return Quantity("distance", "%", float(share), error, (len(values) - 1) * 3)
 
 
-def types(effort: Effort) -> Iterator[Claim]:
+def landing_types(effort: Effort) -> Iterator[Claim]:
     """Claim on the types of landings, by the paper's model and in space, and on their speed."""
     fact = FACTS["impact speed"]
-    yield _of_fact("types II and III", "the paper's model at 10 deg", paper_types(10.0, effort), FROM_REST)
+    yield _claim_on_fact(
+        "types II and III", "the paper's model at 10 deg", measure_paper_types(10.0, effort), FROM_REST
+    )
     for tilt in (10.0, 35.0):
-        yield _of_fact("types II and III", f"in space at {tilt:g} deg", in_space(tilt, effort).types, OTHER_TYPES)
-    ours = exact("log", "", math.log10(in_space(10.0, effort).landing_speed))
+        yield _claim_on_fact(
+            "types II and III", f"in space at {tilt:g} deg", measure_in_space(tilt, effort).types, OTHER_TYPES
+        )
+    ours = exact("log", "", math.log10(measure_in_space(10.0, effort).landing_speed))
     quantity = f"log10 of {fact.quantity}, landings in space at 10 deg"
     yield Claim(quantity, ours, exact("log", "", 0.0), 0.5, 0.5, fact.margin, f"{PAPER}, {fact.where}")
 
 
-def motion(effort: Effort) -> Iterator[Claim]:
+def displacement_growth(effort: Effort) -> Iterator[Claim]:
     """Claim of the model in space on how walkers wander: local exponents of their displacement."""
     early, late = (f"in space, {lags}" for lags in ("40 to 80 ms", "0.5 to 1 s"))
     for tilt in (10.0, 15.0):
-        yield _of_fact(f"ballistic at {tilt:g}", late, exponent(tilt, effort, LATE_S))
-    yield _of_fact("superdiffusive at 35", early, exponent(35.0, effort, 0.04))
-    yield _of_fact("diffusive at 35", late, exponent(35.0, effort, LATE_S), BALLISTIC)
+        yield _claim_on_fact(f"ballistic at {tilt:g}", late, exponent(tilt, effort, LATE_LAG_S))
+    yield _claim_on_fact("superdiffusive at 35", early, exponent(35.0, effort, 0.04))
+    yield _claim_on_fact("diffusive at 35", late, exponent(35.0, effort, LATE_LAG_S), BALLISTIC)
 
 
-TESTS = (drive, predicted, theory_maximum, speeds, bounces, shape, braced, proportional, types, motion)
+TESTS = (
+    plate_speed,
+    predicted_speed,
+    theory_maximum,
+    speed_in_space,
+    rebound_in_space,
+    speed_against_tilt,
+    braced_speed,
+    proportionality,
+    landing_types,
+    displacement_growth,
+)

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from evidence.validate.claim import Claim, Effort, Outside
-from evidence.validate.claims_rivals import EXTRA, installed, version
+from evidence.validate.claims_rivals import MISSING_EXTRA, format_version, is_installed
 from evidence.validate.ensembles import paper_design
 from walkergen.analysis import lag_sums
 from walkergen.core.printing import export, print_sheet, slicer
@@ -25,29 +25,29 @@ from walkergen.core.walker import solids
 from walkergen.files import templates
 from walkergen.points.trajectory import sample_rows
 
-SLICED = Outside(
+SLICER = Outside(
     "PrusaSlicer, its length of filament, with our settings",
     0.01,
-    "one per cent, for which the settings' infill overlap was chosen",
+    "one per cent; the settings' infill overlap was chosen for it",
     "The slicer only plans. Weigh the print to know the mass.",
 )
 
 LAGS = (1, 10, 50)
 """Lags of the mean square displacement, in samples."""
 
-INTERVAL = 0.01
+SAMPLE_INTERVAL_S = 0.01
 """Time between samples of the track, s."""
 
 TIMEOUT_S = 120.0
 
 
-def displacement(effort: Effort) -> Iterator[Claim]:
+def squared_displacement(effort: Effort) -> Iterator[Claim]:
     """Claim on the mean square displacement of one simulated track, against trackpy's."""
-    outside = Outside(f"trackpy{version('trackpy')}, its imsd", 1e-9, "rounding of transforms")
+    outside = Outside(f"trackpy{format_version('trackpy')}, its imsd", 1e-9, "rounding of transforms")
     quantity = "mean square displacement at 35 deg over {:g} s"
-    if not (installed("trackpy") and installed("pandas")):
+    if not (is_installed("trackpy") and is_installed("pandas")):
         for lag in LAGS:
-            yield outside.missing(quantity.format(lag * INTERVAL), "mm²", EXTRA.format("trackpy"))
+            yield outside.missing(quantity.format(lag * SAMPLE_INTERVAL_S), "mm²", MISSING_EXTRA.format("trackpy"))
         return
     import pandas as pd
     import trackpy
@@ -56,38 +56,38 @@ def displacement(effort: Effort) -> Iterator[Claim]:
     run = scene.run.model_copy(update={"seconds": 2.0, "discard_seconds": 0.5, "runs": 1})
     design = paper_design(35.0)
     plan = prepare(scene.model_copy(update={"run": run}), design, solids.mass_of(design))
-    rows = sample_rows(simulate(plan, 0, sample_interval=INTERVAL, sample_size=len(TRAJECTORY_COLUMNS)))
+    rows = sample_rows(simulate(plan, 0, sample_interval=SAMPLE_INTERVAL_S, sample_size=len(TRAJECTORY_COLUMNS)))
     position = np.ascontiguousarray(rows[:, [1 + SHOWN_X, 1 + SHOWN_Y]])
     total, pairs = lag_sums.sum_squares(position, np.array(LAGS))
     film = pd.DataFrame({"frame": np.arange(len(position)), "particle": 0, "x": position[:, 0], "y": position[:, 1]})
     with warnings.catch_warnings(action="ignore"):  # trackpy calls pandas in ways it deprecates
         theirs = trackpy.imsd(film, mpp=1.0, fps=1.0, max_lagtime=max(LAGS))[0]
     for lag, ours in zip(LAGS, total / pairs, strict=True):
-        yield outside.claim(quantity.format(lag * INTERVAL), "mm²", float(ours), float(theirs.loc[lag]))
+        yield outside.claim(quantity.format(lag * SAMPLE_INTERVAL_S), "mm²", float(ours), float(theirs.loc[lag]))
 
 
-def plastic(effort: Effort) -> Iterator[Claim]:
+def plastic_mass(effort: Effort) -> Iterator[Claim]:
     """Claim on the plastic of a printed walker, against what PrusaSlicer would lay down."""
     program = shutil.which("prusa-slicer")
     for tilt, kind in ((10.0, "flexible"), (35.0, "flexible"), (10.0, "braced")):
         quantity = f"plastic of a walker at {tilt:g} deg, {kind}"
         if program is None:
-            yield SLICED.missing(quantity, "g", "prusa-slicer is not on the PATH")
+            yield SLICER.missing(quantity, "g", "prusa-slicer is not on the PATH")
             continue
         design = paper_design(tilt, "braced" if kind == "braced" else "flexible").unmarked
         built = solids.build(design)
         printer = templates.load("prusa-mk3s", "printers", Printer)
         weight = print_sheet.weigh("walker", design, built, printer)
         mesh = export.stl_bytes(built.walker, "walker")
-        volume = sliced(program, mesh, slicer.prusaslicer_print(printer))
+        volume = filament_volume(program, mesh, slicer.prusaslicer_print(printer))
         if volume is None:
-            yield SLICED.missing(quantity, "g", "prusa-slicer ended without G-code")
+            yield SLICER.missing(quantity, "g", "prusa-slicer ended without G-code")
             continue
         theirs = 1e-3 * design.material.density_g_cm3 * volume
-        yield SLICED.claim(quantity, "g", weight.whole_g, theirs)
+        yield SLICER.claim(quantity, "g", weight.whole_g, theirs)
 
 
-def sliced(program: str, mesh: bytes, settings: bytes) -> float | None:
+def filament_volume(program: str, mesh: bytes, settings: bytes) -> float | None:
     """Volume (mm^3) of the filament that PrusaSlicer uses for an STL mesh; None when it fails."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -103,4 +103,4 @@ def sliced(program: str, mesh: bytes, settings: bytes) -> float | None:
     return None if used is None else float(used[1]) * math.pi * slicer.FILAMENT_DIAMETER_MM**2 / 4.0
 
 
-TESTS = (displacement, plastic)
+TESTS = (squared_displacement, plastic_mass)

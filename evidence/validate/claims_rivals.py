@@ -1,4 +1,4 @@
-"""Claims against physics engines that share no code with ours; each only where it is installed."""
+"""Claims against physics engines that share no code with ours; each only if installed."""
 
 import importlib.util
 import math
@@ -8,7 +8,7 @@ from importlib import metadata
 import numpy as np
 
 from evidence.validate.claim import Claim, Effort, Outside
-from evidence.validate.ensembles import simulated, speed_of
+from evidence.validate.ensembles import mean_speed, simulate_runs
 from walkergen.core.numerics.quantity import mean
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.plan import Plan, prepare
@@ -20,22 +20,22 @@ from walkergen.points import experiments
 
 Pair = tuple[float, float]
 
-EXTRA = "{} is not installed here: pip install 'walkergen[rivals]'"
+MISSING_EXTRA = "{} is not installed here: pip install 'walkergen[rivals]'"
 
 FRICTION = 0.25
 
 RIGID = {"rigid_tips": True}
 """Tips that do not give, near the rigid corners of an engine: only the legs are elastic."""
 
-SAME_FEET = 0.1
-"""Share by which speeds may differ since engines judge friction by the slip at a step's end: with
+SPEED_SHARE = 0.1
+"""Allowed difference of speeds, as a share: engines judge friction by the slip at a step's end, and with
 that rule speeds of legs on springs in a plane were 5 and 8 % higher."""
 
 SLIP_AND_FEET = (
     "The friction law of the row above explains 5 to 8 %. We attribute the rest to the feet: MuJoCo's feet are "
     "damped along the plate too, ours are not. MuJoCo's restitution is measured, not set."
 )
-TURNED = (
+REVERSED_FRICTION = (
     "Within an impact our friction reverses with the slip (Routh, Keller). An engine judges it once, by the slip "
     "at the end."
 )
@@ -44,25 +44,25 @@ BLOCK = (0.833, 55.07)
 """Mass (g) and moment of inertia (g mm^2) of a rigid body that strikes with one foot."""
 
 
-def installed(name: str) -> bool:
+def is_installed(name: str) -> bool:
     """Return whether a package can be imported."""
     return importlib.util.find_spec(name) is not None
 
 
-def version(name: str) -> str:
-    """Version of an installed package; nothing where it is not."""
-    return f" {metadata.version(name)}" if installed(name) else ""
+def format_version(name: str) -> str:
+    """Version of an installed package; nothing for a missing package."""
+    return f" {metadata.version(name)}" if is_installed(name) else ""
 
 
-def _mujoco() -> str:
-    return f"MuJoCo{version('mujoco')}, our walker without twist of its legs"
+def _mujoco_source() -> str:
+    return f"MuJoCo{format_version('mujoco')}, our walker without twist of its legs"
 
 
-def _pymunk() -> str:
-    return f"pymunk{version('pymunk')} (Chipmunk), plastic impacts"
+def _pymunk_source() -> str:
+    return f"pymunk{format_version('pymunk')} (Chipmunk), plastic impacts"
 
 
-def _plan(tilt_deg: float, effort: Effort, restitution: float = 0.02) -> Plan:
+def _make_plan(tilt_deg: float, effort: Effort, restitution: float = 0.02) -> Plan:
     """Plan of a walker without twist, on nearly plastic feet."""
     design = Design().variant(tilt_deg=tilt_deg)
     tables = {
@@ -78,16 +78,16 @@ def _plan(tilt_deg: float, effort: Effort, restitution: float = 0.02) -> Plan:
 
 def inverse_mass(effort: Effort) -> Iterator[Claim]:
     """Claim on the inverse mass at a corner of the walker in space, by MuJoCo's own dynamics."""
-    outside = Outside(_mujoco(), 1e-9, "rounding of two factorisations")
-    if not installed("mujoco"):
-        yield outside.missing("inverse mass at a corner", "1/g", EXTRA.format("MuJoCo"))
+    outside = Outside(_mujoco_source(), 1e-9, "rounding of two factorisations")
+    if not is_installed("mujoco"):
+        yield outside.missing("inverse mass at a corner", "1/g", MISSING_EXTRA.format("MuJoCo"))
         return
     from evidence.validate import mujoco_walker
 
     for tilt in (10.0, 35.0):
-        plan = _plan(tilt, effort)
+        plan = _make_plan(tilt, effort)
         ours = mobility(plan.world.walker)
-        theirs = mujoco_walker.mobility(plan.case.design, plan.case.mass)
+        theirs = mujoco_walker.compute_mobility(plan.case.design, plan.case.mass)
         for name, place in (("normal", (0, 0)), ("along", (1, 1)), ("normal to along", (0, 1))):
             quantity = f"inverse mass at a back corner at {tilt:g} deg, {name}"
             yield outside.claim(quantity, "1/g", float(ours[place]), float(theirs[place]))
@@ -97,24 +97,24 @@ def plastic_speeds(effort: Effort) -> Iterator[Claim]:
     """Claim on speeds of the walker in space on nearly plastic feet, against rigid corners."""
     tilts, quantity = (10.0, 15.0, 20.0), "speed at {:g} deg, nearly plastic feet"
     reason = "10 %: engines judge friction by the slip at the end of a step"
-    outside = Outside(_mujoco(), SAME_FEET, reason, SLIP_AND_FEET)
-    if not installed("mujoco"):
+    outside = Outside(_mujoco_source(), SPEED_SHARE, reason, SLIP_AND_FEET)
+    if not is_installed("mujoco"):
         for tilt in tilts:
-            yield outside.missing(quantity.format(tilt), "mm/s", EXTRA.format("MuJoCo"))
+            yield outside.missing(quantity.format(tilt), "mm/s", MISSING_EXTRA.format("MuJoCo"))
         return
     from evidence.validate import mujoco_walker
 
     for tilt in tilts:
-        plan = _plan(tilt, effort)
+        plan = _make_plan(tilt, effort)
         case, walker = plan.case, plan.world.walker
-        ours = speed_of(simulated(experiments.Walker(plan.scene, case.design, case.mass)))
+        ours = mean_speed(simulate_runs(experiments.Walker(plan.scene, case.design, case.mass)))
         hinge = float(walker.stiffness[0]), float(walker.damping[0])
         seconds, seeds = 0.25 * effort.seconds + 0.5, range(3 if effort.quick else 6)
-        runs = mujoco_walker.speeds(case.design, case.mass, hinge, FRICTION, plan.world.drive, seconds, seeds)
-        yield outside.beside(quantity.format(tilt), ours._replace(unit="mm/s"), mean("speed", "mm/s", runs))
+        runs = mujoco_walker.simulate_speeds(case.design, case.mass, hinge, FRICTION, plan.world.drive, seconds, seeds)
+        yield outside.compare(quantity.format(tilt), ours._replace(unit="mm/s"), mean("speed", "mm/s", runs))
 
 
-def impacts(effort: Effort) -> Iterator[Claim]:
+def impact_spins(effort: Effort) -> Iterator[Claim]:
     """Claim on single impacts of a rigid body's foot, plastic, against pymunk."""
     cases = (
         ("without friction", 20.0, 0.0),
@@ -124,16 +124,16 @@ def impacts(effort: Effort) -> Iterator[Claim]:
     )
     reason = "its iteration ends, and turns the body within the step"
     for slip, sliding, friction in cases:
-        quantity, outside = f"spin after an impact, foot {slip}", Outside(_pymunk(), 1e-8, reason)
-        if not installed("pymunk"):
-            yield outside.missing(quantity, "rad/s", EXTRA.format("pymunk"))
+        quantity, outside = f"spin after an impact, foot {slip}", Outside(_pymunk_source(), 1e-8, reason)
+        if not is_installed("pymunk"):
+            yield outside.missing(quantity, "rad/s", MISSING_EXTRA.format("pymunk"))
             continue
         lever, velocity = (-6.5, -9.0), (sliding, -30.0)
-        ours, theirs = (spin(lever, velocity, friction) for spin in (_spin, _pymunks_spin))
-        yield outside._replace(why=TURNED if "back" in slip else "").claim(quantity, "rad/s", ours, theirs)
+        ours, theirs = (spin(lever, velocity, friction) for spin in (_spin_after, _pymunk_spin_after))
+        yield outside._replace(why=REVERSED_FRICTION if "back" in slip else "").claim(quantity, "rad/s", ours, theirs)
 
 
-def _spin(lever: Pair, velocity: Pair, friction: float) -> float:
+def _spin_after(lever: Pair, velocity: Pair, friction: float) -> float:
     M, J = BLOCK
     H = tensors.rigid_tensor(M, J, np.array(lever))
     entries = float(H.xx), float(H.xy), float(H.yy)
@@ -141,8 +141,8 @@ def _spin(lever: Pair, velocity: Pair, friction: float) -> float:
     return (lever[0] * outcome.F_y - lever[1] * outcome.F_x) / J
 
 
-def _pymunks_spin(lever: Pair, velocity: Pair, friction: float) -> float:
-    """Spin (rad/s) after one very short step in which a point at `lever` (mm) touches the plate."""
+def _pymunk_spin_after(lever: Pair, velocity: Pair, friction: float) -> float:
+    """Spin (rad/s) after one very short step, while a point at `lever` (mm) touches the plate."""
     import pymunk
 
     M, J = BLOCK
@@ -160,4 +160,4 @@ def _pymunks_spin(lever: Pair, velocity: Pair, friction: float) -> float:
     return float(body.angular_velocity)
 
 
-TESTS = (impacts, inverse_mass, plastic_speeds)
+TESTS = (impact_spins, inverse_mass, plastic_speeds)

@@ -31,10 +31,10 @@ SEED = 2016
 FRAME_S = 0.01
 """Time between samples of a run, s."""
 
-TOUCH = 1e-3
+MAX_DROP_ANGLE = 1e-3
 """Largest pitch and roll of a drop that counts as level, rad."""
 
-STARTED_S = 0.5
+DISCARDED_S = 0.5
 """Discarded start of a run, s: some hundred impacts."""
 
 
@@ -56,55 +56,55 @@ def paper_design(tilt_deg: float, kind: limbs.Kind = "flexible") -> Design:
 
 
 @cache
-def in_space(
+def measure_in_space(
     tilt_deg: float, effort: Effort, gamma: float = 1.8, frequency_hz: float = 90.0, kind: limbs.Kind = "flexible"
 ) -> Measured:
     """Measure a walker on the plane of `plane-90hz`, in space, with the contact as the paper measured it."""
     keys = {"drive.gamma": gamma, "drive.frequency_hz": frequency_hz}
-    return _measured(_scene("plane-90hz", effort, keys), paper_design(tilt_deg, kind))
+    return _measure_scene(_load_scene("plane-90hz", effort, keys), paper_design(tilt_deg, kind))
 
 
 @cache
-def paper_types(tilt_deg: float, effort: Effort) -> Quantity:
+def measure_paper_types(tilt_deg: float, effort: Effort) -> Quantity:
     """Return the share of types II and III among landings of the paper's own model, with the contact that it fitted."""
-    design, scene = paper_design(tilt_deg), _scene("lane-90hz-fitted", effort, {})
+    design, scene = paper_design(tilt_deg), _load_scene("lane-90hz-fitted", effort, {})
     runs = paper_simulation.simulate(scene, design, solids.mass_of(design))
-    return _types([_landings(run.impacts, 1) for run in runs])
+    return _share_of_types([_select_landings(run.impacts, 1) for run in runs])
 
 
-def _scene(name: str, effort: Effort, keys: Mapping[str, object]) -> Scene:
+def _load_scene(name: str, effort: Effort, keys: Mapping[str, object]) -> Scene:
     """Return a shipped scene with some keys replaced, and the runs of an effort."""
-    runs = {"run.seconds": effort.seconds, "run.discard_seconds": STARTED_S, "run.runs": effort.runs}
+    runs = {"run.seconds": effort.seconds, "run.discard_seconds": DISCARDED_S, "run.runs": effort.runs}
     return templates.load(name, "scenes", Scene).variant(**runs, **keys)
 
 
-def _measured(scene: Scene, design: Design) -> Measured:
-    point = simulated(experiments.Walker(scene, design, solids.mass_of(design), impacts=True))
-    landed = [_landings(recorded_impacts(result), CORNERS_PER_FOOT) for result in point.results]
+def _measure_scene(scene: Scene, design: Design) -> Measured:
+    point = simulate_runs(experiments.Walker(scene, design, solids.mass_of(design), impacts=True))
+    landed = [_select_landings(recorded_impacts(result), CORNERS_PER_FOOT) for result in point.results]
     approach = float(-np.concatenate([run.v_y for run in landed]).mean()) / scene.drive.peak_speed
-    return Measured(speed_of(point), _types(landed), approach)
+    return Measured(mean_speed(point), _share_of_types(landed), approach)
 
 
-def _landings(rows: Array, corners: int) -> landings.Impacts:
+def _select_landings(rows: Array, corners: int) -> landings.Impacts:
     """Return the landings among the impacts of a run, whose events count so many corners to a foot."""
     impacts = landings.impacts_in(rows)
-    landed = landings.of_feet(impacts.time, impacts.foot // corners)
+    landed = landings.find_landings(impacts.time, impacts.foot // corners)
     return landings.Impacts._make(of[landed] for of in impacts)
 
 
-def _types(landed: Sequence[landings.Impacts]) -> Quantity:
+def _share_of_types(landed: Sequence[landings.Impacts]) -> Quantity:
     """Return the share of types II and III among the landings of runs, %."""
     shares = [100.0 * float(np.isin(run.kind, (Kind.II, Kind.III)).mean()) for run in landed]
     return mean("types", "percent", shares)
 
 
-def simulated(experiment: experiments.Walker) -> experiments.Results:
+def simulate_runs(experiment: experiments.Walker) -> experiments.Results:
     """Results of all runs. Raises KeyboardInterrupt when Ctrl-C left some out."""
     (point,) = walkers.simulate_each([experiment], [""], silent)
     return point
 
 
-def speed_of(point: experiments.Results) -> Quantity:
+def mean_speed(point: experiments.Results) -> Quantity:
     """Mean speed of the runs, mm/s."""
     return mean("speed", "mm_s", [result.speed for result in point.results])
 
@@ -114,7 +114,7 @@ def exponent(tilt_deg: float, effort: Effort, lag_s: float) -> Quantity:
 
     2: a straight run; 1: diffusion. The error is the jackknife's, over runs.
     """
-    squares = _squares(tilt_deg, effort, lag_s)
+    squares = _squared_displacements(tilt_deg, effort, lag_s)
     total = squares.sum(axis=0)
     without = np.log2((total[1] - squares[:, 1]) / (total[0] - squares[:, 0]))
     n = len(squares)
@@ -122,11 +122,11 @@ def exponent(tilt_deg: float, effort: Effort, lag_s: float) -> Quantity:
     return Quantity("exponent", "", float(np.log2(total[1] / total[0])), error, n - 1)
 
 
-def _squares(tilt_deg: float, effort: Effort, lag_s: float) -> Array:
+def _squared_displacements(tilt_deg: float, effort: Effort, lag_s: float) -> Array:
     """Mean square displacement of every run at a lag and at twice it, shape (runs, 2), mm^2."""
-    design, scene = paper_design(tilt_deg), _scene("plane-90hz", effort, {})
+    design, scene = paper_design(tilt_deg), _load_scene("plane-90hz", effort, {})
     experiment = experiments.Walker(scene, design, solids.mass_of(design), sample_interval=FRAME_S)
-    point = simulated(experiment)
+    point = simulate_runs(experiment)
     lags = np.array([1, 2]) * round(lag_s / FRAME_S)
     squares = []
     for result in point.results:
@@ -147,7 +147,7 @@ def rebound(tilt_deg: float, drops: int) -> Quantity:
     fall, rebounds = math.sqrt(2.0 / GRAVITY), []
     for number in range(drops):
         rng = np.random.default_rng([SEED, number])
-        pitch, roll = rng.uniform(-TOUCH, TOUCH, 2)
+        pitch, roll = rng.uniform(-MAX_DROP_ANGLE, MAX_DROP_ANGLE, 2)
         state = plan.initial_state(1.0, pitch, 0.0, roll)
         ground = float(state[C_Y]) - 1.0
         heights = []

@@ -19,7 +19,7 @@ GROUPS: dict[str, tuple[Test, ...]] = {
 }
 
 
-def choose(only: str | None) -> list[str]:
+def parse_groups(only: str | None) -> list[str]:
     """Select groups from a comma-separated list, in the page's order; all for None.
 
     Raises InputError for a name that is none.
@@ -32,7 +32,7 @@ def choose(only: str | None) -> list[str]:
     return [group for group in GROUPS if group in names]
 
 
-def run(groups: Sequence[str], effort: Effort, progress: Progress) -> list[Claim]:
+def run_claims(groups: Sequence[str], effort: Effort, progress: Progress) -> list[Claim]:
     """Put the claims of some groups to the test, in order."""
     tests = [(group, test) for group in groups for test in GROUPS[group]]
     claims = list[Claim]()
@@ -43,17 +43,17 @@ def run(groups: Sequence[str], effort: Effort, progress: Progress) -> list[Claim
     return claims
 
 
-def make(groups: Sequence[str], effort: Effort, command: str, folder: Path, progress: Progress) -> Report:
+def validate(groups: Sequence[str], effort: Effort, command: str, folder: Path, progress: Progress) -> Report:
     """Put the claims of some groups to the test; write validation.png, .csv, .md into a folder.
 
     `command`: words that made them, for the page's head.
     """
     from walkergen.files import figures
 
-    claims = run(groups, effort, progress)
-    validation = report.of(claims, folder)
+    claims = run_claims(groups, effort, progress)
+    validation = report.make_report(claims, folder)
     with Folder(folder, "") as target:
         target.write("validation.png", figures.png(validation.plot()))
         target.write("validation.csv", validation.table.csv().encode())
-        target.write("validation.md", report.page(list(map(report.row_of, claims)), command).encode())
+        target.write("validation.md", report.to_markdown(list(map(report.to_row, claims)), command).encode())
     return validation

@@ -17,42 +17,42 @@ from walkergen.core.simulation.world import Drive
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import LegMass, MassProperties
 
-FOOT = 1e-3
-"""Radius (mm) of the spheres that stand for corners; their lowest points are the corners."""
+FOOT_RADIUS_MM = 1e-3
+"""Radius (mm) of the spheres that represent corners; their lowest points are the corners."""
 
-PLASTIC = 4.0
+CONTACT_DAMPING = 4.0
 """Damping ratio of a contact without restitution; 16 and 64 give the same speeds."""
 
-EVERY = 4
+PERIODS_PER_PLACE = 4
 """Periods of the drive between two places."""
 
 
-def _numbers(*values: float) -> str:
+def _format_numbers(*values: float) -> str:
     return " ".join(repr(float(value)) for value in values)
 
 
-def _inertia(tensor: Array) -> str:
+def _format_inertia(tensor: Array) -> str:
     pairs = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-    return _numbers(*(tensor[i, j] for i, j in pairs))
+    return _format_numbers(*(tensor[i, j] for i, j in pairs))
 
 
-def _leg(name: str, leg: LegMass, design: Design, spring: tuple[float, float]) -> str:
+def _leg_mjcf(name: str, leg: LegMass, design: Design, spring: tuple[float, float]) -> str:
     assert leg.tensor is not None
     foot, corners = leg.c_A + leg.c_T, ""
     for side in (-0.5 * design.size.depth, 0.5 * design.size.depth):
         corners += f"""
-        <site pos="{_numbers(*foot, side)}"/>
-        <geom name="{name}{side:+g}" type="sphere" size="{FOOT}" mass="0"
-          pos="{_numbers(foot[0], foot[1] + FOOT, side)}" contype="0" conaffinity="0"/>"""
+        <site pos="{_format_numbers(*foot, side)}"/>
+        <geom name="{name}{side:+g}" type="sphere" size="{FOOT_RADIUS_MM}" mass="0"
+          pos="{_format_numbers(foot[0], foot[1] + FOOT_RADIUS_MM, side)}" contype="0" conaffinity="0"/>"""
     return f"""
-      <body name="{name}" pos="{_numbers(*leg.anchor, 0.0)}">
+      <body name="{name}" pos="{_format_numbers(*leg.anchor, 0.0)}">
         <joint type="hinge" axis="0 0 1" stiffness="{spring[0]!r}" damping="{spring[1]!r}"/>
-        <inertial pos="{_numbers(*leg.c_A, 0.0)}" mass="{_numbers(float(leg.m))}"
-          fullinertia="{_inertia(leg.tensor)}"/>{corners}
+        <inertial pos="{_format_numbers(*leg.c_A, 0.0)}" mass="{_format_numbers(float(leg.m))}"
+          fullinertia="{_format_inertia(leg.tensor)}"/>{corners}
       </body>"""
 
 
-def mujoco_walker(
+def walker_mjcf(
     design: Design,
     mass: MassProperties,
     spring: tuple[float, float] = (0.0, 0.0),
@@ -65,12 +65,12 @@ def mujoco_walker(
     """
     whole = mass.spatial
     assert whole is not None
-    legs = "".join(_leg(name, leg, design, spring) for name, leg in zip(("back", "front"), mass.legs, strict=True))
+    legs = "".join(_leg_mjcf(name, leg, design, spring) for name, leg in zip(("back", "front"), mass.legs, strict=True))
     half = 0.5 * design.size.depth
     pairs = "".join(
         f"""
     <pair geom1="plate" geom2="{name}{side:+g}" condim="3" friction="{friction} {friction} 0 0 0"
-      solref="{2.0 * step:.9g} {PLASTIC}" solreffriction="{2.0 * step:.9g} 1"
+      solref="{2.0 * step:.9g} {CONTACT_DAMPING}" solreffriction="{2.0 * step:.9g} 1"
       solimp="0.99 0.99 1 0.5 1"/>"""
         for name in ("back", "front")
         for side in (-half, half)
@@ -83,8 +83,8 @@ def mujoco_walker(
     <geom name="plate" type="plane" size="1 1 1" zaxis="0 1 0" contype="0" conaffinity="0"/>
     <body name="body">
       <freejoint/>
-      <inertial pos="{_numbers(0.0, 0.0, whole.z)}" mass="{_numbers(float(mass.M))}"
-        fullinertia="{_inertia(whole.body)}"/>{legs}
+      <inertial pos="{_format_numbers(0.0, 0.0, whole.z)}" mass="{_format_numbers(float(mass.M))}"
+        fullinertia="{_format_inertia(whole.body)}"/>{legs}
     </body>
   </worldbody>
   <contact>{pairs}
@@ -93,9 +93,9 @@ def mujoco_walker(
 """
 
 
-def mobility(design: Design, mass: MassProperties) -> Array:
+def compute_mobility(design: Design, mass: MassProperties) -> Array:
     """Inverse mass of all corners, shape (12, 12), 1/g: normal, along, across of each."""
-    model = mujoco.MjModel.from_xml_string(mujoco_walker(design, mass))
+    model = mujoco.MjModel.from_xml_string(walker_mjcf(design, mass))
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     rows = np.zeros((4, 3, model.nv))
@@ -107,7 +107,7 @@ def mobility(design: Design, mass: MassProperties) -> Array:
     return np.asarray(rows @ moved.T)
 
 
-def speeds(
+def simulate_speeds(
     design: Design,
     mass: MassProperties,
     spring: tuple[float, float],
@@ -119,7 +119,7 @@ def speeds(
     """Mean speed (mm/s) along the heading of each run, after a discarded half second."""
     count = round(drive.period / 4e-6)
     step = drive.period / count
-    model = mujoco.MjModel.from_xml_string(mujoco_walker(design, mass, spring, friction, step))
+    model = mujoco.MjModel.from_xml_string(walker_mjcf(design, mass, spring, friction, step))
     data = mujoco.MjData(model)
     full = mujoco.mjtState.mjSTATE_FULLPHYSICS
     state = np.empty(mujoco.mj_stateSize(model, full))
@@ -137,9 +137,9 @@ def speeds(
         phases = phase + 2.0 * math.pi * (np.arange(count) + 0.5) / count
         pull = np.zeros((count, model.nbody, 6))
         pull[:, :, 1] = -np.outer(GRAVITY - drive.amplitude * drive.omega**2 * np.sin(phases), model.body_mass)
-        pull = np.tile(pull.reshape(count, -1), (EVERY, 1))[None]
+        pull = np.tile(pull.reshape(count, -1), (PERIODS_PER_PLACE, 1))[None]
         places = []
-        for _ in range(round((seconds + 0.5) / (EVERY * drive.period))):
+        for _ in range(round((seconds + 0.5) / (PERIODS_PER_PLACE * drive.period))):
             states, _ = rollout.rollout(
                 model, data, state[None], pull, control_spec=mujoco.mjtState.mjSTATE_XFRC_APPLIED, skip_checks=False
             )
@@ -147,8 +147,8 @@ def speeds(
             w, x, y, z = state[4:8]
             heading = np.array([1.0 - 2.0 * (y * y + z * z), 2.0 * (x * z - w * y)])
             places.append([state[1], state[3], *heading / math.sqrt(heading @ heading)])
-        settled = np.array(places[round(0.5 / (EVERY * drive.period)) :])
+        settled = np.array(places[round(0.5 / (PERIODS_PER_PLACE * drive.period)) :])
         along = 0.5 * (settled[1:, 2:] + settled[:-1, 2:])
         run = np.sum(np.diff(settled[:, :2], axis=0) * along)
-        means.append(run / ((len(settled) - 1) * EVERY * drive.period))
+        means.append(run / ((len(settled) - 1) * PERIODS_PER_PLACE * drive.period))
     return np.array(means)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from evidence.validate.claim import TITLE, TITLES, WORDS, Claim
+from evidence.validate.claim import TITLE, TITLES, VERDICT_MEANINGS, Claim
 from walkergen import __version__
 from walkergen.core.numerics.quantity import Verdict
 from walkergen.files.report import Report, Table
@@ -56,7 +56,7 @@ class Row(NamedTuple):
         return self.missing or self.why or "We know no reason." * (self.verdict == Verdict.DISAGREE.value)
 
 
-def read(path: Path) -> list[Row]:
+def read_rows(path: Path) -> list[Row]:
     """Return the rows of a stored validation.csv."""
     with path.open(encoding="utf-8", newline="") as stream:
         lines = list(csv.reader(stream))[1:]
@@ -67,9 +67,9 @@ def read(path: Path) -> list[Row]:
     ]
 
 
-def of(claims: Sequence[Claim], folder: Path) -> Report:
+def make_report(claims: Sequence[Claim], folder: Path) -> Report:
     """Report of the claims, for FILES in a folder."""
-    rows = list(map(row_of, claims))
+    rows = list(map(to_row, claims))
     table = Table("validation", rows, Row._fields)
     shown = [row for row in rows if row.verdict in (Verdict.DISAGREE.value, Verdict.MISSING.value)]
     lines = [f"{row.verdict}: {row.quantity}: {row.missing or row.why}" for row in shown]
@@ -77,19 +77,19 @@ def of(claims: Sequence[Claim], folder: Path) -> Report:
     def draw() -> Any:
         from evidence.validate import figures
 
-        return figures.deviations(claims)
+        return figures.draw_claims(claims)
 
     return Report(
         name="validation",
         title=TITLE,
         tables=[table],
-        facts={"rows": [_finite(row) for row in table], "files": [str(folder / name) for name in FILES]},
-        lines=[*lines, f"{len(rows)} claims: {counted(rows)}", f"in {folder}: {', '.join(FILES)}"],
+        facts={"rows": [_drop_infinite(row) for row in table], "files": [str(folder / name) for name in FILES]},
+        lines=[*lines, f"{len(rows)} claims: {count_words(rows)}", f"in {folder}: {', '.join(FILES)}"],
         figures={"validation": draw},
     )
 
 
-def row_of(claim: Claim) -> Row:
+def to_row(claim: Claim) -> Row:
     """Return the row of a claim."""
     ours, theirs = claim.ours, claim.theirs
     numbers = ours.value, ours.se or None, theirs.value, theirs.se or None
@@ -98,20 +98,20 @@ def row_of(claim: Claim) -> Row:
     return Row._make((claim.group, claim.quantity, ours.unit, *numbers, *gaps, *words))
 
 
-def _finite(row: dict[str, Any]) -> dict[str, Any]:
+def _drop_infinite(row: dict[str, Any]) -> dict[str, Any]:
     """Row for JSON, which has no NaN and no infinity; the verdict tells of them."""
     return {key: None if isinstance(x, float) and not math.isfinite(x) else x for key, x in row.items()}
 
 
-def counted(rows: Sequence[Row]) -> str:
+def count_words(rows: Sequence[Row]) -> str:
     """Format the number of claims for each word."""
-    return ", ".join(f"{sum(row.verdict == word for row in rows)} {word}" for word in WORDS)
+    return ", ".join(f"{sum(row.verdict == word for row in rows)} {word}" for word in VERDICT_MEANINGS)
 
 
-def page(rows: Sequence[Row], command: str, picture: str = FILES[0]) -> str:
+def to_markdown(rows: Sequence[Row], command: str, picture: str = FILES[0]) -> str:
     """Write the page of the claims in Markdown. `command` made them; `picture`: address of their figure."""
     sources = list(dict.fromkeys(row.source for row in rows))
-    parts = [_head(rows, command, picture)]
+    parts = [_page_head(rows, command, picture)]
     for group, title in TITLES.items():
         of_group = [row for row in rows if row.group == group]
         if of_group:
@@ -119,19 +119,24 @@ def page(rows: Sequence[Row], command: str, picture: str = FILES[0]) -> str:
             others = [row for row in of_group if not row.is_equal]
             reasons = list(dict.fromkeys(row.reason for row in others if row.reason))
             listed = [f"- **{LETTERS[at]}**: {reason}" for at, reason in enumerate(reasons)]
-            parts += [f"## {title}", _table(others, sources, reasons), "\n".join(listed), _agreements(equal, sources)]
+            parts += [
+                f"## {title}",
+                _claim_table(others, sources, reasons),
+                "\n".join(listed),
+                _agreement_table(equal, sources),
+            ]
     listed = [f"{number}. {source}" for number, source in enumerate(sources, 1)]
     return "\n\n".join([*filter(None, parts), f"## Sources\n\n{PAPER}", "\n".join(listed)]) + "\n"
 
 
-def _head(rows: Sequence[Row], command: str, picture: str) -> str:
-    meanings = "\n".join(f"- **{word}**: {meaning}" for word, meaning in WORDS.items())
+def _page_head(rows: Sequence[Row], command: str, picture: str) -> str:
+    meanings = "\n".join(f"- **{word}**: {meaning}" for word, meaning in VERDICT_MEANINGS.items())
     disagree = [row.group for row in rows if row.verdict == Verdict.DISAGREE.value]
     groups = [f"{disagree.count(group)} of *{title}*" for group, title in TITLES.items() if group in disagree]
     against = f" Disagreements: {', '.join(groups)}." if groups else ""
     return f"""# {TITLE}
 
-{len(rows)} claims: {counted(rows)}.{against}
+{len(rows)} claims: {count_words(rows)}.{against}
 Closed forms, engines and programs test the arithmetic. Only the paper's walkers and measured blocks test the physics.
 No walker of ours has been measured yet.
 
@@ -145,7 +150,7 @@ uses the 95 % interval of the gap (Student's t):
 {meanings}"""
 
 
-def _table(rows: Sequence[Row], sources: Sequence[str], reasons: Sequence[str]) -> str:
+def _claim_table(rows: Sequence[Row], sources: Sequence[str], reasons: Sequence[str]) -> str:
     """Table of claims; "" without any."""
     lines = [
         "| quantity | walkergen | outside | margin | z | verdict | source, reason |",
@@ -165,7 +170,7 @@ def _table(rows: Sequence[Row], sources: Sequence[str], reasons: Sequence[str]) 
     return "\n".join(lines) if rows else ""
 
 
-def _agreements(rows: Sequence[Row], sources: Sequence[str]) -> str:
+def _agreement_table(rows: Sequence[Row], sources: Sequence[str]) -> str:
     """Table of equal numbers; "" without any."""
     lines = [
         "**Agree**, without statistical error:\n",

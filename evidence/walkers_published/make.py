@@ -1,4 +1,4 @@
-"""Published walkers beside ours: the sweeps over what is not known of them, the table, the folder."""
+"""Published walkers compared with ours: the sweeps over unknown properties, the table, the folder."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,11 +13,11 @@ from walkergen.files.report import Report
 from walkergen.guests.sweep import sweep_file
 from walkergen.guests.sweep.request import SweepRequest
 
-CPU_S = 90.0
+CPU_S_PER_SET = 90.0
 """CPU time of a set whose points are not kept yet, s."""
 
 
-def choose(words: str | None) -> tuple[str, ...]:
+def parse_sets(words: str | None) -> tuple[str, ...]:
     """Parse a comma-separated list of sets, in order; None selects all. Raises InputError."""
     chosen = SETS if words is None else tuple(word.strip() for word in words.split(","))
     for word in chosen:
@@ -26,47 +26,47 @@ def choose(words: str | None) -> tuple[str, ...]:
     return tuple(name for name in SETS if name in chosen)
 
 
-def make(sets: Sequence[str], folder: Path, progress: Progress) -> Report:
+def compare_walkers(sets: Sequence[str], folder: Path, progress: Progress) -> Report:
     """Write walkers_published.md and .csv.
 
-    The points of sweeps are kept as they are evaluated: a run that was stopped goes on where it was. Equal sources
-    give equal bytes. Statements of other sets, whose walkers are not asked for, are left out.
+    Each point of a sweep is stored when it is evaluated, so a stopped run continues. Equal sources
+    give equal bytes. Statements of other sets, whose walkers are not requested, are left out.
     """
     speeds = {}
     for number, name in enumerate(sets):
-        speeds[name] = swept(_source(name), part_progress(progress, number, len(sets), name))
-    rows = list(rows_of(STATEMENTS, speeds))
+        speeds[name] = run_sweep(_find_source(name), part_progress(progress, number, len(sets), name))
+    rows = list(compare_statements(STATEMENTS, speeds))
     note = (
         "Each draw is simulated in space, 4 runs of 1.5 s after 0.5 s, by `walkergen sweep --file "
         "templates/published/sweeps/NAME.toml`; draws whose body touches the plate, which ends our runs, are left out"
     )
-    result = report.of(rows, folder, note)
+    result = report.make_report(rows, folder, note)
     with Folder(folder, "") as target:
         result.write(target, pictures=False)
     return result
 
 
-def rows_of(statements: Sequence[Statement], speeds: dict[str, list[Speeds]]) -> list[Predicted]:
+def compare_statements(statements: Sequence[Statement], speeds: dict[str, list[Speeds]]) -> list[Predicted]:
     """Rows of all statements that are of these sets, or are not predicted."""
     return [
-        predicted.predicted(statement, speeds.get(statement.source.ranges, []))
+        predicted.predict_statement(statement, speeds.get(statement.source.ranges, []))
         for statement in statements
         if statement.missing or statement.source.ranges in speeds
     ]
 
 
-def swept(source: Source, progress: Progress) -> list[Speeds]:
+def run_sweep(source: Source, progress: Progress) -> list[Speeds]:
     """Draws of a set, evaluated or kept. Raises InputError."""
     space = sweep_file.read_sweep(source.sweep).space
     table = SweepRequest(file=source.sweep).run(progress).table
     rows = [dict(zip(table.keys, row, strict=True)) for row in table.rows]
-    return predicted.draws(space.keys, rows, [axis.key for axis in space.axes])
+    return predicted.group_draws(space.keys, rows, [axis.key for axis in space.axes])
 
 
-def _source(name: str) -> Source:
+def _find_source(name: str) -> Source:
     return next(statement.source for statement in STATEMENTS if statement.source.ranges == name)
 
 
 def expected_s(sets: Sequence[str]) -> float:
     """Wall time without anything kept and with compiled kernels, s, within a factor of two."""
-    return CPU_S * len(sets)
+    return CPU_S_PER_SET * len(sets)

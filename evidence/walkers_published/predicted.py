@@ -14,13 +14,13 @@ from walkergen.core.numerics import Array
 Speeds = Mapping[tuple[tuple[str, Any], ...], float | None]
 """Speed of a draw, mm/s, at each point of the grid; None where it does not run."""
 
-BOUNDS = (0.025, 0.5, 0.975)
+QUANTILES = (0.025, 0.5, 0.975)
 """Shares of the draws below the low bound, the median and the high bound."""
 
-FEWEST = 40
+MIN_DRAWS = 40
 """Smallest number of draws for bounds of 95 %: one lies beyond each."""
 
-RESAMPLED, SEED = 400, 1
+RESAMPLES, SEED = 400, 1
 """Number of resampled sets of draws for the errors of the bounds, and their seed."""
 
 
@@ -51,7 +51,7 @@ class Predicted(NamedTuple):
         return "no" if published.high < self.low or self.high < published.low else "in part"
 
 
-def draws(columns: Sequence[str], rows: Iterable[Mapping[str, Any]], grid: Sequence[str]) -> list[Speeds]:
+def group_draws(columns: Sequence[str], rows: Iterable[Mapping[str, Any]], grid: Sequence[str]) -> list[Speeds]:
     """Return the speeds of each draw of a sweep's rows. Keys outside the grid identify a draw."""
     found: dict[tuple[Any, ...], dict[tuple[tuple[str, Any], ...], float | None]] = {}
     drawn = [key for key in columns if key not in grid]
@@ -63,50 +63,50 @@ def draws(columns: Sequence[str], rows: Iterable[Mapping[str, Any]], grid: Seque
     return list(found.values())
 
 
-def predicted(statement: Statement, speeds: Sequence[Speeds]) -> Predicted:
+def predict_statement(statement: Statement, speeds: Sequence[Speeds]) -> Predicted:
     """Compare a statement with the draws of its sweep."""
     if statement.missing:
         return Predicted(statement, note=f"not predicted: {statement.missing}")
-    values = [value for each in speeds if (value := _number(statement, each)) is not None]
+    values = [value for each in speeds if (value := _compute_number(statement, each)) is not None]
     counts = Predicted(statement, draws=len(speeds), ran=len(values))
-    if len(values) < FEWEST:
+    if len(values) < MIN_DRAWS:
         return counts._replace(note=f"{len(values)} of {len(speeds)} draws run: too few for bounds")
     numbers = np.array(values)
-    low, median, high = (float(end) for end in np.quantile(numbers, BOUNDS))
-    low_se, high_se = _errors(numbers)
+    low, median, high = (float(end) for end in np.quantile(numbers, QUANTILES))
+    low_se, high_se = _bound_errors(numbers)
     return counts._replace(low=low, median=median, high=high, low_se=low_se, high_se=high_se)
 
 
-def _errors(numbers: Array) -> tuple[float, float]:
+def _bound_errors(numbers: Array) -> tuple[float, float]:
     """Estimate the standard errors of the bounds of 95 % by resampling."""
-    chosen = np.random.default_rng(SEED).integers(len(numbers), size=(RESAMPLED, len(numbers)))
-    ends = np.quantile(numbers[chosen], [BOUNDS[0], BOUNDS[2]], axis=1)
+    chosen = np.random.default_rng(SEED).integers(len(numbers), size=(RESAMPLES, len(numbers)))
+    ends = np.quantile(numbers[chosen], [QUANTILES[0], QUANTILES[2]], axis=1)
     low, high = ends.std(axis=1, ddof=1)
     return float(low), float(high)
 
 
-def _number(statement: Statement, speeds: Speeds) -> float | None:
+def _compute_number(statement: Statement, speeds: Speeds) -> float | None:
     """Compute a statement's number from one draw; None if the walker does not run."""
     if statement.number == "range":
-        sizes = _sizes(statement, speeds)
+        sizes = _speed_sizes(statement, speeds)
         return None if sizes is None else 100.0 * float(np.ptp(sizes) / sizes.mean())
-    here = _at(speeds, statement.at)
+    here = _speed_at(speeds, statement.at)
     if here is None or statement.number == "speed":
         return here
     if statement.number == "size":
         return abs(here)
-    sizes = _sizes(statement, speeds)
+    sizes = _speed_sizes(statement, speeds)
     return None if sizes is None else abs(here) / float(sizes.mean())
 
 
-def _sizes(statement: Statement, speeds: Speeds) -> Array | None:
+def _speed_sizes(statement: Statement, speeds: Speeds) -> Array | None:
     """Sizes of a draw's speeds over which a mean is taken; None where it does not run at one of them."""
     ((key, places),) = statement.over.items()
-    found = [speed for place in places if (speed := _at(speeds, {key: place})) is not None]
+    found = [speed for place in places if (speed := _speed_at(speeds, {key: place})) is not None]
     return np.abs(np.array(found)) if len(found) == len(places) else None
 
 
-def _at(speeds: Speeds, values: Mapping[str, Any]) -> float | None:
+def _speed_at(speeds: Speeds, values: Mapping[str, Any]) -> float | None:
     """Speed of a draw at the one point of the grid that has these values."""
     (speed,) = [speed for place, speed in speeds.items() if values.items() <= dict(place).items()] or (None,)
     return speed

@@ -1,4 +1,4 @@
-"""Statements of published work on single walkers, as `published.toml` has them, and how ours are put beside them."""
+"""Statements of published work on single walkers, from `published.toml`, and how ours are compared with them."""
 
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -19,7 +19,7 @@ class Source(NamedTuple):
     read: str
     """Part that was read; the numbers are from nowhere else."""
     ranges: str = ""
-    """Name of the sweep that draws what is not stated; none where nothing is predicted."""
+    """Name of the sweep that draws the unstated properties; none where nothing is predicted."""
 
     @property
     def sweep(self) -> Path:
@@ -45,7 +45,7 @@ class Statement(NamedTuple):
     over: Mapping[str, Sequence[float]] = {}
     """Values of a key of the grid over which the mean of sizes is taken."""
     missing: str = ""
-    """What is not stated, or was not read, of a statement that is not predicted."""
+    """Unstated or unread properties that prevent a prediction."""
 
     @property
     def stated(self) -> str:
@@ -56,7 +56,7 @@ class Statement(NamedTuple):
         return f"{span} {self.unit}".strip()
 
 
-def read() -> tuple[Statement, ...]:
+def read_statements() -> tuple[Statement, ...]:
     """All statements, source by source."""
     data = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
     statements = []
@@ -67,7 +67,7 @@ def read() -> tuple[Statement, ...]:
     return tuple(statements)
 
 
-STATEMENTS = read()
+STATEMENTS = read_statements()
 
 SETS = tuple(dict.fromkeys(statement.source.ranges for statement in STATEMENTS if statement.source.ranges))
 """Names of the sets that are predicted."""

@@ -1,4 +1,4 @@
-"""Report of published walkers beside ours: published, predicted with its bounds, inside or not, and the sources."""
+"""Report of published walkers compared with ours: numbers, predictions with bounds, inside or not, sources."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -11,7 +11,7 @@ from walkergen.core.files import formatting
 from walkergen.files import report
 from walkergen.files.report import Column, Report, Table
 
-TITLE = "Published walkers beside ours"
+TITLE = "Published walkers compared with ours"
 
 LEGEND = (
     "predicted: median and bounds of 95 % of walkers drawn from ranges, ours, of all that is not stated "
@@ -25,14 +25,14 @@ KEYS = (
 """Columns of walkers_published.csv."""
 
 
-def of(rows: Sequence[Predicted], folder: Path, note: str) -> Report:
+def make_report(rows: Sequence[Predicted], folder: Path, note: str) -> Report:
     """Report of what was put side by side, which lies in a folder; `note` says how it was simulated."""
-    cells = [_cells(row) for row in rows]
+    cells = [_csv_row(row) for row in rows]
     columns = (
         Column("set", lambda row: row.statement.source.key),
         Column("quantity", lambda row: row.statement.quantity),
         Column("published", lambda row: row.statement.stated),
-        Column("predicted (95 %)", bounds),
+        Column("predicted (95 %)", format_bounds),
         report.text_column("inside?", "inside"),
         Column("ran", lambda row: f"{row.ran} of {row.draws}" if row.draws else ""),
         Column("note", lambda row: row.note, wide=True),
@@ -46,15 +46,15 @@ def of(rows: Sequence[Predicted], folder: Path, note: str) -> Report:
         facts={"rows": [dict(zip(KEYS, row, strict=True)) for row in cells]},
         lines=[
             "published numbers inside the bounds: "
-            + ", ".join(f"{counts[told]} {told}" for told in ("yes", "in part", "no", "not predicted") if counts[told]),
+            + ", ".join(f"{counts[word]} {word}" for word in ("yes", "in part", "no", "not predicted") if counts[word]),
             note,
-            *map(_source, sources),
+            *map(_describe_source, sources),
         ],
         folder=folder,
     )
 
 
-def bounds(row: Predicted) -> str:
+def format_bounds(row: Predicted) -> str:
     """Median and bounds in words; nothing where there are none."""
     if row.low is None or row.median is None or row.high is None:
         return ""
@@ -62,7 +62,7 @@ def bounds(row: Predicted) -> str:
     return f"{median} [{low}, {high}]"
 
 
-def _cells(row: Predicted) -> tuple[Any, ...]:
+def _csv_row(row: Predicted) -> tuple[Any, ...]:
     """Row of the CSV, which holds every digit."""
     said = row.statement
     source = said.source.citation, said.source.address, said.source.read
@@ -71,5 +71,5 @@ def _cells(row: Predicted) -> tuple[Any, ...]:
     return *source, *published, *ours
 
 
-def _source(source: Source) -> str:
+def _describe_source(source: Source) -> str:
     return f"{source.key}: {source.citation}. <{source.address}>. Read: {source.read}."

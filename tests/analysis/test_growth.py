@@ -33,7 +33,7 @@ def persistent(rate, runs=16, length=LENGTH, speed=10.0):
 
 def test_a_straight_run_has_the_exponent_two_at_every_lag():
     time = INTERVAL * np.arange(LENGTH)
-    grown = growth.of(tracks_of([speed * time + 0j for speed in (50.0, 60.0, 70.0)]))
+    grown = growth.measure_growth(tracks_of([speed * time + 0j for speed in (50.0, 60.0, 70.0)]))
     assert grown.exponents.value == pytest.approx(2.0, abs=1e-9)  # rounding of the transforms
     assert (grown.smallest.value, grown.late.value) == (pytest.approx(2.0, abs=1e-9),) * 2
     assert grown.crossover.value is None
@@ -41,7 +41,7 @@ def test_a_straight_run_has_the_exponent_two_at_every_lag():
 
 def test_a_random_walk_has_the_exponent_one_and_no_crossover():
     steps = np.random.default_rng(1).normal(size=(32, LENGTH, 2)) @ (1.0, 1.0j)
-    grown = growth.of(tracks_of(np.cumsum(steps, axis=1)))
+    grown = growth.measure_growth(tracks_of(np.cumsum(steps, axis=1)))
     for exponent in (grown.first, grown.late):
         assert exponent.value == pytest.approx(1.0, abs=4.0 * exponent.se)
         assert exponent.se < 0.2
@@ -54,21 +54,21 @@ def test_a_persistent_walk_crosses_over_where_its_formula_does(rate):
     slope = np.gradient(
         np.log(persistent_walk.squared_displacement(lag, persistent_walk.Spread(1.0, rate, 0.0, 0.0))), np.log(lag)
     )
-    expected = float(np.interp(-growth.HALFWAY, -slope, lag))
-    grown = growth.of(persistent(rate, runs=64))
+    expected = float(np.interp(-growth.CROSSOVER_EXPONENT, -slope, lag))
+    grown = growth.measure_growth(persistent(rate, runs=64))
     # The slope over a quarter of a decade shifts the crossing by less than 3 %
     margin = 3.0 * grown.crossover.se + 0.03 * expected
     assert grown.crossover.value == pytest.approx(expected, abs=margin)
     assert margin < 0.3 * expected
     # To a quarter of 10 s
     squares = persistent_walk.squared_displacement(
-        np.array([growth.LATE, 2.5]), persistent_walk.Spread(1.0, rate, 0.0, 0.0)
+        np.array([growth.LATE_LAG_S, 2.5]), persistent_walk.Spread(1.0, rate, 0.0, 0.0)
     )
-    late = math.log(squares[1] / squares[0]) / math.log(2.5 / growth.LATE)
+    late = math.log(squares[1] / squares[0]) / math.log(2.5 / growth.LATE_LAG_S)
     assert grown.late.value == pytest.approx(late, abs=3.0 * grown.late.se + 0.01)
     assert grown.late.se < 0.1
 
 
 def test_runs_too_short_or_at_rest_have_no_exponents():
-    assert growth.of(tracks_of([np.zeros(LENGTH, complex)] * 3)).first.value is None
-    assert not len(growth.of(tracks_of([np.arange(20.0) + 0j] * 3)).exponents.at)
+    assert growth.measure_growth(tracks_of([np.zeros(LENGTH, complex)] * 3)).first.value is None
+    assert not len(growth.measure_growth(tracks_of([np.arange(20.0) + 0j] * 3)).exponents.at)

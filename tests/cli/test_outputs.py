@@ -71,13 +71,13 @@ RUNS = {
         ),
         simulated=True,
     ),
-    "crowd": Run(
-        ("crowd --count 3 --arena disc:90 --seconds 0.5 --runs 2 --no-pictures",), simulated=True, slow=True
-    ),
+    "crowd": Run(("crowd --count 3 --arena disc:90 --seconds 0.5 --runs 2 --no-pictures",), simulated=True, slow=True),
     "movie": Run(("movie --tilt 10 --seconds 0.1 --out film.gif",), simulated=True, slow=True),
     "explain": Run(("explain --tilt 10 --no-cost", "explain --scene plane-noisy --no-cost --all"), simulated=True),
     "track": Run(("track film.mp4 --length 40 --fps 50 --no-pictures",), simulated=True, slow=True),
-    "analyse": Run(("analyse tracks.csv --fps 50 --mm-per-px 0.1", "analyse tracks.csv --fps 50 --mm-per-px 0.1 --all")),
+    "analyse": Run(
+        ("analyse tracks.csv --fps 50 --mm-per-px 0.1", "analyse tracks.csv --fps 50 --mm-per-px 0.1 --all")
+    ),
     "fit": Run(("fit speeds.csv --predict 8,12",), slow=True),
     "calibrate": Run(("calibrate plate --printer ender3", "calibrate form.csv"), simulated=True),
     "accuracy": Run(("accuracy --tilt 10",)),
@@ -140,7 +140,9 @@ def test_every_command_has_a_file():
     assert {path.stem for path in GOLDEN.glob("*.txt")} == set(RUNS)
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * run.slow) for name, run in RUNS.items()])
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * run.slow) for name, run in RUNS.items()]
+)
 def test_a_command_prints_what_it_printed(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)
     assert printed(RUNS[name]) == (GOLDEN / f"{name}.txt").read_text(encoding="utf-8")

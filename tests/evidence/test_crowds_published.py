@@ -44,22 +44,22 @@ def test_walkers_that_run_as_one_are_in_order_and_agree():
     times = 0.02 * np.arange(50)
     place = 60.0 * times[:, None] * np.exp(0.4j) + np.array([0.0, 10.0, 10j])
     run = crowd(place, np.full(place.shape, 0.4))
-    assert numbers.order(run) == pytest.approx(1.0)
-    assert numbers.agreement(run, 20.0) == pytest.approx(1.0)
-    assert numbers.speed(run) == pytest.approx(60.0)
+    assert numbers.polar_order(run) == pytest.approx(1.0)
+    assert numbers.velocity_agreement(run, 20.0) == pytest.approx(1.0)
+    assert numbers.mean_speed(run) == pytest.approx(60.0)
 
 
 @pytest.mark.parametrize("rate", [0.3, -0.3])
 def test_walkers_round_the_middle_circulate_and_are_in_no_order(rate):
     run = turning(rate=rate)
     assert numbers.circulation(run) == pytest.approx(1.0, abs=1e-3)
-    assert numbers.order(run) == pytest.approx(-0.25)  # five headings that add up to nothing
-    assert numbers.speed(run) == pytest.approx(0.3 * 40.0, rel=1e-3)
+    assert numbers.polar_order(run) == pytest.approx(-0.25)  # five headings that add up to nothing
+    assert numbers.mean_speed(run) == pytest.approx(0.3 * 40.0, rel=1e-3)
 
 
 def test_chance_is_no_order_no_circulation_and_no_agreement():
     found = [straggling(seed) for seed in range(12)]
-    for number in (numbers.order, lambda run: numbers.agreement(run, 1e9)):
+    for number in (numbers.polar_order, lambda run: numbers.velocity_agreement(run, 1e9)):
         values = np.array([number(run) for run in found])
         assert abs(values.mean()) < 4.0 * values.std(ddof=1) / math.sqrt(len(values))
     squares = np.array([math.copysign(value**2, value) for value in map(numbers.circulation, found)])
@@ -70,9 +70,9 @@ def test_neighbours_across_the_edge_of_a_periodic_square_count():
     times = 0.02 * np.arange(20)
     place = 10.0 * times[:, None] + np.array([-49.0, 49.0])
     heading = np.zeros(place.shape)
-    assert math.isnan(numbers.agreement(crowd(place, heading), 5.0))
+    assert math.isnan(numbers.velocity_agreement(crowd(place, heading), 5.0))
     across = crowd(place, heading, "periodic:100")
-    assert numbers.agreement(across, 5.0) == pytest.approx(1.0)
+    assert numbers.velocity_agreement(across, 5.0) == pytest.approx(1.0)
 
 
 def test_a_number_of_a_source_stands_in_the_words_that_were_read():
@@ -87,7 +87,7 @@ def test_a_number_of_a_source_stands_in_the_words_that_were_read():
 def found(slope=1.0, se=0.01):
     """Numbers of every case that change along each series by a slope."""
     whole = {}
-    for place, case in enumerate([*cases.alone(SIZE), *cases.crowds(SIZE)]):
+    for place, case in enumerate([*cases.single_cases(SIZE), *cases.crowd_cases(SIZE)]):
         named = dict.fromkeys(("order", "agreement", "clustered", "at wall", "circulation"), (slope * place, se))
         named |= {"forward": (60.0, 1.0), "between prints": (2.0, 0.3)}
         named |= {"speed": (10.0 + place, 0.1), "spin": (0.1 * place, 0.01)}
@@ -106,27 +106,27 @@ def found(slope=1.0, se=0.01):
     ],
 )
 def test_a_sign_is_that_of_all_the_bounds(change, rises, verdict):
-    assert compared.sign_of(Quantity("change", "", *change), rises) == verdict
+    assert compared.judge_sign(Quantity("change", "", *change), rises) == verdict
 
 
 def test_every_statement_has_its_row_and_noise_decides_nothing():
-    rows = list(compared.compared(found()))
+    rows = list(compared.compare_findings(found()))
     assert {row.finding for row in rows} == set(FINDINGS)
     assert all(row.note for row in rows)
-    noisy = {row.verdict for row in compared.compared(found(se=1e3)) if row.finding.key == "polar discs"}
+    noisy = {row.verdict for row in compared.compare_findings(found(se=1e3)) if row.finding.key == "polar discs"}
     assert noisy == {Verdict.UNDECIDED}
 
 
 def test_series_stand_by_what_their_walkers_do_alone():
     whole = found()
-    points = compared.points_of(whole, "lean", "circulation")
-    assert [at for at, _ in points] == sorted(whole["lean alone", lean]["spin"].value for lean in cases.LEANS)
-    assert compared.points_of(whole, "lean", "speed over alone")[0][1].se > 0.0
-    assert [at for at, _ in compared.points_of(whole, "packing", "order")] == list(cases.PACKINGS)
+    points = compared.series_points(whole, "lean", "circulation")
+    assert [at for at, _ in points] == sorted(whole["lean alone", lean]["spin"].value for lean in cases.RIGHT_TILTS_DEG)
+    assert compared.series_points(whole, "lean", "speed over alone")[0][1].se > 0.0
+    assert [at for at, _ in compared.series_points(whole, "packing", "order")] == list(cases.PACKINGS)
 
 
 def test_page_and_table_name_every_source_and_what_was_read_of_it(tmp_path):
-    made = report.of(list(compared.compared(found())), tmp_path, "How")
+    made = report.make_report(list(compared.compare_findings(found())), tmp_path, "How")
     page = made.markdown()
     assert next(csv.DictReader(made["crowds_published"].csv().splitlines()))["source"]
     for finding in FINDINGS:
@@ -136,9 +136,9 @@ def test_page_and_table_name_every_source_and_what_was_read_of_it(tmp_path):
     assert made.figures["crowds"]()
 
 
-@pytest.mark.parametrize("lean", cases.LEANS)
+@pytest.mark.parametrize("lean", cases.RIGHT_TILTS_DEG)
 def test_oblong_walkers_differ_in_the_tilt_of_their_right_legs_alone(lean):
-    walking, design = cases.oblong(10.0), cases.oblong(lean)
+    walking, design = cases.oblong_walker(10.0), cases.oblong_walker(lean)
     assert top_outline.area_of(tuple(top_outline.outline_of(design, solids.mass_of(design)))) == pytest.approx(
         28.0 * 16.0
     )
@@ -149,7 +149,7 @@ def test_oblong_walkers_differ_in_the_tilt_of_their_right_legs_alone(lean):
 
 
 def test_tapered_walkers_narrow_toward_the_front_in_two_steps():
-    design = cases.tapered()
+    design = cases.tapered_walker()
     (outline,) = top_outline.outline_of(design, solids.mass_of(design))
     behind_tip = outline[:, 0].max() - outline[:, 0]
     widths = [np.ptp(outline[behind_tip < x, 1]) for x in (14.0, 4.0, 2.0)]
@@ -158,10 +158,10 @@ def test_tapered_walkers_narrow_toward_the_front_in_two_steps():
 
 @pytest.mark.nightly
 def test_two_crowds_give_a_folder_and_the_same_bytes_again(tmp_path, monkeypatch):
-    two = cases.crowds(SIZE)[6:8]
-    monkeypatch.setattr(make, "crowds", lambda size: two)
+    two = cases.crowd_cases(SIZE)[6:8]
+    monkeypatch.setattr(make, "crowd_cases", lambda size: two)
     for name in ("one", "two"):
-        made = make.make(SIZE, tmp_path / name, lambda *_: None)
+        made = make.compare_crowds(SIZE, tmp_path / name, lambda *_: None)
     assert "missing" in set(made["crowds_published"]["verdict"])
     files = {"crowds.csv", "crowds.pdf", "crowds.png", "crowds_published.csv", "crowds_published.md"}
     for name in ("crowds.csv", "crowds_published.csv", "crowds_published.md"):

@@ -27,10 +27,10 @@ FILES = {
 
 def test_the_plate_that_was_put_in_is_found(tmp_path):
     scene = templates.load(make.SCENE, "scenes", Scene)
-    (tmp_path / "acceleration.csv").write_text(make.felt(scene, 10.0))
+    (tmp_path / "acceleration.csv").write_text(make.plate_table(scene, 10.0))
     plate = wg.calibrate(plate=tmp_path / "acceleration.csv", pictures=False)
     found = {row["quantity"]: (row["value"], row["se"]) for row in plate.facts["measured"]}
-    truth = make.put_in(scene)
+    truth = make.true_numbers(scene)
     for name, key in (("drive", "drive_hz"), ("amplitude", "amplitude_um"), ("second harmonic", "second_harmonic")):
         value, error = found[name]
         assert abs(value - truth[key]) < 4.0 * error + 1e-6 * truth[key]  # the truth has six digits
@@ -38,8 +38,8 @@ def test_the_plate_that_was_put_in_is_found(tmp_path):
 
 def test_an_archive_is_the_same_bytes_for_the_same_files():
     files = {"a.txt": b"one", "b/c.txt": b"two"}
-    assert make.archive(files) == make.archive(dict(files))
-    with zipfile.ZipFile(io.BytesIO(make.archive(files))) as archive:
+    assert make.zip_files(files) == make.zip_files(dict(files))
+    with zipfile.ZipFile(io.BytesIO(make.zip_files(files))) as archive:
         assert archive.namelist() == [f"{make.NAME}/a.txt", f"{make.NAME}/b/c.txt"]
 
 
@@ -57,7 +57,7 @@ def test_the_archive_is_made_twice_alike_and_holds_what_it_says(tmp_path, monkey
     assert {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()} == FILES
     assert "CC0 1.0 Universal" in (folder / "LICENSE").read_text()
     expected = json.loads((folder / "expected.json").read_text())
-    assert expected == make.found(folder) | {"put in": expected["put in"]}
+    assert expected == make.find_numbers(folder) | {"put in": expected["put in"]}
     camera = Units(fps=make.FPS, mm_per_px=make.MM_PER_PX, y_down=True)
     films = [
         track_files.read_tracks(folder / "film" / name, units)

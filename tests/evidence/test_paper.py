@@ -30,7 +30,7 @@ BELOW = Fact("c", 2, "always below 10", "text", "tilt", "deg", 10.0, -math.inf, 
 def test_verdicts_follow_from_the_numbers_alone(fact, ours, se, verdict, off):
     quantity = Quantity("ours", "", ours, se)
     assert fact.verdict(quantity) is verdict
-    assert fact.off(quantity) == (None if off is None else pytest.approx(off))
+    assert fact.distance(quantity) == (None if off is None else pytest.approx(off))
 
 
 @pytest.mark.parametrize("fact", FACTS.values(), ids=FACTS)

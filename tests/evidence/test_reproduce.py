@@ -16,7 +16,7 @@ from evidence.published import FACTS
 from evidence.reproduce import compare, curves, figures, growth, impact_types, maximum, runs, theory
 from evidence.reproduce import make as reproduce
 from evidence.reproduce import motion as on_plane
-from evidence.reproduce.report import number
+from evidence.reproduce.report import format_number
 from evidence.reproduce.runs import Assumption, Case, Point
 from walkergen.analysis import motion
 from walkergen.core.files.progress import silent
@@ -67,7 +67,7 @@ def run(tmp_path, monkeypatch):
     return call
 
 
-def point(model=runs.PAPER, tilt=10.0, plate=31.0, speed=60.0, se=0.5, assumption=MEASURED):
+def point(model=runs.PAPER_MODEL, tilt=10.0, plate=31.0, speed=60.0, se=0.5, assumption=MEASURED):
     return Point(assumption, model, tilt, plate, Quantity("speed", "mm_s", speed, se), mean("", "", []), {}, 0, "")
 
 
@@ -114,7 +114,7 @@ def test_ctrl_c_keeps_the_figures_already_done(run, tmp_path, monkeypatch):
             raise KeyboardInterrupt
         return [point(case.model, case.design.tilt_deg, assumption=case.assumption) for case in cases]
 
-    monkeypatch.setattr(runs, "simulated", some)
+    monkeypatch.setattr(runs, "simulate_cases", some)
     assert run("--tilt", "5,10,20", "--out", "here").exit_code == 130
     names = {path.name for path in (tmp_path / "here").glob("[!.]*")}
     assert names == {name for name in FILES if name.startswith(("figure2", "figure3"))}
@@ -122,8 +122,8 @@ def test_ctrl_c_keeps_the_figures_already_done(run, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("name", ["figure2", "figure2-restitutions", "figure5", "figure6"])
 def test_the_shipped_sweeps_are_requests_of_their_own(name):
-    request = sweep_setup.from_file(templates.folder() / "sweeps" / f"{name}.toml")
-    assert request.space.points == np.prod([len(values) for values in runs.swept(name)])
+    request = sweep_setup.from_file(templates.folder() / "sweeps" / f"{name}.toml").make_request()
+    assert request.space.points == np.prod([len(values) for values in runs.sweep_values(name)])
     assert request.point({}).simulated
 
 
@@ -135,14 +135,14 @@ def test_the_theory_drawn_has_the_known_values(design, tilt, mode, factor):
     # docs/physics.md section 4, e = 0.9, mu = 0.1: means of its back and front, for masses that are
     # rounded to three digits.
     scene = templates.load("lane-90hz-fitted", "scenes", Scene)
-    curve = theory.curve(design, scene, mode, 0.0, 45.0)
+    curve = theory.compute_curve(design, scene, mode, 0.0, 45.0)
     (at,) = np.flatnonzero(curve.tilt_deg == tilt)
     impact_speed = scene.prediction.impact_speed_factor * scene.drive.peak_speed
     assert curve.speed[at] / impact_speed == pytest.approx(factor, abs=3e-3)
 
 
 def test_the_contacts_are_those_that_the_paper_measured_and_fitted():
-    contacts = [one.scene.contact for one in reproduce.assumptions_of(reproduce.of(None, None, {}))]
+    contacts = [one.scene.contact for one in reproduce.make_assumptions(reproduce.make_job(None, None, {}))]
     assert [contact.restitution for contact in contacts] == [FACTS["restitution"].value, 0.9, 0.3]
     assert contacts[0].friction == contacts[2].friction == FACTS["friction"].value
     for name in ("restitution", "friction"):
@@ -153,21 +153,21 @@ def test_the_contacts_are_those_that_the_paper_measured_and_fitted():
 def test_impacts_at_the_theorys_stationary_speed_are_of_type_three(design):
     for name in ("lane-90hz", "lane-90hz-fitted"):
         own = templates.load(name, "scenes", Scene)
-        assert theory.type_three(design, own, (0.0, 5.0, 20.0, 45.0), "coulomb") == 1.0
+        assert theory.share_of_type_three(design, own, (0.0, 5.0, 20.0, 45.0), "coulomb") == 1.0
 
 
 def test_the_theorys_maximum_lies_below_ten_degrees_for_realistic_contacts(design):
-    tilts = maximum.tilts(design, "coulomb")
+    tilts = maximum.find_tilts(design, "coulomb")
     assert 0.25 < tilts.low_deg < tilts.high_deg < 10.0
 
 
 def test_a_peak_needs_three_speeds_and_lower_ones_on_both_sides():
     series = along(lambda tilt: 60.0 - (tilt - 9.0) ** 2, (5.0, 8.0, 12.0))
     gap = point(tilt=20.0, speed=None)
-    assert curves.peak(series).place.value == pytest.approx(9.0)
-    assert curves.peak([*series, gap]) == curves.peak(series)
-    assert curves.peak([*series[:2], gap]) == curves.NO_TOP
-    assert curves.peak(along(lambda tilt: 60.0 - tilt, (5.0, 8.0, 12.0))) == curves.NO_TOP
+    assert curves.find_peak(series).place.value == pytest.approx(9.0)
+    assert curves.find_peak([*series, gap]) == curves.find_peak(series)
+    assert curves.find_peak([*series[:2], gap]) == curves.NO_TOP
+    assert curves.find_peak(along(lambda tilt: 60.0 - tilt, (5.0, 8.0, 12.0))) == curves.NO_TOP
 
 
 def test_a_walker_at_rest_is_not_proportional_to_anything():
@@ -178,7 +178,7 @@ def test_proportionality_from_the_scenes_own_drive_up_forgets_the_threshold(scen
     drives = ((0.7, 0.0), (0.9, 5.0), (1.0, 40.0), (1.2, 48.0), (1.4, 56.0))
     peak = scene.drive.peak_speed
     series = [point("space", 15.0, share * peak, speed, 0.1) for share, speed in drives]
-    whole, lively = compare.rows(compare.Findings([], [], [], [], drives=series))
+    whole, lively = compare.compare_facts(compare.Findings([], [], [], [], drives=series))
     assert lively.model == "space, from 1.8 g"
     assert lively.ours.value == pytest.approx(0.0, abs=1e-7)
     assert whole.ours.value > 20.0
@@ -196,9 +196,9 @@ def test_the_restitution_of_the_stated_peak_lies_between_those_simulated():
 
 
 def test_each_fact_of_figure_6_is_judged_at_its_own_tilt():
-    grown = growth.of(persistent(2.0))
+    grown = growth.measure_growth(persistent(2.0))
     slow = on_plane.Runs("measured", 35.0, None, None, grown, mean("speed", "mm_s", [1.0, 2.0]), 0)
-    rows = compare.rows(compare.Findings([], [], [], [], plane=[slow, slow._replace(tilt_deg=15.0)]))
+    rows = compare.compare_facts(compare.Findings([], [], [], [], plane=[slow, slow._replace(tilt_deg=15.0)]))
     facts = ["ballistic at 15", "superdiffusive at 35", "diffusive at 35", "crossover at 35"]
     assert [row.fact for row in rows] == facts
     assert rows[3].ours == grown.crossover
@@ -209,7 +209,7 @@ def test_each_fact_of_figure_6_is_judged_at_its_own_tilt():
 def test_a_plate_too_weak_to_lift_anything_is_told_not_crashed_on(design, scene, tmp_path):
     weak = scene.variant(**{"drive.gamma": 0.5, "run.seconds": 0.2, "run.discard_seconds": 0.05, "run.runs": 8})
     job = reproduce.Job(design, weak, weak, [5.0, 10.0, 15.0], [0.4, 0.5])
-    found = reproduce.make(job, tmp_path / "weak", silent)
+    found = reproduce.reproduce(job, tmp_path / "weak", silent)
     rows = [row for row in found.facts["rows"] if row["fact"] == "proportional"]
     assert len(rows) == 3 * 4  # contacts x (series, and space from the scene's own drive up)
     assert "agree" not in {row["verdict"] for row in rows}
@@ -223,12 +223,12 @@ def test_another_gamma_changes_the_amplitude_and_keeps_the_frequency(design, sce
 
 def test_in_space_a_lane_becomes_a_plane_with_the_same_drive_and_contact(scene):
     lane = scene.model_copy(update={"arena": scene.arena.model_copy(update={"length_mm": 300.0, "gap_mm": 8.5})})
-    ours = runs.on_plane(lane, 0.5, 0.5)
+    ours = runs.move_to_plane(lane, 0.5, 0.5)
     assert ours == Scene.model_validate(ours.model_dump())
     assert (ours.arena.kind, ours.run.step_us) == ("plane", None)
     assert (ours.drive, ours.contact, ours.arena.length_mm) == (lane.drive, lane.contact, 300.0)
     assert ours.plate.noise_ratio == 0.5
-    assert runs.on_plane(lane, 0.5).plate == lane.plate
+    assert runs.move_to_plane(lane, 0.5).plate == lane.plate
 
 
 @pytest.fixture(scope="module")
@@ -240,7 +240,7 @@ def case(design, scene):
 def test_every_impact_of_the_tally_is_an_event_and_landings_are_fewer(case):
     for result in walkers.simulate(case.walker()).results:
         rows = recorded_impacts(result)
-        impacts = impact_types.of_run(rows, 2)
+        impacts = impact_types.classify_impacts(rows, 2)
         assert len(impacts.kind) == result.tally.counts[record.IMPACTS] > 40
         assert 0 < impacts.landing.sum() < len(rows)
         for foot in (0, 1):
@@ -249,22 +249,22 @@ def test_every_impact_of_the_tally_is_an_event_and_landings_are_fewer(case):
 
 
 def test_the_papers_own_model_gives_its_speed_and_its_types(case, monkeypatch):
-    paper = case._replace(model=runs.PAPER, design=case.design.variant(tilt_deg=10.0))
-    (found,) = runs.simulated([paper], silent)
+    paper = case._replace(model=runs.PAPER_MODEL, design=case.design.variant(tilt_deg=10.0))
+    (found,) = runs.simulate_cases([paper], silent)
     own = paper_simulation.simulate(paper.scene, paper.design, solids.mass_of(paper.design))
     assert found.speed == mean("speed", "mm_s", [run.speed for run in own])
     assert found.shares["landings", "II+III"].value > 0.5
     assert (found.lost, found.outcomes) == (0, "3 ok")
     fallen = paper_simulation.Run(97.5, paper_simulation.FALLEN, np.zeros((0, 7)))
     monkeypatch.setattr(paper_simulation, "simulate", lambda *_: [fallen] * 3)
-    (found,) = runs.simulated([paper], silent)
+    (found,) = runs.simulate_cases([paper], silent)
     assert (found.lost, found.outcomes, found.speed.value) == (3, "3 toppled", None)
 
 
 def test_room_for_impacts_grows_until_it_holds_them_all(case, monkeypatch):
-    (whole,) = runs.simulated([case], silent)
+    (whole,) = runs.simulate_cases([case], silent)
     monkeypatch.setattr("walkergen.core.simulation.run.FIRST_EVENT_ROOM", -8.5)  # 26 impacts' room at first
-    (grown,) = runs.simulated([case], silent)
+    (grown,) = runs.simulate_cases([case], silent)
     assert grown == whole
     assert whole.lost == 0
 
@@ -280,7 +280,7 @@ def test_runs_that_ended_badly_are_left_out_of_the_means(case, monkeypatch, lost
             yield point._replace(results=[*toppled, *point.results[lost:]])
 
     monkeypatch.setattr(walkers, "simulate_each", bad)
-    (found,) = runs.simulated([case], silent)
+    (found,) = runs.simulate_cases([case], silent)
     assert found.lost == lost
     assert found.speed == mean("speed", "mm_s", kept if known else [])
 
@@ -298,21 +298,21 @@ def test_runs_become_tracks_with_the_headings_of_films_and_bad_ones_are_left_out
         result(n, 60.0 * time * np.exp(1j * a), a + 0.0 * time, Outcome.TOPPLED if n == 3 else Outcome.OK)
         for n, a in enumerate(np.linspace(0.1, 3.0, 9))
     ]
-    found = on_plane.of("measured", 10.0, results)
+    found = on_plane.analyse_runs("measured", 10.0, results)
     assert found.lost == 1
     assert [track.particle for track in found.tracks.tracks] == [0, 1, 2, 4, 5, 6, 7, 8]
     assert found.speed.value == pytest.approx(10.0 + np.mean([0, 1, 2, 4, 5, 6, 7, 8]))
     moved = found.motion.estimates
-    assert moved["parallel_mean"].value == pytest.approx(60.0 * growth.SHORTEST)
+    assert moved["parallel_mean"].value == pytest.approx(60.0 * growth.MIN_LAG_S)
     assert moved["orthogonal_mean"].value == pytest.approx(0.0, abs=1e-9)
-    assert on_plane.of("measured", 10.0, results[2:4]) is None
+    assert on_plane.analyse_runs("measured", 10.0, results[2:4]) is None
 
 
 def test_figure_6_draws_what_there_is(scene):
-    low, speed = Assumption(compare.LOW, scene), mean("speed", "mm_s", [1.0, 2.0])
+    low, speed = Assumption(compare.LOW_RESTITUTION, scene), mean("speed", "mm_s", [1.0, 2.0])
     tracks = [persistent(rate, 8, 600) for rate in (0.1, 0.2, 8.0)]
     plane = [
-        on_plane.Runs(compare.LOW, tilt, own, motion.analyse(own), growth.of(own), speed, 0)
+        on_plane.Runs(compare.LOW_RESTITUTION, tilt, own, motion.analyse(own), growth.measure_growth(own), speed, 0)
         for tilt, own in zip((10.0, 15.0, 35.0), tracks, strict=True)
     ]
     for shown in (plane, plane[:1], []):
@@ -324,9 +324,9 @@ def test_figure_6_draws_what_there_is(scene):
 def test_a_real_run_on_a_plane_goes_through_the_analysis_of_films(design, scene):
     short = scene.run.model_copy(update={"seconds": 1.0, "discard_seconds": 0.3, "runs": 8})
     low = scene.contact.model_copy(update={"restitution": 0.3})
-    one = Assumption(compare.LOW, scene.model_copy(update={"run": short, "contact": low}))
+    one = Assumption(compare.LOW_RESTITUTION, scene.model_copy(update={"run": short, "contact": low}))
     walker = design.variant(tilt_deg=10.0, kind="flexible")
-    (found,) = on_plane.simulated([one], [walker], silent)
+    (found,) = on_plane.simulate_plane([one], [walker], silent)
     assert found.lost == 0
     # 1.5 s every 4 ms, both ends
     assert [len(track.position) for track in found.tracks.tracks] == [376] * 8
@@ -334,7 +334,7 @@ def test_a_real_run_on_a_plane_goes_through_the_analysis_of_films(design, scene)
     assert found.growth.smallest.value > 1.9
     assert found.motion.estimates["speed"].value == pytest.approx(found.speed.value, rel=0.02)
     assert 40.0 < found.speed.value < 60.0
-    (space,) = runs.simulated([Case(one, "space", walker)], silent)
+    (space,) = runs.simulate_cases([Case(one, "space", walker)], silent)
     assert space.speed.value == pytest.approx(found.speed.value, rel=0.1)
     assert space.shares["by impulse", "II+III"].value > 0.2
 
@@ -351,4 +351,4 @@ def test_a_real_run_on_a_plane_goes_through_the_analysis_of_films(design, scene)
     ],
 )
 def test_numbers_show_the_digits_that_their_error_leaves(value, se, shown):
-    assert number(Quantity("", "", value, se)) == shown
+    assert format_number(Quantity("", "", value, se)) == shown

@@ -92,7 +92,7 @@ def test_everything_is_claimed_and_said_by_a_quick_run(tmp_path):
     found = {row["quantity"]: row["verdict"] for row in rows}
     # The paper's first number, for which the radius of the tips was chosen
     assert found["speed at 10 deg: in space, contact as measured"] == "fitted"
-    recorded = {row.quantity: row.verdict for row in report.read(RECORD)}
+    recorded = {row.quantity: row.verdict for row in report.read_rows(RECORD)}
     assert found.keys() == recorded.keys()
     pairs = {name: {word, recorded[name]} for name, word in found.items() if name not in NARROW}
     # Wider errors leave more undecided
@@ -129,7 +129,7 @@ def test_a_broken_tensor_flips_its_claims(monkeypatch):
         return InverseMass(found.xx, found.xy * (1.0 + 1e-6), found.yy)
 
     monkeypatch.setattr(tensors, "flexible_tensor", wrong)
-    found = verdicts([claims_closed.tensor, claims_closed.stationary])
+    found = verdicts([claims_closed.foot_inverse_mass, claims_closed.stationary_speed])
     assert found["inverse mass H_xx, back foot, 10 deg"] == "agree"
     assert found["inverse mass H_xy, back foot, 10 deg"] == "disagree"
     assert [word for name, word in found.items() if "impact speed" in name] == 6 * ["disagree"]
@@ -138,7 +138,7 @@ def test_a_broken_tensor_flips_its_claims(monkeypatch):
 def test_a_broken_factor_flips_its_claims(monkeypatch):
     right = speed.factor
     monkeypatch.setattr(speed, "factor", lambda *a, **k: 1.001 * right(*a, **k))
-    assert set(verdicts([claims_closed.stationary]).values()) == {"disagree"}
+    assert set(verdicts([claims_closed.stationary_speed]).values()) == {"disagree"}
 
 
 def test_another_restitution_than_asked_flips_balls_but_not_their_lift_off(monkeypatch):
@@ -148,14 +148,14 @@ def test_another_restitution_than_asked_flips_balls_but_not_their_lift_off(monke
         return right(gamma, min(restitution + 1e-3, 1.0), *more, **others)
 
     monkeypatch.setattr(claims_bounce, "block", livelier)
-    found = verdicts([claims_bounce.zeno, claims_bounce.period_doubling, claims_bounce.lift_off])
+    found = verdicts([claims_bounce.time_to_rest, claims_bounce.period_doubling, claims_bounce.lift_off])
     assert found.pop("acceleration at which a ball leaves the plate") == "agree"
     assert set(found.values()) == {"disagree"}
 
 
 def test_another_gravity_flips_what_slides(monkeypatch):
     monkeypatch.setattr(claims_closed, "GRAVITY", 9800.0)
-    found = verdicts([claims_closed.slopes, claims_closed.sliding_stop])
+    found = verdicts([claims_closed.sliding_on_slopes, claims_closed.sliding_stop])
     assert found["slope at which a braced walker starts to slide, μ = 0.25"] == "agree"
     assert found["way down 20 deg in 0.1 s"] == "disagree"
     assert found["way of a walker that slides to a stop from 60 mm/s"] == "disagree"
@@ -163,24 +163,24 @@ def test_another_gravity_flips_what_slides(monkeypatch):
 
 def test_braced_walkers_that_ran_would_be_seen(monkeypatch):
     fast = ensembles.Measured(Quantity("speed", "mm_s", 20.0, 1.0), Quantity("types", "percent", 90.0, 1.0), 1.0)
-    monkeypatch.setattr(claims_paper, "in_space", lambda *a, **k: fast)
-    assert set(verdicts([claims_paper.braced]).values()) == {"disagree"}
+    monkeypatch.setattr(claims_paper, "measure_in_space", lambda *a, **k: fast)
+    assert set(verdicts([claims_paper.braced_speed]).values()) == {"disagree"}
 
 
 def test_impacts_by_pymunk_differ_only_where_slip_turns_back():
     pytest.importorskip("pymunk")
-    for quantity, verdict in verdicts([claims_rivals.impacts]).items():
+    for quantity, verdict in verdicts([claims_rivals.impact_spins]).items():
         assert verdict == ("disagree" if quantity in DISAGREE else "agree"), quantity
 
 
 def test_what_is_not_installed_is_said_and_not_claimed(monkeypatch):
-    monkeypatch.setattr(claims_rivals, "installed", lambda name: False)
-    monkeypatch.setattr(claims_programs, "installed", lambda name: False)
+    monkeypatch.setattr(claims_rivals, "is_installed", lambda name: False)
+    monkeypatch.setattr(claims_programs, "is_installed", lambda name: False)
     monkeypatch.setattr(claims_programs.shutil, "which", lambda name: None)
     found = [one for test in (*claims_rivals.TESTS, *claims_programs.TESTS) for one in test(QUICK)]
     assert {one.word for one in found} == {"missing"}
     assert {one.ours.value for one in found} == {None}
-    text = report.page([report.row_of(one)._replace(group="rivals") for one in found], "validate")
+    text = report.to_markdown([report.to_row(one)._replace(group="rivals") for one in found], "validate")
     assert "walkergen[rivals]" in text
     assert "prusa-slicer is not on the PATH" in text
 
@@ -189,11 +189,11 @@ def test_a_slicer_that_fails_is_said(tmp_path):
     broken = tmp_path / "prusa-slicer"
     broken.write_text("#!/bin/sh\nexit 3\n")
     broken.chmod(0o755)
-    assert claims_programs.sliced(str(broken), b"", b"") is None
+    assert claims_programs.filament_volume(str(broken), b"", b"") is None
 
 
 def test_groups_stand_in_the_order_of_the_page():
-    assert make.choose(" Bouncing, closed ") == ["closed", "bouncing"]
+    assert make.parse_groups(" Bouncing, closed ") == ["closed", "bouncing"]
 
 
 def test_exact_claims_are_allowed_a_share_of_theirs():

@@ -133,7 +133,7 @@ def table(count, speed, grid=(2.0, 3.0), fallen=()):
 def row_of(rows, **keys):
     """Prediction of a statement by these rows."""
     made = Statement(SOURCE, "speed", "mm/s", "here", **{"low": 50.0, "high": 60.0, **keys})
-    return predicted.predicted(made, predicted.draws(("gamma", "drawn"), rows, ["gamma"]))
+    return predicted.predict_statement(made, predicted.group_draws(("gamma", "drawn"), rows, ["gamma"]))
 
 
 def test_bounds_hold_95_percent_of_the_draws_with_their_errors():
@@ -185,9 +185,9 @@ def test_folder_names_every_source_and_what_was_read_of_it(tmp_path, monkeypatch
             {**dict(zip(space.keys, values, strict=True)), "speed_mm_s": rng.normal(60.0, 5.0), "status": "ok"}
             for values in space.rows()
         ]
-        return predicted.draws(space.keys, rows, [axis.key for axis in space.axes])
+        return predicted.group_draws(space.keys, rows, [axis.key for axis in space.axes])
 
-    monkeypatch.setattr(make, "swept", swept)
+    monkeypatch.setattr(make, "run_sweep", swept)
     told = CliRunner().invoke(commands, ["walkers-published", "--json", "--out", str(tmp_path / "made")])
     assert told.exit_code == 0, told.output
     page = (tmp_path / "made" / "walkers_published.md").read_text(encoding="utf-8")
@@ -202,10 +202,10 @@ def test_folder_names_every_source_and_what_was_read_of_it(tmp_path, monkeypatch
 
 
 def test_sets_are_chosen_by_name():
-    assert make.choose("son2025,koumakis2016") == ("koumakis2016", "son2025")
-    assert make.choose(None) == SETS == published.SETS
+    assert make.parse_sets("son2025,koumakis2016") == ("koumakis2016", "son2025")
+    assert make.parse_sets(None) == SETS == published.SETS
     with pytest.raises(InputError, match="--only 'nope': must be of koumakis2016, deseigne2010, son2025"):
-        make.choose("nope")
+        make.parse_sets("nope")
 
 
 def test_a_full_ring_of_cards_is_refused_as_the_table_says(tmp_path, monkeypatch):

@@ -108,9 +108,9 @@ def holds_direct(record, walker):
 def test_corrected_bounds_hold_direct_runs_and_prints():
     """Six random settings: that two of six miss bounds of 95 % has a chance of 3 %."""
     held, shares = [], []
-    rows = settings.rows(400, 57_000, held_out=False)
+    rows = settings.draw_settings(400, 57_000, held_out=False)
     while len(held) < 6:
-        case = settings.case(next(rows))
+        case = settings.make_case(next(rows))
         walker = Walker(case.scene, case.design, solids.mass_of(case.design))
         try:
             surrogate.case_in_domain(*walker[:3])

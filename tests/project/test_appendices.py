@@ -34,8 +34,8 @@ def section(table):
 def page(name):
     """Return the appendix of a file of data, TOML or the comparisons of `python -m evidence validate`."""
     if name == "validation":
-        stored = report.read(ROOT / "docs" / "validation.csv")
-        return report.page(stored, "python -m evidence validate", "../validation.png")
+        stored = report.read_rows(ROOT / "docs" / "validation.csv")
+        return report.to_markdown(stored, "python -m evidence validate", "../validation.png")
     data = tomllib.loads((FOLDER / f"{name}.toml").read_text(encoding="utf-8"))
     lines = held_out.verdict(held_out.read(), data["settings"]) if "settings" in data else []
     parts = f"# {data['title']}", MADE_FROM.format(name), data.get("text"), "\n".join(f"- {line}" for line in lines)
@@ -52,7 +52,7 @@ def test_an_appendix_is_that_of_its_data(name):
 
 @pytest.mark.parametrize("path", ["README.md", "docs/validation.md"])
 def test_pages_state_the_verdicts_of_the_data(path):
-    verdicts = [row.verdict for row in report.read(ROOT / "docs" / "validation.csv")]
+    verdicts = [row.verdict for row in report.read_rows(ROOT / "docs" / "validation.csv")]
     numbers = [len(verdicts), *map(verdicts.count, ("agree", "disagree"))]
     assert re.search(r"Of {} .*?{} agree.*? {} d".format(*numbers), (ROOT / path).read_text("utf-8"), re.DOTALL)
 

@@ -25,8 +25,8 @@ from walkergen.core.errors import InputError, WalkergenError
 from walkergen.core.printing import packing, plates
 from walkergen.core.printing.printers import Printer
 from walkergen.core.scene import Scene
-from walkergen.core.simulation.effects import active_effects
 from walkergen.core.shapes import modeller
+from walkergen.core.simulation.effects import active_effects
 from walkergen.core.simulation.effects.effect import Case
 from walkergen.core.simulation.effects.resolve import replace_without_validation
 from walkergen.core.walker import mass, solids

@@ -39,7 +39,7 @@ def estimate(design="koumakis2016", scene="lane-90hz", restitution=0.8, **change
 def test_every_cell_has_every_setting_and_the_file_is_small():
     rows = cells.read_rows()
     found = [(*row.cell, row.share) for row in rows]
-    assert sorted(found) == sorted(measure.settings())
+    assert sorted(found) == sorted(measure.list_settings())
     assert cells.CELLS_PATH.stat().st_size < 50_000
     assert cells.CELLS_PATH.read_text().startswith("# walkergen ")
     for row in rows:
@@ -49,7 +49,7 @@ def test_every_cell_has_every_setting_and_the_file_is_small():
 
 def test_what_is_written_is_what_is_read(tmp_path):
     rows = tuple(made_up(0.0, 0.1, 1, np.random.default_rng(1)))
-    (tmp_path / "cells.csv").write_text(measure.text(rows))
+    (tmp_path / "cells.csv").write_text(measure.format_rows(rows))
     for read, row in zip(cells.read_rows(tmp_path / "cells.csv"), rows, strict=True):
         assert read.speed_mm_s == pytest.approx(row.speed_mm_s, rel=1e-4)  # five digits
         assert (read.share, read.runs, read.outcomes) == (row.share, row.runs, row.outcomes)
@@ -209,7 +209,7 @@ def test_the_pace_is_measured_once_and_kept(tmp_path, monkeypatch):
 def test_a_cell_measured_anew_is_the_one_that_is_shipped():
     """Its own rival: other random numbers, four standard errors; costs within a factor of two of a busy machine."""
     setting = measure.Setting("lane-90hz", 5.0, 0.8, 1.25)
-    row = measure.measured(setting, seed=1001)
+    row = measure.measure_row(setting, seed=1001)
     (kept,) = (one for one in cells.read_rows() if (*one.cell, one.share) == setting)
     error = math.hypot(row.se_mm_s or 0.0, kept.se_mm_s or 0.0, ensemble.MAX_SPEED_DIFFERENCE * PEAK)
     assert row.speed_mm_s == pytest.approx(kept.speed_mm_s, abs=4.0 * error)
@@ -226,7 +226,7 @@ def test_advice_reaches_its_error_in_fresh_runs(error):
     room = math.hypot(error * at.unit, 2.0 * true.se_mm_s)
     inside = 0
     for seed in range(2001, 2007):
-        one = measure.walker(measure.Setting("lane-90hz", 5.0, 0.8, 1.0), seed)
+        one = measure.build_walker(measure.Setting("lane-90hz", 5.0, 0.8, 1.0), seed)
         one = one.with_run(runs=found.runs, seconds=found.seconds, step_us=found.candidate.step_us)
         speed = walkers.simulate(one, threads=1).summary.speed.value
         inside += abs(speed - true.speed_mm_s) <= room

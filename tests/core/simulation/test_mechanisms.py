@@ -134,7 +134,7 @@ def test_directions_are_judged_by_the_bounds_of_the_simulated_speed(speed, theor
 
 
 def test_the_mechanisms_are_those_of_the_paper():
-    found = mechanisms.designs(load("koumakis2016"))
+    found = mechanisms.load_designs(load("koumakis2016"))
     assert [design.kind for _, design in found] == ["flexible", "braced", "braced"]
     frictions = {limb.friction for limb in found[1][1].limbs}
     assert frictions == {0.1, 0.6}

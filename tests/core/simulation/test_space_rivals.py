@@ -149,7 +149,7 @@ def test_compliant_tips_run_as_in_a_second_program(tilt, gamma):
 def test_inverse_mass_at_the_corners_is_that_of_mujoco(tilt):
     """Without twist, which MuJoCo's tree of rigid bodies has no joint for."""
     plan = plan_of(tilt, effects={"off": ["leg_twist"]})
-    W = mujoco_walker.mobility(plan.case.design, plan.case.mass)
+    W = mujoco_walker.compute_mobility(plan.case.design, plan.case.mass)
     # 1e-12: rounding of two factorisations
     np.testing.assert_allclose(mobility(plan.world.walker), W, rtol=0, atol=1e-12 * abs(W).max())
 

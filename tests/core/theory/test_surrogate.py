@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from evidence.tables import settings, simulate
-from evidence.tables.scatter import scatter
+from evidence.tables.scatter import fit_scatter
 from walkergen.core.errors import InputError
 from walkergen.core.scene import Scene
 from walkergen.core.theory import dimensionless, networks, surrogate, uncertain_inputs
@@ -202,8 +202,8 @@ def test_errors_told_are_those_of_rows_that_no_network_has_seen():
 
 
 def test_the_recipe_makes_rows_that_are_stored():
-    stored = {tuple(row[name] for name in settings.KEYS) for row in simulate.read()}
-    made = [row for row, _ in zip(settings.rows(12, settings.SEED, held_out=False), range(8), strict=False)]
+    stored = {tuple(row[name] for name in settings.KEYS) for row in simulate.read_rows()}
+    made = [row for row, _ in zip(settings.draw_settings(12, settings.SEED, held_out=False), range(8), strict=False)]
     cells = [tuple(None if row[name] is None else float(f"{row[name]:.5g}") for name in settings.KEYS) for row in made]
     assert sum(cell in stored for cell in cells) == len(cells)
 
@@ -211,9 +211,9 @@ def test_the_recipe_makes_rows_that_are_stored():
 @pytest.mark.slow
 def test_rows_are_what_the_model_in_space_gives():
     """Chaotic runs: equal to the bit on one machine, elsewhere within five errors of six runs."""
-    rows = [row for row in simulate.read() if row["se_mm_s"] is not None]
+    rows = [row for row in simulate.read_rows() if row["se_mm_s"] is not None]
     for row in rows[5000:15000:2500]:
-        again = simulate.measured(row)
+        again = simulate.simulate_row(row)
         error = math.hypot(row["se_mm_s"], again["se_mm_s"] or 0.0)
         assert abs(again["speed_mm_s"] - row["speed_mm_s"]) < 5.0 * error + 0.1
 
@@ -223,6 +223,6 @@ def test_scatter_in_time_and_between_prints_are_told_apart():
     inputs, uneven = rng.normal(size=(800, 2)), rng.choice([0.0, 0.1, 0.2], 800)
     runs = np.hypot(0.05, uneven)[:, None] * rng.standard_normal((800, 6))
     terms = networks.features(inputs)
-    found = scatter(terms, uneven, runs.std(axis=1, ddof=1) / math.sqrt(6.0), np.full(800, 6.0))
+    found = fit_scatter(terms, uneven, runs.std(axis=1, ddof=1) / math.sqrt(6.0), np.full(800, 6.0))
     assert np.median(networks.evaluate_smooth(terms, found.in_time)) == pytest.approx(0.05, rel=0.1)
     assert np.median(networks.evaluate_smooth(terms, found.between_prints)) == pytest.approx(1.0, rel=0.1)

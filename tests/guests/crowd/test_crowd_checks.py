@@ -24,14 +24,14 @@ OUTLINE = np.array(BOX)
 
 def filmed(meeting, restitution, frames=90):
     """Two that walk at 60 mm/s, and at their first touch keep a share of their approach."""
-    two = meetings.places(meeting, OUTLINE, np.random.default_rng(1))
-    way = meetings.approach(meeting)
+    two = meetings.start_places(meeting, OUTLINE, np.random.default_rng(1))
+    way = meetings.approach_direction(meeting)
     velocity = 60.0 * np.stack([(np.cos(a), np.sin(a)) for a in two[:, 2]])
     poses = []
     for _ in range(frames):
         poses.append(two.copy())
         together = (velocity[0] - velocity[1]) @ way
-        if together > 0.0 and meetings.gaps(OUTLINE, two[0], two[1]) < 0.5:
+        if together > 0.0 and meetings.body_gaps(OUTLINE, two[0], two[1]) < 0.5:
             change = 0.5 * (1.0 + restitution) * together * way
             velocity += np.stack((-change, change))
         two[:, :2] += velocity / RATE_HZ
@@ -40,7 +40,7 @@ def filmed(meeting, restitution, frames=90):
 
 @pytest.mark.parametrize("meeting", MEETINGS, ids=lambda meeting: meeting.name)
 def test_two_meet_in_every_way_and_keep_what_their_blow_leaves(meeting):
-    found = meetings.seen(meeting, OUTLINE, filmed(meeting, 0.4))
+    found = meetings.measure_meeting(meeting, OUTLINE, filmed(meeting, 0.4))
     assert found["velocity_kept"] == pytest.approx(0.4, abs=0.25)
     assert found["turn_in_0.3_s"] == 0.0
     assert found["time_together"] < 0.6
@@ -48,20 +48,20 @@ def test_two_meet_in_every_way_and_keep_what_their_blow_leaves(meeting):
 
 @pytest.mark.parametrize("meeting", MEETINGS, ids=lambda meeting: meeting.name)
 def test_both_have_as_far_to_go_and_touch_where_they_should(meeting):
-    two = meetings.places(meeting, OUTLINE, np.random.default_rng(2))
+    two = meetings.start_places(meeting, OUTLINE, np.random.default_rng(2))
     ways = []
     for way in np.linspace(0.0, 20.0, 2001):
         now = two.copy()
         now[:, :2] += way * np.stack([(np.cos(a), np.sin(a)) for a in two[:, 2]])
-        if meetings.gaps(OUTLINE, now[0], now[1]) <= 0.0:
+        if meetings.body_gaps(OUTLINE, now[0], now[1]) <= 0.0:
             ways.append(way)
-    assert meetings.NEAREST - 0.02 <= min(ways) <= meetings.FARTHEST + 0.02
+    assert meetings.MIN_WAY_MM - 0.02 <= min(ways) <= meetings.MAX_WAY_MM + 0.02
 
 
 def test_two_that_miss_each_other_are_no_meeting():
     poses = filmed(MEETINGS[0], 0.4)
     poses[:, 1, 1] += 50.0
-    assert meetings.seen(MEETINGS[0], OUTLINE, poses) is None
+    assert meetings.measure_meeting(MEETINGS[0], OUTLINE, poses) is None
 
 
 def test_pairs_of_a_run_are_out_of_each_others_reach():
@@ -101,7 +101,7 @@ def test_the_report_says_of_its_own_rows_where_cards_hold_and_why(tmp_path):
     ]
     still, slowing, noisy = (of("gained", *numbers, 7.0) for numbers in ((0.01, 0.01), (-0.3, 0.05), (-0.1, 0.3)))
     gained = {"packing 0.1": (still, still), "packing 0.3": (noisy, slowing)}
-    lines = report.of(Checked(rows, 0.3, 0.1, rubbed, gained, []), tmp_path, []).lines
+    lines = report.make_report(Checked(rows, 0.3, 0.1, rubbed, gained, []), tmp_path, []).lines
     assert "packing 0.1: cards hold; plane over space: speed 1.025 ± 0.011" in lines
     assert any(line.startswith("packing 0.3: cards off in speed; undecided in g up to 1 lengths; ") for line in lines)
     assert any(line.startswith("friction of 0.3 gives 0.1 ") and "and 0.2 up or down" in line for line in lines)
@@ -126,7 +126,7 @@ def test_a_reason_is_what_takes_its_part_of_the_difference_with_it(tmp_path, spa
         reasons.Changed("the plane rubs more", None, of("speed", 20.5, 0.4)),
     ]
     rubbed = {"head on": {"along": of("along", 0.1, 0.01), "up": of("up", 0.2, 0.01)}}
-    lines = report.of(Checked(rows, 0.3, 0.1, rubbed, {}, changed), tmp_path, []).lines
+    lines = report.make_report(Checked(rows, 0.3, 0.1, rubbed, {}, changed), tmp_path, []).lines
     assert any("bodies do not rub" in line and line.endswith(end) for line in lines)
     assert any("the plane rubs more: the plane has 20.50 ± 0.40 mm/s, -3.00 ± 0.50 more" in line for line in lines)
 
@@ -138,7 +138,7 @@ def test_cards_give_numbers_where_the_checks_held_them_against_space():
 
 def test_the_plane_has_the_friction_that_pairs_in_space_measured():
     rubbed = {name: {"along": of("along", share, 0.01)} for name, share in (("head on", 0.1), ("glancing", 0.3))}
-    assert checks.rubbing(silent(), rubbed).friction == pytest.approx(0.2)
+    assert checks.set_friction(silent(), rubbed).friction == pytest.approx(0.2)
 
 
 def test_crowds_that_slow_down_are_told_from_those_that_go_on():
@@ -150,8 +150,8 @@ def test_crowds_that_slow_down_are_told_from_those_that_go_on():
     for shift in (0.0, 0.1):
         poses = np.zeros((21, 12, 3))
         poses[:, :, 0], poses[:, :, 1] = way[:, None] * (1.0 + shift), 8.2 * np.arange(12)
-        films.append(crowds.film(size, silent(), crowds.Run(times, poses)))
-    crowd = crowds.of_films(films, 28.0)
+        films.append(crowds.make_film(size, silent(), crowds.Run(times, poses)))
+    crowd = crowds.measure_films(films, 28.0)
     assert crowd.gained.value == pytest.approx(-0.5)
     assert crowd.numbers["polar_order"].value == 1.0
     assert crowd.numbers["g_up_to_0.5_lengths"].value > 1.0
@@ -170,7 +170,7 @@ def test_without_lammps_nothing_is_simulated(monkeypatch):
 @pytest.mark.slow
 def test_without_noise_walkers_alone_have_their_cards_speed_and_turning():
     one = silent(turning_rad_s=0.5, velocity_relaxation_s=0.05)
-    found = checks.alone_in_plane(setting.QUICK._replace(alone_seconds=2.0), one)["alone"]
+    found = checks.simulate_alone_in_plane(setting.QUICK._replace(alone_seconds=2.0), one)["alone"]
     assert found["speed"].value == pytest.approx(56.0, rel=1e-3)
     assert found["turning"].value == pytest.approx(0.5, rel=1e-3)
 
@@ -181,7 +181,7 @@ def test_the_command_makes_the_table_and_the_same_again(tmp_path, monkeypatch):
     tiny = setting.Size(16, 2.0, 2, 1, 2, 0.5, 0.2, 2, 1)
     written = []
     for folder in ("a", "b"):
-        report = make.make(tiny, "test", tmp_path / folder, lambda *_: None)
+        report = make.compare_crowds(tiny, "test", tmp_path / folder, lambda *_: None)
         written.append((tmp_path / folder / "crowd_checks.csv").read_bytes())
     assert written[0] == written[1]
     rows = list(csv.DictReader(written[0].decode().splitlines()))
@@ -192,11 +192,11 @@ def test_the_command_makes_the_table_and_the_same_again(tmp_path, monkeypatch):
 
 def test_what_ends_the_checks_loses_no_finished_part(tmp_path):
     first = Parts(tmp_path / "checks", setting.QUICK)
-    assert first.kept("crowd, packing 0.3", lambda: Quantity("speed", "mm_s", 1.0, 0.1)) == Quantity(
+    assert first.load_or_make("crowd, packing 0.3", lambda: Quantity("speed", "mm_s", 1.0, 0.1)) == Quantity(
         "speed", "mm_s", 1.0, 0.1
     )
     again = Parts(tmp_path / "checks", setting.QUICK)
-    assert again.kept("crowd, packing 0.3", lambda: 1 / 0) == Quantity("speed", "mm_s", 1.0, 0.1)
-    assert Parts(tmp_path / "checks", setting.WHOLE).kept("crowd, packing 0.3", lambda: 2) == 2
-    again.done()
-    assert first.kept("crowd, packing 0.3", lambda: 3) == 3
+    assert again.load_or_make("crowd, packing 0.3", lambda: 1 / 0) == Quantity("speed", "mm_s", 1.0, 0.1)
+    assert Parts(tmp_path / "checks", setting.FULL).load_or_make("crowd, packing 0.3", lambda: 2) == 2
+    again.remove()
+    assert first.load_or_make("crowd, packing 0.3", lambda: 3) == 3

@@ -77,7 +77,7 @@ def check_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[
     ]
     if not solids.is_printed_on_side(design):
         findings += upside_down_checks.check_part(design, mesh, printer)
-    if printer.brim_width_mm == 0.0 and solids.count_bodies(mesh) == 1:
+    if printer.brim_width_mm == 0.0 and modeller.count_bodies(mesh) == 1:
         findings += _check_adhesion(design, mesh, printer)
     return with_place(name, findings)
 
