@@ -29,10 +29,10 @@ START_S, STEP_MS, MESH_MS, TABS, FLAT = 3.0, 150.0, 400.0, 10, 1.1
 more than twice the time of one; growth of the server's memory."""
 
 SETTLED_S = 3.0
-"""Time in which what is slower than a step is drawn as well."""
+"""Time until the parts slower than a step are drawn as well."""
 
 APART_S = 0.5
-"""Time between two steps, in which their part is drawn; `dragged` asks without a pause."""
+"""Time between two steps, long enough to draw them; `drag_slider` requests without a pause."""
 
 PAPER = {"walker": "koumakis2016", "scene": "lane-90hz", "printer": "prusa-mk3s"}
 
@@ -84,7 +84,7 @@ def chromium(profile):
     return browser
 
 
-def started(folder):
+def start_browser(folder):
     """Server in a folder, and the address of its page."""
     words = [sys.executable, "-m", "walkergen", "app", "--port", "0", "--no-browser"]
     server = subprocess.Popen(words, cwd=folder, stdout=subprocess.PIPE, text=True)
@@ -94,10 +94,10 @@ def started(folder):
 def usable(browser):
     """Wait for a page that shows a speed and its form."""
 
-    def shown(_):
+    def is_shown(_):
         return all(browser.find_element(By.ID, name).text for name in ("speed", "form"))
 
-    WebDriverWait(browser, 120, 0.01).until(shown)
+    WebDriverWait(browser, 120, 0.01).until(is_shown)
 
 
 def tilt(browser):
@@ -120,7 +120,7 @@ def quantiles(times):
     return f"p50 {np.median(times):.0f} ms, p95 {np.quantile(times, 0.95):.0f} ms"
 
 
-def dragged(browser, count):
+def drag_slider(browser, count):
     """Most requests for the walker in flight during a drag, and whether the last one was drawn."""
     browser.get_log("performance")
     browser.execute_async_script(DRAG, tilt(browser), count)
@@ -170,7 +170,7 @@ def memory(pid):
     return int(line.split()[1]) / 1e3
 
 
-def worn(server, address, minutes):
+def measure_memory_growth(server, address, minutes):
     """Send requests for some minutes; return how many were answered, and memory (MB) after a third and at the end."""
     host, path = re.fullmatch(r"http://([^/]+)(/.*)", address).groups()
     rng, count, early = random.Random(1), 0, None
@@ -193,10 +193,10 @@ def worn(server, address, minutes):
     return count, early, memory(server.pid)
 
 
-def measured(browser, folder, minutes, count):
-    """Print every figure beside its goal."""
+def print_figures(browser, folder, minutes, count):
+    """Print every figure and its goal."""
     begun = time.monotonic()
-    server, address = started(folder)
+    server, address = start_browser(folder)
     try:
         browser.get(address)
         usable(browser)
@@ -204,7 +204,7 @@ def measured(browser, folder, minutes, count):
         time.sleep(SETTLED_S)
         alone = steps(browser, count)
         print(f"a step of the paper's walker: {quantiles(alone)} (goal {STEP_MS:.0f} ms)")
-        asked, most, drawn = dragged(browser, 200)
+        asked, most, drawn = drag_slider(browser, 200)
         print(f"a drag of 200 steps: {asked} requests, at most {most} in flight; last drawn: {drawn}")
         first = browser.current_window_handle
         for _ in range(TABS - 1):
@@ -230,7 +230,7 @@ def measured(browser, folder, minutes, count):
         mesh = steps(browser, max(count // 2, 10))
         print(f"a step of {triangles} triangles: {quantiles(mesh)} (goal {MESH_MS:.0f} ms)")
         browser.get("about:blank")
-        number, early, late = worn(server, address, minutes)
+        number, early, late = measure_memory_growth(server, address, minutes)
         growth = late / early
         print(f"memory after {number} answers: {late:.0f} MB, {growth:.3f} of that after a third of them (goal {FLAT})")
     finally:
@@ -247,7 +247,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         browser = chromium(Path(folder) / "profile")
         try:
-            measured(browser, Path(folder), options.minutes, options.steps)
+            print_figures(browser, Path(folder), options.minutes, options.steps)
         finally:
             browser.quit()
 

@@ -9,7 +9,7 @@ speed of one print of it, by a tenth of the step. Against it stand the bounds of
 - fit: `fit --model space` from the speeds of three other prints of it, of other tilts, filmed with
   an error of 1.5 mm/s.
 
-A line is written for every method of every walker as soon as it is known. A second call goes on
+A line is written for every method of every walker as soon as its bounds are computed. A second call goes on
 where the first ended, and measures again what was measured with other code. On two
 free cores a walker costs a minute and a half, most of it for the fit: 25 minutes for 16.
 
@@ -72,7 +72,7 @@ LEVELS = {"68": 0.68, "95": 0.95}
 
 
 class Row(NamedTuple):
-    """Bounds of one method beside the hidden speed, mm/s; the field names are the CSV's columns."""
+    """Bounds of one method and the hidden speed, mm/s; the field names are the CSV's columns."""
 
     code: str
     """Digest of the package's sources."""
@@ -90,7 +90,7 @@ class Row(NamedTuple):
 
 
 class Hidden(NamedTuple):
-    """Random walker on a random plate, and what nobody knows of its print."""
+    """Random walker on a random plate, and the hidden properties of its print."""
 
     design: Design
     scene: Scene
@@ -109,7 +109,7 @@ def digest() -> str:
     return hashlib.sha256(b"".join(one.read_bytes() for one in files)).hexdigest()[:12]
 
 
-def drawn(number: int, scene: Scene, seed: int) -> Hidden:
+def draw_walker(number: int, scene: Scene, seed: int) -> Hidden:
     """Random walker of a number: the first shape that can be built, and its hidden print."""
     rng = np.random.default_rng([seed, number])
     template = templates.load("koumakis2016", "walkers", Design)
@@ -192,7 +192,7 @@ def rows(hidden: Hidden, methods: Sequence[str], options: argparse.Namespace) ->
         yield Row("", "", 0, method, speed, *known, time.perf_counter() - started, note)
 
 
-def kept(path: Path, code: str, setting: str) -> list[Row]:
+def read_rows(path: Path, code: str, setting: str) -> list[Row]:
     """Rows of earlier calls with the same code and setting."""
     if not path.exists():
         return []
@@ -211,7 +211,7 @@ def kept(path: Path, code: str, setting: str) -> list[Row]:
     return [row for row in lines if (row.code, row.setting) == (code, setting)]
 
 
-def told(found: Sequence[Row], method: str) -> str:
+def describe_coverage(found: Sequence[Row], method: str) -> str:
     """Share of truths inside the bounds of a method, with the error of so few walkers."""
     known = [row for row in found if row.method == method and math.isfinite(row.low_95 + row.speed)]
     if not known:
@@ -246,7 +246,7 @@ def main() -> None:
         parser.error(f"--methods {','.join(unknown)}: must be among {', '.join(METHODS)}")
     code = digest()
     setting = f"{options.scene} {options.seed} {options.seconds:g} {options.draws}"
-    found = kept(options.out, code, setting)
+    found = read_rows(options.out, code, setting)
     scene = templates.load(options.scene, "scenes", Scene)
     options.out.parent.mkdir(parents=True, exist_ok=True)
     for number in range(options.designs):
@@ -254,7 +254,7 @@ def main() -> None:
         missing = [one for one in methods if one not in done]
         if not missing:
             continue
-        for row in rows(drawn(number, scene, options.seed), missing, options):
+        for row in rows(draw_walker(number, scene, options.seed), missing, options):
             mine = row._replace(code=code, setting=setting, walker=number)
             found.append(mine)
             new = not options.out.exists()
@@ -266,7 +266,7 @@ def main() -> None:
                 f"{mine.high_95:.1f} ({mine.low_68:.1f} to {mine.high_68:.1f}) {mine.note}"
             )
     for method in methods:
-        print(told([row for row in found if row.walker < options.designs], method))
+        print(describe_coverage([row for row in found if row.walker < options.designs], method))
 
 
 if __name__ == "__main__":

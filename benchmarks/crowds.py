@@ -42,7 +42,7 @@ def card() -> Card:
     return Card.model_validate({"name": "box", "mass_g": 0.9, "inertia_g_mm2": 63.6, "outline_mm": [box], **known})
 
 
-def taken(one: Card, dish: Dish, places: np.ndarray, simulated: float, ranks: int) -> tuple[float, float]:
+def time_crowd(one: Card, dish: Dish, places: np.ndarray, simulated: float, ranks: int) -> tuple[float, float]:
     """Time of the processors and of the clock in a run, s."""
     started, before = time.perf_counter(), os.times().children_user
     asked = crowd_checks.make_crowd([one], np.zeros(len(places), int), dish, places, simulated, rate_hz=50.0, seed=1)
@@ -65,8 +65,8 @@ def main() -> None:
         dish = Dish("periodic", (side,))
         outline = tuple(np.array(contour) for contour in one.outline_mm)
         places = place([outline] * count, dish, np.random.default_rng(1), 0.3)
-        short = taken(one, dish, places, SHORT_S, arguments.ranks)
-        long = taken(one, dish, places, LONG_S, arguments.ranks)
+        short = time_crowd(one, dish, places, SHORT_S, arguments.ranks)
+        long = time_crowd(one, dish, places, LONG_S, arguments.ranks)
         cpu, wall = ((b - a) / (LONG_S - SHORT_S) for a, b in zip(short, long, strict=True))
         print(f"{count:8d} {cpu:12.1f} {wall:13.1f} {1e6 * cpu * step / count:23.2f}", flush=True)
     if hasattr(os, "getloadavg"):

@@ -1,6 +1,6 @@
-"""Times that commands say before they run, beside those that they take: CPU seconds of one core.
+"""Forecast and actual times of commands: CPU seconds of one core.
 
-The process keeps to one core, on which a time by the clock is a CPU time, whatever else the machine does; what a
+The process keeps to one core, where clock time equals CPU time on a busy machine too; what a
 forecast itself takes, compilation included, is left out. Numbers that are kept from earlier runs are not used.
 
     python benchmarks/forecasts.py [--only sweep]
@@ -62,19 +62,19 @@ def alone(folder: Path) -> Iterator[None]:
     yield
 
 
-def spent() -> float:
+def cpu_seconds() -> float:
     """CPU time of this process and of those that it has waited for, s."""
     times = os.times()
     return times.user + times.children_user
 
 
-def held(name: str, values: dict[str, Any], folder: Path) -> tuple[float | None, float]:
-    """Time that a command said it would take, and that which it took after that, s; None where it said none."""
-    said: list[tuple[float | None, float]] = []
+def compare_forecast(name: str, values: dict[str, Any], folder: Path) -> tuple[float | None, float]:
+    """Forecast of a command and the time after it, s; None without a forecast."""
+    forecasts: list[tuple[float | None, float]] = []
 
     def hear(find: Callable[[], Expected | None]) -> None:
         expected = find()
-        said.append((None if expected is None else expected.seconds, spent()))
+        forecasts.append((None if expected is None else expected.seconds, cpu_seconds()))
 
     more: dict[str, Any] = {}
     if name == "fit":
@@ -85,22 +85,22 @@ def held(name: str, values: dict[str, Any], folder: Path) -> tuple[float | None,
     asked = load_request(name).asked(values | more)
     asked.hear(hear)
     asked.run(silent)
-    return (said[0][0], spent() - said[0][1]) if said else (None, 0.0)
+    return (forecasts[0][0], cpu_seconds() - forecasts[0][1]) if forecasts else (None, 0.0)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--only", help="begin of the lines to print, as sweep")
     wanted = parser.parse_args().only or ""
-    print(f"{'said':>7} {'took':>7} {'ratio':>6}   command")
+    print(f"{'forecast':>8} {'took':>7} {'ratio':>6}   command")
     for name, values in SETTINGS:
-        told = " ".join([name, *(f"{key}={value}" for key, value in values.items())])
-        if not told.startswith(wanted):
+        words = " ".join([name, *(f"{key}={value}" for key, value in values.items())])
+        if not words.startswith(wanted):
             continue
         with tempfile.TemporaryDirectory() as made, alone(Path(made)):
-            said, took = held(name, values, Path(made))
-        ratio = "" if said is None else f"{said / took:6.2f}"
-        print(f"{'-' if said is None else f'{said:.2f}':>7} {took:7.2f} {ratio:>6}   {told}", flush=True)
+            forecast, took = compare_forecast(name, values, Path(made))
+        ratio = "" if forecast is None else f"{forecast / took:6.2f}"
+        print(f"{'-' if forecast is None else f'{forecast:.2f}':>7} {took:7.2f} {ratio:>6}   {words}", flush=True)
 
 
 if __name__ == "__main__":

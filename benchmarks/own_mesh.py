@@ -1,11 +1,11 @@
 """What a body of one's own costs: united with two legs, weighed, written; and to read and check.
 
 A sphere with a rough skin, of 100 000 triangles unless asked otherwise, gets two legs. Timed are
-the union, its check, the inertia tensor and the binary STL on disk; not timed are loading, of which
-the conversion of the body for the modeller is a part (it stands in the second table), and
-compilation. Beside the wall time stands the processor's, which a shared machine stretches less.
+the union, its check, the inertia tensor and the binary STL on disk; not timed are loading
+(with the conversion of the body for the modeller, which is in the second table) and
+compilation. Next to the wall time is the processor's, which a shared machine stretches less.
 trimesh does the same with its own union (manifold engine), mass properties and writer, in turns in
-the same run; it converts in its union, so that a row with our conversion stands beside it.
+the same run; it converts in its union, so that a row with our conversion is next to it.
 Reading and checking (open, inside out, crossings) are timed by parts. The last table is of one mesh
 of a million triangles, in a process of its own, with its peak of memory.
 
@@ -79,7 +79,7 @@ def with_trimesh(body: Any, legs: list[Any], path: Path) -> tuple[float, Any]:
     return weighed.volume, weighed.inertia
 
 
-def timed(call: Callable[[], Any]) -> tuple[float, Any]:
+def time_call(call: Callable[[], Any]) -> tuple[float, Any]:
     started = time.perf_counter()
     result = call()
     return time.perf_counter() - started, result
@@ -88,7 +88,7 @@ def timed(call: Callable[[], Any]) -> tuple[float, Any]:
 def timed_twice(call: Callable[[], Any]) -> tuple[tuple[float, float], Any]:
     """Wall time and processor time of a call, s, and its result."""
     started = time.process_time()
-    seconds, result = timed(call)
+    seconds, result = time_call(call)
     return (seconds, time.process_time() - started), result
 
 
@@ -123,18 +123,18 @@ def unite(body: Mesh, repeats: int, folder: Path) -> bool:
     return apart <= AGREEMENT
 
 
-def read(body: Mesh, folder: Path) -> None:
+def time_reading(body: Mesh, folder: Path) -> None:
     """Print the times of reading a file and of each check."""
     path = folder / "body.stl"
     path.write_bytes(stl.pack(body.vertices[body.triangles], "body"))
-    total, found = timed(lambda: body_mesh.read_body(path))
+    total, found = time_call(lambda: body_mesh.read_body(path))
     mesh = found.mesh
     rows = {
-        "file to merged vertices": timed(lambda: meshes.read_mesh(path, "body"))[0],
-        "edges": timed(lambda: faults.faulty_edges(mesh.triangles))[0],
-        "closed pieces": timed(lambda: faults.shells(mesh))[0],
-        "conversion for the modeller": timed(lambda: joining.prepare_body(mesh))[0],
-        "crossings": timed(lambda: crossings.find(mesh.vertices, mesh.triangles, 1e-5))[0],
+        "file to merged vertices": time_call(lambda: meshes.read_mesh(path, "body"))[0],
+        "edges": time_call(lambda: faults.faulty_edges(mesh.triangles))[0],
+        "closed pieces": time_call(lambda: faults.shells(mesh))[0],
+        "conversion for the modeller": time_call(lambda: joining.prepare_body(mesh))[0],
+        "crossings": time_call(lambda: crossings.find(mesh.vertices, mesh.triangles, 1e-5))[0],
         "all of reading and checks": total,
     }
     print(f"{len(mesh.triangles)} triangles, read and checked")
@@ -147,19 +147,19 @@ def million() -> None:
     small = rough_sphere(1000)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        read(small, folder)  # imports, compiles
+        time_reading(small, folder)  # imports, compiles
         path = folder / "million.stl"
         body = rough_sphere(1_000_000)
         path.write_bytes(stl.pack(body.vertices[body.triangles], "body"))
         del body
         before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-        seconds, found = timed(lambda: body_mesh.read_body(path))
+        seconds, found = time_call(lambda: body_mesh.read_body(path))
         after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         print(f"a million: {len(found.mesh.triangles)} triangles, {path.stat().st_size / 1e6:.0f} MB")
         print(f"  read and checked in {seconds:.2f} s, peak {after / 1e6:.2f} GB (before {before / 1e6:.2f} GB)")
         made = joining.prepare_body(found.mesh)
         legs = two_legs(made)
-        seconds, _ = timed(lambda: with_walkergen(made, legs, folder / "own.stl"))
+        seconds, _ = time_call(lambda: with_walkergen(made, legs, folder / "own.stl"))
         after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         print(f"  united, weighed, written in {seconds:.2f} s, peak {after / 1e6:.2f} GB")
 
@@ -176,10 +176,10 @@ def main() -> None:
     print(machine())
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        read(rough_sphere(1000), folder)  # imports, compiles
+        time_reading(rough_sphere(1000), folder)  # imports, compiles
         body = rough_sphere(options.triangles)
         agree = unite(body, options.repeats, folder)
-        read(body, folder)
+        time_reading(body, folder)
     subprocess.run([sys.executable, __file__, "--million"], check=True)
     if not agree:
         raise SystemExit(f"trimesh finds another volume or tensor: more than {AGREEMENT:g} apart")

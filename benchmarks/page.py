@@ -1,6 +1,6 @@
 """The server of `walkergen app` without a browser: a slider's step, a large mesh, the zip, a first number of a run.
 
-Each row is a time by the clock, and the CPU time of the server with all its processes, beside the goal.
+Each row is a time by the clock, and the CPU time of the server with all its processes, and the goal.
 Run: python benchmarks/page.py [--steps 40]
 """
 
@@ -20,7 +20,7 @@ import numpy as np
 from app import PAPER, large_mesh, quantiles
 
 WARM_S = 6.0
-"""Time in which processes of the server import what they need."""
+"""Time for processes of the server to import what they need."""
 
 
 class Server:
@@ -47,7 +47,7 @@ class Server:
             assert answer.status == 200, lines
         return lines, time.monotonic() - begun
 
-    def spent(self):
+    def cpu_seconds(self):
         """CPU time of the server, of all that it has started and of what of that has ended, s."""
         parents, times = {}, {}
         for path in Path("/proc").glob("[0-9]*/stat"):
@@ -70,18 +70,18 @@ def row(name, times, cpu, goal=""):
     print(f"{name:38} {clock:26} CPU {1e3 * cpu / len(times):7.0f} ms  {goal}", flush=True)
 
 
-def timed(server, name, door, messages, goal="", until=lambda line: False):
+def time_requests(server, name, door, messages, goal="", until=lambda line: False):
     """Print how long answers to messages took, one after the other; returns the last one."""
-    before = server.spent()
+    before = server.cpu_seconds()
     times = []
     for message in messages:
         lines, taken = server.ask(door, message, until)
         times.append(taken)
-    row(name, times, server.spent() - before, goal)
+    row(name, times, server.cpu_seconds() - before, goal)
     return lines
 
 
-def measured(server, folder, count):
+def print_rows(server, folder, count):
     """Print every row."""
     rng = np.random.default_rng(1)
     server.ask("walker", {"document": document()})
@@ -90,25 +90,27 @@ def measured(server, folder, count):
     spans = {"legs__tilt_deg": (3, 25), "body__length_mm": (26, 32), "scene__contact__friction": (0.2, 0.4)}
     for key, (low, high) in spans.items():
         pages = [{"document": document(**{key: round(value, 3)})} for value in rng.uniform(low, high, count)]
-        timed(server, f"step of {key.replace('__', '.')}", "walker", pages, "goal p95 150 ms, with the browser")
+        time_requests(server, f"step of {key.replace('__', '.')}", "walker", pages, "goal p95 150 ms, with the browser")
     lengths = [document(body__length_mm=round(value, 3)) for value in rng.uniform(26, 32, 6)]
-    timed(server, "what the printer says", "outlook", [{"document": each} for each in lengths])
+    time_requests(server, "what the printer says", "outlook", [{"document": each} for each in lengths])
     rough = [{"document": each, "rough": True} for each in lengths]
-    timed(server, "curve while a slider moves", "curve", rough, "goal 40 ms")
-    timed(server, "curve at rest", "curve", [{"document": each} for each in lengths])
-    timed(server, "what to measure next, on wish", "shares", [{"document": each} for each in lengths])
+    time_requests(server, "curve while a slider moves", "curve", rough, "goal 40 ms")
+    time_requests(server, "curve at rest", "curve", [{"document": each} for each in lengths])
+    time_requests(server, "what to measure next, on wish", "shares", [{"document": each} for each in lengths])
     path, triangles = large_mesh(folder)
-    (answer,) = timed(server, f"upload of {triangles} triangles", "upload?kind=stl", [path.read_bytes()], "goal 400 ms")
+    (answer,) = time_requests(
+        server, f"upload, {triangles} triangles", "upload?kind=stl", [path.read_bytes()], "goal 400 ms"
+    )
     body = {"body": {"mesh": json.loads(answer)["file"]}, "legs.place": "auto"}
     mesh = [{"document": PAPER | {"values": body | {"legs.tilt_deg": tilt}}} for tilt in np.linspace(5, 15, 6).round(2)]
-    timed(server, "its first walker", "walker", mesh[:1], "goal 400 ms, with the upload")
-    timed(server, "further steps of it", "walker", mesh[1:], "goal 400 ms")
+    time_requests(server, "its first walker", "walker", mesh[:1], "goal 400 ms, with the upload")
+    time_requests(server, "further steps of it", "walker", mesh[1:], "goal 400 ms")
     order = {"document": document(legs__tilt_deg=9.0), "what": "zip", "copies": 4}
-    timed(server, "the zip, made", "make", [order], "goal 5 s")
-    timed(server, "the zip, handed out", "take", [order])
+    time_requests(server, "the zip, made", "make", [order], "goal 5 s")
+    time_requests(server, "the zip, handed out", "take", [order])
     run = {"document": document(legs__tilt_deg=9.0, scene__run__seconds=10.0, scene__run__runs=8)}
     told = b'"first": true'
-    lines = timed(server, "let it run, to a first number", "run", [run], "goal 4 s", lambda line: told in line)
+    lines = time_requests(server, "let it run, to a first number", "run", [run], "goal 4 s", lambda line: told in line)
     assert told in lines[-1]
 
 
@@ -120,7 +122,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         server = Server(folder)
         try:
-            measured(server, Path(folder), options.steps)
+            print_rows(server, Path(folder), options.steps)
         finally:
             server.process.terminate()
             server.process.wait()

@@ -58,7 +58,7 @@ def shelf() -> MassProperties:
     return MassProperties(M, J, tuple(legs), rigid=False)
 
 
-def picked(walkers: MassProperties, pick: int | npt.NDArray[np.int64]) -> MassProperties:
+def pick_walkers(walkers: MassProperties, pick: int | npt.NDArray[np.int64]) -> MassProperties:
     """Walkers of the shelf at these places of the leading axis."""
     M, J = np.asarray(walkers.M)[pick], np.asarray(walkers.J)[pick]
     legs = [LegMass(*(getattr(leg, name)[pick] for name in VARYING)) for leg in walkers.legs]
@@ -70,7 +70,7 @@ def draw(rng: np.random.Generator, walkers: MassProperties, count: int) -> Tripl
     pick = rng.integers(len(walkers.legs[0].anchor), size=count)
     body, leg = rng.normal(1.0, 0.02, (2, count))
     e, mu = rng.uniform(0.0, 1.0, count), rng.uniform(0.01, 0.6, count)
-    return scale_masses(picked(walkers, pick), body, leg), e, mu
+    return scale_masses(pick_walkers(walkers, pick), body, leg), e, mu
 
 
 def chunks(walkers: MassProperties, total: int, size: int) -> Iterator[Triples]:
@@ -86,7 +86,7 @@ def with_arrays(triples: Triples, mode: Mode) -> Array:
 def each(triples: Triples) -> Iterator[Triples]:
     mass, e, mu = triples
     for k in range(len(e)):
-        yield picked(mass, k), e[k], mu[k]
+        yield pick_walkers(mass, k), e[k], mu[k]
 
 
 def with_calls(triples: Triples, mode: Mode) -> Array:

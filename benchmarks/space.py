@@ -126,11 +126,11 @@ def threads(seconds: float, runs: int) -> None:
 def first_results() -> None:
     """Print the wall time of the first result in a new process, cold and warm."""
     with tempfile.TemporaryDirectory() as folder:
-        for told in ("cold, with compilation", "warm"):
+        for kind in ("cold, with compilation", "warm"):
             started = time.perf_counter()
             environment = {**os.environ, "NUMBA_CACHE_DIR": folder}
             subprocess.run([sys.executable, *FIRST, "--quiet"], env=environment, check=True, timeout=600)
-            print(f"first result, {told}: {time.perf_counter() - started:.1f} s")
+            print(f"first result, {kind}: {time.perf_counter() - started:.1f} s")
 
 
 def main() -> None:

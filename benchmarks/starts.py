@@ -1,7 +1,7 @@
 """Whole commands against their goals: what a person waits for who asks one thing.
 
-Each is a process of its own; of several rounds, in which all commands take turns, the least CPU time
-(user) counts, for whatever else runs on the machine only adds. Kernels and byte code are there: an
+Each is a process of its own; all commands take turns in several rounds, and the least CPU time
+(user) counts, because other programs on the machine only add to it. Kernels and byte code are there: an
 untimed round goes first. Below each group stand its rivals: the libraries that it rests on, imported
 and no more, and a bare script of manifold3d that writes the same parts.
 
@@ -101,13 +101,13 @@ def cost(words: tuple[str, ...]) -> Cost:
         for name in TRACKS.keys() & set(words):
             _write_tracks(Path(folder, name), *TRACKS[name])
         started = time.perf_counter()
-        with Path(folder, "said").open("w+") as said:
-            streams = {"stdout": subprocess.DEVNULL, "stderr": said}
+        with Path(folder, "errors").open("w+") as errors:
+            streams = {"stdout": subprocess.DEVNULL, "stderr": errors}
             process = subprocess.Popen([sys.executable, *words], cwd=folder, env=surroundings, **streams)
             _, status, usage = os.wait4(process.pid, 0)
             if status:
-                said.seek(0)
-                raise SystemExit(f"{' '.join(words)}: ended with {status}: {said.read()}")
+                errors.seek(0)
+                raise SystemExit(f"{' '.join(words)}: ended with {status}: {errors.read()}")
         return Cost(usage.ru_utime, time.perf_counter() - started, usage.ru_maxrss / 1024.0)
 
 

@@ -1,7 +1,7 @@
-"""What the own step leaves off: speeds by it and by a tenth of it.
+"""Error of the automatic step: speeds with it and with a tenth of it.
 
 The paper's walker over tilts, restitution and friction, on the plane and in the lane, and the templates
-of other mechanisms, each in random runs of its own. A row is written as soon as it is known; a
+of other mechanisms, each in random runs of its own. A row is written as soon as it is measured. A
 second call goes on where the first ended. Its rows, in Markdown; docs/validation.md shows some.
 
     python benchmarks/steps.py [--finer 10] [--runs 16] [--seconds 3] [--out out/steps.csv]
@@ -117,7 +117,7 @@ def walker_of(one: Setting) -> tuple[Scene, Design]:
     return templates.load(one.scene, "scenes", Scene).variant(**keys), design
 
 
-def measured(one: Setting, code: str, options: argparse.Namespace) -> Row:
+def measure_setting(one: Setting, code: str, options: argparse.Namespace) -> Row:
     """Speeds of a setting by its own step and by a finer one, from other random starts."""
     scene, design = walker_of(one)
     mass = solids.mass_of(design)
@@ -133,7 +133,7 @@ def measured(one: Setting, code: str, options: argparse.Namespace) -> Row:
     return Row(code, name(one), *known)
 
 
-def kept(path: Path, code: str) -> dict[str, Row]:
+def read_rows(path: Path, code: str) -> dict[str, Row]:
     """Rows of earlier calls with the same code, by their settings."""
     if not path.exists():
         return {}
@@ -163,12 +163,12 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("out/steps.csv"))
     options = parser.parse_args()
     code = f"{kernels.source_digest()} {options.finer:g} {options.runs} {options.seconds:g}"
-    rows = kept(options.out, code)
+    rows = read_rows(options.out, code)
     options.out.parent.mkdir(parents=True, exist_ok=True)
     print(f"| setting | own step | step / {options.finer:g} | difference | stated |")
     print("|---|--:|--:|--:|--:|")
     for one in SETTINGS:
-        row = rows.get(name(one)) or measured(one, code, options)
+        row = rows.get(name(one)) or measure_setting(one, code, options)
         if name(one) not in rows:
             new = not options.out.exists()
             with options.out.open("a", encoding="utf-8", newline="") as stream:

@@ -89,17 +89,17 @@ def workers(count: int, folder: Path) -> None:
     print(f"two workers: {times[0] / times[1]:.2f} times one ({times[0]:.1f} s, {times[1]:.1f} s)")
 
 
-def predicted(count: int, folder: Path) -> None:
+def time_predictions(count: int, folder: Path) -> None:
     """Predicted points on one core, and the same sweep again, finished, and extended by one."""
     request, store = request_of(count), Store(folder / "predicted")
     bare = SweepRequest.from_values({"pictures": False}, shell=True)
     tilts = axes.Axis("legs.tilt_deg", (*request.space.axes[0].values, 40.5))
     one_more = request._replace(space=axes.Space((tilts,)))
-    for told, one in (("first", request), ("again", request), ("one more", one_more)):
+    for kind, one in (("first", request), ("again", request), ("one more", one_more)):
         started, used = time.perf_counter(), time.process_time()
         make_sweep(bare, one, folder / "table", store, None, silent)
         print(
-            f"{count} predicted points, {told}: {time.perf_counter() - started:.2f} s "
+            f"{count} predicted points, {kind}: {time.perf_counter() - started:.2f} s "
             f"({time.process_time() - used:.2f} s CPU)"
         )
 
@@ -111,8 +111,8 @@ def memory(count: int, folder: Path) -> None:
     for number in (count // 10, count):
         step = f"legs.tilt_deg=1:40:{39 / number:.9g}"
         words = [sys.executable, str(script), step, str(folder / f"memory{number}")]
-        told = subprocess.run(words, capture_output=True, text=True, check=True).stdout
-        print(f"{number} points: {float(told):.0f} MB at most")
+        peak = subprocess.run(words, capture_output=True, text=True, check=True).stdout
+        print(f"{number} points: {float(peak):.0f} MB at most")
 
 
 def main() -> None:
@@ -124,7 +124,7 @@ def main() -> None:
         folder = Path(name)
         overhead(chosen.simulated, folder)
         workers(chosen.simulated, folder)
-        predicted(chosen.points, folder)
+        time_predictions(chosen.points, folder)
         memory(chosen.points, folder)
 
 

@@ -1,9 +1,9 @@
-"""How often the bounds of `analyse` hold the truth: walkers of many kinds, of which it is known.
+"""How often the bounds of `analyse` hold the truth: walkers of many kinds with known numbers.
 
 A cell is a kind of walker, a number of them, a length of the film and its gaps; or one walker in a box, whose
-walls `analyse` finds by itself. Every cell has films of its own, each with new walkers
+walls `analyse` finds automatically. Every cell has films of its own, each with new walkers
 (tests/synthetic_tracks.py, tests/boxed_tracks.py), and a line of the CSV for every quantity: how often it was
-told, and how often the truth lay inside its bounds of 68 and 95 %. Equal calls give equal lines. A second call
+estimated, and how often the truth lay inside its bounds of 68 and 95 %. Equal calls give equal lines. A second call
 goes on where the first ended, unless the code of the analysis has changed since.
 
     python benchmarks/tracks.py [--films 200] [--seed 1] [--out out/tracks.csv] [--kind box]
@@ -109,7 +109,7 @@ CELLS += [
     for box, (_, seconds) in BOXES.items()
     for wall, gaps in (*itertools.product(WALLS, ["no headings"]), ("turn", "headings"))
 ]
-"""All cells; one walker tells nothing of how walkers differ. Those in boxes lose 5 % of the frames."""
+"""All cells; one walker does not show how walkers differ. Those in boxes lose 5 % of the frames."""
 
 
 def truth(walker: Walker) -> dict[str, float]:
@@ -144,7 +144,7 @@ def _diffusivity(walker: Walker) -> float:
     return float(np.outer(weights, weights).ravel() @ each / weights.sum() ** 2)
 
 
-def made(cell: Cell, films: int, seed: int) -> tuple[Iterable[Tracks], dict[str, float]]:
+def make_tracks(cell: Cell, films: int, seed: int) -> tuple[Iterable[Tracks], dict[str, float]]:
     """Films of a cell, and the numbers that are to be found in them."""
     box, _, wall = cell.kind.partition(", ")
     if box in BOXES:
@@ -163,9 +163,9 @@ def made(cell: Cell, films: int, seed: int) -> tuple[Iterable[Tracks], dict[str,
     return (film(each, cell.walkers, cell.seconds, walker, INTERVAL) for each in drawn), truth(walker)
 
 
-def measured(cell: Cell, films: int, code: str, seed: int) -> list[Row]:
+def measure_cell(cell: Cell, films: int, code: str, seed: int) -> list[Row]:
     """Count for each quantity of a cell how often it is estimated, and how often its bounds hold the true value."""
-    tracks, known = made(cell, films, seed)
+    tracks, known = make_tracks(cell, films, seed)
     counts = {name: [0, 0, 0] for name in known}
     for each in tracks:
         found = motion.analyse(each, found=walls.find_walls(each)).estimates
@@ -190,7 +190,7 @@ def digest() -> str:
     return hashlib.sha256(b"".join(one.read_bytes() for one in sorted(files))).hexdigest()[:12]
 
 
-def kept(path: Path, code: str, seed: int, films: int) -> list[Row]:
+def read_rows(path: Path, code: str, seed: int, films: int) -> list[Row]:
     """Rows of earlier calls with the same code, seed and number of films."""
     if not path.exists():
         return []
@@ -213,13 +213,13 @@ def kept(path: Path, code: str, seed: int, films: int) -> list[Row]:
 
 def share(rows: Sequence[Row]) -> str:
     """Shares inside 68 and 95 %, with the error of the latter, and what was refused, in percent."""
-    told, films = (sum(getattr(row, name) for row in rows) for name in ("told", "films"))
-    if told < FEWEST:
+    estimated, films = (sum(getattr(row, name) for row in rows) for name in ("told", "films"))
+    if estimated < FEWEST:
         return "refused" if films else ""
-    narrow, wide = (sum(getattr(row, name) for row in rows) / told for name in ("inside_68", "inside_95"))
-    refused = 100 * (films - told) / films
+    narrow, wide = (sum(getattr(row, name) for row in rows) / estimated for name in ("inside_68", "inside_95"))
+    refused = 100 * (films - estimated) / films
     note = f" ({refused:.0f})" if refused >= 0.5 else ""
-    return f"{100 * narrow:.0f}, {100 * wide:.0f} ± {100 * error(wide, told):.0f}{note}"
+    return f"{100 * narrow:.0f}, {100 * wide:.0f} ± {100 * error(wide, estimated):.0f}{note}"
 
 
 def error(share: float, count: int) -> float:
@@ -239,7 +239,7 @@ def table(rows: Sequence[Row], across: str, names: Iterable[str]) -> str:
     return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
 
 
-def missed(rows: Sequence[Row]) -> list[str]:
+def list_failures(rows: Sequence[Row]) -> list[str]:
     """Cells whose share of 95 % lies outside the goal by more than two of its errors."""
     lines = []
     for row in rows:
@@ -264,7 +264,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("out/tracks.csv"))
     options = parser.parse_args()
     code = digest()
-    rows = kept(options.out, code, options.seed, options.films)
+    rows = read_rows(options.out, code, options.seed, options.films)
     done = {row.cell for row in rows}
     options.out.parent.mkdir(parents=True, exist_ok=True)
     with console.progress("tracks", wanted=True) as progress:
@@ -273,7 +273,7 @@ def main() -> None:
             progress(" ".join(map(str, cell)), number, len(cells))
             if cell in done:
                 continue
-            new = measured(cell, options.films, code, options.seed)
+            new = measure_cell(cell, options.films, code, options.seed)
             rows += new
             text, first = csv_text(Row._fields, new), not options.out.exists()
             with options.out.open("a", encoding="utf-8", newline="") as stream:
@@ -285,7 +285,7 @@ def main() -> None:
         print(f"\n{table(free, across, names)}")
     for sight in ("no headings", "headings"):
         print(f"\n{table([row for row in rows if row.gaps == sight], 'kind', names)}")
-    lines, counted = missed(rows), sum(row.told >= FEWEST for row in rows)
+    lines, counted = list_failures(rows), sum(row.told >= FEWEST for row in rows)
     print(f"\n{len(lines)} of {counted} miss {100 * GOAL[0]:.0f} to {100 * GOAL[1]:.0f} %:")
     print("\n".join(lines))
 

@@ -76,7 +76,7 @@ class Doors:
             for workers in (gone.steps, gone.workers):
                 workers.stop()
 
-    def taken(self, message):
+    def make_files(self, message):
         """Answer with files, once they are made; the refusal where they cannot be."""
         made = self.ask("make", message)
         refused = [] if made.status != 200 else [event for event in made.events if "refused" in event]
@@ -88,9 +88,9 @@ class Doors:
     def ask(self, door, message=None, leave_s=None, method="POST", query="", **headers):
         """Answer to a message (bytes, or what becomes JSON); the page goes after `leave_s`."""
         data = message if isinstance(message, bytes) else json.dumps(message).encode()
-        return self.at(f"/{self.server.secret}/{door}", data, leave_s, method, query, **headers)
+        return self.request(f"/{self.server.secret}/{door}", data, leave_s, method, query, **headers)
 
-    def at(self, path, data=b"", leave_s=None, method="POST", query="", **headers):
+    def request(self, path, data=b"", leave_s=None, method="POST", query="", **headers):
         """Answer to a request by its whole path."""
         fields = {"host": HOST} | headers
         scope = {
@@ -106,9 +106,9 @@ class Doors:
             "client": ("127.0.0.1", 1),
             "headers": [(key.encode(), value.encode("latin-1")) for key, value in fields.items()],
         }
-        return asyncio.run(self._at(scope, data, leave_s))
+        return asyncio.run(self._request(scope, data, leave_s))
 
-    async def _at(self, scope, data, leave_s):
+    async def _request(self, scope, data, leave_s):
         pieces = [data[at : at + 65536] for at in range(0, len(data), 65536)] or [b""]
         sent: list[Any] = []
 

@@ -35,7 +35,7 @@ def films(seed, count, seconds, boxed=Boxed(), headed=False):  # noqa: B008
         row[:, :2], row[:, 2] = place, heading
         for _ in range(SUBSTEPS):
             place = place + boxed.speed * h * np.stack([np.cos(heading), np.sin(heading)], axis=1)
-            heading = _at_walls(place, heading, boxed, TURNED * h)
+            heading = _reflect_headings(place, heading, boxed, TURNED * h)
             heading = heading + np.sqrt(2.0 * h / boxed.persistence) * rng.normal(size=count)
             place = np.clip(place, 0.0, boxed.box)
     rows[..., :2] += boxed.noise * rng.normal(size=rows[..., :2].shape)
@@ -48,7 +48,7 @@ def _film(rows, boxed, headed):
     return Tracks((Track(0, rows[:, :2], rows[:, 2] if headed else None),), 1.0 / boxed.fps, 0, "")
 
 
-def _at_walls(place, heading, boxed, turn):
+def _reflect_headings(place, heading, boxed, turn):
     """Headings after walls were met."""
     for axis, normal in ((0, 0.0), (1, 0.5 * np.pi)):
         beyond = place[:, axis] > boxed.box[axis], place[:, axis] < 0.0

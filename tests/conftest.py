@@ -3,7 +3,7 @@
 import pytest
 from typer.testing import CliRunner
 
-pytest.register_assert_rewrite("answers", "soundness", "threemf")
+pytest.register_assert_rewrite("command_checks", "mesh_checks", "threemf")
 
 
 @pytest.fixture(scope="session", autouse=True)

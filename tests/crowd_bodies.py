@@ -80,7 +80,7 @@ class Pair:
             for world, state in self.walkers
         )
 
-    def lost(self):
+    def energy_loss(self):
         """Energy that their contacts took, g mm^2/s^2."""
         return self.crowd.book[bodies.RUBBED] - self.crowd.book[bodies.WORK]
 

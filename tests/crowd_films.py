@@ -11,7 +11,7 @@ BOX = np.array([(-1.5, -0.5), (1.5, -0.5), (1.5, 0.5), (-1.5, 0.5)])
 """Outline of a body of 3 x 1 mm."""
 
 
-def of(places, dish, outline=BOX, interval=0.1):
+def make_film(places, dish, outline=BOX, interval=0.1):
     """Film of places of shape (F, N, 3), of one kind of body or, with None, of no known outline."""
     times = interval * np.arange(len(places))
     outlines = {} if outline is None else {"walker": (outline,)}
@@ -26,4 +26,4 @@ def gas(dish, walkers, frames, seed, outline=BOX):
     inside = ~(dish_geometry.wall_distance(*places.T, own) < 0)
     places = places[inside][: frames * walkers].reshape(frames, walkers, 2)
     theta = rng.uniform(-np.pi, np.pi, (frames, walkers, 1))
-    return of(np.concatenate([places, theta], axis=2), dish, outline)
+    return make_film(np.concatenate([places, theta], axis=2), dish, outline)

@@ -46,7 +46,7 @@ class Motion(NamedTuple):
     rate: np.ndarray
 
 
-def yawed(angle):
+def rotation_about_vertical(angle):
     """Turn about the vertical, positive from x towards -z: to the left seen from above."""
     c, s = math.cos(angle), math.sin(angle)
     return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
@@ -55,7 +55,7 @@ def yawed(angle):
 def still(x, z, angle=0.0, velocity=(0.0, 0.0), rate=0.0):
     """Box whose C lies at (x, 0, z) and moves in the plane, turned by an angle."""
     v = np.array([velocity[0], 0.0, velocity[1]])
-    return Motion(np.array([x, 0.0, z]), yawed(angle), v, np.array([0.0, rate, 0.0]))
+    return Motion(np.array([x, 0.0, z]), rotation_about_vertical(angle), v, np.array([0.0, rate, 0.0]))
 
 
 def mobility(box, motion, arm):
@@ -112,7 +112,7 @@ def struck(boxes, motions, point, normal, law):
     F_x, F_y = _stronge(tensor, velocity, law.restitution, law.friction)
     impulse = F_x * along + F_y * normal
     return [
-        _kicked(box, motion, arm, sign * impulse)
+        _apply_impulse(box, motion, arm, sign * impulse)
         for box, motion, arm, sign in zip(boxes, motions, arms, (1.0, -1.0), strict=True)
     ]
 
@@ -127,7 +127,7 @@ def flush(boxes, motions, points, normal, law):
     for point, weight in zip(points, weights, strict=True):
         impulse = -(1.0 + law.restitution) * approach * weight * normal
         motions = [
-            _kicked(box, motion, point - motion.place, sign * impulse)
+            _apply_impulse(box, motion, point - motion.place, sign * impulse)
             for box, motion, sign in zip(boxes, motions, (1.0, -1.0), strict=True)
         ]
     return motions
@@ -147,7 +147,7 @@ def _speed_at(motion, arm):
     return motion.velocity + np.cross(motion.rate, arm)
 
 
-def _kicked(box, motion, arm, impulse):
+def _apply_impulse(box, motion, arm, impulse):
     tensor = motion.turn @ box.tensor @ motion.turn.T
     return motion._replace(
         velocity=motion.velocity + impulse / box.mass,
@@ -185,7 +185,7 @@ def model_of(boxes, step, contact=""):
     return model, mujoco.MjData(model)
 
 
-def placed(data, motions):
+def set_motions(data, motions):
     """Set the places and speeds of MuJoCo's boxes: its rates are in the body's axes."""
     for number, motion in enumerate(motions):
         at, moves = slice(7 * number, 7 * number + 3), slice(6 * number, 6 * number + 3)
@@ -196,7 +196,7 @@ def placed(data, motions):
         data.qvel[moves.stop : moves.stop + 3] = motion.turn.T @ motion.rate
 
 
-def read(data, count):
+def get_motions(data, count):
     """Motions of MuJoCo's boxes."""
     found = []
     for number in range(count):
@@ -245,11 +245,11 @@ def collide(boxes, motions, law, seconds, step, push=None):
     mean force on the second box over the last half of the time.
     """
     model, data = model_of(boxes, step)
-    placed(data, motions)
+    set_motions(data, motions)
     mujoco.mj_forward(model, data)
     deepest, forces = 0.0, []
     for _ in range(round(seconds / step)):
-        now, applied = read(data, 2), np.zeros((2, 6))
+        now, applied = get_motions(data, 2), np.zeros((2, 6))
         if push is not None:
             applied[0, :3] += push
         for one in (0, 1):
@@ -263,7 +263,7 @@ def collide(boxes, motions, law, seconds, step, push=None):
         data.xfrc_applied[1:] = applied
         mujoco.mj_step(model, data)
         forces.append(applied[1, :3])
-    return read(data, 2), deepest, np.mean(forces[len(forces) // 2 :], axis=0)
+    return get_motions(data, 2), deepest, np.mean(forces[len(forces) // 2 :], axis=0)
 
 
 def _force(boxes, now, one, point, normal, give, law, step):
@@ -290,8 +290,8 @@ def meet(boxes, motions, seconds, step, spring):
     contact = f"""<pair geom1="geom0" geom2="geom1" condim="1" margin="0"
       solref="{_numbers((-spring, 0.0))}" solimp="0.9999 0.9999 1 0.5 1"/>"""
     model, data = model_of(boxes, step, contact)
-    placed(data, motions)
+    set_motions(data, motions)
     mujoco.mj_forward(model, data)
     for _ in range(round(seconds / step)):
         mujoco.mj_step(model, data)
-    return read(data, 2)
+    return get_motions(data, 2)

@@ -16,7 +16,7 @@ ROOM = 90.0
 """Ground of a pair, mm."""
 
 
-def turned(angle, **keys):
+def gliding_card(angle, **keys):
     """Card that glides without drag or noise, its outline turned against the heading."""
     outline = affinity.rotate(Polygon(BOX), angle, origin=(0, 0), use_radians=True).exterior.coords
     return silent(outline_mm=[np.round(outline[:-1], 9).tolist()], velocity_relaxation_s=1e6, **keys)
@@ -46,8 +46,8 @@ def collide(number, restitution, friction, seed, speed=100.0):
     generator = np.random.default_rng(seed)
     offsets = np.arange(6) * math.pi / 6
     keys = {"restitution": restitution, "friction": friction}
-    cards = [turned(angle, speed_mm_s=speed, **keys) for angle in offsets]
-    cards.append(turned(0.0, speed_mm_s=0.0, **keys))
+    cards = [gliding_card(angle, speed_mm_s=speed, **keys) for angle in offsets]
+    cards.append(gliding_card(0.0, speed_mm_s=0.0, **keys))
     pairs = [_pair(generator, offsets) for _ in range(number)]
     side = math.ceil(math.sqrt(number))
     middle = [((n % side - 0.5 * side + 0.5) * ROOM, (n // side - 0.5 * side + 0.5) * ROOM) for n in range(number)]

@@ -39,7 +39,7 @@ class Printed(NamedTuple):
     """What PrusaSlicer says that it sliced with."""
 
 
-def read(text: str, filament_diameter: float = 1.75) -> Printed:
+def read_gcode(text: str, filament_diameter: float = 1.75) -> Printed:
     """Every line of plastic. Raises ValueError at a command that moves in an unknown way."""
     area = 0.25 * math.pi * filament_diameter**2
     place = {"X": math.nan, "Y": math.nan, "E": 0.0}

@@ -15,7 +15,7 @@ def box(length=20.0, height=6.0, depth=8.0, middle=(0.0, 0.0, 0.0)):
     return joining.leg_prism(foot, UP, length, depth, height)
 
 
-def inverted(mesh):
+def invert_mesh(mesh):
     return Mesh(mesh.vertices, mesh.triangles[:, ::-1])
 
 

@@ -35,7 +35,7 @@ def tracks(seed, one=Inertial(), walkers=16, seconds=10.0, interval=1.0 / 90.0):
     return Tracks(tuple(made), interval, 0, "")
 
 
-def _remembered(rng, steps, h, time, diffusion):
+def _ornstein_uhlenbeck(rng, steps, h, time, diffusion):
     """Ornstein-Uhlenbeck process of this diffusion, stationary, shape (steps,)."""
     kept = math.exp(-h / time)
     kicks = math.sqrt(diffusion / time) * rng.normal(size=steps)
@@ -49,14 +49,14 @@ def _track(rng, one, frames, interval, number):
     early = fine * math.ceil(RUN_IN * max(one.relaxation, one.turn_relaxation) / interval)
     steps = early + (frames - 1) * fine
     turn = one.turn + one.turn_sd * rng.normal()
-    rate = turn + _remembered(rng, steps + 1, h, one.turn_relaxation, one.rotation)
+    rate = turn + _ornstein_uhlenbeck(rng, steps + 1, h, one.turn_relaxation, one.rotation)
     turned = 0.5 * h * (rate[1:] + rate[:-1])
     heading = rng.uniform(0, 2 * np.pi) + np.concatenate([[0.0], np.cumsum(turned)])
     unit = one.speed * np.exp(1j * heading)
     kept = math.exp(-h / one.relaxation)
     half = [0.5 * (1.0 - kept)] * 2
     follows, _ = signal.lfilter(half, [1.0, -kept], unit, zi=signal.lfiltic(half, [1.0, -kept], unit[:1], unit[:1]))
-    pushed = [_remembered(rng, steps + 1, h, one.relaxation, one.diffusion) for _ in range(2)]
+    pushed = [_ornstein_uhlenbeck(rng, steps + 1, h, one.relaxation, one.diffusion) for _ in range(2)]
     velocity = follows + pushed[0] + 1j * pushed[1]
     place = np.concatenate([[0.0], np.cumsum(0.5 * h * (velocity[1:] + velocity[:-1]))])
     place, heading = place[early::fine], heading[early::fine]

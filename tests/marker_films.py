@@ -140,7 +140,7 @@ def _paste(canvas, levels, camera, x, y, heading):
     view += inside * (drawn / np.maximum(inside, 1e-6) - view)
 
 
-def bent(picture, camera, k1):
+def distort_frame(picture, camera, k1):
     """Frame as a lens with radial distortion `k1` sees it: x (1 + k1 r^2) in place of x.
 
     k1 < 0 is a barrel. The cubic is solved by Newton's method, not by OpenCV.
@@ -166,12 +166,12 @@ def circles(count=5, speed=60.0, spacing=31.0):
     radius, sense = 9.0 + 2.0 * number, np.where(number % 2, 1.0, -1.0)
     x, y = spacing * (number - 0.5 * (count - 1)), 12.0 * (-1.0) ** number
 
-    def at(time):
+    def poses_at(time):
         turn = sense * speed / radius * time + number
         places = [x + radius * np.cos(turn), y + radius * np.sin(turn)]
         return np.column_stack([*places, turn + 0.5 * np.pi * sense])
 
-    return at
+    return poses_at
 
 
 class Shot(NamedTuple):

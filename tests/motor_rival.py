@@ -43,7 +43,7 @@ def throwing(share, frequency=90.0, **keys):
     return {"eccentric_g_mm": share * whole * GRAVITY / omega**2, "frequency_hz": frequency} | keys
 
 
-def pointed(plan, radius):
+def concentrate_rotor(plan, radius):
     """Plan whose rotor is a point mass at so many mm from its axis, and that mass in g."""
     rotor = plan.world.acting.motor
     mass, whole = rotor.moment / radius, plan.world.walker.mass
@@ -56,7 +56,7 @@ def pointed(plan, radius):
 def rival(plan, radius, friction=0.0, step=4e-6):
     """MuJoCo's model of the walker, its legs without twist, with the rotor at phase 0."""
     walker, mass = plan.world.walker, plan.case.mass
-    plan, m = pointed(plan, radius)
+    plan, m = concentrate_rotor(plan, radius)
     rotor = plan.world.acting.motor
     at, axis = np.array(rotor.place), np.cross(rotor.first, rotor.second)
     spring = (float(walker.stiffness[0]), float(walker.damping[0]))

@@ -31,7 +31,7 @@ def files_of(folder):
     return {name: (folder / name).read_bytes() for name in names if name != "report.html"}
 
 
-def rendered(made, files, parts=None, **design):
+def render_page(made, files, parts=None, **design):
     """The page's text of a family that was made, of other files, parts or keys of the design."""
     facts = json.loads((made.folder / "manifest.json").read_text(encoding="utf-8"))
     del facts["files"]

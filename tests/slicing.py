@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import gcode
-import maker
+import maker_profile
 import numpy as np
 import pytest
 
@@ -35,7 +35,7 @@ def program(name: str) -> str:
     return found
 
 
-def sliced(model: Path, ini: Path) -> subprocess.CompletedProcess[str]:
+def slice_model(model: Path, ini: Path) -> subprocess.CompletedProcess[str]:
     """Slice a file into G-code beside it, with the maker's own profile and our settings."""
     words = [
         program("prusa-slicer"),
@@ -53,9 +53,9 @@ def sliced(model: Path, ini: Path) -> subprocess.CompletedProcess[str]:
 
 
 def print_of(model: Path, ini: Path) -> gcode.Printed:
-    result = sliced(model, ini)
+    result = slice_model(model, ini)
     assert result.returncode == 0, result.stdout + result.stderr
-    return gcode.read(model.with_suffix(".gcode").read_text())
+    return gcode.read_gcode(model.with_suffix(".gcode").read_text())
 
 
 def laid_out(
@@ -69,7 +69,7 @@ def laid_out(
     model = folder / "unchecked.3mf"
     model.write_bytes(plate.plate_3mf(one, parts, meshes, printer, "unchecked"))
     (folder / "unchecked.ini").write_bytes(slicer.prusaslicer_print(printer))
-    (folder / "yours.ini").write_text(maker.ini(printer))
+    (folder / "yours.ini").write_text(maker_profile.ini(printer))
     return list(one.placements), model
 
 
@@ -92,7 +92,7 @@ class Walker(NamedTuple):
     def layers(self) -> int:
         return round(self.design.size.depth / self.printer.layer_height_mm)
 
-    def below(self, low: float, high: float) -> np.ndarray:
+    def plastic_between(self, low: float, high: float) -> np.ndarray:
         """Plastic by layer and leg (back, front) between two heights y of the design, mm^3."""
         lines, tilt, foot = self.lines, self.limb.tilt, self.foot
         start, end = (np.clip(points[:, 1], low, high) for points in (lines.start, lines.end))
@@ -118,7 +118,7 @@ class Walker(NamedTuple):
     @property
     def legs(self) -> np.ndarray:
         """Plastic below the body by layer and leg."""
-        return self.below(self.foot - 1.0, self.bottom)
+        return self.plastic_between(self.foot - 1.0, self.bottom)
 
 
 def walkers_of(

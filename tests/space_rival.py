@@ -220,7 +220,7 @@ def keller(W, friction, velocity, restitution, law):
     first = 1e-9 * abs(velocity[0]) / math.sqrt(W[0, 0])
     # velocity, impulse, normal work, depth of a spring of stiffness 1
     z, end = np.array([*velocity, 0.0, 0.0, 0.0, 0.0, first]), None
-    force = None if math.hypot(*z[1:3]) > slow else _held(W, friction, z, slow)
+    force = None if math.hypot(*z[1:3]) > slow else _sticking_force(W, friction, z, slow)
 
     def press(z):
         return z[7] - damper * z[0]
@@ -246,7 +246,7 @@ def keller(W, friction, velocity, restitution, law):
         found = solve_ivp(slopes, (0.0, 1e3), z, "DOP853", rtol=1e-9, atol=1e-12, events=[stops, ends])
         z = found.y[:, -1].copy()
         if len(found.t_events[0]):
-            force = _held(W, friction, z, slow)
+            force = _sticking_force(W, friction, z, slow)
         elif viscous:
             return z[3:6]
         elif end is None:
@@ -255,7 +255,7 @@ def keller(W, friction, velocity, restitution, law):
             return z[3:6]
 
 
-def _held(W, friction, z, slow):
+def _sticking_force(W, friction, z, slow):
     """Force per normal force of a corner whose slip has stopped; None, and set off, if it slips."""
     z[1:3] = 0.0
     needed = np.linalg.solve(W[1:, 1:], -W[1:, 0])
@@ -330,7 +330,7 @@ def _press(tip, friction, depth, u, rises, stretch, held, h, f):
 
 
 @kernel
-def _run(M, inverse, legs, tips, friction, hinges, drive, start, h, count, places):
+def _integrate(M, inverse, legs, tips, friction, hinges, drive, start, h, count, places):
     """Fill `places` with place and heading of O every `count` steps of h seconds.
 
     `legs`: anchor (2), tilt, length, half depth of each leg; `tips`: spring, tip, damper, shear; `hinges`: stiffness,
@@ -422,7 +422,9 @@ def speeds(plan, seconds, seeds, step=1.5e-6):
         start = np.array([0.0, height, 0.0, 1.0, 0.5 * roll, 0.0, 0.5 * pitch])
         places = np.zeros((round((seconds + 0.5) / (h * count)) + 1, 4))
         numbers = np.array([drive.amplitude, drive.omega, phase])
-        _run(M, np.linalg.inv(M), legs, tips, plan.scene.contact.friction, hinges, numbers, start, h, count, places)
+        _integrate(
+            M, np.linalg.inv(M), legs, tips, plan.scene.contact.friction, hinges, numbers, start, h, count, places
+        )
         settled = places[round(0.5 / (h * count)) :]
         along = 0.5 * (settled[1:, 2:] + settled[:-1, 2:])
         means.append(np.sum(np.diff(settled[:, :2], axis=0) * along) / ((len(settled) - 1) * h * count))

@@ -38,7 +38,7 @@ class Walker(NamedTuple):
     speed_sd: float = 0.0  # between walkers, mm/s
     turn_sd: float = 0.0  # between walkers, rad/s
 
-    def kept(self, lag):
+    def heading_correlation(self, lag):
         """Correlation of headings, but for the steady turn (Ornstein and Uhlenbeck 1930)."""
         late = self.turn_memory * -np.expm1(-lag / self.turn_memory) if self.turn_memory else 0.0
         return np.exp(-self.rate * (lag - late))
@@ -47,7 +47,7 @@ class Walker(NamedTuple):
     def diffusivity(self):
         """Half the integral of the velocity's correlation, which inertia does not change."""
         return self.diffusion + 0.5 * (self.speed**2 + self.drift**2) * _integral(
-            lambda lag: self.kept(lag) * math.cos(self.turn * lag), 40.0 / max(self.rate, 1e-9)
+            lambda lag: self.heading_correlation(lag) * math.cos(self.turn * lag), 40.0 / max(self.rate, 1e-9)
         )
 
     @property
@@ -58,7 +58,7 @@ class Walker(NamedTuple):
         kept, sides = [
             _integral(
                 lambda lag, part=part: (
-                    math.exp(-lag / self.inertia) / self.inertia * self.kept(lag) * part(self.turn * lag)
+                    math.exp(-lag / self.inertia) / self.inertia * self.heading_correlation(lag) * part(self.turn * lag)
                 ),
                 40.0 * self.inertia,
             )
@@ -66,7 +66,7 @@ class Walker(NamedTuple):
         ]
         return complex(self.speed, self.drift) * complex(kept, -sides)
 
-    def drawn(self, rng):
+    def sample_walker(self, rng):
         """One walker of a group that differ."""
         speed, turn = rng.normal(size=2) * (self.speed_sd, self.turn_sd)
         return self._replace(speed=self.speed + speed, turn=self.turn + turn)
@@ -139,7 +139,7 @@ def track(rng, walker, frames, interval, number=0, headed=True):
 def film(seed, particles, seconds, walker=Walker(), interval=0.01, headed=True):  # noqa: B008
     """Tracks of several walkers that differ as `walker` says."""
     rng = np.random.default_rng(seed)
-    return film_of(rng, [walker.drawn(rng) for _ in range(particles)], seconds, interval, headed)
+    return film_of(rng, [walker.sample_walker(rng) for _ in range(particles)], seconds, interval, headed)
 
 
 def film_of(rng, walkers: Sequence[Walker], seconds, interval=0.01, headed=True):

@@ -25,7 +25,7 @@ class File(NamedTuple):
     identifiers: list[str]
 
 
-def read(data: bytes) -> File:
+def read_3mf(data: bytes) -> File:
     """Read in strict mode; a warning fails."""
     model = lib3mf.get_wrapper().CreateModel()
     reader = model.QueryReader("3mf")

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from night import by_day
+from nightly_cases import mostly_nightly
 from synthetic_tracks import Walker, film
 
 from walkergen.analysis import motion, track_warnings
@@ -21,7 +21,7 @@ KINDS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("walkers", by_day([1, 8], 1))
+@pytest.mark.parametrize("walkers", mostly_nightly([1, 8], 1))
 def test_sound_tracks_raise_no_doubt(kind, walkers):
     films = [film(seed, walkers, 20.0, KINDS[kind], 1 / 30) for seed in range(6)]
     assert not any(map(track_warnings.find_all, films))

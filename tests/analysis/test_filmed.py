@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from answers import rows_of
+from command_checks import rows_of
 from synthetic_tracks import Walker, film
 from typer.testing import CliRunner
 

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from night import by_day
+from nightly_cases import mostly_nightly
 from synthetic_tracks import Walker, film, lane
 
 from walkergen.analysis import facts, motion, persistent_walk
@@ -94,7 +94,7 @@ def test_products_of_displacements_share_no_position():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", by_day([{"inertia": 0.15}, {"turn_memory": 0.15}], {"inertia": 0.15}))
+@pytest.mark.parametrize("kind", mostly_nightly([{"inertia": 0.15}, {"turn_memory": 0.15}], {"inertia": 0.15}))
 def test_speed_and_persistence_hold_with_inertia(kind):
     walker = Walker(speed=45.0, rate=0.8, **kind)
     truth = {"speed": walker.ahead.real, "persistence_rate": walker.rate, "diffusivity": walker.diffusivity}

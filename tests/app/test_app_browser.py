@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from browsed import Page, chromium, needs_browser, walkergen
-from night import by_day
+from browser_page import Page, chromium, needs_browser, walkergen
+from nightly_cases import mostly_nightly
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
@@ -423,7 +423,7 @@ def test_all_files_come_as_one_archive(page):
 
 @pytest.mark.nightly
 def test_two_browsers_on_one_page_have_a_walker_each(page, tmp_path, tmp_path_factory):
-    with contextlib.closing(page.beside(chromium(tmp_path_factory.mktemp("profile")))) as other:
+    with contextlib.closing(page.open_in(chromium(tmp_path_factory.mktemp("profile")))) as other:
         for tilts in ((5, 12), (7, 15)):
             for each, tilt in zip((page, other), tilts, strict=True):
                 each.type("legs.tilt_deg", tilt)
@@ -512,7 +512,7 @@ def test_walker_speed_and_files_stay_in_view_at_any_width(page, wide):
 
 
 @pytest.mark.parametrize(
-    ("wide", "colours"), by_day(list(itertools.product((1280, 390), ("light", "dark"))), (390, "light"))
+    ("wide", "colours"), mostly_nightly(list(itertools.product((1280, 390), ("light", "dark"))), (390, "light"))
 )
 def test_axe_finds_nothing(page, wide, colours):
     """With all tables open."""

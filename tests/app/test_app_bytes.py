@@ -12,7 +12,7 @@ import time
 import zipfile
 from pathlib import Path
 
-import faults as system
+import file_faults as system
 import pytest
 import trimesh
 from app_doors import PAPER, Doors, document
@@ -62,7 +62,7 @@ def uploaded(doors, kind):
 
 def taken(doors, chosen, what):
     """Files by their names, as the page hands them out, and the lines for a shell it shows."""
-    answer = doors.taken({"document": chosen, "what": what, "copies": 2})
+    answer = doors.make_files({"document": chosen, "what": what, "copies": 2})
     assert answer.status == 200, answer.body
     name = answer.headers["content-disposition"].split('"')[1]
     entries = {name: answer.body}
@@ -130,8 +130,8 @@ def test_an_archive_holds_all_that_its_lines_make(doors, tmp_path):
 
 @pytest.mark.slow
 def test_an_archive_of_fewer_plates_keeps_none_of_the_earlier(doors):
-    many = doors.taken({"document": PAPER, "what": "plate", "copies": 300})
-    few = doors.taken({"document": PAPER, "what": "plate", "copies": 2})
+    many = doors.make_files({"document": PAPER, "what": "plate", "copies": 300})
+    few = doors.make_files({"document": PAPER, "what": "plate", "copies": 2})
     names = [
         [name for name in zipfile.ZipFile(io.BytesIO(each.body)).namelist() if name.endswith(".3mf")]
         for each in (many, few)

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 
-import hostile
+import hostile_inputs
 import pytest
 from app_doors import HOST, MAKING, PAPER, QUICK, Doors, faults, files, messages
 
@@ -56,14 +56,14 @@ def test_pages_of_elsewhere_open_no_door(doors, headers):
 def test_without_the_secret_there_are_no_doors(doors):
     for path in ("/", "/walker", "/x/walker", f"/{doors.server.secret[:-1]}/walker", "/once/x"):
         for method in ("GET", "POST"):
-            answer = doors.at(path, method=method)
+            answer = doors.request(path, method=method)
             assert answer.status in (404, 405)
             assert doors.server.secret not in answer.body.decode()
             assert answer.refused
 
 
 def test_a_person_at_the_bare_address_reads_what_to_do(doors):
-    answer = doors.at("/", method="GET", accept="text/html,*/*")
+    answer = doors.request("/", method="GET", accept="text/html,*/*")
     assert (answer.status, answer.headers["content-type"]) == (404, "text/html; charset=utf-8")
     assert "terminal" in answer.body.decode()
     assert doors.server.secret not in answer.body.decode()
@@ -85,10 +85,10 @@ def test_doors_are_not_opened_by_links(doors, door):
 
 def test_an_address_for_another_device_works_once(tmp_path):
     doors = Doors(tmp_path, away=True)
-    assert doors.at("/once/guess", method="GET").status == 410
-    first = doors.at(f"/once/{doors.server.once}", method="GET")
+    assert doors.request("/once/guess", method="GET").status == 410
+    first = doors.request(f"/once/{doors.server.once}", method="GET")
     assert (first.status, first.headers["location"]) == (303, f"/{doors.server.secret}/")
-    again = doors.at(f"/once/{doors.server.once}", method="GET")
+    again = doors.request(f"/once/{doors.server.once}", method="GET")
     assert again.status == 410
     assert "Start walkergen app again" in again.refused
 
@@ -131,8 +131,8 @@ def test_an_address_for_another_device_works_once(tmp_path):
     ],
 )
 def test_no_path_of_a_file_comes_from_a_page(doors, tmp_path, monkeypatch, values):
-    (tmp_path / "b.stl").write_bytes(hostile.SOLIDS["b.stl"])
-    (tmp_path / "d.svg").write_bytes(hostile.SOLIDS["d.svg"])
+    (tmp_path / "b.stl").write_bytes(hostile_inputs.SOLIDS["b.stl"])
+    (tmp_path / "d.svg").write_bytes(hostile_inputs.SOLIDS["d.svg"])
     opened = watched(monkeypatch, (tmp_path / "b.stl", tmp_path / "d.svg"))
     values = json.loads(json.dumps(values).replace("{folder}", str(tmp_path)))
     for door in ("walker", "outlook", "form", "run", "make"):

@@ -3,8 +3,8 @@
 import errno
 import os
 
-import faults as system
-import hostile
+import file_faults as system
+import hostile_inputs
 import pytest
 from app_doors import PAPER, Doors, document, faults, files
 
@@ -17,7 +17,7 @@ def doors(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("kind", ["stl", "obj", "ply", "off", "svg", "dxf"])
 def test_a_dropped_file_becomes_the_body_or_is_refused_in_words(doors, kind):
-    source = hostile.SOLIDS[f"b.{kind}" if f"b.{kind}" in hostile.SOLIDS else f"d.{kind}"]
+    source = hostile_inputs.SOLIDS[f"b.{kind}" if f"b.{kind}" in hostile_inputs.SOLIDS else f"d.{kind}"]
     for data in (source, source[: len(source) // 2], b"", b"\0" * 100, b"\xff" * 5000):
         kept = doors.ask("upload", data, query=f"kind={kind.upper()}")
         assert (kept.status, faults(kept)) == (200, [])
@@ -59,7 +59,7 @@ def test_the_oldest_of_the_files_that_were_dropped_go(doors, monkeypatch):
 
 
 def test_a_dropped_file_that_somebody_changed_is_left_alone(doors):
-    data = hostile.SOLIDS["b.stl"]
+    data = hostile_inputs.SOLIDS["b.stl"]
     name = doors.ask("upload", data, query="kind=stl").json["file"]
     (doors.server.place.uploads / name).write_bytes(b"mine")
     answer = doors.ask("upload", data, query="kind=stl")
@@ -71,9 +71,9 @@ def test_a_dropped_file_that_somebody_changed_is_left_alone(doors):
 def test_all_that_pages_write_lies_in_one_folder(doors, tmp_path):
     changed = document(legs__tilt_deg=12.0)
     doors.ask("keep", {"document": changed})
-    doors.ask("upload", hostile.SOLIDS["b.stl"], query="kind=stl")
+    doors.ask("upload", hostile_inputs.SOLIDS["b.stl"], query="kind=stl")
     for what in ("stl", "toml"):
-        assert doors.taken({"document": changed, "what": what}).status == 200
+        assert doors.make_files({"document": changed, "what": what}).status == 200
     names = files(tmp_path)
     assert len(names) >= 7
     assert all(name.startswith("out/app/") for name in names)
@@ -82,10 +82,10 @@ def test_all_that_pages_write_lies_in_one_folder(doors, tmp_path):
 
 def test_files_that_are_not_ours_are_left_alone(doors):
     asked = {"document": PAPER, "what": "stl"}
-    assert doors.taken(asked).status == 200
+    assert doors.make_files(asked).status == 200
     (part,) = doors.folder.rglob("*.stl")
     part.write_bytes(b"mine")
-    answer = doors.taken(asked)
+    answer = doors.make_files(asked)
     assert (answer.status, faults(answer)) == (422, [])
     assert "left alone" in answer.refused
     assert part.read_bytes() == b"mine"
@@ -115,7 +115,7 @@ def test_whatever_was_kept_a_page_opens(doors, data):
 
 @pytest.mark.parametrize("call", ["open", "write", "fsync", "replace", "mkdir"])
 def test_a_full_disk_refuses_in_words_and_leaves_no_half_file(doors, tmp_path, call):
-    asked = {"upload": hostile.SOLIDS["b.stl"], "keep": {"document": PAPER}}
+    asked = {"upload": hostile_inputs.SOLIDS["b.stl"], "keep": {"document": PAPER}}
     for door, message in asked.items():
         before = files(tmp_path)
         fault = system.broken(errno.ENOSPC)
@@ -147,6 +147,6 @@ def test_a_file_where_the_folder_should_be_refuses_in_words(doors, tmp_path):
         ("upload", b"x"),
         ("taken", {"document": PAPER, "what": "stl"}),
     ):
-        answer = doors.taken(message) if door == "taken" else doors.ask(door, message, query="kind=stl")
+        answer = doors.make_files(message) if door == "taken" else doors.ask(door, message, query="kind=stl")
         assert (answer.status, faults(answer)) == (422, [])
         assert "cannot be written" in answer.refused

@@ -7,7 +7,7 @@ import sys
 import time
 
 import pytest
-from answers import refused
+from command_checks import refusal_of
 
 from walkergen.cli import main
 from walkergen.core.scene import Scene
@@ -136,8 +136,8 @@ def test_plate_places_every_copy(run, tmp_path):
 
 def test_a_plate_that_does_not_fit_says_how_many_would(run, tmp_path):
     words = ("plate", "--max-plates", "1", "--no-pictures", "--quiet", "--copies")
-    room = int(re.search(r"room for (\d+) parts", refused(run, *words, "500"))[1])
-    assert f"(room for {room} parts)" in refused(run, *words, str(room + 1))
+    room = int(re.search(r"room for (\d+) parts", refusal_of(run, *words, "500"))[1])
+    assert f"(room for {room} parts)" in refusal_of(run, *words, str(room + 1))
     assert not (tmp_path / "out").exists()
     assert run(*words, str(room)).exit_code == 0
 
@@ -157,14 +157,14 @@ def test_templates_are_listed_shown_and_copied(run, tmp_path):
     assert "[legs]" in run("templates", "show", "koumakis2016").stdout
     run("templates", "copy", "maker-large")
     assert (tmp_path / "maker-large.toml").read_text().startswith("#")
-    assert "exists already" in refused(run, "templates", "copy", "maker-large")
+    assert "exists already" in refusal_of(run, "templates", "copy", "maker-large")
     source = (templates.folder() / "scenes" / "lane-90hz.toml").read_text()
     for name, file in (("my-shaker", "my-shaker.toml"), ("a-b", "_a b.toml")):
         assert run("templates", "copy", "lane-90hz", file).stdout == f"{file}\n"
         copied = (tmp_path / file).read_text()
         assert copied == source.replace('name = "lane-90hz"', f'name = "{name}"', 1) != source
         assert templates.load(file, "scenes", Scene).name == name
-    assert "copies are made of templates" in refused(run, "templates", "copy", "../x")
+    assert "copies are made of templates" in refusal_of(run, "templates", "copy", "../x")
 
 
 @pytest.mark.parametrize("name", ["maker-large", "koumakis2016"])
@@ -176,7 +176,7 @@ def test_every_walker_template_makes_its_family(run, tmp_path, name):
 
 
 def test_a_folder_that_cannot_be_written_is_one_clear_line(run, tmp_path):
-    message = refused(run, "family", "--out", "x" * 300)
+    message = refusal_of(run, "family", "--out", "x" * 300)
     assert "cannot be written" in message
     assert not list(tmp_path.iterdir())
 

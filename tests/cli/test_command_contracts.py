@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 import rendered_films
 import typer
-from answers import assert_every_form, refused
+from command_checks import assert_every_form, refusal_of
 from synthetic_tracks import film
 
 import walkergen as wg
@@ -102,7 +102,7 @@ def test_a_file_that_is_missing_is_one_clear_line_and_nothing_is_written(run, tm
     request, own = load_request(name), field_flag(load_request(name), field)
     required = ["none.csv"] if any(info.is_required() for info in request.model_fields.values()) else []
     words = ["none.toml"] if own.argument else [*required, flag_name(request, field), "none.toml"]
-    refused(run, name, *words)
+    refusal_of(run, name, *words)
     assert not list(tmp_path.iterdir())
 
 

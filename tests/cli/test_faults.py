@@ -9,11 +9,11 @@ import subprocess
 import sys
 import time
 
-import hostile
+import hostile_inputs
 import numpy as np
 import pytest
 import typer
-from faults import CALLS, broken, command, failing, forked, interrupt, is_one_line, kill, tree
+from file_faults import CALLS, broken, command, failing, interrupt, is_one_line, kill, run_in_child, tree
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
@@ -128,7 +128,7 @@ def test_killed_or_interrupted_at_any_call_a_rerun_gives_the_same_bytes(job, fau
                         sys.exit(130)
                 sys.exit(0 if len(seen) < count else 3)
 
-            code, _, told = forked(faulty)
+            code, _, told = run_in_child(faulty)
             assert not told
             if code == 0:
                 break
@@ -154,7 +154,7 @@ def test_a_full_disk_at_any_size_loses_nothing(job):
             assert not told or "File too large; try another" in told
             sys.exit(bool(told))
 
-        code, _, _ = forked(full)
+        code, _, _ = run_in_child(full)
         seen.add(code)
         assert whole(out, reference)
         work()
@@ -237,7 +237,7 @@ def test_a_manifest_too_large_or_no_plain_file_is_not_read(tmp_path):
 def test_two_at_once_do_not_write_one_folder_and_a_dead_one_keeps_nobody_out(tmp_path):
     with Folder(tmp_path) as first:
         first.write("a.csv", b"of the first")
-        code, _, told = forked(command("sweep", "--set", "legs.tilt_deg=5", "--out", tmp_path))
+        code, _, told = run_in_child(command("sweep", "--set", "legs.tilt_deg=5", "--out", tmp_path))
         assert (code, is_one_line(told)) == (2, True)
         assert "another walkergen writes there" in told
         first.finish({})
@@ -257,13 +257,13 @@ def _loaded():
 def test_a_place_where_nothing_can_be_written_is_told_before_the_work(tmp_path, monkeypatch):
     monkeypatch.setattr(os, "access", lambda path, mode: not mode & os.W_OK)
     for name in ("", "out", "a/b/out"):
-        code, _, told = forked(command("crowd", "--count", "900", "--out", tmp_path / name))
+        code, _, told = run_in_child(command("crowd", "--count", "900", "--out", tmp_path / name))
         assert (code, is_one_line(told)) == (1, True)
         assert f"'{tmp_path / name}': cannot be written: Permission denied; try another --out" in told
     assert not tree(tmp_path)
     monkeypatch.undo()
     (tmp_path / "file").touch()
-    code, _, told = forked(command("crowd", "--count", "900", "--out", tmp_path / "file" / "out"))
+    code, _, told = run_in_child(command("crowd", "--count", "900", "--out", tmp_path / "file" / "out"))
     assert (code, is_one_line(told)) == (1, True)
     assert "cannot be written: Not a directory" in told
 
@@ -273,7 +273,7 @@ EXPORT = ("export", "--tilt", "10", "--legs", "braced", "--format", "stl,svg", "
 
 def test_a_command_names_the_file_that_could_not_be_written(tmp_path):
     out = tmp_path / "out"
-    assert forked(command(*EXPORT, out)) == (0, "", "")
+    assert run_in_child(command(*EXPORT, out)) == (0, "", "")
     reference = tree(out)
     for call in ("open", "write", "replace"):
 
@@ -283,10 +283,10 @@ def test_a_command_names_the_file_that_could_not_be_written(tmp_path):
 
         for path in (*out.glob("*/*"), *out.glob(".*")):
             path.unlink()
-        code, _, told = forked(faulty)
+        code, _, told = run_in_child(faulty)
         assert (code, is_one_line(told)) == (1, True)
         assert told.startswith(f"error: '{out}/")
-        assert forked(command(*EXPORT, out)) == (0, "", "")
+        assert run_in_child(command(*EXPORT, out)) == (0, "", "")
         assert tree(out) == reference
 
 
@@ -302,10 +302,10 @@ def test_output_that_nobody_can_read_is_a_line_and_a_failure(words):
 
         return prepare
 
-    assert forked(command(*words), full(1))[::2] == (1, "error: 'standard output': No space left on device\n")
-    assert forked(command(*words), closed=(1,))[::2] == (1, "error: 'standard output': Bad file descriptor\n")
-    assert forked(command(*words), full(1, 2)) == (1, "", "")
-    assert forked(command(*words), closed=(0, 1, 2)) == (1, "", "")
+    assert run_in_child(command(*words), full(1))[::2] == (1, "error: 'standard output': No space left on device\n")
+    assert run_in_child(command(*words), closed=(1,))[::2] == (1, "error: 'standard output': Bad file descriptor\n")
+    assert run_in_child(command(*words), full(1, 2)) == (1, "", "")
+    assert run_in_child(command(*words), closed=(0, 1, 2)) == (1, "", "")
 
 
 def test_a_reader_that_has_gone_is_no_mistake():
@@ -314,11 +314,11 @@ def test_a_reader_that_has_gone_is_no_mistake():
         os.close(read)
         os.dup2(write, 1)
 
-    assert forked(command(*PREDICT), gone) == (1, "", "")
+    assert run_in_child(command(*PREDICT), gone) == (1, "", "")
 
 
 def test_no_file_takes_the_place_of_a_closed_stream(tmp_path):
-    code, _, _ = forked(command(*EXPORT[:-2], "--out", tmp_path), closed=(0, 1, 2))
+    code, _, _ = run_in_child(command(*EXPORT[:-2], "--out", tmp_path), closed=(0, 1, 2))
     assert code == 1  # its list of files could not be told
     for path in tmp_path.glob("stl/*"):
         assert (path.stat().st_size - 84) % 50 == 0
@@ -342,7 +342,7 @@ def test_letters_that_a_stream_has_not_are_replaced_and_in_json_escaped(encoding
         console.report(report, json=True, quiet=False)
         assert plain.loads('"\\udcff"') == "\udcff"
 
-    code, out, told = forked(work)
+    code, out, told = run_in_child(work)
     assert (code, told) == (0, "")
     first, *rest = out.splitlines()
     assert len(first) == 10
@@ -394,7 +394,7 @@ def test_ctrl_c_while_a_library_loads_is_no_failure_of_it():
         except KeyboardInterrupt as cause:
             raise ImportError("initialization failed") from cause
 
-    code, _, told = forked(lambda: cli.main(stopped))
+    code, _, told = run_in_child(lambda: cli.main(stopped))
     assert (code, told) == (130, "error: " + cli.INTERRUPTED_MESSAGE + "\n")
 
 
@@ -427,7 +427,7 @@ def test_ctrl_c_that_a_library_prints_while_it_loads_is_no_failure_of_it():
         sys.argv = ["walkergen"]
         cli.main(commands)
 
-    code, _, told = forked(work)
+    code, _, told = run_in_child(work)
     assert (code, told) == (130, "error: " + cli.INTERRUPTED_MESSAGE + "\n")
 
 
@@ -443,7 +443,7 @@ def test_ctrl_c_while_an_object_is_taken_apart_ends_the_command():
         Dying()
         time.sleep(20)
 
-    code, _, told = forked(lambda: cli.main(stopped))
+    code, _, told = run_in_child(lambda: cli.main(stopped))
     assert (code, told) == (130, "error: " + cli.INTERRUPTED_MESSAGE + "\n")
 
 
@@ -453,7 +453,7 @@ def test_a_folder_that_is_gone_is_a_line(tmp_path):
         tmp_path.rmdir()
         command(*EXPORT, "out")()
 
-    code, _, told = forked(work)
+    code, _, told = run_in_child(work)
     assert (code, is_one_line(told)) == (1, True)
 
 
@@ -522,7 +522,7 @@ def inputs(tmp_path_factory):
         CACHE=os.environ.get("XDG_CACHE_HOME", base / "cache"),
     )
     for name in ("SPEEDS", "FORM"):
-        FOLDERS[name].write_text(hostile.TABLES[FOLDERS[name].name][0])
+        FOLDERS[name].write_text(hostile_inputs.TABLES[FOLDERS[name].name][0])
     run = CliRunner().invoke
     words = [*LONG["trajectory"], "--runs", "4", "--trajectory", str(base / "t.csv")]
     assert run(command_line, words).exit_code == 0

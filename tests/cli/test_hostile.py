@@ -6,10 +6,10 @@ import sys
 import warnings
 from pathlib import Path
 
-import hostile
+import hostile_inputs
 import numpy as np
 import pytest
-from night import by_day
+from nightly_cases import mostly_nightly
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
@@ -32,21 +32,21 @@ def judged(tries, folder):
     for number, one in enumerate(tries):
         place = folder / f"t{number}"
         place.mkdir()
-        seen = hostile.run(one, place)
-        if told := hostile.faults(one, seen):
+        seen = hostile_inputs.run_try(one, place)
+        if told := hostile_inputs.faults(one, seen):
             found.append((number, one.label, told, one.words, seen.err[-500:]))
     return found
 
 
 @pytest.mark.parametrize(("kind", "count"), [("keys", 4), ("kinds", 5), ("commands", 4)])
 def test_a_few_hostile_command_lines(kind, count, tmp_path):
-    assert not judged(hostile.drawn(SEED, count, kind), tmp_path)
+    assert not judged(hostile_inputs.draw_tries(SEED, count, kind), tmp_path)
 
 
 @pytest.mark.parametrize("kind", ["keys", "names"])
 def test_hundreds_of_hostile_files_are_read_or_refused_in_lines(kind, tmp_path):
     path = tmp_path / "x.toml"
-    for one in hostile.drawn(SEED, 200, kind):
+    for one in hostile_inputs.draw_tries(SEED, 200, kind):
         if "x.toml" not in one.files:
             continue
         path.write_bytes(one.files["x.toml"])
@@ -62,9 +62,9 @@ def test_hundreds_of_hostile_files_are_read_or_refused_in_lines(kind, tmp_path):
             pytest.fail(f"{one}: {seen!r}")
 
 
-@pytest.mark.parametrize("kind", sorted({*hostile.KINDS} - {"growing"}))  # that gives what it has
+@pytest.mark.parametrize("kind", sorted({*hostile_inputs.KINDS} - {"growing"}))  # that gives what it has
 def test_what_is_no_file_is_not_read(kind, tmp_path):
-    hostile.KINDS[kind](tmp_path / "x")
+    hostile_inputs.KINDS[kind](tmp_path / "x")
     with pytest.raises(InputError):
         file_reading.read_bytes(tmp_path / "x", 1000)
     with pytest.raises(InputError):
@@ -73,8 +73,8 @@ def test_what_is_no_file_is_not_read(kind, tmp_path):
 
 @pytest.mark.nightly
 def test_thousands_of_hostile_tries(tmp_path):
-    hostile.warm()
-    assert not judged(hostile.drawn(SEED, TRIES), tmp_path)
+    hostile_inputs.warm()
+    assert not judged(hostile_inputs.draw_tries(SEED, TRIES), tmp_path)
 
 
 @pytest.mark.nightly
@@ -101,18 +101,18 @@ def test_a_body_of_a_million_triangles_becomes_a_family_and_a_plate(tmp_path):
         )
         place = tmp_path / str(number)
         place.mkdir()
-        tried = hostile.Try(name, words, {"b.stl": data})
-        seen = hostile.run(tried, place)
-        assert (seen.code, hostile.faults(tried, seen)) == (0, []), seen.err
+        tried = hostile_inputs.Try(name, words, {"b.stl": data})
+        seen = hostile_inputs.run_try(tried, place)
+        assert (seen.code, hostile_inputs.faults(tried, seen)) == (0, []), seen.err
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", by_day(["c.csv", "f.csv", "t.csv", "o.csv"], "t.csv", "o.csv"))
+@pytest.mark.parametrize("name", mostly_nightly(["c.csv", "f.csv", "t.csv", "o.csv"], "t.csv", "o.csv"))
 def test_the_tables_that_tries_spoil_are_sound(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     path = Path(name)
-    path.write_text(hostile.TABLES[name][0])
-    words = [word.format(name) for word in hostile.READERS[name]]
+    path.write_text(hostile_inputs.TABLES[name][0])
+    words = [word.format(name) for word in hostile_inputs.READERS[name]]
     result = CliRunner().invoke(command_line, words)
     assert result.exit_code == 0, result.output
 

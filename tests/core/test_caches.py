@@ -91,14 +91,14 @@ def kernels(tmp_path):
     """Cache files of a kernel, as numba makes them, and what an entry of it is found by."""
     from numba.core import caching
 
-    def opened(stamp=(1.0, 2)):
+    def open_index(stamp=(1.0, 2)):
         plain = caching.IndexDataCacheFile
         if plain.__name__ == "Checked":  # as in a process that has made kernels
             plain = plain.__mro__[1]
         return caches.add_checksums(plain)(str(tmp_path), "f-1.py311", stamp)
 
-    opened().save("int", {"code": b"\x01" * 1000})
-    return opened
+    open_index().save("int", {"code": b"\x01" * 1000})
+    return open_index
 
 
 SPOILT = {

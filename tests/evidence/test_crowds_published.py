@@ -84,7 +84,7 @@ def test_a_number_of_a_source_stands_in_the_words_that_were_read():
             assert f"{value:g}" in said, f"{finding.key}: {value:g} is not in the words quoted"
 
 
-def found(slope=1.0, se=0.01):
+def rising_numbers(slope=1.0, se=0.01):
     """Numbers of every case that change along each series by a slope."""
     whole = {}
     for place, case in enumerate([*cases.single_cases(SIZE), *cases.crowd_cases(SIZE)]):
@@ -110,15 +110,17 @@ def test_a_sign_is_that_of_all_the_bounds(change, rises, verdict):
 
 
 def test_every_statement_has_its_row_and_noise_decides_nothing():
-    rows = list(compared.compare_findings(found()))
+    rows = list(compared.compare_findings(rising_numbers()))
     assert {row.finding for row in rows} == set(FINDINGS)
     assert all(row.note for row in rows)
-    noisy = {row.verdict for row in compared.compare_findings(found(se=1e3)) if row.finding.key == "polar discs"}
+    noisy = {
+        row.verdict for row in compared.compare_findings(rising_numbers(se=1e3)) if row.finding.key == "polar discs"
+    }
     assert noisy == {Verdict.UNDECIDED}
 
 
 def test_series_stand_by_what_their_walkers_do_alone():
-    whole = found()
+    whole = rising_numbers()
     points = compared.series_points(whole, "lean", "circulation")
     assert [at for at, _ in points] == sorted(whole["lean alone", lean]["spin"].value for lean in cases.RIGHT_TILTS_DEG)
     assert compared.series_points(whole, "lean", "speed over alone")[0][1].se > 0.0
@@ -126,7 +128,7 @@ def test_series_stand_by_what_their_walkers_do_alone():
 
 
 def test_page_and_table_name_every_source_and_what_was_read_of_it(tmp_path):
-    made = report.make_report(list(compared.compare_findings(found())), tmp_path, "How")
+    made = report.make_report(list(compared.compare_findings(rising_numbers())), tmp_path, "How")
     page = made.markdown()
     assert next(csv.DictReader(made["crowds_published"].csv().splitlines()))["source"]
     for finding in FINDINGS:

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from answers import rows_of
+from command_checks import rows_of
 from test_growth import INTERVAL, LENGTH, persistent
 from typer.testing import CliRunner
 

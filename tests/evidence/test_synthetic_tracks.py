@@ -28,7 +28,7 @@ def test_walkers_spread_and_turn_as_their_laws_say(kind):
     for lag in (1, 5, 20):
         turned = unit[:, lag] * np.conj(unit[:, 0]) * np.exp(-0.1j * walker.turn * lag)
         error = turned.real.std() / 20.0
-        assert turned.real.mean() == pytest.approx(walker.kept(0.1 * lag), abs=3.5 * error)
+        assert turned.real.mean() == pytest.approx(walker.heading_correlation(0.1 * lag), abs=3.5 * error)
     # Velocities over two frames about the heading between: a second-order mean of the present one.
     ahead = ((place[:, 2::10] - place[:, :-2:10]) / 0.2 * np.conj(unit[:, 1:-1:10])).mean(axis=1)
     for found, law in ((ahead.real, walker.ahead.real), (ahead.imag, walker.ahead.imag)):

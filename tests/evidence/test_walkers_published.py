@@ -153,22 +153,22 @@ def test_a_published_number_is_inside_in_part_or_not(low, high, told):
 
 
 def test_draws_that_fall_are_counted_and_too_few_have_no_bounds():
-    def speed(drawn, gamma):
+    def speed_of_draw(drawn, gamma):
         return 10.0 + drawn
 
-    found = row_of(table(100, speed, fallen=range(40)), at={"gamma": 3.0})
+    found = row_of(table(100, speed_of_draw, fallen=range(40)), at={"gamma": 3.0})
     assert (found.draws, found.ran) == (100, 60)
     assert found.low > 10.4 - 1e-9
-    few = row_of(table(100, speed, fallen=range(61)), at={"gamma": 3.0})
+    few = row_of(table(100, speed_of_draw, fallen=range(61)), at={"gamma": 3.0})
     assert (few.low, few.inside) == (None, "")
     assert "39 of 100 draws run" in few.note
 
 
 def test_sizes_ranges_and_ratios_are_of_one_draw_each():
-    def speed(drawn, gamma):
+    def speed_of_draw(drawn, gamma):
         return -gamma * (1.0 + drawn)
 
-    rows = list(table(80, speed))
+    rows = list(table(80, speed_of_draw))
     assert row_of(rows, number="size", at={"gamma": 2.0}).low > 2.0
     ranged = row_of(rows, number="range", over={"gamma": [2.0, 3.0]})
     assert (ranged.low, ranged.high) == pytest.approx((40.0, 40.0))

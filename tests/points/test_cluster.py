@@ -29,7 +29,7 @@ POINTS = [
 ]
 
 
-def started(module, *arguments, cwd=None, **environment):
+def start_dask(module, *arguments, cwd=None, **environment):
     """Program of dask's in a process of its own."""
     return subprocess.Popen(
         [sys.executable, "-m", f"distributed.cli.{module}", *arguments, "--no-dashboard"],
@@ -42,14 +42,14 @@ def started(module, *arguments, cwd=None, **environment):
 def worker(folder, name, **others):
     """Worker of one thread, of the scheduler whose address a file in the folder has."""
     words = ("--scheduler-file", str(folder / "scheduler.json"), "--nthreads", "1", "--no-nanny")
-    return started("dask_worker", *words, "--local-directory", str(folder / name), **others)
+    return start_dask("dask_worker", *words, "--local-directory", str(folder / name), **others)
 
 
 @pytest.fixture
 def cluster(tmp_path):
     """Address of a scheduler, and its two workers."""
     file = tmp_path / "scheduler.json"
-    programs = [started("dask_scheduler", "--port", "0", "--scheduler-file", str(file))]
+    programs = [start_dask("dask_scheduler", "--port", "0", "--scheduler-file", str(file))]
     programs += [worker(tmp_path, name) for name in "ab"]
     try:
         from distributed import Client

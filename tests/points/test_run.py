@@ -68,15 +68,15 @@ class Faults(Executor):
         return future
 
 
-def counted(monkeypatch):
+def count_evaluations(monkeypatch):
     """List that grows by a point with every evaluation here."""
     seen = []
 
-    def watched(point):
+    def record_point(point):
         seen.append(point)
         return evaluate(point)
 
-    monkeypatch.setattr(run, "evaluate", watched)
+    monkeypatch.setattr(run, "evaluate", record_point)
     return seen
 
 
@@ -93,7 +93,7 @@ def test_points_come_in_their_order_refused_ones_among_them(store):
 
 
 def test_known_points_are_not_evaluated_again(store, monkeypatch):
-    seen = counted(monkeypatch)
+    seen = count_evaluations(monkeypatch)
     few = request_of("legs.tilt_deg=5:15:1")
     first = list(run.evaluate_points(few.points(), store))
     assert len(seen) == 11
@@ -110,7 +110,7 @@ def test_known_points_are_not_evaluated_again(store, monkeypatch):
 
 
 def test_points_that_are_asked_twice_are_evaluated_once_by_a_crew(store, monkeypatch):
-    seen = counted(monkeypatch)
+    seen = count_evaluations(monkeypatch)
     asked = list(request_of("legs.tilt_deg=5,6,7").points())
     found = list(run.evaluate_points(asked * 3, store, WorkerPool(Faults(), 2)))
     assert len(seen) == 3
@@ -118,7 +118,7 @@ def test_points_that_are_asked_twice_are_evaluated_once_by_a_crew(store, monkeyp
 
 
 def test_what_was_done_is_kept_when_no_more_is_asked_for(store, monkeypatch):
-    seen = counted(monkeypatch)
+    seen = count_evaluations(monkeypatch)
     stream = run.evaluate_points(request_of("legs.tilt_deg=5:15:0.05").points(), store)
     next(stream)
     stream.close()

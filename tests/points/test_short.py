@@ -19,32 +19,32 @@ def own_store(tmp_path, monkeypatch):
 PLATE = {"frequency_hz": 90.0, "gamma": 1.8}
 
 
-def on_plane(**tables):
+def plane_scene(**tables):
     return Scene.model_validate({"arena": {"kind": "plane"}, "drive": PLATE} | tables)
 
 
-def predicted(design, scene, model="best"):
+def predict_design(design, scene, model="best"):
     return speed_prediction.predict(design, solids.mass_of(design), scene, model=model)
 
 
 @pytest.mark.slow
 def test_what_the_surrogate_declines_is_simulated_once_and_then_known():
     """By direct runs 46.6 mm/s; short runs err by some more. On a slope the surrogate is not corrected."""
-    design, scene = Design().variant(tilt_deg=10.0), on_plane(contact={"friction": 0.6}, plate={"slope_deg": 0.5})
-    assert predicted(design, scene, "known").speed.value is None
-    row = predicted(design, scene)
+    design, scene = Design().variant(tilt_deg=10.0), plane_scene(contact={"friction": 0.6}, plate={"slope_deg": 0.5})
+    assert predict_design(design, scene, "known").speed.value is None
+    row = predict_design(design, scene)
     assert row.speed_by == "runs"
     assert row.nominal.value == pytest.approx(46.6, rel=0.2)
     assert row.speed.low_95 < row.speed.ends[1] < row.speed.value < row.speed.ends[2]
-    assert predicted(design, scene, "known") == row
+    assert predict_design(design, scene, "known") == row
 
 
 def test_walkers_that_fall_have_no_speed():
     """Topples in 16 of 16 runs; the table before gave it 121 mm/s."""
     legs = {"tilt_deg": 1.4, "length_mm": 8.05, "flexible_thickness_mm": 0.533, "contact_spacing_mm": 14.19}
     body = {"length_mm": 26.1, "thickness_mm": 3.11, "depth_mm": 8.16}
-    scene = on_plane(drive={"frequency_hz": 60.6, "gamma": 2.43}, contact={"restitution": 0.88, "friction": 0.073})
-    row = predicted(Design.model_validate({"legs": legs, "body": body}), scene)
+    scene = plane_scene(drive={"frequency_hz": 60.6, "gamma": 2.43}, contact={"restitution": 0.88, "friction": 0.073})
+    row = predict_design(Design.model_validate({"legs": legs, "body": body}), scene)
     assert row.speed.value is None
     assert row.falls >= short_simulation.MAX_FALL_SHARE
 
@@ -52,16 +52,16 @@ def test_walkers_that_fall_have_no_speed():
 def test_a_record_becomes_bounds_with_the_models_own_error():
     record = {"nominal": 50.0, "low": 48.0, "high": 52.0, "falls": 0.0, "mean": 40.0, "sd": 10.0}
     record |= dict(zip(short_simulation.BOUND_NAMES, (20.0, 30.0, 50.0, 60.0), strict=True))
-    spread = short_simulation.speed_from_record(record, on_plane(prediction={"model_sd": 0.0}))
+    spread = short_simulation.speed_from_record(record, plane_scene(prediction={"model_sd": 0.0}))
     assert spread.speed.ends == (20.0, 30.0, 50.0, 60.0)
-    wider = short_simulation.speed_from_record(record, on_plane(prediction={"model_sd": 0.15}))
+    wider = short_simulation.speed_from_record(record, plane_scene(prediction={"model_sd": 0.15}))
     assert wider.speed.ends[3] == pytest.approx(40.0 + (20.0**2 + (1.96 * 6.0) ** 2) ** 0.5, rel=1e-3)
 
 
 def test_bounds_bear_the_error_of_what_was_left_out():
     record = {"nominal": 50.0, "low": 47.0, "high": 53.0, "falls": 0.0, "mean": 40.0, "sd": 10.0, "left_out_mm_s": 4.0}
     record |= dict(zip(short_simulation.BOUND_NAMES, (37.0, 38.5, 41.5, 43.0), strict=True))
-    exact = on_plane(prediction={"model_sd": 0.0})
+    exact = plane_scene(prediction={"model_sd": 0.0})
     wider = short_simulation.speed_from_record(record, exact)
     assert wider.nominal.interval() == (45.0, 55.0)
     assert wider.speed.ends[0::3] == (35.0, 45.0)
@@ -77,7 +77,7 @@ def test_a_walker_is_simulated_without_what_its_accepted_error_allows():
     tables = {"drive": drive, "run": run, "arena": {"kind": "lane"}, "effects": held}
     design = Design().variant(tilt_deg=10.0)
     plain, whole, simple = (
-        predicted(design, on_plane(**tables | more))
+        predict_design(design, plane_scene(**tables | more))
         for more in ({"drive": PLATE}, {}, {"run": run | {"accepted_error": 0.5}})
     )
     assert plain.nominal.value == simple.nominal.value != whole.nominal.value
@@ -94,10 +94,10 @@ class ReachedError(Exception):
 def would_begin(monkeypatch):
     """Runs as long as people's, of which none is made."""
 
-    def reached(*_):
+    def raise_reached(*_):
         raise ReachedError
 
-    monkeypatch.setattr(short_simulation, "find_simplest", reached)
+    monkeypatch.setattr(short_simulation, "find_simplest", raise_reached)
     for name, value in {"MAX_RUN_S": 4.0, "PRINT_S": 2.0, "PRINT_COUNT": 32}.items():
         monkeypatch.setattr(short_simulation, name, value)
 
@@ -108,26 +108,26 @@ def would_begin(monkeypatch):
 def test_a_walker_that_would_take_minutes_is_refused_by_the_key_that_makes_it_so(key, value, would_begin):
     scene = templates.load("plane-90hz", "scenes", Scene).variant(**{key: value, "contact.friction": 0.6})
     with pytest.raises(InputError) as refused:
-        predicted(Design(), scene)
+        predict_design(Design(), scene)
     assert refused.value.keys == (f"scene.{key}",)
     assert str(refused.value).startswith(f"scene.{key} = {value:g}: ")
     assert " of CPU time" in str(refused.value)
     assert "`simulate --seconds" in str(refused.value)
     assert "\n" not in str(refused.value)
-    assert predicted(Design(), scene, "known").speed.value is None
+    assert predict_design(Design(), scene, "known").speed.value is None
 
 
 def test_a_walker_of_stiff_parts_names_itself(would_begin):
     with pytest.raises(InputError, match="so stiff, light or small are its parts"):
-        predicted(
+        predict_design(
             Design().variant(**{"material.youngs_modulus_gpa": 1e4}),
-            on_plane(contact={"friction": 0.6}, feet={"rigid_tips": True}),
+            plane_scene(contact={"friction": 0.6}, feet={"rigid_tips": True}),
         )
 
 
 @pytest.mark.parametrize("restitution", [0.02, 0.8, 1.0])
 @pytest.mark.parametrize("tilt", [1.0, 45.0])
 def test_usual_walkers_are_short_enough(restitution, tilt, would_begin):
-    scene = on_plane(contact={"restitution": restitution, "friction": 0.9}, feet={"tangential_ratio": 0.5})
+    scene = plane_scene(contact={"restitution": restitution, "friction": 0.9}, feet={"tangential_ratio": 0.5})
     with pytest.raises(ReachedError):
-        predicted(Design().variant(tilt_deg=tilt), scene)
+        predict_design(Design().variant(tilt_deg=tilt), scene)

@@ -133,7 +133,7 @@ def _used(path):
     store.save([("b", RECORD)])
 
 
-def refused(path):
+def store_refusal(path):
     """Line that tells why a store cannot be used."""
     with pytest.raises(OutputError) as told:
         _used(path)
@@ -145,7 +145,7 @@ def refused(path):
 
 def test_a_file_of_something_else_is_left_alone(path):
     path.write_bytes(b"my thesis" * 1000)
-    assert "not a database" in refused(path)
+    assert "not a database" in store_refusal(path)
     assert path.read_bytes() == b"my thesis" * 1000
 
 
@@ -155,20 +155,20 @@ def test_a_damaged_file_is_named(path):
     store.close()
     whole = path.read_bytes()
     path.write_bytes(whole[:4096] + bytes(len(whole) - 4096))
-    refused(path)
+    store_refusal(path)
     path.write_bytes(whole[: len(whole) // 2])
-    refused(path)
+    store_refusal(path)
 
 
 def test_a_folder_that_is_not_there_or_not_writable_is_named(path, tmp_path):
-    refused(tmp_path / "nowhere" / "points.sqlite")
+    store_refusal(tmp_path / "nowhere" / "points.sqlite")
     (tmp_path / "file").write_text("")
-    refused(tmp_path / "file" / "points.sqlite")
+    store_refusal(tmp_path / "file" / "points.sqlite")
     folder = tmp_path / "locked"
     folder.mkdir()
     folder.chmod(0o500)
     if not os.access(folder, os.W_OK):  # the superuser may write there all the same
-        refused(folder / "points.sqlite")
+        store_refusal(folder / "points.sqlite")
 
 
 def test_a_full_disk_keeps_what_was_there(path):

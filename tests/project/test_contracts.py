@@ -17,7 +17,7 @@ import pytest
 import threemf
 import tomli_w
 import trimesh
-from answers import assert_every_form, assert_one_line
+from command_checks import assert_every_form, assert_one_line
 
 import walkergen as wg
 from walkergen.commands.export.request import Format
@@ -95,7 +95,7 @@ def parse_file(path):
     if path.suffix == ".stl":
         assert trimesh.load(path).is_watertight
     elif path.suffix == ".3mf":
-        found = threemf.read(path.read_bytes())
+        found = threemf.read_3mf(path.read_bytes())
         assert (found.sound, len(found.items)) == (True, 1)
     elif path.suffix == ".dxf":
         assert len(ezdxf.readfile(path).modelspace()) > 0
@@ -202,7 +202,7 @@ def test_a_plate_of_two_lies_apart_on_the_bed_and_its_3mf_reads_back(name):
     layout = plates.arrange(members, built, [1, 1], printer)
     files = dict(plates.layout_files(layout, "plate", draw=None))
     (data,) = (data for file, data in files.items() if file.endswith(".3mf"))
-    found = threemf.read(data)
+    found = threemf.read_3mf(data)
     assert found.sound
     (left, front), border = printer.bed_corner, packing.border_width(printer) - 2e-5  # 32 bits below 256 mm
     for item in found.items:

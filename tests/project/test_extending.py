@@ -36,7 +36,7 @@ def change(path, block):
 
 
 @pytest.fixture(scope="module")
-def extended(tmp_path_factory):
+def extended_copy(tmp_path_factory):
     """Folder with a copy of the package in which all of the page is done."""
     folder = tmp_path_factory.mktemp("extended")
     for name in ("walkergen", "templates"):
@@ -49,7 +49,7 @@ def extended(tmp_path_factory):
     return folder
 
 
-def run(folder, *words):
+def run_python(folder, *words):
     """Return what a Python started in the folder prints; kernels run as plain Python."""
     done = subprocess.run(
         [sys.executable, *words],
@@ -67,11 +67,11 @@ def run(folder, *words):
 def command(folder, section, *words):
     """Return what the command of a section prints."""
     (line,) = [block for kind, _, block in SECTIONS[section] if kind == "console"]
-    return run(folder, "-m", *line.removeprefix("$ ").split(), *words)
+    return run_python(folder, "-m", *line.removeprefix("$ ").split(), *words)
 
 
-def test_a_printer_has_plates(extended):
-    assert "workbench" in command(extended, "A printer")
+def test_a_printer_has_plates(extended_copy):
+    assert "workbench" in command(extended_copy, "A printer")
 
 
 LEGS = """
@@ -87,10 +87,10 @@ print(float(tapering / even), tapered.SOFTER)
 """
 
 
-def test_a_kind_of_legs_prints_and_bends_as_its_beam(extended):
-    report = json.loads(command(extended, "A kind of legs", "--json"))
+def test_a_kind_of_legs_prints_and_bends_as_its_beam(extended_copy):
+    report = json.loads(command(extended_copy, "A kind of legs", "--json"))
     assert report["walls"][0]["thickness_mm"] == 0.5
-    lighter, softer = map(float, run(extended, "-c", LEGS).split())
+    lighter, softer = map(float, run_python(extended_copy, "-c", LEGS).split())
     assert lighter == pytest.approx(0.75, rel=1e-6)
     x = np.linspace(0.0, 1.0, 100_001)
     assert softer == pytest.approx(3.0 * np.trapezoid((1.0 - x) ** 2 / (1.0 - 0.5 * x) ** 3, x), rel=1e-8)
@@ -113,28 +113,28 @@ print(float(state[V_X + 1]), float(mass.total))
 """
 
 
-def test_an_effect_is_explained_and_acts(extended):
-    told = command(extended, "An effect")
+def test_an_effect_is_explained_and_acts(extended_copy):
+    told = command(extended_copy, "An effect")
     assert re.search(r"viscous\s+drag", told)
-    speed, mass = map(float, run(extended, "-c", FALL).split())
+    speed, mass = map(float, run_python(extended_copy, "-c", FALL).split())
     fallen = -mass * GRAVITY / 5.0 * (1.0 - math.exp(-5.0 * 0.02 / mass))
     assert speed == pytest.approx(fallen, rel=2e-3)  # the drag is that at the start of a frame
 
 
-def test_a_command_tells_the_frequency_of_a_cantilever(extended):
-    (leg, other) = json.loads(command(extended, "A command", "--json"))["legs"]
+def test_a_command_tells_the_frequency_of_a_cantilever(extended_copy):
+    (leg, other) = json.loads(command(extended_copy, "A command", "--json"))["legs"]
     assert leg["frequency_hz"] == pytest.approx(1520.0, rel=0.02)  # docs/physics.md section 7
     assert other["leg"] == 2
 
 
-def test_a_guest_is_a_command_that_no_core_names(extended):
-    found = json.loads(command(extended, "A guest", "--json"))["walkers"]
+def test_a_guest_is_a_command_that_no_core_names(extended_copy):
+    found = json.loads(command(extended_copy, "A guest", "--json"))["walkers"]
     assert sum(row["chance"] for row in found) == pytest.approx(1.0, abs=1e-9)
     assert max(found, key=lambda row: row["chance"])["tilt_deg"] in (10.0, 15.0)
     done = subprocess.run(
         [Path(sys.executable).with_name("lint-imports")],
-        cwd=extended,
-        env={**os.environ, "PYTHONPATH": str(extended)},
+        cwd=extended_copy,
+        env={**os.environ, "PYTHONPATH": str(extended_copy)},
         capture_output=True,
         text=True,
         check=False,

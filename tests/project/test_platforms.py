@@ -26,7 +26,7 @@ WITHOUT_WHEELS = {("win32 ARM64", "3.11")}
 """numba begins with Python 3.12 there."""
 
 
-def resolved(folder, *words):
+def run_uv(folder, *words):
     """Run uv in a folder; skips where no index of packages is reached."""
     assert UV is not None, "uv is not installed: pip install -e '.[test]'"
     words = [UV, *words, "--quiet"]
@@ -53,7 +53,7 @@ def project(folder, *edits):
 
 @pytest.mark.slow
 def test_a_resolver_finds_wheels_for_every_machine(tmp_path):
-    done = resolved(project(tmp_path), "lock")
+    done = run_uv(project(tmp_path), "lock")
     assert done.returncode == 0, done.stderr
     lock = (tmp_path / "uv.lock").read_text(encoding="utf-8")
     assert lock.count("\n[[package]]") > 50
@@ -62,7 +62,7 @@ def test_a_resolver_finds_wheels_for_every_machine(tmp_path):
 @pytest.mark.slow
 def test_the_resolver_sees_a_package_that_a_machine_has_not(tmp_path):
     marker = "; platform_machine == 'x86_64' or platform_machine == 'AMD64' or sys_platform == 'darwin'"
-    done = resolved(project(tmp_path, (marker, "")), "lock")
+    done = run_uv(project(tmp_path, (marker, "")), "lock")
     assert done.returncode != 0
     assert "lib3mf" in done.stderr
 
@@ -70,7 +70,7 @@ def test_the_resolver_sees_a_package_that_a_machine_has_not(tmp_path):
 @pytest.mark.nightly
 @pytest.mark.parametrize(("machine", "python"), list(itertools.product(MACHINES, ("3.11", "3.12", "3.13", "3.14"))))
 def test_a_resolver_finds_wheels_for_every_python(tmp_path, machine, python):
-    done = resolved(
+    done = run_uv(
         tmp_path,
         "pip",
         "compile",

@@ -23,7 +23,7 @@ def excerpt(path, name):
     return textwrap.dedent("\n".join(text.splitlines()[first - 1 : scope.end_lineno])) + "\n"
 
 
-def written(page):
+def page_with_excerpts(page):
     """Return the page with its excerpts as they are now."""
 
     def block(found):
@@ -35,7 +35,7 @@ def written(page):
 
 def test_the_story_is_of_today():
     page = PAGE.read_text(encoding="utf-8")
-    assert written(page) == page, "run python tests/project/test_story.py"
+    assert page_with_excerpts(page) == page, "run python tests/project/test_story.py"
 
 
 def test_the_story_has_twelve_short_excerpts():
@@ -45,4 +45,4 @@ def test_the_story_has_twelve_short_excerpts():
 
 
 if __name__ == "__main__":
-    PAGE.write_text(written(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    PAGE.write_text(page_with_excerpts(PAGE.read_text(encoding="utf-8")), encoding="utf-8")

@@ -17,7 +17,7 @@ FLAT_MM = 1e-3
 """Distance of the frontend's curves from its chords."""
 
 
-def drawn(doc):
+def frontend_polygons(doc):
     """Polygons that the lines of the frontend bound, every other one inwards a hole: their union."""
     recorder = Recorder()
     Frontend(RenderContext(doc, export_mode=True), recorder).draw_layout(doc.modelspace())
@@ -100,7 +100,7 @@ def tilted_ellipse(doc, space):
     space.add_ellipse((14, 0), (12, 7), 0.4)
 
 
-def moved(**attributes):
+def moved_block(**attributes):
     def draw(doc, space):
         block(doc)
         space.add_blockref("part", (5, 7), dxfattribs=attributes)
@@ -167,7 +167,7 @@ def open_spline_and_line(doc, space):
     space.add_line((0, 0), (28, 0))
 
 
-def annotated(doc, space):
+def box_with_notes(doc, space):
     box(space)
     space.add_text("28", height=3).set_placement((10, 12))
     space.add_linear_dim((0, -5), (0, 0), (28, 0)).render()
@@ -180,7 +180,7 @@ def lines_in_any_order(doc, space):
         space.add_line(*((a, b) if k % 2 else (b, a)))
 
 
-def on_other_heights(doc, space):
+def lifted_lines(doc, space):
     lines(space, [(x, y, 5.0) for x, y in ELL])
 
 
@@ -200,12 +200,12 @@ DRAWINGS = {
     "box": lambda doc, space: box(space),
     "stadium": lambda doc, space: stadium(space),
     "circle": lambda doc, space: space.add_circle((0, 0), 10),
-    "mirrored": moved(xscale=-1.0),
-    "scaled": moved(xscale=2.0, yscale=0.5, rotation=30.0),
+    "mirrored": moved_block(xscale=-1.0),
+    "scaled": moved_block(xscale=2.0, yscale=0.5, rotation=30.0),
     **{
         draw.__name__: draw
         for draw in (
-            annotated,
+            box_with_notes,
             arc_from_below,
             arcs_and_lines,
             closed_by_its_end,
@@ -216,7 +216,7 @@ DRAWINGS = {
             many_bulges,
             nested_blocks,
             old_polyline,
-            on_other_heights,
+            lifted_lines,
             open_spline_and_line,
             polyline_in_space,
             rows_of_blocks,
@@ -235,7 +235,7 @@ def test_outlines_are_what_the_frontend_draws(name, tmp_path):
     DRAWINGS[name](doc, doc.modelspace())
     path = tmp_path / "drawing.dxf"
     doc.saveas(path)
-    theirs, outline = in_the_middle(drawn(ezdxf.readfile(path))), in_the_middle(ours(path))
+    theirs, outline = in_the_middle(frontend_polygons(ezdxf.readfile(path))), in_the_middle(ours(path))
     assert outline.area == pytest.approx(theirs.area, rel=1e-3)
     assert outline.hausdorff_distance(theirs) < 0.01
     assert outline.boundary.hausdorff_distance(theirs.boundary) < 0.01

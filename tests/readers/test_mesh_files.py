@@ -233,7 +233,7 @@ def test_glb_of_zeros_that_it_does_not_hold_is_refused(tmp_path):
 BINARY, TEXT = BOX.export(file_type="stl"), trimesh.exchange.stl.export_stl_ascii(BOX).encode()
 
 
-def counted(count):
+def binary_stl(count):
     return BINARY[:80] + count.to_bytes(4, "little") + BINARY[84:]
 
 
@@ -245,8 +245,8 @@ def counted(count):
         (b"\xef\xbb\xbf" + TEXT, ()),
         (TEXT.title(), ()),
         (BINARY + bytes(10), ("left out 10 bytes after its triangles",)),
-        (counted(0), ("its count of triangles is not filled in: 12 by its length",)),
-        (counted(2**32 - 1), ("its count of triangles is not filled in: 12 by its length",)),
+        (binary_stl(0), ("its count of triangles is not filled in: 12 by its length",)),
+        (binary_stl(2**32 - 1), ("its count of triangles is not filled in: 12 by its length",)),
         (b"solid of a program" + BINARY[18:], ()),
         (b"solid facet normal" + BINARY[18:] + bytes(3), ("left out 3 bytes after its triangles",)),
     ],

@@ -22,7 +22,7 @@ from walkergen.readers.walkers.leg_placement import UnplacedError
 PAPER = templates.load("koumakis2016", "walkers", Design)
 
 
-def of(path, **keys):
+def load_shape(path, **keys):
     return templates.load(path, "walkers", Design).variant(**keys)
 
 
@@ -66,7 +66,7 @@ def picture(path, background, ink, **saved):
     [("dark.png", 250, 20), ("light.jpg", 30, 220), ("clear.png", (255, 255, 255, 0), (250, 250, 250, 255))],
 )
 def test_a_picture_is_traced(tmp_path, name, background, ink):
-    design = of(picture(tmp_path / name, background, ink))
+    design = load_shape(picture(tmp_path / name, background, ink))
     assert design.size.length == pytest.approx(28.0)
     assert design.size.depth == pytest.approx(28.0 * 220 / 300, rel=0.01)
     _, hole = design.shape.plan
@@ -81,10 +81,10 @@ def test_a_picture_without_a_shape_is_refused(tmp_path):
     path = tmp_path / "grey.png"
     Image.new("L", (50, 50), 128).save(path)
     with pytest.raises(InputError, match="stands out"):
-        of(path).size  # noqa: B018
+        load_shape(path).size  # noqa: B018
     path.write_bytes(b"no picture")
     with pytest.raises(InputError, match=r"grey.png"):
-        of(path).size  # noqa: B018
+        load_shape(path).size  # noqa: B018
 
 
 MENDED = {
@@ -96,7 +96,7 @@ MENDED = {
 
 @pytest.mark.parametrize("name", MENDED)
 def test_paths_that_cross_or_touch_are_united(tmp_path, name):
-    design = of(svg(tmp_path, MENDED[name]))
+    design = load_shape(svg(tmp_path, MENDED[name]))
     assert "united paths that cross or touch" in design.notes[0]
     solids.build(design)
     with pytest.raises(GeometryError, match="cross"):
@@ -105,7 +105,7 @@ def test_paths_that_cross_or_touch_are_united(tmp_path, name):
 
 def test_pieces_stand_on_a_plate_or_the_largest_is_taken(tmp_path):
     path = svg(tmp_path, "M0 0H20V10H0ZM25 0H30V10H25ZM35 5h0.1v0.1h-0.1z")
-    joined, alone = of(path), of(path, **{"body.base": False})
+    joined, alone = load_shape(path), load_shape(path, **{"body.base": False})
     assert "left out 1 speck; joined 2 pieces by a base plate" in joined.notes[0]
     assert joined.size.length == pytest.approx(32.0, abs=0.01)
     assert "left out 1 piece beside the largest" in alone.notes[0]
@@ -114,17 +114,17 @@ def test_pieces_stand_on_a_plate_or_the_largest_is_taken(tmp_path):
 
 def test_mirrored_shapes_point_the_other_way(tmp_path):
     path = svg(tmp_path, DRAWN["arrow"])
-    plain, turned = of(path), of(path, **{"body.mirror": True})
+    plain, turned = load_shape(path), load_shape(path, **{"body.mirror": True})
     np.testing.assert_allclose(np.sort(plain.shape.plan[0][:, 0]), np.sort(-turned.shape.plan[0][:, 0]))
 
 
 def test_a_drawing_without_a_size_is_as_long_as_the_papers_walker(tmp_path):
     path = tmp_path / "icon.svg"
     path.write_text('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 24 24"><path d="M2 2H22V20H2Z"/></svg>')
-    design = of(path)
+    design = load_shape(path)
     assert design.size.length == pytest.approx(28.0)
     assert "states no size" in design.notes[0]
-    assert of(path, **{"body.length_mm": 50.0}).size.depth == pytest.approx(45.0)
+    assert load_shape(path, **{"body.length_mm": 50.0}).size.depth == pytest.approx(45.0)
 
 
 @pytest.mark.parametrize("scale", [1 / 25.4, 1e-3])
@@ -134,14 +134,14 @@ def test_a_size_in_another_unit_is_asked_back(tmp_path, scale):
     egg.apply_scale(20.0 * scale)
     egg.export(path)
     with pytest.raises(InputError, match=r"scale_mm = (25.4|1000)\b"):
-        of(path)
+        load_shape(path)
 
 
 def test_what_does_not_stand_is_told_what_helps_and_that_helps(tmp_path):
     path = tmp_path / "ball.stl"
     trimesh.creation.icosphere(subdivisions=2, radius=2.0).export(path)
     with pytest.raises(GeometryError, match=r"body\.base = true, or make it .* long, body\.length_mm = ") as refusal:
-        of(path)
+        load_shape(path)
     length = float(str(refusal.value).rpartition("body.length_mm = ")[2].split(",")[0])
     data = {"body.mesh": str(path)}
     for remedy in ({"body.base": True}, {"body.length_mm": length}):
@@ -168,7 +168,7 @@ def test_a_remedy_set_beside_a_file_that_does_not_stand_helps(tmp_path):
 def test_a_mesh_may_lie_or_be_in_inches(tmp_path, mesh, remedy):
     mesh.export(tmp_path / "own.stl")
     with pytest.raises(GeometryError) as refusal:
-        of(tmp_path / "own.stl")
+        load_shape(tmp_path / "own.stl")
     words = " and ".join(f"{key} = {value}" for key, value in remedy.items())
     assert words in str(refusal.value)
     for tilt in (0.0, 20.0):
@@ -182,7 +182,7 @@ def test_legs_under_a_tube_stay_within_it_or_are_not_found(tmp_path, major, mino
     path = tmp_path / "tube.stl"
     mesh.export(path)
     try:
-        design = of(path)
+        design = load_shape(path)
     except UnplacedError:
         design = PAPER.variant(**{"body.mesh": str(path), "body.base": True})
     solids.build(design)
@@ -206,7 +206,7 @@ def test_another_shape_takes_what_followed_from_the_former_with_it(tmp_path):
     heart = PAPER.variant(**{"body.outline": path})
     assert heart.placed
     assert heart.name == "own-shape"
-    assert heart.size == of(tmp_path / "own shape.svg").size
+    assert heart.size == load_shape(tmp_path / "own shape.svg").size
     wide = PAPER.variant(**{"body.outline": path, "legs.width_mm": 5.0, "body.length_mm": 40.0, "name": "mine"})
     assert (wide.placed, wide.name) == (False, "mine")
     assert wide.size.length == pytest.approx(40.0)
@@ -217,7 +217,7 @@ def test_another_shape_takes_what_followed_from_the_former_with_it(tmp_path):
 
 @pytest.mark.parametrize("shape", ["heart", "bell"])
 def test_numbers_take_the_place_of_what_was_found(tmp_path, shape):
-    found = of(svg(tmp_path, DRAWN[shape]))
+    found = load_shape(svg(tmp_path, DRAWN[shape]))
     numbers = found.with_numbered_legs()
     assert not numbers.placed
     for mine, theirs in zip(numbers.limbs, found.limbs, strict=True):
@@ -227,7 +227,7 @@ def test_numbers_take_the_place_of_what_was_found(tmp_path, shape):
 
 def test_files_of_cad_say_how_to_save_a_mesh(tmp_path):
     with pytest.raises(InputError, match=r"Export, STL"):
-        of(tmp_path / "part.step")
+        load_shape(tmp_path / "part.step")
 
 
 def test_python_loads_a_drawing(tmp_path):

@@ -49,7 +49,7 @@ def total(outline):
     return sum(map(area, outline))
 
 
-def refused(error, *words, of):
+def check_refusal(error, *words, of):
     with pytest.raises(error) as caught:
         of()
     text = str(caught.value)
@@ -104,14 +104,14 @@ def test_either_sense_and_any_place_give_the_same_star(radii, reverse, place):
     ],
 )
 def test_points_that_are_no_outline(points, words):
-    text = refused(GeometryError, *words, of=lambda: polygon(points))
+    text = check_refusal(GeometryError, *words, of=lambda: polygon(points))
     assert text.startswith("body.points_mm = ")
 
 
 def test_too_many_points():
     angles = np.linspace(0, 2 * math.pi, MAX_POINTS + 1, endpoint=False)
     circle = np.column_stack([np.cos(angles), np.sin(angles)])
-    refused(GeometryError, "100001 points", "simplify", of=lambda: polygon(circle))
+    check_refusal(GeometryError, "100001 points", "simplify", of=lambda: polygon(circle))
 
 
 def test_letters_have_their_height_and_holes():
@@ -134,7 +134,7 @@ def test_rails_join_letters_to_one_part_of_their_area():
     assert len(holes) == 1  # between the letters
     # each bar covers what it shares with strokes: less than letters and bars together
     assert total(pieces) < total([outer, *holes]) < total(pieces) + 2 * 2.0 * length
-    refused(GeometryError, "pieces", of=lambda: text_outline("i", 10.0, rails=1.0))
+    check_refusal(GeometryError, "pieces", of=lambda: text_outline("i", 10.0, rails=1.0))
 
 
 @pytest.mark.parametrize(
@@ -152,7 +152,7 @@ def test_rails_join_letters_to_one_part_of_their_area():
     ],
 )
 def test_texts_that_are_no_body(text, words):
-    started = refused(GeometryError, *words, of=lambda: text_outline(text, 10.0))
+    started = check_refusal(GeometryError, *words, of=lambda: text_outline(text, 10.0))
     assert started.startswith("body.text = ")
 
 
@@ -210,10 +210,10 @@ ENTITIES = '<!DOCTYPE svg [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;&a;"><!ENTITY 
 def test_svg_pages_and_entities(tmp_path):
     square = '<rect width="9" height="9"/>'
     for page in ("", 'width="9" height="9"', 'width="100%" height="9mm"'):
-        refused(InputError, "scale_mm", of=lambda page=page: from_file(svg(tmp_path, square, page)))
+        check_refusal(InputError, "scale_mm", of=lambda page=page: from_file(svg(tmp_path, square, page)))
     bad = 'width="9mm" height="9mm" viewBox="0 0 0 9"'
-    refused(InputError, "viewBox", of=lambda: from_file(svg(tmp_path, square, bad)))
-    refused(InputError, "entity", of=lambda: from_file(svg(tmp_path, square, before=ENTITIES)))
+    check_refusal(InputError, "viewBox", of=lambda: from_file(svg(tmp_path, square, bad)))
+    check_refusal(InputError, "entity", of=lambda: from_file(svg(tmp_path, square, before=ENTITIES)))
     known = '<!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN" "http://example.com/svg11.dtd">'
     assert total(from_file(svg(tmp_path, square, before=known))) == pytest.approx(81.0)
 
@@ -229,7 +229,7 @@ def test_svg_pages_and_entities(tmp_path):
     ],
 )
 def test_svg_shapes_that_are_no_outline(tmp_path, body, words):
-    refused(GeometryError, *words, of=lambda: from_file(svg(tmp_path, body)))
+    check_refusal(GeometryError, *words, of=lambda: from_file(svg(tmp_path, body)))
 
 
 @pytest.mark.parametrize("data", [b"", b"hello", bytes(range(256)), b"<html></html>", b"<svg><g"])
@@ -237,10 +237,10 @@ def test_svg_shapes_that_are_no_outline(tmp_path, body, words):
 def test_files_of_another_kind(tmp_path, data, ending):
     path = tmp_path / f"shape.{ending}"
     path.write_bytes(data)
-    refused(InputError, f"body.outline = 'shape.{ending}'", of=lambda: from_file(path))
-    refused(InputError, "no such file", of=lambda: from_file(tmp_path / f"none.{ending}"))
-    refused(InputError, ".svg or .dxf", of=lambda: from_file(tmp_path / "shape.gif"))
-    refused(InputError, "scale_mm = 0", of=lambda: from_file(path, 0.0))
+    check_refusal(InputError, f"body.outline = 'shape.{ending}'", of=lambda: from_file(path))
+    check_refusal(InputError, "no such file", of=lambda: from_file(tmp_path / f"none.{ending}"))
+    check_refusal(InputError, ".svg or .dxf", of=lambda: from_file(tmp_path / "shape.gif"))
+    check_refusal(InputError, "scale_mm = 0", of=lambda: from_file(path, 0.0))
 
 
 def stadium(space, _):
@@ -322,7 +322,7 @@ def dots(space, _):
     space.add_line((1, 1), (1, 1 + 1e-9))
 
 
-def unplotted(space, document):
+def circle_on_plotted_layer(space, document):
     document.layers.add("frame").dxf.plot = 0
     space.add_circle((0, 0), 5)
     space.add_circle((0, 0), 50, dxfattribs={"layer": "frame"})
@@ -399,7 +399,7 @@ def one_gap(space, _):
         (closed_spline, 224.0 * (1.0 - 4.0 / 24.0), None),
         (fitted_spline, 56.0 * math.pi, None),
         (lambda space, _: space.add_ellipse((0, 0), (14, 0), 4 / 14, 0.0, 0.0), 56.0 * math.pi, None),
-        (unplotted, 25.0 * math.pi, "left out 1 hidden or not plotted"),
+        (circle_on_plotted_layer, 25.0 * math.pi, "left out 1 hidden or not plotted"),
         (dots, 25.0 * math.pi, None),
         (twice, 100.0 - 4.0 * math.pi, "left out 2 lines that are drawn twice"),
         (gap, 224.0, "closed a gap of 0.002 at (28, 0) of the drawing"),
@@ -424,7 +424,7 @@ def test_a_byte_order_mark_begins_no_other_dxf(tmp_path):
     path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
     assert total(from_file(path)) == pytest.approx(25.0 * math.pi, rel=1e-3)
     path.write_text("no drawing")
-    assert str(tmp_path.parent) not in refused(InputError, "its first lines", of=lambda: from_file(path))
+    assert str(tmp_path.parent) not in check_refusal(InputError, "its first lines", of=lambda: from_file(path))
 
 
 @pytest.mark.parametrize(("units", "mm"), [(8, 25.4e-6), (9, 0.0254), (21, 1200e3 / 3937), (22, 1e5 / 3937)])
@@ -442,15 +442,15 @@ def test_units_of_dxf(tmp_path):
     for units, length in ((1, 254.0), (4, 10.0), (5, 100.0), (13, None), (6, None)):
         path = dxf(tmp_path, square, units)
         if length is None:
-            refused(GeometryError, "mm long", of=lambda path=path: from_file(path))
+            check_refusal(GeometryError, "mm long", of=lambda path=path: from_file(path))
         else:
             assert np.ptp(from_file(path)[0][:, 0]) == pytest.approx(length, rel=1e-12)
     assert np.ptp(from_file(path, 2.0)[0][:, 0]) == pytest.approx(20.0, rel=1e-12)
-    refused(InputError, "scale_mm", of=lambda: from_file(dxf(tmp_path, square, 0)))
+    check_refusal(InputError, "scale_mm", of=lambda: from_file(dxf(tmp_path, square, 0)))
     # Without a header the library would answer metres.
     headless = "0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n8\n0\n10\n0\n20\n0\n40\n1\n0\nENDSEC\n0\nEOF\n"
     path.write_text(headless)
-    refused(InputError, "scale_mm", of=lambda: from_file(path))
+    check_refusal(InputError, "scale_mm", of=lambda: from_file(path))
     assert total(from_file(path, 3.0)) == pytest.approx(9 * math.pi, rel=1e-4)
 
 
@@ -483,5 +483,5 @@ def endless(space, document):
     ],
 )
 def test_dxf_files_that_cannot_be_read(tmp_path, draw, words):
-    text = refused(InputError, *words, of=lambda: from_file(dxf(tmp_path, draw)))
+    text = check_refusal(InputError, *words, of=lambda: from_file(dxf(tmp_path, draw)))
     assert text.startswith("body.outline = 'shape.dxf': ")

@@ -10,7 +10,7 @@ import manifold3d
 import numpy as np
 import pytest
 import trimesh
-from soundness import to_trimesh
+from mesh_checks import to_trimesh
 
 from walkergen.core.errors import GeometryError, InputError
 from walkergen.core.shapes import joining, modeller, stl
@@ -27,7 +27,7 @@ DUCK = hostile.duck()
 BOX = hostile.box()
 
 
-def refused(path, **keys):
+def refusal_of(path, **keys):
     """The one line with which a file is refused."""
     with pytest.raises(InputError) as refusal:
         body_mesh.read_body(path, ReadOptions(**keys))
@@ -40,7 +40,7 @@ def refused(path, **keys):
 def test_every_format_gives_the_same_body(tmp_path, kind):
     """Text formats keep eight digits, binary ones 24 bits: 1e-6 of the volume is ten times that."""
     path = tmp_path / f"duck.{kind.removesuffix('_ascii')}"
-    path.write_bytes(_exported(to_trimesh(DUCK), kind))
+    path.write_bytes(_export_mesh(to_trimesh(DUCK), kind))
     found = body_mesh.read_body(path)
     assert found.changes == ()
     assert len(found.mesh.triangles) == len(DUCK.triangles)
@@ -49,7 +49,7 @@ def test_every_format_gives_the_same_body(tmp_path, kind):
     np.testing.assert_allclose(np.linalg.eigvalsh(mine.tensor), np.linalg.eigvalsh(theirs.tensor), rtol=1e-5)
 
 
-def _exported(mesh, kind):
+def _export_mesh(mesh, kind):
     if kind == "glb":  # metres, by its standard
         mesh.apply_scale(1e-3)
     data = mesh.export(file_type=kind)
@@ -75,8 +75,8 @@ def test_axes_of_the_file_become_ours(tmp_path):
         turn = body_mesh.rotation(up, forward, "key")
         assert np.linalg.det(turn) == 1.0
         np.testing.assert_array_equal(turn @ turn.T, np.eye(3))
-    assert "are one axis" in refused(path, up="z", forward="-z")
-    assert "must be one of x, -x" in refused(path, up="top")
+    assert "are one axis" in refusal_of(path, up="z", forward="-z")
+    assert "must be one of x, -x" in refusal_of(path, up="top")
 
 
 def test_the_name_may_lead_anywhere_and_the_hash_is_the_files(tmp_path):
@@ -92,27 +92,27 @@ def test_what_is_no_mesh_is_refused(tmp_path):
         (tmp_path / name).write_bytes(data)
         return tmp_path / name
 
-    assert "no such file" in _told(tmp_path / "none.stl")
-    assert "'.step'; give a mesh: stl, obj" in _told(file("a.step", b"ISO-10303-21;"))
-    assert "is no binary STL file of" in _told(file("empty.stl", b""))
-    assert "is no binary STL file of 0 triangles" in _told(file("zero.stl", bytes(84)))
+    assert "no such file" in _refusal_line(tmp_path / "none.stl")
+    assert "'.step'; give a mesh: stl, obj" in _refusal_line(file("a.step", b"ISO-10303-21;"))
+    assert "is no binary STL file of" in _refusal_line(file("empty.stl", b""))
+    assert "is no binary STL file of 0 triangles" in _refusal_line(file("zero.stl", bytes(84)))
     huge = file("huge.stl", bytes(80) + (2**32 - 1).to_bytes(4, "little") + bytes(501))
-    assert "of 4294967295 triangles" in _told(huge)
+    assert "of 4294967295 triangles" in _refusal_line(huge)
     garbage = np.random.default_rng(1).bytes(3000)
     for kind in ("stl", "obj", "ply", "off", "3mf", "glb"):
-        line = _told(file(f"garbage.{kind}", garbage))
+        line = _refusal_line(file(f"garbage.{kind}", garbage))
         assert "no" in line
-    assert "holds points or lines" in _told(file("points.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n"))
-    assert "holds no triangles" in _told(file("words.stl", b"solid nothing\nendsolid nothing\n"))
+    assert "holds points or lines" in _refusal_line(file("points.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n"))
+    assert "holds no triangles" in _refusal_line(file("words.stl", b"solid nothing\nendsolid nothing\n"))
     ply = b"ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\n"
-    assert "not a readable ply" in _told(file("claims.ply", ply + b"end_header\n1234"))
+    assert "not a readable ply" in _refusal_line(file("claims.ply", ply + b"end_header\n1234"))
     text = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
     text += b"property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
-    line = _told(file("index.ply", text + b"0 0 0\n9 0 0\n0 9 0\n3 0 1 7\n"))
+    line = _refusal_line(file("index.ply", text + b"0 0 0\n9 0 0\n0 9 0\n3 0 1 7\n"))
     assert "corner that does not exist" in line
 
 
-def _told(path):
+def _refusal_line(path):
     with pytest.raises(InputError) as refusal:
         body_mesh.read_body(path)
     (line,) = str(refusal.value).splitlines()
@@ -120,31 +120,31 @@ def _told(path):
 
 
 def test_each_fault_is_named_with_its_numbers(tmp_path):
-    def saved(mesh, name="fault.stl"):
+    def save_mesh(mesh, name="fault.stl"):
         return hostile.to_stl(tmp_path / name, mesh)
 
     opened = Mesh(BOX.vertices, BOX.triangles[1:])
-    assert "is open: 3 edges" in refused(saved(opened))
+    assert "is open: 3 edges" in refusal_of(save_mesh(opened))
     disagreeing = np.vstack([BOX.triangles[:1, ::-1], BOX.triangles[1:]])
-    assert "inside out: at 3 edges" in refused(saved(Mesh(BOX.vertices, disagreeing)))
-    assert "is inside out: its volume is -960 mm^3" in refused(saved(hostile.inverted(BOX)))
+    assert "inside out: at 3 edges" in refusal_of(save_mesh(Mesh(BOX.vertices, disagreeing)))
+    assert "is inside out: its volume is -960 mm^3" in refusal_of(save_mesh(hostile.invert_mesh(BOX)))
     two = hostile.together(BOX, hostile.box(5.0, 5.0, 5.0, middle=(0.0, 20.0, 0.0)))
-    assert "holds 2 bodies of 960, 125 mm^3" in refused(saved(two))
+    assert "holds 2 bodies of 960, 125 mm^3" in refusal_of(save_mesh(two))
     edge = hostile.box(middle=(20.0, 6.0, 0.0))  # two boxes that share an edge
     assert "2 bodies" in _fault(hostile.together(BOX, edge))
-    assert "belong to three triangles or more" in refused(saved(hostile.together(BOX, edge)))
-    assert "crosses itself" in refused(saved(hostile.bow()))
+    assert "belong to three triangles or more" in refusal_of(save_mesh(hostile.together(BOX, edge)))
+    assert "crosses itself" in refusal_of(save_mesh(hostile.bow()))
     flat = Mesh(BOX.vertices * (1.0, 1e-12, 1.0), BOX.triangles)
-    assert "encloses nothing" in refused(saved(flat)) or "no area" in refused(saved(flat))
+    assert "encloses nothing" in refusal_of(save_mesh(flat)) or "no area" in refusal_of(save_mesh(flat))
     pointed = Mesh(BOX.vertices, np.vstack([BOX.triangles, [[0, 0, 1]]]))
-    assert "1 triangles have no area" in refused(saved(pointed))
+    assert "1 triangles have no area" in refusal_of(save_mesh(pointed))
     torn = BOX.vertices.copy()
     torn[3, 1] = np.nan
     corners = torn[BOX.triangles]
     (tmp_path / "nan.stl").write_bytes(stl.pack(corners, "nan"))
-    assert "a corner is not finite" in refused(tmp_path / "nan.stl")
+    assert "a corner is not finite" in refusal_of(tmp_path / "nan.stl")
     (tmp_path / "nan.off").write_bytes(b"OFF\n3 1 0\n0 0 nan\n9 0 0\n0 inf 0\n3 0 1 2\n")
-    assert "2 of 3 vertices are not finite" in refused(tmp_path / "nan.off")
+    assert "2 of 3 vertices are not finite" in refusal_of(tmp_path / "nan.off")
 
 
 def _fault(mesh):
@@ -156,7 +156,7 @@ def _fault(mesh):
 def test_a_size_that_no_walker_has_asks_for_the_unit(tmp_path):
     def line(factor, **keys):
         mesh = Mesh(DUCK.vertices * factor, DUCK.triangles)
-        return refused(hostile.to_stl(tmp_path / "duck.stl", mesh), **keys)
+        return refusal_of(hostile.to_stl(tmp_path / "duck.stl", mesh), **keys)
 
     assert "micrometres: 28 mm, body.scale_mm = 0.001" in line(1000.0)
     told = line(1.0 / 40.0)  # both of two units that it may be in
@@ -170,11 +170,11 @@ def test_a_size_that_no_walker_has_asks_for_the_unit(tmp_path):
 
 
 def test_a_cavity_is_part_of_its_body_but_not_beside_it():
-    hollow = hostile.together(BOX, hostile.inverted(hostile.box(2.0, 2.0, 2.0)))
+    hollow = hostile.together(BOX, hostile.invert_mesh(hostile.box(2.0, 2.0, 2.0)))
     faults.check_solid(hollow, "hollow")
     assert mass.weigh(hollow, 1.0).volume == pytest.approx(952.0)
     assert modeller.count_bodies(hollow) == 1  # as it is checked before the print
-    beside = hostile.inverted(hostile.box(2.0, 2.0, 2.0, middle=(30.0, 0.0, 0.0)))
+    beside = hostile.invert_mesh(hostile.box(2.0, 2.0, 2.0, middle=(30.0, 0.0, 0.0)))
     assert "second body, inside out" in _fault(hostile.together(BOX, beside))
 
 
@@ -203,7 +203,9 @@ def test_crossings_agree_with_all_pairs():
     corners = rng.uniform(0.0, 10.0, (90, 1, 3)) + rng.uniform(-2.0, 2.0, (90, 3, 3))
     vertices, triangles = corners.reshape(-1, 3), np.arange(270).reshape(-1, 3)
     number = sum(
-        _pierced(corners[i], corners[j]) or _pierced(corners[j], corners[i]) for i in range(90) for j in range(i)
+        _edges_pierce(corners[i], corners[j]) or _edges_pierce(corners[j], corners[i])
+        for i in range(90)
+        for j in range(i)
     )
     assert number > 10
     assert crossings.find(vertices, triangles, 1e-12).number == number
@@ -222,9 +224,9 @@ def test_crossings_at_a_crowded_corner_agree_with_all_pairs():
         pair = vertices[triangles[i]], vertices[triangles[j]]
         if triangles[i].min() == triangles[j].min() == 0:
             far = [np.roll(vertices[triangle], 2 - triangle.argmin(), axis=0) for triangle in triangles[[i, j]]]
-            number += _pierced(far[0], pair[1], 1) or _pierced(far[1], pair[0], 1)
+            number += _edges_pierce(far[0], pair[1], 1) or _edges_pierce(far[1], pair[0], 1)
         else:
-            number += _pierced(*pair) or _pierced(*pair[::-1])
+            number += _edges_pierce(*pair) or _edges_pierce(*pair[::-1])
     assert number > 50
     assert crossings.find(vertices, triangles, 1e-12).number == number
 
@@ -244,7 +246,7 @@ def test_slivers_in_one_corner_cost_no_square_of_their_number():
     assert seconds(16_000) < 25.0 * seconds(2_000)
 
 
-def _pierced(one, other, edges=3):
+def _edges_pierce(one, other, edges=3):
     for start, end in list(zip(one, np.roll(one, -1, axis=0), strict=True))[:edges]:
         sides = np.column_stack([end - start, other[0] - other[1], other[0] - other[2]])
         share, u, v = np.linalg.solve(sides, other[0] - start)
@@ -254,7 +256,7 @@ def _pierced(one, other, edges=3):
 
 
 def test_repair_says_what_it_changed(tmp_path):
-    def mended(mesh):
+    def repair_mesh(mesh):
         path = hostile.to_stl(tmp_path / "broken.stl", mesh)
         with pytest.raises(InputError):
             body_mesh.read_body(path)
@@ -262,35 +264,35 @@ def test_repair_says_what_it_changed(tmp_path):
         faults.check_solid(found.mesh, "repaired")
         return "; ".join(found.changes), mass.weigh(found.mesh, 1.0).volume
 
-    told, volume = mended(hostile.inverted(BOX))
+    told, volume = repair_mesh(hostile.invert_mesh(BOX))
     assert told == "turned 12 of 12 triangles; volume -960 -> 960 mm^3"
     assert volume == pytest.approx(960.0)
-    told, volume = mended(Mesh(DUCK.vertices, DUCK.triangles[1:]))
+    told, volume = repair_mesh(Mesh(DUCK.vertices, DUCK.triangles[1:]))
     assert told.startswith("filled holes of 3 open edges by 1 triangle; volume (open) -> 1530")
     half = len(DUCK.triangles) // 2
     mixed = np.vstack([DUCK.triangles[:half, ::-1], DUCK.triangles[half:]])
-    told, volume = mended(Mesh(DUCK.vertices, mixed))
+    told, volume = repair_mesh(Mesh(DUCK.vertices, mixed))
     assert f"of {len(DUCK.triangles)} triangles" in told
     assert volume == pytest.approx(mass.weigh(DUCK, 1.0).volume, rel=1e-6)
     doubled = Mesh(BOX.vertices, np.vstack([BOX.triangles, BOX.triangles[4:6], [[1, 1, 2]]]))
-    told, volume = mended(doubled)
+    told, volume = repair_mesh(doubled)
     assert told.startswith("dropped 1 triangles without area and 2 doubled")
     crumb = hostile.box(1.0, 1.0, 1.0, middle=(0.0, 20.0, 0.0))
-    told, volume = mended(hostile.together(BOX, crumb))
+    told, volume = repair_mesh(hostile.together(BOX, crumb))
     assert told.startswith("dropped 1 body of 1 mm^3")
-    told, volume = mended(hostile.together(BOX, hostile.box(4.0, 20.0, 4.0)))
+    told, volume = repair_mesh(hostile.together(BOX, hostile.box(4.0, 20.0, 4.0)))
     assert told.startswith("united 2 bodies to 1")
     assert volume == pytest.approx(960.0 + 4.0 * 14.0 * 4.0, rel=1e-6)
     torn = BOX.vertices[BOX.triangles]  # every triangle on its own, a ten-thousandth of a mm off
     torn = torn + np.random.default_rng(2).uniform(-3e-5, 3e-5, torn.shape)
-    told, volume = mended(Mesh(torn.reshape(-1, 3), np.arange(36).reshape(-1, 3)))
+    told, volume = repair_mesh(Mesh(torn.reshape(-1, 3), np.arange(36).reshape(-1, 3)))
     assert told.startswith("merged ")
     assert volume == pytest.approx(960.0, rel=1e-5)
 
 
 def test_what_repair_cannot_mend_is_refused_with_what_was_tried(tmp_path):
     path = hostile.to_stl(tmp_path / "bow.stl", hostile.bow())
-    assert "crosses itself" in refused(path, repair=True)
+    assert "crosses itself" in refusal_of(path, repair=True)
     floating = hostile.together(BOX, hostile.box(middle=(40.0, 0.0, 40.0)))
     with pytest.raises(GeometryError, match=r"^body\.base = true: 1 pieces float above the plate"):
         body_mesh.read_body(hostile.to_stl(tmp_path / "b.stl", floating), ReadOptions(repair=True, base=True))

@@ -24,7 +24,7 @@ def star(radii):
     return shapely.Polygon(np.array(radii)[:, None] * np.column_stack([np.cos(angles), np.sin(angles)]))
 
 
-def placed(ground, height=8.0, reach=LEG):
+def place_legs(ground, height=8.0, reach=LEG):
     centre = ground.centroid
     return find_rows(ground, (centre.x, centre.y), height, reach)
 
@@ -42,7 +42,7 @@ def check(ground, found, reach=LEG, height=8.0):
 
 
 def test_a_rectangle_gets_the_papers_legs():
-    back, front = placed(shapely.box(-14, -4, 14, 4))
+    back, front = place_legs(shapely.box(-14, -4, 14, 4))
     assert front.along == pytest.approx(-back.along)
     assert front.along - back.along == pytest.approx(13.0, abs=0.4)  # the grid of tries
     assert back.legs == front.legs == ((0.0, pytest.approx(8.0 - 2 * MIN_EDGE_MM)),)
@@ -64,7 +64,7 @@ SHAPES = {
 @pytest.mark.parametrize("name", SHAPES)
 @pytest.mark.parametrize("reach", [Reach(-0.2, 0.2), LEG, Reach(3.5, 4.2), Reach(-4.2, -3.5), Reach(-0.3, 1.5)])
 def test_legs_stand_under_shapes_that_people_bring(name, reach):
-    found = placed(SHAPES[name], reach=reach)
+    found = place_legs(SHAPES[name], reach=reach)
     check(SHAPES[name], found, reach)
     centre = SHAPES[name].centroid
     assert 0.5 * (found[0].along + found[1].along) == pytest.approx(
@@ -73,7 +73,7 @@ def test_legs_stand_under_shapes_that_people_bring(name, reach):
 
 
 def test_a_hole_divides_a_row():
-    back, front = placed(SHAPES["slotted"])
+    back, front = place_legs(SHAPES["slotted"])
     assert len(back.legs) == 2
     assert sum(across for across, _ in back.legs) == pytest.approx(0.0, abs=1e-9)  # left and right alike
     assert back.along < front.along
@@ -84,7 +84,7 @@ def test_a_hole_divides_a_row():
 def test_stars_of_any_kind_stand_or_say_why(radii):
     ground = star(radii)
     try:
-        found = placed(ground)
+        found = place_legs(ground)
     except GeometryError:
         assume(False)
     check(ground, found)
@@ -93,7 +93,7 @@ def test_stars_of_any_kind_stand_or_say_why(radii):
 @pytest.mark.parametrize("ground", [shapely.Point(0, 0).buffer(1.0), shapely.box(-14, -0.4, 14, 0.4)])
 def test_what_does_not_stand_says_what_would(ground):
     with pytest.raises(GeometryError, match=r"it tips from any legs$"):
-        placed(ground)
+        place_legs(ground)
 
 
 def svg(folder, path):

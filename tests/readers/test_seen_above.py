@@ -47,14 +47,14 @@ def test_an_outline_lies_where_the_simulation_has_the_body_and_its_mirror_image_
         faces = shapely.polygons(np.column_stack([x, -z])[mesh.triangles])
         seen = shapely.union_all(faces[shapely.area(faces) > 1e-6])
 
-        def shown(polygon, place=place, heading=heading):
+        def place_polygon(polygon, place=place, heading=heading):
             turned = rotate(polygon, heading, origin=(0.0, 0.0), use_radians=True)
             return translate(turned, place[0], -place[2])
 
-        off = shown(outline).symmetric_difference(seen).area
+        off = place_polygon(outline).symmetric_difference(seen).area
         mirrored = shapely.transform(outline, lambda points: points * (1.0, -1.0))
         assert off < 0.02 * outline.area  # the body pitches
-        assert shown(mirrored).symmetric_difference(seen).area > 0.3 * outline.area
+        assert place_polygon(mirrored).symmetric_difference(seen).area > 0.3 * outline.area
 
 
 def test_outlines_are_counter_clockwise_and_no_point_moves_farther_than_promised():

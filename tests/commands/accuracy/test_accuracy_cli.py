@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
-from answers import rows_of
+from command_checks import rows_of
 
 import walkergen as wg
 from walkergen.commands.accuracy import make as accuracy

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from soundness import to_trimesh
+from mesh_checks import to_trimesh
 
 from walkergen.commands.export.profile import FORMATS, side_profile
 from walkergen.core.walker import solids

@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 import trimesh
-from answers import rows_of
+from command_checks import rows_of
 from test_cli import COLUMNS
 
 from walkergen.commands.family.request import FamilyRequest

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from report_folder import files_of, made_in, rendered, text_of
+from report_folder import files_of, made_in, render_page, text_of
 
 from walkergen.commands.family import report
 from walkergen.core.errors import OutputError
@@ -96,7 +96,7 @@ def test_every_part_is_seen_with_its_speed_and_saved_as_its_stl_file(made, folde
 
 def test_files_are_saved_whole_and_under_names_without_folders(made, files):
     more = files | {"plates/a&b.csv": b"item\n1\n", "plates/run.sh": b"echo no"}
-    saved = downloads(rendered(made, more))
+    saved = downloads(render_page(made, more))
     kinds = (".stl", ".3mf", ".csv", ".ini", ".json", ".pdf")
     assert saved == {Path(name).name: data for name, data in more.items() if name.endswith(kinds)}
 
@@ -129,7 +129,7 @@ def test_text_of_files_is_shown_and_never_run(made, files):
     sheet = f"{HOSTILE}\n\n![x](//example.org/x.png)\n\n[link](javascript:alert(1))\n"
     more = {"plates/<b>.csv": b"item\n", "print_sheet.md": sheet.encode(), f"stl/{name}.stl": b""}
     parts = [viewer.Part(name, "flexible", np.eye(3), np.array([[0, 1, 2]]), HOSTILE)]
-    text = rendered(made, files | more, parts=parts, name=HOSTILE, description=HOSTILE)
+    text = render_page(made, files | more, parts=parts, name=HOSTILE, description=HOSTILE)
     elements = Elements(text)
     kinds = ["application/json", "text/plain", "text/plain", None]
     assert [script.get("type") for script in elements.all("script")] == kinds
@@ -146,7 +146,7 @@ def test_plates_and_print_sheet_are_there_when_the_folder_has_them(made, folder,
     assert "Map of the plate plates/family_prusa-mk3s_1.png" in [i["alt"] for i in elements.all("img")]
     assert "Print sheet: family_prusa-mk3s, Prusa i3 MK3S / MK3S+" in elements.texts["h2"]
     assert "walker_t10.0_flexible_s0.40" in elements.texts["code"]
-    text = rendered(made, {name: data for name, data in files.items() if "plates/" not in name})
+    text = render_page(made, {name: data for name, data in files.items() if "plates/" not in name})
     assert "Print sheet" not in text
     assert "Map of the plate" not in text
 

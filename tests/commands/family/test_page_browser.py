@@ -10,8 +10,8 @@ from pathlib import Path
 import matplotlib.image
 import numpy as np
 import pytest
-from browsed import BROWSER, DRIVER, WANTED, chromium
-from report_folder import files_of, made_in, rendered
+from browser_page import BROWSER, DRIVER, WANTED, chromium
+from report_folder import files_of, made_in, render_page
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
@@ -188,7 +188,7 @@ def simulated_page(made, tmp_path_factory):
     path = tmp_path_factory.mktemp("simulated") / "report.html"
     design, scene = templates.load("koumakis2016", "walkers", Design), templates.load("lane-90hz", "scenes", Scene)
     table = report.make_report(design, scene, "coulomb", walkers, made.folder).markdown().encode()
-    path.write_text(rendered(made, files_of(made.folder) | {"family.md": table}), encoding="utf-8")
+    path.write_text(render_page(made, files_of(made.folder) | {"family.md": table}), encoding="utf-8")
     return path
 
 

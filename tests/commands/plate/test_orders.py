@@ -94,7 +94,7 @@ def test_designs_share_plates_and_stay_apart_in_every_file(run, lists, tmp_path)
         "duck_t20.0_flexible_s0.40",
     }
     assert max(row["plate"] for row in rows) == 1
-    found = threemf.read((folder / "plates" / "plate_prusa-mk3s_1.3mf").read_bytes())
+    found = threemf.read_3mf((folder / "plates" / "plate_prusa-mk3s_1.3mf").read_bytes())
     assert found.sound
     assert [item.part_number for item in found.items] == items
     # Heights (z) in the file are each design's own depth.

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 import typer
-from answers import refused
+from command_checks import refusal_of
 
 from walkergen import inputs
 from walkergen.cli import command_line, main
@@ -46,7 +46,7 @@ OUTSIDE = {
 PAIRS = [(words, thing) for words in TAKES for thing in WRONG]
 
 
-def predicted(run, *words):
+def predict_json(run, *words):
     result = run("predict", *words, "--model", "theory", "--json")
     assert result.exit_code == 0, (words, result.exception)
     return result.stdout
@@ -57,10 +57,10 @@ def test_every_command_takes_the_keys_of_its_things_and_no_others(run, words, th
     wrong, hint = WRONG[thing]
     outside, allowed = OUTSIDE[thing]
     if thing in TAKES[words].split():
-        assert hint in refused(run, *words, "--set", wrong)
-        assert allowed in refused(run, *words, "--set", outside)
+        assert hint in refusal_of(run, *words, "--set", wrong)
+        assert allowed in refusal_of(run, *words, "--set", outside)
     else:
-        assert f"this command takes no {thing}" in refused(run, *words, "--set", wrong)
+        assert f"this command takes no {thing}" in refusal_of(run, *words, "--set", wrong)
 
 
 def test_no_command_that_takes_a_design_a_scene_or_a_printer_is_left_out():
@@ -88,21 +88,21 @@ def test_no_command_that_takes_a_design_a_scene_or_a_printer_is_left_out():
     ],
 )
 def test_a_key_and_its_flag_are_one(run, key, flag):
-    by_key = predicted(run, "--set", key)
-    assert by_key == predicted(run, *flag) != predicted(run)
+    by_key = predict_json(run, "--set", key)
+    assert by_key == predict_json(run, *flag) != predict_json(run)
 
 
 def test_speeds_follow_the_drive_as_they_must(run):
-    def speed(*words):
-        return json.loads(predicted(run, *words))["rows"][0]["theory_mm_s"]
+    def predict_speed(*words):
+        return json.loads(predict_json(run, *words))["rows"][0]["theory_mm_s"]
 
-    base = speed()  # in proportion to the plate's peak speed, gamma g / (2 pi f)
-    assert speed("--gamma", "3.6") == pytest.approx(2 * base)
-    assert speed("--frequency", "45") == pytest.approx(2 * base)
-    assert speed("--gamma", "0.9", "--frequency", "45") == pytest.approx(base)
-    assert speed("--gamma", "0.9", "--set", "scene.drive.frequency_hz=45") == pytest.approx(base)
+    base = predict_speed()  # in proportion to the plate's peak speed, gamma g / (2 pi f)
+    assert predict_speed("--gamma", "3.6") == pytest.approx(2 * base)
+    assert predict_speed("--frequency", "45") == pytest.approx(2 * base)
+    assert predict_speed("--gamma", "0.9", "--frequency", "45") == pytest.approx(base)
+    assert predict_speed("--gamma", "0.9", "--set", "scene.drive.frequency_hz=45") == pytest.approx(base)
     both = ("--set", "scene.drive.amplitude_um=50", "--set", "scene.drive.peak_speed_mm_s=62.4")
-    assert speed(*both) == pytest.approx(base * 62.4 / 31.216, rel=1e-4)
+    assert predict_speed(*both) == pytest.approx(base * 62.4 / 31.216, rel=1e-4)
 
 
 def test_all_values_reach_the_manifests(run):
@@ -141,10 +141,10 @@ def test_a_key_means_what_its_line_in_the_file_means(run, tmp_path):
     for length in (7.5, 8.5):
         text = 'name = "leaning"\n' + LEANING.format(length=length)
         (tmp_path / f"l{length}.toml").write_text(text)
-    by_file = predicted(run, "l8.5.toml")
-    assert predicted(run, "l7.5.toml", "--set", "legs[1].length_mm=8.5") == by_file
-    assert predicted(run, "l7.5.toml", "--set", "legs[01].length_mm=8.5") == by_file
-    assert predicted(run, "l7.5.toml") != by_file
+    by_file = predict_json(run, "l8.5.toml")
+    assert predict_json(run, "l7.5.toml", "--set", "legs[1].length_mm=8.5") == by_file
+    assert predict_json(run, "l7.5.toml", "--set", "legs[01].length_mm=8.5") == by_file
+    assert predict_json(run, "l7.5.toml") != by_file
 
 
 def test_files_in_values_lie_where_walkergen_runs(run, tmp_path):
@@ -157,9 +157,9 @@ def test_files_in_values_lie_where_walkergen_runs(run, tmp_path):
         '<svg xmlns="http://www.w3.org/2000/svg" width="20mm" height="12mm" viewBox="0 0 20 12">'
         '<path d="M0 0H20V12H0Z"/></svg>'
     )
-    (row,) = json.loads(predicted(run, "sub/disc.toml", "--set", "body.outline=box.svg"))["rows"]
+    (row,) = json.loads(predict_json(run, "sub/disc.toml", "--set", "body.outline=box.svg"))["rows"]
     assert row["M_g"] == pytest.approx(20 * 12 * 3 * 1.24e-3, rel=1e-3)
-    told = refused(run, "predict", "sub/disc.toml", "--set", "body.outline=disc.svg")
+    told = refusal_of(run, "predict", "sub/disc.toml", "--set", "body.outline=disc.svg")
     assert told == "command line: disc.svg: no such file"
 
 
@@ -193,15 +193,15 @@ def leaves(data, before=""):
 
 
 def test_a_default_of_a_command_gives_way(tmp_path):
-    def asked(values):
+    def make_inputs(values):
         return inputs.from_settings(values, {}, ("design", "scene"))
 
     own = {"scene.run.seconds": 4.0, "scene.run.runs": 3}
-    assert asked({"scene.run.seconds": 7}).scene("lane-90hz", own).run.seconds == 7
-    assert asked({"scene.run.seconds": 7}).scene("lane-90hz", own).run.runs == 3
-    assert asked({"scene.run": {"seconds": 7}}).scene("lane-90hz", own).run.seconds == 7
+    assert make_inputs({"scene.run.seconds": 7}).scene("lane-90hz", own).run.seconds == 7
+    assert make_inputs({"scene.run.seconds": 7}).scene("lane-90hz", own).run.runs == 3
+    assert make_inputs({"scene.run": {"seconds": 7}}).scene("lane-90hz", own).run.seconds == 7
     with pytest.raises(InputError, match="takes no printer") as caught:
-        asked({"printer.gap_mm": 1})
+        make_inputs({"printer.gap_mm": 1})
     assert caught.value.keys == ("printer.gap_mm",)
 
 
@@ -231,13 +231,13 @@ def test_several_walkers_are_rows_of_what_each_gives_alone(run):
 def test_ctrl_c_shows_the_finished_rows_and_names_the_others(run, monkeypatch):
     simulate, done = walkers.simulate, []
 
-    def interrupted(asked, progress, threads=None):
+    def stop_early(asked, progress, threads=None):
         if done:
             raise KeyboardInterrupt
         done.append(asked)
         return simulate(asked, progress, threads)
 
-    monkeypatch.setattr(walkers, "simulate", interrupted)
+    monkeypatch.setattr(walkers, "simulate", stop_early)
     result = run("simulate", "--legs", "braced", "--tilt", "5,10,15", *SHORT)
     assert result.exit_code == 130
     assert [row["tilt_deg"] for row in json.loads(result.stdout)["rows"]] == [5.0]
@@ -248,13 +248,13 @@ def test_ctrl_c_shows_the_finished_rows_and_names_the_others(run, monkeypatch):
 def test_ctrl_c_gives_the_runs_done_and_says_that_they_are_not_all(run, monkeypatch, tmp_path):
     simulate = walkers.simulate
 
-    def interrupted(asked, progress, threads=None):
+    def stop_early(asked, progress, threads=None):
         return simulate(asked.with_run(runs=2), progress)._replace(walker=asked)
 
     words = ("simulate", "--legs", "braced", "--tilt", "5", *SHORT, "--trajectory", "runs.csv")
     assert json.loads(run(*words).stdout)["partial"] is False
     whole = (tmp_path / "runs.csv").read_bytes()
-    monkeypatch.setattr(walkers, "simulate", interrupted)
+    monkeypatch.setattr(walkers, "simulate", stop_early)
     result = run(*words)
     assert result.exit_code == 130
     found = json.loads(result.stdout)
@@ -266,4 +266,4 @@ def test_ctrl_c_gives_the_runs_done_and_says_that_they_are_not_all(run, monkeypa
 
 def test_one_that_cannot_be_built_is_told_before_any_runs(run, monkeypatch):
     monkeypatch.setattr(walkers, "simulate", None)
-    assert "tilt up to" in refused(run, "simulate", "--tilt", "5,80")
+    assert "tilt up to" in refusal_of(run, "simulate", "--tilt", "5,80")

@@ -66,7 +66,7 @@ def test_an_advised_budget_is_understood_and_no_shorter(seconds):
 NUMBERS = [("-45.5", "123.456 ± 0.012", "-1234.5 to 1234.5", "9876543.21"), ("0", "1", "2", "3")]
 
 
-def printed(columns, no_wrap=True):
+def print_table(columns, no_wrap=True):
     table = Table(title="T", padding=(0, 1, 0, 0), pad_edge=False)
     for heading in ("tilt", "speed\nmm/s", "95 %", "last"):
         table.add_column(heading, justify="right", no_wrap=no_wrap)
@@ -80,7 +80,7 @@ def printed(columns, no_wrap=True):
 @pytest.mark.parametrize("no_wrap", [True, False])
 @pytest.mark.parametrize("columns", [5, 20, 30, 40, 60, 80])
 def test_no_number_is_cut_at_any_width(columns, no_wrap):
-    text = printed(columns, no_wrap)
+    text = print_table(columns, no_wrap)
     shown = re.findall(r"-?\d+(?:\.\d+)?", text)
     for cell in (cell for row in NUMBERS for cell in row):
         for number in re.findall(r"-?\d+(?:\.\d+)?", cell):
@@ -89,8 +89,8 @@ def test_no_number_is_cut_at_any_width(columns, no_wrap):
 
 
 def test_pieces_of_a_wide_table_repeat_its_first_column_and_fit():
-    text = printed(40)
+    text = print_table(40)
     assert text.count("tilt") == text.count("-45.5") == 2
     assert len(re.findall(r"^ *T *$", text, re.MULTILINE)) == 1
     assert max(len(line) for line in text.splitlines()) <= 40
-    assert printed(80).count("tilt") == 1
+    assert print_table(80).count("tilt") == 1

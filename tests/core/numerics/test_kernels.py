@@ -28,7 +28,7 @@ def kernel_names(tree):
             yield from (inner.id for inner in ast.walk(node) if isinstance(inner, ast.Name))
 
 
-def imported(node):
+def imported_names(node):
     """Names that an import from the package binds, each with the file that it comes from."""
     source = PACKAGE.joinpath(*node.module.split(".")[1:])
     for alias in node.names:
@@ -45,7 +45,7 @@ def test_the_cache_covers_every_file_that_kernels_are_made_of():
         used = set(kernel_names(tree))
         for node in ast.walk(tree):
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("walkergen"):
-                for name, source in imported(node):
+                for name, source in imported_names(node):
                     assert source in COVERED or name not in used, f"{path.name} uses {name}"
 
 
@@ -55,15 +55,15 @@ def _twice(pair):
 
 
 @kernel
-def _called(pair):
+def _call_twice(pair):
     return _twice(pair) + 1.0
 
 
 @pytest.mark.skipif(numba.config.DISABLE_JIT, reason="the compiler is off")
 def test_only_what_python_calls_has_a_wrapper_and_both_give_the_same():
     pair = (0.5, 0.25)
-    assert _called(pair) == 2.25
-    assert len(_called.outer.signatures) == 1
+    assert _call_twice(pair) == 2.25
+    assert len(_call_twice.outer.signatures) == 1
     assert len(_twice.inner.signatures) <= 1  # none where the caller came from the cache
     assert not _twice.outer.signatures
     assert _twice(pair) == 1.25

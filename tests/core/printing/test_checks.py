@@ -28,14 +28,14 @@ def design_of(**legs):
     return Design.model_validate({"legs": legs, "body": body})
 
 
-def found(design, printer=MK3S, mesh=None):
+def find(design, printer=MK3S, mesh=None):
     mesh = solids.build(design).walker if mesh is None else mesh
     return checks.check_part("it", design, mesh, printer)
 
 
-def told(design, printer=MK3S):
+def level_and_text(design, printer=MK3S):
     """Level and first words of each finding."""
-    return [(one.level, one.what) for one in found(design, printer)]
+    return [(one.level, one.what) for one in find(design, printer)]
 
 
 def levels(found):
@@ -61,12 +61,12 @@ def test_shipped_walkers_print_on_shipped_printers(walker, printer):
 )
 def test_legs_in_printed_lines(lines, level):
     legs = design_of(flexible_thickness_mm=lines * MK3S.line_width_mm)
-    seen = {one.level for one in found(legs) if "leg" in one.what and one.level != "advice"}
+    seen = {one.level for one in find(legs) if "leg" in one.what and one.level != "advice"}
     assert seen == ({level} if level else set())
 
 
 def test_a_warning_holds_the_deviation_that_the_flow_model_expects():
-    (warning,) = [one for one in found(design_of(), ENDER) if one.level == "warning"]
+    (warning,) = [one for one in find(design_of(), ENDER) if one.level == "warning"]
     assert warning.seen == pytest.approx(100 * walls.deviation(0.4, ENDER))
     assert warning.seen == pytest.approx(-10.7, abs=0.1)  # measured: -10.7, layers of 0.2 mm
     assert (warning.limit, warning.unit) == (10.0, "%")
@@ -78,11 +78,11 @@ def test_legs_of_a_line_and_less_vanish_unless_thin_walls_are_detected(thickness
     """The issue's measurement: with lines of 0.45 mm, 0.45 mm and less get no plastic."""
     blind = MK3S.model_copy(update={"thin_walls": False})
     legs = design_of(flexible_thickness_mm=thickness)
-    ((level, what),) = [one for one in told(legs, blind) if one[0] == "error"]
+    ((level, what),) = [one for one in level_and_text(legs, blind) if one[0] == "error"]
     assert (level, what) == ("error", "the leg gets no plastic, thin walls not being detected")
     assert walls.printed_thickness(thickness, blind) == 0.0
     arachne = blind.model_copy(update={"wall_generator": "arachne"})
-    assert "error" not in levels(found(legs, arachne))
+    assert "error" not in levels(find(legs, arachne))
 
 
 CHANGES = st.fixed_dictionaries(
@@ -117,14 +117,14 @@ def test_plastic_is_none_or_near_the_wall(thickness, changes):
 
 def test_a_brace_that_vanishes_is_an_error():
     braced = design_of(kind="braced", brace_thickness_mm=0.3, tilt_deg=20.0)
-    assert ("error", "the brace is thinner than 0.75 printed lines") in told(braced)
-    assert "error" not in levels(found(design_of(brace_thickness_mm=0.3)))  # flexible: no brace
+    assert ("error", "the brace is thinner than 0.75 printed lines") in level_and_text(braced)
+    assert "error" not in levels(find(design_of(brace_thickness_mm=0.3)))  # flexible: no brace
 
 
 def test_gaps_narrower_than_a_line_fuse():
     def window(tilt):
         braced = design_of(kind="braced", tilt_deg=tilt)
-        warned = "the window between leg and brace may fuse" in [what for _, what in told(braced)]
+        warned = "the window between leg and brace may fuse" in [what for _, what in level_and_text(braced)]
         return warned, sections.window_width(braced.limbs[0])
 
     assert window(5.0)[0] is False  # leg and brace overlap
@@ -134,15 +134,15 @@ def test_gaps_narrower_than_a_line_fuse():
     assert window(10.0)[0] is False
     assert window(10.0)[1] > 0.45
     close = design_of(contact_spacing_mm=0.8, tilt_deg=0.0, length_mm=5.0)
-    assert ("warning", "the two legs may fuse") in told(close)
+    assert ("warning", "the two legs may fuse") in level_and_text(close)
 
 
 def test_marks_finer_than_a_line_may_close_up():
     for line, advised in ((0.4, True), (0.45, False)):
         marks = {"kind": "digits", "line_mm": line}
         design = Design.model_validate({"marks": marks, "body": {"thickness_mm": 4.0}})
-        assert any("digits" in one.what for one in found(design)) == advised
-    assert not any("close up" in one.what for one in found(design_of()))  # no marks
+        assert any("digits" in one.what for one in find(design)) == advised
+    assert not any("close up" in one.what for one in find(design_of()))  # no marks
 
 
 def test_window_and_clearance_are_those_of_the_solid():
@@ -171,21 +171,21 @@ def test_layers_against_nozzle_and_line(changes, level):
 
 @pytest.mark.parametrize(("depth", "level"), [(8.0, None), (7.8, None), (8.1, "warning"), (0.1, "error"), (0.2, None)])
 def test_the_depth_is_a_whole_number_of_layers(depth, level):
-    seen = {one.level for one in found(design_of(depth_mm=depth)) if "depth" in one.what}
+    seen = {one.level for one in find(design_of(depth_mm=depth)) if "depth" in one.what}
     assert seen == ({level} if level else set())
 
 
 def test_a_brim_is_advised_for_what_stands_badly_and_no_more_once_there_is_one():
-    def advised(design, printer=MK3S):
-        return [one.what for one in found(design, printer) if "brim" in one.change]
+    def brim_advice(design, printer=MK3S):
+        return [one.what for one in find(design, printer) if "brim" in one.change]
 
-    assert advised(design_of()) == []
-    assert advised(design_of(depth_mm=12.0)) == ["the leg prints high and thin: height over thickness"]
+    assert brim_advice(design_of()) == []
+    assert brim_advice(design_of(depth_mm=12.0)) == ["the leg prints high and thin: height over thickness"]
     small = Design.model_validate({"body": {"length_mm": 17.0, "thickness_mm": 1.0}})
-    assert advised(small) == ["little of it holds on to the bed"]
-    (seen,) = [one.seen for one in found(small) if "bed" in one.what]
+    assert brim_advice(small) == ["little of it holds on to the bed"]
+    (seen,) = [one.seen for one in find(small) if "bed" in one.what]
     assert seen == pytest.approx(17.0 + 2 * 7.5 * 0.4, rel=1e-9)  # the profile's area
-    assert advised(small, MK3S.model_copy(update={"brim_width_mm": 3.0})) == []
+    assert brim_advice(small, MK3S.model_copy(update={"brim_width_mm": 3.0})) == []
 
 
 def test_a_mesh_that_is_open_or_in_pieces_is_refused():
@@ -198,14 +198,14 @@ def test_a_mesh_that_is_open_or_in_pieces_is_refused():
     )
     inside_out = Mesh(mesh.vertices, mesh.triangles[:, ::-1])
     for bad, bodies in ((opened, 0), (apart, 2), (inside_out, 0)):
-        (error,) = [one for one in found(design, mesh=bad) if one.level == "error"]
+        (error,) = [one for one in find(design, mesh=bad) if one.level == "error"]
         assert (error.what, error.seen) == ("the mesh is not one closed body", bodies)
     assert modeller.count_bodies(mesh) == 1
 
 
 def test_a_part_larger_than_the_printer_is_an_error_in_every_direction():
     tiny = MK3S.model_copy(update={"height_mm": 5.0, "bed_width_mm": 50.0, "margin_mm": 15.0})
-    errors = [one for one in found(design_of(), tiny) if one.level == "error"]
+    errors = [one for one in find(design_of(), tiny) if one.level == "error"]
     assert [one.what.split()[1] for one in errors] == ["width", "height"]
     assert [one.limit for one in errors] == [20.0, 5.0]
 
@@ -213,33 +213,33 @@ def test_a_part_larger_than_the_printer_is_an_error_in_every_direction():
 BOX = [Part("box", 20.0, 10.0, 8.0, 2)]
 
 
-def on_plate(*places, **changes):
+def check_places(*places, **changes):
     one = Plate(tuple(Placement(0, copy, x, y) for copy, (x, y) in enumerate(places, start=1)))
     printer = MK3S.model_copy(update=changes)
     return [(f.level, f.where, f.what) for f in checks.check_plate("p", one, BOX, printer)]
 
 
 def test_parts_brims_and_skirts_off_the_bed_are_errors():
-    assert on_plate((0.0, 0.0)) == []
-    assert on_plate((-0.1, 0.0)) == [("error", "p: box-1", "the part leaves the bed")]
-    assert on_plate((231.0, 0.0)) == [("error", "p: box-1", "the part leaves the bed")]
-    assert on_plate((100.0, 200.1)) == [("error", "p: box-1", "the part leaves the bed")]
+    assert check_places((0.0, 0.0)) == []
+    assert check_places((-0.1, 0.0)) == [("error", "p: box-1", "the part leaves the bed")]
+    assert check_places((231.0, 0.0)) == [("error", "p: box-1", "the part leaves the bed")]
+    assert check_places((100.0, 200.1)) == [("error", "p: box-1", "the part leaves the bed")]
     near = ((50.0, 50.0), (4.0, 50.0))
-    assert on_plate(*near, brim_width_mm=4.0) == []
-    assert on_plate(*near, brim_width_mm=4.1) == [("error", "p: box-2", "its brim leaves the bed")]
-    assert on_plate(*near, skirt_loops=2, skirt_distance_mm=2.8) == []
-    assert on_plate(*near, skirt_loops=2, skirt_distance_mm=2.9) == [
+    assert check_places(*near, brim_width_mm=4.0) == []
+    assert check_places(*near, brim_width_mm=4.1) == [("error", "p: box-2", "its brim leaves the bed")]
+    assert check_places(*near, skirt_loops=2, skirt_distance_mm=2.8) == []
+    assert check_places(*near, skirt_loops=2, skirt_distance_mm=2.9) == [
         ("error", "p: box-2", "the skirt around it leaves the bed")
     ]
 
 
 def test_parts_too_close_or_overlapping():
-    assert on_plate() == []
-    assert on_plate((10.0, 10.0), (33.0, 10.0)) == []
-    assert on_plate((10.0, 10.0), (32.9, 10.0)) == [("warning", "p: box-1", "is closer than the gap to box-2")]
-    assert on_plate((10.0, 10.0), (29.9, 19.9))[0][0] == "error"
-    assert on_plate((10.0, 10.0), (33.0, 10.0), brim_width_mm=1.0)[0][0] == "warning"
-    assert on_plate((10.0, 10.0), (33.0, 10.0), brim_width_mm=1.6)[0][0] == "error"
+    assert check_places() == []
+    assert check_places((10.0, 10.0), (33.0, 10.0)) == []
+    assert check_places((10.0, 10.0), (32.9, 10.0)) == [("warning", "p: box-1", "is closer than the gap to box-2")]
+    assert check_places((10.0, 10.0), (29.9, 19.9))[0][0] == "error"
+    assert check_places((10.0, 10.0), (33.0, 10.0), brim_width_mm=1.0)[0][0] == "warning"
+    assert check_places((10.0, 10.0), (33.0, 10.0), brim_width_mm=1.6)[0][0] == "error"
 
 
 def test_one_filament_prints_a_batch():

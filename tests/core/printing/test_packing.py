@@ -4,7 +4,7 @@ import itertools
 import math
 from pathlib import Path
 
-import executed
+import executed_lines
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -156,7 +156,7 @@ def test_no_parts_need_no_plate() -> None:
 def test_a_thousand_parts_are_packed_in_one_pass() -> None:
     sizes = np.random.default_rng(5).uniform((20.0, 8.0), (35.0, 14.0), (1000, 2)).tolist()
     parts = [part(f"p{i}", (w, d, 8.0)) for i, (w, d) in enumerate(sizes)]
-    half, whole = (executed.lines(lambda count=count: plate.pack(parts[:count], MK3S)) for count in (500, 1000))
+    half, whole = (executed_lines.lines(lambda count=count: plate.pack(parts[:count], MK3S)) for count in (500, 1000))
     assert whole < 2.1 * half  # no part is compared with those before it: 2.00 measured
     assert whole < 100 * len(parts)  # 42 measured
     plates = plate.pack(parts, MK3S)

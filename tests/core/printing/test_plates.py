@@ -9,10 +9,10 @@ import shutil
 import subprocess
 import zipfile
 
-import executed
+import executed_lines
 import pytest
 import threemf
-from answers import rows_of
+from command_checks import rows_of
 
 from walkergen.commands.plate import make as batch
 from walkergen.commands.plate.request import PlateRequest
@@ -51,7 +51,7 @@ def test_the_map_says_where_the_3mf_file_has_every_part(printer):
         if name.endswith(".3mf"):
             number = name.removesuffix(".3mf").rsplit("_", 1)[1]
             own = {row["item"]: row for row in rows if row["plate"] == number}
-            items = threemf.read(data).items
+            items = threemf.read_3mf(data).items
             assert [item.part_number for item in items] == list(own)
             for item in items:
                 row = own[item.part_number]
@@ -73,7 +73,7 @@ def test_a_thumbnail_is_in_the_package_and_nowhere_without_pictures():
     archive = zipfile.ZipFile(io.BytesIO(files["plate_prusa-mk3s_1.3mf"]))
     assert png_size(archive.read("Metadata/thumbnail.png")) == (256, 215)
     assert b"metadata/thumbnail" in archive.read("_rels/.rels")
-    threemf.read(files["plate_prusa-mk3s_1.3mf"])
+    threemf.read_3mf(files["plate_prusa-mk3s_1.3mf"])
     plain = dict(plates.layout_files(layout, "plate", draw=None))
     assert len(plain) == 6
     bare = zipfile.ZipFile(io.BytesIO(plain["plate_prusa-mk3s_1.3mf"])).namelist()
@@ -93,7 +93,7 @@ def test_one_mesh_serves_all_copies():
         dict(plates.layout_files(layout_of(PRINTERS[0], copies=copies), "p", draw=None))
         for copies in ((1, 1), (50, 50))
     ]
-    one, two = (threemf.read(each["p_prusa-mk3s_1.3mf"]) for each in files)
+    one, two = (threemf.read_3mf(each["p_prusa-mk3s_1.3mf"]) for each in files)
     assert one.names == two.names
     assert len(two.items) > len(one.items) == 2
 
@@ -152,7 +152,7 @@ def test_a_thousand_parts_are_planned_in_one_pass_over_solids_built_once(tmp_pat
         plans.append((made, steps))
 
     monkeypatch.setattr(solids, "build", build)
-    half, whole = (executed.lines(lambda copies=copies: plan(copies)) for copies in (250, 500))
+    half, whole = (executed_lines.lines(lambda copies=copies: plan(copies)) for copies in (250, 500))
     assert built == [*members, *members]
     assert whole < 2.1 * half  # no part is compared with those of another plate: 1.96 measured
     report, steps = plans[1]
@@ -210,7 +210,7 @@ def test_a_file_for_prusaslicer_holds_the_same_parts():
         dict(plates.layout_files(layout, "p", plate_map.draw_pictures, prusaslicer))["p_prusa-mk3s_1.3mf"]
         for prusaslicer in (False, True)
     )
-    one, other = threemf.read(plain), threemf.read(own)
+    one, other = threemf.read_3mf(plain), threemf.read_3mf(own)
     assert other.metadata == one.metadata | {"Version3mf": "1"}
     assert (one.names, one.items, one.identifiers) == (other.names, other.items, other.identifiers)
     assert own == dict(plates.layout_files(layout, "p", plate_map.draw_pictures, True))["p_prusa-mk3s_1.3mf"]

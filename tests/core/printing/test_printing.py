@@ -106,7 +106,7 @@ def test_equal_meshes_give_equal_stl_whatever_their_memory_layout() -> None:
 def test_3mf_is_read_back_by_lib3mf() -> None:
     solids = [Solid("long", prism(shift=(5.0, -9.0, 2.0))), Solid("tall", prism(height=4.0))]
     items = [Item(0, "long-1", 10.0, 20.0), Item(1, "tall-1", 0.5, 0.25), Item(0, "long-2", 7, 8)]
-    read = threemf.read(export.threemf_bytes(solids, items, "two shapes"))
+    read = threemf.read_3mf(export.threemf_bytes(solids, items, "two shapes"))
     assert read.unit == lib3mf.ModelUnit.MilliMeter
     assert read.metadata == {"Title": "two shapes", "Application": "walkergen"}
     assert read.names == ["long", "tall"]
@@ -130,7 +130,7 @@ def test_3mf_is_read_back_by_trimesh() -> None:
 
 
 def test_one_part_stands_at_the_origin_of_its_file() -> None:
-    (item,) = threemf.read(export.part_3mf(prism(shift=(-50.0, -60.0, -70.0)), "L")).items
+    (item,) = threemf.read_3mf(export.part_3mf(prism(shift=(-50.0, -60.0, -70.0)), "L")).items
     assert item.low == (0.0, 0.0, 0.0)
     assert item.part_number == "L"
 
@@ -138,14 +138,14 @@ def test_one_part_stands_at_the_origin_of_its_file() -> None:
 def test_identifiers_differ_within_a_file() -> None:
     solids = [Solid("same", prism()), Solid("same", prism(height=2.0))]
     items = [Item(index % 2, "same", 10.0 * index, 0.0) for index in range(6)]
-    found = threemf.read(export.threemf_bytes(solids, items, "same")).identifiers
+    found = threemf.read_3mf(export.threemf_bytes(solids, items, "same")).identifiers
     assert len(set(found)) == len(found) == 1 + 2 + 6
 
 
 def test_plates_of_one_title_are_different_builds() -> None:
     solids = [Solid("L", prism())]
     files = [export.threemf_bytes(solids, [Item(0, f"L-{k}", 0.0, 0.0)], "t") for k in (1, 2)]
-    first, second = (threemf.read(data).identifiers[0] for data in files)
+    first, second = (threemf.read_3mf(data).identifiers[0] for data in files)
     assert first != second
 
 
@@ -182,7 +182,7 @@ def test_hostile_names_stay_text(name: str) -> None:
     assert all(seen in (meant, "_") for seen, meant in zip(read, name, strict=True))
     if name.isprintable():
         assert read == name
-    threemf.read(data)
+    threemf.read_3mf(data)
 
 
 def test_a_mesh_that_lib3mf_refuses_is_named() -> None:
@@ -200,7 +200,7 @@ def test_a_plate_file_holds_each_part_at_its_place_on_the_bed(origin: str) -> No
     meshes = [prism(shift=(-3.0, 7.0, -2.0)), prism(shift=(100.0, 0.0, 5.0), height=4.0)]
     parts = [Part.from_mesh("short", meshes[0], 3), Part.from_mesh("tall", meshes[1], 2)]
     (one,) = plate.pack(parts, printer)
-    read = threemf.read(plate.plate_3mf(one, parts, meshes, printer, "plate 1"))
+    read = threemf.read_3mf(plate.plate_3mf(one, parts, meshes, printer, "plate 1"))
     copies = ["short-1", "short-2", "short-3", "tall-1", "tall-2"]
     assert [item.part_number for item in read.items] == copies
     assert read.names == ["short", "tall"]
@@ -220,4 +220,4 @@ def test_a_plate_file_holds_only_the_parts_on_that_plate() -> None:
     (full,) = plate.pack(parts, MK3S)
     for placements, names in [(full.placements[1:], ["second"]), (full.placements, ["first", "second"])]:
         data = plate.plate_3mf(plate.Plate(placements), parts, [mesh, mesh], MK3S, "")
-        assert threemf.read(data).names == names
+        assert threemf.read_3mf(data).names == names

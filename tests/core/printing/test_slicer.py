@@ -9,10 +9,10 @@ import subprocess
 from typing import NamedTuple
 
 import gcode
-import maker
+import maker_profile
 import numpy as np
 import pytest
-from slicing import Walker, laid_out, print_of, program, sliced, walkers_of
+from slicing import Walker, laid_out, print_of, program, slice_model, walkers_of
 
 from walkergen.commands.export import make as exports
 from walkergen.commands.plate import make as batch
@@ -56,7 +56,7 @@ def sliced_family(request, tmp_path_factory) -> Batch:
     report = batch.make(PlateRequest(out=folder, pictures=False), inputs, lambda *step: None)
     rows, files = report.places, report.files
     (model,) = [path for path in files if path.suffix == ".3mf"]
-    (model.parent / "yours.ini").write_text(maker.ini(printer))
+    (model.parent / "yours.ini").write_text(maker_profile.ini(printer))
     printed = print_of(model, model.with_name(f"plate_{printer.name}_print.ini"))
     number = {names.part_name(member): index for index, member in enumerate(members)}
     where = [Placement(number[row.name], row.copy, row.x_mm, row.y_mm) for row in rows]
@@ -105,7 +105,7 @@ def test_the_slicer_takes_every_setting_of_the_profile(sliced_family):
 def test_printer_and_filament_stay_the_makers_own(sliced_family):
     """Bed 60 C and nozzle 215 C, density and start code are her profile's, not our settings'."""
     text, settings = sliced_family.text, sliced_family.printed.settings
-    wanted = maker.profile(sliced_family.printer)
+    wanted = maker_profile.profile(sliced_family.printer)
     assert {key: settings.get(key) for key in wanted} == wanted
     heating = re.findall(r"^(M1(?:04|09|40|90) S\d+)", text, re.MULTILINE)
     assert heating == ["M104 S215", "M140 S60", "M190 S60", "M109 S215", "M104 S210", "M104 S0", "M140 S0"]
@@ -125,13 +125,13 @@ def compare_with_the_slicer(sheet: str, text: str) -> None:
     grams, metres, layers = float(row[1]), float(row[2]), int(row[3])
     minutes = float(row[4]) * (60.0 if row[5] == "h" else 1.0)
 
-    def told(what: str) -> str:
+    def header_value(what: str) -> str:
         return re.search(rf"^; {what} = (.*)$", text, re.MULTILINE)[1]
 
-    assert grams == pytest.approx(float(told(r"total filament used \[g\]")), rel=0.01)
-    assert metres == pytest.approx(1e-3 * float(told(r"filament used \[mm\]")), rel=0.01)
-    assert layers == len(np.unique(gcode.read(text).lines.z))
-    words = told(r"estimated printing time \(normal mode\)").split()
+    assert grams == pytest.approx(float(header_value(r"total filament used \[g\]")), rel=0.01)
+    assert metres == pytest.approx(1e-3 * float(header_value(r"filament used \[mm\]")), rel=0.01)
+    assert layers == len(np.unique(gcode.read_gcode(text).lines.z))
+    words = header_value(r"estimated printing time \(normal mode\)").split()
     length = {"h": 60.0, "m": 1.0, "s": 1.0 / 60.0}
     theirs = sum(float(word[:-1]) * length[word[-1]] for word in words)
     assert minutes == pytest.approx(theirs, rel=print_sheet.TIME_TOLERANCE)
@@ -148,9 +148,9 @@ def test_plastic_and_time_of_every_shipped_walker_are_the_slicers(tmp_path, name
     design = templates.load(name, "walkers", Design)
     write_plates(design, 3, printer, tmp_path)
     folder = tmp_path / "plates"
-    (folder / "yours.ini").write_text(maker.ini(printer))
+    (folder / "yours.ini").write_text(maker_profile.ini(printer))
     model = folder / "plate_prusa-mk3s_1.3mf"
-    result = sliced(model, folder / "plate_prusa-mk3s_print.ini")
+    result = slice_model(model, folder / "plate_prusa-mk3s_print.ini")
     assert result.returncode == 0, result.stdout + result.stderr
     sheet = (folder / "plate_prusa-mk3s.md").read_text(encoding="utf-8")
     compare_with_the_slicer(sheet, model.with_suffix(".gcode").read_text())
@@ -162,13 +162,13 @@ def test_the_command_on_the_print_sheet_runs_as_shown(tmp_path):
     write_plates(Design(), 2, printer, tmp_path)
     folder = tmp_path / "plates"
     sheet = (folder / "plate_ender3.md").read_text(encoding="utf-8")
-    (folder / "yours.ini").write_text(maker.ini(printer))
+    (folder / "yours.ini").write_text(maker_profile.ini(printer))
     commands = re.findall(r"^prusa-slicer .*$", sheet, re.MULTILINE)
     assert len(commands) == 2
     target = folder / "plate_ender3_1.gcode"
     for command in commands:
         subprocess.run(shlex.split(command), cwd=folder, capture_output=True, check=True)
-        assert len(gcode.read(target.read_text()).items) == 2
+        assert len(gcode.read_gcode(target.read_text()).items) == 2
         target.unlink()
 
 
@@ -214,7 +214,7 @@ def test_walls_get_the_plastic_of_the_flow_model(tmp_path, generator, thin, line
             continue  # within 3 % of a step, where rounding decides
         low, high = walker.foot + 2.0, walker.bottom - 2.0
         drawn = thickness / np.cos(walker.limb.tilt) * (high - low) * walker.limb.width
-        seen = walker.below(low, high).sum() / (2 * drawn)
+        seen = walker.plastic_between(low, high).sum() / (2 * drawn)
         assert seen - 1.0 == pytest.approx(walls.deviation(thickness, printer), abs=0.01), thickness
 
 
@@ -231,10 +231,10 @@ def test_legs_that_the_checks_refuse_vanish_there_without_a_word(tmp_path):
     designs = [Design.model_validate({"legs": {"flexible_thickness_mm": t}}) for t in (0.4, 0.44)]
     assert [worst(design, printer) for design in designs] == ["error"] * 2
     where, model = laid_out(designs, printer, tmp_path)
-    result = sliced(model, model.with_suffix(".ini"))
+    result = slice_model(model, model.with_suffix(".ini"))
     assert result.returncode == 0
     assert "warning" not in (result.stdout + result.stderr).lower()
-    printed = gcode.read(model.with_suffix(".gcode").read_text())
+    printed = gcode.read_gcode(model.with_suffix(".gcode").read_text())
     corner = np.array([where[0].x, where[0].y])
     low = solids.build(designs[0]).walker.vertices.min(axis=0)[:2]
     lowest = np.minimum(printed.lines.start, printed.lines.end)[:, 1].min()
@@ -251,7 +251,7 @@ def test_what_the_checks_call_an_error_the_slicer_refuses(tmp_path, changes, dep
     design = Design.model_validate({"body": {"depth_mm": depth}})
     assert worst(design, printer) == "error"
     _, model = laid_out([design, design], printer, tmp_path)
-    assert sliced(model, model.with_suffix(".ini")).returncode != 0
+    assert slice_model(model, model.with_suffix(".ini")).returncode != 0
 
 
 @pytest.mark.parametrize("depth", [8.1, 8.05])

@@ -6,7 +6,7 @@ import re
 import zipfile
 from xml.etree import ElementTree
 
-import maker
+import maker_profile
 import numpy as np
 import pytest
 import threemf
@@ -43,14 +43,14 @@ def test_a_bundle_holds_print_settings_and_to_load_printer_and_filament_too(prin
     assert title == f"[print:walkergen {printer.name}]"
     settings = slicer.prusaslicer_settings(printer)
     assert settings_of(told) == settings
-    assert settings.keys().isdisjoint(maker.profile(printer))
+    assert settings.keys().isdisjoint(maker_profile.profile(printer))
     loaded = settings_of(head.splitlines())
     owned = {key: loaded.pop(key) for key in loaded.keys() - settings.keys()}
     assert loaded == settings
     # whatever one's own profile would say of these is there, and nothing else
-    assert owned.keys() <= maker.profile(printer).keys()
+    assert owned.keys() <= maker_profile.profile(printer).keys()
     same = ("bed_shape", "max_print_height", "nozzle_diameter", "filament_density")
-    assert {key: owned[key] for key in same} == {key: maker.profile(printer)[key] for key in same}
+    assert {key: owned[key] for key in same} == {key: maker_profile.profile(printer)[key] for key in same}
 
 
 @every_printer
@@ -165,7 +165,7 @@ def test_hostile_names_stay_text_in_the_settings_too(name):
     meant = export.INVALID_XML.sub("_", name)
     assert [pairs(one)["name"] for one in told.findall("object")] == [f"{meant}-1", f"{meant}-2"]
     assert pairs(told.find("plate"))["plater_name"] == meant
-    threemf.read(data)
+    threemf.read_3mf(data)
 
 
 @pytest.mark.parametrize("prusaslicer", [False, True])

@@ -25,7 +25,7 @@ def missing(monkeypatch):
     monkeypatch.setattr(threemf, "is_available", lambda: False)
 
 
-def arranged(copies):
+def arrange_plates(copies):
     members = [PAPER.variant(tilt_deg=tilt) for tilt in (5.0, 20.0)]
     built = [solids.build(member) for member in members]
     return plates.arrange(members, built, copies, PRINTER)
@@ -39,7 +39,7 @@ def volume(mesh):
 
 @pytest.mark.usefixtures("missing")
 def test_plates_are_stl_files_with_every_copy_at_its_place(tmp_path):
-    found = arranged([2, 1])
+    found = arrange_plates([2, 1])
     files = dict(plates.layout_files(found, "plate", draw=None))
     assert not [name for name in files if name.endswith(".3mf")]
     (name,) = [name for name in files if name.endswith(".stl")]
@@ -59,7 +59,7 @@ def test_plates_are_stl_files_with_every_copy_at_its_place(tmp_path):
 
 
 def test_the_stl_holds_what_the_3mf_holds():
-    found = arranged([1, 2])
+    found = arrange_plates([1, 2])
     view = found.plates[0], found.meshes, PRINTER
     read = threemf.read_parts(packing.plate_3mf(view[0], found.parts, *view[1:], "one"), "one")
     ours = packing.plate_mesh(*view)
@@ -69,7 +69,7 @@ def test_the_stl_holds_what_the_3mf_holds():
 
 
 def test_3mf_is_read_without_it(monkeypatch):
-    found = arranged([1, 1])
+    found = arrange_plates([1, 1])
     data = packing.plate_3mf(found.plates[0], found.parts, found.meshes, PRINTER, "one")
     monkeypatch.setattr(threemf, "is_available", lambda: False)
     assert len(threemf.read_parts(data, "one")) == 2
@@ -79,7 +79,7 @@ def test_3mf_is_read_without_it(monkeypatch):
 def test_what_needs_3mf_is_refused_in_a_line(tmp_path):
     for ask in (
         lambda: wg.export(PAPER, tmp_path / "one.3mf"),
-        lambda: dict(plates.layout_files(arranged([1, 1]), "plate", None, prusaslicer=True)),
+        lambda: dict(plates.layout_files(arrange_plates([1, 1]), "plate", None, prusaslicer=True)),
     ):
         with pytest.raises(InputError, match=r"^3MF: lib3mf is not installed .* use STL") as told:
             ask()

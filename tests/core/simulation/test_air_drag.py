@@ -25,7 +25,7 @@ def plan_of(air=True, **tables):
     return prepare(scene, DESIGN, solids.mass_of(DESIGN))
 
 
-def fallen(plan, seconds, height=1e6, v_x=0.0):
+def let_fall(plan, seconds, height=1e6, v_x=0.0):
     """A walker let go level, high over the plate: its state after a fall, and the tally."""
     state = plan.initial_state(height, 0.0, 0.5 * math.pi)
     state[V_X] = v_x
@@ -59,7 +59,7 @@ def test_a_falling_plate_approaches_its_terminal_speed():
     push = air_drag.COEFFICIENT * air_drag.DENSITY * area
     terminal = math.sqrt(2.0 * plan.world.walker.mass * GRAVITY / push)
     seconds = 3.0
-    state, _ = fallen(plan, seconds, height=1e5)
+    state, _ = let_fall(plan, seconds, height=1e5)
     expected = terminal * math.tanh(GRAVITY * seconds / terminal)
     # Flights of 1.5 ms, of second order: (1.5 ms x g / v_t)^2 = 4e-6; rounding pitches nothing.
     assert -state[V_Y] == pytest.approx(expected, rel=1e-5)
@@ -70,8 +70,8 @@ def test_a_falling_plate_approaches_its_terminal_speed():
 def test_flight_slows_along_the_plate_and_every_energy_is_accounted_for():
     plan, still = plan_of(), plan_of(air=False)
     seconds = 5e-3
-    state, tally = fallen(plan, seconds, v_x=5000.0)
-    free, _ = fallen(still, seconds, v_x=5000.0)
+    state, tally = let_fall(plan, seconds, v_x=5000.0)
+    free, _ = let_fall(still, seconds, v_x=5000.0)
     slowed = plan.world.acting.air.ends * 5000.0**2 / plan.world.walker.mass * seconds
     assert free[V_X] - state[V_X] == pytest.approx(slowed, rel=0.02)  # the speed falls by 1 %
     assert state[C_X] < free[C_X]
@@ -94,13 +94,13 @@ def test_a_run_balances_with_drag_on():
 def test_no_air_is_the_limit_of_thin_air():
     """Drag falls in proportion to the density, and without any nothing is left of it."""
     plan, none = plan_of(), plan_of(air=False)
-    still, _ = fallen(none, 0.1, v_x=2000.0)
+    still, _ = let_fall(none, 0.1, v_x=2000.0)
     changes = []
     for factor in (1.0, 1e-2):
         air = air_drag.Air(*(factor * value for value in plan.world.acting.air))
         acting = plan.world.acting._replace(air=air)
         thin = plan._replace(world=plan.world._replace(acting=acting))
-        state, _ = fallen(thin, 0.1, v_x=2000.0)
+        state, _ = let_fall(thin, 0.1, v_x=2000.0)
         changes.append(np.abs(state - still)[[V_X, V_Y]])
     assert changes[0] == pytest.approx(100.0 * changes[1], rel=0.03)
     assert abs(still[W_Z]) < 1e-15

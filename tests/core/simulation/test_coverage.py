@@ -4,7 +4,7 @@ import functools
 
 import numpy as np
 import pytest
-from night import by_day
+from nightly_cases import mostly_nightly
 from scipy import special
 from scipy.signal import lfilter
 
@@ -91,7 +91,7 @@ PROCESSES = {
 }
 
 
-@pytest.mark.parametrize(("runs", "seconds"), by_day(SIZES, (8, 2.0)))
+@pytest.mark.parametrize(("runs", "seconds"), mostly_nightly(SIZES, (8, 2.0)))
 @pytest.mark.parametrize("process", PROCESSES)
 def test_intervals_of_slow_and_fast_processes_hold_their_share(process, runs, seconds):
     rng = np.random.default_rng([runs, list(PROCESSES).index(process)])

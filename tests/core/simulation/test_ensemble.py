@@ -105,7 +105,7 @@ def test_standard_error_is_the_spread_of_repeated_experiments(runs):
     assert np.sqrt(np.mean(errors)) == pytest.approx(np.std(means, ddof=1), rel=0.17)
 
 
-def measured(plan):
+def simulate_plan(plan):
     results = batch.run_all(ensemble.runner(plan), plan.scene.run.runs)
     return ensemble.summarise(results, plan.shaken.peak_speed, 0.0), results
 
@@ -114,7 +114,7 @@ def measured(plan):
 @pytest.mark.parametrize("runs", [1, 3, 4, 9])
 def test_too_few_runs_are_said_instead_of_an_error_bar_however_long(runs, seconds):
     scene = scene_of(runs=runs, seconds=seconds)
-    summary, results = measured(fake_plan(steady, scene))
+    summary, results = simulate_plan(fake_plan(steady, scene))
     speed, se, *bounds = summary.speed.row(68, 95).values()
     assert speed == pytest.approx(np.mean([one.speed for one in results]))
     if runs < 4:
@@ -142,7 +142,7 @@ def test_failures_are_named_and_left_out_of_the_mean():
         steady(state, duration, tally)
         return TOPPLED if state[3] > 4.0 else OK
 
-    summary, results = measured(fake_plan(topples, scene_of(runs=32)))
+    summary, results = simulate_plan(fake_plan(topples, scene_of(runs=32)))
     good = [r.speed for r in results if r.outcome is Outcome.OK]
     assert 0 < len(good) < 32
     assert summary.outcomes == {"ok": len(good), "toppled": 32 - len(good)}

@@ -5,8 +5,8 @@ import math
 import mujoco
 import numpy as np
 import pytest
+from corner_rival import deepest_of
 from flat_cards import card
-from one_corner import deepest_of
 
 from walkergen.commands.export import mjcf
 from walkergen.core.errors import InputError
@@ -33,7 +33,7 @@ PAPER, DISC = (templates.load(name, "walkers", Design) for name in ("koumakis201
 WALKERS = {"flexible": PAPER, "braced": PAPER.variant(kind="braced", tilt_deg=0.0), "disc": DISC}
 
 
-def planned(design, lid_mm, scene=PLANE, **keys):
+def plan_under_lid(design, lid_mm, scene=PLANE, **keys):
     return prepare(scene.variant(**{"arena.lid_mm": lid_mm, **keys}), design, solids.mass_of(design))
 
 
@@ -45,7 +45,7 @@ def height_of(plan):
 @pytest.mark.parametrize("label", [0.1, 0.5, 1.0])
 def test_a_rigid_body_rebounds_by_the_closed_form_of_its_four_corners(label):
     keys = {"arena.wall_restitution": label, "run.step_us": 5.0}
-    plan = planned(WALKERS["braced"], 15.0, Scene.model_validate(STILL), **keys)
+    plan = plan_under_lid(WALKERS["braced"], 15.0, Scene.model_validate(STILL), **keys)
     walker = plan.world.walker
     lid = walker.place < 0.0
     damper = math.sqrt((walker.damper[lid] ** 2).sum())  # equal ones side by side: c adds up, its stiffness too
@@ -67,8 +67,8 @@ def test_a_rigid_body_rebounds_by_the_closed_form_of_its_four_corners(label):
 @pytest.mark.parametrize("name", WALKERS)
 def test_under_a_lid_energy_is_booked_and_no_corner_is_far_beyond_it(name):
     room = 0.3
-    lid_mm = height_of(planned(WALKERS[name], None)) + room
-    plan, state = drop_for_run(planned(WALKERS[name], lid_mm, **{"drive.gamma": 4.0}), 0)
+    lid_mm = height_of(plan_under_lid(WALKERS[name], None)) + room
+    plan, state = drop_for_run(plan_under_lid(WALKERS[name], lid_mm, **{"drive.gamma": 4.0}), 0)
     walker, tally = plan.world.walker, record.new_tally(len(state))
     before, deepest, pressed = energy(plan.world, state), 0.0, False
     lid = np.flatnonzero(walker.place < 0.0)
@@ -88,26 +88,26 @@ def test_under_a_lid_energy_is_booked_and_no_corner_is_far_beyond_it(name):
 
 
 def test_a_lid_that_nothing_reaches_changes_no_bit():
-    def speed(lid_mm, gamma):
+    def mean_speed(lid_mm, gamma):
         return simulate(
-            planned(PAPER, lid_mm, **{"run.seconds": 0.3, "run.discard_seconds": 0.1, "drive.gamma": gamma}), 0
+            plan_under_lid(PAPER, lid_mm, **{"run.seconds": 0.3, "run.discard_seconds": 0.1, "drive.gamma": gamma}), 0
         ).speed
 
-    assert speed(1000.0, 1.8) == speed(None, 1.8)
-    assert speed(10.7, 3.0) != speed(None, 3.0)
+    assert mean_speed(1000.0, 1.8) == mean_speed(None, 1.8)
+    assert mean_speed(10.7, 3.0) != mean_speed(None, 3.0)
 
 
-def crowded(design, lid_mm, places, scene=PLANE, **keys):
+def crowd_under_lid(design, lid_mm, places, scene=PLANE, **keys):
     scene = scene.variant(**{"arena.lid_mm": lid_mm, "crowd.arena_mm": "disc:80", **keys})
     kinds = [0] * len(places)
     return crowds.prepare(scene, [(design, solids.mass_of(design))], kinds, places, endless=len(places) == 1)
 
 
 def test_a_walker_alone_under_the_lid_of_a_crowd_is_the_one_that_simulate_runs():
-    plan = planned(DISC, height_of(planned(DISC, None)) + 0.3, **{"drive.gamma": 4.0, "run.seconds": 0.2})
+    plan = plan_under_lid(DISC, height_of(plan_under_lid(DISC, None)) + 0.3, **{"drive.gamma": 4.0, "run.seconds": 0.2})
     centre = plan.world.walker.centre
     scene = plan.case.scene
-    alone = crowded(DISC, scene.arena.lid_mm, np.array([[centre[0], -centre[2], 0.0]]), scene)
+    alone = crowd_under_lid(DISC, scene.arena.lid_mm, np.array([[centre[0], -centre[2], 0.0]]), scene)
     sampled = trajectory.sample_rows(simulate(plan, 3, sample_interval=0.01, sample_size=len(TRAJECTORY_COLUMNS)))
     assert np.array_equal(crowds.simulate(alone, 3, 100.0).poses[:, 0], sampled[:, 1:])
 
@@ -117,8 +117,8 @@ def test_discs_that_topple_in_the_open_stay_up_under_a_lid_and_push_each_other()
     shaken = {"drive.frequency_hz": 115.0, "drive.gamma": 6.0, "run.seconds": 0.6, "run.discard_seconds": 0.2}
     places = np.array([(x, y, 0.7 * (x - y)) for x in (-22.0, 0.0, 22.0) for y in (-11.0, 11.0)])
     open_, closed = (
-        crowds.simulate(crowded(DISC, lid_mm, places, **shaken), 0, 50.0)
-        for lid_mm in (None, height_of(planned(DISC, None)) + 0.8)
+        crowds.simulate(crowd_under_lid(DISC, lid_mm, places, **shaken), 0, 50.0)
+        for lid_mm in (None, height_of(plan_under_lid(DISC, None)) + 0.8)
     )
     assert set(closed.outcomes) == {"ok"}
     assert set(open_.outcomes) != {"ok"}
@@ -131,7 +131,7 @@ def test_a_card_knows_no_lid_but_its_own():
         in_plane.make_population(CrowdRequest(), PLANE.variant(**{"arena.lid_mm": 12.0}), [card()], [2])
 
 
-def turned(design):
+def mirror_image(design):
     """Mirror image of a design, x -> -x, legs listed the other way round."""
     legs = [
         leg.model_copy(update={"along_mm": -leg.along_mm, "tilt_deg": -leg.tilt_deg}) for leg in reversed(DISC.legs)
@@ -142,8 +142,8 @@ def turned(design):
 @pytest.mark.parametrize("name", WALKERS)
 def test_the_mirror_image_has_mirrored_points_and_runs_the_mirrored_way(name):
     ends = []
-    for sign, design in ((1.0, WALKERS[name]), (-1.0, turned(WALKERS[name]))):
-        plan = planned(design, height_of(planned(design, None)) + 0.3, **{"drive.gamma": 4.0})
+    for sign, design in ((1.0, WALKERS[name]), (-1.0, mirror_image(WALKERS[name]))):
+        plan = plan_under_lid(design, height_of(plan_under_lid(design, None)) + 0.3, **{"drive.gamma": 4.0})
         state = plan.initial_state(0.05, sign * 1e-3, 0.3, 0.0)
         plan.advance(state, 0.003, record.new_tally(len(state)))
         ends.append((plan.world.walker, state))
@@ -154,12 +154,12 @@ def test_the_mirror_image_has_mirrored_points_and_runs_the_mirrored_way(name):
 
 
 def test_mujoco_has_the_same_lid(tmp_path):
-    lid_mm = height_of(planned(DISC, None)) + 0.3
+    lid_mm = height_of(plan_under_lid(DISC, None)) + 0.3
     for name, data in mjcf.files(DISC, PLANE.variant(**{"arena.lid_mm": lid_mm})):
         (tmp_path / name).write_bytes(data)
     model = mujoco.MjModel.from_xml_path(str(next(tmp_path.glob("*.xml"))))
     data = mujoco.MjData(model)
-    plan = planned(DISC, lid_mm, **{"effects.off": ["leg_twist"]})
+    plan = plan_under_lid(DISC, lid_mm, **{"effects.off": ["leg_twist"]})
     walker = plan.world.walker
     lid = np.flatnonzero(walker.place < 0.0)
     depth, rise = 2e-4, 5.0

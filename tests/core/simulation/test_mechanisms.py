@@ -33,16 +33,16 @@ def scene_of(seconds, runs=4):
     return scene.model_copy(update={"run": scene.run.model_copy(update=short)})
 
 
-def simulated(design, seconds=0.5, runs=4):
+def simulate_design(design, seconds=0.5, runs=4):
     scene = scene_of(seconds, runs)
     return walkers.simulate(experiments.Walker(scene, design, solids.mass_of(design)), lambda *_: None)
 
 
-def by_theory(design):
+def theory_row(design):
     return prediction.make_row(design, solids.mass_of(design), scene_of(1.0), "coulomb", None)
 
 
-def changed(design, change):
+def change_legs(design, change):
     """Design with every leg of its list changed."""
     data = design.model_dump(exclude_unset=True)
     return Design.model_validate(data | {"legs": [change(leg) for leg in data["legs"]]})
@@ -55,7 +55,7 @@ def test_template_prints_and_predicts(name):
     members = design.members()
     report = checks.check(members, [1] * len(members), printer)
     assert not [finding for finding in report.findings if finding.level == "error"]
-    row = by_theory(design)
+    row = theory_row(design)
     assert "balanced over" in row.theory_note
     if name == "rotator":
         assert row.theory_mm_s == pytest.approx(0.0, abs=0.1)  # its own mirror image from the side
@@ -72,9 +72,9 @@ def test_rigid_walkers_run_forward_and_their_mirror_images_backward(name):
     def ahead(leg):
         return leg | {"along_mm": -leg["along_mm"], "tilt_deg": -leg["tilt_deg"]}
 
-    for walker, way in ((design, 1.0), (changed(design, ahead), -1.0)):
-        row = by_theory(walker)
-        speed, se = simulated(walker).summary.speed.pair
+    for walker, way in ((design, 1.0), (change_legs(design, ahead), -1.0)):
+        row = theory_row(walker)
+        speed, se = simulate_design(walker).summary.speed.pair
         assert way * row.theory_mm_s > 1.0
         assert way * speed > max(1.0, 3.0 * se)
 
@@ -82,8 +82,8 @@ def test_rigid_walkers_run_forward_and_their_mirror_images_backward(name):
 def test_bristle_runs_as_fast_as_the_theory_says():
     """18 legs, of which 6 are seen from the side; 60 mm/s simulated in 2 s, 68 by the theory."""
     design = load("bristle")
-    row = by_theory(design)
-    found = simulated(design, 0.1, 2).summary.speed.value
+    row = theory_row(design)
+    found = simulate_design(design, 0.1, 2).summary.speed.value
     assert 0.5 < found / row.theory_mm_s < 1.5
 
 
@@ -91,19 +91,19 @@ def test_brush_of_one_row_of_two_is_the_pair():
     pair = load("koumakis2016")
     legs = [Leg(tilt_deg=10.0, along_mm=x).model_dump(exclude_unset=True) for x in (-6.5, 6.5)]
     brush = Design.model_validate(pair.model_dump(exclude_unset=True) | {"legs": legs})
-    one, other = (simulated(design, 0.2, 2).results for design in (pair, brush))
+    one, other = (simulate_design(design, 0.2, 2).results for design in (pair, brush))
     assert [run.speed for run in one] == [run.speed for run in other]
 
 
 def test_rotator_turns_on_the_spot_and_its_mirror_image_the_other_way():
     design = load("rotator")
 
-    def exchanged(leg):
+    def swap_sides(leg):
         return leg | {"mirrored": not leg.get("mirrored", False)}
 
     rates = []
-    for walker in (design, changed(design, exchanged)):
-        runs = simulated(walker, 0.5).results
+    for walker in (design, change_legs(design, swap_sides)):
+        runs = simulate_design(walker, 0.5).results
         turned = [np.unwrap(run.places[:, 2])[-1] - run.places[0, 2] for run in runs]
         rate = np.array(turned) / 0.5
         assert abs(rate.mean()) > 3.0  # 5.8 rad/s in plane-90hz

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from motor_rival import carrying, fly, fly_there, pointed, speeds_there, throwing
+from motor_rival import carrying, concentrate_rotor, fly, fly_there, speeds_there, throwing
 from space_rival import weightless
 
 from walkergen.core.drive import Drive
@@ -30,7 +30,7 @@ OFF = {"along_mm": 5.0, "up_mm": 3.0, "across_mm": 2.0}
 SLOW = {"run": {"seconds": 0.5, "discard_seconds": 0.25, "runs": 1}}
 
 
-def centred(axis):
+def centred_motor_plan(axis):
     """Plan of a braced, weightless walker whose motor sits in its centre of mass."""
     keys = {"eccentric_g_mm": 0.05, "axis": axis}
     plan = carrying(keys, kind="braced")
@@ -47,7 +47,7 @@ def centred(axis):
 
 @pytest.mark.parametrize("axis", ["along", "across", "up", [0.3, 0.5, 0.8]])
 def test_a_free_walker_draws_a_circle_of_the_moment_over_the_mass(axis):
-    plan = centred(axis)
+    plan = centred_motor_plan(axis)
     rotor, mass = plan.world.acting.motor, plan.world.walker.mass
     state, places = plan.initial_state(500.0, 0.0, 0.3), []
     for _ in range(16):
@@ -86,7 +86,7 @@ def test_in_flight_it_moves_as_a_real_mass_on_a_hinge(axis):
     """MuJoCo turns a mass of 5 mg at 1 mm; legs swing, and the rotor's spin tilts the body."""
     free = {"effects": {"off": ["leg_twist"]}}
     keys = {"eccentric_g_mm": 0.005, "axis": axis}
-    plan, _ = pointed(weightless(carrying(keys, OFF, **free)), 1.0)
+    plan, _ = concentrate_rotor(weightless(carrying(keys, OFF, **free)), 1.0)
     walker, rotor = plan.world.walker, plan.world.acting.motor
     seconds, phase = 2.25 * 2.0 * math.pi / rotor.omega, 0.3
     ours = fly(plan, seconds, phase)

@@ -28,7 +28,7 @@ def plan_of(tilt=10.0, kind="flexible", label=0.8, **run):
     return prepare(Scene.model_validate(tables), design, solids.mass_of(design))
 
 
-def measured(plan):
+def measure_numbers(plan):
     """Numbers of a plan with their errors and biases, by name."""
     results = batch.run_all(ensemble.runner(plan), plan.scene.run.runs)
     found = ensemble.summarise(results, plan.shaken.peak_speed, 0.0)
@@ -68,7 +68,7 @@ def test_impulses_by_type_are_those_of_all_impacts_kept():
 
 def test_errors_of_all_observables_cover_the_scatter_between_ensembles():
     """16 ensembles of 8 runs: the mean square of z over names and ensembles is about one."""
-    all_of = [measured(plan_of(seconds=0.5, seed=seed)) for seed in range(16)]
+    all_of = [measure_numbers(plan_of(seconds=0.5, seed=seed)) for seed in range(16)]
     squares = []
     for name in (observables.IMPACTS, observables.CONTACT, FRICTION):
         values, errors = np.array([found[name].pair for found in all_of]).T
@@ -104,7 +104,7 @@ def test_a_step_five_times_finer_changes_nothing_by_more_than_its_error(tilt, la
     coarse = plan_of(tilt, kind, label, seconds=2.0)
     fine = coarse.world.options.step / 5.0
     told = plan_of(tilt, kind, label, seconds=1.0, step_us=1e6 * fine)
-    assert close(measured(coarse), measured(told), observables.OBSERVABLE_NAMES) == []
+    assert close(measure_numbers(coarse), measure_numbers(told), observables.OBSERVABLE_NAMES) == []
 
 
 def test_finer_steps_have_smaller_errors_and_coarser_none():

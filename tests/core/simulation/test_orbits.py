@@ -15,7 +15,7 @@ LOCKED = ("simulate", "--scene", "lane-90hz", "--restitution", "0.8", "--seconds
 
 
 @pytest.fixture
-def locked(monkeypatch):
+def locked_runs(monkeypatch):
     """Runs that all end on one orbit."""
     monkeypatch.setattr(ensemble, "common_orbit", lambda speeds, plate_speed: ensemble.ORBIT)
 
@@ -35,7 +35,7 @@ def test_only_runs_that_agree_to_rounding_share_an_orbit():
     assert ensemble.common_orbit(np.random.default_rng(1).normal(97.0, 0.1, 4), 31.2) == ""
 
 
-def test_runs_on_one_orbit_tell_no_error_and_prints_the_bounds(locked):
+def test_runs_on_one_orbit_tell_no_error_and_prints_the_bounds(locked_runs):
     found = json.loads(simulate("--tilt", "10", "--json"))
     assert found["orbit"]["kind"] == ensemble.ORBIT
     assert found["orbit"]["draws"] == 24
@@ -49,7 +49,7 @@ def test_chaotic_runs_share_none():
     assert json.loads(simulate("--tilt", "5", "--json"))["orbit"] is None
 
 
-def test_the_summary_and_the_table_say_so(locked):
+def test_the_summary_and_the_table_say_so(locked_runs):
     text = " ".join(simulate("--tilt", "10").split())
     assert "; one periodic orbit: all runs end so, and tell no error" in text
     assert "(95 %), by 24 draws" in text
@@ -59,7 +59,7 @@ def test_the_summary_and_the_table_say_so(locked):
     assert "(o): all runs end so (one periodic orbit) and tell no error" in table
 
 
-def test_without_anything_uncertain_the_reason_is_given(locked):
+def test_without_anything_uncertain_the_reason_is_given(locked_runs):
     keys = (
         "scene.contact.restitution_sd",
         "scene.contact.friction_sd",
@@ -76,7 +76,7 @@ def test_without_anything_uncertain_the_reason_is_given(locked):
     assert "no standard deviation above 0" in found["orbit"]["note"]
 
 
-def test_in_python_too(locked):
+def test_in_python_too(locked_runs):
     scene = wg.load("lane-90hz").variant(**{"contact.restitution": 0.8})
     runs = wg.simulate("koumakis2016", scene, tilt=10, seconds=1, runs=4)
     assert np.isnan(runs.speed.se)
@@ -91,7 +91,7 @@ def test_a_walker_at_rest_is_told_so():
     assert "at rest: all runs end so, and tell no error" in text
 
 
-def test_a_family_beside_its_runs_prints_no_error_of_an_orbit(locked, tmp_path):
+def test_a_family_beside_its_runs_prints_no_error_of_an_orbit(locked_runs, tmp_path):
     words = shlex.split(
         "family koumakis2016 --scene lane-90hz --tilt 10 --legs flexible --simulate --no-pictures --json"
     )

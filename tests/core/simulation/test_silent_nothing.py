@@ -34,7 +34,7 @@ def scene_of(**keys):
     return SCENE.variant(**keys)
 
 
-def planned(scene, design=None):
+def make_plan(scene, design=None):
     design = design or Design()
     return prepare(scene, design, solids.mass_of(design))
 
@@ -42,8 +42,8 @@ def planned(scene, design=None):
 @pytest.mark.parametrize("switch", NUMBERS)
 def test_an_effect_without_its_number_cannot_be_forced_on(switch):
     with pytest.raises(InputError, match=rf'effects.on = \["{switch}"\]: {NUMBERS[switch]}'):
-        planned(scene_of(**{"effects.on": [switch]}))
-    assert not planned(scene_of(**{"effects.off": [switch]})).resolved.idle
+        make_plan(scene_of(**{"effects.on": [switch]}))
+    assert not make_plan(scene_of(**{"effects.off": [switch]})).resolved.idle
 
 
 TURNED = {
@@ -85,19 +85,19 @@ OF_OTHERS = {
 """Keys that say how long, how many or by whom: of a motor, which another test has, and of whole jobs."""
 
 
-def moved(scene, design=None, seconds=SECONDS):
+def state_after(scene, design=None, seconds=SECONDS):
     """State after a while, and the line on keys without a part."""
-    plan = planned(scene, design)
+    plan = make_plan(scene, design)
     plan, state = drop_for_run(plan, 0)
     state[V_Z] += 100.0  # toward a wall
     plan.advance(state, seconds, record.new_tally(len(state)))
     return state, plan.resolved.idle
 
 
-def tried(keys):
-    """What `moved` gives, or the message of a refusal."""
+def state_or_refusal(keys):
+    """What `state_after` gives, or the message of a refusal."""
     try:
-        return moved(scene_of(**keys))
+        return state_after(scene_of(**keys))
     except InputError as error:
         return str(error)
 
@@ -123,12 +123,12 @@ def test_all_keys_of_a_scene_are_turned():
 @pytest.mark.slow
 @pytest.mark.parametrize("numbers", [{}, TAUT | WALLED], ids=["plain", "rich"])
 def test_a_key_of_a_scene_changes_the_motion_or_is_named(numbers):
-    still, line = moved(scene_of(**numbers))
+    still, line = state_after(scene_of(**numbers))
     assert not line
     for table, keys in TURNED.items():
         for key, value in keys.items():
             dotted = f"{table}.{key}"
-            turned = tried(numbers | {dotted: value})
+            turned = state_or_refusal(numbers | {dotted: value})
             if isinstance(turned, str):
                 assert key in turned or f"{table}:" in turned, dotted
                 assert "\n" not in turned, dotted
@@ -161,13 +161,13 @@ OF_THE_DESIGN = {
 @pytest.mark.parametrize("key", OF_THE_DESIGN)
 def test_a_key_of_a_design_changes_the_motion(key):
     other = Design().variant(**{key: OF_THE_DESIGN[key]})
-    (plain, _), (state, _) = moved(scene_of()), moved(scene_of(), other)
+    (plain, _), (state, _) = state_after(scene_of()), state_after(scene_of(), other)
     assert len(state) != len(plain) or not np.array_equal(state, plain)
 
 
 def test_keys_without_a_part_are_named_in_one_line():
     scene = scene_of(**{"legs.damping_ratio": 0.1, "effects.off": ["roll_and_yaw"], "arena.gap_mm": 9.0})
-    line = planned(scene, Design().variant(kind="braced")).resolved.idle
+    line = make_plan(scene, Design().variant(kind="braced")).resolved.idle
     for key in ("legs.damping_ratio (no leg swings)", "arena.gap_mm (no walls)"):
         assert line.count(key) == 1
     assert "\n" not in line

@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from night import by_day
+from nightly_cases import mostly_nightly
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
@@ -68,7 +68,7 @@ RUNS = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", by_day(RUNS, *(name for name in RUNS if name != "a plate of 1 GHz")))
+@pytest.mark.parametrize("name", mostly_nightly(RUNS, *(name for name in RUNS if name != "a plate of 1 GHz")))
 def test_numbers_at_the_edge_run_to_an_honest_end(run, name):
     result = run(RUNS[name])
     assert result.exit_code == 0, (result.output, result.exception)

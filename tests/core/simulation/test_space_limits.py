@@ -140,7 +140,7 @@ def angular_momentum(plan, state):
     return L + 2.0 * np.cross(v, np.cross(v, L) + q * L)
 
 
-def spun(turns, steady, wobble):
+def free_rotation_errors(turns, steady, wobble):
     """Errors of angular momentum, energy and |q| after so many turns, and the heading."""
     plan = weightless(plan_of(10, "braced"))
     state = plan.initial_state(1e3, 0.0, 0.0, 0.0)
@@ -170,7 +170,7 @@ def heading_by_euler(turns, steady, wobble):
 
 
 def check_top(turns, steady, wobble):
-    change, energy, length, heading = spun(turns, steady, wobble)
+    change, energy, length, heading = free_rotation_errors(turns, steady, wobble)
     # What the passes of an implicit midpoint step leave in 300 steps a turn, of 0.02 rad; three leave 1e-8
     assert change < 1e-10 * turns + 1e-9
     assert energy < 1e-8 * turns
@@ -186,7 +186,7 @@ def test_free_top_keeps_what_it_must_and_counts_its_turns():
 
 def test_free_top_turns_as_by_eulers_equations():
     # 1e-4: second order of steps of 0.02 rad
-    found = spun(20, 100.0, 20.0)[-1]
+    found = free_rotation_errors(20, 100.0, 20.0)[-1]
     assert found == pytest.approx(heading_by_euler(20, 100.0, 20.0), rel=1e-4)
 
 
@@ -204,7 +204,7 @@ def test_a_body_that_spins_fast_flies_by_parts_of_its_own_step(spin, momentum):
     assert np.abs(angular_momentum(plan, state) - before).max() < momentum * np.abs(before).max()
 
 
-def shown(plan, state):
+def shown_geometry(plan, state):
     """Place of O, rotation, and corners by the rival's geometry, of what a state shows."""
     work = work_for(plan.world.walker, state)
     place(plan.world, state, work)
@@ -228,7 +228,7 @@ def anywhere(plan, rng):
     return state
 
 
-def moved(plan, state, seconds):
+def drift_state(plan, state, seconds):
     """State a moment later: C drifts, the body turns, legs swing, all at their present rates."""
     later = state.copy()
     rates = state[LEGS + 4 : LEGS + 8]
@@ -262,11 +262,11 @@ def test_corners_and_their_velocities_are_those_of_the_geometry(seed):
     plan = plan_of(10)
     world, walker = plan.world, plan.world.walker
     state = anywhere(plan, np.random.default_rng(seed))
-    work, _, corners = shown(plan, state)
+    work, _, corners = shown_geometry(plan, state)
     # 1e-12 mm: rounding
     np.testing.assert_allclose(work.points["gap"], corners[:, 1], rtol=0, atol=1e-12)
     step = 1e-6
-    ahead, behind = (shown(plan, moved(plan, state, t))[2] for t in (step, -step))
+    ahead, behind = (shown_geometry(plan, drift_state(plan, state, t))[2] for t in (step, -step))
     expected = (ahead - behind) / (2.0 * step)
     found = [work.R @ point_velocity(state, work.now, work.points, walker.shift, walker.leg[k], 2, k) for k in range(4)]
     # 1e-6 mm/s: third order in the step of the differences, 1e-5 rad, and their rounding
@@ -297,7 +297,7 @@ def test_inverse_mass_and_energy_turn_with_the_walker(tilt):
     rival = Walker(plan.case.design, plan.case.mass)
     state = anywhere(plan, rng)
     state[LEGS : LEGS + 4] = 0.0
-    work, _, _ = shown(plan, state)
+    work, _, _ = shown_geometry(plan, state)
     # Rates of the rival: v_O by the velocity of O, w by the locked rate less what joints add
     rates = state[LEGS + 4 : LEGS + 8]
     spin = work.now[3:]
@@ -330,16 +330,16 @@ def planar_mobility(mass):
         turn = np.zeros(5)
         turn[[2, 3 + number]] = 1.0
 
-        def moved(reach, leg=leg, number=number):
+        def point_rates(reach, leg=leg, number=number):
             """Rates of the point of the leg at `reach` from its anchor."""
             whole = leg.anchor + reach
             rows = np.array([[1.0, 0.0, -whole[1], 0.0, 0.0], [0.0, 1.0, whole[0], 0.0, 0.0]])
             rows[:, 3 + number] = -reach[1], reach[0]
             return rows
 
-        centre = moved(leg.c_A)
+        centre = point_rates(leg.c_A)
         M += leg.m * centre.T @ centre + leg.j * np.outer(turn, turn)
-        feet.append(moved(leg.c_A + leg.c_T))
+        feet.append(point_rates(leg.c_A + leg.c_T))
     rows = np.concatenate(feet)
     return rows @ np.linalg.inv(M) @ rows.T
 

@@ -60,7 +60,7 @@ def stiff(tilt, label, friction):
     return plan._replace(world=plan.world._replace(walker=walker))
 
 
-def compared(plan, velocity, signs, law):
+def impulse_and_rival(plan, velocity, signs, law):
     """Impulse of a corner in the simulator, and by Keller's equation."""
     contact = plan.scene.contact
     _, events, found = land(plan, velocity, 1e-4 * signs[0], 1e-4 * signs[1])
@@ -79,7 +79,7 @@ def test_stiff_corner_obeys_kellers_equation(tilt, friction, label):
     plan, rng = stiff(tilt, label, friction), np.random.default_rng([tilt, int(100 * friction)])
     for signs in CORNERS:
         velocity = np.array([rng.normal() * 30.0, -30.0, rng.normal() * 15.0])
-        found, expected = compared(plan, velocity, signs, "viscous")
+        found, expected = impulse_and_rival(plan, velocity, signs, "viscous")
         # 2 %: slip that turns back strains a tangential spring of 1000 k_n first, which counts most
         # where friction has undone most of the impulse; 0.3 % by a pose of 1e-4 rad
         np.testing.assert_allclose(found, expected, rtol=0, atol=2e-2 * math.sqrt(expected @ expected))
@@ -88,8 +88,8 @@ def test_stiff_corner_obeys_kellers_equation(tilt, friction, label):
 def test_elastic_feet_restore_energy_not_impulse():
     """Where slip changes in a landing, Stronge's law and Poisson's differ: undamped feet obey Stronge's."""
     plan, velocity = stiff(20, 1.0, 0.25), np.array([48.8, -30.0, -21.2])
-    found, stronge = compared(plan, velocity, (1.0, -1.0), "stronge")
-    _, poisson = compared(plan, velocity, (1.0, -1.0), "poisson")
+    found, stronge = impulse_and_rival(plan, velocity, (1.0, -1.0), "stronge")
+    _, poisson = impulse_and_rival(plan, velocity, (1.0, -1.0), "poisson")
     size = math.sqrt(stronge @ stronge)
     assert np.abs(found - stronge).max() < 0.01 * size  # step and tangential spring as above
     assert np.abs(found - poisson).max() > 0.05 * size
@@ -99,7 +99,7 @@ HELD = {"effects": {"off": ["roll_and_yaw"]}}
 """Tables of a scene in which the walker is held in its plane."""
 
 
-def speed(tilt, label, seconds, finer=1.0, **tables):
+def mean_speed(tilt, label, seconds, finer=1.0, **tables):
     """Mean speed and its standard error (mm/s) on the paper's plate: eight runs by steps `finer` than the own."""
     design = Design().variant(tilt_deg=float(tilt))
     contact = {"restitution": label, "friction": 0.25} | tables.pop("contact", {})
@@ -120,7 +120,7 @@ RIGID = {"rigid_tips": True}
     ("tilt", "label", "expected"), [(5, 0.3, 40.0), (10, 0.5, 111.0), (15, 0.3, 55.0), (20, 0.5, 22.0), (35, 0.3, 3.0)]
 )
 def test_elastic_feet_in_the_plane_run_as_another_integrator_says(tilt, label, expected):
-    found, error = speed(tilt, label, 3.0, feet=RIGID, **HELD)
+    found, error = mean_speed(tilt, label, 3.0, feet=RIGID, **HELD)
     # 1.5 mm/s: errors of the other's speeds. 10 %: its tangential dampers are not known; without
     # any the speeds here are 11 and 3 % lower at 10 deg, 18 % at 15 deg (labels 0.3, 0.5; 0.5)
     assert found == pytest.approx(expected, abs=3.0 * error + 0.1 * expected + 1.5)
@@ -138,7 +138,7 @@ def test_compliant_tips_run_as_in_a_second_program(tilt, gamma):
     """Free to roll, turn and twist, default contact. At 5 deg and 1.8 g 40.0 +- 0.3 for the other's 39.9 +- 1.1."""
     scene = {"arena": {"kind": "plane"}, "drive": {"frequency_hz": 90.0, "gamma": gamma}}
     friction = Scene().contact.friction
-    found, error = speed(tilt, Scene().contact.restitution, 4.0, contact={"friction": friction}, **scene)
+    found, error = mean_speed(tilt, Scene().contact.restitution, 4.0, contact={"friction": friction}, **scene)
     runs = speeds(plan_of(tilt, **scene), 3.0, range(6), 3e-6)
     other = runs.std(ddof=1) / math.sqrt(len(runs))
     # 3 %: explicit steps of the other, first order in the damper, and its errors of six runs, known to a third
@@ -160,7 +160,7 @@ def test_inverse_mass_at_the_corners_is_that_of_mujoco(tilt):
 def test_feet_that_hardly_rebound_run_as_by_a_tenth_of_their_step(tilt, feet):
     """Undivided by the damping ratio, the step gave 11 mm/s for 20 at 10 deg on rigid tips."""
     plane = {"arena": {"kind": "plane"}, "feet": feet}
-    found, error = speed(tilt, 0.02, 4.0, **plane)
-    expected, other = speed(tilt, 0.02, 4.0, finer=10.0, **plane)
+    found, error = mean_speed(tilt, 0.02, 4.0, **plane)
+    expected, other = mean_speed(tilt, 0.02, 4.0, finer=10.0, **plane)
     # 3 % and 1 % of the plate's 31.2 mm/s: what is stated of the own step
     assert found == pytest.approx(expected, abs=3.0 * math.hypot(error, other) + 0.03 * expected + 0.31)

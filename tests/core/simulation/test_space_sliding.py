@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from one_corner import Corner, Rival, land
+from corner_rival import Corner, Rival, land
 
 from walkergen.core.simulation import record
 from walkergen.core.simulation.space.tips import stretch_directions

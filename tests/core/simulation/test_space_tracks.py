@@ -40,7 +40,7 @@ def run(tmp_path, monkeypatch):
     return call
 
 
-def read(tmp_path, text, units=Units()):  # noqa: B008
+def read_text(tmp_path, text, units=Units()):  # noqa: B008
     path = tmp_path / "tracks.csv"
     path.write_text(text, encoding="utf-8")
     return track_files.read_tracks(path, units)
@@ -52,7 +52,7 @@ TURNING = HEADER + "".join(
 
 
 def test_a_file_with_a_heading_is_a_planes_whose_y_lies_on_the_plate(tmp_path):
-    found = read(tmp_path, TURNING)
+    found = read_text(tmp_path, TURNING)
     assert not found.lane
     assert found.interval == pytest.approx(0.01)
     assert [track.particle for track in found.tracks] == [0, 3]
@@ -61,7 +61,7 @@ def test_a_file_with_a_heading_is_a_planes_whose_y_lies_on_the_plate(tmp_path):
 
 
 def test_a_planes_file_as_a_lane_has_no_heading(tmp_path):
-    found = read(tmp_path, TURNING, Units(lane=True))
+    found = read_text(tmp_path, TURNING, Units(lane=True))
     assert found.lane
     assert found.tracks[0].heading is None
     np.testing.assert_allclose(found.tracks[0].position[:, 0], [0, 1, 2])
@@ -69,9 +69,9 @@ def test_a_planes_file_as_a_lane_has_no_heading(tmp_path):
 
 def test_a_planes_file_needs_y_and_is_not_turned_over(tmp_path):
     with pytest.raises(InputError, match="no column 'y'"):
-        read(tmp_path, "t_s,x_mm,theta_rad\n0,1,0\n1,2,0\n")
+        read_text(tmp_path, "t_s,x_mm,theta_rad\n0,1,0\n1,2,0\n")
     with pytest.raises(InputError, match="y to the left of x; leave it out"):
-        read(tmp_path, TURNING, Units(y_down=True))
+        read_text(tmp_path, TURNING, Units(y_down=True))
 
 
 def test_tracks_in_a_lane_have_a_particle_and_are_seen_from_above(run, tmp_path):

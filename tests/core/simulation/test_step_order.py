@@ -22,7 +22,7 @@ DESIGN = Design()
 MASS = solids.mass_of(DESIGN)
 
 
-def stepped(plan, share):
+def change_step(plan, share):
     """The plan by a share of the step that resolves the feet."""
     run = plan.scene.run.model_copy(update={"step_us": 1e6 * share * prepare(Scene(), DESIGN, MASS).world.options.step})
     return prepare(plan.scene.model_copy(update={"run": run}), DESIGN, MASS)
@@ -35,7 +35,7 @@ def sliding():
     drive = {"frequency_hz": scene.drive.frequency, "gamma": 0.3}
     plan = prepare(Scene.model_validate({"drive": drive, "plate": {"slope_deg": slope}}), DESIGN, MASS)
     state = plan.initial_state(0.0, 0.0, 1.0)
-    stepped(plan, 0.25).advance(state, 0.02, record.new_tally(len(state)))
+    change_step(plan, 0.25).advance(state, 0.02, record.new_tally(len(state)))
     return plan, [state], 0.005
 
 
@@ -74,7 +74,7 @@ def test_the_step_errs_by_the_order_that_is_claimed(scene, claimed, allowance):
     Tolerances: frames end at other instants for other steps; 32 drops leave 20 % of an error.
     """
     plan, starts, seconds = scene()
-    true = ends(stepped(plan, EXACT_SHARE), starts, seconds)
-    errors = [np.abs(ends(stepped(plan, share), starts, seconds) - true).max() for share in SHARES]
+    true = ends(change_step(plan, EXACT_SHARE), starts, seconds)
+    errors = [np.abs(ends(change_step(plan, share), starts, seconds) - true).max() for share in SHARES]
     slope, _ = convergence_order(SHARES, errors)
     assert slope == pytest.approx(claimed, abs=allowance)

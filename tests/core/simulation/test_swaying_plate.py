@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from one_corner import deepest_of
+from corner_rival import deepest_of
 
 from walkergen.core.errors import InputError
 from walkergen.core.scene import GRAVITY, Scene
@@ -37,7 +37,7 @@ RIGID = {"feet.rigid_tips": True}
 """Feet of a block that slides as a rigid one."""
 
 
-def planned(design, **keys):
+def make_plan(design, **keys):
     return prepare(PLANE.variant(**keys), design, solids.mass_of(design))
 
 
@@ -51,7 +51,7 @@ def test_a_box_that_lands_is_pushed_as_the_plate_moves_by_friction_times_its_reb
     fastest = sign * math.cos(math.radians(phase)) * 40.0 * 0.2 * GRAVITY / OMEGA
     pushes = []
     for own, thrown in ((keys, 0.0), ({}, -fastest)):
-        plan = planned(BOX, **RIGID | {"drive.gamma": 0.2, "contact.friction": 0.05}, **own)
+        plan = make_plan(BOX, **RIGID | {"drive.gamma": 0.2, "contact.friction": 0.05}, **own)
         state = plan.initial_state(0.05, 0.0, 0.0)
         state[V_Y], state[axis] = -100.0, thrown
         plan.advance(state, 0.0012, record.new_tally(len(state)))
@@ -82,7 +82,7 @@ def sliding(gamma, ratio, phase, friction, periods):
 def test_a_block_drifts_as_on_a_vibrating_conveyor(phase):
     """Motion along and up with a lag between them conveys what slides: its sense turns over with the phase."""
     gamma, ratio, friction = 0.6, 1.5, 0.25
-    plan = planned(
+    plan = make_plan(
         BOX,
         **RIGID
         | {
@@ -105,7 +105,7 @@ def test_a_block_rides_along_until_friction_gives_way():
     ways = []
     for ratio in (0.4, 0.6):  # peak accelerations of 0.2 and 0.3 g along, friction holds 0.25 g less a half
         shaken = {"drive.gamma": 0.05, "plate.horizontal_ratio": [10 * ratio, 0.0], "contact.friction": 0.25}
-        plan = planned(BOX, **RIGID | shaken)
+        plan = make_plan(BOX, **RIGID | shaken)
         state = plan.initial_state(1e-4, 0.0, 0.0)
         plan.advance(state, 4 * PERIOD, record.new_tally(len(state)))
         size = 10.0 * ratio * plan.world.drive.amplitude
@@ -127,7 +127,7 @@ def test_far_from_the_start_it_is_a_plate_of_another_amplitude_and_phase(key, to
     size, ahead = (1.0 + change, 0.0) if key == "gradient" else (math.hypot(1.0, change), math.atan(change))
     ends = []
     for gamma, phase, own in ((1.8, 0.3, keys), (1.8 * size, 0.3 + ahead, {})):
-        plan = planned(PAPER, **{"drive.gamma": gamma, "run.step_us": 0.2, **own})
+        plan = make_plan(PAPER, **{"drive.gamma": gamma, "run.step_us": 0.2, **own})
         state = plan.initial_state(0.05, 1e-3, phase, 2e-3)
         shift = far * np.array([math.cos(math.radians(toward)), -math.sin(math.radians(toward))])
         if own:
@@ -154,7 +154,7 @@ def test_far_from_the_start_it_is_a_plate_of_another_amplitude_and_phase(key, to
     ids=["plane", "lid", "rough", "walls", "rigid tips"],
 )
 def test_energy_is_booked_and_no_corner_sinks_in(keys):
-    plan, state = drop_for_run(planned(PAPER, **EVERYTHING | keys), 0)
+    plan, state = drop_for_run(make_plan(PAPER, **EVERYTHING | keys), 0)
     walker, tally = plan.world.walker, record.new_tally(len(state))
     before, deepest = energy(plan.world, state), 0.0
     state[[C_X]] += 8.0
@@ -178,7 +178,7 @@ def test_the_mirror_image_runs_the_mirrored_way():
         turned = {"plate.gradient_percent_per_mm": [sign * 2.0, 0.0]}
         turned |= {"plate.rocking_percent_per_mm": [sign * 3.0, 0.0]}
         turned |= {"plate.horizontal_phase_deg": [60.0 if sign > 0.0 else 240.0, -100.0]}
-        plan = planned(design, **EVERYTHING | turned)
+        plan = make_plan(design, **EVERYTHING | turned)
         state = plan.initial_state(0.05, sign * 1e-3, 0.3)
         plan.advance(state, 0.006, record.new_tally(len(state)))
         ends.append(state[[C_X, C_X + 1, C_Z, V_X, V_Y, V_Z]] * (sign, 1.0, 1.0, sign, 1.0, 1.0))
@@ -189,7 +189,7 @@ def test_switched_off_it_is_as_if_it_were_not_there():
     off = {"effects.off": ["plate_along", "plate_gradient", "plate_rocking"]}
     ends = []
     for keys in (EVERYTHING | off, {}):
-        plan, state = drop_for_run(planned(PAPER, **keys), 0)
+        plan, state = drop_for_run(make_plan(PAPER, **keys), 0)
         plan.advance(state, 0.05, record.new_tally(len(state)))
         ends.append(state)
     np.testing.assert_array_equal(*ends)
@@ -210,7 +210,7 @@ def test_switched_off_it_is_as_if_it_were_not_there():
 )
 def test_what_cannot_be_is_refused_in_one_line(keys, words):
     with pytest.raises(InputError, match=words) as caught:
-        planned(PAPER, **keys)
+        make_plan(PAPER, **keys)
     assert "\n" not in str(caught.value)
 
 

@@ -10,9 +10,9 @@ import re
 
 import numpy as np
 import pytest
+from corner_rival import deepest_of
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
-from one_corner import deepest_of
 
 from walkergen.core.errors import InputError
 from walkergen.core.files import config
@@ -182,7 +182,7 @@ def walkers(draw, plates):
     return tables
 
 
-def built(tables):
+def build_plan(tables):
     """Plan of an example, with as many steps as it may take, or raises InputError."""
     design = config.validate(
         {key: tables[key] for key in ("body", "legs", "material", "weighed", "stance") if key in tables},
@@ -227,7 +227,7 @@ def check_solid(design):
         assert volume > 0.0
 
 
-def drawn(plan):
+def sample_plan(plan):
     """Plan of run 0 with its own print and plate, drawn as `simulate` draws them."""
     rng = np.random.default_rng([plan.scene.run.seed, 0])
     rng.uniform(size=4)  # the drop
@@ -266,7 +266,7 @@ def check_motion(plan, result):
 
     # A foot's spring takes at most the whole walker's energy, and its weight on a rising plate.
     drive = plan.scene.drive
-    world = drawn(plan).world
+    world = sample_plan(plan).world
     walker, noise = world.walker, world.acting.noise
     plate = plan.scene.plate  # along itself, and by slopes as much again where a walker may get
     swayed = 1.0 + (sum(plate.horizontal_ratio) + 2.0 if plate.sways else 0.0)
@@ -296,7 +296,7 @@ def check_motion(plan, result):
 def check(tables):
     """How an example ends; fails where it is neither refused by name nor lawful."""
     try:
-        plan = built(tables)
+        plan = build_plan(tables)
     except InputError as error:
         check_refusal(error, tables)
         return "refused: " + type(error).__name__
@@ -309,7 +309,7 @@ def check(tables):
         # The outcome tells the user to take a smaller step, which then has to do.
         step_us = max(1e6 * plan.world.options.step / FINER, 0.01)
         finer = tables | {"run": tables["run"] | {"step_us": step_us}}
-        plan = built(finer)
+        plan = build_plan(finer)
         result = simulate(plan, 0, sample_interval=interval, event_room=MOST_EVENTS)
         event("finer steps")
     check_motion(plan, result)

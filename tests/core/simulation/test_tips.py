@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from one_corner import Corner, Rival, land
+from corner_rival import Corner, Rival, land
 from scipy.integrate import quad
 from scipy.special import beta
 from space_rival import land as land_walker
@@ -94,7 +94,7 @@ RATIOS = [0.01, 1.0, 100.0]
 """Tangent stiffness of the tip at its greatest depth over that of the leg."""
 
 
-def beside(ratio, speed):
+def leg_stiffness(ratio, speed):
     """Stiffness of a leg of which a tip has so large a share."""
     return 1.5 * TIP * math.sqrt(hertz(MASS, speed, TIP)[0]) / ratio
 
@@ -103,7 +103,7 @@ def beside(ratio, speed):
 @pytest.mark.parametrize("ratio", RATIOS)
 @pytest.mark.parametrize("speed", [1.0, 100.0, 1e4])
 def test_corner_rebounds_with_its_restitution_at_any_speed_on_any_leg(speed, ratio, e):
-    corner = corner_of(beside(ratio, speed), e=e)
+    corner = corner_of(leg_stiffness(ratio, speed), e=e)
     by_steps = [land(corner, (-speed, 0.0, 0.0), step_of(corner, speed, 50), part).velocity[0] for part in (0.2, 0.8)]
     # 1e-3: second order in a step of 1/150 of the contact
     np.testing.assert_allclose(by_steps, e * speed, rtol=1e-3)
@@ -113,7 +113,7 @@ def test_corner_rebounds_with_its_restitution_at_any_speed_on_any_leg(speed, rat
 @pytest.mark.parametrize("ratio", [*RATIOS, 0.0])
 def test_law_gives_its_restitution_by_a_second_program(ratio, e):
     """Ratio 0: rigid legs."""
-    corner = corner_of(beside(ratio, SPEED) if ratio else STIFF, e=e)
+    corner = corner_of(leg_stiffness(ratio, SPEED) if ratio else STIFF, e=e)
     velocity, _ = Rival(corner).land((-SPEED, 0.0, 0.0))
     # 1e-6: it begins and ends at 1e-9 of the force
     assert velocity[0] == pytest.approx(e * SPEED, rel=1e-6)
@@ -133,7 +133,7 @@ def test_own_step_keeps_the_restitution(e):
     np.testing.assert_allclose(found, expected, rtol=0, atol=8e-3)
 
 
-def lengthened(scale, **tables):
+def scaled_plan(scale, **tables):
     """Plan of the paper's walker at 1.8 g with lengths, radius and moduli x s, times x sqrt(s)."""
     one = Design().variant(tilt_deg=10.0)
     lengths = {
@@ -154,11 +154,11 @@ def lengthened(scale, **tables):
 @pytest.mark.parametrize("power", [-5, -1, 1, 4])
 def test_lengths_times_4_run_at_twice_the_speed_to_the_bit(power, step_us):
     """Lengths, radius and moduli x 4^n, frequency x 2^-n, the same gamma: powers of two change no bit."""
-    states, own = [], lengthened(1.0).world.options.step
+    states, own = [], scaled_plan(1.0).world.options.step
     # x^0.4 and x^(2/3), of which the own step is made, are those of scaled numbers only to rounding
-    assert lengthened(4.0**power).world.options.step == pytest.approx(2.0**power * own, rel=1e-14)
+    assert scaled_plan(4.0**power).world.options.step == pytest.approx(2.0**power * own, rel=1e-14)
     for length, seconds in ((1.0, 1.0), (4.0**power, 2.0**power)):
-        plan = lengthened(length, run={"step_us": (1e6 * own if step_us is None else step_us) * seconds})
+        plan = scaled_plan(length, run={"step_us": (1e6 * own if step_us is None else step_us) * seconds})
         state = plan.initial_state(0.0625 * length, 4e-3, 1.0, 1e-3)
         state[[V_X, V_Z]] = 12.0 * seconds, 3.0 * seconds
         tally = record.new_tally(len(state))
@@ -178,7 +178,7 @@ def test_lengths_times_4_run_at_twice_the_speed_to_the_bit(power, step_us):
 def test_plate_never_pulls(parts, e):
     """Not even in a step as coarse as is taken."""
     for ratio in RATIOS:
-        corner = corner_of(beside(ratio, SPEED), e=e)
+        corner = corner_of(leg_stiffness(ratio, SPEED), e=e)
         for part in (0.1, 0.5, 0.9):
             found = land(corner, (-SPEED, 0.0, 0.0), step_of(corner, SPEED, parts), part)
             assert (found.path[:, 1] > 0.0).all()
@@ -190,7 +190,7 @@ def test_plate_never_pulls(parts, e):
 def test_energy_of_a_rebound_is_booked_whole(e, friction):
     """By the tangent in a step the springs give another energy than they hold: that part is of second order."""
     for ratio in RATIOS:
-        corner = corner_of(beside(ratio, SPEED), e=e, friction=friction)
+        corner = corner_of(leg_stiffness(ratio, SPEED), e=e, friction=friction)
         unbooked = []
         for parts in (10.0, 40.0):
             found = land(corner, (-SPEED, 30.0, -20.0), step_of(corner, SPEED, parts))

@@ -47,14 +47,14 @@ print(json.dumps([imported, sorted(entered)]), file=sys.stderr)
 """
 
 
-def passed(*words):
+def visited_files(*words):
     """Modules that a prediction imports, and files that it enters."""
     run = subprocess.run([sys.executable, "-c", MEASURED, *words], check=True, capture_output=True, text=True)
     return json.loads(run.stderr.splitlines()[-1])
 
 
 def test_a_plain_walker_passes_what_it_has():
-    imported, entered = passed("koumakis2016", "--tilt", "10")
+    imported, entered = visited_files("koumakis2016", "--tilt", "10")
     assert len(imported) <= MODULES, sorted(imported)
     others = ("walkergen.core.printing", "walkergen.core.simulation", "walkergen.commands.family", "walkergen.guests")
     assert not [name for name in imported if name in ABSENT or name.startswith(others)]
@@ -71,4 +71,4 @@ def test_a_plain_walker_passes_what_it_has():
     ],
 )
 def test_a_walker_enters_the_parts_that_it_has(words, needed):
-    assert needed <= set(passed(*words, "--tilt", "10")[1])
+    assert needed <= set(visited_files(*words, "--tilt", "10")[1])

@@ -21,7 +21,7 @@ def row_of(design=None, mode="coulomb", **contact):
     return speed_prediction.predict(design, mass, scene, mode, "known"), mass, scene
 
 
-def by_theory(design, mode="coulomb"):
+def theory_row(design, mode="coulomb"):
     """Return the row of a walker in the default scene with the theory alone."""
     return prediction.make_row(design, solids.mass_of(design), Scene(), mode, None)
 
@@ -97,18 +97,18 @@ def test_standard_deviation_of_the_theory_against_linear_propagation():
     )
     mass = solids.mass_of(design)
 
-    def speed(scale_M=1.0, scale_m=1.0, **contact):
+    def theory_speed(scale_M=1.0, scale_m=1.0, **contact):
         changed = scene.model_copy(update={"contact": scene.contact.model_copy(update=contact)})
         legs = tuple(leg._replace(m=leg.m * scale_m, j=leg.j * scale_m) for leg in mass.legs)
         varied = mass._replace(M=mass.M * scale_M, J=mass.J * scale_M, legs=legs)
         return prediction.make_row(design, varied, changed, "coulomb", None).theory_mm_s
 
     step = 1e-4
-    by_leg = speed(scale_m=1 + step) - speed(scale_m=1 - step)
+    by_leg = theory_speed(scale_m=1 + step) - theory_speed(scale_m=1 - step)
     slopes = [
-        (speed(restitution=0.8 + step) - speed(restitution=0.8 - step)) * sds["restitution"],
-        (speed(friction=0.25 + step) - speed(friction=0.25 - step)) * sds["friction"],
-        (speed(scale_M=1 + step) - speed(scale_M=1 - step)) * 0.02,
+        (theory_speed(restitution=0.8 + step) - theory_speed(restitution=0.8 - step)) * sds["restitution"],
+        (theory_speed(friction=0.25 + step) - theory_speed(friction=0.25 - step)) * sds["friction"],
+        (theory_speed(scale_M=1 + step) - theory_speed(scale_M=1 - step)) * 0.02,
         by_leg * 0.02,
         by_leg * 0.01 / 0.4,  # a leg's mass goes with its thickness
     ]
@@ -222,7 +222,7 @@ def test_a_curve_runs_through_its_members():
 @pytest.mark.parametrize(("tilt", "speed"), [(5, 68.1), (10, 59.7), (15, 45.5), (20, 34.6), (35, 18.4)])
 def test_the_default_contact_gives_the_theory_of_the_paper(tilt, speed):
     """Restitution 0.8 and friction 0.25, as the paper measured them: about 60 mm/s at 10 deg, as it states."""
-    assert by_theory(Design().variant(tilt_deg=tilt)).theory_mm_s == pytest.approx(speed, abs=0.1)
+    assert theory_row(Design().variant(tilt_deg=tilt)).theory_mm_s == pytest.approx(speed, abs=0.1)
 
 
 @pytest.mark.parametrize(
@@ -238,7 +238,7 @@ def test_the_default_contact_gives_the_theory_of_the_paper(tilt, speed):
 )
 def test_a_note_is_given_only_where_equation_15_has_another_speed(tilt, mode, note):
     """Feet can stick below about atan(mu), 14.4 deg (docs/physics.md section 4); at 10 deg that changes 7 %."""
-    assert by_theory(Design().variant(tilt_deg=tilt), mode).theory_note == note
+    assert theory_row(Design().variant(tilt_deg=tilt), mode).theory_note == note
 
 
 def test_a_walker_without_friction_stands_and_its_theory_has_a_note():
@@ -249,10 +249,10 @@ def test_a_walker_without_friction_stands_and_its_theory_has_a_note():
 
 def test_the_theory_does_not_depend_on_density():
     light = Design.model_validate({"material": {"density_g_cm3": 0.5}})
-    assert by_theory(light).theory_mm_s == pytest.approx(by_theory(Design()).theory_mm_s, rel=1e-12)
+    assert theory_row(light).theory_mm_s == pytest.approx(theory_row(Design()).theory_mm_s, rel=1e-12)
 
 
 def test_a_heavier_leg_changes_the_prediction():
     heavy = Design.model_validate({"weighed": {"leg_mass_g": 0.04}})
-    assert by_theory(heavy).theory_mm_s < 0.99 * by_theory(Design()).theory_mm_s
+    assert theory_row(heavy).theory_mm_s < 0.99 * theory_row(Design()).theory_mm_s
     assert row_of(heavy)[0].speed.value != row_of()[0].speed.value

@@ -14,20 +14,20 @@ PAPER = templates.load("koumakis2016", "walkers", Design)
 PLANE = templates.load("plane-90hz", "scenes", Scene)
 
 
-def asked(tilt=10.0, **keys):
+def make_case(tilt=10.0, **keys):
     design, scene = PAPER.variant(tilt_deg=tilt), PLANE.variant(**{k.replace("__", "."): v for k, v in keys.items()})
     return scene, design, solids.mass_of(design)
 
 
-def predicted(**keys):
-    scene, design, mass = asked(**keys)
+def predict_case(**keys):
+    scene, design, mass = make_case(**keys)
     return prediction.predict(design, mass, scene)
 
 
 @pytest.mark.parametrize("tilt", [0.0, 10.0, 30.0])
 @pytest.mark.parametrize("gamma", [0.05, 0.5, 0.9])
 def test_a_plate_below_gravity_throws_nothing(tilt, gamma):
-    row = predicted(tilt=tilt, drive__gamma=gamma)
+    row = predict_case(tilt=tilt, drive__gamma=gamma)
     assert (row.speed.value, row.speed.low_95, row.speed.high_95) == (0.0, 0.0, 0.0)
     assert row.speed_by == "statics"
     assert "the walker stands" in row.note
@@ -45,11 +45,11 @@ def test_a_plate_below_gravity_throws_nothing(tilt, gamma):
     ],
 )
 def test_what_may_run_is_not_said_to_stand(keys):
-    assert stationary.standing_reason(*asked(**keys)) == ""
+    assert stationary.standing_reason(*make_case(**keys)) == ""
 
 
 def test_without_friction_nothing_pushes():
-    row = predicted(contact__friction=0.0)
+    row = predict_case(contact__friction=0.0)
     assert (row.speed.value, row.speed_by) == (0.0, "statics")
 
 
@@ -63,7 +63,7 @@ def test_without_friction_nothing_pushes():
     ],
 )
 def test_the_model_in_space_stands_too(keys):
-    scene, design, mass = asked(**keys)
+    scene, design, mass = make_case(**keys)
     assert stationary.standing_reason(scene, design, mass)
     short = scene.variant(**{"run.seconds": 1.0, "run.runs": 4})
     speed = measure(Walker(short, design, mass), Runs(short.run.runs)).quantities["speed_mm_s"]

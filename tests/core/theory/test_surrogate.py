@@ -35,13 +35,13 @@ DIRECT = {
 """Speeds of the paper's walker on its plate, mm/s, by 16 runs of 10 to 15 s."""
 
 
-def known(design=TEN, scene=None, **keys):
+def find_case(design=TEN, scene=None, **keys):
     scene = (scene or Scene()).variant(**keys)
     return surrogate.case_in_domain(scene, design, solids.mass_of(design))
 
 
 def nominal(design=TEN, **keys):
-    return known(design, **keys).nominal
+    return find_case(design, **keys).nominal
 
 
 @pytest.mark.parametrize(("arena", "tilt"), DIRECT)
@@ -88,7 +88,7 @@ UNMET = {
 @pytest.mark.parametrize("key", [key for key in UNMET if key not in ("drive.kind", "drive.gamma")])
 def test_it_declines_what_it_has_not_met(key):
     with pytest.raises(UnknownError):
-        known(**{key: UNMET[key]})
+        find_case(**{key: UNMET[key]})
 
 
 @pytest.mark.parametrize(
@@ -103,7 +103,7 @@ def test_it_declines_what_it_has_not_met(key):
 )
 def test_it_declines_walkers_that_it_has_not_met(keys):
     with pytest.raises(UnknownError):
-        known(TEN.variant(**keys))
+        find_case(TEN.variant(**keys))
 
 
 @pytest.mark.parametrize("keys", [{"legs.length_mm": 20.0}, {"legs.foot": "round"}])
@@ -111,7 +111,7 @@ def test_walkers_of_a_family_are_declined_in_the_same_words(keys):
     reasons = set()
     for tilt in (8.0, 10.0, 12.0):
         with pytest.raises(UnknownError) as caught:
-            known(TEN.variant(tilt_deg=tilt, **keys))
+            find_case(TEN.variant(tilt_deg=tilt, **keys))
         reasons.add(str(caught.value))
     assert len(reasons) == 1, "a table has one note a kind"
 

@@ -17,7 +17,7 @@ def outer(u, v):
     return mp.matrix([[u[0] * v[0], u[0] * v[1]], [u[1] * v[0], u[1] * v[1]]])
 
 
-def published(M, J, m, j, a, c_A, c_T):
+def published_tensor(M, J, m, j, a, c_A, c_T):
     """docs/physics.md section 2 (for c_A = c_T the paper's eq. 12), literally, in 50 digits."""
     one = mp.eye(2)
     M, J, m, j = (mp.mpf(float(value)) for value in (M, J, m, j))
@@ -62,7 +62,7 @@ def test_flexible_tensor_agrees_with_50_digits(ratio):
     for _ in range(50):
         walker = random_walker(rng, ratio)
         H = flexible_tensor(*walker)
-        exact = published(*walker)
+        exact = published_tensor(*walker)
         # Entries may cancel against each other's terms: compare with the largest.
         size = float(max(abs(value) for value in exact))
         for entry, (row, column) in zip(H, [(0, 0), (0, 1), (1, 1)], strict=True):
@@ -74,7 +74,7 @@ def test_light_upright_leg_keeps_the_digits_of_its_small_entries():
     a, c = np.array([-6.5, -1.5]), np.array([0.0, -3.75])
     m = 1e-9
     walker = (0.833, 55.0, m, m * 7.5**2 / 12, a, c, c)
-    H, exact = flexible_tensor(*walker), published(*walker)
+    H, exact = flexible_tensor(*walker), published_tensor(*walker)
     assert H.yy == pytest.approx(float(exact[1, 1]), rel=1e-13)
     assert H.xy == pytest.approx(float(exact[0, 1]), rel=1e-12)
 
@@ -108,7 +108,7 @@ def test_other_leg_changes_the_tensor_by_the_order_of_m_over_M():
     np.testing.assert_allclose(np.array(errors[:-1]) / errors[1:], 10.0, rtol=0.2)
     # And without the other leg the chain is the tensor itself.
     M, J, m, j, a, c_A, c_T = random_walker(rng, 0.04)
-    alone = published(M, J, m, j, a, c_A, c_T)
+    alone = published_tensor(M, J, m, j, a, c_A, c_T)
     assert flexible_tensor(M, J, m, j, a, c_A, c_T).xy == pytest.approx(float(alone[0, 1]), rel=1e-12)
 
 

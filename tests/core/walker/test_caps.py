@@ -22,7 +22,7 @@ from walkergen.readers.walkers import caps
 from walkergen.sheets import cap_sheet
 
 
-def capped(kind="engraved", **keys):
+def capped_design(kind="engraved", **keys):
     return Design().variant(**{"cap.kind": kind, **{f"cap.{key}": keys[key] for key in keys}})
 
 
@@ -61,7 +61,7 @@ def test_a_mirrored_marker_is_none_or_itself():
 @pytest.mark.parametrize("number", [0, 7, 49])
 @pytest.mark.parametrize("kind", ["engraved", "raised"])
 def test_a_cap_on_its_walker_is_read_from_above_with_its_front_ahead(kind, number):
-    cap = solids.build(capped(kind, number=number)).cap
+    cap = solids.build(capped_design(kind, number=number)).cap
     top = cap.vertices[:, 1].max()
     level = top if kind == "raised" else top - Cap().relief_mm
     corners, numbers, _ = detector().detectMarkers(from_above(cap, level))
@@ -95,7 +95,7 @@ def test_the_mass_of_a_tile_is_that_of_its_cells():
 @pytest.mark.parametrize("kind", ["flexible", "braced"])
 def test_a_cap_counts_in_mass_centre_and_inertia_as_a_part_of_the_body(kind):
     """Against one mesh of body and cap, weighed as a whole: exact up to rounding."""
-    design = capped().variant(kind=kind)
+    design = capped_design().variant(kind=kind)
     built = solids.build(design)
     whole = mass.weigh(
         Mesh(
@@ -118,7 +118,7 @@ def test_a_cap_counts_in_mass_centre_and_inertia_as_a_part_of_the_body(kind):
 
 
 def test_paper_weighs_as_paper_does():
-    light = solids.mass_of(capped("paper")).total - solids.mass_of(Design()).total
+    light = solids.mass_of(capped_design("paper")).total - solids.mass_of(Design()).total
     assert light == pytest.approx(80e-6 * 63.75 / 64.0 * 9.6**2, rel=1e-9)  # 80 g/m^2
 
 
@@ -127,13 +127,13 @@ def test_a_design_without_a_cap_is_written_as_before():
     assert '"cap"' not in Design().variant(tilt_deg=5.0).model_dump_json()
     later = Design().variant(**{"cap.number": 3}).variant(**{"cap.kind": "paper"})
     assert (later.cap.number, later.cap.kind) == (3, "paper")
-    data = capped(number=3).model_dump(mode="json")
+    data = capped_design(number=3).model_dump(mode="json")
     assert data["cap"]["number"] == 3
-    assert Design.model_validate(data) == capped(number=3)
+    assert Design.model_validate(data) == capped_design(number=3)
 
 
 def test_a_walker_is_weighed_with_its_cap():
-    design = capped()
+    design = capped_design()
     built = solids.build(design)
     heavier = weighed_masses.Weighings(grams=Quantity("mass", "g", 1.1))
     scaled = weighed_masses.apply_masses(design, built, heavier, "walker")
@@ -209,7 +209,7 @@ def test_a_sheet_is_read_and_in_true_size():
 
 def test_a_cap_that_the_body_does_not_hold_is_refused():
     with pytest.raises(GeometryError, match=r"cap.marker_mm = 30: 14 % of the cap's 40 mm square"):
-        solids.mass_of(capped(marker_mm=30.0))
+        solids.mass_of(capped_design(marker_mm=30.0))
 
 
 def test_cells_finer_than_lines_are_told(run):
@@ -221,7 +221,7 @@ def test_cells_finer_than_lines_are_told(run):
 @pytest.mark.parametrize("kind", ["engraved", "paper"])
 def test_pictures_of_families_show_caps_where_they_are(kind):
     """Against the mesh of the cap, and the marker's black cells by their area."""
-    design = capped(kind, number=5)
+    design = capped_design(kind, number=5)
     part = preview.Part(design, solids.build(design).walker)
     tile, squares = part.cap
     whole = solids.build(design).cap.vertices

@@ -16,7 +16,7 @@ from walkergen.files import templates
 PACKAGE = Path(walkergen.__file__).parent
 
 
-def written(tmp_path, text, name="mine.toml"):
+def write_design(tmp_path, text, name="mine.toml"):
     path = tmp_path / name
     path.write_text(text, encoding="utf-8")
     return path
@@ -40,7 +40,7 @@ def test_toml_round_trip(tmp_path):
     design = Design.model_validate(
         {"name": "a-b_1", "legs": {"tilt_deg": 12.25, "foot": "round"}, "weighed": {"body_mass_g": 0.8}}
     )
-    assert config.read_section(written(tmp_path, templates.to_toml(design, "mine")), Design) == design
+    assert config.read_section(write_design(tmp_path, templates.to_toml(design, "mine")), Design) == design
 
 
 @pytest.mark.parametrize("walker", ["koumakis2016", "bristle"])
@@ -48,11 +48,11 @@ def test_a_dump_runs_no_python_of_ours_in_which_a_ctrl_c_would_be_lost(walker):
     """pydantic takes any exception of such a function for its failure, and goes on."""
     design, ours = templates.load(walker, "walkers", Design), []
 
-    def called(frame, event, argument):
+    def record_call(frame, event, argument):
         if event == "call" and Path(frame.f_code.co_filename).is_relative_to(PACKAGE):
             ours.append(frame.f_code.co_name)
 
-    sys.setprofile(called)
+    sys.setprofile(record_call)
     try:
         data = design.model_dump(exclude_unset=True)
     finally:
@@ -62,11 +62,11 @@ def test_a_dump_runs_no_python_of_ours_in_which_a_ctrl_c_would_be_lost(walker):
 
 
 def test_whole_numbers_are_numbers(tmp_path):
-    assert config.read_section(written(tmp_path, "[legs]\ntilt_deg = 12"), Design).legs.tilt_deg == 12.0
+    assert config.read_section(write_design(tmp_path, "[legs]\ntilt_deg = 12"), Design).legs.tilt_deg == 12.0
 
 
 def test_name_defaults_to_the_files(tmp_path):
-    assert config.read_section(written(tmp_path, "[legs]\ntilt_deg = 12"), Design).name == "mine"
+    assert config.read_section(write_design(tmp_path, "[legs]\ntilt_deg = 12"), Design).name == "mine"
 
 
 def test_files_that_are_not_text(tmp_path):

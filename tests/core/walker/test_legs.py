@@ -1,8 +1,8 @@
 """Legs as a list: two equal ones are the pair; others weigh what their solids do."""
 
+import mesh_checks
 import numpy as np
 import pytest
-import soundness
 
 from walkergen.core.errors import GeometryError
 from walkergen.core.files import config
@@ -16,20 +16,20 @@ from walkergen.core.walker.design import Design
 DENSITY = 1.24e-3
 
 
-def read(folder, text):
+def read_design(folder, text):
     path = folder / "mine.toml"
     path.write_text(text)
     return config.read_section(path, Design)
 
 
-def listed(*legs, **tables):
+def design_with_legs(*legs, **tables):
     return Design.model_validate({"legs": list(legs)} | tables)
 
 
-def walking(*legs, **tables):
+def two_rows(*legs, **tables):
     """Legs at back and front, each in a row of these, x measured from the row's middle."""
     rows = [leg | {"along_mm": x} for x in (-6.5, 6.5) for leg in legs]
-    return listed(*rows, **tables)
+    return design_with_legs(*rows, **tables)
 
 
 @pytest.mark.parametrize("foot", ["flat", "square", "round"])
@@ -37,8 +37,8 @@ def walking(*legs, **tables):
 @pytest.mark.parametrize("tilt", [-12.0, 0.0, 25.0])
 def test_two_equal_legs_of_a_list_are_the_pair_to_the_last_bit(tmp_path, kind, foot, tilt):
     keys = f"kind = '{kind}'\nfoot = '{foot}'\ntilt_deg = {tilt}\n"
-    pair = read(tmp_path, "[legs]\n" + keys)
-    both = read(tmp_path, "".join(f"[[legs]]\n{keys}along_mm = {x}\n" for x in (-6.5, 6.5)))
+    pair = read_design(tmp_path, "[legs]\n" + keys)
+    both = read_design(tmp_path, "".join(f"[[legs]]\n{keys}along_mm = {x}\n" for x in (-6.5, 6.5)))
     assert both.limbs == pair.limbs
     for one, other in zip(flat(solids.build(pair)), flat(solids.build(both)), strict=True):
         assert np.array_equal(one.vertices, other.vertices)
@@ -55,7 +55,7 @@ def flat(built):
 @pytest.mark.parametrize("kind", ["flexible", "braced"])
 def test_models_run_two_equal_legs_of_a_list_as_the_pair(kind):
     pair = Design().variant(kind=kind)
-    both = walking({"kind": kind, "tilt_deg": 10.0})
+    both = two_rows({"kind": kind, "tilt_deg": 10.0})
     scene = Scene.model_validate({"run": {"seconds": 0.1}})
     walkers = [prepare(scene, one, solids.mass_of(one)).world.walker for one in (pair, both)]
     np.testing.assert_equal(walkers[0], walkers[1])
@@ -64,7 +64,7 @@ def test_models_run_two_equal_legs_of_a_list_as_the_pair(kind):
 def test_legs_side_by_side_are_one_as_wide_in_the_plane():
     for kind in ("flexible", "braced"):
         row = [{"kind": kind, "across_mm": z, "width_mm": 4.0} for z in (-2.0, 2.0)]
-        four, pair = walking(*row), Design().variant(kind=kind)
+        four, pair = two_rows(*row), Design().variant(kind=kind)
         found, whole = solids.mass_of(four), solids.mass_of(pair)
         # 1e-12: roundings of two weighings, as with one leg
         assert found.total == pytest.approx(whole.total, rel=1e-12)
@@ -82,7 +82,7 @@ def test_legs_side_by_side_are_one_as_wide_in_the_plane():
 def test_a_braced_leg_among_flexible_ones_belongs_to_the_body():
     """Rival: weigh the union of the body and the braced leg, made without the other leg."""
     braced = {"kind": "braced", "tilt_deg": 20.0, "along_mm": -6.5, "across_mm": -1.0, "width_mm": 5.0}
-    design = listed(braced, {"tilt_deg": 20.0, "along_mm": 6.5})
+    design = design_with_legs(braced, {"tilt_deg": 20.0, "along_mm": 6.5})
     found, built = solids.mass_of(design), solids.build(design)
     back, front = design.limbs
     z = 0.5 * design.size.depth + back.across - 0.5 * back.width
@@ -117,30 +117,30 @@ FORTY = [
 
 
 def test_forty_legs_are_one_sound_solid():
-    built = soundness.check(listed(*FORTY))
+    built = mesh_checks.check(design_with_legs(*FORTY))
     assert len(built.legs) == 40
 
 
 def test_the_length_told_for_a_short_leg_reaches_the_plate():
     short = {"tilt_deg": 0.0, "along_mm": 6.5, "length_mm": 7.4862}
     with pytest.raises(GeometryError, match=r"legs\[1\].length_mm = 7.5: .* 7.6017 mm would reach"):
-        listed({"along_mm": -6.5}, short)
-    level = listed({"along_mm": -6.5, "length_mm": 7.6017}, short)
+        design_with_legs({"along_mm": -6.5}, short)
+    level = design_with_legs({"along_mm": -6.5, "length_mm": 7.6017}, short)
     back, front = (limb.foot_height for limb in level.limbs)
     assert back == pytest.approx(front, abs=1e-4)
 
 
 def test_legs_without_a_tilt_follow_the_family():
-    design = walking({}, family={"tilt_deg": [5.0, 20.0]})
+    design = two_rows({}, family={"tilt_deg": [5.0, 20.0]})
     members = design.members()
     assert [member.tilt_deg for member in members] == [5.0, 20.0]
     assert [np.degrees(member.limbs[1].tilt) for member in members] == pytest.approx([5.0, 20.0])
     across = [{"across_mm": z, "width_mm": 2.0, "mirrored": z > 0} for z in (-3.0, 3.0)]
-    mirrored = walking(*across).variant(tilt_deg=15.0)
+    mirrored = two_rows(*across).variant(tilt_deg=15.0)
     assert [round(np.degrees(limb.tilt)) for limb in mirrored.limbs] == [15, -15, 15, -15]
     with pytest.raises(GeometryError, match="cannot be made braced"):
         design.members(kinds=["braced"])
-    own = walking({"tilt_deg": 10.0})
+    own = two_rows({"tilt_deg": 10.0})
     assert own.members() == [own]
     with pytest.raises(GeometryError, match="no variant at 20 deg: remove the tilt_deg"):
         own.members([20.0])

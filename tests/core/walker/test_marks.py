@@ -2,9 +2,9 @@
 
 import itertools
 
+import mesh_checks
 import numpy as np
 import pytest
-import soundness
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -21,7 +21,7 @@ PAPER = templates.load("koumakis2016", "walkers", Design)
 KINDS = ("notches", "digits")
 
 
-def marked(kind: str, **changes) -> Design:
+def marked_design(kind: str, **changes) -> Design:
     data = PAPER.model_dump()
     data["marks"] = {"kind": kind, **changes}
     return Design.model_validate(data)
@@ -40,7 +40,7 @@ def moments(rectangles) -> np.ndarray:
     return total
 
 
-def cut(design: Design):
+def mark_rectangles(design: Design):
     """The marks' rectangles and how deep they go along z."""
     body = design.body
     if design.marks.kind == "digits":
@@ -54,12 +54,12 @@ def cut(design: Design):
 @pytest.mark.parametrize("kind", KINDS)
 def test_marks_are_counted_in_mass_and_inertia(kind):
     """Against closed form: the block's moments less those of the rectangles cut out of it."""
-    design, density = marked(kind), 1.24e-3
+    design, density = marked_design(kind), 1.24e-3
     for member in design.members(kinds=["flexible"]):
         body = member.body
         x, y = 0.5 * body.length_mm, 0.5 * body.thickness_mm
         block = body.depth_mm * moments([marks.Rectangle(-x, -y, x, y)])
-        rectangles, deep = cut(member)
+        rectangles, deep = mark_rectangles(member)
         volume, first_x, first_y, polar = block - deep * moments(rectangles)
         inertia = polar - (first_x**2 + first_y**2) / volume
         found = solids.mass_of(member)
@@ -76,7 +76,7 @@ def test_marked_families_are_sound(kind, name):
     design = templates.load(name, "walkers", Design)
     design = design.model_copy(update={"marks": marks.Marks(kind=kind)})
     for member in design.members():
-        soundness.check(member)
+        mesh_checks.check(member)
 
 
 @settings(max_examples=150, deadline=None, derandomize=True)
@@ -100,23 +100,23 @@ def test_any_marked_design_is_sound_or_refused(kind, body, line, depth, tilt, le
         design = Design.model_validate(data)
     except GeometryError:
         return
-    built = soundness.check(design)
+    built = mesh_checks.check(design)
     plain = mass.weigh(solids.build(design.unmarked).body, 1.0).volume
-    rectangles, deep = cut(design)
+    rectangles, deep = mark_rectangles(design)
     removed = deep * moments(rectangles)[0]
     assert mass.weigh(built.body, 1.0).volume == pytest.approx(plain - removed, rel=1e-12)
 
 
 def test_every_tilt_of_a_family_has_its_own_mark():
     for kind in KINDS:
-        words = [member.mark for member in marked(kind).members(kinds=["flexible"])]
+        words = [member.mark for member in marked_design(kind).members(kinds=["flexible"])]
         assert len(set(words)) == len(words) == 10
     assert words[:4] == ["0", "5", "10", "15"]
-    assert marked("notches").mark == "### # # ## ##"  # the third of ten: 0011 in base two
+    assert marked_design("notches").mark == "### # # ## ##"  # the third of ten: 0011 in base two
 
 
 def test_notches_mean_the_same_whichever_tilts_are_asked_for():
-    design = marked("notches")
+    design = marked_design("notches")
     (alone,) = design.members([35.0], ["flexible"])
     assert alone.mark == design.members()[7].mark == "### ## # # #"
     with pytest.raises(GeometryError, match=r"family\.tilt_deg, which lack 12: add it"):
@@ -124,8 +124,8 @@ def test_notches_mean_the_same_whichever_tilts_are_asked_for():
 
 
 def test_the_start_is_widest_and_nearest_the_front_so_that_no_mirror_image_reads_the_same():
-    for member in marked("notches").members(kinds=["flexible"]):
-        grooves, _ = cut(member)
+    for member in marked_design("notches").members(kinds=["flexible"]):
+        grooves, _ = mark_rectangles(member)
         widths = [round((g.right - g.left) / 0.8) for g in grooves]
         assert widths[0] == marks.START_NOTCH > max(widths[1:])
         assert grooves[0].right == pytest.approx(14.0 - 0.8)
@@ -134,8 +134,8 @@ def test_the_start_is_widest_and_nearest_the_front_so_that_no_mirror_image_reads
 
 
 def test_strokes_and_gaps_of_digits_are_at_least_a_line():
-    for member in marked("digits").members(kinds=["flexible"]):
-        strokes, _ = cut(member)
+    for member in marked_design("digits").members(kinds=["flexible"]):
+        strokes, _ = mark_rectangles(member)
         ys = sorted({y for r in strokes for y in (r.bottom, r.top)} | {-1.5, 1.5})
         assert min(np.diff(ys)) >= 0.4 - 1e-12
         assert min(min(r.right - r.left, r.top - r.bottom) for r in strokes) >= 0.4 - 1e-12
@@ -148,8 +148,8 @@ def test_digits_show_every_digit_of_the_tilt():
 
 def test_the_limits_that_a_refusal_names_are_buildable():
     for kind, line in (("digits", 3.0 / 7.0 - 1e-9), ("notches", 28.0 / 34.0 - 1e-9)):
-        for member in marked(kind, line_mm=line, depth_mm=1.0).members():
-            soundness.check(member)
+        for member in marked_design(kind, line_mm=line, depth_mm=1.0).members():
+            mesh_checks.check(member)
 
 
 def test_a_refusal_names_the_line_of_the_file(tmp_path):
@@ -166,6 +166,6 @@ def test_the_curve_between_a_family_s_tilts_is_that_of_unmarked_walkers():
     """Notches number the family's tilts; the figure's curve has others, 181 of them."""
     scene = templates.load("lane-90hz", "scenes", Scene)
     marked_curve, plain = (
-        prediction.predict_curve(design, scene, "coulomb", 5.0, 15.0) for design in (marked("notches"), PAPER)
+        prediction.predict_curve(design, scene, "coulomb", 5.0, 15.0) for design in (marked_design("notches"), PAPER)
     )
     np.testing.assert_array_equal(marked_curve.speed, plain.speed)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 import trimesh
-from soundness import to_trimesh
+from mesh_checks import to_trimesh
 
 from walkergen.commands.export import profile
 from walkergen.commands.plate.request import PlateRequest
@@ -22,7 +22,7 @@ from walkergen.files import templates
 CARRIERS = ("bristlebot", "coinbot", "spinner")
 
 
-def shipped(name):
+def load_walker(name):
     return templates.load(name, "walkers", Design)
 
 
@@ -74,7 +74,7 @@ def rival_mass(design):
 @pytest.mark.parametrize("name", CARRIERS)
 def test_masses_are_those_of_the_printed_part_and_of_what_it_carries(name):
     """Rigid legs, so that the whole is one solid; flexible ones only part it otherwise."""
-    design = shipped(name)
+    design = load_walker(name)
     if design.pair:
         design = design.variant(kind="braced")
     found = solids.mass_of(design)
@@ -92,7 +92,7 @@ def test_masses_are_those_of_the_printed_part_and_of_what_it_carries(name):
 
 
 def test_a_motor_off_the_middle_moves_the_centre_of_mass_across():
-    spinner = shipped("spinner")
+    spinner = load_walker("spinner")
     mirrored = spinner.variant(**{"motor.across_mm": -spinner.motor.across_mm})
     right, left = (solids.mass_of(design) for design in (spinner, mirrored))
     assert right.spatial.z == pytest.approx(-left.spatial.z, abs=1e-9)
@@ -101,7 +101,7 @@ def test_a_motor_off_the_middle_moves_the_centre_of_mass_across():
 
 @pytest.mark.parametrize("key", ["motor.mass_g", "battery.mass_g", "pockets.wires_g", "pockets.glue_g"])
 def test_every_gram_that_is_carried_counts_once(key):
-    design = shipped("coinbot")
+    design = load_walker("coinbot")
     table, name = key.split(".")
     own = getattr(getattr(design, table), name) or 2.9  # a CR2032's
     before, after = (solids.mass_of(one).total for one in (design, design.variant(**{key: own + 0.5})))
@@ -111,7 +111,7 @@ def test_every_gram_that_is_carried_counts_once(key):
 @pytest.mark.parametrize("name", CARRIERS)
 def test_parts_go_into_their_pockets_with_their_clearance(name):
     """Rival: distances of points of the printed surface from the parts, in closed form."""
-    design = shipped(name)
+    design = load_walker(name)
     built = solids.build(design)
     printed = trimesh.Trimesh(*built.walker, process=False)
     assert printed.is_watertight
@@ -130,7 +130,7 @@ def test_parts_go_into_their_pockets_with_their_clearance(name):
 
 def test_wires_lead_from_pocket_to_pocket():
     """A channel joins them; without one they are apart, and its plastic is there."""
-    design = shipped("bristlebot")
+    design = load_walker("bristlebot")
     closed = design.variant(**{"pockets.channel_mm": 0.0})
     with_channel, without = (trimesh.Trimesh(*solids.build(one).body, process=False) for one in (design, closed))
     # A bore of 1 mm^2 through the wall, at least 0.4 mm thick, and no more than the way it leads
@@ -143,7 +143,7 @@ def test_wires_lead_from_pocket_to_pocket():
 @pytest.mark.parametrize("printer", ["ender3", "prusa-mk3s"])
 @pytest.mark.parametrize("name", CARRIERS)
 def test_shipped_carriers_print_without_warnings(name, printer):
-    design = shipped(name)
+    design = load_walker(name)
     lying = solids.orient_for_print(design, solids.build(design).walker)
     findings = checks.check_part(name, design, lying, printer_of(printer))
     assert not [finding for finding in findings if finding.level != "advice"]
@@ -151,7 +151,7 @@ def test_shipped_carriers_print_without_warnings(name, printer):
 
 def test_a_pocket_is_judged_by_the_way_that_its_walker_prints():
     """On its side a pocket open to the side has no ceiling, upside down one open below."""
-    side, upside = shipped("coinbot"), shipped("bristlebot")
+    side, upside = load_walker("coinbot"), load_walker("bristlebot")
     assert solids.is_printed_on_side(side)
     assert not solids.is_printed_on_side(upside)
     for design, free in ((side, "side"), (upside, "down")):
@@ -170,7 +170,7 @@ def messages(design, printer):
 
 
 def test_a_ceiling_too_wide_for_a_bridge_is_told():
-    over = shipped("bristlebot").variant(**{"battery.opens": "up", "battery.up_mm": 1.0, "pockets.channel_mm": 0.0})
+    over = load_walker("bristlebot").variant(**{"battery.opens": "up", "battery.up_mm": 1.0, "pockets.channel_mm": 0.0})
     (line,) = messages(over, printer_of("prusa-mk3s"))
     assert "battery" in line
     assert "20.4 mm, limit 10 mm" in line
@@ -178,7 +178,7 @@ def test_a_ceiling_too_wide_for_a_bridge_is_told():
 
 
 def test_walls_around_pockets_are_told_apart():
-    spinner = shipped("spinner")
+    spinner = load_walker("spinner")
     corner = math.hypot(0.5 * 10.4, 12.7 + 0.5 * 3.1)
     assert thinnest_wall(spinner.motor, spinner) == pytest.approx(17.0 - corner, abs=0.001)
     assert thinnest_wall(spinner.battery, spinner) == pytest.approx(17.0 - 10.2, abs=0.001)
@@ -190,7 +190,7 @@ def test_walls_around_pockets_are_told_apart():
 
 def test_walls_of_pockets_that_open_to_the_side_are_told():
     """A body 6 mm thick: floor and lid in closed form; over what stands out there is none."""
-    design = shipped("coinbot")
+    design = load_walker("coinbot")
     assert thinnest_wall(design.battery, design) == pytest.approx(3.0 - (0.4 + 1.8), abs=1e-6)
     assert thinnest_wall(design.motor, design) == pytest.approx(3.7 - 5.2 + 3.0, abs=1e-6)
     thin = design.variant(**{"battery.up_mm": 0.9})
@@ -232,7 +232,7 @@ def test_a_side_wall_follows_the_outline_of_the_body():
 
 def test_the_wall_between_two_pockets_is_told():
     """From the round slot of a motor to the corner of the battery's, in closed form."""
-    design = shipped("coinbot")
+    design = load_walker("coinbot")
     gap = math.hypot(11.0 + 6.2 - 10.2, 3.7 - 2.2) - 5.2
     assert pockets.wall_between(design, 50.0) == pytest.approx(gap, abs=0.004)
     assert pockets.wall_between(design, 1.0) == 1.0
@@ -249,16 +249,16 @@ def test_the_wall_between_two_pockets_is_told():
 
 def test_a_printer_that_needs_more_clearance_says_so():
     wide = printer_of("prusa-mk3s").model_copy(update={"pocket_clearance_mm": 0.35})
-    (line,) = messages(shipped("coinbot"), wide)
+    (line,) = messages(load_walker("coinbot"), wide)
     assert "0.2 mm, limit 0.35 mm" in line
     assert "pockets.clearance_mm = 0.35" in line
-    assert messages(shipped("koumakis2016"), wide) == []
+    assert messages(load_walker("koumakis2016"), wide) == []
 
 
 def test_designs_that_carry_nothing_are_written_as_before():
     """Neither their data nor a printer's of the usual clearance name the new keys."""
     for name in templates.names("walkers"):
-        data = shipped(name).model_dump(mode="json")
+        data = load_walker(name).model_dump(mode="json")
         carries = name in CARRIERS
         assert [key in data for key in ("motor", "battery", "pockets")] == 3 * [carries]
     assert "pocket_clearance_mm" not in printer_of("ender3").model_dump()
@@ -267,7 +267,7 @@ def test_designs_that_carry_nothing_are_written_as_before():
 
 
 def test_weights_have_rows_of_what_is_carried(tmp_path):
-    design = shipped("coinbot").variant(tilt_deg=10.0)
+    design = load_walker("coinbot").variant(tilt_deg=10.0)
     part, path = names.part_name(design), tmp_path / weighed_masses.FILE_NAME
     weighed_masses.write_template(tmp_path, [part, *weighed_masses.carried_rows(design)])
     rows = [line.split(",")[0] for line in path.read_text().splitlines()[1:]]
@@ -282,7 +282,7 @@ def test_weights_have_rows_of_what_is_carried(tmp_path):
 
 
 def test_weights_of_what_is_carried_are_refused_when_wrong(tmp_path):
-    design, path = shipped("coinbot"), tmp_path / weighed_masses.FILE_NAME
+    design, path = load_walker("coinbot"), tmp_path / weighed_masses.FILE_NAME
     path.write_text("part,grams,body_g\nmotor,,1.2\n")
     with pytest.raises(InputError, match="motor: body_g: has neither"):
         weighed_masses.read_masses(path, [design])
@@ -291,7 +291,7 @@ def test_weights_of_what_is_carried_are_refused_when_wrong(tmp_path):
         weighed_masses.apply_carried_masses(design, weighed_masses.read_masses(path, [design]))
     path.write_text("part,grams\nmotor,1.2\n")
     with pytest.raises(InputError, match="'motor' is not among"):
-        weighed_masses.read_masses(path, [shipped("koumakis2016")])
+        weighed_masses.read_masses(path, [load_walker("koumakis2016")])
 
 
 WIDE = {"length_mm": 40.0, "depth_mm": 24.0, "thickness_mm": 6.0}
@@ -308,17 +308,17 @@ def test_the_print_sheet_says_when_to_weigh_and_to_put_in_what_is_carried(tmp_pa
 
 
 def test_marks_that_pockets_take_away_are_refused():
-    line = refusal_of(**shipped("coinbot").model_dump(exclude_unset=True), marks={"serial": 7})
+    line = refusal_of(**load_walker("coinbot").model_dump(exclude_unset=True), marks={"serial": 7})
     assert "marks.serial = 7" in line
     assert line.count("\n") == 0
-    beside = shipped("spinner").variant(**{"marks.kind": "text", "marks.text": "A7"})
+    beside = load_walker("spinner").variant(**{"marks.kind": "text", "marks.text": "A7"})
     assert modeller.count_bodies(solids.build(beside).walker) == 1
 
 
 def test_pockets_are_in_no_drawing_for_a_laser_cutter():
     for name in CARRIERS:
         with pytest.raises(InputError, match=r"no profile .* pockets \(motor, battery\)"):
-            profile.drawing_outlines(shipped(name))
+            profile.drawing_outlines(load_walker(name))
 
 
 def test_a_body_of_ones_own_bears_pockets(tmp_path):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import threemf
-from answers import rows_of
+from command_checks import rows_of
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
@@ -23,7 +23,7 @@ DISC = templates.load("polar-disc", "walkers", Design)
 PRINTER = templates.load("prusa-mk3s", "printers", Printer)
 
 
-def numbered(design, number, **keys):
+def numbered_design(design, number, **keys):
     own = {f"marks.{key}": value for key, value in keys.items()}
     return design.variant(**{"marks.serial": number, **own})
 
@@ -38,20 +38,20 @@ def numbered(design, number, **keys):
     ],
 )
 def test_a_number_stands_beside_the_mark_and_takes_plastic(keys, shown):
-    own = numbered(PAPER, 42, **keys)
+    own = numbered_design(PAPER, 42, **keys)
     assert own.mark == shown
     bare = own.variant(**{"marks.serial": None}) if keys else PAPER
     built, before = solids.build(own), solids.build(bare)
     assert modeller.count_bodies(built.walker) == 1
     assert solids.weigh(own, built).M < solids.weigh(bare, before).M
-    other = solids.build(numbered(PAPER, 41, **keys))
+    other = solids.build(numbered_design(PAPER, 41, **keys))
     assert other.walker.vertices.shape != built.walker.vertices.shape or not np.array_equal(
         other.walker.vertices, built.walker.vertices
     )
 
 
 def test_numbers_keep_below_notches():
-    own = numbered(PAPER, 8, kind="notches", line_mm=0.35).marks
+    own = numbered_design(PAPER, 8, kind="notches", line_mm=0.35).marks
     lowest = min(one.bottom for one in marks.notches(own, [10.0], 10.0, 28.0, 3.0))
     strokes = marks.digit_strokes(own, 10.0, 3.0)
     assert max(one.top for one in strokes) <= lowest - own.line_mm + 1e-9
@@ -59,7 +59,7 @@ def test_numbers_keep_below_notches():
 
 
 def test_a_body_in_plan_view_bears_it_in_letters():
-    own = numbered(DISC, 7)
+    own = numbered_design(DISC, 7)
     assert own.letters == own.mark == "7"
     assert modeller.count_bodies(solids.build(own).walker) == 1
 
@@ -78,7 +78,7 @@ def test_a_body_in_plan_view_bears_it_in_letters():
 )
 def test_no_room_is_one_line(design, keys, told):
     with pytest.raises(GeometryError, match=told) as caught:
-        numbered(design, 99_999, **keys)
+        numbered_design(design, 99_999, **keys)
     assert len(str(caught.value).splitlines()) == 1
 
 
@@ -90,7 +90,7 @@ def test_numbers_count_over_all_copies_and_name_everything(tmp_path):
     assert [row.mark for row in rows] == [str(number) for number in range(98, 104)]
     assert all(row.item == f"{row.name}-{row.copy}" for row in rows)
     assert len({row.name for row in rows}) == 4
-    found = threemf.read((tmp_path / "plates" / "plate_prusa-mk3s_1.3mf").read_bytes())
+    found = threemf.read_3mf((tmp_path / "plates" / "plate_prusa-mk3s_1.3mf").read_bytes())
     assert [item.part_number for item in found.items] == [row.item for row in rows]
     assert len(set(found.names)) == 6  # a solid a number
     assert [row["part"] for row in rows_of(tmp_path / "weights.csv")] == [row.item for row in rows]

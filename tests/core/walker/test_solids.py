@@ -2,9 +2,9 @@
 
 import re
 
+import mesh_checks
 import numpy as np
 import pytest
-import soundness
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -20,7 +20,7 @@ FEET = ("flat", "square", "round")
 def test_the_family_is_sound(foot, kind):
     design = Design.model_validate({"legs": {"foot": foot}})
     for tilt in (0.0, 1e-12, -1e-12, 0.5, 5.0, 10.0, 30.0, 45.0, -10.0):
-        soundness.check(design.variant(tilt_deg=tilt, kind=kind))
+        mesh_checks.check(design.variant(tilt_deg=tilt, kind=kind))
 
 
 @pytest.mark.parametrize("foot", FEET)
@@ -77,6 +77,6 @@ def test_any_design_is_sound_or_refused_with_a_reason(body, legs, brace, tilt, k
     except GeometryError as refusal:
         told = str(refusal).splitlines()
     else:
-        soundness.check(design)
+        mesh_checks.check(design)
         return
     assert all(re.match(r"legs\.\w+ = .+: .+", line) for line in told)

@@ -194,7 +194,7 @@ def test_the_command_prints_what_the_job_finds(tmp_path):
 
 def test_unsound_meshes_and_senseless_numbers_are_refused(tmp_path):
     """What used to weigh -1.67 g and ran at 233 mm/s."""
-    path = hostile.to_stl(tmp_path / "in.stl", hostile.inverted(hostile.box()))
+    path = hostile.to_stl(tmp_path / "in.stl", hostile.invert_mesh(hostile.box()))
     with pytest.raises(InputError, match="inside out: its volume is -960"):
         make.weigh(path, 1.24, 1.0)
     with pytest.raises(InputError, match="no such file"):
@@ -212,7 +212,7 @@ TETRAHEDRON = (
 )
 
 
-def nested(tmp_path, levels, inner):
+def nested_3mf(tmp_path, levels, inner):
     """3MF of a tetrahedron in a component, ten times in another, and so on, as others write it."""
     objects = [f"<object id='1' type='model'>{TETRAHEDRON}</object>"]
     for number in range(2, levels + 2):
@@ -243,7 +243,7 @@ def nested(tmp_path, levels, inner):
 
 
 def test_components_within_components_are_read(tmp_path):
-    path = nested(tmp_path, 2, lambda number: number - 1)
+    path = nested_3mf(tmp_path, 2, lambda number: number - 1)
     assert make.weigh(path, 1.0, 1.0).total.volume_mm3 == pytest.approx(100.0 / 6.0)
 
 
@@ -257,4 +257,4 @@ def test_components_within_components_are_read(tmp_path):
 )
 def test_components_that_multiply_are_counted_before_they_are_built(tmp_path, levels, inner, told):
     with pytest.raises(InputError, match=told):
-        make.weigh(nested(tmp_path, levels, inner), 1.0, 1.0)
+        make.weigh(nested_3mf(tmp_path, levels, inner), 1.0, 1.0)

@@ -22,7 +22,7 @@ FIVE, TEN = "walker_t05.0_flexible_s0.40", "walker_t10.0_flexible_s0.40"
 
 
 @pytest.fixture
-def read(tmp_path):
+def read_masses(tmp_path):
     def call(text: str):
         path = tmp_path / "weights.csv"
         path.write_text(text)
@@ -31,19 +31,19 @@ def read(tmp_path):
     return call
 
 
-def predicted(weighed, members=MEMBERS):
+def predict_members(weighed, members=MEMBERS):
     built = [solids.build(member) for member in members]
     return list(predictions.predict_members(members, built, SCENE, "coulomb", weighed))
 
 
-def meshed(design):
+def mesh_masses(design):
     built, density = solids.build(design), 1.24e-3
     return mass.weigh(built.body, density).mass, mass.weigh(built.legs[0], density).mass
 
 
-def test_copies_are_averaged_with_their_standard_error(read):
+def test_copies_are_averaged_with_their_standard_error(read_masses):
     grams = [0.86, 0.88, 0.90]
-    found = read("part,grams\n" + "".join(f"{FIVE}-{k},{g}\n" for k, g in enumerate(grams, 1)))
+    found = read_masses("part,grams\n" + "".join(f"{FIVE}-{k},{g}\n" for k, g in enumerate(grams, 1)))
     assert list(found) == [FIVE]
     error = np.std(grams, ddof=1) / np.sqrt(3)
     assert found[FIVE].grams.pair == pytest.approx((np.mean(grams), error))
@@ -51,12 +51,12 @@ def test_copies_are_averaged_with_their_standard_error(read):
     assert found[FIVE].leg_g is None
 
 
-def test_a_template_has_no_masses_and_can_be_filled(read, tmp_path):
+def test_a_template_has_no_masses_and_can_be_filled(read_masses, tmp_path):
     text = weighed_masses.format_template([FIVE, TEN])
     with pytest.raises(InputError, match="no masses; fill in grams, body_g, leg_g"):
-        read(text)
+        read_masses(text)
     assert not weighed_masses.is_filled_in(tmp_path / "weights.csv")
-    found = read(text.replace(f"{TEN},,,", f"{TEN},,0.8,0.03"))
+    found = read_masses(text.replace(f"{TEN},,,", f"{TEN},,0.8,0.03"))
     assert weighed_masses.is_filled_in(tmp_path / "weights.csv")
     parts = (Quantity("mass", "g", grams, freedom=0.0) for grams in (0.8, 0.03))
     assert found == {TEN: weighed_masses.Weighings(None, *parts)}
@@ -86,10 +86,10 @@ def test_an_empty_template_follows_the_print(tmp_path):
     assert (tmp_path / "weights.csv").read_text() == f"part,grams,body_g,leg_g\n{TEN},,,\n"
 
 
-def test_whole_walkers_scale_all_masses_alike_and_change_the_speed_little(read):
+def test_whole_walkers_scale_all_masses_alike_and_change_the_speed_little(read_masses):
     """Only the legs' frequency depends on more than ratios of masses, by 6 % here."""
-    member = predicted(read(f"part,grams\n{TEN},1.0\n"))[1]
-    body, leg = meshed(MEMBERS[1])
+    member = predict_members(read_masses(f"part,grams\n{TEN},1.0\n"))[1]
+    body, leg = mesh_masses(MEMBERS[1])
     scale = 1.0 / (body + 2 * leg)
     assert (member.row.M_g, member.row.m_g) == pytest.approx((scale * body, scale * leg))
     assert member.row.speed.value == pytest.approx(member.weighing.speed_mesh_mm_s, rel=0.1)
@@ -100,16 +100,16 @@ def test_whole_walkers_scale_all_masses_alike_and_change_the_speed_little(read):
 @pytest.mark.parametrize(
     "cells", ["grams,body_g\n{},0.95,0.87", "grams,leg_g\n{},0.95,0.04", "body_g,leg_g\n{},0.87,0.04"]
 )
-def test_two_masses_of_three_give_the_same_prediction(read, cells):
-    member = predicted(read("part," + cells.format(TEN) + "\n"))[1]
+def test_two_masses_of_three_give_the_same_prediction(read_masses, cells):
+    member = predict_members(read_masses("part," + cells.format(TEN) + "\n"))[1]
     assert (member.row.M_g, member.row.m_g) == pytest.approx((0.87, 0.04), rel=1e-12)
 
 
-def test_a_heavier_leg_changes_the_speed_as_the_same_mass_in_the_design_does(read):
-    first, second = predicted(read(f"part,leg_g\n{TEN},0.06\n"))
+def test_a_heavier_leg_changes_the_speed_as_the_same_mass_in_the_design_does(read_masses):
+    first, second = predict_members(read_masses(f"part,leg_g\n{TEN},0.06\n"))
     data = MEMBERS[1].model_dump()
     data["weighed"]["leg_mass_g"] = 0.06
-    (same,) = predicted({}, [Design.model_validate(data)])
+    (same,) = predict_members({}, [Design.model_validate(data)])
     assert second.row == same.row
     assert second.weighing.speed_mesh_mm_s != second.row.speed.value
     assert first.row.speed.value == first.weighing.speed_mesh_mm_s
@@ -120,39 +120,39 @@ def test_braced_walkers_are_weighed_whole_or_with_their_braces(tmp_path):
     (design,) = PAPER.members([10.0], ["braced"])
     path = tmp_path / "w.csv"
     path.write_text("part,grams,leg_g\nwalker_t10.0_braced_s1.00,1.1,0.1\n")
-    (member,) = predicted(weighed_masses.read_masses(path, [design]), [design])
+    (member,) = predict_members(weighed_masses.read_masses(path, [design]), [design])
     assert member.row.M_g == pytest.approx(1.1)
     assert member.weighing.mass.value == pytest.approx(1.1)
     assert member.row.m_g is None
 
 
-def test_the_error_of_a_whole_walker_adds_those_of_its_parts(read):
+def test_the_error_of_a_whole_walker_adds_those_of_its_parts(read_masses):
     rows = "".join(f"{TEN},{body},{leg}\n" for body, leg in ((0.80, 0.03), (0.82, 0.034)))
-    found = read("part,body_g,leg_g\n" + rows)[TEN]
+    found = read_masses("part,body_g,leg_g\n" + rows)[TEN]
     assert weighed_masses.total(1.0, found, 2).se == pytest.approx(np.hypot(0.01, 2 * 0.002))
-    assert weighed_masses.total(1.0, read(f"part,leg_g\n{TEN},0.03\n{TEN},0.04\n")[TEN], 2).se is None
+    assert weighed_masses.total(1.0, read_masses(f"part,leg_g\n{TEN},0.03\n{TEN},0.04\n")[TEN], 2).se is None
 
 
-def test_a_form_of_the_whole_family_serves_some_of_its_walkers(read, tmp_path):
+def test_a_form_of_the_whole_family_serves_some_of_its_walkers(read_masses, tmp_path):
     """Walkers of other tilts and kinds are left out and named; those of no design are refused."""
     rows = [f"{name},0.9" for name in names_of_family()]
     rows += [f"{FIVE}-2,0.9", "walker_t07.5_flexible_s0.40-3,1"]
-    found = read("part,grams\n" + "\n".join(rows))
+    found = read_masses("part,grams\n" + "\n".join(rows))
     assert {name: one.number for name, one in found.items()} == {FIVE: 2, TEN: 1}
     unused = weighed_masses.unused_parts(tmp_path / "weights.csv", MEMBERS)
     others = [name for name in names_of_family() if name not in (FIVE, TEN)]
     assert unused == [*others, "walker_t07.5_flexible_s0.40"]
     with pytest.raises(InputError, match="no masses of the walkers of tilt and legs"):
-        read("part,grams\nwalker_t15.0_flexible_s0.40,0.9\n")
+        read_masses("part,grams\nwalker_t15.0_flexible_s0.40,0.9\n")
 
 
 def names_of_family():
     return [names.part_name(one) for one in PAPER.members()]
 
 
-def test_all_bad_lines_are_told_at_once(read):
+def test_all_bad_lines_are_told_at_once(read_masses):
     with pytest.raises(InputError) as caught:
-        read(f"part,grams\n{FIVE},x\nfoo,1\n{TEN},1\n{TEN},-1\n")
+        read_masses(f"part,grams\n{FIVE},x\nfoo,1\n{TEN},1\n{TEN},-1\n")
     assert [line.split(":")[1] for line in str(caught.value).splitlines()] == ["2", "3", "5"]
 
 

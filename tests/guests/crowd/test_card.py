@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from answers import refused
+from command_checks import refusal_of
 from inertial_tracks import Inertial, tracks
 
 from walkergen.analysis import motion
@@ -144,11 +144,11 @@ def test_frames_within_a_period_are_thinned_to_one(tmp_path):
 def test_films_that_tell_too_little_are_refused(run, tmp_path):
     path = tmp_path / "tracks.csv"
     path.write_text(csv_of(tracks(1, Inertial(), walkers=2, seconds=0.3)))
-    assert "is unknown" in refused(run, "rotator", "--tracks", "tracks.csv")
-    assert "--runs 4" in refused(run, "rotator", "--tracks", "tracks.csv", "--runs", "4")
+    assert "is unknown" in refusal_of(run, "rotator", "--tracks", "tracks.csv")
+    assert "--runs 4" in refusal_of(run, "rotator", "--tracks", "tracks.csv", "--runs", "4")
     path.write_text("frame,particle,x,y\n0,0,1,1\n1,0,2,2\n2,0,3,3\n")
     films = ("rotator", "--tracks", "tracks.csv", "--fps", "50", "--mm-per-px", "0.1")
-    assert "no headings" in refused(run, *films)
+    assert "no headings" in refusal_of(run, *films)
 
 
 def test_mass_and_inertia_are_those_of_the_whole_walker():
@@ -210,9 +210,9 @@ def test_numbers_that_every_card_has_are_asked_for():
 
 
 def test_what_a_card_no_longer_has_is_refused_with_the_way_that_remains(run, tmp_path):
-    assert "--arena disc:120: is for a crowd, not for --card" in refused(run, "--arena", "disc:120")
+    assert "--arena disc:120: is for a crowd, not for --card" in refusal_of(run, "--arena", "disc:120")
     (tmp_path / "mine.json").write_bytes(cards.to_json(CARD))
-    assert "DESIGN: is a card already. Give it with --count" in refused(run, "mine.json")
+    assert "DESIGN: is a card already. Give it with --count" in refusal_of(run, "mine.json")
     old = json.loads(cards.to_json(CARD)) | {"wall_alignment": None}
     (tmp_path / "mine.json").write_text(json.dumps(old))
     with pytest.raises(InputError, match=r"wall_alignment: this key is gone: .*`walkergen crowd --count 1`"):

@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from crowd_films import BOX, gas, of
+from crowd_films import BOX, gas, make_film
 from PIL import Image
 
 from walkergen.analysis import track_files
@@ -29,7 +29,7 @@ def running(dish="periodic:50", walkers=6, frames=12):
     ways = rng.normal(0.0, 6.0, (walkers, 3))
     places = start + ways * np.arange(frames)[:, None, None]
     places[2, -1] = np.nan
-    return of(places, dish)
+    return make_film(places, dish)
 
 
 def test_csv_is_read_back_to_the_same_film(tmp_path):
@@ -72,8 +72,8 @@ def test_a_file_of_no_known_kind_is_refused(tmp_path):
 )
 def test_a_still_shows_each_walker_in_the_colour_of_its_heading(dish, high):
     places = np.array([[(0.0, 12.0, 0.0), (0.0, -12.0, 0.5 * np.pi), (-13.0, 0.0, np.pi)]] * 4)
-    picture = crowd_movie.render_still(of(places, dish, BOX * 3.0), "three")
-    assert picture == crowd_movie.render_still(of(places, dish, BOX * 3.0), "three")
+    picture = crowd_movie.render_still(make_film(places, dish, BOX * 3.0), "three")
+    assert picture == crowd_movie.render_still(make_film(places, dish, BOX * 3.0), "three")
     seen = np.asarray(Image.open(io.BytesIO(picture)).convert("RGB")).astype(float)
     scale = min(872 / 60.0, 860 / high) * (1 - 4 / 900)
     middle = np.array([seen.shape[0] - 40 - np.ceil(0.5 * scale * high), 450])
@@ -96,7 +96,7 @@ def test_headings_are_equally_bright():
 
 def test_a_walker_over_the_edge_of_a_periodic_square_is_seen_on_both_sides():
     places = np.array([[(30.0, 0.0, 0.0), (0.0, 20.0, 0.0)]] * 4)
-    picture = crowd_movie.render_still(of(places, "periodic:60", BOX * 4.0), "")
+    picture = crowd_movie.render_still(make_film(places, "periodic:60", BOX * 4.0), "")
     seen = np.asarray(Image.open(io.BytesIO(picture)).convert("RGB"))
     ahead = np.isclose(seen, 255.0 * crowd_movie.heading_colours()[0], atol=2.0).all(axis=2)
     row = seen.shape[0] - 40 - 430
@@ -147,7 +147,7 @@ def test_tables_and_figures_hold_what_was_measured(dish):
 def odd(name):
     """Films in which a number or a curve is missing."""
     if name == "thin ring":  # no box lies inside it
-        return of(np.repeat(on_ring()[None], 6, axis=0), "ring:60,56")
+        return make_film(np.repeat(on_ring()[None], 6, axis=0), "ring:60,56")
     film = gas("disc:60", 2 if name == "two walkers" else 20, 6, 1)
     places = np.stack([film.x, film.y, film.theta], axis=2)
     if name == "still":
@@ -156,7 +156,7 @@ def odd(name):
         places[:, 3] = np.nan
     if name == "an empty frame":
         places[2] = np.nan
-    return of(places, "disc:60", None if name == "no outline" else BOX)
+    return make_film(places, "disc:60", None if name == "no outline" else BOX)
 
 
 def on_ring():

@@ -7,10 +7,10 @@ import errno
 import json
 import time
 
-import faults
+import file_faults
 import numpy as np
 import pytest
-from answers import rows_of
+from command_checks import rows_of
 
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import silent
@@ -180,7 +180,7 @@ def test_ctrl_c_keeps_the_runs_that_are_done_and_stops_the_others(monkeypatch):
 def test_a_full_disk_is_told_and_leaves_no_half_file(run, walking, tmp_path):
     folder = tmp_path / "dish"
     for number in (1, 5, 9):
-        with faults.failing(folder, "write", number, faults.broken(errno.ENOSPC)) as calls:
+        with file_faults.failing(folder, "write", number, file_faults.broken(errno.ENOSPC)) as calls:
             result = run("--count", "4", *SHORT, "--out", str(folder))
         assert len(calls) >= number
         assert "No space left" in str(result.exception)

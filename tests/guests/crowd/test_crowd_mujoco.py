@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from crowd_bodies import Pair
 from crowd_rival import Box, Law, Motion, collide, flush, inverse_mass, meet, still, struck
-from night import by_day
+from nightly_cases import mostly_nightly
 
 from walkergen.core.simulation.effects.slope import Gravity
 from walkergen.core.simulation.space.pose import place
@@ -87,7 +87,7 @@ CASES = {
 """Places beside the axis (mm), sideways speeds (mm/s) and frictions."""
 
 
-@pytest.mark.parametrize("label", by_day([0.3, 1.0], 0.3))
+@pytest.mark.parametrize("label", mostly_nightly([0.3, 1.0], 0.3))
 @pytest.mark.parametrize("case", CASES)
 def test_one_contact_is_the_closed_form_with_bodies_of_mujoco(boxes, case, label):
     across, slide, friction = CASES[case]

@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 import pytest
-from answers import rows_of
+from command_checks import rows_of
 from scipy import stats
 from test_crowd_job import walk
 

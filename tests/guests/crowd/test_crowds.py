@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import shapely
-from crowd_films import BOX, DISHES, gas, of
+from crowd_films import BOX, DISHES, gas, make_film
 
 from walkergen.core import dish as dishes
 from walkergen.core.errors import InputError
@@ -90,14 +90,14 @@ def test_a_lattice_hardly_fluctuates():
     lattice = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
     still = np.zeros((6, 900, 3))
     still[..., :2] = lattice
-    frozen = fluctuations.measure([of(still, "periodic:150")])
+    frozen = fluctuations.measure([make_film(still, "periodic:150")])
     assert not frozen.variances.any()
     rng, places = np.random.default_rng(3), []
     for _ in range(200):
         c, s = np.cos(turn := rng.uniform(0, 7)), np.sin(turn)
         places.append(lattice @ [[c, s], [-s, c]] + rng.uniform(-2.5, 2.5, 2))
     places = np.concatenate([places, np.zeros((200, 900, 1))], axis=2)
-    moved = fluctuations.measure([of(places, "disc:100")])
+    moved = fluctuations.measure([make_film(places, "disc:100")])
     large = moved.means > 10
     assert (moved.variances[0] < 0.35 * moved.means)[large].all()
     assert moved.exponents[0] < 0.35
@@ -107,7 +107,7 @@ def test_a_phase_that_moves_from_side_to_side_fluctuates_with_power_one():
     rng, places = np.random.default_rng(4), np.zeros((200, 3000, 3))
     places[..., 0] = rng.uniform(0, 100, (200, 3000)) * rng.choice([-1, 1], (200, 1))
     places[..., 1] = rng.uniform(-50, 50, (200, 3000))
-    found = fluctuations.measure([of(places, "rectangle:200x100")])
+    found = fluctuations.measure([make_film(places, "rectangle:200x100")])
     assert found.exponents[0] > 0.85
 
 
@@ -145,7 +145,7 @@ def mill(walkers, frames, rate=2.0, radius=40.0, clockwise=False):
 
 @pytest.mark.parametrize("clockwise", [False, True])
 def test_a_mill_circles_along_its_wall_and_comes_back(clockwise):
-    film = of(mill(30, 400, clockwise=clockwise), "disc:84", interval=0.05)
+    film = make_film(mill(30, 400, clockwise=clockwise), "disc:84", interval=0.05)
     found = crowds.measure([film])
     sense = -1.0 if clockwise else 1.0
     assert found.numbers["circulation"].value == pytest.approx(sense)
@@ -159,7 +159,7 @@ def test_a_mill_circles_along_its_wall_and_comes_back(clockwise):
 
 
 def test_all_walkers_at_the_wall_are_as_dense_as_the_strip_is_small():
-    film = of(mill(30, 10, radius=41.0), "disc:84")
+    film = make_film(mill(30, 10, radius=41.0), "disc:84")
     found, near = walls.measure(film), walls.near_distance(film)
     strip = 1.0 - (1.0 - near / 42.0) ** 2
     assert found.near_density == pytest.approx(1.0 / strip)
@@ -184,7 +184,7 @@ BAR = BOX * (8.0, 4.0)
 
 
 def test_clusters_are_of_outlines_that_touch_and_of_no_others():
-    film = of(chains(0.0), "rectangle:200x100", BAR)
+    film = make_film(chains(0.0), "rectangle:200x100", BAR)
     found = clusters.measure(film)
     assert found.number == pytest.approx(5.0)
     assert found.largest == pytest.approx(5 / 11)
@@ -199,7 +199,7 @@ def test_clusters_are_of_outlines_that_touch_and_of_no_others():
 
 def test_walkers_touch_across_the_edges_of_a_periodic_square():
     places = np.repeat([[(74.0, 0.0, 0.0), (-53.0, 0.0, 0.0), (0.0, 60.0, 0.0)]], 4, axis=0)
-    film = of(places, "periodic:150", BAR)
+    film = make_film(places, "periodic:150", BAR)
     assert clusters.measure(film).number == pytest.approx(2.0)
     shifted = film._replace(x=film.x + 300.0)  # not wrapped: the same walkers two squares away
     assert clusters.measure(shifted).number == pytest.approx(2.0)

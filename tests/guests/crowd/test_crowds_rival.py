@@ -3,7 +3,7 @@
 import freud
 import numpy as np
 import pytest
-from crowd_films import of
+from crowd_films import make_film
 
 from walkergen.core import dish as dishes
 from walkergen.guests.crowd.statistics import clusters, dish_geometry, order, pairs
@@ -22,7 +22,7 @@ def crowd(frames, walkers=300, seed=1):
             kept = np.delete(kept, np.unique(near[:, 1]), axis=0)
         places[frame, :, :2] = kept[:walkers] - 0.5 * SIDE
         places[frame, :, 2] = 0.4 * rng.normal(size=walkers) + np.pi * rng.integers(0, 2, walkers)
-    return of(places, dish.words)
+    return make_film(places, dish.words)
 
 
 def points(film, frame):

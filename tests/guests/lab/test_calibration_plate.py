@@ -2,11 +2,11 @@
 
 import json
 
-import maker
+import maker_profile
 import numpy as np
 import pytest
 import threemf
-from answers import rows_of
+from command_checks import rows_of
 from slicing import print_of, program
 
 from walkergen.core.printing import walls
@@ -82,7 +82,7 @@ def test_a_plate_comes_with_map_sheet_settings_and_form(run, tmp_path):
         for row in rows:
             right = float(row["x_mm"]) + float(row["width_mm"])
             assert right <= bed.bed_width_mm - bed.margin_mm + 1e-6
-    found = threemf.read((folder / "calibration_prusa-mk3s_1.3mf").read_bytes())
+    found = threemf.read_3mf((folder / "calibration_prusa-mk3s_1.3mf").read_bytes())
     assert found.sound
     parts_of = [item.part_number.rpartition("-")[0] for item in found.items]
     assert parts_of == ["strip_1", "strip_2", "strip_3", "strip_4", "block", "walker"]
@@ -126,7 +126,7 @@ def test_strips_slice_to_their_lines_and_the_block_to_its_volume(tmp_path, name)
     request = CalibrateRequest(what="plate", pictures=False)
     rows = plate.make_plate(request, PAPER, [printer], tmp_path, lambda *_: None, lambda _: None).table.rows
     model = tmp_path / "calibration" / f"calibration_{name}_1.3mf"
-    (model.parent / "yours.ini").write_text(maker.ini(printer))
+    (model.parent / "yours.ini").write_text(maker_profile.ini(printer))
     lines = print_of(model, model.with_name(f"calibration_{name}_print.ini")).lines
     start, end = lines.start - printer.bed_corner, lines.end - printer.bed_corner
     middle = 0.5 * (start + end)

@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from answers import rows_of
+from command_checks import rows_of
 
 from walkergen.core.scene import Scene
 from walkergen.core.walker import solids

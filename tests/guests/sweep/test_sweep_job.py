@@ -9,7 +9,7 @@ import sys
 import time
 
 import pytest
-from answers import rows_of
+from command_checks import rows_of
 from typer.testing import CliRunner
 
 import walkergen as wg

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 import rendered_films as films
-from night import by_day
+from nightly_cases import mostly_nightly
 from rendered_films import Filmed
 
 from walkergen.analysis import track_files
@@ -56,7 +56,7 @@ def ways(frames):
     ]
 
 
-@pytest.mark.parametrize("name", by_day(LIGHTS, *list(LIGHTS)[::2]))
+@pytest.mark.parametrize("name", mostly_nightly(LIGHTS, *list(LIGHTS)[::2]))
 def test_walkers_are_found_in_any_light(name):
     film = LIGHTS[name]
     truth = ways(20)

@@ -81,7 +81,7 @@ def circling(path, k1, frames=40):
     """Film of five walkers with caps through a lens, and their ways."""
     ways = films.circles()
     drawn = films.draw(ways, frames, Shot(NEAR, Light(uneven=0.5)))
-    return films.write(path, [films.bent(one, NEAR, k1) for one in drawn]), ways
+    return films.write(path, [films.distort_frame(one, NEAR, k1) for one in drawn]), ways
 
 
 @pytest.mark.nightly
@@ -121,7 +121,7 @@ def test_walkers_without_caps_run_straight_through_a_lens_that_is_undone(tmp_pat
     camera, k1 = Camera(wide=320, high=240, focal=300.0), -0.3
     film = walkers.Filmed(noise=1.0)
     pictures = [walkers.picture([(60 + 6 * n, 25, 0.0), (260 - 6 * n, 120, np.pi)], film, seed=n) for n in range(30)]
-    path = walkers.write(tmp_path / "film.mp4", [films.bent(one, camera, k1) for one in pictures])
+    path = walkers.write(tmp_path / "film.mp4", [films.distort_frame(one, camera, k1) for one in pictures])
     own = write(tmp_path / "lens.json", of(camera, k1))
     bare, made = (
         wg.track(path, length=walkers.LONG, lens=one, out=tmp_path / name)
@@ -201,7 +201,7 @@ def boards(camera, count=15):
 def test_the_calibration_of_the_docs_finds_a_hidden_lens(tmp_path, monkeypatch, capsys):
     """Its lines, run on a drawn film of a checkerboard, give the lens that drew it."""
     monkeypatch.chdir(tmp_path)
-    shown = [films.bent(one, NEAR, -0.1) for one in boards(NEAR) for _ in range(10)]
+    shown = [films.distort_frame(one, NEAR, -0.1) for one in boards(NEAR) for _ in range(10)]
     films.write(tmp_path / "board.mp4", shown)
     text = (Path(__file__).parents[3] / "docs" / "track-files.md").read_text(encoding="utf-8")
     (lines,) = re.findall(r"```python\n(import cv2.*?)```", text, re.DOTALL)

@@ -116,12 +116,12 @@ class Rival:
         size = math.hypot(*z[4:6])
         rub = z[4:6] * (self.corner.friction * press / size if slides and size > 0.0 else 1.0)
         force = np.array([press, *-rub])
-        gained, pulled = self.corner.mobility @ force, self.pulled(z)
+        gained, pulled = self.corner.mobility @ force, self.spring_rate(z)
         if slides:
             pulled = pulled - self.excess(z) * z[4:6] / size
         return np.concatenate([[-k_n * z[1]], gained, pulled, force])
 
-    def pulled(self, z):
+    def spring_rate(self, z):
         """Rate of the tangential spring's force without a slider."""
         _, k_n, bent, _ = self.springs(z[0])
         relieved = min(-bent * z[1], 0.0) / k_n
@@ -137,7 +137,7 @@ class Rival:
         after = self.press(ahead)
         ahead[:4] = z[:4] - step * rates
         rises = (after - self.press(ahead)) / (2.0 * step)
-        return self.pulled(z) @ z[4:6] / math.hypot(*z[4:6]) - mu * rises
+        return self.spring_rate(z) @ z[4:6] / math.hypot(*z[4:6]) - mu * rises
 
     def land(self, velocity):
         """Velocity after a landing and its impulse, to 1e-7 of it."""

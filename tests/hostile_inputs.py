@@ -98,7 +98,7 @@ def warm() -> None:
         importlib.import_module(name)
 
 
-def run(one: Try, folder: Path, seconds: int = SECONDS) -> Seen:
+def run_try(one: Try, folder: Path, seconds: int = SECONDS) -> Seen:
     """Run a try in an empty folder, in a process of its own."""
     for name, content in one.files.items():
         place = folder / name
@@ -107,18 +107,18 @@ def run(one: Try, folder: Path, seconds: int = SECONDS) -> Seen:
             KINDS[content](place)
         else:
             place.write_bytes(content)
-    before = _below(folder)
+    before = _files_in(folder)
     told = folder.with_name(folder.name + ".told")
     child = os.fork()
     if child == 0:
-        _run(one.words, folder, told, seconds)
+        _run_child(one.words, folder, told, seconds)
     _, status = os.waitpid(child, 0)
     code = os.waitstatus_to_exitcode(status)
     out, err = json.loads(told.read_text()) if told.exists() else ("", f"died of {code}")
-    return Seen(code, out, err, sorted(_below(folder) - before))
+    return Seen(code, out, err, sorted(_files_in(folder) - before))
 
 
-def _run(words: tuple[str, ...], folder: Path, told: Path, seconds: int) -> None:
+def _run_child(words: tuple[str, ...], folder: Path, told: Path, seconds: int) -> None:
     """Run the command line, tell what it printed, and end this process."""
     code = 70
     try:
@@ -155,7 +155,7 @@ def _size() -> int:
         return 8 * 2**30
 
 
-def _below(folder: Path) -> set[str]:
+def _files_in(folder: Path) -> set[str]:
     return {str(path.relative_to(folder)) for path in folder.rglob("*") if not path.is_dir()}
 
 
@@ -802,7 +802,7 @@ CLASSES: tuple[tuple[Callable[[random.Random], Try], int], ...] = (
 """Makers of tries, and how often each is drawn."""
 
 
-def drawn(seed: int, count: int, only: str = "") -> Iterator[Try]:
+def draw_tries(seed: int, count: int, only: str = "") -> Iterator[Try]:
     """Tries by a seed: equal seeds give equal tries."""
     rng = random.Random(seed)
     chosen = [(make, weight) for make, weight in CLASSES if not only or make.__name__ == only]

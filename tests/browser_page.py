@@ -89,7 +89,7 @@ class Page:
         self.address = re.search(r"http://\S+", line)[0]
         self.open(card)
 
-    def beside(self, browser):
+    def open_in(self, browser):
         """The same page in another browser, which its `close` ends."""
         other = copy.copy(self)
         other.browser, other.close = browser, browser.quit

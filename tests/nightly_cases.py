@@ -3,10 +3,10 @@
 import pytest
 
 
-def by_day(cases, *some):
+def mostly_nightly(cases, *some):
     """Cases of a parametrized test, of which only some run by day."""
-    return [case if case in some else _by_night(case) for case in cases]
+    return [case if case in some else _nightly_case(case) for case in cases]
 
 
-def _by_night(case):
+def _nightly_case(case):
     return pytest.param(*(case if isinstance(case, tuple) else (case,)), marks=pytest.mark.nightly)

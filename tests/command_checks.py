@@ -18,7 +18,7 @@ def assert_one_line(error):
     assert 10 < len(line) < 400
 
 
-def refused(run, *words):
+def refusal_of(run, *words):
     """Run words that are refused, and return the line that says why."""
     result = run(*words)
     assert isinstance(result.exception, WalkergenError), (words, result.output, result.exception)

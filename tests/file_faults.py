@@ -22,9 +22,9 @@ def failing(folder, call, number, fault, after=False):
     """
     true, seen, ours = {name: getattr(os, name) for name in CALLS}, [], set()
 
-    def wrapped(name):
-        def made(first, *more, **options):
-            inside = first in ours if isinstance(first, int) else _below(first, folder)
+    def wrap(name):
+        def replacement(first, *more, **options):
+            inside = first in ours if isinstance(first, int) else _is_inside(first, folder)
             if inside and name == call:
                 seen.append(first)
                 if len(seen) == number and not after:
@@ -38,18 +38,18 @@ def failing(folder, call, number, fault, after=False):
                 (ours.add if inside else ours.discard)(found)
             return found
 
-        return made
+        return replacement
 
     try:
         for name in CALLS:
-            setattr(os, name, wrapped(name))
+            setattr(os, name, wrap(name))
         yield seen
     finally:
         for name, function in true.items():
             setattr(os, name, function)
 
 
-def _below(path, folder):
+def _is_inside(path, folder):
     return Path(os.path.abspath(os.fspath(path))).is_relative_to(folder)  # noqa: PTH100
 
 
@@ -72,7 +72,7 @@ def kill():
     os.kill(os.getpid(), signal.SIGKILL)
 
 
-def forked(work, prepare=None, closed=()):
+def run_in_child(work, prepare=None, closed=()):
     """Exit code, output and errors of a function in a process of its own.
 
     `prepare` is called there first; streams of the numbers `closed` are closed. A signal that ended
