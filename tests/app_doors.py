@@ -27,15 +27,15 @@ PATIENCE_S = 180.0
 """Longest wait for what takes a second on an idle machine."""
 
 PAPER = {"walker": "koumakis2016", "scene": "plane-90hz", "printer": "prusa-mk3s", "values": {}}
-"""Document of a page that sets nothing anew."""
+"""Document of a page without changed keys."""
 
 QUICK = ("start", "walker", "outlook", "curve", "shares", "form", "spans", "keep", "upload", "take", "effects_drawn")
 MAKING = ("run", "crowd", "nearest", "make", "effects")
-"""Doors that answer by themselves, and those behind which a child works."""
+"""Addresses that the server answers itself, and those that a child process answers."""
 
 
 def document(**values):
-    """Document of the paper's walker; of keys two underscores stand for a dot."""
+    """Document of the paper's walker; two underscores in a key mean a dot."""
     return PAPER | {"values": {key.replace("__", "."): value for key, value in values.items()}}
 
 
@@ -305,7 +305,7 @@ def value(rng):
 
 
 def message(rng):
-    """Message of no page, or of one that sets a few keys to whatever comes."""
+    """Message of no page, or of one that sets a few keys to random values."""
     if rng.random() < 0.1:
         return rng.choice(BLOBS)
     asked: dict[Any, Any] = {"document": json.loads(json.dumps(PAPER))}
@@ -330,7 +330,7 @@ def messages(seed, count):
 
 
 def faults(answer):
-    """What is wrong with an answer: nothing, where it is one or refuses in words."""
+    """Return what is wrong with an answer: nothing if it is valid or a refusal in words."""
     if answer.status in (200, 204, 503):  # the page went before its answer, or its file, was made
         return []
     if not 400 <= answer.status < 500:

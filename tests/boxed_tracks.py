@@ -1,4 +1,4 @@
-"""Tracks of active particles between walls, many films at once, of which everything is known.
+"""Tracks of active particles between walls, many films together, with known numbers.
 
 A particle runs at a constant speed along a heading that diffuses (active Brownian motion). At a wall it
 slides, or is turned along it, or is mirrored. Nothing here is the package's own.
@@ -23,7 +23,7 @@ class Boxed(NamedTuple):
     fps: float = 30.0
     noise: float = 0.1  # of a place, each axis
     heading_noise: float = 0.05  # rad
-    lost: float = 0.05  # share of the frames in which it is not seen
+    lost: float = 0.05  # share of the frames without it
 
 
 def films(seed, count, seconds, boxed=Boxed(), headed=False):  # noqa: B008
@@ -49,7 +49,7 @@ def _film(rows, boxed, headed):
 
 
 def _reflect_headings(place, heading, boxed, turn):
-    """Headings after walls were met."""
+    """Return the headings after contacts with walls."""
     for axis, normal in ((0, 0.0), (1, 0.5 * np.pi)):
         beyond = place[:, axis] > boxed.box[axis], place[:, axis] < 0.0
         for met, outward in zip(beyond, (normal, normal + np.pi), strict=True):

@@ -59,7 +59,7 @@ UNFOLD = """
 const outer = (element) => element.parentElement.closest('details');
 for (let each = outer(arguments[0]); each; each = outer(each)) each.open = true;
 """
-"""Opens the tables in which an element is."""
+"""Opens the tables that hold an element."""
 
 
 class Page:
@@ -169,7 +169,7 @@ class Page:
         return float(row.removesuffix(" mm/s"))
 
     def refusals(self):
-        """Sentences beside controls, and those that belong to none."""
+        """Sentences next to controls, and those that belong to none."""
         selector = ".refusal:not([hidden]), #stray p"
         return [each.text for each in self.browser.find_elements(By.CSS_SELECTOR, selector)]
 

@@ -20,7 +20,7 @@ def make_film(places, dish, outline=BOX, interval=0.1):
 
 
 def gas(dish, walkers, frames, seed, outline=BOX):
-    """Walkers anywhere in a dish and with any heading, anew in every frame."""
+    """Return walkers with random places and headings in every frame."""
     rng, own = np.random.default_rng(seed), dishes.parse_dish(dish)
     places = rng.uniform(-0.5, 0.5, (8 * frames * walkers, 2)) * own.box
     inside = ~(dish_geometry.wall_distance(*places.T, own) < 0)

@@ -2,9 +2,9 @@
 
 Bodies are free boxes with the masses and tensors of a walker's mesh, in the frame of a walker: x
 along the heading, y up, z to the right, from C. Lengths in mm, masses in g, times in s. The law
-of a contact is that of simulation.crowd: an upright edge pushes with a stiffness as it is pressed
+of a contact is that of simulation.crowd: an upright edge pushes with a stiffness while it is pressed
 on, with e^2 times that as it comes back, and rubs by Coulomb; in MuJoCo it is an outer force. The
-stiffness is that with which bodies part after one time, whatever mass the contact moves.
+stiffness is such that bodies part after one time, for any mass that the contact moves.
 """
 
 import math
@@ -118,7 +118,7 @@ def struck(boxes, motions, point, normal, law):
 
 
 def flush(boxes, motions, points, normal, law):
-    """Motions after contacts at once, without friction, of boxes that do not turn by them.
+    """Motions after simultaneous contacts, without friction, of boxes that do not turn.
 
     Their faces are each other's image by half a turn: both gaps close as one.
     """

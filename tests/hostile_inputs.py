@@ -1,4 +1,4 @@
-"""Hostile tries: a table of classes, each a few lines, from which thousands of tries are drawn.
+"""Hostile tries: a table of classes, each a few lines; thousands of tries are drawn from it.
 
 A try is a command line and the files that it finds. Each runs in a process of its own, forked from
 one that has imported what commands need, under limits of memory and time; all are judged alike.
@@ -43,7 +43,7 @@ class Seen(NamedTuple):
 
 
 def faults(one: Try, seen: Seen) -> list[str]:
-    """What is wrong with the outcome of a try: nothing, where it is sound."""
+    """Return what is wrong with the outcome of a try; empty if it is sound."""
     found = []
     answered = seen.code == 1 and "cannot be written" in seen.err
     if seen.code not in (0, 2) and not answered:
@@ -494,7 +494,7 @@ def paths(rng: random.Random) -> Try:
 
 
 def _form() -> str:
-    """Form of a calibration plate that somebody has filled in: PLA of 2.7 GPa on a plate."""
+    """Form of a calibration plate, filled in: PLA of 2.7 GPa on a plate."""
     modulus, density, width = 2.7e9, 1.22e-3, 5.0
     rows = ["part,measured,reading,error,unloaded_mm,weight_g,at_mm"]
     for number, (thick, long, weight) in enumerate(((0.4, 50.0, 0.5), (1.0, 80.0, 3.0)), 1):
@@ -593,7 +593,7 @@ COMMANDS: Mapping[str, tuple[tuple[str, ...], Mapping[str, bytes]]] = {
     "accuracy": (("--budget", "0s", "--out", "out"), {}),
     "explain": (("--no-cost",), {}),
 }
-"""Commands that end soon whatever flag is added, with what they need."""
+"""Commands that end soon with any added flag, with their inputs."""
 
 
 def _options(name: str) -> list[Any]:

@@ -1,4 +1,4 @@
-"""Meshes that tests are made of: sound ones, and each fault by itself."""
+"""Meshes for tests: sound ones, and one for each fault."""
 
 import manifold3d
 import numpy as np

@@ -1,4 +1,4 @@
-"""Tracks of active Brownian particles with inertia, of which every number is known.
+"""Tracks of active Brownian particles with inertia and known numbers.
 
 m dv/dt = gamma (v0 e - v) + noise and J dw/dt = gamma_R (W - w) + noise, in steps of a fraction of
 the shorter time of relaxation, exact for the noise.
@@ -13,7 +13,7 @@ from scipy import signal
 from walkergen.analysis.tracks import Track, Tracks
 
 RUN_IN = 8.0
-"""Longer of the times of relaxation for which a walker runs before it is seen."""
+"""Length of the run before the film, in the longer of the times of relaxation."""
 
 
 class Inertial(NamedTuple):

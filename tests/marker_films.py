@@ -1,4 +1,4 @@
-"""Films of capped walkers of which everything is known: a pinhole camera, a shutter, a codec.
+"""Films of capped walkers with known poses: a pinhole camera, a shutter, a codec.
 
 Lengths are mm on the plane of the caps, y up; a camera looks at the middle of the plate, tilted
 away from the vertical. Pictures are drawn with GRAIN samples a pixel along each axis, and in
@@ -32,7 +32,7 @@ class Camera(NamedTuple):
     tilt: float = 0.0
     """Angle of its axis from the vertical, rad."""
     roll: float = 0.0
-    """Direction in which it is tilted, rad."""
+    """Direction of its tilt, rad."""
     middle: tuple[float, float] = (0.0, 0.0)
     """Place on the plate that it looks at, mm."""
 
@@ -60,7 +60,7 @@ class Light(NamedTuple):
     noise: float = 3.0
     """Standard deviation of a pixel."""
     uneven: float = 0.0
-    """Share by which light falls from one corner to the opposite."""
+    """Relative fall of the light from one corner to the opposite."""
     soft: float = 0.6
     """Deviation of the lens's blur, pixels."""
     exposures: int = 1
@@ -161,7 +161,7 @@ def distort_frame(picture, camera, k1):
 
 
 def circles(count=5, speed=60.0, spacing=31.0):
-    """Ways of walkers on circles beside one another: places and headings, (count, 3), of a time."""
+    """Paths of walkers on neighbouring circles: places and headings, (count, 3), of a time."""
     number = np.arange(count)
     radius, sense = 9.0 + 2.0 * number, np.where(number % 2, 1.0, -1.0)
     x, y = spacing * (number - 0.5 * (count - 1)), 12.0 * (-1.0) ** number
@@ -181,7 +181,7 @@ class Shot(NamedTuple):
     light: Light = Light()
     fps: float = 60.0
     shutter: float = 0.5
-    """Part of the time between frames for which the shutter is open."""
+    """Share of the time between frames with the shutter open."""
     rate: int | None = None
     """Bits a second, thousands; None: nearly all that is seen."""
 
@@ -210,9 +210,9 @@ class Errors(NamedTuple):
     read: float
     """Share of markers that were read."""
     scale: float
-    """Share by which lengths are too long."""
+    """Relative error of lengths."""
     place_mm: float
-    """Root mean square error of places along an axis, beside that of the scale."""
+    """Root mean square error of places along an axis, without that of the scale."""
     heading_deg: float
     worst_heading_deg: float
     wrong: int

@@ -7,7 +7,7 @@ from walkergen.core.walker import mass, solids
 
 
 def to_trimesh(mesh):
-    """Convert a mesh to trimesh's object; vertices and their order stay as they are."""
+    """Convert a mesh to trimesh's object; vertices and their order stay the same."""
     return trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
 
 

@@ -25,7 +25,7 @@ SPEED, TINY = 1e4, 1e-4
 
 
 def carrying(drive, motor=None, tilt=10.0, kind="flexible", **tables):
-    """Plan of the paper's walker on a still plate, as it is, with a motor anywhere in its body.
+    """Plan of the paper's walker on a still plate, with a motor anywhere in its body.
 
     No pocket is cut, and the motor's mass counts as a part of the body's.
     """

@@ -1,10 +1,10 @@
-"""Cases that wait for the night: those that take long, or are much like others."""
+"""Cases for nightly runs: those that take long, or are much like others."""
 
 import pytest
 
 
 def mostly_nightly(cases, *some):
-    """Cases of a parametrized test, of which only some run by day."""
+    """Mark the cases of a parametrized test as nightly, except some."""
     return [case if case in some else _nightly_case(case) for case in cases]
 
 

@@ -1,4 +1,4 @@
-"""Films of which everything is known: walkers on a plate, lit and filmed as badly as asked.
+"""Films with known poses: walkers on a plate, with light and camera as bad as requested.
 
 Brightness is light times reflectance. Lengths are pixels of a camera that looks straight down, y up
 from the lower edge; rows of a picture go down.
@@ -25,16 +25,16 @@ class Filmed(NamedTuple):
     ground: float = 190.0
     """Brightness of the plate where the light is 1."""
     contrast: float = 110.0
-    """Brightness by which walkers are darker there."""
+    """Contrast of walkers against the plate there."""
     noise: float = 2.0
     light: Callable[..., np.ndarray] = EVEN
     """Light by x and y as shares of the picture's width and height."""
     shadow: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Way by which a walker's shadow lies beside it, and the share of the light that it takes."""
+    """Offset of a walker's shadow, and the share of the light that it takes."""
     screws: bool = False
     """True for a plate with things on it that do not move."""
     tilt: float = 0.0
-    """Share by which the picture's right edge is nearer to the camera than its middle."""
+    """Relative difference of distance to the camera between the picture's right edge and its middle."""
 
 
 def picture(walkers, film=Filmed(), shift=(0.0, 0.0), seed=0):  # noqa: B008

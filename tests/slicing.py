@@ -36,7 +36,7 @@ def program(name: str) -> str:
 
 
 def slice_model(model: Path, ini: Path) -> subprocess.CompletedProcess[str]:
-    """Slice a file into G-code beside it, with the maker's own profile and our settings."""
+    """Slice a file into G-code next to it, with the maker's own profile and our settings."""
     words = [
         program("prusa-slicer"),
         "--load",
@@ -61,7 +61,7 @@ def print_of(model: Path, ini: Path) -> gcode.Printed:
 def laid_out(
     designs: list[Design], printer: Printer, folder: Path, one: Plate | None = None
 ) -> tuple[list[Placement], Path]:
-    """A plate of designs that nothing has checked, with the printer's settings beside it."""
+    """Write a plate of unchecked designs, with the printer's settings next to it."""
     meshes = [solids.build(design).walker for design in designs]
     parts = [Part.from_mesh(f"part{index}", mesh) for index, mesh in enumerate(meshes)]
     if one is None:

@@ -146,7 +146,7 @@ class Walker:
 
         Small displacements, by DOP853 until the plate would pull. The legs' `springs` are undamped. The force of
         the tip's springs is carried as a variable of its own, and so is that of its tangential spring, which keeps
-        its force as it is pressed on and its stretch as it is relieved (Mindlin).
+        its force under growing load and its stretch under falling load (Mindlin).
         """
         J, M = self.rows()[3 * corner : 3 * corner + 3], self.mass_matrix()
         held = np.diag([0.0] * 6 + list(springs))
@@ -198,7 +198,7 @@ def tip_of(walker, corner):
 
 
 def sliding(W, friction):
-    """Direction (along, across) in which slip sets off from rest: W_tn - mu W_tt u = lambda u."""
+    """Direction (along, across) of the first slip from rest: W_tn - mu W_tt u = lambda u."""
     angles = np.linspace(0.0, 2.0 * math.pi, 20001)
     u = np.array([np.cos(angles), np.sin(angles)])
     a = W[1:, :1] - friction * W[1:, 1:] @ u

@@ -1,4 +1,4 @@
-"""Tracks of which everything is known: walkers of many kinds, filmed with noise and gaps.
+"""Tracks with known numbers: walkers of many kinds, filmed with noise and gaps.
 
 A walker runs at `speed` along its heading, and drifts aside. Its heading turns steadily and
 diffuses (active Brownian motion; with a steady turn, a chiral walker). On top may come
@@ -20,7 +20,7 @@ SUBSTEPS = 5
 """Least number of steps a frame, and of half steps a time of inertia."""
 
 RUN_IN = 12.0
-"""Times of inertia for which a walker runs before it is filmed."""
+"""Length of the run before the film, in times of inertia."""
 
 
 class Walker(NamedTuple):
@@ -29,12 +29,12 @@ class Walker(NamedTuple):
     turn: float = 0.2  # mean angular velocity, rad/s
     noise: float = 0.05  # of a position, each axis, mm
     heading_noise: float = 0.08  # rad
-    lost: float = 0.05  # share of the frames in which it is not seen
+    lost: float = 0.05  # share of the frames without it
     gap: float = 0.0  # mean length of a gap, frames; 0: frames are lost one by one, at random
     drift: float = 0.0  # to the left of the heading, mm/s
     diffusion: float = 0.0  # translational, mm^2/s
     inertia: float = 0.0  # time within which the velocity follows the heading, s
-    turn_memory: float = 0.0  # time for which the rate of turning lasts, s
+    turn_memory: float = 0.0  # correlation time of the rate of turning, s
     speed_sd: float = 0.0  # between walkers, mm/s
     turn_sd: float = 0.0  # between walkers, rad/s
 
@@ -91,7 +91,7 @@ def _headings(rng, walker, steps, h):
 
 
 def _path(rng, walker, frames, interval):
-    """Place (complex, mm) and heading of a walker in every frame, as they are."""
+    """True place (complex, mm) and heading of a walker in every frame."""
     times = [one for one in (walker.inertia, walker.turn_memory) if one]
     fine = max(SUBSTEPS, *(math.ceil(2 * SUBSTEPS * interval / one) for one in times), 1)
     h, early = interval / fine, fine * math.ceil(RUN_IN * walker.inertia / interval)
@@ -114,7 +114,7 @@ def _plane(rng, count):
 
 
 def lost_frames(rng, walker, frames):
-    """Frames in which a walker is not seen, shape (frames,): at random, or in blocks."""
+    """Frames without a walker, shape (frames,): at random, or in blocks."""
     if not walker.gap or not walker.lost:
         return rng.random(frames) < walker.lost
     ends = 1.0 / walker.gap

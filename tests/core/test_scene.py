@@ -69,7 +69,7 @@ MEANT = {
         ),
     },
 }
-"""Keys, beside the contact, in which a template means to differ from the defaults."""
+"""Keys other than the contact that a template changes from the defaults on purpose."""
 
 
 @pytest.mark.parametrize("name", templates.names("scenes"))

@@ -1,4 +1,4 @@
-"""The table of a scene's keys is made of its fields: `python tests/core/test_scene_keys.py` writes it anew."""
+"""The table of a scene's keys is made from its fields: `python tests/core/test_scene_keys.py` writes it again."""
 
 import ast
 import inspect

@@ -1,4 +1,4 @@
-"""The paper's facts have their source, and numbers stand beside them by the one verdict."""
+"""The paper's facts have their source, and one rule compares numbers with them."""
 
 import math
 

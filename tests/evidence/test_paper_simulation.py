@@ -29,7 +29,7 @@ from walkergen.files import templates
 HALF, TALL, MASS = 6.5, 9.0, 0.833
 FEET = ((-HALF, -TALL), (HALF, -TALL))
 BLOCK = MASS * (HALF**2 + TALL**2) / 3.0
-"""Moment of inertia (g mm^2) about the centre of a block between the feet, twice as high as TALL."""
+"""Moment of inertia (g mm^2) about the centre of a block between the feet, 2 TALL high."""
 PERIOD = 1.0 / 90.0
 
 EXACT = {
@@ -89,7 +89,7 @@ def test_a_level_walker_takes_off_and_lands_as_a_ball_does() -> None:
     state[V_Y] = 0.5 * GRAVITY * PERIOD
     _, rows = advance(own, state, 100.0 * PERIOD)
     landed = (phase + own.omega * rows[-1, 0]) % (2.0 * math.pi)
-    assert len(rows) == 200  # both feet at once
+    assert len(rows) == 200  # both feet together
     assert landed == pytest.approx(phase, abs=1e-8)
     assert state[PITCH] == 0.0
 

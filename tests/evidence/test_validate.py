@@ -90,7 +90,7 @@ def test_everything_is_claimed_and_said_by_a_quick_run(tmp_path):
     assert {row["group"] for row in rows} == set(make.GROUPS)
     assert len({row["quantity"] for row in rows}) == len(rows) > 70
     found = {row["quantity"]: row["verdict"] for row in rows}
-    # The paper's first number, for which the radius of the tips was chosen
+    # The paper's first number: the radius of the tips was chosen for it
     assert found["speed at 10 deg: in space, contact as measured"] == "fitted"
     recorded = {row.quantity: row.verdict for row in report.read_rows(RECORD)}
     assert found.keys() == recorded.keys()

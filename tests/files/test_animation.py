@@ -1,4 +1,4 @@
-"""Encoding frames: GIF by Pillow, MP4 by ffmpeg, and what is said when it cannot."""
+"""Encoding frames: GIF with Pillow, MP4 with ffmpeg, and the message without ffmpeg."""
 
 import io
 import shutil

@@ -1,4 +1,4 @@
-"""A sweep on a cluster of dask's: a real scheduler, two workers, one of which is killed."""
+"""A sweep on a dask cluster: a real scheduler and two workers; one is killed."""
 
 import contextlib
 import json
@@ -56,7 +56,7 @@ def cluster(tmp_path):
 
         until = time.monotonic() + 60.0
         while not (file.exists() and file.read_text().endswith("}")) and time.monotonic() < until:
-            time.sleep(0.1)  # it is not written at once
+            time.sleep(0.1)  # it is written with a delay
         address = json.loads(file.read_text())["address"]
         with Client(address, set_as_default=False) as client:
             client.wait_for_workers(2, timeout=60)

@@ -1,4 +1,4 @@
-"""Speeds of the surrogate that a few runs correct: beside direct runs of the walker and of its prints."""
+"""Surrogate speeds corrected by a few runs, compared with direct runs of the walker and its prints."""
 
 import contextlib
 from types import SimpleNamespace
@@ -23,7 +23,7 @@ PAPER = {"arena": {"kind": "plane"}, "drive": {"frequency_hz": 90.0, "gamma": 1.
 
 
 def near(scene, design):
-    """Walker of which the surrogate is not sure enough, and what it knows of it."""
+    """Return a walker with too uncertain a surrogate speed, and its surrogate case."""
     mass = solids.mass_of(design)
     with pytest.raises(UnknownError) as caught:
         surrogate.case_in_domain(scene, design, mass)

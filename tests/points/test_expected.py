@@ -75,7 +75,7 @@ def test_commands_say_how_long_they_will_take(name, values, tmp_path):
 
 
 class HeardError(Exception):
-    """What a job expects, said before it runs."""
+    """Return the expected run time that a job reports before it runs."""
 
 
 @pytest.mark.parametrize(("name", "values", "least_s"), [("fit", {"model": "space"}, model_fit.LEARNING_S)])

@@ -1,4 +1,4 @@
-"""Many points: in order, known ones not again, the same bits from any pool, whatever breaks it."""
+"""Many points: in order, stored ones not again, the same bits from any pool in spite of failures."""
 
 import os
 import signal
@@ -50,7 +50,7 @@ def two():
 
 
 class Faults(Executor):
-    """Executor that runs at once, but for what tests let go wrong."""
+    """Executor that runs immediately, with the faults that tests request."""
 
     def __init__(self, *fail_at, error=None, sources=None, ended=False):
         self.calls, self.fail_at, self.error, self.sources, self.ended = 0, fail_at, error, sources, ended
@@ -180,7 +180,7 @@ def test_workers_that_have_ended_before_a_task_is_sent_are_one_line(store):
 
 
 def endless(scene=LANE):
-    """Points of which the first takes no time, the others hours."""
+    """Points: the first takes no time, the others hours."""
     first = list(request_of("legs.tilt_deg=10", model="space").points())
     long = scene.model_copy(update={"run": scene.run.model_copy(update={"seconds": 1e6})})
     others = request_of("legs.tilt_deg=11:20:1", model="space", scene=long)

@@ -1,4 +1,4 @@
-"""Walkers that the surrogate declines: simulated shortly, kept, and said to fall where they do."""
+"""Walkers outside the surrogate: simulated shortly, stored, and reported if they fall."""
 
 import pytest
 
@@ -92,7 +92,7 @@ class ReachedError(Exception):
 
 @pytest.fixture
 def would_begin(monkeypatch):
-    """Runs as long as people's, of which none is made."""
+    """Runs of usual length; none is made."""
 
     def raise_reached(*_):
         raise ReachedError

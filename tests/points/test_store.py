@@ -1,4 +1,4 @@
-"""Store of points: what is put is got, after kills and beside others, or there is a clear error."""
+"""Store of points: stored records are read back, after kills and next to other programs, or a clear error."""
 
 import json
 import os
@@ -134,7 +134,7 @@ def _used(path):
 
 
 def store_refusal(path):
-    """Line that tells why a store cannot be used."""
+    """Return the line that states why a store cannot be used."""
     with pytest.raises(OutputError) as told:
         _used(path)
     (line,) = str(told.value).splitlines()

@@ -91,7 +91,7 @@ def test_a_walker_is_closed_and_weighs_what_its_stl_file_weighs(tmp_path, name):
 
 
 def parse_file(path):
-    """Read a file by another program's library; raises where it is not sound."""
+    """Read a file with another program's library; raise if it is not sound."""
     if path.suffix == ".stl":
         assert trimesh.load(path).is_watertight
     elif path.suffix == ".3mf":

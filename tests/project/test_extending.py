@@ -37,7 +37,7 @@ def change(path, block):
 
 @pytest.fixture(scope="module")
 def extended_copy(tmp_path_factory):
-    """Folder with a copy of the package in which all of the page is done."""
+    """Return a folder with a copy of the package, changed as the page describes."""
     folder = tmp_path_factory.mktemp("extended")
     for name in ("walkergen", "templates"):
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))

@@ -11,7 +11,7 @@ ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "walkergen"
 
 SLACK = 200
-"""Lines by which a folder may be below its limit."""
+"""Number of lines that a folder may be below its limit."""
 
 LIMITS = {
     "walkergen/analysis": 5380,

@@ -1,4 +1,4 @@
-"""docs/story.md holds excerpts of the code as it is; `python tests/project/test_story.py` writes them again."""
+"""docs/story.md holds excerpts of the current code; `python tests/project/test_story.py` writes them again."""
 
 import ast
 import re
@@ -24,7 +24,7 @@ def excerpt(path, name):
 
 
 def page_with_excerpts(page):
-    """Return the page with its excerpts as they are now."""
+    """Return the page with its current excerpts."""
 
     def block(found):
         path, name = found[1], found[2]

@@ -1,4 +1,4 @@
-"""Outlines of DXF drawings beside what the frontend of ezdxf draws of the same files, which other programs show."""
+"""Outlines of DXF drawings compared with the drawings of ezdxf's frontend, which other programs show."""
 
 import math
 

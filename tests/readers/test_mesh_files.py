@@ -1,4 +1,4 @@
-"""Mesh files as people's programs write them: the right volume, what was left out is said, bombs are refused."""
+"""Mesh files as people's programs write them: the right volume, notes on omitted parts, refused zip bombs."""
 
 import json
 import time
@@ -289,7 +289,7 @@ def test_concave_faces_are_cut_as_they_lie(tmp_path, start):
 )
 @pytest.mark.parametrize("corner", ["v {} {} {}", "v\t{} {} {} 1.0", "  v {} {} {} # corner"])
 def test_lines_of_obj_are_read_however_they_are_spaced(tmp_path, written, corner):
-    """Rules of the format; trimesh passes over such lines without a word."""
+    """Rules of the format; trimesh ignores such lines silently."""
     lines = [corner.format(*place) for place in BOX.vertices.tolist()]
     lines += [written.format(*(at + 1 for at in face)) for face in BOX.faces.tolist()]
     path = tmp_path / "box.obj"

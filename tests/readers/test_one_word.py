@@ -1,4 +1,4 @@
-"""One word is a walker: letters, drawings, pictures, meshes; what became of them is told, and can be set anew."""
+"""Walkers from one word: letters, drawings, pictures, meshes. Derived values are reported and can be set."""
 
 import io
 

@@ -1,4 +1,4 @@
-"""Outlines of bodies: areas beside closed forms, holes, orientation, and what is refused."""
+"""Outlines of bodies: areas compared with closed forms, holes, orientation, refused drawings."""
 
 import itertools
 import math

@@ -1,4 +1,4 @@
-"""Bodies from mesh files: sound ones come in as they are, every fault is refused by its name."""
+"""Bodies from mesh files: sound ones are read unchanged, every fault is refused by its name."""
 
 import io
 import itertools
@@ -28,7 +28,7 @@ BOX = hostile.box()
 
 
 def refusal_of(path, **keys):
-    """The one line with which a file is refused."""
+    """Return the one line of the refusal of a file."""
     with pytest.raises(InputError) as refusal:
         body_mesh.read_body(path, ReadOptions(**keys))
     (line,) = str(refusal.value).splitlines()
@@ -173,7 +173,7 @@ def test_a_cavity_is_part_of_its_body_but_not_beside_it():
     hollow = hostile.together(BOX, hostile.invert_mesh(hostile.box(2.0, 2.0, 2.0)))
     faults.check_solid(hollow, "hollow")
     assert mass.weigh(hollow, 1.0).volume == pytest.approx(952.0)
-    assert modeller.count_bodies(hollow) == 1  # as it is checked before the print
+    assert modeller.count_bodies(hollow) == 1  # the check before printing
     beside = hostile.invert_mesh(hostile.box(2.0, 2.0, 2.0, middle=(30.0, 0.0, 0.0)))
     assert "second body, inside out" in _fault(hostile.together(BOX, beside))
 
@@ -452,7 +452,7 @@ def test_holes_that_touch_are_filled_each(dropped, turned):
 
 
 def test_what_is_not_united_weighs_the_same(tmp_path):
-    """A page shows a body and its legs beside each other: masses, and what they enclose, are the walker's own."""
+    """A page shows a body and its legs side by side: masses and enclosed volumes are the walker's."""
     path = hostile.to_stl(tmp_path / "duck.stl", DUCK)
     design = Design.model_validate({"body": {"mesh": str(path), "length_mm": 40.0}, "legs": {"place": "auto"}})
     united, beside = (solids.build(design, united=united) for united in (True, False))

@@ -1,4 +1,4 @@
-"""Outlines of SVG drawings beside the pictures that resvg draws of the same files."""
+"""Outlines of SVG drawings compared with resvg's pictures of the same files."""
 
 import io
 import re
@@ -22,7 +22,7 @@ LINES = Path(__file__).with_name("drawings.txt").read_text().splitlines()
 DRAWINGS = {name: body.replace("BAR", BAR).replace("ELL", ELL) for name, body in (line.split(" | ") for line in LINES)}
 
 LATER = {"origin by words", "origin of itself", "nested visible"}
-"""Those of which resvg reads less than browsers do: transform as a property, fill-box, overflow."""
+"""Features that browsers read and resvg does not: transform as a property, fill-box, overflow."""
 
 
 ZOOM = 30

@@ -1,4 +1,4 @@
-"""Errors of means, of whatever the jackknife is put to, and of a slope."""
+"""Errors of means, of jackknife estimates and of a slope."""
 
 import numpy as np
 import pytest

@@ -157,7 +157,7 @@ def test_a_thousand_parts_are_planned_in_one_pass_over_solids_built_once(tmp_pat
     assert whole < 2.1 * half  # no part is compared with those of another plate: 1.96 measured
     report, steps = plans[1]
     assert len(report.places) == 1000
-    own = len(report.files) - 1  # the form for weighing lies beside the plates, and is no step
+    own = len(report.files) - 1  # the form for weighing is next to the plates, and is no step
     assert steps == [(k, own) for k in range(1, own + 1)]
 
 
@@ -190,7 +190,7 @@ def test_weighed_masses_change_the_family_and_stay(run, tmp_path):
     rows = rows_of(tmp_path / "here" / "family.csv")
     for row in rows:
         assert float(row["m_g"]) == 0.04
-        assert row["speed_mm_s"] != row["speed_mesh_mm_s"]  # by 0.5 %: tips take the landing, whatever the leg weighs
+        assert row["speed_mm_s"] != row["speed_mesh_mm_s"]  # by 0.5 %: tips take the landing, for any mass of the leg
     assert "## Weighed" in (tmp_path / "here" / "family.md").read_text()
     manifest = json.loads((tmp_path / "here" / "manifest.json").read_text())
     assert manifest["weighed"]["walker_t08.0_flexible_s0.40"]["leg_g"]["mean"] == 0.04

@@ -284,7 +284,7 @@ def test_brim_and_skirt_reach_as_far_as_the_checks_say_and_no_slicer_stops_them(
 
 
 def test_one_kind_alone_on_its_plate_takes_the_name_of_the_file(tmp_path):
-    """PrusaSlicer's rule for a 3MF of one object, which the print sheet tells; places are kept."""
+    """PrusaSlicer's rule for a 3MF of one object, which the print sheet states; places are kept."""
     one = Plate((Placement(0, 1, 5.0, 5.0), Placement(0, 2, 45.0, 5.0)))
     where, model = laid_out([Design()], FLAT_BED, tmp_path, one)
     printed = print_of(model, model.with_suffix(".ini"))

@@ -47,7 +47,7 @@ def test_a_bundle_holds_print_settings_and_to_load_printer_and_filament_too(prin
     loaded = settings_of(head.splitlines())
     owned = {key: loaded.pop(key) for key in loaded.keys() - settings.keys()}
     assert loaded == settings
-    # whatever one's own profile would say of these is there, and nothing else
+    # the settings that a user's own profile would have, and nothing else
     assert owned.keys() <= maker_profile.profile(printer).keys()
     same = ("bed_shape", "max_print_height", "nozzle_diameter", "filament_density")
     assert {key: owned[key] for key in same} == {key: maker_profile.profile(printer)[key] for key in same}

@@ -1,4 +1,4 @@
-"""Where nobody makes lib3mf, as for Linux on ARM: STL takes its place, to write 3MF is refused in a line."""
+"""Machines without lib3mf, such as Linux on ARM: plates are STL files, and writing 3MF is refused in a line."""
 
 import subprocess
 import sys
@@ -88,7 +88,7 @@ def test_what_needs_3mf_is_refused_in_a_line(tmp_path):
 
 
 def test_a_family_is_made_without_it(tmp_path):
-    """In a process in which the module is not to be found at all."""
+    """In a process that cannot find the module."""
     script = (
         "import sys; sys.modules['lib3mf'] = None\n"
         "import importlib.util as u; found = u.find_spec\n"

@@ -16,7 +16,7 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 
 DESIGN = Design().variant(tilt_deg=0.0)
-"""Upright: a tilted walker turns as it falls, since its legs hang beside the body's centre."""
+"""Upright: a tilted walker turns as it falls, since its legs hang off the body's centre."""
 
 
 def plan_of(air=True, **tables):
@@ -80,7 +80,7 @@ def test_flight_slows_along_the_plate_and_every_energy_is_accounted_for():
     gained = plan.energy(state) - plan.energy(start)
     lost = tally.sums[record.DAMPING_LOSS]
     assert lost > 0.0
-    # 2e-3: drag is held for a flight, in which the speed falls by 0.2 %
+    # 2e-3: drag is held for a flight, while the speed falls by 0.2 %
     assert -gained == pytest.approx(lost, rel=5e-3)
 
 

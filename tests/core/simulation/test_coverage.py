@@ -25,7 +25,7 @@ EMPTY = record.new_tally(4)
 
 
 def result(number, seconds, speeds):
-    """Run with such block speeds, of which only these matter."""
+    """Return a run with these block speeds; nothing else of it matters."""
     return RunResult(
         number,
         Outcome.OK,
@@ -50,7 +50,7 @@ def judge(ensembles, truth, shrink=1.0):
     for runs in ensembles:
         mean = ensemble.mean_speed(runs)
         deviation = (mean.value - truth) / shrink
-        # The tail's smaller half keeps digits; 1e-12 stands for no spread at all.
+        # The tail's smaller half keeps digits; 1e-12 means no spread at all.
         tail = special.stdtr(mean.freedom, -abs(deviation) / max(mean.se, 1e-12))
         scores.append(special.ndtri(max(tail, 1e-12)))
         halves = [0.5 * (high - low) for low, high in map(mean.interval, (0.68, 0.95))]
@@ -115,7 +115,7 @@ def test_directions_that_outlast_everything_are_the_limit_of_few_runs():
 
 @functools.cache
 def pool(tilt, restitution, count, seconds):
-    """Runs of the walker, all of which end well."""
+    """Simulate runs of the walker; all end well."""
     scene = templates.load("lane-90hz", "scenes", Scene)
     scene = scene.model_copy(
         update={

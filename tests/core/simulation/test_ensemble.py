@@ -88,7 +88,7 @@ def test_correlation_time_of_an_autoregressive_speed(memory):
     rng = np.random.default_rng(1)
     results = [noise_result(n, autoregressive(rng, 20_000, memory)) for n in range(4)]
     expected = 0.5 * (1 + memory) / (1 - memory) * 4 * PERIOD
-    # 80 000 blocks of which at least 4000 are independent: a few percent, window bias included.
+    # 80 000 blocks, at least 4000 of them independent: a few percent, window bias included.
     assert ensemble.correlation_time(results) == pytest.approx(expected, rel=0.1)
 
 

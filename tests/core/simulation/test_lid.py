@@ -61,7 +61,7 @@ def test_a_rigid_body_rebounds_by_the_closed_form_of_its_four_corners(label):
         0.5 * walker.mass * approach**2 * (1.0 - expected**2), rel=0.01, abs=1e-3 * walker.mass * approach**2
     )
     assert state[V_Y] < 0.0
-    assert np.abs(state[W_X : W_X + 3]).max() < 1e-6  # all corners at once: it does not turn
+    assert np.abs(state[W_X : W_X + 3]).max() < 1e-6  # all corners together: it does not turn
 
 
 @pytest.mark.parametrize("name", WALKERS)
@@ -149,7 +149,7 @@ def test_the_mirror_image_has_mirrored_points_and_runs_the_mirrored_way(name):
         ends.append((plan.world.walker, state))
     (walker, state), (image, other) = ends
     np.testing.assert_array_equal(walker.root[mirror_order(walker)] * (-1.0, 1.0, 1.0), image.root)
-    # rounding, grown by landings: later a disc on many corners at once tells the order in which they are summed
+    # rounding, grown by landings: later the order of summation over many corners shows
     np.testing.assert_allclose(mirror_state(walker, state)[:9], other[:9], rtol=0, atol=1e-9)
 
 

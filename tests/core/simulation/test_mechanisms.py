@@ -80,7 +80,7 @@ def test_rigid_walkers_run_forward_and_their_mirror_images_backward(name):
 
 
 def test_bristle_runs_as_fast_as_the_theory_says():
-    """18 legs, of which 6 are seen from the side; 60 mm/s simulated in 2 s, 68 by the theory."""
+    """18 legs, 6 of them seen from the side; 60 mm/s simulated in 2 s, 68 by the theory."""
     design = load("bristle")
     row = theory_row(design)
     found = simulate_design(design, 0.1, 2).summary.speed.value

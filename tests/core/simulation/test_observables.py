@@ -1,4 +1,4 @@
-"""What is printed beside the speed: its errors by the runs, and what the step leaves of it."""
+"""Numbers printed with the speed: their errors from the runs and from the time step."""
 
 import json
 import math
@@ -83,7 +83,7 @@ def close(coarse, fine, names):
     far = []
     for name in names:
         gap = coarse[name].minus(fine[name])
-        # 3: about 20 names, of which none shall miss by chance
+        # 3: about 20 names; none may miss by chance
         if abs(gap.number) > coarse[name].bias + 3.0 * gap.pair[1]:
             far.append(gap)
     return far

@@ -27,7 +27,7 @@ NUMBERS = {
     "lid": "arena.lid_mm is not given",
     "gyroscopic_torque": "there is no motor",
 }
-"""Effects that a number calls for, by their switches, with what is said where there is none."""
+"""Effects that need a number, by their switches, with the message for a missing number."""
 
 
 def scene_of(**keys):

@@ -85,7 +85,7 @@ def test_corner_alone_rebounds_with_its_label(rigid, speed, step_us, label):
 
 
 def four_corners(label, step_us, rigid):
-    """Errors of the rebound on four corners at once, over the places of a landing in a step."""
+    """Errors of the rebound on four corners together, over the times of a landing within a step."""
     tables = {"contact": {"restitution": label, "friction": 0.0}, "feet": {"rigid_tips": rigid}}
     plan = weightless(plan_of(0, "braced", run={"step_us": step_us}, **tables))
     walker, H = plan.world.walker, mobility(plan.world.walker)[0::3, 0::3]
@@ -104,7 +104,7 @@ def four_corners(label, step_us, rigid):
 def test_walker_on_four_corners_rebounds_as_its_mass_says(label, step_us, rigid, order):
     """Wherever in a step it lands: the touch is located. Second order without tips.
 
-    The damper of a Hertzian tip begins as depth^(1/4): the middle of the first step stands for its mean with an error
+    The damper of a Hertzian tip begins as depth^(1/4): the middle of the first step replaces its mean with an error
     of h^(5/4).
     """
     coarse, fine = (np.abs(four_corners(label, step, rigid)).max() for step in (step_us, step_us / 4.0))
@@ -180,7 +180,7 @@ def check_top(turns, steady, wobble):
 
 def test_free_top_keeps_what_it_must_and_counts_its_turns():
     heading = check_top(500, 100.0, 20.0)
-    # 2e-3: a tenth of a turn in fifty, by which the wobble may shift the end
+    # 2e-3: a tenth of a turn in fifty, the possible shift of the end by the wobble
     assert heading == pytest.approx(10.0 * heading_by_euler(50, 100.0, 20.0), rel=2e-3)
 
 
@@ -284,7 +284,7 @@ def test_inverse_mass_at_the_corners_is_that_of_volumes(tilt, twists):
     expected = rival.mobility(held=() if twists else (7, 9))
     # 1e-9: differences of the rival's geometry. The model's twist takes the leg's moment about its
     # axis for a box's; level cuts of a tilted leg change that by (s tan(tilt) / l)^2, 1e-4 and
-    # 1.4e-3 at 10 and 35 deg, of which 2e-5 and 3e-4 show at the corners
+    # 1.4e-3 at 10 and 35 deg; 2e-5 and 3e-4 of it show at the corners
     slanted = 1e-9 + twists * (0.5 * 0.4 / 7.5 * math.tan(math.radians(tilt))) ** 2
     np.testing.assert_allclose(mobility(plan.world.walker), expected, rtol=0, atol=slanted * abs(expected).max())
 

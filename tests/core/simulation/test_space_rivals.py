@@ -28,7 +28,7 @@ def test_corner_lands_as_by_an_independent_integration(tilt, label, friction, ti
     """Hinge and twist move during the contact; a corner that sticks, or rubs without friction.
 
     Tips of 50 mm are softer than the leg, and their contact is shorter than a swing of its twist. On tips of 5 um it
-    lasts some swings, whose phase at the end tells the rival's slanted legs from those of the model by 1 %.
+    lasts some swings, whose phase at the end differs by 1 % between the rival's slanted legs and the model's.
     """
     contact = {"restitution": label, "friction": friction}
     plan = weightless(plan_of(tilt, contact=contact, legs=FREE, feet=tip, run={"step_us": 0.1}))
@@ -96,7 +96,7 @@ def test_elastic_feet_restore_energy_not_impulse():
 
 
 HELD = {"effects": {"off": ["roll_and_yaw"]}}
-"""Tables of a scene in which the walker is held in its plane."""
+"""Tables of a scene that holds the walker in its plane."""
 
 
 def mean_speed(tilt, label, seconds, finer=1.0, **tables):

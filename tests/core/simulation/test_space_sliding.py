@@ -1,4 +1,4 @@
-"""A corner that slides in two directions at once, against DOP853 (docs/physics.md section 7)."""
+"""A corner that slides along and across together, against DOP853 (docs/physics.md section 7)."""
 
 import math
 
@@ -14,7 +14,7 @@ MOBILITY = np.array([[2.31, 0.9, 0.4], [0.9, 2.3, 0.3], [0.4, 0.3, 2.0]])
 
 SPRING, MU = 1.8e9, 0.25
 RIGID, SOFT = math.inf, 1.8e8
-"""Hertz stiffness of the tips; the soft one is 0.7 % as stiff as the leg where it is pressed most."""
+"""Hertz stiffness of the tips; the soft one is 0.7 % as stiff as the leg under the largest load."""
 
 FREQUENCY = {RIGID: math.sqrt(SPRING * MOBILITY[0, 0]), SOFT: 5.2e3}
 """Angular frequency of the corner pressed most, 1/s."""

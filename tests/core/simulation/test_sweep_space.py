@@ -294,7 +294,7 @@ def check_motion(plan, result):
 
 
 def check(tables):
-    """How an example ends; fails where it is neither refused by name nor lawful."""
+    """Return how an example ends; fail if it is neither refused by name nor physically sound."""
     try:
         plan = build_plan(tables)
     except InputError as error:
@@ -306,7 +306,7 @@ def check(tables):
     interval = plan.scene.run.seconds / 100.0
     result = simulate(plan, 0, sample_interval=interval, event_room=MOST_EVENTS)
     if result.outcome is Outcome.ENERGY:
-        # The outcome tells the user to take a smaller step, which then has to do.
+        # The outcome asks the user for a smaller step, which must then succeed.
         step_us = max(1e6 * plan.world.options.step / FINER, 0.01)
         finer = tables | {"run": tables["run"] | {"step_us": step_us}}
         plan = build_plan(finer)

@@ -66,7 +66,7 @@ def test_ball_presses_and_rebounds_as_hertz_says(speed):
     # 1e-4: second order in a step of 1/1200 of the contact, and in the place of the deepest step
     assert found.path[:, 0].max() == pytest.approx(depth, rel=1e-4)
     assert found.velocity[0] == pytest.approx(speed, rel=1e-4)
-    # 1e-3: a step and a half, in which the force ends
+    # 1e-3: a step and a half, until the force ends
     assert h * found.path[:, 2].sum() == pytest.approx(time, rel=1e-3)
 
 
@@ -95,7 +95,7 @@ RATIOS = [0.01, 1.0, 100.0]
 
 
 def leg_stiffness(ratio, speed):
-    """Stiffness of a leg of which a tip has so large a share."""
+    """Return the stiffness of a leg with this ratio to its tip."""
     return 1.5 * TIP * math.sqrt(hertz(MASS, speed, TIP)[0]) / ratio
 
 
@@ -155,7 +155,7 @@ def scaled_plan(scale, **tables):
 def test_lengths_times_4_run_at_twice_the_speed_to_the_bit(power, step_us):
     """Lengths, radius and moduli x 4^n, frequency x 2^-n, the same gamma: powers of two change no bit."""
     states, own = [], scaled_plan(1.0).world.options.step
-    # x^0.4 and x^(2/3), of which the own step is made, are those of scaled numbers only to rounding
+    # x^0.4 and x^(2/3), the factors of the automatic step, are those of scaled numbers only to rounding
     assert scaled_plan(4.0**power).world.options.step == pytest.approx(2.0**power * own, rel=1e-14)
     for length, seconds in ((1.0, 1.0), (4.0**power, 2.0**power)):
         plan = scaled_plan(length, run={"step_us": (1e6 * own if step_us is None else step_us) * seconds})
@@ -233,7 +233,7 @@ def test_response_is_that_of_two_springs_in_series(spring, tip, depth):
     assert tangent == pytest.approx((ahead - behind) / (2.0 * step), rel=1e-7)
     energy = elastic_energy(spring, tip, depth)
     assert damping == pytest.approx(force**2 / (2.0 * energy), rel=1e-12)
-    # in units of the depth, by y = x^2, in which the force of a tip alone is smooth
+    # in units of the depth, by y = x^2: the force of a tip alone is smooth in y
     work, _ = quad(lambda y: 2.0 * y * response(spring, tip, depth * y * y)[0] / force, 0.0, 1.0, epsrel=1e-11)
     assert energy == pytest.approx(work * force * depth, rel=1e-9)
 

@@ -105,7 +105,7 @@ def test_mirror_image_runs_backwards_exactly():
 
 
 def test_one_foot_without_friction_leaves_the_speed_to_the_other():
-    """Its impulse is vertical whatever the shares, so the other's must vanish by itself."""
+    """Its impulse is vertical for all shares, so the other's must vanish alone."""
     back, front = stiff(-4.0, -9.0), stiff(9.0, -9.0, friction=0.0)
     own = float(factor(back.H, 0.8, 0.25))
     found = solve_balance([back, front])
@@ -166,7 +166,7 @@ def test_unequal_levers_act_in_first_order_and_the_shorter_one_pushes():
 
 
 def test_unequal_lengths_of_feet_on_the_plate_act_through_levers_alone():
-    """With both feet down heights are equal: a leg twice as long matters by where it leaves O."""
+    """With both feet down heights are equal: a leg of double length matters through the height of O."""
     assert solve_balance([stiff(-6.5, -7.0), stiff(6.5, -7.0)]).factor == 0.0
     long, short = np.array((-6.5, -9.0)), np.array((6.5, -4.5))
     pitch = math.atan((long[1] - short[1]) / (short[0] - long[0]))

@@ -1,4 +1,4 @@
-"""Walkers that stand: predicted as the model in space has them, with no seam beside those that run."""
+"""Standing walkers: predicted as in space, with no jump to those that run."""
 
 import pytest
 

@@ -197,7 +197,7 @@ def test_errors_told_are_those_of_rows_that_no_network_has_seen():
     errors = networks.training_facts()["errors"]["flexible"]
     assert errors["rows"] > 500
     assert errors["within_goal"] > 0.95
-    assert errors["within_95"] > 0.9  # of which a few rows of chance
+    assert errors["within_95"] > 0.9  # within a few rows of chance
     assert errors["fell_where_sure"] < 0.05
 
 

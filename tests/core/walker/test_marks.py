@@ -1,4 +1,4 @@
-"""Marks: one closed body whatever is cut, counted to the last digit, never ambiguous."""
+"""Marks: every engraving leaves one closed body, exact to the last digit and never ambiguous."""
 
 import itertools
 

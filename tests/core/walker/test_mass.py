@@ -55,7 +55,7 @@ def test_flexible_walker_against_closed_forms(design):
     assert found.M == pytest.approx(28 * 8 * 3 * DENSITY, rel=1e-12)
     assert found.J == pytest.approx(found.M * (28**2 + 3**2) / 12, rel=1e-12)
     area, centre, second = polygon_moments(leg_polygon(design))
-    # Both feet on the plate, symmetric about the middle, whatever the tilt.
+    # Both feet on the plate, symmetric about the middle, at any tilt.
     for leg, x in zip(found.legs, (-6.5, 6.5), strict=True):
         assert leg.m == pytest.approx(float(area) * depth * DENSITY, rel=1e-12)
         assert leg.m == pytest.approx(7.5 * 0.4 * 8 * DENSITY, rel=1e-12)
@@ -66,7 +66,7 @@ def test_flexible_walker_against_closed_forms(design):
 
 @pytest.mark.parametrize("tilt", [0.0, 3.0, 10.0, 35.0])
 def test_braced_walker_is_one_rigid_body(tilt):
-    """Rival: weigh the printable union as it is."""
+    """Rival: weigh the printable union."""
     design = Design().variant(tilt_deg=tilt, kind="braced")
     built = solids.build(design)
     found, whole = solids.weigh(design, built), mass.weigh(built.walker, DENSITY)

@@ -107,7 +107,7 @@ def deeplabcut():
 
 
 def idtracker():
-    """idtracker.ai's tables and HDF5, by its own module, for which a few of its package's names stand in."""
+    """Write idtracker.ai's tables and HDF5 with its own module; stubs replace a few of its package's names."""
     path = Path(distribution("idtrackerai").locate_file("idtrackerai/utils/trajectories_io.py"))
     package = types.ModuleType("utils")
     package.__path__ = []
