@@ -51,7 +51,7 @@ def test_a_home_that_cannot_be_written_is_no_obstacle(home):
     assert caches.folder("points").is_dir()
 
 
-def test_what_old_versions_left_is_removed_and_what_is_in_use_stays(home):
+def test_caches_of_old_versions_are_removed_unless_in_use(home):
     old, young, other = (caches.folder(name) for name in ("numba-a", "numba-b", "points"))
     then = time.time() - (caches.MAX_UNUSED_DAYS + 1) * 86400
     for path in (old, other):
@@ -64,7 +64,7 @@ def test_what_old_versions_left_is_removed_and_what_is_in_use_stays(home):
     assert young.is_dir()
 
 
-def test_the_cache_is_that_of_the_platform_and_its_size_is_said(tmp_path):
+def test_the_cache_is_in_the_platform_folder_and_its_size_is_reported(tmp_path):
     asked = [sys.executable, "-m", "walkergen", "--version", "--verbose"]
     environment = os.environ | {"XDG_CACHE_HOME": str(tmp_path), "LOCALAPPDATA": str(tmp_path)}
     caches.folder("here")
@@ -118,7 +118,7 @@ SPOILT = {
 @POSIX
 @pytest.mark.parametrize("end", ["nbi", "nbc"])
 @pytest.mark.parametrize("spoil", SPOILT.values(), ids=SPOILT)
-def test_a_spoilt_entry_of_a_kernel_is_made_anew(kernels, tmp_path, end, spoil):
+def test_a_damaged_cache_entry_is_compiled_again(kernels, tmp_path, end, spoil):
     (path,) = tmp_path.glob(f"*.{end}")
     spoil(path)
     assert kernels().load("int") is None
@@ -126,7 +126,7 @@ def test_a_spoilt_entry_of_a_kernel_is_made_anew(kernels, tmp_path, end, spoil):
     assert kernels().load("int") == "anew"
 
 
-def test_a_sound_entry_of_a_kernel_is_read_also_one_without_a_sum(kernels, tmp_path):
+def test_a_valid_cache_entry_is_read_with_or_without_a_checksum(kernels, tmp_path):
     assert kernels().load("int") == {"code": b"\x01" * 1000}
     assert kernels().load("float") is None
     assert kernels((3.0, 2)).load("int") is None  # of another source
@@ -136,7 +136,7 @@ def test_a_sound_entry_of_a_kernel_is_read_also_one_without_a_sum(kernels, tmp_p
 
 
 @POSIX
-def test_compiling_is_said_once_with_the_time_it_takes_and_not_when_quiet(tmp_path, capsys, monkeypatch):
+def test_compilation_is_announced_once_with_its_time_unless_quiet(tmp_path, capsys, monkeypatch):
     monkeypatch.setitem(caches.COMPILE_TIMES_S, "another", 17)
     place = tmp_path / "another_0123"  # numba's name of a folder of the package
     with caches.suppress_compile_notice():
@@ -150,7 +150,7 @@ def test_compiling_is_said_once_with_the_time_it_takes_and_not_when_quiet(tmp_pa
     assert "once" in line
 
 
-def test_a_kernel_that_cannot_be_kept_stops_nobody(kernels, tmp_path, monkeypatch):
+def test_a_kernel_that_cannot_be_cached_still_runs(kernels, tmp_path, monkeypatch):
     monkeypatch.setattr(os, "replace", lambda *_: (_ for _ in ()).throw(OSError(28, "full")))
     kernels().save("float", "code")
     assert kernels().load("float") is None

@@ -61,7 +61,7 @@ def page():
     return "\n".join(parts)
 
 
-def test_the_page_of_keys_is_that_of_the_fields():
+def test_the_page_of_keys_matches_the_fields():
     assert PAGE.read_text(encoding="utf-8") == page(), "run python tests/core/test_scene_keys.py"
 
 

@@ -75,7 +75,7 @@ def test_neighbours_across_the_edge_of_a_periodic_square_count():
     assert numbers.velocity_agreement(across, 5.0) == pytest.approx(1.0)
 
 
-def test_a_number_of_a_source_stands_in_the_words_that_were_read():
+def test_a_number_of_a_source_is_in_its_quoted_words():
     for finding in FINDINGS:
         assert finding.source.read
         assert finding.source.address.startswith("https://")
@@ -119,7 +119,7 @@ def test_every_statement_has_its_row_and_noise_decides_nothing():
     assert noisy == {Verdict.UNDECIDED}
 
 
-def test_series_stand_by_what_their_walkers_do_alone():
+def test_series_are_ordered_by_numbers_of_single_walkers():
     whole = rising_numbers()
     points = compared.series_points(whole, "lean", "circulation")
     assert [at for at, _ in points] == sorted(whole["lean alone", lean]["spin"].value for lean in cases.RIGHT_TILTS_DEG)
@@ -127,7 +127,7 @@ def test_series_stand_by_what_their_walkers_do_alone():
     assert [at for at, _ in compared.series_points(whole, "packing", "order")] == list(cases.PACKINGS)
 
 
-def test_page_and_table_name_every_source_and_what_was_read_of_it(tmp_path):
+def test_page_and_table_name_every_source_and_the_part_read(tmp_path):
     made = report.make_report(list(compared.compare_findings(rising_numbers())), tmp_path, "How")
     page = made.markdown()
     assert next(csv.DictReader(made["crowds_published"].csv().splitlines()))["source"]

@@ -25,7 +25,7 @@ FILES = {
 }
 
 
-def test_the_plate_that_was_put_in_is_found(tmp_path):
+def test_the_true_motion_of_the_plate_is_found(tmp_path):
     scene = templates.load(make.SCENE, "scenes", Scene)
     (tmp_path / "acceleration.csv").write_text(make.plate_table(scene, 10.0))
     plate = wg.calibrate(plate=tmp_path / "acceleration.csv", pictures=False)
@@ -44,7 +44,7 @@ def test_an_archive_is_the_same_bytes_for_the_same_files():
 
 
 @pytest.mark.slow
-def test_the_archive_is_made_twice_alike_and_holds_what_it_says(tmp_path, monkeypatch):
+def test_two_archives_are_equal_and_hold_the_listed_files(tmp_path, monkeypatch):
     written = []
     for name in ("one", "two"):
         run = CliRunner().invoke(commands, ["example-data", "--quick", "--quiet", "--out", str(tmp_path / name)])

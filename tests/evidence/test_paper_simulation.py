@@ -95,7 +95,7 @@ def test_a_level_walker_takes_off_and_lands_as_a_ball_does() -> None:
 
 
 @pytest.mark.parametrize(("factor", "alternates"), [(0.999, False), (1.001, True)])
-def test_the_orbit_of_one_bounce_doubles_its_period_where_it_must(factor: float, alternates: bool) -> None:
+def test_the_orbit_of_one_bounce_doubles_its_period_at_the_closed_form(factor: float, alternates: bool) -> None:
     e = 0.5
     gamma = factor * math.hypot(math.pi * (1 - e) / (1 + e), 2.0 * (1 + e * e) / (1 + e) ** 2)
     own = block(scene_of(gamma, e))
@@ -121,7 +121,7 @@ def test_without_friction_and_losses_energy_stays_on_a_plate_at_rest() -> None:
 
 
 @pytest.mark.parametrize("restitution", [0.5, 0.8])
-def test_a_ball_comes_to_rest_in_the_known_time(restitution: float) -> None:
+def test_a_ball_comes_to_rest_in_the_closed_form_time(restitution: float) -> None:
     own = block(scene_of(0.0, restitution))
     state = initial_state(own, 1.0)
     end = math.sqrt(2.0 / GRAVITY) * (1 + restitution) / (1 - restitution)

@@ -206,7 +206,7 @@ def test_each_fact_of_figure_6_is_judged_at_its_own_tilt():
 
 
 @pytest.mark.nightly
-def test_a_plate_too_weak_to_lift_anything_is_told_not_crashed_on(design, scene, tmp_path):
+def test_a_plate_too_weak_to_lift_anything_is_reported(design, scene, tmp_path):
     weak = scene.variant(**{"drive.gamma": 0.5, "run.seconds": 0.2, "run.discard_seconds": 0.05, "run.runs": 8})
     job = reproduce.Job(design, weak, weak, [5.0, 10.0, 15.0], [0.4, 0.5])
     found = reproduce.reproduce(job, tmp_path / "weak", silent)
@@ -308,7 +308,7 @@ def test_runs_become_tracks_with_the_headings_of_films_and_bad_ones_are_left_out
     assert on_plane.analyse_runs("measured", 10.0, results[2:4]) is None
 
 
-def test_figure_6_draws_what_there_is(scene):
+def test_figure_6_draws_partial_results(scene):
     low, speed = Assumption(compare.LOW_RESTITUTION, scene), mean("speed", "mm_s", [1.0, 2.0])
     tracks = [persistent(rate, 8, 600) for rate in (0.1, 0.2, 8.0)]
     plane = [

@@ -37,14 +37,14 @@ def test_walkers_spread_and_turn_as_their_laws_say(kind):
 
 
 @pytest.mark.parametrize(("gap", "mean"), [(0.0, 1 / 0.7), (25.0, 25.0)], ids=["random", "blocks"])
-def test_frames_are_lost_in_the_share_and_length_told(gap, mean):
+def test_frames_are_lost_in_the_stated_share_and_length(gap, mean):
     lost = lost_frames(np.random.default_rng(2), Walker(lost=0.3, gap=gap), 400_000)
     begins = np.count_nonzero(np.diff(lost.astype(int)) == 1)
     assert lost.mean() == pytest.approx(0.3, abs=0.02)
     assert lost.sum() / begins == pytest.approx(mean, rel=0.05)
 
 
-def test_walkers_differ_by_the_spread_told():
+def test_walkers_differ_by_the_stated_spread():
     clean = Walker(rate=0.0, noise=0.0, heading_noise=0.0, lost=0.0, speed_sd=3.0, turn_sd=0.5)
     made = film(3, 400, 1.0, clean, interval=0.1).tracks
     turns = np.array([one.heading[-1] - one.heading[0] for one in made])

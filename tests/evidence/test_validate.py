@@ -76,14 +76,14 @@ def verdicts(tests, effort=QUICK):
         (Outside("s").missing("q", "", "no program"), "missing", None),
     ],
 )
-def test_words_are_by_the_bounds_of_the_gap_within_the_margin(one, word, z):
+def test_verdicts_compare_the_bounds_of_the_gap_with_the_margin(one, word, z):
     assert one.word == word
     assert one.z == (None if z is None else pytest.approx(z, nan_ok=True))
     assert (one.word == "disagree") == (one.gap_over_allowed is not None and abs(one.gap_over_allowed) > 1.0)
 
 
 @pytest.mark.nightly
-def test_everything_is_claimed_and_said_by_a_quick_run(tmp_path):
+def test_a_quick_run_makes_and_reports_every_claim(tmp_path):
     result = call("--quick", "--json", "--out", str(tmp_path))
     assert result.exit_code == 0, result.output
     rows = json.loads(result.stdout)["rows"]
@@ -116,7 +116,7 @@ def test_everything_is_claimed_and_said_by_a_quick_run(tmp_path):
 
 
 @pytest.mark.parametrize("room", [claims_closed, claims_bounce])
-def test_closed_forms_and_published_balls_agree_but_for_what_is_explained(room):
+def test_closed_forms_and_published_balls_agree_or_have_an_explanation(room):
     for quantity, verdict in verdicts(room.TESTS).items():
         assert verdict == ("disagree" if quantity in DISAGREE else "agree"), quantity
 
@@ -141,7 +141,7 @@ def test_a_broken_factor_flips_its_claims(monkeypatch):
     assert set(verdicts([claims_closed.stationary_speed]).values()) == {"disagree"}
 
 
-def test_another_restitution_than_asked_flips_balls_but_not_their_lift_off(monkeypatch):
+def test_another_restitution_flips_the_claims_on_balls_but_not_their_lift_off(monkeypatch):
     right = claims_bounce.block
 
     def livelier(gamma, restitution, *more, **others):
@@ -153,7 +153,7 @@ def test_another_restitution_than_asked_flips_balls_but_not_their_lift_off(monke
     assert set(found.values()) == {"disagree"}
 
 
-def test_another_gravity_flips_what_slides(monkeypatch):
+def test_another_gravity_flips_the_claims_on_sliding(monkeypatch):
     monkeypatch.setattr(claims_closed, "GRAVITY", 9800.0)
     found = verdicts([claims_closed.sliding_on_slopes, claims_closed.sliding_stop])
     assert found["slope at which a braced walker starts to slide, μ = 0.25"] == "agree"
@@ -173,7 +173,7 @@ def test_impacts_by_pymunk_differ_only_where_slip_turns_back():
         assert verdict == ("disagree" if quantity in DISAGREE else "agree"), quantity
 
 
-def test_what_is_not_installed_is_said_and_not_claimed(monkeypatch):
+def test_missing_programs_are_reported_and_not_claimed(monkeypatch):
     monkeypatch.setattr(claims_rivals, "is_installed", lambda name: False)
     monkeypatch.setattr(claims_programs, "is_installed", lambda name: False)
     monkeypatch.setattr(claims_programs.shutil, "which", lambda name: None)
@@ -185,7 +185,7 @@ def test_what_is_not_installed_is_said_and_not_claimed(monkeypatch):
     assert "prusa-slicer is not on the PATH" in text
 
 
-def test_a_slicer_that_fails_is_said(tmp_path):
+def test_a_failing_slicer_is_reported(tmp_path):
     broken = tmp_path / "prusa-slicer"
     broken.write_text("#!/bin/sh\nexit 3\n")
     broken.chmod(0o755)

@@ -42,7 +42,7 @@ def test_pairs_run_by_name(design):
     assert math.isfinite(runs.speed.value)
 
 
-def test_they_are_listed_shown_copied_and_loaded_by_name(tmp_path, monkeypatch):
+def test_published_templates_are_listed_shown_copied_and_loaded_by_name(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     runner = CliRunner()
     assert "published/son2025" in wg.templates()["name"]
@@ -90,7 +90,7 @@ def test_ranges_hold_the_templates_values_and_stand_in_their_comments(name):
         assert own_value(scene if key.startswith("scene.") else design, key.removeprefix("scene.")) is not None, key
 
 
-def test_predicted_statements_ask_for_points_of_their_sweeps_and_the_others_say_what_is_missing():
+def test_predicted_statements_use_points_of_their_sweeps_and_the_others_state_what_is_missing():
     for statement in STATEMENTS:
         assert statement.source.read
         assert statement.source.address.startswith("https://")
@@ -107,7 +107,7 @@ def test_predicted_statements_ask_for_points_of_their_sweeps_and_the_others_say_
     }
 
 
-def test_numbers_of_the_table_follow_from_what_was_read():
+def test_numbers_of_the_table_are_in_the_quoted_words():
     by = {statement.quantity: statement for statement in STATEMENTS}
     typical = 0.025 * 4.0 * 115.0  # diameters a period, mm, Hz
     disc = by["speed at 2.7 g, either way"]
@@ -176,7 +176,7 @@ def test_sizes_ranges_and_ratios_are_of_one_draw_each():
     assert (ratio.low, ratio.high) == pytest.approx((0.8, 0.8))
 
 
-def test_folder_names_every_source_and_what_was_read_of_it(tmp_path, monkeypatch):
+def test_folder_names_every_source_and_the_part_read(tmp_path, monkeypatch):
     rng = np.random.default_rng(1)
 
     def swept(source, progress):

@@ -17,7 +17,7 @@ def plain(at):
     return np.full((4, 6, 3), 20 * at, np.uint8)
 
 
-def test_without_ffmpeg_the_gif_comes_alone_and_says_so(monkeypatch):
+def test_without_ffmpeg_only_the_gif_is_made_with_a_note(monkeypatch):
     monkeypatch.setattr(animation, "find_ffmpeg", lambda: None)
     made = animation.encode(plain, 3, 10, 0.5, [], silent)
     assert made.gif.startswith(b"GIF89a")
@@ -25,7 +25,7 @@ def test_without_ffmpeg_the_gif_comes_alone_and_says_so(monkeypatch):
     assert "pip install 'walkergen[film]'" in made.without_mp4
 
 
-def test_the_ffmpeg_of_the_extra_does_where_the_path_has_none(monkeypatch):
+def test_the_ffmpeg_of_the_extra_replaces_a_missing_one(monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda name: None)
     made = animation.encode(lambda at: np.full((32, 48, 3), 20 * at, np.uint8), 3, 10, 0.5, [], silent)
     assert made.without_mp4 == ""

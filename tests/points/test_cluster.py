@@ -111,7 +111,7 @@ def test_a_scheduler_that_is_not_there_is_one_line(monkeypatch):
         pass
 
 
-def test_what_is_no_scheduler_ends_in_time(monkeypatch):
+def test_an_address_without_a_scheduler_ends_in_time(monkeypatch):
     """A port that accepts and says nothing, as web servers do until they are asked."""
     monkeypatch.setattr(worker_pool, "ANSWER_TIMEOUT_S", 0.5)
     with socket.create_server(("127.0.0.1", 0)) as server:

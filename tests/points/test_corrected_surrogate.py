@@ -62,7 +62,7 @@ def test_surrogate_and_runs_count_by_their_errors_and_disagree_beyond_them():
         {"contact": {"friction": 1.19}},
     ],
 )
-def test_walkers_whose_error_runs_do_not_tell_are_left_to_runs_of_their_prints(tables, monkeypatch):
+def test_walkers_without_a_statistical_error_are_left_to_runs_of_their_prints(tables, monkeypatch):
     walker, known = unsure(**tables)
     if "contact" in tables:
         monkeypatch.setattr(corrected_surrogate, "MAX_SURROGATE_ERROR", 0.01)

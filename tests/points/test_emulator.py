@@ -47,7 +47,7 @@ def test_too_few_values_are_refused():
 
 
 @pytest.mark.parametrize("known", [True, False])
-def test_its_short_way_is_that_of_scikit_learn(known):
+def test_the_fast_prediction_equals_scikit_learns(known):
     x = _points(40, 3)
     y = _function(x) + np.random.default_rng(6).normal(0.0, 2.0, 40)
     found = emulator.fit(x, y, np.full(40, 2.0) if known else None)

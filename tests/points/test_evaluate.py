@@ -94,7 +94,7 @@ def test_runs_are_added_until_the_error_is_met(error):
 NO_TIME = {"scene__run__seconds": 0.004, "scene__run__discard_seconds": 0.0}
 
 
-def test_an_error_that_cannot_be_met_is_said():
+def test_an_error_that_cannot_be_met_is_reported():
     found = evaluate(point_at("space", error="0.001mm/s", **NO_TIME))
     assert found["runs"] == 512
     assert found["went"] == PointStatus.NOT_MET
@@ -102,14 +102,14 @@ def test_an_error_that_cannot_be_met_is_said():
     assert math.isfinite(found["speed_mm_s"])
 
 
-def test_runs_that_tell_no_error_say_so():
+def test_runs_that_give_no_error_are_reported():
     found = evaluate(point_at("space", scene__run__runs=2))
     assert found["status"] == "error unknown: too few data; take more runs, or longer ones"
     assert found["speed_mm_s"] > 0
     assert (found["low_95_mm_s"], found["high_95_mm_s"]) == (None, None)
 
 
-def test_what_is_not_asked_is_not_there():
+def test_unrequested_columns_are_absent():
     for model, keep in (("prediction", ("speed",)), ("prediction", ("speed", "spread", "masses")), ("space", ())):
         columns = (
             single_walker.columns(model, keep)
@@ -132,12 +132,12 @@ def test_printability_is_what_the_checks_find():
     assert evaluate(point_at(keep=("printability",), printer=ENDER))["print_errors"] == 0
 
 
-def test_a_braced_walker_has_no_leg_of_its_own():
+def test_a_braced_walker_has_no_leg_mass():
     found = evaluate(point_at(keep=("masses",), legs__kind="braced"))
     assert (found["m_g"], found["j_g_mm2"]) == (None, None)
 
 
-def test_a_point_that_cannot_be_says_why_on_one_line():
+def test_an_impossible_point_gives_its_reason_in_one_line():
     request = SweepPoints(PAPER, LANE, Space(()))
     for values, told in (
         ({"legs.tilt_deg": 85.0}, "a leg leaves"),

@@ -33,11 +33,11 @@ def walker(**keys):
 @pytest.mark.parametrize(
     ("wanted", "cheaper"), [("1%", "2%"), ("2%", "5%"), ("3%", "5%"), ("5%", "10%"), ("0.5mm/s", "1mm/s")]
 )
-def test_the_next_cheaper_error_is_of_1_2_5_10(wanted, cheaper):
+def test_the_next_cheaper_error_is_in_the_series_1_2_5_10(wanted, cheaper):
     assert run_time.next_cheaper(tolerance.parse_tolerance(wanted)) == tolerance.parse_tolerance(cheaper)
 
 
-def test_a_moment_tells_what_runs_cost():
+def test_a_short_run_measures_the_cost_of_runs():
     asked = walker(**TIMES)
     said = 2 * run_time.run_cpu_s(asked)
     assert 0.5 < said / walkers.simulate(asked, threads=1).summary.cpu_s < 2.0  # 0.8 to 1.3 on a machine of its own
@@ -45,7 +45,7 @@ def test_a_moment_tells_what_runs_cost():
     assert run_time.total_time([walker(**TIMES | {"run.seconds": 1.0})]) is None
 
 
-def test_an_error_says_once_its_first_runs_are_made_what_is_left_and_what_the_next_one_would_take():
+def test_after_its_first_runs_an_error_reports_the_time_left_and_that_of_a_cheaper_error():
     heard = []
     met = walkers.simulate_to_error(
         walker(**{"run.seconds": 1.0}), tolerance.parse_tolerance("2%"), expect=lambda find: heard.append(find())
@@ -65,7 +65,7 @@ def test_an_error_says_once_its_first_runs_are_made_what_is_left_and_what_the_ne
         ("movie", {"seconds": 0.01, "slow": 8.0}),
     ],
 )
-def test_commands_say_how_long_they_will_take(name, values, tmp_path):
+def test_commands_forecast_their_run_time(name, values, tmp_path):
     heard = []
     out = {"out": str(tmp_path / "film.gif")} if name == "movie" else {}
     asked = load_request(name).from_values(values | out)
@@ -79,7 +79,7 @@ class HeardError(Exception):
 
 
 @pytest.mark.parametrize(("name", "values", "least_s"), [("fit", {"model": "space"}, model_fit.LEARNING_S)])
-def test_what_a_job_does_beside_its_runs_is_counted(name, values, least_s, tmp_path, monkeypatch):
+def test_the_forecast_counts_the_work_of_a_job_beyond_its_runs(name, values, least_s, tmp_path, monkeypatch):
     monkeypatch.setattr(run_time, "run_cpu_s", lambda walker: 0.0)
     monkeypatch.setattr(single_walker, "cost", lambda point: 0.0)
     monkeypatch.setattr(inputs, "open_pool", lambda *_: nullcontext())
@@ -97,7 +97,7 @@ def test_what_a_job_does_beside_its_runs_is_counted(name, values, least_s, tmp_p
     assert told.value.args == (least_s,)
 
 
-def test_a_sweep_costs_what_its_points_do_and_nothing_of_it_is_found_out_where_it_is_short(monkeypatch):
+def test_a_sweep_costs_the_sum_of_its_points_and_a_short_one_is_not_timed(monkeypatch):
     monkeypatch.setattr(run_time, "MOMENT_S", 0.02)
     scene = replace_without_validation(
         templates.load("lane-90hz", "scenes", Scene), {"run.seconds": 1.0, "run.runs": 2}

@@ -40,7 +40,7 @@ def numbers(point):
     ]
 
 
-def test_a_walker_and_what_comes_of_it_survive_a_pickle_with_every_bit():
+def test_a_walker_and_its_results_survive_a_pickle_bit_for_bit():
     walker = asked_of(impacts=True)
     assert pickle.loads(pickle.dumps(walker)).key == walker.key
     point = walkers.simulate(walker, silent)
@@ -50,7 +50,7 @@ def test_a_walker_and_what_comes_of_it_survive_a_pickle_with_every_bit():
     np.testing.assert_array_equal(*events)
 
 
-def test_walkers_side_by_side_are_those_in_turn():
+def test_parallel_walkers_equal_those_in_sequence():
     asked = [asked_of(tilt) for tilt in (5.0, 15.0)]
     in_turn = list(walkers.simulate_each(asked, ["5", "15"], silent))
     at_once = walkers.simulate_parallel(asked, silent)

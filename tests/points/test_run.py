@@ -92,7 +92,7 @@ def test_points_come_in_their_order_refused_ones_among_them(store):
         assert one.record == (asked if isinstance(asked, dict) else evaluate(asked))
 
 
-def test_known_points_are_not_evaluated_again(store, monkeypatch):
+def test_stored_points_are_not_evaluated_again(store, monkeypatch):
     seen = count_evaluations(monkeypatch)
     few = request_of("legs.tilt_deg=5:15:1")
     first = list(run.evaluate_points(few.points(), store))
@@ -109,7 +109,7 @@ def test_known_points_are_not_evaluated_again(store, monkeypatch):
     assert all(one.stored for one in run.evaluate_points(few.points(), Store(store.path)))
 
 
-def test_points_that_are_asked_twice_are_evaluated_once_by_a_crew(store, monkeypatch):
+def test_points_requested_twice_are_evaluated_once_by_a_pool(store, monkeypatch):
     seen = count_evaluations(monkeypatch)
     asked = list(request_of("legs.tilt_deg=5,6,7").points())
     found = list(run.evaluate_points(asked * 3, store, WorkerPool(Faults(), 2)))
@@ -117,7 +117,7 @@ def test_points_that_are_asked_twice_are_evaluated_once_by_a_crew(store, monkeyp
     assert [one.key for one in found] == [one.key for one in found[:3]] * 3
 
 
-def test_what_was_done_is_kept_when_no_more_is_asked_for(store, monkeypatch):
+def test_finished_points_are_stored_when_no_more_are_requested(store, monkeypatch):
     seen = count_evaluations(monkeypatch)
     stream = run.evaluate_points(request_of("legs.tilt_deg=5:15:0.05").points(), store)
     next(stream)
@@ -150,14 +150,14 @@ def test_other_sources_on_a_worker_are_refused(store):
     assert not any(one.stored for one in run.evaluate_points(asked, store))
 
 
-def test_a_worker_without_walkergen_is_told(store):
+def test_a_worker_without_walkergen_is_reported(store):
     lost = Faults(1, error=ModuleNotFoundError("No module named 'walkergen'"))
     with pytest.raises(WalkergenError, match="a worker cannot import this version of walkergen: No module"):
         list(run.evaluate_points(MANY.points(), store, WorkerPool(lost, 1)))
 
 
 @pytest.mark.parametrize("error", [ValueError("a defect"), ModuleNotFoundError("walkergen")])
-def test_what_others_have_finished_is_kept_whatever_breaks(store, error):
+def test_points_finished_by_other_workers_are_stored_after_any_failure(store, error):
     broken = Faults(2, 10, error=error)  # the second of nine tasks, and when it is sent again
     with pytest.raises((ValueError, WalkergenError)):
         list(run.evaluate_points(MANY.points(), store, WorkerPool(broken, 2)))
@@ -165,7 +165,7 @@ def test_what_others_have_finished_is_kept_whatever_breaks(store, error):
     assert known.count(True) >= 1 + 7 * run.POINTS_PER_TASK  # all that was sent but the broken task
 
 
-def test_an_answer_that_is_lost_on_its_way_is_asked_for_again(store):
+def test_a_lost_answer_is_requested_again(store):
     """As *distributed* loses one, rarely, when a worker dies just after it has answered."""
     faults = Faults(2, error=ValueError("not enough values to unpack (expected 3, got 2)"))
     records = [done.record for done in run.evaluate_points(MANY.points(), store, WorkerPool(faults, 2))]
@@ -187,7 +187,7 @@ def endless(scene=LANE):
     return [*first, *others.points()]
 
 
-def test_a_worker_that_dies_gives_one_clear_error_and_what_was_finished_is_kept(store):
+def test_a_dead_worker_gives_one_clear_error_and_finished_points_are_stored(store):
     pids = []
 
     def explore():
@@ -267,7 +267,7 @@ def test_no_worker_outlives_its_program(tmp_path, ended_by):
     assert list(Store(path).get([key])) == [key]
 
 
-def test_a_crew_has_a_number_of_workers_that_makes_sense():
+def test_a_pool_has_a_sensible_number_of_workers():
     for count in (0, -1, worker_pool.MAX_WORKERS + 1):
         with pytest.raises(WalkergenError, match=rf"^workers={count}: must lie in 1\.\."):
             worker_pool.local_pool(count).__enter__()

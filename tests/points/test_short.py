@@ -28,7 +28,7 @@ def predict_design(design, scene, model="best"):
 
 
 @pytest.mark.slow
-def test_what_the_surrogate_declines_is_simulated_once_and_then_known():
+def test_a_case_that_the_surrogate_declines_is_simulated_once_and_stored():
     """By direct runs 46.6 mm/s; short runs err by some more. On a slope the surrogate is not corrected."""
     design, scene = Design().variant(tilt_deg=10.0), plane_scene(contact={"friction": 0.6}, plate={"slope_deg": 0.5})
     assert predict_design(design, scene, "known").speed.value is None
@@ -49,7 +49,7 @@ def test_walkers_that_fall_have_no_speed():
     assert row.falls >= short_simulation.MAX_FALL_SHARE
 
 
-def test_a_record_becomes_bounds_with_the_models_own_error():
+def test_a_record_gives_bounds_that_include_the_model_error():
     record = {"nominal": 50.0, "low": 48.0, "high": 52.0, "falls": 0.0, "mean": 40.0, "sd": 10.0}
     record |= dict(zip(short_simulation.BOUND_NAMES, (20.0, 30.0, 50.0, 60.0), strict=True))
     spread = short_simulation.speed_from_record(record, plane_scene(prediction={"model_sd": 0.0}))
@@ -58,7 +58,7 @@ def test_a_record_becomes_bounds_with_the_models_own_error():
     assert wider.speed.ends[3] == pytest.approx(40.0 + (20.0**2 + (1.96 * 6.0) ** 2) ** 0.5, rel=1e-3)
 
 
-def test_bounds_bear_the_error_of_what_was_left_out():
+def test_bounds_include_the_error_of_omitted_effects():
     record = {"nominal": 50.0, "low": 47.0, "high": 53.0, "falls": 0.0, "mean": 40.0, "sd": 10.0, "left_out_mm_s": 4.0}
     record |= dict(zip(short_simulation.BOUND_NAMES, (37.0, 38.5, 41.5, 43.0), strict=True))
     exact = plane_scene(prediction={"model_sd": 0.0})
@@ -69,7 +69,7 @@ def test_bounds_bear_the_error_of_what_was_left_out():
     assert few.speed.ends[0::3] == (45.0, 55.0)
 
 
-def test_a_walker_is_simulated_without_what_its_accepted_error_allows():
+def test_a_walker_is_simulated_without_effects_below_the_accepted_error():
     """The same seeds and runs: the second harmonic of 1e-9 changes the last digits alone."""
     run = {"seconds": 0.3, "discard_seconds": 0.1}
     drive = PLATE | {"second_harmonic_ratio": 1e-3}
@@ -117,7 +117,7 @@ def test_a_walker_that_would_take_minutes_is_refused_by_the_key_that_makes_it_so
     assert predict_design(Design(), scene, "known").speed.value is None
 
 
-def test_a_walker_of_stiff_parts_names_itself(would_begin):
+def test_a_walker_of_stiff_parts_is_refused_by_its_own_keys(would_begin):
     with pytest.raises(InputError, match="so stiff, light or small are its parts"):
         predict_design(
             Design().variant(**{"material.youngs_modulus_gpa": 1e4}),

@@ -52,7 +52,7 @@ def test_records_come_back_to_the_last_bit(path):
     assert Store(path).get(["a"]) == {"a": {"status": "anew"}}
 
 
-def test_all_of_a_put_is_saved_or_nothing(path):
+def test_a_put_is_saved_completely_or_not_at_all(path):
     store = Store(path)
     with pytest.raises(ValueError, match="not JSON compliant"):
         store.save([("a", RECORD), ("b", {"speed_mm_s": float("nan")})])
@@ -88,12 +88,12 @@ def check_killed(path, times):
     assert sqlite3.connect(path).execute("PRAGMA integrity_check").fetchall() == [("ok",)]
 
 
-def test_a_kill_loses_nothing_that_was_saved(path):
+def test_a_kill_loses_no_saved_record(path):
     check_killed(path, 5)
 
 
 @pytest.mark.nightly
-def test_fifty_kills_lose_nothing_that_was_saved(path):
+def test_fifty_kills_lose_no_saved_record(path):
     check_killed(path, 50)
 
 
@@ -143,7 +143,7 @@ def store_refusal(path):
     return line
 
 
-def test_a_file_of_something_else_is_left_alone(path):
+def test_a_file_of_another_program_is_left_unchanged(path):
     path.write_bytes(b"my thesis" * 1000)
     assert "not a database" in store_refusal(path)
     assert path.read_bytes() == b"my thesis" * 1000
@@ -205,7 +205,7 @@ def test_the_text_of_a_record_is_plain_json(path):
         "[" * 100_000,
     ],
 )
-def test_a_spoilt_record_is_none_and_made_anew(path, text):
+def test_a_damaged_record_is_ignored_and_measured_again(path, text):
     store = Store(path)
     store.save([("a", RECORD), ("b", RECORD)])
     with sqlite3.connect(path) as base:

@@ -121,7 +121,7 @@ def test_an_effect_is_explained_and_acts(extended_copy):
     assert speed == pytest.approx(fallen, rel=2e-3)  # the drag is that at the start of a frame
 
 
-def test_a_command_tells_the_frequency_of_a_cantilever(extended_copy):
+def test_a_command_prints_the_frequency_of_a_cantilever(extended_copy):
     (leg, other) = json.loads(command(extended_copy, "A command", "--json"))["legs"]
     assert leg["frequency_hz"] == pytest.approx(1520.0, rel=0.02)  # docs/physics.md section 7
     assert other["leg"] == 2

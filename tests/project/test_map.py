@@ -14,7 +14,7 @@ def test_every_path_of_the_map_exists():
     assert [path for path in PATHS if not (ROOT / path).exists()] == []
 
 
-def test_every_room_is_on_the_map_and_a_line_of_it_is_one():
+def test_every_folder_is_on_the_map_and_every_line_is_a_folder():
     package = ROOT / "walkergen"
     rooms = {path.parent for path in package.rglob("*.py")} - {package}
     assert {str(room.relative_to(ROOT)) for room in rooms} <= set(PATHS)
@@ -22,7 +22,7 @@ def test_every_room_is_on_the_map_and_a_line_of_it_is_one():
     assert max(len(row.rpartition("` |")[2].split()) for row in rows) <= 45
 
 
-def test_every_file_says_what_it_holds():
+def test_every_file_begins_with_its_content():
     for path in (ROOT / "walkergen").rglob("*.py"):
         assert path.read_text(encoding="utf-8").startswith('"""'), path
 

@@ -40,7 +40,7 @@ def test_every_picture_is_made_again_from_files_that_exist():
 
 
 @pytest.mark.parametrize("form", ["PNG", "GIF"])
-def test_a_picture_bears_version_command_and_digest_and_looks_the_same(form, tmp_path):
+def test_a_picture_has_version_command_and_digest_and_looks_the_same(form, tmp_path):
     rng = np.random.default_rng(1)
     frames = [Image.fromarray(rng.integers(0, 9, (8, 8), np.uint8)) for _ in range(3)]
     data = io.BytesIO()
@@ -67,7 +67,7 @@ def f(x):  # what
 '''
 
 
-def test_the_digest_is_of_code_and_not_of_what_is_said_about_it():
+def test_the_digest_covers_code_and_not_comments():
     same = 'def f(x):\n    "Other."\n    # more\n    return "# no comment" + g(x, 2.0)\n'
     assert pictures.strip_comments(CODE) == pictures.strip_comments(same) == 'deff(x):return"#nocomment"+g(x,2.0)'
     assert pictures.strip_comments(CODE.replace("2.0", "3.0")) != pictures.strip_comments(same)

@@ -60,7 +60,7 @@ def test_a_resolver_finds_wheels_for_every_machine(tmp_path):
 
 
 @pytest.mark.slow
-def test_the_resolver_sees_a_package_that_a_machine_has_not(tmp_path):
+def test_the_resolver_notices_a_package_without_wheels_for_a_machine(tmp_path):
     marker = "; platform_machine == 'x86_64' or platform_machine == 'AMD64' or sys_platform == 'darwin'"
     done = run_uv(project(tmp_path, (marker, "")), "lock")
     assert done.returncode != 0

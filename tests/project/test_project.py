@@ -26,7 +26,7 @@ CONDA_NAMES = {"matplotlib": "matplotlib-base"}
 """Packages that are called otherwise there."""
 
 
-def test_version_and_licence_are_told_alike_everywhere():
+def test_version_and_licence_are_the_same_everywhere():
     changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     assert metadata("walkergen")["Version"] == PROJECT["version"] == __version__
     assert CITATION["version"] == ZENODO["version"] == RECIPE["context"]["version"] == __version__
@@ -39,7 +39,7 @@ def test_version_and_licence_are_told_alike_everywhere():
     assert (ROOT / "LICENSE").read_text().startswith("MIT License")
 
 
-def test_the_citation_file_has_what_its_format_asks_for():
+def test_the_citation_file_has_the_fields_of_its_format():
     """The fields that the schema of version 1.2.0 requires, and no other names of persons and entities."""
     assert CITATION["cff-version"] == "1.2.0"
     assert CITATION["type"] in ("software", "dataset")
@@ -52,7 +52,7 @@ def test_the_citation_file_has_what_its_format_asks_for():
         assert {"type", "title", "authors"} <= set(reference)
 
 
-def test_authors_titles_and_words_are_told_alike_everywhere():
+def test_authors_titles_and_keywords_are_the_same_everywhere():
     authors = [author["name"] for author in PROJECT["authors"]]
     assert [author["name"] for author in CITATION["authors"]] == authors
     assert [author["name"] for author in ZENODO["creators"]] == authors
@@ -63,7 +63,7 @@ def test_authors_titles_and_words_are_told_alike_everywhere():
     assert paper["title"] in ZENODO["references"][0]
 
 
-def test_the_conda_recipe_asks_for_what_the_package_asks_for():
+def test_the_conda_recipe_has_the_requirements_of_the_package():
     asked = {}
     for text in PROJECT["dependencies"]:
         requirement = Requirement(text)
@@ -92,7 +92,7 @@ main()
 
 
 @pytest.mark.slow
-def test_an_editable_install_compiles_kernels_with_what_its_build_is_given(tmp_path, monkeypatch):
+def test_an_editable_install_compiles_kernels_with_its_build_requirements(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(str(ROOT / "packaging"))
     monkeypatch.chdir(ROOT)
     import backend

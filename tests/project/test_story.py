@@ -33,7 +33,7 @@ def page_with_excerpts(page):
     return MARK.sub(block, page)
 
 
-def test_the_story_is_of_today():
+def test_the_story_shows_the_current_code():
     page = PAGE.read_text(encoding="utf-8")
     assert page_with_excerpts(page) == page, "run python tests/project/test_story.py"
 

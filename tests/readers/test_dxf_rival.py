@@ -230,7 +230,7 @@ DRAWINGS = {
 
 
 @pytest.mark.parametrize("name", DRAWINGS)
-def test_outlines_are_what_the_frontend_draws(name, tmp_path):
+def test_outlines_equal_the_drawings_of_the_frontend(name, tmp_path):
     doc = ezdxf.new("R2010", units=4)
     DRAWINGS[name](doc, doc.modelspace())
     path = tmp_path / "drawing.dxf"
@@ -269,7 +269,7 @@ def test_a_closed_spline_spans_its_inner_knots_alone(weights, tmp_path):
     assert outline.hausdorff_distance(expected) < 0.01
 
 
-def test_corners_of_which_a_smoothed_polyline_was_made_are_no_line(tmp_path):
+def test_control_corners_of_a_smoothed_polyline_are_no_line(tmp_path):
     """As PEDIT writes them, before those of the curve; the frontend draws a line through both."""
     doc = ezdxf.new("R2000", units=4)
     polyline = doc.modelspace().add_polyline2d(ELL, close=True)

@@ -86,7 +86,7 @@ def test_parts_of_bambu_are_cut_away(tmp_path):
     assert weigh(path, 1.24, 1.0).total.volume_mm3 == pytest.approx(VOLUME - 48.0, rel=1e-6)
 
 
-def test_what_bambu_cuts_away_may_be_of_the_type_other(tmp_path):
+def test_parts_that_bambu_cuts_away_may_be_of_the_type_other(tmp_path):
     """As BambuStudio and OrcaSlicer write it: the type of all that is no part of the model."""
     parts = (
         f'<object id="1" type="model">{mesh_xml(BOX)}</object><object id="2" type="other">{mesh_xml(THROUGH)}</object>'
@@ -100,7 +100,7 @@ def test_what_bambu_cuts_away_may_be_of_the_type_other(tmp_path):
 
 @pytest.mark.parametrize("name", ["support_mesh", "infill_mesh", "cutting_mesh", "anti_overhang_mesh"])
 @pytest.mark.parametrize(("word", "printed"), [("True", 1), ("False", 2)])
-def test_settings_of_cura_tell_what_does_not_print(tmp_path, name, word, printed):
+def test_settings_of_cura_mark_parts_that_are_not_printed(tmp_path, name, word, printed):
     for note in (
         f'<metadatagroup><metadata name="cura:{name}" type="xs:boolean">{word}</metadata></metadatagroup>',
         f'<settings xmlns="cura"><setting key="{name}">{word}</setting></settings>',
@@ -326,14 +326,14 @@ def test_glb_that_is_more_than_plain_meshes_is_named(tmp_path, more, told):
         meshes.read_mesh(path, "box")
 
 
-def test_a_size_of_no_walker_is_told_where_a_mesh_is_weighed(tmp_path):
+def test_an_unlikely_size_is_reported_when_a_mesh_is_weighed(tmp_path):
     path = tmp_path / "box.stl"
     path.write_bytes(trimesh.Trimesh(BOX.vertices / 1000.0, BOX.faces).export(file_type="stl"))
     assert weigh(path, 1.24, 1000.0).notes == ()
     assert weigh(path, 1.24, 1.0).notes[-1].startswith("the longest side is 0.028 mm: in another unit? ‹scale›")
 
 
-def test_too_many_triangles_are_refused_by_a_glance(tmp_path, monkeypatch):
+def test_too_many_triangles_are_refused_before_reading(tmp_path, monkeypatch):
     monkeypatch.setattr(meshes, "MAX_TRIANGLES", 11)
     for kind in ("stl", "stl_ascii", "obj", "ply", "off", "glb"):
         path = tmp_path / f"box.{kind.removesuffix('_ascii')}"

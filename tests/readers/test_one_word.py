@@ -47,7 +47,7 @@ def test_a_text_names_files_of_its_own():
     assert name_from_text("王") != name_from_text("李")
 
 
-def test_a_character_that_the_font_lacks_is_told_with_what_helps():
+def test_a_character_missing_in_the_font_is_reported_with_a_remedy():
     with pytest.raises(GeometryError, match=r"U\+738B .* is not in the font DejaVu Sans; name .*body\.font"):
         Design.from_text("王")
 
@@ -128,7 +128,7 @@ def test_a_drawing_without_a_size_is_as_long_as_the_papers_walker(tmp_path):
 
 
 @pytest.mark.parametrize("scale", [1 / 25.4, 1e-3])
-def test_a_size_in_another_unit_is_asked_back(tmp_path, scale):
+def test_a_size_in_another_unit_is_refused_with_a_question(tmp_path, scale):
     path = tmp_path / "egg.stl"
     egg = trimesh.creation.icosphere(subdivisions=2, radius=0.5)
     egg.apply_scale(20.0 * scale)
@@ -137,7 +137,7 @@ def test_a_size_in_another_unit_is_asked_back(tmp_path, scale):
         load_shape(path)
 
 
-def test_what_does_not_stand_is_told_what_helps_and_that_helps(tmp_path):
+def test_an_unstable_shape_is_refused_with_a_remedy_that_works(tmp_path):
     path = tmp_path / "ball.stl"
     trimesh.creation.icosphere(subdivisions=2, radius=2.0).export(path)
     with pytest.raises(GeometryError, match=r"body\.base = true, or make it .* long, body\.length_mm = ") as refusal:
@@ -148,7 +148,7 @@ def test_what_does_not_stand_is_told_what_helps_and_that_helps(tmp_path):
         solids.build(PAPER.variant(**data, **remedy))
 
 
-def test_a_remedy_set_beside_a_file_that_does_not_stand_helps(tmp_path):
+def test_a_remedy_set_with_an_unstable_file_works(tmp_path):
     bar = svg(tmp_path, "M0 12H40V15H0z")
     with pytest.raises(GeometryError, match=r"body\.base = true, or make it "):
         wg.predict(bar, set={"legs.tilt_deg": 12})
@@ -194,14 +194,14 @@ def test_one_letter_is_a_family(tmp_path):
     assert PAPER.variant(text="W", **{"family.tilt_deg": [5.0]}).family.tilt_deg == [5.0]
 
 
-def test_a_long_body_has_more_rows_and_says_how_far_it_leans():
+def test_a_long_body_has_more_rows_and_reports_its_lean():
     design = Design.from_text("A" * 30).variant(**{"body.rails_mm": 2.0})
     assert design.size.length > 150.0
     assert len({limb.along for limb in design.limbs}) > 2
     assert "tips beyond" in design.notes[-1]
 
 
-def test_another_shape_takes_what_followed_from_the_former_with_it(tmp_path):
+def test_another_shape_replaces_all_values_derived_from_the_former(tmp_path):
     path = str(svg(tmp_path, DRAWN["heart"]))
     heart = PAPER.variant(**{"body.outline": path})
     assert heart.placed
@@ -216,7 +216,7 @@ def test_another_shape_takes_what_followed_from_the_former_with_it(tmp_path):
 
 
 @pytest.mark.parametrize("shape", ["heart", "bell"])
-def test_numbers_take_the_place_of_what_was_found(tmp_path, shape):
+def test_given_numbers_replace_derived_ones(tmp_path, shape):
     found = load_shape(svg(tmp_path, DRAWN[shape]))
     numbers = found.with_numbered_legs()
     assert not numbers.placed
@@ -225,7 +225,7 @@ def test_numbers_take_the_place_of_what_was_found(tmp_path, shape):
     assert isinstance(numbers.legs, list) == (shape == "heart")
 
 
-def test_files_of_cad_say_how_to_save_a_mesh(tmp_path):
+def test_cad_files_are_refused_with_the_way_to_save_a_mesh(tmp_path):
     with pytest.raises(InputError, match=r"Export, STL"):
         load_shape(tmp_path / "part.step")
 
@@ -234,7 +234,7 @@ def test_python_loads_a_drawing(tmp_path):
     assert wg.load(svg(tmp_path, DRAWN["fish"])).placed
 
 
-def test_a_text_is_asked_back_once(monkeypatch):
+def test_a_text_is_confirmed_once(monkeypatch):
     class Terminal(io.StringIO):
         def isatty(self):
             return True
@@ -255,14 +255,14 @@ def test_a_text_is_asked_back_once(monkeypatch):
                 asked.design("ANNA")
 
 
-def test_a_command_takes_a_text_and_says_what_it_made():
+def test_a_command_takes_a_text_and_reports_the_walker():
     shown = CliRunner().invoke(command_line, ["check", "--text", "ANNA", "--tilt", "10"], catch_exceptions=False)
     assert shown.exit_code == 0
     assert "note: ANNA: joined 4 pieces by a base plate" in shown.stderr
     assert "note: ANNA: legs found" in shown.stderr
 
 
-def test_an_arrow_is_engraved_on_wish_and_points_forward(tmp_path):
+def test_an_arrow_is_engraved_on_request_and_points_forward(tmp_path):
     disc = Design.model_validate({"body": {"outline": "disc"}, "marks": {"kind": "text", "text": "→"}})
     plain, marked = solids.build(disc.unmarked), solids.build(disc)
     assert len(marked.walker.triangles) > len(plain.walker.triangles)
@@ -272,13 +272,13 @@ def test_an_arrow_is_engraved_on_wish_and_points_forward(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_family_shows_what_was_taken_of_a_picture(tmp_path):
+def test_a_family_shows_the_outline_taken_from_a_picture(tmp_path):
     path = picture(tmp_path / "blob.png", 250, 20)
     wg.family(path, tilt=10, out=tmp_path / "family")
     assert (tmp_path / "family" / "taken.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_a_shape_on_which_no_legs_stand_is_drawn_with_its_trouble(tmp_path):
+def test_a_shape_without_stable_legs_is_drawn_with_the_problem(tmp_path):
     path = tmp_path / "ball.stl"
     trimesh.creation.icosphere(subdivisions=2, radius=2.0).export(path)
     with pytest.raises(GeometryError, match=r"base = true.*drawn in .*trouble\.png"):

@@ -199,7 +199,7 @@ def test_units_of_svg(tmp_path, page, scale, length):
     assert np.ptp(from_file(path, scale)[0][:, 0]) == pytest.approx(length, rel=1e-12)
 
 
-def test_an_svg_comes_out_as_people_see_it(tmp_path):
+def test_an_svg_is_upright_as_on_screen(tmp_path):
     (flag,) = from_file(svg(tmp_path, '<path d="M0 0 h10 v30 z"/>'))  # its tip points down
     assert flag[flag[:, 1].argmin()] == pytest.approx((5.0, -15.0), abs=1e-12)
 

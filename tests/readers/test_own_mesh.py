@@ -87,7 +87,7 @@ def test_the_name_may_lead_anywhere_and_the_hash_is_the_files(tmp_path):
     assert len(here.sha256) == 64
 
 
-def test_what_is_no_mesh_is_refused(tmp_path):
+def test_files_without_a_mesh_are_refused(tmp_path):
     def file(name, data):
         (tmp_path / name).write_bytes(data)
         return tmp_path / name
@@ -153,7 +153,7 @@ def _fault(mesh):
     return str(refusal.value)
 
 
-def test_a_size_that_no_walker_has_asks_for_the_unit(tmp_path):
+def test_an_unlikely_size_is_refused_with_a_question_for_the_unit(tmp_path):
     def line(factor, **keys):
         mesh = Mesh(DUCK.vertices * factor, DUCK.triangles)
         return refusal_of(hostile.to_stl(tmp_path / "duck.stl", mesh), **keys)
@@ -169,7 +169,7 @@ def test_a_size_that_no_walker_has_asks_for_the_unit(tmp_path):
     assert mass.weigh(found, 1.0).volume == pytest.approx(mass.weigh(DUCK, 1.0).volume, rel=1e-5)
 
 
-def test_a_cavity_is_part_of_its_body_but_not_beside_it():
+def test_a_shell_inside_a_body_is_a_cavity_and_one_outside_is_not():
     hollow = hostile.together(BOX, hostile.invert_mesh(hostile.box(2.0, 2.0, 2.0)))
     faults.check_solid(hollow, "hollow")
     assert mass.weigh(hollow, 1.0).volume == pytest.approx(952.0)
@@ -255,7 +255,7 @@ def _edges_pierce(one, other, edges=3):
     return False
 
 
-def test_repair_says_what_it_changed(tmp_path):
+def test_repair_reports_its_changes(tmp_path):
     def repair_mesh(mesh):
         path = hostile.to_stl(tmp_path / "broken.stl", mesh)
         with pytest.raises(InputError):
@@ -290,7 +290,7 @@ def test_repair_says_what_it_changed(tmp_path):
     assert volume == pytest.approx(960.0, rel=1e-5)
 
 
-def test_what_repair_cannot_mend_is_refused_with_what_was_tried(tmp_path):
+def test_an_unrepairable_mesh_is_refused_with_the_attempts(tmp_path):
     path = hostile.to_stl(tmp_path / "bow.stl", hostile.bow())
     assert "crosses itself" in refusal_of(path, repair=True)
     floating = hostile.together(BOX, hostile.box(middle=(40.0, 0.0, 40.0)))
@@ -370,7 +370,7 @@ def test_a_duck_on_legs():
 
 
 @pytest.mark.parametrize("upward", [hostile.UP, UPWARD])
-def test_a_leg_reaches_as_high_as_the_modeller_says(upward):
+def test_a_leg_reaches_the_height_that_the_modeller_finds(upward):
     """Rival of the clipped triangles: what the modeller leaves of a leg below the body."""
     turn = body_mesh.rotation("z", "x", "key")
     body = joining.prepare_body(Mesh(DUCK.vertices @ turn.T, DUCK.triangles))
@@ -451,7 +451,7 @@ def test_holes_that_touch_are_filled_each(dropped, turned):
     assert faults.shells(mesh).volumes.sum() == pytest.approx(ball.volume, rel=0.005)
 
 
-def test_what_is_not_united_weighs_the_same(tmp_path):
+def test_bodies_that_are_not_united_weigh_the_same(tmp_path):
     """A page shows a body and its legs side by side: masses and enclosed volumes are the walker's."""
     path = hostile.to_stl(tmp_path / "duck.stl", DUCK)
     design = Design.model_validate({"body": {"mesh": str(path), "length_mm": 40.0}, "legs": {"place": "auto"}})

@@ -63,7 +63,7 @@ SHAPES = {
 
 @pytest.mark.parametrize("name", SHAPES)
 @pytest.mark.parametrize("reach", [Reach(-0.2, 0.2), LEG, Reach(3.5, 4.2), Reach(-4.2, -3.5), Reach(-0.3, 1.5)])
-def test_legs_stand_under_shapes_that_people_bring(name, reach):
+def test_automatic_legs_stand_under_common_shapes(name, reach):
     found = place_legs(SHAPES[name], reach=reach)
     check(SHAPES[name], found, reach)
     centre = SHAPES[name].centroid
@@ -81,7 +81,7 @@ def test_a_hole_divides_a_row():
 
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(st.lists(st.floats(6.0, 20.0), min_size=5, max_size=24))
-def test_stars_of_any_kind_stand_or_say_why(radii):
+def test_stars_of_any_kind_stand_or_are_refused_with_a_reason(radii):
     ground = star(radii)
     try:
         found = place_legs(ground)
@@ -91,7 +91,7 @@ def test_stars_of_any_kind_stand_or_say_why(radii):
 
 
 @pytest.mark.parametrize("ground", [shapely.Point(0, 0).buffer(1.0), shapely.box(-14, -0.4, 14, 0.4)])
-def test_what_does_not_stand_says_what_would(ground):
+def test_an_unstable_body_is_refused_with_a_remedy(ground):
     with pytest.raises(GeometryError, match=r"it tips from any legs$"):
         place_legs(ground)
 

@@ -30,7 +30,7 @@ ZOOM = 30
 
 
 @pytest.mark.parametrize("name", sorted(set(DRAWINGS) - LATER))
-def test_outlines_are_what_resvg_draws(name, tmp_path):
+def test_outlines_equal_resvgs_pictures(name, tmp_path):
     text = f"<svg {NAMES} {PAGE}>{DRAWINGS[name]}</svg>"
     path = tmp_path / "drawing.svg"
     path.write_text(text)
@@ -114,7 +114,7 @@ def test_what_browsers_read_and_resvg_does_not(name, expected, tmp_path):
     assert sum(map(area, from_file(path).polygons)) == pytest.approx(expected, rel=1e-9)
 
 
-def test_a_page_of_colour_is_a_body_and_said(tmp_path):
+def test_a_coloured_page_is_a_body_with_a_note(tmp_path):
     path = tmp_path / "drawing.svg"
     path.write_text(f'<svg {NAMES} {PAGE}><rect width="40" height="20" fill="#eee"/>{BAR}</svg>')
     outline = from_file(path)
@@ -149,7 +149,7 @@ def test_a_page_of_colour_is_a_body_and_said(tmp_path):
         ('<path stroke="red" stroke-width=".1" d="M6 6h28v8H6z"/>', "", (28, 8), None),
     ],
 )
-def test_what_is_left_out_is_said(tmp_path, body, before, size, note):
+def test_omitted_parts_are_reported(tmp_path, body, before, size, note):
     names = NAMES.replace("http://www.w3.org/2000/svg", "&ns_svg;") if before else NAMES
     path = tmp_path / "drawing.svg"
     path.write_text(f"{before}<svg {names} {PAGE}>{body}</svg>")

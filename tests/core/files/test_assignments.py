@@ -29,7 +29,7 @@ UNEQUAL = templates.load("unequal-legs", "walkers", Design)
         ("a=" + "1" * 10_000, None),
     ],
 )
-def test_key_and_value_are_told_apart(text, pair):
+def test_key_and_value_are_separated(text, pair):
     if pair:
         assert assignments.split_key_value(text) == pair
         return
@@ -59,7 +59,7 @@ def test_a_value_is_tomls_or_the_text(text, value):
 
 
 @pytest.mark.parametrize("text", ["[" * 5000, "[braced]", "{a = }"])
-def test_lists_that_are_none_are_refused(text):
+def test_invalid_lists_are_refused(text):
     with pytest.raises(InputError, match="no list or table of TOML"):
         assignments.parse_value(text)
 
@@ -145,12 +145,12 @@ def test_three_numbers_of_the_drive_must_agree():
         assignments.replace_values(LANE, good | {"drive.amplitude_um": 70})
 
 
-def test_nothing_else_of_the_scene_moves():
+def test_setting_the_drive_changes_nothing_else_of_the_scene():
     found = assignments.replace_values(LANE, {"drive.gamma": 2.2})
     assert found.model_copy(update={"drive": LANE.drive}) == LANE
 
 
-def test_keys_of_the_scene_go_to_the_scene_and_messages_say_so():
+def test_keys_of_the_scene_reach_the_scene_and_messages_name_it():
     design, scene = sweep_points.change_keys(PAPER, LANE, {"scene.legs.damping_ratio": 0.1, "legs.tilt_deg": 12})
     assert (scene.legs.damping_ratio, design.tilt_deg) == (0.1, 12)
     with pytest.raises(InputError, match=r"^set: scene\.contact\.friction = -1: must be"):

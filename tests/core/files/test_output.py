@@ -57,7 +57,7 @@ def test_a_path_that_cannot_be_written_is_one_line(tmp_path: Path, name: str) ->
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="links need rights there")
-def test_no_link_beside_a_file_leads_the_writing_elsewhere(tmp_path):
+def test_no_link_next_to_a_file_redirects_the_writing(tmp_path):
     """The temporary name is random and new, so no link can be prepared for it."""
     victim = tmp_path / "victim"
     victim.write_text("mine")

@@ -32,7 +32,7 @@ def test_a_byte_order_mark_and_foreign_line_ends_are_forgiven(tmp_path):
         ("a\udc80b", "or bytes that are not UTF-8: rename it"),
     ],
 )
-def test_what_cannot_be_read_is_one_line_that_names_the_file(tmp_path, monkeypatch, name, told):
+def test_an_unreadable_file_gives_one_line_that_names_it(tmp_path, monkeypatch, name, told):
     (tmp_path / "latin.csv").write_bytes(b"caf\xe9\n")
     (tmp_path / "large.csv").write_bytes(b"0123456789\n")
     monkeypatch.chdir(tmp_path)
@@ -49,7 +49,7 @@ def test_a_file_in_the_place_of_a_walker_is_named_once():
     assert str(caught.value) == "../none.svg: no such file"
 
 
-def test_a_mistake_of_the_code_that_reads_is_not_blamed_on_the_file(tmp_path):
+def test_an_error_in_the_reader_is_not_blamed_on_the_file(tmp_path):
     path = tmp_path / "sound.csv"
     path.write_text("a\n1\n")
     with pytest.raises(ValueError, match="mine"):

@@ -53,7 +53,7 @@ def predict_json(run, *words):
 
 
 @pytest.mark.parametrize(("words", "thing"), PAIRS)
-def test_every_command_takes_the_keys_of_its_things_and_no_others(run, words, thing):
+def test_every_command_accepts_the_keys_of_its_inputs_only(run, words, thing):
     wrong, hint = WRONG[thing]
     outside, allowed = OUTSIDE[thing]
     if thing in TAKES[words].split():
@@ -63,7 +63,7 @@ def test_every_command_takes_the_keys_of_its_things_and_no_others(run, words, th
         assert f"this command takes no {thing}" in refusal_of(run, *words, "--set", wrong)
 
 
-def test_no_command_that_takes_a_design_a_scene_or_a_printer_is_left_out():
+def test_every_command_with_a_design_a_scene_or_a_printer_is_covered():
     def commands(group, *path):
         for name, command in getattr(group, "commands", {}).items():
             yield from commands(command, *path, name)
@@ -147,7 +147,7 @@ def test_a_key_means_what_its_line_in_the_file_means(run, tmp_path):
     assert predict_json(run, "l7.5.toml") != by_file
 
 
-def test_files_in_values_lie_where_walkergen_runs(run, tmp_path):
+def test_paths_in_values_are_relative_to_the_current_folder(run, tmp_path):
     (tmp_path / "sub").mkdir()
     (tmp_path / "sub" / "disc.toml").write_text(
         '[body]\noutline = "disc"\n[[legs]]\nalong_mm = -4.0\nwidth_mm = 4.0\n'
@@ -192,7 +192,7 @@ def leaves(data, before=""):
             yield before + key, value
 
 
-def test_a_default_of_a_command_gives_way(tmp_path):
+def test_a_set_key_overrides_a_default_of_the_command(tmp_path):
     def make_inputs(values):
         return inputs.from_settings(values, {}, ("design", "scene"))
 
@@ -209,7 +209,7 @@ SHORT = ("--restitution", "0.8", "--seconds", "0.2", "--runs", "4", "--json")
 
 
 @pytest.mark.slow
-def test_several_walkers_are_rows_of_what_each_gives_alone(run):
+def test_several_walkers_give_the_rows_that_each_gives_alone(run):
     several = run("simulate", "--legs", "braced", "--tilt", "0:10:5", *SHORT)
     rows = json.loads(several.stdout)["rows"]
     assert [(row["tilt_deg"], row["legs"]) for row in rows] == [(tilt, "braced") for tilt in (0.0, 5.0, 10.0)]
@@ -245,7 +245,7 @@ def test_ctrl_c_shows_the_finished_rows_and_names_the_others(run, monkeypatch):
     assert f"warning: {told}" in result.stderr.splitlines()
 
 
-def test_ctrl_c_gives_the_runs_done_and_says_that_they_are_not_all(run, monkeypatch, tmp_path):
+def test_ctrl_c_reports_the_finished_runs_as_partial(run, monkeypatch, tmp_path):
     simulate = walkers.simulate
 
     def stop_early(asked, progress, threads=None):
@@ -264,6 +264,6 @@ def test_ctrl_c_gives_the_runs_done_and_says_that_they_are_not_all(run, monkeypa
     assert (tmp_path / "runs.csv").read_bytes() == whole
 
 
-def test_one_that_cannot_be_built_is_told_before_any_runs(run, monkeypatch):
+def test_an_impossible_walker_is_reported_before_any_run(run, monkeypatch):
     monkeypatch.setattr(walkers, "simulate", None)
     assert "tilt up to" in refusal_of(run, "simulate", "--tilt", "5,80")

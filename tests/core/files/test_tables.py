@@ -13,7 +13,7 @@ PLAIN = ["walker", "-5", "+3.5", "-inf", "'quoted'", "", "é", 'a "b", c']
 
 
 @pytest.mark.parametrize("text", [*FORMULAS, *PLAIN])
-def test_what_was_written_is_read(text):
+def test_a_written_table_is_read_back(text):
     written = csv_text(("name", text or "x"), [(text, 1.5)])
     (line,) = parse_records(written.splitlines(keepends=True), "x").rows
     assert line[1]["name"] == text

@@ -32,7 +32,7 @@ def test_bounds_are_students_and_of_a_variance_chi_squared():
         _ = Quantity("turning", "rad2_s", None, refused="no headings").number
 
 
-def test_a_variance_told_only_where_it_is_large_keeps_its_lower_bound():
+def test_a_variance_reported_only_when_large_keeps_its_lower_bound():
     """Of 5000 variances of 3 values, those above a threshold: without it 11 % lie wholly above the truth."""
     rng = np.random.default_rng(3)
     totals = 2.0 * rng.chisquare(2, 5000) / 2.0

@@ -45,7 +45,7 @@ def test_kernels_of_another_kind_are_refused_by_name(folder, field, told):
     assert told in shipped_kernels.mismatch_reason(made, OWN, folder)
 
 
-def test_a_cpu_that_is_asked_for_or_too_old_compiles_for_itself(folder, monkeypatch):
+def test_a_requested_or_too_old_cpu_compiles_its_own_kernels(folder, monkeypatch):
     made = shipped_kernels.read_manifest(folder)
     assert "another kind" in shipped_kernels.mismatch_reason(made, OWN._replace(cpu=""), folder)
     monkeypatch.setenv("NUMBA_CPU_NAME", "skylake")
@@ -66,7 +66,7 @@ def test_a_link_in_the_folder_is_not_followed(folder, tmp_path):
 
 
 @pytest.mark.parametrize("text", [None, "", "{", "[1]", "\x00"])
-def test_a_manifest_that_is_none_is_no_kernels(folder, text):
+def test_an_invalid_manifest_means_no_shipped_kernels(folder, text):
     path = folder / shipped_kernels.MANIFEST
     path.unlink()
     if text is not None:
@@ -74,7 +74,7 @@ def test_a_manifest_that_is_none_is_no_kernels(folder, text):
     assert shipped_kernels.read_manifest(folder) is None
 
 
-def test_the_kind_of_this_machine_is_told_apart_by_its_sources():
+def test_the_kind_of_this_machine_depends_on_the_sources():
     here = shipped_kernels.machine_kind(kernels.source_digest())
     assert here.sources == kernels.source_digest()
     assert here.cpu in ("x86-64-v3", "generic", "")
@@ -120,7 +120,7 @@ def test_shipped_entries_come_first_and_only_with_their_sums(folder, tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("words", hatch_build.MORE, ids=lambda words: " ".join(words[:3]))
-def test_the_commands_whose_kernels_a_wheel_takes_along_run(words, tmp_path):
+def test_commands_run_with_the_kernels_of_a_wheel(words, tmp_path):
     # a process of its own, which checks what the cache holds: entries of types that only tests have are in it
     own = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
     done = subprocess.run(

@@ -21,7 +21,7 @@ def test_quantiles_of_student_are_those_of_scipy(freedom: float) -> None:
     assert student_quantile(freedom, 0.5) == 0.0
 
 
-def test_many_degrees_of_freedom_are_normal_and_none_tell_nothing() -> None:
+def test_many_degrees_of_freedom_are_normal_and_zero_give_no_bounds() -> None:
     assert student_quantile(math.inf, 0.975) == pytest.approx(special.ndtri(0.975), rel=1e-15)
     assert [student_quantile(1e-3, 0.025), student_quantile(1e-300, 0.975)] == [-math.inf, math.inf]
     assert np.isnan([student_quantile(0.0, 0.975), student_quantile(math.nan, 0.975)]).all()

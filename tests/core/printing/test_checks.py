@@ -98,7 +98,7 @@ CHANGES = st.fixed_dictionaries(
 
 @settings(max_examples=200, deadline=None, derandomize=True)
 @given(st.floats(0.01, 4.0), CHANGES)
-def test_what_a_finding_recommends_is_good(thickness, changes):
+def test_recommended_changes_resolve_the_finding(thickness, changes):
     printer = MK3S.model_copy(update=changes)
     finding = checks.check_wall(walls.Wall("leg", thickness, 1.0, 8.0), printer, 0.02)
     if finding is None or " mm would do" not in finding.change:
@@ -175,7 +175,7 @@ def test_the_depth_is_a_whole_number_of_layers(depth, level):
     assert seen == ({level} if level else set())
 
 
-def test_a_brim_is_advised_for_what_stands_badly_and_no_more_once_there_is_one():
+def test_a_brim_is_advised_for_unstable_parts_until_there_is_one():
     def brim_advice(design, printer=MK3S):
         return [one.what for one in find(design, printer) if "brim" in one.change]
 
@@ -253,7 +253,7 @@ def test_one_filament_prints_a_batch():
     assert (finding.seen, finding.limit, finding.unit) == (1.27, 1.24, "g/cm3")
 
 
-def test_equal_findings_are_told_once_and_errors_first():
+def test_equal_findings_are_reported_once_and_errors_first():
     one = findings.make_finding(About.LEGS, "warning", "x", 1.0, 2.0, "mm", "y")._replace(where="a")
     every = [one, one._replace(where="b"), one._replace(level="error", where="c")]
     merged = findings.group_findings(every)

@@ -136,7 +136,7 @@ def test_a_part_too_large_for_the_printer_is_refused_with_sizes(size: tuple[floa
     assert len(message.splitlines()) == 1
 
 
-def test_too_many_plates_are_refused_with_what_would_fit() -> None:
+def test_too_many_plates_are_refused_with_the_number_that_fits() -> None:
     parts = [part("walker", copies=200)]
     assert len(plate.pack(parts, MK3S, max_plates=3)) == 3
     with pytest.raises(PlateError, match=r"^200 parts need 3 plates .* 2 allowed .room for 182 parts"):

@@ -40,7 +40,7 @@ def png_size(data: bytes) -> tuple[int, int]:
 
 
 @pytest.mark.parametrize("printer", PRINTERS, ids=lambda printer: printer.name)
-def test_the_map_says_where_the_3mf_file_has_every_part(printer):
+def test_the_map_shows_the_place_of_every_part_in_the_3mf_file(printer):
     files = dict(plates.layout_files(layout_of(printer), "plate", draw=None))
     rows = list(csv.DictReader(io.StringIO(files[f"plate_{printer.name}.csv"].decode())))
     assert list(rows[0]) == list(plates.Place._fields)
@@ -265,7 +265,7 @@ def test_prusaslicer_numbers_the_copies_as_the_map_does(tmp_path, printer):
         assert middle[1] == pytest.approx(row.y_mm + 0.5 * row.depth_mm, abs=0.5)
 
 
-def test_a_second_order_leaves_no_plate_of_the_first_and_what_a_person_made(run, tmp_path):
+def test_a_second_order_removes_the_plates_of_the_first_and_keeps_a_users_files(run, tmp_path):
     words = ("plate", "--no-pictures", "--quiet", "--out", "here")
     assert run(*words, "--tilt", "5", "--copies", "3", "--max-parts", "1").exit_code == 0
     folder = tmp_path / "here" / "plates"

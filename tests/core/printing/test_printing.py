@@ -94,7 +94,7 @@ def test_stl_gives_its_corners_back() -> None:
     assert (found == mesh.vertices[mesh.triangles].astype("f4")).all()
 
 
-def test_equal_meshes_give_equal_stl_whatever_their_memory_layout() -> None:
+def test_equal_meshes_give_equal_stl_for_any_memory_layout() -> None:
     mesh = prism()
     other = Mesh(np.asfortranarray(mesh.vertices), mesh.triangles.astype(np.int32))
     assert export.stl_bytes(mesh, "L") == export.stl_bytes(other, "L")

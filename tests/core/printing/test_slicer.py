@@ -177,7 +177,7 @@ PETG = {"density_g_cm3": 1.27, "nozzle_deg_c": 240, "bed_deg_c": 85}
 
 @pytest.mark.parametrize("material", [{}, PETG], ids=["PLA", "PETG"])
 @pytest.mark.parametrize("name", templates.names("printers"))
-def test_the_bundle_alone_heats_and_weighs_as_the_material_says(tmp_path, name, material):
+def test_the_bundle_alone_has_the_heat_and_density_of_the_material(tmp_path, name, material):
     program("prusa-slicer")
     printer = templates.load(name, "printers", Printer)
     design = Design.model_validate({"material": material})
@@ -246,7 +246,7 @@ def test_legs_that_the_checks_refuse_vanish_there_without_a_word(tmp_path):
     [({"layer_height_mm": 0.45}, 9.0), ({"line_width_mm": 0.2}, 8.0), ({}, 0.09)],
     ids=["layer above the nozzle", "line no wider than the layer", "depth below half a layer"],
 )
-def test_what_the_checks_call_an_error_the_slicer_refuses(tmp_path, changes, depth):
+def test_the_slicer_refuses_what_the_checks_call_an_error(tmp_path, changes, depth):
     printer = FLAT_BED.model_copy(update=changes)
     design = Design.model_validate({"body": {"depth_mm": depth}})
     assert worst(design, printer) == "error"
@@ -269,7 +269,7 @@ def test_depths_come_out_in_whole_layers(tmp_path, depth):
     assert f"{layers.max():g}, which is what prints" in told.change
 
 
-def test_brim_and_skirt_reach_as_far_as_the_checks_say_and_no_slicer_stops_them(tmp_path):
+def test_brim_and_skirt_reach_as_far_as_in_the_checks_and_no_slicer_stops_them(tmp_path):
     printer = FLAT_BED.model_copy(update={"brim_width_mm": 2.0, "skirt_loops": 2, "skirt_distance_mm": 3.0})
     designs = [Design(), Design()]
     one = Plate((Placement(0, 1, 5.0, 5.0), Placement(1, 1, 45.0, 5.0)))

@@ -112,7 +112,7 @@ OTHERWISE = {
 
 @pytest.mark.parametrize("changes", [{}, {"brim_width_mm": 3.0, "skirt_loops": 2}])
 @every_printer
-def test_all_slicers_are_told_the_same(printer, changes):
+def test_all_slicers_get_the_same_settings(printer, changes):
     printer = printer.model_copy(update=changes)
     prusa, orca = slicer.prusaslicer_settings(printer), slicer.orca_settings(printer)
     assert {ours: orca[theirs] for ours, theirs in SAME.items()} == {ours: prusa[ours] for ours in SAME}
@@ -186,7 +186,7 @@ def test_every_file_in_an_archive_has_a_date_that_exists(prusaslicer):
     assert data == files_of(prusaslicer=prusaslicer)[1]["p_prusa-mk3s_1.3mf"]
 
 
-def test_the_sheet_says_how_to_load_the_settings_and_what_a_plate_takes():
+def test_the_sheet_states_how_to_load_the_settings_and_the_plastic_of_a_plate():
     made, files = files_of()
     told = files["p_prusa-mk3s.md"].decode()
     for word in (

@@ -58,7 +58,7 @@ def test_plates_are_stl_files_with_every_copy_at_its_place(tmp_path):
     )
 
 
-def test_the_stl_holds_what_the_3mf_holds():
+def test_the_stl_has_the_parts_of_the_3mf():
     found = arrange_plates([1, 2])
     view = found.plates[0], found.meshes, PRINTER
     read = threemf.read_parts(packing.plate_3mf(view[0], found.parts, *view[1:], "one"), "one")
@@ -76,7 +76,7 @@ def test_3mf_is_read_without_it(monkeypatch):
 
 
 @pytest.mark.usefixtures("missing")
-def test_what_needs_3mf_is_refused_in_a_line(tmp_path):
+def test_commands_that_need_3mf_are_refused_in_a_line(tmp_path):
     for ask in (
         lambda: wg.export(PAPER, tmp_path / "one.3mf"),
         lambda: dict(plates.layout_files(arrange_plates([1, 1]), "plate", None, prusaslicer=True)),

@@ -34,7 +34,7 @@ def let_fall(plan, seconds, height=1e6, v_x=0.0):
     return state, tally
 
 
-def test_it_is_off_by_default_and_its_number_says_why():
+def test_drag_is_off_by_default_and_its_number_gives_the_reason():
     plan = plan_of(air=None)
     assert plan.world.acting.air == air_drag.OFF
     (drag,) = [effect for effect in plan.resolved.effects if effect.name == air_drag.NAME]
@@ -44,7 +44,7 @@ def test_it_is_off_by_default_and_its_number_says_why():
     assert drag.number == pytest.approx(1.06e-4, rel=0.02)
 
 
-def test_a_fast_drive_is_told_that_drag_is_not_small():
+def test_a_fast_drive_warns_that_drag_is_not_small():
     plan = plan_of(air=None, drive={"frequency_hz": 5.0, "gamma": 20.0})
     (drag,) = [effect for effect in plan.resolved.effects if effect.name == air_drag.NAME]
     assert drag.number > air_drag.SMALL_DRAG_RATIO

@@ -112,7 +112,7 @@ def simulate_plan(plan):
 
 @pytest.mark.parametrize("seconds", [0.1, 40.0])
 @pytest.mark.parametrize("runs", [1, 3, 4, 9])
-def test_too_few_runs_are_said_instead_of_an_error_bar_however_long(runs, seconds):
+def test_too_few_runs_are_reported_instead_of_an_error_bar_at_any_length(runs, seconds):
     scene = scene_of(runs=runs, seconds=seconds)
     summary, results = simulate_plan(fake_plan(steady, scene))
     speed, se, *bounds = summary.speed.row(68, 95).values()

@@ -126,7 +126,7 @@ def test_discs_that_topple_in_the_open_stay_up_under_a_lid_and_push_each_other()
     assert closed.energy_error < 0.01
 
 
-def test_a_card_knows_no_lid_but_its_own():
+def test_a_card_accepts_only_its_own_lid():
     with pytest.raises(InputError, match=r"arena.lid_mm = 12: the card fixes the lid"):
         in_plane.make_population(CrowdRequest(), PLANE.variant(**{"arena.lid_mm": 12.0}), [card()], [2])
 

@@ -79,7 +79,7 @@ def test_rigid_walkers_run_forward_and_their_mirror_images_backward(name):
         assert way * speed > max(1.0, 3.0 * se)
 
 
-def test_bristle_runs_as_fast_as_the_theory_says():
+def test_bristle_runs_at_the_speed_of_the_theory():
     """18 legs, 6 of them seen from the side; 60 mm/s simulated in 2 s, 68 by the theory."""
     design = load("bristle")
     row = theory_row(design)
@@ -144,7 +144,7 @@ def test_the_mechanisms_are_those_of_the_paper():
 
 
 @pytest.mark.slow
-def test_the_modeller_tells_of_no_leaks_at_the_end(tmp_path):
+def test_the_modeller_reports_no_leaks_at_the_end(tmp_path):
     words = ["-m", "walkergen", "simulate", "rotator", "--seconds", "0.02", "--runs", "1", "--quiet"]
     done = subprocess.run([sys.executable, *words], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert done.stderr == ""

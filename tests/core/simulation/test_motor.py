@@ -61,7 +61,7 @@ def test_a_free_walker_draws_a_circle_of_the_moment_over_the_mass(axis):
     np.testing.assert_allclose(state[W_X : W_Z + 1], 0.0, atol=1e-12)
 
 
-def test_off_the_centre_it_turns_the_body_as_angular_momentum_says():
+def test_a_motor_off_the_centre_turns_the_body_by_angular_momentum():
     """Exact in the plane: (J - S^2/M + 2 S p.e) w + S Omega p.e is kept; both p, e from C."""
     plan = weightless(carrying({"eccentric_g_mm": 0.02}, {"along_mm": 5.0}, kind="braced"))
     walker, rotor = plan.world.walker, plan.world.acting.motor
@@ -175,7 +175,7 @@ def test_without_tilt_it_runs_against_the_rotors_top_and_back_with_the_other_sen
 
 @pytest.mark.parametrize("axis", ["across", "along", "up"])
 @pytest.mark.parametrize("kind", ["flexible", "braced"])
-def test_the_work_of_the_motor_is_what_feet_friction_and_dampers_lose(axis, kind):
+def test_the_work_of_the_motor_equals_the_losses_of_feet_friction_and_dampers(axis, kind):
     """Feet that rebound with 0.1: livelier ones topple at 3 g along."""
     plan = carrying(throwing(3.0, axis=axis), OFF, kind=kind, contact={"restitution": 0.1}, **SLOW)
     # A sixteenth of the own step: frames, which are as much shorter, err in their first order on a motor
@@ -260,7 +260,7 @@ def test_on_the_plate_it_runs_as_with_a_real_mass_on_a_hinge(tilt, push, turned,
     assert ours.mean() == pytest.approx(theirs.mean(), abs=near)
 
 
-def test_a_weak_motor_comes_with_what_is_not_known_of_it():
+def test_a_weak_motor_comes_with_its_uncertain_inputs():
     plan = carrying(throwing(1.8))
     assert plan.scene.drive.push_ratio(plan.case.mass.total) == pytest.approx(1.8)
     assert "pushes with 1.8 weights" in speeds._push_warning(1.8)

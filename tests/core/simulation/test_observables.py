@@ -126,7 +126,7 @@ COMMAND = ("simulate",)
 SHORT = ("--tilt", "10", "--seconds", "0.3", "--runs", "4")
 
 
-def test_summary_marks_what_the_step_does_not_resolve(run):
+def test_summary_marks_numbers_that_the_step_does_not_resolve(run):
     told = run(*SHORT, "--step", "30", "--all").stdout
     rows = {line[2:].partition("  ")[0]: line for line in told.splitlines()}
     assert "not resolved by this step: --step 2" in told

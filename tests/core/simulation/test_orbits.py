@@ -35,7 +35,7 @@ def test_only_runs_that_agree_to_rounding_share_an_orbit():
     assert ensemble.common_orbit(np.random.default_rng(1).normal(97.0, 0.1, 4), 31.2) == ""
 
 
-def test_runs_on_one_orbit_tell_no_error_and_prints_the_bounds(locked_runs):
+def test_runs_on_one_orbit_give_no_error_and_prints_give_the_bounds(locked_runs):
     found = json.loads(simulate("--tilt", "10", "--json"))
     assert found["orbit"]["kind"] == ensemble.ORBIT
     assert found["orbit"]["draws"] == 24
@@ -49,7 +49,7 @@ def test_chaotic_runs_share_none():
     assert json.loads(simulate("--tilt", "5", "--json"))["orbit"] is None
 
 
-def test_the_summary_and_the_table_say_so(locked_runs):
+def test_summary_and_table_report_runs_on_one_orbit(locked_runs):
     text = " ".join(simulate("--tilt", "10").split())
     assert "; one periodic orbit: all runs end so, and tell no error" in text
     assert "(95 %), by 24 draws" in text
@@ -85,13 +85,13 @@ def test_in_python_too(locked_runs):
     assert "draws of what design and scene do not know" in dict(runs["summary"].rows)["prints"]
 
 
-def test_a_walker_at_rest_is_told_so():
+def test_a_walker_at_rest_is_reported_at_rest():
     text = " ".join(simulate("--tilt", "10", "--gamma", "0.5").split())
     assert "0.00 mm/s along the lane" in text
     assert "at rest: all runs end so, and tell no error" in text
 
 
-def test_a_family_beside_its_runs_prints_no_error_of_an_orbit(locked_runs, tmp_path):
+def test_a_family_with_runs_prints_no_error_of_an_orbit(locked_runs, tmp_path):
     words = shlex.split(
         "family koumakis2016 --scene lane-90hz --tilt 10 --legs flexible --simulate --no-pictures --json"
     )

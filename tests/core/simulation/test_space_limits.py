@@ -101,7 +101,7 @@ def four_corners(label, step_us, rigid):
 
 @pytest.mark.parametrize(("label", "step_us"), [(0.02, 0.4), (0.05, 1.0), (0.3, 1.0), (0.8, 1.0)])
 @pytest.mark.parametrize(("rigid", "order"), [(True, 2.0), (False, 1.25)])
-def test_walker_on_four_corners_rebounds_as_its_mass_says(label, step_us, rigid, order):
+def test_walker_on_four_corners_rebounds_by_its_mass(label, step_us, rigid, order):
     """Wherever in a step it lands: the touch is located. Second order without tips.
 
     The damper of a Hertzian tip begins as depth^(1/4): the middle of the first step replaces its mean with an error
@@ -178,7 +178,7 @@ def check_top(turns, steady, wobble):
     return heading
 
 
-def test_free_top_keeps_what_it_must_and_counts_its_turns():
+def test_free_top_conserves_momentum_and_energy_and_counts_its_turns():
     heading = check_top(500, 100.0, 20.0)
     # 2e-3: a tenth of a turn in fifty, the possible shift of the end by the wobble
     assert heading == pytest.approx(10.0 * heading_by_euler(50, 100.0, 20.0), rel=2e-3)
@@ -359,7 +359,7 @@ def test_walker_held_in_its_plane_has_the_inverse_mass_of_three_bodies_on_hinges
     assert np.abs(W[..., 2, :, :, :]).max() < 1e-12 * W.max()  # nothing moves across
 
 
-def test_coarser_steps_are_those_of_a_scene_that_asks_for_them():
+def test_coarser_steps_equal_those_set_in_a_scene():
     """Steps and the flights tabulated for them change together."""
     plan = plan_of(10.0)
     found = plan.coarser(1.25).world

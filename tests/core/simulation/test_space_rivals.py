@@ -119,7 +119,7 @@ RIGID = {"rigid_tips": True}
 @pytest.mark.parametrize(
     ("tilt", "label", "expected"), [(5, 0.3, 40.0), (10, 0.5, 111.0), (15, 0.3, 55.0), (20, 0.5, 22.0), (35, 0.3, 3.0)]
 )
-def test_elastic_feet_in_the_plane_run_as_another_integrator_says(tilt, label, expected):
+def test_elastic_feet_in_the_plane_run_as_in_another_integrator(tilt, label, expected):
     found, error = mean_speed(tilt, label, 3.0, feet=RIGID, **HELD)
     # 1.5 mm/s: errors of the other's speeds. 10 %: its tangential dampers are not known; without
     # any the speeds here are 11 and 3 % lower at 10 deg, 18 % at 15 deg (labels 0.3, 0.5; 0.5)

@@ -81,7 +81,7 @@ def test_energy_of_a_landing_is_booked_whole():
 
 
 @pytest.mark.parametrize("lag_deg", [5.0, 40.0, 80.0])
-def test_stretch_lags_behind_a_turning_slip_as_its_equation_says(lag_deg):
+def test_stretch_lags_behind_a_turning_slip_by_its_equation(lag_deg):
     """On a circular drive n' = (u - (u.n) n) / R has the steady lag sin(lag) = rate R / |u|."""
     errors = []
     for steps in (50, 200):

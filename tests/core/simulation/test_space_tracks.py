@@ -135,7 +135,7 @@ def test_landings_kept_are_those_counted():
 
 
 @pytest.mark.slow
-def test_analyse_finds_in_the_tracks_what_simulate_says(run):
+def test_analyse_finds_the_numbers_of_simulate_in_its_tracks(run):
     words = (*PLANE, "--seconds", "2", "--runs", "10", "--rate-hz", "500", "--trajectory", "t.csv")
     told = json.loads(run("simulate", *words, "--json"))
     found = json.loads(run("analyse", "t.csv", "--json", "--no-pictures"))
@@ -161,7 +161,7 @@ def test_analyse_finds_in_the_tracks_what_simulate_says(run):
 
 
 @pytest.mark.slow
-def test_places_every_44_ms_say_what_dense_samples_say():
+def test_places_every_44_ms_give_the_numbers_of_dense_samples():
     one = asked_of(runs=8, seconds=1.5, interval=0.002)
     dense = make.measure(one, silent)
     coarse = make.analyse_point(dense.point, one._replace(sample_interval=None))
@@ -181,7 +181,7 @@ def test_the_summary_names_the_contact_and_every_unknown_has_its_reason(run):
     assert "motion unknown: runs of 0.05 s are too short; at least 0.1 s" in short
 
 
-def test_a_summary_is_eight_lines_unless_all_is_asked_for(run):
+def test_a_summary_has_eight_lines_unless_all_numbers_are_requested(run):
     short = run("simulate", *PLANE, "--seconds", "1", "--runs", "2")
     names = [line[2:].partition("  ")[0] for line in short.splitlines() if line[2:3].strip()]
     assert names[:4] == ["walker", "plate", "contact", "mean speed"]

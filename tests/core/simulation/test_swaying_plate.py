@@ -208,13 +208,13 @@ def test_switched_off_it_is_as_if_it_were_not_there():
         ),
     ],
 )
-def test_what_cannot_be_is_refused_in_one_line(keys, words):
+def test_impossible_scenes_are_refused_in_one_line(keys, words):
     with pytest.raises(InputError, match=words) as caught:
         make_plan(PAPER, **keys)
     assert "\n" not in str(caught.value)
 
 
-def test_a_motor_and_a_crowd_know_no_plate_that_sways():
+def test_a_motor_and_a_crowd_refuse_a_swaying_plate():
     from walkergen.guests.crowd.space import run as crowds
 
     swayed = {"plate.horizontal_ratio": [0.0, 0.1]}

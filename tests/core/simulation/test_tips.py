@@ -58,7 +58,7 @@ def test_formulas_of_hertz_are_those_of_the_literature():
 
 
 @pytest.mark.parametrize("speed", [1.0, 100.0, 1e4])
-def test_ball_presses_and_rebounds_as_hertz_says(speed):
+def test_ball_presses_and_rebounds_by_hertzs_law(speed):
     corner = corner_of()
     depth, time = hertz(MASS, speed, TIP)
     h = step_of(corner, speed, 400)
@@ -70,7 +70,7 @@ def test_ball_presses_and_rebounds_as_hertz_says(speed):
     assert h * found.path[:, 2].sum() == pytest.approx(time, rel=1e-3)
 
 
-def test_walker_presses_its_tips_as_hertz_says():
+def test_walker_presses_its_tips_by_hertzs_law():
     """Level on four corners, braced: a quarter of its mass each. Tips of 1 MPa, whose legs do not give."""
     tables = {"plate": {"youngs_modulus_gpa": 1e-3}, "contact": {"restitution": 1.0, "friction": 0.0}}
     plan = weightless(plan_of(0, "braced", **tables))

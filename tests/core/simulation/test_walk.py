@@ -53,7 +53,7 @@ def visited_files(*words):
     return json.loads(run.stderr.splitlines()[-1])
 
 
-def test_a_plain_walker_passes_what_it_has():
+def test_a_plain_walker_enters_only_the_files_that_it_needs():
     imported, entered = visited_files("koumakis2016", "--tilt", "10")
     assert len(imported) <= MODULES, sorted(imported)
     others = ("walkergen.core.printing", "walkergen.core.simulation", "walkergen.commands.family", "walkergen.guests")

@@ -315,7 +315,7 @@ def test_arrays_equal_one_by_one():
         ),
     ],
 )
-def test_what_has_no_answer_is_refused(every, mode, message):
+def test_cases_without_a_stationary_state_are_refused(every, mode, message):
     with pytest.raises(TheoryError, match=message):
         solve_balance(every, mode)
 

@@ -92,7 +92,7 @@ def test_without_friction_the_restitution_is_that_of_the_speed():
 H = (2.0, -0.5, 1.0)
 
 
-def test_a_slow_approach_beside_a_fast_slide_keeps_its_restitution():
+def test_a_slow_approach_with_a_fast_slide_keeps_its_restitution():
     """No squares of the approach underflow."""
     for v_x in (1.0, -3.0, 1e90):
         for v_y in (-1e-150, -1e-200, -1e-300):

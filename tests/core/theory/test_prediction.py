@@ -36,7 +36,7 @@ def theory_row(design, mode="coulomb"):
         (35, "coulomb", 1.335, 1.297),
     ],
 )
-def test_the_theory_is_the_known_factor_times_the_impact_speed(tilt, mode, back, front):
+def test_the_theory_is_equation_15_times_the_impact_speed(tilt, mode, back, front):
     """physics.md section 4, e = 0.9, mu = 0.1; feet meet the plate at half its peak speed."""
     scene = Scene.model_validate(
         {
@@ -151,13 +151,13 @@ def test_words_for_walkers_that_run_stand_run_backward_and_fall():
     assert "as designed" not in prediction.describe_speed(row._replace(nominal=row.speed))
 
 
-def test_a_contact_of_which_less_is_known_has_wider_bounds():
+def test_a_more_uncertain_contact_has_wider_bounds():
     exact, paper = (row_of(restitution_sd=sd)[0] for sd in (0.0, 0.07))
     widths = [row.speed.high_95 - row.speed.low_95 for row in (exact, paper)]
     assert widths[1] > widths[0]
 
 
-def test_the_first_number_of_a_newcomer_holds_the_papers_speed():
+def test_the_default_prediction_contains_the_papers_speed():
     row, _, _ = row_of()
     assert row.speed.ends[1] < 60.0 < row.speed.ends[2]
     # 4.25: alone the label's 0.07 makes 2.5, the model's 15 % 2.1, feet uneven by 5 um 3.0

@@ -44,7 +44,7 @@ def test_a_plate_below_gravity_throws_nothing(tilt, gamma):
         {"drive__gamma": 0.95, "tilt": 42.0},  # soft legs amplify
     ],
 )
-def test_what_may_run_is_not_said_to_stand(keys):
+def test_a_walker_that_may_run_is_not_reported_as_standing(keys):
     assert stationary.standing_reason(*make_case(**keys)) == ""
 
 

@@ -45,7 +45,7 @@ def nominal(design=TEN, **keys):
 
 
 @pytest.mark.parametrize(("arena", "tilt"), DIRECT)
-def test_it_knows_the_papers_walker_in_its_lane_and_on_a_plane(arena, tilt):
+def test_the_surrogate_covers_the_papers_walker_in_its_lane_and_on_a_plane(arena, tilt):
     speed, se = nominal(Design().variant(tilt_deg=tilt), **{"arena.kind": arena})
     off = abs(speed - DIRECT[arena, tilt])
     assert off <= max(0.10 * abs(DIRECT[arena, tilt]), 1.0)
@@ -59,7 +59,7 @@ def test_the_mirror_image_runs_the_other_way_and_the_upright_one_nowhere():
     assert nominal(Design().variant(tilt_deg=0.0)) == (0.0, 0.0)
 
 
-def test_speeds_are_continuous_where_the_table_before_had_seams():
+def test_speeds_are_continuous_across_the_seams_of_the_former_table():
     """From 45 to 48 deg it jumped from -1.9 to 8.7 mm/s."""
     tilts = np.linspace(40.0, 49.0, 19)
     speeds = [nominal(Design().variant(tilt_deg=float(tilt)))[0] for tilt in tilts]
@@ -86,7 +86,7 @@ UNMET = {
 
 
 @pytest.mark.parametrize("key", [key for key in UNMET if key not in ("drive.kind", "drive.gamma")])
-def test_it_declines_what_it_has_not_met(key):
+def test_the_surrogate_declines_cases_outside_its_training_set(key):
     with pytest.raises(UnknownError):
         find_case(**{key: UNMET[key]})
 
@@ -164,7 +164,7 @@ def test_keys_of_a_scene_are_read_or_declined():
             assert f"{name}.{key}" in tested or name == "effects", f"{name}.{key}"
 
 
-def test_places_of_draws_are_those_of_walkers_so_built():
+def test_inputs_of_draws_equal_those_of_walkers_built_that_way():
     values = {
         "contact.friction": 0.27,
         "contact.restitution": 0.3,
@@ -193,7 +193,7 @@ def test_a_spoilt_file_is_refused(tmp_path, monkeypatch):
             networks.load_arrays.__wrapped__()
 
 
-def test_errors_told_are_those_of_rows_that_no_network_has_seen():
+def test_reported_errors_come_from_rows_that_no_network_has_seen():
     errors = networks.training_facts()["errors"]["flexible"]
     assert errors["rows"] > 500
     assert errors["within_goal"] > 0.95
@@ -209,7 +209,7 @@ def test_the_recipe_makes_rows_that_are_stored():
 
 
 @pytest.mark.slow
-def test_rows_are_what_the_model_in_space_gives():
+def test_training_rows_equal_runs_of_the_model_in_space():
     """Chaotic runs: equal to the bit on one machine, elsewhere within five errors of six runs."""
     rows = [row for row in simulate.read_rows() if row["se_mm_s"] is not None]
     for row in rows[5000:15000:2500]:
@@ -218,7 +218,7 @@ def test_rows_are_what_the_model_in_space_gives():
         assert abs(again["speed_mm_s"] - row["speed_mm_s"]) < 5.0 * error + 0.1
 
 
-def test_scatter_in_time_and_between_prints_are_told_apart():
+def test_scatter_in_time_and_between_prints_are_separated():
     rng = np.random.default_rng(4)
     inputs, uneven = rng.normal(size=(800, 2)), rng.choice([0.0, 0.1, 0.2], 800)
     runs = np.hypot(0.05, uneven)[:, None] * rng.standard_normal((800, 6))

@@ -17,7 +17,7 @@ def _names(reader, design=DESIGN):
     return {one.name for one in uncertain_inputs.inputs(SCENE, design, reader)}
 
 
-def test_each_reader_is_given_what_it_reads():
+def test_each_reader_gets_the_inputs_that_it_reads():
     of_motor = {"drive.frequency_hz", "drive.eccentric_g_mm"}
     assert _names(uncertain_inputs.SPACE_READER) - _names(uncertain_inputs.PREDICTION_READER) == {"legs.damping_ratio"}
     assert {"feet.unevenness_um", "feet.tip_radius_um"} < _names(uncertain_inputs.PREDICTION_READER)
@@ -74,7 +74,7 @@ def test_values_reach_scene_design_and_masses():
         assert leg.m == pytest.approx(0.9 * 1.1 * before.m, rel=2e-3)  # 1.1: of the thickness
 
 
-def test_nothing_changed_is_the_design_itself():
+def test_without_changes_the_design_is_returned():
     scene, design, mass = uncertain_inputs.apply_inputs(SCENE, DESIGN, {})
     assert (scene, design) == (SCENE, DESIGN)
     assert mass.M == solids.mass_of(DESIGN).M
@@ -99,7 +99,7 @@ def test_shares_of_a_product_are_those_of_the_closed_form():
     assert next(iter(found)) == "b"
 
 
-def test_even_points_are_even_in_every_number_and_tell_quantiles_better_than_random_ones():
+def test_even_points_are_even_in_every_dimension_and_give_better_quantiles_than_random_ones():
     cube = uncertain_inputs.lattice_points(9, 512, 3)
     for column in cube.T:
         assert np.array_equal(np.sort((column * 512).astype(int)), np.arange(512))
@@ -114,7 +114,7 @@ def test_even_points_are_even_in_every_number_and_tell_quantiles_better_than_ran
     assert np.all(np.std(even, axis=0) < 0.6 * np.std(random, axis=0))
 
 
-def test_members_of_a_family_share_draws_that_nobody_can_change():
+def test_members_of_a_family_share_read_only_draws():
     known = (Input("contact.friction", 0.25, 0.02),)
     first, again = uncertain_inputs.sample_inputs(known, 64, 1), uncertain_inputs.sample_inputs(list(known), 64, 1)
     assert first is again

@@ -49,7 +49,7 @@ def test_codes_are_those_of_opencv():
             assert (caps.white_cells(number) == (drawn > 0)).all()
 
 
-def test_a_mirrored_marker_is_none_or_itself():
+def test_a_mirrored_marker_is_invalid_or_the_same():
     """What is read in the mirror is a fault of film or print, never another walker."""
     codes = {np.rot90(caps.white_cells(number), turn).tobytes(): number for number in range(100) for turn in range(4)}
     read = {number: codes.get(caps.white_cells(number)[:, ::-1].tobytes()) for number in range(100)}
@@ -162,14 +162,14 @@ def test_plates_come_with_their_caps(run, tmp_path):
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
 
-def test_plates_without_caps_have_no_word_of_them(run, tmp_path):
+def test_plates_without_caps_do_not_mention_them(run, tmp_path):
     assert run("plate", "--copies", "2", "--quiet", "--no-pictures").exit_code == 0
     files = [path for path in (tmp_path / "out").rglob("*") if path.is_file()]
     assert not [path for path in files if "cap" in path.name]
     assert not [path for path in files if b'"cap"' in path.read_bytes()]
 
 
-def test_caps_of_numbered_copies_bear_their_numbers(run, tmp_path):
+def test_caps_of_numbered_copies_have_their_numbers(run, tmp_path):
     words = ("plate", "--caps", "aruco", "--copies", "3", "--serial", "17", "--quiet")
     assert run(*words).exit_code == 0
     text = Path("out/koumakis2016/caps/caps.csv").read_text().splitlines()[1:]
@@ -219,7 +219,7 @@ def test_cells_finer_than_lines_are_told(run):
 
 
 @pytest.mark.parametrize("kind", ["engraved", "paper"])
-def test_pictures_of_families_show_caps_where_they_are(kind):
+def test_pictures_of_families_show_caps_in_place(kind):
     """Against the mesh of the cap, and the marker's black cells by their area."""
     design = capped_design(kind, number=5)
     part = preview.Part(design, solids.build(design).walker)

@@ -44,7 +44,7 @@ def test_toml_round_trip(tmp_path):
 
 
 @pytest.mark.parametrize("walker", ["koumakis2016", "bristle"])
-def test_a_dump_runs_no_python_of_ours_in_which_a_ctrl_c_would_be_lost(walker):
+def test_a_dump_calls_no_python_code_that_could_lose_a_ctrl_c(walker):
     """pydantic takes any exception of such a function for its failure, and goes on."""
     design, ours = templates.load(walker, "walkers", Design), []
 
@@ -119,7 +119,7 @@ def test_a_weighed_leg_belongs_to_one_kind():
 
 @pytest.mark.parametrize("tilt", [-40.0, 0.0, 10.0, 45.0])
 @pytest.mark.parametrize("foot", ["flat", "square", "round"])
-def test_feet_stay_where_they_are_whatever_the_tilt(tilt, foot):
+def test_feet_keep_their_places_at_any_tilt(tilt, foot):
     design = Design.model_validate({"legs": {"tilt_deg": tilt, "foot": foot}})
     for limb, x in zip(design.limbs, (-6.5, 6.5), strict=True):
         assert limb.anchor[0] + limb.anchor_to_foot[0] == pytest.approx(x, abs=1e-12)
@@ -127,7 +127,7 @@ def test_feet_stay_where_they_are_whatever_the_tilt(tilt, foot):
             assert math.hypot(*limb.anchor_to_foot) == pytest.approx(7.5, rel=1e-15)
 
 
-def test_legs_are_computed_once_and_anew_for_a_copy_with_others():
+def test_legs_are_computed_once_and_again_for_a_changed_copy():
     design = Design()
     assert design.limbs is design.limbs
     longer = design.model_copy(update={"legs": design.legs.model_copy(update={"length_mm": 9.0})})

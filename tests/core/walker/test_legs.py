@@ -121,7 +121,7 @@ def test_forty_legs_are_one_sound_solid():
     assert len(built.legs) == 40
 
 
-def test_the_length_told_for_a_short_leg_reaches_the_plate():
+def test_the_length_recommended_for_a_short_leg_reaches_the_plate():
     short = {"tilt_deg": 0.0, "along_mm": 6.5, "length_mm": 7.4862}
     with pytest.raises(GeometryError, match=r"legs\[1\].length_mm = 7.5: .* 7.6017 mm would reach"):
         design_with_legs({"along_mm": -6.5}, short)

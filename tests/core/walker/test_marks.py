@@ -115,7 +115,7 @@ def test_every_tilt_of_a_family_has_its_own_mark():
     assert marked_design("notches").mark == "### # # ## ##"  # the third of ten: 0011 in base two
 
 
-def test_notches_mean_the_same_whichever_tilts_are_asked_for():
+def test_notches_mean_the_same_for_any_requested_tilts():
     design = marked_design("notches")
     (alone,) = design.members([35.0], ["flexible"])
     assert alone.mark == design.members()[7].mark == "### ## # # #"

@@ -72,7 +72,7 @@ def rival_mass(design):
 
 
 @pytest.mark.parametrize("name", CARRIERS)
-def test_masses_are_those_of_the_printed_part_and_of_what_it_carries(name):
+def test_masses_add_the_printed_part_and_its_payload(name):
     """Rigid legs, so that the whole is one solid; flexible ones only part it otherwise."""
     design = load_walker(name)
     if design.pair:
@@ -177,7 +177,7 @@ def test_a_ceiling_too_wide_for_a_bridge_is_told():
     assert "battery.opens = 'down'" in line
 
 
-def test_walls_around_pockets_are_told_apart():
+def test_walls_around_pockets_are_distinguished():
     spinner = load_walker("spinner")
     corner = math.hypot(0.5 * 10.4, 12.7 + 0.5 * 3.1)
     assert thinnest_wall(spinner.motor, spinner) == pytest.approx(17.0 - corner, abs=0.001)
@@ -188,7 +188,7 @@ def test_walls_around_pockets_are_told_apart():
     assert "0.3184 mm, limit 0.45 mm" in line  # 17 - hypot(5.2, 15.85)
 
 
-def test_walls_of_pockets_that_open_to_the_side_are_told():
+def test_walls_of_pockets_that_open_to_the_side_are_reported():
     """A body 6 mm thick: floor and lid in closed form; over what stands out there is none."""
     design = load_walker("coinbot")
     assert thinnest_wall(design.battery, design) == pytest.approx(3.0 - (0.4 + 1.8), abs=1e-6)
@@ -247,7 +247,7 @@ def test_the_wall_between_two_pockets_is_told():
     assert pockets.wall_between(alone, 50.0) == 50.0
 
 
-def test_a_printer_that_needs_more_clearance_says_so():
+def test_the_clearance_of_a_printer_is_respected():
     wide = printer_of("prusa-mk3s").model_copy(update={"pocket_clearance_mm": 0.35})
     (line,) = messages(load_walker("coinbot"), wide)
     assert "0.2 mm, limit 0.35 mm" in line
@@ -255,7 +255,7 @@ def test_a_printer_that_needs_more_clearance_says_so():
     assert messages(load_walker("koumakis2016"), wide) == []
 
 
-def test_designs_that_carry_nothing_are_written_as_before():
+def test_designs_without_payload_are_written_without_its_keys():
     """Neither their data nor a printer's of the usual clearance name the new keys."""
     for name in templates.names("walkers"):
         data = load_walker(name).model_dump(mode="json")
@@ -266,7 +266,7 @@ def test_designs_that_carry_nothing_are_written_as_before():
     assert own.model_dump()["pocket_clearance_mm"] == 0.3
 
 
-def test_weights_have_rows_of_what_is_carried(tmp_path):
+def test_weighing_forms_have_rows_for_the_payload(tmp_path):
     design = load_walker("coinbot").variant(tilt_deg=10.0)
     part, path = names.part_name(design), tmp_path / weighed_masses.FILE_NAME
     weighed_masses.write_template(tmp_path, [part, *weighed_masses.carried_rows(design)])
@@ -281,7 +281,7 @@ def test_weights_have_rows_of_what_is_carried(tmp_path):
     assert gained == pytest.approx(0.3 + 0.2 + 0.2, rel=1e-9)
 
 
-def test_weights_of_what_is_carried_are_refused_when_wrong(tmp_path):
+def test_wrong_weights_of_the_payload_are_refused(tmp_path):
     design, path = load_walker("coinbot"), tmp_path / weighed_masses.FILE_NAME
     path.write_text("part,grams,body_g\nmotor,,1.2\n")
     with pytest.raises(InputError, match="motor: body_g: has neither"):
@@ -298,7 +298,7 @@ WIDE = {"length_mm": 40.0, "depth_mm": 24.0, "thickness_mm": 6.0}
 
 
 @pytest.mark.parametrize(("name", "steps"), [("coinbot", 7), ("koumakis2016", 6)])
-def test_the_print_sheet_says_when_to_weigh_and_to_put_in_what_is_carried(tmp_path, name, steps):
+def test_the_print_sheet_states_when_to_weigh_and_to_insert_the_payload(tmp_path, name, steps):
     request = PlateRequest(design=name, printer="ender3", out=tmp_path, pictures=False)
     request.run(lambda *step: None)
     sheet = (tmp_path / "plates" / "plate_ender3.md").read_text(encoding="utf-8")
@@ -321,7 +321,7 @@ def test_pockets_are_in_no_drawing_for_a_laser_cutter():
             profile.drawing_outlines(load_walker(name))
 
 
-def test_a_body_of_ones_own_bears_pockets(tmp_path):
+def test_a_drawn_body_can_have_pockets(tmp_path):
     """A mesh is cut as its box would be, and refused where it has no plastic."""
     box = trimesh.creation.box((40.0, 24.0, 6.0))  # z up in the file
     box.export(tmp_path / "box.stl")
@@ -337,7 +337,7 @@ def test_a_body_of_ones_own_bears_pockets(tmp_path):
     assert "% of the floor" in line
 
 
-def test_a_finished_walker_bears_pockets(tmp_path):
+def test_a_finished_mesh_can_have_pockets(tmp_path):
     plain = design_of(body=WIDE, legs={"contact_spacing_mm": 30.0})
     mesh = to_trimesh(solids.build(plain).walker)
     mesh.export(tmp_path / "whole.stl")

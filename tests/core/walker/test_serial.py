@@ -37,7 +37,7 @@ def numbered_design(design, number, **keys):
         ({"kind": "notches", "line_mm": 0.35}, "### # # ## ## 42"),
     ],
 )
-def test_a_number_stands_beside_the_mark_and_takes_plastic(keys, shown):
+def test_a_serial_number_is_next_to_the_mark_and_removes_plastic(keys, shown):
     own = numbered_design(PAPER, 42, **keys)
     assert own.mark == shown
     bare = own.variant(**{"marks.serial": None}) if keys else PAPER
@@ -58,7 +58,7 @@ def test_numbers_keep_below_notches():
     assert min(one.bottom for one in strokes) >= -1.5 + own.line_mm - 1e-9
 
 
-def test_a_body_in_plan_view_bears_it_in_letters():
+def test_a_body_in_plan_view_has_the_number_in_letters():
     own = numbered_design(DISC, 7)
     assert own.letters == own.mark == "7"
     assert modeller.count_bodies(solids.build(own).walker) == 1
@@ -99,12 +99,12 @@ def test_numbers_count_over_all_copies_and_name_everything(tmp_path):
     assert sheet.count("| `walker_t05.0_flexible_s0.40` |") == 2  # on the plate, and to weigh
 
 
-def test_without_numbers_nothing_changes():
+def test_without_serial_numbers_nothing_changes():
     assert batch.number_copies(None, [PAPER], [3]) == ([PAPER], [3])
     assert names.reading_instructions(Marks()) == ""
 
 
-def test_the_command_says_which_numbers(tmp_path, monkeypatch):
+def test_the_command_reports_the_serial_numbers(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     words = ["plate", "--copies", "3", "--serial", "7", "--no-pictures", "--out", "o"]
     result = CliRunner().invoke(command_line, words)

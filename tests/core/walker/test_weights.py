@@ -64,7 +64,7 @@ def test_a_template_has_no_masses_and_can_be_filled(read_masses, tmp_path):
 
 @pytest.mark.parametrize("header", ["part,grams,body_g,leg_g", "part,grams"])
 @pytest.mark.parametrize("line", ["x,1", "x;1", "x\t1", "x,,1,", 'x,"0,81"', "x,,, ", "x,,,\n\n", "x,,,\r", "x"])
-def test_whatever_is_filled_in_is_kept(tmp_path, header, line):
+def test_all_entries_of_a_form_are_read(tmp_path, header, line):
     path = tmp_path / "weights.csv"
     weighed_masses.write_template(tmp_path, ["x"])
     written = f"{header}\n{line}\n".encode()
@@ -150,7 +150,7 @@ def names_of_family():
     return [names.part_name(one) for one in PAPER.members()]
 
 
-def test_all_bad_lines_are_told_at_once(read_masses):
+def test_all_bad_lines_are_reported_together(read_masses):
     with pytest.raises(InputError) as caught:
         read_masses(f"part,grams\n{FIVE},x\nfoo,1\n{TEN},1\n{TEN},-1\n")
     assert [line.split(":")[1] for line in str(caught.value).splitlines()] == ["2", "3", "5"]
@@ -172,7 +172,7 @@ def test_a_spreadsheet_s_byte_order_mark_is_ignored(tmp_path):
 
 
 @pytest.mark.parametrize("row", ["my own grain,,,", "walker,,,", "note to self,,,", f"{FIVE},,,1"])
-def test_a_form_with_a_row_of_somebodys_own_is_kept(row, tmp_path):
+def test_a_form_with_an_extra_row_is_accepted(row, tmp_path):
     path = tmp_path / weighed_masses.FILE_NAME
     path.write_text(f"{weighed_masses.format_template([FIVE, TEN])}{row}\n")
     mine = path.read_bytes()
