@@ -35,7 +35,7 @@ def test_a_name_in_any_script_stands(text):
     assert any("rows" in note for note in design.notes)
 
 
-def test_letters_are_as_long_as_wished():
+def test_letters_have_the_requested_length():
     joined = Design.from_text("ANNA").variant(**{"body.length_mm": 30.0})
     assert joined.size.length == pytest.approx(32.0, abs=0.01)  # with the plate's rim
     with pytest.raises(InputError, match="length_mm and depth_mm each"):

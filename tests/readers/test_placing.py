@@ -116,7 +116,7 @@ DRAWN = {
 
 
 @pytest.mark.parametrize("shape", DRAWN)
-def test_a_drawing_is_a_walker_without_a_hand_on_its_legs(tmp_path, shape):
+def test_a_drawing_is_a_walker_with_automatic_legs(tmp_path, shape):
     path = svg(tmp_path, DRAWN[shape])
     design = templates.load(path, "walkers", Design)
     assert design.name == "own-shape"

@@ -144,7 +144,7 @@ def test_too_many_plates_are_refused_with_the_number_that_fits() -> None:
 
 
 @pytest.mark.parametrize("copies", [plate.MAX_ARRANGED_PARTS + 1, 10**15])
-def test_too_many_parts_are_refused_at_once(copies: int) -> None:
+def test_too_many_parts_are_refused_immediately(copies: int) -> None:
     with pytest.raises(PlateError, match=rf"^{copies} parts: at most {plate.MAX_ARRANGED_PARTS}"):
         plate.pack([part("walker", copies=copies)], MK3S)
 

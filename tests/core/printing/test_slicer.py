@@ -224,7 +224,7 @@ def worst(design: Design, printer: Printer) -> str:
     return findings.group_findings(found)[0].level
 
 
-def test_legs_that_the_checks_refuse_vanish_there_without_a_word(tmp_path):
+def test_legs_that_the_checks_refuse_vanish_there_silently(tmp_path):
     """The issue's case: 0.45 mm and less, thin walls not detected."""
     printer = templates.load("prusa-mk3s", "printers", Printer)
     printer = printer.model_copy(update={"thin_walls": False})

@@ -122,7 +122,7 @@ def test_paper_weighs_as_paper_does():
     assert light == pytest.approx(80e-6 * 63.75 / 64.0 * 9.6**2, rel=1e-9)  # 80 g/m^2
 
 
-def test_a_design_without_a_cap_is_written_as_before():
+def test_a_design_without_a_cap_is_written_without_its_keys():
     assert "cap" not in Design().model_dump()
     assert '"cap"' not in Design().variant(tilt_deg=5.0).model_dump_json()
     later = Design().variant(**{"cap.number": 3}).variant(**{"cap.kind": "paper"})
@@ -212,7 +212,7 @@ def test_a_cap_that_the_body_does_not_hold_is_refused():
         solids.mass_of(capped_design(marker_mm=30.0))
 
 
-def test_cells_finer_than_lines_are_told(run):
+def test_cells_finer_than_lines_are_reported(run):
     done = run("plate", "--caps", "aruco", "--set", "cap.marker_mm=3")
     assert done.exit_code == 0
     assert "cells of the caps may close up" in done.output

@@ -169,7 +169,7 @@ def messages(design, printer):
     return [finding.line for finding in findings if finding.level == "warning"]
 
 
-def test_a_ceiling_too_wide_for_a_bridge_is_told():
+def test_a_ceiling_too_wide_for_a_bridge_is_reported():
     over = load_walker("bristlebot").variant(**{"battery.opens": "up", "battery.up_mm": 1.0, "pockets.channel_mm": 0.0})
     (line,) = messages(over, printer_of("prusa-mk3s"))
     assert "battery" in line
@@ -230,7 +230,7 @@ def test_a_side_wall_follows_the_outline_of_the_body():
     assert thinnest_wall(design.motor, design) == pytest.approx(away, abs=0.01)
 
 
-def test_the_wall_between_two_pockets_is_told():
+def test_the_wall_between_two_pockets_is_reported():
     """From the round slot of a motor to the corner of the battery's, in closed form."""
     design = load_walker("coinbot")
     gap = math.hypot(11.0 + 6.2 - 10.2, 3.7 - 2.2) - 5.2

@@ -64,7 +64,7 @@ def test_a_template_has_no_masses_and_can_be_filled(read_masses, tmp_path):
 
 @pytest.mark.parametrize("header", ["part,grams,body_g,leg_g", "part,grams"])
 @pytest.mark.parametrize("line", ["x,1", "x;1", "x\t1", "x,,1,", 'x,"0,81"', "x,,, ", "x,,,\n\n", "x,,,\r", "x"])
-def test_all_entries_of_a_form_are_read(tmp_path, header, line):
+def test_a_form_with_any_entry_is_not_overwritten(tmp_path, header, line):
     path = tmp_path / "weights.csv"
     weighed_masses.write_template(tmp_path, ["x"])
     written = f"{header}\n{line}\n".encode()
@@ -73,7 +73,7 @@ def test_all_entries_of_a_form_are_read(tmp_path, header, line):
     assert path.read_bytes() == written
 
 
-def test_a_form_that_somebody_sorted_stays(tmp_path):
+def test_a_sorted_form_is_not_overwritten(tmp_path):
     path = weighed_masses.write_template(tmp_path, [FIVE, TEN])
     path.write_text(ours := weighed_masses.format_template([TEN, FIVE]))
     assert weighed_masses.write_template(tmp_path, [FIVE, TEN]) == path
@@ -172,7 +172,7 @@ def test_a_spreadsheet_s_byte_order_mark_is_ignored(tmp_path):
 
 
 @pytest.mark.parametrize("row", ["my own grain,,,", "walker,,,", "note to self,,,", f"{FIVE},,,1"])
-def test_a_form_with_an_extra_row_is_accepted(row, tmp_path):
+def test_a_form_with_a_row_of_the_user_is_not_overwritten(row, tmp_path):
     path = tmp_path / weighed_masses.FILE_NAME
     path.write_text(f"{weighed_masses.format_template([FIVE, TEN])}{row}\n")
     mine = path.read_bytes()
