@@ -119,7 +119,7 @@ def draw_mechanisms(folder: Path) -> bytes:
 
 def draw_own_shapes(folder: Path) -> bytes:
     """Draw a drawing, a mesh and a name on automatic legs, with their speeds."""
-    from evidence.shapes import drawings, meshes
+    from evidence import example_shapes
     from walkergen import inputs
     from walkergen.commands.family.preview import Part, preview_figure
     from walkergen.commands.predict import make as predicting
@@ -127,11 +127,12 @@ def draw_own_shapes(folder: Path) -> bytes:
     from walkergen.files import figures
 
     scene = inputs.from_settings({}, {}, ["scene"]).scene("lane-90hz")
+    files = {"heart.svg": example_shapes.HEART, "duck.stl": example_shapes.duck_stl()}
     parts = []
     for shape in OWN_SHAPES:
         asked = inputs.from_settings({"body.text": shape} if "." not in shape else {}, {}, ["design"])
         if "." in shape:
-            (folder / shape).write_bytes((drawings.drawing_files() | meshes.mesh_files())[shape])
+            (folder / shape).write_bytes(files[shape])
         design = asked.design(str(folder / shape) if "." in shape else "koumakis2016").variant(tilt_deg=10.0)
         (member,) = predicting.predict(design, [design], scene, "coulomb").members
         parts.append(Part(design, member.mesh, shape, low=True, speed=prediction.describe_briefly(member.row)))

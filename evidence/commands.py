@@ -1,10 +1,10 @@
 """Commands of `python -m evidence`, each with its request."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import typer
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator
 
 from walkergen import field_values, request
 from walkergen.cli import command_builder
@@ -134,23 +134,6 @@ class ReproduceRequest(request.Request):
         )
 
 
-class ShapesRequest(request.Request):
-    """Build, check and run sixty shapes that people might bring: drawings, meshes, names."""
-
-    only: Annotated[
-        list[Literal["drawings", "meshes", "names"]],
-        request.Words,
-        Flag("Kinds: drawings,meshes,names.", "KINDS", takes="str | Iterable[str]"),
-    ] = Field(["drawings", "meshes", "names"])
-    out: request.Out = None
-
-    def run(self, progress: Progress) -> "Report":
-        """Try them."""
-        from evidence.shapes import make
-
-        return make.check_shapes(self.only, self.out or Path("out") / "shapes", progress)
-
-
 class ExampleDataRequest(request.Request):
     """Write an archive of example data: a film, a recording of the plate, a card, and what is found in them."""
 
@@ -172,7 +155,6 @@ REQUESTS: dict[str, type[request.Request]] = {
     "crowds-published": CrowdsPublishedRequest,
     "walkers-published": WalkersPublishedRequest,
     "reproduce": ReproduceRequest,
-    "shapes": ShapesRequest,
     "example-data": ExampleDataRequest,
 }
 
