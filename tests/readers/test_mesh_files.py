@@ -160,15 +160,30 @@ def test_items_that_are_switched_off_are_not_weighed(tmp_path, word):
     assert weighed.notes == ("left out 1 part that does not print",)
 
 
-@pytest.mark.parametrize("written", ["{}", "0{}", "+{}", " {}"])
-def test_bombs_are_refused_before_they_are_placed(tmp_path, written):
-    levels = [f'<object id="1" type="model">{mesh_xml(POST)}</object>']
-    for level in range(2, 9):
+def nested(folder, levels, written="{}"):
+    """3MF of a post in a component, ten times in another, and so on."""
+    objects = [f'<object id="1" type="model">{mesh_xml(POST)}</object>']
+    for level in range(2, levels + 2):
         inner = f'<component objectid="{written.format(level - 1)}"/>' * 10
-        levels.append(f'<object id="{level}" type="model"><components>{inner}</components></object>')
-    path = archive(tmp_path, "".join(levels), f'<item objectid="{written.format(8)}"/>')
+        objects.append(f'<object id="{level}" type="model"><components>{inner}</components></object>')
+    return archive(folder, "".join(objects), f'<item objectid="{written.format(levels + 1)}"/>')
+
+
+def test_components_within_components_are_read(tmp_path):
+    assert weigh(nested(tmp_path, 2), 1.0, 1.0).total.volume_mm3 == pytest.approx(100.0 * 48.0)
+
+
+@pytest.mark.parametrize(
+    ("levels", "written", "reason"),
+    [
+        *((7, written, "places more than 10000 meshes") for written in ("{}", "0{}", "+{}", " {}")),
+        (20, "{}", "more than 16 deep"),
+    ],
+)
+def test_bombs_are_refused_before_they_are_placed(tmp_path, levels, written, reason):
+    path = nested(tmp_path, levels, written)
     begun = time.process_time()
-    with pytest.raises(InputError, match="places more than 10000 meshes"):
+    with pytest.raises(InputError, match=reason):
         meshes.read_mesh(path, "bomb")
     assert time.process_time() - begun < 5.0  # the meshes themselves would take minutes
 
@@ -185,6 +200,7 @@ def test_items_are_counted_and_must_exist(tmp_path):
 
 
 UTF16 = MODEL.replace("UTF-8", "UTF-16")
+IN_ITSELF = '<components><component objectid="1"/></components>'
 
 
 @pytest.mark.parametrize(
@@ -197,12 +213,7 @@ UTF16 = MODEL.replace("UTF-8", "UTF-16")
         ("3D/3dmodel.model", MODEL.replace("millimeter", "parsec"), "", "unit 'parsec': must be one of micron"),
         ("3D/3dmodel.model", MODEL, '<object id="1"><components/></object>', "is no mesh"),
         ("3D/3dmodel.model", MODEL, '<object id="1">{0}</object><object id="1">{0}</object>', "two objects 1"),
-        (
-            "3D/3dmodel.model",
-            MODEL,
-            '<object id="1"><components><component objectid="1"/></components></object>',
-            "deep",
-        ),
+        ("3D/3dmodel.model", MODEL, f'<object id="1">{IN_ITSELF}</object>', "more than 16 deep"),
         ("3D/3dmodel.model", MODEL, '<object id="x">{}</object>', "not a readable 3mf mesh"),
     ],
 )

@@ -92,31 +92,25 @@ def test_files_without_a_mesh_are_refused(tmp_path):
         (tmp_path / name).write_bytes(data)
         return tmp_path / name
 
-    assert "no such file" in _refusal_line(tmp_path / "none.stl")
-    assert "'.step'; give a mesh: stl, obj" in _refusal_line(file("a.step", b"ISO-10303-21;"))
-    assert "is no binary STL file of" in _refusal_line(file("empty.stl", b""))
-    assert "is no binary STL file of 0 triangles" in _refusal_line(file("zero.stl", bytes(84)))
+    with pytest.raises(InputError, match="no such file"):
+        body_mesh.read_body(tmp_path / "none.stl")
+    assert "'.step'; give a mesh: stl, obj" in refusal_of(file("a.step", b"ISO-10303-21;"))
+    assert "is no binary STL file of" in refusal_of(file("empty.stl", b""))
+    assert "is no binary STL file of 0 triangles" in refusal_of(file("zero.stl", bytes(84)))
     huge = file("huge.stl", bytes(80) + (2**32 - 1).to_bytes(4, "little") + bytes(501))
-    assert "of 4294967295 triangles" in _refusal_line(huge)
+    assert "of 4294967295 triangles" in refusal_of(huge)
     garbage = np.random.default_rng(1).bytes(3000)
     for kind in ("stl", "obj", "ply", "off", "3mf", "glb"):
-        line = _refusal_line(file(f"garbage.{kind}", garbage))
+        line = refusal_of(file(f"garbage.{kind}", garbage))
         assert "no" in line
-    assert "holds points or lines" in _refusal_line(file("points.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n"))
-    assert "holds no triangles" in _refusal_line(file("words.stl", b"solid nothing\nendsolid nothing\n"))
+    assert "holds points or lines" in refusal_of(file("points.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n"))
+    assert "holds no triangles" in refusal_of(file("words.stl", b"solid nothing\nendsolid nothing\n"))
     ply = b"ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\n"
-    assert "not a readable ply" in _refusal_line(file("claims.ply", ply + b"end_header\n1234"))
+    assert "not a readable ply" in refusal_of(file("claims.ply", ply + b"end_header\n1234"))
     text = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
     text += b"property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
-    line = _refusal_line(file("index.ply", text + b"0 0 0\n9 0 0\n0 9 0\n3 0 1 7\n"))
+    line = refusal_of(file("index.ply", text + b"0 0 0\n9 0 0\n0 9 0\n3 0 1 7\n"))
     assert "corner that does not exist" in line
-
-
-def _refusal_line(path):
-    with pytest.raises(InputError) as refusal:
-        body_mesh.read_body(path)
-    (line,) = str(refusal.value).splitlines()
-    return line
 
 
 def test_each_fault_is_named_with_its_numbers(tmp_path):

@@ -31,14 +31,16 @@ def boxes(one: plate.Plate, parts: list[Part]) -> list[tuple[float, float, float
     return [(p.x, p.y, p.x + parts[p.part].width, p.y + parts[p.part].depth) for p in one.placements]
 
 
-def check(plates: list[plate.Plate], parts: list[Part], printer: Printer) -> None:
-    """Every copy once; none off the bed or closer than the gap; all in the middle of the bed."""
+def check(
+    plates: list[plate.Plate], parts: list[Part], printer: Printer, brim: float = 0.0, skirt: float = 0.0
+) -> None:
+    """Every copy once; none off the bed or closer than the gap, with its brim and skirt; all in the middle."""
     wanted = [(i, c) for i, one in enumerate(parts) for c in range(1, one.copies + 1)]
     assert sorted((p.part, p.copy) for one in plates for p in one.placements) == wanted
-    low, gap = printer.margin_mm - NANOMETRE, printer.gap_mm - NANOMETRE
+    low, gap = printer.margin_mm + skirt - NANOMETRE, printer.gap_mm - NANOMETRE
     right, back = printer.bed_width_mm - low, printer.bed_depth_mm - low
     for one in plates:
-        placed = boxes(one, parts)
+        placed = [(a - brim, b - brim, c + brim, d + brim) for a, b, c, d in boxes(one, parts)]
         assert placed
         assert all(a >= low and b >= low and c <= right and d <= back for a, b, c, d in placed)
         lefts, fronts, rights, backs = zip(*placed, strict=True)
@@ -184,20 +186,9 @@ def test_brims_and_skirts_stay_on_the_bed_and_apart(brim: float, distance: float
     printer = MK3S.model_copy(update={"brim_width_mm": brim, "skirt_distance_mm": distance, "skirt_loops": loops})
     one = part("walker", copies=1000)
     skirt = (loops + 0.5) * printer.line_width_mm + distance if loops else 0.0
-    for sheet in plate.pack([one], printer):
-        placed = [(a - brim, b - brim, c + brim, d + brim) for a, b, c, d in boxes(sheet, [one])]
-        low = printer.margin_mm + skirt - NANOMETRE
-        assert min(box[0] for box in placed) >= low
-        assert min(box[1] for box in placed) >= low
-        assert max(box[2] for box in placed) <= printer.bed_width_mm - low
-        assert max(box[3] for box in placed) <= printer.bed_depth_mm - low
-        gap = printer.gap_mm - NANOMETRE
-        lefts, fronts, rights, backs = zip(*placed, strict=True)
-        around = min(lefts) + max(rights), min(fronts) + max(backs)
-        assert around == pytest.approx((printer.bed_width_mm, printer.bed_depth_mm), abs=0.004)
-        for (a, b, c, d), (e, f, g, h) in itertools.combinations(placed, 2):
-            assert e - c >= gap or a - g >= gap or f - d >= gap or b - h >= gap
-    assert len(plate.pack([one], printer)[0].placements) == plate.capacity(one, printer)
+    plates = plate.pack([one], printer)
+    check(plates, [one], printer, brim, skirt)
+    assert len(plates[0].placements) == plate.capacity(one, printer)
 
 
 def test_a_brim_that_leaves_no_bed_is_refused() -> None:

@@ -2,7 +2,6 @@
 
 import json
 import re
-import zipfile
 
 import hostile_meshes as hostile
 import mpmath
@@ -202,59 +201,3 @@ def test_unsound_meshes_and_senseless_numbers_are_refused(tmp_path):
     for flag, value in (("--density", "0"), ("--density", "nan"), ("--scale", "-1")):
         with pytest.raises(InputError, match=f"{flag} .*: must be a number"):
             CliRunner().invoke(command_line, ["check", str(path), "--weigh", flag, value], catch_exceptions=False)
-
-
-TETRAHEDRON = (
-    "<mesh><vertices><vertex x='0' y='0' z='0'/><vertex x='1' y='0' z='0'/>"
-    "<vertex x='0' y='1' z='0'/><vertex x='0' y='0' z='1'/></vertices><triangles>"
-    "<triangle v1='0' v2='2' v3='1'/><triangle v1='0' v2='1' v3='3'/>"
-    "<triangle v1='1' v2='2' v3='3'/><triangle v1='0' v2='3' v3='2'/></triangles></mesh>"
-)
-
-
-def nested_3mf(tmp_path, levels, inner):
-    """3MF of a tetrahedron in a component, ten times in another, and so on, as others write it."""
-    objects = [f"<object id='1' type='model'>{TETRAHEDRON}</object>"]
-    for number in range(2, levels + 2):
-        parts = f"<component objectid='{inner(number)}'/>" * 10
-        objects.append(f"<object id='{number}' type='model'><components>{parts}</components></object>")
-    model = (
-        "<?xml version='1.0' encoding='UTF-8'?><model unit='millimeter' "
-        "xmlns='http://schemas.microsoft.com/3dmanufacturing/core/2015/02'><resources>"
-        f"{''.join(objects)}</resources><build><item objectid='{levels + 1}'/></build></model>"
-    )
-    types = (
-        "<?xml version='1.0'?><Types xmlns='http://schemas.openxmlformats.org/package/2006/"
-        "content-types'><Default Extension='rels' ContentType='application/vnd.openxmlformats-"
-        "package.relationships+xml'/><Default Extension='model' ContentType='application/"
-        "vnd.ms-package.3dmanufacturing-3dmodel+xml'/></Types>"
-    )
-    relations = (
-        "<?xml version='1.0'?><Relationships xmlns='http://schemas.openxmlformats.org/package/"
-        "2006/relationships'><Relationship Target='/3D/3dmodel.model' Id='r' Type='http://schemas."
-        "microsoft.com/3dmanufacturing/2013/01/3dmodel'/></Relationships>"
-    )
-    path = tmp_path / "nested.3mf"
-    with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("[Content_Types].xml", types)
-        archive.writestr("_rels/.rels", relations)
-        archive.writestr("3D/3dmodel.model", model)
-    return path
-
-
-def test_components_within_components_are_read(tmp_path):
-    path = nested_3mf(tmp_path, 2, lambda number: number - 1)
-    assert make.weigh(path, 1.0, 1.0).total.volume_mm3 == pytest.approx(100.0 / 6.0)
-
-
-@pytest.mark.parametrize(
-    ("levels", "inner", "told"),
-    [
-        (10, lambda number: number - 1, "places more than 10000 meshes"),
-        (20, lambda number: number - 1, "more than 16 deep"),
-        (1, lambda number: number, "more than 16 deep"),  # in itself
-    ],
-)
-def test_components_that_multiply_are_counted_before_they_are_built(tmp_path, levels, inner, told):
-    with pytest.raises(InputError, match=told):
-        make.weigh(nested_3mf(tmp_path, levels, inner), 1.0, 1.0)
