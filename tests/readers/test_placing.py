@@ -14,7 +14,7 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.mass import to_centre_frame
 from walkergen.files import templates
-from walkergen.readers.walkers.leg_placement import MIN_EDGE_MM, MIN_LEG_WIDTH_MM, MIN_SPAN_PER_HEIGHT, Reach, find_rows
+from walkergen.readers.walkers.leg_rows import MIN_EDGE_MM, MIN_LEG_WIDTH_MM, MIN_SPAN_PER_HEIGHT, Reach, find_rows
 
 LEG = Reach(1.1, 1.5)  # 7.5 mm at 10 deg: its top is ahead of its foot
 

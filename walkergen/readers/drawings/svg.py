@@ -92,10 +92,10 @@ def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
 
 def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
     """Read the shapes in the bytes of a file; its libraries may raise any exception."""
-    from walkergen.readers.drawings import svg_elements, svg_styles
+    from walkergen.readers.drawings import svg_elements, svg_styles, svg_tags
 
     root = _parse_xml(data, source)
-    svg_elements.check_static(root, source)
+    svg_tags.check_static(root, source)
     stated = {key: root.attrib[key] for key in ("width", "height") if _length_mm(root.attrib.get(key, "")) is not None}
     tree = svg_elements.Tree(root, source)
     try:
@@ -188,7 +188,7 @@ def _parse_xml(data: bytes, source: str) -> ET.Element:
 
 def _page_box(root: ET.Element, source: str) -> tuple[float, float, float, float]:
     """Return left, top, width and height of the page in the drawing's units; infinite without a page."""
-    from walkergen.readers.drawings.svg_elements import PIXELS_PER_UNIT
+    from walkergen.readers.drawings.svg_lengths import PIXELS_PER_UNIT
     from walkergen.readers.drawings.svg_matrices import parse_view_box
 
     if "viewBox" in root.attrib:

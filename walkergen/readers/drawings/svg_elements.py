@@ -16,62 +16,32 @@ import numpy as np
 from walkergen.core.errors import InputError
 from walkergen.core.numerics import Array
 from walkergen.readers.drawings import svg_paints, svg_styles
+from walkergen.readers.drawings.svg_lengths import (
+    DEFAULT_FONT_SIZE,
+    LENGTH_PATTERN,
+    font_size,
+    parse_font_size,
+    parse_length,
+    units_at,
+)
 from walkergen.readers.drawings.svg_matrices import compose, fit_matrix, mean_stretch, parse_transform, parse_view_box
-from walkergen.readers.drawings.svg_paints import NUMBER_PATTERN, XLINK_HREF
+from walkergen.readers.drawings.svg_paints import XLINK_HREF
+from walkergen.readers.drawings.svg_tags import SHAPE_TAGS, element_name, is_switch_choice
 
 if TYPE_CHECKING:
     import svgelements
 
 
-SVG_NAMESPACE = "{http://www.w3.org/2000/svg}"
-
-SHAPE_TAGS = ("circle", "ellipse", "line", "path", "polygon", "polyline", "rect")
 GROUP_TAGS = ("a", "g", "switch", "svg", "use")
 
 UNREADABLE_TAGS = {"image": "a picture", "text": "text", "foreignObject": "a foreign object"}
 """Elements that people see and that are no closed paths."""
 
-ACTIVE_TAGS = {
-    "script": "a script",
-    "animate": "an animation",
-    "animateTransform": "an animation",
-    "animateMotion": "an animation",
-    "set": "an animation",
-}
-"""Elements that would change the drawing."""
-
 MAX_ELEMENTS, MAX_DEPTH = 20_000, 256
 """Elements of a drawing at most, counted as often as <use> repeats them, and levels of them."""
 
-LENGTH_PATTERN = re.compile(rf"\s*({NUMBER_PATTERN})([a-zA-Z]{{0,3}}|%)\s*")
 PATH_PATTERN = re.compile(r"[MmZzLlHhVvCcSsQqTtAa0-9eE.,+\-\s]*")
 POINTS_PATTERN = re.compile(r"[0-9eE.,+\-\s]*")
-
-PIXELS_PER_UNIT = {
-    "": 1.0,
-    "px": 1.0,
-    "in": 96.0,
-    "cm": 96 / 2.54,
-    "mm": 96 / 25.4,
-    "q": 96 / 101.6,
-    "pt": 96 / 72,
-    "pc": 16.0,
-}
-"""Units of length, in the drawing's own units, as CSS has them."""
-
-DEFAULT_FONT_SIZE = 16.0
-"""Size of a font that is not set."""
-
-FONT_SIZES = {
-    "xx-small": 9.0,
-    "x-small": 10.0,
-    "small": 13.0,
-    "medium": DEFAULT_FONT_SIZE,
-    "large": 18.0,
-    "x-large": 24.0,
-    "xx-large": 32.0,
-}
-"""Sizes of fonts that browsers have names of."""
 
 
 class VisibleShape(NamedTuple):
@@ -142,22 +112,8 @@ class Tree:
             if element.attrib.get(key, "inherit") != "inherit"
         }
         style = {**place.style, **own}
-        style["font-size"] = repr(self._font_size(element.attrib.get("font-size"), place))
+        style["font-size"] = repr(parse_font_size(element.attrib.get("font-size"), font_size(place.style), self.rem))
         return place._replace(style=style, depth=place.depth + 1)
-
-    def _font_size(self, text: str | None, place: Context) -> float:
-        around, word = float(place.style.get("font-size", DEFAULT_FONT_SIZE)), (text or "1em").strip().lower()
-        if size := {**FONT_SIZES, "larger": 1.2 * around, "smaller": around / 1.2, "inherit": around}.get(word):
-            return size
-        match, units = (
-            LENGTH_PATTERN.fullmatch(word),
-            {**PIXELS_PER_UNIT, **self._relative_units(around), "%": 0.01 * around},
-        )
-        return float(match[1]) * units.get(match[2], math.nan) if match else math.nan
-
-    def _relative_units(self, font: float) -> dict[str, float]:
-        """Return the units of length by the size of the font."""
-        return {"em": font, "ex": 0.5 * font, "ch": 0.5 * font, "rem": self.rem}
 
     def _walk(self, element: ET.Element, place: Context) -> Iterator[VisibleShape]:
         """Yield the shapes that an element draws."""
@@ -187,7 +143,7 @@ class Tree:
         else:
             children = [child for child in element if isinstance(child.tag, str)]
             if name == "switch":  # the first without special requirements
-                children = [child for child in children if _is_switch_choice(child)][:1]
+                children = [child for child in children if is_switch_choice(child)][:1]
             for child in children:
                 yield from self._walk(child, inner)
 
@@ -228,7 +184,7 @@ class Tree:
             raise self._input_error("holds a marker on a line; leave it out")
         path = self._build_path(element, place)
         wide = LENGTH_PATTERN.fullmatch(style.get("stroke-width", "1")) if lined else None
-        units = {**PIXELS_PER_UNIT, **self._relative_units(float(style.get("font-size", DEFAULT_FONT_SIZE)))}
+        units = units_at(font_size(style), self.rem)
         line = float(wide[1]) * units.get(wide[2].lower(), 1.0) * mean_stretch(place.matrix) if wide else 0.0
         nonzero, white = style.get("fill-rule", "nonzero") != "evenodd", all(paint.white for paint in paints)
         yield VisibleShape(path, place.matrix, nonzero, white, line, place.clips)
@@ -285,13 +241,7 @@ class Tree:
         text = element.attrib.get(key)
         if text is None or text.strip() == "auto":
             return otherwise
-        match = LENGTH_PATTERN.fullmatch(text)
-        units = {
-            **PIXELS_PER_UNIT,
-            **self._relative_units(float(place.style.get("font-size", DEFAULT_FONT_SIZE))),
-            "%": 0.01 * whole,
-        }
-        value = float(match[1]) * units.get(match[2].lower(), math.nan) if match else math.nan
+        value = parse_length(text, font_size(place.style), self.rem, whole)
         if math.isnan(value):
             raise self._input_error(f"<{element_name(element)}> has {key} = {text[:40]!r}; give numbers")
         return value
@@ -419,24 +369,3 @@ class Tree:
         if rule and len(nonzero) == len(shapes):
             shapes = tuple(shape._replace(nonzero=own) for shape, own in zip(shapes, nonzero, strict=True))
         return Clip(shapes)
-
-
-def element_name(element: ET.Element) -> str:
-    """Return the name of an SVG element without its namespace; "" for other elements."""
-    tag = str(element.tag)
-    return tag.removeprefix(SVG_NAMESPACE) if tag.startswith(SVG_NAMESPACE) or "}" not in tag else ""
-
-
-def _is_switch_choice(element: ET.Element) -> bool:
-    """Return whether a <switch> may show an element: it requires no program, and no language but English."""
-    languages = element.attrib.get("systemLanguage", "en").lower().split(",")
-    return "requiredExtensions" not in element.attrib and any(re.match("en(-|$)", each.strip()) for each in languages)
-
-
-def check_static(root: ET.Element, source: str) -> None:
-    """Raise InputError for what would change the drawing: scripts, animations."""
-    for element in root.iter():
-        if (name := str(element.tag).rpartition("}")[2]) in ACTIVE_TAGS:
-            raise InputError(f"{source}: holds {ACTIVE_TAGS[name]} (<{name}>); leave it out and save a plain SVG")
-        if handler := next((key for key in element.attrib if key.lower().startswith("on")), None):
-            raise InputError(f"{source}: holds a script ({handler}); save it as a plain SVG")

@@ -1,13 +1,7 @@
-"""Automatic placement of legs: rows of them under a body of any outline.
-
-A person's drawing is the view from above. Two rows are across the walk, their feet as
-far behind the centre of mass as before it, as wide as the outline allows, and in pieces where a hole or
-a notch divides it. Rows that are far apart get more rows between them. The feet reach so far in every
-direction that a walker that leans by LEAN falls back on its feet.
-"""
+"""Automatic placement of legs under a body of any outline, and remedies for bodies that cannot stand on legs."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import lru_cache, partial
 from itertools import islice
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -15,7 +9,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from walkergen.core.errors import GeometryError, InputError, Remedy, SolidError
-from walkergen.core.numerics import Array
 from walkergen.core.shapes import joining
 from walkergen.core.walker.body import Body
 from walkergen.core.walker.limbs import Legs, Limb, resolve_pair
@@ -23,31 +16,20 @@ from walkergen.core.walker.sections import section_of
 from walkergen.readers.drawings import size_check
 from walkergen.readers.walkers import leg_attachment
 from walkergen.readers.walkers.body_shapes import shape_of
+from walkergen.readers.walkers.leg_rows import (
+    MIN_EDGE_MM,
+    MIN_LEG_WIDTH_MM,
+    MIN_SPAN_PER_HEIGHT,
+    SPAN_STEPS,
+    Reach,
+    Row,
+    covered_intervals,
+    find_rows,
+    stability_margin,
+)
 
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
-
-MIN_EDGE_MM = 0.2
-"""Distance of a leg from the edge of the outline at least, mm: half a wall that printers draw."""
-
-MIN_LEG_WIDTH_MM = 1.0
-"""Least width of a leg, mm."""
-
-SPAN_PER_LENGTH = 13.0 / 28.0
-"""Distance of the rows' feet over the length of the body, that of the paper's walker, where it fits."""
-
-MIN_LEAN_DEG = 10.0
-"""Lean, in any direction, that a walker must at least recover from, deg."""
-
-MIN_SPAN_PER_HEIGHT = 2.0 * math.tan(math.radians(MIN_LEAN_DEG))
-"""Distance of the feet over the height of the centre of mass at least, by that angle."""
-
-PREFERRED_SPAN_PER_HEIGHT = 0.5
-"""Distance of the rows' feet over the height of the centre of mass that is wished where the body is short."""
-
-MAX_ROW_DISTANCE_MM = 60.0
-"""Distance of neighbouring rows at most: at 60 mm a plate of 3 mm of PLA has its lowest tone between them at
-590 Hz, six times the paper's drive, so that the body counts as rigid."""
 
 MAX_LENGTH_MM = 180.0
 """Length of a body, mm, that fits on the beds of all common printers."""
@@ -66,21 +48,9 @@ MAX_INCH_SIZE_MM = 3.0
 FAMILY_MAX_TILT_DEG = 20.0
 """Tilt of the steepest legs of a family by default, deg."""
 
-SPAN_STEPS = 61
-"""Distances of the feet that are tried."""
-
-MIDDLE_SHIFTS = (0.0, 0.05, -0.05, 0.15, -0.15)
-"""Distances of the middle of the feet from the centre of mass, over theirs, that are tried in turn."""
-
-SIMPLIFY_MM = 0.01
-"""Maximum change of a simplified outline, mm."""
-
 
 INSET_SHARES = (0.0, 0.04, 0.08, 0.12, 0.16, 0.2)
 """Insets of a mesh's outline, over the mesh's depth, that are tried in turn until all legs meet the mesh."""
-
-MARGIN_TOLERANCE = 1e-9
-"""Largest relative error of a margin."""
 
 DECIMALS = 6
 """Decimals of places and widths, mm: what is symmetric is so to the last bit."""
@@ -103,33 +73,6 @@ class LegSpace(NamedTuple):
     """Centre of mass."""
     radius: float
     """Minimum distance of feet from the centre, in every direction."""
-
-
-class Reach(NamedTuple):
-    """Space of a leg along the run, mm, from its foot."""
-
-    back: float
-    """Where it begins: at its foot for a brace, else at the back of its top."""
-    front: float
-
-
-class Row(NamedTuple):
-    """Legs side by side."""
-
-    along: float
-    """Place of their feet along the run, mm."""
-    legs: tuple[tuple[float, float], ...]
-    """Place across and width of each, mm, in the order of their places."""
-
-    @property
-    def width(self) -> float:
-        """Width of all of them, mm."""
-        return sum(width for _, width in self.legs)
-
-    @property
-    def high(self) -> float:
-        """Outer edge of the last, mm."""
-        return self.legs[-1][0] + 0.5 * self.legs[-1][1]
 
 
 class Placement(NamedTuple):
@@ -201,7 +144,7 @@ def available_space(body: Body, legs: Legs) -> LegSpace:
     reach = _leg_reach(leg)
     left, _, right, _ = ground.bounds
     places = np.linspace(left - reach.front, right - reach.back, 4 * SPAN_STEPS)
-    covered = _covered_intervals(ground.buffer(-MIN_EDGE_MM), places + reach.back, places + reach.front)
+    covered = covered_intervals(ground.buffer(-MIN_EDGE_MM), places + reach.back, places + reach.front)
     tops = [
         shapely.box(place + reach.back, low, place + reach.front, high)
         for place, pieces in zip(places.tolist(), covered, strict=True)
@@ -305,111 +248,4 @@ def _from_rows(leg: Limb, placed: Sequence[Row], centre: tuple[float, float], he
         for row in placed
         for across, width in row.legs
     )
-    return Placement(found, math.degrees(math.atan2(_stability_margin(placed, centre), height)))
-
-
-def _stability_margin(placed: Sequence[Row], centre: tuple[float, float]) -> float:
-    """Return the distance, mm, of the centre of mass from the edge of the support of the feet; 0 outside."""
-    import shapely
-
-    corners = [(row.along, edge) for row in placed for edge in (row.legs[0][0] - 0.5 * row.legs[0][1], row.high)]
-    ground = shapely.MultiPoint(corners).convex_hull
-    point = shapely.Point(centre)
-    return float(ground.boundary.distance(point)) if ground.contains(point) else 0.0
-
-
-def find_rows(ground: "BaseGeometry", centre: tuple[float, float], height: float, reach: Reach) -> tuple[Row, ...]:
-    """Return the rows behind and before the centre of mass, (along, across), under a ground seen from above, mm.
-
-    `height` is that of the centre of mass above the plate. Feet stand as far behind it as before it
-    wherever such rows exist, else nearly so. Raises GeometryError where none do.
-    """
-    import shapely
-
-    inner = ground.buffer(-MIN_EDGE_MM).simplify(SIMPLIFY_MM)
-    left, _, right, _ = ground.bounds
-    least, most = MIN_SPAN_PER_HEIGHT * height, right - left
-    wished = max(SPAN_PER_LENGTH * (right - left), PREFERRED_SPAN_PER_HEIGHT * height)
-    spans = np.linspace(least, max(most, least), SPAN_STEPS)
-    for share in MIDDLE_SHIFTS:
-        middles = centre[0] + share * spans
-        backs, fronts = (_widest_rows(inner, middles + side * spans, centre[1], reach) for side in (-0.5, 0.5))
-        costs = {}
-        for number, (back, front) in enumerate(zip(backs, fronts, strict=True)):
-            if back is not None and front is not None:
-                narrow = 1.0 - min(back.width, front.width) / (ground.bounds[3] - ground.bounds[1])
-                costs[abs(math.log(spans[number] / wished)) + narrow] = _match_widths(back, front)
-        for cost in sorted(costs):
-            if _stability_margin(costs[cost], centre) >= 0.5 * MIN_SPAN_PER_HEIGHT * height * (1.0 - MARGIN_TOLERANCE):
-                return _add_middle_rows(costs[cost], inner, centre[1], reach)
-    wide = 2.0 * shapely.maximum_inscribed_circle(ground).length
-    raise GeometryError(
-        f"{right - left:.3g} mm long, {wide:.2g} wide, centre of mass {height:.3g} mm up, it tips from any legs"
-    )
-
-
-def _add_middle_rows(outer: tuple[Row, Row], inner: "BaseGeometry", across: float, reach: Reach) -> tuple[Row, ...]:
-    """Add rows between those that are far apart, if there is room."""
-    back, front = outer
-    number = math.ceil((front.along - back.along) / MAX_ROW_DISTANCE_MM - MARGIN_TOLERANCE)
-    places = np.linspace(back.along, front.along, number + 1)[1:-1]
-    middle = _widest_rows(inner, places, across, reach) if len(places) else []
-    return back, *(row for row in middle if row is not None), front
-
-
-def _widest_rows(inner: "BaseGeometry", places: Array, across: float, reach: Reach) -> list[Row | None]:
-    """Return the legs with feet at each place along the run, as wide as the ground allows; None without room.
-
-    They are their own mirror image about the centre of mass, where such pieces are wide enough.
-    """
-    found: list[Row | None] = []
-    for along, pieces in zip(
-        places.tolist(), _covered_intervals(inner, places + reach.back, places + reach.front), strict=True
-    ):
-        mirrored = [(2.0 * across - high, 2.0 * across - low) for low, high in pieces]
-        both = [(max(a, c), min(b, d)) for a, b in pieces for c, d in mirrored]
-        found.append(_build_row(along, across, both) or _build_row(along, across, pieces))
-    return found
-
-
-def _build_row(along: float, across: float, pieces: Sequence[tuple[float, float]]) -> Row | None:
-    """Return the legs in sufficiently wide pieces, if the centre of mass lies between the outer ones."""
-    wide = sorted((low, high) for low, high in pieces if high - low >= MIN_LEG_WIDTH_MM)
-    if not wide or not wide[0][0] <= across <= wide[-1][1]:
-        return None
-    return Row(along, tuple((0.5 * (low + high), high - low) for low, high in wide))
-
-
-def _covered_intervals(inner: "BaseGeometry", backs: Array, fronts: Array) -> list[list[tuple[float, float]]]:
-    """Return the intervals across the run over which each strip along it is wholly under a ground."""
-    import shapely
-
-    if inner.is_empty:
-        return [[] for _ in backs]
-    _, low, _, high = inner.bounds
-    free = shapely.difference(shapely.box(backs, low, fronts, high), inner)
-    parts, owners = shapely.get_parts(free, return_index=True)
-    shadows: list[list[tuple[float, float]]] = [[] for _ in backs]
-    bounds = shapely.bounds(parts).tolist()
-    for owner, (_, begin, _, end), area in zip(owners, bounds, shapely.area(parts), strict=True):
-        if area > 0.0:
-            shadows[owner].append((begin, end))
-    return [list(_free_intervals(sorted(own), low, high)) for own in shadows]
-
-
-def _free_intervals(shadows: Sequence[tuple[float, float]], low: float, high: float) -> Iterator[tuple[float, float]]:
-    """Yield the intervals of a range that no shadow covers; shadows are in order."""
-    for begin, end in shadows:
-        if begin > low:
-            yield low, begin
-        low = max(low, end)
-    if low < high:
-        yield low, high
-
-
-def _match_widths(back: Row, front: Row) -> tuple[Row, Row]:
-    """Return the rows of one leg each at one place across: both as wide as the narrower, so that they are equal."""
-    if len(back.legs) != 1 or len(front.legs) != 1 or abs(back.legs[0][0] - front.legs[0][0]) > MIN_EDGE_MM:
-        return back, front
-    leg = front.legs[0][0], min(back.width, front.width)
-    return back._replace(legs=(leg,)), front._replace(legs=(leg,))
+    return Placement(found, math.degrees(math.atan2(stability_margin(placed, centre), height)))

@@ -1,0 +1,61 @@
+"""Lengths of an SVG drawing in its own units, as CSS has them."""
+
+import math
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from walkergen.readers.drawings.svg_paints import NUMBER_PATTERN
+
+LENGTH_PATTERN = re.compile(rf"\s*({NUMBER_PATTERN})([a-zA-Z]{{0,3}}|%)\s*")
+
+PIXELS_PER_UNIT = {
+    "": 1.0,
+    "px": 1.0,
+    "in": 96.0,
+    "cm": 96 / 2.54,
+    "mm": 96 / 25.4,
+    "q": 96 / 101.6,
+    "pt": 96 / 72,
+    "pc": 16.0,
+}
+"""Units of length, in the drawing's own units, as CSS has them."""
+
+DEFAULT_FONT_SIZE = 16.0
+"""Size of a font that is not set."""
+
+FONT_SIZES = {
+    "xx-small": 9.0,
+    "x-small": 10.0,
+    "small": 13.0,
+    "medium": DEFAULT_FONT_SIZE,
+    "large": 18.0,
+    "x-large": 24.0,
+    "xx-large": 32.0,
+}
+"""Sizes of fonts that browsers have names of."""
+
+
+def font_size(style: Mapping[str, Any]) -> float:
+    """Return the size of the font of a style."""
+    return float(style.get("font-size", DEFAULT_FONT_SIZE))
+
+
+def parse_font_size(text: str | None, around: float, root: float) -> float:
+    """Parse the size of a font inside one of size `around`; `root` is that of the page. NaN for other text."""
+    word = (text or "1em").strip().lower()
+    if size := {**FONT_SIZES, "larger": 1.2 * around, "smaller": around / 1.2, "inherit": around}.get(word):
+        return size
+    match, units = LENGTH_PATTERN.fullmatch(word), {**units_at(around, root), "%": 0.01 * around}
+    return float(match[1]) * units.get(match[2], math.nan) if match else math.nan
+
+
+def parse_length(text: str, font: float, root: float, whole: float) -> float:
+    """Parse a length; percents are of `whole`. NaN for other text."""
+    match, units = LENGTH_PATTERN.fullmatch(text), {**units_at(font, root), "%": 0.01 * whole}
+    return float(match[1]) * units.get(match[2].lower(), math.nan) if match else math.nan
+
+
+def units_at(font: float, root: float) -> dict[str, float]:
+    """Return all units of length at a size of the font, and at that of the page."""
+    return {**PIXELS_PER_UNIT, "em": font, "ex": 0.5 * font, "ch": 0.5 * font, "rem": root}
