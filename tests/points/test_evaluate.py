@@ -58,7 +58,7 @@ def test_unlike_legs_have_their_common_speed_and_the_mass_of_the_first_free_one(
     each = stationary(UNEQUAL, mass, contact.restitution, contact.friction, "coulomb")
     assert found["theory_mm_s"] == pytest.approx(float(each.factor) * prediction.impact_speed(LANE, mass))
     assert (found["model"], found["speed_mm_s"]) == ("theory", None)  # the surrogate has no such walker
-    assert "to be simulated" in found["status"]
+    assert "not simulated yet" in found["status"]
     assert found["total_g"] == pytest.approx(float(mass.total))
 
 
@@ -98,7 +98,7 @@ def test_an_error_that_cannot_be_met_is_reported():
     found = evaluate(point_at("space", error="0.001mm/s", **NO_TIME))
     assert found["runs"] == 512
     assert found["went"] == PointStatus.NOT_MET
-    assert found["status"].endswith("not within the 0.001 asked")
+    assert found["status"].endswith("above the 0.001 requested")
     assert math.isfinite(found["speed_mm_s"])
 
 

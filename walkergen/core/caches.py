@@ -100,7 +100,7 @@ def announce_compilation(place: Path) -> None:
         return
     _announced.add(name)
     print(
-        f"compiling kernels ({name}), once, about {COMPILE_TIMES_S[name]} s of a core: none of this version are kept",
+        f"compiling kernels ({name}): about {COMPILE_TIMES_S[name]} s of CPU time, once for this version",
         file=sys.stderr,
         flush=True,
     )

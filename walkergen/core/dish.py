@@ -1,4 +1,4 @@
-"""Dish of a crowd: the ground on which many walkers live, between walls or without an edge.
+"""Dish of a crowd: the ground of many walkers, between walls or without an edge.
 
 The middle of the dish is the origin of the plate's plane; x to the right, y up, seen from above.
 """
@@ -15,7 +15,7 @@ SIZE_SYNTAX = {
     "rectangle": ("rectangle:LENGTHxWIDTH", 2),
     "periodic": ("periodic:SIDE", 1),
 }
-"""Kinds of dishes: how people write them, mm, and how many sizes they have."""
+"""Kinds of dishes: the form that users write, mm, and the number of sizes."""
 
 MIN_SIZE_MM, MAX_SIZE_MM = 1.0, 1e5
 """Limits of the sizes of a dish, mm."""
@@ -53,7 +53,7 @@ class Dish(NamedTuple):
 
     @property
     def words(self) -> str:
-        """The dish as people write it."""
+        """Dish in the form that users write."""
         mark = "x" if self.kind == "rectangle" else ","
         return f"{self.kind}:{mark.join(f'{size:g}' for size in self.sizes)}"
 
@@ -65,9 +65,9 @@ OPEN_GROUND = Dish("periodic", (MAX_SIZE_MM,))
 def parse_dish(text: str, source: str = "‹arena›") -> Dish:
     """Parse a dish from a user's text, as in "disc:120". Raises InputError, beginning with `source`."""
     kind, _, rest = text.partition(":")
-    said = f"{source} = {text[:80]!r}"
+    given = f"{source} = {text[:80]!r}"
     if kind not in SIZE_SYNTAX:
-        raise InputError(f"{said}: must be one of {EXAMPLES}, mm")
+        raise InputError(f"{given}: must be one of {EXAMPLES}, mm")
     form, count = SIZE_SYNTAX[kind]
     words = re.split(r"[,x]", rest)
     try:
@@ -75,9 +75,9 @@ def parse_dish(text: str, source: str = "‹arena›") -> Dish:
     except ValueError:
         sizes = ()
     if len(sizes) != count:
-        raise InputError(f"{said}: must be {form}, mm, as in {EXAMPLES}")
+        raise InputError(f"{given}: must be {form}, mm, as in {EXAMPLES}")
     if not all(MIN_SIZE_MM <= size <= MAX_SIZE_MM for size in sizes):
-        raise InputError(f"{said}: its sizes must lie between {MIN_SIZE_MM:g} and {MAX_SIZE_MM:g} mm")
+        raise InputError(f"{given}: its sizes must lie between {MIN_SIZE_MM:g} and {MAX_SIZE_MM:g} mm")
     if kind == "ring" and not sizes[1] < sizes[0]:
-        raise InputError(f"{said}: the inner diameter must be below the outer one; exchange them")
+        raise InputError(f"{given}: the inner diameter must be below the outer one; exchange them")
     return Dish(kind, sizes)

@@ -34,7 +34,7 @@ AXES = {"along": (1.0, 0.0, 0.0), "across": (0.0, -1.0, 0.0), "up": (0.0, 0.0, 1
 up: across its top moves forward, up it turns counter-clockwise seen from above."""
 
 VIBRATION_KEYS = ("frequency_hz", "amplitude_um", "peak_speed_mm_s", "gamma")
-"""Keys of a plate's vibration, of which any two determine it."""
+"""Keys of a plate's vibration. Any two determine it."""
 
 PLATE_KEYS = (*VIBRATION_KEYS[1:], "second_harmonic_ratio", "second_harmonic_phase_deg")
 MOTOR_KEYS = ("eccentric_g_mm", "eccentric_sd_g_mm", "frequency_sd_hz", "axis")
@@ -60,15 +60,15 @@ class Drive(Section):
     }
 
     kind: Literal["plate", "motor"] = "plate"
-    """A shaken plate, or a still one under walkers with a motor."""
+    """Source of the motion: a shaken plate, or a motor in each walker on a still plate."""
     frequency_hz: Positive | None = None
-    """Frequency of the plate or of the motor. A plate has two of this and the next three keys."""
+    """Frequency of the plate or of the motor. Give a plate two of this and the next three keys."""
     amplitude_um: Positive | None = None
     """Amplitude of the plate's displacement."""
     peak_speed_mm_s: Positive | None = None
     """Largest speed of the plate."""
     gamma: Positive | None = None
-    """Largest acceleration of the plate over g."""
+    """Largest acceleration of the plate, in units of gravity."""
     second_harmonic_ratio: Annotated[float, Field(ge=0, le=1)] = 0.0
     """Amplitude of the second harmonic over that of the fundamental."""
     second_harmonic_phase_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
@@ -76,12 +76,11 @@ class Drive(Section):
     eccentric_g_mm: Annotated[float, Field(ge=1e-6, le=1e6)] | None = None
     """Unbalanced mass of the rotor times its distance from the axis."""
     eccentric_sd_g_mm: Annotated[float, Field(ge=0, le=1e6)] = 0.0
-    """Standard deviation of that moment, for bounds."""
+    """Standard deviation of `eccentric_g_mm`, for bounds."""
     frequency_sd_hz: Annotated[float, Field(ge=0, le=1000)] = 0.0
-    """Standard deviation of a motor's frequency: cells sag, and motors differ."""
+    """Standard deviation of a motor's frequency: batteries sag, and motors differ."""
     axis: Literal["along", "across", "up"] | Annotated[list[Component], Field(min_length=3, max_length=3)] | None = None
-    """Axis of the rotor: a name (see AXES), or components along, across and up. None: that of the
-    design's motor."""
+    """Axis of the rotor: "along", "across" or "up", or components along these. None: the axis in the design."""
 
     @model_validator(mode="after")
     def _check_keys(self) -> "Drive":
@@ -90,11 +89,11 @@ class Drive(Section):
             value = getattr(self, key)
             if value != type(self).model_fields[key].default:
                 raise ValueError(
-                    f"{key} = {value!r} is a number of a "
+                    f"{key} = {value!r}: only a "
                     + (
-                        "motor, and kind is 'plate': set kind = 'motor'"
+                        "motor has this key, and kind is 'plate'; set kind = 'motor'"
                         if self.kind == "plate"
-                        else "plate, which a motor's is not: leave it out, or take a shaken plate: ‹scene=›lane-90hz"
+                        else "shaken plate has this key, and kind is 'motor'; leave it out, or use ‹scene=›lane-90hz"
                     )
                 )
         return self._check_plate() if self.kind == "plate" else self._check_motor()
@@ -104,10 +103,12 @@ class Drive(Section):
         words = "none" if self.frequency_hz is None else f"{self.frequency_hz:g}"
         if self.frequency_hz is None or not low <= self.frequency_hz <= high:
             raise ValueError(
-                f"frequency_hz = {words}: of a motor it must lie in {low:g}..{high:g}; small ones turn at 50 to 300 Hz"
+                f"frequency_hz = {words}: a motor's must lie in {low:g}..{high:g}; small ones turn at 50 to 300 Hz"
             )
         if self.eccentric_g_mm is None:
-            raise ValueError("a motor has eccentric_g_mm, unbalanced mass times its distance from the axis; seen: none")
+            raise ValueError(
+                "eccentric_g_mm is missing: give a motor's unbalanced mass times its distance from the axis"
+            )
         if isinstance(self.axis, list) and not any(self.axis):
             raise ValueError("axis = [0, 0, 0] has no direction: give 'across' or three numbers")
         return self
@@ -210,7 +211,7 @@ class Drive(Section):
 
     @property
     def motor_in_words(self) -> str:
-        """The motor in words; "" for a plate."""
+        """Description of the motor; "" for a plate."""
         if self.kind == "plate":
             return ""
         axis = f", axis {self.axis}" if self.axis else ""
@@ -248,5 +249,5 @@ REST_GAMMA = 1e-30
 
 
 def still_plate_drive(frequency_hz: float) -> Drive:
-    """Drive of a plate at rest; not validated, since no person may write so small a number."""
+    """Return the drive of a plate at rest. It is not validated, since its number is too small for a file."""
     return Drive.model_construct(frequency_hz=frequency_hz, gamma=REST_GAMMA)

@@ -50,7 +50,7 @@ AnExperiment = TypeVar("AnExperiment", bound=Experiment)
 
 
 class Measured(NamedTuple, Generic[AnExperiment]):
-    """Experiment and what its runs say."""
+    """Experiment and its finished runs."""
 
     experiment: AnExperiment
     """Experiment as it was run at last."""

@@ -21,7 +21,7 @@ MIN_RESTITUTION = 0.02
 
 
 class Prior(NamedTuple):
-    """What is taken to be known of a contact of which a scene gives no numbers."""
+    """Assumed numbers of a contact, for those that a scene does not give."""
 
     words: str
     restitution: float
@@ -29,7 +29,7 @@ class Prior(NamedTuple):
     friction: float
     friction_sd: float
     tip_radius_sd_factor: float
-    """Factor by which the effective radius of the foot's tips may be off, one standard deviation."""
+    """Standard deviation of the effective radius of the foot's tips, as a factor."""
 
 
 PAPER_CONTACT = Prior("contact of the paper's plate", 0.8, 0.1, 0.25, 0.02, 2.0)
@@ -65,7 +65,7 @@ class Contact(Section):
 
     @model_validator(mode="after")
     def _fill_from_prior(self) -> "Contact":
-        """Supply the prior's numbers, which remain "not given": another prior replaces them."""
+        """Fill in the prior's numbers, which count as not given: another prior replaces them."""
         numbers = PRIORS[self.prior]._asdict()
         del numbers["words"], numbers["tip_radius_sd_factor"]
         if self.friction == 0.0 and "friction" in self.model_fields_set:
@@ -75,7 +75,7 @@ class Contact(Section):
 
     @property
     def origin(self) -> str:
-        """Words on where the numbers come from."""
+        """Source of the numbers, in words."""
         prior = PRIORS[self.prior].words
         named = [name for name in ("restitution", "friction") if {name, f"{name}_sd"} & self.model_fields_set]
         if not named:
@@ -123,7 +123,7 @@ class Plate(Section):
     material: Literal["acrylic", "glass", "aluminium", "steel"] = "acrylic"
     """Material of the plate, which gives its elastic constants."""
     youngs_modulus_gpa: Annotated[float, Field(ge=1e-6, le=1e4)] | None = None
-    """Young's modulus. None: the material's."""
+    """Young's modulus of the plate. None: that of the material."""
     slope_deg: Annotated[float, Field(gt=-60, lt=60)] = 0.0
     """Descent of the plate toward +x, deg: a positive slope helps the walker along."""
     noise_ratio: Annotated[float, Field(ge=0, le=100)] = 0.0
@@ -137,12 +137,12 @@ class Plate(Section):
     horizontal_ratio: Annotated[list[Ratio], PAIR] = Field(default=[0.0, 0.0])
     """Amplitudes of the plate's motion along x and to the left of x over the drive's, at the same frequency."""
     horizontal_phase_deg: Annotated[list[Phase], PAIR] = Field(default=[0.0, 0.0])
-    """Phases by which these two motions lead the drive's."""
+    """Phase leads of these two motions over the drive."""
     gradient_percent_per_mm: Annotated[list[Percent], PAIR] = Field(default=[0.0, 0.0])
     """Growth of the drive's amplitude from the start along x and to the left of x."""
     rocking_percent_per_mm: Annotated[list[Percent], PAIR] = Field(default=[0.0, 0.0])
-    """Slopes of a plate that rocks about the start, a quarter of a period ahead of the drive: its amplitude in height
-    over the drive's, a millimetre along x and to the left of x."""
+    """Rocking about the start, a quarter of a period ahead of the drive: amplitude in height over the drive's, for each
+    mm along x and to the left of x."""
 
     @model_validator(mode="after")
     def _check_noise_band(self) -> "Plate":
@@ -159,24 +159,23 @@ class Plate(Section):
 
     @property
     def sways(self) -> bool:
-        """Whether its points do not only move up and down alike."""
+        """Whether its points move along the plate, or not all by the same height."""
         return any((*self.horizontal_ratio, *self.gradient_percent_per_mm, *self.rocking_percent_per_mm))
 
 
 class Arena(Section):
-    """Ground on which the walker may run: a lane between walls, or a plane; under a lid, or open."""
+    """Ground of the walker: a lane between walls or a plane, under a lid or open."""
 
     kind: Literal["lane", "plane"] = "lane"
     """Lane along x between walls, or a plane."""
     length_mm: Annotated[float, Field(ge=1e-3, le=1e9)] | None = None
-    """Length of the ground, mm, about the start; a walker beyond its ends has left. None: endless.
-    """
+    """Length of the ground, mm, with the start in its middle. Runs end where it ends. None: endless."""
     width_mm: Annotated[float, Field(ge=1e-3, le=1e9)] | None = None
-    """Width of a plane, mm, about the start. None: endless."""
+    """Width of a plane, mm, with the start in its middle. None: endless."""
     gap_mm: Annotated[float, Field(ge=1e-3, le=1e6)] | None = None
-    """Distance of a lane's walls, mm. None: the walker's depth and half a millimetre."""
+    """Distance between a lane's walls, mm. None: the walker's depth plus 0.5 mm."""
     lid_mm: Annotated[float, Field(ge=1e-3, le=1e6)] | None = None
-    """Height over the plate of a lid that rides on it, mm, which touches bodies as walls do. None: open."""
+    """Height of a lid over the plate, mm. It moves with the plate, and bodies touch it. None: open."""
     wall_friction: Friction = 0.25
     """Friction of the body on walls and lid."""
     wall_restitution: Annotated[float, Field(ge=MIN_RESTITUTION, le=1)] = 0.5
@@ -187,32 +186,32 @@ class Arena(Section):
         wrong = "width_mm" if self.kind == "lane" else "gap_mm"
         if getattr(self, wrong) is not None:
             raise ValueError(
-                f"{wrong} = {getattr(self, wrong):g} has no meaning on a {self.kind}; "
-                + ("a lane has gap_mm" if self.kind == "lane" else "a plane has width_mm")
+                f"{wrong} = {getattr(self, wrong):g}: a {self.kind} has no such size; give "
+                + ("gap_mm" if self.kind == "lane" else "width_mm")
             )
         return self
 
 
 class Crowd(Section):
-    """Many walkers in a dish: how many, where, and how their bodies meet."""
+    """Many walkers in a dish: their number, the dish, and the contact of their bodies."""
 
     gone: ClassVar[Mapping[str, str]] = {"touch_ms": "blows of bodies last 0.6 ms; leave the key out"}
 
     count: Annotated[int, Field(ge=1, le=100_000)] | None = None
-    """Walkers. None: as many as `packing` says, or 10."""
+    """Number of walkers. None: from `packing`, or 10."""
     packing: Annotated[float, Field(gt=0, le=0.9)] | None = None
-    """Area of their outlines over that of the dish."""
+    """Area of the walkers' outlines over the area of the dish."""
     arena_mm: str = "disc:120"
     """The dish: disc:DIAMETER, ring:OUTER,INNER, rectangle:LENGTHxWIDTH or periodic:SIDE, mm."""
     restitution: Annotated[float, Field(ge=MIN_RESTITUTION, le=1)] = 0.5
-    """Restitution of body on body; that of the walls is the arena's."""
+    """Restitution between bodies. For walls see `arena.wall_restitution`."""
     friction: Friction = 0.3
-    """Friction of body on body; that of the walls is the arena's."""
+    """Friction between bodies. For walls see `arena.wall_friction`."""
 
     @model_validator(mode="after")
     def _check_count_and_dish(self) -> "Crowd":
         if self.count is not None and self.packing is not None:
-            raise ValueError("count and packing each say how many: keep one of them")
+            raise ValueError("count and packing both set the number of walkers: keep one of them")
         if "arena_mm" in self.model_fields_set:
             from walkergen.core import dish
 
@@ -255,28 +254,28 @@ class Feet(Section):
     }
 
     tip_radius_um: Annotated[float, Field(ge=1e-3, le=1e6)] = 5.0
-    """Effective radius of a tip: that of a smooth sphere as stiff as the rough printed foot."""
+    """Effective radius of a tip: the radius of a smooth sphere as stiff as the rough printed foot."""
     tip_radius_sd_factor: Annotated[float, Field(ge=1, le=100)] | None = None
-    """Factor by which it may be off, one standard deviation of a log-normal distribution. None: the prior's."""
+    """Standard deviation of that radius as a factor, log-normal. None: from the contact's prior."""
     rigid_tips: bool = False
-    """True: tips do not give, only legs do: the limit of an infinite radius."""
+    """True: tips are rigid and only legs are elastic, the limit of an infinite radius."""
     tangential_ratio: Annotated[float, Field(ge=1e-6, le=1e3)] = 0.8
-    """Tangential stiffness of a point over its normal tangent stiffness (Mindlin: 0.8 for like materials)."""
+    """Tangential over normal stiffness of a contact (Mindlin: 0.8 for equal materials)."""
     unevenness_um: Annotated[float, Field(ge=0, le=1e6)] = 0.0
-    """Standard deviation of the corners' heights; every run is another print."""
+    """Standard deviation of the heights of the feet's corners. Every run draws another print."""
     unevenness_sd_um: Annotated[float, Field(ge=0, le=1e6)] = 5.0
-    """Standard deviation of `unevenness_um` itself, of whose draws the magnitude counts."""
+    """Standard deviation of `unevenness_um` from print to print. Draws below zero count with their magnitude."""
 
 
 def _parse_headings(value: Any) -> Any:
-    """Headings as a tuple, also a single one, or "uniform". Raises ValueError for anything else."""
+    """Return headings as a tuple, also a single one, or "uniform". Raises ValueError for anything else."""
     listed = value if isinstance(value, (list, tuple)) else (value,)
     fine = all(
         isinstance(entry, (int, float)) and not isinstance(entry, bool) and abs(entry) <= 360 for entry in listed
     )
     if value != "uniform" and not (fine and listed):
         raise ValueError(
-            f'{str(value)[:40]!r} is none: give headings in -360..360 deg, as [0, 90, 180, 270], or "uniform"'
+            f'{str(value)[:40]!r} is no heading: give numbers in -360..360 deg, as [0, 90, 180, 270], or "uniform"'
         )
     return value if value == "uniform" else tuple(listed)
 
@@ -298,14 +297,13 @@ class Run(Section):
     seed: Annotated[int, Field(ge=0, le=2**63)] = 1
     """Seed of all random numbers."""
     heading_deg: Annotated[tuple[float, ...] | Literal["uniform"], BeforeValidator(_parse_headings)] = (0.0,)
-    """Headings at which runs start, from x to the left, which they take in turn; "uniform": any, drawn evenly."""
+    """Headings at the start of the runs, counted from x to the left and taken in turn. "uniform": random ones."""
     step_us: Annotated[float, Field(ge=0.01, le=1000)] | None = None
-    """Time step, us, while a foot is in contact. None: the one that resolves the feet."""
+    """Time step, us, while a foot is in contact. None: small enough to resolve the feet."""
     accepted_error: Annotated[float, Field(ge=1e-6, le=10)] | None = None
-    """Share of the mean speed by which a run may be off to be faster: what changes this walker's by
-    less, as measured, is left out: effects that [effects] does not name. None: nothing is. A prediction
-    by the surrogate, which is of the whole model, is within it; one by runs leaves out the same, and
-    its bounds bear that."""
+    """Accepted error of the mean speed, as a share. Effects that [effects] does not name are measured, and left out if
+    they change the speed by less. None: no effect is left out. A prediction from runs leaves out the same effects, and
+    its bounds include this error."""
 
 
 EffectName = Literal[
@@ -333,7 +331,7 @@ def forced_effect_line(name: str, on: bool) -> str:
 
 
 class Effects(Section):
-    """Effects that are forced on or off. The scene decides on all others."""
+    """Effects that are forced on or off. The scene's other keys decide on all others."""
 
     gone: ClassVar[Mapping[str, str]] = {
         name: f"write {forced_effect_line(name, False)} for false, {forced_effect_line(name, True)} for true"
@@ -356,7 +354,7 @@ class Effects(Section):
         return True if name in self.on else False if name in self.off else None
 
     def force(self, name: str, wanted: bool | None) -> "Effects":
-        """Return a copy in which an effect is forced on (True), off (False) or left to the scene (None)."""
+        """Return a copy with an effect forced on (True), off (False) or left to the scene (None)."""
         on, off = ([each for each in names if each != name] for names in (self.on, self.off))
         if wanted is not None:
             (on if wanted else off).append(cast(EffectName, name))
@@ -364,18 +362,15 @@ class Effects(Section):
 
 
 class Prediction(Section):
-    """What predictions assume beside contact and print."""
+    """Assumptions of predictions apart from contact and print."""
 
     model_sd: Annotated[float, Field(ge=0, le=3)] = 0.10
-    """Structural error of the model in space, one standard deviation, a share of the speed.
-
-    The default is measured from what that model leaves open (docs/physics.md section 4): another damper (Hunt and
-    Crossley's) changes the speed at 10 deg by 8 %, a leg's spring between the two that its shape allows by 6, four
-    points a foot for two by 5, half or 1.5 times the tangential stiffness by 1.
-    """
+    """Structural error of the model in space, one standard deviation, as a share of the speed. The default is measured
+    with other choices in that model (docs/physics.md section 4): the damper changes the speed at 10 deg by 8 %, the
+    leg's spring by 6 %, four points a foot instead of two by 5 %, and the tangential stiffness by 1 %."""
     impact_speed_factor: Annotated[float, Field(ge=1e-6, le=1000)] = 0.45
-    """Speed at which the theory's feet meet the plate over its peak speed (the paper: "of the same
-    order"); 0.45 gives the paper's 60 mm/s at 10 degrees with the restitution that it measured."""
+    """Impact speed of the theory's feet over the plate's peak speed (the paper: "of the same order"). 0.45 gives the
+    paper's 60 mm/s at 10 degrees with its measured restitution."""
 
 
 DEPENDENT_KEYS: Mapping[str, tuple[str, ...]] = {
@@ -384,7 +379,7 @@ DEPENDENT_KEYS: Mapping[str, tuple[str, ...]] = {
     "plate.roughness_um": ("plate.roughness_length_mm",),
     "plate.horizontal_ratio": ("plate.horizontal_phase_deg",),
 }
-"""Numbers of a scene, and the keys that only shape what they give: without the number they say nothing."""
+"""Numbers of a scene, and the keys that have a meaning only if the number is not zero."""
 
 
 class Scene(Section):
@@ -413,7 +408,7 @@ class Scene(Section):
         return data
 
     def variant(self, **keys: Any) -> "Scene":
-        """Scene with other values of any dotted keys of its file: `variant(**{"drive.gamma": 2})`.
+        """Return the scene with other values of any dotted keys of its file: `variant(**{"drive.gamma": 2})`.
 
         Everything is validated together, as the file's lines are, unlike by pydantic's
         `model_copy`. Raises InputError, a line for every mistake.
@@ -421,7 +416,7 @@ class Scene(Section):
         return replace_values(self, keys, self.name)
 
     def value(self, key: str) -> Any:
-        """Value of a dotted key of its file."""
+        """Return the value of a dotted key of its file."""
         table, _, own = key.partition(".")
         return getattr(getattr(self, table), own)
 

@@ -106,7 +106,7 @@ def simulate_prints(scene: Scene, design: Design, draws: int, progress: Progress
     if good.sum() < MIN_DRAWS:
         raise InputError(
             f"‹uncertain›: {good.sum()} of {draws} runs ended well, {MIN_DRAWS} are needed; "
-            "`simulate` without it says how they end"
+            "run `simulate` without it to see how they end"
         )
     halves = np.array([_half_speeds(point) for point, well in zip(points, good, strict=True) if well])
     outcomes = dict(Counter(point.results[0].outcome.value for point in points))

@@ -132,8 +132,8 @@ def _check_run_length(walker: Walker) -> None:
     )
     anyway = "`simulate --seconds 0.1 --runs 2`"
     if least_s > 0.5 * cpu_s:
-        raise InputError(f"{walker.design.name}: {takes}, so stiff, light or small are its parts: {anyway}")
-    raise InputError(f"scene.{key} = {value:g}: {takes}: take another value, or {anyway}", f"scene.{key}")
+        raise InputError(f"{walker.design.name}: {takes}, because its parts are stiff, light or small; use {anyway}")
+    raise InputError(f"scene.{key} = {value:g}: {takes}; give another value, or use {anyway}", f"scene.{key}")
 
 
 def _usual_scenes(scene: Scene) -> Iterator[tuple[str, float, Scene]]:

@@ -187,8 +187,8 @@ def _status_record(summary: Summary, met: ErrorResult | None) -> Record:
         return status_record(PointStatus.NOT_MET, "error unknown: too few data; take more runs, or longer ones")
     if Outcome.ORBIT.value in summary.outcomes:
         return status_record(
-            PointStatus.NOT_MET, f"error unknown: all runs are {Outcome.ORBIT.value}, which other prints are not"
+            PointStatus.NOT_MET, f"error unknown: all runs are {Outcome.ORBIT.value}; other prints need not be"
         )
     if met is not None and met.error > met.allowed:
-        return status_record(PointStatus.NOT_MET, f"error {met.error:.3g} mm/s, not within the {met.allowed:.3g} asked")
+        return status_record(PointStatus.NOT_MET, f"error {met.error:.3g} mm/s, above the {met.allowed:.3g} requested")
     return status_record(PointStatus.OK)

@@ -48,7 +48,7 @@ def predict(
         )
         if record is None:
             return prediction.make_row(
-                design, mass, scene, mode, None, f"to be simulated by predict or ‹simulate›: {reason}"
+                design, mass, scene, mode, None, f"not simulated yet, use predict or ‹simulate›: {reason}"
             )
         left_out = f"; left out: {record['left_out']}" if record["left_out"] else ""
         falls, note = float(record["falls"] or 0.0), f"{_how(record)}, since {reason}{left_out}"

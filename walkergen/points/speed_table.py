@@ -22,9 +22,9 @@ def caption(design: Design, scene: Scene, mode: str) -> str:
     origin = contact.origin[0].upper() + contact.origin[1:]
     swing = "motor's" if scene.drive.kind == "motor" else "plate's"
     return (
-        f"As designed: the model in space, by its surrogate where that is sure, else by a short simulation. As you "
-        f"will get it: the median, with what is not known of contact, print and masses, and "
-        f"{100 * assumed.model_sd:g} % for the model itself. {origin}: restitution "
+        f"As designed: the model in space, from its surrogate or a short simulation. Your print: the median over "
+        f"uncertain contact, print and masses, with an error of {100 * assumed.model_sd:g} % of the model. "
+        f"{origin}: restitution "
         f"{contact.restitution:g} ± {contact.restitution_sd:g}, friction {contact.friction:g} ± "
         f"{contact.friction_sd:g}. Theory (eq. 15): {what} x impact speed, {assumed.impact_speed_factor:g} of the "
         f"{swing} peak speed; mode {mode}"

@@ -48,7 +48,7 @@ most 1.4 ± 0.8 mm/s."""
 
 TURNING_REASON = (
     "turning and spread: ± is of the runs; by a tenth of this step they were the same within 30 %, "
-    "at one setting of 14 twice as large"
+    "at one setting of 14 they differed by a factor of two"
 )
 COARSE_STEP_REASON = "not resolved by this step: ‹step=›{own:.2g} or less is"
 

@@ -67,7 +67,7 @@ class Store:
     def _failure(self, error: Exception) -> OutputError:
         return OutputError(
             f"{self.path}: the store of points cannot be used: {error}; make room, or delete the "
-            "file, after which its points are computed anew"
+            "file; its points are then computed again"
         )
 
 

@@ -1,6 +1,6 @@
-"""Simulated walkers: by the runs that their scenes ask for, or by as many as an error needs; their motion.
+"""Simulated walkers: the runs that their scenes request, or as many as an error needs; their motion.
 
-An error of the speed counts of MIN_SPEED_RATIO of the plate's peak speed where a walker is slower.
+A relative error of the speed refers to at least MIN_SPEED_RATIO of the plate's peak speed.
 """
 
 import math
@@ -82,7 +82,7 @@ class ErrorResult(NamedTuple):
         by_step = formatting.format_number(self.results.summary.numbers[self.of].bias, 2)
         obtained = (
             f"{formatting.format_number(self.error, 2)} {unit}, {within} the "
-            f"{formatting.format_number(self.allowed, 2)} asked"
+            f"{formatting.format_number(self.allowed, 2)} requested"
         )
         return [
             ("chosen", f"{summary.runs} x {run.seconds:g} s{stepping}"),

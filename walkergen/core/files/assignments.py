@@ -45,8 +45,8 @@ def parse_value(text: str) -> Any:
     except ValueError:  # no TOML; a number of more digits than Python reads
         if text.startswith(("[", "{")):
             raise InputError(
-                f"‹set› ...={text[:60]!r}: no list or table of TOML, in which words have "
-                f"quotes; in a shell quote all: ‹set› 'family.legs=[\"braced\"]'"
+                f"‹set› ...={text[:60]!r}: is not a list or table of TOML; put words in "
+                f"quotes, and in a shell quote all: ‹set› 'family.legs=[\"braced\"]'"
             ) from None
         return text
     return data["value"] if len(data) == 1 else text
@@ -165,7 +165,7 @@ def _set_value(data: dict[str, Any], path: list[str], value: Any) -> None:
 
 
 def _split_index(step: str) -> tuple[str, int | None]:
-    """Name of a step of a path, and the number of its entry: 2 of legs[2]; None without."""
+    """Return the name of a step of a path, and the number of its entry: 2 of legs[2]; None without."""
     name, _, number = step.rstrip("]").partition("[")
     return name, int(number) if number else None
 

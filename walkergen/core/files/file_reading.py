@@ -52,7 +52,7 @@ def read_bytes(path: Path, most_bytes: int = MAX_BYTES, format: str = "a file") 
     with _open_regular_file(path, format, most_bytes) as stream:
         data = stream.read(most_bytes + 1)
         if data is None:  # what the kernel shows as a file, and fills as it likes
-            raise InputError(f"{path}: waits for more to come; give {format} that lies on a disk")
+            raise InputError(f"{path}: does not end; give {format} that is stored on a disk")
     if len(data) > most_bytes:  # it grew, or its file system reports no sizes
         raise _size_error(path, len(data), most_bytes)
     return data

@@ -48,7 +48,7 @@ if "numba" not in sys.modules and "NUMBA_CACHE_DIR" not in os.environ:
     _place = caches.prepare_version_folder("numba", source_digest())
     os.environ["NUMBA_CACHE_DIR"] = str(_place)
     if _unfit and not any(_place.iterdir()):
-        print(f"compiling kernels, once: those that came are not used, {_unfit}", file=sys.stderr)
+        print(f"compiling kernels once, since the shipped ones do not fit: {_unfit}", file=sys.stderr)
 
 import numba  # noqa: E402  (the cache folder and the kind of CPU have to be set first)
 from numba.extending import intrinsic, typeof_impl  # noqa: E402

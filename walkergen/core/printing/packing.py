@@ -114,7 +114,7 @@ def pack(
 def check_part_count(total: int) -> None:
     """Raise PlateError for more parts than one call can arrange."""
     if total > MAX_ARRANGED_PARTS:
-        raise PlateError(f"{total} parts: at most {MAX_ARRANGED_PARTS} are arranged at once; make fewer")
+        raise PlateError(f"{total} parts: at most {MAX_ARRANGED_PARTS} can be arranged in one run; print fewer")
 
 
 def plate_3mf(
@@ -178,7 +178,7 @@ def plate_suffix() -> str:
 
 
 def item_name(part: Part, copy: int) -> str:
-    """Name of one printed copy, such as walker_t10.0_flexible_s0.40-3."""
+    """Return the name of one printed copy, such as walker_t10.0_flexible_s0.40-3."""
     return f"{part.name}-{copy}"
 
 

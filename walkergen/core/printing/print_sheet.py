@@ -71,7 +71,7 @@ def side_area(mesh: Mesh) -> float:
 
 
 def plate_totals(plate: Plate, parts: Sequence[Part], loads: Sequence[Load], printer: Printer) -> Estimate:
-    """Estimate of a plate; `loads` are those of one copy of each of the parts, in their order."""
+    """Estimate plastic and time of a plate; `loads` are those of one copy of each of the parts, in their order."""
     placed = [placement.part for placement in plate.placements]
     copies, height = [loads[part] for part in placed], printer.layer_height_mm
     volume = sum(1e3 * load.grams / load.density for load in copies)
@@ -187,7 +187,7 @@ def manifest_facts(printer: Printer, findings: Sequence[Finding]) -> dict[str, A
 
 
 def _insertion_step(batch: Batch) -> str:
-    """Step of walkers that carry something; "" without."""
+    """Return the step that inserts what walkers carry; "" if they carry nothing."""
     carried = dict.fromkeys(name for design in batch.members for name in design.parts)
     if not carried:
         return ""

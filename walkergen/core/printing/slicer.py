@@ -77,12 +77,12 @@ def settings_files(printer: Printer, material: Material, start: str) -> Iterator
 
 
 def preset_name(printer: Printer) -> str:
-    """Name under which slicers list the print settings."""
+    """Return the name under which slicers list the print settings."""
     return f"walkergen {printer.name}"
 
 
 def prusaslicer_settings(printer: Printer) -> dict[str, str]:
-    """Print settings by PrusaSlicer's keys; its other print settings keep their defaults."""
+    """Return print settings by PrusaSlicer's keys; its other print settings keep their defaults."""
     return {
         "layer_height": f"{printer.layer_height_mm:g}",
         "first_layer_height": f"{printer.layer_height_mm:g}",
@@ -157,7 +157,7 @@ def prusaslicer_bundle(printer: Printer, material: Material) -> bytes:
 
 
 def prusaslicer_print(printer: Printer) -> bytes:
-    """Print settings alone, which --load adds to a printer and filament that it read before."""
+    """Return print settings alone, which --load adds to a printer and filament that it read before."""
     lines = [
         f"# Print settings {preset_name(printer)}, for PrusaSlicer 2.5 and later.",
         "# With --load after your own printer and filament, which they leave alone.",
@@ -167,7 +167,7 @@ def prusaslicer_print(printer: Printer) -> bytes:
 
 
 def orca_settings(printer: Printer) -> dict[str, str]:
-    """Print settings by the keys of OrcaSlicer and Bambu Studio; others keep their defaults.
+    """Return print settings by the keys of OrcaSlicer and Bambu Studio; others keep their defaults.
 
     Each passes over keys that are the other's: OrcaSlicer's `only_one_wall_top` is Bambu Studio's
     `top_one_wall_type`, and `top_bottom_infill_wall_overlap` is OrcaSlicer's alone. "zig-zag" is

@@ -108,7 +108,7 @@ def group_legs(design: Design, key: Callable[[Limb], Key]) -> list[tuple[Key, st
 
 
 def with_article(name: str) -> str:
-    """Name of a wall or leg in a sentence: "the leg", but "legs[2]"."""
+    """Return the name of a wall or leg in a sentence: "the leg", but "legs[2]"."""
     return name if name.startswith("legs[") else f"the {name}"
 
 

@@ -180,7 +180,7 @@ class _Package:
         root = targets[0]
         for path in targets:  # grows while it is read
             if path not in names:
-                raise InputError(f"refers to {path[:60]!r}, which it does not hold; export it anew")
+                raise InputError(f"refers to {path[:60]!r}, which it does not hold; export the file again")
             self._parse_xml(archive, names[path], *self._model_handlers(path, path == root))
             own = [place for place, made in self.objects.items() if place[0] == path]
             placed = [part for place in own for part in self.objects[place].components]
@@ -213,7 +213,7 @@ class _Package:
             begin(tag, attributes)
 
         def refuse(*_: object) -> None:
-            raise InputError("has a document type, which no 3MF may have; export it anew")
+            raise InputError("has a document type, which no 3MF may have; export the file again")
 
         parser = expat.ParserCreate(namespace_separator=" ")
         parser.StartElementHandler = count
@@ -241,7 +241,7 @@ class _Package:
                 own, place = _new_object(attributes), (path, int(attributes["id"]))
                 if place in self.objects or len(self.objects) >= MAX_PARTS:
                     raise InputError(
-                        f"holds two objects {place[1]}; export it anew"
+                        f"holds two objects {place[1]}; export the file again"
                         if place in self.objects
                         else f"holds more than {MAX_PARTS} objects; join them into fewer"
                     )
@@ -313,7 +313,7 @@ class _Package:
         if depth > MAX_DEPTH:
             raise InputError(f"components lie more than {MAX_DEPTH} deep; join them")
         if place not in self.objects:
-            raise InputError(f"places an object {place[1]} that it does not hold; export it anew")
+            raise InputError(f"places an object {place[1]} that it does not hold; export the file again")
         if place not in self._counts:
             own = self.objects[place]
             inner = [self._count_meshes(part.object, depth + 1) for part in own.components]
@@ -374,7 +374,7 @@ def _split_by_role(whole: Part, volumes: list[tuple[int, int, Role]]) -> Iterato
     spans = [(slice(first, last + 1 if last >= 0 else None), role) for first, last, role in volumes]
     count = len(whole.triangles)
     if sum(len(range(count)[span]) for span, _ in spans) > count:
-        raise InputError(f"{whole.name[:40]!r}: its volumes share triangles; export it anew")
+        raise InputError(f"{whole.name[:40]!r}: its volumes share triangles; export the file again")
     roles = np.full(count, "model", dtype="<U8")
     for span, role in spans:
         roles[span] = role

@@ -30,7 +30,7 @@ at random fall into an orbit within some hundred periods to rounding; those that
 differ by 1e-2 and more after a minute."""
 
 ORBIT, REST = "one periodic orbit", "at rest"
-"""Names of what runs end on."""
+"""Names of orbits that runs end on."""
 
 
 class Summary(NamedTuple):
@@ -119,7 +119,7 @@ def summarise(results: Sequence[RunResult], plate_speed: float, wall_s: float) -
 
 
 def common_orbit(speeds: Array, plate_speed: float) -> str:
-    """Name of what all runs end on, from their mean speeds, shape (n,), in mm/s as the plate's.
+    """Return the name of the orbit that all runs end on, from their mean speeds, shape (n,), in mm/s as the plate's.
 
     "" when they differ, or are fewer than MIN_RUNS. A walker driven by a periodic plate and let
     go at random repeats its motion every whole number of drive periods, or never; only in the first

@@ -64,14 +64,14 @@ def observe(results: Sequence[RunResult]) -> dict[str, Quantity]:
 
 
 def ratio_of_sums(key: str, above: Array, below: Array) -> Quantity:
-    """Sum of `above` over the sum of `below`, shape (runs,), with the error of a ratio of means.
+    """Return the sum of `above` over the sum of `below`, shape (runs,), with the error of a ratio of means.
 
     The error is that of the residuals above - value below between independent runs.
     """
     whole, runs = float(below.sum()), len(below)
     value = float(above.sum()) / whole if whole else 0.0
     if runs < MIN_RUNS:
-        return Quantity(key, "", value, None, runs - 1.0, f"fewer than {MIN_RUNS} runs tell no error")
+        return Quantity(key, "", value, None, runs - 1.0, f"fewer than {MIN_RUNS} runs give no error")
     if not whole:
         return Quantity(key, "", value, 0.0)
     scatter = float(np.sum((above - value * below) ** 2)) * runs / (runs - 1)

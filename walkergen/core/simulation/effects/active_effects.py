@@ -120,5 +120,5 @@ def gravity_into(acting: Acting) -> float:
 
 @lean
 def force_in_space(acting, velocity):
-    """Force of effects on a body moving at `velocity` (body axes, mm/s), in the same axes."""
+    """Return the force of effects on a body moving at `velocity` (body axes, mm/s), in the same axes."""
     return _drag(acting.air, velocity)

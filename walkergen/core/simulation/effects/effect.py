@@ -67,7 +67,7 @@ def decide_from_key(case: Case, key: str, switch: str) -> tuple[bool, str]:
     """
     absent, reason = case.scene.is_zero(key), describe_number(case.scene, key)
     if absent:
-        absence_reason(case, switch, f"{reason}, so that nothing would act: set it")
+        absence_reason(case, switch, f"{reason}, so it would change nothing: set it")
     return apply_switch(case.scene.effects.forced_state(switch), not absent, reason)
 
 

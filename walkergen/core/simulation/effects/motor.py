@@ -75,7 +75,7 @@ def judge(case: Case) -> Effect:
     if number > MAX_PUSH_RATIO:
         raise InputError(
             f"drive.eccentric_g_mm = {drive.eccentric:.3g} at {drive.frequency:g} Hz: pushes with "
-            f"{number:.3g} times the walker's weight; at most {MAX_PUSH_RATIO:g}: lower either"
+            f"{number:.3g} times the walker's weight; at most {MAX_PUSH_RATIO:g}; lower one of them"
         )
     return Effect(NAME, True, number, meaning, "drive.kind = 'motor'", "")
 

@@ -70,8 +70,8 @@ def _frequency_grid(case: Case) -> tuple[int, float, int, int]:
     first, last = math.ceil(low * count * interval), math.floor(high * count * interval)
     if last - first < MIN_LINES:
         raise InputError(
-            f"plate.noise_band_hz = [{low:g}, {high:g}]: the band has {last - first} "
-            f"frequencies of its period of {count * interval:.3g} s; widen it"
+            f"plate.noise_band_hz = [{low:g}, {high:g}]: the band holds {last - first} "
+            f"multiples of 1/({count * interval:.3g} s), at least {MIN_LINES} are needed; widen it"
         )
     return count, interval, max(first, 1), last
 

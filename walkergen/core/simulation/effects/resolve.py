@@ -1,4 +1,4 @@
-"""Effects that a scene calls for, decided from dimensionless numbers, and keys that it gives in vain."""
+"""Effects that a scene requires, decided from dimensionless numbers, and keys that it gives without use."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -26,7 +26,7 @@ class Resolved(NamedTuple):
     effects: tuple[Effect, ...]
     acting: Acting
     idle: str = ""
-    """Line on keys that the scene gives and that have no part in it; "" where all have."""
+    """Line on keys that the scene gives and its simulation does not use; "" if it uses all."""
 
     def is_on(self, name: str) -> bool:
         """Return whether the effect `name` is simulated. Raises KeyError for an unknown name."""
@@ -99,7 +99,7 @@ def _check_headings(scene: Scene, turns: bool) -> None:
 
 
 def describe_idle_keys(case: Case, on: Mapping[str, bool]) -> str:
-    """Return a line on a scene's non-default keys that have no part in a case; "" without any.
+    """Return a line on a scene's non-default keys that a case does not use; "" without any.
 
     Keys of an effect switched off are not reported. Keys of other jobs, and standard
     deviations, do not concern a single simulation.
@@ -111,7 +111,7 @@ def describe_idle_keys(case: Case, on: Mapping[str, bool]) -> str:
         if own in section.model_fields_set and getattr(section, own) != type(section).model_fields[own].default:
             given.setdefault(why, []).append(key)
     listed = "; ".join(f"{', '.join(keys)} ({why})" for why, keys in given.items())
-    return f"no part here: {listed}" if listed else ""
+    return f"not used here: {listed}" if listed else ""
 
 
 def _find_idle_keys(case: Case, on: Mapping[str, bool]) -> Iterator[tuple[str, str]]:

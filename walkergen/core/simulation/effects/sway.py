@@ -27,10 +27,10 @@ STILL, USUAL = [0.0, 0.0], [0.1, 0.0]
 """Numbers of these keys, along x and to the left, of a plate without the effect, and of a usual one."""
 
 MAX_AMPLITUDE_CHANGE = 1.0
-"""Largest change of the amplitude where a walker may get: beyond, a gradient is none of a plate."""
+"""Largest relative change of the amplitude within the reach of a walker: no plate has a larger one."""
 
 MAX_SPEED_RATIO = 2.0
-"""Speed of walkers over the plate's, at most: those that run farther than this lets them are rare."""
+"""Largest speed of walkers over the plate's peak speed that their reach is computed with; few are faster."""
 
 
 Four = tuple[float, float, float, float]

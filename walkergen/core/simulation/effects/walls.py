@@ -1,7 +1,8 @@
-"""Lane walls: the four upright edges of the body touch walls that ride on the plate.
+"""Lane walls and a lid: edges of the body touch walls, and its upper corners a lid, that ride on the plate.
 
-A wall is as stiff as a foot's corner, with its own friction and restitution (a label, as that of
-viscous feet). Limits: a wide lane is the plane; edges touch at the height of the body's middle.
+Both are as stiff as a foot's corner, with a friction and restitution of their own. Limits: a wide lane is the plane,
+and edges touch at the height of the body's middle. A lid above every hop changes nothing, and legs, caps and mounted
+parts pass through it.
 """
 
 import math
@@ -24,7 +25,7 @@ first drop takes, so that it does not start inside a wall."""
 
 
 DROP_AMPLITUDES, TILT_ALLOWANCE_RAD = 1.5, 2e-3
-"""Room over a walker that is let go: amplitudes that it drops, and twice what it is tilted by then, rad."""
+"""Space above a walker at its release: amplitudes that it drops, and twice its tilt by then, rad."""
 
 
 def gap(case: Case) -> float:
@@ -91,8 +92,8 @@ def judge_lid(case: Case) -> Effect:
     least = height + DROP_AMPLITUDES * shaken.amplitude + TILT_ALLOWANCE_RAD * max(size.length, size.depth)
     if on and wanted < least:
         raise InputError(
-            f"{LID_KEY} = {wanted:g}: the walker is {height:g} mm high and needs {least:.6g} mm to be let go; "
-            "raise the lid, or leave the key out (open)"
+            f"{LID_KEY} = {wanted:g}: the walker is {height:g} mm high and needs {least:.6g} mm to start; "
+            "raise the lid, or leave the key out for an open top"
         )
     hop = shaken.peak_speed**2 / (2.0 * GRAVITY)
     return Effect(LID, on, hop / max(wanted - height, 1e-9), meaning, reason, LID)

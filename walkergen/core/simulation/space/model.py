@@ -160,7 +160,7 @@ def mirror_state(walker: Walker, state: State) -> State:
 
 
 def pose(state: State) -> tuple[float, float, float]:
-    """Place of O in the plate's plane (along x, and to the left of it, mm) and heading (rad)."""
+    """Return the place of O in the plate's plane (along x, and to the left of it, mm) and heading (rad)."""
     return float(state[SHOWN_X]), float(state[SHOWN_Y]), float(state[HEADING])
 
 

@@ -28,7 +28,7 @@ LID_SLOPES = (0.4, 1.0, 4.0)
 """Slopes of the directions whose outermost points of a body may touch a lid."""
 
 EQUAL_REACH_MM = 1e-9
-"""Difference (mm) of how far points reach that is none."""
+"""Difference (mm) in reach below which points reach equally far."""
 
 NO_REACH = np.zeros(2)
 

@@ -254,7 +254,7 @@ def work_for(walker, state):
 
 @kernel
 def first_row(walker):
-    """Place of the first contact's row in a state."""
+    """Return the place of the first contact's row in a state."""
     return LEGS + 2 * len(walker.stiffness)
 
 

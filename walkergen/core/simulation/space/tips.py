@@ -39,7 +39,7 @@ def _root_of_tip_depth(spring, tip, depth):
 
 @lean
 def response(spring, tip, depth):
-    """Force (g mm/s^2), tangent stiffness dF/dd and damping stiffness F^2 / (2 U) (g/s^2) at a depth > 0 (mm)."""
+    """Return force (g mm/s^2), stiffness dF/dd and damping stiffness F^2 / (2 U) (g/s^2) at a depth > 0 (mm)."""
     if tip == math.inf:
         return spring * depth, spring, spring
     x = _root_of_tip_depth(spring, tip, depth)

@@ -210,7 +210,7 @@ def _add_feet(walker: Walker, case: Case, feet_of_points: Array) -> tuple[Walker
 
 
 def _resolving_step(walker: Walker, H: Array, speed: float, longest: float) -> float:
-    """Step (s), at most `longest`, that resolves feet that land at a speed (mm/s).
+    """Return the step (s), at most `longest`, that resolves feet that land at a speed (mm/s).
 
     `H`: mobility of all contacts, shape (3 k, 3 k), 1/g.
     """
@@ -230,7 +230,7 @@ def _resolving_step(walker: Walker, H: Array, speed: float, longest: float) -> f
 
 
 def _round_step(step: float, unit: float) -> float:
-    """Step in six digits of a unit, so that roots that round leave a scaled walker the same step to the bit."""
+    """Round a step to six digits of a unit, so that roots that round leave a scaled walker the same step to the bit."""
     return unit * float(f"{step / unit:.6g}")
 
 
