@@ -18,7 +18,7 @@ from walkergen import core
 
 CORE = Path(__file__).parents[2] / "walkergen" / "core"
 
-MOST_MODULES, MOST_LINES = 113, 17_970
+MOST_MODULES, MOST_LINES = 111, 17_960
 """Limits of the core, which may only fall."""
 
 STORY = """

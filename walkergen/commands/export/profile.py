@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from walkergen.core.errors import InputError, SolidError
-from walkergen.core.shapes.extrusion import MIN_WINDOW_RATIO
+from walkergen.core.shapes.modeller import MIN_WINDOW_RATIO
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.readers.drawings import dxf, svg

@@ -1,14 +1,36 @@
-"""Meshes to manifold3d and back, with its status turned into an exception.
+"""Solids of manifold3d: meshes to solids and back, extruded profiles, and its status as an exception.
 
-Booleans of solids keep double precision: their tolerance is 1e-12 of the largest coordinate
-(measured at sizes from 1e-3 to 1e3 mm), so that nothing has to be scaled, as profiles have.
+Booleans of solids keep double precision: their tolerance is 1e-12 of the largest coordinate (measured at sizes from
+1e-3 to 1e3 mm). Profiles have to be scaled, see `extrude`.
 """
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import manifold3d
 import numpy as np
 
 from walkergen.core.errors import SolidError
+from walkergen.core.numerics import Array
 from walkergen.core.shapes.mesh import Mesh
+
+MIN_WINDOW_RATIO = 1e-9
+"""Width of a window between leg and brace, over the leg's length, below which it does not count:
+such slivers (a hundred picometres) are lost, all or in part, to the rounding of coordinates."""
+
+Polygon = Array
+
+
+class Engraving(NamedTuple):
+    """Pockets cut into the upper flat side, z = the body's depth."""
+
+    profiles: Sequence[Polygon]
+    depth: float
+    """Depth of the pockets, mm."""
+
+
+NO_ENGRAVING = Engraving([], 0.0)
 
 
 def to_solid(mesh: Mesh) -> manifold3d.Manifold:
@@ -51,3 +73,67 @@ def count_bodies(mesh: Mesh) -> int:
     if solid.status() != manifold3d.Error.NoError or solid.volume() <= 0.0:
         return 0
     return len(split_bodies(solid))
+
+
+def extrude(
+    profiles: Sequence[Polygon],
+    depth: float,
+    windows: int | None = None,
+    engraving: Engraving = NO_ENGRAVING,
+    pieces: bool = False,
+) -> Mesh:
+    """Extrude the union of profiles to z = 0..depth; `windows` is the expected genus, if known.
+
+    manifold3d's 2D booleans snap to a grid of 1e-8 units. A power of two brings the profile to a
+    size of about 2^30 units first and back afterwards, both exact, which leaves 17 digits. Raises
+    SolidError when the result is not one sound body with so many windows, unless `pieces` may be
+    several, as of letters.
+    """
+    reach = max(float(np.abs(profile).max()) for profile in profiles)
+    scale = 2.0 ** (30 - math.frexp(max(reach, depth))[1])
+    section = manifold3d.CrossSection([scale * profile for profile in profiles], manifold3d.FillRule.Positive)
+    if windows == 0:
+        section = _without_slivers(section)
+    solid = manifold3d.Manifold.extrude(section, scale * depth)
+    if solid.status() != manifold3d.Error.NoError or solid.is_empty():
+        raise SolidError(f"the solid modeller gave no body: {solid.status().name}")
+    # k bodies with h holes have k + h contours and genus 1 - k + h: equal holes mean one body.
+    genus, holes = solid.genus(), section.num_contour() - 1
+    if (not pieces and genus != holes) or (windows is not None and genus != windows):
+        raise SolidError(f"the solid is not one body with {windows} windows: genus {genus}, {holes} holes")
+    if engraving.profiles:
+        solid = _engrave(solid, engraving, depth, scale)
+    mesh = to_mesh(solid)
+    return mesh._replace(vertices=mesh.vertices / scale)
+
+
+def _without_slivers(section: manifold3d.CrossSection) -> manifold3d.CrossSection:
+    """Fill the slivers of windows narrower than MIN_WINDOW_RATIO in a profile without windows.
+
+    Raises SolidError when a hole is larger than that.
+    """
+    least = MIN_WINDOW_RATIO * section.area()
+    outlines = [polygon for polygon in section.to_polygons() if _signed_area(polygon) > least]
+    filled = manifold3d.CrossSection(outlines)
+    if filled.area() - section.area() > least:
+        raise SolidError("the solid has a window that the design has not")
+    return filled
+
+
+def _signed_area(polygon: Polygon) -> float:
+    """Return the area enclosed by a polygon; negative for a hole."""
+    following = np.roll(polygon, -1, axis=0)
+    return 0.5 * float((polygon[:, 0] * following[:, 1] - polygon[:, 1] * following[:, 0]).sum())
+
+
+def _engrave(solid: manifold3d.Manifold, engraving: Engraving, depth: float, scale: float) -> manifold3d.Manifold:
+    """Cut pockets into a scaled solid's upper side; they overshoot it, so that no sides touch."""
+    section = manifold3d.CrossSection([scale * profile for profile in engraving.profiles], manifold3d.FillRule.Positive)
+    tool = manifold3d.Manifold.extrude(section, scale * 2.0 * engraving.depth)
+    cut = solid - tool.translate((0.0, 0.0, scale * (depth - engraving.depth)))
+    # A pocket, with or without islands, leaves one body and opens no window.
+    if cut.status() != manifold3d.Error.NoError or cut.genus() != solid.genus():
+        raise SolidError(
+            f"the digits do not stay pockets: {cut.status().name}, genus {cut.genus()} after {solid.genus()}"
+        )
+    return cut

@@ -229,7 +229,7 @@ class Shape(NamedTuple):
         """Return the closed mesh of the body, in the design's frame. Raises SolidError."""
         if self.mesh is not None:
             return self.mesh
-        from walkergen.core.shapes.extrusion import extrude  # heavy: the modeller
+        from walkergen.core.shapes.modeller import extrude  # heavy: the modeller
 
         if self.side is not None:
             return extrude([self.side], self.size.depth)

@@ -13,8 +13,8 @@ import numpy as np
 
 from walkergen.core.errors import GeometryError
 from walkergen.core.numerics import Array
-from walkergen.core.shapes.extrusion import MIN_WINDOW_RATIO, Engraving, extrude
 from walkergen.core.shapes.mesh import Mesh
+from walkergen.core.shapes.modeller import MIN_WINDOW_RATIO, Engraving, extrude
 from walkergen.core.walker import mass
 from walkergen.core.walker.body import FinishedWalker
 from walkergen.core.walker.design import Design

@@ -9,8 +9,8 @@ import numpy as np
 from walkergen.core.errors import GeometryError
 from walkergen.core.numerics import Array
 from walkergen.core.shapes import joining, modeller
-from walkergen.core.shapes.extrusion import extrude
 from walkergen.core.shapes.mesh import Mesh
+from walkergen.core.shapes.modeller import extrude
 from walkergen.readers.drawings import overlaps
 
 if TYPE_CHECKING:

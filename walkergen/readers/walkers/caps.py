@@ -15,8 +15,8 @@ import numpy as np
 from walkergen.core.errors import GeometryError
 from walkergen.core.numerics import Array, Mask
 from walkergen.core.shapes import modeller
-from walkergen.core.shapes.extrusion import Engraving, extrude
 from walkergen.core.shapes.mesh import Mesh
+from walkergen.core.shapes.modeller import Engraving, extrude
 from walkergen.core.walker.fittings import MARKER_CELLS, TILE_CELLS, Cap
 
 MARKER_CODES = (

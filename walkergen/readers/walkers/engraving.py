@@ -4,8 +4,8 @@ import numpy as np
 
 from walkergen.core.errors import GeometryError
 from walkergen.core.shapes import modeller
-from walkergen.core.shapes.extrusion import extrude
 from walkergen.core.shapes.mesh import Mesh
+from walkergen.core.shapes.modeller import extrude
 from walkergen.core.walker.body import lay_down
 from walkergen.core.walker.design import Design
 from walkergen.core.walker.limbs import Polygon

@@ -21,7 +21,6 @@ from walkergen.core.simulation.effects import (
     slope,
     sway,
     turning,
-    unevenness,
     walls,
 )
 from walkergen.core.simulation.effects.air_drag import Air
@@ -43,7 +42,7 @@ COMMON_RULES: tuple[Rule, ...] = (
     turning.RULE,
     legs.TWIST_RULE,
     feet.RULE,
-    unevenness.RULE,
+    feet.UNEVENNESS_RULE,
     roughness.RULE,
     Rule(always_on.judge_neighbours),
     air_drag.RULE,

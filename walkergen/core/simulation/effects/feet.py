@@ -1,24 +1,34 @@
 """Elastic feet: the legs' corners, the Hertzian tips in series with them, and the damper that gives a restitution.
 
-A corner has half of its leg's axial stiffness, E D s / (2 l). A tip of effective radius R on the plate has Hertz's
-K (theory/hertz.py). The
-damper gives one corner alone, without friction, the restitution e at every speed (simulation/space/tips.py): as a
-linear oscillator whose force ends when it would pull, e = exp(-zeta t), t the time at which the force vanishes
-(Schwager and Poeschel, Granular Matter 9, 2007, 465). Limits: e = 1 has no loss; rigid tips leave the legs alone.
+A corner has half of its leg's axial stiffness, E D s / (2 l). A tip of effective radius R on the plate has Hertz's K
+(theory/hertz.py). The damper gives one corner alone, without friction, the restitution e at every speed
+(simulation/space/tips.py): as a linear oscillator whose force ends when it would pull, e = exp(-zeta t), t the time at
+which the force vanishes (Schwager and Poeschel, Granular Matter 9, 2007, 465). Limits: e = 1 has no loss; rigid tips
+leave the legs alone.
+
+Corners differ in height from print to print: every run draws independent normal heights about their mean.
 """
 
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from walkergen.core.errors import InputError
+from walkergen.core.numerics import Array
 from walkergen.core.scene import GRAVITY, MIN_RESTITUTION, Scene
-from walkergen.core.simulation.effects.effect import Case, Effect, Rule
+from walkergen.core.simulation.effects.effect import Case, Effect, Rule, decide_from_key
 from walkergen.core.theory.hertz import landing_depth, tip_stiffness
 from walkergen.core.walker.limbs import Limb
 from walkergen.core.walker.sections import section_of
 from walkergen.core.walker.spec import Material
 
 NAME, KEY = "compliant tips", "feet.rigid_tips"
+UNEVENNESS, UNEVENNESS_KEY = "unevenness", "feet.unevenness_um"
+"""Name of the unevenness, which is also its switch, and its key."""
+
+MAX_SD_RATIO = 0.1
+"""Largest standard deviation over the length of a leg."""
 
 LANDING_SPEED_RATIO = 2.0
 """Speed at which a corner lands, as the step and the surrogate take it, over the plate's peak speed."""
@@ -98,3 +108,31 @@ def judge(case: Case) -> Effect:
 
 
 RULE = Rule(judge, without={KEY: True})
+
+
+def judge_unevenness(case: Case) -> Effect:
+    """Judge the effect: on when corners differ. The number is their standard deviation over the amplitude.
+
+    Raises InputError for corners that differ as much as legs are long.
+    """
+    height = case.scene.feet.unevenness_um
+    on, reason = decide_from_key(case, UNEVENNESS_KEY, UNEVENNESS)
+    shortest = min(limb.length for limb in case.design.limbs)
+    most = 1e3 * MAX_SD_RATIO * shortest
+    if on and height > most:
+        raise InputError(
+            f"feet.unevenness_um = {height:g}: must lie in 0..{most:g} for legs of "
+            f"{shortest:g} mm; prints differ by some 10 um"
+        )
+    amplitude = 1e3 * case.shaken.amplitude
+    meaning = "standard deviation of corners' heights over the plate's amplitude"
+    return Effect(UNEVENNESS, on, height / amplitude, meaning, reason, UNEVENNESS)
+
+
+UNEVENNESS_RULE = Rule(judge_unevenness, UNEVENNESS, usual={UNEVENNESS_KEY: 10.0})
+
+
+def sample_heights(case: Case, corners: int, rng: np.random.Generator) -> Array:
+    """Draw the heights of the corners of one print, mm, with mean zero."""
+    heights = 1e-3 * case.scene.feet.unevenness_um * rng.normal(size=corners)
+    return np.asarray(heights - heights.mean())

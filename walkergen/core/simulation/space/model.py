@@ -7,9 +7,10 @@ import numpy.typing as npt
 
 from walkergen.core.numerics.kernels import kernel
 from walkergen.core.simulation.effects import motor as motors
-from walkergen.core.simulation.effects import noise, roughness, unevenness
+from walkergen.core.simulation.effects import noise, roughness
 from walkergen.core.simulation.effects.active_effects import gravity_along, gravity_into
 from walkergen.core.simulation.effects.effect import Case
+from walkergen.core.simulation.effects.feet import UNEVENNESS, sample_heights
 from walkergen.core.simulation.effects.resolve import Resolved
 from walkergen.core.simulation.space.flight import legs_energy
 from walkergen.core.simulation.space.points import mirror_order
@@ -167,9 +168,9 @@ def pose(state: State) -> tuple[float, float, float]:
 def sample_world(case: Case, resolved: Resolved, world: World, rng: np.random.Generator) -> World:
     """Return the world of one run, with its own print and plate if the scene requires them."""
     walker, acting = world.walker, world.acting
-    if resolved.is_on(unevenness.NAME):
+    if resolved.is_on(UNEVENNESS):
         corners = walker.place == 0.0
-        heights = unevenness.sample_heights(case, int(corners.sum()), rng)
+        heights = sample_heights(case, int(corners.sum()), rng)
         on_body = walker.leg[corners] < 0  # of braced legs
         root, reach = walker.root.copy(), walker.reach.copy()
         root[corners, 1] += np.where(on_body, heights, 0.0)

@@ -15,8 +15,8 @@ from walkergen.core.printing.packing import border_width
 from walkergen.core.printing.printers import Printer
 from walkergen.core.scene import GRAVITY
 from walkergen.core.shapes import modeller
-from walkergen.core.shapes.extrusion import Engraving, extrude
 from walkergen.core.shapes.mesh import Mesh
+from walkergen.core.shapes.modeller import Engraving, extrude
 from walkergen.core.walker.design import Design
 from walkergen.guests.lab import beams
 from walkergen.guests.lab.beams import Strip
