@@ -18,6 +18,7 @@ import numpy as np
 from evidence.tables import settings
 from evidence.tables.settings import Row
 from walkergen.cli import console
+from walkergen.core import measure
 from walkergen.core.errors import WalkergenError
 from walkergen.core.scene import Run
 from walkergen.core.theory import surrogate
@@ -160,7 +161,7 @@ def draw_picture(rows: Sequence[Compared]) -> bytes:
 def main() -> None:
     """Run the test, and write its table and its picture."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--cores", type=int, default=worker_pool.core_count(), help="processes to simulate in")
+    parser.add_argument("--cores", type=int, default=measure.core_count(), help="processes to simulate in")
     parser.add_argument("--answered", type=int, default=SETTING_COUNT, help="settings that the surrogate answers")
     options = parser.parse_args()
     counts = [0]

@@ -14,6 +14,7 @@ from pathlib import Path
 from evidence.tables import settings
 from evidence.tables.settings import Row
 from walkergen.cli import console
+from walkergen.core import measure
 from walkergen.core.errors import WalkergenError
 from walkergen.core.simulation.run import Outcome
 from walkergen.core.walker import solids
@@ -83,7 +84,7 @@ def add_rows(path: Path, rows: Sequence[Row], cores: int) -> None:
 def main() -> None:
     """Simulate the rows that a file has not yet."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--cores", type=int, default=worker_pool.core_count(), help="processes to simulate in")
+    parser.add_argument("--cores", type=int, default=measure.core_count(), help="processes to simulate in")
     parser.add_argument("--sampled", type=int, help="number of new settings to draw; without: those of rows.csv")
     parser.add_argument("--out", type=Path, required=True, help="file of the rows")
     options = parser.parse_args()

@@ -10,6 +10,7 @@ from concurrent.futures.process import BrokenProcessPool
 
 import pytest
 
+from walkergen.core import measure
 from walkergen.core.errors import WalkergenError
 from walkergen.core.scene import Scene
 from walkergen.core.walker.design import Design
@@ -271,7 +272,7 @@ def test_a_pool_has_a_sensible_number_of_workers():
     for count in (0, -1, worker_pool.MAX_WORKERS + 1):
         with pytest.raises(WalkergenError, match=rf"^workers={count}: must lie in 1\.\."):
             worker_pool.local_pool(count).__enter__()
-    assert 1 <= worker_pool.core_count() <= os.cpu_count()
+    assert 1 <= measure.core_count() <= os.cpu_count()
 
 
 @pytest.mark.slow

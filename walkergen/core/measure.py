@@ -7,6 +7,7 @@ no number of runs measures a resting walker to a share of its speed.
 """
 
 import math
+import os
 import time
 from collections.abc import Mapping, Sequence
 from typing import Any, Generic, NamedTuple, Protocol, Self, TypeVar
@@ -149,6 +150,11 @@ class Error(NamedTuple):
                 break
             experiment = finer
         return experiment
+
+
+def core_count() -> int:
+    """Count the cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def measure(

@@ -11,14 +11,13 @@ from typing import Any, NamedTuple
 
 from walkergen.core.files import formatting
 from walkergen.core.files.progress import Expect, Expected, ignore_estimate
-from walkergen.core.measure import Error, Measured
+from walkergen.core.measure import Error, Measured, core_count
 from walkergen.core.numerics import statistics
 from walkergen.core.simulation.batch import Stopped
 from walkergen.core.simulation.observables import SPEED
 from walkergen.core.simulation.plan import Plan
 from walkergen.core.simulation.run import ENDED_WELL, compile_kernels, simulate
 from walkergen.core.tolerance import Tolerance
-from walkergen.points import worker_pool
 from walkergen.points.experiments import Walker
 
 MOMENT_S = 0.4
@@ -73,7 +72,7 @@ def run_cpu_s(walker: Walker) -> float:
 
 def wall_time(each_s: float, pieces: int, hands: int | None = None) -> float:
     """Return the clock time (s) of pieces of work of these CPU seconds, in turns of `hands`, or of every core."""
-    return each_s * math.ceil(pieces / (hands or worker_pool.core_count()))
+    return each_s * math.ceil(pieces / (hands or core_count()))
 
 
 def total_time(walkers: Sequence[Walker]) -> Expected | None:
@@ -106,7 +105,7 @@ class ErrorWithEstimate(NamedTuple):
 def time_to_error(until: Error, measured: Measured[Walker]) -> Expected:
     """Estimate the time to an error after the first runs; and in all, compared with the next cheaper error."""
     cheaper = until._replace(tolerance=next_cheaper(until.tolerance))
-    hands, left = worker_pool.core_count(), cost_of_error(until, measured)
+    hands, left = core_count(), cost_of_error(until, measured)
     whole, other = (
         formatting.format_duration((total_cpu_s(measured) + cost) / hands)
         for cost in (left, cost_of_error(cheaper, measured))

@@ -19,6 +19,7 @@ from multiprocessing.connection import wait
 from typing import Any, NamedTuple
 
 from walkergen import extras
+from walkergen.core import measure
 from walkergen.core.errors import InputError
 from walkergen.points.point import digest
 
@@ -37,15 +38,10 @@ class WorkerPool(NamedTuple):
     workers: int
 
 
-def core_count() -> int:
-    """Count the cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 @contextmanager
 def local_pool(workers: int | None = None) -> Iterator[WorkerPool]:
     """Start processes on this machine, one for each core by default, and end them in any case."""
-    count = core_count() if workers is None else workers
+    count = measure.core_count() if workers is None else workers
     if not 1 <= count <= MAX_WORKERS:
         raise InputError(f"‹workers=›{count}: must lie in 1..{MAX_WORKERS}")
     context = multiprocessing.get_context("spawn")

@@ -98,7 +98,7 @@ def test_ctrl_c_shows_what_is_done(monkeypatch):
 
     cases = (*catalogue.CASES[:1], Case("made up", "6.0", "nowhere", LAW, interrupted))
     monkeypatch.setattr(catalogue, "CASES", cases)
-    monkeypatch.setattr(selftest.worker_pool, "core_count", lambda: 1)
+    monkeypatch.setattr(selftest.measure, "core_count", lambda: 1)
     result = call()
     assert result.exit_code == 130
     assert catalogue.CASES[0].name in result.stdout

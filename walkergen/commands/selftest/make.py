@@ -11,6 +11,7 @@ from concurrent.futures.process import BrokenProcessPool
 
 from walkergen.commands.selftest import catalogue
 from walkergen.commands.selftest.case import Case, Result, make_result, run_case
+from walkergen.core import measure
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress
 from walkergen.points import worker_pool
@@ -41,7 +42,7 @@ def run_cases(cases: Sequence[Case], progress: Progress) -> tuple[list[Result], 
     """Run cases. Return results in their order, and whether all were run: Ctrl-C keeps finished ones."""
     results: dict[int, Result] = {}
     progress("kernels", 0, len(cases))
-    workers = min(worker_pool.core_count(), len(cases))
+    workers = min(measure.core_count(), len(cases))
     alone = ((index, run_case(case)) for index, case in enumerate(cases))
     try:
         for index, result in alone if workers == 1 else _run_in_processes(cases, workers):
