@@ -4,7 +4,7 @@ Walkers of the paper's outline stand at random in a periodic square, 30 % of it 
 freely. The time between a shorter and a longer run counts, so that starting LAMMPS does not: of
 the processors, which other load hardly changes, and of the clock.
 
-    python benchmarks/crowds.py [--counts 100 300 1000 3000 5000] [--ranks 1]
+    python benchmarks/crowds.py [--counts 100 300 1000 3000 5000]
 
 Needs the extra `crowd`. Compare on an idle machine only.
 """
@@ -42,18 +42,17 @@ def card() -> Card:
     return Card.model_validate({"name": "box", "mass_g": 0.9, "inertia_g_mm2": 63.6, "outline_mm": [box], **known})
 
 
-def time_crowd(one: Card, dish: Dish, places: np.ndarray, simulated: float, ranks: int) -> tuple[float, float]:
+def time_crowd(one: Card, dish: Dish, places: np.ndarray, simulated: float) -> tuple[float, float]:
     """Time of the processors and of the clock in a run, s."""
     started, before = time.perf_counter(), os.times().children_user
     asked = crowd_checks.make_crowd([one], np.zeros(len(places), int), dish, places, simulated, rate_hz=50.0, seed=1)
-    crowd.simulate(asked, ranks)
+    crowd.simulate(asked)
     return os.times().children_user - before, time.perf_counter() - started
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--counts", type=int, nargs="+", default=[100, 300, 1000, 3000, 5000])
-    parser.add_argument("--ranks", type=int, default=1)
     arguments = parser.parse_args()
     one = card()
     parts = lammps_input.mechanics([one])
@@ -65,8 +64,8 @@ def main() -> None:
         dish = Dish("periodic", (side,))
         outline = tuple(np.array(contour) for contour in one.outline_mm)
         places = place([outline] * count, dish, np.random.default_rng(1), 0.3)
-        short = time_crowd(one, dish, places, SHORT_S, arguments.ranks)
-        long = time_crowd(one, dish, places, LONG_S, arguments.ranks)
+        short = time_crowd(one, dish, places, SHORT_S)
+        long = time_crowd(one, dish, places, LONG_S)
         cpu, wall = ((b - a) / (LONG_S - SHORT_S) for a, b in zip(short, long, strict=True))
         print(f"{count:8d} {cpu:12.1f} {wall:13.1f} {1e6 * cpu * step / count:23.2f}", flush=True)
     if hasattr(os, "getloadavg"):

@@ -80,8 +80,8 @@ def test_a_velocity_that_follows_at_once_has_no_delay_and_no_relaxation():
     assert late.se < 0.01
 
 
-def test_pushes_off_the_centre_lean_and_lead():
-    """Seen at a point ahead of the centre, a walker leans by that way, and leads its heading."""
+def test_pushes_off_the_centre_lead():
+    """Seen at a point ahead of the centre, the velocity of a walker leads its heading."""
     one, ahead = Inertial(rotation=1.0, relaxation=0.01), 20.0
     own = tracks(4, one)
     moved = Tracks(
@@ -95,10 +95,6 @@ def test_pushes_off_the_centre_lean_and_lead():
         0,
         "",
     )
-    relaxed = relaxation.measure_velocity(own, exact=True)[0].time.value
-    for here, place in ((own, 0.0), (moved, ahead)):
-        leaning = relaxation.lateral_coupling(here, relaxed)
-        assert abs(leaning.value - place) < max(4.0 * leaning.se, 0.03 * ahead), leaning
     assert delay.measure(moved).mean.value < delay.measure(own).mean.value - 0.1
 
 

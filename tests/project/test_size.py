@@ -21,7 +21,7 @@ LIMITS = {
     "walkergen/commands": 8710,
     "walkergen/core": 18270,
     "walkergen/files": 1410,
-    "walkergen/guests/crowd": 7250,
+    "walkergen/guests/crowd": 7220,
     "walkergen/guests/lab": 5340,
     "walkergen/guests/movie": 1480,
     "walkergen/guests/sweep": 2220,

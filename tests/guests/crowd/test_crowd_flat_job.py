@@ -35,7 +35,7 @@ def asked(monkeypatch):
     """What each run was asked for, by which a random walk stands for it."""
     calls = []
 
-    def walk(crowd, ranks=1, progress=silent):
+    def walk(crowd, progress=silent):
         calls.append(crowd)
         steps = np.random.default_rng(crowd.seed).normal(scale=0.02, size=(crowd.frames, *crowd.places.shape))
         progress("frames", crowd.frames - 1, crowd.frames - 1)

@@ -31,12 +31,12 @@ PLACES = [[-20.0, 0.0, 0.0], [20.0, 0.0, 3.0]]
 posix = pytest.mark.skipif(os.name != "posix", reason="a script as a program")
 
 
-def simulate(places=PLACES, one=None, dish=None, ranks=1, progress=lambda *_: None, **keys):
+def simulate(places=PLACES, one=None, dish=None, progress=lambda *_: None, **keys):
     """Run of two walkers."""
     keys = {"seconds": 0.02, "rate_hz": 100.0, "seed": 1, **keys}
     ground = dish or Dish("disc", (200.0,))
     asked = crowd_checks.make_crowd([one or card()], [0] * len(places), ground, places, **keys)
-    return crowd.simulate(asked, ranks, progress)
+    return crowd.simulate(asked, progress)
 
 
 def write(folder, asked):
@@ -76,7 +76,7 @@ def test_without_lammps_one_line_says_what_to_install(monkeypatch, tmp_path):
     [
         ({"release": "29 Oct 2020"}, "29 Oct 2020"),
         ({"packages": WHOLE.replace("RIGID", "")}, "RIGID"),
-        ({"release": "of yesterday"}, "which LAMMPS"),
+        ({"release": "of yesterday"}, "no version of LAMMPS"),
     ],
 )
 def test_a_lammps_that_does_not_fit_is_refused_before_the_run(lammps, keys, named):
@@ -111,17 +111,6 @@ def test_a_run_that_ends_badly_says_so_in_a_line(lammps, line, error, named):
 
 
 @posix
-def test_an_mpirun_of_another_mpi_is_named_before_its_runs_write_over_each_other(lammps, tmp_path):
-    lammps("echo '  1 by 1 by 1 MPI processor grid'", "sleep 30")
-    with pytest.raises(InputError, match="ranks = 2: needs mpirun"):
-        simulate(ranks=2)
-    (tmp_path / "bin" / "mpirun").write_text('#!/bin/sh\nshift 2\n"$@" & "$@"\n')
-    (tmp_path / "bin" / "mpirun").chmod(0o755)
-    with pytest.raises(InputError, match="belongs to another MPI"):
-        simulate(ranks=2)
-
-
-@posix
 def test_a_dump_that_a_full_disk_cut_short_is_named_with_its_frame(lammps):
     frame = "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS\n0 1\n0 1\n0 1\n"
     rows = f"ITEM: ATOMS {dump.COLUMNS}\n1 0 0 1 0\n4 1 1 1 0\n"
@@ -140,7 +129,7 @@ def test_lammps_itself_says_when_the_disk_is_full(tmp_path):
     )
     (tmp_path / lammps_input.DUMP_FILE).symlink_to("/dev/full")
     with pytest.raises(OutputError, match="No space left"):
-        lammps_engine.run_script(lammps_engine.find_lammps(), tmp_path, lammps_input.INPUT_FILE, 1, lambda *_: None)
+        lammps_engine.run_script(lammps_engine.find_lammps(), tmp_path, lammps_input.INPUT_FILE, lambda *_: None)
 
 
 @posix
@@ -191,17 +180,6 @@ def test_same_seed_same_bytes_and_another_seed_another_run():
     assert first != other
 
 
-@with_lammps
-@pytest.mark.slow
-def test_two_ranks_give_the_same_bytes_each_time(monkeypatch):
-    try:
-        first = simulate(ranks=2)
-    except InputError as error:
-        pytest.skip(str(error))
-    assert first.poses.tobytes() == simulate(ranks=2).poses.tobytes()
-    assert first.poses[0] == pytest.approx(simulate().poses[0])
-
-
 def test_the_input_alone_needs_no_lammps_and_is_the_same_each_time(tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setitem(sys.modules, "lammps", None)
@@ -225,7 +203,7 @@ def test_the_dump_of_written_files_is_read_back_as_the_run(tmp_path):
     asked = crowd_checks.make_crowd([card()], [0, 0], dish, PLACES, **keys)
     run = crowd.simulate(asked)
     write(tmp_path, asked)
-    lammps_engine.run_script(lammps_engine.find_lammps(), tmp_path, lammps_input.INPUT_FILE, 1, lambda *_: None)
+    lammps_engine.run_script(lammps_engine.find_lammps(), tmp_path, lammps_input.INPUT_FILE, lambda *_: None)
     assert dump.read_frames(tmp_path / lammps_input.DUMP_FILE, 2, 3).tobytes() == run.poses.tobytes()
     assert run.times == pytest.approx([0.0, 0.02, 0.04])
     assert run.poses[0] == pytest.approx(np.array(PLACES))
@@ -250,7 +228,6 @@ def test_progress_counts_the_frames():
         ({"seconds": 1e9, "rate_hz": 1e3}, "seconds times rate_hz"),
         ({"rate_hz": 0.0}, "rate_hz = 0"),
         ({"rate_hz": 0.5, "seconds": 9.0}, "rate_hz = 0.5.*headings"),
-        ({"ranks": 0}, "ranks = 0"),
         ({"seed": -1}, "seed = -1"),
         ({"one": card(velocity_relaxation_s=0.0)}, "velocity_relaxation_s.value = 0"),
         ({"one": silent(corner_radius_mm=5.0)}, "corner_radius_mm = 5"),

@@ -14,7 +14,7 @@ from walkergen.core.errors import InputError
 from walkergen.core.scene import Scene
 from walkergen.core.walker.design import Design
 from walkergen.files import animation, templates
-from walkergen.guests.movie import impacts
+from walkergen.guests.movie import film, impacts
 from walkergen.guests.movie import make as movie
 from walkergen.guests.movie.request import MovieRequest
 
@@ -28,7 +28,7 @@ def silent(what, done, total):
 
 
 def film_of(members, scene, **choices):
-    return movie.plan_film(MovieRequest(**choices), members, scene)
+    return film.plan_film(MovieRequest(**choices), members, scene)
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ from walkergen.core.simulation.run import simulate
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.guests.movie import impacts, perspective, raster, shot, top_view
+from walkergen.guests.movie import film, impacts, perspective, raster, shot, top_view
 from walkergen.guests.movie import make as movie
 from walkergen.guests.movie.request import MovieRequest
 from walkergen.points import poses
@@ -32,7 +32,7 @@ def silent(what, done, total):
 
 
 def film_of(members, scene, **choices):
-    return movie.plan_film(MovieRequest(**choices), members, scene)
+    return film.plan_film(MovieRequest(**choices), members, scene)
 
 
 def lasting(scene, seconds, discard=0.0):
@@ -213,9 +213,9 @@ def test_a_movie_in_perspective_has_equal_bytes_for_equal_input(tmp_path):
     with Image.open(one.gif) as image:
         assert image.n_frames == job.frames
         assert image.size == (impacts.WIDTH_PX, impacts.HEIGHT_PX)
-    assert movie.file_name(job, {}).endswith("_plane-90hz_perspective.gif")
+    assert film.file_name(job, {}).endswith("_plane-90hz_perspective.gif")
     values = {"scene.contact.friction": 0.5, "scene.plate.material": "../x\n"}
-    assert movie.file_name(job, values).endswith("_perspective_friction-0.5_material-..-x-.gif")
+    assert film.file_name(job, values).endswith("_perspective_friction-0.5_material-..-x-.gif")
 
 
 def test_several_tilts_run_in_an_arena_each(tmp_path):

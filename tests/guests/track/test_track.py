@@ -19,8 +19,8 @@ from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import Scene
 from walkergen.core.walker.design import Design
 from walkergen.files import figures, templates
+from walkergen.guests.movie import film, top_view
 from walkergen.guests.movie import make as movie
-from walkergen.guests.movie import top_view
 from walkergen.guests.movie.request import MovieRequest
 from walkergen.guests.track.film import appearance, blob_tracking, blobs, films, heading, linking, make, report
 from walkergen.guests.track.film import figures as film_figures
@@ -277,7 +277,7 @@ def movies_film(path, seconds):
     """Film of a walker from above, as `movie` draws it; its shot, and its mm per pixel."""
     paper = templates.load("koumakis2016", "walkers", Design)
     scene = templates.load("plane-90hz", "scenes", Scene)
-    job = movie.plan_film(MovieRequest(seconds=seconds, fps=25), [paper], scene)
+    job = film.plan_film(MovieRequest(seconds=seconds, fps=25), [paper], scene)
     shot = movie.simulate_shot(job, paper, movie.ABOVE_POSES_PER_FRAME)
     draw = top_view.make_draw_function([shot], movie.ABOVE_POSES_PER_FRAME, job.slow, "settings", 1.0 / 90.0, None)
     grey = [np.asarray(Image.fromarray(draw(n)).convert("L")) for n in range(job.frames)]

@@ -1,7 +1,7 @@
 """A crowd in a plane: walkers by their cards, placed, moved by LAMMPS, and measured."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,11 +12,9 @@ from walkergen.guests.crowd.cards.card import Card
 from walkergen.guests.crowd.flat import crowd as flat
 from walkergen.guests.crowd.flat import crowd_checks, lammps_input
 from walkergen.guests.crowd.population import Kind, Population
+from walkergen.guests.crowd.request import CrowdRequest
 from walkergen.guests.crowd.statistics import CrowdFilm, measure
 from walkergen.readers.walkers import top_outline
-
-if TYPE_CHECKING:
-    from walkergen.guests.crowd.request import CrowdRequest
 
 CONTACT_KEYS = ("restitution", "friction")
 """Keys of a scene's [crowd] that replace a card's own where they are set."""
@@ -33,7 +31,7 @@ TESTED_RANGE = (
 
 
 def make_population(
-    request: "CrowdRequest", scene: Scene, cards: Sequence[Card], counts: Sequence[int] | None = None
+    request: CrowdRequest, scene: Scene, cards: Sequence[Card], counts: Sequence[int] | None = None
 ) -> Population:
     """Return a population with these counts of each card; without counts of one, the scene's number.
 
@@ -57,7 +55,7 @@ def make_population(
 class InPlane(NamedTuple):
     """Crowd in a plane: an experiment (`points.measure`), a run a LAMMPS from places of its own."""
 
-    request: "CrowdRequest"
+    request: CrowdRequest
     population: Population
 
     def prepare(self) -> OneRun[CrowdFilm]:
@@ -103,7 +101,7 @@ def check_packing(packing: float) -> None:
         )
 
 
-def input_files(request: "CrowdRequest", population: Population) -> dict[str, bytes]:
+def input_files(request: CrowdRequest, population: Population) -> dict[str, bytes]:
     """Return the LAMMPS input of every run by file name: run-N/crowd.in and the files it reads."""
     return {
         f"run-{number}/{name}": data
@@ -117,7 +115,7 @@ def _total_seconds(population: Population) -> float:
     return population.scene.run.seconds + population.scene.run.discard_seconds
 
 
-def _make_crowd(request: "CrowdRequest", population: Population, number: int) -> lammps_input.Crowd:
+def _make_crowd(request: CrowdRequest, population: Population, number: int) -> lammps_input.Crowd:
     """Create the input for a run in a plane, from its number."""
     seed = int(np.random.SeedSequence([population.scene.run.seed, number]).generate_state(1)[0])
     places = populations.place_walkers(population, [kind.outline for kind in population.kinds], number)

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,15 +10,13 @@ from walkergen.core import Array, Design, InputError, OneRun, Quantity, Scene, S
 from walkergen.guests.crowd import population as populations
 from walkergen.guests.crowd import walker_counts
 from walkergen.guests.crowd.population import Kind, Population
+from walkergen.guests.crowd.request import CrowdRequest
 from walkergen.guests.crowd.space import run as crowds
 from walkergen.guests.crowd.space.result import CrowdRun
 from walkergen.guests.crowd.space.run import CrowdPlan
 from walkergen.guests.crowd.statistics import CrowdFilm, measure
 from walkergen.points import run_time
 from walkergen.readers.walkers import top_outline
-
-if TYPE_CHECKING:
-    from walkergen.guests.crowd.request import CrowdRequest
 
 MAX_WALKERS = 2000
 """Walkers of a crowd in space at most; a flat crowd has more."""
@@ -28,7 +26,7 @@ COMPILE_RUN_S = 1e-6
 
 
 def make_population(
-    request: "CrowdRequest", scene: Scene, designs: Sequence[Design], counts: Sequence[int] | None = None
+    request: CrowdRequest, scene: Scene, designs: Sequence[Design], counts: Sequence[int] | None = None
 ) -> Population:
     """Return a population with these counts of each design; without counts of one, the scene's number.
 
@@ -55,7 +53,7 @@ def make_population(
 class InSpace(NamedTuple):
     """Crowd in space: an experiment (`points.measure`), a run a crowd from places of its own."""
 
-    request: "CrowdRequest"
+    request: CrowdRequest
     population: Population
 
     def prepare(self) -> OneRun[CrowdRun]:
@@ -86,7 +84,7 @@ class InSpace(NamedTuple):
         """Return None, because the step's effect on a crowd is unknown."""
 
 
-def cpu_seconds(request: "CrowdRequest", population: Population) -> float:
+def cpu_seconds(request: CrowdRequest, population: Population) -> float:
     """Estimate the CPU seconds of a crowd's run from a moment of the first, after its walkers have landed."""
     plan, times = _placement_function(population)(0), list[tuple[float, float]]()
     _compile_kernels(plan, request.rate_hz)

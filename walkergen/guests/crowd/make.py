@@ -1,19 +1,69 @@
-"""Simulation of a crowd: walkers in space, or cards in a plane."""
+"""Work of the command `crowd`: walkers in space, cards in a plane, or the card of one walker."""
 
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from pathlib import Path
 
-from walkergen.core import Progress, Runs
+from walkergen.core import Expect, Expected, Progress, Runs
 from walkergen.core.measure import measure
-from walkergen.guests.crowd import statistics
+from walkergen.files.report import Report
+from walkergen.guests.crowd import in_space, read_population, statistics
 from walkergen.guests.crowd.in_plane import InPlane
 from walkergen.guests.crowd.in_space import InSpace
 from walkergen.guests.crowd.population import Population, Simulated
+from walkergen.guests.crowd.request import CrowdRequest
+from walkergen.points import run_time
 
-if TYPE_CHECKING:
-    from walkergen.guests.crowd.request import CrowdRequest
+MAX_FPS = 50
+"""Largest number of frames per second of a movie; tracks may have more."""
 
 
-def simulate(request: "CrowdRequest", population: Population, progress: Progress) -> Simulated:
+def run(request: CrowdRequest, progress: Progress, expect: Expect) -> Report:
+    """Simulate the crowd, write its input for LAMMPS, or measure the card of a walker."""
+    if request.card:
+        from walkergen.guests.crowd.cards import make
+
+        crowds = "count", "packing", "arena", "model", "rate_hz", "threads", "write_only", "movie"
+        request.check_unset("is for a crowd, not for ‹card›", *crowds)
+        return make.run(request, progress)
+    request.check_unset("is only for ‹card›", "tracks", "fps", "mm_per_px", "unit", "y_down")
+    return _run_crowd(request, progress, expect)
+
+
+def _run_crowd(request: CrowdRequest, progress: Progress, expect: Expect) -> Report:
+    """Simulate the crowd, or write its input for LAMMPS."""
+    from walkergen.guests.crowd import movie, report
+
+    if request.movie is not None:
+        movie.check_format(request.movie)
+    population = read_population.read_population(request)
+    default = Path("out") / report.folder_name(population)
+    folder = request.output_folder(default)
+    if request.write_only:
+        return report.write_inputs(request, population, folder or default)
+    if population.model == "space":
+        expect(lambda: _expected_time(request, population))
+    simulated = simulate(request, population, progress)
+    result = report.make_report(simulated, folder)
+    if folder is not None:
+        result = report.write(result, folder, request.pictures, progress)
+    if request.movie is not None:
+        fps = min(max(round(request.rate_hz), 1), MAX_FPS)
+        movie.write(request.movie, simulated.films[0], result.title, fps, progress)
+        result = replace(result, files=[request.movie])
+    done, requested = len(simulated.films), population.scene.run.runs
+    if done < requested:
+        warnings = [f"interrupted after {done} of {requested} runs", *result.warnings]
+        result = replace(result, warnings=warnings, code=130)
+    return result
+
+
+def _expected_time(request: CrowdRequest, population: Population) -> Expected:
+    """Estimate the time of a crowd in space from a moment of it."""
+    cpu_seconds = in_space.cpu_seconds(request, population)
+    return Expected(run_time.wall_time(cpu_seconds, population.scene.run.runs, request.threads))
+
+
+def simulate(request: CrowdRequest, population: Population, progress: Progress) -> Simulated:
     """Place and simulate every run on the requested threads, and measure them.
 
     Any number of threads gives equal bits. After Ctrl-C, the runs that were done are returned; without any,

@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
+from matplotlib.colors import to_rgb
 from matplotlib.patches import Circle, Patch, Rectangle, Wedge
 from PIL import Image
 
@@ -17,7 +18,7 @@ from walkergen.core import Array, InputError, Progress, Whole
 from walkergen.core.files import output
 from walkergen.files import animation
 from walkergen.files.animation import Draw, Pixels
-from walkergen.files.canvas import INK, LARGE_PT, PLATE_COLOUR, SMALL_PT, Canvas, set_scale
+from walkergen.files.canvas import INK, LARGE_PT, PLATE_COLOUR, SMALL_PT, Canvas, nice_floor, set_scale
 from walkergen.files.figures import SERIES
 from walkergen.guests.crowd.statistics import dish_geometry
 from walkergen.guests.crowd.statistics.film import CrowdFilm
@@ -163,7 +164,7 @@ def heading_colours() -> Array:
 def _make_colour_function(film: CrowdFilm) -> Callable[[Array], Array]:
     """Return a function from headings to the colour of each walker, shape (N, 3)."""
     if film.headed:
-        wheel = np.vstack([heading_colours(), _to_rgb(PLATE_COLOUR)])
+        wheel = np.vstack([heading_colours(), to_rgb(PLATE_COLOUR)])
 
         def wheel_colours(theta: Array) -> Array:
             turn = np.nan_to_num(theta) / (2.0 * np.pi)
@@ -172,17 +173,12 @@ def _make_colour_function(film: CrowdFilm) -> Callable[[Array], Array]:
 
         return wheel_colours
     kinds = list(dict.fromkeys(film.kinds))
-    own = np.array([_to_rgb(_kind_colour(kinds.index(kind))) for kind in film.kinds])
+    own = np.array([to_rgb(_kind_colour(kinds.index(kind))) for kind in film.kinds])
     return lambda theta: own
 
 
 def _kind_colour(number: int) -> str:
     return SERIES[number % len(SERIES)][0]
-
-
-def _to_rgb(colour: str) -> tuple[float, float, float]:
-    red, green, blue = (int(colour[at : at + 2], 16) / 255.0 for at in (1, 3, 5))
-    return red, green, blue
 
 
 def _add_bodies(axes: Axes, film: CrowdFilm, scale: float) -> list[_Bodies]:
@@ -254,8 +250,7 @@ def _draw_dish(axes: Axes, film: CrowdFilm) -> None:
 
 def _draw_footer(canvas: Canvas, film: CrowdFilm, scale: float, fps: int | None) -> None:
     """Write the picture's caption, a scale bar of a round length, and the legend of the colours."""
-    power = 10.0 ** math.floor(math.log10(160.0 / scale))
-    length = max(power * step for step in (1, 2, 5) if power * step * scale <= 160.0 * (1 + 1e-9))
+    length = nice_floor(160.0 / scale)
     bar = canvas.axes(MARGIN_PX, 14, length * scale, 5)
     bar.set(xlim=(0, 1), xticks=[], yticks=[])
     bar.spines[["top"]].set_visible(False)

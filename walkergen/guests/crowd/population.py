@@ -2,12 +2,13 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from walkergen.core import ENDED_WELL, Array, Design, InputError, MassProperties, Scene
 from walkergen.guests.crowd.cards.card import Card
+from walkergen.guests.crowd.request import CrowdRequest
 from walkergen.guests.crowd.space.placing import place
 from walkergen.guests.crowd.space.result import CrowdRun
 from walkergen.guests.crowd.statistics import CrowdFilm, CrowdStatistics
@@ -16,9 +17,6 @@ from walkergen.guests.crowd.statistics.summary import MIN_FRAMES
 from walkergen.points import effect_selection
 from walkergen.points.trajectory import check_sample_count
 from walkergen.readers.walkers import top_outline
-
-if TYPE_CHECKING:
-    from walkergen.guests.crowd.request import CrowdRequest
 
 Model = Literal["space", "flat"]
 
@@ -73,7 +71,7 @@ class Population(NamedTuple):
 class Simulated(NamedTuple):
     """Completed runs of a crowd, and their results."""
 
-    request: "CrowdRequest"
+    request: CrowdRequest
     population: Population
     films: tuple[CrowdFilm, ...]
     runs: tuple[CrowdRun, ...]
@@ -104,7 +102,7 @@ def make_film(population: Population, times: Array, poses: Array) -> CrowdFilm:
     return from_places(times, poses, names, outlines, population.scene.crowd.dish)
 
 
-def check_population(request: "CrowdRequest", population: Population) -> None:
+def check_population(request: CrowdRequest, population: Population) -> None:
     """Raise InputError for two kinds of one name, an accepted error, too few frames or too many."""
     names = [kind.name for kind in population.kinds]
     if len(set(names)) < len(names):

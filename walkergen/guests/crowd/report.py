@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from walkergen.core import ENERGY_TOLERANCE, Folder, Outcome, Progress, format_number, versions
 from walkergen.files import report
@@ -12,11 +12,9 @@ from walkergen.guests.crowd import figures as crowd_figures
 from walkergen.guests.crowd import files as tracks
 from walkergen.guests.crowd import in_plane, tables
 from walkergen.guests.crowd.population import GOOD_OUTCOMES, Population, Simulated
+from walkergen.guests.crowd.request import CrowdRequest
 from walkergen.guests.crowd.space.result import CrowdRun
 from walkergen.guests.crowd.statistics import CrowdStatistics
-
-if TYPE_CHECKING:
-    from walkergen.guests.crowd.request import CrowdRequest
 
 MAX_ROWS = 2_000_000
 """Largest number of walkers times frames in a run whose tracks are written, some 100 bytes each."""
@@ -160,7 +158,7 @@ def write(report: CrowdReport, folder: Path, pictures: bool, progress: Progress)
     return report
 
 
-def write_inputs(request: "CrowdRequest", population: Population, folder: Path) -> Report:
+def write_inputs(request: CrowdRequest, population: Population, folder: Path) -> Report:
     """Write the input of LAMMPS for every run into a folder, and list the files."""
     inputs = in_plane.input_files(request, population)
     with Folder(folder) as target:
@@ -178,7 +176,7 @@ def write_inputs(request: "CrowdRequest", population: Population, folder: Path) 
     )
 
 
-def manifest_inputs(request: "CrowdRequest", population: Population) -> dict[str, Any]:
+def manifest_inputs(request: CrowdRequest, population: Population) -> dict[str, Any]:
     """Return every resolved input of a crowd, for its manifest."""
     designs = [kind.design for kind in population.kinds if kind.design]
     return {

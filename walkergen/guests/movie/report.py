@@ -1,7 +1,7 @@
 """Report of a film: its walkers' motion, and its file."""
 
 from walkergen.files.report import Report
-from walkergen.guests.movie.make import Film, Made
+from walkergen.guests.movie.film import Film, Made
 from walkergen.guests.movie.shot import format_pace
 
 

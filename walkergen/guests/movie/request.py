@@ -1,10 +1,11 @@
 """Request of the command `movie`."""
 
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from walkergen import request
-from walkergen.core import InputError, Progress
+from walkergen.core import Progress
 from walkergen.request import Flag
 
 if TYPE_CHECKING:
@@ -42,17 +43,5 @@ class MovieRequest(request.Request):
 
     def run(self, progress: Progress) -> "Report":
         """Film the walkers."""
-        from walkergen.guests.movie import make, report
-        from walkergen.points import effect_selection
-
-        if self.out is not None and self.out.suffix.lower() != ".gif":
-            message = f"‹out=›{str(self.out)[:80]!r}: must end in .gif. The MP4 is written next to it."
-            raise InputError(message, "out")
-        given = self.inputs()
-        design = given.design(self.design)
-        scene = given.scene(request.choose_scene(self.scene, [design]))
-        effect_selection.check_no_accepted_error(scene, "is for a speed, and a film shows every effect of its scene")
-        members = given.members(design, self.tilt, self.legs, whole=False)
-        film = make.plan_film(self, members, scene)
-        path = self.out or Path("out") / design.name / make.file_name(film, given.values)
-        return report.make_report(film, make.make_movie(film, path, progress, self.out is not None, self._expect))
+        report: Report = import_module("walkergen.guests.movie.make").run(self, progress, self._expect)
+        return report

@@ -4,31 +4,56 @@ import hashlib
 import json
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from walkergen.core import Folder, Progress, versions
+from walkergen.core import Expect, Expected, Folder, InputError, Progress, versions
 from walkergen.core.files import output
 from walkergen.core.files.formatting import is_number
-from walkergen.guests.sweep import evaluation as run
-from walkergen.guests.sweep import report, table
+from walkergen.guests.sweep import cost, evaluation, report, sweep_setup, table
 from walkergen.guests.sweep.evaluation import Done
 from walkergen.guests.sweep.report import Points, SweepReport
+from walkergen.guests.sweep.request import SweepRequest
 from walkergen.guests.sweep.sweep_points import SweepPoints
 from walkergen.guests.sweep.table import Table
-from walkergen.points.point import digest
+from walkergen.inputs import open_pool
+from walkergen.points.point import PREDICTION, digest
 from walkergen.points.store import Store
 from walkergen.points.worker_pool import WorkerPool
-
-if TYPE_CHECKING:
-    from walkergen.guests.sweep.request import SweepRequest
 
 MAX_DRAWN_POINTS = 200_000
 """Largest number of points that are drawn; memory grows with it."""
 
 
+MAX_LOCAL_POINTS = 512
+"""Number of predicted points that take less time here than processes take to start."""
+
+
+def run(request: SweepRequest, progress: Progress, expect: Expect) -> SweepReport:
+    """Evaluate all points of a request, in this process or in several."""
+    sweep = sweep_setup.read_points(request)
+    folder = request.output_folder(Path("out") / "sweeps" / sweep.folder_name)
+    few = not request.from_shell or (sweep.model == PREDICTION and sweep.space.points <= MAX_LOCAL_POINTS)
+    with closing(Store()) as store, open_pool(few, request.workers, request.dask) as pool:
+        workers = 1 if pool is None else pool.workers
+
+        def estimate() -> cost.Cost | None:
+            """Estimate the cost of this sweep."""
+            return cost.estimate(sweep, store, workers)
+
+        if not request.yes and sweep.space.points > cost.MAX_UNCONFIRMED_POINTS:
+            raise InputError(
+                f"{cost.format_cost(estimate(), sweep.space.points)}. Give ‹yes› to start, or use fewer points.", "yes"
+            )
+        expect(lambda: None if (found := estimate()) is None else Expected(found.seconds))
+        if folder is None:
+            return evaluate_all(request, sweep, store, pool, progress)
+        return make_sweep(request, sweep, folder, store, pool, progress)
+
+
 def make_sweep(
-    request: "SweepRequest", sweep: SweepPoints, path: Path, store: Store, pool: WorkerPool | None, progress: Progress
+    request: SweepRequest, sweep: SweepPoints, path: Path, store: Store, pool: WorkerPool | None, progress: Progress
 ) -> SweepReport:
     """Evaluate all points of a sweep into a folder: table.csv, table.parquet, and pictures.
 
@@ -57,7 +82,7 @@ def make_sweep(
 
 
 def evaluate_all(
-    request: "SweepRequest", sweep: SweepPoints, store: Store, pool: WorkerPool | None, progress: Progress
+    request: SweepRequest, sweep: SweepPoints, store: Store, pool: WorkerPool | None, progress: Progress
 ) -> SweepReport:
     """Evaluate all points of a sweep, without a folder. Raises as `make_sweep` does."""
     points = Points(sweep.columns, kept=True)
@@ -70,13 +95,13 @@ def _evaluate_points(
     sweep: SweepPoints, store: Store, pool: WorkerPool | None, progress: Progress
 ) -> Iterator[tuple[tuple[Any, ...], Done]]:
     """Yield the values of the keys at each point, and the evaluated point."""
-    points = zip(sweep.space.rows(), run.evaluate_points(sweep.points(), store, pool), strict=True)
+    points = zip(sweep.space.rows(), evaluation.evaluate_points(sweep.points(), store, pool), strict=True)
     for number, (values, done) in enumerate(points, start=1):
         yield values, done
         progress("points", number, sweep.space.points)
 
 
-def _load_finished(request: "SweepRequest", sweep: SweepPoints, folder: Folder) -> SweepReport | None:
+def _load_finished(request: SweepRequest, sweep: SweepPoints, folder: Folder) -> SweepReport | None:
     """Return the report of an earlier run of the same sweep if all of its files are unchanged.
 
     None if the rows are wanted: the manifest does not contain them.

@@ -1,24 +1,18 @@
 """Request of the command `sweep`."""
 
-from collections.abc import Iterable, Mapping
-from contextlib import closing
+from collections.abc import Mapping
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, Field
 
-from walkergen import field_values, inputs, request
-from walkergen.core import Expected, InputError, Progress
+from walkergen import field_values, request
+from walkergen.core import Progress
 from walkergen.request import Flag
 
 if TYPE_CHECKING:
-    from walkergen.guests.sweep.axes import Axis, Span
-    from walkergen.guests.sweep.cost import Cost
     from walkergen.guests.sweep.report import SweepReport
-    from walkergen.guests.sweep.sweep_points import SweepPoints
-
-MAX_LOCAL_POINTS = 512
-"""Number of predicted points that take less time here than processes take to start."""
 
 
 class SweepRequest(request.Request):
@@ -77,67 +71,15 @@ class SweepRequest(request.Request):
 
     def run(self, progress: Progress) -> "SweepReport":
         """Evaluate all points, in this process or in several; Python functions use several if `workers` is given."""
-        from walkergen.guests.sweep import cost, make
-        from walkergen.points.point import PREDICTION
-        from walkergen.points.store import Store
+        report: SweepReport = import_module("walkergen.guests.sweep.make").run(self, progress, self._expect)
+        return report
 
-        sweep = self._make_points()
-        folder = self.output_folder(Path("out") / "sweeps" / sweep.folder_name)
-        few = not self._shell or (sweep.model == PREDICTION and sweep.space.points <= MAX_LOCAL_POINTS)
-        with closing(Store()) as store, inputs.open_pool(few, self.workers, self.dask) as pool:
-            workers = 1 if pool is None else pool.workers
-
-            def estimate() -> cost.Cost | None:
-                """Estimate the cost of this sweep."""
-                return cost.estimate(sweep, store, workers)
-
-            if not self.yes and sweep.space.points > cost.MAX_UNCONFIRMED_POINTS:
-                raise InputError(
-                    f"{cost.format_cost(estimate(), sweep.space.points)}. Give ‹yes› to start, or use fewer points.",
-                    "yes",
-                )
-            self._expect(lambda: _to_expected(estimate()))
-            if folder is None:
-                return make.evaluate_all(self, sweep, store, pool, progress)
-            return make.make_sweep(self, sweep, folder, store, pool, progress)
+    @property
+    def from_shell(self) -> bool:
+        """Whether the request comes from the command line."""
+        return self._shell
 
     @property
     def keeps_rows(self) -> bool:
         """Whether the report holds every row, as Python functions return it and a desired speed needs it."""
         return not self._shell or self.wish is not None
-
-    def _make_points(self) -> "SweepPoints":
-        """Return the points of the sweep that is given here, or in a file. Raises InputError."""
-        from walkergen.core import parse_tolerance
-        from walkergen.guests.sweep import axes, sweep_setup
-
-        with_speed = self.wish is not None
-
-        if self.file is not None:
-            self.check_unset("is set by ‹file›", "design", "set", "scene", "printer", "error", "sample")
-            return sweep_setup.from_file(self.file, with_speed)
-        pairs = self.set.items() if isinstance(self.set, Mapping) else ()
-        entries = [_parse_entry(key, values) for key, values in pairs] or [axes.parse(text) for text in self.set]
-        space, constants = sweep_setup.make_space(entries, self.sample, self.seed)
-        wanted = None if self.error is None else parse_tolerance(self.error)
-        sources = self.design, self.scene, self.printer
-        return sweep_setup.make_points(
-            sources, Path(), space, constants, self.model, wanted, self.keep, "‹set›", with_speed
-        )
-
-
-def _to_expected(cost: "Cost | None") -> Expected | None:
-    """Return the expected time of a known cost."""
-    return None if cost is None else Expected(cost.seconds)
-
-
-def _parse_entry(key: str, values: Any) -> "Axis | Span":
-    """Parse the axis or span of a key from a text, one value, several, or an array. Raises InputError."""
-    from walkergen.guests.sweep import axes
-
-    if isinstance(values, str):
-        return axes.from_text(key, values, f"‹set› {key}={values[:60]!r}")
-    if isinstance(values, Mapping):
-        raise InputError(f"{key}: is a table. Give a list of values.", key)
-    listed = list(values) if isinstance(values, Iterable) else [values]
-    return axes.make_axis(key, [value.item() if hasattr(value, "item") else value for value in listed], key)

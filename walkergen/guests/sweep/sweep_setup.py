@@ -1,6 +1,6 @@
 """Points of a sweep, from a command line or from a file, checked."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, get_args
 
@@ -9,6 +9,7 @@ from walkergen.core.files import assignments
 from walkergen.files import templates
 from walkergen.guests.sweep import axes, nearest, sweep_file, sweep_points
 from walkergen.guests.sweep.axes import Axis, Method, Sample, Space, Span
+from walkergen.guests.sweep.request import SweepRequest
 from walkergen.guests.sweep.sweep_points import SCENE_PREFIX as SCENES
 from walkergen.guests.sweep.sweep_points import SweepPoints, check_single_key
 from walkergen.points import model_kinds
@@ -17,6 +18,32 @@ from walkergen.request import PAPER_WALKER, choose_scene
 
 DEFAULT_ERROR = parse_tolerance("5%")
 """Default error of simulated speeds."""
+
+
+def read_points(request: SweepRequest) -> SweepPoints:
+    """Return the points that a request describes, or the sweep's file that it names. Raises InputError."""
+    with_speed = request.wish is not None
+    if request.file is not None:
+        request.check_unset("is set by ‹file›", "design", "set", "scene", "printer", "error", "sample")
+        return from_file(request.file, with_speed)
+    if isinstance(request.set, Mapping):
+        entries = [_parse_entry(key, values) for key, values in request.set.items()]
+    else:
+        entries = [axes.parse(text) for text in request.set]
+    space, constants = make_space(entries, request.sample, request.seed)
+    error = None if request.error is None else parse_tolerance(request.error)
+    sources = request.design, request.scene, request.printer
+    return make_points(sources, Path(), space, constants, request.model, error, request.keep, "‹set›", with_speed)
+
+
+def _parse_entry(key: str, values: Any) -> Axis | Span:
+    """Parse the axis or span of a key from a text, one value, several, or an array. Raises InputError."""
+    if isinstance(values, str):
+        return axes.from_text(key, values, f"‹set› {key}={values[:60]!r}")
+    if isinstance(values, Mapping):
+        raise InputError(f"{key}: is a table. Give a list of values.", key)
+    listed = list(values) if isinstance(values, Iterable) else [values]
+    return axes.make_axis(key, [value.item() if hasattr(value, "item") else value for value in listed], key)
 
 
 def make_points(

@@ -85,7 +85,7 @@ def _mean_delay(areas: Array, lost: Array) -> Quantity:
     """Return half of the areas over the loss of correlation, first of all samples."""
     error = float(jackknife_error(lost[1:, None])[0])
     if not lost[0] > 3.0 * error:
-        reason = "headings hardly turn, or the speed along them is unknown. Film for longer"
+        reason = "headings hardly turn, or there is no speed along them. Film for longer"
         return Quantity("delay", "s", None, refused=reason)
     delays = 0.5 * areas / lost
     se = float(jackknife_error(delays[1:, None])[0])

@@ -8,17 +8,52 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
+from walkergen import film_fields
 from walkergen.analysis.track_files import Units
-from walkergen.core import Design, Folder, InputError, MassProperties, Progress, Quantity, Scene, mass_of, part_name
+from walkergen.core import (
+    Design,
+    Folder,
+    InputError,
+    MassProperties,
+    Progress,
+    Quantity,
+    Scene,
+    mass_of,
+    part_name,
+    result_folder,
+)
 from walkergen.files import web_page
 from walkergen.guests.crowd.cards import card as cards
 from walkergen.guests.crowd.cards import overdamped, report, walker_motion
 from walkergen.guests.crowd.cards.card import Card, field_quantity
 from walkergen.guests.crowd.cards.report import CardReport
 from walkergen.guests.crowd.cards.walker_motion import Measured
+from walkergen.guests.crowd.read_population import is_card
+from walkergen.guests.crowd.request import CrowdRequest
 from walkergen.readers.walkers import top_outline
+from walkergen.request import PAPER_WALKER, PLANE_SCENE, choose_scene
 
 CARD_FILE = "card.json"
+
+
+def run(request: CrowdRequest, progress: Progress) -> CardReport:
+    """Measure a walker alone, from runs or from the tracks of a film, and write its card."""
+    source = request.design or PAPER_WALKER
+    given = request.inputs()
+    if is_card(source):
+        raise InputError("‹design›: is a card already. Give it with ‹count›, and leave ‹card› out.", "card")
+    walker = given.single_member(source, request.tilt, request.legs)
+    scene = given.scene(choose_scene(request.scene, [walker], PLANE_SCENE))
+    inputs: dict[str, Any] = {"design": walker.model_dump(mode="json"), "scene": scene.model_dump(mode="json")}
+    if request.tracks is None:
+        request.check_unset("is only for ‹tracks›", "fps", "mm_per_px", "unit", "y_down")
+        result = from_design(scene, walker, progress)
+        return write(result, inputs, request.out or default_folder(walker), request.pictures)
+    request.check_unset("is for simulated runs, not for ‹tracks›", "seconds", "runs", "seed")
+    units = film_fields.units(request.fps, request.mm_per_px, request.y_down, request.unit)
+    folder = result_folder(request.tracks, request.out, "card")
+    result = from_film(request.tracks, units, scene, walker)
+    return write(result, {"file": request.tracks.name, **units._asdict(), **inputs}, folder, request.pictures)
 
 
 def default_folder(design: Design) -> Path:

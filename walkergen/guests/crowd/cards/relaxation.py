@@ -95,7 +95,7 @@ def measure_along_heading(tracks: Tracks, exact: bool, both: Relaxation, diffusi
     """Measure the velocity's relaxation along the earlier heading, given that of both axes."""
     rests, ahead = [], []
     for track in tracks.tracks:
-        rest, middle, _ = _residuals_and_turns(track, both.time.value or 0.0, tracks.interval)
+        rest, middle = _residuals_and_headings(track, both.time.value or 0.0, tracks.interval)
         rests.append(rest)
         ahead.append((rest * np.conj(middle)).real * middle)
     return fit_relaxation(VELOCITY_KEY, rests, tracks.interval, exact, diffusion, axes=1, parts=ahead)
@@ -109,28 +109,6 @@ def measure_turning(tracks: Tracks, exact: bool, diffusion: Quantity) -> Relaxat
         turned = np.angle(unit[1:] * np.conj(unit[:-1])) / tracks.interval
         rates.append((turned - np.nanmean(turned)).astype(complex))
     return fit_relaxation("turning_relaxation", rates, tracks.interval, exact, diffusion, axes=1)
-
-
-def lateral_coupling(tracks: Tracks, relaxed: float) -> Quantity:
-    """Compute the velocity to the left per turning rate to the left, mm/s by rad/s.
-
-    Uses the residual of the velocity without its part along the heading, with velocities that relax within `relaxed` s.
-    A walker that turns about a point so far behind its centre has this coupling. Noise of headings lowers it.
-    """
-    rows = []
-    for track in tracks.tracks:
-        rest, middle, turned = _residuals_and_turns(track, relaxed, tracks.interval)
-        if not len(rest) or np.isnan(turned).all():
-            continue
-        rate, left = (turned - np.nanmean(turned)) / tracks.interval, (rest * np.conj(middle)).imag
-        rows.append((np.nansum(left * rate), np.nansum(rate[~np.isnan(left)] ** 2)))
-    sums = np.array(rows, dtype=float).reshape(-1, 2)
-    if len(sums) < MIN_SAMPLES or not (sums[:, 1] > 0).any():
-        reason = f"{len(sums)} walkers turn, but at least {MIN_SAMPLES} are needed"
-        return Quantity("leaning", "mm", None, refused=reason)
-    whole, others = sums.sum(axis=0), sums.sum(axis=0) - sums
-    se = float(jackknife_error((others[:, 0] / others[:, 1])[:, None])[0])
-    return Quantity("leaning", "mm", float(whole[0] / whole[1]), se, len(sums) - 1.0)
 
 
 def fit_relaxation(
@@ -293,13 +271,13 @@ def _residual_velocity(track: Track, followed: Complex, skip: int, interval: flo
     return np.asarray(np.where(known, moved - share * unit, np.nan))
 
 
-def _residuals_and_turns(track: Track, relaxed: float, interval: float) -> tuple[Complex, Complex, Array]:
-    """Return the velocity that the heading does not explain (mm/s), mean heading and turn (rad) of each interval."""
+def _residuals_and_headings(track: Track, relaxed: float, interval: float) -> tuple[Complex, Complex]:
+    """Return the velocity that the heading does not explain (mm/s), and the mean heading, of each interval."""
     skip = math.ceil(TRANSIENT_RELAXATIONS * relaxed / interval)
     rest = _residual_velocity(track, _lagged_heading(track, relaxed / interval), skip, interval)
     heading = np.exp(1j * _headings(track))
     turned = np.angle(heading[1:] * np.conj(heading[:-1]))[skip:]
-    return rest, (heading[skip:-1] * np.exp(0.5j * turned))[: len(rest)], turned
+    return rest, (heading[skip:-1] * np.exp(0.5j * turned))[: len(rest)]
 
 
 def _residual_diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, size: int, relaxed: float) -> Quantity:

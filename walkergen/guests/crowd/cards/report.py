@@ -131,12 +131,6 @@ def _motion_notes(measured: Measured) -> Iterator[str]:
     )
     if measured.delay.mean.value is not None:
         yield f"the delay is from the delay function up to {format_number(measured.delay.until)} s"
-    leaning = measured.leaning
-    if leaning.value is not None and leaning.se is not None:
-        yield (
-            "a push that turns the walker by 1 rad/s also moves it by "
-            f"{format_with_error(leaning.value, leaning.se)} mm/s to the same side. The delay includes this motion"
-        )
 
 
 def _draw_card(card: Card, measured: Measured) -> "Figure":

@@ -60,8 +60,6 @@ class Measured(NamedTuple):
     aligning: Quantity
     """Self-alignment, 1/mm; refused for films, which have no pushes."""
     delay: Delay
-    leaning: Quantity
-    """Velocity to the left per turning rate to the left, mm."""
     interval: float
     """Time between samples, s."""
     runs: int
@@ -164,7 +162,6 @@ def measure_tracks(own: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured
     velocity = relaxation.measure_along_heading(own, exact, both, translation)
     rotation = moved.estimates["rotational_diffusion"]
     turning = relaxation.measure_turning(own, exact, rotation)
-    leaning = relaxation.lateral_coupling(own, both.time.value or 0.0)
     reasons = () if exact else (*track_warnings.find_all(own), *moved.doubts)
     return Measured(
         moved,
@@ -174,7 +171,6 @@ def measure_tracks(own: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured
         turning,
         moved.estimates[ALIGNMENT_NAMES[0]],
         delay.measure(own),
-        leaning,
         own.interval,
         len(own.tracks),
         (*notes, *reasons),

@@ -11,7 +11,7 @@ import numpy as np
 
 from walkergen.core import Array, Progress, silent
 from walkergen.core.files import output
-from walkergen.guests.crowd.flat import crowd_checks, dump, lammps_engine, lammps_input
+from walkergen.guests.crowd.flat import dump, lammps_engine, lammps_input
 from walkergen.guests.crowd.flat.lammps_input import Crowd
 
 
@@ -24,15 +24,12 @@ class FlatRun(NamedTuple):
     """x, y (mm) and heading (rad), shape (F, N, 3); neither wrapped."""
 
 
-def simulate(crowd: Crowd, ranks: int = 1, progress: Progress = silent) -> FlatRun:
+def simulate(crowd: Crowd, progress: Progress = silent) -> FlatRun:
     """Run a crowd with LAMMPS and read back where its walkers were.
 
-    Equal crowds give the same bits. `ranks` above 1 starts MPI processes. Progress counts frames. The files are in a
-    temporary folder, deleted after the run. Raises InputError if LAMMPS is absent, too old or stopped; OutputError if
-    the disk is full.
+    Equal crowds give the same bits. Progress counts frames. The files are in a temporary folder, deleted after the run.
+    Raises InputError if LAMMPS is absent, too old or stopped; OutputError if the disk is full.
     """
-    if ranks < 1:
-        raise crowd_checks.argument_error("ranks", ranks, ">= 1")
     program = lammps_engine.find_lammps()
     parts = lammps_input.mechanics(crowd.cards)
     stride = lammps_input.steps_per_frame(crowd, parts)
@@ -44,7 +41,7 @@ def simulate(crowd: Crowd, ranks: int = 1, progress: Progress = silent) -> FlatR
         folder = Path(place)
         for name, data in lammps_input.input_files(crowd, parts).items():
             output.write(folder / name, data)
-        lammps_engine.run_script(program, folder, lammps_input.INPUT_FILE, ranks, report_frames)
+        lammps_engine.run_script(program, folder, lammps_input.INPUT_FILE, report_frames)
         poses = dump.read_frames(folder / lammps_input.DUMP_FILE, len(crowd.places), crowd.frames)
     return FlatRun(np.arange(crowd.frames) / crowd.rate_hz, poses)
 

