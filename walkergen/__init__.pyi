@@ -380,8 +380,8 @@ def track(
     """Track walkers in a film from above: tracks.csv for analyse, and a picture to check.
 
     The walkers are of one size, on a ground of another brightness, seen straight from above. Give the scale by
-    --mm-per-px or --length. With --markers they bear caps, whose markers tell number, place and heading, scale and
-    tilt of the camera. What a lens bends is undone by --lens. Needs the extra film: pip install 'walkergen[film]'.
+    --mm-per-px or --length. With --markers the markers on caps give number, position and heading, the scale and the
+    camera's tilt. --lens corrects lens distortion. Needs the extra film: pip install 'walkergen[film]'.
 
     Example: `wg.track("film.mp4", length=28)`
     """
@@ -409,12 +409,12 @@ def analyse(
 
     A film is a table with columns frame or t_s, x, y and, if known, particle and theta (rad) or theta_deg, counted
     from x toward y; or a file of TrackMate, DeepLabCut, SLEAP, movement, idtracker.ai, TRex, FastTrack, MTrackJ or
-    Tracker. Units stand in the names (x_mm, "X (cm)"), or are given: --fps, --mm-per-px, --unit. A simulation is a
+    Tracker. Put units into the names (x_mm, "X (cm)"), or give --fps, --mm-per-px, --unit. A simulation is a
     file that simulate --trajectory wrote. Tracks at several plate speeds need a column plate_speed_mm_s. Python may
     give what track() or simulate().trajectory() returned, a frame of pandas, or columns by name.
 
     With --dish the walkers are a crowd: its packing, clusters, order and fluctuations are measured, with errors from
-    independent runs (--run), and no walker by itself.
+    independent runs (--run), and no single walkers.
 
     Example: `wg.analyse("tracks.csv", fps=50, mm_per_px=0.1).speed`
     """
@@ -440,9 +440,9 @@ def fit(
     The CSV file has columns tilt_deg, speed_mm_s and, if known, speed_se_mm_s, legs (flexible or braced; otherwise the
     design's) and plate_speed_mm_s (otherwise the scene's). A row is one print, its standard error that of its film. In
     place of a speed, a column tracks may name the tracks.csv of a film: a row for each of its walkers, or for the one
-    in a column particle. The contact learnt is that by which speeds are predicted, in seconds, or that of a simulated
-    model by emulators, with bands for one more print at every tilt; that of the theory, the paper's eq. 15, is found by
-    least squares. All write scene.toml and design.toml for `walkergen family`.
+    in a column particle. By default the fit takes seconds and uses the model of `predict`. A simulated model is fitted
+    with emulators. Both give bands for one more print at every tilt. The theory, the paper's eq. 15, is fitted by least
+    squares. All write scene.toml and design.toml for `walkergen family`.
 
     Example: `wg.fit("speeds.csv", predict=[12]).scene.contact`
     """
@@ -503,14 +503,13 @@ def accuracy(
     restitution: float | None = None,
     friction: float | None = None,
     set: Mapping[str, Any] = {},
-    only: str | Iterable[str] | None = None,
     budget: str | float | None = None,
     out: Name | None = None,
     progress: Progress | None = None,
 ) -> Report:
-    """Say what accuracy costs in time, at once; with a budget measure it: steps, statistics, shape.
+    """Report the time that each accuracy of the mean speed takes; with --budget, measured for this walker.
 
-    Example: `wg.accuracy(tilt=10, only="statistics", budget="5s").lines`
+    Example: `wg.accuracy(tilt=10, budget="5s").lines`
     """
 
 def selftest(only: str | None = None, *, progress: Progress | None = None) -> Report:

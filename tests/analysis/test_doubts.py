@@ -73,5 +73,5 @@ def test_fragments_are_not_taken_for_walkers_without_a_word():
     first = [t._replace(position=t.position[:190], heading=t.heading[:190]) for t in one.tracks[:6]]
     broken = one._replace(tracks=(*first, *one.tracks[6:], *parts))
     (doubt,) = track_warnings.find_all(broken)
-    assert doubt.startswith("14 tracks, but never more than 8 at once")
+    assert doubt.startswith("14 tracks, but at most 8 at one time")
     assert not track_warnings.find_all(one)

@@ -1,4 +1,4 @@
-"""Squared displacements: diffusion besides a run, terms that cannot be told apart, goodness."""
+"""Squared displacements: diffusion besides a run, terms that cannot be separated, goodness."""
 
 import math
 
@@ -89,7 +89,7 @@ def test_noise_that_diffusion_could_be_is_refused_with_a_way_to_tell():
         for name in ("localisation_noise", "translational_diffusion")
         if found.estimates[name].value is None
     ]
-    assert any("cannot be told apart" in reason and "at rest" in reason for reason in reasons)
+    assert any("cannot be separated" in reason and "at rest" in reason for reason in reasons)
 
 
 def test_a_run_that_only_headings_show_is_not_left_out_of_diffusivity():
@@ -97,7 +97,7 @@ def test_a_run_that_only_headings_show_is_not_left_out_of_diffusivity():
     short = motion.analyse(film(6, 1, 10.0, JITTERING._replace(lost=0.3), 0.04))
     assert not short.msd_fit.run
     assert "do not show what runs add" in short.estimates["diffusivity"].refused
-    assert "cannot be told apart" in short.estimates["translational_diffusion"].refused
+    assert "cannot be separated" in short.estimates["translational_diffusion"].refused
     # One that runs nowhere has no other diffusivity.
     at_rest = motion.analyse(film(1, 3, 20.0, JITTERING._replace(speed=0.0), 0.04))
     assert not at_rest.msd_fit.run
@@ -109,7 +109,7 @@ def test_a_fit_at_its_limit_tells_no_diffusivity():
     at_limit, inside = (motion.analyse(film(seed, 3, 10.0, INERTIAL, 0.04)) for seed in (1, 6))
     assert at_limit.msd_fit.at_its_limit
     for name in ("diffusivity", "crossover_time"):
-        assert "how slowly runs set in" in at_limit.estimates[name].refused
+        assert "the onset of runs" in at_limit.estimates[name].refused
     assert not inside.msd_fit.at_its_limit
     low, high = inside.estimates["diffusivity"].interval()
     assert low < INERTIAL.diffusivity < high

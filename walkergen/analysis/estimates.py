@@ -132,7 +132,7 @@ class Frame(NamedTuple):
     @property
     def advice(self) -> str:
         """Advice on how to get longer lags."""
-        return "a larger box tells it" if self.walls else "film for longer"
+        return "a larger box resolves it" if self.walls else "film for longer"
 
     @property
     def first_lag(self) -> int:

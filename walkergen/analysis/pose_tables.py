@@ -148,9 +148,9 @@ def _body_pose(parts: Mapping[str, Part]) -> tuple[tuple[Array, ...], str]:
         place, said = parts[middle], f"places are those of the part {safe_text.shorten_line(middle)[:30]}"
     else:
         place = Part(*(np.mean([getattr(part, axis) for part in parts.values()], axis=0) for axis in "xy"))
-        said = f"places are the mean of all {len(parts)} parts, in frames in which all are seen"
+        said = f"places are the mean of all {len(parts)} parts, in frames that show all of them"
     if not (front and back):
-        return place, f"{said}; no headings, for no two parts are called head and tail"
+        return place, f"{said}; no headings, because no two parts are called head and tail"
     ahead, behind = parts[front], parts[back]
     theta = np.arctan2(ahead.y - behind.y, ahead.x - behind.x)
     return (

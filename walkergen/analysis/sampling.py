@@ -207,7 +207,7 @@ def _build_track(
     if len(speeds) > 1:
         raise InputError(
             f"{path}: particle {name} has several plate_speed_mm_s ({speeds[0]:g}, {speeds[1]:g}); "
-            "number the particle anew for each"
+            "give it a new number for each"
         )
     if len(speeds) and speeds[0] < 0:
         raise InputError(f"{path}: plate_speed_mm_s = {speeds[0]:g}: must be >= 0")

@@ -210,7 +210,7 @@ def missing_column_error(path: object, names: Sequence[str], what: str) -> Input
     return InputError(
         f"{path}: no column {what!r}; rename the one that holds it to {rename[what]} (seen: "
         f"{seen[:MAX_SHOWN_LETTERS]}{more}); "
-        "walkergen analyse --help says what is read as it is"
+        "walkergen analyse --help lists the formats"
     )
 
 

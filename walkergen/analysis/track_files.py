@@ -237,7 +237,7 @@ def _angle_unit(path: Path, source: Source, given: _Given) -> tuple[float, str]:
         raise InputError(
             f"{path}: {named.name} has no unit and reaches {formatting.format_number(largest, 4)}, more than a "
             "turn in radians; "
-            "give ‹unit=›deg or ‹unit=›rad (beside that of places: ‹unit=›mm,deg), or call it theta_deg or theta_rad"
+            "give ‹unit=›deg or ‹unit=›rad (with that of positions: ‹unit=›mm,deg), or call it theta_deg or theta_rad"
         )
     if largest > MAX_TURN_RAD:
         return 1.0, f"{named.name} is taken as radians, whole turns counted"

@@ -59,7 +59,7 @@ def _flip_doubts(tracks: Sequence[Track]) -> list[str]:
         return []
     return [
         f"headings turn by more than 90 deg in {flips} of {pairs} steps: are they known only up to "
-        "a half turn? Speeds along and across the body then mean nothing"
+        "a half turn? Speeds along and across the body are then wrong"
     ]
 
 
@@ -111,7 +111,7 @@ def _jump_doubts(tracks: Tracks) -> list[str]:
     return [
         f"jumps in tracks, {len(jumps)} in all, the largest of {length:.3g} mm by particle "
         f"{particle} at {time:.4g} s: were two walkers taken for one another? Cut the tracks there "
-        "(number them anew): every number here suffers"
+        "(give each part a new number): every number here suffers"
     ]
 
 
@@ -129,7 +129,7 @@ def _fragment_doubts(tracks: Sequence[Track]) -> list[str]:
     if most == len(tracks):
         return []
     return [
-        f"{len(tracks)} tracks, but never more than {most} at once: if some are fragments of the "
+        f"{len(tracks)} tracks, but at most {most} at one time: if some are fragments of the "
         "same walkers, they are fewer independent samples than counted, and errors up to "
         f"{math.sqrt(len(tracks) / most):.2g} times as large: link them again over longer gaps"
     ]

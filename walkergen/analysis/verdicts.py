@@ -227,7 +227,7 @@ def _unresolved_persistence(numbers: Numbers, frame: Frame, longest_s: float) ->
     reason = f"hardly a loss of direction within {longest_s:.3g} s: {frame.advice}"
     if lost and frame.memory_open:
         reason = (
-            f"{longest_s:.3g} s do not tell how fast direction is lost where rates of turning may "
+            f"{longest_s:.3g} s do not resolve how fast direction is lost, because rates of turning may "
             f"last for a while: {frame.advice}"
         )
     at_least = max(rate, 0.0) + 2.0 * numbers["persistence_rate"].pair[1]
@@ -247,7 +247,7 @@ def _unresolved_spread(numbers: Numbers, frame: Frame, fitted: DisplacementFit, 
         refused |= dict.fromkeys(("ballistic_speed", "crossover_time"), reason)
         if is_resolved(numbers["diffusivity"]):
             refused["translational_diffusion"] = (
-                f"diffusion and runs that turn within {first_s:.2g} s cannot be told apart: film more frames a second"
+                f"diffusion and runs that turn within {first_s:.2g} s cannot be separated: film more frames a second"
             )
         else:
             refused["diffusivity"] = _bound_reason(numbers["diffusivity"], "mm²/s")
@@ -260,7 +260,7 @@ def _unresolved_spread(numbers: Numbers, frame: Frame, fitted: DisplacementFit, 
     if smooth:
         refused["translational_diffusion"] = f"hidden by inertia: runs set in smoothly, over some {1.0 / smooth:.2g} s"
         if fitted.at_its_limit:
-            reason = f"how slowly runs set in cannot be told from how long they last: {frame.advice}"
+            reason = f"the onset of runs cannot be separated from their duration: {frame.advice}"
             refused |= dict.fromkeys(("diffusivity", "crossover_time"), reason)
     turned = numbers["msd_rate"].number * longest_s > frame.decayed
     needed = ("diffusivity",) if smooth else ("msd_rate", "diffusivity")
@@ -298,7 +298,7 @@ def _noise_and_diffusion(numbers: Numbers) -> dict[str, str]:
     if len(refused) == 2 and is_resolved(numbers["msd_first"]):
         together = math.sqrt(numbers["msd_first"].number)
         reason = (
-            f"noise and diffusion, {together:.2g} mm a sample together, cannot be told apart: film "
+            f"noise and diffusion, {together:.2g} mm a sample together, cannot be separated: film "
             "a walker at rest, which shows noise alone, or for longer"
         )
         refused |= dict.fromkeys((noise, diffusion), reason)

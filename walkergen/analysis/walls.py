@@ -91,8 +91,7 @@ class Walls(NamedTuple):
         return (
             f"walls {source}: run into {formatting.format_with_error(*self.contacts.pair)} times a second, "
             f"{formatting.format_number(100 * self.along, 2)} % of the time along them; numbers are of free "
-            "motion, from places "
-            "from which no wall could be reached meanwhile"
+            "motion, from places without a wall in reach"
         )
 
     def distance(self, places: Array) -> Array:

@@ -235,7 +235,7 @@ MISTAKES = {
     "1/4^2: are the times of a film in slow motion": ("swings_20_s", 4.0),
     "20^2: are the times of one swing": ("swings_20_s", 0.05),
     "1/1000: are the weights in kg": ("weight_g", 1e-3),
-    "strip_2 tells a modulus of about 0.00": ("strip_2", 1e-3),
+    "strip_2 gives a modulus of about 0.00": ("strip_2", 1e-3),
 }
 
 

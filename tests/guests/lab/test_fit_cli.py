@@ -57,7 +57,7 @@ def test_print_film_fit_predict_is_a_closed_loop(run, short, tmp_path):
         row = found["parameters"][name]
         assert abs(row["mean"] - hidden) < 3.5 * row["sd"], name
         assert row["narrowed"] < 0.5, name
-    assert any("not learnt" in note and "thickness_mm" in note for note in found["notes"])
+    assert any("not constrained" in note and "thickness_mm" in note for note in found["notes"])
     folder = tmp_path / "out" / "speeds" / "fit"
     bands = {float(row["tilt_deg"]): row for row in rows_of(folder / "bands.csv")}
     assert [one["measured"] for one in bands.values()] == ["1", "1", "0", "1"]
@@ -91,8 +91,8 @@ def test_one_measured_speed_in_space_names_what_it_cannot_tell_apart(run, short,
     result = run("fit", "speeds.csv", "--model", "space", "--predict", "15", "--no-pictures")
     assert result.exception is None, result.exception
     told = " ".join(result.stdout.split())
-    assert "not learnt from these speeds" in told
-    assert "rows of braced legs left out, which tell nothing of contact: 1" in told
+    assert "not constrained by these speeds" in told
+    assert "1 rows of braced legs are left out: they do not constrain the contact" in told
     folder = tmp_path / "out" / "speeds" / "fit"
     (band,) = rows_of(folder / "bands.csv")
     assert float(band["low_95"]) < 42.0 < float(band["high_95"])

@@ -207,7 +207,7 @@ def test_priors_are_flat_or_the_scenes_and_held_values_leave_no_parameter():
     scene = templates.load("plane-90hz", "scenes", Scene)
     design = templates.load("koumakis2016", "walkers", Design)
     flat = parameters.list_unknowns(scene, design, "space", "flat", {})
-    assert [one.told for one in flat.parameters] == [
+    assert [one.statement for one in flat.parameters] == [
         "flat, 0.02 to 1",
         "flat, 0.02 to 0.6",
         "5, factor 2",
@@ -217,7 +217,7 @@ def test_priors_are_flat_or_the_scenes_and_held_values_leave_no_parameter():
     ]
     assert flat.prints_differ
     told = parameters.list_unknowns(scene, design, "space", "scene", {"friction": 0.25})
-    assert [one.told for one in told.parameters][:2] == [
+    assert [one.statement for one in told.parameters][:2] == [
         f"{PAPER_CONTACT.restitution:g} ± {PAPER_CONTACT.restitution_sd:g}",
         "5, factor 2",
     ]

@@ -61,8 +61,8 @@ def test_profiles_agree_with_the_covariance_where_the_fit_is_sharp():
 
 def test_restitution_and_impact_speed_cannot_be_told_apart():
     found = least_squares.fit_contact(measured(np.random.default_rng(2), se=2.0), {})
-    assert any("cannot be told apart" in note for note in found.notes)
-    told = next(note for note in found.notes if "cannot be told apart" in note)
+    assert any("cannot be separated" in note for note in found.notes)
+    told = next(note for note in found.notes if "cannot be separated" in note)
     assert "restitution" in told
     assert "impact_speed_factor" in told
     place = found.free.index
@@ -133,7 +133,7 @@ def test_speeds_at_one_tilt_tell_only_a_factor():
     exact = 0.5 * least_squares.unit_speeds(speeds._replace(back=back, front=front), 0.8, 0.1)
     alike = speeds._replace(back=back, front=front, speed=exact)
     found = least_squares.fit_contact(alike, {})
-    assert any("cannot be told apart" in note for note in found.notes)
+    assert any("cannot be separated" in note for note in found.notes)
     assert found.errors["impact_speed_factor"] is None
     np.testing.assert_allclose(found.predicted, exact, rtol=1e-6)
     told = least_squares.fit_contact(alike, {"restitution": 0.8, "friction": 0.1})

@@ -130,7 +130,7 @@ def test_fit_writes_a_scene_in_which_the_theory_has_the_speeds(run, tmp_path):
     words = ("predict", "--scene", str(folder / "scene.toml"), "--tilt", "10", "--json")
     (row,) = json.loads(run(*words).stdout)["rows"]
     assert row["theory_mm_s"] == pytest.approx(found["predicted_mm_s"][2], rel=1e-6)
-    assert "theory_mm_s meets the speeds" in told
+    assert "theory_mm_s match the speeds" in told
     name = templates.load(str(folder / "scene.toml"), "scenes", Scene).name
     assert name == "lane-90hz-fit-speeds" not in templates.names("scenes")
     rows = rows_of(folder / "speeds.csv")

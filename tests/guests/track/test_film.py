@@ -10,9 +10,8 @@ from rendered_films import Filmed
 
 from walkergen.analysis import track_files
 from walkergen.core.files.progress import silent
-from walkergen.core.numerics.quantity import Quantity
 from walkergen.guests.track.film import appearance, blobs, make, quality
-from walkergen.guests.track.film.result import Options
+from walkergen.guests.track.film.request import TrackRequest
 
 
 def sigmoid(low, soft):
@@ -39,7 +38,7 @@ LIGHTS = {
     "screws": Filmed(screws=True, light=sigmoid(0.35, 0.05)),
     "noise": Filmed(contrast=30, noise=6),
     "more noise": Filmed(contrast=30, noise=9),
-    "little contrast": Filmed(contrast=20, noise=6),
+    "low contrast": Filmed(contrast=20, noise=6),
 }
 
 
@@ -93,7 +92,7 @@ def test_a_film_of_variable_rate_keeps_its_times(tmp_path, name):
 
     pictures = [films.picture([(*way(one), 0.4)], seed=n) for n, one in enumerate(t)]
     path = films.write(tmp_path / "film.mp4", pictures, words)
-    made = make.track(path, Options(mm_per_px=Quantity("mm_per_px", "", 1.0)), tmp_path / "out", silent)
+    made = make.track(TrackRequest(film=path, mm_per_px=1.0), tmp_path / "out", silent)
     clock = made.tracked.clock
     np.testing.assert_allclose(clock.times, t, atol=1e-4)
     assert not clock.regular
@@ -105,8 +104,8 @@ def test_a_film_of_variable_rate_keeps_its_times(tmp_path, name):
     np.testing.assert_allclose(one.position, way(regular), atol=0.3)  # of a pixel
     assert regular[-1] > t[-1] - 2 * found.interval
     # Filmed at a fifth of the time, as slow motion plays.
-    wish = Options(mm_per_px=Quantity("mm_per_px", "", 1.0), fps=5 * clock.fps)
-    slow = make.track(path, wish, tmp_path / "o", silent)
+    request = TrackRequest(film=path, mm_per_px=1.0, fps=5 * clock.fps)
+    slow = make.track(request, tmp_path / "o", silent)
     np.testing.assert_allclose(slow.tracked.clock.times, t / 5.0, atol=1e-4)
 
 
@@ -141,7 +140,7 @@ def tracked(folder, film, shifts=None):
     shifts = np.zeros((50, 2)) if shifts is None else shifts
     pictures = [films.picture([way[n] for way in CIRCLES], film, shifts[n], seed=n) for n in range(50)]
     path = films.write(folder / "film.mp4", pictures)
-    made = make.track(path, Options(mm_per_px=Quantity("mm_per_px", "", 1.0)), folder / "out", silent)
+    made = make.track(TrackRequest(film=path, mm_per_px=1.0), folder / "out", silent)
     errors = []
     for one in made.tracked.walkers:
         ways = [way[one.frames, :2] - one.position for way in CIRCLES]
@@ -180,7 +179,7 @@ def test_what_cannot_be_known_of_a_bare_plates_shake_is_said(tmp_path):
     made, _ = tracked(tmp_path, Filmed(), SHIFTS)
     assert math.isnan(made.found.shake.rms)
     assert made.facts["shake_px"] is None
-    assert any("stands still" in line for line in made.lines)
+    assert any("Shake of the camera is unknown" in line for line in made.lines)
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -200,8 +199,8 @@ def test_a_shadow_is_measured(tmp_path, share):
     ("film", "word"),
     [
         (Filmed(shadow=(8.0, -6.0, 0.5)), "change their size"),
-        (Filmed(shadow=(8.0, -6.0, 0.5)), "never more than 2 walkers at once"),
-        (Filmed(contrast=30, noise=9), "little contrast"),
+        (Filmed(shadow=(8.0, -6.0, 0.5)), "at most 2 walkers in a frame"),
+        (Filmed(contrast=30, noise=9), "low contrast"),
         (Filmed(tilt=0.25), "larger in one place"),
     ],
     ids=["dark shadow", "broken tracks", "noise", "perspective"],

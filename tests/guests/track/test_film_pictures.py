@@ -12,12 +12,11 @@ from typer.testing import CliRunner
 from walkergen.cli import command_line
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import silent
-from walkergen.core.numerics.quantity import Quantity
 from walkergen.guests.track.film import make
 from walkergen.guests.track.film import pictures as folders
-from walkergen.guests.track.film.result import Options
+from walkergen.guests.track.film.request import TrackRequest
 
-SPEED, FPS, HALF = 50.0, 25.0, Quantity("mm_per_px", "", 0.5)
+SPEED, FPS, HALF = 50.0, 25.0, 0.5
 """Of a walker to the right, pixels a second, of the film, and its scale."""
 
 
@@ -48,7 +47,7 @@ def speeds(made):
 @pytest.mark.parametrize("ending", [".png", ".tif", ".bmp"])
 def test_a_folder_of_pictures_is_a_film(tmp_path, ending):
     folder = saved(tmp_path / "pictures", frames(), ending)
-    made = make.track(folder, Options(HALF, fps=FPS), tmp_path / "out", silent)
+    made = make.track(TrackRequest(film=folder, mm_per_px=HALF, fps=FPS), tmp_path / "out", silent)
     assert speeds(made) == [pytest.approx(0.5 * SPEED, rel=5e-3)]
     np.testing.assert_allclose(made.tracked.clock.times, np.arange(24) / FPS)
     assert f"24 pictures, from it's 1{ending} to it's 24{ending}" in made.lines[0]
@@ -57,14 +56,16 @@ def test_a_folder_of_pictures_is_a_film(tmp_path, ending):
 
 def test_pictures_of_sixteen_bits_keep_their_shades(tmp_path):
     deep = [picture.astype(np.uint16) * 257 for picture in frames()]
-    made = make.track(saved(tmp_path / "deep", deep), Options(HALF, fps=FPS), tmp_path / "out", silent)
+    made = make.track(
+        TrackRequest(film=saved(tmp_path / "deep", deep), mm_per_px=HALF, fps=FPS), tmp_path / "out", silent
+    )
     assert speeds(made) == [pytest.approx(0.5 * SPEED, rel=5e-3)]
 
 
 def test_what_is_no_folder_of_frames_is_one_line(tmp_path):
     folder = saved(tmp_path / "pictures", frames(number=3))
-    with pytest.raises(InputError, match="give fps"):
-        make.track(folder, Options(HALF), tmp_path / "out", silent)
+    with pytest.raises(InputError, match="Give their rate, fps"):
+        make.track(TrackRequest(film=folder, mm_per_px=HALF), tmp_path / "out", silent)
     (folder / "notes.txt").write_text("not a picture")
     assert len(folders.list_pictures(folder)) == 3
     Image.fromarray(frames(number=1)[0][:50]).save(folder / "cut.png")
@@ -90,7 +91,7 @@ def test_pixels_that_are_not_square_are_made_so(tmp_path, aspect):
     size = (round(400 / stretch), 304) if stretch > 1 else (400, round(304 * stretch))
     squeezed = [np.asarray(Image.fromarray(picture).resize(size)) for picture in whole]
     path = films.write(tmp_path / "film.mp4", squeezed, aspect=aspect)
-    made = make.track(path, Options(HALF), tmp_path / "out", silent)
+    made = make.track(TrackRequest(film=path, mm_per_px=HALF), tmp_path / "out", silent)
     assert (made.tracked.film.width, made.tracked.film.height) == (400, 304)
     assert f"Pixels of {aspect[0]}:{aspect[1]} were made square: frames of 400 x 304" in made.lines[0]
     for walker in made.tracked.walkers:
@@ -109,6 +110,6 @@ def test_a_film_of_4_to_3_gives_the_right_speed_by_the_commands(tmp_path):
     tracked = run(command_line, ["track", str(film), "--mm-per-px", "0.5", *out])
     assert (tracked.exit_code, "Pixels of 4:3 were made square" in tracked.output) == (0, True)
     analysed = run(command_line, ["analyse", str(tmp_path / "track" / "tracks.csv"), "--json", *out])
-    told = json.loads(analysed.output)
+    told = json.loads(analysed.stdout)
     assert told["speed_low_95_mm_s"] <= 30.0 <= told["speed_high_95_mm_s"]
     assert told["speed_mm_s"] == pytest.approx(30.0, rel=0.003)

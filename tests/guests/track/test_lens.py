@@ -89,7 +89,7 @@ def test_a_barrel_is_told_with_its_size_and_undone_by_its_calibration(tmp_path):
     """k1 = -0.1, which draws the picture's corners in by 3.6 %: 0.13 mm off, with it 0.01 mm."""
     path, ways = circling(tmp_path / "barrel.mp4", -0.1)
     bare = wg.track(path, markers="aruco", out=tmp_path / "bare")
-    (told,) = (line for line in bare.warnings if "the lens bends" in line)
+    (told,) = (line for line in bare.warnings if "The lens distorts" in line)
     assert "smaller" in told
     bend, away_px = marker_warnings.lens_bend(bare.found)
     share, away = bend.value, (away_px / NEAR.focal) ** 2

@@ -11,9 +11,8 @@ from walkergen.analysis import track_files
 from walkergen.cli import command_line
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import silent
-from walkergen.core.numerics.quantity import Quantity
 from walkergen.guests.track.film import make, plane
-from walkergen.guests.track.film.result import Options
+from walkergen.guests.track.film.request import TrackRequest
 
 SIDE = 7.2
 ASKEW = Camera(tilt=np.radians(25.0), roll=0.6)
@@ -22,7 +21,7 @@ EXPOSED = Light(uneven=0.5, exposures=5)
 
 def read(path, **wish):
     """Walkers of a film, and what is to be said of it."""
-    return make.find_walkers(path, Options(markers="aruco", **wish), silent)
+    return make.find_walkers(TrackRequest(film=path, markers="aruco", **wish), silent)
 
 
 def found_in(path, **wish):
@@ -204,7 +203,7 @@ def test_tracks_by_markers_are_analysed_as_any_others(tmp_path, plain):
     assert again.facts["mm_per_px"] == made.facts["mm_per_px"]
     share = again.facts["mm_per_px_se"] / again.facts["mm_per_px"]
     assert share == pytest.approx(np.hypot(0.1 / 7.2, 0.2 / 25.2), rel=0.01)
-    twice = found_in(path, marker=Quantity("marker", "mm", 14.4)).mm_per_px
+    twice = found_in(path, marker_mm=14.4).mm_per_px
     assert twice.value == pytest.approx(2.0 * made.facts["mm_per_px"], rel=1e-6)
 
 
@@ -265,7 +264,7 @@ def test_a_part_of_a_film_keeps_its_frames_and_places(plain):
     path, _ = plain
     whole = found_in(path).walkers[0]
     x, y = whole.pixels.mean(axis=0).astype(int)
-    part = found_in(path, frames=(5, 15), region=(x - 60, y - 60, 120, 120)).walkers
+    part = found_in(path, frames=(5, 15), region=(int(x) - 60, int(y) - 60, 120, 120)).walkers
     assert [walker.number for walker in part] == [0]
     assert part[0].frames.tolist() == list(range(5, 15))
     assert part[0].pixels == pytest.approx(whole.pixels[5:15], abs=0.01)  # pixels
@@ -295,9 +294,9 @@ def told(path):
 @pytest.mark.parametrize(
     ("textures", "left", "words"),
     [
-        ([0, 0, 1], [1], "marker 0 is seen at two places at once in 20 of 20 frames, and left out"),
-        ([0, -1, 2], [0, 2], "marker 1 is read in the mirror only, and left out: print it anew"),
-        ([0, None, 2], [0, 2], "marker 1: read in none of 20 frames, and numbers around are: half"),
+        ([0, 0, 1], [1], "marker 0 is seen in two places in 20 of 20 frames, and left out"),
+        ([0, -1, 2], [0, 2], "marker 1 is only read as a mirror image, and left out. Print it again"),
+        ([0, None, 2], [0, 2], "marker 1: read in none of 20 frames, unlike lower and higher numbers"),
     ],
     ids=["twice", "mirrored", "half covered"],
 )
@@ -315,8 +314,8 @@ def test_markers_that_are_no_walker_s_are_left_out(tmp_path, textures, left, wor
 @pytest.mark.parametrize(
     ("covered", "words"),
     [
-        (range(8, 14), "walker 1 is lost in 6 of 20 frames (30 %); in 6 of them others are read"),
-        (range(7), "walker 1 is lost in 7 of 20 frames (35 %); in 7 of them others are read"),
+        (range(8, 14), "walker 1 is lost in 6 of 20 frames (30 %). Other markers are read in 6 of them"),
+        (range(7), "walker 1 is lost in 7 of 20 frames (35 %). Other markers are read in 7 of them"),
         (range(20, 20), ""),
     ],
     ids=["in the middle", "at first", "never"],
@@ -345,7 +344,7 @@ def test_a_walker_that_comes_in_over_the_edge_was_not_lost_before(tmp_path):
 def test_a_film_of_twins_alone_is_refused(tmp_path):
     cells = [films.texture(4)] * 2
     path = films.film(tmp_path / "twins.mp4", films.circles(2), 10, textures=cells)
-    with pytest.raises(InputError, match=r"marker 4 is seen at two places at once, in 10 of 10"):
+    with pytest.raises(InputError, match=r"marker 4 is seen in two places in 10 of 10"):
         found_in(path)
 
 
@@ -353,7 +352,7 @@ def test_two_seconds_of_black_are_a_gap_that_is_told(tmp_path, pictures):
     black = [np.full_like(pictures[0], 16)] * 120
     path = films.write(tmp_path / "black.mp4", [*pictures[:10], *black, *pictures[10:]], "N/60")
     words = told(path)
-    assert "no marker is read in 120 of 140 frames; for 2 s on end from 0.1667 s on" in words
+    assert "no marker is read in 120 of 140 frames; at most 2 s in a row, from 0.1667 s" in words
     assert "walker 0 is lost in 120 of 140 frames (86 %)" in words
 
 
@@ -361,7 +360,7 @@ def test_two_seconds_of_black_are_a_gap_that_is_told(tmp_path, pictures):
     ("words", "message"),
     [
         (("--markers", "april"), "--markers 'april': must be one of aruco"),
-        (("--markers", "aruco", "--length", "28"), "--markers aruco tells it: leave --length out"),
+        (("--markers", "aruco", "--length", "28"), "--markers aruco determines it: leave --length out"),
         (("--marker-mm", "7.2", "--length", "28"), "--markers is not given: leave --marker-mm out"),
         (("--markers", "aruco", "--marker-mm", "-1"), "--marker-mm '-1'"),
         (("--markers", "aruco", "--region", "0,0,10,10"), "10 x 10 pixels: a marker needs 12"),

@@ -15,7 +15,6 @@ from walkergen.analysis import motion, track_files, tracks
 from walkergen.cli import command_line
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import silent
-from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import Scene
 from walkergen.core.walker.design import Design
 from walkergen.files import figures, templates
@@ -26,7 +25,7 @@ from walkergen.guests.track.film import appearance, blob_tracking, blobs, films,
 from walkergen.guests.track.film import figures as film_figures
 from walkergen.guests.track.film.blobs import Blob, Blobs
 from walkergen.guests.track.film.linking import Seen
-from walkergen.guests.track.film.result import Options
+from walkergen.guests.track.film.request import TrackRequest
 
 HIGH, WIDE = 160, 240
 FINE = 8
@@ -205,7 +204,7 @@ def test_walkers_that_touch_are_left_out_counted_and_known_again():
 
 
 def test_a_walker_that_jumps_is_refused_with_numbers():
-    with pytest.raises(InputError, match="jumps by more than 28 pixels a frame"):
+    with pytest.raises(InputError, match="jump by more than 28 pixels a frame"):
         linking.link([[blob(60.0 * n, 40)] for n in range(30)], 0, 50.0)
 
 
@@ -248,8 +247,8 @@ def test_a_film_becomes_tracks_that_analyse_reads(run, tmp_path, two, by):
 
 @pytest.mark.usefixtures("undrawn")
 def test_a_part_of_a_film_keeps_its_frames_and_places(tmp_path, two):
-    wish = Options(mm_per_px=Quantity("mm_per_px", "", 0.5), frames=(5, 20), region=(0, 70, 240, 80))
-    part = make.track(two, wish, tmp_path, silent).tracked
+    request = TrackRequest(film=two, mm_per_px=0.5, frames=(5, 20), region=(0, 70, 240, 80))
+    part = make.track(request, tmp_path, silent).tracked
     (one,) = part.walkers
     assert one.frames.tolist() == list(range(5, 20))
     np.testing.assert_allclose(one.position, 0.5 * np.array(RIGHT)[5:20, :2], atol=0.1)
@@ -266,10 +265,10 @@ def test_touching_lost_and_held_walkers_are_warned_of(tmp_path):
     frames[12:15] = [drawn([], noise=0)] * 3
     frames += [frames[-1]] * 20
     write(tmp_path / "bad.mp4", frames)
-    made = make.track(tmp_path / "bad.mp4", Options(mm_per_px=Quantity("mm_per_px", "", 1.0)), tmp_path / "o", silent)
+    made = make.track(TrackRequest(film=tmp_path / "bad.mp4", mm_per_px=1.0), tmp_path / "o", silent)
     told, still = " ".join(made.warnings), made.found.still
     assert "nothing was found in 3 of 60 frames" in told
-    assert f"nothing moves in {still} of 60 frames: if the film holds" in told
+    assert f"nothing moves in {still} of 60 frames. If the film repeats" in told
     assert 15 <= still <= 20
 
 
@@ -293,9 +292,9 @@ def movies_film(path, seconds):
 def test_the_movies_own_film_says_where_the_walker_was(tmp_path):
     """Simulated, drawn from above, filmed, tracked: places, headings and way of the simulation."""
     shot, scale = movies_film(tmp_path / "film.mp4", 0.48)
-    wish = Options(mm_per_px=Quantity("mm_per_px", "", scale))
-    made = make.track(tmp_path / "film.mp4", wish, tmp_path / "out", silent)
-    by_length = blob_tracking.find_scale(Options(length=Quantity("length", "mm", 28.0)), made.found.linked.length)
+    request = TrackRequest(film=tmp_path / "film.mp4", mm_per_px=scale)
+    made = make.track(request, tmp_path / "out", silent)
+    by_length = blob_tracking.find_scale(TrackRequest(film=request.film, length=28.0), made.found.linked.length)
     assert by_length.value == pytest.approx(scale, abs=by_length.se)
     (one,) = made.tracked.walkers
     assert one.frames.tolist() == list(range(13))
@@ -315,7 +314,7 @@ def test_the_movies_own_film_says_where_the_walker_was(tmp_path):
 @pytest.mark.nightly
 def test_a_long_film_of_a_small_walker_has_the_simulations_speed(tmp_path):
     shot, scale = movies_film(tmp_path / "film.mp4", 12.0)  # 14 pixels wide
-    make.track(tmp_path / "film.mp4", Options(mm_per_px=Quantity("mm_per_px", "", scale)), tmp_path / "out", silent)
+    make.track(TrackRequest(film=tmp_path / "film.mp4", mm_per_px=scale), tmp_path / "out", silent)
     found = motion.analyse(track_files.read_tracks(tmp_path / "out" / "tracks.csv", track_files.Units()))
     speed = found.estimates["speed"]
     assert speed.value == pytest.approx(shot.distance / 12.0, abs=speed.se)
@@ -330,7 +329,7 @@ def test_a_long_film_of_a_small_walker_has_the_simulations_speed(tmp_path):
         (("--length", "inf"), "--length 'inf': must be"),
         (("--threshold", "300", "--length", "28"), "--threshold 300: must be"),
         (("--walkers", "green", "--length", "28"), "must be one of dark, light"),
-        (("--frames", "20:10", "--length", "28"), "--frames 20:10: counts from 0"),
+        (("--frames", "20:10", "--length", "28"), "--frames 20:10: must count from 0"),
         (("--frames", "1e9", "--length", "28"), "must be FIRST:LAST"),
         (("--frames", "29:", "--length", "28"), "1 frame from 29 on: at least 2"),
         (("--region", "0,0,9999,10", "--length", "28"), "must lie within the 240 x 160"),
@@ -377,8 +376,8 @@ def test_from_python_a_film_is_tracked_and_analysed(tmp_path, monkeypatch, two):
     with pytest.raises(InputError, match="give either mm_per_px"):
         wg.track(two, out=tmp_path / "none")
     assert not (tmp_path / "none").exists()
-    wish = Options(length=Quantity("length", "mm", 28.0), heading="mark")
-    again = make.track(two, wish, tmp_path / "again", silent).tracked
+    request = TrackRequest(film=two, length=28.0, heading="mark")
+    again = make.track(request, tmp_path / "again", silent).tracked
     with Image.open(found.picture) as picture:
         assert picture.size[0] == 3 * figures.DPI
     assert again.mm_per_px.value == pytest.approx(0.5, abs=again.mm_per_px.se)

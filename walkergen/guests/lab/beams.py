@@ -44,12 +44,12 @@ class Strip(NamedTuple):
 
 
 def effective_length(length: float, strip: Strip, root: float = ROOT_FACTOR, clamp: float = CLAMP_FACTOR) -> float:
-    """Compute the length (mm) of a beam on a rigid root that bends like the first `length` of a strip."""
+    """Return the length (mm) of a beam on a rigid root that bends like the first `length` of a strip."""
     return length + root * strip.thickness - clamp * strip.width
 
 
 def bending_stiffness(modulus: float, strip: Strip) -> float:
-    """Bending stiffness E I of a strip, g mm^3/s^2; the modulus in Pa."""
+    """Return the bending stiffness E I of a strip, g mm^3/s^2, from the modulus in Pa."""
     return modulus * strip.width * strip.thickness**3 / 12.0
 
 
@@ -63,7 +63,7 @@ def deflection(load: float, length: float, bending: float) -> float:
 
 
 def natural_frequency(bending: float, mass: float, length: float, tip: float = 0.0) -> float:
-    """First natural frequency (Hz) of a beam of `mass` (g), a mass `tip` (g) on its end."""
+    """Return the first natural frequency (Hz) of a beam of `mass` (g) with a mass `tip` (g) on its end."""
     mode = first_mode(tip / mass)
     return mode * math.sqrt(bending / (mass * length**3)) / (2.0 * math.pi)
 
@@ -99,5 +99,5 @@ def first_mode(ratio: float) -> float:
 
 
 def damping_ratio(decrement: float) -> float:
-    """Damping ratio of swings with a logarithmic decrement."""
+    """Return the damping ratio of swings with a logarithmic decrement."""
     return decrement / math.hypot(2.0 * math.pi, decrement)

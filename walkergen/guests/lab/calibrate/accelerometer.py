@@ -82,7 +82,7 @@ def _find_time_column(names: list[str], path: Path) -> tuple[str, str]:
 
 
 def _find_axis_columns(names: list[str], path: Path) -> tuple[list[str], bool, float]:
-    """Names of the three axes, whether gravity is taken off, and mm/s^2 of their unit; of both that with it."""
+    """Return the columns of three axes, with gravity if possible, whether they exclude it, and mm/s^2 of their unit."""
     found = [(name, match) for name in names if (match := AXIS_PATTERN.fullmatch(name.strip()))]
     for linear in (False, True):
         own = {match["axis"].lower(): (name, match) for name, match in found if bool(match["linear"]) is linear}
@@ -97,7 +97,7 @@ def _find_axis_columns(names: list[str], path: Path) -> tuple[list[str], bool, f
 
 
 def _find_rate_columns(names: list[str]) -> tuple[list[str], float]:
-    """Names of the three axes of a gyroscope, none where they are not all there, and rad/s of their unit."""
+    """Return the columns of a gyroscope's three axes, or none unless all are there, and rad/s of their unit."""
     found = {
         match["axis"].lower(): (name, match["unit"])
         for name in names

@@ -66,7 +66,7 @@ class Single(NamedTuple):
 
 
 def weighted_mean(name: str, singles: Sequence[Single], sets: tuple[str, ...]) -> Estimate | None:
-    """Mean of single numbers, weighted by their errors; None without any.
+    """Return the mean of single numbers, weighted by their errors; None without any.
 
     Where they disagree its error grows by the root of chi2 over the degrees of freedom (Birge).
     """

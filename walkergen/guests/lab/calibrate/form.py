@@ -37,7 +37,7 @@ class Kind(NamedTuple):
     """Largest value; a larger one suggests a wrong unit."""
     rows: int
     """Rows of the empty form."""
-    beside: tuple[str, ...] = ()
+    needs: tuple[str, ...] = ()
     """Columns needed in addition to its reading."""
     may: tuple[str, ...] = ()
     """Columns that it may have."""
@@ -171,7 +171,7 @@ def read_form(path: Path) -> Readings:
     if problems:
         raise config.refusal(problems, path)
     if not any(condition.name != AIR_SHARE for condition in tries):
-        raise InputError(f"{path}: no readings; fill in the column reading of some row")
+        raise InputError(f"{path}: no readings. Fill in the column reading of at least one row")
     readings: dict[str, dict[str, list[Reading]]] = defaultdict(lambda: defaultdict(list))
     for condition, pairs in tries.items():
         film = path.parent / condition.tracks if condition.tracks else None
@@ -180,7 +180,7 @@ def read_form(path: Path) -> Readings:
 
 
 def _read_rows(path: Path) -> list[tuple[int, dict[str, str]]]:
-    """Rows by their lines, cells by column. Raises InputError for other columns."""
+    """Read the rows with their lines, cells by column. Raises InputError for other columns."""
     table = columns.parse_records(reading.read_lines(path, columns.FORMAT_NAME, MAX_BYTES), str(path))
     remedy = ": start from the form that walkergen calibrate plate writes"
     columns.check_names(table.names, path, HEADER, (TRACKS_COLUMN,), remedy)
@@ -188,7 +188,7 @@ def _read_rows(path: Path) -> list[tuple[int, dict[str, str]]]:
 
 
 def _parse_row(row: Mapping[str, str]) -> tuple[_Condition, float, float] | None:
-    """Condition, value and error of a row; None without a reading. Raises InputError."""
+    """Return condition, value and error of a row; None without a reading. Raises InputError."""
     part, name = row["part"].strip(), row["measured"].strip()
     measurable = reading_kinds(part)
     if measurable is None:
@@ -198,33 +198,33 @@ def _parse_row(row: Mapping[str, str]) -> tuple[_Condition, float, float] | None
     if not row["reading"].strip():
         return None
     kind = measurable[name]
-    beside = {column: _parse_condition(row[column].strip(), column, name, kind) for column in CONDITION_COLUMNS}
+    conditions = {column: _parse_condition(row[column].strip(), column, name, kind) for column in CONDITION_COLUMNS}
     film = row.get(TRACKS_COLUMN, "").strip()
     if film and name != FILMED_ANGLE:
         raise InputError(f"{name} has no column {TRACKS_COLUMN}: leave it blank")
     if name == FILMED_ANGLE and not film:
         raise InputError(f"{name} needs the column {TRACKS_COLUMN}: the tracks.csv of the slide's film")
     value, what = _parse_number("reading", row["reading"], 1e5, zero=True), "reading"
-    differs = "unloaded_mm" in kind.beside
+    differs = "unloaded_mm" in kind.needs
     if differs:
-        value, what = abs(value - beside["unloaded_mm"]), "reading less unloaded_mm"  # a ruler stands either way up
+        value, what = abs(value - conditions["unloaded_mm"]), "reading less unloaded_mm"  # a ruler stands either way up
     if not kind.least < value <= kind.most:
         raise InputError(f"{name}: {what} = {value:g}: must be > {kind.least:g} and <= {kind.most:g}{kind.slip}")
-    for column in kind.beside:
-        if column != "unloaded_mm" and beside[column] <= 0.0:
-            raise InputError(f"{column} = {beside[column]:g}: must be > 0")
+    for column in kind.needs:
+        if column != "unloaded_mm" and conditions[column] <= 0.0:
+            raise InputError(f"{column} = {conditions[column]:g}: must be > 0")
     if not row["error"].strip():
-        raise InputError(f"{name}: no error; write how well you read it, as {kind.error:g}")
+        raise InputError(f"{name}: no error. Write the standard deviation of a reading, such as {kind.error:g}")
     error = _parse_number("error", row["error"], 1e5)
     error *= math.sqrt(2.0) if differs else 1.0  # of a deflection: a difference of two readings
-    return _Condition(part, name, beside["weight_g"], beside["at_mm"], film), value, error
+    return _Condition(part, name, conditions["weight_g"], conditions["at_mm"], film), value, error
 
 
 def _parse_condition(cell: str, column: str, name: str, kind: Kind) -> float:
     """Read the number that belongs to a reading; 0 if it has none. Raises InputError."""
-    if cell and column not in kind.beside + kind.may:
+    if cell and column not in kind.needs + kind.may:
         raise InputError(f"{column} = {cell[:30]!r}: {name} has none: leave it blank")
-    if not cell and column in kind.beside:
+    if not cell and column in kind.needs:
         raise InputError(f"{name} needs {column} as well")
     return _parse_number(column, cell, 1e5, zero=True) if cell else 0.0
 

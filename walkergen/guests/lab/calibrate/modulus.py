@@ -179,7 +179,7 @@ def _solve(strips: Sequence[Specimen], density: Quantity, extras: Sequence[str])
 
 
 def rough_moduli(strips: Sequence[Specimen], density: Quantity) -> list[Rough]:
-    """Modulus by each reading alone: forms grow as it, or as its root."""
+    """Return the modulus from each reading alone."""
     at = np.zeros(1 + SHARED_PARAMETERS + 3 * len(strips))
     roughs = []
     for strip in strips:
@@ -196,7 +196,7 @@ def rough_moduli(strips: Sequence[Specimen], density: Quantity) -> list[Rough]:
 
 
 def _deflection_errors(strips: Sequence[Specimen], sunk: Array) -> Array:
-    """Errors of deflections, mm: of the readings, of the weights, of the places where they hang."""
+    """Return the errors of deflections, mm, from the readings, the weights and their positions."""
     bends = [bend for strip in strips for bend in strip.bends]
     reading = np.array([bend.number.pair[1] for bend in bends])
     place = np.array([3.0 * POSITION_SD_MM / bend.at_mm for bend in bends])
@@ -207,7 +207,7 @@ def _deflection_errors(strips: Sequence[Specimen], sunk: Array) -> Array:
 def _predict_readings(
     strips: Sequence[Specimen], density: Quantity, at: Array, extras: Sequence[str]
 ) -> tuple[Array, Array]:
-    """Deflections (mm) and frequencies (Hz) of strips at a place of the search."""
+    """Return deflections (mm) and frequencies (Hz) of strips for the parameters `at` of the search."""
 
     def perturb(number: Quantity, by: float) -> float:
         value, sd = number.pair

@@ -104,7 +104,7 @@ def _make_strip(name: str, strip: Strip, design: Design) -> Drawn:
 
 
 def strip_mesh(drawn: Drawn) -> Mesh:
-    """Mesh of a strip in one piece with its block, as it prints, z up from the bed."""
+    """Build the mesh of a strip in one piece with its block, as printed, z up from the bed."""
     long, deep = CLAMP_MM
     block = np.array([(-long, -0.5 * deep), (0.0, -0.5 * deep), (0.0, 0.5 * deep), (-long, 0.5 * deep)])
     half, end = 0.5 * drawn.strip.thickness, drawn.strip.length
@@ -122,14 +122,14 @@ def air_percent(drawn: Drawn, printer: Printer) -> float:
 
 
 def block_size(printer: Printer) -> tuple[float, float, float]:
-    """Length, width and height of the block, mm, its height in whole layers."""
+    """Return length, width and height of the block, mm, the height in whole layers."""
     long, wide, high = BLOCK_MM
     layer = printer.layer_height_mm
     return long, wide, max(1, round(high / layer)) * layer
 
 
 def block_mesh(printer: Printer) -> Mesh:
-    """Mesh of the block, as it prints, chamfered all round on the bed."""
+    """Build the mesh of the block, as printed, chamfered all round on the bed."""
     (long, wide, high), cut = block_size(printer), CHAMFER_MM
     corners = [
         (x * (0.5 * long - inset), y * (0.5 * wide - inset), z)
@@ -141,6 +141,6 @@ def block_mesh(printer: Printer) -> Mesh:
 
 
 def block_volume(long: float, wide: float, high: float) -> float:
-    """Volume (mm^3) of a block of these measured sizes, less its chamfer."""
+    """Return the volume (mm^3) of a block of these measured sizes, without its chamfer."""
     cut = CHAMFER_MM
     return long * wide * high - cut**2 * (long + wide) + 4.0 / 3.0 * cut**3

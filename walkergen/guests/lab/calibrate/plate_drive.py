@@ -133,7 +133,7 @@ def _scene_settings(rows: list[Row], notes: list[str]) -> tuple[dict[str, Any], 
             measured = {
                 name: measured[name] for name in measured if name not in (key, key.replace("ratio", "phase_deg"))
             }
-            notes.append(f"{key} below {least:g} is a phone's own, or moves no walker: not set")
+            notes.append(f"{key} below {least:g} may be the phone's own, or moves no walker. It is not set")
     directions = {size.key: turn.number for size, turn in pairwise(rows) if turn.name.startswith("direction of")}
     settings: dict[str, Any] = {}
     for key, value in measured.items():
@@ -155,7 +155,7 @@ def _format_value(cell: tuple[Any, ...]) -> str:
 
 
 def _round_value(number: Quantity) -> float:
-    """Value to six digits."""
+    """Round a value to six digits."""
     return float(f"{number.pair[0]:.6g}")
 
 
@@ -164,8 +164,8 @@ def measure(recording: Recording, scene: Scene, source: str) -> tuple[list[Row],
     rate, hinted = recording.rate, scene.drive.frequency
     if hinted >= NYQUIST * rate:
         raise InputError(
-            f"{source}: {rate:.0f} samples a second: the scene's drive of {hinted:g} Hz is at half of them or beyond, "
-            "where it looks like another; record faster, or say the drive: ‹set› scene.drive.frequency_hz=HZ"
+            f"{source}: {rate:.0f} samples a second: the scene's drive of {hinted:g} Hz is at least half of them, so "
+            "another frequency would appear. Record faster, or set the drive: ‹set› scene.drive.frequency_hz=HZ"
         )
     upward, sideways, gravity = _resolve_axes(recording)
     frequency, error = _find_frequency(recording, upward, source)
@@ -183,7 +183,7 @@ def measure(recording: Recording, scene: Scene, source: str) -> tuple[list[Row],
     ]
     # upward is Re[Z exp(i omega t)] with Z = A omega^2 i exp(i phi), plus -4 r A omega^2 sin(2 phi + s)
     second = sines.upward[:, 1] * np.conj(-1j * unit) ** 2 / (4j * size)
-    beyond = f"not seen at {rate:.0f} samples a second: at {2 * frequency:.4g} Hz it looks like another"
+    beyond = f"not measurable at {rate:.0f} samples a second: {2 * frequency:.4g} Hz would appear as another frequency"
     refused = "" if 2.0 * frequency < _max_frequency(rate) else beyond
     rows += _sine_rows(
         "second harmonic", second, "drive.second_harmonic_ratio", "drive.second_harmonic_phase_deg", refused
@@ -200,28 +200,26 @@ def measure(recording: Recording, scene: Scene, source: str) -> tuple[list[Row],
 
 def _notes(recording: Recording, frequency: float, gravity: float | None, scene: Scene) -> list[str]:
     """Return notes on the limits of the numbers."""
-    rate, notes = (recording.rate, ["x of the scene is the phone's, lying on its back: along the lane"])
+    rate, notes = (recording.rate, ["x of the scene, along the lane, is the x axis of the phone lying on its back"])
     if recording.linear:
         notes.append(
-            "gravity is taken off: up is the axis that shakes most, and the harmonic's phase may be off by 180 deg"
+            "the app removed gravity: up is the axis that shakes most, and the harmonic's phase may be off by 180 deg"
         )
     if frequency > FILTERED_FREQUENCY_RATIO * rate:
-        notes.append(
-            f"{frequency:.4g} Hz at {rate:.0f} samples a second: the sensor's filter may take off from amplitudes"
-        )
+        notes.append(f"{frequency:.4g} Hz at {rate:.0f} samples a second: the sensor's filter may lower amplitudes")
     if gravity is not None and abs(gravity / GRAVITY - 1.0) > 0.01:
-        notes.append(f"gravity reads {1e-3 * gravity:.4g} m/s²: the amplitude's error holds that difference")
+        notes.append(f"gravity reads {1e-3 * gravity:.4g} m/s². The amplitude's error includes this difference")
     if abs(frequency / scene.drive.frequency - 1.0) > 0.05:
         notes.append(f"the scene had a drive of {scene.drive.frequency:g} Hz")
     return notes
 
 
 def _gradient_rows(rates: Complex, unit: Complex, speed: Array) -> list[Row]:
-    """Gradient of the amplitude and rocking, by rates (rad/s) of turning about x and y of the plate, shape (pieces, 2).
+    """Return gradient and rocking of the amplitude, from turning rates (rad/s) about the plate's x and y, (pieces, 2).
 
     `speed`: the plate's peak speed (mm/s). A plate that turns at W about x and y rises at W_x y - W_y x.
     """
-    refused = "" if rates.size else "an accelerometer in one place does not see it: record the gyroscope too"
+    refused = "" if rates.size else "it needs the gyroscope, because an accelerometer measures in one place"
     x, y = np.stack([-rates[:, 1], rates[:, 0]]) * 100j * np.conj(unit) / speed if rates.size else np.zeros((2, PIECES))
     rows = []
     for name, part in (("gradient", np.real), ("rocking", np.imag)):
@@ -259,7 +257,7 @@ def _find_frequency(recording: Recording, upward: Array, source: str) -> tuple[f
     power[at < PIECES * MIN_PERIODS / times[-1]] = 0.0
     peak = int(power.argmax())
     if not power[peak] > MIN_PEAK_RATIO * np.median(power[power > 0.0]):
-        raise InputError(f"{source}: no line of a drive stands out: record while the plate shakes, for half a minute")
+        raise InputError(f"{source}: no drive frequency stands out. Record for half a minute while the plate shakes")
     half = int(np.abs(at - 0.5 * at[peak]).argmin())
     near = int(power[max(half - 2, 0) : half + 3].argmax()) + max(half - 2, 0)
     if power[near] > power[peak] / 16.0:  # a harmonic of a quarter of the amplitude shakes as much as the drive
@@ -276,7 +274,7 @@ def _find_frequency(recording: Recording, upward: Array, source: str) -> tuple[f
 
 
 def _fit_sines(times: Array, upward: Array, sideways: Array, frequency: float) -> Sines:
-    """Sines at multiples of a frequency in every piece of a recording."""
+    """Fit sines at multiples of a frequency in each piece of a recording."""
     amplitudes, across, rest = [], [], []
     for piece in np.array_split(np.arange(len(times)), PIECES):
         phase = 2.0 * math.pi * frequency * times[piece][:, None] * np.arange(1, HARMONICS + 1)
@@ -290,7 +288,7 @@ def _fit_sines(times: Array, upward: Array, sideways: Array, frequency: float) -
 
 
 def _mean_quantity(key: str, unit: str, values: Array) -> Quantity:
-    """Mean over pieces, with its error."""
+    """Return the mean over pieces, with its error."""
     return Quantity(
         key, unit, float(values.mean()), float(values.std(ddof=1)) / math.sqrt(len(values)), len(values) - 1.0
     )
@@ -306,7 +304,7 @@ def _sine_rows(
     size, freedom = abs(mean), len(waves) - 1.0
     if not refused and size < MIN_SIGNIFICANCE * max(along, across):
         of = unit or "of the drive's amplitude"
-        refused = f"not told from 0: below {size + 2.0 * along:.2g} {of} (95 %)"
+        refused = f"not distinguishable from 0: below {size + 2.0 * along:.2g} {of} (95 %)"
     if refused:
         sizes, turns = (Quantity(key, of, None, refused=refused) for key, of in (("ratio", unit), (turn, "deg")))
     else:
@@ -324,7 +322,7 @@ def _noise_ratio(rest: Array, recording: Recording, scene: Scene, omega: float, 
     """Compute the r.m.s. velocity without the sines, in the scene's noise band, over the drive's peak speed."""
     low, high = scene.plate.noise_band_hz[0], min(scene.plate.noise_band_hz[1], _max_frequency(recording.rate))
     if not low < high:
-        return Quantity("noise", "", None, refused=f"its band begins at {low:g} Hz, beyond what is seen")
+        return Quantity("noise", "", None, refused=f"its band begins at {low:g} Hz, above all measurable frequencies")
     squares = []
     for piece, times in zip(np.array_split(rest, PIECES), np.array_split(recording.times, PIECES), strict=True):
         window = np.hanning(len(piece))

@@ -63,7 +63,7 @@ def arrange(pieces: Sequence[Piece], printer: Printer, max_plates: int | None) -
 
 
 def loads(laid: Laid, density: float) -> list[Load]:
-    """Plastic of each piece at a density, g/cm^3, as drawn."""
+    """Return the plastic of each piece, as drawn, at a density, g/cm^3."""
     return [
         Load(float(mass.weigh(piece.mesh, 1e-3 * density).mass), density, print_sheet.side_area(piece.mesh))
         for piece in laid.pieces
@@ -73,7 +73,7 @@ def loads(laid: Laid, density: float) -> list[Load]:
 def plate_files(
     laid: Laid, material: Material, stem: str, pictures: bool, prusaslicer: bool
 ) -> Iterator[tuple[str, bytes]]:
-    """Names and bytes of settings, plates (3MF), pieces (STL) and, with pictures, maps."""
+    """Yield names and bytes of settings, plates (3MF), pieces (STL) and, with pictures, maps."""
     start = f"{stem}_{laid.printer.name}"
     yield from slicer.settings_files(laid.printer, material, start)
     meshes = [piece.mesh for piece in laid.pieces]

@@ -44,8 +44,7 @@ def friction(path: Path, angle_deg: float, error_deg: float) -> Quantity:
     moving = int((ways > MAX_STILL_SHARE * ways.max()).sum())
     if moving > 1:
         raise InputError(
-            f"{name}: {moving} tracks that move: must be one, of the part that slides: cut the "
-            "film by track ‹frames› and ‹region›"
+            f"{name}: {moving} tracks move, but only one part may slide. Cut the film with track ‹frames› and ‹region›"
         )
     times, places = seen[int(ways.argmax())]
     if len(times) < MIN_FRAMES:
@@ -55,16 +54,16 @@ def friction(path: Path, angle_deg: float, error_deg: float) -> Quantity:
     along = GRAVITY * math.cos(angle)
     if abs(change) > max(MAX_FRICTION_CHANGE * along, MIN_SIGNIFICANCE * change_error):
         raise InputError(
-            f"{name}: the friction seems to change by {abs(change) / along:.2g} along the way: "
-            "does the film begin before the slide, or go on after it? Cut it by track ‹frames›"
+            f"{name}: the friction seems to change by {abs(change) / along:.2g} along the path: "
+            "does the film begin before the slide, or continue after it? Cut it with track ‹frames›"
         )
     value = math.tan(angle) - gained / along
     by_angle = (1.0 - gained / GRAVITY * math.sin(angle)) / math.cos(angle) ** 2 * angle_error
     total = math.hypot(by_angle, error / along, gained / along * (read.scale_se or 0.0))
     if value <= 0.0:
         raise InputError(
-            f"{name}: gains {gained:.3g} mm/s2, and without friction it would gain "
-            f"{GRAVITY * math.sin(angle):.3g}: are angle, millimetres and frames a second right?"
+            f"{name}: gains {gained:.3g} mm/s2. Without friction it would gain {GRAVITY * math.sin(angle):.3g}. "
+            "Are angle, millimetres and frames a second right?"
         )
     return Quantity("friction", "", value, total)
 

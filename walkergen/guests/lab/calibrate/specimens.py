@@ -106,8 +106,8 @@ def _check_sizes(part: str, sizes: Mapping[str, Quantity]) -> None:
     for name, (size, error) in ((name, number.pair) for name, number in sizes.items()):
         if error > MAX_SIZE_ERROR * size:
             raise InputError(
-                f"{part}: {name} = {size:.3g} ± {error:.2g}: its error must be at most "
-                f"{MAX_SIZE_ERROR:.0%} of it: measure better or leave the strip out"
+                f"{part}: {name} = {size:.3g} ± {error:.2g}: its error must be at most {MAX_SIZE_ERROR:.0%} of it. "
+                "Measure better, or leave the strip out"
             )
     thick, wide, long = (sizes[name].pair[0] for name in SIZE_READINGS)
     if long < MIN_SLENDERNESS * thick:
@@ -117,7 +117,7 @@ def _check_sizes(part: str, sizes: Mapping[str, Quantity]) -> None:
         )
     if long < wide:
         raise InputError(
-            f"{part}: free_length_mm = {long:g}: must be at least the width, {wide:.3g} mm: wider ones bend as plates"
+            f"{part}: free_length_mm = {long:g}: must be at least the width, {wide:.3g} mm. Wider strips bend as plates"
         )
 
 
@@ -129,8 +129,8 @@ def _check_bend(part: str, bend: Reading, length: float) -> None:
     if depth > beams.MAX_BEND * bend.at_mm:
         raise InputError(
             f"{part}: deflection_mm of {depth:.3g} under {bend.weight_g:g} g at "
-            f"{bend.at_mm:g} mm: is {depth / bend.at_mm:.1%} of the length, at most "
-            f"{beams.MAX_BEND:.0%} counts as a bend: hang less, or nearer to the block"
+            f"{bend.at_mm:g} mm: is {depth / bend.at_mm:.1%} of the length, and must be at most {beams.MAX_BEND:.0%}. "
+            "Hang less weight, or hang it closer to the block"
         )
 
 
@@ -155,22 +155,21 @@ def check_consistency(rough: Sequence[Rough]) -> None:
         own = sorted((single for single in rough if single.method == method), key=lambda single: single.modulus)
         if own and own[-1].modulus > MAX_READING_RATIO * own[0].modulus:
             raise InputError(
-                f"{method}: {own[0].strip} tells a modulus of about {own[0].modulus:.2g} GPa and "
-                f"{own[-1].strip} one of {own[-1].modulus:.2g}: readings of one plastic differ by "
-                f"less than {MAX_READING_RATIO:g} times: is one in another unit, or of another strip?"
+                f"{method}: {own[0].strip} gives a modulus of about {own[0].modulus:.2g} GPa, but "
+                f"{own[-1].strip} gives {own[-1].modulus:.2g}. Readings of one plastic differ by less than a factor "
+                f"of {MAX_READING_RATIO:g}. Is one in another unit, or of another strip?"
             )
     ring, bend = (median_modulus(rough, method) for method in (RING_METHOD, BEND_METHOD))
     if ring and bend and not 1.0 / MAX_METHOD_RATIO <= ring / bend <= MAX_METHOD_RATIO:
         slip = _describe_slip(ring / bend, TIME_SLIPS) or _describe_slip(bend / ring, WEIGHT_SLIPS)
         raise InputError(
-            f"the ring tells a modulus of about {ring:.2g} GPa and the weights {bend:.2g}: one "
-            f"plastic has both within {MAX_METHOD_RATIO:g} times: correct the readings, or leave one kind out"
-            f"{slip}"
+            f"the ring gives a modulus of about {ring:.2g} GPa, but the weights give {bend:.2g}. For one plastic they "
+            f"agree within a factor of {MAX_METHOD_RATIO:g}. Correct the readings, or leave one kind out{slip}"
         )
 
 
 def median_modulus(rough: Sequence[Rough], method: str) -> float | None:
-    """Median modulus (GPa) by one method; None without readings."""
+    """Return the median modulus (GPa) from one method; None without readings."""
     own = [single.modulus for single in rough if single.method == method]
     return float(np.median(own)) if own else None
 
@@ -184,7 +183,7 @@ def slip_notes(rough: Sequence[Rough], usual: float) -> list[str]:
     slip = _describe_slip(alone / usual, TIME_SLIPS if ring else WEIGHT_SLIPS)
     if not slip or 1.0 / MAX_METHOD_RATIO <= alone / usual <= MAX_METHOD_RATIO:
         return []
-    return [f"a modulus of about {alone:.2g} GPa, where the design has {usual:g}{slip}"]
+    return [f"a modulus of about {alone:.2g} GPa; the design has {usual:g}{slip}"]
 
 
 def _describe_slip(ratio: float, slips: Mapping[float, str]) -> str:

@@ -67,7 +67,7 @@ class Response(NamedTuple):
     """Speed (mm/s) below which a scatter that is learnt no longer falls with the speed."""
 
     def __call__(self, x: Array) -> tuple[Array, Array, Array]:
-        """Mean speed, the emulator's error of it, and the scatter between prints, each (k,), mm/s.
+        """Return mean speed, its error from the emulator, and the scatter between prints, each (k,), mm/s.
 
         Columns of x (k, parameters) beyond those simulated are a scatter over speed.
         """
@@ -84,7 +84,7 @@ STILL_SPEED_RATIO = 0.1
 
 
 def sample_parameters(ground: Ground, count: int) -> Array:
-    """Parameters of `count` walkers over their priors, shape (count, simulated parameters).
+    """Return parameters of `count` walkers over their priors, shape (count, simulated parameters).
 
     Points of a lattice (`uncertain_inputs.lattice_points`).
     """
@@ -124,7 +124,7 @@ def simulate(ground: Ground, setting: Setting, x: Array, progress: Progress, bat
 
 
 def cpu_seconds(ground: Ground, setting: Setting) -> float:
-    """CPU seconds of a run of a walker in a setting, as design and scene have it."""
+    """Return the CPU seconds of one run in a setting, with the values of design and scene."""
     return run_time.run_cpu_s(Walker(_short_scene(ground, setting), setting.design, solids.mass_of(setting.design)))
 
 
@@ -180,8 +180,8 @@ def fit_response(x: Array, y: Array, setting: Setting, prints_differ: bool) -> R
     fell = len(y) - int(good.sum())
     if fell > MAX_FAILED_SHARE * len(y) or len(y) - fell < emulator.MIN_VALUES:
         raise InputError(
-            f"tilt {setting.tilt:g} deg: {fell} of {len(y)} simulated walkers have no speed (they "
-            "topple, or their energy does not balance); leave this tilt out, or fix parameters"
+            f"tilt {setting.tilt:g} deg: {fell} of {len(y)} simulated walkers have no speed, because they "
+            "topple or their energy does not balance. Leave this tilt out, or fix parameters"
         )
     x, y = x[good], y[good]
     first = emulator.fit(x, y)
@@ -197,7 +197,7 @@ def fit_response(x: Array, y: Array, setting: Setting, prints_differ: bool) -> R
 
 
 def _fit_scatter(speed: Array, residual: Array) -> tuple[float, float]:
-    """Scatter at speed 0 (mm/s) and its growth with speed, from residuals about the emulator."""
+    """Fit the scatter at speed 0 (mm/s) and its growth with speed to residuals about the emulator."""
     from scipy.optimize import nnls
 
     typical = float(np.sqrt(np.mean(residual**2))) or 1e-6
@@ -213,7 +213,7 @@ def _fit_scatter(speed: Array, residual: Array) -> tuple[float, float]:
 def simulate_batches(
     ground: Ground, settings: Sequence[Setting], x: Array, progress: Progress, batch: int
 ) -> list[Array]:
-    """Speeds of walkers with parameters `x` in every setting, each of shape (n,)."""
+    """Simulate the speeds of walkers with parameters `x` in every setting, each of shape (n,)."""
     speeds = []
     for number, setting in enumerate(settings):
 

@@ -50,7 +50,7 @@ def summarise_draws(parameters: Sequence[Parameter], draws: Array) -> tuple[Lear
         ends = np.quantile(column, (0.1587, 0.8413, 0.025, 0.975))
         mean, sd = float(column.mean()), float(column.std())
         narrowed = sd / float(parameter.quantiles(grid).std())
-        row = (parameter.name, mean, sd, *map(float, ends), parameter.told, narrowed)
+        row = (parameter.name, mean, sd, *map(float, ends), parameter.statement, narrowed)
         rows.append(Learnt._make(row))
     return tuple(rows)
 
@@ -60,7 +60,7 @@ def unlearnt_notes(rows: Sequence[Learnt]) -> list[str]:
     names = [row.name for row in rows if row.narrowed > MAX_LEARNT_RATIO]
     if not names:
         return []
-    return [f"not learnt from these speeds: {_join_names(names)}, as uncertain as before"]
+    return [f"not constrained by these speeds: {_join_names(names)}, as uncertain as before"]
 
 
 def trade_off_notes(parameters: Sequence[Parameter], draws: Array) -> list[str]:
@@ -88,8 +88,8 @@ def trade_off_notes(parameters: Sequence[Parameter], draws: Array) -> list[str]:
             parameters[place].name + ("" if place == first else f"^{power[place]:.2g}") for place in parts
         )
         notes.append(
-            f"{_join_names(names)} trade: only {product} is known, to {100 * error:.0f} %, where "
-            f"{parameters[first].name} alone is known to {100 * sd[first]:.0f} %"
+            f"{_join_names(names)} trade off: {product} is known to {100 * error:.0f} %, but {parameters[first].name} "
+            f"alone only to {100 * sd[first]:.0f} %"
         )
     return notes
 
@@ -103,7 +103,7 @@ def misfit_notes(sampled: Posterior, count: int, model: str) -> list[str]:
         return []
     return [
         f"the model {model} does not describe these speeds: chi2 {sampled.chi2:.3g} for {count} "
-        f"speeds at best (probability {chance:.1g}); bands and errors here suppose that it does"
+        f"speeds at best (probability {chance:.1g}). Bands and errors assume that it does"
     ]
 
 
@@ -117,7 +117,7 @@ def disagreement_notes(parameters: Sequence[Parameter], rows: Sequence[Learnt]) 
         off = math.log(row.mean / prior.mean) if prior.factor else row.mean - prior.mean
         if abs(off) > MAX_DEVIATIONS * prior.sd:
             notes.append(
-                f"{row.name} = {row.mean:.3g}: the speeds disagree with the measured {parameter.told}. "
+                f"{row.name} = {row.mean:.3g}: the speeds disagree with the measured {parameter.statement}. "
                 "Check both, or the model itself is off for this walker"
             )
     return notes

@@ -80,13 +80,13 @@ class ContactFit(NamedTuple):
 
 
 def inverse_mass_tensors(masses: Sequence[MassProperties]) -> tuple[InverseMass, InverseMass]:
-    """Inverse-mass tensors at the back and the front feet of n walkers, entries of shape (n,)."""
+    """Return the inverse-mass tensors at the back and front feet of n walkers, entries of shape (n,)."""
     both = [foot_tensors(mass) for mass in masses]
     return tuple(InverseMass(*np.array([pair[foot] for pair in both]).T) for foot in (0, 1))  # type: ignore[return-value]
 
 
 def unit_speeds(speeds: Speeds, restitution: Array | float, friction: Array | float) -> Array:
-    """Predicted speeds (mm/s) at impact_speed_factor 1; shape of the parameters, then (n,)."""
+    """Predict speeds (mm/s) at impact_speed_factor 1; shape of the parameters, then (n,)."""
     e, mu = np.asarray(restitution)[..., None], np.asarray(friction)[..., None]
     mean = 0.5 * (factor(speeds.back, e, mu, speeds.mode) + factor(speeds.front, e, mu, speeds.mode))
     return speeds.plate_speed * mean
@@ -101,17 +101,17 @@ def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = Tru
     free = [name for name in RANGES if name not in fixed]
     dof = len(speeds.speed) - len(free)
     if not free:
-        raise InputError("‹fix›: nothing is left to fit; leave one of them free")
+        raise InputError("‹fix›: no parameter is left to fit. Leave one of them free")
     if dof < 1:
         raise InputError(
             f"{len(speeds.speed)} speeds for {len(free)} parameters ({', '.join(free)}); measure "
-            f"at least {len(free) + 1}, or fix some: ‹fix› restitution=0.8; without ‹model› "
-            "theory, which knows no priors, any number will do"
+            f"at least {len(free) + 1}, or fix some: ‹fix› restitution=0.8. Other models use priors, and accept any "
+            "number of speeds"
         )
     if np.abs(unit_speeds(speeds, 0.5, 0.1)).max() < MIN_SPEED_RATIO * speeds.plate_speed.max():
         raise InputError(
-            "the theory gives nearly speed 0 to all these walkers, as to all rigid legs: they tell "
-            "nothing of the contact; add walkers with flexible, tilted legs"
+            "the theory predicts nearly speed 0 for all these walkers, as for all rigid legs. They do not constrain "
+            "the contact. Add walkers with flexible, tilted legs"
         )
     values, least = _find_best(speeds, fixed)
     scale = 1.0 if speeds.se is not None else least / dof
@@ -131,7 +131,7 @@ def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = Tru
     if chi2 is not None and p_value is not None and p_value <= 1e-3:
         notes.append(
             f"chi2 {chi2:.3g} for {dof} degrees of freedom (probability {p_value:.1g}): the theory "
-            "does not describe these speeds within their errors, which the errors here suppose"
+            "does not describe these speeds within their errors, but the errors here assume it"
         )
     predicted = values["impact_speed_factor"] * unit_speeds(speeds, values["restitution"], values["friction"])
     return ContactFit(
@@ -177,7 +177,7 @@ def _find_best(speeds: Speeds, fixed: Mapping[str, float]) -> tuple[dict[str, fl
 
 
 def _best_factor(unit: Array, speeds: Speeds, held: float | None) -> Array:
-    """Best impact_speed_factor for speeds computed at factor 1, shape (..., n) to (...)."""
+    """Return the best impact_speed_factor for speeds computed at factor 1, shape (..., n) to (...)."""
     if held is not None:
         return np.full(unit.shape[:-1], held)
     weights = _speed_errors(speeds) ** -2.0
@@ -211,7 +211,7 @@ def _profile_interval(
     least: float,
     scale: float,
 ) -> tuple[float | None, float | None]:
-    """Interval of a parameter outside which the best chi2 exceeds its minimum by `scale`."""
+    """Return the interval of a parameter outside which the best chi2 exceeds its minimum by `scale`."""
     from scipy.optimize import brentq
 
     def excess(value: float) -> float:
@@ -248,7 +248,7 @@ class _Knowledge(NamedTuple):
 
 
 def _find_covariance(slopes: Array, values: Mapping[str, float], free: Sequence[str]) -> _Knowledge:
-    """Covariance from the information's eigenvectors; `slopes` (n, free) in standard errors."""
+    """Compute the covariance from the information's eigenvectors; `slopes` (n, free) in standard errors."""
     information = slopes.T @ slopes
     norm = np.sqrt(np.diag(information))
     weight = norm * np.maximum([abs(values[name]) for name in free], 0.01)
@@ -286,12 +286,12 @@ def _notes(
         low, high = intervals.get(name) or (values[name] - error, values[name] + error)
         return low is None or high is None or high > MAX_INTERVAL_RATIO * low
 
-    notes = [f"{name}: none of these speeds depends on it; measure other tilts, or fix it" for name in knowledge.unseen]
+    notes = [f"{name}: none of these speeds depends on it. Measure other tilts, or fix it" for name in knowledge.unseen]
     if knowledge.level <= MIN_EIGENVALUE and len(together) >= 2:
         names = ", ".join(together[:-1]) + f" and {together[-1]}"
         evidence = f"(smallest eigenvalue of the information {max(knowledge.level, 0.0):.2g})"
         notes.append(
-            f"{names} cannot be told apart {evidence}: fix one, ‹fix› {together[0]}=..."
+            f"{names} cannot be separated {evidence}: fix one, ‹fix› {together[0]}=..."
             if any(map(is_vague, together))
             else f"{names} are strongly correlated {evidence}: quote them together"
         )
@@ -301,7 +301,7 @@ def _notes(
         if error is not None and is_vague(name)
     ]
     return notes + [
-        f"{name} lies at the limit {limit:g} of its range: its standard error means nothing there"
+        f"{name} lies at the limit {limit:g} of its range: its standard error has no meaning there"
         for name in errors
         for limit in RANGES[name]
         if math.isclose(values[name], limit, rel_tol=1e-6, abs_tol=1e-6)

@@ -104,7 +104,7 @@ def fit(
     settings, observed = _group_by_setting(design, seen)
     ahead = _predicted_settings(request.predict, design, seen, settings)
     if model != "prediction":
-        effect_selection.check_no_accepted_error(scene, "a fit is of one model, and all that the scene calls for")
+        effect_selection.check_no_accepted_error(scene, "a fit needs all effects of the scene")
         expect(lambda: _expected_time(ground, settings, ahead))
     respond = _sample_by_table if model == "prediction" else _sample_by_runs
     sampled, responses, later = respond(ground, settings, observed, ahead, progress)
@@ -129,23 +129,23 @@ def fit(
 
 
 def _select_flexible(table: Measured, path: Path, model: ModelName) -> tuple[Measured, list[str]]:
-    """Rows of flexible walkers with their errors, and notes on those left out."""
+    """Return the rows of flexible walkers with their errors, and notes on the omitted rows."""
     if not len(table.speed):
         raise InputError(f"{path}: no row is usable: {table.bad}")
     if table.se is None and model != "prediction":
         raise InputError(
-            f"{path}: no column speed_se_mm_s; a simulated fit weighs speeds by their standard "
-            "errors: add them (walkergen analyse gives them), or leave ‹model› out"
+            f"{path}: no column speed_se_mm_s. A simulated fit weights speeds by their standard "
+            "errors. Add them (walkergen analyse prints them), or leave ‹model› out"
         )
     braced = np.array([kind == "braced" for kind in table.legs])
     if braced.all():
         raise InputError(
-            f"{path}: all rows have braced legs, whose speeds near 0 tell nothing of the contact; "
-            "measure walkers with flexible legs"
+            f"{path}: all rows have braced legs. Their speeds near 0 do not constrain the contact. "
+            "Measure walkers with flexible legs"
         )
     notes = table.notes
     if braced.any():
-        notes.append(f"rows of braced legs left out, which tell nothing of contact: {braced.sum()}")
+        notes.append(f"{braced.sum()} rows of braced legs are left out: they do not constrain the contact")
     if table.se is None:
         notes.append("no standard errors given: those here come from the scatter of the speeds")
     kept = ~braced
@@ -160,7 +160,7 @@ def _group_by_setting(design: Design, seen: Measured) -> tuple[list[Setting], li
     different, places = np.unique(pairs, axis=0, return_inverse=True)
     if len(different) > MAX_SETTINGS:
         raise InputError(
-            f"{len(different)} pairs of tilt and plate speed; at most {MAX_SETTINGS}: give prints "
+            f"{len(different)} pairs of tilt and plate speed; at most {MAX_SETTINGS}. Give prints "
             "of one tilt the same tilt_deg and plate_speed_mm_s"
         )
     members = design.members([float(tilt) for tilt, _ in different], ["flexible"])
@@ -181,7 +181,7 @@ def _predicted_settings(
     missing = sorted({float(tilt) for tilt in tilts} - set(measured_tilts))
     if len(missing) + len(settings) > MAX_SETTINGS:
         raise InputError(
-            f"‹predict›: {len(missing)} tilts beside {len(settings)} measured ones; at most {MAX_SETTINGS} together"
+            f"‹predict›: {len(missing)} tilts and {len(settings)} measured ones exceed the maximum of {MAX_SETTINGS}"
         )
     return [Setting(member, plate) for member in design.members(missing, ["flexible"])]
 
@@ -238,7 +238,7 @@ def _expected_time(ground: Ground, settings: Sequence[Setting], ahead: Sequence[
 
 
 def _thin_draws(sampled: Posterior, ground: Ground, count: int) -> Array:
-    """Draws of the posterior far from one another in the chain, (count, simulated parameters)."""
+    """Return draws of the posterior that lie far apart in the chain, (count, simulated parameters)."""
     wide = len(ground.unknown.simulated)
     return sampled.draws[:: len(sampled.draws) // count][:count, :wide]
 
@@ -253,7 +253,7 @@ def _fit_responses(ground: Ground, settings: Sequence[Setting], x: Array, y: Seq
 def _predict_bands(
     ground: Ground, settings: Sequence[Setting], responses: Sequence[Responds], sampled: Posterior, is_measured: bool
 ) -> list[Band]:
-    """Bands in settings from the posterior, the emulators' errors and the scatter of prints."""
+    """Compute bands in settings from the posterior, the emulators' errors and the scatter of prints."""
     bands = []
     for number, (setting, response) in enumerate(zip(settings, responses, strict=True)):
         rng = np.random.default_rng([ground.scene.run.seed, number, is_measured])
@@ -268,11 +268,11 @@ def _predict_bands(
 def _caveats(ground: Ground) -> list[str]:
     """Return notes on errors that the bands do not include."""
     notes = [
-        "scene.toml and design.toml hold means and standard deviations; how parameters go "
-        "together stands in posterior.csv, and only bands.csv knows it"
+        "scene.toml and design.toml hold means and standard deviations. Correlations of parameters are in "
+        "posterior.csv, and only bands.csv includes them"
     ]
     if ground.model == "space" and not ground.unknown.prints_differ:
-        notes.insert(0, "the scene has no unevenness: bands leave out how prints differ")
+        notes.insert(0, "the scene has no unevenness: bands exclude differences between prints")
     return notes
 
 

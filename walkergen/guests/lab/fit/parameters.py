@@ -60,13 +60,13 @@ class Parameter(NamedTuple):
     flat: bool
 
     def quantiles(self, shares: Array) -> Array:
-        """Values below which these shares of the prior lie; any shape."""
+        """Return the values below which these shares of the prior lie; any shape."""
         if self.flat:
             return self.prior.low + shares * (self.prior.high - self.prior.low)
         return uncertain_inputs.input_quantiles(self.prior, shares)
 
     @property
-    def told(self) -> str:
+    def statement(self) -> str:
         """Statement of the prior."""
         prior = self.prior
         if prior.factor:
@@ -130,8 +130,8 @@ def list_unknowns(
             parameters.append(Parameter(name, inputs[key], False))
     if not parameters:
         raise InputError(
-            "‹fix›: nothing is left to learn; leave one of them free, or take ‹prior=›flat where "
-            "the scene's standard deviations are 0"
+            "‹fix›: no parameter is left to fit. Leave one of them free, or use ‹prior=›flat if the scene's standard "
+            "deviations are 0"
         )
     printed = tuple(inputs[name] for name in PRINT_INPUTS if name in inputs)
     scatter = Parameter(SCATTER_NAME, Input(SCATTER_NAME, 0.0, PRIOR_SCATTER_SD), False)
@@ -139,17 +139,17 @@ def list_unknowns(
 
 
 def apply_fixed(scene: Scene, design: Design, fixed: Mapping[str, float]) -> tuple[Scene, Design]:
-    """Scene and design with the fixed values. Raises GeometryError for legs too thick."""
+    """Return scene and design with the fixed values. Raises GeometryError for legs that are too thick."""
     values = {PARAMETER_KEYS[name]: value for name, value in fixed.items()}
     if scene.drive.kind == "plate" and (
         wrong := {uncertain_inputs.FREQUENCY_KEY, uncertain_inputs.MOMENT_KEY} & set(values)
     ):
-        raise InputError(f"‹fix›: {sorted(wrong)[0]} is a motor's, and the scene has a plate")
+        raise InputError(f"‹fix›: {sorted(wrong)[0]} belongs to a motor, but the scene has a plate")
     scene, design, _ = uncertain_inputs.apply_inputs(scene, design, values)
     return scene, design
 
 
 def prior_values(parameters: Sequence[Parameter], shares: Array) -> Array:
-    """Values of the parameters from shares of their priors, shape (n, parameters)."""
+    """Return values of the parameters from shares of their priors, shape (n, parameters)."""
     columns = [parameter.quantiles(shares[:, place]) for place, parameter in enumerate(parameters)]
     return np.column_stack(columns)

@@ -20,7 +20,7 @@ class Responds(Protocol):
     """Speed of a setting over the parameters."""
 
     def __call__(self, x: Array, /) -> tuple[Array, Array, Array]:
-        """Mean, error that all prints share, and scatter between prints, each (k,), mm/s.
+        """Return the mean, the common error of all prints, and the scatter between prints, each (k,), mm/s.
 
         Rows of x (k, parameters) are values of the parameters.
         """
@@ -93,7 +93,7 @@ def sample(
 def _run_chains(
     logarithm: Callable[[Array], Array], wide: int, rng: np.random.Generator, progress: Progress
 ) -> tuple[Array, int, float]:
-    """Draws in z of all chains, (n, wide), how many steps they took, and their correlation time."""
+    """Run the chains; return all draws in z, (n, wide), the number of steps and the correlation time."""
     from emcee import EnsembleSampler, State, moves
 
     start = _chain_starts(logarithm, wide, rng)
@@ -128,7 +128,7 @@ def _chain_starts(logarithm: Callable[[Array], Array], wide: int, rng: np.random
 
 
 def log_likelihood(x: Array, observed: Sequence[Observed], responses: Sequence[Responds]) -> tuple[Array, Array]:
-    """Logarithm of the likelihood of parameters x (k, parameters), and chi2, each of shape (k,).
+    """Return the log-likelihood of parameters x (k, parameters), and chi2, each of shape (k,).
 
     Prints scatter on their own; the error of an emulator is common to all prints of its setting.
     """
@@ -148,7 +148,7 @@ def log_likelihood(x: Array, observed: Sequence[Observed], responses: Sequence[R
 
 
 def speed_draws(x: Array, response: Responds, rng: np.random.Generator) -> Array:
-    """Draws of the speed of a new print for each draw of the parameters, shape (k,)."""
+    """Draw the speed of a new print for each draw of the parameters, shape (k,)."""
     with single_thread():
         mean, sd, scatter = response(x)
     return np.asarray(mean + np.hypot(sd, scatter) * rng.normal(size=len(x)))

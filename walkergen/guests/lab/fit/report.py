@@ -31,11 +31,11 @@ SPEED_COLUMNS = ("tilt_deg", "legs", "plate_speed_mm_s", "speed_mm_s", "speed_se
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class FitReport(LabReport):
-    """Contact, and more, that measured speeds tell; design and scene go on with it."""
+    """Contact and other parameters from measured speeds, with the updated design and scene."""
 
     @property
     def bands(self) -> Table:
-        """Speeds of one more print at every tilt, with bounds, mm/s; of the theory none."""
+        """Speeds of one more print at every tilt, with bounds, mm/s; the theory has none."""
         return self["bands"]
 
 
@@ -184,7 +184,7 @@ def format_quality(fit: ContactFit) -> str:
 
 
 def format_correlations(fit: ContactFit) -> Iterator[str]:
-    """Correlations of all pairs of fitted parameters in one line; none of a single parameter."""
+    """Yield the correlations of all pairs of fitted parameters in one line; nothing for a single parameter."""
     pairs = [
         f"{first}, {second}: {fit.correlation[i, j]:+.3f}"
         for (i, first), (j, second) in combinations(enumerate(fit.free), 2)

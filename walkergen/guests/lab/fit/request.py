@@ -1,4 +1,4 @@
-"""What `fit` is asked for, and the fit that it names."""
+"""Request of `fit`."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def _parse_fixed(value: Any) -> list[str]:
-    """Parameters to hold, NAME=VALUE, of texts or of {NAME: VALUE}."""
+    """Return the parameters to hold, NAME=VALUE, from texts or from {NAME: VALUE}."""
     return (
         [f"{name}={number!r}" for name, number in value.items()]
         if isinstance(value, Mapping)
@@ -29,9 +29,9 @@ class FitRequest(request.Request):
     The CSV file has columns tilt_deg, speed_mm_s and, if known, speed_se_mm_s, legs (flexible or braced; otherwise the
     design's) and plate_speed_mm_s (otherwise the scene's). A row is one print, its standard error that of its film. In
     place of a speed, a column tracks may name the tracks.csv of a film: a row for each of its walkers, or for the one
-    in a column particle. The contact learnt is that by which speeds are predicted, in seconds, or that of a simulated
-    model by emulators, with bands for one more print at every tilt; that of the theory, the paper's eq. 15, is found by
-    least squares. All write scene.toml and design.toml for `walkergen family`.
+    in a column particle. By default the fit takes seconds and uses the model of `predict`. A simulated model is fitted
+    with emulators. Both give bands for one more print at every tilt. The theory, the paper's eq. 15, is fitted by least
+    squares. All write scene.toml and design.toml for `walkergen family`.
     """
 
     by_position: ClassVar = ("speeds", "design", "scene")
@@ -41,7 +41,7 @@ class FitRequest(request.Request):
     scene: request.Ground = request.LANE_SCENE
     model: Annotated[
         Literal["prediction", "theory", "space"],
-        Flag("Model: prediction, as family prints it; theory; space, simulated (minutes).", "MODEL"),
+        Flag("Model: prediction (as in family), theory, or space (simulated, minutes).", "MODEL"),
     ] = "prediction"
     fix: Annotated[
         list[str],
@@ -52,7 +52,7 @@ class FitRequest(request.Request):
     ] = []
     prior: Annotated[
         Literal["flat", "scene"] | None,
-        Flag("Of restitution and friction: as in the scene (scene, the default), or flat.", "PRIOR"),
+        Flag("Prior of restitution and friction: as in the scene (scene, the default), or flat.", "PRIOR"),
     ] = None
     predict: Annotated[
         list[float] | None,
@@ -70,7 +70,7 @@ class FitRequest(request.Request):
     out: request.Out = None
 
     def run(self, progress: Progress) -> "FitReport":
-        """Fit, and write what follows."""
+        """Fit, and write the results."""
         from walkergen.core.files import output
         from walkergen.guests.lab.fit import make
         from walkergen.guests.lab.report import Setup

@@ -29,7 +29,7 @@ class Tabled(NamedTuple):
     """Inputs in the order of the columns."""
 
     def __call__(self, x: Array) -> tuple[Array, Array, Array]:
-        """Mean speed, its error that prints share, and the scatter between prints, (k,), mm/s.
+        """Return mean speed, its common error of all prints, and the scatter between prints, (k,), mm/s.
 
         Shared are the errors of the surrogate and of the model itself, `prediction.model_sd`.
         """
@@ -52,8 +52,8 @@ def responses(ground: Ground, settings: Sequence[Setting]) -> list[Tabled]:
             known = surrogate.case_in_domain(scene, design, solids.mass_of(design), within_goal=False)
         except UnknownError as error:
             raise InputError(
-                f"{design.name}, tilt {setting.tilt:g} deg: {error.text}: learn from simulated speeds, "
-                "‹model=›space, or leave that tilt out"
+                f"{design.name}, tilt {setting.tilt:g} deg: {error.text}: fit simulated speeds, "
+                "‹model=›space, or leave this tilt out"
             ) from None
         by_setting.append(Tabled(setting, known, names))
     return by_setting

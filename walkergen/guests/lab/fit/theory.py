@@ -30,8 +30,8 @@ DECIMALS = 12
 """Decimals of fitted numbers in scene.toml; further ones are the search's rounding."""
 
 THEORY_NOTE = (
-    "this is the theory's contact, with which theory_mm_s meets the speeds; without ‹model=›theory "
-    "fit learns that by which speeds are predicted"
+    "this contact makes theory_mm_s match the speeds. Without ‹model=›theory, fit estimates the contact behind "
+    "predicted speeds"
 )
 """Note on the use of a fitted contact."""
 
@@ -62,8 +62,8 @@ def fit(request: "FitRequest", setup: Setup, held: Mapping[str, float], progress
     (design, scene), path = setup, request.speeds
     if not design.alike:
         raise InputError(
-            f"{design.name}: the theory's mean over two equal feet is fitted, and its legs are "
-            "not two equal ones: learn from simulated speeds, ‹model=›space"
+            f"{design.name}: its legs are not two equal ones, as the theory requires. "
+            "Fit simulated speeds, ‹model=›space"
         )
     seen = measured.read_speeds(path, design.kind, scene.drive.peak_speed)
     measured.check_units(path, seen)
@@ -84,7 +84,7 @@ def _make_speeds(
 
 
 def _fitted_scene(scene: Scene, result: ContactFit, source: Path) -> Scene:
-    """Scene with the fitted values; fixed values keep the scene's standard deviations."""
+    """Return the scene with the fitted values; fixed values keep the scene's standard deviations."""
     data: dict[str, Any] = scene.model_dump(exclude_none=True)
     for name, value in result.values.items():
         table = data["prediction" if name.startswith("impact") else "contact"]
@@ -99,7 +99,7 @@ def _fitted_scene(scene: Scene, result: ContactFit, source: Path) -> Scene:
 
 
 def _fitted_curve(fitted: Fitted, kind: Kind) -> tuple[Array, Array, Array]:
-    """Tilt (deg), speed over plate speed, and its standard error, over the measured tilts."""
+    """Return tilt (deg), speed over plate speed, and its standard error, over the measured tilts."""
     tilt = np.linspace(fitted.seen.tilt.min(), fitted.seen.tilt.max(), CURVE_POINTS)
     ones, result = np.ones_like(tilt), fitted.fit
     along = _make_speeds(fitted.design, fitted.speeds.mode, tilt, [kind] * len(tilt), ones, None, ones)

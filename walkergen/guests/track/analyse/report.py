@@ -29,12 +29,12 @@ MIN_TURNED_SHARE = 0.05
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class AnalysisReport(Report):
-    """Motion that tracks tell, each number with its error or the reason why it has none."""
+    """Motion from tracks, each number with its error or the reason for its absence."""
 
     motion: Motion
     """Everything that was measured, with curves."""
     notes: Sequence[str]
-    """Method and doubts, and rows that were left out."""
+    """Method, doubts and omitted rows."""
 
     @property
     def estimates(self) -> dict[str, Quantity]:
@@ -69,7 +69,7 @@ PLATE_SPEED_COLUMNS = ("plate_speed_mm_s", *SPEED_COLUMNS, "speed_scale_se_mm_s"
 
 
 def make_report(tracks: Tracks, motion: Motion, title: str, folder: Path | None = None) -> AnalysisReport:
-    """Report of the motion of tracks, of a file called `title`."""
+    """Report the motion of tracks from a file called `title`."""
     fit = motion.msd_fit.goodness if motion.msd_fit else ""
     reasons = [*track_warnings.find_all(tracks), *motion.doubts, track_warnings.describe_scale_error(motion.scale_se)]
     lines = [motion.method, fit, *reasons, tracks.note]
@@ -136,7 +136,7 @@ def _plate_speed_table(motion: Motion) -> Table:
 
 
 def _walker_table(motion: Motion) -> Table:
-    """Return the table of single walkers; people read the first."""
+    """Return the table of single walkers; the report prints the first ones."""
     rows, alone = [], {walker.particle: walker for walker in motion.walkers}
     for walker in motion.walkers:
         speed, turning = (walker.mean(name) for name in WALKER_ESTIMATES)
@@ -175,7 +175,7 @@ def _format_line(motion: Motion) -> Iterator[str]:
 
 
 def _curve_tables(motion: Motion) -> Iterator[Table]:
-    """Tables of the curves, for CSV and Python alone."""
+    """Yield the tables of the curves, for CSV and Python only."""
     squared = (*motion.msd, facts.scale_errors(motion), *motion.exponent[1:])
     keys = ("lag_s", "msd_mm2", "se_mm2", "scale_se_mm2", "exponent", "exponent_se")
     yield Table("msd", facts.curve_points(squared), keys)
@@ -186,7 +186,7 @@ def _curve_tables(motion: Motion) -> Iterator[Table]:
 
 
 def _figure_names(motion: Motion) -> Iterator[str]:
-    """Names of the figures that the motion allows."""
+    """Yield the names of the figures that the motion allows."""
     yield "trajectories"
     if motion.by_plate_speed:
         yield "plate_speed"

@@ -1,4 +1,4 @@
-"""What `analyse` is asked for."""
+"""Request of `analyse`."""
 
 import math
 import tempfile
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from walkergen.guests.track.analyse.report import AnalysisReport
 
 UNNAMED_TRACKS = "tracks"
-"""Name by which messages and titles call tracks that come from no file."""
+"""Name in messages and titles of tracks without a file."""
 
 
 class AnalyseRequest(request.Request):
@@ -26,12 +26,12 @@ class AnalyseRequest(request.Request):
 
     A film is a table with columns frame or t_s, x, y and, if known, particle and theta (rad) or theta_deg, counted
     from x toward y; or a file of TrackMate, DeepLabCut, SLEAP, movement, idtracker.ai, TRex, FastTrack, MTrackJ or
-    Tracker. Units stand in the names (x_mm, "X (cm)"), or are given: --fps, --mm-per-px, --unit. A simulation is a
+    Tracker. Put units into the names (x_mm, "X (cm)"), or give --fps, --mm-per-px, --unit. A simulation is a
     file that simulate --trajectory wrote. Tracks at several plate speeds need a column plate_speed_mm_s. Python may
     give what track() or simulate().trajectory() returned, a frame of pandas, or columns by name.
 
     With --dish the walkers are a crowd: its packing, clusters, order and fluctuations are measured, with errors from
-    independent runs (--run), and no walker by itself.
+    independent runs (--run), and no single walkers.
     """
 
     by_position: ClassVar = ("tracks",)
@@ -48,19 +48,19 @@ class AnalyseRequest(request.Request):
     descent_deg: Annotated[
         float | None,
         Field(ge=-360, le=360),
-        Flag("Direction in which the plate descends, from x toward y: tells self-alignment.", "DEG"),
+        Flag("Direction of the plate's descent, from x toward y; adds self-alignment.", "DEG"),
     ] = None
     arena: Annotated[
         str | None,
         Flag(
-            "Walls about single walkers, mm: disc:120, ring:160,60 or rectangle:200x100, or open; sought by default.",
+            "Walls about single walkers, mm: disc:120, ring:160,60 or rectangle:200x100, or open; found by default.",
             "ARENA",
         ),
     ] = None
     dish: Annotated[
         str | None,
         Flag(
-            "Measure the crowd that the walkers are: disc:120, ring:160,60, rectangle:200x100 or periodic:150, mm.",
+            "Measure the walkers as a crowd in a dish: disc:120, ring:160,60, rectangle:200x100 or periodic:150, mm.",
             "DISH",
         ),
     ] = None
@@ -87,17 +87,17 @@ class AnalyseRequest(request.Request):
             path.write_text(_to_csv(self.tracks), encoding="utf-8")
             try:
                 return self._measure_file(path, progress)
-            except InputError as error:  # a person knows nothing of that file
+            except InputError as error:  # the user did not name that file
                 raise InputError(error.text.replace(str(path), UNNAMED_TRACKS), "tracks") from None
 
     def _parse_walls(self) -> "Dish | None":
-        """Dish whose walls are told; an endless one where there are none."""
+        """Return the dish with the given walls; None without the setting."""
         from walkergen.core import dish
 
         return None if self.arena is None else dish.OPEN_GROUND if self.arena == "open" else dish.parse_dish(self.arena)
 
     def _measure_file(self, path: Path, progress: Progress) -> "AnalysisReport":
-        """Measure what the tracks of a file are of."""
+        """Measure the tracks of a file."""
         from walkergen.core.files import output
 
         if self.dish is None:
@@ -121,7 +121,7 @@ class AnalyseRequest(request.Request):
 
 
 def _to_csv(tracks: Any) -> str:
-    """Columns as the text of a CSV file, with every digit. Raises InputError."""
+    """Return columns as the text of a CSV file, with every digit. Raises InputError."""
     import numpy as np
 
     from walkergen.core.files.tables import csv_text

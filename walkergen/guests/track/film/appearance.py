@@ -88,7 +88,7 @@ class Appearance(NamedTuple):
         return np.asarray(ndimage.gaussian_filter(sharp, self.blur), np.float32)
 
     def slopes(self, frame: Grey) -> Floats:
-        """Change of the brightness from pixel to pixel, in the unit of contrasts."""
+        """Compute the change of brightness from pixel to pixel, in the unit of contrasts."""
         _, gain = self._light_and_gain(frame)
         slope = ndimage.gaussian_gradient_magnitude(frame, math.hypot(self.blur, 1.0), output=float)
         return np.asarray(slope * gain, np.float32)
@@ -120,7 +120,7 @@ def learn_appearance(
         what = "light or dark" if dark is None else "dark" if dark else "light"
         raise InputError(
             f"no walker found: nothing {what} differs from the ground by {look.threshold:.3g} of "
-            f"255 steps and is {MIN_WIDTH_PX:g} pixels wide (widest: {look.width:.3g}): try "
+            f"255 steps and is {MIN_WIDTH_PX:g} pixels wide (widest: {look.width:.3g}). Try "
             "‹threshold›, ‹walkers› or ‹region›"
         )
     local = estimate_ground(picture, look.dark, min(WINDOW_WIDTHS * (width or look.width), widest))
@@ -183,7 +183,7 @@ def _measure_contrast(samples: Sequence[Grey], look: Appearance, threshold: floa
 
 
 def _frame_noise(fields: Sequence[Floats]) -> float:
-    """Deviation of contrasts from frame to frame, by its median size: little moves."""
+    """Estimate the deviation of contrasts from frame to frame, from its median size, since little moves."""
     steps = [np.median(np.abs(now - before)) for before, now in pairwise(fields)]
     return 1.4826 / math.sqrt(2.0) * float(np.median(steps)) if steps else 0.0
 
@@ -191,7 +191,7 @@ def _frame_noise(fields: Sequence[Floats]) -> float:
 def _widest_spots(
     fields: Sequence[Floats], slopes: Sequence[Floats], thresholds: Sequence[float]
 ) -> Iterator[tuple[float, float]]:
-    """Median width of the widest things with a sharp edge, pixels, and their contrast, at each."""
+    """Yield the median width, pixels, and contrast of the widest objects with a sharp edge, at each threshold."""
     for threshold in thresholds:
         spots = [
             spot for field, slope in zip(fields, slopes, strict=True) for spot in _sharp_spots(field, slope, threshold)
@@ -203,7 +203,7 @@ def _widest_spots(
 
 
 def _sharp_spots(field: Floats, slope: Floats, threshold: float) -> Iterator[tuple[float, float]]:
-    """Width, pixels, and contrast in the middle, of all things whose edge is sharp all around."""
+    """Return width, pixels, and contrast in the middle, of all objects with a sharp edge all around."""
     for box, piece in connected_pieces(field > threshold, MIN_WIDTH_PX):
         inside = piece[1:-1, 1:-1]
         edge = inside & ~ndimage.binary_erosion(piece, EIGHT_NEIGHBOURS)[1:-1, 1:-1]

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from itertools import chain, islice, pairwise
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -18,7 +18,10 @@ from walkergen.guests.track.film.films import Box, Clock, Film, Grey
 from walkergen.guests.track.film.heading import MIN_ELONGATION
 from walkergen.guests.track.film.lens import Lens
 from walkergen.guests.track.film.linking import Linked, Seen
-from walkergen.guests.track.film.result import Options, Outline, Tracked, Walker
+from walkergen.guests.track.film.result import Outline, Tracked, Walker
+
+if TYPE_CHECKING:
+    from walkergen.guests.track.film.request import TrackRequest
 
 SAMPLE_FRAMES = 8
 """Number of frames, from the first on, that tell the look of a film."""
@@ -46,19 +49,21 @@ class Unmarked(NamedTuple):
     """Number of frames without movement since the frame before."""
 
 
-def track(film: Film, part: Box, options: Options, lens: Lens | None, progress: Progress) -> tuple[Tracked, Unmarked]:
+def track(
+    film: Film, part: Box, request: "TrackRequest", lens: Lens | None, progress: Progress
+) -> tuple[Tracked, Unmarked]:
     """Track the walkers in a part of a film's frames, with the findings behind them. Raises InputError for none."""
-    frames = _find_in_frames(film, part, options, progress)
-    linked = linking.link(frames.blobs, options.frames[0], frames.clock.fps)
+    frames = _find_in_frames(film, part, request, progress)
+    linked = linking.link(frames.blobs, request.frames[0], frames.clock.fps)
     straight = [_undistort(seen, lens, part) for seen in linked.walkers]
-    scale = find_scale(options, _walker_length(linked, straight))
-    by: heading.By = "mark" if options.heading == "mark" else "motion"
+    scale = find_scale(request, _walker_length(linked, straight))
+    by: heading.By = "mark" if request.heading == "mark" else "motion"
     walkers = [
         _make_walker(number, seen, own, by, film, part, scale.number)
         for number, (seen, own) in enumerate(zip(linked.walkers, straight, strict=True))
     ]
     looked = len(frames.blobs)
-    tracked = Tracked(film, options, part, frames.picture, frames.clock, looked, walkers, scale)
+    tracked = Tracked(film, request, lens, part, frames.picture, frames.clock, looked, walkers, scale)
     return tracked, Unmarked(frames.look, linked, straight, frames.shake, _count_still(frames.blobs))
 
 
@@ -73,21 +78,21 @@ class _Frames(NamedTuple):
     shake: Shake
 
 
-def _find_in_frames(film: Film, part: Box, options: Options, progress: Progress) -> _Frames:
-    dark = None if options.walkers is None else options.walkers == "dark"
-    with films.play(film, part, options.frames, progress) as reel:
+def _find_in_frames(film: Film, part: Box, request: "TrackRequest", progress: Progress) -> _Frames:
+    dark = None if request.walkers is None else request.walkers == "dark"
+    with films.play(film, part, request.frames, progress) as reel:
         samples = list(islice(reel.frames, SAMPLE_FRAMES))
-        films.check_frame_count(len(samples), options.frames[0])
-        look = appearance.learn_appearance(samples, dark, options.threshold, options.width_px)
+        films.check_frame_count(len(samples), request.frames[0])
+        look = appearance.learn_appearance(samples, dark, request.threshold, request.width)
         near = [blob for grey in samples for blob in find_blobs(grey, look, marked=False)]
         points = camera.find_fixed_points(samples, look, near)
         blobs: list[list[Blob]] = []
         shifts: list[Array] = []
         for number, grey in enumerate(chain(samples, reel.frames)):
-            blobs.append(find_blobs(grey, look, options.heading == "mark"))
+            blobs.append(find_blobs(grey, look, request.heading == "mark"))
             if points is not None and number % max(1, reel.expected // SHIFT_FRAMES) == 0:
                 shifts.append(camera.find_shift(points, grey, blobs[-1]))
-        clock = films.read_clock(film, reel.stamps, options.fps)
+        clock = films.read_clock(film, reel.stamps, request.fps)
     return _Frames(samples[0], look, blobs, clock, camera.measure_shake(shifts))
 
 
@@ -114,22 +119,23 @@ def _walker_length(linked: Linked, straight: Sequence[Seen]) -> float:
     return linked.length * float(np.median(own / bent))
 
 
-def find_scale(options: Options, length: float) -> Quantity:
+def find_scale(request: "TrackRequest", length: float) -> Quantity:
     """Return the millimetres per pixel with their standard error, as given or from a walker's length, pixels.
 
     Errors of a scale from a length are those of blurred edges and of the given length.
     """
-    if options.mm_per_px.value is not None:
-        return options.mm_per_px
-    scale = options.length.number / length
-    share_se = (options.length.se or 0.0) / options.length.number
+    if request.mm_per_px is not None:
+        return Quantity("mm_per_px", "", *request.mm_per_px)
+    assert request.length is not None
+    walker_mm, se = request.length
+    scale, share_se = walker_mm / length, (se or 0.0) / walker_mm
     return Quantity("mm_per_px", "", scale, scale * math.hypot(LENGTH_ERROR_PX / length, share_se))
 
 
 def _make_walker(
     number: int, seen: Seen, straight: Seen, by: heading.By, film: Film, part: Box, scale: float
 ) -> Walker:
-    """Walker with places in mm from the lower left corner of the whole frame."""
+    """Build a walker with positions in mm from the lower left corner of the whole frame."""
     left, top, _, _ = part
     bent, own = (np.column_stack([blobs.x + left + 0.5, blobs.y + top + 0.5]) for blobs in (seen.blobs, straight.blobs))
     position = scale * np.column_stack([own[:, 0], film.height - own[:, 1]])
@@ -140,7 +146,7 @@ def _make_walker(
 
 
 def _make_outline(seen: Seen, at: int, middle: Array, theta: float) -> Outline:
-    """Box or ellipse around a walker in one of its frames, and the arrow that begins at its front."""
+    """Build the box or ellipse around a walker in one frame, and the arrow from its front."""
     blobs = seen.blobs
     unit = np.array([(1, 1), (1, -1), (-1, -1), (-1, 1), (1, 1)])
     if np.median(blobs.length / blobs.width) < MIN_ELONGATION:

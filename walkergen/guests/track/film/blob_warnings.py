@@ -62,7 +62,7 @@ def _finite_or_none(value: float) -> float | None:
 def _notes(tracked: Tracked, found: Unmarked) -> Iterator[str]:
     """Yield notes on the search, and the scale with its error."""
     look, linked = found.look, found.linked
-    error = " (its error is not known: give it as 0.05+-0.001)"
+    error = " (error unknown: give it as 0.05+-0.001)"
     scale, scale_se = tracked.mm_per_px.number, tracked.mm_per_px.se
     if scale_se is not None:
         error = f" ± {formatting.format_number(100.0 * scale_se / scale, 2)} %"
@@ -74,7 +74,7 @@ def _notes(tracked: Tracked, found: Unmarked) -> Iterator[str]:
         f"{tracked.clock.in_words}."
     )
     if math.isnan(found.shake.rms):
-        yield "Nothing that stands still tells whether the camera shakes."
+        yield "Shake of the camera is unknown: the ground shows no fixed points."
 
 
 def _link_warnings(tracked: Tracked, found: Unmarked) -> Iterator[str]:
@@ -84,8 +84,8 @@ def _link_warnings(tracked: Tracked, found: Unmarked) -> Iterator[str]:
         yield f"nothing was found in {linked.empty} of {count} frames"
     if linked.merged:
         yield (
-            f"walkers touch, and are left out, in {linked.merged} of {count} frames; afterwards "
-            "they may have changed their numbers: look at check.png"
+            f"walkers that touch are left out in {linked.merged} of {count} frames. Their numbers may be exchanged "
+            "afterwards: look at check.png"
         )
     for walker in walkers:
         if walker.lost > MAX_LOST_SHARE * (walker.lost + len(walker.frames)):
@@ -98,8 +98,8 @@ def _link_warnings(tracked: Tracked, found: Unmarked) -> Iterator[str]:
     most = int(np.bincount(np.concatenate([walker.frames for walker in walkers])).max())
     if most < len(walkers):
         yield (
-            f"{len(walkers)} tracks, but never more than {most} walkers at once: one that was lost "
-            "may go on under another number, so that tracks are not independent samples"
+            f"{len(walkers)} tracks, but at most {most} walkers in a frame: a lost walker may continue under another "
+            "number. Tracks are then not independent samples"
         )
 
 
@@ -115,33 +115,32 @@ def _image_warnings(tracked: Tracked, found: Unmarked, pull: float, change: Quan
 
     if look.blur:
         yield (
-            f"little contrast: walkers differ from the ground by {look.contrast:.3g} of 255 steps, "
-            f"{look.contrast / look.noise:.2g} times the noise of a pixel: give more light"
+            f"low contrast: walkers differ from the ground by {look.contrast:.3g} of 255 steps, "
+            f"{look.contrast / look.noise:.2g} times the noise of a pixel. Use more light"
         )
     if shake.rms > MAX_SHAKE_PX:
         yield (
-            f"the camera shakes: what stands still moves by {format_length(shake.rms)} r.m.s., "
-            f"{format_length(shake.largest)} at most, and places with it: fix the camera"
+            f"the camera shakes: fixed points move by {format_length(shake.rms)} r.m.s., at most "
+            f"{format_length(shake.largest)}, and positions with them. Fix the camera"
         )
     if pull > MAX_PULL_PX:
         yield (
-            f"shadows are taken for walkers, and pull at their centres by {format_length(pull)}: light from all sides, "
-            "or give a higher ‹threshold›"
+            f"shadows shift the centres of walkers by {format_length(pull)}. Light from all sides, or raise ‹threshold›"
         )
     if change.number > max(MAX_SIZE_CHANGE, MIN_SIGNIFICANCE * change.pair[1]):
         yield (
-            f"walkers look {100 * change.number:.2g} % larger in one place than in another, and "
-            "lengths with them: the camera does not look straight down, or its lens bends (‹lens›)"
+            f"walkers look {100 * change.number:.2g} % larger in one place than in another, and so do all lengths. "
+            "The camera does not look straight down, or its lens distorts (‹lens›)"
         )
     if scatter > MAX_SIZE_SCATTER:
         yield (
-            f"walkers change their size by {100 * scatter:.2g} % as they run: shadows, light "
-            "or noise are taken for a part of them"
+            f"walkers change their size by {100 * scatter:.2g} % as they run: shadows, light or noise count as parts "
+            "of them"
         )
     if found.still:
         yield (
-            f"nothing moves in {found.still} of {tracked.looked} frames: if the film holds its last "
-            "picture, leave it out with ‹frames›"
+            f"nothing moves in {found.still} of {tracked.looked} frames. If the film repeats its last picture, omit it "
+            "with ‹frames›"
         )
 
 
@@ -200,5 +199,5 @@ def _subtract_means(values: Array, owner: Whole) -> Array:
 
 
 def _join_blobs(walkers: Sequence[Seen]) -> Blobs:
-    """Blobs of all walkers, one walker after the other."""
+    """Join the blobs of all walkers, one walker after the other."""
     return Blobs(*np.hstack([np.array(walker.blobs) for walker in walkers]))

@@ -138,7 +138,7 @@ def _open_mask(piece: Mask, radius: float) -> Mask:
 
 
 def _measure_blob(covered: Floats, left: int, top: int) -> Blob:
-    """Centre, axis and extents of pixels that are covered by these shares."""
+    """Measure centre, axis and extents of pixels with these covered shares."""
     rows, cols = np.nonzero(covered)
     weight = covered[rows, cols].astype(float)
     area = float(weight.sum())
@@ -154,7 +154,7 @@ def _measure_blob(covered: Floats, left: int, top: int) -> Blob:
 
 
 def _extent(weight: Floats, off: Floats, half: float) -> float:
-    """Extent of pixels along a line, from those that lie off it by up to about `half`, pixels.
+    """Measure the extent of pixels along a line, from those within about `half` pixels of it.
 
     The band ends softly, over a pixel, so that its width is the same wherever the line runs.
     """

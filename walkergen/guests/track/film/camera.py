@@ -57,7 +57,7 @@ class Shake(NamedTuple):
 
 
 def find_fixed_points(samples: Sequence[Grey], look: Appearance, walkers: Sequence[Blob]) -> Fixed | None:
-    """Steepest points of the film's first frames away from `walkers`; None for too few."""
+    """Find the steepest points of the film's first frames away from `walkers`; None for too few."""
     soft = ndimage.gaussian_filter(np.median(np.stack(samples), axis=0), BLUR_PX, output=float)
     first, last = (ndimage.gaussian_filter(samples[at], BLUR_PX, output=float) for at in (0, -1))
     noise = 1.4826 / math.sqrt(2.0) * float(np.median(np.abs(last - first)))
@@ -105,7 +105,7 @@ def find_shift(points: Fixed, frame: Grey, walkers: Sequence[Blob]) -> Array:
 
 
 def measure_shake(shifts: Sequence[Array]) -> Shake:
-    """Size of the shifts of many frames about their middle."""
+    """Measure the size of the shifts of many frames about their mean."""
     known_shifts = np.array(shifts).reshape(-1, 2)
     known_shifts = known_shifts[~np.isnan(known_shifts).any(axis=1)]
     if len(known_shifts) < 2:

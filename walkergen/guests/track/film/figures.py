@@ -13,7 +13,7 @@ WIDTH_INCHES, MAX_FRAME_INCHES = 8.0, 9.0
 """Width of the figure, and largest height of the film's frame in it, inches."""
 
 COLOURS = ("#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
-"""Colours of Okabe and Ito; numbers, not colours, tell walkers apart."""
+"""Colours of Okabe and Ito. Numbers, not colours, distinguish walkers."""
 
 HALO = (withStroke(linewidth=2.5, foreground="white"),)
 """Rim around lines and letters, so that they are seen on any film."""
@@ -34,11 +34,11 @@ def draw_check(tracked: Tracked) -> Figure:
     axes.set_ylim(bottom, top)
     axes.set_xlabel("x (pixels)")
     axes.set_ylabel("y (pixels)")
-    first = tracked.options.frames[0]
+    first = tracked.request.frames[0]
     for row, walker in enumerate(tracked.walkers):
         _draw_walker(axes, walker, first, COLOURS[row % len(COLOURS)])
     axes.set_title(
-        f"{tracked.film.path.name}, frame {first}: walkers there (solid), first seen later "
+        f"{tracked.film.path.name}, frame {first}: walkers in it (solid), first seen later "
         "(dotted), last seen (dashed)",
         fontsize=10,
     )
@@ -75,5 +75,5 @@ def _draw_timeline(axes: Axes, walkers: Sequence[Walker], first: int, looked: in
     axes.set_xlabel("frame")
     axes.set_ylabel("walker")
     more = f" (first {len(shown)} of {len(walkers)})" if len(shown) < len(walkers) else ""
-    axes.set_title(f"frames in which each was seen{more}; gaps are lost", fontsize=9)
+    axes.set_title(f"frames that show each walker{more}; it is lost in gaps", fontsize=9)
     axes.spines[["top", "right"]].set_visible(False)

@@ -177,7 +177,7 @@ def check_frame_count(frames: int, first: int) -> None:
 
 
 def _read_frames(film: Film, first: int, process: "subprocess.Popen[bytes]", messages: IO[bytes]) -> Iterator[Grey]:
-    """Whole frames from the first on."""
+    """Yield whole frames, starting with the first."""
     size = film.width * film.height
     assert process.stdout is not None
     process.stdout.readline(MAX_LINE_BYTES)
@@ -189,7 +189,7 @@ def _read_frames(film: Film, first: int, process: "subprocess.Popen[bytes]", mes
             why = _last_message(messages)
             raise InputError(f"{film.path}: breaks off in frame {number}: {why}")
         if number >= MAX_FRAMES:
-            raise InputError(f"{film.path}: more than {MAX_FRAMES} frames: cut the film")
+            raise InputError(f"{film.path}: more than {MAX_FRAMES} frames. Cut the film")
         if number >= first:
             yield np.frombuffer(data, np.uint8).reshape(film.height, film.width)
     process.wait()  # it writes the last of the times at its end
@@ -207,7 +207,7 @@ def read_clock(film: Film, stamps: Path, filmed_fps: float | None) -> Clock:
     times = float(unit) * (ticks - ticks[0]) if lines else np.zeros(0)
     if film.pictures or len(times) < 2 or not (np.diff(times) > 0).all():
         if filmed_fps is None:
-            raise InputError(f"{film.path}: does not say when its frames were taken; give ‹fps›")
+            raise InputError(f"{film.path}: its frames have no times. Give ‹fps›")
         return Clock(np.arange(len(times)) / filmed_fps, filmed_fps, True, len(times) / filmed_fps)
     played = (len(times) - 1) / times[-1]
     for rate in (film.fps, played):
@@ -252,7 +252,7 @@ def _run_ffmpeg(
 
 
 def _message_lines(messages: IO[bytes]) -> list[str]:
-    """Lines that ffmpeg has written so far."""
+    """Return the lines that ffmpeg has written so far."""
     messages.seek(0)
     return [line.strip() for line in messages.read().decode(errors="replace").splitlines()]
 

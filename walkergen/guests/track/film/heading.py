@@ -1,8 +1,7 @@
-"""Headings: from a mark on the front, or from the long axis and the way a walker runs.
+"""Headings: from a mark on the front, or from the long axis and the direction of running.
 
-A long axis has no front. It is followed from frame to frame, so that one decision, which end is the
-front, holds for as long as the walker is not lost: by the mark in most frames or, without marks, by
-the way it runs. A round walker has its mark alone.
+A long axis has no front. It is followed from frame to frame, so that one decision on the front holds until the walker
+is lost. The mark in most frames decides or, without marks, the direction of running. A round walker needs a mark.
 """
 
 import math
@@ -42,7 +41,7 @@ class Headed(NamedTuple):
 
 
 def find_headings(walker: Seen, by: By) -> Headed:
-    """Headings of one walker, by its mark or by its motion."""
+    """Find the headings of one walker, from its mark or its motion."""
     axis, mark = walker.blobs.axis, walker.blobs.mark
     elongation = float(np.median(walker.blobs.length / walker.blobs.width))
     seen = ~np.isnan(mark)

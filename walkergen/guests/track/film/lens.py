@@ -49,7 +49,7 @@ class Lens(NamedTuple):
         if abs(width * self.height / (height * self.width) - 1.0) > ASPECT_TOLERANCE:
             raise InputError(
                 f"‹lens›: calibrated with pictures of {self.width} x {self.height}, the film has "
-                f"{width} x {height}: film the checkerboard as you film walkers"
+                f"{width} x {height}. Film the checkerboard as you film walkers"
             )
         along, down = width / self.width, height / self.height
         x, y = self.middle
@@ -81,8 +81,8 @@ class Lens(NamedTuple):
         off = np.hypot(*(np.asarray(again).reshape(-1, 2) - seen.reshape(-1, 2)).T)
         if not (off < MAX_RESIDUAL_PX).all():
             raise InputError(
-                f"‹lens›: its distortion is off by {np.nanmax(off):.2g} pixels where walkers are: "
-                "calibrate with a checkerboard that reaches the edges of the picture"
+                f"‹lens›: its distortion is off by {np.nanmax(off):.2g} pixels at the walkers. "
+                "Calibrate with a checkerboard that reaches the edges of the picture"
             )
         return np.asarray(rays * self.focal + self.middle + 0.5).reshape(pixels.shape)
 
@@ -94,7 +94,7 @@ class Lens(NamedTuple):
         places = np.column_stack([blobs.x, blobs.y]) + offset + 0.5
 
         def along(angle: Array) -> Array:
-            """Stretched unit vectors at angles that count as one sees them, shape (n, 2)."""
+            """Return stretched unit vectors at angles as seen in the picture, shape (n, 2)."""
             step = STRETCH_STEP_PX * np.column_stack([np.cos(angle), -np.sin(angle)])
             ways = self.undistort(places + step) - self.undistort(places - step)
             return np.asarray(0.5 * ways / STRETCH_STEP_PX)
@@ -137,7 +137,7 @@ def read_lens(path: Path) -> Lens:
 
 
 def _parse_numbers(data: Mapping[str, Any], name: str, path: Path, counts: tuple[int, ...]) -> list[float]:
-    """Numbers of a key, in rows or in one. Raises InputError."""
+    """Parse the numbers of a key, nested in rows or not. Raises InputError."""
     value = data.get(name)
     if isinstance(value, dict):
         value = value.get("data")

@@ -1,4 +1,4 @@
-"""Tracks: finds in frames, linked from frame to frame by trackpy."""
+"""Tracks: objects found in frames, linked from frame to frame by trackpy."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -13,10 +13,10 @@ MIN_AREA_RATIO, MAX_AREA_RATIO = 0.5, 1.6
 """Range of areas, over that of a walker, of a single walker; larger things are several."""
 
 MAX_STEP_LENGTHS = 0.5
-"""Largest way from frame to frame, over a walker's length."""
+"""Largest distance moved from frame to frame, over a walker's length."""
 
 MEMORY_S = 0.2
-"""Longest time that a walker may be lost and still be recognised."""
+"""Longest time after which a lost walker is still recognised."""
 
 MIN_TRACK_FRAMES, MIN_TRACK_SHARE = 5, 0.05
 """Least number of frames of a track, and least part of the film's frames."""
@@ -28,7 +28,7 @@ class Seen(NamedTuple):
     frames: Whole
     """Numbers of the frames, ascending, shape (n,)."""
     blobs: Blobs
-    """Finds in each of these frames."""
+    """Its blob in each of these frames."""
 
 
 class Linked(NamedTuple):
@@ -41,7 +41,7 @@ class Linked(NamedTuple):
     length: float
     """Length of a walker, pixels."""
     empty: int
-    """Number of frames without a find."""
+    """Number of frames without an object."""
     merged: int
     """Number of frames with something as large as several walkers, left out."""
     short: int
@@ -49,13 +49,13 @@ class Linked(NamedTuple):
 
 
 def link(frames: Sequence[Sequence[Blob]], first: int, fps: float) -> Linked:
-    """Walkers in frames of numbers first, first + 1 ..., from the things found in each.
+    """Link the objects found in frames first, first + 1 ... into walkers.
 
     Raises InputError when nothing was found for long enough, or too much to tell apart.
     """
     blobs = [blob for frame in frames for blob in frame]
     if not blobs:
-        raise InputError(f"no walker found in {len(frames)} frames: try ‹threshold›, ‹width› or ‹region›")
+        raise InputError(f"no walker found in {len(frames)} frames. Try ‹threshold›, ‹width› or ‹region›")
     areas = np.array([blob.area for blob in blobs])
     area = typical_area(areas)
     lengths = np.array([blob.length for blob in blobs])
@@ -73,9 +73,9 @@ def link(frames: Sequence[Sequence[Blob]], first: int, fps: float) -> Linked:
     )
     if not good:
         raise InputError(
-            f"no walker found for {least:.3g} frames in a row, of {len(frames)}: what was found "
-            f"jumps by more than {MAX_STEP_LENGTHS * length:.3g} pixels a frame, or vanishes: film faster, or "
-            "try ‹threshold›, ‹width› or ‹region›"
+            f"no walker found for {least:.3g} of {len(frames)} frames in a row: objects jump by more than "
+            f"{MAX_STEP_LENGTHS * length:.3g} pixels a frame, or vanish. Film faster, or try ‹threshold›, ‹width› or "
+            "‹region›"
         )
     return Linked(
         good,
@@ -108,6 +108,6 @@ def _link_numbers(frames: Sequence[Sequence[Blob]], reach: float, memory: int) -
         return [list(names) for _, names in linked]
     except trackpy.SubnetOversizeException:
         raise InputError(
-            f"walkers cannot be told apart: too many within {reach:.3g} pixels, half a walker's "
-            "length, of one another from frame to frame: film faster, or fewer of them"
+            f"walkers cannot be distinguished: too many lie within {reach:.3g} pixels, half a walker's length, of one "
+            "another. Film faster, or fewer walkers"
         ) from None

@@ -1,6 +1,7 @@
 """Tracking of a film: walkers with or without markers; writes tracks.csv and check.png."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from walkergen.core.errors import InputError
 from walkergen.core.files.output import Folder
@@ -9,7 +10,7 @@ from walkergen.guests.track.film import (
     blob_tracking,
     blob_warnings,
     films,
-    heading,
+    lens,
     marker_tracking,
     marker_warnings,
     report,
@@ -19,27 +20,24 @@ from walkergen.guests.track.film.films import Box, Film
 from walkergen.guests.track.film.marker_tracking import Marked
 from walkergen.guests.track.film.quality import Told
 from walkergen.guests.track.film.report import TrackReport
-from walkergen.guests.track.film.result import Options, Tracked
+from walkergen.guests.track.film.result import Tracked
 
-CONTRAST_SIDES: tuple[str, ...] = ("dark", "light")
-"""How walkers may differ from the ground."""
-
-MARKER_KINDS: tuple[str, ...] = ("aruco",)
-"""Markers that are read: OpenCV's ArUco."""
+if TYPE_CHECKING:
+    from walkergen.guests.track.film.request import TrackRequest
 
 MIN_SIZE_PX = 8
 """Smallest width and height of the searched part, pixels."""
 
 MIN_VALUE, MAX_VALUE = 1e-6, 1e9
+"""Range of lengths, scales and rates."""
 
 
-def track(path: Path, options: Options, folder: Path, progress: Progress) -> TrackReport:
+def track(request: "TrackRequest", folder: Path, progress: Progress) -> TrackReport:
     """Track the walkers of a film and write tracks.csv, check.png and manifest.json.
 
-    Raises InputError, before anything is written, when the film cannot be read or no walker is
-    found in it.
+    Raises InputError, before anything is written, if the film cannot be read or shows no walker.
     """
-    tracks = report.make_report(*find_walkers(path, options, progress), folder)
+    tracks = report.make_report(*find_walkers(request, progress), folder)
     from walkergen.files import figures  # brings matplotlib
 
     with Folder(folder) as target:
@@ -49,22 +47,23 @@ def track(path: Path, options: Options, folder: Path, progress: Progress) -> Tra
     return tracks
 
 
-def find_walkers(path: Path, options: Options, progress: Progress) -> tuple[Tracked, Unmarked | Marked, Told]:
+def find_walkers(request: "TrackRequest", progress: Progress) -> tuple[Tracked, Unmarked | Marked, Told]:
     """Return a film's walkers, the findings behind them, and warnings. Raises InputError."""
+    path = request.film
+    own_lens = None if request.lens is None else lens.read_lens(request.lens)
     films.require_extra()
-    check_options(options)
+    check_request(request)
     film = films.probe_film(path)
-    if film.pictures and options.fps is None:
-        raise InputError(f"{path}: pictures do not say when they were taken; give ‹fps›, how many a second")
-    part = select_part(film, options.region)
+    if film.pictures and request.fps is None:
+        raise InputError(f"{path}: pictures have no times. Give their rate, ‹fps›")
+    part = select_part(film, request.region)
     found: Unmarked | Marked
-    lens = None if options.lens is None else options.lens.for_film(film.width, film.height)
     try:
-        if options.markers is None:
-            tracked, seen = blob_tracking.track(film, part, options, lens, progress)
+        if request.markers is None:
+            tracked, seen = blob_tracking.track(film, part, request, own_lens, progress)
             found, told = seen, blob_warnings.collect_doubts(tracked, seen)
         else:
-            tracked, read = marker_tracking.track(film, part, options, lens, progress)
+            tracked, read = marker_tracking.track(film, part, request, own_lens, progress)
             found, told = read, marker_warnings.collect_doubts(tracked, read)
         return tracked, found, told._replace(notes=[*_conversion_notes(film), *told.notes])
     except InputError as error:
@@ -82,60 +81,39 @@ def _conversion_notes(film: Film) -> list[str]:
     if film.aspect != 1:
         notes.append(
             f"Pixels of {film.aspect.numerator}:{film.aspect.denominator} were made square: frames of {film.width} x "
-            f"{film.height}, in which ‹region›, ‹width› and ‹mm_per_px› count."
+            f"{film.height}. ‹region›, ‹width› and ‹mm_per_px› count these pixels."
         )
     return notes
 
 
-def check_options(options: Options) -> None:
-    """Raise InputError for settings that contradict each other or are out of range."""
+def check_request(request: "TrackRequest") -> None:
+    """Raise InputError for values that exclude each other or are out of range."""
     for field, value, most in (
-        ("mm_per_px", options.mm_per_px.value, MAX_VALUE),
-        ("length", options.length.value, MAX_VALUE),
-        ("fps", options.fps, MAX_VALUE),
-        ("threshold", options.threshold, 255.0),
-        ("width", options.width_px, 1e5),
-        ("marker_mm", options.marker.value, MAX_VALUE),
+        ("mm_per_px", request.mm_per_px and request.mm_per_px[0], MAX_VALUE),
+        ("length", request.length and request.length[0], MAX_VALUE),
+        ("fps", request.fps, MAX_VALUE),
+        ("threshold", request.threshold, 255.0),
+        ("width", request.width, 1e5),
+        ("marker_mm", request.marker_mm and request.marker_mm[0], MAX_VALUE),
     ):
         if value is not None and not MIN_VALUE <= value <= most:
             raise InputError(f"‹{field}=›{value:g}: must be a number in {MIN_VALUE:g}..{most:g}")
-    for field, name, names in (
-        ("walkers", options.walkers, CONTRAST_SIDES),
-        ("heading", options.heading, heading.HEADING_SOURCES),
-        ("markers", options.markers, MARKER_KINDS),
-    ):
-        if name is not None and name not in names:
-            raise InputError(f"‹{field}=›{name[:30]!r}: must be one of {', '.join(names)}")
-    _check_scale(options)
-    first, last = options.frames
+    if request.markers is not None:
+        for field in ("mm_per_px", "length", "walkers", "threshold", "width", "heading"):
+            if getattr(request, field) != type(request).model_fields[field].default:
+                raise InputError(f"‹markers=›{request.markers} determines it: leave ‹{field}› out")
+    elif request.marker_mm is not None:
+        raise InputError("‹markers› is not given: leave ‹marker_mm› out")
+    elif (request.mm_per_px is None) == (request.length is None):
+        raise InputError(
+            "the scale: give either ‹mm_per_px›, millimetres per pixel, or ‹length›, the length of a walker in mm"
+        )
+    first, last = request.frames
     if first < 0 or (last is not None and last <= first):
         raise InputError(
-            f"‹frames=›{first}:{'' if last is None else last}: counts from 0, the first before the "
-            "last: 25:100, or 25: up to the end"
+            f"‹frames=›{first}:{'' if last is None else last}: must count from 0, with the first before the last. "
+            "Write 25:100, or 25: up to the end"
         )
-
-
-def _check_scale(options: Options) -> None:
-    """Raise InputError unless exactly one input gives the scale: markers, which give more, or a length."""
-    if options.markers is None:
-        if options.marker.value is not None:
-            raise InputError("‹markers› is not given: leave ‹marker_mm› out")
-        if (options.mm_per_px.value is None) == (options.length.value is None):
-            raise InputError(
-                "the scale: give either ‹mm_per_px›, millimetres per pixel, or ‹length›, the length of a walker in mm"
-            )
-        return
-    beside = {
-        "mm_per_px": options.mm_per_px.value,
-        "length": options.length.value,
-        "walkers": options.walkers,
-        "threshold": options.threshold,
-        "width": options.width_px,
-        "heading": None if options.heading == Options().heading else options.heading,
-    }
-    for field, value in beside.items():
-        if value is not None:
-            raise InputError(f"‹markers=›{options.markers} tells it: leave ‹{field}› out")
 
 
 def select_part(film: Film, region: tuple[int, int, int, int] | None) -> Box:

@@ -6,7 +6,7 @@ Reads markers frame by frame, and finds the plane that makes them squares of the
 import math
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -21,8 +21,11 @@ from walkergen.guests.track.film.lens import Lens
 from walkergen.guests.track.film.linking import MIN_TRACK_FRAMES, MIN_TRACK_SHARE
 from walkergen.guests.track.film.markers import MIN_SIDE_PX, Reader, Sighted
 from walkergen.guests.track.film.plane import Plane, Pose
-from walkergen.guests.track.film.result import Options, Outline, Tracked, Walker
+from walkergen.guests.track.film.result import Outline, Tracked, Walker
 from walkergen.readers.walkers import caps
+
+if TYPE_CHECKING:
+    from walkergen.guests.track.film.request import TrackRequest
 
 MARKER_MM = 7.2
 """Side of the markers that `plate --caps` prints by default, black frame included."""
@@ -63,7 +66,9 @@ class Marked(NamedTuple):
     """Numbers of the frames without a marker."""
 
 
-def track(film: Film, part: Box, options: Options, lens: Lens | None, progress: Progress) -> tuple[Tracked, Marked]:
+def track(
+    film: Film, part: Box, request: "TrackRequest", lens: Lens | None, progress: Progress
+) -> tuple[Tracked, Marked]:
     """Track walkers by their markers in a part of a film's frames, in the order of their numbers.
 
     Returns also the plane and the corners that the tracks are based on. Raises InputError if there are none.
@@ -73,8 +78,8 @@ def track(film: Film, part: Box, options: Options, lens: Lens | None, progress: 
         raise InputError(
             f"{right - left} x {bottom - top} pixels: a marker needs {MIN_SIDE_PX:g} and a rim: film larger"
         )
-    seen, clock, picture, mirrored = _read_markers(film, part, options, progress)
-    first, side = options.frames[0], options.marker.value or MARKER_MM
+    seen, clock, picture, mirrored = _read_markers(film, part, request, progress)
+    first, (side, side_se) = request.frames[0], request.marker_mm or (MARKER_MM, None)
     empty = [at for at, sighted in enumerate(seen, first) if not len(sighted.numbers)]
     tracks, twice, rare = _sort_by_number(seen, first)
     unbent = {number: corners if lens is None else lens.undistort(corners) for number, (_, corners) in tracks.items()}
@@ -90,19 +95,15 @@ def track(film: Film, part: Box, options: Options, lens: Lens | None, progress: 
             pose = Pose(*(values[good] for values in poses[number]))
             walkers.append(_make_walker(number, frames[good], corners[good], pose))
             straight.append(unbent[number][good])
-    scale_se = flat.mm_per_px * _scale_error(options, side, float(np.median([walker.size_px for walker in walkers])))
+    side_px = float(np.median([walker.size_px for walker in walkers]))
+    scale_se = flat.mm_per_px * math.hypot((side_se or 0.0) / side, EDGE_ERROR_PX / side_px)
     scale = Quantity("mm_per_px", "", flat.mm_per_px, scale_se)
-    tracked = Tracked(film, options, part, picture, clock, len(seen), walkers, scale)
+    tracked = Tracked(film, request, lens, part, picture, clock, len(seen), walkers, scale)
     return tracked, Marked(flat, straight, LeftOut(twice, rare, bent, mirrored), np.array(empty, np.int64))
 
 
-def _scale_error(options: Options, side_mm: float, side_px: float) -> float:
-    """Compute the standard error of all lengths as a share, from the markers' true size and their edges."""
-    return math.hypot((options.marker.se or 0.0) / side_mm, EDGE_ERROR_PX / side_px)
-
-
 def _make_walker(number: int, frames: Whole, corners: Array, pose: Pose) -> Walker:
-    """Walker by the corners of its marker in the picture, and their pose in the plane."""
+    """Build a walker from the corners of its marker in the picture, and their pose in the plane."""
     ways = corners - np.roll(corners, 1, axis=1)
     side_px = float(np.median(np.hypot(ways[..., 0], ways[..., 1])))
     middles, outlines = corners.mean(axis=1), []
@@ -126,19 +127,19 @@ class _Read(NamedTuple):
     """Numbers that are read in the mirror."""
 
 
-def _read_markers(film: Film, part: Box, options: Options, progress: Progress) -> _Read:
-    """Markers of all frames. Raises InputError."""
+def _read_markers(film: Film, part: Box, request: "TrackRequest", progress: Progress) -> _Read:
+    """Read the markers of all frames. Raises InputError."""
     left, top, right, bottom = part
     reader, seen = Reader(right - left, bottom - top), list[Sighted]()
     samples: list[Grey] = []
-    with films.play(film, part, options.frames, progress) as reel:
+    with films.play(film, part, request.frames, progress) as reel:
         for grey in reel.frames:
             sighted = reader.find_markers(grey)
             if len(seen) % max(1, reel.expected // MIRROR_SAMPLES) == 0 and len(samples) < MIRROR_SAMPLES:
                 samples.append(grey)
             seen.append(sighted._replace(corners=sighted.corners + np.array([left, top])))
-        films.check_frame_count(len(seen), options.frames[0])
-        clock = films.read_clock(film, reel.stamps, options.fps)
+        films.check_frame_count(len(seen), request.frames[0])
+        clock = films.read_clock(film, reel.stamps, request.fps)
     upright = {number for sighted in seen for number in sighted.numbers.tolist()}
     mirrored = [number for number in _find_mirrored(reader, samples) if number not in upright]
     if not upright or (mirrored and upright <= caps.symmetric_numbers()):
@@ -157,12 +158,12 @@ def _no_marker_reason(mirrored: list[int], count: int) -> str:
     """Return the reason why no marker was read."""
     if mirrored:
         return (
-            "the film is mirrored: markers are read in its mirror image only; mirror it back: "
+            "the film is mirrored: markers are only read in its mirror image. Mirror it back: "
             "ffmpeg -i FILM -vf hflip RIGHT.mp4"
         )
     return (
-        f"no marker (ArUco, 4x4, 0 to 99) is read in {count} frames: it must be {MIN_SIDE_PX:g} "
-        "pixels wide or more, sharp, in a white rim; of walkers without: leave ‹markers› out"
+        f"no marker (ArUco, 4x4, 0 to 99) is read in {count} frames. It must be at least {MIN_SIDE_PX:g} pixels wide, "
+        "sharp, in a white rim. For walkers without markers leave ‹markers› out"
     )
 
 
@@ -178,7 +179,7 @@ class _Sorted(NamedTuple):
 
 
 def _sort_by_number(seen: list[Sighted], first: int) -> _Sorted:
-    """Markers of frames from the first on by their numbers. Raises InputError for no walker."""
+    """Sort the markers of frames, starting with the first, by number. Raises InputError without a walker."""
     frames: dict[int, list[int]] = defaultdict(list)
     corners: dict[int, list[Array]] = defaultdict(list)
     double: Counter[int] = Counter()
@@ -212,12 +213,12 @@ def _no_walker_reason(twice: Mapping[int, int], rare: Mapping[int, int], least: 
     """Return the reason why no readable marker is a walker's."""
     if twice:
         return (
-            f"marker {', '.join(map(str, list(twice)[:10]))} is seen at two places at once, in "
-            f"{max(twice.values())} of {count} frames, and no other is left: print each number "
-            "once, or cover what mirrors it"
+            f"marker {', '.join(map(str, list(twice)[:10]))} is seen in two places in "
+            f"{max(twice.values())} of {count} frames, and no other is left. Print each number once, or cover "
+            "mirrors"
         )
     counts = ", ".join(f"{number} in {own}" for number, own in list(rare.items())[:10])
     return (
-        f"no marker is read in {least:.3g} of {count} frames ({counts}): give more light, shorter "
-        "exposure or larger markers"
+        f"no marker is read in {least:.3g} of {count} frames ({counts}). Use more light, a "
+        "shorter exposure or larger markers"
     )

@@ -36,9 +36,9 @@ MAX_NAMES = 10
 def collect_doubts(tracked: Tracked, found: Marked) -> Told:
     """Return all warnings and notes on a film."""
     flat, out = found.plane, found.left_out
-    change = _scale_change(found)
+    change, (side, _) = _scale_change(found), tracked.request.marker_mm or (MARKER_MM, None)
     facts = {
-        "marker_mm": tracked.options.marker.value or MARKER_MM,
+        "marker_mm": side,
         "heading": "marker",
         "tilt_deg": flat.tilt_deg,
         "scale_change_share": change,
@@ -64,9 +64,9 @@ def _scale_change(found: Marked) -> float:
 
 def _notes(tracked: Tracked, found: Marked, change: float) -> Iterator[str]:
     """Yield notes on the readings: scale, tilt and rate."""
-    flat, (_, _, side, side_se, *_) = found.plane, tracked.options.marker
+    flat, (side, side_se) = found.plane, tracked.request.marker_mm or (MARKER_MM, None)
     scale, scale_se = tracked.mm_per_px.pair
-    size = f"{formatting.format_number(side or MARKER_MM, 4)} mm"
+    size = f"{formatting.format_number(side, 4)} mm"
     if side_se is not None:
         size += f" ± {formatting.format_number(side_se, 2)}"
     sides = [walker.size_px for walker in tracked.walkers]
@@ -78,27 +78,27 @@ def _notes(tracked: Tracked, found: Marked, change: float) -> Iterator[str]:
     )
     yield (
         f"The camera is tilted by {flat.tilt_deg:.0f} deg, and lengths differ by "
-        f"{100.0 * change:.2g} % between the places of walkers: undone. Corners lie "
+        f"{100.0 * change:.2g} % between the places of walkers, which is corrected. Corners lie "
         f"{formatting.format_number(flat.residual_px, 2)} pixels off those of squares."
     )
 
 
 def _left_out_warnings(tracked: Tracked, found: Marked) -> Iterator[str]:
-    """Warnings of markers that are in no track, or missing in some frames."""
+    """Yield warnings about markers that are in no track, or missing in some frames."""
     out = found.left_out
     for number, count in out.twice.items():
         yield (
-            f"marker {number} is seen at two places at once in {count} of {tracked.looked} frames, "
-            "and left out: print each number once"
+            f"marker {number} is seen in two places in {count} of {tracked.looked} frames, and left out. Print each "
+            "number once"
         )
     for number in out.mirrored:
-        yield f"marker {number} is read in the mirror only, and left out: print it anew"
+        yield f"marker {number} is only read as a mirror image, and left out. Print it again"
     if out.rare:
         yield f"read too rarely to be walkers, and left out: marker {_format_counts(out.rare)} frames"
     if out.bent:
         yield (
-            f"sightings left out: marker {_format_counts(out.bent)} frames, no squares in the plane of "
-            "the others (a cap that leans, or is half covered)"
+            f"sightings left out: marker {_format_counts(out.bent)} frames, not squares in the plane of the others "
+            "(the cap leans or is half covered)"
         )
     yield from _gap_warnings(tracked, found)
     yield from _lost_warnings(tracked)
@@ -113,13 +113,13 @@ def _lens_warnings(found: Marked) -> Iterator[str]:
         size = "smaller" if share < 0.0 else "larger"
         yield (
             f"markers are {100.0 * abs(share):.2g} % {size} {away_px:.0f} pixels from "
-            "the picture's middle than in it, and so are all lengths there: the lens bends: "
+            "the picture's middle than in it, and so are all lengths there. The lens distorts: "
             "calibrate it, and give ‹lens›"
         )
     if flat.residual_px > MAX_CORNER_OFFSET_PX:
         yield (
-            f"corners lie {flat.residual_px:.2g} pixels off those of squares: a lens that "
-            "bends, caps that are not flat, or motion blur"
+            f"corners lie {flat.residual_px:.2g} pixels off those of squares: the lens distorts, caps are not flat, or "
+            "the film has motion blur"
         )
     if flat.tilt_deg > MAX_TILT_DEG:
         yield f"the camera is tilted by {flat.tilt_deg:.0f} deg: film from above, within {MAX_TILT_DEG:g} deg"
@@ -150,7 +150,7 @@ class Missing(NamedTuple):
 
     number: int
     frames: int
-    beside: int
+    with_others: int
     """Number of missing frames with other readable markers."""
     of: int
     """Number of frames that must contain the walker."""
@@ -167,7 +167,7 @@ def count_missing(tracked: Tracked) -> list[Missing]:
     These run from its first frame to its last. They also include frames before and after if it was seen in the middle
     of the picture: walkers enter only over the edge.
     """
-    first = tracked.options.frames[0]
+    first = tracked.request.frames[0]
     read = np.zeros(tracked.looked, int)
     for walker in tracked.walkers:
         read[walker.frames - first] += 1
@@ -180,8 +180,8 @@ def count_missing(tracked: Tracked) -> list[Missing]:
             None if _is_inside(tracked, walker, -1) else int(walker.frames[-1]) - first + 1,
         )
         gone = ~seen[there]
-        beside = gone & (read[there] > 0)
-        counts.append(Missing(walker.number, int(gone.sum()), int(beside.sum()), len(gone)))
+        with_others = gone & (read[there] > 0)
+        counts.append(Missing(walker.number, int(gone.sum()), int(with_others.sum()), len(gone)))
     return counts
 
 
@@ -197,8 +197,8 @@ def _lost_warnings(tracked: Tracked) -> Iterator[str]:
     for walker in count_missing(tracked):
         if walker.share > MAX_LOST_SHARE:
             others = (
-                f"; in {walker.beside} of them others are read, and it is hidden, half covered or blurred"
-                if walker.beside
+                f". Other markers are read in {walker.with_others} of them: this one is hidden, half covered or blurred"
+                if walker.with_others
                 else ""
             )
             yield (
@@ -208,7 +208,7 @@ def _lost_warnings(tracked: Tracked) -> Iterator[str]:
 
 
 def _absent_warnings(tracked: Tracked, found: Marked) -> Iterator[str]:
-    """Numbers between those that are read, which no frame has; where most others are there."""
+    """Yield a warning about missing numbers between those that were read, if most others were read."""
     out = found.left_out
     numbers = {walker.number for walker in tracked.walkers}
     known = numbers | set(out.twice) | set(out.rare) | set(out.mirrored)
@@ -216,13 +216,13 @@ def _absent_warnings(tracked: Tracked, found: Marked) -> Iterator[str]:
     if 0 < len(absent) < len(numbers):
         names = ", ".join(map(str, absent[:MAX_NAMES])) + (" ..." if len(absent) > MAX_NAMES else "")
         yield (
-            f"marker {names}: read in none of {tracked.looked} frames, and numbers around are: half "
-            "covered all the time, or not in the film"
+            f"marker {names}: read in none of {tracked.looked} frames, unlike lower and higher numbers. It is always "
+            "half covered, or not in the film"
         )
 
 
 def _format_counts(frames: Mapping[int, int]) -> str:
-    """Numbers of markers with their numbers of frames."""
+    """Format the numbers of markers with their numbers of frames."""
     named = ", ".join(f"{number} in {count}" for number, count in list(frames.items())[:MAX_NAMES])
     return named + (" ..." if len(frames) > MAX_NAMES else "")
 
@@ -237,4 +237,4 @@ def _gap_warnings(tracked: Tracked, found: Marked) -> Iterator[str]:
     end = min(int(longest[-1]) + 1, len(times) - 1)
     seconds = float(times[end] - times[longest[0]])
     line = f"no marker is read in {len(found.empty)} of {tracked.looked} frames"
-    yield line if seconds < LONG_GAP_S else f"{line}; for {seconds:.2g} s on end from {times[longest[0]]:.4g} s on"
+    yield line if seconds < LONG_GAP_S else f"{line}; at most {seconds:.2g} s in a row, from {times[longest[0]]:.4g} s"

@@ -63,7 +63,7 @@ class Reader:
         self._detector: Any = cv2.aruco.ArucoDetector(dictionary, parameters)
 
     def find_markers(self, frame: Grey) -> Sighted:
-        """Markers of a frame, in the order of their numbers; a number may come twice."""
+        """Find the markers of a frame, ordered by number; a number may come twice."""
         corners, numbers, _ = self._detector.detectMarkers(frame)
         if numbers is None or not len(numbers):
             return Sighted(np.zeros(0, np.int64), np.zeros((0, 4, 2)))
@@ -74,7 +74,7 @@ class Reader:
 
 
 def refine_corners(frame: Grey, corners: Array) -> Array:
-    """Corners by the edges of markers, shape (n, 4, 2), pixels whose middles are whole numbers."""
+    """Return corners from the edges of markers, shape (n, 4, 2), in pixels with whole numbers at their middles."""
     for _ in range(REFINE_ROUNDS):
         corners = _refine_once(frame, corners)
     return corners
@@ -110,7 +110,7 @@ def _refine_once(frame: Grey, squares: Array) -> Array:
 
 
 def _fit_lines(along: Array, shift: Array, good: Mask) -> tuple[Array, Array]:
-    """Offset in the middle, and slope, of lines through shifts across, by a robust fit.
+    """Fit lines robustly through shifts across; return their offset in the middle, and slope.
 
     `along` is of shape (p,), shifts are of shape (n, 4, p), both over a side's length.
     """

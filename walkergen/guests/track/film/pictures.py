@@ -13,7 +13,7 @@ SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
 
 
 def list_pictures(folder: Path) -> tuple[Path, ...]:
-    """Pictures of a folder, number 2 before 10.
+    """List the pictures of a folder, number 2 before 10.
 
     Raises InputError where there are none, or they differ in kind or size.
     """
@@ -45,14 +45,14 @@ def _check_same(folder: Path, what: str, counts: Counter[str]) -> None:
 
 
 def _number_key(path: Path) -> tuple[list[tuple[bool, int, str]], str]:
-    """Parts of a name, digits as numbers."""
+    """Return the parts of a name, digits as numbers."""
     parts = re.split(r"([0-9]+)", path.stem)
     return [(part.isdecimal(), int(part) if part.isdecimal() else 0, part) for part in parts], path.name
 
 
 @contextmanager
 def list_file(pictures: Sequence[Path]) -> Iterator[Path]:
-    """File that names pictures to ffmpeg, in their order. Raises InputError for a name of two lines."""
+    """Write a file that lists pictures for ffmpeg, in their order. Raises InputError for a name of two lines."""
     names = [str(path.resolve()) for path in pictures]
     if broken := next((name for name in names if "\n" in name), None):
         raise InputError(f"{broken!r}: a line break in its name: rename it")

@@ -50,7 +50,7 @@ class Plane(NamedTuple):
     """Standard errors of the terms."""
 
     def to_mm(self, pixels: Array) -> Array:
-        """Places in the plane of points in the picture, shape (..., 2).
+        """Map points of the picture, shape (..., 2), to the plane.
 
         The middle of the picture lies where a camera straight above would see it from the picture's
         lower left corner.
@@ -72,7 +72,7 @@ class Plane(NamedTuple):
         return math.degrees(math.acos(min(1.0, float(small / large))))
 
     def scales(self, pixels: Array) -> Array:
-        """Millimetres per pixel at places in the picture, shape (n, 2), mean over directions."""
+        """Return the millimetres per pixel at points of the picture, shape (n, 2), as the mean over directions."""
         near = 1.0 + self._to_centred(pixels) @ self.terms[3:]
         return np.asarray(self.mm_per_px / np.abs(near) ** 1.5)
 
@@ -128,7 +128,7 @@ def fit_plane(corners: Array, side: float, width: int, height: int) -> Plane:
 
 
 def find_poses(plane: Plane, corners: Array, side: float) -> Pose:
-    """Places and headings of markers by their corners, shape (n, 4, 2), pixels."""
+    """Find positions and headings of markers from their corners, shape (n, 4, 2), pixels."""
     mapped = plane.to_mm(corners)
     off, sizes = _square_offsets(mapped, corners, side)
     centred = mapped - mapped.mean(axis=1, keepdims=True)
@@ -142,7 +142,7 @@ def is_square(off_px: Array) -> Mask:
 
 
 def _map_points(terms: Array, points: Array) -> Array:
-    """Points of the picture, (..., 2), in the plane, by the five terms."""
+    """Map points of the picture, (..., 2), to the plane, with the five terms."""
     a, b, c, right, up = terms
     near = 1.0 + points[..., 0] * right + points[..., 1] * up
     x = (a * points[..., 0] + b * points[..., 1]) / near
@@ -171,6 +171,6 @@ def _turn_angles(centred: Array) -> Array:
 
 
 def _signed_areas(corners: Array) -> Array:
-    """Signed areas of quadrilaterals, shape (n, 4, 2)."""
+    """Return the signed areas of quadrilaterals, shape (n, 4, 2)."""
     first, second = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
     return np.asarray(0.5 * (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]))

@@ -50,7 +50,7 @@ def jitter(tracks: Sequence[tuple[Array, Array]]) -> float:
 
 
 def path_length(places: Array, noise: float) -> float:
-    """Length of a path through places, shape (n, 2), each off by `noise` along an axis.
+    """Measure the length of a path through positions, shape (n, 2), with a `noise` along each axis.
 
     In legs of ten times the noise, or of a frame where that is longer: a sum over all frames would
     grow with their number even for a walker that stands.

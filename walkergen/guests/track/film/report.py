@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from walkergen.core.files import formatting
-from walkergen.core.numerics.quantity import column_values
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.files import report
 from walkergen.files.report import Column, Report, Table
 from walkergen.guests.track.film import quality
@@ -32,7 +32,7 @@ TRACKS_FILE, PICTURE_FILE = "tracks.csv", "check.png"
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class TrackReport(Report):
-    """Walkers that were tracked in a film; look at `.picture` before you believe the numbers."""
+    """Walkers that were tracked in a film; look at `.picture` before you trust the numbers."""
 
     tracked: Tracked
     """Everything that was found, walker by walker."""
@@ -75,15 +75,14 @@ WALKER_COLUMNS = (
 
 
 def make_report(tracked: Tracked, found: "Unmarked | Marked", told: Told, folder: Path) -> TrackReport:
-    """Report of a tracked film, to be written into a folder."""
+    """Report a tracked film."""
     walkers, title = _walker_rows(tracked), tracked.film.path.name
-    warnings = [*quality.truncation_warnings(tracked.film, tracked.clock, tracked.options.frames), *told.warnings]
+    warnings = [*quality.truncation_warnings(tracked.film, tracked.clock, tracked.request.frames), *told.warnings]
     picture, lines = folder / PICTURE_FILE, [*told.notes]
     if not math.isnan(tracked.jitter_mm):
         lines.append(
-            f"Places jitter by {formatting.format_number(tracked.jitter_mm, 2)} mm between neighbouring "
-            "frames. It is no "
-            "bound: what stays or changes slowly, as a shadow, the lens or a cap's height, is not in it."
+            f"Positions jitter by {formatting.format_number(tracked.jitter_mm, 2)} mm between neighbouring frames. "
+            "Constant and slowly changing errors, from shadows, the lens or a cap's height, are not included."
         )
 
     def draw() -> "Figure":
@@ -99,7 +98,7 @@ def make_report(tracked: Tracked, found: "Unmarked | Marked", told: Told, folder
             report.table_from_rows("walkers", walkers, WALKER_COLUMNS, title),
         ],
         facts=_facts(tracked, told) | {"tracks": [row._asdict() for row in walkers], "warnings": warnings},
-        lines=[*lines, f"{picture}: look at it before you believe the numbers"],
+        lines=[*lines, f"{picture}: look at it before you trust the numbers"],
         figures={"check": draw},
         folder=folder,
         tracked=tracked,
@@ -110,7 +109,7 @@ def make_report(tracked: Tracked, found: "Unmarked | Marked", told: Told, folder
 
 
 def track_rows(tracked: Tracked) -> list[tuple[Any, ...]]:
-    """Rows of tracks.csv, frame by frame."""
+    """Return the rows of tracks.csv, frame by frame."""
     rows = []
     for walker in tracked.walkers:
         for frame, (x, y), theta in zip(
@@ -142,11 +141,15 @@ def _walker_rows(tracked: Tracked) -> list[Row]:
 
 def _facts(tracked: Tracked, told: Told) -> dict[str, Any]:
     """Return the facts for JSON and the manifest other than walkers and warnings, with units in the names."""
-    options, jitter = tracked.options, tracked.jitter_mm
+    request, jitter = tracked.request, tracked.jitter_mm
     return {
         "film": tracked.film.path.name,
-        **column_values(options),
-        "lens": None if options.lens is None else options.lens._asdict(),
+        **Quantity("mm_per_px", "", *(request.mm_per_px or (None,))).row(),
+        **Quantity("length", "mm", *(request.length or (None,))).row(),
+        **{name: getattr(request, name) for name in ("frames", "region", "walkers", "threshold", "heading", "markers")},
+        "width_px": request.width,
+        **Quantity("marker", "mm", *(request.marker_mm or (None,))).row(),
+        "lens": tracked.lens and tracked.lens._asdict(),
         "fps": tracked.clock.fps,
         "regular_rate": tracked.clock.regular,
         **tracked.mm_per_px.row(),

@@ -1,4 +1,4 @@
-"""What `track` is asked for."""
+"""Request of `track`."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def _parse_frames(value: Any) -> Any:
-    """First frame, and the one after the last."""
+    """Parse the first frame, and the one after the last."""
     if not isinstance(value, str):
         return value
     first, colon, last = value.partition(":")
@@ -25,7 +25,7 @@ def _parse_frames(value: Any) -> Any:
 
 
 def _parse_region(value: Any) -> Any:
-    """Left, top, width and height."""
+    """Parse left, top, width and height."""
     if not isinstance(value, str):
         return value
     cells = [cell.strip() for cell in value.split(",")]
@@ -43,8 +43,8 @@ class TrackRequest(request.Request):
     """Track walkers in a film from above: tracks.csv for analyse, and a picture to check.
 
     The walkers are of one size, on a ground of another brightness, seen straight from above. Give the scale by
-    --mm-per-px or --length. With --markers they bear caps, whose markers tell number, place and heading, scale and
-    tilt of the camera. What a lens bends is undone by --lens. Needs the extra film: pip install 'walkergen[film]'.
+    --mm-per-px or --length. With --markers the markers on caps give number, position and heading, the scale and the
+    camera's tilt. --lens corrects lens distortion. Needs the extra film: pip install 'walkergen[film]'.
     """
 
     by_position: ClassVar = ("film",)
@@ -72,16 +72,17 @@ class TrackRequest(request.Request):
         ),
     ] = None
     walkers: Annotated[
-        Literal["dark", "light"] | None, Flag("Walkers are dark or light; by default what is wider.", "SIDE")
+        Literal["dark", "light"] | None, Flag("Walkers are dark or light; by default the wider objects.", "SIDE")
     ] = None
     threshold: Annotated[float | None, Flag("Contrast of a walker with the ground, of 255 steps.", "STEPS")] = None
     width: Annotated[float | None, Flag("Width of a walker, its shorter side, pixels.", "PX")] = None
     heading: Annotated[
-        Literal["motion", "mark"], Flag("Front by motion (the way it runs) or mark (a spot on it).", "BY")
+        Literal["motion", "mark"],
+        Flag("Source of the front: motion (direction of running) or mark (a spot on it).", "BY"),
     ] = "motion"
-    markers: Annotated[
-        Literal["aruco"] | None, Flag("Markers that walkers bear, by `plate --caps`: aruco.", "KIND")
-    ] = None
+    markers: Annotated[Literal["aruco"] | None, Flag("Markers on the walkers, from `plate --caps`: aruco.", "KIND")] = (
+        None
+    )
     marker_mm: Annotated[
         film_fields.Measured,
         BeforeValidator(film_fields.parse_measured),
@@ -91,8 +92,7 @@ class TrackRequest(request.Request):
         Path | None,
         request.File,
         Flag(
-            "Calibration of a lens that bends, by OpenCV: image_width, image_height, "
-            "camera_matrix, distortion_coefficients.",
+            "Calibration of the lens by OpenCV: image_width, image_height, camera_matrix, distortion_coefficients.",
             "LENS.json",
             takes="Name | None",
         ),
@@ -100,24 +100,8 @@ class TrackRequest(request.Request):
     out: request.Out = None
 
     def run(self, progress: Progress) -> "TrackReport":
-        """Track the walkers, by their looks or by their markers."""
+        """Track the walkers, with or without markers."""
         from walkergen.core.files import output
-        from walkergen.core.numerics.quantity import Quantity
-        from walkergen.guests.track.film import lens, make
-        from walkergen.guests.track.film.result import Options
+        from walkergen.guests.track.film import make
 
-        options = Options(
-            mm_per_px=Quantity("mm_per_px", "", *(self.mm_per_px or (None,))),
-            length=Quantity("length", "mm", *(self.length or (None,))),
-            fps=self.fps,
-            frames=self.frames,
-            region=self.region,
-            walkers=self.walkers,
-            threshold=self.threshold,
-            width_px=self.width,
-            heading=self.heading,
-            lens=None if self.lens is None else lens.read_lens(self.lens),
-            markers=self.markers,
-            marker=Quantity("marker", "mm", *(self.marker_mm or (None,))),
-        )
-        return make.track(self.film, options, output.result_folder(self.film, self.out, "track"), progress)
+        return make.track(self, output.result_folder(self.film, self.out, "track"), progress)

@@ -1,8 +1,8 @@
-"""Result of tracking a film: the settings, and its walkers."""
+"""Result of tracking a film: its walkers, and their scale."""
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -12,33 +12,8 @@ from walkergen.guests.track.film import quality
 from walkergen.guests.track.film.films import Box, Clock, Film, Grey
 from walkergen.guests.track.film.lens import Lens
 
-
-class Options(NamedTuple):
-    """A user's settings; None, or no value, is read from the film."""
-
-    mm_per_px: Quantity = Quantity("mm_per_px", "", None)
-    length: Quantity = Quantity("length", "mm", None)
-    """Length of a walker; either this or `mm_per_px` is given. The error of its image is separate."""
-    fps: float | None = None
-    """Frames per second at which the film was taken."""
-    frames: tuple[int, int | None] = (0, None)
-    """First frame, and the one after the last."""
-    region: tuple[int, int, int, int] | None = None
-    """Left and upper edge, width and height of the searched part, pixels."""
-    walkers: str | None = None
-    """One of `make.CONTRAST_SIDES`."""
-    threshold: float | None = None
-    """Contrast beyond which a pixel is a walker's, steps of 255."""
-    width_px: float | None = None
-    """Width of a walker, the shorter side."""
-    heading: str = "motion"
-    """One of `heading.HEADING_SOURCES`."""
-    lens: Lens | None = None
-    """Lens whose distortion is corrected; None without distortion."""
-    markers: str | None = None
-    """Markers on the walkers, one of `make.MARKER_KINDS`, for scale, walkers and headings; None without markers."""
-    marker: Quantity = Quantity("marker", "mm", None)
-    """Side of the markers, their black frame included; without a value as `plate --caps` prints them."""
+if TYPE_CHECKING:
+    from walkergen.guests.track.film.request import TrackRequest
 
 
 class Outline(NamedTuple):
@@ -92,7 +67,9 @@ class Tracked(NamedTuple):
     """Findings in a film."""
 
     film: Film
-    options: Options
+    request: "TrackRequest"
+    lens: Lens | None
+    """Lens whose distortion is corrected, as read from its file; None without one."""
     part: Box
     """Searched part."""
     picture: Grey
@@ -110,7 +87,7 @@ class Tracked(NamedTuple):
         return quality.jitter([self._full_track(walker) for walker in self.walkers])
 
     def path_mm(self, walker: Walker) -> float:
-        """Length of a walker's path, mm, without its jitter."""
+        """Return the length of a walker's path, mm, without its jitter."""
         return quality.path_length(walker.position, 0.0 if math.isnan(self.jitter_mm) else self.jitter_mm)
 
     def _full_track(self, walker: Walker) -> tuple[Array, Array]:
