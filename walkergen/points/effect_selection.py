@@ -33,8 +33,8 @@ class UntilDecided(NamedTuple):
     def further(self, measured: Measured[Pairs]) -> Measured[Pairs] | None:
         """Return a measurement with twice the pairs; None if finished."""
         change = measured.experiment.changes(measured.records)[0].speed
-        told = self.verdict(measured) is not Verdict.UNDECIDED or change.se is None
-        return None if told or measured.runs >= MAX_PAIRS else measured.with_runs(2 * measured.runs)
+        decided = self.verdict(measured) is not Verdict.UNDECIDED or change.se is None
+        return None if decided or measured.runs >= MAX_PAIRS else measured.with_runs(2 * measured.runs)
 
 
 class Simplest(NamedTuple):
@@ -65,9 +65,9 @@ class Simplest(NamedTuple):
         share = f"{100.0 * self.accepted:g} %"
         out, kept = ([_format_change(change) for change in changes] for changes in (self.left_out, self.kept))
         faster = 1.0 if not self.left_out else 1.0 / self.left_out[-1].cpu.number
-        told = f"; {faster:.2g} times as fast" if out else ""
+        gain = f"; {faster:.2g} times as fast" if out else ""
         return [
-            ("left out", f"{', '.join(out) or 'nothing'}: within {share}{told}"),
+            ("left out", f"{', '.join(out) or 'nothing'}: within {share}{gain}"),
             *([("kept", f"{', '.join(kept)}: not known to be within {share}")] if kept else []),
         ]
 

@@ -85,8 +85,8 @@ def predict_members(
     ]
     if model == "best" and sum(row.speed_by == "theory" for row in rows) > MAX_SIMULATED:
         model = "known"
-    told = zip(named, final, built, masses, rows, strict=True)
-    for number, (name, design, parts, mass, row) in enumerate(told):
+    walkers = zip(named, final, built, masses, rows, strict=True)
+    for number, (name, design, parts, mass, row) in enumerate(walkers):
         if model == "best" and row.speed_by == "theory":
             row = speed_prediction.predict(
                 design, mass, scene, mode, model, part_progress(progress, number, len(final), name)

@@ -213,10 +213,10 @@ def _variance_shares(
     Shape (3, inputs), the last row equal throughout, and standard errors of the same shape by a
     jackknife over groups of draws.
     """
-    every = emulator.fit(values, speeds, seed=seed % 2**32)
+    fit_of_all = emulator.fit(values, speeds, seed=seed % 2**32)
 
     def shares(kept: Mask) -> Array:
-        fitted = emulator.fit(values[kept], speeds[kept], every.noise[kept], like=every)
+        fitted = emulator.fit(values[kept], speeds[kept], fit_of_all.noise[kept], like=fit_of_all)
 
         def mean(x: Array) -> Array:
             return fitted(x)[0]

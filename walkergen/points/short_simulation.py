@@ -194,9 +194,9 @@ def speed_from_record(record: Record, scene: Scene) -> PredictedSpeed | None:
         sd = math.hypot(float(record["sd"] or 0.0), left_out / NORMAL_95)
         low2, low1, high1, high2 = (float(record[name] or 0.0) for name in BOUND_NAMES)
         ends = print_ensemble.add_step_error((low2, low1, high1, high2), mean, left_out)
-    own = float(prediction.model_error_sd(mean, scene))
-    ends = print_ensemble.add_error(ends, mean, (NORMAL_95 * own, own, own, NORMAL_95 * own))
-    return PredictedSpeed(nominal, make_speed("speed", mean, math.hypot(sd, own), ends), _source(record))
+    model_sd = float(prediction.model_error_sd(mean, scene))
+    ends = print_ensemble.add_error(ends, mean, (NORMAL_95 * model_sd, model_sd, model_sd, NORMAL_95 * model_sd))
+    return PredictedSpeed(nominal, make_speed("speed", mean, math.hypot(sd, model_sd), ends), _source(record))
 
 
 def _source(record: Record) -> By:

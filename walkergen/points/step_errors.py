@@ -50,7 +50,7 @@ TURNING_REASON = (
     "turning and spread: ± is of the runs; by a tenth of this step they were the same within 30 %, "
     "at one setting of 14 they differed by a factor of two"
 )
-COARSE_STEP_REASON = "not resolved by this step: ‹step=›{own:.2g} or less is"
+COARSE_STEP_REASON = "not resolved by this step: ‹step=›{step_us:.2g} or less resolves it"
 
 
 def judge(plan: Plan, numbers: Mapping[str, Quantity]) -> dict[str, Quantity]:
@@ -64,9 +64,9 @@ def judge(plan: Plan, numbers: Mapping[str, Quantity]) -> dict[str, Quantity]:
         **{name: exact(name, "", 1.0) for name in (LANDING_RATE, GROUP_RATE)},
         MOTION: exact(MOTION, "", 0.0),
     }
-    own = resolving_step(plan)
-    part = plan.world.options.step / own
-    coarse = COARSE_STEP_REASON.format(own=_round_down(1e6 * own)) if part > 1.0 + 1e-9 else ""
+    resolving = resolving_step(plan)
+    part = plan.world.options.step / resolving
+    coarse = COARSE_STEP_REASON.format(step_us=_round_down(1e6 * resolving)) if part > 1.0 + 1e-9 else ""
     for name, number in named.items():
         if reason := coarse or (TURNING_REASON if name == MOTION else ""):
             named[name] = number._replace(bias=math.inf, refused=reason)

@@ -98,8 +98,8 @@ def _repair_with_values(
     try:
         return assign_values(model.model_construct(), data, values, source, prefix)
     except InputError as other:
-        alone, beside = ([line.partition(": ")[2] for line in each.text.splitlines()] for each in (error, other))
-        raise (error if alone == beside else other) from None
+        of_file, of_both = ([line.partition(": ")[2] for line in each.text.splitlines()] for each in (error, other))
+        raise (error if of_file == of_both else other) from None
 
 
 def replace_values(section: Model, values: Mapping[str, Any], source: str = "‹set›", prefix: str = "") -> Model:

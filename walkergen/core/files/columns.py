@@ -107,13 +107,13 @@ def parse_records(lines: Iterable[str], source: str) -> Records:
     return Records(names, rows)
 
 
-def check_names(seen: Sequence[str], path: Path, required: Sequence[str], optional: Sequence[str], told: str) -> None:
-    """Raise InputError for a column that is missing or unknown; `told` follows the required names in the message."""
+def check_names(seen: Sequence[str], path: Path, required: Sequence[str], optional: Sequence[str], note: str) -> None:
+    """Raise InputError for a column that is missing or unknown; `note` follows the required names in the message."""
     missing = [name for name in required if name not in seen]
     unknown = [name for name in seen if name not in (*required, *optional)]
     if missing or unknown:
         what = f"no column {missing[0]!r}" if missing else f"unknown column {unknown[0][:60]!r}"
-        raise InputError(f"{path}:1: {what}; columns are {', '.join(required)}{told}")
+        raise InputError(f"{path}:1: {what}; columns are {', '.join(required)}{note}")
 
 
 def read_numbers(
@@ -207,8 +207,8 @@ def _read_names(stream: Iterator[str], source: str) -> tuple[list[str], Iterator
     if len(row) == len(names) + 1 and row[-1].strip() and len(names) < MAX_COLUMNS:
         # Commas within numbers would make as many cells: R quotes row names, and has decimal points
         if not (first.lstrip().startswith('"') or any("." in cell for cell in row[1:])):
-            told = f"{len(row)} cells, the header has {len(names)}: are the first ones names of rows, as R's? "
-            raise InputError(f"{source}:2: {told}Give them a name in the header; else {SEPARATOR_HINT}")
+            problem = f"{len(row)} cells, the header has {len(names)}: are the first ones names of rows, as R's? "
+            raise InputError(f"{source}:2: {problem}Give them a name in the header; else {SEPARATOR_HINT}")
         names = ["", *names]
     return names, chain([first], stream)
 

@@ -200,9 +200,9 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
         raise error from None
     except ValidationError as error:
         mistakes = error.errors()
-        told = mistakes[:MAX_REPORTED_MISTAKES]
-        lines = [_explain(mistake, model, source, text, prefix) for mistake in told]
-        at_fault = [prefix + ".".join(_key_path(mistake["loc"], model)) for mistake in told]
+        reported = mistakes[:MAX_REPORTED_MISTAKES]
+        lines = [_explain(mistake, model, source, text, prefix) for mistake in reported]
+        at_fault = [prefix + ".".join(_key_path(mistake["loc"], model)) for mistake in reported]
         if len(mistakes) > MAX_REPORTED_MISTAKES:
             lines.append(f"{source}: and {len(mistakes) - MAX_REPORTED_MISTAKES} more mistakes")
         raise InputError("\n".join(lines), *at_fault) from None

@@ -35,7 +35,7 @@ class Verdict(StrEnum):
     AGREE = "agree"
     """All of its bounds lie within what is allowed."""
     UNDECIDED = "undecided"
-    """Its bounds reach over an end of what is allowed: a smaller error would tell."""
+    """Its bounds reach over an end of what is allowed: a smaller error would decide."""
     DISAGREE = "disagree"
     """None of its bounds lies within what is allowed."""
     MISSING = "missing"
@@ -52,7 +52,7 @@ class Quantity(NamedTuple):
     se: float | None = None
     """Standard error; None if unknown, 0 for a number without chance."""
     freedom: float = math.inf
-    """Degrees of freedom of the error: bounds follow Student's t; 0: more values would tell none."""
+    """Degrees of freedom of the error: bounds follow Student's t; 0: more values would give none."""
     refused: str = ""
     """Reason why there is no value, or no error; "" where both are known."""
     noise: float | None = None
@@ -167,8 +167,8 @@ class Quantity(NamedTuple):
             BOUND_ITERATIONS if self.least else 0
         ):  # so that a larger one, given that it is reported, has this chance
             if scales[0] > noise:
-                told = special.chdtrc(free, self.least * free / scales[0])
-                scales[0] = total / special.chdtri(free, tail * told)
+                chance = special.chdtrc(free, self.least * free / scales[0])
+                scales[0] = total / special.chdtri(free, tail * chance)
         ends = (max(scale - noise, 0.0) for scale in scales)
         low, high = sorted(end ** (1.0 / self.power) if end or self.power > 0 else math.inf for end in ends)
         return low, high
