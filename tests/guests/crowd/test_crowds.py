@@ -268,7 +268,7 @@ def test_what_is_not_known_is_refused_with_its_reason():
     [
         ([], "no run"),
         ([gas("disc:100", 9, 8, 1), gas("disc:90", 9, 8, 1)], "disc:90 and walker in disc:100"),
-        ([gas("disc:100", 9, 3, 1)], "3 frames: needs 4"),
+        ([gas("disc:100", 9, 3, 1)], "3 frames. At least 4 are needed"),
     ],
 )
 def test_crowds_that_cannot_be_measured_are_refused(films, named):

@@ -174,7 +174,7 @@ def test_a_thousand_million_points_ask_first(home):
     given = [part for text in axes_ for part in ("--set", text)]
     found = str(swept(*given, "--out", "one", code=1).exception)
     assert "1.003e+09 points" in found
-    assert "give --yes" in found
+    assert "Give --yes" in found
     assert not (home / "one").exists()
 
 
