@@ -60,7 +60,7 @@ def test_a_value_is_tomls_or_the_text(text, value):
 
 @pytest.mark.parametrize("text", ["[" * 5000, "[braced]", "{a = }"])
 def test_invalid_lists_are_refused(text):
-    with pytest.raises(InputError, match="no list or table of TOML"):
+    with pytest.raises(InputError, match="is not a list or table of TOML"):
         assignments.parse_value(text)
 
 

@@ -47,7 +47,8 @@ def test_a_box_that_lands_is_pushed_as_the_plate_moves_by_friction_times_its_reb
     """Coulomb: while it slides, what it gains along is friction times what it gains upward. Galileo: as much as one
     that is thrown against a plate that only moves up and down.
     """
-    keys = {f"plate.{key}_ratio": 40.0, f"plate.{key}_phase_deg": phase}
+    pairs = ([40.0, 0.0], [phase, 0.0]) if key == "along" else ([0.0, 40.0], [0.0, phase])
+    keys = dict(zip(("plate.horizontal_ratio", "plate.horizontal_phase_deg"), pairs, strict=True))
     fastest = sign * math.cos(math.radians(phase)) * 40.0 * 0.2 * GRAVITY / OMEGA
     pushes = []
     for own, thrown in ((keys, 0.0), ({}, -fastest)):
@@ -123,7 +124,8 @@ def test_a_block_rides_along_until_friction_gives_way():
 def test_far_from_the_start_it_is_a_plate_of_another_amplitude_and_phase(key, toward):
     """There 1 + g r, or 1 and k r a quarter of a period ahead: one sine again."""
     change, far = 0.3, 1e6
-    keys = {f"plate.{key}_percent_per_mm": 100.0 * change / far, f"plate.{key}_toward_deg": toward}
+    percent = 100.0 * change / far
+    keys = {f"plate.{key}_percent_per_mm": [percent, 0.0] if toward == 0.0 else [0.0, percent]}
     size, ahead = (1.0 + change, 0.0) if key == "gradient" else (math.hypot(1.0, change), math.atan(change))
     ends = []
     for gamma, phase, own in ((1.8, 0.3, keys), (1.8 * size, 0.3 + ahead, {})):

@@ -171,11 +171,9 @@ def walkers(draw, plates):
     if draw(plates):
         tables["plate"] |= {"noise_ratio": draw(st.floats(0.0, 1.0)), "roughness_um": draw(st.floats(0.0, 20.0))}
     if draw(plates):
-        tables["plate"] |= {f"{key}_ratio": draw(st.floats(0.0, 2.0)) for key in ("along", "across")}
-        tables["plate"] |= {f"{key}_phase_deg": draw(st.floats(-180.0, 180.0)) for key in ("along", "across")}
-        linear = ("gradient", "rocking")
-        tables["plate"] |= {f"{key}_percent_per_mm": draw(st.floats(-5.0, 5.0)) for key in linear}
-        tables["plate"] |= {f"{key}_toward_deg": draw(st.floats(-180.0, 180.0)) for key in linear}
+        numbers = {"horizontal_ratio": (0.0, 2.0), "horizontal_phase_deg": (-180.0, 180.0)}
+        numbers |= dict.fromkeys(("gradient_percent_per_mm", "rocking_percent_per_mm"), (-5.0, 5.0))
+        tables["plate"] |= {key: [draw(st.floats(*ends)) for _ in range(2)] for key, ends in numbers.items()}
     table, key = draw(st.sampled_from(sorted(BEYOND)))
     if draw(st.integers(0, 9)) == 0 and isinstance(tables[table], dict):
         tables[table][key] = draw(st.sampled_from(BEYOND[table, key]))

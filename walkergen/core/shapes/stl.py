@@ -44,7 +44,7 @@ def unpack(data: bytes, source: str) -> tuple[Corners, str]:
     elif 0 < count <= held and len(data) > start + count * TRIANGLE.itemsize:
         note = f"left out {len(data) - start - count * TRIANGLE.itemsize} bytes after its triangles"
     if count > held or count == 0:
-        raise InputError(f"{source}: {len(data)} bytes hold no binary STL of {count} triangles; write the file again")
+        raise InputError(f"{source}: {len(data)} bytes is no binary STL file of {count} triangles; save it again")
     corners: Corners = np.frombuffer(data, TRIANGLE, offset=start, count=count)["corners"]
     if not np.isfinite(corners).all():
         raise InputError(f"{source}: a corner is not finite; write the file again")
