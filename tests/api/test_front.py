@@ -368,7 +368,7 @@ REFUSED = {
             ({"tilt": 5, "tilt_deg": 6}, "tilt_deg: given twice"),
             ({"legs": "wooden"}, "legs.kind = 'wooden': must be one of"),
             ({"legs.tilt_deg": "steep"}, "legs.tilt_deg = 'steep': must be a number"),
-            ({"legs.contact_spacing_mm": 500.0}, "koumakis2016: .*a leg leaves the body"),
+            ({"legs.contact_spacing_mm": 500.0}, "koumakis2016: .*a leg extends beyond the body"),
         ],
     ),
     "variant of a scene": (

@@ -100,7 +100,7 @@ MESHES = [
         trimesh.creation.box([0.9, 0.5, 0.3]),
         ["read it in inches: 22.86 mm", "read it in centimetres: 9 mm", "make it 28 mm long"],
     ),
-    (None, ["let the legs place themselves"]),
+    (None, ["place the legs automatically"]),
 ]
 
 

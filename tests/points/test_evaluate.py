@@ -140,7 +140,7 @@ def test_a_braced_walker_has_no_leg_mass():
 def test_an_impossible_point_gives_its_reason_in_one_line():
     request = SweepPoints(PAPER, LANE, Space(()))
     for values, told in (
-        ({"legs.tilt_deg": 85.0}, "a leg leaves"),
+        ({"legs.tilt_deg": 85.0}, "a leg extends"),
         ({"legs.tilt_deg": math.nan}, "legs.tilt_deg = nan"),
         ({"legs.tilt_deg": 99, "scene.contact.friction": "ice"}, "legs.tilt_deg = 99"),
         ({"scene.contact.friction": "ice"}, "contact.friction = 'ice'"),

@@ -80,7 +80,7 @@ def test_a_picture_is_traced(tmp_path, name, background, ink):
 def test_a_picture_without_a_shape_is_refused(tmp_path):
     path = tmp_path / "grey.png"
     Image.new("L", (50, 50), 128).save(path)
-    with pytest.raises(InputError, match="stands out"):
+    with pytest.raises(InputError, match="no shape differs from the background"):
         load_shape(path).size  # noqa: B018
     path.write_bytes(b"no picture")
     with pytest.raises(InputError, match=r"grey.png"):
@@ -108,7 +108,7 @@ def test_pieces_stand_on_a_plate_or_the_largest_is_taken(tmp_path):
     joined, alone = load_shape(path), load_shape(path, **{"body.base": False})
     assert "left out 1 speck; joined 2 pieces by a base plate" in joined.notes[0]
     assert joined.size.length == pytest.approx(32.0, abs=0.01)
-    assert "left out 1 piece beside the largest" in alone.notes[0]
+    assert "left out 1 piece other than the largest" in alone.notes[0]
     assert alone.size[::2] == pytest.approx((20.0, 10.0))
 
 
@@ -198,7 +198,7 @@ def test_a_long_body_has_more_rows_and_reports_its_lean():
     design = Design.from_text("A" * 30).variant(**{"body.rails_mm": 2.0})
     assert design.size.length > 150.0
     assert len({limb.along for limb in design.limbs}) > 2
-    assert "tips beyond" in design.notes[-1]
+    assert "tips over beyond" in design.notes[-1]
 
 
 def test_another_shape_replaces_all_values_derived_from_the_former(tmp_path):
@@ -226,7 +226,7 @@ def test_given_numbers_replace_derived_ones(tmp_path, shape):
 
 
 def test_cad_files_are_refused_with_the_way_to_save_a_mesh(tmp_path):
-    with pytest.raises(InputError, match=r"Export, STL"):
+    with pytest.raises(InputError, match=r"Export it as STL"):
         load_shape(tmp_path / "part.step")
 
 

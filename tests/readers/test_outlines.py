@@ -111,7 +111,7 @@ def test_points_that_are_no_outline(points, words):
 def test_too_many_points():
     angles = np.linspace(0, 2 * math.pi, MAX_POINTS + 1, endpoint=False)
     circle = np.column_stack([np.cos(angles), np.sin(angles)])
-    check_refusal(GeometryError, "100001 points", "simplify", of=lambda: polygon(circle))
+    check_refusal(GeometryError, "100001 points", "Simplify", of=lambda: polygon(circle))
 
 
 def test_letters_have_their_height_and_holes():

@@ -103,8 +103,8 @@ def test_files_without_a_mesh_are_refused(tmp_path):
     for kind in ("stl", "obj", "ply", "off", "3mf", "glb"):
         line = refusal_of(file(f"garbage.{kind}", garbage))
         assert "no" in line
-    assert "holds points or lines" in refusal_of(file("points.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n"))
-    assert "holds no triangles" in refusal_of(file("words.stl", b"solid nothing\nendsolid nothing\n"))
+    assert "contains points or lines" in refusal_of(file("points.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n"))
+    assert "contains no triangles" in refusal_of(file("words.stl", b"solid nothing\nendsolid nothing\n"))
     ply = b"ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\n"
     assert "not a readable ply" in refusal_of(file("claims.ply", ply + b"end_header\n1234"))
     text = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
@@ -301,7 +301,7 @@ def test_bodies_apart_are_joined_by_a_plate_or_the_largest_is_taken(tmp_path):
     faults.check_solid(joined.mesh, "joined")
     assert joined.changes == ("joined 2 bodies by a base plate",)
     alone = body_mesh.read_body(path, ReadOptions(repair=True))
-    assert alone.changes == ("left out 1 body beside the largest",)
+    assert alone.changes == ("left out 1 body other than the largest",)
     assert mass.weigh(alone.mesh, 1.0).volume == pytest.approx(960.0)
     assert mass.weigh(joined.mesh, 1.0).volume > 960.0 + 200.0
 

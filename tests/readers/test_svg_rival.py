@@ -101,7 +101,7 @@ def test_transforms_that_leave_the_plane_are_named(transform, tmp_path):
     with pytest.raises(InputError, match=re.escape(f"<g> has transform = '{transform[:38]}")):
         from_file(path)
     path.write_text(f'<svg {NAMES} {PAGE} transform="scale(2)">{BAR}</svg>')
-    with pytest.raises(InputError, match="the page itself has a transform"):
+    with pytest.raises(InputError, match="the page has a transform"):
         from_file(path)
 
 
@@ -126,7 +126,7 @@ def test_a_coloured_page_is_a_body_with_a_note(tmp_path):
     ("body", "before", "size", "note"),
     [
         (f'<rect width="100%" height="100%" fill="#ffffff"/>{BAR}', "", (28, 8), "white rectangle"),
-        (f'<path d="M0 0h40v20H0z" fill="none"/>{BAR}', "", (28, 8), "left out 1 shape that nobody sees"),
+        (f'<path d="M0 0h40v20H0z" fill="none"/>{BAR}', "", (28, 8), "left out 1 hidden shape"),
         (f"<style>@media print{{.g{{display:none}}}}</style><g class='g'>{BAR}</g>", "", (28, 8), None),
         (f"<style media='print'>path{{display:none}}</style>{BAR}", "", (28, 8), None),
         (BAR, ILLUSTRATOR, (28, 8), None),

@@ -215,7 +215,7 @@ MOTOR = {"kind": "motor", "frequency_hz": 180.0, "eccentric_g_mm": 0.9}
 
 def test_walkers_and_moments_without_a_motor_are_refused_by_name():
     case = carrying(MOTOR | {"eccentric_g_mm": 0.01}).case
-    with pytest.raises(InputError, match="carries none"):
+    with pytest.raises(InputError, match="has no motor"):
         resolve(Case(case.scene, Design(), solids.mass_of(Design())))
     for moment, told in ((1e3, "its length"), (5.0, "times the walker's weight")):
         with pytest.raises(InputError, match=told):

@@ -311,7 +311,7 @@ def test_arrays_equal_one_by_one():
                 Foot(InverseMass(1.0, 0.5, 1.0), (1.0, -2.0), 0.5, 0.4),
             ],
             "coulomb",
-            "level the feet",
+            "Level the feet",
         ),
     ],
 )

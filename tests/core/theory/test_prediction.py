@@ -229,7 +229,7 @@ def test_the_default_contact_gives_the_theory_of_the_paper(tilt, speed):
     ("tilt", "mode", "note"),
     [
         (0, "coulomb", ""),
-        (5, "coulomb", "friction can hold the feet: eq. 15, in which feet always slide, gives 98.5 mm/s"),
+        (5, "coulomb", "friction can hold the feet: eq. 15 with its sliding feet gives 98.5 mm/s"),
         (5, "paper", "friction can hold the feet: sticking feet (mode coulomb) give 68.1 mm/s"),
         (10, "coulomb", ""),
         (10, "paper", ""),

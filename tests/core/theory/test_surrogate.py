@@ -189,7 +189,7 @@ def test_a_spoilt_file_is_refused(tmp_path, monkeypatch):
         path = tmp_path / f"{number}.npz"
         path.write_bytes(content)
         monkeypatch.setattr(networks, "NETWORK_FILE", path)
-        with pytest.raises(InputError, match="install walkergen again"):
+        with pytest.raises(InputError, match="Install walkergen again"):
             networks.load_arrays.__wrapped__()
 
 

@@ -284,13 +284,13 @@ def test_weighing_forms_have_rows_for_the_payload(tmp_path):
 def test_wrong_weights_of_the_payload_are_refused(tmp_path):
     design, path = load_walker("coinbot"), tmp_path / weighed_masses.FILE_NAME
     path.write_text("part,grams,body_g\nmotor,,1.2\n")
-    with pytest.raises(InputError, match="motor: body_g: has neither"):
+    with pytest.raises(InputError, match="motor: body_g: it has neither"):
         weighed_masses.read_masses(path, [design])
     path.write_text("part,grams\nmotor,1200\n")
-    with pytest.raises(InputError, match="motor: 1200 g by the balance, 1 g by the design"):
+    with pytest.raises(InputError, match="motor: the weighed mass is 1200 g, that of the design 1 g"):
         weighed_masses.apply_carried_masses(design, weighed_masses.read_masses(path, [design]))
     path.write_text("part,grams\nmotor,1.2\n")
-    with pytest.raises(InputError, match="'motor' is not among"):
+    with pytest.raises(InputError, match="'motor': tilt and legs do not select it"):
         weighed_masses.read_masses(path, [load_walker("koumakis2016")])
 
 

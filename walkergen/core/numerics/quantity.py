@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from walkergen.core.files import formatting
-from walkergen.core.numerics import Array, statistics
+from walkergen.core.numerics import Array
 from walkergen.core.numerics.distributions import student_quantile
 
 CONFIDENCE = 0.95
@@ -215,6 +215,8 @@ def mean(key: str, unit: str, values: "Sequence[float] | Array") -> Quantity:
         return Quantity(key, unit, None, None, refused="no value")
     if len(array) == 1:
         return Quantity(key, unit, float(array[0]), None, refused="no error of one value")
+    from walkergen.core.numerics import statistics  # most quantities come with their errors
+
     value, se, freedom = statistics.weighted_mean(array)
     return Quantity(key, unit, value, se, freedom)
 

@@ -33,13 +33,13 @@ XX, XY, YY, LEVER_X, LEVER_Y, RESTITUTION, FRICTION = range(7)
 
 
 class Foot(NamedTuple):
-    """Foot as impacts feel it; each number may be an array, of shapes that broadcast."""
+    """Properties of a foot for impacts; each number may be an array, of shapes that broadcast."""
 
     H: InverseMass
     """Inverse-mass tensor at the foot, 1/g."""
     lever: tuple[Values, Values]
-    """Vector (x, y) from the centre of mass to the foot, mm. Gravity turns nothing about the centre
-    of mass of the whole walker, so that one is meant; the paper takes the body's."""
+    """Vector (x, y) from the centre of mass of the whole walker to the foot, mm. Gravity has no torque about it. The
+    paper uses that of the body."""
     restitution: Values
     friction: Values
 
@@ -70,11 +70,11 @@ def solve_balance(feet: Sequence[Foot], mode: Mode = "coulomb") -> Balance:
     """
     if mode == "paper":
         raise TheoryError(
-            "mode paper (eq. 15) lets every foot slide back and has no impact law that could "
-            "balance unequal feet; use mode coulomb"
+            "mode = 'paper': eq. 15 lets every foot slide back and has no impact law that could "
+            "balance unequal feet. Use mode coulomb."
         )
     if not feet:
-        raise TheoryError("balance: a walker without feet has no speed; give it two or more")
+        raise TheoryError("balance: a walker without feet has no speed. Give it two or more.")
     own = [factor(foot.H, foot.restitution, foot.friction, mode) for foot in feet]
     every = np.broadcast_arrays(
         *own,
@@ -94,8 +94,8 @@ def solve_balance(feet: Sequence[Foot], mode: Mode = "coulomb") -> Balance:
     )
     if np.isnan(speeds).any():
         raise TheoryError(
-            f"feet at {_format_levers(numbers)} mm (x, y) from the centre of mass differ so much in height"
-            " that friction tips the walker: there is no stationary speed; level the feet"
+            f"feet at {_format_levers(numbers)} mm (x, y) from the centre of mass: their heights differ so much"
+            " that friction tips the walker. There is no stationary speed. Level the feet."
         )
     impacts = (loads / impulses).T
     return Balance(
@@ -111,13 +111,13 @@ def _check_numbers(numbers: Array) -> None:
     """Raise TheoryError unless tensors are positive definite and O lies between the feet."""
     xx, xy, yy, x = (numbers[:, column] for column in (XX, XY, YY, LEVER_X))
     if not np.isfinite(numbers).all():
-        raise TheoryError("balance: tensors and levers of the feet must be finite numbers")
+        raise TheoryError("balance: tensors and levers of the feet must be finite numbers.")
     if not ((xx > 0) & (yy > 0) & (xx * yy > xy * xy)).all():
-        raise TheoryError("balance: the inverse-mass tensor of every foot must be positive definite")
+        raise TheoryError("balance: the inverse-mass tensor of every foot must be positive definite.")
     if not ((x.min(axis=0) < 0) & (x.max(axis=0) > 0)).all():
         raise TheoryError(
             f"feet at {_format_levers(numbers)} mm (x, y) from the centre of mass: the walker tips unless "
-            "one stands behind it and one in front (x < 0 < x); move a leg or the centre of mass"
+            "one foot is behind it and one in front (x < 0 < x). Move a leg or the centre of mass."
         )
 
 

@@ -1,4 +1,4 @@
-"""Where a walker stands among all that the surrogate may know: dimensionless numbers of it, its plate and its lane."""
+"""Dimensionless numbers of a walker, its plate and its lane, the inputs of the surrogate."""
 
 import math
 from typing import NamedTuple
@@ -111,7 +111,7 @@ class Place(NamedTuple):
 
 
 def compute_place(scene: Scene, design: Design, mass: MassProperties) -> Place:
-    """Place of a walker with two equal legs on a shaken plate. Braced legs have neither hinges nor own masses."""
+    """Compute the place of a walker with two equal legs on a plate. Braced legs have no hinges and no own masses."""
     limb, leg, span, drive = design.limbs[0], mass.legs[0], design.foot_span, scene.drive
     hinge = mass_ratio = 1.0
     modulus = 1e9 * design.material.youngs_modulus_gpa
@@ -195,7 +195,7 @@ def to_matrix(place: Place) -> Array:
 
 
 def describe_number(name: str, low: float, high: float) -> tuple[str, str]:
-    """Name and range of a number as people write them."""
+    """Return the name and range of a number as text."""
     words = name.removeprefix("log_").removeprefix("root_").replace("_", " ")
     if name == "root_tilt":
         low, high = low**2, high**2

@@ -45,7 +45,10 @@ BLOCK_SIZE = 96
 
 
 class Speeds(NamedTuple):
-    """Speeds in space over the plate's peak speed: normal after asinh; arrays of shape (n,)."""
+    """Speeds in space over the plate's peak speed, on the networks' own scale; arrays of shape (n,).
+
+    They are normally distributed after asinh, so that errors are added there, before the conversion to mm/s.
+    """
 
     centre: Array
     error: Array
@@ -79,9 +82,9 @@ def load_arrays() -> Mapping[str, Any]:
             kept = {name: stored[name] for name in stored.files}
         whole = str(kept.pop("digest")) == hash_arrays(kept)
     except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
-        raise InputError(f"{NETWORK_FILE}: the surrogate cannot be read: {error}; install walkergen again") from None
+        raise InputError(f"{NETWORK_FILE}: the surrogate cannot be read: {error}. Install walkergen again.") from None
     if not whole:
-        raise InputError(f"{NETWORK_FILE}: the surrogate was changed or cut: install walkergen again")
+        raise InputError(f"{NETWORK_FILE}: the surrogate was changed or truncated. Install walkergen again.")
     return kept
 
 

@@ -1,9 +1,9 @@
 """Predicted speeds of walkers, with their bounds: design and scene in, table rows out.
 
-A speed has two faces. *As designed* is the nominal run, what `simulate` gives. *As you will get it* is the median,
-with bounds, over what design and scene do not know exactly, from print to print, and with a structural error of
-the model. Here both come from the surrogate, or from statics where a walker stands; a walker that neither knows is
-simulated (`points.speed_prediction`).
+Each walker has two speeds. *As designed* is the nominal run, as from `simulate`. *As you will get it* is the median
+over prints, over the uncertain inputs of design and scene, and over the structural error of the model, with bounds.
+Both come from the surrogate, or from statics if the walker rests. Other walkers are simulated
+(`points.speed_prediction`).
 """
 
 import math
@@ -29,8 +29,8 @@ from walkergen.core.walker.mass import MassProperties
 Array = npt.NDArray[np.float64]
 
 DRAW_COUNT = 256
-"""Number of draws behind a speed and its bounds: on a lattice the ends of 95 % err by 0.07 to 0.19
-of a standard deviation, those of 68 % by 0.06 at most."""
+"""Number of draws for a speed and its bounds. On a lattice the errors of 95 % bounds are 0.07 to 0.19 of a standard
+deviation, those of 68 % bounds 0.06 at most."""
 
 SEED = 2016
 
@@ -99,7 +99,7 @@ class Prediction(NamedTuple):
     """Stationary speed of the back foot alone, over the impact speed; of several stationary speeds, the last one."""
     factor_front: float
     factor_mean: float
-    """That of the walker: the mean of two equal feet, of unlike ones what balances them."""
+    """Factor of the walker: the mean of two equal feet, or the balance of unlike feet."""
     mode: str
     theory_note: str
     """Reason why the theory's speed differs from the paper's eq. 15; "" if it agrees, or nearly."""
@@ -218,9 +218,9 @@ def impact_speed(scene: Scene, mass: MassProperties) -> float:
 
 
 def variance_shares(design: Design, mass: MassProperties, scene: Scene) -> tuple[Share, ...]:
-    """Return the shares of the inputs in the variance behind a walker's bounds, largest total first.
+    """Return the shares of the inputs in the variance of a walker's speed, largest total first.
 
-    Raises UnknownError for a walker that the surrogate does not know.
+    Raises UnknownError for a walker outside the surrogate's domain.
     """
     inputs, known = prediction_inputs(scene, design), surrogate.case_in_domain(scene, design, mass)
     return uncertain_inputs.variance_shares(
@@ -235,7 +235,7 @@ def sample_prediction_inputs(scene: Scene, design: Design) -> Drawn:
 
 
 def predict(design: Design, mass: MassProperties, scene: Scene, mode: Mode = "coulomb") -> Prediction:
-    """Predict the speed of one walker, and what the theory has for it (docs/physics.md section 4).
+    """Predict the speed of one walker, with the speed of the theory (docs/physics.md section 4).
 
     `mode` is the theory's. Members of a family share their random numbers. Raises UnknownError for a walker that
     is to be simulated, TheoryError for an unknown mode.
@@ -284,17 +284,17 @@ def make_row(
 
 
 def _theory_note(design: Design, mass: MassProperties, scene: Scene, mode: Mode, by_foot: Stationary) -> str:
-    """Return why the theory's speed is not that of eq. 15; "" where it is, within `REPORTED_DIFFERENCE`."""
+    """Return the reason why the theory's speed is not that of eq. 15; "" within `REPORTED_DIFFERENCE`."""
     contact = scene.contact
     if contact.friction == 0.0:
-        return "friction 0: every speed is stationary; the limit friction -> 0 is given"
+        return "friction 0: every speed is stationary; this is the limit friction -> 0"
     if all(by_foot.reverses):
         return ""
     other = stationary(design, mass, contact.restitution, contact.friction, "coulomb" if mode == "paper" else "paper")
     own, others = float(by_foot.factor), float(other.factor)
     if abs(own - others) <= REPORTED_DIFFERENCE * abs(own):
         return ""
-    which = "sticking feet (mode coulomb) give" if mode == "paper" else "eq. 15, in which feet always slide, gives"
+    which = "sticking feet (mode coulomb) give" if mode == "paper" else "eq. 15 with its sliding feet gives"
     return f"friction can hold the feet: {which} {formatting.format_fixed(others * impact_speed(scene, mass), 1)} mm/s"
 
 
@@ -323,7 +323,7 @@ def predict_curve(
 ) -> Curve:
     """Predict the speeds of a design's kind of legs over a fine range of `count` tilts.
 
-    The walkers bear no marks, because these number a family's tilts only, not those in between.
+    The walkers have no marks, because marks number only the tilts of a family.
     """
     drawn, contact = sample_prediction_inputs(scene, design), scene.contact
     tilts = np.linspace(low_deg, high_deg, count)

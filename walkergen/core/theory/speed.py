@@ -36,9 +36,9 @@ class Factors(NamedTuple):
 def factor(H: InverseMass, restitution: float | Array, friction: float | Array, mode: Mode = "coulomb") -> Array:
     """Return the factor v_x0 / w of one foot, positive forward; shapes broadcast.
 
-    `coulomb` lets the foot stick when friction can hold it; `paper` is eq. 15, which assumes that
-    it slides back in any case. At friction 0, where every speed is
-    stationary, the result is the limit friction -> 0. Raises TheoryError for numbers out of range.
+    `coulomb` lets the foot stick if friction can hold it. `paper` is eq. 15, which assumes that it slides back in any
+    case. At friction 0 every speed is stationary; the result is the limit friction -> 0. Raises TheoryError for numbers
+    out of range.
     """
     e, mu = np.asarray(restitution, dtype=float), np.asarray(friction, dtype=float)
     _check(e, mu, mode)
@@ -58,11 +58,11 @@ def factor(H: InverseMass, restitution: float | Array, friction: float | Array, 
 
 def _check(e: Array, mu: Array, mode: str) -> None:
     if not (np.all(e >= 0) and np.all(e <= 1)):
-        raise TheoryError(f"restitution must lie in 0..1; seen {e.min()}..{e.max()}")
+        raise TheoryError(f"restitution = {e.min()}..{e.max()}: it must lie in 0..1.")
     if not (np.all(mu >= 0) and np.all(np.isfinite(mu))):
-        raise TheoryError(f"friction must be a finite number >= 0; seen {mu.min()}..{mu.max()}")
+        raise TheoryError(f"friction = {mu.min()}..{mu.max()}: it must be a finite number >= 0.")
     if mode not in MODES:
-        raise TheoryError(f"mode {mode!r} must be one of {MODES}")
+        raise TheoryError(f"mode = {mode!r}: it must be one of {MODES}.")
 
 
 def factors(

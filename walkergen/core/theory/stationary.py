@@ -93,7 +93,7 @@ def _format_note(design: Design, note: str, shares: Array) -> str:
         percent = " : ".join(f"{100 * share:.0f}" for share in shares)
         note += f" (impacts from back to front {percent} %)"
     if not design.symmetric:
-        note += "; legs are not alike left and right: it turns, which only the model in space knows"
+        note += "; its legs differ left and right, so it turns, which only the model in space includes"
     return note
 
 
@@ -136,7 +136,7 @@ def standing_reason(scene: Scene, design: Design, mass: MassProperties) -> str:
         return ""
     frictions = [contact.friction if limb.friction is None else limb.friction for limb in design.limbs]
     if max(frictions) == 0.0 and plate.slope_deg == 0.0:
-        return "without friction no foot pushes: the walker bounces in place"
+        return "without friction no foot pushes, so the walker bounces in place"
     if drive.kind != "plate" or plate.noise_ratio > 0.0:
         return ""
     slope = math.radians(abs(plate.slope_deg))
@@ -145,11 +145,11 @@ def standing_reason(scene: Scene, design: Design, mass: MassProperties) -> str:
     thrown = _largest_acceleration(scene) * _amplification(scene, design, mass)
     if thrown >= GRAVITY * math.cos(slope):
         return ""
-    return f"the plate throws nothing up (peak acceleration {drive.peak_gamma:.3g} g): the walker stands"
+    return f"the peak acceleration of the plate, {drive.peak_gamma:.3g} g, is too small: the walker stands"
 
 
 def _largest_acceleration(scene: Scene) -> float:
-    """Bound on the plate's acceleration, mm/s^2: the second harmonic's adds up at most."""
+    """Return a bound of the plate's acceleration, mm/s^2, with that of the second harmonic added."""
     return scene.drive.peak_gamma * GRAVITY * (1.0 + 4.0 * scene.drive.second_harmonic_ratio)
 
 

@@ -38,7 +38,7 @@ MAX_FALL_CHANCE, SURE_FALL_CHANCE = 0.04, 0.9
 as the answer. Walkers between these are simulated."""
 
 RANGE_MARGIN = 0.02
-"""Share of a number's range that a walker may lie outside it: samples leave out the ends."""
+"""Margin beyond the sampled range of a number, as a share of the range: samples do not reach its ends."""
 
 
 class UnknownError(WalkergenError):
@@ -67,7 +67,7 @@ class Known(NamedTuple):
 
     @property
     def sign(self) -> float:
-        """Sign of the tilt: places know its magnitude alone."""
+        """Sign of the tilt: places contain only its magnitude."""
         return math.copysign(1.0, self.design.tilt_deg)
 
     @property
@@ -115,7 +115,7 @@ def case_in_domain(scene: Scene, design: Design, mass: MassProperties, within_go
     goal = max(MAX_ERROR_SHARE * abs(speed), MAX_ERROR_MM_S)
     if within_goal and NORMAL_95 * se > goal:
         raise UnknownError(
-            f"the surrogate does not know it to {100 * MAX_ERROR_SHARE:g} % or {MAX_ERROR_MM_S:g} mm/s", known
+            f"the surrogate's error is more than {100 * MAX_ERROR_SHARE:g} % and {MAX_ERROR_MM_S:g} mm/s", known
         )
     return known
 
@@ -125,12 +125,12 @@ def _domain_violations(scene: Scene, design: Design) -> Iterator[str]:
     if scene.drive.kind == "motor":
         yield "walkers with a motor are simulated"
     if not design.alike:
-        yield "walkers of other legs than two equal ones are simulated"
+        yield "walkers without two equal legs are simulated"
     if design.kind not in ("flexible", "braced"):
-        yield f"walkers on legs that are {design.kind} are simulated"
+        yield f"walkers with {design.kind} legs are simulated"
     limb = design.limbs[0]
     if limb.foot != "flat" or limb.friction is not None or limb.restitution is not None:
-        yield "walkers on feet of another shape or material are simulated"
+        yield "walkers with feet of another shape or material are simulated"
     if scene.plate.slope_deg and scene.run.heading_deg != type(scene.run).model_fields["heading_deg"].default:
         yield "walkers that start across a slope are simulated"
     yield from scene_violations(scene)
@@ -148,13 +148,13 @@ COVERED_KEYS = {
 """Keys of other tables that the surrogate reads, or that it draws."""
 
 GOVERNING_KEY = {key: number for number, keys in DEPENDENT_KEYS.items() for key in (number, *keys)}
-"""Numbers without which keys say nothing."""
+"""Numbers that keys depend on: without them the keys have no effect."""
 
 
 def scene_violations(scene: Scene) -> list[str]:
     """Return keys and values of a scene, in the user's spelling, outside the surrogate's training set.
 
-    What shapes a number counts only where there is some.
+    Keys that depend on a number count only if it is not 0.
     """
     reasons = []
     for name in type(scene).model_fields:
@@ -183,4 +183,4 @@ def _check_ranges(kind: Kind, place: Place) -> None:
         if not low - margin <= float(value) <= high + margin:
             words, ends = dimensionless.describe_number(name, low, high)
             side = "less" if float(value) < low else "more"
-            raise UnknownError(f"the surrogate knows a {words} of {ends}, and here it is {side}")
+            raise UnknownError(f"the surrogate is trained for a {words} of {ends}, and here it is {side}")

@@ -1,7 +1,7 @@
-"""Uncertain inputs of a prediction: what design and scene do not know exactly, and draws of it.
+"""Uncertain inputs of a prediction: values of design and scene with a standard deviation, and draws of them.
 
-Every input has a mean and a standard deviation under keys that people write; prediction, simulation
-and fit take from the same list those that they read.
+Every input has a mean and a standard deviation in keys of a file. Prediction, simulation and fit use the same list,
+each with the inputs that it reads.
 """
 
 import math
@@ -29,7 +29,7 @@ PREDICTION_READER, SPACE_READER = "prediction", "space"
 """Users of uncertain inputs: the prediction, and runs of the model in space."""
 
 FREQUENCY_KEY, MOMENT_KEY = "drive.frequency_hz", "drive.eccentric_g_mm"
-"""Names of what is uncertain of a motor."""
+"""Names of the uncertain inputs of a motor."""
 
 QUANTILES = (0.025, 0.16, 0.84, 0.975)
 """Ends of the bounds of 95 and 68 %."""
@@ -40,7 +40,7 @@ sets is the error of the shares."""
 
 
 class Input(NamedTuple):
-    """Normal or log-normal distribution of an uncertain input, cut off where it has no meaning."""
+    """Normal or log-normal distribution of an uncertain input, truncated to its valid range."""
 
     name: str
     """Key in design or scene; masses are ratios to those of the mesh or the balance."""
@@ -192,9 +192,9 @@ LATTICE_VECTOR = (
 def lattice_points(wide: int, count: int, seed: int) -> Array:
     """Return the points of a lattice with a random shift in the unit cube, shape (count, wide), wide <= 32.
 
-    Its first 2^m points are evenly spread. Ends of bounds over 512 of them err by 0.4 to 0.8 of
-    what random numbers do, by up to a third more than Sobol's (tried on a sum with a ridge), whose
-    import takes a third of a second.
+    Its first 2^m points are evenly spread. Errors of bounds over 512 of them are 0.4 to 0.8 of those with random
+    numbers. They are up to a third larger than with Sobol points (tested on a sum with a ridge), but the import of
+    those takes a third of a second.
     """
     bits = max(math.ceil(math.log2(max(count, 1))), 1)
     numbers, turned = np.arange(2**bits), np.zeros(2**bits, np.int64)
@@ -292,7 +292,7 @@ def _with_leg_thickness(design: Design, thickness: float | None, material: dict[
 
 
 class Share(NamedTuple):
-    """Part of a variance that an input is answerable for (Saltelli et al. 2010)."""
+    """Part of a variance that an input causes (Saltelli et al. 2010)."""
 
     name: str
     first: "Quantity"
@@ -337,7 +337,7 @@ def sort_shares(quantities: Sequence[Input], values: Array, errors: Array) -> tu
 
 
 class _Law(NamedTuple):
-    """Distribution of an input as scipy.stats wants it."""
+    """Distribution of an input with the interface of scipy.stats."""
 
     one: Input
 

@@ -1,4 +1,4 @@
-"""Bodies of walkers: what people write of them, and the shape that it stands for.
+"""Bodies of walkers: their keys, and the shapes that these define.
 
 A body is a prism in side view (a rectangle or a polygon, extruded across the run), a prism in plan
 view (a disc, an ellipse, a polygon, a drawing, letters, extruded upward), or a mesh from a file.
@@ -32,7 +32,7 @@ SOURCE_KEYS = ("profile_mm", "outline", "text", "mesh")
 """Keys that give a body another shape than a rectangle; one of them at most."""
 
 SOURCE_DETAIL_KEYS = ("points_mm", "font", "rails_mm", "scale_mm", "up", "forward", "legs_below_mm", "base", "mirror")
-"""Keys that say more of a source."""
+"""Keys that describe a source in detail."""
 
 
 class Body(Section):
@@ -45,32 +45,32 @@ class Body(Section):
     """Corners of a side view, (x, y), extruded across by depth_mm."""
     outline: Annotated[str, Field(min_length=1, max_length=4096)] | None = None
     """Plan view: "disc" (of length_mm), "ellipse" (length_mm, depth_mm), "polygon" (points_mm), or
-    a drawing, .svg or .dxf, or a picture, .png or .jpg, beside the file; extruded upward by thickness_mm.
-    A drawing, a text or a mesh is scaled to length_mm where that is given."""
+    a drawing (.svg, .dxf) or a picture (.png, .jpg) in the folder of the file. It is extruded upward by thickness_mm.
+    A drawing, a text or a mesh is scaled to length_mm if this is set."""
     points_mm: Points | None = None
     """Corners of the outline "polygon", seen from above."""
     text: str | None = None
-    """Letters as the plan view, as high as depth_mm."""
+    """Text whose letters are the plan view, depth_mm high."""
     font: Annotated[str, Field(min_length=1, max_length=4096)] | None = None
-    """Font of the text, .ttf, .otf or .ttc, beside the file. None: DejaVu Sans."""
+    """Font of the text (.ttf, .otf, .ttc) in the folder of the file. None: DejaVu Sans."""
     rails_mm: Length | None = None
-    """Width of two bars along the feet and the tops of the letters, which join them to one part."""
+    """Width of two bars that join the letters to one part, along their feet and their tops."""
     mesh: Annotated[str, Field(min_length=1, max_length=4096)] | None = None
-    """Mesh of the body, beside the file."""
+    """Mesh of the body, in the folder of the file."""
     scale_mm: Length | None = None
-    """Millimetres in a unit of the drawing or mesh. None: what a drawing states; 1 for a mesh."""
+    """Millimetres in a unit of the drawing or mesh. None: the unit that a drawing states, or 1 for a mesh."""
     up: Axis = "z"
     forward: Axis = "x"
     """Axes of the mesh that point up and forward."""
     legs_below_mm: Length | None = None
-    """Height above its lowest point below which a mesh, of a whole walker, is legs."""
+    """Height above the lowest point of a mesh of a finished walker. Parts below it are legs."""
     repair: bool = True
-    """Whether a mesh that is not sound, and paths that cross, are mended; what was changed is told."""
+    """Whether faults of a mesh and crossing paths are repaired. The changes are reported."""
     base: bool | None = Field(default=None, exclude_if=lambda value: value is None)
-    """Whether a flat plate lies under it all. None: under letters without rails, and where pieces hang together by it
-    alone; without any the largest piece of a file is the body."""
+    """Whether a flat plate lies under all pieces. None: under letters without rails, and under pieces that only it
+    joins. Without a plate the largest piece of a file is the body."""
     mirror: bool = Field(default=False, exclude_if=not_)
-    """True to turn what points forward backward, as a mirror does."""
+    """Whether the shape is mirrored: its front becomes its back."""
 
     @model_validator(mode="after")
     def _check_one_source(self) -> "Body":
@@ -80,30 +80,30 @@ class Body(Section):
         if (self.points_mm is not None) != (self.outline == "polygon"):
             raise ValueError('points_mm and outline = "polygon" go together')
         if self.scale_mm is not None and not (self.mesh or self._drawing):
-            raise ValueError("scale_mm is for a drawing or a mesh; lengths here are mm already")
+            raise ValueError("scale_mm applies only to a drawing or a mesh; other lengths are mm already")
         if self.rails_mm is not None and self.text is None:
-            raise ValueError("rails_mm joins the letters of text")
+            raise ValueError("rails_mm applies only to body.text")
         if self.text is not None and any("\ud800" <= letter <= "\udfff" for letter in self.text):
-            raise ValueError("text holds bytes that are not UTF-8: write it anew")
+            raise ValueError("text holds bytes that are not UTF-8: write it again")
         if self.font is not None and self.text is None:
-            raise ValueError("font is of the letters of text")
+            raise ValueError("font applies only to body.text")
         if not self.sourced and (self.base or self.mirror):
-            raise ValueError("base and mirror are for a text, an outline or a mesh")
+            raise ValueError("base and mirror apply only to a text, an outline or a mesh")
         if self.sourced and self.base and self.legs_below_mm is not None:
-            raise ValueError("base is no part of a finished walker, legs_below_mm: leave one of them out")
+            raise ValueError("base and legs_below_mm: a finished walker has no base plate. Remove one of them.")
         if self.scale_mm is not None and self.wished_mm is not None:
             raise ValueError("scale_mm and length_mm each give the size: keep one of them")
         if self.text is not None and {"length_mm", "depth_mm"} <= self.model_fields_set:
             raise ValueError("length_mm and depth_mm each give the letters' size: keep one of them")
         if self.legs_below_mm is not None and self.mesh is None:
-            raise ValueError("legs_below_mm is for a mesh of a whole walker")
+            raise ValueError("legs_below_mm applies only to a mesh of a finished walker")
         for key in sources:
             if wrong := sorted(self._derived_keys(key) & self.model_fields_set):
-                raise ValueError(f"{wrong[0]} follows from {key}: leave it out")
+                raise ValueError(f"{wrong[0]} follows from {key}: remove it")
         return self
 
     def _derived_keys(self, source: str) -> set[str]:
-        """Sizes that follow from a source of the shape."""
+        """Return the sizes that follow from a source of the shape."""
         flat: dict[str, set[str]] = {"ellipse": set(), "polygon": {"length_mm", "depth_mm"}}
         return {
             "profile_mm": {"length_mm", "thickness_mm"},
@@ -116,10 +116,10 @@ class Body(Section):
     def replace_source(
         cls, table: Mapping[str, Any], source: str, former: "Body", values: Mapping[str, Any]
     ) -> dict[str, Any]:
-        """Table of a body that got another source of its shape, without what followed from the former one.
+        """Return the table of a body with a new source of its shape, without keys that followed from the old one.
 
-        Where that was of another kind sizes and all that was said of it go too, unless `values`, by dotted keys of
-        the design, set them anew.
+        If the old source was of another kind, its sizes and details are dropped too. Keys in `values`, by dotted keys
+        of the design, are kept.
         """
         gone = set(SOURCE_KEYS) - {source}
         if getattr(former, source) is None:
@@ -148,13 +148,13 @@ class Body(Section):
 
     @property
     def wished_mm(self) -> float | None:
-        """Length, mm, to which a drawing, a text or a mesh is scaled."""
+        """Length of the scaled drawing, text or mesh, mm; None without scaling."""
         scaled = self.text is not None or self.mesh is not None or self._drawing
         return self.length_mm if scaled and "length_mm" in self.model_fields_set else None
 
     @property
     def idle(self) -> set[str]:
-        """Keys that say nothing of a body of this shape; other sources of one are among them."""
+        """Keys without effect on a body of this shape, other sources of a shape included."""
         keys = {key for key in SOURCE_KEYS if getattr(self, key) is None}
         for key in set(SOURCE_KEYS) - keys:
             keys |= self._derived_keys(key)
@@ -184,7 +184,7 @@ class Body(Section):
 
     @property
     def key(self) -> str:
-        """JSON of what was written, by which a shape is kept."""
+        """JSON of the keys that are set, the key for caching a shape."""
         return self.model_dump_json(exclude_unset=True)
 
 
@@ -208,7 +208,7 @@ class FinishedWalker(NamedTuple):
 
 
 class Shape(NamedTuple):
-    """Shape that a body's keys stand for."""
+    """Shape that the keys of a body define."""
 
     size: Size
     side: Polygon | None
@@ -221,7 +221,7 @@ class Shape(NamedTuple):
     sha256: str = ""
     """Hash of the bytes of the file, if there is one."""
     changes: tuple[str, ...] = ()
-    """What was left out of the file, or mended, a few words each."""
+    """Parts of the file that were left out or repaired, a few words each."""
     whole: FinishedWalker | None = None
     """Body and legs of a mesh that was a whole walker, in the design's frame."""
 
@@ -237,7 +237,7 @@ class Shape(NamedTuple):
 
 
 def lay_down(plan: Mesh, size: Size) -> Mesh:
-    """Lay an extrusion of what is seen from above into the design's frame: the page's up is -z, its viewer at +y."""
+    """Turn an extruded plan view into the design's frame: up on the page is -z, the viewer is at +y."""
     x, v, w = plan.vertices.T
     return Mesh(np.column_stack([x, w - 0.5 * size.thickness, 0.5 * size.depth - v]), plan.triangles)
 

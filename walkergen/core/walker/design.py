@@ -65,7 +65,7 @@ class Design(WalkerSpec):
 
     def __copy__(self) -> Self:
         copy = super().__copy__()
-        copy.__dict__.pop("limbs", None)  # of `model_copy`, which may change what they follow from
+        copy.__dict__.pop("limbs", None)  # `model_copy` may change the keys that define them
         return copy
 
     @property
@@ -130,10 +130,10 @@ class Design(WalkerSpec):
     def variant(self, *, tilt_deg: float | None = None, kind: Kind | None = None, **keys: Any) -> "Design":
         """Return the design with another tilt or kind of legs, or with other values of any keys.
 
-        Keys are those of the file, dotted, and the words of the commands: `tilt` is `tilt_deg`, `legs="braced"` is
-        `kind`, `text` and `mirror` are the body's. Everything is validated together, as the file's lines are, unlike
-        by pydantic's `model_copy`. Legs of a list keep their kinds, and follow the tilt where they have none of their
-        own. Raises InputError or GeometryError, a line for every mistake.
+        Keys are the dotted keys of the file and the short keys of the commands: `tilt` is `tilt_deg`, `legs="braced"`
+        is `kind`, `text` and `mirror` are the body's. All keys are validated together, like the lines of a file. Legs
+        of a list keep their kinds. Those without a tilt of their own get the new one. Raises InputError or
+        GeometryError, a line for every mistake.
 
         Example: `wg.load("koumakis2016").variant(tilt=12, **{"legs.flexible_thickness_mm": 0.3})`
         """
@@ -164,19 +164,18 @@ class Design(WalkerSpec):
             own = {"legs.tilt_deg": tilt_deg, "legs.kind": kind}
             return {key: value for key, value in own.items() if value is not None}
         if kind not in (None, self.kind):
-            raise GeometryError(f"{self.name}: the kind of each of its legs is its own: they cannot be made {kind}")
+            raise GeometryError(f"{self.name}: its legs cannot be made {kind}. Change their kind in [[legs]].")
         if tilt_deg not in (None, self.tilt_deg) and not self.follows:
             raise GeometryError(
-                f"{self.name}: every one of its legs has its own tilt, so that there is no variant "
-                f"at {tilt_deg:g} deg: remove the tilt_deg of [[legs]] that shall follow"
+                f"{self.name}: each of its legs has its own tilt, so there is no variant "
+                f"at {tilt_deg:g} deg. Remove tilt_deg from the [[legs]] that shall change."
             )
         return {"leg_tilt_deg": tilt_deg} if tilt_deg is not None and self.follows else {}
 
     def members(self, tilts_deg: Iterable[float] | None = None, kinds: Iterable[Kind] | None = None) -> list["Design"]:
         """Return the variants of a family, kinds outermost; by default those of its [family] table.
 
-        Raises GeometryError, with the limit that was exceeded and the tilts at which, if any member
-        cannot be built.
+        Raises GeometryError if a member cannot be built, with the exceeded limit and its tilts.
         """
         tilts = [self.tilt_deg] if not self.follows else self.family.tilt_deg
         tilts = tilts if tilts_deg is None else list(tilts_deg)
@@ -185,8 +184,8 @@ class Design(WalkerSpec):
             chosen = list(self.family.legs if kinds is None else kinds)
         if self.weighed.leg_mass_g is not None and chosen not in ([self.kind], [None]):
             raise GeometryError(
-                f"{self.name}: weighed.leg_mass_g is the mass of a {self.kind} leg; "
-                f"make one kind only (‹legs=›{self.kind}) or remove the key"
+                f"{self.name}: weighed.leg_mass_g is the mass of a {self.kind} leg. "
+                f"Make one kind only (‹legs=›{self.kind}), or remove the key."
             )
         variants: list[Design] = []
         problems: dict[str, list[str]] = {}

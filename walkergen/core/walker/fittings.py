@@ -1,9 +1,7 @@
-"""Fittings of a walker, as people write them: its marks, its cap, its motor and battery in pockets.
+"""Keys of the fittings of a walker: its marks, its cap, its motor and battery in pockets.
 
-Few walkers have any; what is made of each stands in `marks`, `caps` and `pockets`, which only
-walkers that have it enter. Motor and battery are cylinders with a place in the design's frame: along
-and across from the middle of the body, up from its middle height. Sizes are those of the thing
-itself; its pocket is larger by a clearance.
+`marks`, `caps` and `pockets` build them. Motor and battery are cylinders with a position in the design's frame: along
+and across from the middle of the body, up from its middle height. Their pockets are larger by a clearance.
 """
 
 from collections.abc import Iterator, Mapping
@@ -19,27 +17,27 @@ MAX_SERIAL = 99_999
 """Largest serial number."""
 
 PLACE_KEYS = ("along_mm", "up_mm", "across_mm")
-"""Keys of a place, in the order of the design's axes x, y and z."""
+"""Keys of a position, in the order of the design's axes x, y and z."""
 
 MIN_FLOOR_MM = 0.4
-"""Thinnest floor or wall of a pocket against the body's box, mm: two layers, or a printed line."""
+"""Least thickness of the floor or wall of a pocket in the body's box, mm: two layers, or one printed line."""
 
 MIN_PLATE_DISTANCE_MM = 0.5
-"""Least distance of a part under the body from the plate, mm: what legs give way, assumed."""
+"""Least distance of a part under the body from the plate, mm: the assumed deflection of the legs."""
 
 
 class Marks(Section):
-    """Settings of the marks by which a part shows its tilt."""
+    """Settings of the marks that show the tilt of a part."""
 
     kind: Literal["none", "notches", "digits", "text"] = "none"
     text: Annotated[str, Field(min_length=1, max_length=40)] | None = None
     """Letters of kind "text", engraved: the same on every member of a family."""
     text_height_mm: Annotated[float, Field(ge=1e-3, le=1e4)] | None = None
-    """Height of its capitals. None: half the body's, as seen on the side that bears them."""
+    """Height of the capital letters. None: half the height of the marked face."""
     line_mm: Annotated[float, Field(ge=0.05, le=5)] = 0.4
     depth_mm: Annotated[float, Field(ge=1e-3, le=1e4)] = 0.4
     serial: Annotated[int, Field(ge=1, le=MAX_SERIAL)] | None = None
-    """Number of one copy, engraved beside its mark. None: copies are not told apart."""
+    """Number of one copy, engraved next to its mark. None: copies have no numbers."""
 
     @property
     def blank(self) -> bool:
@@ -64,7 +62,7 @@ MARKER_CELLS, TILE_CELLS = 6, 8
 """Cells along the side of a marker, its black frame included, and of the tile that bears it."""
 
 TILE_THICKNESS_MM = {"engraved": 1.0, "raised": 1.0, "paper": 0.1}
-"""Thickness of a tile, unless a design gives it, mm; of a raised one below the cells that stand."""
+"""Default thickness of a tile, mm; that of a raised one is below its raised cells."""
 PAPER_G_CM3 = 0.8
 """Density of paper: 80 g/m^2 of 0.1 mm."""
 
@@ -75,7 +73,7 @@ class Cap(Section):
     kind: Literal["engraved", "raised", "paper"] = "engraved"
     dictionary: Literal["4x4_50", "4x4_100"] = "4x4_50"
     number: Annotated[int, Field(ge=0, le=99)] = 0
-    """Number of the marker; on plates that of the first copy, from which the others count."""
+    """Number of the marker. On plates it is the number of the first copy, and the others follow."""
     marker_mm: Annotated[float, Field(ge=1.0, le=120.0)] = 7.2
     """Side of the marker, its black frame included; the tile is 4/3 as wide."""
     thickness_mm: Annotated[float, Field(ge=0.02, le=20.0)] | None = None
@@ -118,9 +116,9 @@ class Cap(Section):
         return TILE_THICKNESS_MM[self.kind] if self.thickness_mm is None else self.thickness_mm
 
     def density(self, material_g_cm3: float) -> float:
-        """Density of the cap, g/cm^3: paper's, or that of the walker's material; ink has no mass.
+        """Return the density of the cap, g/cm^3: that of paper, or of the walker's material.
 
-        A second colour is taken for as dense as the first.
+        Ink has no mass. A second colour is assumed to have the same density as the first.
         """
         return PAPER_G_CM3 if self.kind == "paper" else material_g_cm3
 
@@ -140,8 +138,8 @@ class Cell(NamedTuple):
 
 
 COIN_CELLS = {"CR2032": Cell(20.0, 3.2, 2.9), "LR44": Cell(11.6, 5.4, 2.0)}
-"""Coin cells by their names in IEC 60086, whose largest sizes these are. Masses: Panasonic's data
-sheet of its CR2032 (other makers state 2.8 to 3.2 g), makers' of LR44 and A76 (1.8 to 2.1 g)."""
+"""Coin cells by their names in IEC 60086, with its largest sizes. Masses are from data sheets: Panasonic's of the
+CR2032 (other makers state 2.8 to 3.2 g), and those of LR44 and A76 (1.8 to 2.1 g)."""
 
 
 class Cylinder(NamedTuple):
@@ -154,7 +152,7 @@ class Cylinder(NamedTuple):
     mass: float
     """Mass, g."""
     centre: tuple[float, float, float]
-    """Its middle: x along, y up, z across, from the middle of the body, mm."""
+    """Position of its middle from the middle of the body, mm: x along, y up, z across."""
     axis: int
     """Index of its axis: 0 along, 1 up, 2 across."""
 
@@ -165,23 +163,22 @@ class Cylinder(NamedTuple):
         return x, y, z
 
     def centre_in_design(self, depth: float) -> tuple[float, float, float]:
-        """Its middle in the design's frame, in which the body's depth, mm, begins at z = 0."""
+        """Return its middle in the design's frame, where a body of this depth (mm) begins at z = 0."""
         x, y, z = self.centre
         return x, y, z + 0.5 * depth
 
 
 class Part(Section):
-    """Part that a walker carries in a pocket of its body: its place, and where it goes in."""
+    """Part in a pocket of the body: its position, and the opening of the pocket."""
 
     along_mm: Place = 0.0
-    """Place of its middle along the body, from the middle."""
+    """Position of its middle along the body, from the middle of the body."""
     across_mm: Place = 0.0
-    """Place of its middle across the body, from the middle."""
+    """Position of its middle across the body, from the middle of the body."""
     up_mm: Place = 0.0
-    """Height of its middle over the middle of the body."""
+    """Height of its middle above the middle of the body."""
     opens: Opening = "up"
-    """Side of the body to which its pocket opens; "side" is the one that lies up in the print of a
-    walker on its side."""
+    """Side of the body where its pocket opens. "side" is the upper side of a walker that prints on its side."""
 
     @property
     def cylinder(self) -> Cylinder:
@@ -194,17 +191,17 @@ class Part(Section):
 
 
 class Motor(Part):
-    """Motor with an unbalanced rotor, by default a coin motor that stands on its edge.
+    """Motor with an unbalanced rotor, by default a coin motor on its edge.
 
-    10 x 2.7 mm and about 1 g is a common size, beside 8 x 2.5 mm and 12 x 3.4 mm.
+    Common sizes are 10 x 2.7 mm (about 1 g), 8 x 2.5 mm and 12 x 3.4 mm.
     """
 
     diameter_mm: Extent = 10.0
     height_mm: Extent = 2.7
     mass_g: Gram = 1.0
-    """Mass of the whole, rotor included."""
+    """Mass of the whole motor with its rotor."""
     axis: Direction = "across"
-    """Axis of the cylinder, about which the rotor turns."""
+    """Axis of the cylinder and of its rotor."""
 
     @property
     def cylinder(self) -> Cylinder:
@@ -213,14 +210,14 @@ class Motor(Part):
 
 
 class Battery(Part):
-    """Battery, of a standard shape or with sizes of its own; by default it lies flat."""
+    """Battery of a standard shape or of given sizes; by default it lies flat."""
 
     shape: Literal["CR2032", "LR44"] | None = None
-    """Standard coin cell, whose sizes and mass it has."""
+    """Standard coin cell, with its sizes and mass."""
     diameter_mm: Extent | None = None
     height_mm: Extent | None = None
     mass_g: Gram | None = None
-    """Mass, as weighed. None: that of the shape."""
+    """Weighed mass. None: the mass of the standard coin cell."""
     axis: Direction = "up"
 
     @model_validator(mode="after")
@@ -247,7 +244,7 @@ class Battery(Part):
 
 
 class Pockets(Section):
-    """Pockets of motor and battery, and what joins them: wires in a channel, and glue."""
+    """Pockets of motor and battery, with wires in a channel, and glue."""
 
     clearance_mm: Annotated[float, Field(ge=0, le=2, description="printers state theirs: pocket_clearance_mm")] = 0.2
     """Gap on every side between a part and the wall of its pocket."""
@@ -256,14 +253,14 @@ class Pockets(Section):
     wires_g: Annotated[float, Field(ge=0, le=100)] = 0.1
     """Mass of the wires, spread evenly from the middle of the motor to that of the battery."""
     glue_g: Annotated[float, Field(ge=0, le=100)] = 0.1
-    """Mass of the glue, shared by motor and battery and spread as they are."""
+    """Mass of the glue, shared by motor and battery and distributed like them."""
 
 
 def place_problems(parts: Mapping[str, Part], pockets: Pockets, size: Size, foot: float) -> list[str]:
-    """Problems of parts, by the names of their tables, that do not go into a body's box.
+    """Return the problems of parts, by the names of their tables, that do not fit into a body's box.
 
-    `foot` is the height of the feet from the middle of the body, mm. Whether a body of another
-    shape has plastic where a pocket needs it, only its solid says (`pockets.cut_pockets`).
+    `foot` is the height of the feet from the middle of the body, mm. For bodies of other shapes `pockets.cut_pockets`
+    checks that there is plastic around a pocket.
     """
     return [
         f"{name}.{problem}"
@@ -273,7 +270,7 @@ def place_problems(parts: Mapping[str, Part], pockets: Pockets, size: Size, foot
 
 
 def _part_problems(name: str, part: Part, clearance: float, size: Size, foot: float) -> Iterator[str]:
-    """Problems of one part, each from its key on."""
+    """Yield the problems of one part; each text begins with the key."""
     cylinder = part.cylinder
     for i, key in enumerate(PLACE_KEYS):
         value, half = cylinder.centre[i], cylinder.half[i] + clearance
@@ -283,8 +280,8 @@ def _part_problems(name: str, part: Part, clearance: float, size: Size, foot: fl
             needed = 2.0 * (half + MIN_FLOOR_MM)
             yield (
                 f"{wide} = {2.0 * (half - clearance):g}: its pocket needs a body of "
-                f"{needed:.4g} mm {key.removesuffix('_mm')}, this one has {size[i]:.4g} mm: make "
-                "the body larger, or turn the part (axis)"
+                f"{needed:.4g} mm {key.removesuffix('_mm')}, but this one has {size[i]:.4g} mm. Make "
+                "the body larger, or turn the part (axis)."
             )
         elif not low <= value <= high:
             deep = value > high if part.opens == "down" else value < low
@@ -293,20 +290,20 @@ def _part_problems(name: str, part: Part, clearance: float, size: Size, foot: fl
             if deep and sunk:
                 what = "its pocket is deeper than the body"
             yield (
-                f"{key} = {value:g}: {what}: must lie in {low:.4g}..{high:.4g} mm, which "
-                f"leaves floor and walls of {MIN_FLOOR_MM:g} mm: move it, or make the body larger"
+                f"{key} = {value:g}: {what}. It must lie in {low:.4g}..{high:.4g} mm, so that "
+                f"floor and walls keep {MIN_FLOOR_MM:g} mm. Move it, or make the body larger."
             )
     gap = cylinder.centre[1] - cylinder.half[1] - foot
     low, _ = _place_limits(part.opens, 1, cylinder.half[1] + clearance, size.thickness)
     if gap < MIN_PLATE_DISTANCE_MM and cylinder.centre[1] >= low:
         yield (
-            f"up_mm = {cylinder.centre[1]:g}: the {name} ends {gap:.3g} mm above the plate, must "
-            f"be at least {MIN_PLATE_DISTANCE_MM:g} mm: move it up, or make the legs longer"
+            f"up_mm = {cylinder.centre[1]:g}: the {name} ends {gap:.3g} mm above the plate. It needs "
+            f"at least {MIN_PLATE_DISTANCE_MM:g} mm. Move it up, or make the legs longer."
         )
 
 
 def _place_limits(opens: Opening, i: int, half: float, size: float) -> tuple[float, float]:
-    """Least and greatest place along axis i of a pocket that reaches `half` to either side, mm."""
+    """Return the range of positions along axis i of a pocket that reaches `half` to either side, mm."""
     room = 0.5 * size - MIN_FLOOR_MM - half
     low, high = -room, room
     if i == 1 and opens == "down":

@@ -1,7 +1,7 @@
-"""Legs of a walker: what people write of them, and every leg resolved to numbers.
+"""Legs of a walker: their keys, and every leg resolved to numbers.
 
-Two forms: [legs], two equal legs as far apart as their feet, or [[legs]], a list in which every leg
-has its own tilt, thickness, place and material. Frame: the middle of the body at the origin, x
+There are two forms: [legs] for two equal legs, or [[legs]], a list of legs with their own tilt, thickness, position
+and material. Frame: the middle of the body at the origin, x
 along the run, y up, z across; a leg leaves the body's underside at its anchor, and its foot lies
 behind the anchor for tilt > 0.
 """
@@ -34,17 +34,17 @@ Polygon = Array
 
 
 class Legs(Section):
-    """Two equal legs; `kind` says which of the two thicknesses applies."""
+    """Two equal legs; `kind` selects one of the two thicknesses."""
 
     kind: Kind = "flexible"
     tilt_deg: Tilt = 10.0
     length_mm: Length = 7.5
     place: Literal["auto", "given"] | None = Field(default=None, exclude_if=not_)
-    """Whether they are found for the body, or stand as contact_spacing_mm and width_mm say. None: found
-    for a body seen from above or a mesh where neither of these is written."""
+    """Whether legs are placed automatically, or as contact_spacing_mm and width_mm define. None: automatically, for a
+    body in plan view or a mesh if neither key is set."""
     contact_spacing_mm: Length = 13.0
     width_mm: Length | None = None
-    """Width across the run. None: as deep as the body."""
+    """Width across the run. None: the depth of the body."""
     flexible_thickness_mm: Length = 0.4
     thickness_sd_mm: Annotated[float, Field(ge=0, le=1e3)] = 0.02
     braced_thickness_mm: Length = 1.0
@@ -63,25 +63,25 @@ class Leg(Section):
 
     kind: Kind = "flexible"
     tilt_deg: Tilt | None = None
-    """Tilt of this leg, deg. None: it follows the family's tilt (the design's leg_tilt_deg)."""
+    """Tilt of this leg, deg. None: the tilt of the family (the design's leg_tilt_deg)."""
     mirrored: bool = False
-    """True for a leg that leans the other way, at minus its tilt."""
+    """Whether the leg leans the other way, with minus its tilt."""
     length_mm: Length = 7.5
     thickness_mm: Length | None = None
-    """None: 0.4 mm flexible, 1 mm braced, as those of [legs]."""
+    """Thickness. None: 0.4 mm for a flexible leg, 1 mm for a braced one, as in [legs]."""
     thickness_sd_mm: Annotated[float, Field(ge=0, le=1e3)] = 0.02
     brace_thickness_mm: Length = 0.5
     foot: FootKind = "flat"
     along_mm: Place
-    """Place of its foot along the body, from the middle, mm, whatever the tilt."""
+    """Position of its foot along the body, from the middle, mm, at any tilt."""
     across_mm: Place = 0.0
-    """Place of its middle across the body, mm."""
+    """Position of its middle across the body, mm."""
     width_mm: Length | None = None
-    """Width across the run. None: as deep as the body."""
+    """Width across the run. None: the depth of the body."""
     friction: Friction | None = None
-    """Friction of its foot, of another material than the scene's contact. None: the scene's."""
+    """Friction of a foot of another material than the scene's contact. None: that of the scene."""
     restitution: Fraction | None = None
-    """Restitution of its foot. None: the scene's."""
+    """Restitution of its foot. None: that of the scene."""
 
 
 class Limb(NamedTuple):
@@ -99,15 +99,15 @@ class Limb(NamedTuple):
     """Thickness of the brace, which only braced legs have."""
     foot: FootKind
     along: float
-    """Place of the foot along the body."""
+    """Position of the foot along the body."""
     across: float
-    """Place of the leg's middle across the body."""
+    """Position of the leg's middle across the body."""
     width: float
     """Width across the run."""
     bottom: float
     """Height of its anchor, on the underside of the body, y <= 0."""
     embedding: float
-    """Height by which the leg reaches on into the body."""
+    """Height of the leg inside the body."""
     friction: float | None
     restitution: float | None
 
@@ -153,15 +153,15 @@ class Strut(NamedTuple):
     """Upright support of a leg, from its foot to the underside, as wide as the leg."""
 
     offset: float
-    """Place of its middle along the run, from the anchor, mm."""
+    """Position of its middle along the run, from the anchor, mm."""
     thickness: float
     """Thickness along the run, mm."""
 
 
 def embedding_height(bottom: float) -> float:
-    """Height by which legs reach into a body with a flat underside at `bottom`, mm.
+    """Return the height of legs inside a body with a flat underside at `bottom`, mm.
 
-    A quarter of its thickness, so that the parts of the union overlap rather than touch.
+    It is a quarter of the body's thickness, so that the parts of the union overlap rather than touch.
     """
     return -0.5 * bottom
 

@@ -48,9 +48,9 @@ class Spatial(NamedTuple):
     """Mass properties of the third dimension, for motion in space."""
 
     z: float
-    """Place of O across the run, from the middle of the walker's depth, mm."""
+    """Position of O across the run, from the middle of the walker's depth, mm."""
     body: Array
-    """Inertia tensor about O of what M counts, shape (3, 3), g mm^2."""
+    """Inertia tensor about O of all parts of M, shape (3, 3), g mm^2."""
 
 
 class LegMass(NamedTuple):
@@ -72,8 +72,8 @@ class LegMass(NamedTuple):
     across: float = 0.0
     """Place of its centre of mass across the run, from the middle of the walker's depth, mm."""
     tensor: Array | None = None
-    """Inertia tensor about its own centre of mass, shape (3, 3), g mm^2, zero when braced; None
-    when unknown, which only motion in space minds."""
+    """Inertia tensor about its own centre of mass, shape (3, 3), g mm^2, zero when braced. None if unknown; only
+    motion in space needs it."""
 
     @property
     def foot(self) -> Array:
@@ -102,7 +102,7 @@ class MassProperties(NamedTuple):
     rigid: bool
     """True when all legs are braced."""
     spatial: Spatial | None = None
-    """Mass properties across the run; None when unknown, which only motion in space minds."""
+    """Mass properties across the run. None if unknown; only motion in space needs them."""
 
     @property
     def total(self) -> Values:
@@ -240,9 +240,9 @@ def check_support(limbs: Sequence[Limb], mass: MassProperties) -> None:
     x, z = centre - (mass.legs[0].foot[0] - limbs[0].along, 0.0)
     places = ", ".join(f"{limb.along:g}" for limb in limbs[:6])
     raise GeometryError(
-        f"legs[1].along_mm = {limbs[0].along:g}: the walker falls over: its centre of mass lies at "
+        f"legs[1].along_mm = {limbs[0].along:g}: the walker falls over. Its centre of mass is at "
         f"{x:.3f} mm along and {z:.3f} mm across the body, not above its feet (at {places} mm "
-        "along): move legs to either side of it",
+        "along). Move legs to either side of it.",
         "legs[1].along_mm",
     )
 

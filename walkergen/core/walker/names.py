@@ -1,4 +1,4 @@
-"""Names of parts and the legend of their marks: what varies within a family, and among designs."""
+"""Names of parts, and the legend of their marks within a family and among designs."""
 
 import re
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ DEFAULT_STEM = "walker"
 
 
 def part_name(design: Design, stem: str = DEFAULT_STEM) -> str:
-    """Name of a walker, such as walker_t05.0_flexible_s0.40; unique within a family."""
+    """Return the name of a walker, such as walker_t05.0_flexible_s0.40; unique within a family."""
     return f"{stem}_{tilt_name(design)}_{design.kind}_s{_decimal(design.limbs[0].thickness, 2)}"
 
 

@@ -47,15 +47,15 @@ def cut_pockets(design: Design, walker: Mesh, body: Mesh, roots: Sequence[Mesh])
     rest = [modeller.check_solid(modeller.to_solid(mesh) - cavity) for mesh in (walker, body)]
     if any(len(modeller.split_bodies(piece)) != 1 for piece in rest):
         raise GeometryError(
-            f"{_format_place(next(iter(design.parts)), design)}: the pockets cut the body into pieces: "
-            "move them, or make the body larger",
+            f"{_format_place(next(iter(design.parts)), design)}: the pockets cut the body into pieces. "
+            "Move them, or make the body larger.",
             _place_key(next(iter(design.parts))),
         )
     return modeller.to_mesh(rest[0]), modeller.to_mesh(rest[1])
 
 
 def check_marks_intact(design: Design, marked: Mesh, plain: Mesh) -> None:
-    """Raise GeometryError where the pockets of a body take its marks away.
+    """Raise GeometryError if the pockets of a body remove a part of its marks.
 
     `marked` is the body without pockets, `plain` without marks too.
     """
@@ -64,8 +64,8 @@ def check_marks_intact(design: Design, marked: Mesh, plain: Mesh) -> None:
     if lost > ROUNDING_SHARE:
         key = "kind" if design.marks.kind != "none" else "serial"
         raise GeometryError(
-            f"marks.{key} = {getattr(design.marks, key)!r}: the pockets take {100.0 * lost:.2g} % "
-            "of the mark away: leave it out, make it smaller, or let the pockets open elsewhere",
+            f"marks.{key} = {getattr(design.marks, key)!r}: the pockets remove {100.0 * lost:.2g} % "
+            "of the mark. Remove it, make it smaller, or let the pockets open elsewhere.",
             f"marks.{key}",
         )
 
@@ -204,8 +204,8 @@ def _check_overlap(design: Design) -> None:
     shared = modeller.check_solid(motor ^ battery).volume()
     if shared > ROUNDING_SHARE * motor.volume():
         raise GeometryError(
-            f"{_format_place('motor', design)}: the motor stands in the battery (they share {shared:.3g} "
-            "mm3): move one of them (along_mm, across_mm, up_mm)",
+            f"{_format_place('motor', design)}: motor and battery overlap (by {shared:.3g} "
+            "mm3). Move one of them (along_mm, across_mm, up_mm).",
             _place_key("motor"),
         )
 
@@ -215,12 +215,12 @@ def _check_leg_clear(name: str, tool: manifold3d.Manifold, legs: Sequence[manifo
     for number, leg in enumerate(legs, start=1):
         lost = modeller.check_solid(leg ^ tool).volume()
         if lost > ROUNDING_SHARE * leg.volume():
-            what, remedy = f"the pocket of the {name}", "move it, or the leg"
+            what, remedy = f"the pocket of the {name}", "Move it, or the leg."
             if name == "channel":
-                what, remedy = "the channel", "make it narrower, 0 for none, or move the motor"
+                what, remedy = "the channel", "Make it narrower (0 for none), or move the motor."
             raise GeometryError(
                 f"{_format_place(name, design)}: {what} cuts leg {number}, or its root in the body (by "
-                f"{lost:.3g} mm3): {remedy}",
+                f"{lost:.3g} mm3). {remedy}",
                 _place_key(name),
             )
 
@@ -230,14 +230,14 @@ def _check_floor(name: str, part: Part, body: manifold3d.Manifold, design: Desig
     points = _cylinder_points(part.cylinder, design, design.fit.clearance_mm)
     below = np.array(OPENING_DIRECTIONS["up" if part.opens == "down" else "down"])
     layer = _hull(points + MIN_FLOOR_MM * below) - _hull(points)
-    # A round part need not sink in to its middle: only the lowest of its floor counts
+    # The floor counts only below the lowest points of a round part
     floor = modeller.check_solid(layer.trim_by_plane(below.tolist(), float((points @ below).max()) - MIN_FLOOR_MM))
     solid = modeller.check_solid(floor ^ body).volume() / floor.volume()
     if solid < 1.0 - ROUNDING_SHARE:
         raise GeometryError(
             f"{_format_place(name, design)}: {100.0 * (1.0 - solid):.2g} % of the floor of its pocket, "
-            f"{MIN_FLOOR_MM:g} mm thick, is outside the body, over a hole or in the other pocket: move "
-            "it (along_mm, across_mm, up_mm), or make the body larger",
+            f"{MIN_FLOOR_MM:g} mm thick, is outside the body, over a hole or in the other pocket. Move "
+            "it (along_mm, across_mm, up_mm), or make the body larger.",
             _place_key(name),
         )
 

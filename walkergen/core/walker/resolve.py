@@ -119,13 +119,15 @@ def check_buildable(spec: WalkerSpec) -> None:
         foot = min(limb.foot_height for limb in place_legs(spec))
         faults = place_problems(spec.parts, spec.fit, shape.size, foot)
     if spec.pockets is not None and not spec.parts:
-        faults.append("pockets = ...: are of a motor or a battery: add a table [motor] or [battery], or leave them out")
+        faults.append(
+            "pockets = ...: there is no motor or battery. Add a table [motor] or [battery], or remove [pockets]."
+        )
     if faults:
         raise GeometryError("\n".join(faults), helps=helps)
 
 
 def _suggest_placement(spec: WalkerSpec) -> Sequence[Remedy]:
-    """Suggest automatic placement if two equal legs do not stand at their given places."""
+    """Suggest automatic placement if two equal legs do not fit at their given positions."""
     if not isinstance(spec.legs, Legs) or spec.placed or spec.whole:
         return []
     return load_readers().auto_remedies(spec.body, spec.legs)
@@ -140,7 +142,7 @@ def _mark_faults(spec: WalkerSpec, size: Size) -> list[str]:
     if spec.body.plain or (spec.letters and spec.body.flat):
         return unfit
     key = f"marks.serial = {marks.serial}" if marks.kind == "none" else f"marks.kind = {marks.kind!r}"
-    rule = "only a rectangular body in side view bears marks, and a body in plan view text: leave them out"
+    rule = "only a rectangular body in side view can have marks, and a body in plan view text. Remove them."
     return [f"{key}: {rule}", *unfit]
 
 
@@ -165,7 +167,7 @@ def _list_faults(limbs: Sequence[Limb], size: Size) -> list[str]:
 
 
 def _pair_faults_at(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
-    """Return the problems of two equal legs at a tilt in deg, for any tilt of their own."""
+    """Return the problems of two equal legs at this tilt (deg) instead of their own."""
     length, thickness, depth = size
     trial = legs.model_copy(update={"tilt_deg": tilt_deg})
     back, front = resolve_pair(trial, depth, -0.5 * thickness)
@@ -173,8 +175,8 @@ def _pair_faults_at(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
     spacing = legs.contact_spacing_mm
     if 2.0 * back.half_width >= spacing:
         problems.append(
-            f"the legs run into each other: each is {2.0 * back.half_width:.3f} mm wide along "
-            f"the plate, the contact spacing is {spacing:g} mm"
+            f"the legs overlap: each is {2.0 * back.half_width:.3f} mm wide along "
+            f"the plate, but the contact spacing is {spacing:g} mm"
         )
     problems += section_of(back).problems(back)
     for strut in section_of(back).struts(back):
@@ -198,8 +200,8 @@ def _length_faults(limb: Limb) -> list[str]:
     if shortest_side > 0:
         return []
     return [
-        f"the leg ({limb.thickness:g} mm thick, {limb.length:g} mm long) has no side left: "
-        "make it longer, thinner, or its foot flat"
+        f"the leg ({limb.thickness:g} mm thick, {limb.length:g} mm long) is too short for its thickness. "
+        "Make it longer or thinner, or its foot flat"
     ]
 
 
@@ -208,8 +210,8 @@ def _end_faults(limb: Limb, length: float) -> list[str]:
     if reach <= half_body:
         return []
     return [
-        f"a leg leaves the body: it reaches x = {reach:.3f} mm, the body ends at "
-        f"{half_body:.3f} mm: lengthen the body, or shorten legs or contact spacing"
+        f"a leg extends beyond the body: it reaches x = {reach:.3f} mm, but the body ends at "
+        f"{half_body:.3f} mm. Lengthen the body, or shorten legs or contact spacing"
     ]
 
 
@@ -218,8 +220,8 @@ def _side_faults(limb: Limb, depth: float) -> list[str]:
     if reach <= 0.5 * depth + ROUNDING_MM:
         return []
     return [
-        f"the leg, {limb.width:g} mm wide (width_mm) at {limb.across:g} (across_mm), leaves the "
-        f"body: it reaches z = {reach:.3f} mm, the body ends at {0.5 * depth:.3f} mm"
+        f"the leg, {limb.width:g} mm wide (width_mm) at {limb.across:g} (across_mm), extends beyond the "
+        f"body: it reaches z = {reach:.3f} mm, but the body ends at {0.5 * depth:.3f} mm"
     ]
 
 
@@ -229,7 +231,7 @@ def _strut_faults(limbs: Sequence[Limb], length: float) -> list[str]:
     reach = max((abs(x + strut.offset) + 0.5 * strut.thickness for x, strut in struts), default=0.0)
     if reach <= half_body:
         return []
-    return [f"a brace leaves the body: it reaches x = {reach:.3f} mm, the body ends at {half_body:.3f} mm"]
+    return [f"a brace extends beyond the body: it reaches x = {reach:.3f} mm, but the body ends at {half_body:.3f} mm"]
 
 
 def _largest_tilt(legs: Legs, size: Size) -> float | None:
@@ -261,14 +263,14 @@ def _crossing_faults(limbs: Sequence[Limb]) -> list[str]:
         shared = sections[i].intersection(sections[j]).area
         if shared > ROUNDING_MM:
             problems.append(
-                f"legs[{j + 1}].along_mm = {other.along:g}: the leg crosses leg {i + 1} (seen from "
-                f"the side they share {shared:.3g} mm2): move them apart, along or across"
+                f"legs[{j + 1}].along_mm = {other.along:g}: the leg crosses leg {i + 1} (they share "
+                f"{shared:.3g} mm2 in side view). Move them apart, along or across."
             )
     return problems
 
 
 def _height_faults(limbs: Sequence[Limb]) -> list[str]:
-    """Return problems of feet that do not reach the plate while the body is level."""
+    """Return the problems of feet that do not reach the plate while the body is level."""
     lowest = min(limb.foot_height for limb in limbs)
     problems = []
     for number, limb in enumerate(limbs, start=1):
@@ -277,8 +279,8 @@ def _height_faults(limbs: Sequence[Limb]) -> list[str]:
             longer = limb.length + short / math.cos(limb.tilt)
             problems.append(
                 f"legs[{number}].length_mm = {limb.length:g}: the foot ends {short:.3f} mm above "
-                f"the lowest, so that the walker does not stand level: {longer:.4f} mm would reach "
-                "the plate"
+                f"the lowest foot, so the walker is not level. {longer:.4f} mm would reach "
+                "the plate."
             )
     return problems
 
@@ -289,8 +291,8 @@ def _stability_faults(limbs: Sequence[Limb]) -> list[str]:
     if max(places) - min(places) > max(limb.thickness for limb in limbs):
         return []
     return [
-        f"legs[1].along_mm = {places[0]:g}: all feet stand at one place along the run, so that the "
-        "walker falls over: put some in front of the others"
+        f"legs[1].along_mm = {places[0]:g}: all feet are at one position along the run, so the "
+        "walker falls over. Put some in front of the others."
     ]
 
 
@@ -313,7 +315,7 @@ def _outline_faults(limbs: Sequence[Limb], shape: Shape) -> list[str]:
             percent = max(1.0, 100 * outside / top.area)
             problems.append(
                 f"legs[{number}].along_mm = {limb.along:g}: {percent:.0f} % of "
-                "the top of the leg lies beyond the outline or under a hole: move it, or make it "
-                "narrower (width_mm)"
+                "the top of the leg is outside the outline or under a hole. Move the leg, or make it "
+                "narrower (width_mm)."
             )
     return problems

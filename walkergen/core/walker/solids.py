@@ -167,7 +167,7 @@ def _build_flush_legs(
         key = f"legs[{number}].along_mm = {limb.along:g}"
         outside = joining.cut_flush(bar, ground, key)
         if outside.vertices[:, 1].max() > bar.vertices[:, 1].max() - ROUNDING_MM:
-            raise GeometryError(f"{key}: the leg is not wholly under the body: move it", f"legs[{number}].along_mm")
+            raise GeometryError(f"{key}: a part of the leg is not under the body. Move it.", f"legs[{number}].along_mm")
         legs.append(outside.shift(-_anchor_corner(limb, depth)))
     return tuple(legs)
 

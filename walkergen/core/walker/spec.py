@@ -1,6 +1,6 @@
-"""Specification of a walker: all that a person chooses about it, each key validated.
+"""Specification of a walker: the keys of its file, each validated.
 
-It holds text and numbers and reads no drawing. What they stand for, its shape and its legs, is `resolve`'s to find.
+It holds text and numbers and reads no drawing. `resolve` finds the shape and the legs that they define.
 """
 
 import copy
@@ -25,10 +25,10 @@ MassGram = Annotated[float, Field(ge=1e-15, le=1e12)]
 
 
 class Material(Section):
-    """Material that a walker is printed of, with solid infill.
+    """Material of a printed walker, with solid infill; the defaults are those of PLA.
 
-    Its temperatures are PLA's, and only go into the settings of who has no profile of the filament:
-    Prusament PLA's maker states 210 +- 10 C and a bed of 40 to 60 C.
+    The temperatures are used only in slicer settings without a profile of the filament. The maker of Prusament PLA
+    states 210 +- 10 C, and 40 to 60 C for the bed.
     """
 
     density_g_cm3: Annotated[float, Field(ge=1e-3, le=100)] = 1.24
@@ -38,7 +38,7 @@ class Material(Section):
     """Poisson's ratio; PLA's."""
     nozzle_deg_c: Annotated[int, Field(ge=100, le=500)] = 210
     bed_deg_c: Annotated[int, Field(ge=0, le=200)] = 60
-    """Temperature of the bed; 0: it is not heated."""
+    """Temperature of the bed; 0 for a bed without heating."""
 
     @property
     def youngs_modulus(self) -> float:
@@ -47,7 +47,7 @@ class Material(Section):
 
 
 class Weighed(Section):
-    """Masses from a balance, which override the mesh's, and the spread of masses."""
+    """Masses from a balance, which replace those of the mesh, and the spread of masses."""
 
     body_mass_g: MassGram | None = None
     leg_mass_g: MassGram | None = None
@@ -55,12 +55,12 @@ class Weighed(Section):
 
     @property
     def states(self) -> bool:
-        """Whether it has masses that come before those that are drawn."""
+        """Whether a mass is given that replaces the mesh's."""
         return self.body_mass_g is not None or self.leg_mass_g is not None
 
 
 class Family(Section):
-    """Members that `walkergen family` makes when the command line does not say which."""
+    """Members of `walkergen family`, unless the command line selects others."""
 
     tilt_deg: Annotated[list[Tilt], Field(min_length=1, max_length=10_000)] = Field(
         default_factory=lambda: [float(tilt) for tilt in range(0, 50, 5)]
@@ -77,19 +77,19 @@ OUTLINE_SUFFIXES, MESH_SUFFIXES = (
     (".svg", ".dxf", ".png", ".jpg", ".jpeg"),
     (".stl", ".obj", ".ply", ".off", ".3mf", ".glb"),
 )
-"""Endings of files that stand for a walker by themselves, as the shape of its body."""
+"""Endings of files that can replace a walker's file: they define the shape of its body."""
 
 CAD_SUFFIXES = (".step", ".stp", ".iges", ".igs", ".f3d", ".scad", ".fcstd", ".blend")
-"""Endings of files of programs that save meshes too."""
+"""Endings of files of CAD programs, which can also save meshes."""
 
 DEFAULT_FAMILY = {"tilt_deg": [0.0, 5.0, 10.0, 15.0, 20.0], "legs": ["flexible"]}
-"""Family of a shape that says nothing of its own."""
+"""Family of a walker that is only a shape."""
 
 PLACEMENT_KEYS = ("contact_spacing_mm", "width_mm")
-"""Keys that say where two equal legs stand."""
+"""Keys of the positions of two equal legs."""
 
 DEFAULT_TILT_DEG = 10.0
-"""Tilt of legs that give none, unless the design gives one."""
+"""Tilt of legs of a list if neither they nor the design have one, deg."""
 
 
 class WalkerSpec(Section):
@@ -98,7 +98,7 @@ class WalkerSpec(Section):
     name: Name = "walker"
     description: Annotated[str, Field(max_length=2000)] = ""
     stance: Literal["level", "as built"] = "level"
-    """Stance at rest: level, or turned until the feet of unlike legs are level."""
+    """Stance at rest: "level", or "as built" for unlike legs. A walker as built is turned until its feet are level."""
     body: Body = Body()
     legs: Annotated[
         Annotated[Legs, Tag("table")]
@@ -107,24 +107,24 @@ class WalkerSpec(Section):
         SerializeAsAny(),  # a Ctrl-C that arrives while the discriminator serializes is lost
     ] = Legs()
     leg_tilt_deg: Tilt | None = None
-    """Tilt of those legs of a list that give none of their own; None: 10 deg."""
+    """Tilt of the legs of a list without a tilt of their own, deg. None: 10."""
     material: Material = Material()
     weighed: Weighed = Weighed()
     marks: Marks = Marks()
     motor: Motor | None = Field(default=None, exclude_if=not_)
-    """Motor that the body carries. None: none, and its data are as if there were no such key."""
+    """Motor in the body. None: no motor; saved files omit the key."""
     battery: Battery | None = Field(default=None, exclude_if=not_)
     pockets: Pockets | None = Field(default=None, exclude_if=not_)
-    """Pockets of motor and battery. None: `fit`, the usual ones."""
+    """Pockets of motor and battery. None: those of `fit`, with default values."""
     cap: Cap | None = Field(default=None, exclude_if=not_)
-    """Cap with a marker. None: none, and its data are as if there were no such key."""
+    """Cap with a marker. None: no cap; saved files omit the key."""
     family: Family = Family()
 
     @field_validator("leg_tilt_deg")
     @classmethod
     def _check_leg_tilt(cls, value: float | None, info: ValidationInfo) -> float | None:
         if value is not None and isinstance(info.data.get("legs"), Legs):
-            raise ValueError("it is for a list [[legs]]; two equal legs have legs.tilt_deg")
+            raise ValueError("it applies to a list [[legs]]; two equal legs have legs.tilt_deg")
         return value
 
     @model_validator(mode="before")
@@ -137,20 +137,20 @@ class WalkerSpec(Section):
         """Return data of a walker from a drawing, picture or mesh; None for others. Raises InputError for CAD files."""
         ending, endings = path.suffix.lower(), {"outline": OUTLINE_SUFFIXES, "mesh": MESH_SUFFIXES}
         if ending in CAD_SUFFIXES:
-            raise InputError(f"{path}: save it as a mesh in the program that made it: Export, STL (or 3MF), in mm")
+            raise InputError(f"{path}: it is a CAD file. Export it as STL or 3MF, in mm, from its program.")
         source = next((key for key in endings if ending in endings[key]), None)
         data = {"name": name_from_text(path.stem), "body": {source: path.name}, "family": DEFAULT_FAMILY}
         return None if source is None else data
 
     @classmethod
     def from_text(cls, text: str) -> Self:
-        """Walker whose body is a text. Raises GeometryError for letters that cannot be drawn."""
+        """Return a walker whose body is a text. Raises GeometryError for letters that cannot be drawn."""
         data = {"name": name_from_text(text), "body": {"text": text}, "family": DEFAULT_FAMILY}
         return validate(data, cls, f"text {text[:40]!r}")
 
     @classmethod
     def with_paths_below(cls, data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-        """Return the data of a file, the files that it names found from its folder."""
+        """Return the data of a file, with paths of other files relative to its folder resolved."""
         tables = {name: dict(data[name]) for name in ("body", "walker") if isinstance(data.get(name), Mapping)}
         for table in tables.values():
             files = [key for key in FILE_KEYS if isinstance(table.get(key), str)]
@@ -158,10 +158,11 @@ class WalkerSpec(Section):
         return {**data, **tables}
 
     def without_stale_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the data without what followed from the former shape of the body, where `values` give another.
+        """Return the data without keys that followed from the old shape of the body, if `values` set a new one.
 
-        Dropped are the places of two equal legs, which are then found for the new shape, masses and marks of the
-        former one, and the family: legs that were found do not stand at every tilt. What `values` set stays.
+        The positions of two equal legs are dropped, since they are then found for the new shape. Masses and marks of
+        the old shape are dropped too, and the family, since automatic legs do not fit every tilt. Keys in `values` are
+        kept.
         """
         body = data.get("body")
         former = {key: getattr(self.body, key) for key in SOURCE_KEYS}
@@ -187,9 +188,9 @@ class WalkerSpec(Section):
         return data
 
     def _without_places(self, legs: Any, drawn: bool, values: Mapping[str, Any]) -> Any:
-        """Return legs of a body that gets another shape, without their places; those of a list become two equal ones.
+        """Return the legs for a new shape of the body, without positions; a list becomes two equal legs.
 
-        Under outlines that need no file, `drawn`, a list stays.
+        With `drawn`, an outline that needs no file, a list is kept.
         """
         if isinstance(legs, Mapping):
             return {key: value for key, value in legs.items() if key not in PLACEMENT_KEYS or f"legs.{key}" in values}
@@ -204,7 +205,7 @@ class WalkerSpec(Section):
         return legs if drawn else own | {f"{self.kind}_thickness_mm": thickness}
 
     def with_paths_relative_to(self, folder: Path) -> Self:
-        """Return the walker as a file in a folder has it: files of the body by their way from there."""
+        """Return the walker with paths of the body's files relative to a folder."""
         files = {key: getattr(self.body, key) for key in FILE_KEYS}
         ways = {
             key: Path(os.path.relpath(name, folder)).as_posix()
@@ -215,16 +216,16 @@ class WalkerSpec(Section):
 
     @property
     def parts(self) -> dict[str, Part]:
-        """Parts that the body carries, motor and battery, by the names of their tables."""
+        """Motor and battery in the body, by the names of their tables."""
         parts = {"motor": self.motor, "battery": self.battery}
         return {name: part for name, part in parts.items() if part is not None}
 
     def driving_motor(self) -> Motor:
-        """Motor that drives it. Raises InputError where it carries none."""
+        """Return the motor that drives the walker. Raises InputError if there is none."""
         if self.motor is None:
             raise InputError(
-                f"drive.kind = 'motor': {self.name} carries none; give its design a table [motor] "
-                "with diameter_mm, height_mm and mass_g, or take the template coinbot"
+                f"drive.kind = 'motor': {self.name} has no motor. Add a table [motor] to its design, "
+                "with diameter_mm, height_mm and mass_g, or use the template coinbot."
             )
         return self.motor
 
@@ -235,13 +236,13 @@ class WalkerSpec(Section):
 
     @property
     def kind(self) -> Kind:
-        """Kind of legs: that of the first that is not rigid, or of the first."""
+        """Kind of legs: that of the first leg that is not rigid, or of the first leg."""
         kinds = [self.legs.kind] if isinstance(self.legs, Legs) else [leg.kind for leg in self.legs]
         return next((kind for kind in kinds if kind not in RIGID_KINDS), kinds[0])
 
     @property
     def written_tilt_deg(self) -> float:
-        """Tilt as it is written, deg: of all legs that follow the family's, or of the first leg."""
+        """Tilt in the file, deg: of all legs with the family's tilt, or of the first leg."""
         if isinstance(self.legs, Legs):
             return self.legs.tilt_deg
         first = self.legs[0]
@@ -251,29 +252,29 @@ class WalkerSpec(Section):
 
     @property
     def followed_tilt_deg(self) -> float:
-        """Tilt of those legs of a list that give none of their own, deg."""
+        """Tilt of the legs of a list without a tilt of their own, deg."""
         return DEFAULT_TILT_DEG if self.leg_tilt_deg is None else self.leg_tilt_deg
 
     @property
     def follows(self) -> bool:
-        """True when a leg has the family's tilt."""
+        """Whether a leg has the family's tilt."""
         if isinstance(self.legs, Legs):
             return not self.whole
         return any(leg.tilt_deg is None for leg in self.legs)
 
     @property
     def whole(self) -> bool:
-        """True for a finished walker's mesh, cut into body and legs."""
+        """Whether the body is a mesh of a finished walker, cut into body and legs."""
         return self.body.legs_below_mm is not None
 
     @property
     def pair(self) -> bool:
-        """True for two equal legs by the short form, [legs]."""
+        """Whether the legs are two equal ones in the short form, [legs]."""
         return isinstance(self.legs, Legs) and not self.whole
 
     @property
     def placed(self) -> bool:
-        """True for legs that are found for the body (`placing`)."""
+        """Whether legs are placed automatically (`readers.walkers.leg_placement`)."""
         if not isinstance(self.legs, Legs) or self.whole:
             return False
         shaped = self.body.flat or self.body.mesh is not None
@@ -282,31 +283,31 @@ class WalkerSpec(Section):
 
     @property
     def letters(self) -> str:
-        """Text that is engraved in letters, as numbers on a body in plan view are; "" without."""
+        """Engraved letters, with the number of a copy on a body in plan view; "" without any."""
         number = self.marks.kind == "none" and self.body.flat
         return self.marks.letters if number or self.marks.kind == "text" else ""
 
 
 def name_from_text(text: str) -> str:
-    """Name that file names may hold, of a text in any script."""
+    """Return a name that is valid in file names, from a text in any script."""
     plain = unicodedata.normalize("NFKD", text.replace("ß", "ss")).encode("ascii", "ignore").decode()
     name = re.sub(r"[^A-Za-z0-9_-]+", "-", plain).strip("-_")[:64]
     return name or f"walker-{hashlib.sha256(text.encode(errors='surrogatepass')).hexdigest()[:6]}"
 
 
 def merge_walker_table(data: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return data in which a finished walker, [walker], is the body that is cut. Raises GeometryError."""
+    """Replace the table of a finished walker, [walker], by a body that is cut. Raises GeometryError."""
     if "walker" not in data:
         return data
     whole, table = dict(data), data["walker"]
     del whole["walker"]
     if not isinstance(table, Mapping) or not {"mesh", "legs_below_mm"} <= set(table):
         raise GeometryError(
-            "walker = ...: a finished walker needs a table [walker] with mesh and legs_below_mm, "
-            "the height above its lowest point below which it is legs"
+            "walker = ...: a finished walker needs a table [walker] with mesh and legs_below_mm. Parts below this "
+            "height above its lowest point are legs."
         )
     if "body" in data or "legs" in data:
-        raise GeometryError("walker = ...: a finished walker has its body and legs: leave out [body] and [legs]")
+        raise GeometryError("walker = ...: a finished walker already has a body and legs. Remove [body] and [legs].")
     whole["body"] = {key: value for key, value in table.items() if key != "legs"}
     if "legs" in table:
         whole["legs"] = {"kind": table["legs"]}

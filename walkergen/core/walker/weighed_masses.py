@@ -33,10 +33,10 @@ MAX_BYTES = 10_000_000
 MIN_MASS_G, MAX_MASS_G = 1e-6, 1e6
 """Limits of masses that were weighed, g."""
 MAX_MASS_RATIO = 10.0
-"""Ratio of weighed and meshed masses, either way, beyond which a unit or part is wrong."""
+"""Largest factor between weighed and meshed masses; beyond it a unit or part is wrong."""
 
 CARRIED_ROWS = ("motor", "battery", "wires", "glue")
-"""Rows of what a walker carries."""
+"""Rows of the parts in a walker."""
 
 PART_NAME_PATTERN = re.compile(r"(?P<stem>.+)_t(?P<tilt>-?[0-9.]{1,20})_(?P<kind>[a-z]+)_s[0-9.]+")
 """Name of a walker, as `names.part_name` writes it."""
@@ -63,9 +63,9 @@ def to_dict(mean: Quantity) -> dict[str, float | None]:
 
 
 def form_name(members: Sequence[Design], name: str) -> str:
-    """Name of the file for the masses of a design's walkers, by the design's name, among others'.
+    """Return the name of the form for the masses of a design's walkers.
 
-    Of one design alone it is FILE_NAME; several have a form each, since `read_masses` takes those of one.
+    It is FILE_NAME for a single design. Several designs have a form each, since `read_masses` reads those of one.
     """
     return FILE_NAME if len(names.group_by_design(members)) == 1 else f"weights_{name}.csv"
 
@@ -124,9 +124,9 @@ def read_masses(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
     if problems:
         raise InputError("\n".join(problems))
     if others and not masses:
-        raise InputError(f"{path}: no masses of the walkers of ‹tilt› and ‹legs›, only of others")
+        raise InputError(f"{path}: there are no masses of the walkers that ‹tilt› and ‹legs› select, only of others.")
     if not masses:
-        raise InputError(f"{path}: no masses; fill in {', '.join(QUANTITIES)} of some part")
+        raise InputError(f"{path}: there are no masses. Fill in {', '.join(QUANTITIES)} of a part.")
     return {
         part: Weighings(**{quantity: _mean_mass(values) for quantity, values in quantities.items()})
         for part, quantities in masses.items()
@@ -154,7 +154,7 @@ def apply_masses(design: Design, parts: Solids, weighed: Weighings, name: str) -
     count, (body, leg) = len(parts.legs), _mesh_masses(design, parts)
     grams, body_g, leg_g = (None if weighing is None else weighing.number for weighing in weighed)
     if grams is not None and body_g is not None and leg_g is not None:
-        raise InputError(f"{name}: grams, body_g and leg_g are one too many: leave one empty")
+        raise InputError(f"{name}: grams, body_g and leg_g cannot all be given. Leave one empty.")
     if grams is not None:
         if leg_g is not None:
             body_g = grams - count * leg_g
@@ -166,8 +166,8 @@ def apply_masses(design: Design, parts: Solids, weighed: Weighings, name: str) -
     for what, value, meshed in (("body", body_g, body), ("leg", leg_g, leg)):
         if value is not None and _is_implausible(value, meshed):
             raise InputError(
-                f"{name}: a {what} of {value:.4g} g by the balance, {meshed:.4g} g by the mesh: "
-                f"more than {MAX_MASS_RATIO:g} times apart; are these grams, and of this part?"
+                f"{name}: the weighed mass of the {what} is {value:.4g} g, that of the mesh {meshed:.4g} g. "
+                f"They differ by more than a factor of {MAX_MASS_RATIO:g}. Check the unit and the part."
             )
     masses = {"body_mass_g": body_g, "leg_mass_g": leg_g}
     own = {key: value for key, value in masses.items() if value is not None}
@@ -175,7 +175,7 @@ def apply_masses(design: Design, parts: Solids, weighed: Weighings, name: str) -
 
 
 def check_stated_masses(design: Design) -> None:
-    """Raise InputError for masses that a design states of itself and that are far from what it draws."""
+    """Raise InputError for masses in the design that are far from those of its mesh."""
     if not design.weighed.states:
         return
     stated = {"body_mass_g": design.weighed.body_mass_g, "leg_mass_g": design.weighed.leg_mass_g}
@@ -183,9 +183,9 @@ def check_stated_masses(design: Design) -> None:
     for (key, value), drawn in zip(stated.items(), meshed, strict=True):
         if value is not None and _is_implausible(value, drawn):
             raise InputError(
-                f"{design.name}: weighed.{key} = {value:.4g}: {drawn:.4g} g as it is drawn, more than "
-                f"{MAX_MASS_RATIO:g} times "
-                "apart; are these grams? Of another plastic set material.density_g_cm3",
+                f"{design.name}: weighed.{key} = {value:.4g}: the mesh has {drawn:.4g} g. They differ by more than a "
+                f"factor of {MAX_MASS_RATIO:g}. "
+                "Check the unit. For another plastic set material.density_g_cm3.",
                 f"weighed.{key}",
             )
 
@@ -217,8 +217,8 @@ def apply_carried_masses(design: Design, weighed: Mapping[str, Weighings]) -> De
             stated = part.cylinder.mass
             if _is_implausible(grams.number, stated):
                 raise InputError(
-                    f"{name}: {grams.number:.4g} g by the balance, {stated:.4g} g by the design: "
-                    f"more than {MAX_MASS_RATIO:g} times apart; are these grams, and of this part?"
+                    f"{name}: the weighed mass is {grams.number:.4g} g, that of the design {stated:.4g} g. "
+                    f"They differ by more than a factor of {MAX_MASS_RATIO:g}. Check the unit and the part."
                 )
             tables[name]["mass_g"] = grams.number
         else:
@@ -250,8 +250,8 @@ def _read_rows(path: Path) -> list[tuple[int, dict[str, str]]]:
     wrong = [name for name in table.names if name not in ("part", *QUANTITIES)]
     if wrong or "part" not in table.names or len(table.names) < 2:
         raise InputError(
-            f"{path}:1: columns {', '.join(table.names)[:80]!r}: must be part and any of "
-            f"{', '.join(QUANTITIES)}, separated by commas"
+            f"{path}:1: columns {', '.join(table.names)[:80]!r}: they must be part and any of "
+            f"{', '.join(QUANTITIES)}, separated by commas."
         )
     return table.rows
 
@@ -263,7 +263,7 @@ def _match_row(
     if not any(name in carried_rows(design) for design in members):
         return _match_part(name, parts, members)
     if wrong := [quantity for quantity in values if quantity != "grams"]:
-        raise InputError(f"{name}: {wrong[0]}: has neither body nor legs: write its mass as grams")
+        raise InputError(f"{name}: {wrong[0]}: it has neither body nor legs. Write its mass as grams.")
     return name
 
 
@@ -298,8 +298,8 @@ def _match_part(name: str, parts: Mapping[str, str], members: Sequence[Design]) 
         return part
     listed = list(dict.fromkeys(parts.values()))
     near = difflib.get_close_matches(name, listed, n=3, cutoff=0.6)
-    hint = f"did you mean {', '.join(near)}?" if near else f"known: {', '.join(listed[:3])} ..."
-    raise InputError(f"part {name[:60]!r} is not among those of ‹tilt› and ‹legs›; {hint}")
+    hint = f"Did you mean {', '.join(near)}?" if near else f"Parts are {', '.join(listed[:3])} ..."
+    raise InputError(f"part {name[:60]!r}: ‹tilt› and ‹legs› do not select it. {hint}")
 
 
 def _is_other_member(name: str, members: Sequence[Design]) -> bool:

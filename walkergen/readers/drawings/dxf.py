@@ -182,7 +182,7 @@ def _check_ellipse_ratios(data: bytes, source: str) -> None:
         if code.strip() == b"0":
             kind = value.strip()
         elif kind == b"ELLIPSE" and code.strip() == b"40" and float(value) > 1.0 + 1e-9:
-            raise InputError(f"{source}: an ELLIPSE has axes of the ratio {float(value):.4g}, at most 1: draw it anew")
+            raise InputError(f"{source}: an ELLIPSE has axes of the ratio {float(value):.4g}, at most 1. Redraw it.")
 
 
 def _polyline_width(entity: Any) -> float:
@@ -333,7 +333,7 @@ def _drawing_size(entities: Sequence[Any], source: str) -> float:
     size = max(box.size.x, box.size.y) if box.has_data else 0.0
     if not (np.isfinite(size) and size > 0.0):
         kinds = ", ".join(sorted({entity.dxftype() for entity in entities})[:5])
-        raise InputError(f"{source}: has no size that can be told; it holds {kinds}")
+        raise InputError(f"{source}: its size is unknown. It contains only {kinds}.")
     return float(size)
 
 
@@ -342,7 +342,7 @@ def _close_contours(curves: Sequence[Array], size: float, source: str) -> tuple[
     gap, contours, lines = MAX_END_GAP * size, [], []
     for curve in curves:
         if not np.isfinite(curve).all():
-            raise InputError(f"{source}: a coordinate is not finite; draw the outline anew")
+            raise InputError(f"{source}: a coordinate is not finite. Draw the outline again.")
         if is_within_gap(curve[0], curve[-1], gap):
             contours.append(curve[:-1])
         else:
@@ -360,7 +360,7 @@ def _close_contours(curves: Sequence[Array], size: float, source: str) -> tuple[
             raise InputError(
                 f"{source}: a line is open: it begins at {_format_point(chain[0])} and ends at "
                 f"{_format_point(chain[-1])}, "
-                f"{wide:.3g} apart; close it"
+                f"{wide:.3g} apart. Close it."
             )
         gaps.append((chain[-1], wide))
     notes = [
@@ -379,7 +379,7 @@ def _join_ends(curves: Sequence[Array], gap: float, source: str) -> tuple[list[A
     deposit = edgeminer.Deposit(edges, gap_tol=gap)
     for end in (end for edge in edges for end in (edge.start, edge.end)):
         if deposit.max_degree > 2 and len(deposit.edges_linked_to(end)) > 2:
-            raise InputError(f"{source}: three lines or more meet in {_format_point(end)}; leave the outline alone")
+            raise InputError(f"{source}: three or more lines meet in {_format_point(end)}. Keep only the outline.")
     chains, joints = [], []
     for chain in edgeminer.find_all_simple_chains(deposit):
         # An edge that was turned around in its chain still bears its points as they were drawn.

@@ -30,12 +30,12 @@ def entity_points(entity: Any, tolerance: float, source: str) -> Array:
     elif kind in ("ARC", "CIRCLE", "ELLIPSE"):
         drawn = list(entity.flattening(tolerance))
     else:
-        raise InputError(f"{source}: {kind} is no plane curve; draw lines, arcs, splines, polylines")
+        raise InputError(f"{source}: {kind} is not a plane curve. Draw lines, arcs, splines or polylines.")
     if len(drawn) < 2:
-        raise InputError(f"{source}: a {kind} draws nothing (a radius of 0?); leave it out")
+        raise InputError(f"{source}: a {kind} draws nothing (a radius of 0?). Remove it.")
     placed = np.array([tuple(point) for point in drawn], dtype=float)
     if np.ptp(placed[:, 2]) > tolerance:
-        raise InputError(f"{source}: {kind} leaves the x-y plane; draw the outline flat")
+        raise InputError(f"{source}: {kind} leaves the x-y plane. Draw the outline flat.")
     return placed[:, :2]
 
 

@@ -46,11 +46,11 @@ def text_outline(
     """
     where = f"{source} = {text if len(text) <= MAX_CHARACTERS else text[:20] + '...'!r}"
     if not 1 <= len(text) <= MAX_CHARACTERS:
-        raise GeometryError(f"{where}: has {len(text)} characters, allowed are 1 to {MAX_CHARACTERS}; shorten it")
+        raise GeometryError(f"{where}: has {len(text)} characters, allowed are 1 to {MAX_CHARACTERS}. Shorten it.")
     own = _font_path(font, where)
     _check_characters(text, where, own)
     if not text.strip():
-        raise GeometryError(f"{where}: draws nothing; write a letter or digit")
+        raise GeometryError(f"{where}: draws nothing. Write a letter or digit.")
     capital = _text_contours("H", own) or _text_contours(text, own)
     scale = height / float(np.ptp(np.vstack(capital)[:, 1]))
     if connected:
@@ -68,7 +68,7 @@ def _check_characters(text: str, where: str, font: str) -> None:
     known = FT2Font(font)
     for character in text:
         if unicodedata.category(character)[0] in "CZ" and character != " ":
-            problem = "is no letter; leave it out or draw it"
+            problem = "is not a letter. Remove it, or draw it."
         elif not known.get_char_index(ord(character)):
             problem = f"is not in the font {known.family_name}; {_suggest_font(character)}"
         else:
@@ -164,5 +164,5 @@ def _font_path(own: Path | None, where: str) -> str:
         file_reading.read_bytes(own)
         FT2Font(str(own))
     except (RuntimeError, TypeError):
-        raise InputError(f"{where}: {own.name!r} is no font: give a .ttf, .otf or .ttc") from None
+        raise InputError(f"{where}: {own.name!r} is not a font. Use a .ttf, .otf or .ttc.") from None
     return str(own)

@@ -78,13 +78,13 @@ def polygon(points: Sequence[Sequence[float]] | Polygon, source: str = "body.poi
         corners = np.empty(0)
     where = f"{source} = {len(points)} points"
     if corners.ndim != 2 or corners.shape[1:] != (2,) or len(corners) < 3:
-        raise GeometryError(f"{where}: must be three points [x, y] or more, mm")
+        raise GeometryError(f"{where}: it must have three points [x, y] or more, mm")
     _, first, number = np.unique(corners, axis=0, return_index=True, return_counts=True)
     if number.max() > 1:
         twice = corners[first[number > 1].min()]
         raise GeometryError(
-            f"{where}: {_format_point(twice)} stands there twice; leave one out (the last point is joined "
-            "to the first by itself)"
+            f"{where}: {_format_point(twice)} is given twice. Remove one (the last point is joined "
+            "to the first automatically)."
         )
     return from_shapes([Shape([corners], False)], where)
 
@@ -158,7 +158,7 @@ def from_shapes(shapes: Sequence[Shape], source: str, connected: bool = True) ->
         pieces = [contour for contour, level in zip(contours, levels, strict=True) if level == 0]
         if connected and len(pieces) > 1:
             places = " and ".join(_format_point(piece.mean(axis=0)) for piece in pieces[:2])
-            raise GeometryError(f"is in {len(pieces)} pieces, as about {places}; join them or keep one")
+            raise GeometryError(f"is in {len(pieces)} pieces, as about {places}. Join them, or keep one.")
     except GeometryError as error:
         raise type(error)(f"{source}: {error.text}") from None
     every = np.vstack(pieces)
@@ -190,7 +190,7 @@ def _check_extent(contours: Sequence[Polygon]) -> None:
     number = sum(map(len, contours))
     if number > MAX_POINTS or len(contours) > MAX_CONTOURS:
         raise GeometryError(
-            f"has {number} points in {len(contours)} contours, more than {MAX_POINTS} in {MAX_CONTOURS}; simplify it"
+            f"has {number} points in {len(contours)} contours, more than {MAX_POINTS} in {MAX_CONTOURS}. Simplify it."
         )
     every = np.vstack(contours)
     within = (np.abs(every) <= MAX_COORDINATE_MM).all(axis=1)
@@ -216,12 +216,12 @@ def _check_simple(contour: Polygon) -> None:
     centred = contour - contour.mean(axis=0) if len(contour) else contour
     spread = np.linalg.svd(centred, compute_uv=False) if len(contour) > 2 else np.zeros(2)
     if len(contour) < 3 or spread[1] <= MIN_WIDTH_RATIO * spread[0]:
-        raise OverlapError("has points on a line, which enclose no area")
+        raise OverlapError("has points on a line, that enclose no area")
     enclosed = Area(contour)
     if not enclosed.is_valid:
         match = re.search(r"\[(\S+) (\S+)\]", explain_validity(enclosed))
         place = f" at ({float(match[1]):.6g}, {float(match[2]):.6g}) mm" if match else ""
-        raise OverlapError(f"crosses or touches itself{place}; draw it as one simple loop")
+        raise OverlapError(f"crosses or touches itself{place}. Draw it as one simple loop.")
 
 
 def _check_apart(contours: Sequence[Polygon]) -> None:

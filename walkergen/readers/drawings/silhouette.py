@@ -49,7 +49,7 @@ def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
     scale.
     """
     if scale_mm is None:
-        raise NoUnitError(f"{source}: a picture states no size: set body.length_mm")
+        raise NoUnitError(f"{source}: a picture has no size in mm. Set body.length_mm.")
     found = trace(path, source)
     turned = np.array([scale_mm, -scale_mm])
     return Drawing([Shape([ring * turned for ring in found.contours], nonzero=False)], found.notes)
@@ -65,9 +65,7 @@ def trace(path: Path, source: str) -> Silhouette:
     light = float(np.mean(rim > threshold)) < 0.5  # the shape is lighter than its background
     inside = (image > threshold) == light
     if not inside.any() or inside.all() or abs(image[inside].mean() - image[~inside].mean()) < MIN_CONTRAST:
-        raise InputError(
-            f"{source}: shows no shape that stands out from its background: give one of another brightness"
-        )
+        raise InputError(f"{source}: no shape differs from the background. Use a picture with more contrast.")
     rings, specks = _trace_contours(image if light else 1.0 - image, threshold if light else 1.0 - threshold)
     what = "what is opaque" if by == "opacity" else f"what is {'lighter' if light else 'darker'} than its background"
     notes = [f"traced {path.name}: {what}, divided at {100 * threshold:.0f} % of full {by}"]
@@ -82,7 +80,7 @@ def _brightness(data: bytes, source: str) -> tuple[Array, str]:
 
     picture: Image.Image = Image.open(io.BytesIO(data))
     if picture.width * picture.height > MAX_PIXELS:
-        raise InputError(f"{source}: {picture.width} x {picture.height} pixels, at most {MAX_PIXELS}: make it smaller")
+        raise InputError(f"{source}: {picture.width} x {picture.height} pixels, at most {MAX_PIXELS}. Make it smaller.")
     picture = ImageOps.exif_transpose(picture)
     picture.thumbnail((MAX_SIDE_PIXELS, MAX_SIDE_PIXELS))
     if "A" in picture.getbands() or "transparency" in picture.info:

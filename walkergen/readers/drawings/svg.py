@@ -106,7 +106,7 @@ def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
         drawn = tree.visible_shapes(page[2:])
         box = _bounding_box(drawn)
         if not np.isfinite(box).all():
-            raise InputError(f"{source}: a coordinate is not finite; give numbers up to 1e300")
+            raise InputError(f"{source}: a coordinate is not finite. Use numbers up to 1e300.")
         size = float((box[1] - box[0]).max()) if drawn else 0.0
         shapes = [_clipped_shape(one, size, source) for one in drawn]
     except RecursionError:
@@ -127,9 +127,7 @@ def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
 
 def _omission_notes(tree: "Tree") -> list[str]:
     """Return notes on elements that were left out."""
-    notes = (
-        [f"left out {formatting.format_count(tree.unseen, 'shape', 'shapes')} that nobody sees"] if tree.unseen else []
-    )
+    notes = [f"left out {formatting.format_count(tree.unseen, 'hidden shape', 'hidden shapes')}"] if tree.unseen else []
     if tree.filtered:
         notes.append(
             f"left out {formatting.format_count(tree.filtered, 'filter', 'filters')}: shadows and blurs have no edge"
@@ -163,7 +161,7 @@ def _parse_xml(data: bytes, source: str) -> ET.Element:
     """Return the root of the XML. Refuse entities from elsewhere, or that could grow, before they act."""
 
     def refuse(what: str) -> NoReturn:
-        raise InputError(f"{source}: holds {what}; save it as a plain SVG")
+        raise InputError(f"{source}: it contains {what}. Save it as a plain SVG.")
 
     def entity(name: str, parameter: int, value: str | None, *elsewhere: Any) -> None:
         if parameter or value is None or "&" in value or len(value) > MAX_ENTITY_LENGTH:
@@ -179,10 +177,10 @@ def _parse_xml(data: bytes, source: str) -> ET.Element:
         parser.Parse(data, True)
         root = ET.fromstring(data)
     except (expat.ExpatError, ET.ParseError, ValueError, LookupError) as error:
-        raise InputError(f"{source}: is no SVG file: {error}") from None
+        raise InputError(f"{source}: it is not an SVG file: {error}") from None
     name = str(root.tag).rpartition("}")[2]
     if name != "svg":
-        raise InputError(f"{source}: is no SVG file: its root is <{name[:40]}>")
+        raise InputError(f"{source}: it is not an SVG file: its root is <{name[:40]}>")
     return root
 
 

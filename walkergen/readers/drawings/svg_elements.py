@@ -96,7 +96,7 @@ class Tree:
     def visible_shapes(self, view: tuple[float, float]) -> list[VisibleShape]:
         """Return the visible shapes in their order; `view` is the page in the drawing's units."""
         if self.root.attrib.get("transform", "none").strip() not in ("", "none"):
-            raise self._input_error("the page itself has a transform; apply it to the paths")
+            raise self._input_error("the page has a transform. Apply it to the paths.")
         place = self._inner_place(self.root, Context(np.eye(2, 3), {}, view))
         self.rem = float(place.style["font-size"])
         return [shape for child in self.root for shape in self._walk(child, place)]
@@ -120,7 +120,7 @@ class Tree:
         name = element_name(element)
         self.count += 1
         if self.count > MAX_ELEMENTS:
-            raise self._input_error(f"draws more than {MAX_ELEMENTS} elements; simplify it")
+            raise self._input_error(f"it draws more than {MAX_ELEMENTS} elements. Simplify it.")
         if place.depth > MAX_DEPTH:
             raise self._input_error("elements are nested too deeply")
         if name not in (*SHAPE_TAGS, *GROUP_TAGS, *UNREADABLE_TAGS):
@@ -130,8 +130,8 @@ class Tree:
             self.unseen += name in SHAPE_TAGS
             return
         if name in UNREADABLE_TAGS:
-            hint = "convert it to paths" if name == "text" else "leave it out and save a plain SVG"
-            raise self._input_error(f"holds {UNREADABLE_TAGS[name]} (<{name}>); {hint}")
+            hint = "convert it to paths" if name == "text" else "Remove it, and save a plain SVG."
+            raise self._input_error(f"holds {UNREADABLE_TAGS[name]} (<{name}>). {hint}")
         inner = inner._replace(matrix=self._element_matrix(element, inner), clips=inner.clips)
         inner = inner._replace(clips=(*inner.clips, *self._clips(element, inner)))
         if name in SHAPE_TAGS:
@@ -181,7 +181,7 @@ class Tree:
             self.unseen += 1
             return
         if any(element.attrib.get(f"marker-{end}", "none") != "none" for end in ("start", "mid", "end")):
-            raise self._input_error("holds a marker on a line; leave it out")
+            raise self._input_error("it contains a marker on a line. Remove it.")
         path = self._build_path(element, place)
         wide = LENGTH_PATTERN.fullmatch(style.get("stroke-width", "1")) if lined else None
         units = units_at(font_size(style), self.rem)
@@ -253,8 +253,8 @@ class Tree:
             return place.matrix
         own = parse_transform(text)
         if own is None:
-            told = f"<{element_name(element)}> has transform = {text[:40]!r}"
-            raise self._input_error(f"{told}; give numbers to matrix, translate, scale, rotate, skewX, skewY")
+            found = f"<{element_name(element)}> has transform = {text[:40]!r}"
+            raise self._input_error(f"{found}. Use matrix, translate, scale, rotate, skewX or skewY with numbers.")
         origin = np.array(self._transform_origin(element, place))
         own[:, 2] += origin - own[:, :2] @ origin
         return compose(place.matrix, own)
@@ -267,7 +267,7 @@ class Tree:
         low, size = (0.0, 0.0), place.view
         if element.attrib.get("transform-box", "view-box") in ("fill-box", "content-box", "border-box"):
             if element_name(element) not in SHAPE_TAGS:
-                raise self._input_error("transform-box of a group; apply its transform to the paths")
+                raise self._input_error("it has a transform-box of a group. Apply its transform to the paths.")
             x0, y0, x1, y1 = self._build_path(element, place).bbox() or (0.0, 0.0, 0.0, 0.0)
             low, size = (x0, y0), (x1 - x0, y1 - y0)
         words = {"left": "0%", "right": "100%", "top": "0%", "bottom": "100%", "center": "50%"}
@@ -284,7 +284,7 @@ class Tree:
         link = element.attrib.get("href", element.attrib.get(XLINK_HREF, ""))
         target = self.targets.get(link[1:]) if link[:1] == "#" else None
         if target is None:
-            raise self._input_error(f"<use> refers to {link[:60]!r}, which the file does not hold")
+            raise self._input_error(f"<use> refers to {link[:60]!r}, which the file does not contain.")
         if target in place.inside:
             raise self._input_error("a <use> repeats itself without end")
         shift = [self._parse_length(element, key, place, whole) for key, whole in zip("xy", place.view, strict=True)]
@@ -343,7 +343,7 @@ class Tree:
             match = re.match(r"url\(\s*['\"]?#([^'\")]+)['\"]?\s*\)", text)
             target = self.targets.get(match[1]) if match else None
             if target is None or element_name(target) not in ("clipPath", "mask"):
-                raise self._input_error(f"is cut by {text[:60]!r}, which the file does not hold; apply it to the paths")
+                raise self._input_error(f"is cut by {text[:60]!r}, which the file lacks. Apply it to the paths.")
             if target in place.inside:
                 raise self._input_error(f"a <{element_name(target)}> cuts itself without end")
             yield self._build_clip(element, target, place)
@@ -353,7 +353,7 @@ class Tree:
         matrix = place.matrix
         if target.attrib.get("clipPathUnits", target.attrib.get("maskContentUnits")) == "objectBoundingBox":
             if element_name(element) not in SHAPE_TAGS:
-                raise self._input_error("a group is cut in units of its box; apply it to the paths")
+                raise self._input_error("a group is clipped in units of its box. Apply the clip to the paths.")
             x0, y0, x1, y1 = self._build_path(element, place).bbox() or (0.0, 0.0, 0.0, 0.0)
             matrix = compose(matrix, np.array([[x1 - x0, 0.0, x0], [0.0, y1 - y0, y0]]))
         rule = element_name(target) == "clipPath"
@@ -364,7 +364,7 @@ class Tree:
         shapes = tuple(shape for child in target for shape in self._walk(child, inner))
         self.unseen, self.filtered = counts
         if not rule and not (shapes and all(shape.white for shape in shapes)):
-            raise self._input_error("holds a mask that is not white; apply it to the paths")
+            raise self._input_error("it contains a mask that is not white. Apply it to the paths.")
         nonzero = [child.attrib.get("clip-rule", inner.style.get("clip-rule")) != "evenodd" for child in target]
         if rule and len(nonzero) == len(shapes):
             shapes = tuple(shape._replace(nonzero=own) for shape, own in zip(shapes, nonzero, strict=True))

@@ -48,7 +48,7 @@ def parse_view_box(text: str, source: str) -> tuple[float, float, float, float]:
     except ValueError:
         width = height = 0.0
     if not (0.0 < width < np.inf and 0.0 < height < np.inf):
-        raise InputError(f"{source}: viewBox = {text[:60]!r}: must be four numbers, of which width and height are > 0")
+        raise InputError(f"{source}: viewBox = {text[:60]!r}: it must be four numbers, with width and height > 0")
     return x, y, width, height
 
 

@@ -161,7 +161,7 @@ def _add_at_rule(matcher: Any, rule: Any, spaces: dict[str | None, str], source:
     """Take in a rule that begins with @."""
     word = rule.lower_at_keyword
     if word == "import":
-        raise InputError(f"{source}: its <style> imports another file; save it as a plain SVG")
+        raise InputError(f"{source}: its <style> imports another file. Save it as a plain SVG.")
     if word == "namespace":
         names = [token.value for token in rule.prelude if token.type in ("ident", "string", "url")]
         spaces[names[0] if len(names) > 1 else None] = names[-1] if names else ""
@@ -183,7 +183,7 @@ def _is_screen_media(media: str, source: str) -> bool:
 
 
 def _unsupported_error(what: str, source: str) -> InputError:
-    return InputError(f"{source}: its <style> has {what}, which walkergen does not read; save it as a plain SVG")
+    return InputError(f"{source}: its <style> has {what}, which walkergen cannot read. Save it as a plain SVG.")
 
 
 def _parse_declarations(declarations: Sequence[Any], source: str) -> Iterator[tuple[str, str, bool]]:
@@ -193,7 +193,7 @@ def _parse_declarations(declarations: Sequence[Any], source: str) -> Iterator[tu
             continue
         value = tinycss2.serialize(each.value).strip()
         if each.lower_name in UNSUPPORTED_PROPERTIES and value.lower() not in NEUTRAL_VALUES:
-            raise InputError(f"{source}: a style moves elements by {each.lower_name}; write it as a transform")
+            raise InputError(f"{source}: a style moves elements by {each.lower_name}. Write it as a transform.")
         if each.name.startswith("--"):
             yield each.name, value, each.important
         if each.lower_name in SUPPORTED_PROPERTIES:

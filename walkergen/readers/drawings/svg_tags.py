@@ -32,9 +32,9 @@ def is_switch_choice(element: ET.Element) -> bool:
 
 
 def check_static(root: ET.Element, source: str) -> None:
-    """Raise InputError for what would change the drawing: scripts, animations."""
+    """Raise InputError for elements that would change the drawing: scripts and animations."""
     for element in root.iter():
         if (name := str(element.tag).rpartition("}")[2]) in ACTIVE_TAGS:
-            raise InputError(f"{source}: holds {ACTIVE_TAGS[name]} (<{name}>); leave it out and save a plain SVG")
+            raise InputError(f"{source}: it contains {ACTIVE_TAGS[name]} (<{name}>). Remove it, and save a plain SVG.")
         if handler := next((key for key in element.attrib if key.lower().startswith("on")), None):
-            raise InputError(f"{source}: holds a script ({handler}); save it as a plain SVG")
+            raise InputError(f"{source}: it contains a script ({handler}). Save it as a plain SVG.")

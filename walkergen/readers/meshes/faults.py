@@ -113,7 +113,7 @@ def _triangle_fault(mesh: Mesh) -> str:
         return "holds no triangles"
     bad = int((~np.isfinite(mesh.vertices).all(axis=1)).sum())
     if bad:
-        return f"{bad} of {len(mesh.vertices)} vertices are not finite numbers; export it anew"
+        return f"{bad} of {len(mesh.vertices)} vertices are not finite numbers; export the file again"
     flat = (mesh.triangles == np.roll(mesh.triangles, 1, axis=1)).any(axis=1)
     if flat.any():
         where = format_place(mesh.vertices[mesh.triangles[flat][0]])

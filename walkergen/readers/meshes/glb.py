@@ -39,7 +39,7 @@ def check(data: bytes, source: str) -> None:
         (bent, "is morphed by weights"),
     ):
         if found:
-            raise InputError(f"{source}: {what}, which walkergen does not read; export the plain mesh")
+            raise InputError(f"{source}: {what}, which walkergen cannot read. Export the plain mesh.")
 
 
 def triangle_count(data: bytes) -> int:

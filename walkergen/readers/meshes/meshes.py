@@ -70,7 +70,7 @@ def read_mesh(path: Path, source: str) -> MeshFile:
         )
     count = sum(len(part.triangles) for part in parts)
     if count == 0:
-        raise InputError(f"{source}: holds no triangles; export the body as a mesh")
+        raise InputError(f"{source}: it contains no triangles. Export the body as a mesh.")
     if count > MAX_TRIANGLES:
         raise _too_many_error(count, source)
     return MeshFile(tuple(parts), hashlib.sha256(data).hexdigest(), tuple(notes))
@@ -78,7 +78,7 @@ def read_mesh(path: Path, source: str) -> MeshFile:
 
 def _too_many_error(count: int, source: str) -> InputError:
     return InputError(
-        f"{source}: {count} triangles, at most {MAX_TRIANGLES}; simplify the mesh: 100000 are enough for any print"
+        f"{source}: {count} triangles, at most {MAX_TRIANGLES}. Simplify the mesh: 100000 are enough for any print."
     )
 
 
@@ -193,10 +193,10 @@ def _clean_part(source: str, part: Part) -> Part:
     """Merge coinciding vertices of a part. Raises InputError for unusable indices and numbers."""
     vertices, triangles = part.vertices, part.triangles
     if len(triangles) and not 0 <= triangles.min() <= triangles.max() < len(vertices):
-        raise InputError(f"{source}: a triangle has a corner that does not exist; export it anew")
+        raise InputError(f"{source}: a triangle has a corner that does not exist. Export the file again.")
     bad = int((~np.isfinite(vertices).all(axis=1)).sum())
     if bad:
-        raise InputError(f"{source}: {bad} of {len(vertices)} vertices are not finite numbers; export it anew")
+        raise InputError(f"{source}: {bad} of {len(vertices)} vertices are not finite numbers. Export the file again.")
     if len(vertices) and (far := float(np.abs(vertices).max())) > MAX_COORDINATE:
         raise InputError(f"{source}: a coordinate of {far:.3g}, at most {MAX_COORDINATE:g}: export in mm")
     vertices, triangles = merge_vertices(vertices, triangles)
@@ -217,7 +217,7 @@ def _read_with_trimesh(data: bytes, kind: str, source: str) -> list[Part]:
     for name, matrix, geometry in placed:
         mesh = scene.geometry[geometry]
         if not isinstance(mesh, trimesh.Trimesh):
-            raise InputError(f"{source}: {name[:40]!r} holds points or lines; give a closed mesh")
+            raise InputError(f"{source}: {name[:40]!r} contains points or lines. Use a closed mesh.")
         turn, shift = np.asarray(matrix)[:3, :3], np.asarray(matrix)[:3, 3]
         triangles = np.asarray(mesh.faces, np.int64).reshape(-1, 3)
         if np.linalg.det(turn) < 0.0:  # a mirror image is turned inside out

@@ -35,7 +35,7 @@ def triangulate_faces(data: bytes, source: str) -> bytes:
             places = [int(word.partition("/")[0]) for word in words[1:]]
             places = [place - 1 if place > 0 else len(corners) + place for place in places]
             if not all(0 <= place < len(corners) for place in places):
-                raise InputError(f"{source}: a face has a corner that does not exist; export it anew")
+                raise InputError(f"{source}: a face has a corner that does not exist. Export the file again.")
             triangles = (
                 [(0, 1, 2)] if len(places) == 3 else _triangulate_polygon(np.array([corners[at] for at in places]))
             )

@@ -67,5 +67,5 @@ def _unite_parts(parts: Sequence[Mesh]) -> Mesh:
     solids = [modeller.to_solid(part) for part in parts]
     whole = modeller.check_solid(manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add))
     if apart := len(modeller.split_bodies(whole)) - 1:
-        raise GeometryError(f"body.base = true: {apart} pieces float above the plate: lower them onto the others")
+        raise GeometryError(f"body.base = true: {apart} pieces float above the plate. Lower them onto the others.")
     return modeller.to_mesh(whole)

@@ -108,7 +108,7 @@ def _make_single_body(mesh: Mesh, plate: bool | None) -> tuple[Mesh, tuple[str, 
     if len(bodies) < 2:
         return mesh, ()
     return modeller.to_mesh(bodies[0]), (
-        f"left out {formatting.format_count(len(bodies) - 1, 'body', 'bodies')} beside the largest",
+        f"left out {formatting.format_count(len(bodies) - 1, 'body', 'bodies')} other than the largest",
     )
 
 

@@ -142,7 +142,7 @@ def _read_plan(body: Body, path: Path) -> Plan:
     if specks := len(pieces) - len(kept):
         notes += (f"left out {formatting.format_count(specks, 'speck', 'specks')}",)
     if len(kept) > 1 and body.base is False:
-        notes += (f"left out {formatting.format_count(len(kept) - 1, 'piece', 'pieces')} beside the largest",)
+        notes += (f"left out {formatting.format_count(len(kept) - 1, 'piece', 'pieces')} other than the largest",)
         kept = kept[:1]
     if len(kept) == len(pieces):
         return Plan(drawn.polygons, notes, len(pieces))

@@ -45,7 +45,7 @@ def cut_letters(ground: Mesh, design: Design) -> Mesh:
     lost = 2.0 * (solid.volume() - cut.volume())
     if lost < drawn.volume() * (1.0 - 1e-6) or len(modeller.split_bodies(cut)) != 1:
         raise GeometryError(
-            f"{_format_mark(design)}: the letters leave the outline: make text_height_mm smaller", _mark_key(design)
+            f"{_format_mark(design)}: the letters leave the outline. Make text_height_mm smaller.", _mark_key(design)
         )
     return modeller.to_mesh(cut)
 
@@ -60,7 +60,7 @@ def _text_polygons(design: Design, length: float, height: float) -> list[Polygon
     if wide > length - 2.0 * mark.line_mm or tall > height - 2.0 * mark.line_mm:
         raise GeometryError(
             f"{_format_mark(design)}: is {wide:.2f} x {tall:.2f} mm, the face that bears it "
-            f"{length:g} x {height:g} mm, of which a line stays free: make text_height_mm smaller",
+            f"{length:g} x {height:g} mm, where a line stays free. Make text_height_mm smaller.",
             _mark_key(design),
         )
     return polygons

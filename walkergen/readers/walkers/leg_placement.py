@@ -91,7 +91,7 @@ class Placement(NamedTuple):
         wide = f"{min(widths):.3g}" + (f" to {max(widths):.3g}" if max(widths) - min(widths) > 0.05 else "")
         return (
             f"legs found for the body: {len(places)} rows, {wide} mm wide, feet {places[-1] - places[0]:.3g} mm apart; "
-            f"it tips beyond {self.lean_deg:.0f} deg"
+            f"tips over beyond {self.lean_deg:.0f} deg"
         )
 
 
@@ -186,7 +186,7 @@ def _drop_other_size(remedy: Remedy) -> Remedy:
 def auto_remedies(body: Body, legs: Legs) -> list[Remedy]:
     """Suggest automatic placement of the legs, if it works."""
     own = legs.model_copy(update={"place": "auto"})
-    return [Remedy("let the legs place themselves", {"legs.place": "auto"})] if _can_stand(body, own) else []
+    return [Remedy("place the legs automatically", {"legs.place": "auto"})] if _can_stand(body, own) else []
 
 
 def _other_orientations(body: Body) -> list[dict[str, Any]]:

@@ -47,7 +47,7 @@ def level_feet(data: Mapping[str, Any], follow_deg: float) -> dict[str, Any]:
         )
     if any(leg.foot == "flat" for leg in legs):
         raise GeometryError(
-            "stance = 'as built': a flat foot is cut for a level stance; use foot = 'square' or 'round'"
+            "stance = 'as built': a flat foot is cut for a level stance. Use foot = 'square' or 'round'"
         )
     built = [resolve_leg(leg, follow_deg, shape.size.depth, -0.5 * shape.size.thickness) for leg in legs]
     back = min(built, key=lambda limb: limb.along)
