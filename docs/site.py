@@ -32,7 +32,7 @@ CALLS = [*FIRST_CALLS, *(name for name in COMMANDS if name in walkergen.__all__ 
 RESULTS = {
     "what every call returns": ["files.report.Report", "files.report.Table", "core.numerics.quantity.Quantity"],
     "what some add to it": [
-        "commands.predict.report.PredictReport",
+        "commands.predict.make.PredictReport",
         "commands.simulate.report.SimulationReport",
         "guests.sweep.report.SweepReport",
         "commands.family.report.FamilyReport",

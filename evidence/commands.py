@@ -8,7 +8,7 @@ from pydantic import BeforeValidator
 
 from walkergen import field_values, request
 from walkergen.cli import command_builder
-from walkergen.cli.layout import HELP_OPTIONS, Command
+from walkergen.cli.command_builder import HELP_OPTIONS, Command
 from walkergen.core.files.progress import Expected, Progress
 from walkergen.request import Flag
 

@@ -7,7 +7,7 @@ from walkergen.api.loading import load, templates
 from walkergen.commands.check.make import CheckReport
 from walkergen.commands.check.weigh_report import WeighReport
 from walkergen.commands.family.report import FamilyReport
-from walkergen.commands.predict.report import PredictReport
+from walkergen.commands.predict.make import PredictReport
 from walkergen.commands.simulate.report import SimulationReport
 from walkergen.core.errors import WalkergenError
 from walkergen.core.files.progress import Progress
@@ -130,7 +130,7 @@ def check(
 ) -> CheckReport | WeighReport:
     """Check whether walkers will print as designed, or weigh any mesh, without writing any file.
 
-    With --weigh it tells, of a mesh file, volume, mass, centre of mass, inertia tensor, principal moments and axes.
+    With --weigh it reports the volume, mass, centre of mass, inertia tensor, principal moments and axes of a mesh file.
 
     Example: `wg.check(tilt=[5, 10], printer="ender3").warnings`
     """
@@ -186,9 +186,9 @@ def predict(
 ) -> PredictReport:
     """Predict the speed of walkers, without writing any file.
 
-    As designed, and with the bounds of your print. By the surrogate of the model in space where that is sure, else
-    by a simulation of seconds, which is kept. With --uncertain it says, for each, which input to measure next to
-    narrow the bounds.
+    The table has the speed as designed, and the median and bounds for your print. Speeds come from a surrogate of the
+    simulation. Outside its tested range they come from a simulation of a few seconds, which is cached. With
+    --uncertain the report shows which input to measure next to narrow the bounds.
 
     Example: `wg.predict(tilt=10).speed`
     """
@@ -251,10 +251,10 @@ def simulate(
 ) -> SimulationReport:
     """Bounce a walker on the plate and measure its speed; on a plane also how it turns.
 
-    Several tilts, or both kinds of legs, make a table. The first run of a model compiles it. With --error of the mean
-    speed, at 95 % confidence, as many runs are made as it needs, by a step that is fine enough: --seconds, --runs and
-    --step are then left out. A share counts of the speed, or of a fifth of the plate's peak speed where the walker is
-    slower. With --effects what this walker's speed does not need to an error is left out, as measured first.
+    Several tilts, or both kinds of legs, make a table. The first run compiles the simulator. With --error the number
+    of runs, their length and the step are chosen to meet an error of the mean speed at 95 % confidence. A percentage
+    refers to the speed, or to a fifth of the plate's peak speed if the walker is slower. With --effects the effects
+    that change the speed less are measured first and left out.
 
     Example: `wg.simulate(tilt=10, seconds=1, runs=4).speed`
     """
@@ -351,10 +351,10 @@ def explain(
     out: Name | None = None,
     progress: Progress | None = None,
 ) -> Report:
-    """Say which effects a scene calls for, how large they are, what they change and what they cost.
+    """Report which effects a scene has, how large they are, and what they change and cost.
 
-    With --measure each effect is turned off, or on at its usual size, alone and the two largest together, for ten
-    seconds: what the speed and the CPU time change by, a picture, and what can be left out.
+    With --measure each effect is turned off, or on at its usual size, for ten seconds: alone, and the two largest
+    together. The report has the changes of speed and CPU time, a picture, and the effects that can be left out.
 
     Example: `wg.explain("koumakis2016", "plane-noisy", cost=False)`
     """

@@ -20,7 +20,7 @@ class Command(NamedTuple):
     example: str
     """Words after `walkergen`; files in them are the user's own."""
     other: str
-    """Words of a second example."""
+    """Second example."""
     call: str = ""
     """The same from Python, after `import walkergen as wg`; "" if it is no function."""
 

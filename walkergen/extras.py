@@ -1,4 +1,4 @@
-"""Packages that only some need, which come with extras named by the need."""
+"""Optional packages, by the extras that install them."""
 
 import importlib.util
 
@@ -15,11 +15,11 @@ PACKAGES = {
 
 
 def require(extra: str, what: str) -> None:
-    """Raise InputError, with what to install, where a package of an extra is not installed.
+    """Raise InputError, with what to install, if a package of an extra is not installed.
 
-    `what` is what needs it, as people write it.
+    `what` is the feature that needs it, for the message.
     """
     packages = PACKAGES[extra].items()
     missing = [name for module, name in packages if importlib.util.find_spec(module) is None]
     if missing:
-        raise InputError(f"{what}: {' and '.join(missing)} not installed: pip install 'walkergen[{extra}]'")
+        raise InputError(f"{what}: {' and '.join(missing)} not installed. Run pip install 'walkergen[{extra}]'.")

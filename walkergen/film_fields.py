@@ -29,8 +29,8 @@ def parse_measured(entry: Any) -> Measured:
     error = errors[0] if errors else 0.0
     if value is None or value <= 0 or len(errors) > 1 or error is None or not 0 <= error < value:
         raise ValueError(
-            "must be a number above 0, as 0.05, or with its standard error, at least 0 and below the "
-            "number, as 0.05±0.001 or 0.05+-0.001"
+            "must be a number above 0, such as 0.05. Add a standard error below the number with ±: "
+            "0.05±0.001 or 0.05+-0.001"
         )
     return value, error if errors else None
 
@@ -51,7 +51,8 @@ MmPerPx = Annotated[
     Flag("Millimetres per pixel of the film, as 0.05±0.001.", "MM", takes="float | str | None"),
 ]
 Unit = Annotated[
-    str | None, Flag("Units of places, times, headings that the file does not state: mm, or cm,ms,deg.", "UNIT")
+    str | None,
+    Flag("Units of positions, times and headings, if the file does not state them: mm, or cm,ms,deg.", "UNIT"),
 ]
 
 

@@ -142,24 +142,24 @@ class Inputs(NamedTuple):
             members = self.members(design, tilts, kinds, whole)
             return members, [copies] * len(members)
         if tilts is not None:
-            raise InputError("‹copies›: names the tilts: leave ‹tilt› out", "copies")
-        self.check_unset(TILTS + FAMILY_TILT_KEYS, "‹copies› names the tilts: leave one of them out")
+            raise InputError("‹copies›: sets the tilts too. Remove ‹tilt›.", "copies")
+        self.check_unset(TILTS + FAMILY_TILT_KEYS, "‹copies› sets the tilts. Remove one of them.")
         members = self.members(design, list(copies), kinds, whole)
         return members, [copies[member.tilt_deg] for member in members]
 
     def _check_conflicts(self, tilts: Sequence[object] | None, kinds: Sequence[object] | None, whole: bool) -> None:
         """Refuse keys that tilt and legs set too, and of a family those that it replaces."""
         if whole:
-            advice = "a family has the tilts of family.tilt_deg: ‹tilt=›12, or ‹set›"
+            advice = "a family has the tilts of family.tilt_deg. Use ‹tilt=›12, or ‹set›"
             self.check_unset(TILTS, f"{advice} 'family.tilt_deg=[12]'")
-            advice = "a family has the kinds of family.legs: ‹legs=›braced, or ‹set›"
+            advice = "a family has the kinds of family.legs. Use ‹legs=›braced, or ‹set›"
             self.check_unset(KINDS, f"{advice} 'family.legs=[\"braced\"]'")
         for field, values, keys in (
             ("tilt", tilts, FAMILY_TILT_KEYS if whole else TILTS),
             ("legs", kinds, FAMILY_KIND_KEYS if whole else KINDS),
         ):
             if values is not None:
-                self.check_unset(keys, f"‹{field}=›{','.join(map(str, values))} sets it too: leave one of them out")
+                self.check_unset(keys, f"‹{field}=›{','.join(map(str, values))} sets it too. Remove one of them.")
 
     def check_unset(self, keys: Sequence[str], why: str) -> None:
         """Raise InputError for the first of some keys that is set."""
@@ -187,8 +187,8 @@ def _confirm_text(text: str, asks: bool) -> None:
         if sys.stdin.readline().strip().lower() in ("y", "yes"):
             return
     raise InputError(
-        f"{missing}; ‹text=›{shlex.quote(text[:80])} makes a walker of these letters; known: {', '.join(known)}; "
-        "or give the path of a drawing, a mesh or a TOML file",
+        f"{missing}. ‹text=›{shlex.quote(text[:80])} makes a walker of these letters. Templates: {', '.join(known)}; "
+        "Or give the path of a drawing, a mesh or a TOML file.",
         "design",
     )
 
@@ -209,7 +209,7 @@ def from_settings(settings: Mapping[str, Any], fields: Mapping[str, tuple[str, A
             raise InputError(told, key)
         for other, first in names.items():
             if other == key or _is_within(key, other) or _is_within(other, key):
-                raise InputError(f"{name}: {first} sets it too: leave one of them out", key)
+                raise InputError(f"{name}: {first} sets it too. Remove one of them.", key)
         values[key], names[key] = value, name
     return Inputs(values, names, [], False)
 
@@ -243,7 +243,7 @@ def read_masses(path: Path | None, members: "Sequence[Design]") -> "tuple[dict[s
 
     weighings, unused = weighed_masses.read_masses(path, members), weighed_masses.unused_parts(path, members)
     few = ", ".join(unused[:2]) + (" ..." if len(unused) > 2 else "")
-    return weighings, [f"{path}: {len(unused)} walkers beside those asked for: {few}"] if unused else []
+    return weighings, [f"{path}: ignored rows of other walkers ({len(unused)}): {few}"] if unused else []
 
 
 def add_caps(members: "Sequence[Design]", markers: str | None) -> "list[Design]":
@@ -261,7 +261,7 @@ def filled_form_warnings(folder: Path, members: "Sequence[Design]") -> list[str]
     from walkergen.core.walker import names, weighed_masses
 
     paths = [folder / weighed_masses.form_name(members, name) for name in names.group_by_design(members)]
-    return [f"{path}: somebody has written in it: left as it is" for path in paths if weighed_masses.is_filled_in(path)]
+    return [f"{path}: already filled in, not overwritten" for path in paths if weighed_masses.is_filled_in(path)]
 
 
 @contextmanager
@@ -274,7 +274,10 @@ def open_pool(few: bool, workers: int | None, dask: str | None = None) -> "Itera
 
     if dask is not None:
         if workers is not None:
-            raise InputError(f"‹workers=›{workers}: not with ‹dask›, which has its own", "workers")
+            raise InputError(
+                f"‹workers=›{workers}: cannot be combined with ‹dask›, which has its own workers. Remove one of them.",
+                "workers",
+            )
         with worker_pool.dask_pool(dask) as pool:
             yield pool
     elif few and workers is None:

@@ -22,7 +22,7 @@ def _parse_copies(value: Any) -> int | dict[float, int]:
     else:
         return _parse_count(value)
     if not pairs:
-        raise ValueError("no tilt: write copies by tilt, {10: 20, 15: 40}")
+        raise ValueError("no tilt. Write copies by tilt: {10: 20, 15: 40}")
     quotas: dict[float, int] = {}
     for word, count in pairs:
         tilt = parse_tilt(word)
@@ -35,7 +35,7 @@ def _parse_count(value: Any) -> int:
     count = columns.parse_count(plain, MAX_COPIES) if isinstance(plain, str) else plain
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MAX_COPIES:
         raise ValueError(
-            f"{str(value)[:30]!r} must be a whole number in 1..{MAX_COPIES}; write 8, or TILT:COPIES,TILT:COPIES"
+            f"{str(value)[:30]!r} must be a whole number in 1..{MAX_COPIES}. Write 8, or TILT:COPIES,TILT:COPIES."
         )
     return count
 
@@ -50,10 +50,8 @@ Copies = Annotated[
         takes="int | Mapping[float, int] | str",
     ),
 ]
-Caps = Annotated[
-    Literal["aruco"] | None, Flag("Caps to glue on, with markers that `track --markers` reads: aruco.", "MARKERS")
-]
+Caps = Annotated[Literal["aruco"] | None, Flag("Markers of caps to glue on, for `track`: aruco.", "MARKERS")]
 MaxParts = Annotated[int, Field(ge=1, le=5000), Flag("Largest number of parts on a plate.", "N")]
 ForPrusaSlicer = Annotated[bool, Flag("Let PrusaSlicer list and slice all copies as one object.")]
-Strict = Annotated[bool, Flag("Refuse parts that get warnings, too.")]
+Strict = Annotated[bool, Flag("Treat warnings as errors.")]
 MaxPlates = Annotated[int | None, Field(ge=1, le=1000), Flag("Largest number of plates to use.", "N")]

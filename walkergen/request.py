@@ -160,7 +160,7 @@ class Request(BaseModel):
             value = getattr(self, name)
             if value != type(self).model_fields[name].get_default(call_default_factory=True):
                 shown = f"‹{name}›" if value is True else f"‹{name}=›{safe_text.shorten_line(str(value))[:60]}"
-                raise InputError(f"{shown}: {problem}; leave it out", name)
+                raise InputError(f"{shown}: {problem}. Remove it.", name)
 
 
 def field_flag(request: type[Request], name: str) -> Flag:

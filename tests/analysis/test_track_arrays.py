@@ -11,7 +11,7 @@ from test_trajectories import WALKER, asked_of, simulated
 from walkergen import extras
 from walkergen.analysis import track_files
 from walkergen.analysis.track_files import Units
-from walkergen.commands.simulate import netcdf, trajectories
+from walkergen.commands.simulate import trajectories
 from walkergen.commands.simulate.trajectories import TrajectoryData
 from walkergen.core.errors import InputError
 
@@ -52,7 +52,7 @@ def data_set(order=("time", "space", "keypoint", "individual"), plural="", **att
     for name, count in zip(full, PLACES.shape, strict=True):
         file.createDimension(named[name], count)
     for name, words in (("space", ("x", "y")), ("keypoint", ("body",)), ("individual", ("ann", "bob"))):
-        netcdf._write_names(file, named[name], words)
+        trajectories._write_names(file, named[name], words)
     values = {"time": np.arange(12) / FPS if file.time_unit == "seconds" else np.arange(12.0)}
     values["position"] = PLACES.transpose([full.index(name) for name in order])
     file.createVariable("time", "d", ("time",))[:] = values["time"]
@@ -166,5 +166,5 @@ def test_other_files_of_hdf5_say_what_to_give(tmp_path, names, told):
 def test_hdf5_without_its_extra_is_refused_in_a_line(tmp_path, monkeypatch):
     monkeypatch.setitem(extras.PACKAGES, "poses", {"no_such_module": "h5py"})
     (tmp_path / "a.nc").write_bytes(b"\x89HDF\r\n\x1a\n and so on")
-    with pytest.raises(InputError, match=r"a\.nc: HDF5: h5py not installed: pip install 'walkergen"):
+    with pytest.raises(InputError, match=r"a\.nc: HDF5: h5py not installed\. Run pip install 'walkergen"):
         track_files.read_tracks(tmp_path / "a.nc", PIXELS)

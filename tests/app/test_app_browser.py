@@ -214,7 +214,7 @@ def test_a_run_is_started_stopped_and_started(page):
     page.until(lambda: page.text("#run") == "again")
     words = ("simulate", "koumakis2016", "--seconds", 1, "--runs", 8, "--tilt", 10, "--json")
     speed = json.loads(walkergen(page.folder, *words))["speed_mm_s"]
-    assert f"As drawn it ran {speed:.0f}"[:-1] in page.text("#ran")
+    assert f"As designed it ran {speed:.0f}"[:-1] in page.text("#ran")
     made_again(page, *page.take("stl"))
 
 

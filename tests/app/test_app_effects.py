@@ -11,7 +11,8 @@ PAPER = document() | {"scene": "lane-90hz"}
 
 def test_effects_that_nobody_measured_have_no_picture(tmp_path):
     assert (
-        "no effects of this walker were measured" in Doors(tmp_path).ask("effects_drawn", {"document": PAPER}).refused
+        "the effects of this walker have not been measured"
+        in Doors(tmp_path).ask("effects_drawn", {"document": PAPER}).refused
     )
 
 

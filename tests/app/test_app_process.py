@@ -175,7 +175,7 @@ def refusal_of(*words):
 def test_a_port_in_use_is_refused_in_one_line(process):
     port = process.host.rpartition(":")[2]
     line = refusal_of("--port", port)
-    reason = "Address already in use: give another port, or 0 for any that is free"
+    reason = "Address already in use: choose another port, or 0 for a free one"
     assert line == f"error: --port {port}: {reason}\n"
 
 

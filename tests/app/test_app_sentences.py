@@ -27,14 +27,14 @@ def row(middle, low, high, by="surrogate", nominal=None, falls=0.0):
         (
             row(0.4, -2.0, 3.0, nominal=(0.3, -0.5, 1.1)),
             "stands",
-            "stands, as far as can be told: between 2.0 to the left and 3.0 to the right.",
+            "stands, with bounds between 2.0 to the left and 3.0 to the right.",
         ),
         (row(0.0, 0.0, 0.0, "statics", (0.0, 0.0, 0.0)), "stands", "stands."),
         # Prints of either sign, of a design that runs: no verdict of its own
         (row(4.0, -2.0, 9.0, nominal=(5.0, 4.0, 6.0)), "forward", "about 4.0 mm/s to the right; half of the prints"),
         (row(9.5, 5.0, 15.0), "forward", "about 9.5 mm/s"),
         (row(9.96, 5.0, 15.0), "forward", "about 10 mm/s"),
-        (row(None, None, None), "unknown", "Runs of seconds"),
+        (row(None, None, None), "unknown", "Simulate it to see how fast"),
     ],
 )
 def test_a_speed_is_a_sentence(asked, kind, words):

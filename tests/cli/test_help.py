@@ -11,7 +11,7 @@ import typer
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
-from walkergen.cli.layout import OPTION_HEADINGS
+from walkergen.cli.command_builder import OPTION_HEADINGS
 from walkergen.command_table import COMMANDS
 
 FOLDER = Path(__file__).parents[2]

@@ -341,7 +341,11 @@ def test_an_unlikely_size_is_reported_when_a_mesh_is_weighed(tmp_path):
     path = tmp_path / "box.stl"
     path.write_bytes(trimesh.Trimesh(BOX.vertices / 1000.0, BOX.faces).export(file_type="stl"))
     assert weigh(path, 1.24, 1000.0).notes == ()
-    assert weigh(path, 1.24, 1.0).notes[-1].startswith("the longest side is 0.028 mm: in another unit? ‹scale›")
+    assert (
+        weigh(path, 1.24, 1.0)
+        .notes[-1]
+        .startswith("The longest side is 0.028 mm. If the file has another unit, set ‹scale›")
+    )
 
 
 def test_too_many_triangles_are_refused_before_reading(tmp_path, monkeypatch):

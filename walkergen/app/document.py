@@ -148,8 +148,8 @@ def _load_template(name: str, kind: str, model: type[Model], own: str, prefix: s
     A cached template names no file that changes: files of a page are named by their contents.
     """
     settings, data = _load_defaults(name, kind, model)
-    anew: Model = assignments.assign_values(settings, copy.deepcopy(data), json.loads(own), SOURCE, prefix)
-    return anew
+    changed: Model = assignments.assign_values(settings, copy.deepcopy(data), json.loads(own), SOURCE, prefix)
+    return changed
 
 
 @cache
@@ -168,7 +168,7 @@ def from_message(data: Any, place: PageFiles) -> Document:
     message = config.validate(data, Message, SOURCE)
     for kind, name in (("walkers", message.walker), ("scenes", message.scene), ("printers", message.printer)):
         if name not in _template_names(kind) and not (kind == "walkers" and name == place.own):
-            raise InputError(f"{SOURCE}: {name[:60]!r} is none of the {kind} of this page")
+            raise InputError(f"{SOURCE}: {name[:60]!r} is not one of the {kind} of this page")
     values = _resolve_files("values", message.values, place.uploads)
     return Document(message.walker, message.scene, message.printer, values)
 
@@ -180,7 +180,7 @@ def parse_message(data: bytes) -> dict[str, Any]:
     except (ValueError, RecursionError):
         message = None
     if not isinstance(message, dict):
-        raise InputError(f"{SOURCE}: the message is no table in JSON")
+        raise InputError(f"{SOURCE}: the message is not a JSON table")
     if config.nesting_depth(message) > config.MAX_DEPTH:
         raise InputError(f"{SOURCE}: nested too deeply: more than {config.MAX_DEPTH} levels")
     return message
@@ -196,7 +196,7 @@ def _resolve_files(key: str, value: Any, uploads: Path) -> Any:
     if isinstance(value, list):
         return [_resolve_files(key, own, uploads) for own in value]
     if value is None:
-        raise InputError(f"{SOURCE}: {_check_text(key)[:60]}: no value: leave the key out", key)
+        raise InputError(f"{SOURCE}: {_check_text(key)[:60]}: no value. Remove the key.", key)
     if isinstance(value, float) and not math.isfinite(value):
         raise InputError(f"{SOURCE}: {_check_text(key)[:60]} = {value}: must be a number", key)
     if not isinstance(value, str):
@@ -213,7 +213,7 @@ def _resolve_files(key: str, value: Any, uploads: Path) -> Any:
 def _check_text(text: str) -> str:
     """Return a text of complete characters. Raises InputError for lone surrogates, which JSON allows."""
     if LONE_SURROGATE.search(text):
-        raise InputError(f"{SOURCE}: {text[:60]!r}: holds half a letter: write it again")
+        raise InputError(f"{SOURCE}: {text[:60]!r}: contains half a character. Enter it again.")
     return text
 
 

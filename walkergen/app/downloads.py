@@ -122,7 +122,7 @@ def _write_settings(document: Document, folder: Path) -> None:
             "printer": document.load_printer(),
         }
         for name, thing in things.items():
-            text = templates.to_toml(thing, f"The {name} of {design.name}, by its page", every=False)
+            text = templates.to_toml(thing, f"The {name} of {design.name}, from its page", every=False)
             target.write(f"settings/{name}.toml", text.encode())
 
 
@@ -136,7 +136,7 @@ def sweep_arguments(document: Document, speed: Any, folder: Path) -> list[str]:
     design = document.load_design()
     key = documents.tilt_key(design)
     if key is None:
-        raise InputError(f"{documents.SOURCE}: {design.name}: its legs share no tilt to search")
+        raise InputError(f"{documents.SOURCE}: {design.name}: its legs have no common tilt to search")
     words = SWEEP_OPTIONS[key]
     varied = {word.partition("=")[0] for word in words}
     free = document._replace(values={name: own for name, own in document.values.items() if name not in varied})

@@ -1,4 +1,4 @@
-"""What `app` is asked for."""
+"""Request of the command `app`."""
 
 from pathlib import Path
 from typing import Annotated, ClassVar
@@ -14,9 +14,9 @@ FOLDER = Path("out") / "app"
 
 
 class AppRequest(request.Request):
-    """Design a walker on a page in the browser: slide its tilt, see how it runs, take the files.
+    """Design a walker on a page in the browser: change its tilt, see how it runs, download its files.
 
-    The page is served from this machine to this machine alone, and works without a network. Ctrl-C ends it.
+    The page is served by this machine, only for this machine, and works without a network. Ctrl-C stops it.
     """
 
     reports: ClassVar = False
@@ -27,8 +27,8 @@ class AppRequest(request.Request):
     text: request.Text = None
     mirror: request.Mirror = None
     set: request.Settings = {}
-    port: Annotated[int, Field(ge=0, le=65535), Flag("Port; 0: any that is free.", "N")] = 8765
-    host: Annotated[str, Flag("Address of this machine that others may call.", "ADDRESS")] = "127.0.0.1"
+    port: Annotated[int, Field(ge=0, le=65535), Flag("Port; 0 chooses a free one.", "N")] = 8765
+    host: Annotated[str, Flag("Address of this machine, for access from other devices.", "ADDRESS")] = "127.0.0.1"
     browser: Annotated[bool, Flag("Open the page in a browser.")] = True
 
     def run(self, progress: Progress) -> None:

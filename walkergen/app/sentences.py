@@ -21,7 +21,7 @@ QUARTILE_RATIO = 0.6745
 TITLES: Mapping[str, str] = {
     "koumakis2016": "the paper's walker",
     "name": "a name",
-    "maker-large": "twice as large",
+    "maker-large": "double size",
     "bristle": "a brush of legs",
     "bristlebot": "a brush with a motor",
     "coinbot": "with a coin motor",
@@ -69,9 +69,9 @@ def format_speed(row: Prediction) -> Speed:
     if ends is None and row.falls > 0.0:
         return Speed(f"falls over in {100.0 * row.falls:.0f} % of its runs.", "falls", True)
     if ends is None:
-        return Speed("Runs of seconds tell how fast.", "unknown", False)
+        return Speed("Simulate it to see how fast it runs.", "unknown", False)
     if prediction.is_standing(row):
-        bounds = "" if row.speed_by == "statics" else f", as far as can be told: {_format_range(*ends)}"
+        bounds = "" if row.speed_by == "statics" else f", with bounds {_format_range(*ends)}"
         return Speed(f"stands{bounds}.", "stands", True)
     middle = row.speed.number
     quarter, most = (middle + QUARTILE_RATIO * (end - middle) for end in ends)
@@ -107,14 +107,14 @@ def format_runs(facts: Mapping[str, Any]) -> str:
     """Describe the runs of a walker in a sentence, from the facts of `simulate`."""
     value, error = facts["speed_mm_s"], facts["speed_se_mm_s"]
     if value is None:
-        return "It came to no end that has a speed."
+        return "No run ended with a speed."
     low, high = facts["speed_low_95_mm_s"], facts["speed_high_95_mm_s"]
     way = "to the right" if value >= 0.0 else "to the left, backward"
-    told = words.format_with_error(abs(value), error) if error else _format_size(value)
+    speed = words.format_with_error(abs(value), error) if error else _format_size(value)
     bounds = (
         "" if low is None or high is None else f"; with the error of the simulator {_format_range(low, high)} (95 %)"
     )
-    return f"As drawn it ran {told} mm/s {way}{bounds}."
+    return f"As designed it ran {speed} mm/s {way}{bounds}."
 
 
 def format_name(key: str) -> str:

@@ -80,7 +80,7 @@ def serve(asked: Document, anew: bool, folder: Path, host: str, port: int, brows
     for workers in (served.steps, served.workers):
         workers.start()
     print(f"the page: {address}", flush=True)
-    print("Ctrl-C ends it" if not away else "for one device, once; Ctrl-C ends it", flush=True)
+    print("Ctrl-C ends it" if not away else "for one device, once; Ctrl-C stops it", flush=True)
     if browser and not away:
         threading.Timer(0.3, webbrowser.open, [address]).start()
     with contextlib.suppress(KeyboardInterrupt):  # the way to end it
@@ -122,8 +122,8 @@ def _is_remote(host: str) -> bool:
         return True
     if address.is_unspecified:
         raise InputError(
-            f"‹host=›{host or repr(host)}: stands for every address of this machine: give the one "
-            "that the other device shall call"
+            f"‹host=›{host or repr(host)}: means every address of this machine. Give the one "
+            "that the other device opens."
         )
     return not address.is_loopback
 
@@ -142,8 +142,8 @@ def _open_socket(host: str, port: int) -> socket.socket:
         listening.close()
         reason = getattr(error, "strerror", None) or "is no address"
         if getattr(error, "errno", None) in (errno.EADDRINUSE, errno.EACCES):
-            advice = f"‹port=›{port}: {reason}: give another port, or 0 for any that is free"
+            advice = f"‹port=›{port}: {reason}: choose another port, or 0 for a free one"
         else:
-            advice = f"‹host=›{host[:80]}: {reason}: give an address of this machine, or none"
+            advice = f"‹host=›{host[:80]}: {reason}: give an address of this machine, or leave it out"
         raise InputError(advice) from None
     return listening

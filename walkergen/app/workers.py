@@ -43,7 +43,7 @@ POLL_S = 0.05
 
 START_METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
 PRELOADED_MODULES = [
-    f"walkergen.app.{name}" for name in ("walker_answers", "curves", "form", "downloads", "crowd_playback", "effects")
+    f"walkergen.app.{name}" for name in ("walker_answers", "curves", "form", "downloads", "command_results")
 ]
 """Modules that answers require. If processes can be copied, one process imports them for all."""
 
@@ -54,7 +54,7 @@ collision code of meshes, loaded then as well, another half. A loading page need
 MAX_ADDRESS_BYTES = 6 * 2**30
 """Bytes of address space for a process, on systems with such a limit."""
 
-ABANDONED_ERROR = InputError("nobody waits for this any more")
+ABANDONED_ERROR = InputError("the page no longer waits for this")
 
 Result = TypeVar("Result")
 
@@ -144,7 +144,7 @@ def _stop_worker(worker: Worker) -> None:
 
 def _request_answer(worker: Worker, work: Callable[..., Any], given: Any, gone: threading.Event) -> Any:
     """Send work to a process; return its result, or its error. Raises InputError if it is lost or too slow."""
-    late = InputError(f"{SOURCE}: this takes longer than {MAX_ANSWER_CPU_S:g} s: make the shape simpler, or smaller")
+    late = InputError(f"{SOURCE}: this takes longer than {MAX_ANSWER_CPU_S:g} s. Make the shape simpler, or smaller.")
     try:
         if not worker.ready:
             worker.ready.append(_receive(worker, MAX_START_S, late))
@@ -153,7 +153,9 @@ def _request_answer(worker: Worker, work: Callable[..., Any], given: Any, gone: 
         worker.connection.send((work, given))
         return _receive(worker, CLOCK_FACTOR * MAX_ANSWER_CPU_S, late, gone)
     except (EOFError, OSError):
-        raise InputError(f"{SOURCE}: too large for this machine: make the shape simpler, or ask for less") from None
+        raise InputError(
+            f"{SOURCE}: too large for the memory of this machine. Make the shape simpler, or smaller."
+        ) from None
 
 
 def _receive(worker: Worker, longest: float, late: InputError, gone: threading.Event | None = None) -> Any:
@@ -223,4 +225,4 @@ def _run_work(work: Callable[..., Any], given: Any) -> Any:
     except WalkergenError as error:
         return error
     except (MemoryError, RecursionError):
-        return InputError(f"{SOURCE}: too large for this machine: ask for less")
+        return InputError(f"{SOURCE}: too large for the memory of this machine. Try a smaller job.")

@@ -14,7 +14,7 @@ from typer.main import get_command
 
 from walkergen import __version__
 from walkergen.cli import command_builder, streams
-from walkergen.cli.layout import HELP_OPTIONS, Group
+from walkergen.cli.command_builder import HELP_OPTIONS, Group
 from walkergen.command_table import COMMANDS, for_shell
 from walkergen.core.errors import OutputError, WalkergenError, use_spelling
 from walkergen.core.files import safe_text
@@ -22,7 +22,7 @@ from walkergen.core.files import safe_text
 INTERRUPTED_CODE = 130
 """Exit code after Ctrl-C."""
 
-INTERRUPTED_MESSAGE = "interrupted: finished files are whole; the same command completes"
+INTERRUPTED_MESSAGE = "interrupted: finished files are complete. Run the same command again for the rest."
 
 
 class Root(Group):
@@ -54,7 +54,7 @@ def _options(
     context: typer.Context,
     version: Annotated[bool, typer.Option("--version", help="Show the version.")] = False,
     verbose: Annotated[
-        bool, typer.Option("--verbose", help="With --version: of Python and numba, and the cache.")
+        bool, typer.Option("--verbose", help="With --version: also show Python, numba and the cache.")
     ] = False,
 ) -> None:
     """From a leg tilt to 3D-printed walkers that run on a vibrating plate as predicted."""
@@ -64,7 +64,7 @@ def _options(
             _show_versions()
         raise typer.Exit
     if verbose:
-        context.fail("--verbose goes with --version")
+        context.fail("--verbose needs --version")
     if context.invoked_subcommand is None:
         context.fail("Missing command.")
 
@@ -79,7 +79,7 @@ def _show_versions() -> None:
     print(f"Python {platform.python_version()} on {platform.system()} {platform.machine()}")
     print(f"numba {version('numba')}")
     try:
-        print(f"cache {caches.home()}, {caches.size() / 1e6:.1f} MB: may be deleted at any time")
+        print(f"cache {caches.home()}, {caches.size() / 1e6:.1f} MB: can be deleted at any time")
     except OSError as error:
         print(f"cache of this process alone: {error}")
 
@@ -128,7 +128,7 @@ def _run_command(commands: typer.Typer | Callable[[], None], lost: threading.Eve
         streams.discard_output()
         return 1
     except MemoryError:
-        return _print_error("the memory is full: ask for less", 1)
+        return _print_error("not enough memory. Try a smaller job.", 1)
     except ImportError as error:  # a Ctrl-C while a library loads may come as its failure
         if not (lost.is_set() or isinstance(error.__cause__, KeyboardInterrupt)):
             raise

@@ -1,6 +1,7 @@
-"""Commands made from requests: an option for each field, with its help, and a function that shows the report."""
+"""Commands made from requests: an option for each field, the layout of the help, and the function of a command."""
 
 import ast
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from importlib import import_module
@@ -9,17 +10,93 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 import typer
+from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command, get_group
 
 from walkergen import command_table as commands
 from walkergen.cli import console, streams
-from walkergen.cli.layout import Command, epilog
 from walkergen.core.errors import use_spelling
 from walkergen.core.files import formatting
 from walkergen.core.files.progress import silent
 
 if TYPE_CHECKING:
     from walkergen.request import Request
+
+
+OTHER_HEADING = "Commands"
+"""Heading over commands that belong to no group."""
+
+HELP_OPTIONS = {"help_option_names": ["-h", "--help"]}
+"""Settings of the whole command line: the flags for help."""
+
+
+OPTION_HEADINGS = {
+    "Contact and drive": ("restitution", "friction", "gamma", "frequency", "mode"),
+    "Simulation": ("simulate", "model", "seconds", "runs", "step", "seed", "error", "of"),
+    "Output": ("out", "trajectory", "rate-hz", "pictures", "all", "json", "quiet", "help"),
+}
+"""Options under their own headings if a command has many; the other options are listed first."""
+
+MIN_GROUPED_OPTIONS = 15
+"""Smallest number of options that are grouped under headings."""
+
+TYPE_SUFFIX = re.compile(r" <[^>]*>$")
+"""Suffix that the library adds to an argument's name."""
+
+
+class Command(TyperCommand):
+    """Command whose help has names, sentences and defaults, and no names of Python's types."""
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Write the arguments, then the options."""
+        sections: dict[str, list[tuple[str, str]]] = {"Arguments": [], "Options": []}
+        sections |= {heading: [] for heading in OPTION_HEADINGS}
+        params = self.get_params(ctx)
+        headings = {name: heading for heading, names in OPTION_HEADINGS.items() for name in names}
+        for param in params:
+            record = param.get_help_record(ctx)
+            if record is None:
+                continue
+            heading = "Arguments" if param.param_type_name == "argument" else "Options"
+            if heading == "Options" and len(params) >= MIN_GROUPED_OPTIONS:
+                long = next(name for name in param.opts if name.startswith("--"))
+                heading = headings.get(long.removeprefix("--"), heading)
+            name, text = record
+            sections[heading].append((TYPE_SUFFIX.sub("", name), text))
+        wide = max(len(name) for rows in sections.values() for name, _ in rows)
+        for heading, rows in sections.items():
+            if rows:
+                with formatter.section(heading):
+                    formatter.write_dl([(f"{name:{wide}s}", text) for name, text in rows])
+
+
+class Group(TyperGroup):
+    """Commands listed under their headings, each with its complete sentence."""
+
+    sentences: Mapping[str, tuple[str, str]] = {}
+    """Headings and sentences of commands that are imported only when they are run."""
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write a list for each heading, keeping the order of headings and commands."""
+        groups: dict[str, list[tuple[str, str]]] = {}
+        wide = max(map(len, self.commands), default=0)
+        for name in self.commands:
+            heading, text = self.sentences.get(name) or (OTHER_HEADING, _first_paragraph(self.commands[name]))
+            groups.setdefault(heading, []).append((f"{name:{wide}s}", text))
+        for heading, rows in groups.items():
+            with formatter.section(heading):
+                formatter.write_dl(rows)
+
+
+def epilog(*examples: str) -> str:
+    """Return examples of a command for the end of its help."""
+    return "\n".join(["\b", "Examples:", *(f"  walkergen {words}" for words in examples)])  # \b: no line wrapping
+
+
+def _first_paragraph(command: Any) -> str:
+    """Return the first paragraph of a command's help as one line."""
+    return " ".join(str(command.short_help or command.help or "").split("\n\n")[0].split())
+
 
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but warnings and errors.")]

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from walkergen.cli import command_builder, console
-from walkergen.cli.layout import Command, Group, epilog
+from walkergen.cli.command_builder import Command, Group, epilog
 from walkergen.core.errors import InputError
 
 commands = typer.Typer(
@@ -60,10 +60,10 @@ def copy_template(
 
     target = to or Path(f"{Path(name).stem}.toml")
     if not file_reading.has_safe_name(target) or target.suffix != ".toml":
-        raise InputError(f"{str(target)!r}: name a file that ends in .toml, without control letters")
+        raise InputError(f"{str(target)!r}: must be a file name that ends in .toml, without control characters")
     text = _dump_shape(Path(name), target) if templates.is_path(name) else _rename_template(name, target)
     if os.path.lexists(target):
-        raise InputError(f"{target}: exists already; give another name: templates copy {name} FILE")
+        raise InputError(f"{target}: already exists. Choose another name: templates copy {name} FILE")
     output.write(target, text.encode())
     print(target)
 

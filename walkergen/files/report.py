@@ -174,8 +174,8 @@ class Table:
             import pandas
         except ModuleNotFoundError:
             raise InputError(
-                "to_dataframe: pandas is not installed: pip install pandas, or take the columns "
-                f"as they are, arrays of numpy: table[{next(iter(self.keys), '')!r}]"
+                "to_dataframe: pandas is not installed. Run pip install pandas, or use the columns "
+                f"as NumPy arrays: table[{next(iter(self.keys), '')!r}]"
             ) from None
         return pandas.DataFrame({key: self[key] for key in self.keys})
 
@@ -302,7 +302,7 @@ class Report:
 
         chosen = next(iter(self.figures), "") if name is None else name
         if chosen not in self.figures:
-            named = ", ".join(map(repr, self.figures)) or "none, as there is no figure"
+            named = ", ".join(map(repr, self.figures)) or "none: the report has no figure"
             raise InputError(f"plot {name!r}: must be one of {named}")
         return figures.show_in_notebook(self.figures[chosen]())
 

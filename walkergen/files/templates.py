@@ -57,7 +57,7 @@ def find(name: str) -> Path:
         if name in all_names(kind):
             return _template_path(name, kind)
     listed = ", ".join(name for kind in KINDS for name in all_names(kind))
-    raise InputError(f"{name!r}: no such template; known: {listed}")
+    raise InputError(f"{name!r}: no such template. Known: {listed}")
 
 
 def _template_path(name: str, kind: str) -> Path:
@@ -87,14 +87,14 @@ def resolve_path(name_or_path: str | Path, kind: str, near: Path = Path()) -> Pa
     Raises InputError that lists the known kinds, or names.
     """
     if kind not in KINDS:
-        raise InputError(f"{kind!r}: no such kind of templates; must be one of {', '.join(KINDS)}")
+        raise InputError(f"{kind!r}: no such kind of templates. Must be one of {', '.join(KINDS)}")
     if isinstance(name_or_path, Path) or is_path(name_or_path):
         return near / name_or_path
     if name_or_path in all_names(kind):
         return _template_path(name_or_path, kind)
     raise InputError(
-        f"{name_or_path[:80]!r}: no such template; known {kind}: {', '.join(all_names(kind))}; "
-        "or give the path of a TOML file"
+        f"{name_or_path[:80]!r}: no such template. Known {kind}: {', '.join(all_names(kind))}. "
+        "Or give the path of a TOML file."
     )
 
 

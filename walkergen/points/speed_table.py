@@ -79,9 +79,9 @@ def tables(name: str, design: str, walkers: Sequence[Member], why: bool = True) 
     return [speeds, Table("weighed", [members.row(member) for member in walkers], (), MASS_COLUMNS, "Weighed")]
 
 
-def lines(walkers: Sequence[Member]) -> list[str]:
-    """Return the table's numbered notes, then lines on standing walkers and on weighed masses."""
-    notes = [f"[{number}] {note}" for number, note in enumerate(_notes(walkers), start=1)]
+def lines(walkers: Sequence[Member], why: bool = True) -> list[str]:
+    """Return the table's numbered notes if `why`, then lines on standing walkers and on weighed masses."""
+    notes = [f"[{number}] {note}" for number, note in enumerate(_notes(walkers), start=1)] if why else []
     standing = _standing(walkers)
     if standing:
         tilts = [member.design.tilt_deg for member in standing]

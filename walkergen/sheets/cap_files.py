@@ -112,11 +112,11 @@ def advice(capped: Sequence[CappedWalker]) -> list[str]:
         "paper": "print caps.pdf at 100 % and cut them out",
     }[first.kind]
     return [
-        f"caps bear markers {first.number} to {last.number} of {first.dictionary}, "
-        f"{first.marker_mm:g} mm wide: {how}; glue each flat on the middle of the walker that "
-        "caps.csv names, its notch to the front",
-        f"a cap weighs {min(grams):.4f} to {max(grams):.4f} g, which counts in what is predicted "
-        "of a design with this [cap]: weigh walkers with their caps on",
+        f"Caps have markers {first.number} to {last.number} of {first.dictionary}, "
+        f"{first.marker_mm:g} mm wide: {how}. Glue each flat on the middle of the walker that "
+        "caps.csv names, with its notch to the front.",
+        f"A cap weighs {min(grams):.4f} to {max(grams):.4f} g. Predictions of a design with this "
+        "[cap] include it. Weigh walkers with their caps on.",
     ]
 
 

@@ -79,7 +79,7 @@ def _draw_page(sheet: Sequence[Cap], number: int, count: int, grid: tuple[float,
     axes.text(
         EDGE_MM,
         18.5,
-        f"{RULE_MM:g} mm: if yours differ, so do the markers: tell `track` their true size",
+        f"{RULE_MM:g} mm: if your print differs, give `track` the true size of the markers",
         fontsize=7.5,
         va="top",
     )

@@ -110,7 +110,7 @@ def test_the_row_that_an_accepted_error_allows_is_marked(accepted, row, monkeypa
     told = AccuracyRequest.from_values(values | {"out": tmp_path / "out"}).run(lambda *_: None)
     assert [one["error"] for one in told.facts["answers"] if one["accepted"]] == ([] if row is None else [row])
     assert (f"{row}, accepted" in told.markdown()) == (row is not None)
-    assert ("no error of the table is within it: simulate error=0.5%" in told.markdown()) == (accepted == 0.005)
+    assert ("every error of the table is larger. Run simulate error=0.5%" in told.markdown()) == (accepted == 0.005)
 
 
 @pytest.mark.parametrize(

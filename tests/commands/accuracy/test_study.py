@@ -96,8 +96,10 @@ def test_what_cannot_be_promised_says_what_would_help():
     candidates = [survey.to_candidate(one) for one in survey.measured.values()]
     assert chosen(survey, 1e-3) is None
     told = answers.advise_budget(candidates, Tolerance(1e-3, True), survey)
-    assert "known to 0.2 mm/s only; measure longer: ‹budget=›" in told
-    assert "a day of simulations would not do" in answers.advise_budget(candidates, Tolerance(1e-5, True), survey)
+    assert "has an error of 0.2 mm/s. Measure longer: ‹budget=›" in told
+    assert "A day of simulations would not be enough" in answers.advise_budget(
+        candidates, Tolerance(1e-5, True), survey
+    )
     dead = survey_of()
     dead.measured[dead.steps[0]] = StepMeasurement(dead.steps[0], {}, 16, 1.0, 1.0, 1.0, 1.0, "16 toppled")
     with pytest.raises(InputError, match="16 toppled"):
@@ -157,7 +159,7 @@ def test_an_answer_that_the_budget_does_not_reach_stays_as_shipped():
     answer, choice = answers._refine(before, candidates, survey)
     assert choice is None
     assert answer == before._replace(why=answer.why)
-    assert answer.why.startswith("as shipped; this budget: the most accurate setting is itself known to")
+    assert answer.why.startswith("as shipped This budget: the most accurate setting has an error of")
     wide, choice = answers._refine(before._replace(error=Tolerance(0.5, True)), candidates, survey)
     assert (wide.known, wide.runs) == ("now", choice.runs)
 

@@ -166,7 +166,9 @@ def test_explain_says_what_an_accepted_error_leaves_out():
     assert any(line.startswith("left out: second harmonic") for line in told.lines)
     assert told.facts["effects"]["left_out"][0]["effect"] == "second harmonic"
     untold = make.explain(scene, DESIGN, lambda *_: None, cost=False)
-    assert any(line.startswith("run.accepted_error = 0.3: what it leaves out is measured") for line in untold.lines)
+    assert any(
+        line.startswith("run.accepted_error = 0.3: omitted effects are found by measurement") for line in untold.lines
+    )
     assert "effects" not in untold.facts
 
 

@@ -51,12 +51,12 @@ def test_chaotic_runs_share_none():
 
 def test_summary_and_table_report_runs_on_one_orbit(locked_runs):
     text = " ".join(simulate("--tilt", "10").split())
-    assert "; one periodic orbit: all runs end so, and tell no error" in text
-    assert "(95 %), by 24 draws" in text
+    assert "; one periodic orbit: all runs end this way, so there is no statistical error" in text
+    assert "(95 %), from 24 draws" in text
     assert "e-" not in text.partition("unaccounted")[0]  # no error of 1e-9 anywhere
     table = " ".join(simulate("--tilt", "5,10").split())
     assert "(o)" in table
-    assert "(o): all runs end so (one periodic orbit) and tell no error" in table
+    assert "(o): all runs end this way (one periodic orbit), without statistical error" in table
 
 
 def test_without_anything_uncertain_the_reason_is_given(locked_runs):
@@ -82,13 +82,13 @@ def test_in_python_too(locked_runs):
     assert np.isnan(runs.speed.se)
     assert "mm/s, one periodic orbit; 95 % of prints " in str(runs.speed)
     assert runs.speed.low_95 < runs.speed.value < runs.speed.high_95
-    assert "draws of what design and scene do not know" in dict(runs["summary"].rows)["prints"]
+    assert "draws of the uncertain inputs" in dict(runs["summary"].rows)["prints"]
 
 
 def test_a_walker_at_rest_is_reported_at_rest():
     text = " ".join(simulate("--tilt", "10", "--gamma", "0.5").split())
     assert "0.00 mm/s along the lane" in text
-    assert "at rest: all runs end so, and tell no error" in text
+    assert "at rest: all runs end this way, so there is no statistical error" in text
 
 
 def test_a_family_with_runs_prints_no_error_of_an_orbit(locked_runs, tmp_path):

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 import threemf
 from command_checks import rows_of
-from typer.testing import CliRunner
 
-from walkergen.cli import command_line
 from walkergen.commands.plate import make as batch
 from walkergen.commands.plate.request import PlateRequest
 from walkergen.core.errors import GeometryError
@@ -102,11 +100,3 @@ def test_numbers_count_over_all_copies_and_name_everything(tmp_path):
 def test_without_serial_numbers_nothing_changes():
     assert batch.number_copies(None, [PAPER], [3]) == ([PAPER], [3])
     assert names.reading_instructions(Marks()) == ""
-
-
-def test_the_command_reports_the_serial_numbers(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    words = ["plate", "--copies", "3", "--serial", "7", "--no-pictures", "--out", "o"]
-    result = CliRunner().invoke(command_line, words)
-    assert result.exit_code == 0, result.output
-    assert "7 to 9" in result.stdout

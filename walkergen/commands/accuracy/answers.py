@@ -58,7 +58,7 @@ def find_in_cells(estimate: Estimate, candidates: Sequence[Candidate], wanted: T
     choice = choose(candidates, wanted.value)
     if choice is None:
         least = formatting.format_number(100.0 * candidates[-1].bias / MAX_BIAS_SHARE, 2)
-        why = f"below {least} % the shipped cells know no step: simulate ‹error=›{wanted} finds its own"
+        why = f"The shipped data have no step for errors below {least} %. Run simulate ‹error=›{wanted}."
         return Answer(wanted, "-", None, None, None, estimate.known, why), None
     known = SOURCE_LAW if choice.error < estimate.law.floor else estimate.known
     known_to = "" if estimate.cell else f", to a factor of {cell_estimates.SCALED_SCATTER_FACTOR:g}"
@@ -81,18 +81,17 @@ def describe(estimate: Estimate) -> list[str]:
         else f"{formatting.format_number(size, 3)} mm/s, a fifth of the plate's speed"
     )
     known = {
-        "measured": "this walker on this plate was measured: speed, scatter and cost are its own",
-        "scaled": "scaled from the paper's walker on its plate at tilts of 1 to 30 deg and restitutions of 0.5 to 0.9, "
-        "by the plate and what a second of this one gives: its scatter is known to a factor of "
-        f"{cell_estimates.SCALED_SCATTER_FACTOR:g}, as cells are from neighbours; ‹budget› measures it, simulate "
-        "‹error› meets it",
+        "measured": "Measured for this walker on this plate.",
+        "scaled": "Scaled from the paper's walker on its plate, at tilts of 1 to 30 deg and "
+        "restitutions of 0.5 to 0.9. The scatter is uncertain by a factor of "
+        f"{cell_estimates.SCALED_SCATTER_FACTOR:g}. Measure this walker with ‹budget›, or run simulate ‹error›.",
     }[estimate.known]
     return [
         known,
-        f"an error is a half-width of 95 %, a share of {of}: bias and scatter in squares",
-        f"bias of the step that feet take by themselves: {100 * bias:+.1f} ± {100 * bias_se:.1g} % on average of "
-        f"{law.cells} cells beside a reference by a twentieth of it, known to {100 * law.floor:.2g} %; "
-        "below that answers rest on the law by which it falls",
+        f"Errors are half-widths of the 95 % interval, as a share of {of}. Bias and scatter add in squares.",
+        f"Bias of the automatic step: {100 * bias:+.1f} ± {100 * bias_se:.1g} %, averaged over {law.cells} walkers and "
+        f"scenes. The reference has a twentieth of this step, and an error of {100 * law.floor:.2g} %. "
+        "Smaller errors are extrapolated from the order of the bias.",
     ]
 
 
@@ -114,8 +113,8 @@ def answer_from_survey(survey: Survey, title: str, progress: Progress) -> Answer
         if (bias := survey.bias(one)).known and one is not reference
     ]
     lines = [
-        f"truth: {step_ladder.format_reference(survey)}",
-        f"refined by this budget: {', '.join(refined) or 'no row'}; the others are as shipped",
+        f"Reference: {step_ladder.format_reference(survey)}",
+        f"Measured within this budget: {', '.join(refined) or 'no row'}. The others are shipped values.",
         *describe(estimate),
         *unmet,
     ]
@@ -133,7 +132,7 @@ def _refine(before: Answer, candidates: Sequence[Candidate], survey: Survey) -> 
     wanted = before.error
     choice = choose_measured(candidates, wanted.value)
     if choice is None:
-        return before._replace(why=f"{before.why}; this budget: {advise_budget(candidates, wanted, survey)}"), None
+        return before._replace(why=f"{before.why} This budget: {advise_budget(candidates, wanted, survey)}"), None
     return _make_answer(wanted, choice, SOURCE_BUDGET), choice
 
 
@@ -161,16 +160,14 @@ def _double_step_bias(candidate: Candidate, candidates: Sequence[Candidate]) -> 
 def advise_budget(candidates: Sequence[Candidate], wanted: Tolerance, survey: Survey) -> str:
     """Return why no measured step meets an error, and the budget that would determine its bias."""
     reference = survey.measured[survey.steps[0]].speed
-    known_to = (
-        f"the most accurate setting is itself known to {formatting.format_number(reference.half_width(), 2)} mm/s only"
-    )
+    known_to = f"the most accurate setting has an error of {formatting.format_number(reference.half_width(), 2)} mm/s"
     least = min((max(one.bias, _double_step_bias(one, candidates)) for one in candidates), default=math.inf)
     if math.isinf(least):
         return "no longer step gives a speed"
     needed_s = survey.budget_s * max(least / (MAX_BIAS_SHARE * wanted.value), 1.0) ** 2
     if needed_s > MAX_BUDGET_S:
-        return f"{known_to}; a day of simulations would not do"
-    return f"{known_to}; measure longer: ‹budget=›{formatting.format_budget(needed_s)}"
+        return f"{known_to}. A day of simulations would not be enough"
+    return f"{known_to}. Measure longer: ‹budget=›{formatting.format_budget(needed_s)}"
 
 
 def draw_choice(

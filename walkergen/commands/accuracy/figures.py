@@ -106,8 +106,8 @@ def _draw_front(axes: Axes, least: Front, floor: float) -> None:
     """Draw the least error, thick, and its parts, thin; nothing below the floor."""
     for values, look, label in (
         (least.total, {"color": BLUE, "linewidth": 2.4, "zorder": 3}, "least error for the time"),
-        (least.scatter, {"color": GREY, "linewidth": 1.0, "linestyle": "--"}, "by the runs' scatter"),
-        (least.bias, {"color": ORANGE, "linewidth": 1.0, "linestyle": "-."}, "by the step, at most"),
+        (least.scatter, {"color": GREY, "linewidth": 1.0, "linestyle": "--"}, "part from the scatter of runs"),
+        (least.bias, {"color": ORANGE, "linewidth": 1.0, "linestyle": "-."}, "part from the step, at most"),
     ):
         axes.plot(least.cpu_s, np.where(values >= floor, values, np.nan), label=label, **look)  # type: ignore[arg-type]
 
@@ -127,7 +127,7 @@ def _draw_marks(axes: Axes, marks: Sequence[Mark], floor: float) -> None:
 def _draw_floor(axes: Axes, shown: FigureData) -> None:
     """Shade the errors below the uncertainty of the reference."""
     axes.axhspan(axes.get_ylim()[0], shown.floor, color=PALE, linewidth=0, zorder=0)
-    text = f"below {100 * shown.floor:.2g} % the reference itself is not known"
+    text = f"below the error of the reference, {100 * shown.floor:.2g} %"
     place = {"transform": axes.transAxes, "va": "bottom", "ha": "left", "fontsize": MIN_FONT_PT, "color": GREY}
     axes.text(0.01, 0.015, text, **place)  # type: ignore[arg-type]
 

@@ -78,11 +78,11 @@ COMMON_COLUMNS = ("series", "setting", "error", "error_sd", "cpu_s")
 MAX_ROWS = 60
 """Rows of a ladder beyond which people read its notes alone: accuracy.csv has the rows."""
 
-ONE_COMMAND_HINT = "in one command: walkergen simulate ... --error 5%, by its own step or a finer"
+ONE_COMMAND_HINT = "To meet an error with one command: walkergen simulate ... --error 5%"
 
 
 class Answer(NamedTuple):
-    """Setting to run for an error that a person can bear."""
+    """Setting to run for an acceptable error."""
 
     error: Tolerance
     setting: str
@@ -136,8 +136,8 @@ def mark_accepted(rows: Sequence[Answer], accepted: float | None) -> tuple[list[
         return list(rows), []
     within = [row.error.value for row in rows if row.error.value <= accepted * (1.0 + 1e-9)]
     if not within:
-        why = f"run.accepted_error = {accepted:g}: no error of the table is within it"
-        return list(rows), [f"{why}: simulate ‹error=›{100.0 * accepted:g}%"]
+        why = f"run.accepted_error = {accepted:g}: every error of the table is larger"
+        return list(rows), [f"{why}. Run simulate ‹error=›{100.0 * accepted:g}%."]
     return [row._replace(accepted=row.error.value == max(within)) for row in rows], []
 
 
@@ -155,7 +155,7 @@ def make_report(
     if it replaced a smaller requested one.
     """
     rows = answers.rows if answers else ()
-    tables = [Table("answers", rows, (), ANSWER_COLUMNS, "What to run for which error")] if answers else []
+    tables = [Table("answers", rows, (), ANSWER_COLUMNS, "Settings for each error")] if answers else []
     lines = [*answers.lines, ONE_COMMAND_HINT] if answers else []
     for ladder in ladders:
         notes = [f"error: {ladder.error}", f"cost: {ladder.cost}", f"reference: {ladder.reference}", *ladder.notes]

@@ -29,7 +29,7 @@ class AccuracyRequest(request.Request):
         float | None,
         BeforeValidator(field_values.parse_time),
         Flag(
-            "Time in which to measure errors and costs of several time steps: 30s, 5min, 1h.",
+            "Measure errors and costs of several time steps within this time: 30s, 5min, 1h.",
             "TIME",
             takes="str | float | None",
         ),

@@ -32,7 +32,7 @@ def measure_speed(survey: Survey, progress: Progress) -> Ladder:
         [_speed_rung(survey, measured) for measured in measurements],
         (
             "All steps start from the same drops and phases. The motion is chaotic: a bias "
-            "smaller than twice its standard error cannot be told from none.",
+            "smaller than twice its standard error is not distinguishable from zero.",
         ),
     )
 
@@ -86,7 +86,7 @@ def measure_observables(survey: Survey, progress: Progress) -> Ladder:
             notes.append(_note(name, abs(true.number), coarser, true))
     return Ladder(
         "observables",
-        "Bias of everything that is printed against the step",
+        "Bias of every printed quantity against the step",
         "bias, share of the value",
         "CPU time of a simulated second, s",
         finest.label,
@@ -131,15 +131,15 @@ def _note(name: str, size: float, measurements: Sequence[StepMeasurement], true:
     """Describe the order of an observable's bias, and the longest step that resolves it to RESOLVED_BIAS_SHARE."""
     biases = [(measured.step_us, measured.quantity(name).minus(true)) for measured in measurements]  # finest first
     certain = [(step, abs(bias.value)) for step, bias in biases if bias.value and abs(bias.value) > bias.half_width()]
-    sentence = "no bias told from zero"
+    sentence = "no significant bias"
     if len(certain) >= 3:
-        sentence = f"{format_order(*zip(*certain, strict=True))} of the {len(certain)} biases told from zero"
+        sentence = f"{format_order(*zip(*certain, strict=True))} of the {len(certain)} significant biases"
     elif certain:
-        sentence = f"biases told from zero at {len(certain)} steps, too few for an order"
+        sentence = f"significant biases at {len(certain)} steps, too few for an order"
     resolving = 0.0
     for step, bias in biases:
         if bias.value is None or abs(bias.value) + bias.half_width() > RESOLVED_BIAS_SHARE * size:
             break
         resolving = step
-    resolved = f"up to {resolving:g} us" if resolving else "by no step measured"
+    resolved = f"up to {resolving:g} us" if resolving else "for no measured step"
     return f"{name}: {sentence}; within {100 * RESOLVED_BIAS_SHARE:g} % (95 %) {resolved}"

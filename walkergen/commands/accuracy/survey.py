@@ -138,8 +138,8 @@ class Survey:
         (reference,) = self.measure(self.steps[:1], progress)
         if not reference.speed.known:
             raise InputError(
-                f"{self.scene.name}: the runs end as {reference.outcomes}: there is no "
-                "mean speed whose error could be studied; try another drive, tilt or restitution"
+                f"{self.scene.name}: the runs end as {reference.outcomes}. There is no "
+                "mean speed to study. Try another drive, tilt or restitution."
             )
         return reference
 

@@ -1,4 +1,4 @@
-"""What `check` is asked for."""
+"""Request of the command `check`."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 class CheckRequest(request.Request):
     """Check whether walkers will print as designed, or weigh any mesh, without writing any file.
 
-    With --weigh it tells, of a mesh file, volume, mass, centre of mass, inertia tensor, principal moments and axes.
+    With --weigh it reports the volume, mass, centre of mass, inertia tensor, principal moments and axes of a mesh file.
     """
 
     design: request.Walker = request.PAPER_WALKER
@@ -31,7 +31,7 @@ class CheckRequest(request.Request):
     set: request.Settings = {}
     copies: print_fields.Copies = 1
     strict: print_fields.Strict = False
-    weigh: Annotated[bool, Flag("Weigh a mesh file, whatever it shows.")] = False
+    weigh: Annotated[bool, Flag("Report the mass properties of any mesh file.")] = False
     density: Annotated[float, Field(ge=1e-6, le=100.0), Flag("Density of a mesh's material, g/cm3.", "G/CM3")] = 1.24
     scale: Annotated[float, Field(ge=1e-6, le=1e6), Flag("Length of a mesh file's unit, mm.", "MM")] = 1.0
 
@@ -42,7 +42,7 @@ class CheckRequest(request.Request):
         from walkergen.commands.check import make
         from walkergen.core.printing import findings
 
-        self.check_unset("is for ‹weigh›", "density", "scale")
+        self.check_unset("has an effect only with ‹weigh›", "density", "scale")
         given = self.inputs()
         members, counts = given.batch(given.design(self.design), self.tilt, self.legs, self.copies, whole=True)
         report = make.check(members, counts, given.printer(self.printer))
@@ -59,7 +59,8 @@ class CheckRequest(request.Request):
 
         if not isinstance(self.design, (str, Path)) or Path(self.design).suffix.lower() not in MESH_SUFFIXES:
             raise InputError(
-                f"‹weigh›: {str(self.design)[:60]!r} is no mesh: give one, {', '.join(MESH_SUFFIXES)}", "design"
+                f"‹weigh›: {str(self.design)[:60]!r} is not a mesh. Expected one of {', '.join(MESH_SUFFIXES)}",
+                "design",
             )
         self.check_unset("not with ‹weigh›", "tilt", "legs", "printer", "text", "mirror", "set", "copies", "strict")
         return weigh_report.make_report(weighing.weigh(path, self.density, self.scale), path, self.density, self.scale)

@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.core.errors import InputError
 from walkergen.core.numerics import Array
 from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker import mass
@@ -49,9 +48,6 @@ def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
     3MF file may hold several objects, each one body; any other file is one body. Raises InputError
     for unreadable or invalid files.
     """
-    for name, value, most in (("density", density_g_cm3, 100.0), ("scale", scale_mm, 1e6)):
-        if not 1e-6 <= value <= most:
-            raise InputError(f"‹{name}=›{value:g}: must lie in 1e-06..{most:g}")
     source = str(path)[-80:]
     loaded = meshes.read_mesh(path, source)
     several = path.suffix.lower() == ".3mf" and len(loaded.parts) > 1
@@ -75,7 +71,10 @@ def _check_size(side_mm: float) -> list[str]:
     """Return a note on a size that no walker has; none for any other."""
     if size_check.MIN_LENGTH_MM < side_mm <= size_check.MAX_LENGTH_MM:
         return []
-    return [f"the longest side is {side_mm:.4g} mm: in another unit? ‹scale› is its length, mm: 25.4 for inches"]
+    return [
+        f"The longest side is {side_mm:.4g} mm. If the file has another unit, set ‹scale› to its length in mm, "
+        "such as 25.4 for inches."
+    ]
 
 
 def principal_axes(tensor: Array) -> tuple[Array, Array]:

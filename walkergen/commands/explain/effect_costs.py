@@ -31,7 +31,7 @@ MAX_CPU_RATIO = 0.95
 """Largest ratio of CPU times, without an effect to with it, at which leaving it out is advised."""
 
 
-NO_ADVICE = "leave nothing out: as far as these runs tell, whatever is on changes the speed, or costs no time"
+NO_ADVICE = "leave nothing out: every active effect changes the speed, or costs no time"
 
 
 class EffectChanges(NamedTuple):
@@ -172,7 +172,7 @@ def _format_advice(change: Change, level: float) -> str:
 
 def table(measured: EffectChanges) -> Table:
     """Table of all changes, the largest first."""
-    title = f"What each effect changes: {measured.pairs} runs of each beside {format_change(measured.speed)} mm/s"
+    title = f"Change by each effect: {measured.pairs} runs of each, compared with {format_change(measured.speed)} mm/s"
     note = "CPU time: over that of the scene; ± is one standard error"
     rows = [
         (one.effect, one.change, *one.speed.row().values(), one.speed.refused, *one.cpu.row().values())

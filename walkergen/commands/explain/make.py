@@ -91,7 +91,7 @@ def explain(
         [*told[0]],
         REASON_COLUMNS if whole else SHORT_COLUMNS,
         read=rows if whole else on,
-        notes=[] if found is None else ["± is one standard error, by pairs of runs with common random numbers"],
+        notes=[] if found is None else ["± is one standard error, from pairs of runs with common random numbers"],
     )
     caption = f"{design.name}, tilt {design.tilt_deg:g} deg, on {scene.name}"
     made = Report(
@@ -101,7 +101,11 @@ def explain(
         tables=[effects_table, *([measuring.table(found)] if measure and found is not None else [])],
         facts=_facts(told, found) | (simple.facts if found is not None else {}),
         lines=[
-            *([] if whole else [f"off: {', '.join(row.effect for row in off)}; ‹all›: why, and what sizes mean"]),
+            *(
+                []
+                if whole
+                else [f"off: {', '.join(row.effect for row in off)}; ‹all› prints reasons and the meaning of sizes"]
+            ),
             *([] if found is None or not measure else [found.advice]),
             *_format_omissions(simple, found is not None),
         ],
@@ -128,7 +132,7 @@ def _format_omissions(simple: Simplest, measured: bool) -> list[str]:
         return []
     key = f"run.accepted_error = {simple.accepted:g}"
     if not measured:
-        return [f"{key}: what it leaves out is measured; leave ‹cost=False› out"]
+        return [f"{key}: omitted effects are found by measurement. Remove ‹cost=False›."]
     return [key, *(f"{name}: {value}" for name, value in simple.lines)]
 
 

@@ -1,4 +1,4 @@
-"""What `explain` is asked for."""
+"""Request of the command `explain`."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,10 +12,10 @@ if TYPE_CHECKING:
 
 
 class ExplainRequest(request.Request):
-    """Say which effects a scene calls for, how large they are, what they change and what they cost.
+    """Report which effects a scene has, how large they are, and what they change and cost.
 
-    With --measure each effect is turned off, or on at its usual size, alone and the two largest together, for ten
-    seconds: what the speed and the CPU time change by, a picture, and what can be left out.
+    With --measure each effect is turned off, or on at its usual size, for ten seconds: alone, and the two largest
+    together. The report has the changes of speed and CPU time, a picture, and the effects that can be left out.
     """
 
     design: request.Walker = request.PAPER_WALKER
@@ -28,9 +28,9 @@ class ExplainRequest(request.Request):
     text: request.Text = None
     mirror: request.Mirror = None
     set: request.Settings = {}
-    measure: Annotated[bool, Flag("Measure for 10 s what each effect, on or off, changes; draw it.")] = False
-    cost: Annotated[bool, Flag("Measure what each effect that is on costs.")] = True
-    all: Annotated[bool, Flag("Print all effects, with the reasons.")] = False
+    measure: Annotated[bool, Flag("Measure for 10 s what each effect changes, and draw it.")] = False
+    cost: Annotated[bool, Flag("Measure the cost of each active effect.")] = True
+    all: Annotated[bool, Flag("Print all effects with reasons.")] = False
     out: request.Out = None
 
     def run(self, progress: Progress) -> "Report":

@@ -90,11 +90,13 @@ def _prepare_plan(design: Design, scene: Scene, mass: MassProperties) -> Plan:
     plan = prepare(scene.model_copy(update={"effects": effects}), design, mass)
     resolved = plan.resolved
     if not resolved.is_on(turning.NAME):
-        raise InputError(f"{forced_effect_line(turning.SWITCH, False)}: MJCF is of walkers that are free to turn")
+        raise InputError(
+            f"{forced_effect_line(turning.SWITCH, False)}: MJCF supports only walkers that are free to turn"
+        )
     for effect in resolved.effects:
         if effect.on and effect.switch and effect.name not in SUPPORTED_EFFECTS:
             away = f"‹set› 'scene.{forced_effect_line(effect.switch, False)}'"
-            raise InputError(f"{effect.name} ({effect.reason}): MJCF leaves it out; write {away}")
+            raise InputError(f"{effect.name} ({effect.reason}): MJCF does not support it. Write {away}")
     return plan
 
 

@@ -36,7 +36,7 @@ def drawing_outlines(design: Design) -> list[Polygon]:
         return side_profile(design)
     elif design.body.mesh:
         why = "its body is a mesh"
-    raise InputError(f"{design.name}: no profile for {', '.join(FORMATS)}, because {why}: export it as stl or 3mf")
+    raise InputError(f"{design.name}: no profile for {', '.join(FORMATS)}, because {why}. Export it as stl or 3mf.")
 
 
 def side_profile(design: Design) -> list[Polygon]:

@@ -1,4 +1,4 @@
-"""What `export` is asked for."""
+"""Request of the command `export`."""
 
 import re
 from pathlib import Path
@@ -13,13 +13,12 @@ if TYPE_CHECKING:
     from walkergen.files.report import Report
 
 FORMAT_HELP = (
-    "File formats, such as stl,3mf: solids as they print; dxf, svg: profiles in mm of walkers that "
-    "are prisms, outlines of bodies in plan view; mjcf: the walker on its plate, for MuJoCo. STEP "
-    "needs a heavy kernel and is not written."
+    "File formats, such as stl,3mf. Solids: stl, 3mf. Drawings in mm: dxf, svg (side view of prisms, outline of bodies "
+    "in plan view). MuJoCo: mjcf, the walker on its plate."
 )
 
 SUFFIX_PATTERN = re.compile(r"\.(?!\d+$)[A-Za-z0-9]{1,4}")
-"""Ending of a file's name, by which it is none of a folder."""
+"""Suffix that distinguishes a file from a folder."""
 
 Format = Literal["stl", "3mf", "dxf", "svg", "mjcf"]
 
@@ -49,13 +48,13 @@ class ExportRequest(request.Request):
     sweep: Annotated[
         Path | None,
         request.File,
-        Flag("Walkers of every point of a sweep's file instead.", "FILE", takes="Name | None"),
+        Flag("Export the walker of every point of this sweep file.", "FILE", takes="Name | None"),
     ] = None
     out: Annotated[
         Path | None,
         request.Target,
         Flag(
-            "Folder to write to, or a file whose ending says the format; out/NAME by default.",
+            "Folder to write to, or a file whose suffix is the format; out/NAME by default.",
             "FOLDER",
             takes="Name | None",
         ),
@@ -68,23 +67,25 @@ class ExportRequest(request.Request):
         single = self.out is not None and SUFFIX_PATTERN.fullmatch(self.out.suffix) is not None
         moving = self.out.suffix.lower() == make.MJCF_SUFFIX if self.out and single else make.MJCF in self.format
         if self.scene is not None and not moving:
-            raise InputError(f"‹scene=›{str(self.scene)[:60]}: only ‹format=›{make.MJCF} has a scene", "scene")
+            raise InputError(f"‹scene=›{str(self.scene)[:60]}: only ‹format=›{make.MJCF} uses a scene", "scene")
         if self.sweep is not None:
             from walkergen.commands.export import sweep_export
 
-            self.check_unset("not with ‹sweep›, whose file says it", "design", "tilt", "legs", "caps", "set")
+            self.check_unset("set by the file of ‹sweep›", "design", "tilt", "legs", "caps", "set")
             if single or moving:
-                raise InputError("‹sweep›: writes meshes and drawings, numbered, into a folder", "sweep")
+                raise InputError("‹sweep›: writes only meshes and drawings, into a folder", "sweep")
             return sweep_export.write(self.sweep, self.format, self.out, progress)
         given = self.inputs()
         if not moving:
-            given.check_unset(given.keys_of("scene"), f"only ‹format=›{make.MJCF} has a scene")
+            given.check_unset(given.keys_of("scene"), f"only ‹format=›{make.MJCF} uses a scene")
         design = given.design(self.design)
         scene = given.scene(request.choose_scene(self.scene, [design])) if moving else None
         members = inputs.add_caps(given.members(design, self.tilt, self.legs, whole=False), self.caps)
         if self.out is not None and single:
-            self.check_unset(f"{self.out} says the format of one file", "format", "caps")
+            self.check_unset(f"set by the suffix of {self.out}", "format", "caps")
             if len(members) > 1:
-                raise InputError(f"‹out=›{self.out}: is one file, seen {len(members)} walkers: name a folder", "out")
+                raise InputError(
+                    f"‹out=›{self.out}: is one file, but there are {len(members)} walkers. Give a folder.", "out"
+                )
             return make.write_one(members[0], self.out, scene)
         return make.make(members, self.format, self.out or Path("out") / design.name, progress, scene)

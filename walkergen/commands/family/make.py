@@ -147,7 +147,7 @@ def attach_picture(error: GeometryError, path: Path | None) -> GeometryError:
 
     with Folder(path, "") as folder:
         folder.write("trouble.png", figures.png(unsupported_body.draw_unsupported_body(error), 100))
-    return GeometryError(f"{error.text}; drawn in {path / 'trouble.png'}", *error.keys)
+    return GeometryError(f"{error.text}. A picture is in {path / 'trouble.png'}", *error.keys)
 
 
 def _trace_picture(design: Design) -> bytes | None:

@@ -44,7 +44,7 @@ class FamilyRequest(request.Request):
     measured: Annotated[
         Path | None, request.File, Flag("Measured speeds (CSV) for speed.png.", "FILE", takes="Name | None")
     ] = None
-    page: Annotated[bool, Flag("Write report.html, a page of all of it.")] = False
+    page: Annotated[bool, Flag("Write report.html, a page with all results.")] = False
     pictures: Annotated[bool, Flag("Draw speed.png and preview.png.")] = True
     strict: print_fields.Strict = False
 

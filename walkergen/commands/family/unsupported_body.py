@@ -1,4 +1,4 @@
-"""Picture of a body without room for legs: in red the missing room, and the span that legs would need."""
+"""Picture of a body without space for legs, with the missing space in red and the span that legs would need."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -24,10 +24,10 @@ def draw_unsupported_body(error: UnplacedError) -> Figure:
                 axes.fill(*np.asarray(ring.coords).T, color=inside)
     angles = np.linspace(0.0, 2.0 * np.pi, 91)
     circle = np.array(room.centre)[:, None] + room.radius * np.stack([np.cos(angles), np.sin(angles)])
-    axes.plot(*circle, "--", color=FAULT_COLOUR, label="feet must reach around this, or it tips")
+    axes.plot(*circle, "--", color=FAULT_COLOUR, label="feet must surround this circle, or the body tips over")
     axes.plot(*room.centre, "+", color="black", label="centre of mass, from above")
     axes.set_aspect("equal")
     axes.set_xlabel("along the run, mm, forward to the right")
-    axes.set_title("no legs stand under this body: red has no room for them")
+    axes.set_title("this body has no space for legs: red areas are missing")
     drawn.legend(loc="outside lower center", ncols=2, fontsize=8)
     return drawn

@@ -24,11 +24,11 @@ def read_orders(path: Path) -> tuple[list[Design], list[int]]:
     """
     table = columns.parse_records(file_reading.read_lines(path, columns.FORMAT_NAME, MAX_BYTES), str(path))
     wanted = (
-        f" and, if wanted, {', '.join(OPTIONAL_COLUMNS)}, separated by commas; seen: {', '.join(table.names)[:80]!r}"
+        f" and, optionally, {', '.join(OPTIONAL_COLUMNS)}, separated by commas; seen: {', '.join(table.names)[:80]!r}"
     )
     columns.check_names(table.names, path, REQUIRED_COLUMNS, OPTIONAL_COLUMNS, wanted)
     if not table.rows:
-        raise InputError(f"{path}: no rows after the header; give a row for each walker to print")
+        raise InputError(f"{path}: no rows after the header. Add a row for each walker to print.")
     if len(table.rows) > packing.MAX_PARTS:
         raise InputError(f"{path}: {len(table.rows)} rows; at most {packing.MAX_PARTS}")
     shelf = _DesignCache(path.parent)
@@ -70,7 +70,9 @@ class _DesignCache:
 
     def _load_design(self, word: str, line: int) -> Design:
         if not word:
-            raise InputError("design is blank; give a template's name or the path of a TOML file, or leave out the row")
+            raise InputError(
+                "design is blank. Enter the name of a template or the path of a TOML file, or remove the row."
+            )
         if word not in self.read:
             self.read[word] = templates.load(word, "walkers", Design, self.folder)
         design = self.read[word]
@@ -78,7 +80,7 @@ class _DesignCache:
         if first != design:
             raise InputError(
                 f"design {word[:80]!r} is called {design.name}, and line {at} has another design "
-                f"called {first.name}: give one of them another name, by its key name"
+                f"called {first.name}. Change the key `name` of one of them."
             )
         return design
 

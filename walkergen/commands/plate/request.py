@@ -37,7 +37,7 @@ class PlateRequest(request.Request):
         Flag("Order list (CSV: design, tilt_deg, legs, copies) of several designs.", "FILE", takes="Name | None"),
     ] = None
     serial: Annotated[
-        int | None, Field(ge=1), Flag("Engrave a number into each copy, counted over all from FIRST.", "FIRST")
+        int | None, Field(ge=1), Flag("Engrave a number into each copy, counted from FIRST.", "FIRST")
     ] = None
     caps: print_fields.Caps = None
     printer: print_fields.Machines = request.DEFAULT_PRINTER
@@ -47,7 +47,7 @@ class PlateRequest(request.Request):
     max_parts: print_fields.MaxParts = 5000
     prusaslicer: print_fields.ForPrusaSlicer = False
     max_plates: print_fields.MaxPlates = None
-    how_many: Annotated[bool, Flag("Print how many of each fit on a plate.")] = False
+    how_many: Annotated[bool, Flag("Print how many copies of each walker fit on a plate.")] = False
     strict: print_fields.Strict = False
     out: request.Out = None
     pictures: Annotated[bool, Flag("Draw a map of every plate.")] = True

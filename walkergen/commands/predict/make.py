@@ -1,26 +1,97 @@
-"""Prediction of walkers of one design: built, weighed, and their speeds with bounds."""
+"""Prediction of walkers of one design: masses, speeds with bounds, and their report."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from walkergen.commands.predict import report
-from walkergen.commands.predict.report import PredictReport
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress, silent
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import Scene
 from walkergen.core.theory import prediction
+from walkergen.core.theory.prediction import Prediction
 from walkergen.core.theory.speed import Mode
 from walkergen.core.theory.surrogate import UnknownError
 from walkergen.core.theory.uncertain_inputs import Share
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
-from walkergen.points import members
+from walkergen.core.walker.mass import MassProperties
+from walkergen.files.report import Report
+from walkergen.points import members, speed_table
 from walkergen.points.members import Member
 from walkergen.points.speed_prediction import Model
 
 if TYPE_CHECKING:
     from walkergen.core.walker.weighed_masses import Weighings
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class PredictReport(Report):
+    """Predicted speeds of walkers in a scene. For several walkers, single numbers are the first one's."""
+
+    scene: Scene
+    members: Sequence[Member]
+
+    @property
+    def design(self) -> Design:
+        """Walker that was predicted."""
+        return self.members[0].design
+
+    @property
+    def mass(self) -> MassProperties:
+        """Masses that its speed follows from."""
+        return self.members[0].mass
+
+    @property
+    def row(self) -> Prediction:
+        """Prediction of the first walker; its `columns()` are those of the table."""
+        return self.members[0].row
+
+    @property
+    def speed(self) -> Quantity:
+        """Median speed in mm/s; its `se` is the standard deviation of its distribution."""
+        return self.row.speed
+
+
+def make_report(
+    design: Design,
+    scene: Scene,
+    mode: str,
+    walkers: Sequence[Member],
+    shares: Sequence[Sequence[Share]] = (),
+    why: bool = True,
+) -> PredictReport:
+    """Make the report of walkers, with the shares of the variance behind their bounds, and their basis if `why`.
+
+    Notes also state if an accepted error may have left something out, and if only the theory applies.
+    """
+    noted = why or scene.run.accepted_error is not None or all(one.row.has_theory_alone for one in walkers)
+    tables = speed_table.tables("prediction", design.name, walkers, noted)
+    rows = list(tables[0])
+    for row, member, own in zip(rows, walkers, shares, strict=False):
+        title = f"{member.name}: share of the variance behind the bounds"
+        tables.append(speed_table.shares_table(f"shares of {member.name}", own, title))
+        row["shares"] = list(tables[-1])
+    title = design.name
+    if len(walkers) == 1:
+        (walker,) = walkers
+        title += (
+            f", {walker.design.kind} legs, tilt {walker.design.tilt_deg:g} deg: {prediction.describe_speed(walker.row)}"
+        )
+    said = [title] if len(walkers) == 1 else []
+    if why:
+        said.append(speed_table.caption(design, scene, mode))
+    return PredictReport(
+        name="predict",
+        title=title,
+        tables=tables,
+        facts={"rows": rows},
+        caption="\n".join(said),
+        lines=speed_table.lines(walkers, noted),
+        scene=scene,
+        members=walkers,
+    )
 
 
 def predict(
@@ -43,7 +114,7 @@ def predict(
     built = [solids.build(walker, united=united) for walker in walkers]
     predicted = list(members.predict_members(walkers, built, scene, mode, weighed, model, progress))
     shares = [_shares(member, scene) for member in (predicted if uncertain else ())]
-    return report.make_report(design, scene, mode, predicted, shares, why)
+    return make_report(design, scene, mode, predicted, shares, why)
 
 
 def _shares(member: Member, scene: Scene) -> tuple[Share, ...]:
@@ -54,5 +125,5 @@ def _shares(member: Member, scene: Scene) -> tuple[Share, ...]:
         return prediction.variance_shares(member.design, member.mass, scene)
     except UnknownError as reason:
         raise InputError(
-            f"‹uncertain›: {member.name}: {reason}: `simulate --uncertain` tells of such walkers"
+            f"‹uncertain›: {member.name}: {reason}. Run `simulate` with ‹uncertain› for this walker."
         ) from None

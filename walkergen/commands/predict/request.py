@@ -1,4 +1,4 @@
-"""What `predict` is asked for."""
+"""Request of the command `predict`."""
 
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
@@ -7,15 +7,15 @@ from walkergen.core.files.progress import Progress
 from walkergen.request import Flag
 
 if TYPE_CHECKING:
-    from walkergen.commands.predict.report import PredictReport
+    from walkergen.commands.predict.make import PredictReport
 
 
 class PredictRequest(request.Request):
     """Predict the speed of walkers, without writing any file.
 
-    As designed, and with the bounds of your print. By the surrogate of the model in space where that is sure, else
-    by a simulation of seconds, which is kept. With --uncertain it says, for each, which input to measure next to
-    narrow the bounds.
+    The table has the speed as designed, and the median and bounds for your print. Speeds come from a surrogate of the
+    simulation. Outside its tested range they come from a simulation of a few seconds, which is cached. With
+    --uncertain the report shows which input to measure next to narrow the bounds.
     """
 
     by_position: ClassVar = ("design", "scene", "tilt")
@@ -35,7 +35,7 @@ class PredictRequest(request.Request):
     weights: request.Weights = None
     uncertain: request.Uncertain = False
     model: request.Predicted = "best"
-    why: Annotated[bool, Flag("Say what the speeds rest on, and why a walker was simulated.")] = False
+    why: Annotated[bool, Flag("Explain the sources of the speeds, and why a walker was simulated.")] = False
 
     def run(self, progress: Progress) -> "PredictReport":
         """Predict the walkers."""

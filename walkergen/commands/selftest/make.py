@@ -64,7 +64,7 @@ def _run_in_processes(cases: Sequence[Case], workers: int) -> Iterator[tuple[int
             try:
                 yield index, future.result()
             except BrokenProcessPool:
-                yield index, make_result(cases[index], (), "its process, or one beside it, died", 0.0)
+                yield index, make_result(cases[index], (), "its process, or another one, died", 0.0)
 
 
 def _run_named(name: str) -> Result:

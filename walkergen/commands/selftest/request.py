@@ -1,4 +1,4 @@
-"""What `selftest` is asked for."""
+"""Request of the command `selftest`."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, ClassVar

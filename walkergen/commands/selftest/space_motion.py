@@ -1,4 +1,4 @@
-"""Hard cases in space: images of a motion, its plane, a free top, and an upright walker."""
+"""Hard cases in space: images of a motion, its plane, and an upright walker."""
 
 import math
 from collections.abc import Iterator
@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from walkergen.commands.selftest.case import SPACE, Case, Check, check_fact
-from walkergen.commands.selftest.scenes import STILL_DRIVE, advance, masses, paper_drive, paper_plan, scaled_paper_plan
+from walkergen.commands.selftest.scenes import advance, paper_drive, paper_plan, scaled_paper_plan
 from walkergen.commands.selftest.space_scenes import (
     max_pose_difference,
     mirror_image,
@@ -14,10 +14,7 @@ from walkergen.commands.selftest.space_scenes import (
     quarter_turn,
     space_plan,
 )
-from walkergen.core.numerics import Array
-from walkergen.core.scene import Scene
 from walkergen.core.simulation import record
-from walkergen.core.simulation.plan import Plan, prepare
 from walkergen.core.simulation.run import Outcome, simulate
 from walkergen.core.simulation.space.state import (
     C_X,
@@ -36,7 +33,6 @@ from walkergen.core.simulation.space.state import (
     W_Y,
     W_Z,
 )
-from walkergen.core.walker.design import Design
 
 FIRST_LANDING_S = 5e-3
 """Time (s) after which the first corners have landed in a drop from 0.05 mm."""
@@ -52,15 +48,6 @@ CONTACTS = (
     {"restitution": 0.5, "friction": 2.0},
     {"restitution": 0.02, "friction": 0.25},
 )
-
-SPIN_RATE_RAD_S, SPIN_TURNS = 2000.0, 10_000
-"""Rate (rad/s) and number of turns of the free top."""
-
-TOP_STEP_US = 3.0
-"""Step (us) of the free top: it flies with double steps, and turns by 0.012 rad in each."""
-
-FALL_HEIGHT_MM = 1e8
-"""Initial height (mm) of the top, which falls during the spin."""
 
 
 def _check_images() -> Iterator[Check]:
@@ -118,43 +105,6 @@ def _check_tiny_roll() -> Iterator[Check]:
             0.2,
             "modes of the contacts change a few steps earlier or later",
         )
-
-
-def _check_free_top() -> Iterator[Check]:
-    """Check a braced walker that spins in free fall, nearly about its axis of largest inertia."""
-    design = Design.model_validate({"legs": {"kind": "braced"}})
-    scene = Scene.model_validate({"drive": STILL_DRIVE, "arena": {"kind": "plane"}, "run": {"step_us": TOP_STEP_US}})
-    plan = prepare(scene, design, masses(design))
-    state = plan.initial_state(FALL_HEIGHT_MM, 0.0, 0.0)
-    state[W_X : W_Z + 1] = 30.0, SPIN_RATE_RAD_S, 10.0
-    inertia = plan.world.walker.inertia
-    spin, turning = _angular_momentum(plan, state), state[W_X : W_Z + 1]
-    energy = 0.5 * float(turning @ inertia @ turning)
-    outcome, _ = advance(plan, state, SPIN_TURNS * 2.0 * math.pi / SPIN_RATE_RAD_S)
-    turning = state[W_X : W_Z + 1]
-    yield check_fact(f"it ends well ({outcome.value})", outcome is Outcome.OK)
-    size = float(np.linalg.norm(state[Q_0 : Q_Z + 1]))
-    yield Check("|q| - 1", abs(size - 1.0), 1e-12, "rounding: it is scaled in every step")
-    lost = float(np.abs(_angular_momentum(plan, state) - spin).max() / np.abs(spin).max())
-    yield Check(
-        "angular momentum, relative", lost, 1e-7, "second order in turns of 0.012 rad, and rounding of five million"
-    )
-    change = abs(0.5 * float(turning @ inertia @ turning) / energy - 1.0)
-    yield Check("energy, relative", change, 1e-6, "second order in turns of 0.02 rad, and bounded")
-    yield Check(
-        "headings count turns, relative",
-        abs(state[HEADING] / (2.0 * math.pi * SPIN_TURNS) - 1.0),
-        1e-3,
-        "it nutates: the rate of the yaw is that of the spin to the second order of the tilt, 2e-4",
-    )
-
-
-def _angular_momentum(plan: Plan, state: Array) -> Array:
-    """Return the angular momentum about C, in the world's axes, g mm^2/s."""
-    q, v = state[Q_0], state[Q_0 + 1 : Q_Z + 1]
-    body = plan.world.walker.inertia @ state[W_X : W_Z + 1]
-    twice = 2.0 * np.cross(v, body)
-    return np.asarray(body + q * twice + np.cross(v, twice))
 
 
 def _check_heading_turns() -> Iterator[Check]:
@@ -255,7 +205,6 @@ CASES = [
         SPACE,
         _check_tiny_roll,
     ),
-    Case("space: free top over 1e4 turns", "7", "Euler's top: energy and angular momentum", SPACE, _check_free_top),
     Case("space: a million turns of the heading", "7", "isotropy of the plane", SPACE, _check_heading_turns),
     Case("space: 1e9 mm from the origin", "7", "translation along the plate", SPACE, _check_far_origin),
     Case("space: lengths x 4^n, times x 2^n", "7", "dimensional analysis", SPACE, _check_scaling),

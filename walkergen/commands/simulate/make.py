@@ -1,4 +1,4 @@
-"""Simulation of a walker: the speed of its runs, their motion and landings."""
+"""Simulation of a walker: the speed of its runs, their motion and landings, and an orbit that all runs may share."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -8,10 +8,12 @@ import numpy as np
 from walkergen.analysis import landings
 from walkergen.analysis.landings import Landings
 from walkergen.analysis.motion import Motion
-from walkergen.commands.simulate import orbit
-from walkergen.commands.simulate.orbit import Orbit
+from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Expect, Progress, ignore_estimate, silent
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import Scene
+from walkergen.core.simulation import ensemble, observables
+from walkergen.core.simulation.ensemble import Summary
 from walkergen.core.simulation.observables import SPEED
 from walkergen.core.simulation.run import ENDED_WELL, RunResult, recorded_impacts
 from walkergen.core.tolerance import Tolerance
@@ -22,6 +24,54 @@ from walkergen.points import trajectory, walkers
 from walkergen.points.effect_selection import Simplest
 from walkergen.points.experiments import Results, Walker
 from walkergen.points.walkers import ErrorResult
+
+PRINT_DRAWS, MAX_RUN_S = 24, 4.0
+"""Number of simulated prints that replace runs, and longest measured time of a print's run, s."""
+
+
+class Orbit(NamedTuple):
+    """Orbit on which all runs end, and the variation of speeds from print to print."""
+
+    kind: str
+    """Name of the orbit, from `orbits`: one periodic orbit, or at rest."""
+    draws: int
+    """Number of prints simulated for the bounds."""
+    prints: Quantity
+    """Speed of the runs, without an error. Its bounds are those of prints."""
+    reason: str = ""
+    """Reason why bounds are missing, otherwise ""."""
+
+
+def find_shared_orbit(point: Results, progress: Progress) -> Orbit | None:
+    """Find the orbit that all runs of a point share, with bounds from simulated prints; None without one.
+
+    No prints are simulated after Ctrl-C, which left runs out.
+    """
+    walker, scene = point.walker, point.walker.scene
+    good = [result.speed for result in point.results if result.outcome in ENDED_WELL]
+    kind = ensemble.common_orbit(np.array(good), walker.shaken.peak_speed)
+    if not kind or len(good) < scene.run.runs:
+        return None
+    from walkergen.points import print_ensemble as draws
+
+    speed = point.summary.speed._replace(se=None)
+    run = scene.run.model_copy(update={"seconds": min(scene.run.seconds, MAX_RUN_S)})
+    short = scene.model_copy(update={"run": run})
+    try:
+        drawn = draws.simulate_prints(short, walker.design, PRINT_DRAWS, progress)
+    except InputError as error:
+        return Orbit(kind, 0, speed, error.text)
+    ends = draws.speed_bounds(drawn.halves.mean(axis=1), draws.statistical_error(drawn.halves))
+    mean = float(drawn.halves.mean())
+    ends = draws.add_step_error(ends, mean, drawn.by_step_mm_s)
+    return Orbit(kind, len(drawn.halves), speed._replace(ends=ends))
+
+
+def with_print_bounds(summary: Summary, orbit: Orbit) -> Summary:
+    """Return the summary of runs on one orbit: no errors from scatter, and the bounds of prints."""
+    numbers = {name: number._replace(se=None) for name, number in summary.numbers.items()}
+    return summary._replace(numbers=numbers | {observables.SPEED: orbit.prints})
+
 
 MAX_LANDINGS_S = 500.0
 """Longest time of all runs together (s) with every landing kept: 0.3 MB a second."""
@@ -84,9 +134,9 @@ def measure(
 def analyse_point(point: Results, progress: Progress = silent) -> Simulation:
     """Find shared orbits, motion and landings in the runs of a simulated point."""
     walker = point.walker
-    shared = orbit.find_shared_orbit(point, progress)
+    shared = find_shared_orbit(point, progress)
     if shared is not None:
-        point = point._replace(summary=orbit.with_print_bounds(point.summary, shared))
+        point = point._replace(summary=with_print_bounds(point.summary, shared))
     simulated = Simulation(point, shared)
     good = [result for result in point.results if result.outcome in ENDED_WELL]
     if not good:

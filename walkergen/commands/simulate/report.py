@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from walkergen.analysis import facts
 from walkergen.analysis.motion import Motion
 from walkergen.commands.simulate import quantities as numbers
-from walkergen.commands.simulate import tables, trajectories
+from walkergen.commands.simulate import trajectories
 from walkergen.commands.simulate.make import Simulation
 from walkergen.core.errors import InputError
 from walkergen.core.files import formatting
@@ -118,7 +118,7 @@ def make_report(simulated: Simulation, whole: bool = False) -> SimulationReport:
         name="simulate",
         title=f"{design.name}, {design.tilt_deg:g} deg, on {scene.name}",
         tables=[_summary_table(simulated, design), Table("summary", lines, (), LINE_COLUMNS, read=first)],
-        lines=[] if whole else ["‹all›: how it turns and spreads, impacts, contact, power"],
+        lines=[] if whole else ["‹all› also prints turning, spreading, impacts, contact and power"],
         facts=_facts(simulated, scene),
         warnings=simulated.point.warnings,
         figures=_figures(simulated, design),
@@ -177,18 +177,18 @@ def _figures(simulated: Simulation, design: Design) -> "dict[str, Callable[[], F
 def _facts(simulated: Simulation, scene: Scene) -> dict[str, Any]:
     """Return the summary of the runs for JSON. It is partial if Ctrl-C left some out."""
     data: dict[str, Any]
-    data = tables.contact_as_dict(scene) | simulated.point.summary.facts
+    data = numbers.contact_as_dict(scene) | simulated.point.summary.facts
     data["partial"] = simulated.point.partial
     if simulated.motion is not None:
         data["motion"] = facts.from_motion(simulated.motion)
     if simulated.untold:
         data["motion"] = {"refused": simulated.untold}
     if simulated.landings:
-        data["landings"] = tables.landings_as_dict(simulated)
-    data["step"] = tables.step_errors_as_dict(simulated)
+        data["landings"] = numbers.landings_as_dict(simulated)
+    data["step"] = numbers.step_errors_as_dict(simulated)
     data = numbers.rename_motor_power(data, scene)
     orbit = simulated.orbit
-    data["orbit"] = None if orbit is None else tables.orbit_as_dict(orbit)
+    data["orbit"] = None if orbit is None else numbers.orbit_as_dict(orbit)
     if simulated.simplest is not None:
         data |= simulated.simplest.facts
     chosen = simulated.chosen
@@ -198,12 +198,12 @@ def _facts(simulated: Simulation, scene: Scene) -> dict[str, Any]:
 def _lines(simulated: Simulation, scene: Scene, design: Design) -> Iterator[tuple[str, str | Quantity]]:
     summary = simulated.point.summary
     yield "walker", f"{design.name}, {design.kind} legs, tilt {design.tilt_deg:g} deg"
-    yield scene.drive.kind, tables.format_drive(scene)
-    yield "contact", tables.format_contact(scene)
+    yield scene.drive.kind, numbers.format_drive(scene)
+    yield "contact", numbers.format_contact(scene)
     if simulated.simplest is not None:
         yield from simulated.simplest.lines
     yield "mean speed", _format_speed(simulated, scene)
-    yield from tables.bound_rows(simulated)
+    yield from numbers.bound_rows(simulated)
     if simulated.chosen is not None:
         yield from simulated.chosen.lines
     if simulated.untold:
@@ -216,7 +216,7 @@ def _lines(simulated: Simulation, scene: Scene, design: Design) -> Iterator[tupl
     yield "runs", f"{summary.runs}, {summary.simulated_s:.1f} s simulated in all"
     correlation = summary.correlation_time_s
     yield "correlation time", "unknown" if correlation is None else f"{1e3 * correlation:.0f} ms"
-    yield "largest pitch", f"{summary.max_pitch_deg:.2f} deg, an extreme: the more, the longer"
+    yield "largest pitch", f"{summary.max_pitch_deg:.2f} deg (an extreme, which grows with time)"
     outcomes = (f"{count} x {name}" for name, count in summary.outcomes.items())
     yield "outcomes", ", ".join(outcomes)
     rate = summary.simulated_s / summary.cpu_s if summary.cpu_s else 0.0
@@ -230,7 +230,7 @@ def _format_speed(simulated: Simulation, scene: Scene) -> str:
         return "none: no run ended well"
     speed = f"{formatting.format_fixed(mean, 2) if se is None else formatting.format_with_error(mean, se)} mm/s"
     speed += " along the " + ("heading" if scene.arena.kind == "plane" else "lane")
-    speed += tables.format_step_error(simulated)
+    speed += numbers.format_step_error(simulated)
     if simulated.orbit is not None:
-        return f"{speed}; {simulated.orbit.kind}: all runs end so, and tell no error"
+        return f"{speed}; {simulated.orbit.kind}: all runs end this way, so there is no statistical error"
     return speed if se is not None else f"{speed}; standard error unknown: needs 4 runs"

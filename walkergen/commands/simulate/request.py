@@ -1,4 +1,4 @@
-"""What `simulate` is asked for."""
+"""Request of the command `simulate`."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from walkergen.files.report import Report
 
 DEFAULT_UNCERTAIN_S = 4.0
-"""Measured time of a run of --uncertain unless asked otherwise, s."""
+"""Default measured time of a run of --uncertain, s."""
 
 ERROR_CHOSEN_KEYS = ("scene.run.step_us", "scene.run.seconds", "scene.run.runs")
 """Keys whose values --error chooses itself."""
@@ -27,10 +27,10 @@ ERROR_CHOSEN_KEYS = ("scene.run.step_us", "scene.run.seconds", "scene.run.runs")
 class SimulateRequest(request.Request):
     """Bounce a walker on the plate and measure its speed; on a plane also how it turns.
 
-    Several tilts, or both kinds of legs, make a table. The first run of a model compiles it. With --error of the mean
-    speed, at 95 % confidence, as many runs are made as it needs, by a step that is fine enough: --seconds, --runs and
-    --step are then left out. A share counts of the speed, or of a fifth of the plate's peak speed where the walker is
-    slower. With --effects what this walker's speed does not need to an error is left out, as measured first.
+    Several tilts, or both kinds of legs, make a table. The first run compiles the simulator. With --error the number
+    of runs, their length and the step are chosen to meet an error of the mean speed at 95 % confidence. A percentage
+    refers to the speed, or to a fifth of the plate's peak speed if the walker is slower. With --effects the effects
+    that change the speed less are measured first and left out.
     """
 
     design: request.Walker = request.PAPER_WALKER
@@ -58,36 +58,36 @@ class SimulateRequest(request.Request):
             takes="Name | None",
         ),
     ] = None
-    rate_hz: Annotated[float, Field(ge=1e-3, le=1e7), Flag("Samples per second of it.", "HZ")] = 1000.0
+    rate_hz: Annotated[float, Field(ge=1e-3, le=1e7), Flag("Samples per second in the file.", "HZ")] = 1000.0
     error: Annotated[str | None, Flag("Error to meet: 5% or 3mm/s.", "ERROR")] = None
     uncertain: request.Uncertain = False
-    draws: Annotated[int, Flag("Prints of --uncertain, best a power of two.", "N")] = 64
+    draws: Annotated[int, Flag("Number of simulated prints for --uncertain, best a power of two.", "N")] = 64
     out: Annotated[Path | None, request.Target, Flag("Folder for --uncertain.", "FOLDER", takes="Name | None")] = None
-    of: Annotated[str, Flag("What --error is about, as JSON names it.", "NAME")] = "speed_mm_s"
-    all: Annotated[bool, Flag("Print all that was measured, not the first lines alone.")] = False
+    of: Annotated[str, Flag("Quantity that --error refers to, by its JSON name.", "NAME")] = "speed_mm_s"
+    all: Annotated[bool, Flag("Print all measured quantities.")] = False
 
     def run(self, progress: Progress) -> "SimulationReport":
-        """Simulate the walker; the report of several, or of uncertain prints, is a plain one."""
+        """Simulate the walker. The report of several walkers, or of uncertain prints, is a plain one."""
         from walkergen.commands.simulate import trajectories
 
         if self.trajectory is not None:
             trajectories.check(self.trajectory)
         given = self.inputs()
         if self.uncertain:
-            self.check_unset("not with ‹uncertain›", "error", "trajectory", "effects")
-            given.check_unset(("scene.run.runs",), "not with ‹uncertain›; leave one of them out")
+            self.check_unset("cannot be combined with ‹uncertain›", "error", "trajectory", "effects")
+            given.check_unset(("scene.run.runs",), "cannot be combined with ‹uncertain›. Remove one of them.")
         else:
-            self.check_unset("only ‹uncertain› writes a folder", "out")
+            self.check_unset("has an effect only with ‹uncertain›", "out")
         if self.error is not None:
-            given.check_unset(ERROR_CHOSEN_KEYS, "‹error› chooses it; leave one of them out")
+            given.check_unset(ERROR_CHOSEN_KEYS, "chosen by ‹error›. Remove one of them.")
         else:
-            self.check_unset("names what ‹error› is about; give ‹error› as well, or", "of")
+            self.check_unset("has an effect only with ‹error›", "of")
         design = given.design(self.design)
         own = {"scene.run.seconds": DEFAULT_UNCERTAIN_S} if self.uncertain else {}
         scene = given.scene(request.choose_scene(self.scene, [design]), own)
         members = given.members(design, self.tilt, self.legs, whole=False)
         if len(members) > 1:
-            why = f"means one walker, seen {len(members)}: give one ‹tilt› and one kind of ‹legs›, or"
+            why = f"works for one walker, but ‹tilt› and ‹legs› give {len(members)}"
             self.check_unset(why, "trajectory", "error", "uncertain")
             return self._simulate_several(scene, members, progress)  # type: ignore[return-value]
         if self.uncertain:
@@ -95,7 +95,7 @@ class SimulateRequest(request.Request):
         return self._simulate_one(scene, members[0], progress)
 
     def _simulate_one(self, scene: "Scene", design: "Design", progress: Progress) -> "SimulationReport":
-        """Simulate one walker, and write its tracks where they are asked for."""
+        """Simulate one walker, and write its tracks if a file is given."""
         from walkergen.commands.simulate import make, report, trajectories
         from walkergen.core.tolerance import parse_tolerance
         from walkergen.core.walker import solids
@@ -136,8 +136,8 @@ class SimulateRequest(request.Request):
         except KeyboardInterrupt:
             missing = ", ".join(f"{member.tilt_deg:g} deg {member.kind}" for member in members[len(rows) :])
             result = several_walkers.make_report(rows, scene, found)
-            told = f"interrupted after {len(rows)} of {len(found)} walkers; missing: {missing}"
-            return replace(result, warnings=[told, *result.warnings], code=130)
+            message = f"interrupted after {len(rows)} of {len(found)} walkers; missing: {missing}"
+            return replace(result, warnings=[message, *result.warnings], code=130)
         return several_walkers.make_report(rows, scene, found)
 
     def _simulate_uncertain(self, scene: "Scene", design: "Design", progress: Progress) -> "Report":
@@ -149,7 +149,7 @@ class SimulateRequest(request.Request):
         from walkergen.points.experiments import Walker
 
         effect_selection.check_no_accepted_error(
-            scene, "is of a mean speed, and ‹uncertain› asks how far prints lie apart"
+            scene, "refers to a mean speed, and ‹uncertain› reports the scatter of prints"
         )
         walker = Walker(scene, design, solids.mass_of(design)).with_run(runs=self.draws)
         self._expect(lambda: run_time.total_time([walker]))

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from walkergen.commands.simulate import orbit, tables
+from walkergen.commands.simulate import make, quantities
 from walkergen.core.files import formatting
 from walkergen.core.files.progress import Progress, part_progress
 from walkergen.core.numerics.quantity import Quantity, column_values
@@ -64,9 +64,9 @@ def simulate_each(found: Sequence[Simplest], progress: Progress) -> Iterator[Row
     titles = [names.part_name(walker.design) for walker in wanted]
     for simple, name, point in zip(found, titles, walkers.simulate_each(wanted, titles, progress), strict=True):
         walker, summary = simple.walker, point.summary
-        shared = orbit.find_shared_orbit(point, progress)
+        shared = make.find_shared_orbit(point, progress)
         if shared is not None:
-            summary = orbit.with_print_bounds(summary, shared)
+            summary = make.with_print_bounds(summary, shared)
         predicted = speed_prediction.predict(walker.design, walker.mass, walker.scene, model="known")
         yield Row(
             name,
@@ -78,17 +78,17 @@ def simulate_each(found: Sequence[Simplest], progress: Progress) -> Iterator[Row
             summary.runs,
             summary.outcomes,
             point.warnings,
-            None if shared is None else tables.orbit_as_dict(shared),
+            None if shared is None else quantities.orbit_as_dict(shared),
             simple.facts.get("effects"),
         )
 
 
 def make_report(rows: Sequence[Row], scene: Scene, found: Sequence[Simplest]) -> Report:
     """Make the report of simulated walkers. It is partial if Ctrl-C left some out."""
-    title = f"{found[0].walker.design.name} on {scene.name}, {tables.format_drive(scene)}"
+    title = f"{found[0].walker.design.name} on {scene.name}, {quantities.format_drive(scene)}"
     told = [column_values(row, 95) for row in rows]
     kinds = {row.orbit["kind"]: None for row in rows if row.orbit is not None}
-    note = f"{ORBIT_MARK}: all runs end so ({' or '.join(kinds)}) and tell no error; 95 % are of prints"
+    note = f"{ORBIT_MARK}: all runs end this way ({' or '.join(kinds)}), without statistical error; 95 % covers prints"
     return Report(
         name="simulate",
         title=title,

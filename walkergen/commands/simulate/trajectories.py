@@ -7,13 +7,14 @@ the names. A particle is a run. Frames count samples from the end of its discard
 Extended XYZ is for OVITO: a run is a particle, as `walkergen.files.extended_xyz` writes bodies.
 """
 
-from collections.abc import Callable
+import io
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from walkergen.commands.simulate import netcdf
+from walkergen import __version__
 from walkergen.core.errors import InputError
 from walkergen.core.files import output
 from walkergen.core.files.progress import Progress
@@ -24,6 +25,45 @@ from walkergen.files.extended_xyz import Bodies
 from walkergen.points import trajectory, walkers
 from walkergen.points.experiments import Results, Walker
 from walkergen.points.trajectory import Trajectory
+
+
+def pack_poses(times: Array, places: Array, headings: Array, names: Sequence[str]) -> bytes:
+    """Pack the centres of walkers: times (s), shape (n,); places (mm), shape (n, 2, k); headings (rad), shape (n, k).
+
+    Values are NaN while a walker is not visible.
+    """
+    from scipy.io import netcdf_file
+
+    stream = io.BytesIO()
+    file = netcdf_file(stream, "w", version=2)
+    file.ds_type, file.source_software, file.time_unit = "poses", f"walkergen {__version__}", "seconds"
+    if len(times) > 1:
+        file.fps = np.float64((len(times) - 1) / (times[-1] - times[0]))
+    for name, count in (("time", len(times)), ("space", 2), ("keypoint", 1), ("individual", len(names))):
+        file.createDimension(name, count)
+    for name, words in (("space", ("x", "y")), ("keypoint", ("middle",)), ("individual", names)):
+        _write_names(file, name, words)
+    dimensions = ("time", "space", "keypoint", "individual")
+    for name, own, values in (
+        ("time", ("time",), times),
+        ("position", dimensions, places[:, :, None, :]),
+        ("confidence", ("time", *dimensions[2:]), np.where(np.isfinite(places[:, :1]), 1.0, np.nan)),
+        ("heading", ("time", "individual"), headings),
+    ):
+        file.createVariable(name, "d", own)[:] = values
+    file.variables["position"].unit, file.variables["heading"].unit = "mm", "rad"
+    file.flush()
+    return stream.getvalue()
+
+
+def _write_names(file: Any, name: str, words: Sequence[str]) -> None:
+    """Write the names along a dimension, as xarray writes text."""
+    width = max(len(word.encode()) for word in words)
+    file.createDimension(f"{name}_letters", width)
+    variable = file.createVariable(name, "c", (name, f"{name}_letters"))
+    variable[:] = np.array([list(word.encode().ljust(width, b"\0")) for word in words], np.uint8).view("S1")
+    variable._Encoding = "utf-8"
+
 
 FILM_COLUMNS = ("frame", "particle", "x", "y", "theta")
 """Columns with trackpy's names; x and y in mm, theta in rad."""
@@ -98,7 +138,7 @@ def to_nc(written: TrajectoryData) -> bytes:
     table = np.full((len(frames), 4, len(names)), np.nan)
     table[at, :, who] = np.column_stack([own["t_s"], own["x"], own["y"], own["theta"]])
     times = np.nanmax(table[:, 0], axis=1)
-    return netcdf.pack_poses(times, table[:, 1:3], table[:, 3], [f"run_{name}" for name in names])
+    return pack_poses(times, table[:, 1:3], table[:, 3], [f"run_{name}" for name in names])
 
 
 FORMATS: dict[str, Callable[[TrajectoryData], bytes]] = {".csv": to_csv, ".npz": to_npz, ".xyz": to_xyz, ".nc": to_nc}

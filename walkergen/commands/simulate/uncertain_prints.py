@@ -73,10 +73,10 @@ def summary_rows(spread: PrintScatter) -> Iterator[tuple[str, str | Quantity]]:
         "a print",
         f"{formatting.format_range(low1, high1, 3)} mm/s (68 %), {formatting.format_range(low2, high2, 3)} (95 %)",
     )
-    short = "not resolved by runs so short; longer ‹seconds› would"
+    short = "not resolved by these short runs. Increase ‹seconds›."
     yield "deviation, print to print", Quantity("deviation", "mm_s", scatter, 0.0, refused="" if scatter else short)
-    unknown = "not known: see `simulate` without ‹uncertain›" if step is None else ""
-    yield "error by the step", Quantity("step", "mm_s", step, 0.0, refused=unknown)
+    unknown = "unknown: run `simulate` without ‹uncertain›" if step is None else ""
+    yield "error from the step", Quantity("step", "mm_s", step, 0.0, refused=unknown)
     yield "error of each short run", Quantity("statistical", "mm_s", spread.statistical_mm_s, 0.0)
     outcomes = ", ".join(f"{count} x {name}" for name, count in spread.outcomes.items())
     yield "runs", f"a run a draw: {outcomes}"
@@ -94,11 +94,11 @@ def notes(spread: PrintScatter) -> Iterator[str]:
         )
     if spread.statistical_mm_s > spread.between_prints_mm_s:
         yield (
-            "runs so short scatter more than prints do: half of the variance is taken out of the "
-            "bounds, which are too wide; longer ‹seconds› narrows them"
+            "Short runs scatter more than prints. Half of the variance is removed from the bounds, "
+            "which remain too wide. Longer ‹seconds› narrows them."
         )
     else:
-        yield "the statistical error of short runs is taken out of the bounds"
+        yield "the statistical error of short runs is removed from the bounds"
 
 
 def _facts(spread: PrintScatter) -> dict[str, Any]:

@@ -101,7 +101,7 @@ class AnalyseRequest(request.Request):
         from walkergen.core.files import output
 
         if self.dish is None:
-            self.check_unset("is of a crowd: give ‹dish›, or", "body", "middle", "runs")
+            self.check_unset("has an effect only with ‹dish›", "body", "middle", "runs")
         else:
             self.check_unset("is of single walkers, not of a ‹dish›", "lag_ms", "arena", "descent_deg")
         units = film_fields.units(self.fps, self.mm_per_px, self.y_down, self.unit, self.lane)

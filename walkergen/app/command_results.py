@@ -1,4 +1,4 @@
-"""Ten walkers of a page in a dish: the command that simulates them, and the data of its playback."""
+"""Results of commands that a page runs on its walker: the effects of its scene, and ten walkers in a dish."""
 
 from pathlib import Path
 from typing import Any
@@ -9,9 +9,34 @@ import numpy as np
 from walkergen.app import document as documents
 from walkergen.app import walker_answers
 from walkergen.app.document import Document
+from walkergen.core.errors import InputError
 from walkergen.core.files import columns
 from walkergen.core.walker import solids
+from walkergen.files import web_page
 from walkergen.request import PLANE_SCENE, choose_scene
+
+MAX_PICTURE_BYTES = 10_000_000
+"""Largest picture that the page can show, bytes."""
+
+
+def explain_arguments(document: Document, folder: Path) -> list[str]:
+    """Return the words after `walkergen` that measure each effect, and draw it below `folder`. Raises InputError."""
+    return documents.arguments(document, "explain", "--measure", "--json", "--out", str(_folder(document, folder)))
+
+
+def read_picture(document: Document, folder: Path) -> dict[str, str]:
+    """Return the picture as a data address. Raises InputError if there is none."""
+    path = _folder(document, folder) / "explain.png"
+    try:
+        data = path.read_bytes()[:MAX_PICTURE_BYTES]
+    except OSError:
+        raise InputError(f"{documents.SOURCE}: the effects of this walker have not been measured") from None
+    return {"picture": web_page.data_url("image/png", data)}
+
+
+def _folder(document: Document, folder: Path) -> Path:
+    return folder / walker_answers.part_name(document)
+
 
 WALKER_COUNT, RUN_S, DISH_DIAMETER_MM = 10, 6.0, 160.0
 """Number of walkers in the dish, their simulated time, s, and its diameter, mm."""
@@ -26,23 +51,13 @@ def crowd_arguments(document: Document, folder: Path) -> list[str]:
     """
     own = {key: value for key, value in document.values.items() if not key.startswith("scene.")}
     free = document._replace(scene=choose_scene(None, [document.load_design()], PLANE_SCENE), values=own)
-    run = (
-        "--count",
-        str(WALKER_COUNT),
-        "--seconds",
-        f"{RUN_S:g}",
-        "--runs",
-        "1",
-        "--arena",
-        f"disc:{DISH_DIAMETER_MM:g}",
-        "--no-pictures",
-    )
-    return documents.arguments(free, "crowd", *run, "--json", "--out", str(folder / walker_answers.part_name(document)))
+    run = f"--count {WALKER_COUNT} --seconds {RUN_S:g} --runs 1 --arena disc:{DISH_DIAMETER_MM:g} --no-pictures".split()
+    return documents.arguments(free, "crowd", *run, "--json", "--out", str(_folder(document, folder)))
 
 
 def read_playback(document: Document, folder: Path) -> dict[str, Any]:
     """Read the outline of a walker from above and the poses of all, (x, y) mm and heading, by times in s."""
-    path = folder / walker_answers.part_name(document) / "tracks" / "run-0.csv"
+    path = _folder(document, folder) / "tracks" / "run-0.csv"
     table = columns.read_numbers(path, TRACK_COLUMNS)
     rows = np.column_stack([table.values[key] for key in TRACK_COLUMNS])
     times = np.unique(rows[:, 0])
