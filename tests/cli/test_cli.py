@@ -157,7 +157,7 @@ def test_templates_are_listed_shown_and_copied(run, tmp_path):
     assert "[legs]" in run("templates", "show", "koumakis2016").stdout
     run("templates", "copy", "maker-large")
     assert (tmp_path / "maker-large.toml").read_text().startswith("#")
-    assert "exists already" in refusal_of(run, "templates", "copy", "maker-large")
+    assert "already exists" in refusal_of(run, "templates", "copy", "maker-large")
     source = (templates.folder() / "scenes" / "lane-90hz.toml").read_text()
     for name, file in (("my-shaker", "my-shaker.toml"), ("a-b", "_a b.toml")):
         assert run("templates", "copy", "lane-90hz", file).stdout == f"{file}\n"

@@ -307,7 +307,7 @@ def test_drawings_are_the_profile_or_the_outline(tmp_path):
 def test_walkers_without_a_profile_are_refused_before_anything_is_written(tmp_path, design, why):
     design = ball(tmp_path) if design is None else design
     folder = tmp_path / "out"
-    with pytest.raises(InputError, match=rf"{why}.*export it as stl or 3mf"):
+    with pytest.raises(InputError, match=rf"{why}.*Export it as stl or 3mf"):
         exports.make([PAPER, design], ["stl", "svg"], folder, lambda *_: None)
     assert not folder.exists()
 

@@ -102,7 +102,7 @@ def test_scatter_that_runs_do_not_resolve_is_not_shared_out():
     low, high = found.speed.interval()
     assert low < 52.0 < high
     assert "not resolved" in dict(uncertain_prints.summary_rows(found))["deviation, print to print"].refused
-    assert "half of the variance is taken out" in " ".join(uncertain_prints.notes(found))
+    assert "Half of the variance is removed" in " ".join(uncertain_prints.notes(found))
     assert found.shares == ()
 
 
