@@ -164,8 +164,7 @@ def bounds(method: str, hidden: Hidden, filmed: Sequence[tuple[float, float]], d
         return prints.measure(short, design, draws, silent).speed.ends or [None] * 4
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "speeds.csv")
-        lines = [(tilt, speed, FILM_SE) for tilt, speed in filmed]
-        path.write_text(csv_text(("tilt_deg", "speed_mm_s", "speed_se_mm_s"), lines))
+        path.write_text(csv_text(("tilt_deg", "speed_mm_s", "speed_se_mm_s"), [(*film, FILM_SE) for film in filmed]))
         request = FitRequest(speeds=path, model="space", prior="flat", predict=[design.tilt_deg])
         learned = model_fit.fit(request, Setup(design, scene), {}, silent)
     (band,) = [one for one in learned.bands if not one.measured]

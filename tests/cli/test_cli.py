@@ -242,7 +242,6 @@ SOME_NEED = (
     "scipy.stats",
     "scipy.optimize",
     "sklearn",
-    "emcee",
     "networkx",
     "trimesh",
     "ezdxf",

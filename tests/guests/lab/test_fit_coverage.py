@@ -7,7 +7,7 @@ from walkergen.core.scene import Scene
 from walkergen.core.theory import uncertain_inputs
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.guests.lab.fit import emulated_speeds, parameters, posterior
+from walkergen.guests.lab.fit import emulated_speeds, importance_sampling, parameters, posterior
 from walkergen.guests.lab.fit.posterior import Observed
 from walkergen.points import experiments, walkers
 
@@ -75,7 +75,7 @@ def test_ninety_percent_of_unmeasured_tilts_lie_in_the_ninety_percent_band(world
         filmed = speeds + FILM_NOISE * rng.normal(size=len(speeds))
         observed = [Observed(filmed[[one]], np.array([FILM_NOISE])) for one in seen]
         mine = [responses[place] for place in seen]
-        found = posterior.sample(unknown.parameters, observed, mine, 1, silent)
+        found = importance_sampling.sample(unknown.parameters, observed, mine, 1, silent)
         for place in ahead:
             drawn = posterior.speed_draws(found.draws, responses[place], rng)
             low, high = np.quantile(drawn, (0.05, 0.95))

@@ -9,7 +9,7 @@ from walkergen.core.scene import PAPER_CONTACT, Scene
 from walkergen.core.theory.uncertain_inputs import Input
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.guests.lab.fit import emulated_speeds, identifiability, parameters, posterior
+from walkergen.guests.lab.fit import emulated_speeds, identifiability, importance_sampling, parameters, posterior
 from walkergen.guests.lab.fit.emulated_speeds import Response
 from walkergen.guests.lab.fit.parameters import Parameter, prior_values
 from walkergen.guests.lab.fit.posterior import Observed
@@ -88,7 +88,7 @@ def test_scatter_between_prints_is_found_with_its_growth():
 
 def test_without_information_the_posterior_is_the_prior():
     seen = [Observed(np.array([50.0]), np.array([1e9]))]
-    found = posterior.sample(THREE, seen, responses(64, [1]), 1, silent)
+    found = importance_sampling.sample(THREE, seen, responses(64, [1]), 1, silent)
     rows = identifiability.summarise_draws(THREE, found.draws)
     # Some 2000 independent draws know a standard deviation to 2 %.
     assert [row.narrowed for row in rows] == pytest.approx([1.0] * 3, abs=0.08)
@@ -96,7 +96,7 @@ def test_without_information_the_posterior_is_the_prior():
     assert "restitution, friction and damping_ratio" in note
     assert found.independent > 1000
     assert identifiability.trade_off_notes(THREE, found.draws) == []
-    assert np.array_equal(posterior.sample(THREE, seen, responses(64, [1]), 1, silent).draws, found.draws)
+    assert np.array_equal(importance_sampling.sample(THREE, seen, responses(64, [1]), 1, silent).draws, found.draws)
 
 
 @pytest.mark.nightly
@@ -106,9 +106,9 @@ def test_a_product_that_alone_is_known_is_named():
 
     seen = [Observed(np.array([50.0]), np.array([1.0]))]
     known = responses(128, [1], 0.0, product)
-    found = posterior.sample(THREE, seen, known, 1, silent)
+    found = importance_sampling.sample(THREE, seen, known, 1, silent)
     (note,) = identifiability.trade_off_notes(THREE, found.draws)
-    assert "restitution and friction trade" in note or "friction and restitution trade" in note
+    assert "restitution and friction trade off" in note or "friction and restitution trade off" in note
     power = float(note.split("^")[1].split(" ")[0])
     assert power == pytest.approx(1.0, abs=0.25)  # 1 for a product, -1 for a ratio
     (note,) = identifiability.unlearnt_notes(identifiability.summarise_draws(THREE, found.draws))
@@ -119,11 +119,11 @@ def test_a_product_that_alone_is_known_is_named():
 def test_speeds_that_no_parameters_explain_are_called_so():
     known = responses(64, [1], 0.0)
     seen = [Observed(np.array([300.0, 310.0]), np.array([1.0, 1.0]))]
-    found = posterior.sample(THREE, seen, known, 1, silent)
+    found = importance_sampling.sample(THREE, seen, known, 1, silent)
     (note,) = identifiability.misfit_notes(found, 2, "space")
     assert "does not describe these speeds" in note
     fair = [Observed(np.array([50.0, 51.0]), np.array([1.0, 1.0]))]
-    assert identifiability.misfit_notes(posterior.sample(THREE, fair, known, 1, silent), 2, "space") == []
+    assert identifiability.misfit_notes(importance_sampling.sample(THREE, fair, known, 1, silent), 2, "space") == []
 
 
 @pytest.mark.nightly
@@ -139,7 +139,7 @@ def test_ninety_percent_of_prints_not_measured_lie_in_the_ninety_percent_band(me
         film = prints + 1.5 * rng.normal(size=5)
         seen = [Observed(film[[one]], np.array([1.5])) for one in measured]
         mine = [known[one] for one in measured]
-        found = posterior.sample(THREE, seen, mine, 1, silent)
+        found = importance_sampling.sample(THREE, seen, mine, 1, silent)
         for one in set(range(5)) - set(measured):
             low, high = np.quantile(posterior.speed_draws(found.draws, known[one], rng), (0.05, 0.95))
             inside.append(low <= prints[one] <= high)
@@ -225,7 +225,7 @@ def test_priors_are_flat_or_the_scenes_and_held_values_leave_no_parameter():
     alone = parameters.list_unknowns(scene, design, "prediction", "flat", {}, errors=False)
     assert alone.parameters[-1].name == "print_scatter"
     everything = dict.fromkeys(parameters.PARAMETER_KEYS, 0.3)
-    with pytest.raises(parameters.InputError, match="nothing is left to learn"):
+    with pytest.raises(parameters.InputError, match="no parameter is left to fit"):
         parameters.list_unknowns(scene, design, "space", "flat", everything)
 
 

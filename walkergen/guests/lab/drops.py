@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from walkergen.core import Design, mass_of
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress
 from walkergen.core.scene import GRAVITY, Scene, still_plate_drive
@@ -18,8 +19,6 @@ from walkergen.core.simulation.effects.resolve import without_plate_effects
 from walkergen.core.simulation.plan import Plan, prepare
 from walkergen.core.simulation.space.state import HEIGHT
 from walkergen.core.simulation.world import OK
-from walkergen.core.walker import solids
-from walkergen.core.walker.design import Design
 from walkergen.guests.lab.inverse import Curve
 
 RESTITUTIONS = (0.02, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
@@ -73,7 +72,7 @@ def still_scene(scene: Scene) -> Scene:
 
 def make_plan(scene: Scene, design: Design) -> Plan:
     """Plan a drop of a walker on the scene's plate at rest, with finer steps unless the scene states its step."""
-    plan = prepare(still_scene(scene), design, solids.mass_of(design))
+    plan = prepare(still_scene(scene), design, mass_of(design))
     return plan if scene.run.step_us is not None else plan.coarser(STEP_RATIO)
 
 

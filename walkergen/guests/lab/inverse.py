@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from walkergen.core import Quantity
 from walkergen.core.numerics import Array
-from walkergen.core.numerics.quantity import Quantity
 
 CURVE_POINTS = 4001
 """Number of points at which a curve is interpolated."""

@@ -5,10 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
+from walkergen.core import Design, Scene
 from walkergen.core.files import output
 from walkergen.core.files.output import Folder
-from walkergen.core.scene import Scene
-from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.files.report import Report
 

@@ -2,23 +2,21 @@
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from walkergen.core import Quantity
 from walkergen.core.errors import InputError
 from walkergen.core.numerics import Array
-from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import GRAVITY
 from walkergen.guests.lab.beams import damping_ratio
 from walkergen.guests.lab.calibrate import form, parts, slide_film
 from walkergen.guests.lab.calibrate.estimate import Estimate, Single, weighted_mean
+from walkergen.guests.lab.calibrate.fields import CalibrateFields
 from walkergen.guests.lab.calibrate.form import Reading, Readings
 from walkergen.guests.lab.calibrate.modulus import POSITION_SD_MM
 from walkergen.guests.lab.inverse import Measured
-
-if TYPE_CHECKING:
-    from walkergen.guests.lab.calibrate.request import CalibrateRequest
 
 SLIDING_PARTS = ("block", "walker")
 """Parts that slide."""
@@ -123,7 +121,7 @@ def rebound(readings: Readings) -> Rebound | None:
     return Rebound(Measured(number, int(tries.sum())), float(shares @ heights), _drop_scatter(flights, seconds, ratios))
 
 
-def stated_rebound(request: "CalibrateRequest") -> Rebound:
+def stated_rebound(request: CalibrateFields) -> Rebound:
     """Return the rebound that a request states. Raises InputError without it or its error."""
     for name in ("measured", "measured_sd"):
         if getattr(request, name) is None:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.core.numerics.quantity import Quantity
+from walkergen.core import Quantity
 
 MIN_PROBABILITY = 0.05
 """Probability of so large a chi2 below which readings disagree."""

@@ -14,11 +14,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from walkergen.core import Quantity
 from walkergen.core.errors import InputError
 from walkergen.core.files import columns, config, formatting, output
 from walkergen.core.files import file_reading as reading
 from walkergen.core.files.tables import csv_text
-from walkergen.core.numerics.quantity import Quantity
 
 FORM_FILE = "measurements.csv"
 CONDITION_COLUMNS = ("unloaded_mm", "weight_g", "at_mm")

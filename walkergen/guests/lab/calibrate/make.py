@@ -2,26 +2,23 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from walkergen.core import Design, Quantity
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress
-from walkergen.core.numerics.quantity import Quantity, Verdict
-from walkergen.core.walker.design import Design
-from walkergen.core.walker.spec import Material
+from walkergen.core.numerics.quantity import Verdict
 from walkergen.guests.lab import drops, inverse
 from walkergen.guests.lab.calibrate import contact, form, modulus, report, specimens
 from walkergen.guests.lab.calibrate.contact import Rebound
 from walkergen.guests.lab.calibrate.estimate import Estimate
+from walkergen.guests.lab.calibrate.fields import CalibrateFields
 from walkergen.guests.lab.calibrate.form import Readings
 from walkergen.guests.lab.calibrate.modulus import Bent
 from walkergen.guests.lab.inverse import Answer
 from walkergen.guests.lab.report import LabReport, Setup, name_after, write_report
-
-if TYPE_CHECKING:
-    from walkergen.guests.lab.calibrate.request import CalibrateRequest
 
 MAX_THICKNESS_DIFFERENCE = 0.3
 """Largest relative difference of thickness between a strip and the leg that it represents."""
@@ -30,7 +27,7 @@ FELL_OVER_REASON = "nearly all simulated drops fell over. Drop the walker from l
 """Reason why drops give no restitution."""
 
 
-def calibrate_form(request: "CalibrateRequest", setup: Setup, folder: Path, progress: Progress) -> LabReport:
+def calibrate_form(request: CalibrateFields, setup: Setup, folder: Path, progress: Progress) -> LabReport:
     """Estimate material and contact from a filled form, and write the results.
 
     Writes calibration.csv and .md, strips.csv, design.toml, scene.toml, strips.png and .pdf,
@@ -41,7 +38,7 @@ def calibrate_form(request: "CalibrateRequest", setup: Setup, folder: Path, prog
     readings = form.read_form(path)
     density = contact.density(readings)
     strips, notes = specimens.from_readings(readings)
-    bent = _fit_modulus(strips, density, setup.design.material, request.by, notes) if strips else None
+    bent = _fit_modulus(strips, density, setup.design, request.by, notes) if strips else None
     means = {"friction": contact.friction(readings), "damping": contact.damping(readings)}
     estimates = [each for each in (*(bent.estimates if bent else ()), density, *means.values()) if each is not None]
     measured = _apply_settings(estimates, setup, path)
@@ -66,7 +63,7 @@ def calibrate_form(request: "CalibrateRequest", setup: Setup, folder: Path, prog
     return write_report(made, setup, choices, request.pictures, f"Measured: {path.name}")
 
 
-def calibrate_drop(request: "CalibrateRequest", setup: Setup, folder: Path, progress: Progress) -> LabReport:
+def calibrate_drop(request: CalibrateFields, setup: Setup, folder: Path, progress: Progress) -> LabReport:
     """Estimate the feet's restitution from the measured rebound of a drop, and write the results.
 
     Writes calibration.csv and .md, manifest.json and, if the restitution is determined, scene.toml. Raises InputError
@@ -87,9 +84,10 @@ def calibrate_drop(request: "CalibrateRequest", setup: Setup, folder: Path, prog
 
 
 def _fit_modulus(
-    strips: Sequence[specimens.Specimen], measured: Estimate | None, material: Material, method: str, notes: list[str]
+    strips: Sequence[specimens.Specimen], measured: Estimate | None, design: Design, method: str, notes: list[str]
 ) -> Bent:
-    """Fit the modulus of the strips, with the material's density unless measured. Adds to `notes`."""
+    """Fit the modulus of the strips, with the design's density unless measured. Adds to `notes`."""
+    material = design.material
     drawn = material.density_g_cm3
     density = Quantity("density", "g_cm3", drawn, modulus.DENSITY_SD * drawn) if measured is None else measured.number
     rough = modulus.rough_moduli(strips, density)
@@ -102,7 +100,7 @@ def _fit_modulus(
     return Bent(fit, points, method, modulus.ring_excess(strips, density), modulus.thickness_offset(strips, density))
 
 
-def _invert_rebound(seen: Rebound, setup: Setup, request: "CalibrateRequest", progress: Progress) -> Answer | None:
+def _invert_rebound(seen: Rebound, setup: Setup, request: CalibrateFields, progress: Progress) -> Answer | None:
     """Find the feet's restitution for a rebound from simulated drops; None if the walker nearly always fell over."""
     scene, design = setup.scene, setup.design
     drops.check_one_material(design)

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from walkergen.core import Quantity
 from walkergen.core.errors import InputError
 from walkergen.core.numerics import Array
-from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import GRAVITY
 from walkergen.guests.lab import beams
 from walkergen.guests.lab.beams import Strip

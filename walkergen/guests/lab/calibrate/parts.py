@@ -10,14 +10,13 @@ from typing import NamedTuple
 import manifold3d
 import numpy as np
 
+from walkergen.core import Design, Printer
 from walkergen.core.printing import walls
 from walkergen.core.printing.packing import border_width
-from walkergen.core.printing.printers import Printer
 from walkergen.core.scene import GRAVITY
 from walkergen.core.shapes import modeller
 from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.shapes.modeller import Engraving, extrude
-from walkergen.core.walker.design import Design
 from walkergen.guests.lab import beams
 from walkergen.guests.lab.beams import Strip
 from walkergen.readers.drawings.lettering import text_outline

@@ -2,27 +2,24 @@
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
+from walkergen.core import Design, Printer
 from walkergen.core.files import output
 from walkergen.core.files.output import Folder
 from walkergen.core.files.progress import Progress
 from walkergen.core.files.tables import csv_text
 from walkergen.core.printing import checks, packing, print_sheet
 from walkergen.core.printing.findings import Finding, check_printable, combine_printers
-from walkergen.core.printing.printers import Printer
 from walkergen.core.printing.walls import Wall
 from walkergen.core.walker import solids
-from walkergen.core.walker.design import Design
 from walkergen.files import report
 from walkergen.files.report import Report, Table
 from walkergen.guests.lab.calibrate import form, parts, plate_files
 from walkergen.guests.lab.calibrate import sheet as measuring
+from walkergen.guests.lab.calibrate.fields import CalibrateFields
 from walkergen.guests.lab.calibrate.parts import Drawn
 from walkergen.guests.lab.calibrate.plate_files import Laid, Piece
-
-if TYPE_CHECKING:
-    from walkergen.guests.lab.calibrate.request import CalibrateRequest
 
 STEM = "calibration"
 
@@ -44,7 +41,7 @@ class Place(NamedTuple):
 
 
 def make_plate(
-    request: "CalibrateRequest",
+    request: CalibrateFields,
     design: Design,
     printers: Sequence[Printer],
     folder: Path,
@@ -112,7 +109,7 @@ def _make_pieces(design: Design, drawn: Sequence[Drawn], printer: Printer) -> li
 
 
 def _write_printer_files(
-    request: "CalibrateRequest", design: Design, drawn: Sequence[Drawn], laid: Laid, folder: Path
+    request: CalibrateFields, design: Design, drawn: Sequence[Drawn], laid: Laid, folder: Path
 ) -> list[Path]:
     """Write the files of one printer and return their paths."""
     start = f"{STEM}_{laid.printer.name}"
@@ -121,7 +118,7 @@ def _write_printer_files(
         for name, data in (
             (f"{start}.csv", rows.encode()),
             (f"{start}.md", _format_sheet(design, drawn, laid, start).encode()),
-            *plate_files.plate_files(laid, design.material, STEM, request.pictures, request.prusaslicer),
+            *plate_files.plate_files(laid, design, STEM, request.pictures, request.prusaslicer),
         ):
             target.write(name, data)
         target.finish(_facts(design, drawn, laid))

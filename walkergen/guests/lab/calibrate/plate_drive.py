@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from walkergen.core import Quantity
 from walkergen.core.errors import InputError
 from walkergen.core.files import formatting
 from walkergen.core.numerics import Array, Complex
-from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import GRAVITY, Scene
 from walkergen.files.report import Column, Table
 from walkergen.guests.lab.calibrate import accelerometer

@@ -5,14 +5,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from walkergen.core import Design, Printer
 from walkergen.core.printing import checks, export, packing, print_sheet, slicer
 from walkergen.core.printing.findings import Finding
 from walkergen.core.printing.packing import Part, Plate
 from walkergen.core.printing.print_sheet import Load
-from walkergen.core.printing.printers import Printer
 from walkergen.core.shapes.mesh import Mesh
 from walkergen.core.walker import mass
-from walkergen.core.walker.spec import Material
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,7 +32,6 @@ class Piece(NamedTuple):
     label: str
     """Words on the map."""
     findings: Sequence[Finding]
-    copies: int = 1
 
 
 class Laid(NamedTuple):
@@ -48,7 +46,7 @@ class Laid(NamedTuple):
 
 def arrange(pieces: Sequence[Piece], printer: Printer, max_plates: int | None) -> Laid:
     """Arrange and check pieces. Raises PlateError when they do not fit."""
-    parts = [Part.from_mesh(piece.name, piece.mesh, piece.copies) for piece in pieces]
+    parts = [Part.from_mesh(piece.name, piece.mesh, 1) for piece in pieces]
     plates = packing.pack(parts, printer, max_plates)
     findings = [
         *checks.check_printer(printer),
@@ -71,11 +69,11 @@ def loads(laid: Laid, density: float) -> list[Load]:
 
 
 def plate_files(
-    laid: Laid, material: Material, stem: str, pictures: bool, prusaslicer: bool
+    laid: Laid, design: Design, stem: str, pictures: bool, prusaslicer: bool
 ) -> Iterator[tuple[str, bytes]]:
     """Yield names and bytes of settings, plates (3MF), pieces (STL) and, with pictures, maps."""
     start = f"{stem}_{laid.printer.name}"
-    yield from slicer.settings_files(laid.printer, material, start)
+    yield from slicer.settings_files(laid.printer, design.material, start)
     meshes = [piece.mesh for piece in laid.pieces]
     for number, plate in enumerate(laid.plates, start=1):
         name, picture = f"{start}_{number}", None
@@ -129,9 +127,8 @@ def _draw_labels(axes: "Axes", laid: Laid, plate: Plate) -> None:
     """Write the words of each piece on its upper edge, on white."""
     for placed in plate.placements:
         piece, part = laid.pieces[placed.part], laid.parts[placed.part]
-        words = piece.label + (f"-{placed.copy}" if piece.copies > 1 else "")
         axes.annotate(
-            words,
+            piece.label,
             (placed.x + 0.5 * part.width, placed.y + part.depth),
             xytext=(0, -1),
             textcoords="offset points",

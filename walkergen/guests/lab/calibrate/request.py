@@ -2,20 +2,18 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING
 
-from pydantic import Field
-
-from walkergen import print_fields, request
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress
-from walkergen.request import Flag
+from walkergen.guests.lab.calibrate.fields import CalibrateFields
 
 if TYPE_CHECKING:
     from walkergen.core.printing.findings import Finding
     from walkergen.files.report import Report
     from walkergen.guests.lab.report import Setup
     from walkergen.inputs import Inputs
+
 
 FORM_KIND = "form"
 """Name of a filled form in `KINDS_BY_FIELD`."""
@@ -41,7 +39,7 @@ KINDS_BY_FIELD = {
 """Kinds of calibration that each field belongs to."""
 
 
-class CalibrateRequest(request.Request):
+class CalibrateRequest(CalibrateFields):
     """Estimate Young's modulus, density, friction, damping and restitution from your readings.
 
     `calibrate plate` makes a plate to measure: strips of four thicknesses, a block and one walker, with a sheet and a
@@ -59,48 +57,6 @@ class CalibrateRequest(request.Request):
     `calibrate drop` estimates the restitution of the feet, at any tilt, from the rebound of a drop on a still plate
     (--measured: root of height over height). It simulates drops with each restitution.
     """
-
-    by_position: ClassVar = ("what", "design", "scene")
-
-    what: Annotated[
-        Any,
-        request.AsText,
-        Flag("Filled form of `calibrate plate`; or plate; or drop.", "WHAT", takes="Name | None", argument=True),
-    ] = None
-    design: request.Filmed = request.PAPER_WALKER
-    tilt: request.Tilt = None
-    legs: request.Legs = None
-    scene: request.Ground = request.LANE_SCENE
-    restitution: request.Restitution = None
-    friction: request.Friction = None
-    by: Annotated[
-        Literal["deflection", "ring", "both"], Flag("Method for Young's modulus: deflection, ring or both.", "METHOD")
-    ] = "both"
-    roll_deg: Annotated[
-        float,
-        Field(ge=0.0, le=20.0),
-        Flag("Deviation of pitch and roll of drops from the hand, deg; 0: all are released flat.", "DEG"),
-    ] = 1.0
-    drops: Annotated[int, Field(ge=2, le=1000), Flag("Simulated drops from the hand for each point.", "N")] = 24
-    seed: request.Seed = None
-    measured: Annotated[
-        float | None, Field(ge=1e-9, le=1.0), Flag("Rebound of a drop, root of height over height.", "NUMBER")
-    ] = None
-    measured_sd: Annotated[
-        float | None, Field(ge=1e-9, le=1.0), Flag("Standard error of the measured rebound.", "NUMBER")
-    ] = None
-    tries: Annotated[int, Field(ge=1, le=10_000), Flag("Number of drops in the measured mean.", "N")] = 1
-    height_mm: Annotated[float, Field(ge=0.01, le=1000.0), Flag("Height of the drop, mm.", "MM")] = 10.0
-    printer: print_fields.Machines = request.DEFAULT_PRINTER
-    max_plates: print_fields.MaxPlates = None
-    prusaslicer: print_fields.ForPrusaSlicer = False
-    strict: print_fields.Strict = False
-    plate: Annotated[
-        Path | None, request.File, Flag("Recording of an accelerometer on the plate, CSV.", "FILE", takes="Name | None")
-    ] = None
-    set: request.Settings = {}
-    pictures: request.Pictures = True
-    out: request.Out = None
 
     def run(self, progress: Progress) -> "Report":
         """Make a plate to measure, or estimate from a form, a drop or a recording."""

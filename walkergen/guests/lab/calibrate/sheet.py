@@ -3,9 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from walkergen.core import Design, Printer
 from walkergen.core.printing.print_sheet import markdown_table
-from walkergen.core.printing.printers import Printer
-from walkergen.core.walker.design import Design
 from walkergen.guests.lab import beams
 from walkergen.guests.lab.calibrate import form, parts
 from walkergen.guests.lab.calibrate.parts import Drawn

@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from walkergen.analysis import track_files
+from walkergen.core import Quantity
 from walkergen.core.errors import InputError
 from walkergen.core.files import safe_text
 from walkergen.core.numerics import Array
-from walkergen.core.numerics.quantity import Quantity
 from walkergen.core.scene import GRAVITY
 
 MIN_FRAMES = 10

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from walkergen.core import Quantity
 from walkergen.core.errors import InputError
-from walkergen.core.numerics.quantity import Quantity
 from walkergen.guests.lab import beams
 from walkergen.guests.lab.calibrate.form import AIR_SHARE, Reading, Readings
 

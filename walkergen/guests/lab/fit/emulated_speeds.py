@@ -11,13 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from walkergen.core import Design, mass_of
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress, part_progress
 from walkergen.core.numerics import Array
 from walkergen.core.scene import Drive, Scene
 from walkergen.core.theory import uncertain_inputs
-from walkergen.core.walker import solids
-from walkergen.core.walker.design import Design
 from walkergen.guests.lab.fit.parameters import ModelName, Unknown, prior_values
 from walkergen.points import emulator, run_time, walkers
 from walkergen.points.emulator import Emulator
@@ -125,7 +124,7 @@ def simulate(ground: Ground, setting: Setting, x: Array, progress: Progress, bat
 
 def cpu_seconds(ground: Ground, setting: Setting) -> float:
     """Return the CPU seconds of one run in a setting, with the values of design and scene."""
-    return run_time.run_cpu_s(Walker(_short_scene(ground, setting), setting.design, solids.mass_of(setting.design)))
+    return run_time.run_cpu_s(Walker(_short_scene(ground, setting), setting.design, mass_of(setting.design)))
 
 
 def _sample_prints(ground: Ground, setting: Setting, count: int, batch: int) -> tuple[Array, list[int]]:

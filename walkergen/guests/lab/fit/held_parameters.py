@@ -1,17 +1,14 @@
 """Parameters that a fit holds, NAME=VALUE, and the statement of its assumptions."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 from walkergen.core.drive import MOTOR_FREQUENCY_RANGE_HZ
 from walkergen.core.errors import InputError
 from walkergen.core.files import formatting
 from walkergen.core.scene import MIN_RESTITUTION
+from walkergen.guests.lab.fit.fields import FitFields
 from walkergen.guests.lab.fit.least_squares import RANGES
 from walkergen.guests.lab.fit.parameters import DEFAULT_PRIOR, FLAT_RANGES, MIN_TABLE_FRICTION
-
-if TYPE_CHECKING:
-    from walkergen.guests.lab.fit.request import FitRequest
 
 MODEL_RANGES = {
     "restitution": (MIN_RESTITUTION, 1.0),
@@ -26,7 +23,7 @@ MODEL_RANGES = {
 """Ranges of the parameters that a fit of simulated speeds may hold."""
 
 
-def parse_held(request: "FitRequest") -> dict[str, float]:
+def parse_held(request: FitFields) -> dict[str, float]:
     """Return the parameters to hold, by name. Raises InputError for unknown names and values out of range."""
     of = "" if request.model == "theory" else f" (model {request.model})"
     ranges, held = _ranges(request.model), {}
@@ -43,7 +40,7 @@ def parse_held(request: "FitRequest") -> dict[str, float]:
     return held
 
 
-def describe_assumptions(request: "FitRequest", walker: str, held: Mapping[str, float]) -> str:
+def describe_assumptions(request: FitFields, walker: str, held: Mapping[str, float]) -> str:
     """State the assumptions of a fit for a walker of this name."""
     parts = [f"walker {walker}"]
     if request.model == "theory":

@@ -1,9 +1,8 @@
-"""Posterior of the parameters by weighted draws, where a speed costs microseconds.
+"""Posterior of the parameters from weighted draws.
 
-Importance sampling in z, where every prior is the standard normal, from the prior first and then
-from normal distributions somewhat wider than what the draws before tell (population Monte Carlo,
-Cappé et al., J. Comput. Graph. Stat. 13, 907, 2004); a tenth is drawn from the prior always, so
-that nothing is left out for ever.
+Importance sampling in z, where every prior is the standard normal: first from the prior, then from normal distributions
+somewhat wider than the weighted draws so far (population Monte Carlo, Cappé et al., J. Comput. Graph. Stat. 13, 907,
+2004). A tenth always comes from the prior, so that no region is left out for ever.
 """
 
 from collections.abc import Sequence
@@ -17,10 +16,10 @@ from walkergen.guests.lab.fit.parameters import Parameter, prior_values
 from walkergen.guests.lab.fit.posterior import KEPT_DRAWS, Observed, Posterior, Responds, log_likelihood
 
 DRAWS_PER_ROUND, MAX_ROUNDS = 2**13, 24
-"""Draws of a round, which count with those of all before, and rounds until sampling gives up."""
+"""Draws of a round, which add to those of earlier rounds, and rounds until sampling gives up."""
 
 MIN_INDEPENDENT = 1000.0
-"""Independent draws that the weighted ones must be worth: bounds of 95 % then err by 0.1 sd."""
+"""Least equivalent number of independent draws: bounds of 95 % then err by 0.1 sd."""
 
 PRIOR_SHARE, SPREAD_FACTOR = 0.1, 1.4
 """Share of the draws that are the prior's, and factor on the spread of the others."""
@@ -57,15 +56,15 @@ def sample(
         if worth >= MIN_INDEPENDENT:
             picked = rng.choice(len(every), KEPT_DRAWS, p=weight)
             draws = prior_values(parameters, ndtr(every[picked]))
-            return Posterior(draws, len(every), None, worth, float(squares.min()))
+            return Posterior(draws, len(every), worth, float(squares.min()))
         weight = _temper_weights(logarithm)
         middle = weight @ every
         off = (every - middle) * np.sqrt(weight)[:, None]
         spread = SPREAD_FACTOR**2 * (off.T @ off) + 1e-9 * np.eye(wide)
         root = np.asarray(np.linalg.cholesky(spread))
     raise InputError(
-        f"the posterior did not converge: {len(every)} draws are worth {worth:.0f} independent "
-        "ones: hold a parameter, ‹fix› NAME=VALUE, or take ‹prior=›scene"
+        f"the posterior did not converge: {len(every)} draws are worth only {worth:.0f} independent ones. "
+        "Hold a parameter, ‹fix› NAME=VALUE, or use ‹prior=›scene"
     )
 
 

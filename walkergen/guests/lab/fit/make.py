@@ -1,20 +1,18 @@
 """Fit: from measured speeds to the contact that predicts, simulates or describes them."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from walkergen.core.files.progress import Expect, Progress, ignore_estimate
 from walkergen.guests.lab.fit import held_parameters, model_fit, report, theory
+from walkergen.guests.lab.fit.fields import FitFields
 from walkergen.guests.lab.fit.parameters import DEFAULT_PRIOR
 from walkergen.guests.lab.fit.report import FitReport
 from walkergen.guests.lab.report import Setup, write_report
 
-if TYPE_CHECKING:
-    from walkergen.guests.lab.fit.request import FitRequest
-
 
 def fit(
-    request: "FitRequest", setup: Setup, folder: Path, progress: Progress, expect: Expect = ignore_estimate
+    request: FitFields, setup: Setup, folder: Path, progress: Progress, expect: Expect = ignore_estimate
 ) -> FitReport:
     """Fit a model to a file of speeds, and write the results into a folder.
 

@@ -3,22 +3,21 @@
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from walkergen.analysis import speeds as measured
 from walkergen.analysis.speeds import Measured
+from walkergen.core import Design, Scene, mass_of
 from walkergen.core.errors import InputError
 from walkergen.core.files.config import validate
 from walkergen.core.files.progress import Expect, Expected, Progress, ignore_estimate
 from walkergen.core.numerics import Array
-from walkergen.core.scene import Scene
-from walkergen.core.walker import solids
-from walkergen.core.walker.design import Design
 from walkergen.core.walker.limbs import Kind
 from walkergen.guests.lab.fit import emulated_speeds, identifiability, importance_sampling, posterior, surrogate_speeds
 from walkergen.guests.lab.fit.emulated_speeds import Ground, Setting
+from walkergen.guests.lab.fit.fields import FitFields
 from walkergen.guests.lab.fit.identifiability import Learnt
 from walkergen.guests.lab.fit.parameters import (
     DEFAULT_PRIOR,
@@ -30,10 +29,7 @@ from walkergen.guests.lab.fit.parameters import (
 )
 from walkergen.guests.lab.fit.posterior import Observed, Posterior, Responds
 from walkergen.guests.lab.report import Setup, name_after
-from walkergen.points import effect_selection, run_time
-
-if TYPE_CHECKING:
-    from walkergen.guests.lab.fit.request import FitRequest
+from walkergen.points import effect_selection, emulator, run_time
 
 PRIOR_WALKERS, POSTERIOR_WALKERS, AHEAD_WALKERS = 64, 32, 48
 """Walkers simulated in a setting: over the prior, over the posterior, and ahead of measuring."""
@@ -85,7 +81,7 @@ class Learned(NamedTuple):
 
 
 def fit(
-    request: "FitRequest", setup: Setup, held: Mapping[str, float], progress: Progress, expect: Expect = ignore_estimate
+    request: FitFields, setup: Setup, held: Mapping[str, float], progress: Progress, expect: Expect = ignore_estimate
 ) -> Learned:
     """Fit a model to a file of speeds.
 
@@ -94,7 +90,7 @@ def fit(
     """
     model, path = request.model, request.speeds
     assert model != "theory"
-    drive = setup.scene.drive.equivalent_plate_drive(float(solids.mass_of(setup.design).total))
+    drive = setup.scene.drive.equivalent_plate_drive(float(mass_of(setup.design).total))
     table = measured.read_speeds(path, setup.design.kind, drive.peak_speed)
     measured.check_units(path, table)
     seen, notes = _select_flexible(table, path, model)
@@ -215,15 +211,16 @@ def _sample_by_runs(
     seed = ground.scene.run.seed
     x = emulated_speeds.sample_parameters(ground, PRIOR_WALKERS)
     y = emulated_speeds.simulate_batches(ground, settings, x, progress, 0)
-    first = posterior.sample(
-        ground.unknown.parameters, observed, _fit_responses(ground, settings, x, y), seed, progress
-    )
+    parameters, responses = ground.unknown.parameters, _fit_responses(ground, settings, x, y)
+    with emulator.single_thread():
+        first = importance_sampling.sample(parameters, observed, responses, seed, progress)
     drawn = _thin_draws(first, ground, POSTERIOR_WALKERS)
     more = emulated_speeds.simulate_batches(ground, settings, drawn, progress, 1)
     x = np.concatenate([x, drawn])
     y = [np.concatenate(both) for both in zip(y, more, strict=True)]
     responses = _fit_responses(ground, settings, x, y)
-    sampled = posterior.sample(ground.unknown.parameters, observed, responses, seed, progress)
+    with emulator.single_thread():
+        sampled = importance_sampling.sample(parameters, observed, responses, seed, progress)
     drawn = _thin_draws(sampled, ground, AHEAD_WALKERS)
     y = emulated_speeds.simulate_batches(ground, ahead, drawn, progress, 2)
     return sampled, responses, _fit_responses(ground, ahead, drawn, y)
@@ -238,7 +235,7 @@ def _expected_time(ground: Ground, settings: Sequence[Setting], ahead: Sequence[
 
 
 def _thin_draws(sampled: Posterior, ground: Ground, count: int) -> Array:
-    """Return draws of the posterior that lie far apart in the chain, (count, simulated parameters)."""
+    """Return evenly chosen draws of the posterior, (count, simulated parameters)."""
     wide = len(ground.unknown.simulated)
     return sampled.draws[:: len(sampled.draws) // count][:count, :wide]
 

@@ -6,13 +6,13 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from walkergen.core import Design
 from walkergen.core.errors import InputError
 from walkergen.core.files import formatting
 from walkergen.core.numerics import Array
 from walkergen.core.scene import MIN_RESTITUTION, Scene
 from walkergen.core.theory import uncertain_inputs
 from walkergen.core.theory.uncertain_inputs import Input
-from walkergen.core.walker.design import Design
 
 PriorName = Literal["flat", "scene"]
 DEFAULT_PRIOR: PriorName = "scene"

@@ -112,7 +112,7 @@ def make_model_report(learned: Learned, caption: str, path: Path, folder: Path) 
         "bands": [band._asdict() | {"measured": bool(band.measured)} for band in learned.bands],
         "chi2": posterior.chi2,
         "steps": posterior.steps,
-        "autocorrelation_steps": posterior.correlation,
+        "autocorrelation_steps": None,
         "independent_draws": posterior.independent,
     }
     sampled = (

@@ -9,13 +9,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from walkergen.core import mass_of
 from walkergen.core.errors import InputError
 from walkergen.core.numerics import Array
 from walkergen.core.theory import prediction, surrogate
 from walkergen.core.theory.networks import LINEAR_BELOW
 from walkergen.core.theory.surrogate import UnknownError
 from walkergen.core.theory.uncertain_inputs import Drawn
-from walkergen.core.walker import solids
 from walkergen.guests.lab.fit.emulated_speeds import STILL_SPEED_RATIO, Ground, Setting, plate_scene
 from walkergen.guests.lab.fit.parameters import SCATTER_NAME
 
@@ -49,7 +49,7 @@ def responses(ground: Ground, settings: Sequence[Setting]) -> list[Tabled]:
     for setting in settings:
         scene, design = plate_scene(ground.scene, setting), setting.design
         try:
-            known = surrogate.case_in_domain(scene, design, solids.mass_of(design), within_goal=False)
+            known = surrogate.case_in_domain(scene, design, mass_of(design), within_goal=False)
         except UnknownError as error:
             raise InputError(
                 f"{design.name}, tilt {setting.tilt:g} deg: {error.text}: fit simulated speeds, "

@@ -2,27 +2,23 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from walkergen.analysis import speeds as measured
 from walkergen.analysis.speeds import Measured
+from walkergen.core import Design, Scene, mass_of
 from walkergen.core.errors import InputError
 from walkergen.core.files.config import validate
 from walkergen.core.files.progress import Progress
 from walkergen.core.numerics import Array
-from walkergen.core.scene import Scene
 from walkergen.core.theory.speed import Mode
-from walkergen.core.walker import solids
-from walkergen.core.walker.design import Design
 from walkergen.core.walker.limbs import KINDS, Kind
 from walkergen.guests.lab.fit import least_squares
+from walkergen.guests.lab.fit.fields import FitFields
 from walkergen.guests.lab.fit.least_squares import RANGES, ContactFit, Speeds
 from walkergen.guests.lab.report import Setup, name_after
-
-if TYPE_CHECKING:
-    from walkergen.guests.lab.fit.request import FitRequest
 
 CURVE_POINTS = 121
 
@@ -53,7 +49,7 @@ class Fitted(NamedTuple):
         return {kind: _fitted_curve(self, kind) for kind in KINDS if kind in self.seen.legs}
 
 
-def fit(request: "FitRequest", setup: Setup, held: Mapping[str, float], progress: Progress) -> Fitted:
+def fit(request: FitFields, setup: Setup, held: Mapping[str, float], progress: Progress) -> Fitted:
     """Fit the theory's contact to a CSV file of speeds.
 
     Columns: tilt_deg, speed_mm_s; optionally speed_se_mm_s, legs, plate_speed_mm_s (the scene's
@@ -79,7 +75,7 @@ def _make_speeds(
 ) -> Speeds:
     """Return the speeds with the theory's inputs for walkers with these tilts (deg) and legs."""
     pairs = zip(tilt, legs, strict=True)
-    masses = [solids.mass_of(design.members([float(angle)], [kind])[0]) for angle, kind in pairs]
+    masses = [mass_of(design.members([float(angle)], [kind])[0]) for angle, kind in pairs]
     return Speeds(speed, se, plate, *least_squares.inverse_mass_tensors(masses), mode)
 
 

@@ -12,8 +12,8 @@ from walkergen.analysis.facts import WALKER_ESTIMATES
 from walkergen.analysis.motion import Motion
 from walkergen.analysis.particle_scatter import WalkerMeans
 from walkergen.analysis.tracks import Tracks
+from walkergen.core import Quantity
 from walkergen.core.files import formatting
-from walkergen.core.numerics.quantity import Quantity
 from walkergen.files import quantity_format
 from walkergen.files.report import Column, Report, Table
 

@@ -3,25 +3,23 @@
 import math
 from collections.abc import Sequence
 from itertools import chain, islice, pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from walkergen.core import Quantity
 from walkergen.core.files.progress import Progress
 from walkergen.core.numerics import Array
-from walkergen.core.numerics.quantity import Quantity
 from walkergen.guests.track.film import appearance, camera, films, heading, linking
 from walkergen.guests.track.film.appearance import Appearance
 from walkergen.guests.track.film.blobs import Blob, find_blobs
 from walkergen.guests.track.film.camera import Shake
+from walkergen.guests.track.film.fields import TrackFields
 from walkergen.guests.track.film.films import Box, Clock, Film, Grey
 from walkergen.guests.track.film.heading import MIN_ELONGATION
 from walkergen.guests.track.film.lens import Lens
 from walkergen.guests.track.film.linking import Linked, Seen
 from walkergen.guests.track.film.result import Outline, Tracked, Walker
-
-if TYPE_CHECKING:
-    from walkergen.guests.track.film.request import TrackRequest
 
 SAMPLE_FRAMES = 8
 """Number of frames, from the first on, that tell the look of a film."""
@@ -50,7 +48,7 @@ class Unmarked(NamedTuple):
 
 
 def track(
-    film: Film, part: Box, request: "TrackRequest", lens: Lens | None, progress: Progress
+    film: Film, part: Box, request: TrackFields, lens: Lens | None, progress: Progress
 ) -> tuple[Tracked, Unmarked]:
     """Track the walkers in a part of a film's frames, with the findings behind them. Raises InputError for none."""
     frames = _find_in_frames(film, part, request, progress)
@@ -78,7 +76,7 @@ class _Frames(NamedTuple):
     shake: Shake
 
 
-def _find_in_frames(film: Film, part: Box, request: "TrackRequest", progress: Progress) -> _Frames:
+def _find_in_frames(film: Film, part: Box, request: TrackFields, progress: Progress) -> _Frames:
     dark = None if request.walkers is None else request.walkers == "dark"
     with films.play(film, part, request.frames, progress) as reel:
         samples = list(islice(reel.frames, SAMPLE_FRAMES))
@@ -119,7 +117,7 @@ def _walker_length(linked: Linked, straight: Sequence[Seen]) -> float:
     return linked.length * float(np.median(own / bent))
 
 
-def find_scale(request: "TrackRequest", length: float) -> Quantity:
+def find_scale(request: TrackFields, length: float) -> Quantity:
     """Return the millimetres per pixel with their standard error, as given or from a walker's length, pixels.
 
     Errors of a scale from a length are those of blurred edges and of the given length.

@@ -5,9 +5,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from walkergen.core import Quantity
 from walkergen.core.files import formatting
 from walkergen.core.numerics import Array, Whole
-from walkergen.core.numerics.quantity import Quantity
 from walkergen.guests.track.film.blob_tracking import Unmarked
 from walkergen.guests.track.film.blobs import Blobs
 from walkergen.guests.track.film.linking import Seen

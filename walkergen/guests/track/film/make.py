@@ -1,7 +1,6 @@
 """Tracking of a film: walkers with or without markers; writes tracks.csv and check.png."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from walkergen.core.errors import InputError
 from walkergen.core.files.output import Folder
@@ -16,14 +15,12 @@ from walkergen.guests.track.film import (
     report,
 )
 from walkergen.guests.track.film.blob_tracking import Unmarked
+from walkergen.guests.track.film.fields import TrackFields
 from walkergen.guests.track.film.films import Box, Film
 from walkergen.guests.track.film.marker_tracking import Marked
 from walkergen.guests.track.film.quality import Told
 from walkergen.guests.track.film.report import TrackReport
 from walkergen.guests.track.film.result import Tracked
-
-if TYPE_CHECKING:
-    from walkergen.guests.track.film.request import TrackRequest
 
 MIN_SIZE_PX = 8
 """Smallest width and height of the searched part, pixels."""
@@ -32,7 +29,7 @@ MIN_VALUE, MAX_VALUE = 1e-6, 1e9
 """Range of lengths, scales and rates."""
 
 
-def track(request: "TrackRequest", folder: Path, progress: Progress) -> TrackReport:
+def track(request: TrackFields, folder: Path, progress: Progress) -> TrackReport:
     """Track the walkers of a film and write tracks.csv, check.png and manifest.json.
 
     Raises InputError, before anything is written, if the film cannot be read or shows no walker.
@@ -47,7 +44,7 @@ def track(request: "TrackRequest", folder: Path, progress: Progress) -> TrackRep
     return tracks
 
 
-def find_walkers(request: "TrackRequest", progress: Progress) -> tuple[Tracked, Unmarked | Marked, Told]:
+def find_walkers(request: TrackFields, progress: Progress) -> tuple[Tracked, Unmarked | Marked, Told]:
     """Return a film's walkers, the findings behind them, and warnings. Raises InputError."""
     path = request.film
     own_lens = None if request.lens is None else lens.read_lens(request.lens)
@@ -86,7 +83,7 @@ def _conversion_notes(film: Film) -> list[str]:
     return notes
 
 
-def check_request(request: "TrackRequest") -> None:
+def check_request(request: TrackFields) -> None:
     """Raise InputError for values that exclude each other or are out of range."""
     for field, value, most in (
         ("mm_per_px", request.mm_per_px and request.mm_per_px[0], MAX_VALUE),

@@ -6,15 +6,16 @@ Reads markers frame by frame, and finds the plane that makes them squares of the
 import math
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from walkergen.core import Quantity
 from walkergen.core.errors import InputError
 from walkergen.core.files.progress import Progress
 from walkergen.core.numerics import Array, Whole
-from walkergen.core.numerics.quantity import Quantity
 from walkergen.guests.track.film import films, plane
+from walkergen.guests.track.film.fields import TrackFields
 from walkergen.guests.track.film.films import Box, Clock, Film, Grey
 from walkergen.guests.track.film.heading import unwrap
 from walkergen.guests.track.film.lens import Lens
@@ -23,9 +24,6 @@ from walkergen.guests.track.film.markers import MIN_SIDE_PX, Reader, Sighted
 from walkergen.guests.track.film.plane import Plane, Pose
 from walkergen.guests.track.film.result import Outline, Tracked, Walker
 from walkergen.readers.walkers import caps
-
-if TYPE_CHECKING:
-    from walkergen.guests.track.film.request import TrackRequest
 
 MARKER_MM = 7.2
 """Side of the markers that `plate --caps` prints by default, black frame included."""
@@ -66,9 +64,7 @@ class Marked(NamedTuple):
     """Numbers of the frames without a marker."""
 
 
-def track(
-    film: Film, part: Box, request: "TrackRequest", lens: Lens | None, progress: Progress
-) -> tuple[Tracked, Marked]:
+def track(film: Film, part: Box, request: TrackFields, lens: Lens | None, progress: Progress) -> tuple[Tracked, Marked]:
     """Track walkers by their markers in a part of a film's frames, in the order of their numbers.
 
     Returns also the plane and the corners that the tracks are based on. Raises InputError if there are none.
@@ -127,7 +123,7 @@ class _Read(NamedTuple):
     """Numbers that are read in the mirror."""
 
 
-def _read_markers(film: Film, part: Box, request: "TrackRequest", progress: Progress) -> _Read:
+def _read_markers(film: Film, part: Box, request: TrackFields, progress: Progress) -> _Read:
     """Read the markers of all frames. Raises InputError."""
     left, top, right, bottom = part
     reader, seen = Reader(right - left, bottom - top), list[Sighted]()

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from walkergen.core import Quantity
 from walkergen.core.files import formatting
-from walkergen.core.numerics.quantity import Quantity
 from walkergen.guests.track.film.marker_tracking import MARKER_MM, Marked
 from walkergen.guests.track.film.plane import CORRELATED_SIGHTINGS
 from walkergen.guests.track.film.quality import MAX_LOST_SHARE, Told

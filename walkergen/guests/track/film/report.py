@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from walkergen.core import Quantity
 from walkergen.core.files import formatting
-from walkergen.core.numerics.quantity import Quantity
 from walkergen.files import report
 from walkergen.files.report import Column, Report, Table
 from walkergen.guests.track.film import quality

@@ -2,18 +2,16 @@
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from walkergen.core import Quantity
 from walkergen.core.numerics import Array, Whole
-from walkergen.core.numerics.quantity import Quantity
 from walkergen.guests.track.film import quality
+from walkergen.guests.track.film.fields import TrackFields
 from walkergen.guests.track.film.films import Box, Clock, Film, Grey
 from walkergen.guests.track.film.lens import Lens
-
-if TYPE_CHECKING:
-    from walkergen.guests.track.film.request import TrackRequest
 
 
 class Outline(NamedTuple):
@@ -67,7 +65,7 @@ class Tracked(NamedTuple):
     """Findings in a film."""
 
     film: Film
-    request: "TrackRequest"
+    request: TrackFields
     lens: Lens | None
     """Lens whose distortion is corrected, as read from its file; None without one."""
     part: Box
