@@ -119,7 +119,7 @@ def test_too_few_speeds_and_rigid_legs_are_refused():
     )
     with pytest.raises(InputError, match="at least 4"):
         least_squares.fit_contact(few, {})
-    with pytest.raises(InputError, match="nothing is left"):
+    with pytest.raises(InputError, match="no parameter is left"):
         least_squares.fit_contact(speeds, TRUE)
     back, front = least_squares.inverse_mass_tensors(masses(TILTS, "braced"))
     with pytest.raises(InputError, match="rigid legs"):
