@@ -11,15 +11,10 @@ def _short_simulations():
     """Simulations in place of the surrogate are a tenth as long: what they give is tested in test_short.py."""
     from walkergen.points import short_simulation
 
-    kept = short_simulation.MAX_RUN_S, short_simulation.PRINT_S, short_simulation.PRINT_COUNT, short_simulation.MAX_RUNS
-    short_simulation.MAX_RUN_S, short_simulation.PRINT_S, short_simulation.PRINT_COUNT, short_simulation.MAX_RUNS = (
-        0.3,
-        0.2,
-        16,
-        8,
-    )
-    yield
-    short_simulation.MAX_RUN_S, short_simulation.PRINT_S, short_simulation.PRINT_COUNT, short_simulation.MAX_RUNS = kept
+    with pytest.MonkeyPatch.context() as patch:
+        for name, value in {"MAX_RUN_S": 0.3, "PRINT_S": 0.2, "PRINT_COUNT": 16, "MAX_RUNS": 8}.items():
+            patch.setattr(short_simulation, name, value)
+        yield
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from evidence import paper_simulation
 from evidence.commands import commands
 from evidence.landings import QUIET_S
 from evidence.published import FACTS
-from evidence.reproduce import compare, curves, figures, growth, impact_types, maximum, runs, theory
+from evidence.reproduce import compare, curves, figures, growth, impact_types, maximum, mechanisms, runs, theory
 from evidence.reproduce import make as reproduce
 from evidence.reproduce import motion as on_plane
 from evidence.reproduce.report import format_number
@@ -352,3 +352,30 @@ def test_a_real_run_on_a_plane_goes_through_the_analysis_of_films(design, scene)
 )
 def test_numbers_show_the_digits_that_their_error_leaves(value, se, shown):
     assert format_number(Quantity("", "", value, se)) == shown
+
+
+@pytest.mark.parametrize(
+    ("speed", "theory", "direction"),
+    [
+        (4.0, 5.0, "same"),
+        (-4.0, 5.0, "opposite"),
+        (-4.0, -5.0, "same"),
+        (1.9, 5.0, "undecided"),
+        (None, 5.0, "undecided"),
+        (4.0, 0.0, "undecided"),
+    ],
+)
+def test_directions_are_judged_by_the_bounds_of_the_simulated_speed(speed, theory, direction):
+    own, expected = Quantity("speed", "mm_s", speed, 1.0), Quantity("theory", "mm_s", theory, 1.0)
+    found = Point(None, "space", 0.0, 31.0, own, own, {}, 0, "")
+    assert mechanisms.Mechanism("x", Design(), expected, "balance", found).direction == direction
+
+
+def test_the_mechanisms_are_those_of_the_paper(design):
+    found = mechanisms.load_designs(design)
+    assert [design.kind for _, design in found] == ["flexible", "braced", "braced"]
+    frictions = {limb.friction for limb in found[1][1].limbs}
+    assert frictions == {0.1, 0.6}
+    assert {limb.friction for limb in found[2][1].limbs} == {None}
+    lengths = {limb.length for limb in found[2][1].limbs}
+    assert len(lengths) == 2

@@ -17,7 +17,7 @@ from walkergen.guests.lab.fit import model_fit
 from walkergen.guests.sweep import cost
 from walkergen.guests.sweep.axes import Space, make_axis
 from walkergen.guests.sweep.sweep_points import SweepPoints
-from walkergen.points import run_time, single_walker, walkers
+from walkergen.points import run_time, walkers
 from walkergen.points.experiments import Walker
 from walkergen.points.store import Store
 
@@ -78,23 +78,20 @@ class HeardError(Exception):
     """Return the expected run time that a job reports before it runs."""
 
 
-@pytest.mark.parametrize(("name", "values", "least_s"), [("fit", {"model": "space"}, model_fit.LEARNING_S)])
-def test_the_forecast_counts_the_work_of_a_job_beyond_its_runs(name, values, least_s, tmp_path, monkeypatch):
+def test_the_forecast_counts_the_work_of_a_job_beyond_its_runs(tmp_path, monkeypatch):
     monkeypatch.setattr(run_time, "run_cpu_s", lambda walker: 0.0)
-    monkeypatch.setattr(single_walker, "cost", lambda point: 0.0)
     monkeypatch.setattr(inputs, "open_pool", lambda *_: nullcontext())
-    if name == "fit":
-        values["speeds"] = tmp_path / "speeds.csv"
-        values["speeds"].write_text("tilt_deg,plate_speed_mm_s,speed_mm_s,speed_se_mm_s\n10,31.2,60,1\n20,31.2,90,1\n")
+    speeds = tmp_path / "speeds.csv"
+    speeds.write_text("tilt_deg,plate_speed_mm_s,speed_mm_s,speed_se_mm_s\n10,31.2,60,1\n20,31.2,90,1\n")
 
     def hear(find):
         raise HeardError(find().seconds)
 
-    asked = load_request(name).from_values(values | {"out": tmp_path / "out"})
+    asked = load_request("fit").from_values({"model": "space", "speeds": speeds, "out": tmp_path / "out"})
     asked.register_time_callback(hear)
     with pytest.raises(HeardError) as told:
         asked.run(silent)
-    assert told.value.args == (least_s,)
+    assert told.value.args == (model_fit.LEARNING_S,)
 
 
 def test_a_sweep_costs_the_sum_of_its_points_and_a_short_one_is_not_timed(monkeypatch):

@@ -21,7 +21,7 @@ from walkergen.guests.sweep.axes import Space
 from walkergen.guests.sweep.sweep_points import SweepPoints
 from walkergen.points import worker_pool
 from walkergen.points.model_kinds import evaluate
-from walkergen.points.point import Point, digest
+from walkergen.points.point import Point
 from walkergen.points.store import Store
 from walkergen.points.worker_pool import WorkerPool
 
@@ -273,12 +273,3 @@ def test_a_pool_has_a_sensible_number_of_workers():
         with pytest.raises(WalkergenError, match=rf"^workers={count}: must lie in 1\.\."):
             worker_pool.local_pool(count).__enter__()
     assert 1 <= measure.core_count() <= os.cpu_count()
-
-
-@pytest.mark.slow
-def test_workers_with_other_sources_are_named():
-    worker_pool.check_digests({"tcp://a": digest()})
-    with pytest.raises(WalkergenError, match="worker tcp://b has another version of walkergen"):
-        worker_pool.check_digests({"tcp://a": digest(), "tcp://b": "0" * 16})
-    with pytest.raises(WalkergenError, match="worker tcp://c has ModuleNotFoundError: none"):
-        worker_pool.check_digests({"tcp://c": "ModuleNotFoundError: none"})

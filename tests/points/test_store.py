@@ -9,6 +9,7 @@ import sys
 import time
 
 import pytest
+from nightly_cases import mostly_nightly
 
 from walkergen.core.errors import OutputError
 from walkergen.points.store import Store
@@ -75,7 +76,8 @@ def killed_while_writing(path, first, after):
     return [first, *(int(word) for word in told[:-1])]
 
 
-def check_killed(path, times):
+@pytest.mark.parametrize("times", mostly_nightly([5, 50], 5))
+def test_kills_lose_no_saved_record(path, times):
     for kill in range(times):
         saved = killed_while_writing(path, 1_000_000 * kill, 0.002 * (kill % 7))
         store = Store(path)
@@ -86,15 +88,6 @@ def check_killed(path, times):
         assert len(store.get([f"{saved[-1] + 3 + more}" for more in range(3)])) in (0, 3)
         store.close()
     assert sqlite3.connect(path).execute("PRAGMA integrity_check").fetchall() == [("ok",)]
-
-
-def test_a_kill_loses_no_saved_record(path):
-    check_killed(path, 5)
-
-
-@pytest.mark.nightly
-def test_fifty_kills_lose_no_saved_record(path):
-    check_killed(path, 50)
 
 
 def test_two_programs_write_at_once(path):

@@ -2,7 +2,6 @@
 
 import itertools
 import math
-from pathlib import Path
 
 import executed_lines
 import numpy as np
@@ -15,10 +14,9 @@ from walkergen.core.files import config
 from walkergen.core.printing import packing as plate
 from walkergen.core.printing.packing import Part
 from walkergen.core.printing.printers import Printer
+from walkergen.files import templates
 
-TEMPLATES = Path(__file__).parents[3] / "templates" / "printers"
-PRINTERS = ["bambu-x1", "ender3", "prusa-mk3s", "replicator2x"]
-MK3S = config.read_section(TEMPLATES / "prusa-mk3s.toml", Printer)
+MK3S = templates.load("prusa-mk3s", "printers", Printer)
 WALKER = (28.0, 12.0, 8.0)
 NANOMETRE = 1e-6  # what rounding to whole micrometres may leave of a sum of floats, mm
 
@@ -50,17 +48,11 @@ def check(
             assert e - c >= gap or a - g >= gap or f - d >= gap or b - h >= gap
 
 
-@pytest.mark.parametrize("name", PRINTERS)
+@pytest.mark.parametrize("name", templates.names("printers"))
 def test_shipped_printers_hold_a_walker(name: str) -> None:
-    printer = config.read_section(TEMPLATES / f"{name}.toml", Printer)
-    assert printer.name == name
-    assert printer.description
+    printer = templates.load(name, "printers", Printer)
     assert set(printer.model_fields_set) == set(Printer.model_fields)  # a template shows every key
     assert plate.capacity(part("walker"), printer) > 30
-
-
-def test_every_shipped_printer_is_tested() -> None:
-    assert sorted(path.stem for path in TEMPLATES.glob("*.toml")) == PRINTERS
 
 
 def test_a_bed_is_usable_at_the_extremes_of_its_ranges() -> None:

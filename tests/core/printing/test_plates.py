@@ -232,18 +232,8 @@ def test_prusaslicer_numbers_the_copies_as_the_map_does(tmp_path, printer):
     bed = printer.bed_width_mm, printer.bed_depth_mm
     left, front = (-0.5 * bed[0], -0.5 * bed[1]) if printer.origin == "centre" else (0.0, 0.0)
     shape = ",".join(f"{left + x}x{front + y}" for x, y in ((0, 0), (bed[0], 0), bed, (0, bed[1])))
-    words = [
-        program,
-        "--export-gcode",
-        "--dont-arrange",
-        "--gcode-label-objects",
-        "--bed-shape",
-        shape,
-        "--output",
-        str(tmp_path / "p.gcode"),
-        str(path),
-    ]
-    subprocess.run(words, check=True, capture_output=True, timeout=100)
+    options = f"--export-gcode --dont-arrange --gcode-label-objects --bed-shape {shape} --output p.gcode p.3mf"
+    subprocess.run([program, *options.split()], cwd=tmp_path, check=True, capture_output=True, timeout=100)
     found: dict[str, list[tuple[float, float]]] = {}
     label = None
     for line in (tmp_path / "p.gcode").read_text().splitlines():

@@ -311,14 +311,14 @@ def test_admesh_finds_every_stl_sound(tmp_path):
             key.strip(): int(value) for key, value in re.findall(r"^\s*([A-Za-z ]+?)\s*:\s+(\d+)", result.stdout, re.M)
         }
         assert numbers["Number of parts"] == 1, path
-        repaired = (
+        repaired = [
             "Degenerate facets",
             "Edges fixed",
             "Facets removed",
             "Facets added",
             "Facets reversed",
             "Backwards edges",
-        )
+        ]
         assert [numbers[key] for key in repaired] == [0] * 6, path
         seen.add(index)
     assert len(seen) == len(members)

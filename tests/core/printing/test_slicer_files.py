@@ -173,16 +173,10 @@ def test_every_file_in_an_archive_has_a_date_that_exists(prusaslicer):
     _, files = files_of(prusaslicer=prusaslicer)
     data = files["p_prusa-mk3s_1.3mf"]
     entries = archive_of(data).infolist()
-    assert {entry.date_time for entry in entries} == {(1980, 1, 1, 0, 0, 0)}
+    earliest = (1980, 1, 1, 0, 0, 0)
+    assert {entry.date_time for entry in entries} == {earliest}
     assert {entry.create_system for entry in entries} == {0}  # equal bytes on every system
-    assert archive_of(export.part_3mf(solids.build(PAPER).walker, "one")).infolist()[0].date_time == (
-        1980,
-        1,
-        1,
-        0,
-        0,
-        0,
-    )
+    assert archive_of(export.part_3mf(solids.build(PAPER).walker, "one")).infolist()[0].date_time == earliest
     assert data == files_of(prusaslicer=prusaslicer)[1]["p_prusa-mk3s_1.3mf"]
 
 

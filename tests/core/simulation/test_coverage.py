@@ -156,11 +156,6 @@ def test_intervals_of_a_walker_that_turns_at_random_hold_their_share(runs, secon
 
 
 @pytest.mark.nightly
-def test_intervals_of_a_running_walker_hold_their_share():
-    assert_honest(walkers(10.0, 0.8, 16, 1.0, 300))
-
-
-@pytest.mark.nightly
 @pytest.mark.parametrize(("runs", "seconds"), SIZES)
 @pytest.mark.parametrize(
     ("tilt", "restitution"), [(0.0, 0.3), (0.0, 0.8), (5.0, 0.8), (10.0, 0.3), (10.0, 0.8), (20.0, 0.3), (20.0, 0.8)]

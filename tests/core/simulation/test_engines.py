@@ -7,7 +7,6 @@ from walkergen.core.scene import Scene
 from walkergen.core.simulation import batch, ensemble, record
 from walkergen.core.simulation.plan import prepare
 from walkergen.core.simulation.run import Outcome, simulate
-from walkergen.core.walker import mass as masses
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 
@@ -56,18 +55,6 @@ def test_descent_helps_and_ascent_hinders():
         )
         speeds[slope] = simulate(plan, 0).speed
     assert speeds[-20.0] < speeds[0.0] < speeds[20.0]
-
-
-def test_frozen_joints_weigh_like_the_solid():
-    design = Design()
-    back, built = design.limbs[0], solids.build(design)
-    loose = solids.weigh(design, built)
-    frozen = masses.to_rigid(loose)
-    whole = masses.weigh(built.walker, 1.24e-3)
-    assert frozen.M == pytest.approx(whole.mass, rel=1e-12)
-    assert frozen.J == pytest.approx(whole.inertia, rel=1e-12)
-    foot = whole.centre[:2] + frozen.legs[0].foot
-    np.testing.assert_allclose(foot, np.array(back.anchor) + back.anchor_to_foot)
 
 
 def verdicts(plan):

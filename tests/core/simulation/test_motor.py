@@ -15,13 +15,27 @@ from walkergen.core.simulation.effects import motor
 from walkergen.core.simulation.effects.effect import Case
 from walkergen.core.simulation.effects.motor import spin
 from walkergen.core.simulation.effects.resolve import resolve
+from walkergen.core.simulation.plan import prepare
 from walkergen.core.simulation.run import simulate
 from walkergen.core.simulation.space.model import mirror_state
 from walkergen.core.simulation.space.pose import place
-from walkergen.core.simulation.space.state import HEIGHT, LEGS, PHASE, Q_X, Q_Z, SHOWN_X, SHOWN_Y, W_X, W_Z, work_for
+from walkergen.core.simulation.space.state import (
+    HEADING,
+    HEIGHT,
+    LEGS,
+    PHASE,
+    Q_X,
+    Q_Z,
+    SHOWN_X,
+    SHOWN_Y,
+    W_X,
+    W_Z,
+    work_for,
+)
 from walkergen.core.simulation.world import OK
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
+from walkergen.files import templates
 from walkergen.points import speed_prediction as speeds
 
 OFF = {"along_mm": 5.0, "up_mm": 3.0, "across_mm": 2.0}
@@ -274,3 +288,21 @@ def test_held_in_its_plane_a_walker_does_not_move_across():
         result = simulate(plan, 0)
         np.testing.assert_array_equal(result.places[:, 1:], 0.0)
         assert result.energy_error < 1e-2
+
+
+def test_a_motor_at_the_other_side_circles_the_other_way():
+    """The template's comment: 1.8 rad/s to the left."""
+    spinner, scene = templates.load("spinner", "walkers", Design), templates.load("table-motor", "scenes", Scene)
+    image = spinner.variant(**{"motor.across_mm": -spinner.motor.across_mm})
+    scene = scene.variant(**{"run.seconds": 0.8, "run.discard_seconds": 0.2, "run.runs": 3})
+    rates = []
+    for design in (spinner, image):
+        plan = prepare(scene, design, solids.mass_of(design))
+        for number in range(3):
+            result = simulate(plan, number, sample_interval=0.02, sample_size=HEADING + 1)
+            samples = result.tally.samples
+            times, *_, heading = samples.rows[: samples.cursor[0]].T
+            rates.append((heading[-1] - heading[0]) / (times[-1] - times[0]))
+    left, right = np.reshape(rates, (2, 3))
+    assert left.mean() > 0.5
+    assert right.mean() < -0.5

@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 
+from walkergen.core.files.progress import silent
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import batch, ensemble, observables, record
 from walkergen.core.simulation.plan import prepare
@@ -15,10 +16,6 @@ from walkergen.core.walker.design import Design
 from walkergen.points import step_errors
 
 FRICTION = f"{observables.POWERS}.friction"
-
-
-def silent(*told):
-    """No progress."""
 
 
 def plan_of(tilt=10.0, kind="flexible", label=0.8, **run):

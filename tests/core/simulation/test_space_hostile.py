@@ -4,9 +4,7 @@ import json
 
 import pytest
 from nightly_cases import mostly_nightly
-from typer.testing import CliRunner
 
-from walkergen.cli import command_line
 from walkergen.core.simulation.run import Outcome
 
 PLANE = {"arena": {"kind": "plane"}}
@@ -22,22 +20,6 @@ def toml(tables):
     for name, values in whole.items():
         lines += [f"[{name}]", *(f"{key} = {json.dumps(value)}" for key, value in values.items())]
     return "\n".join(lines) + "\n"
-
-
-@pytest.fixture
-def run(tmp_path, monkeypatch):
-    """Call of `simulate` on tables of a scene."""
-    monkeypatch.chdir(tmp_path)
-
-    def call(scene):
-        tables = PLANE | SHORT
-        for name, values in scene.items():
-            tables = tables | {name: tables.get(name, {}) | values}
-        (tmp_path / "scene.toml").write_text(toml(tables), encoding="utf-8")
-        words = ["simulate", "--scene", "scene.toml", "--tilt", "10", "--json"]
-        return CliRunner().invoke(command_line, words, catch_exceptions=True)
-
-    return call
 
 
 RUNS = {
@@ -69,8 +51,11 @@ RUNS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", mostly_nightly(RUNS, *(name for name in RUNS if name != "a plate of 1 GHz")))
-def test_numbers_at_the_edge_run_to_an_honest_end(run, name):
-    result = run(RUNS[name])
+def test_numbers_at_the_edge_run_to_an_honest_end(run, tmp_path, name):
+    tables = PLANE | SHORT
+    tables |= {table: tables.get(table, {}) | values for table, values in RUNS[name].items()}
+    (tmp_path / "scene.toml").write_text(toml(tables), encoding="utf-8")
+    result = run("simulate", "--scene", "scene.toml", "--tilt", "10", "--json")
     assert result.exit_code == 0, (result.output, result.exception)
     found = json.loads(result.stdout)
     assert set(found["outcomes"]) <= HONEST

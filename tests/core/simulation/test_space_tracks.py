@@ -4,11 +4,9 @@ import json
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from walkergen.analysis import track_files
 from walkergen.analysis.track_files import Units
-from walkergen.cli import command_line
 from walkergen.commands.simulate import make, trajectories
 from walkergen.core.errors import InputError
 from walkergen.core.scene import Scene
@@ -25,19 +23,6 @@ PLANE = ("--scene", "plane-90hz", "--tilt", "10")
 
 def silent(what, done, total):
     assert 0 <= done <= total
-
-
-@pytest.fixture
-def run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
-    def call(*words):
-        result = CliRunner().invoke(command_line, list(words), catch_exceptions=True)
-        if result.exception is not None:
-            raise result.exception
-        return result.stdout
-
-    return call
 
 
 def read_text(tmp_path, text, units=Units()):  # noqa: B008
@@ -76,7 +61,7 @@ def test_a_planes_file_needs_y_and_is_not_turned_over(tmp_path):
 
 def test_tracks_in_a_lane_have_a_particle_and_are_seen_from_above(run, tmp_path):
     words = ("--seconds", "0.2", "--runs", "3")
-    run("simulate", *words, "--trajectory", "t.csv")
+    assert run("simulate", *words, "--trajectory", "t.csv").exit_code == 0
     first = (tmp_path / "t.csv").read_text(encoding="utf-8").splitlines()[0]
     assert first.startswith("frame,particle,x,y,theta,t_s,x_mm,y_mm,theta_rad")
     found = track_files.read_tracks(tmp_path / "t.csv", Units())
@@ -137,8 +122,8 @@ def test_landings_kept_are_those_counted():
 @pytest.mark.slow
 def test_analyse_finds_the_numbers_of_simulate_in_its_tracks(run):
     words = (*PLANE, "--seconds", "2", "--runs", "10", "--rate-hz", "500", "--trajectory", "t.csv")
-    told = json.loads(run("simulate", *words, "--json"))
-    found = json.loads(run("analyse", "t.csv", "--json", "--no-pictures"))
+    told = json.loads(run("simulate", *words, "--json").stdout)
+    found = json.loads(run("analyse", "t.csv", "--json", "--no-pictures").stdout)
     assert (told["tip_radius_um"], told["friction"]) == (5.0, 0.25)
     for name in ("speed", "lane_speed", "sideways_speed", "turning_bias", "rotational_diffusion"):
         unit = {"turning_bias": "rad_s", "rotational_diffusion": "rad2_s"}.get(name, "mm_s")
@@ -173,20 +158,20 @@ def test_places_every_44_ms_give_the_numbers_of_dense_samples():
 
 @pytest.mark.slow
 def test_the_summary_names_the_contact_and_every_unknown_has_its_reason(run):
-    text = " ".join(run("simulate", *PLANE, "--seconds", "1", "--runs", "2", "--all").split())
+    text = " ".join(run("simulate", *PLANE, "--seconds", "1", "--runs", "2", "--all").stdout.split())
     assert "contact tips of 5 um, restitution 0.8, friction 0.25" in text
     for words in ("along the heading", "turning scatter not resolved", "by impulse I ", "edge"):
         assert words in text, words
-    short = " ".join(run("simulate", *PLANE, "--seconds", "0.05", "--runs", "2", "--all").split())
+    short = " ".join(run("simulate", *PLANE, "--seconds", "0.05", "--runs", "2", "--all").stdout.split())
     assert "motion unknown: runs of 0.05 s are too short; at least 0.1 s" in short
 
 
 def test_a_summary_has_eight_lines_unless_all_numbers_are_requested(run):
-    short = run("simulate", *PLANE, "--seconds", "1", "--runs", "2")
+    short = run("simulate", *PLANE, "--seconds", "1", "--runs", "2").stdout
     names = [line[2:].partition("  ")[0] for line in short.splitlines() if line[2:3].strip()]
     assert names[:4] == ["walker", "plate", "contact", "mean speed"]
     assert "runs" in names
     assert len(names) <= 9  # "--all: ..." is the last
     assert "impacts" not in names
-    whole = run("simulate", *PLANE, "--seconds", "1", "--runs", "2", "--all")
+    whole = run("simulate", *PLANE, "--seconds", "1", "--runs", "2", "--all").stdout
     assert len(whole.splitlines()) > 2 * len(short.splitlines())

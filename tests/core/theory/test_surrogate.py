@@ -18,19 +18,8 @@ TEN = Design().variant(tilt_deg=10.0)
 PLANE = {"arena.kind": "plane"}
 
 DIRECT = {
-    ("lane", 3.0): 18.7,
-    ("lane", 5.0): 31.9,
-    ("lane", 7.0): 42.9,
-    ("lane", 10.0): 53.7,
-    ("lane", 15.0): 52.3,
-    ("lane", 30.0): 11.5,
-    ("lane", 40.0): 4.0,
-    ("plane", 5.0): 39.5,
-    ("plane", 7.0): 51.5,
-    ("plane", 10.0): 59.6,
-    ("plane", 15.0): 56.2,
-    ("plane", 30.0): 13.1,
-    ("plane", 40.0): 5.0,
+    "lane": {3.0: 18.7, 5.0: 31.9, 7.0: 42.9, 10.0: 53.7, 15.0: 52.3, 30.0: 11.5, 40.0: 4.0},
+    "plane": {5.0: 39.5, 7.0: 51.5, 10.0: 59.6, 15.0: 56.2, 30.0: 13.1, 40.0: 5.0},
 }
 """Speeds of the paper's walker on its plate, mm/s, by 16 runs of 10 to 15 s."""
 
@@ -44,11 +33,11 @@ def nominal(design=TEN, **keys):
     return find_case(design, **keys).nominal
 
 
-@pytest.mark.parametrize(("arena", "tilt"), DIRECT)
+@pytest.mark.parametrize(("arena", "tilt"), [(arena, tilt) for arena, speeds in DIRECT.items() for tilt in speeds])
 def test_the_surrogate_covers_the_papers_walker_in_its_lane_and_on_a_plane(arena, tilt):
     speed, se = nominal(Design().variant(tilt_deg=tilt), **{"arena.kind": arena})
-    off = abs(speed - DIRECT[arena, tilt])
-    assert off <= max(0.10 * abs(DIRECT[arena, tilt]), 1.0)
+    off = abs(speed - DIRECT[arena][tilt])
+    assert off <= max(0.10 * abs(DIRECT[arena][tilt]), 1.0)
     assert off <= 3.0 * se
 
 

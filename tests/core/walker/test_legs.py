@@ -101,12 +101,14 @@ def test_a_braced_leg_among_flexible_ones_belongs_to_the_body():
     np.testing.assert_allclose(found.spatial.body, tensor, rtol=0.0, atol=1e-12 * tensor.max())
     assert found.spatial.z == pytest.approx(O[2] - 4.0, abs=1e-12)
     feet = [leg.foot + O[:2] for leg in found.legs]
-    np.testing.assert_allclose(feet, [(-6.5, back.foot_height), (6.5, front.foot_height)])
+    on_plate = [(-6.5, back.foot_height), (6.5, front.foot_height)]
+    np.testing.assert_allclose(feet, on_plate)
     united = mass.weigh(built.walker, DENSITY)
     assert found.total == pytest.approx(united.mass, rel=1e-12)
     frozen = mass.to_rigid(found)
-    assert frozen.J == pytest.approx(united.inertia, rel=1e-12)
+    assert (frozen.M, frozen.J) == pytest.approx((united.mass, united.inertia), rel=1e-12)
     np.testing.assert_allclose(frozen.spatial.body, united.tensor, rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose([united.centre[:2] + leg.foot for leg in frozen.legs], on_plate)
 
 
 FORTY = [

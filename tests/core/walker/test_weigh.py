@@ -136,23 +136,15 @@ def test_a_plate_weighs_each_item_and_the_total(tmp_path):
     np.testing.assert_allclose(found.total.centre_mm, whole.centre, rtol=1e-12)
 
 
-UNITS = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
+UNITS = {"MicroMeter": 1e-3, "MilliMeter": 1.0, "CentiMeter": 10.0, "Inch": 25.4, "Foot": 304.8, "Meter": 1000.0}
 
 
 @pytest.mark.parametrize("unit", UNITS)
 def test_a_3mf_names_its_unit(tmp_path, unit):
     import lib3mf
 
-    enum = {
-        "micron": "MicroMeter",
-        "millimeter": "MilliMeter",
-        "centimeter": "CentiMeter",
-        "inch": "Inch",
-        "foot": "Foot",
-        "meter": "Meter",
-    }[unit]
     model = lib3mf.get_wrapper().CreateModel()
-    model.SetUnit(getattr(lib3mf.ModelUnit, enum))
+    model.SetUnit(getattr(lib3mf.ModelUnit, unit))
     wrapper = lib3mf.get_wrapper()
     given = hostile.box(2.0, 2.0, 2.0)
     added = model.AddMeshObject()
