@@ -101,7 +101,7 @@ def kernels(tmp_path):
     return open_index
 
 
-SPOILT = {
+DAMAGES = {
     "emptied": lambda path: path.write_bytes(b""),
     "cut short": lambda path: path.write_bytes(path.read_bytes()[: -caches.TRAILER_BYTES - 1]),
     "half": lambda path: path.write_bytes(path.read_bytes()[: path.stat().st_size // 2]),
@@ -117,7 +117,7 @@ SPOILT = {
 
 @POSIX
 @pytest.mark.parametrize("end", ["nbi", "nbc"])
-@pytest.mark.parametrize("spoil", SPOILT.values(), ids=SPOILT)
+@pytest.mark.parametrize("spoil", DAMAGES.values(), ids=DAMAGES)
 def test_a_damaged_cache_entry_is_compiled_again(kernels, tmp_path, end, spoil):
     (path,) = tmp_path.glob(f"*.{end}")
     spoil(path)

@@ -10,12 +10,17 @@ from walkergen.core.files import config
 from walkergen.core.scene import Drive, Scene
 from walkergen.files import templates
 
-FOUR = {"frequency_hz": 90.0, "amplitude_um": 55.20118808700732, "peak_speed_mm_s": 31.21553645344271, "gamma": 1.8}
+DRIVE_NUMBERS = {
+    "frequency_hz": 90.0,
+    "amplitude_um": 55.20118808700732,
+    "peak_speed_mm_s": 31.21553645344271,
+    "gamma": 1.8,
+}
 
 
-@pytest.mark.parametrize("pair", list(itertools.combinations(FOUR, 2)))
+@pytest.mark.parametrize("pair", list(itertools.combinations(DRIVE_NUMBERS, 2)))
 def test_any_two_numbers_determine_the_drive(pair):
-    drive = Drive(**{key: FOUR[key] for key in pair})
+    drive = Drive(**{key: DRIVE_NUMBERS[key] for key in pair})
     assert drive.frequency == pytest.approx(90.0, rel=1e-12)
     assert drive.amplitude == pytest.approx(0.05520118808700732, rel=1e-12)
     assert drive.peak_speed == pytest.approx(31.21553645344271, rel=1e-12)
@@ -55,7 +60,7 @@ def test_mistakes_in_a_scene_are_one_line(tmp_path):
     assert "lane.toml:6: contact.friction = -1" in lines[1]
 
 
-MEANT = {
+TEMPLATE_KEYS = {
     "lane-90hz-walls": {"arena.gap_mm", "run.seconds"},
     "plane-90hz": {"arena.kind", "run.seconds"},
     "plane-noisy": {"arena.kind", "run.seconds", "plate.noise_ratio", "feet.unevenness_um"},
@@ -80,7 +85,7 @@ def test_templates_state_the_defaults_of_everything_but_what_they_are_for(name):
     theirs, ours = plain.model_dump(), scene.model_dump()
     tables = [table for table in ours if isinstance(ours[table], dict)]
     differ = {f"{table}.{key}" for table in tables for key in ours[table] if ours[table][key] != theirs[table][key]}
-    assert differ == MEANT.get(name, set())
+    assert differ == TEMPLATE_KEYS.get(name, set())
 
 
 def test_a_prior_supplies_what_a_contact_does_not_give():

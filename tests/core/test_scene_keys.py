@@ -10,7 +10,7 @@ from walkergen.core.files import config
 from walkergen.core.scene import Scene
 
 PAGE = Path(__file__).parents[2] / "docs" / "scenes.md"
-MOST_KEYS = 60
+MAX_KEYS = 60
 """Keys of a scene, which may only become fewer."""
 
 HEAD = """# The keys of a scene
@@ -67,7 +67,7 @@ def test_the_page_of_keys_matches_the_fields():
 
 def test_a_scene_has_few_keys():
     tables = [field.annotation for field in Scene.model_fields.values()]
-    assert sum(len(getattr(table, "model_fields", "1")) for table in tables) <= MOST_KEYS
+    assert sum(len(getattr(table, "model_fields", "1")) for table in tables) <= MAX_KEYS
 
 
 if __name__ == "__main__":

@@ -29,13 +29,13 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 from walkergen.files import templates
 
-HALF, TALL, MASS = 6.5, 9.0, 0.833
-FEET = ((-HALF, -TALL), (HALF, -TALL))
-BLOCK = MASS * (HALF**2 + TALL**2) / 3.0
+HALF_SPACING_MM, HEIGHT_MM, MASS_G = 6.5, 9.0, 0.833
+FEET = ((-HALF_SPACING_MM, -HEIGHT_MM), (HALF_SPACING_MM, -HEIGHT_MM))
+BLOCK_INERTIA = MASS_G * (HALF_SPACING_MM**2 + HEIGHT_MM**2) / 3.0
 """Moment of inertia (g mm^2) about the centre of a block between the feet, 2 TALL high."""
 PERIOD = 1.0 / 90.0
 
-EXACT = {
+EXACT_SPEEDS = {
     ("lane-90hz-fitted", 0.9): (176.2, 41.39, 0.387, 0.313, 0.207),
     ("lane-90hz", 0.8): (129.6, 97.54, 64.44, 0.762, 0.408),
     ("lane-90hz", 0.3): (36.75, 35.38, 15.03, 0.598, 0.323),
@@ -51,17 +51,17 @@ def scene_of(gamma: float, restitution: float, friction: float = 0.0) -> Scene:
     return Scene.model_validate({"drive": drive, "contact": {"restitution": restitution, "friction": friction}})
 
 
-def block(scene: Scene, inertia: float = BLOCK) -> paper_simulation.World:
+def block(scene: Scene, inertia: float = BLOCK_INERTIA) -> paper_simulation.World:
     """Return a rigid block on two feet."""
-    return paper_simulation.body_world(MASS, inertia, FEET, scene)
+    return paper_simulation.body_world(MASS_G, inertia, FEET, scene)
 
 
-@pytest.mark.parametrize(("name", "restitution"), EXACT)
+@pytest.mark.parametrize(("name", "restitution"), EXACT_SPEEDS)
 def test_speeds_are_those_of_exact_contact(name: str, restitution: float) -> None:
     design = templates.load("koumakis2016", "walkers", Design)
     keys = {"contact.restitution": restitution, "run.seconds": 2.0, "run.runs": 4}
     scene = templates.load(name, "scenes", Scene).variant(**keys)
-    for tilt, exact in zip(TILTS, EXACT[name, restitution], strict=True):
+    for tilt, exact in zip(TILTS, EXACT_SPEEDS[name, restitution], strict=True):
         walker = design.variant(tilt_deg=tilt)
         runs = simulate(scene, walker, solids.mass_of(walker))
         assert all(run.status == OK for run in runs)
@@ -73,7 +73,7 @@ def test_one_impact_is_that_of_the_theory() -> None:
     own = block(scene_of(0.0, 0.8, 0.25))
     state = initial_state(own, 1e-9)
     state[X], state[V_X], state[V_Y], state[SPIN] = 3.0, 20.0, -30.0, -2.0
-    velocity = 20.0 + TALL * -2.0, -30.0 + HALF * -2.0  # of the front foot, which lands first
+    velocity = 20.0 + HEIGHT_MM * -2.0, -30.0 + HALF_SPACING_MM * -2.0  # of the front foot, which lands first
     hit = impact.resolve(own.tensors[1], velocity, 0.8, 0.25)
     status, rows = advance(own, state, 1e-8)
     first = rows[0]

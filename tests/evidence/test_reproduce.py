@@ -71,16 +71,16 @@ def point(model=runs.PAPER_MODEL, tilt=10.0, plate=31.0, speed=60.0, se=0.5, ass
     return Point(assumption, model, tilt, plate, Quantity("speed", "mm_s", speed, se), mean("", "", []), {}, 0, "")
 
 
-def along(speed_of, tilts):
+def points_along(speed_of, tilts):
     return [point(tilt=tilt, speed=speed_of(tilt)) for tilt in tilts]
 
 
-FAST = ("--tilt", "5,10,20", "--gamma", "1.6,2", "--seconds", "0.2")
+FAST_RUN = ("--tilt", "5,10,20", "--gamma", "1.6,2", "--seconds", "0.2")
 
 
 @pytest.mark.nightly
 def test_a_fast_run_makes_every_file(run, tmp_path):
-    result = run(*FAST, "--json")
+    result = run(*FAST_RUN, "--json")
     assert result.exit_code == 0, result.exception
     folder = tmp_path / json.loads(result.stdout)["folder"]
     assert {path.name for path in folder.glob("[!.]*")} == FILES
@@ -100,7 +100,7 @@ def test_a_fast_run_makes_every_file(run, tmp_path):
 @pytest.mark.nightly
 def test_equal_runs_make_equal_files(run, tmp_path):
     for folder in ("once", "again"):
-        result = run(*FAST, "--out", folder)
+        result = run(*FAST_RUN, "--out", folder)
         assert result.exit_code == 0, result.exception
     for name in FILES:
         assert (tmp_path / "once" / name).read_bytes() == (tmp_path / "again" / name).read_bytes(), name
@@ -162,12 +162,12 @@ def test_the_theorys_maximum_lies_below_ten_degrees_for_realistic_contacts(desig
 
 
 def test_a_peak_needs_three_speeds_and_lower_ones_on_both_sides():
-    series = along(lambda tilt: 60.0 - (tilt - 9.0) ** 2, (5.0, 8.0, 12.0))
+    series = points_along(lambda tilt: 60.0 - (tilt - 9.0) ** 2, (5.0, 8.0, 12.0))
     gap = point(tilt=20.0, speed=None)
     assert curves.find_peak(series).place.value == pytest.approx(9.0)
     assert curves.find_peak([*series, gap]) == curves.find_peak(series)
     assert curves.find_peak([*series[:2], gap]) == curves.NO_TOP
-    assert curves.find_peak(along(lambda tilt: 60.0 - tilt, (5.0, 8.0, 12.0))) == curves.NO_TOP
+    assert curves.find_peak(points_along(lambda tilt: 60.0 - tilt, (5.0, 8.0, 12.0))) == curves.NO_TOP
 
 
 def test_a_walker_at_rest_is_not_proportional_to_anything():

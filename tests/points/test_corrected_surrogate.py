@@ -22,7 +22,7 @@ from walkergen.points.store import Store
 PAPER = {"arena": {"kind": "plane"}, "drive": {"frequency_hz": 90.0, "gamma": 1.8}}
 
 
-def near(scene, design):
+def find_near(scene, design):
     """Return a walker with too uncertain a surrogate speed, and its surrogate case."""
     mass = solids.mass_of(design)
     with pytest.raises(UnknownError) as caught:
@@ -30,9 +30,11 @@ def near(scene, design):
     return Walker(scene, design, mass), caught.value.near
 
 
-def unsure(**tables):
+def uncertain_case(**tables):
     """Walker of the paper on friction that it does not know well."""
-    return near(Scene.model_validate(PAPER | {"contact": {"friction": 0.6}} | tables), Design().variant(tilt_deg=10.0))
+    return find_near(
+        Scene.model_validate(PAPER | {"contact": {"friction": 0.6}} | tables), Design().variant(tilt_deg=10.0)
+    )
 
 
 def runs_of(*values):
@@ -41,7 +43,7 @@ def runs_of(*values):
 
 def test_surrogate_and_runs_count_by_their_errors_and_disagree_beyond_them():
     """Runs without scatter have MIN_RUN_ERROR; errors of a weighted mean add as their inverse squares."""
-    _, known = unsure()
+    _, known = uncertain_case()
     alone = known.speeds_at(known.place)
     speed = known.peak_speed * float(alone.speed_ratios(0.5 * alone.error[0])[0])
     found = corrected_surrogate.combine(known, runs_of(*[speed] * 6))
@@ -63,7 +65,7 @@ def test_surrogate_and_runs_count_by_their_errors_and_disagree_beyond_them():
     ],
 )
 def test_walkers_without_a_statistical_error_are_left_to_runs_of_their_prints(tables, monkeypatch):
-    walker, known = unsure(**tables)
+    walker, known = uncertain_case(**tables)
     if "contact" in tables:
         monkeypatch.setattr(corrected_surrogate, "MAX_SURROGATE_ERROR", 0.01)
     assert corrected_surrogate.simulate(walker, known, silent) is None
@@ -75,7 +77,7 @@ def test_a_few_runs_correct_the_surrogate_alike_on_any_number_of_threads(tmp_pat
     monkeypatch.setattr(short_simulation, "Store", lambda: Store(tmp_path / "points.sqlite"))
     harmonic = {"frequency_hz": 90.0, "gamma": 1.8, "second_harmonic_ratio": 0.3}
     for tables, direct in (({}, 45.9), ({"drive": harmonic, "contact": {"friction": 0.25}}, 68.1)):
-        walker, known = unsure(**tables)
+        walker, known = uncertain_case(**tables)
         record = corrected_surrogate.simulate(walker, known, silent)
         assert record["low"] < direct < record["high"]
         assert record["high"] - record["low"] < 0.3 * direct

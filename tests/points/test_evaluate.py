@@ -91,11 +91,11 @@ def test_runs_are_added_until_the_error_is_met(error):
     assert evaluate(point_at("space", error="80%"))["runs"] == 8
 
 
-NO_TIME = {"scene__run__seconds": 0.004, "scene__run__discard_seconds": 0.0}
+TOO_SHORT = {"scene__run__seconds": 0.004, "scene__run__discard_seconds": 0.0}
 
 
 def test_an_error_that_cannot_be_met_is_reported():
-    found = evaluate(point_at("space", error="0.001mm/s", **NO_TIME))
+    found = evaluate(point_at("space", error="0.001mm/s", **TOO_SHORT))
     assert found["runs"] == 512
     assert found["went"] == PointStatus.NOT_MET
     assert found["status"].endswith("above the 0.001 requested")

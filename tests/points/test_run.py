@@ -25,9 +25,9 @@ from walkergen.points.point import Point
 from walkergen.points.store import Store
 from walkergen.points.worker_pool import WorkerPool
 
-SHORT = {"seconds": 0.5, "discard_seconds": 0.1, "runs": 4}
+SHORT_RUN = {"seconds": 0.5, "discard_seconds": 0.1, "runs": 4}
 LANE = templates.load("lane-90hz", "scenes", Scene)
-LANE = LANE.model_copy(update={"run": LANE.run.model_copy(update=SHORT)})
+LANE = LANE.model_copy(update={"run": LANE.run.model_copy(update=SHORT_RUN)})
 PAPER = templates.load("koumakis2016", "walkers", Design)
 
 
@@ -35,7 +35,7 @@ def request_of(*varied, model="prediction", scene=LANE):
     return SweepPoints(PAPER, scene, Space(tuple(axes.parse(text) for text in varied)), model)
 
 
-MANY = request_of("legs.tilt_deg=2:90:1", "scene.contact.friction=0.1,0.3")
+MANY_POINTS = request_of("legs.tilt_deg=2:90:1", "scene.contact.friction=0.1,0.3")
 """178 points, three tasks; steep ones are refused."""
 
 
@@ -45,7 +45,7 @@ def store(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def two():
+def two_workers():
     with worker_pool.local_pool(2) as found:
         yield found
 
@@ -82,14 +82,14 @@ def count_evaluations(monkeypatch):
 
 
 def test_points_come_in_their_order_refused_ones_among_them(store):
-    found = list(run.evaluate_points(MANY.points(), store))
-    assert len(found) == MANY.space.points
-    rows = list(MANY.space.rows())
+    found = list(run.evaluate_points(MANY_POINTS.points(), store))
+    assert len(found) == MANY_POINTS.space.points
+    rows = list(MANY_POINTS.space.rows())
     refused = [row for row, one in zip(rows, found, strict=True) if not one.key]
     assert 0 < len(refused) < 100
     assert min(refused) > max(row for row, one in zip(rows, found, strict=True) if one.key)
     for values, one in list(zip(rows, found, strict=True))[::25]:
-        asked = MANY.try_point(dict(zip(MANY.space.keys, values, strict=True)))
+        asked = MANY_POINTS.try_point(dict(zip(MANY_POINTS.space.keys, values, strict=True)))
         assert one.record == (asked if isinstance(asked, dict) else evaluate(asked))
 
 
@@ -127,19 +127,19 @@ def test_finished_points_are_stored_when_no_more_are_requested(store, monkeypatc
     assert len([one for one in run.evaluate_points(seen, store) if one.stored]) == run.LOOKUP_BLOCK
 
 
-def test_processes_give_the_same_bits_in_the_same_order(store, two, tmp_path):
-    here = list(run.evaluate_points(MANY.points(), store))
-    there = list(run.evaluate_points(MANY.points(), Store(tmp_path / "other.sqlite"), two))
+def test_processes_give_the_same_bits_in_the_same_order(store, two_workers, tmp_path):
+    here = list(run.evaluate_points(MANY_POINTS.points(), store))
+    there = list(run.evaluate_points(MANY_POINTS.points(), Store(tmp_path / "other.sqlite"), two_workers))
     assert [one._replace(stored=False) for one in there] == here
-    known = list(run.evaluate_points(MANY.points(), store, two))
+    known = list(run.evaluate_points(MANY_POINTS.points(), store, two_workers))
     assert all(one.stored for one in known if one.key)
     assert [one.record for one in known] == [one.record for one in here]
 
 
-def test_simulations_give_the_same_bits_in_processes(store, two, tmp_path):
+def test_simulations_give_the_same_bits_in_processes(store, two_workers, tmp_path):
     request = request_of("legs.tilt_deg=5,12,88,20", model="space")
     here = list(run.evaluate_points(request.points(), store))
-    there = list(run.evaluate_points(request.points(), Store(tmp_path / "other.sqlite"), two))
+    there = list(run.evaluate_points(request.points(), Store(tmp_path / "other.sqlite"), two_workers))
     assert there == here
     assert [one.record["status"][:7] for one in here] == ["ok", "ok", "refused", "ok"]
 
@@ -154,33 +154,33 @@ def test_other_sources_on_a_worker_are_refused(store):
 def test_a_worker_without_walkergen_is_reported(store):
     lost = Faults(1, error=ModuleNotFoundError("No module named 'walkergen'"))
     with pytest.raises(WalkergenError, match="a worker cannot import this version of walkergen: No module"):
-        list(run.evaluate_points(MANY.points(), store, WorkerPool(lost, 1)))
+        list(run.evaluate_points(MANY_POINTS.points(), store, WorkerPool(lost, 1)))
 
 
 @pytest.mark.parametrize("error", [ValueError("a defect"), ModuleNotFoundError("walkergen")])
 def test_points_finished_by_other_workers_are_stored_after_any_failure(store, error):
     broken = Faults(2, 10, error=error)  # the second of nine tasks, and when it is sent again
     with pytest.raises((ValueError, WalkergenError)):
-        list(run.evaluate_points(MANY.points(), store, WorkerPool(broken, 2)))
-    known = [one.stored for one in run.evaluate_points(MANY.points(), store) if one.key]
+        list(run.evaluate_points(MANY_POINTS.points(), store, WorkerPool(broken, 2)))
+    known = [one.stored for one in run.evaluate_points(MANY_POINTS.points(), store) if one.key]
     assert known.count(True) >= 1 + 7 * run.POINTS_PER_TASK  # all that was sent but the broken task
 
 
 def test_a_lost_answer_is_requested_again(store):
     """As *distributed* loses one, rarely, when a worker dies just after it has answered."""
     faults = Faults(2, error=ValueError("not enough values to unpack (expected 3, got 2)"))
-    records = [done.record for done in run.evaluate_points(MANY.points(), store, WorkerPool(faults, 2))]
-    assert records == [evaluate(point) if isinstance(point, Point) else point for point in MANY.points()]
+    records = [done.record for done in run.evaluate_points(MANY_POINTS.points(), store, WorkerPool(faults, 2))]
+    assert records == [evaluate(point) if isinstance(point, Point) else point for point in MANY_POINTS.points()]
 
 
 def test_workers_that_have_ended_before_a_task_is_sent_are_one_line(store):
     ended = Faults(2, error=BrokenProcessPool("a child process terminated abruptly"), ended=True)
     with pytest.raises(WalkergenError, match="a worker process ended, perhaps"):
-        list(run.evaluate_points(MANY.points(), store, WorkerPool(ended, 2)))
-    assert next(run.evaluate_points(MANY.points(), store)).stored
+        list(run.evaluate_points(MANY_POINTS.points(), store, WorkerPool(ended, 2)))
+    assert next(run.evaluate_points(MANY_POINTS.points(), store)).stored
 
 
-def endless(scene=LANE):
+def endless_points(scene=LANE):
     """Points: the first takes no time, the others hours."""
     first = list(request_of("legs.tilt_deg=10", model="space").points())
     long = scene.model_copy(update={"run": scene.run.model_copy(update={"seconds": 1e6})})
@@ -193,7 +193,7 @@ def test_a_dead_worker_gives_one_clear_error_and_finished_points_are_stored(stor
 
     def explore():
         with worker_pool.local_pool(1) as one:
-            for done in run.evaluate_points(endless(), store, one):
+            for done in run.evaluate_points(endless_points(), store, one):
                 pids.append(done.key)
                 (process,) = active_children_of(one)
                 os.kill(process, signal.SIGKILL)
@@ -213,7 +213,7 @@ def active_children_of(one):
     return list(one.executor._processes)
 
 
-INTERRUPTED = """
+INTERRUPTED_SCRIPT = """
 import signal
 import sys
 signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored by what a shell runs behind it
@@ -228,14 +228,14 @@ if __name__ == "__main__":
     store = Store(Path({path!r}))
     try:
         with worker_pool.local_pool(1) as one:
-            for done in evaluation.evaluate_points(test_run.endless(), store, one):
+            for done in evaluation.evaluate_points(test_run.endless_points(), store, one):
                 print(done.key, *one.executor._processes, flush=True)
     except KeyboardInterrupt:
         print("interrupted", flush=True)
 """
 
 
-def alive(pid):
+def is_alive(pid):
     try:
         os.kill(pid, 0)
     except ProcessLookupError:
@@ -249,7 +249,7 @@ def alive(pid):
 def test_no_worker_outlives_its_program(tmp_path, ended_by):
     script, path = tmp_path / "explore.py", tmp_path / "points.sqlite"
     here = os.path.dirname(__file__)  # noqa: PTH120
-    script.write_text(INTERRUPTED.format(tests=here, path=str(path)))
+    script.write_text(INTERRUPTED_SCRIPT.format(tests=here, path=str(path)))
     with subprocess.Popen(
         [sys.executable, str(script)], stdout=subprocess.PIPE, text=True, start_new_session=True
     ) as process:
@@ -262,9 +262,9 @@ def test_no_worker_outlives_its_program(tmp_path, ended_by):
             process.kill()  # one that does not end fails, and is not waited for
     assert time.monotonic() - started < 30
     assert told == ("interrupted\n" if ended_by == signal.SIGINT else "")
-    while any(alive(int(worker)) for worker in workers) and time.monotonic() - started < 30:
+    while any(is_alive(int(worker)) for worker in workers) and time.monotonic() - started < 30:
         time.sleep(0.05)
-    assert not any(alive(int(worker)) for worker in workers)
+    assert not any(is_alive(int(worker)) for worker in workers)
     assert list(Store(path).get([key])) == [key]
 
 

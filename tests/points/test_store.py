@@ -16,7 +16,7 @@ from walkergen.points.store import Store
 
 RECORD = {"status": "ok", "speed_mm_s": 0.1 + 0.2, "runs": 7, "model": "é", "low_95_mm_s": None}
 
-WRITER = """
+WRITER_SCRIPT = """
 import sqlite3, sys
 from pathlib import Path
 sys.modules["walkergen.core.numerics.kernels"] = type(sys)("kernels")  # numba takes seconds to import
@@ -39,7 +39,9 @@ def path(tmp_path):
 
 
 def writer(path, first):
-    return subprocess.Popen([sys.executable, "-c", WRITER, str(path), str(first)], stdout=subprocess.PIPE, text=True)
+    return subprocess.Popen(
+        [sys.executable, "-c", WRITER_SCRIPT, str(path), str(first)], stdout=subprocess.PIPE, text=True
+    )
 
 
 def test_records_come_back_to_the_last_bit(path):

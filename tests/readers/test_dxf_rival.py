@@ -38,7 +38,7 @@ def frontend_polygons(doc):
     return unary_union([face for face, depth in zip(faces, depths, strict=True) if depth % 2])
 
 
-def ours(path):
+def read_polygons(path):
     """The same of what is read of a file, of polygons that turn about bodies left and about holes right."""
     contours = [Polygon(contour) for contour in from_file(path).polygons]
     return unary_union([one for one in contours if one.exterior.is_ccw]) - unary_union(
@@ -68,13 +68,13 @@ def lines(space, points, **attributes):
         space.add_line(a, b, dxfattribs=attributes)
 
 
-ELL = [(0, 0), (28, 0), (28, 4), (8, 4), (8, 8), (0, 8)]
-EGG = [(0, 0), (14, -5), (28, 0), (24, 8), (14, 10), (3, 8)]
+ELL_CORNERS = [(0, 0), (28, 0), (28, 4), (8, 4), (8, 8), (0, 8)]
+EGG_CORNERS = [(0, 0), (14, -5), (28, 0), (24, 8), (14, 10), (3, 8)]
 
 
 def block(doc, name="part"):
     made = doc.blocks.new(name)
-    lines(made, ELL)
+    lines(made, ELL_CORNERS)
     return made
 
 
@@ -140,7 +140,7 @@ def hidden_layers(doc, space):
 
 
 def seen_from_below(doc, space):
-    points = [(x, y) for x, y in ELL]
+    points = [(x, y) for x, y in ELL_CORNERS]
     space.add_lwpolyline(points, close=True, dxfattribs={"extrusion": (0, 0, -1)})
 
 
@@ -159,7 +159,7 @@ def old_polyline(doc, space):
 
 
 def fit_spline(doc, space):
-    space.add_spline([*EGG, EGG[0]])
+    space.add_spline([*EGG_CORNERS, EGG_CORNERS[0]])
 
 
 def open_spline_and_line(doc, space):
@@ -176,24 +176,26 @@ def box_with_notes(doc, space):
 
 def lines_in_any_order(doc, space):
     for k in (3, 0, 5, 1, 4, 2):
-        a, b = ELL[k], ELL[(k + 1) % 6]
+        a, b = ELL_CORNERS[k], ELL_CORNERS[(k + 1) % 6]
         space.add_line(*((a, b) if k % 2 else (b, a)))
 
 
 def lifted_lines(doc, space):
-    lines(space, [(x, y, 5.0) for x, y in ELL])
+    lines(space, [(x, y, 5.0) for x, y in ELL_CORNERS])
 
 
 def many_bulges(doc, space):
-    space.add_lwpolyline([(x, y, 0.3 if k % 2 else -0.2) for k, (x, y) in enumerate(EGG)], format="xyb", close=True)
+    space.add_lwpolyline(
+        [(x, y, 0.3 if k % 2 else -0.2) for k, (x, y) in enumerate(EGG_CORNERS)], format="xyb", close=True
+    )
 
 
 def closed_by_its_end(doc, space):
-    space.add_lwpolyline([*ELL, ELL[0]])
+    space.add_lwpolyline([*ELL_CORNERS, ELL_CORNERS[0]])
 
 
 def polyline_in_space(doc, space):
-    space.add_polyline3d([(x, y, 1.0) for x, y in ELL], close=True)
+    space.add_polyline3d([(x, y, 1.0) for x, y in ELL_CORNERS], close=True)
 
 
 DRAWINGS = {
@@ -235,7 +237,7 @@ def test_outlines_equal_the_drawings_of_the_frontend(name, tmp_path):
     DRAWINGS[name](doc, doc.modelspace())
     path = tmp_path / "drawing.dxf"
     doc.saveas(path)
-    theirs, outline = in_the_middle(frontend_polygons(ezdxf.readfile(path))), in_the_middle(ours(path))
+    theirs, outline = in_the_middle(frontend_polygons(ezdxf.readfile(path))), in_the_middle(read_polygons(path))
     assert outline.area == pytest.approx(theirs.area, rel=1e-3)
     assert outline.hausdorff_distance(theirs) < 0.01
     assert outline.boundary.hausdorff_distance(theirs.boundary) < 0.01
@@ -258,13 +260,16 @@ def round_points(points, weights):
 def test_a_closed_spline_spans_its_inner_knots_alone(weights, tmp_path):
     """As the format defines it; the frontend draws its outer knots too, from the origin on."""
     doc = ezdxf.new("R2010", units=4)
-    spline, points = doc.modelspace().add_spline(), [(x, y, 0) for x, y in EGG]
+    spline, points = doc.modelspace().add_spline(), [(x, y, 0) for x, y in EGG_CORNERS]
     if set(weights) == {1}:
         spline.set_closed(points)
     else:
         spline.set_closed_rational(points, weights)
     doc.saveas(tmp_path / "egg.dxf")
-    expected, outline = in_the_middle(round_points(EGG, weights)), in_the_middle(ours(tmp_path / "egg.dxf"))
+    expected, outline = (
+        in_the_middle(round_points(EGG_CORNERS, weights)),
+        in_the_middle(read_polygons(tmp_path / "egg.dxf")),
+    )
     assert outline.area == pytest.approx(expected.area, rel=1e-3)
     assert outline.hausdorff_distance(expected) < 0.01
 
@@ -272,11 +277,11 @@ def test_a_closed_spline_spans_its_inner_knots_alone(weights, tmp_path):
 def test_control_corners_of_a_smoothed_polyline_are_no_line(tmp_path):
     """As PEDIT writes them, before those of the curve; the frontend draws a line through both."""
     doc = ezdxf.new("R2000", units=4)
-    polyline = doc.modelspace().add_polyline2d(ELL, close=True)
+    polyline = doc.modelspace().add_polyline2d(ELL_CORNERS, close=True)
     polyline.dxf.flags |= 4
     for vertex in polyline.vertices:
         vertex.dxf.flags = 16
     turns = math.tau * np.arange(90) / 90
     polyline.append_vertices(list(zip(14 * np.cos(turns), 6 * np.sin(turns), strict=True)))
     doc.saveas(tmp_path / "smooth.dxf")
-    assert ours(tmp_path / "smooth.dxf").area == pytest.approx(math.pi * 14 * 6, rel=2e-3)
+    assert read_polygons(tmp_path / "smooth.dxf").area == pytest.approx(math.pi * 14 * 6, rel=2e-3)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 from PIL import Image, ImageDraw
-from test_placing import DRAWN, svg
+from test_placing import DRAWN_PATHS, svg
 from typer.testing import CliRunner
 
 import walkergen as wg
@@ -87,16 +87,16 @@ def test_a_picture_without_a_shape_is_refused(tmp_path):
         load_shape(path).size  # noqa: B018
 
 
-MENDED = {
+CROSSING_PATHS = {
     "bow tie": "M0 0L10 5L20 0V10L10 5L0 10Z",
     "crossed": "M0 0L20 20V0L0 20Z",
     "overlapping": "M0 0H20V10H0ZM10 5H30V15H10Z",
 }
 
 
-@pytest.mark.parametrize("name", MENDED)
+@pytest.mark.parametrize("name", CROSSING_PATHS)
 def test_paths_that_cross_or_touch_are_united(tmp_path, name):
-    design = load_shape(svg(tmp_path, MENDED[name]))
+    design = load_shape(svg(tmp_path, CROSSING_PATHS[name]))
     assert "united paths that cross or touch" in design.notes[0]
     solids.build(design)
     with pytest.raises(GeometryError, match="cross"):
@@ -113,7 +113,7 @@ def test_pieces_stand_on_a_plate_or_the_largest_is_taken(tmp_path):
 
 
 def test_mirrored_shapes_point_the_other_way(tmp_path):
-    path = svg(tmp_path, DRAWN["arrow"])
+    path = svg(tmp_path, DRAWN_PATHS["arrow"])
     plain, turned = load_shape(path), load_shape(path, **{"body.mirror": True})
     np.testing.assert_allclose(np.sort(plain.shape.plan[0][:, 0]), np.sort(-turned.shape.plan[0][:, 0]))
 
@@ -189,7 +189,7 @@ def test_legs_under_a_tube_stay_within_it_or_are_not_found(tmp_path, major, mino
 
 
 def test_one_letter_is_a_family(tmp_path):
-    heart = str(svg(tmp_path, DRAWN["heart"]))
+    heart = str(svg(tmp_path, DRAWN_PATHS["heart"]))
     assert len(PAPER.variant(text="W").members()) == len(PAPER.variant(**{"body.outline": heart}).members()) == 5
     assert PAPER.variant(text="W", **{"family.tilt_deg": [5.0]}).family.tilt_deg == [5.0]
 
@@ -202,7 +202,7 @@ def test_a_long_body_has_more_rows_and_reports_its_lean():
 
 
 def test_another_shape_replaces_all_values_derived_from_the_former(tmp_path):
-    path = str(svg(tmp_path, DRAWN["heart"]))
+    path = str(svg(tmp_path, DRAWN_PATHS["heart"]))
     heart = PAPER.variant(**{"body.outline": path})
     assert heart.placed
     assert heart.name == "own-shape"
@@ -217,7 +217,7 @@ def test_another_shape_replaces_all_values_derived_from_the_former(tmp_path):
 
 @pytest.mark.parametrize("shape", ["heart", "bell"])
 def test_given_numbers_replace_derived_ones(tmp_path, shape):
-    found = load_shape(svg(tmp_path, DRAWN[shape]))
+    found = load_shape(svg(tmp_path, DRAWN_PATHS[shape]))
     numbers = found.with_numbered_legs()
     assert not numbers.placed
     for mine, theirs in zip(numbers.limbs, found.limbs, strict=True):
@@ -231,7 +231,7 @@ def test_cad_files_are_refused_with_the_way_to_save_a_mesh(tmp_path):
 
 
 def test_python_loads_a_drawing(tmp_path):
-    assert wg.load(svg(tmp_path, DRAWN["fish"])).placed
+    assert wg.load(svg(tmp_path, DRAWN_PATHS["fish"])).placed
 
 
 def test_a_text_is_confirmed_once(monkeypatch):

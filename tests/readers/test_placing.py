@@ -16,7 +16,7 @@ from walkergen.core.walker.mass import to_centre_frame
 from walkergen.files import templates
 from walkergen.readers.walkers.leg_rows import MIN_EDGE_MM, MIN_LEG_WIDTH_MM, MIN_SPAN_PER_HEIGHT, Reach, find_rows
 
-LEG = Reach(1.1, 1.5)  # 7.5 mm at 10 deg: its top is ahead of its foot
+LEG_REACH = Reach(1.1, 1.5)  # 7.5 mm at 10 deg: its top is ahead of its foot
 
 
 def star(radii):
@@ -24,12 +24,12 @@ def star(radii):
     return shapely.Polygon(np.array(radii)[:, None] * np.column_stack([np.cos(angles), np.sin(angles)]))
 
 
-def place_legs(ground, height=8.0, reach=LEG):
+def place_legs(ground, height=8.0, reach=LEG_REACH):
     centre = ground.centroid
     return find_rows(ground, (centre.x, centre.y), height, reach)
 
 
-def check(ground, found, reach=LEG, height=8.0):
+def check(ground, found, reach=LEG_REACH, height=8.0):
     centre, (back, front) = ground.centroid, found
     assert back.along < centre.x < front.along
     assert front.along - back.along >= MIN_SPAN_PER_HEIGHT * height - 1e-9
@@ -62,7 +62,7 @@ SHAPES = {
 
 
 @pytest.mark.parametrize("name", SHAPES)
-@pytest.mark.parametrize("reach", [Reach(-0.2, 0.2), LEG, Reach(3.5, 4.2), Reach(-4.2, -3.5), Reach(-0.3, 1.5)])
+@pytest.mark.parametrize("reach", [Reach(-0.2, 0.2), LEG_REACH, Reach(3.5, 4.2), Reach(-4.2, -3.5), Reach(-0.3, 1.5)])
 def test_automatic_legs_stand_under_common_shapes(name, reach):
     found = place_legs(SHAPES[name], reach=reach)
     check(SHAPES[name], found, reach)
@@ -103,7 +103,7 @@ def svg(folder, path):
     return file
 
 
-DRAWN = {
+DRAWN_PATHS = {
     "disc": "M6 15a14 14 0 1 0 28 0a14 14 0 1 0 -28 0z",
     "hexagon": "M5 15L12.5 5H27.5L35 15L27.5 25H12.5z",
     "bell": "M10 7A8 8 0 1 0 10 23L14 19L26 19L30 23A8 8 0 1 0 30 7L26 11L14 11Z",
@@ -115,9 +115,9 @@ DRAWN = {
 }
 
 
-@pytest.mark.parametrize("shape", DRAWN)
+@pytest.mark.parametrize("shape", DRAWN_PATHS)
 def test_a_drawing_is_a_walker_with_automatic_legs(tmp_path, shape):
-    path = svg(tmp_path, DRAWN[shape])
+    path = svg(tmp_path, DRAWN_PATHS[shape])
     design = templates.load(path, "walkers", Design)
     assert design.name == "own-shape"
     for tilt in (0.0, 10.0, 20.0, -10.0):
@@ -131,7 +131,7 @@ def test_a_drawing_is_a_walker_with_automatic_legs(tmp_path, shape):
 
 
 def test_symmetric_bodies_have_equal_legs(tmp_path):
-    design = templates.load(svg(tmp_path, DRAWN["bell"]), "walkers", Design)
+    design = templates.load(svg(tmp_path, DRAWN_PATHS["bell"]), "walkers", Design)
     assert design.alike
 
 
@@ -148,7 +148,7 @@ def test_a_mesh_stands_on_its_rounded_side(tmp_path):
 
 
 def test_written_places_are_kept(tmp_path):
-    design = templates.load(svg(tmp_path, DRAWN["disc"]), "walkers", Design)
+    design = templates.load(svg(tmp_path, DRAWN_PATHS["disc"]), "walkers", Design)
     written = design.variant(**{"legs.contact_spacing_mm": 11.0, "legs.width_mm": 6.0})
     assert [(limb.along, limb.width) for limb in written.limbs] == [(-5.5, 6.0), (5.5, 6.0)]
     again = written.variant(**{"legs.place": "auto"})

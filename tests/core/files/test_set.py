@@ -18,7 +18,7 @@ from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.points import walkers
 
-TAKES = {
+COMMAND_INPUTS = {
     ("accuracy",): "design scene",
     ("app",): "design scene printer",
     ("calibrate", "measurements.csv"): "design scene",
@@ -33,17 +33,17 @@ TAKES = {
     ("predict",): "design scene",
     ("simulate",): "design scene",
 }
-WRONG = {
+WRONG_KEYS = {
     "design": ("legs.lenght_mm=8", "did you mean legs.length_mm?"),
     "scene": ("scene.drive.gama=2", "did you mean scene.drive.gamma?"),
     "printer": ("printer.nozle_mm=0.25", "did you mean printer.nozzle_mm?"),
 }
-OUTSIDE = {
+OUTSIDE_VALUES = {
     "design": ("body.length_mm=-5", "body.length_mm = -5: must be a number >= 1e-06"),
     "scene": ("scene.contact.restitution=1.5", "scene.contact.restitution = 1.5: must be a number"),
     "printer": ("printer.margin_mm=-9", "printer.margin_mm = -9: must be a number >= 0"),
 }
-PAIRS = [(words, thing) for words in TAKES for thing in WRONG]
+PAIRS = [(words, thing) for words in COMMAND_INPUTS for thing in WRONG_KEYS]
 
 
 def predict_json(run, *words):
@@ -54,9 +54,9 @@ def predict_json(run, *words):
 
 @pytest.mark.parametrize(("words", "thing"), PAIRS)
 def test_every_command_accepts_the_keys_of_its_inputs_only(run, words, thing):
-    wrong, hint = WRONG[thing]
-    outside, allowed = OUTSIDE[thing]
-    if thing in TAKES[words].split():
+    wrong, hint = WRONG_KEYS[thing]
+    outside, allowed = OUTSIDE_VALUES[thing]
+    if thing in COMMAND_INPUTS[words].split():
         assert hint in refusal_of(run, *words, "--set", wrong)
         assert allowed in refusal_of(run, *words, "--set", outside)
     else:
@@ -73,7 +73,7 @@ def test_every_command_with_a_design_a_scene_or_a_printer_is_covered():
     found = dict(commands(typer.main.get_command(command_line)))
     loading = {path for path, options in found.items() if options & {"design", "scene", "--scene", "--printer"}}
     assert loading == {path for path, options in found.items() if "--set" in options}
-    assert loading == {words[:1] for words in TAKES} | {("sweep",)}  # whose values are axes: test_axes.py
+    assert loading == {words[:1] for words in COMMAND_INPUTS} | {("sweep",)}  # whose values are axes: test_axes.py
 
 
 @pytest.mark.parametrize(
@@ -124,7 +124,7 @@ def test_all_values_reach_the_manifests(run):
     assert facts["printer"]["gap_mm"] == 4
 
 
-LEANING = """
+LEANING_WALKER = """
 stance = "as built"
 [[legs]]
 foot = "round"
@@ -139,7 +139,7 @@ along_mm = 6.0
 def test_a_key_means_what_its_line_in_the_file_means(run, tmp_path):
     """A leg of a walker that leans: set after it was turned onto its feet, it would hover."""
     for length in (7.5, 8.5):
-        text = 'name = "leaning"\n' + LEANING.format(length=length)
+        text = 'name = "leaning"\n' + LEANING_WALKER.format(length=length)
         (tmp_path / f"l{length}.toml").write_text(text)
     by_file = predict_json(run, "l8.5.toml")
     assert predict_json(run, "l7.5.toml", "--set", "legs[1].length_mm=8.5") == by_file
@@ -205,16 +205,16 @@ def test_a_set_key_overrides_a_default_of_the_command(tmp_path):
     assert caught.value.keys == ("printer.gap_mm",)
 
 
-SHORT = ("--restitution", "0.8", "--seconds", "0.2", "--runs", "4", "--json")
+SHORT_RUN = ("--restitution", "0.8", "--seconds", "0.2", "--runs", "4", "--json")
 
 
 @pytest.mark.slow
 def test_several_walkers_give_the_rows_that_each_gives_alone(run):
-    several = run("simulate", "--legs", "braced", "--tilt", "0:10:5", *SHORT)
+    several = run("simulate", "--legs", "braced", "--tilt", "0:10:5", *SHORT_RUN)
     rows = json.loads(several.stdout)["rows"]
     assert [(row["tilt_deg"], row["legs"]) for row in rows] == [(tilt, "braced") for tilt in (0.0, 5.0, 10.0)]
     for row in rows:
-        alone = json.loads(run("simulate", "--legs", "braced", "--tilt", str(row["tilt_deg"]), *SHORT).stdout)
+        alone = json.loads(run("simulate", "--legs", "braced", "--tilt", str(row["tilt_deg"]), *SHORT_RUN).stdout)
         same = set(row) & set(alone)
         assert same >= {"speed_mm_s", "speed_se_mm_s", "speed_low_95_mm_s", "outcomes", "runs"}
         assert {key: row[key] for key in same} == {key: alone[key] for key in same}
@@ -222,7 +222,7 @@ def test_several_walkers_give_the_rows_that_each_gives_alone(run):
         (known,) = json.loads(told.stdout)["rows"]
         assert row["theory_mm_s"] == known["theory_mm_s"]
         assert row["predicted_mm_s"] == known["speed_mm_s"]
-    table = run("simulate", "--legs", "braced", "--tilt", "5,10", *SHORT[:-1]).stdout
+    table = run("simulate", "--legs", "braced", "--tilt", "5,10", *SHORT_RUN[:-1]).stdout
     assert max(len(line) for line in table.splitlines()) <= 80
     assert "90 Hz, 1.8 g, 31.2 mm/s" in table
     assert "-0.0" not in table
@@ -238,7 +238,7 @@ def test_ctrl_c_shows_the_finished_rows_and_names_the_others(run, monkeypatch):
         return simulate(asked, progress, threads)
 
     monkeypatch.setattr(walkers, "simulate", stop_early)
-    result = run("simulate", "--legs", "braced", "--tilt", "5,10,15", *SHORT)
+    result = run("simulate", "--legs", "braced", "--tilt", "5,10,15", *SHORT_RUN)
     assert result.exit_code == 130
     assert [row["tilt_deg"] for row in json.loads(result.stdout)["rows"]] == [5.0]
     told = "interrupted after 1 of 3 walkers; missing: 10 deg braced, 15 deg braced"
@@ -251,7 +251,7 @@ def test_ctrl_c_reports_the_finished_runs_as_partial(run, monkeypatch, tmp_path)
     def stop_early(asked, progress, threads=None):
         return simulate(asked.with_run(runs=2), progress)._replace(walker=asked)
 
-    words = ("simulate", "--legs", "braced", "--tilt", "5", *SHORT, "--trajectory", "runs.csv")
+    words = ("simulate", "--legs", "braced", "--tilt", "5", *SHORT_RUN, "--trajectory", "runs.csv")
     assert json.loads(run(*words).stdout)["partial"] is False
     whole = (tmp_path / "runs.csv").read_bytes()
     monkeypatch.setattr(walkers, "simulate", stop_early)

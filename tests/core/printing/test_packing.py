@@ -18,7 +18,7 @@ from walkergen.files import templates
 
 MK3S = templates.load("prusa-mk3s", "printers", Printer)
 WALKER = (28.0, 12.0, 8.0)
-NANOMETRE = 1e-6  # what rounding to whole micrometres may leave of a sum of floats, mm
+ROUNDING_MM = 1e-6  # what rounding to whole micrometres may leave of a sum of floats, mm
 
 
 def part(name: str, size: tuple[float, float, float] = WALKER, copies: int = 1) -> Part:
@@ -35,7 +35,7 @@ def check(
     """Every copy once; none off the bed or closer than the gap, with its brim and skirt; all in the middle."""
     wanted = [(i, c) for i, one in enumerate(parts) for c in range(1, one.copies + 1)]
     assert sorted((p.part, p.copy) for one in plates for p in one.placements) == wanted
-    low, gap = printer.margin_mm + skirt - NANOMETRE, printer.gap_mm - NANOMETRE
+    low, gap = printer.margin_mm + skirt - ROUNDING_MM, printer.gap_mm - ROUNDING_MM
     right, back = printer.bed_width_mm - low, printer.bed_depth_mm - low
     for one in plates:
         placed = [(a - brim, b - brim, c + brim, d + brim) for a, b, c, d in boxes(one, parts)]

@@ -74,7 +74,7 @@ def test_a_process_preset_is_one_that_every_printer_takes(printer):
 
 
 # What both programs call the same thing, from the lists of their print options.
-SAME = {
+ORCA_NAMES = {
     "layer_height": "layer_height",
     "first_layer_height": "initial_layer_print_height",
     "extrusion_width": "line_width",
@@ -100,7 +100,7 @@ SAME = {
     "raft_layers": "raft_layers",
     "support_material": "enable_support",
 }
-OTHERWISE = {
+OTHER_SETTINGS = {
     "gap_fill_enabled",
     "fill_pattern",
     "brim_type",
@@ -115,8 +115,8 @@ OTHERWISE = {
 def test_all_slicers_get_the_same_settings(printer, changes):
     printer = printer.model_copy(update=changes)
     prusa, orca = slicer.prusaslicer_settings(printer), slicer.orca_settings(printer)
-    assert {ours: orca[theirs] for ours, theirs in SAME.items()} == {ours: prusa[ours] for ours in SAME}
-    assert set(prusa) == set(SAME) | OTHERWISE
+    assert {ours: orca[theirs] for ours, theirs in ORCA_NAMES.items()} == {ours: prusa[ours] for ours in ORCA_NAMES}
+    assert set(prusa) == set(ORCA_NAMES) | OTHER_SETTINGS
     # of their own: two walls on top as everywhere
     assert (orca["only_one_wall_top"], orca["top_one_wall_type"]) == ("0", "not apply")
     assert orca["sparse_infill_pattern"] == "zig-zag"

@@ -38,10 +38,10 @@ from walkergen.core.walker.design import Design
 from walkergen.files import templates
 from walkergen.points import speed_prediction as speeds
 
-OFF = {"along_mm": 5.0, "up_mm": 3.0, "across_mm": 2.0}
+OFF_CENTRE = {"along_mm": 5.0, "up_mm": 3.0, "across_mm": 2.0}
 """Place of a motor off the centre of mass."""
 
-SLOW = {"run": {"seconds": 0.5, "discard_seconds": 0.25, "runs": 1}}
+SHORT_RUN = {"run": {"seconds": 0.5, "discard_seconds": 0.25, "runs": 1}}
 
 
 def centred_motor_plan(axis):
@@ -100,7 +100,7 @@ def test_in_flight_it_moves_as_a_real_mass_on_a_hinge(axis):
     """MuJoCo turns a mass of 5 mg at 1 mm; legs swing, and the rotor's spin tilts the body."""
     free = {"effects": {"off": ["leg_twist"]}}
     keys = {"eccentric_g_mm": 0.005, "axis": axis}
-    plan, _ = concentrate_rotor(weightless(carrying(keys, OFF, **free)), 1.0)
+    plan, _ = concentrate_rotor(weightless(carrying(keys, OFF_CENTRE, **free)), 1.0)
     walker, rotor = plan.world.walker, plan.world.acting.motor
     seconds, phase = 2.25 * 2.0 * math.pi / rotor.omega, 0.3
     ours = fly(plan, seconds, phase)
@@ -122,7 +122,7 @@ def test_in_flight_it_moves_as_a_real_mass_on_a_hinge(axis):
 def test_spinning_it_keeps_the_angular_momentum_of_body_and_rotor():
     keys = {"eccentric_g_mm": 0.05, "axis": [0.3, 0.5, 0.8]}
     # What is left of 1e-9 at this step grows with its fourth power; feet that touch nothing would allow 56 us
-    plan = weightless(carrying(keys, OFF, run={"step_us": 2.7}))
+    plan = weightless(carrying(keys, OFF_CENTRE, run={"step_us": 2.7}))
     walker, rotor = plan.world.walker, plan.world.acting.motor
     state = plan.initial_state(500.0, 0.0, 0.3)
     state[W_X : W_Z + 1] += 2.0, -3.0, 5.0
@@ -191,7 +191,7 @@ def test_without_tilt_it_runs_against_the_rotors_top_and_back_with_the_other_sen
 @pytest.mark.parametrize("kind", ["flexible", "braced"])
 def test_the_work_of_the_motor_equals_the_losses_of_feet_friction_and_dampers(axis, kind):
     """Feet that rebound with 0.1: livelier ones topple at 3 g along."""
-    plan = carrying(throwing(3.0, axis=axis), OFF, kind=kind, contact={"restitution": 0.1}, **SLOW)
+    plan = carrying(throwing(3.0, axis=axis), OFF_CENTRE, kind=kind, contact={"restitution": 0.1}, **SHORT_RUN)
     # A sixteenth of the own step: frames, which are as much shorter, err in their first order on a motor
     result = simulate(plan.coarser(1 / 16), 0)
     assert result.tally.sums[record.PLATE_WORK] > 10.0
@@ -200,7 +200,7 @@ def test_the_work_of_the_motor_equals_the_losses_of_feet_friction_and_dampers(ax
 
 
 def test_the_plate_under_a_motor_is_still_and_blocks_are_periods_of_the_motor():
-    plan = carrying(throwing(1.8, 180.0), **SLOW)
+    plan = carrying(throwing(1.8, 180.0), **SHORT_RUN)
     assert plan.world.drive.amplitude == 0.0
     assert plan.world.drive.period == pytest.approx(1.0 / 180.0)
     assert plan.shaken.peak_gamma == pytest.approx(1.8)
@@ -282,9 +282,9 @@ def test_a_weak_motor_comes_with_its_uncertain_inputs():
 
 
 def test_held_in_its_plane_a_walker_does_not_move_across():
-    held = {"effects": {"off": ["roll_and_yaw"]}, "run": SLOW["run"]}
+    held = {"effects": {"off": ["roll_and_yaw"]}, "run": SHORT_RUN["run"]}
     for axis in ("along", [0.3, 0.5, 0.8]):
-        plan = carrying(throwing(1.8, axis=axis), OFF, **held)
+        plan = carrying(throwing(1.8, axis=axis), OFF_CENTRE, **held)
         result = simulate(plan, 0)
         np.testing.assert_array_equal(result.places[:, 1:], 0.0)
         assert result.energy_error < 1e-2

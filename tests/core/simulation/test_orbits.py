@@ -11,7 +11,7 @@ import walkergen as wg
 from walkergen.cli import command_line
 from walkergen.core.simulation import ensemble
 
-LOCKED = ("simulate", "--scene", "lane-90hz", "--restitution", "0.8", "--seconds", "1", "--runs", "4")
+LOCKED_RUN = ("simulate", "--scene", "lane-90hz", "--restitution", "0.8", "--seconds", "1", "--runs", "4")
 
 
 @pytest.fixture
@@ -21,7 +21,7 @@ def locked_runs(monkeypatch):
 
 
 def simulate(*words):
-    result = CliRunner().invoke(command_line, [*LOCKED, *words])
+    result = CliRunner().invoke(command_line, [*LOCKED_RUN, *words])
     assert result.exit_code == 0, result.exception
     return result.stdout
 

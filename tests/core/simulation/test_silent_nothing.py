@@ -15,7 +15,7 @@ from walkergen.core.walker.design import Design
 SECONDS = 0.03
 SCENE = Scene.model_validate({"drive": {"frequency_hz": 90.0, "gamma": 1.8}})
 
-NUMBERS = {
+MISSING_NUMBERS = {
     "second_harmonic": "drive.second_harmonic_ratio = 0",
     "plate_slope": "plate.slope_deg = 0",
     "unevenness": "feet.unevenness_um = 0",
@@ -39,14 +39,14 @@ def make_plan(scene, design=None):
     return prepare(scene, design, solids.mass_of(design))
 
 
-@pytest.mark.parametrize("switch", NUMBERS)
+@pytest.mark.parametrize("switch", MISSING_NUMBERS)
 def test_an_effect_without_its_number_cannot_be_forced_on(switch):
-    with pytest.raises(InputError, match=rf'effects.on = \["{switch}"\]: {NUMBERS[switch]}'):
+    with pytest.raises(InputError, match=rf'effects.on = \["{switch}"\]: {MISSING_NUMBERS[switch]}'):
         make_plan(scene_of(**{"effects.on": [switch]}))
     assert not make_plan(scene_of(**{"effects.off": [switch]})).resolved.idle
 
 
-TURNED = {
+CHANGED_KEYS = {
     "drive": {"second_harmonic_ratio": 0.2, "second_harmonic_phase_deg": 40.0, "gamma": 2.0, "frequency_hz": 80.0},
     "contact": {"prior": "unknown", "restitution": 0.4, "friction": 0.1},
     "plate": {
@@ -77,7 +77,7 @@ TURNED = {
 }
 """Keys of a scene with another value than by default."""
 
-OF_OTHERS = {
+KEYS_OF_OTHER_TESTS = {
     "drive": {"kind", "amplitude_um", "peak_speed_mm_s", "eccentric_g_mm", "axis"},
     "arena": {"length_mm"},
     "run": {"seconds", "discard_seconds", "runs", "accepted_error"},
@@ -102,7 +102,7 @@ def state_or_refusal(keys):
         return str(error)
 
 
-TAUT = {
+PLATE_NUMBERS = {
     "plate.noise_ratio": 0.2,
     "plate.roughness_um": 2.0,
     "plate.horizontal_ratio": [0.1, 0.1],
@@ -110,22 +110,22 @@ TAUT = {
     "plate.rocking_percent_per_mm": [0.01, 0.0],
 }
 """Numbers without which other keys say nothing."""
-WALLED = {"drive.second_harmonic_ratio": 0.1, "arena.gap_mm": 8.2}
+WALL_NUMBERS = {"drive.second_harmonic_ratio": 0.1, "arena.gap_mm": 8.2}
 
 
 def test_all_keys_of_a_scene_are_turned():
-    for table, keys in TURNED.items():
+    for table, keys in CHANGED_KEYS.items():
         own = getattr(Scene(), table)
-        known = {name for name in type(own).model_fields if "_sd" not in name} - OF_OTHERS.get(table, set())
+        known = {name for name in type(own).model_fields if "_sd" not in name} - KEYS_OF_OTHER_TESTS.get(table, set())
         assert known == set(keys), table
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("numbers", [{}, TAUT | WALLED], ids=["plain", "rich"])
+@pytest.mark.parametrize("numbers", [{}, PLATE_NUMBERS | WALL_NUMBERS], ids=["plain", "rich"])
 def test_a_key_of_a_scene_changes_the_motion_or_is_named(numbers):
     still, line = state_after(scene_of(**numbers))
     assert not line
-    for table, keys in TURNED.items():
+    for table, keys in CHANGED_KEYS.items():
         for key, value in keys.items():
             dotted = f"{table}.{key}"
             turned = state_or_refusal(numbers | {dotted: value})
@@ -140,7 +140,7 @@ def test_a_key_of_a_scene_changes_the_motion_or_is_named(numbers):
                 assert dotted in line, dotted
 
 
-OF_THE_DESIGN = {
+DESIGN_KEYS = {
     "legs.tilt_deg": 12.0,
     "legs.length_mm": 8.0,
     "legs.contact_spacing_mm": 14.0,
@@ -158,9 +158,9 @@ OF_THE_DESIGN = {
 }
 
 
-@pytest.mark.parametrize("key", OF_THE_DESIGN)
+@pytest.mark.parametrize("key", DESIGN_KEYS)
 def test_a_key_of_a_design_changes_the_motion(key):
-    other = Design().variant(**{key: OF_THE_DESIGN[key]})
+    other = Design().variant(**{key: DESIGN_KEYS[key]})
     (plain, _), (state, _) = state_after(scene_of()), state_after(scene_of(), other)
     assert len(state) != len(plain) or not np.array_equal(state, plain)
 

@@ -9,7 +9,7 @@ from walkergen.core.simulation.run import Outcome
 
 PLANE = {"arena": {"kind": "plane"}}
 SHORT = {"run": {"seconds": 0.3, "discard_seconds": 0.05, "runs": 2}}
-HONEST = {one.value for one in Outcome} - {Outcome.FAILED.value}
+ALLOWED_OUTCOMES = {one.value for one in Outcome} - {Outcome.FAILED.value}
 """Ends that say what happened; an energy error says that the numbers are worth nothing."""
 
 
@@ -22,7 +22,7 @@ def toml(tables):
     return "\n".join(lines) + "\n"
 
 
-RUNS = {
+EDGE_SCENES = {
     "tips of 1 nm": {"feet": {"tip_radius_um": 1e-3}},
     "tips of 1 m": {"feet": {"tip_radius_um": 1e6}},
     "rigid tips": {"feet": {"rigid_tips": True}},
@@ -50,13 +50,15 @@ RUNS = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", mostly_nightly(RUNS, *(name for name in RUNS if name != "a plate of 1 GHz")))
+@pytest.mark.parametrize(
+    "name", mostly_nightly(EDGE_SCENES, *(name for name in EDGE_SCENES if name != "a plate of 1 GHz"))
+)
 def test_numbers_at_the_edge_run_to_an_honest_end(run, tmp_path, name):
     tables = PLANE | SHORT
-    tables |= {table: tables.get(table, {}) | values for table, values in RUNS[name].items()}
+    tables |= {table: tables.get(table, {}) | values for table, values in EDGE_SCENES[name].items()}
     (tmp_path / "scene.toml").write_text(toml(tables), encoding="utf-8")
     result = run("simulate", "--scene", "scene.toml", "--tilt", "10", "--json")
     assert result.exit_code == 0, (result.output, result.exception)
     found = json.loads(result.stdout)
-    assert set(found["outcomes"]) <= HONEST
+    assert set(found["outcomes"]) <= ALLOWED_OUTCOMES
     assert "nan" not in result.stdout.lower()

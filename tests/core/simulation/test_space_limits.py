@@ -32,7 +32,7 @@ from walkergen.core.simulation.space.state import (
 from walkergen.core.simulation.space.walker import matrix_exponential, mobility
 from walkergen.core.simulation.world import OK
 
-SLIP_FREE = {"damping_ratio": 0.0}
+UNDAMPED_LEGS = {"damping_ratio": 0.0}
 
 
 def rebound(slopes, force, start):
@@ -115,7 +115,7 @@ def test_walker_on_four_corners_rebounds_by_its_mass(label, step_us, rigid, orde
 
 def elastic_errors(step_us):
     """Relative changes of the energy in a dozen elastic landings, from twelve heights."""
-    plan = plan_of(10, contact={"restitution": 1.0, "friction": 0.0}, legs=SLIP_FREE, run={"step_us": step_us})
+    plan = plan_of(10, contact={"restitution": 1.0, "friction": 0.0}, legs=UNDAMPED_LEGS, run={"step_us": step_us})
     errors, landings = [], 0
     for i in range(12):
         state = plan.initial_state(0.2 + 0.0013 * i, 1e-4, 0.0, 1e-4)
@@ -215,7 +215,7 @@ def shown_geometry(plan, state):
     return work, O, corners
 
 
-def anywhere(plan, rng):
+def random_state(plan, rng):
     """A state at any pose, bent and twisted, everything moving."""
     state = plan.initial_state(20.0, 0.0, 0.0)
     quaternion = rng.normal(size=4)
@@ -243,7 +243,7 @@ def drift_state(plan, state, seconds):
     return later
 
 
-def frozen(world, state, work):
+def fill_frozen_frame(world, state, work):
     """Fill Jacobians and inverse mass of the pose in `work`; returns the directions, by rows.
 
     A frame of no length: its middle is the state, and no springs add to the legs' inertia.
@@ -261,7 +261,7 @@ def frozen(world, state, work):
 def test_corners_and_their_velocities_are_those_of_the_geometry(seed):
     plan = plan_of(10)
     world, walker = plan.world, plan.world.walker
-    state = anywhere(plan, np.random.default_rng(seed))
+    state = random_state(plan, np.random.default_rng(seed))
     work, _, corners = shown_geometry(plan, state)
     # 1e-12 mm: rounding
     np.testing.assert_allclose(work.points["gap"], corners[:, 1], rtol=0, atol=1e-12)
@@ -272,7 +272,7 @@ def test_corners_and_their_velocities_are_those_of_the_geometry(seed):
     # 1e-6 mm/s: third order in the step of the differences, 1e-5 rad, and their rounding
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6)
     # The same by the frozen rows through which contacts act
-    frame = frozen(world, state, work)
+    frame = fill_frozen_frame(world, state, work)
     motion = np.concatenate([work.motion, state[LEGS + 4 : LEGS + 8]])
     np.testing.assert_allclose((work.J @ motion).reshape(4, 3), expected @ frame.T, rtol=0, atol=1e-6)
 
@@ -295,7 +295,7 @@ def test_inverse_mass_and_energy_turn_with_the_walker(tilt):
     plan = plan_of(tilt)
     world, walker, rng = plan.world, plan.world.walker, np.random.default_rng(tilt)
     rival = Walker(plan.case.design, plan.case.mass)
-    state = anywhere(plan, rng)
+    state = random_state(plan, rng)
     state[LEGS : LEGS + 4] = 0.0
     work, _, _ = shown_geometry(plan, state)
     # Rates of the rival: v_O by the velocity of O, w by the locked rate less what joints add
@@ -314,7 +314,7 @@ def test_inverse_mass_and_energy_turn_with_the_walker(tilt):
     )
     about_C = momentum[3:6] + np.cross(walker.centre, momentum[:3])
     np.testing.assert_allclose(walker.inertia @ state[W_X : W_X + 3], about_C, rtol=0, atol=share * abs(about_C).max())
-    frame = frozen(world, state, work)
+    frame = fill_frozen_frame(world, state, work)
     expected = rival.mobility(frame @ work.R)
     slanted = 1e-9 if tilt == 0 else 5e-5
     np.testing.assert_allclose(work.H, expected, rtol=0, atol=slanted * abs(expected).max())

@@ -16,7 +16,7 @@ from walkergen.core.simulation.space.walker import mobility
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 
-FREE = {"damping_ratio": 0.0}
+UNDAMPED_LEGS = {"damping_ratio": 0.0}
 CORNERS = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)]
 """Signs of pitch and roll that let each corner land first."""
 
@@ -31,7 +31,7 @@ def test_corner_lands_as_by_an_independent_integration(tilt, label, friction, ti
     lasts some swings, whose phase at the end differs by 1 % between the rival's slanted legs and the model's.
     """
     contact = {"restitution": label, "friction": friction}
-    plan = weightless(plan_of(tilt, contact=contact, legs=FREE, feet=tip, run={"step_us": 0.1}))
+    plan = weightless(plan_of(tilt, contact=contact, legs=UNDAMPED_LEGS, feet=tip, run={"step_us": 0.1}))
     walker, rival = plan.world.walker, Walker(plan.case.design, plan.case.mass)
     velocity = 0.1 * np.array([-0.3, -1.0, 0.2])
     for pitch, roll in CORNERS:
@@ -43,18 +43,20 @@ def test_corner_lands_as_by_an_independent_integration(tilt, label, friction, ti
         np.testing.assert_allclose(found, expected, rtol=0, atol=4e-4 * math.sqrt(expected @ expected))
 
 
-def stiffer(plan, times):
+def stiffen_plan(plan, times):
     """The same plan with rigid tips so many times as stiff, in steps as much shorter as they resolve them."""
     world = plan.coarser(1.0 / math.sqrt(times)).world
     assert np.isinf(world.walker.tip).all()
     return plan._replace(world=world._replace(walker=world.walker._replace(spring=times * world.walker.spring)))
 
 
-def stiff(tilt, label, friction):
+def stiff_plan(tilt, label, friction):
     """Plan of one landing within which the legs do not move: loose legs on stiff feet."""
     contact, feet = {"restitution": label, "friction": friction}, {"rigid_tips": True, "tangential_ratio": 1000.0}
-    plan = weightless(plan_of(tilt, contact=contact, legs=FREE, feet=feet, run={"step_us": 0.02 * math.sqrt(10.0)}))
-    plan = stiffer(plan, 10.0)
+    plan = weightless(
+        plan_of(tilt, contact=contact, legs=UNDAMPED_LEGS, feet=feet, run={"step_us": 0.02 * math.sqrt(10.0)})
+    )
+    plan = stiffen_plan(plan, 10.0)
     walker = plan.world.walker
     walker = walker._replace(stiffness=0.0 * walker.stiffness)
     return plan._replace(world=plan.world._replace(walker=walker))
@@ -76,7 +78,7 @@ def impulse_and_rival(plan, velocity, signs, law):
 @pytest.mark.parametrize("label", [0.3, 0.8])
 def test_stiff_corner_obeys_kellers_equation(tilt, friction, label):
     """Slip may turn, stop and set off again; it may jam from W_nn / |W_nt| on: 0.23, 0.42, 0.71."""
-    plan, rng = stiff(tilt, label, friction), np.random.default_rng([tilt, int(100 * friction)])
+    plan, rng = stiff_plan(tilt, label, friction), np.random.default_rng([tilt, int(100 * friction)])
     for signs in CORNERS:
         velocity = np.array([rng.normal() * 30.0, -30.0, rng.normal() * 15.0])
         found, expected = impulse_and_rival(plan, velocity, signs, "viscous")
@@ -87,7 +89,7 @@ def test_stiff_corner_obeys_kellers_equation(tilt, friction, label):
 
 def test_elastic_feet_restore_energy_not_impulse():
     """Where slip changes in a landing, Stronge's law and Poisson's differ: undamped feet obey Stronge's."""
-    plan, velocity = stiff(20, 1.0, 0.25), np.array([48.8, -30.0, -21.2])
+    plan, velocity = stiff_plan(20, 1.0, 0.25), np.array([48.8, -30.0, -21.2])
     found, stronge = impulse_and_rival(plan, velocity, (1.0, -1.0), "stronge")
     _, poisson = impulse_and_rival(plan, velocity, (1.0, -1.0), "poisson")
     size = math.sqrt(stronge @ stronge)
@@ -95,7 +97,7 @@ def test_elastic_feet_restore_energy_not_impulse():
     assert np.abs(found - poisson).max() > 0.05 * size
 
 
-HELD = {"effects": {"off": ["roll_and_yaw"]}}
+IN_PLANE = {"effects": {"off": ["roll_and_yaw"]}}
 """Tables of a scene that holds the walker in its plane."""
 
 
@@ -120,7 +122,7 @@ RIGID = {"rigid_tips": True}
     ("tilt", "label", "expected"), [(5, 0.3, 40.0), (10, 0.5, 111.0), (15, 0.3, 55.0), (20, 0.5, 22.0), (35, 0.3, 3.0)]
 )
 def test_elastic_feet_in_the_plane_run_as_in_another_integrator(tilt, label, expected):
-    found, error = mean_speed(tilt, label, 3.0, feet=RIGID, **HELD)
+    found, error = mean_speed(tilt, label, 3.0, feet=RIGID, **IN_PLANE)
     # 1.5 mm/s: errors of the other's speeds. 10 %: its tangential dampers are not known; without
     # any the speeds here are 11 and 3 % lower at 10 deg, 18 % at 15 deg (labels 0.3, 0.5; 0.5)
     assert found == pytest.approx(expected, abs=3.0 * error + 0.1 * expected + 1.5)

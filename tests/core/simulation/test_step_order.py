@@ -13,7 +13,7 @@ from walkergen.core.simulation.world import OK
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 
-SHARES, EXACT_SHARE = (1.2, 1.0, 0.7, 0.5, 0.35, 0.25), 1.0 / 32.0
+STEP_SHARES, EXACT_SHARE = (1.2, 1.0, 0.7, 0.5, 0.35, 0.25), 1.0 / 32.0
 """Steps over that which resolves the feet, and that of the reference. A landing may go another way by
 a step half as long again."""
 
@@ -75,6 +75,6 @@ def test_the_step_errs_by_the_order_that_is_claimed(scene, claimed, allowance):
     """
     plan, starts, seconds = scene()
     true = ends(change_step(plan, EXACT_SHARE), starts, seconds)
-    errors = [np.abs(ends(change_step(plan, share), starts, seconds) - true).max() for share in SHARES]
-    slope, _ = convergence_order(SHARES, errors)
+    errors = [np.abs(ends(change_step(plan, share), starts, seconds) - true).max() for share in STEP_SHARES]
+    slope, _ = convergence_order(STEP_SHARES, errors)
     assert slope == pytest.approx(claimed, abs=allowance)

@@ -23,7 +23,7 @@ PLANE = templates.load("plane-90hz", "scenes", Scene)
 PAPER = templates.load("koumakis2016", "walkers", Design)
 BOX = PAPER.variant(kind="braced", tilt_deg=0.0)
 PERIOD, OMEGA = 1.0 / 90.0, 2.0 * math.pi * 90.0
-EVERYTHING = {
+ALL_MOTIONS = {
     "plate.horizontal_ratio": [0.5, 0.3],
     "plate.horizontal_phase_deg": [60.0, -100.0],
     "plate.gradient_percent_per_mm": [2.0 * math.cos(math.radians(30.0)), 1.0],
@@ -33,7 +33,7 @@ EVERYTHING = {
 }
 
 
-RIGID = {"feet.rigid_tips": True}
+RIGID_FEET = {"feet.rigid_tips": True}
 """Feet of a block that slides as a rigid one."""
 
 
@@ -52,7 +52,7 @@ def test_a_box_that_lands_is_pushed_as_the_plate_moves_by_friction_times_its_reb
     fastest = sign * math.cos(math.radians(phase)) * 40.0 * 0.2 * GRAVITY / OMEGA
     pushes = []
     for own, thrown in ((keys, 0.0), ({}, -fastest)):
-        plan = make_plan(BOX, **RIGID | {"drive.gamma": 0.2, "contact.friction": 0.05}, **own)
+        plan = make_plan(BOX, **RIGID_FEET | {"drive.gamma": 0.2, "contact.friction": 0.05}, **own)
         state = plan.initial_state(0.05, 0.0, 0.0)
         state[V_Y], state[axis] = -100.0, thrown
         plan.advance(state, 0.0012, record.new_tally(len(state)))
@@ -85,7 +85,7 @@ def test_a_block_drifts_as_on_a_vibrating_conveyor(phase):
     gamma, ratio, friction = 0.6, 1.5, 0.25
     plan = make_plan(
         BOX,
-        **RIGID
+        **RIGID_FEET
         | {
             "drive.gamma": gamma,
             "plate.horizontal_ratio": [ratio, 0.0],
@@ -106,7 +106,7 @@ def test_a_block_rides_along_until_friction_gives_way():
     ways = []
     for ratio in (0.4, 0.6):  # peak accelerations of 0.2 and 0.3 g along, friction holds 0.25 g less a half
         shaken = {"drive.gamma": 0.05, "plate.horizontal_ratio": [10 * ratio, 0.0], "contact.friction": 0.25}
-        plan = make_plan(BOX, **RIGID | shaken)
+        plan = make_plan(BOX, **RIGID_FEET | shaken)
         state = plan.initial_state(1e-4, 0.0, 0.0)
         plan.advance(state, 4 * PERIOD, record.new_tally(len(state)))
         size = 10.0 * ratio * plan.world.drive.amplitude
@@ -156,7 +156,7 @@ def test_far_from_the_start_it_is_a_plate_of_another_amplitude_and_phase(key, to
     ids=["plane", "lid", "rough", "walls", "rigid tips"],
 )
 def test_energy_is_booked_and_no_corner_sinks_in(keys):
-    plan, state = drop_for_run(make_plan(PAPER, **EVERYTHING | keys), 0)
+    plan, state = drop_for_run(make_plan(PAPER, **ALL_MOTIONS | keys), 0)
     walker, tally = plan.world.walker, record.new_tally(len(state))
     before, deepest = energy(plan.world, state), 0.0
     state[[C_X]] += 8.0
@@ -180,7 +180,7 @@ def test_the_mirror_image_runs_the_mirrored_way():
         turned = {"plate.gradient_percent_per_mm": [sign * 2.0, 0.0]}
         turned |= {"plate.rocking_percent_per_mm": [sign * 3.0, 0.0]}
         turned |= {"plate.horizontal_phase_deg": [60.0 if sign > 0.0 else 240.0, -100.0]}
-        plan = make_plan(design, **EVERYTHING | turned)
+        plan = make_plan(design, **ALL_MOTIONS | turned)
         state = plan.initial_state(0.05, sign * 1e-3, 0.3)
         plan.advance(state, 0.006, record.new_tally(len(state)))
         ends.append(state[[C_X, C_X + 1, C_Z, V_X, V_Y, V_Z]] * (sign, 1.0, 1.0, sign, 1.0, 1.0))
@@ -190,7 +190,7 @@ def test_the_mirror_image_runs_the_mirrored_way():
 def test_switched_off_it_is_as_if_it_were_not_there():
     off = {"effects.off": ["plate_along", "plate_gradient", "plate_rocking"]}
     ends = []
-    for keys in (EVERYTHING | off, {}):
+    for keys in (ALL_MOTIONS | off, {}):
         plan, state = drop_for_run(make_plan(PAPER, **keys), 0)
         plan.advance(state, 0.05, record.new_tally(len(state)))
         ends.append(state)

@@ -28,17 +28,17 @@ from walkergen.core.walker.design import Design
 ENDINGS = {Outcome.OK, Outcome.STUCK, Outcome.TOPPLED, Outcome.FOLDED, Outcome.LEFT}
 """Physical ends of a run; an energy error, or no convergence, is none."""
 
-MOST_EVENTS = 50_000
+MAX_EVENTS = 50_000
 
-MOST_STEPS = 100_000
+MAX_STEPS = 100_000
 """Steps of one example: feet of 1 MHz are followed for less time than those of 10 kHz."""
 
-BALANCE = 0.05
+MAX_ENERGY_ERROR = 0.05
 """Share of the exchanged energy that may be unaccounted for, as scenes have it. Steps are of second
 order with 0.6 rad of the fastest foot each: the worst of 700 examples came to 0.029, with a median
 of 4e-5."""
 
-FINER = 4.0
+STEP_DIVISOR = 4.0
 """By how much smaller a step has to end an energy error."""
 
 
@@ -47,7 +47,7 @@ def decades(low, high):
     return st.floats(low, high).map(lambda exponent: 10.0**exponent)
 
 
-BEYOND = {
+OUTSIDE_VALUES = {
     ("body", "length_mm"): (0.0, -1.0, 1.001e6, math.nan, "28"),
     ("body", "depth_mm"): (0.0, -8.0, math.inf),
     ("body", "thickness_mm"): (0.0, -1e-9, 1e300),
@@ -77,7 +77,7 @@ BEYOND = {
 
 
 @st.composite
-def unlike(draw, leg, thickness, tilt, length, depth):
+def unlike_legs(draw, leg, thickness, tilt, length, depth):
     """Legs that differ in place, thickness, lean, kind and friction, and some in height."""
     legs, count = [], draw(st.integers(2, 5))
     foot = draw(st.sampled_from(["flat", "flat", "square", "round"]))
@@ -149,11 +149,11 @@ def walkers(draw, plates):
         "run": {"discard_seconds": 0.0, "seconds": draw(st.integers(5, 40)) * period},
     }
     if draw(st.booleans()):
-        tables["legs"] = draw(unlike(leg, thickness, tilt, length, depth))
+        tables["legs"] = draw(unlike_legs(leg, thickness, tilt, length, depth))
     if draw(st.integers(0, 3)) == 0:
         outline = draw(st.sampled_from(["disc", "ellipse"]))
         tables["body"] |= {"outline": outline}
-        tables["legs"] = draw(unlike(leg, thickness, tilt, 0.6 * length, 0.6 * depth))
+        tables["legs"] = draw(unlike_legs(leg, thickness, tilt, 0.6 * length, 0.6 * depth))
         if outline == "disc":
             depth = length
             del tables["body"]["depth_mm"]
@@ -174,9 +174,9 @@ def walkers(draw, plates):
         numbers = {"horizontal_ratio": (0.0, 2.0), "horizontal_phase_deg": (-180.0, 180.0)}
         numbers |= dict.fromkeys(("gradient_percent_per_mm", "rocking_percent_per_mm"), (-5.0, 5.0))
         tables["plate"] |= {key: [draw(st.floats(*ends)) for _ in range(2)] for key, ends in numbers.items()}
-    table, key = draw(st.sampled_from(sorted(BEYOND)))
+    table, key = draw(st.sampled_from(sorted(OUTSIDE_VALUES)))
     if draw(st.integers(0, 9)) == 0 and isinstance(tables[table], dict):
-        tables[table][key] = draw(st.sampled_from(BEYOND[table, key]))
+        tables[table][key] = draw(st.sampled_from(OUTSIDE_VALUES[table, key]))
     return tables
 
 
@@ -190,7 +190,7 @@ def build_plan(tables):
     keys = ("drive", "contact", "plate", "arena", "feet", "effects", "run")
     scene = config.validate({key: tables[key] for key in keys} | {"legs": tables["scene_legs"]}, Scene, "sweep")
     plan = prepare(scene, design, solids.mass_of(design))
-    seconds = min(scene.run.seconds, MOST_STEPS * plan.world.options.step)
+    seconds = min(scene.run.seconds, MAX_STEPS * plan.world.options.step)
     return plan.with_run_settings(seconds=seconds)
 
 
@@ -240,7 +240,7 @@ def gaps_of(world, state):
     return work.points["gap"]
 
 
-def liveliest(plan, rows):
+def largest_speed(plan, rows):
     """Largest kinetic energy over the plate's own speed, g mm^2/s^2, as a speed of the walker."""
     walker = plan.world.walker
     n = len(walker.stiffness)
@@ -260,7 +260,7 @@ def check_motion(plan, result):
     assert np.isfinite(rows).all()
     assert np.isfinite(result.places).all()
     assert np.isfinite(sums).all()
-    assert result.energy_error <= BALANCE, result.energy_error
+    assert result.energy_error <= MAX_ENERGY_ERROR, result.energy_error
 
     # A foot's spring takes at most the whole walker's energy, and its weight on a rising plate.
     drive = plan.scene.drive
@@ -269,7 +269,7 @@ def check_motion(plan, result):
     plate = plan.scene.plate  # along itself, and by slopes as much again where a walker may get
     swayed = 1.0 + (sum(plate.horizontal_ratio) + 2.0 if plate.sways else 0.0)
     shaken = swayed * drive.peak_speed * drive.omega + noise.strongest
-    fast = liveliest(plan, rows) + swayed * drive.peak_speed + noise.fastest
+    fast = largest_speed(plan, rows) + swayed * drive.peak_speed + noise.fastest
     drive_force = walker.mass * (GRAVITY + shaken)
     for k in range(len(walker.leg)):
         allowed = deepest_of(walker, k, drive_force, 2.0 * fast)
@@ -285,7 +285,7 @@ def check_motion(plan, result):
 
     # Losses are losses, to the accuracy of the balance.
     whole = abs(plan.energy(rows[0]))
-    allowed = BALANCE * max(np.abs(sums[record.PLATE_WORK :]).max(), whole)
+    allowed = MAX_ENERGY_ERROR * max(np.abs(sums[record.PLATE_WORK :]).max(), whole)
     for loss in (record.IMPACT_LOSS, record.FRICTION_LOSS, record.DAMPING_LOSS):
         assert sums[loss] >= -allowed, (loss, sums)
     assert (rows[:, PHASE] >= 0.0).all()
@@ -302,13 +302,13 @@ def check(tables):
     if design.pair and design.body.outline is None:
         check_solid(design)
     interval = plan.scene.run.seconds / 100.0
-    result = simulate(plan, 0, sample_interval=interval, event_room=MOST_EVENTS)
+    result = simulate(plan, 0, sample_interval=interval, event_room=MAX_EVENTS)
     if result.outcome is Outcome.ENERGY:
         # The outcome asks the user for a smaller step, which must then succeed.
-        step_us = max(1e6 * plan.world.options.step / FINER, 0.01)
+        step_us = max(1e6 * plan.world.options.step / STEP_DIVISOR, 0.01)
         finer = tables | {"run": tables["run"] | {"step_us": step_us}}
         plan = build_plan(finer)
-        result = simulate(plan, 0, sample_interval=interval, event_room=MOST_EVENTS)
+        result = simulate(plan, 0, sample_interval=interval, event_room=MAX_EVENTS)
         event("finer steps")
     check_motion(plan, result)
     return result.outcome.value

@@ -26,11 +26,11 @@ MASS, SPEED = 0.02, 100.0
 TIP = 4.0 / 3.0 * 1.93e9 * math.sqrt(5e-3)
 """Hertz stiffness of the default tip."""
 
-STIFF = 1e12
+STIFF_LEG = 1e12
 """Leg (g/s^2) that takes 1e-8 of the depth."""
 
 
-def corner_of(spring=STIFF, tip=TIP, e=1.0, **more):
+def corner_of(spring=STIFF_LEG, tip=TIP, e=1.0, **more):
     """A corner without friction, free to slip, that rebounds with e."""
     return Corner(np.eye(3) / MASS, spring, tip, 2.0 * feet.damping_ratio(e) * math.sqrt(MASS), **more)
 
@@ -113,7 +113,7 @@ def test_corner_rebounds_with_its_restitution_at_any_speed_on_any_leg(speed, rat
 @pytest.mark.parametrize("ratio", [*RATIOS, 0.0])
 def test_law_gives_its_restitution_by_a_second_program(ratio, e):
     """Ratio 0: rigid legs."""
-    corner = corner_of(leg_stiffness(ratio, SPEED) if ratio else STIFF, e=e)
+    corner = corner_of(leg_stiffness(ratio, SPEED) if ratio else STIFF_LEG, e=e)
     velocity, _ = Rival(corner).land((-SPEED, 0.0, 0.0))
     # 1e-6: it begins and ends at 1e-9 of the force
     assert velocity[0] == pytest.approx(e * SPEED, rel=1e-6)

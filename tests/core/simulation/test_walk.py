@@ -10,7 +10,7 @@ MODULES, FILES = 62, 41
 """Most modules of ours that a fresh `predict` imports, and most files below the command line of
 which it runs a function; the request, which the command and the function of Python share, is among both."""
 
-ABSENT = {
+ABSENT_MODULES = {
     *(
         "walkergen.core.dish",
         "walkergen.readers.walkers.marks",
@@ -22,7 +22,7 @@ ABSENT = {
 }
 """Modules of parts that it has not."""
 
-MEASURED = """
+MEASURING_SCRIPT = """
 import inspect, json, os, sys
 import walkergen
 
@@ -49,7 +49,7 @@ print(json.dumps([imported, sorted(entered)]), file=sys.stderr)
 
 def visited_files(*words):
     """Modules that a prediction imports, and files that it enters."""
-    run = subprocess.run([sys.executable, "-c", MEASURED, *words], check=True, capture_output=True, text=True)
+    run = subprocess.run([sys.executable, "-c", MEASURING_SCRIPT, *words], check=True, capture_output=True, text=True)
     return json.loads(run.stderr.splitlines()[-1])
 
 
@@ -57,7 +57,7 @@ def test_a_plain_walker_enters_only_the_files_that_it_needs():
     imported, entered = visited_files("koumakis2016", "--tilt", "10")
     assert len(imported) <= MODULES, sorted(imported)
     others = ("walkergen.core.printing", "walkergen.core.simulation", "walkergen.commands.family", "walkergen.guests")
-    assert not [name for name in imported if name in ABSENT or name.startswith(others)]
+    assert not [name for name in imported if name in ABSENT_MODULES or name.startswith(others)]
     below = [name for name in entered if name.partition("/")[0] not in ("cli", "__init__.py", "__main__.py")]
     assert len(below) <= FILES, below
 

@@ -18,7 +18,7 @@ from walkergen.core.walker.design import Design
 M, J = 1.0, 68.0  # about the paper's braced walker
 
 
-def stiff(x, y, friction=0.25, restitution=0.8):
+def rigid_foot(x, y, friction=0.25, restitution=0.8):
     """Foot of a rigid walker at (x, y) from its centre of mass."""
     return Foot(rigid_tensor(M, J, np.array((x, y))), (x, y), restitution, friction)
 
@@ -43,7 +43,7 @@ def random_feet(count, seed, drop=0.0):
     return found
 
 
-def struck(foot, speed):
+def hit_foot(foot, speed):
     return impact(*foot.H, speed, -1.0, foot.restitution, foot.friction)
 
 
@@ -52,7 +52,7 @@ def test_both_momenta_balance(count, drop):
     for seed in range(25):
         every = random_feet(count, seed, drop)
         found = solve_balance(every)
-        hits = [struck(foot, float(found.factor)) for foot in every]
+        hits = [hit_foot(foot, float(found.factor)) for foot in every]
         F_x, F_y = np.array([hit[:2] for hit in hits]).T
         x, y = np.array([foot.lever for foot in every]).T
         scale = found.shares @ F_y
@@ -70,7 +70,7 @@ def test_force_ratio_never_rises_with_speed():
     for foot in random_feet(20, seed=4):
         bound = 50.0 * (foot.H.xx + abs(foot.H.xy))
         speeds = np.concatenate([-np.geomspace(bound, 1e-3, 100), np.geomspace(1e-3, bound, 100)])
-        hits = [struck(foot, speed) for speed in speeds]
+        hits = [hit_foot(foot, speed) for speed in speeds]
         ratios = np.array([hit.F_x / hit.F_y for hit in hits])
         assert (np.diff(ratios) <= 1e-14).all()
         flat = np.abs(ratios) >= foot.friction * (1 - 1e-12)
@@ -106,7 +106,7 @@ def test_mirror_image_runs_backwards_exactly():
 
 def test_one_foot_without_friction_leaves_the_speed_to_the_other():
     """Its impulse is vertical for all shares, so the other's must vanish alone."""
-    back, front = stiff(-4.0, -9.0), stiff(9.0, -9.0, friction=0.0)
+    back, front = rigid_foot(-4.0, -9.0), rigid_foot(9.0, -9.0, friction=0.0)
     own = float(factor(back.H, 0.8, 0.25))
     found = solve_balance([back, front])
     assert float(found.factor) == pytest.approx(own, rel=1e-10)
@@ -114,22 +114,22 @@ def test_one_foot_without_friction_leaves_the_speed_to_the_other():
 
 
 def test_friction_zero_is_the_limit():
-    pairs = [[stiff(-5.0, -9.0, mu), stiff(8.0, -9.0, mu)] for mu in (0.0, 1e-9)]
+    pairs = [[rigid_foot(-5.0, -9.0, mu), rigid_foot(8.0, -9.0, mu)] for mu in (0.0, 1e-9)]
     assert float(solve_balance(pairs[0]).factor) == pytest.approx(float(solve_balance(pairs[1]).factor), 1e-7)
 
 
 def test_two_materials_run_with_the_smoother_foot_ahead():
     """Each foot pulls the body to the other's side; at rest the rougher one pulls harder."""
-    assert solve_balance([stiff(-6.5, -9.0), stiff(6.5, -9.0)]).factor == 0.0
-    forward = solve_balance([stiff(-6.5, -9.0, 0.6), stiff(6.5, -9.0, 0.1)])
+    assert solve_balance([rigid_foot(-6.5, -9.0), rigid_foot(6.5, -9.0)]).factor == 0.0
+    forward = solve_balance([rigid_foot(-6.5, -9.0, 0.6), rigid_foot(6.5, -9.0, 0.1)])
     assert float(forward.factor) == pytest.approx(0.6646, abs=1e-4)
     # Where both can stick (|H_xy| / H_xx = 0.39) neither slides at rest, and the forces are equal.
-    assert abs(solve_balance([stiff(-6.5, -9.0, 0.8), stiff(6.5, -9.0, 0.5)]).factor) < 1e-15
+    assert abs(solve_balance([rigid_foot(-6.5, -9.0, 0.8), rigid_foot(6.5, -9.0, 0.5)]).factor) < 1e-15
 
 
 def net_at_rest(pair):
     """Net force over net normal force at no speed, with shares that balance angular momentum."""
-    hits = [struck(foot, 0.0) for foot in pair]
+    hits = [hit_foot(foot, 0.0) for foot in pair]
     turn = [f.lever[0] * h.F_y - f.lever[1] * h.F_x for f, h in zip(pair, hits, strict=True)]
     s_back, s_front = turn[1], -turn[0]
     return (s_back * hits[0].F_x + s_front * hits[1].F_x) / (s_back * hits[0].F_y + s_front * hits[1].F_y)
@@ -138,7 +138,7 @@ def net_at_rest(pair):
 def test_unequal_lengths_act_in_second_order_of_friction():
     """The paper's remark: a level body on legs of unequal length, O midway between the feet."""
     frictions = np.array([1e-4, 1e-3, 1e-2])
-    pairs = [[stiff(-6.5, -9.0, mu), stiff(6.5, -7.0, mu)] for mu in frictions]
+    pairs = [[rigid_foot(-6.5, -9.0, mu), rigid_foot(6.5, -7.0, mu)] for mu in frictions]
     forces = np.array([net_at_rest(pair) for pair in pairs])
     # N_back - N_front = mu (difference of heights) / (span), and each foot pulls with mu N.
     np.testing.assert_allclose(forces, frictions**2 * 2.0 / 13.0, rtol=0.02)
@@ -153,7 +153,7 @@ def test_unequal_lengths_act_in_second_order_of_friction():
 def test_unequal_levers_act_in_first_order_and_the_shorter_one_pushes():
     """The paper on its reference 7: more impacts at the foot that is nearer to O."""
     frictions = np.array([1e-4, 1e-3, 1e-2])
-    pairs = [[stiff(-4.0, -9.0, mu), stiff(9.0, -9.0, mu)] for mu in frictions]
+    pairs = [[rigid_foot(-4.0, -9.0, mu), rigid_foot(9.0, -9.0, mu)] for mu in frictions]
     forces = np.array([net_at_rest(pair) for pair in pairs])
     # N_back - N_front = 5/13; the net force itself turns the walker in the next order.
     np.testing.assert_allclose(forces, frictions * 5.0 / 13.0, rtol=0.02)
@@ -167,29 +167,29 @@ def test_unequal_levers_act_in_first_order_and_the_shorter_one_pushes():
 
 def test_unequal_lengths_of_feet_on_the_plate_act_through_levers_alone():
     """With both feet down heights are equal: a leg of double length matters through the height of O."""
-    assert solve_balance([stiff(-6.5, -7.0), stiff(6.5, -7.0)]).factor == 0.0
+    assert solve_balance([rigid_foot(-6.5, -7.0), rigid_foot(6.5, -7.0)]).factor == 0.0
     long, short = np.array((-6.5, -9.0)), np.array((6.5, -4.5))
     pitch = math.atan((long[1] - short[1]) / (short[0] - long[0]))
     turned = np.array(((math.cos(pitch), -math.sin(pitch)), (math.sin(pitch), math.cos(pitch))))
     back, front = turned @ long, turned @ short
     assert back[1] == pytest.approx(front[1])
     assert -back[0] > front[0]
-    found = solve_balance([stiff(*back), stiff(*front)])
+    found = solve_balance([rigid_foot(*back), rigid_foot(*front)])
     assert found.factor < 0.0
     # The body held level, as the paper has it, would run the other way and more slowly.
-    level = solve_balance([stiff(*long), stiff(*short)])
+    level = solve_balance([rigid_foot(*long), rigid_foot(*short)])
     assert 0.0 < level.factor < -found.factor
 
 
 def test_a_walk_by_single_impacts_ends_at_the_balance():
     """Rival: a foot at random, or the one that turns the walker back; each pushes a heavy body."""
-    pair = [stiff(-4.0, -9.0, 0.3, 0.5), stiff(9.0, -8.0, 0.1, 0.8)]
+    pair = [rigid_foot(-4.0, -9.0, 0.3, 0.5), rigid_foot(9.0, -8.0, 0.1, 0.8)]
     rng = np.random.default_rng(1)
     speed, spin, total, hits = 0.0, 0.0, 0.0, np.zeros(2)
     for step in range(9000):
         # Counter-clockwise spin calls for the foot behind O, number 0.
         i = int(spin < 0.0) if abs(spin) > 30.0 else int(rng.integers(2))
-        hit, (x, y) = struck(pair[i], speed), pair[i].lever
+        hit, (x, y) = hit_foot(pair[i], speed), pair[i].lever
         spin += x * hit.F_y - y * hit.F_x
         speed += 0.01 * hit.F_x
         if step >= 3000:
@@ -202,7 +202,7 @@ def test_a_walk_by_single_impacts_ends_at_the_balance():
 
 
 @kernel
-def shaken(feet, duration, step, seed):
+def shake_walker(feet, duration, step, seed):
     """Rigid walker (M, J) from impact to impact on a plate at 90 Hz, 1.8 g; e = 0.8, Poisson.
 
     Feet of shape (2, 3): vector from O, friction. Returns the mean speed, the mean speed of
@@ -239,16 +239,16 @@ def shaken(feet, duration, step, seed):
 @pytest.mark.parametrize(
     "pair",
     [
-        [stiff(-4.0, -9.0), stiff(9.0, -9.0)],
-        [stiff(-6.5, -9.0, 0.1), stiff(6.5, -9.0, 0.6)],
-        [stiff(-5.0, -9.0, 0.1), stiff(8.0, -9.0, 0.6)],
+        [rigid_foot(-4.0, -9.0), rigid_foot(9.0, -9.0)],
+        [rigid_foot(-6.5, -9.0, 0.1), rigid_foot(6.5, -9.0, 0.6)],
+        [rigid_foot(-5.0, -9.0, 0.1), rigid_foot(8.0, -9.0, 0.6)],
     ],
     ids=["levers", "materials", "both"],
 )
 def test_shaken_rigid_walker_has_the_direction_and_the_loads(pair):
     """Spin, which the theory leaves out, brings the speed to half to two thirds (section 4b)."""
     numbers = np.array([(*foot.lever, foot.friction) for foot in pair])
-    runs = [shaken(numbers, 6.0, 1e-5, seed) for seed in range(2)]
+    runs = [shake_walker(numbers, 6.0, 1e-5, seed) for seed in range(2)]
     found = solve_balance(pair)
     loads = np.mean([normal / normal.sum() for *_, normal in runs], axis=0)
     np.testing.assert_allclose(loads, found.loads, atol=0.03)
@@ -263,7 +263,7 @@ def test_many_feet_bear_loads_as_springs_that_cannot_pull():
     for _ in range(60):
         x = rng.uniform(-3.0, 10.0, int(rng.integers(3, 9)))
         x[:2] = -abs(x[0]), abs(x[1])
-        found = solve_balance([stiff(place, -9.0) for place in x]).loads
+        found = solve_balance([rigid_foot(place, -9.0) for place in x]).loads
         n, heavy = len(x), 1e5
         rows = np.vstack([np.eye(n), np.full(n, heavy), heavy * x])
         expected, _ = nnls(rows, np.concatenate([np.full(n, 1 / n), [heavy, 0.0]]))
@@ -273,8 +273,8 @@ def test_many_feet_bear_loads_as_springs_that_cannot_pull():
 
 
 def test_pairs_of_feet_side_by_side_count_as_one():
-    one = solve_balance([stiff(-4.0, -9.0), stiff(9.0, -9.0, 0.1)])
-    four = solve_balance([stiff(-4.0, -9.0), stiff(9.0, -9.0, 0.1)] * 2)
+    one = solve_balance([rigid_foot(-4.0, -9.0), rigid_foot(9.0, -9.0, 0.1)])
+    four = solve_balance([rigid_foot(-4.0, -9.0), rigid_foot(9.0, -9.0, 0.1)] * 2)
     assert float(four.factor) == pytest.approx(float(one.factor), rel=1e-13)
     np.testing.assert_allclose(four.shares, np.tile(one.shares, 2) / 2, rtol=1e-12)
     assert "both feet" in one.note
@@ -283,11 +283,11 @@ def test_pairs_of_feet_side_by_side_count_as_one():
 
 def test_arrays_equal_one_by_one():
     e, mu = np.meshgrid([0.0, 0.4, 1.0], [0.0, 0.1, 3.0])
-    pair = [stiff(-4.0, -9.0, mu, e), stiff(9.0, -9.0, 0.2, 0.5)]
+    pair = [rigid_foot(-4.0, -9.0, mu, e), rigid_foot(9.0, -9.0, 0.2, 0.5)]
     many = solve_balance(pair)
     assert many.shares.shape == many.loads.shape == (2, 3, 3)
     for place in np.ndindex(3, 3):
-        single = [stiff(-4.0, -9.0, mu[place], e[place]), pair[1]]
+        single = [rigid_foot(-4.0, -9.0, mu[place], e[place]), pair[1]]
         one = solve_balance(single)
         assert many.factor[place] == one.factor
         np.testing.assert_array_equal(many.shares[:, *place], one.shares)
@@ -296,14 +296,18 @@ def test_arrays_equal_one_by_one():
 @pytest.mark.parametrize(
     ("every", "mode", "message"),
     [
-        ([stiff(-4.0, -9.0)], "coulomb", r"\(-4, -9\) mm .* tips"),
-        ([stiff(3.0, -9.0), stiff(5.0, -9.0)], "coulomb", r"\(3, -9\), \(5, -9\) mm .* tips"),
-        ([stiff(0.0, -9.0), stiff(5.0, -9.0)], "coulomb", "tips"),
-        ([stiff(-4.0, -9.0), stiff(5.0, -9.0)], "paper", "mode paper"),
-        ([stiff(-4.0, -9.0, -0.1), stiff(5.0, -9.0)], "coulomb", "friction"),
-        ([stiff(-4.0, -9.0, 0.1, 1.2), stiff(5.0, -9.0)], "coulomb", "restitution"),
-        ([stiff(-4.0, -9.0), stiff(5.0, -9.0)._replace(lever=(np.nan, 0.0))], "coulomb", "finite"),
-        ([stiff(-4.0, -9.0), stiff(5.0, -9.0)._replace(H=InverseMass(1.0, 2.0, 1.0))], "coulomb", "positive definite"),
+        ([rigid_foot(-4.0, -9.0)], "coulomb", r"\(-4, -9\) mm .* tips"),
+        ([rigid_foot(3.0, -9.0), rigid_foot(5.0, -9.0)], "coulomb", r"\(3, -9\), \(5, -9\) mm .* tips"),
+        ([rigid_foot(0.0, -9.0), rigid_foot(5.0, -9.0)], "coulomb", "tips"),
+        ([rigid_foot(-4.0, -9.0), rigid_foot(5.0, -9.0)], "paper", "mode paper"),
+        ([rigid_foot(-4.0, -9.0, -0.1), rigid_foot(5.0, -9.0)], "coulomb", "friction"),
+        ([rigid_foot(-4.0, -9.0, 0.1, 1.2), rigid_foot(5.0, -9.0)], "coulomb", "restitution"),
+        ([rigid_foot(-4.0, -9.0), rigid_foot(5.0, -9.0)._replace(lever=(np.nan, 0.0))], "coulomb", "finite"),
+        (
+            [rigid_foot(-4.0, -9.0), rigid_foot(5.0, -9.0)._replace(H=InverseMass(1.0, 2.0, 1.0))],
+            "coulomb",
+            "positive definite",
+        ),
         (
             # Lines of action at 22 deg that cross behind O.
             [

@@ -65,10 +65,10 @@ def test_a_curve_through_walkers_is_that_between_them():
         np.testing.assert_array_equal(ours, theirs)
 
 
-EXACT = {"restitution_sd": 0.0, "friction_sd": 0.0}
+EXACT_CONTACT = {"restitution_sd": 0.0, "friction_sd": 0.0}
 
 
-def exactly(**tables):
+def certain_case(**tables):
     """Design and scene without any standard deviation but those given."""
     design = Design.model_validate(
         {
@@ -78,7 +78,7 @@ def exactly(**tables):
         }
     )
     known = {
-        "contact": EXACT,
+        "contact": EXACT_CONTACT,
         "feet": {"unevenness_sd_um": 0.0, "tip_radius_sd_factor": 1.0},
         "prediction": {"model_sd": 0.0},
     }
@@ -88,7 +88,7 @@ def exactly(**tables):
 def test_standard_deviation_of_the_theory_against_linear_propagation():
     """Rival: finite differences; small deviations, so that the second order is 1 % of the first."""
     sds = {"restitution": 0.01, "friction": 0.005}
-    design, scene = exactly(contact={"restitution": 0.8} | {f"{name}_sd": sd for name, sd in sds.items()})
+    design, scene = certain_case(contact={"restitution": 0.8} | {f"{name}_sd": sd for name, sd in sds.items()})
     design = design.model_copy(
         update={
             "legs": design.legs.model_copy(update={"thickness_sd_mm": 0.01}),
@@ -121,7 +121,7 @@ def test_standard_deviation_of_the_theory_against_linear_propagation():
 
 def test_a_prediction_without_unknowns_is_the_nominal_speed():
     """Rival: the surrogate at the one place; its own error and the model's are in the bounds."""
-    design, scene = exactly()
+    design, scene = certain_case()
     mass = solids.mass_of(design)
     speed, se = surrogate.case_in_domain(scene, design, mass).nominal
     for model_sd in (0.0, 0.3):
@@ -177,7 +177,7 @@ def test_draws_stay_in_the_physical_range_and_repeat():
 
 def test_shares_name_what_to_measure_next():
     """With one input uncertain by far the most, it takes nearly all the variance."""
-    design, scene = exactly(contact={"restitution_sd": 0.2, "friction_sd": 0.0})
+    design, scene = certain_case(contact={"restitution_sd": 0.2, "friction_sd": 0.0})
     first, second, *rest = prediction.variance_shares(design, solids.mass_of(design), scene)
     assert {first.name, second.name} <= {"contact.restitution", "which print it is", "the surrogate's error"}
     assert "contact.restitution" in (first.name, second.name)

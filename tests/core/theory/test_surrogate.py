@@ -14,30 +14,32 @@ from walkergen.core.theory.surrogate import UnknownError
 from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 
-TEN = Design().variant(tilt_deg=10.0)
+TILTED_WALKER = Design().variant(tilt_deg=10.0)
 PLANE = {"arena.kind": "plane"}
 
-DIRECT = {
+DIRECT_SPEEDS = {
     "lane": {3.0: 18.7, 5.0: 31.9, 7.0: 42.9, 10.0: 53.7, 15.0: 52.3, 30.0: 11.5, 40.0: 4.0},
     "plane": {5.0: 39.5, 7.0: 51.5, 10.0: 59.6, 15.0: 56.2, 30.0: 13.1, 40.0: 5.0},
 }
 """Speeds of the paper's walker on its plate, mm/s, by 16 runs of 10 to 15 s."""
 
 
-def find_case(design=TEN, scene=None, **keys):
+def find_case(design=TILTED_WALKER, scene=None, **keys):
     scene = (scene or Scene()).variant(**keys)
     return surrogate.case_in_domain(scene, design, solids.mass_of(design))
 
 
-def nominal(design=TEN, **keys):
+def nominal(design=TILTED_WALKER, **keys):
     return find_case(design, **keys).nominal
 
 
-@pytest.mark.parametrize(("arena", "tilt"), [(arena, tilt) for arena, speeds in DIRECT.items() for tilt in speeds])
+@pytest.mark.parametrize(
+    ("arena", "tilt"), [(arena, tilt) for arena, speeds in DIRECT_SPEEDS.items() for tilt in speeds]
+)
 def test_the_surrogate_covers_the_papers_walker_in_its_lane_and_on_a_plane(arena, tilt):
     speed, se = nominal(Design().variant(tilt_deg=tilt), **{"arena.kind": arena})
-    off = abs(speed - DIRECT[arena][tilt])
-    assert off <= max(0.10 * abs(DIRECT[arena][tilt]), 1.0)
+    off = abs(speed - DIRECT_SPEEDS[arena][tilt])
+    assert off <= max(0.10 * abs(DIRECT_SPEEDS[arena][tilt]), 1.0)
     assert off <= 3.0 * se
 
 
@@ -55,7 +57,7 @@ def test_speeds_are_continuous_across_the_seams_of_the_former_table():
     assert np.abs(np.diff(speeds)).max() < 0.3
 
 
-UNMET = {
+DECLINED_KEYS = {
     "drive.kind": "motor",
     "feet.rigid_tips": True,
     "feet.tip_radius_um": 1e5,
@@ -74,10 +76,10 @@ UNMET = {
 }
 
 
-@pytest.mark.parametrize("key", [key for key in UNMET if key not in ("drive.kind", "drive.gamma")])
+@pytest.mark.parametrize("key", [key for key in DECLINED_KEYS if key not in ("drive.kind", "drive.gamma")])
 def test_the_surrogate_declines_cases_outside_its_training_set(key):
     with pytest.raises(UnknownError):
-        find_case(**{key: UNMET[key]})
+        find_case(**{key: DECLINED_KEYS[key]})
 
 
 @pytest.mark.parametrize(
@@ -92,7 +94,7 @@ def test_the_surrogate_declines_cases_outside_its_training_set(key):
 )
 def test_it_declines_walkers_that_it_has_not_met(keys):
     with pytest.raises(UnknownError):
-        find_case(TEN.variant(**keys))
+        find_case(TILTED_WALKER.variant(**keys))
 
 
 @pytest.mark.parametrize("keys", [{"legs.length_mm": 20.0}, {"legs.foot": "round"}])
@@ -100,12 +102,12 @@ def test_walkers_of_a_family_are_declined_in_the_same_words(keys):
     reasons = set()
     for tilt in (8.0, 10.0, 12.0):
         with pytest.raises(UnknownError) as caught:
-            find_case(TEN.variant(tilt_deg=tilt, **keys))
+            find_case(TILTED_WALKER.variant(tilt_deg=tilt, **keys))
         reasons.add(str(caught.value))
     assert len(reasons) == 1, "a table has one note a kind"
 
 
-READ = {
+READ_KEYS = {
     "contact.restitution": 0.3,
     "contact.friction": 0.28,
     "plate.noise_ratio": 0.02,
@@ -121,11 +123,14 @@ READ = {
 }
 
 
-@pytest.mark.parametrize("key", READ)
+@pytest.mark.parametrize("key", READ_KEYS)
 def test_every_key_that_it_reads_moves_its_speed(key):
-    scene = Scene().variant(**{key: READ[key]})
-    mass = solids.mass_of(TEN)
-    at = [surrogate.Known(TEN, one, dimensionless.compute_place(one, TEN, mass)).nominal[0] for one in (Scene(), scene)]
+    scene = Scene().variant(**{key: READ_KEYS[key]})
+    mass = solids.mass_of(TILTED_WALKER)
+    at = [
+        surrogate.Known(TILTED_WALKER, one, dimensionless.compute_place(one, TILTED_WALKER, mass)).nominal[0]
+        for one in (Scene(), scene)
+    ]
     assert at[0] != at[1]
 
 
@@ -145,7 +150,7 @@ def test_keys_of_a_scene_are_read_or_declined():
         "plate.noise_band_hz",  # of noise that there is not
         "plate.horizontal_phase_deg",  # of what there is not either
     }
-    tested = {*READ, *UNMET, *without_part}
+    tested = {*READ_KEYS, *DECLINED_KEYS, *without_part}
     for name, field in Scene.model_fields.items():
         if name in silent or name == "drive":
             continue
@@ -162,10 +167,12 @@ def test_inputs_of_draws_equal_those_of_walkers_built_that_way():
         "feet.tip_radius_um": 7.0,
         "legs.thickness_mm": 0.42,
     }
-    scene, design, mass = uncertain_inputs.apply_inputs(Scene(), TEN, values)
+    scene, design, mass = uncertain_inputs.apply_inputs(Scene(), TILTED_WALKER, values)
     built = dimensionless.compute_place(scene, design, mass)
     drawn = uncertain_inputs.Drawn({name: np.array([value]) for name, value in values.items()}, 1)
-    place = dimensionless.compute_place(Scene(), TEN, solids.mass_of(TEN)).with_inputs(TEN, Scene(), drawn)
+    place = dimensionless.compute_place(Scene(), TILTED_WALKER, solids.mass_of(TILTED_WALKER)).with_inputs(
+        TILTED_WALKER, Scene(), drawn
+    )
     for name, one, other in zip(dimensionless.Place._fields, place, built, strict=True):
         # A thicker leg moves the centre of mass a little, which draws leave out
         assert float(np.ravel(one)[0]) == pytest.approx(float(other), rel=1e-2, abs=1e-3), name

@@ -40,7 +40,7 @@ def test_two_equal_legs_of_a_list_are_the_pair_to_the_last_bit(tmp_path, kind, f
     pair = read_design(tmp_path, "[legs]\n" + keys)
     both = read_design(tmp_path, "".join(f"[[legs]]\n{keys}along_mm = {x}\n" for x in (-6.5, 6.5)))
     assert both.limbs == pair.limbs
-    for one, other in zip(flat(solids.build(pair)), flat(solids.build(both)), strict=True):
+    for one, other in zip(list_meshes(solids.build(pair)), list_meshes(solids.build(both)), strict=True):
         assert np.array_equal(one.vertices, other.vertices)
         assert np.array_equal(one.triangles, other.triangles)
     weighed = [solids.mass_of(design) for design in (pair, both)]
@@ -48,7 +48,7 @@ def test_two_equal_legs_of_a_list_are_the_pair_to_the_last_bit(tmp_path, kind, f
     np.testing.assert_equal(*(factors(found, 0.8, 0.25) for found in weighed))
 
 
-def flat(built):
+def list_meshes(built):
     return [built.walker, built.body, *built.legs]
 
 
@@ -111,7 +111,7 @@ def test_a_braced_leg_among_flexible_ones_belongs_to_the_body():
     np.testing.assert_allclose([united.centre[:2] + leg.foot for leg in frozen.legs], on_plate)
 
 
-FORTY = [
+FORTY_LEGS = [
     {"tilt_deg": 0.0, "along_mm": -13.0 + 2.0 * k, "across_mm": z, "width_mm": 1.5}
     for k in range(14)
     for z in (-3.0, 0.0, 3.0)
@@ -119,7 +119,7 @@ FORTY = [
 
 
 def test_forty_legs_are_one_sound_solid():
-    built = mesh_checks.check(design_with_legs(*FORTY))
+    built = mesh_checks.check(design_with_legs(*FORTY_LEGS))
     assert len(built.legs) == 40
 
 

@@ -41,7 +41,7 @@ def refusal_of(**tables):
     return str(caught.value)
 
 
-def steiner(mass, tensor, arm):
+def shift_tensor(mass, tensor, arm):
     return tensor + mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
 
 
@@ -68,7 +68,7 @@ def rival_mass(design):
     pieces.append((wires, 0.5 * (places[0] + places[1]), thin))
     total = sum(mass for mass, _, _ in pieces)
     centre = sum(mass * place for mass, place, _ in pieces) / total
-    return total, centre, sum(steiner(mass, own, at - centre) for mass, at, own in pieces)
+    return total, centre, sum(shift_tensor(mass, own, at - centre) for mass, at, own in pieces)
 
 
 @pytest.mark.parametrize("name", CARRIERS)
@@ -294,7 +294,7 @@ def test_wrong_weights_of_the_payload_are_refused(tmp_path):
         weighed_masses.read_masses(path, [load_walker("koumakis2016")])
 
 
-WIDE = {"length_mm": 40.0, "depth_mm": 24.0, "thickness_mm": 6.0}
+WIDE_BODY = {"length_mm": 40.0, "depth_mm": 24.0, "thickness_mm": 6.0}
 
 
 @pytest.mark.parametrize(("name", "steps"), [("coinbot", 7), ("koumakis2016", 6)])
@@ -328,7 +328,7 @@ def test_a_drawn_body_can_have_pockets(tmp_path):
     legs = [{"along_mm": along, "width_mm": 8.0} for along in (-14.0, 14.0)]
     tables = {"body": {"mesh": str(tmp_path / "box.stl")}, "legs": legs, "motor": {"axis": "up", "up_mm": 1.5}}
     own = solids.mass_of(design_of(**tables))
-    plain = solids.mass_of(design_of(**(tables | {"body": WIDE})))
+    plain = solids.mass_of(design_of(**(tables | {"body": WIDE_BODY})))
     assert own.M == pytest.approx(plain.M, rel=1e-6)  # STL holds 32-bit floats
     ring = trimesh.creation.annulus(6.0, 20.0, 6.0)
     ring.export(tmp_path / "ring.stl")
@@ -338,7 +338,7 @@ def test_a_drawn_body_can_have_pockets(tmp_path):
 
 
 def test_a_finished_mesh_can_have_pockets(tmp_path):
-    plain = design_of(body=WIDE, legs={"contact_spacing_mm": 30.0})
+    plain = design_of(body=WIDE_BODY, legs={"contact_spacing_mm": 30.0})
     mesh = to_trimesh(solids.build(plain).walker)
     mesh.export(tmp_path / "whole.stl")
     motor = {"axis": "up", "up_mm": 1.5}

@@ -20,7 +20,7 @@ from walkergen.core.walker import solids
 from walkergen.core.walker.design import Design
 
 DUCK = hostile.duck()
-EXACT = 1e-6  # relative: STL keeps 24 bits of a coordinate
+STL_ROUNDING = 1e-6  # relative: STL keeps 24 bits of a coordinate
 
 
 def prism(sides, radius, height):
@@ -54,9 +54,9 @@ def test_a_prism_against_its_closed_form(tmp_path, sides):
     angle = 2.0 * np.pi / sides
     m = 0.5 * sides * radius**2 * np.sin(angle) * height * 1e-3
     polar = m * radius**2 * (2.0 + np.cos(angle)) / 6.0
-    assert found.mass_g == pytest.approx(m, rel=EXACT)
+    assert found.mass_g == pytest.approx(m, rel=STL_ROUNDING)
     expected = [polar / 2 + m * height**2 / 12] * 2 + [polar]
-    np.testing.assert_allclose(np.diag(found.tensor_g_mm2), expected, rtol=EXACT)
+    np.testing.assert_allclose(np.diag(found.tensor_g_mm2), expected, rtol=STL_ROUNDING)
 
 
 def test_fifty_digits_of_a_skew_prism(tmp_path):
@@ -123,8 +123,8 @@ def test_a_plate_weighs_each_item_and_the_total(tmp_path):
     found = make.weigh(path, 1.24, 1.0)
     assert [part.name for part in found.parts] == ["a", "a", "b"]
     single = 1.24e-3 * (28 * 8 * 3 + 2 * 7.5 * 0.4 * 8)
-    assert [part.mass_g for part in found.parts] == pytest.approx([single] * 3, rel=EXACT)
-    assert found.total.mass_g == pytest.approx(3 * single, rel=EXACT)
+    assert [part.mass_g for part in found.parts] == pytest.approx([single] * 3, rel=STL_ROUNDING)
+    assert found.total.mass_g == pytest.approx(3 * single, rel=STL_ROUNDING)
     np.testing.assert_allclose(found.parts[1].centre_mm - found.parts[0].centre_mm, (45.0, 0, 0), atol=1e-4)
     # Rival for Steiner's theorem: all the surfaces weighed as one mesh about one origin
     from walkergen.core.walker import mass
