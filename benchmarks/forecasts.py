@@ -72,7 +72,7 @@ def compare_forecast(name: str, values: dict[str, Any], folder: Path) -> tuple[f
     """Forecast of a command and the time after it, s; None without a forecast."""
     forecasts: list[tuple[float | None, float]] = []
 
-    def hear(find: Callable[[], Expected | None]) -> None:
+    def record(find: Callable[[], Expected | None]) -> None:
         expected = find()
         forecasts.append((None if expected is None else expected.seconds, cpu_seconds()))
 
@@ -82,9 +82,9 @@ def compare_forecast(name: str, values: dict[str, Any], folder: Path) -> tuple[f
         more["speeds"].write_text(SPEEDS)
     if name in ("crowd", "fit", "movie"):
         more["out"] = folder / ("film.gif" if name == "movie" else "folder")
-    asked = load_request(name).asked(values | more)
-    asked.hear(hear)
-    asked.run(silent)
+    request = load_request(name).from_values(values | more)
+    request.register_time_callback(record)
+    request.run(silent)
     return (forecasts[0][0], cpu_seconds() - forecasts[0][1]) if forecasts else (None, 0.0)
 
 

@@ -78,7 +78,7 @@ def workers(count: int, folder: Path) -> None:
     times = []
     for number in (1, 2):
         request = request_of(count, "space")
-        asked = [one for one in request.from_values() if isinstance(one, Point)]
+        asked = [one for one in request.points() if isinstance(one, Point)]
         asked = [one._replace(scene=one.scene.variant(**{"run.runs": 16})) for one in asked]
         with local_pool(number) as pool:
             store = Store(folder / f"workers{number}")
