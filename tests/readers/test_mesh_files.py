@@ -160,7 +160,7 @@ def test_items_that_are_switched_off_are_not_weighed(tmp_path, word):
     assert weighed.notes == ("left out 1 part that does not print",)
 
 
-def nested(folder, levels, written="{}"):
+def write_nested_mesh(folder, levels, written="{}"):
     """3MF of a post in a component, ten times in another, and so on."""
     objects = [f'<object id="1" type="model">{mesh_xml(POST)}</object>']
     for level in range(2, levels + 2):
@@ -170,7 +170,7 @@ def nested(folder, levels, written="{}"):
 
 
 def test_components_within_components_are_read(tmp_path):
-    assert weigh(nested(tmp_path, 2), 1.0, 1.0).total.volume_mm3 == pytest.approx(100.0 * 48.0)
+    assert weigh(write_nested_mesh(tmp_path, 2), 1.0, 1.0).total.volume_mm3 == pytest.approx(100.0 * 48.0)
 
 
 @pytest.mark.parametrize(
@@ -181,7 +181,7 @@ def test_components_within_components_are_read(tmp_path):
     ],
 )
 def test_bombs_are_refused_before_they_are_placed(tmp_path, levels, written, reason):
-    path = nested(tmp_path, levels, written)
+    path = write_nested_mesh(tmp_path, levels, written)
     begun = time.process_time()
     with pytest.raises(InputError, match=reason):
         meshes.read_mesh(path, "bomb")
