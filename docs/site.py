@@ -11,10 +11,10 @@ from mkdocs.structure.files import File, Files
 from mkdocs.structure.nav import Section
 from nbclient import NotebookClient
 from nbconvert import MarkdownExporter
+from reference import REFERENCE
 from traitlets.config import Config
 from typer.testing import CliRunner
 
-import walkergen
 from walkergen.cli import command_line
 from walkergen.command_table import COMMANDS
 
@@ -25,78 +25,6 @@ COMMAND_NAMES = list(COMMANDS)
 PROJECT_PAGES = {"index.md": "README.md", "contributing.md": "CONTRIBUTING.md", "changelog.md": "CHANGELOG.md"}
 """Pages made from files of the project. Their links to docs/ become links within the site."""
 
-FIRST_CALLS = ["load", "predict", "simulate", "family"]
-CALLS = [*FIRST_CALLS, *(name for name in COMMANDS if name in walkergen.__all__ and name not in FIRST_CALLS)]
-"""Functions of `import walkergen as wg`."""
-
-RESULTS = {
-    "what every call returns": ["files.report.Report", "files.report.Table", "core.numerics.quantity.Quantity"],
-    "what some add to it": [
-        "commands.predict.make.PredictReport",
-        "commands.simulate.report.SimulationReport",
-        "guests.sweep.report.SweepReport",
-        "commands.family.report.FamilyReport",
-        "commands.check.make.CheckReport",
-        "commands.check.weigh_report.WeighReport",
-        "guests.track.film.report.TrackReport",
-        "guests.track.analyse.report.AnalysisReport",
-        "guests.lab.fit.report.FitReport",
-        "guests.crowd.cards.card.Card",
-    ],
-}
-"""Classes of the values that calls return."""
-
-REFERENCE_PAGES = {
-    "walkers": [
-        "core/walker/design",
-        "core/walker/limbs",
-        "core/walker/body",
-        "core/walker/solids",
-        "core/walker/mass",
-    ],
-    "scenes": ["core/scene"],
-    "theory": [
-        "core/theory/impact",
-        "core/theory/tensors",
-        "core/theory/speed",
-        "core/theory/balance",
-        "core/theory/stationary",
-    ],
-    "predictions": [
-        "core/theory/prediction",
-        "core/theory/uncertain_inputs",
-        "core/theory/surrogate",
-        "core/theory/dimensionless",
-        "core/theory/networks",
-    ],
-    "simulation": [
-        "core/simulation/plan",
-        "points/experiments",
-        "core/simulation/ensemble",
-        "core/simulation/run",
-        "core/simulation/observables",
-        "points/step_errors",
-        "points/trajectory",
-    ],
-    "explorations": [
-        "guests/sweep/axes",
-        "guests/sweep/sweep_points",
-        "points/point",
-        "core/measure",
-        "points/walkers",
-        "points/model_kinds",
-        "points/single_walker",
-        "guests/sweep/evaluation",
-        "points/worker_pool",
-        "guests/lab/drops",
-    ],
-    "analysis": ["analysis/tracks", "analysis/track_files", "analysis/motion", "analysis/speeds"],
-    "lab": ["guests/lab/beams", "guests/lab/inverse", "guests/lab/fit/least_squares"],
-    "printing": ["core/printing/printers", "core/printing/checks", "core/printing/plates", "core/printing/export"],
-    "files": ["files/templates", "core/files/config", "core/files/assignments", "core/files/output", "core/errors"],
-}
-"""Modules of the reference, one page per topic."""
-
 
 def on_files(files, config):
     """Add the generated pages."""
@@ -105,11 +33,7 @@ def on_files(files, config):
     for notebook in sorted((ROOT / "examples").glob("*.ipynb")):
         made |= _run_notebook(notebook)
     made |= {f"commands/{name}.md": _make_command_page(name) for name in COMMAND_NAMES}
-    made["api/python.md"] = _make_calls_page()
-    made["api/results.md"] = _make_results_page()
-    for topic, modules in REFERENCE_PAGES.items():
-        names = [f"walkergen.{module.replace('/', '.')}" for module in modules]
-        made[f"api/{topic}.md"] = f"# {topic.capitalize()}\n\n" + "\n\n".join(f"::: {name}" for name in names)
+    made |= {f"api/{page}.md": _make_reference_page(page) for page in REFERENCE}
     for page, text in made.items():
         files.append(File.generated(config, page, content=text))
     return Files([file for file in files if not file.src_path.endswith(".py")])
@@ -158,29 +82,14 @@ def _run_notebook(path):
     }
 
 
-def _make_calls_page():
-    """Return the page of the functions under `wg`."""
-    begin = (
-        "# From Python\n\n`import walkergen as wg`, and then these. A `Walker` is a `wg.Design` "
-        "or the name of a template or of a TOML file; so is a `Ground` a `wg.Scene` or a name, "
-        "and a `Machine` a `wg.Printer` or a name."
-    )
-    return "\n\n".join(
-        [begin, *(f"::: walkergen.{name}\n    options: {{heading: wg.{name}, toc_label: {name}}}" for name in CALLS)]
-    )
-
-
-def _make_results_page():
-    """Return the page of the classes that calls return."""
-    parts = ["# Results"]
-    for words, classes in RESULTS.items():
-        parts.append(f"*{words[0].upper()}{words[1:]}:*")
-        for path in classes:
-            name = path.rpartition(".")[2]
-            # The functions wg.crowd and wg.track hide packages of these names: what is in them is found from within
-            root = "" if path.partition(".")[0] in walkergen.__all__ else "walkergen."
-            parts.append(f"::: {root}{path}\n    options: {{heading: {name}, toc_label: {name}}}")
-    return "\n\n".join(parts)
+def _make_reference_page(page):
+    """Return a page of the reference: each object by the name that people use."""
+    text, paths = REFERENCE[page]
+    for path in paths:
+        name = path.rpartition(".")[2]
+        heading = f"wg.{name}" if page == "python" else name
+        text += f"\n\n::: {path}\n    options: {{heading: {heading}, toc_label: {name}}}"
+    return text
 
 
 def _make_command_page(name):
@@ -201,7 +110,7 @@ def on_nav(nav, config, files):
     """Add commands and reference after the written pages."""
     for title, names in (
         ("Commands", [f"commands/{name}.md" for name in COMMAND_NAMES]),
-        ("Reference", [f"api/{topic}.md" for topic in ("python", "results", *REFERENCE_PAGES)]),
+        ("Reference", [f"api/{page}.md" for page in REFERENCE]),
     ):
         nav.items.append(Section(title, [files.get_file_from_path(name).page for name in names]))
     return nav

@@ -1,4 +1,4 @@
-# Made of the requests by `python -m walkergen.api.functions`
+# Made of the requests by packaging/stub.py
 import os
 from collections.abc import Iterable, Mapping
 from typing import Any, Literal
@@ -87,9 +87,12 @@ def family(
 ) -> FamilyReport:
     """Make a family of walkers: STL files, plates, predicted speeds, pictures.
 
-    With --page also one self-contained HTML page that opens offline.
-
-    Example: `wg.family("koumakis2016", "out/mine", tilt="5:20:5", legs="flexible")`
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> made = wg.family("koumakis2016", "mine", tilt=[5, 10], legs="flexible", pictures=False)
+    >>> sorted(path.name for path in made.folder.iterdir())
+    ['family.csv', 'family.md', 'manifest.json', 'plates', 'stl', 'weights.csv']
     """
 
 def export(
@@ -109,7 +112,11 @@ def export(
 ) -> Report:
     """Write walkers as STL, 3MF, DXF or SVG files, one file per walker, or for MuJoCo.
 
-    Example: `wg.export("koumakis2016", "walker.stl", tilt=10)`
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> wg.export("koumakis2016", "walker.stl", tilt=10).files[0].name
+    'walker.stl'
     """
 
 def check(
@@ -130,9 +137,14 @@ def check(
 ) -> CheckReport | WeighReport:
     """Check whether walkers will print as designed, or weigh any mesh, without writing any file.
 
-    With --weigh it reports the volume, mass, centre of mass, inertia tensor, principal moments and axes of a mesh file.
-
-    Example: `wg.check(tilt=[5, 10], printer="ender3").warnings`
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> checked = wg.check(tilt=[5, 10], printer="ender3")
+    >>> checked.table
+    <table: 4 rows of wall, thickness_mm, lines, plastic_percent>
+    >>> checked.warnings
+    ()
     """
 
 def plate(
@@ -159,9 +171,13 @@ def plate(
 ) -> Report:
     """Arrange copies of walkers on as many print-ready plates (3MF) as they need, with maps.
 
-    Their design, tilts and copies are given here, or those of several designs by an order list.
-
-    Example: `wg.plate("koumakis2016", tilt=[5, 10, 15], copies=8, out="out/plate")`
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> wg.plate("koumakis2016", tilt=[5, 10], copies=2, out="plate", pictures=False)
+    Plates
+    plates: 2 rows
+    prusa-mk3s: 4 parts on 1 plate
     """
 
 def predict(
@@ -186,11 +202,22 @@ def predict(
 ) -> PredictReport:
     """Predict the speed of walkers, without writing any file.
 
-    The table has the speed as designed, and the median and bounds for your print. Speeds come from a surrogate of the
-    simulation. Outside its tested range they come from a simulation of a few seconds, which is cached. With
-    --uncertain the report shows which input to measure next to narrow the bounds.
+    Notes
+    -----
+    The surrogate is used where its error is at most 10 % or 1 mm/s, inside the ranges of its training set
+    (docs/physics.md section 4). Bounds contain the contact, the print, the masses and a structural error of the model,
+    10 % of the speed by default.
 
-    Example: `wg.predict(tilt=10).speed`
+    References
+    ----------
+    N. Koumakis, A. Gnoli, C. Maggi, A. Puglisi and R. Di Leonardo, "Mechanism of self-propulsion in 3D-printed active
+    granular particles", New Journal of Physics 18 (2016) 113046, eq. 15 (the theory's speed).
+
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> print(wg.predict(tilt=10).speed)
+    50 ± 10 mm/s, with 95 % 32.8 to 72.4
     """
 
 def sweep(
@@ -215,10 +242,11 @@ def sweep(
 ) -> SweepReport:
     """Map speeds over any keys of design and scene: a table and pictures, resumed when stopped.
 
-    All combinations of the values are evaluated, the last key fastest; every one of them has every sample. Keys that
-    begin with scene.crowd. map what crowds do. Points that were evaluated before are not evaluated again.
-
-    Example: `wg.sweep(set={"legs.tilt_deg": [5, 10, 15]}).table["speed_mm_s"]`
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> wg.sweep(set={"legs.tilt_deg": [5, 10]}).table["speed_mm_s"].round()
+    array([30., 50.])
     """
 
 def simulate(
@@ -251,12 +279,17 @@ def simulate(
 ) -> SimulationReport:
     """Bounce a walker on the plate and measure its speed; on a plane also how it turns.
 
-    Several tilts, or both kinds of legs, make a table. The first run compiles the simulator. With --error the number
-    of runs, their length and the step are chosen to meet an error of the mean speed at 95 % confidence. A percentage
-    refers to the speed, or to a fifth of the plate's peak speed if the walker is slower. With --effects the effects
-    that change the speed less are measured first and left out.
+    Notes
+    -----
+    The walker moves in space on elastic feet with the scene's restitution and friction (docs/physics.md section 7).
+    The bounds of a speed contain the scatter of the runs and the error of the time step.
 
-    Example: `wg.simulate(tilt=10, seconds=1, runs=4).speed`
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> runs = wg.simulate(tilt=10, seconds=0.1, runs=4)
+    >>> runs.speed.low_95 < runs.speed.value < runs.speed.high_95
+    True
     """
 
 def crowd(
@@ -294,12 +327,20 @@ def crowd(
 ) -> Report:
     """Simulate many walkers that meet in a dish: order, clusters and packing with errors.
 
-    Write a folder with a page, tables, figures and the tracks of every run. The same seed gives the same bytes on any
-    number of threads. Each run starts from other places, and the scatter of the runs gives the errors. A card in place
-    of a design makes a crowd of thousands in a plane. --card measures one walker for such a crowd, from simulated runs
-    or from the tracks of a film.
+    Notes
+    -----
+    Cards were tested against walkers in space, in a square without walls, up to a packing of 0.3 (docs/physics.md
+    section 9).
 
-    Example: `wg.crowd("koumakis2016", count=6, arena="disc:90", seconds=0.5, runs=2)`
+    Examples
+    --------
+    The properties of one walker that a crowd in a plane needs. For a crowd in space give its number, as
+    ``wg.crowd("koumakis2016", count=6, arena="disc:90", seconds=0.5, runs=2)``.
+
+    >>> import walkergen as wg
+    >>> measured = wg.crowd("koumakis2016", card=True, seconds=1, runs=4, pictures=False)
+    >>> measured.table["quantity"][:3].tolist()
+    ['speed_mm_s', 'sideways_mm_s', 'velocity_relaxation_s']
     """
 
 def movie(
@@ -327,10 +368,12 @@ def movie(
 ) -> Report:
     """Film a walker in slow motion, or several tilts from above (GIF and MP4).
 
-    A single walker in a lane is shown in perspective and in slow motion. A walker on a plane, and several walkers, are
-    shown from above in real time. --view above or --view perspective changes this.
-
-    Example: `wg.movie("koumakis2016", "plane-90hz", tilt=[5, 10, 15], seconds=1, out="film.gif").files`
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> film = wg.movie("koumakis2016", tilt=10, periods=0.2, slow=100, fps=20, out="film.gif")
+    >>> film.files[0].name
+    'film.gif'
     """
 
 def explain(
@@ -351,12 +394,14 @@ def explain(
     out: Name | None = None,
     progress: Progress | None = None,
 ) -> Report:
-    """Report which effects a scene has, how large they are, and what they change and cost.
+    """List the effects that a scene requires, with their size, influence and cost.
 
-    With --measure each effect is turned off, or on at its usual size, for ten seconds: alone, and the two largest
-    together. The report has the changes of speed and CPU time, a picture, and the effects that can be left out.
-
-    Example: `wg.explain("koumakis2016", "plane-noisy", cost=False)`
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> effects = wg.explain("koumakis2016", "plane-noisy", cost=False).table
+    >>> [row["effect"] for row in effects if row["on"]][:3]
+    ['flexible foot tensor', 'leg compliance', 'sticking in impacts']
     """
 
 def track(
@@ -379,11 +424,14 @@ def track(
 ) -> TrackReport:
     """Track walkers in a film from above: tracks.csv for analyse, and a picture to check.
 
-    The walkers are of one size, on a ground of another brightness, seen straight from above. Give the scale by
-    --mm-per-px or --length. With --markers the markers on caps give number, position and heading, the scale and the
-    camera's tilt. --lens corrects lens distortion. Needs the extra film: pip install 'walkergen[film]'.
+    Examples
+    --------
+    The film shows three walkers of 28 mm.
 
-    Example: `wg.track("film.mp4", length=28)`
+    >>> import walkergen as wg
+    >>> found = wg.track("film.mp4", length=28)
+    >>> len(set(found.table["particle"]))
+    3
     """
 
 def analyse(
@@ -407,16 +455,17 @@ def analyse(
 ) -> AnalysisReport:
     """Measure speed, persistence and spread from tracks, filmed or simulated.
 
-    A film is a table with columns frame or t_s, x, y and, if known, particle and theta (rad) or theta_deg, counted
-    from x toward y; or a file of TrackMate, DeepLabCut, SLEAP, movement, idtracker.ai, TRex, FastTrack, MTrackJ or
-    Tracker. Put units into the names (x_mm, "X (cm)"), or give --fps, --mm-per-px, --unit. A simulation is a
-    file that simulate --trajectory wrote. Tracks at several plate speeds need a column plate_speed_mm_s. Python may
-    give what track() or simulate().trajectory() returned, a frame of pandas, or columns by name.
+    Notes
+    -----
+    The scale's own error is part of the errors only if it is given, as in mm_per_px="0.05±0.001".
 
-    With --dish the walkers are a crowd: its packing, clusters, order and fluctuations are measured, with errors from
-    independent runs (--run), and no single walkers.
-
-    Example: `wg.analyse("tracks.csv", fps=50, mm_per_px=0.1).speed`
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> tracks = wg.simulate(tilt=10, seconds=1, runs=4).trajectory(rate_hz=50)
+    >>> found = wg.analyse(tracks)
+    >>> 30 < found.speed.value < 90  # mm/s
+    True
     """
 
 def fit(
@@ -437,14 +486,24 @@ def fit(
 ) -> FitReport:
     """Estimate the contact from measured speeds, and predict walkers that were not measured.
 
-    The CSV file has columns tilt_deg, speed_mm_s and, if known, speed_se_mm_s, legs (flexible or braced; otherwise the
-    design's) and plate_speed_mm_s (otherwise the scene's). A row is one print, its standard error that of its film. In
-    place of a speed, a column tracks may name the tracks.csv of a film: a row for each of its walkers, or for the one
-    in a column particle. By default the fit takes seconds and uses the model of `predict`. A simulated model is fitted
-    with emulators. Both give bands for one more print at every tilt. The theory, the paper's eq. 15, is fitted by least
-    squares. All write scene.toml and design.toml for `walkergen family`.
+    Notes
+    -----
+    The report names the parameters that the speeds hardly constrain.
 
-    Example: `wg.fit("speeds.csv", predict=[12]).scene.contact`
+    References
+    ----------
+    N. Koumakis, A. Gnoli, C. Maggi, A. Puglisi and R. Di Leonardo, "Mechanism of self-propulsion in 3D-printed active
+    granular particles", New Journal of Physics 18 (2016) 113046, eq. 15 (the model theory).
+
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> with open("speeds.csv", "w") as file:
+    ...     for row in "tilt_deg,speed_mm_s", "5,60", "10,62", "20,25", "30,8":
+    ...         print(row, file=file)
+    >>> fitted = wg.fit("speeds.csv", model="theory", fix={"restitution": 0.8}, pictures=False)
+    >>> round(fitted.scene.contact.friction, 2)
+    0.17
     """
 
 def calibrate(
@@ -476,22 +535,12 @@ def calibrate(
 ) -> Report:
     """Estimate Young's modulus, density, friction, damping and restitution from your readings.
 
-    `calibrate plate` makes a plate to measure: strips of four thicknesses, a block and one walker, with a sheet and a
-    form. Fill in the form with readings from a ruler and a phone, and run `calibrate FORM.csv`. It estimates what the
-    form contains. Errors come from those of the readings and from their scatter. The results are written into
-    design.toml and scene.toml for `family` and `simulate`. Other values stay as design and scene have them. For
-    friction from the film of a slide, give the angle of the incline as filmed_deg, and the film's tracks.csv in a
-    column tracks. A drop test of the walker is simulated (a minute); the rest takes a second.
-
-    `calibrate --plate FILE.csv` takes a recording of a phone's accelerometer on the shaken plate (phyphox and others: a
-    column of times, three of accelerations). It reports frequency and amplitude of the drive, second harmonic, motion
-    along the plate and noise, each with its error, and writes them into scene.toml. Three columns of a gyroscope add
-    how the amplitude changes over the plate, and how it rocks.
-
-    `calibrate drop` estimates the restitution of the feet, at any tilt, from the rebound of a drop on a still plate
-    (--measured: root of height over height). It simulates drops with each restitution.
-
-    Example: `wg.calibrate("drop", roll_deg=0, drops=2, measured=0.64, measured_sd=0.05)`
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> made = wg.calibrate("plate", out="lab", pictures=False)
+    >>> [path.name for path in made.files if path.suffix == ".3mf"]
+    ['calibration_prusa-mk3s_1.3mf']
     """
 
 def accuracy(
@@ -507,13 +556,29 @@ def accuracy(
     out: Name | None = None,
     progress: Progress | None = None,
 ) -> Report:
-    """Report the time that each accuracy of the mean speed takes; with --budget, measured for this walker.
+    """Show what accuracy costs in time; with a budget, measure it: steps, statistics, shape.
 
-    Example: `wg.accuracy(tilt=10, budget="5s").lines`
+    Notes
+    -----
+    An error is the half-width of a 95 % interval, as a share of the speed. Bias and scatter are added in squares.
+
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> wg.accuracy(tilt=10)["accuracy"]
+    <table: 5 rows of error, setting, runs, seconds, expected_s, known, why, accepted>
     """
 
 def selftest(only: str | None = None, *, progress: Progress | None = None) -> Report:
     """Run the hard cases, each with an exact outcome or an invariant; exit code 1 if any fails.
 
-    Example: `wg.selftest("6.4").code == 0`
+    Notes
+    -----
+    Section 6 of docs/physics.md lists the cases.
+
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> wg.selftest("6.4").code
+    0
     """

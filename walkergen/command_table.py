@@ -6,6 +6,7 @@ It also defines the spelling of fields in texts for commands and for Python: --m
 import re
 from collections.abc import Mapping
 from importlib import import_module
+from inspect import getdoc
 from typing import Any, NamedTuple
 
 from walkergen.core.errors import COMMAND_LINE_SOURCE, FIELD_PATTERN, spell_for_python
@@ -20,121 +21,55 @@ class Command(NamedTuple):
     example: str
     """Words after `walkergen`; files in them are the user's own."""
     other: str
-    """Second example."""
-    call: str = ""
-    """The same from Python, after `import walkergen as wg`; "" if it is no function."""
+    """Words of a second example."""
 
 
 COMMANDS = {
     "app": Command("Design", "app", "app", "app my.toml --port 0"),
-    "family": Command(
-        "Make",
-        "commands.family",
-        "family --page",
-        "family maker-large --tilt 5:20:5 --copies 4",
-        'wg.family("koumakis2016", "out/mine", tilt="5:20:5", legs="flexible")',
-    ),
+    "family": Command("Make", "commands.family", "family --page", "family maker-large --tilt 5:20:5 --copies 4"),
     "export": Command(
-        "Make",
-        "commands.export",
-        "export --tilt 12 --format stl,3mf",
-        "export my.toml --tilt 10 --format mjcf",
-        'wg.export("koumakis2016", "walker.stl", tilt=10)',
+        "Make", "commands.export", "export --tilt 12 --format stl,3mf", "export my.toml --tilt 10 --format mjcf"
     ),
-    "check": Command(
-        "Make",
-        "commands.check",
-        "check my.toml --tilt 5,10 --printer ender3",
-        "check part.stl",
-        'wg.check(tilt=[5, 10], printer="ender3").warnings',
-    ),
+    "check": Command("Make", "commands.check", "check my.toml --tilt 5,10 --printer ender3", "check part.stl"),
     "plate": Command(
-        "Make",
-        "commands.plate",
-        "plate --tilt 5,10,15 --copies 8",
-        "plate --orders orders.csv --how-many",
-        'wg.plate("koumakis2016", tilt=[5, 10, 15], copies=8, out="out/plate")',
+        "Make", "commands.plate", "plate --tilt 5,10,15 --copies 8", "plate --orders orders.csv --how-many"
     ),
     "predict": Command(
-        "Predict",
-        "commands.predict",
-        "predict --tilt 5:30:5",
-        "predict my.toml --tilt 10 --weights weights.csv",
-        "wg.predict(tilt=10).speed",
+        "Predict", "commands.predict", "predict --tilt 5:30:5", "predict my.toml --tilt 10 --weights weights.csv"
     ),
     "sweep": Command(
         "Predict",
         "guests.sweep",
         "sweep --set legs.tilt_deg=0:40:2",
         "sweep --set legs.tilt_deg=2:40:1 --set legs.flexible_thickness_mm=0.4,0.5 --wish 40",
-        'wg.sweep(set={"legs.tilt_deg": [5, 10, 15]}).table["speed_mm_s"]',
     ),
-    "simulate": Command(
-        "Simulate",
-        "commands.simulate",
-        "simulate --tilt 10",
-        "simulate --tilt 10 --error 5%",
-        "wg.simulate(tilt=10, seconds=1, runs=4).speed",
-    ),
+    "simulate": Command("Simulate", "commands.simulate", "simulate --tilt 10", "simulate --tilt 10 --error 5%"),
     "crowd": Command(
-        "Simulate",
-        "guests.crowd",
-        "crowd --count 30 --arena disc:120 --seconds 20",
-        "crowd koumakis2016 --card",
-        'wg.crowd("koumakis2016", count=6, arena="disc:90", seconds=0.5, runs=2)',
+        "Simulate", "guests.crowd", "crowd --count 30 --arena disc:120 --seconds 20", "crowd koumakis2016 --card"
     ),
-    "movie": Command(
-        "Simulate",
-        "guests.movie",
-        "movie --tilt 10",
-        "movie --tilt 5,10,15 --scene plane-90hz",
-        'wg.movie("koumakis2016", "plane-90hz", tilt=[5, 10, 15], seconds=1, out="film.gif").files',
-    ),
-    "explain": Command(
-        "Simulate",
-        "commands.explain",
-        "explain --tilt 10",
-        "explain --scene plane-noisy --no-cost",
-        'wg.explain("koumakis2016", "plane-noisy", cost=False)',
-    ),
+    "movie": Command("Simulate", "guests.movie", "movie --tilt 10", "movie --tilt 5,10,15 --scene plane-90hz"),
+    "explain": Command("Simulate", "commands.explain", "explain --tilt 10", "explain --scene plane-noisy --no-cost"),
     "track": Command(
         "Measure",
         "guests.track.film",
         "track film.mp4 --mm-per-px 0.1",
         "track film.mp4 --length 28 --heading mark --fps 240",
-        'wg.track("film.mp4", length=28)',
     ),
     "analyse": Command(
         "Measure",
         "guests.track.analyse",
         "analyse film.csv --fps 50 --mm-per-px 0.1",
         "analyse first.csv --run second.csv --dish disc:120 --body 24x8",
-        'wg.analyse("tracks.csv", fps=50, mm_per_px=0.1).speed',
     ),
-    "fit": Command(
-        "Measure",
-        "guests.lab.fit",
-        "fit speeds.csv",
-        "fit speeds.csv --predict 8,12",
-        'wg.fit("speeds.csv", predict=[12]).scene.contact',
-    ),
+    "fit": Command("Measure", "guests.lab.fit", "fit speeds.csv", "fit speeds.csv --predict 8,12"),
     "calibrate": Command(
         "Measure",
         "guests.lab.calibrate",
         "calibrate plate --printer ender3",
         "calibrate drop --measured 0.5 --measured-sd 0.02 --tries 10",
-        'wg.calibrate("drop", roll_deg=0, drops=2, measured=0.64, measured_sd=0.05)',
     ),
-    "accuracy": Command(
-        "Trust",
-        "commands.accuracy",
-        "accuracy --tilt 10",
-        "accuracy --tilt 10 --budget 2min",
-        'wg.accuracy(tilt=10, budget="5s").lines',
-    ),
-    "selftest": Command(
-        "Trust", "commands.selftest", "selftest", "selftest --only 6.4", 'wg.selftest("6.4").code == 0'
-    ),
+    "accuracy": Command("Trust", "commands.accuracy", "accuracy --tilt 10", "accuracy --tilt 10 --budget 2min"),
+    "selftest": Command("Trust", "commands.selftest", "selftest", "selftest --only 6.4"),
     "templates": Command("Files", "", "templates", "templates copy koumakis2016 my.toml"),
 }
 """Commands by their names, in the order of the help."""
@@ -144,6 +79,12 @@ def load_request(name: str) -> Any:
     """Request of a command, a class of `walkergen.request.Request`."""
     module = import_module(f"walkergen.{COMMANDS[name].folder}.request")
     return getattr(module, f"{name.capitalize()}Request")
+
+
+def split_docstring(request: type) -> tuple[str, str]:
+    """Return the text of a request's docstring, which its command shows, and the sections below it, for Python."""
+    text, *sections = re.split(r"\n\n(?=[A-Z][a-z]+\n---)", str(getdoc(request)))
+    return text, "\n\n".join(sections)
 
 
 KEY_PATTERN = re.compile(rf"{COMMAND_LINE_SOURCE}: ([\w.]+) = ")

@@ -15,7 +15,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, PrivateAttr, Valida
 from walkergen import field_values, inputs
 from walkergen.command_table import for_call, for_shell
 from walkergen.core.errors import InputError
-from walkergen.core.files import config, safe_text
+from walkergen.core.files import config, formatting, safe_text
 from walkergen.core.files.progress import Expect, Progress, ignore_estimate
 
 if TYPE_CHECKING:
@@ -166,6 +166,17 @@ class Request(BaseModel):
 def field_flag(request: type[Request], name: str) -> Flag:
     """Return the flag of a field."""
     return next(item for item in request.model_fields[name].metadata if isinstance(item, Flag))
+
+
+def field_help(request: type[Request], name: str) -> str:
+    """Return the help of a field, with the limits of a number, which the request itself checks."""
+    text, metadata = field_flag(request, name).help, request.model_fields[name].metadata
+    low, high = (
+        next((formatting.format_number(getattr(item, bound), 6) for item in metadata if hasattr(item, bound)), "")
+        for bound in ("ge", "le")
+    )
+    limits = f"{low}..{high}" if high else f"at least {low}"
+    return f"{text.removesuffix('.')}; {limits}." if low else text
 
 
 def flag_name(request: type[Request], name: str) -> str:

@@ -1,25 +1,19 @@
 """Contracts that every command keeps: a new one is tested without editing this file."""
 
 import functools
-import inspect
 import json
 import re
 import shlex
 import shutil
-from pathlib import Path
 
 import pytest
-import rendered_films
 import typer
-from command_checks import assert_every_form, refusal_of
-from synthetic_tracks import film
+from command_checks import refusal_of
 
-import walkergen as wg
 from walkergen.api import functions
 from walkergen.cli import command_line
 from walkergen.command_table import COMMANDS, load_request
 from walkergen.core.errors import WalkergenError
-from walkergen.core.files.tables import csv_text
 from walkergen.files import templates
 from walkergen.request import field_flag, flag_name
 
@@ -27,8 +21,6 @@ PROGRAM = typer.main.get_command(command_line)
 REQUESTS = [name for name, command in COMMANDS.items() if command.folder]
 LONG = {"accuracy", "calibrate", "crowd", "explain", "fit", "movie", "selftest", "simulate", "sweep"}
 """Commands whose first example takes more than two seconds; the tests of each run it shorter."""
-SLOW_CALLS = {"accuracy", "calibrate", "crowd", "fit", "movie", "track"}
-"""Functions whose examples take more than two seconds, or kernels that others do not."""
 
 
 def options_of(name):
@@ -114,45 +106,3 @@ def test_the_first_example_gives_json_or_a_line_where_its_file_is_missing(run, t
         assert "no such file" in str(result.exception)
     else:
         json.loads(result.stdout, parse_constant=pytest.fail)
-
-
-SPEEDS = "tilt_deg,speed_mm_s,speed_se_mm_s\n5,60,1\n10,62,1\n20,25,1\n30,8,1\n"
-
-
-def write_inputs(folder, name):
-    """Write the files that the examples of functions read."""
-    (folder / "speeds.csv").write_text(SPEEDS, encoding="utf-8")
-    tracks = ((one.particle, place) for one in film(3, 9, 2.0).tracks for place in enumerate(10.0 * one.position))
-    rows = [(frame, particle, *place) for particle, (frame, place) in tracks]
-    (folder / "tracks.csv").write_text(csv_text(("frame", "particle", "x", "y"), rows), encoding="utf-8")
-    if name == "track":
-        walkers = [[(60.0 + 2.0 * at, 60.0 + 60.0 * one, 0.0) for one in range(3)] for at in range(60)]
-        pictures = [rendered_films.picture(own, seed=at) for at, own in enumerate(walkers)]
-        rendered_films.write(folder / "film.mp4", pictures)
-
-
-@pytest.mark.parametrize(
-    "name", [pytest.param(one, marks=[pytest.mark.slow] * (one in SLOW_CALLS)) for one in functions.FUNCTION_NAMES]
-)
-def test_the_example_of_a_docstring_runs_and_its_report_is_sound(name, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    write_inputs(tmp_path, name)
-    reports, run = [], load_request(name).run
-
-    @functools.wraps(run)
-    def kept(request, progress):
-        reports.append(run(request, progress))
-        return reports[-1]
-
-    monkeypatch.setattr(load_request(name), "run", kept)
-    (example,) = re.findall("^Example: `(.*)`$", inspect.getdoc(getattr(wg, name)), re.MULTILINE)
-    assert example == COMMANDS[name].call
-    assert eval(example, {"wg": wg}) is not False
-    (report,) = reports
-    assert_every_form(report, capsys)
-
-
-def test_the_example_of_load_runs(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (example,) = re.findall("^Example: `(.*)`$", inspect.getdoc(wg.load), re.MULTILINE)
-    assert eval(example, {"wg": wg}) == wg.load(Path(templates.find("koumakis2016"))).variant(tilt_deg=12.0)

@@ -19,7 +19,7 @@ from walkergen import core
 CORE = Path(__file__).parents[2] / "walkergen" / "core"
 
 MOST_MODULES, MOST_LINES = 111, 17_960
-"""Limits of the core, which may only fall."""
+"""Limit of the core, which may only fall; tests/project/test_size.py limits its lines."""
 
 STORY = """
 from walkergen.core import Design, Scene, build, mass_of, predict, prepare, simulate
@@ -40,9 +40,7 @@ GUESTS = {"crowd": 15, "lab": 40, "movie": 6, "sweep": 7, "track": 10}
 
 
 def test_the_core_stays_small():
-    files = list(CORE.rglob("*.py"))
-    assert len(files) <= MOST_MODULES
-    assert sum(len(path.read_text(encoding="utf-8").splitlines()) for path in files) <= MOST_LINES
+    assert len(list(CORE.rglob("*.py"))) <= MOST_MODULES
 
 
 def test_the_core_imports_nothing_above_it():

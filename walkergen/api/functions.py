@@ -1,20 +1,18 @@
-"""Functions of `import walkergen as wg`, made from the requests of commands, and their types for editors.
-
-`python -m walkergen.api.functions` prints walkergen/__init__.pyi.
-"""
+"""Functions of `import walkergen as wg`, made from the requests of commands. packaging/stub.py writes their types."""
 
 import ast
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
+from importlib import import_module
 from inspect import Parameter, Signature, getdoc, getsourcefile
 from pathlib import Path
-from textwrap import indent
 from types import UnionType
 from typing import TYPE_CHECKING, Any, Union, get_args, get_origin
 
 import walkergen
-from walkergen.command_table import COMMANDS, load_request
+from walkergen.command_table import COMMANDS, load_request, split_docstring
 from walkergen.core.errors import spell_all, use_spelling
 
 if TYPE_CHECKING:
@@ -24,33 +22,20 @@ FUNCTION_NAMES = tuple(name for name in COMMANDS if name in walkergen.__all__ an
 
 TEXT_FIELDS = ("title", "caption", "facts", "lines", "warnings", "errors")  # of a report, which name arguments
 
-STUB_HEADER = """\
-# Made of the requests by `python -m walkergen.api.functions`
-import os
-from collections.abc import Iterable, Mapping
-from typing import Any, Literal
+ALIASES = {
+    "Walker": "Design | str | PathLike",
+    "Ground": "Scene | str | PathLike",
+    "Machine": "Printer | str | PathLike",
+    "Name": "str | PathLike",
+    "Kind": "str",
+}
+"""Types of arguments, by their short names in signatures."""
 
-{imports}
+PROGRESS_HELP = "Function that is called with a step's name, the number done and the total."
 
-__version__: str
-
-Name = str | os.PathLike[str]
-Walker = Design | Name
-Ground = Scene | Name
-Machine = Printer | Name
-"""
-
-TYPE_IMPORTS = (
-    "from walkergen.api.loading import load, templates",
-    "from walkergen.guests.crowd.cards.card import Card",
-    "from walkergen.core.errors import WalkergenError",
-    "from walkergen.core.files.progress import Progress",
-    "from walkergen.core.printing.printers import Printer",
-    "from walkergen.core.scene import Scene",
-    "from walkergen.core.walker.design import Design",
-    "from walkergen.core.walker.limbs import Kind",
-)
-"""Imports for the types of arguments."""
+RAISED = """\
+WalkergenError
+    If an argument is invalid, a part cannot be built, a result cannot be computed or a file cannot be written."""
 
 
 @cache
@@ -76,8 +61,44 @@ def make_function(name: str) -> Callable[..., Any]:
 
 
 def make_docstring(name: str) -> str:
-    """Return the docstring of a function: that of its command, and an example."""
-    return f"{getdoc(load_request(name))}\n\nExample: `{COMMANDS[name].call}`"
+    """Return the numpydoc docstring of a function, made of its request, its fields and its reports."""
+    request = load_request(name)
+    text, notes = split_docstring(request)
+    sections = {
+        "Parameters": [_describe_parameter(request, each) for each in make_signature(name).parameters.values()],
+        "Returns": [f"{kind.__name__}\n    {first_paragraph(kind)}" for kind in report_classes(name)],
+        "Raises": [RAISED],
+    }
+    parts = [f"{title}\n{'-' * len(title)}\n" + "\n".join(lines) for title, lines in sections.items()]
+    return "\n\n".join([_name_arguments(request, text), *parts, notes])
+
+
+def _describe_parameter(request: "type[Request]", parameter: Parameter) -> str:
+    """Return a parameter's name, type and default, and the help of its field."""
+    from walkergen.request import field_help
+
+    name, kind = parameter.name, str(parameter.annotation)
+    kind = re.sub(r"\b(Walker|Ground|Machine|Name|Kind)\b", lambda found: ALIASES[found[0]], kind)
+    if parameter.default is None:
+        kind = f"{kind.removesuffix(' | None')}, optional"
+    elif parameter.default is not Parameter.empty:
+        kind = f"{kind}, default: {parameter.default!r}"
+    text = PROGRESS_HELP if name == "progress" else _name_arguments(request, field_help(request, name))
+    return f"{name} : {kind}\n    {text}"
+
+
+def _name_arguments(request: "type[Request]", text: str) -> str:
+    """Return a text with arguments of Python in place of the flags of a command; code in backquotes stays."""
+    from walkergen.request import flag_name
+
+    arguments = {flag_name(request, field): f"`{field}`" for field in request.model_fields}
+    arguments |= {f"--no-{flag[2:]}": f"`{field[1:-1]}=False`" for flag, field in arguments.items()}
+    return re.sub(r"`[^`]*`|--[a-z][a-z-]*", lambda found: arguments.get(found[0], found[0]), text)
+
+
+def first_paragraph(thing: Any) -> str:
+    """Return the first paragraph of a docstring as one line."""
+    return " ".join(str(getdoc(thing)).partition("\n\n")[0].split())
 
 
 def make_signature(name: str) -> Signature:
@@ -112,40 +133,12 @@ def _format_type(kind: Any) -> str:
     return kind.__name__ if isinstance(kind, type) else str(kind).replace("typing.", "")
 
 
-def make_stub() -> str:
-    """Return the types of the public API: text of walkergen/__init__.pyi."""
-    imports = sorted({*TYPE_IMPORTS, *(line for name in FUNCTION_NAMES for line in _report_imports(name))})
-    parts = [STUB_HEADER.format(imports="\n".join(imports)), f"__all__ = {walkergen.__all__!r}\n"]
-    for name in FUNCTION_NAMES:
-        own = make_signature(name)
-        lines = [f"    {_format_parameter(parameter)}," for parameter in own.parameters.values()]
-        at = next(place for place, one in enumerate(own.parameters.values()) if one.kind is Parameter.KEYWORD_ONLY)
-        lines.insert(at, "    *,")
-        text = make_docstring(name)
-        doc = indent(f'"""{text}\n"""' if "\n" in text else f'"""{text}"""', "    ")
-        parts.append("\n".join([f"def {name}(", *lines, f") -> {own.return_annotation}:", doc, ""]))
-    return "\n".join(parts)
-
-
-def _format_parameter(parameter: Parameter) -> str:
-    """Format a parameter for a stub."""
-    default = "" if parameter.default is Parameter.empty else f" = {parameter.default!r}"
-    return f"{parameter.name}: {parameter.annotation}{default}"
-
-
-def _report_imports(name: str) -> list[str]:
-    """Return the lines that import the reports of a function, as the module of its request does for its types."""
+def report_classes(name: str) -> list[type]:
+    """Return the classes of the reports of a function, which the module of its request imports for its types."""
     request = load_request(name)
     tree = ast.parse(Path(str(getsourcefile(request))).read_text(encoding="utf-8"))
-    returned = str(request.run.__annotations__["return"]).split(" | ")
-    return [
-        f"from {node.module} import {alias.name}"
-        for node in ast.walk(tree)
-        if isinstance(node, ast.ImportFrom)
-        for alias in node.names
-        if alias.name in returned
-    ]
-
-
-if __name__ == "__main__":
-    print(make_stub(), end="")
+    modules = {
+        alias.name: node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) for alias in node.names
+    }
+    names = str(request.run.__annotations__["return"]).split(" | ")
+    return [getattr(import_module(str(modules[each])), each) for each in names]

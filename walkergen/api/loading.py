@@ -43,13 +43,30 @@ def load(name: Name, kind: None = None) -> Any: ...
 def load(name: Name, kind: str | None = None) -> Any:
     """Load a walker, a scene or a printer: a template by its name, or a TOML file by its path.
 
-    A walker is also a drawing, a picture or a mesh: `wg.load("heart.svg")`.
+    A walker is also read from a drawing, a picture or a mesh, as in `wg.load("heart.svg")`.
 
-    A path has an ending, has a / in it (but for published/NAME) or is a Path. `kind` is "walker",
-    "scene" or "printer", by default what the name or the file's keys tell. Raises InputError that
-    lists the known names or kinds, or every mistake in the file.
+    Parameters
+    ----------
+    name : str or PathLike
+        Name of a template, or path of a file. A path has an ending, contains a / (except published/NAME) or is a Path.
+    kind : {"walker", "scene", "printer"}, optional
+        Kind of the file; by default that of the template, or of the file's keys.
 
-    Example: `wg.load("koumakis2016").variant(tilt=12)`
+    Returns
+    -------
+    Design, Scene or Printer
+        Contents of the file, validated.
+
+    Raises
+    ------
+    InputError
+        If the name or kind is unknown, or the file has mistakes. The message lists the names, or every mistake.
+
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> wg.load("koumakis2016").variant(tilt=12)
+    <Design koumakis2016: 2 flexible legs, tilt 12 deg, body 28 x 8 x 3 mm>
     """
     name = name if isinstance(name, str) else Path(name)
     if kind is None:
@@ -61,9 +78,18 @@ def load(name: Name, kind: str | None = None) -> Any:
 
 
 def templates() -> Table:
-    """Table of the shipped walkers, scenes and printers: kind, name, description.
+    """List the shipped walkers, scenes and printers.
 
-    Example: `wg.templates()["name"]`
+    Returns
+    -------
+    Table
+        A row for each template: kind, name, description.
+
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> "koumakis2016" in wg.templates()["name"]
+    True
     """
     return shipped.list_templates().table
 

@@ -2,10 +2,10 @@
 
 import ast
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from importlib import import_module
-from inspect import Parameter, Signature, getdoc
+from inspect import Parameter, Signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_args
 
@@ -16,7 +16,6 @@ from typer.main import get_command, get_group
 from walkergen import command_table as commands
 from walkergen.cli import console, streams
 from walkergen.core.errors import use_spelling
-from walkergen.core.files import formatting
 from walkergen.core.files.progress import silent
 
 if TYPE_CHECKING:
@@ -158,7 +157,7 @@ def make_function(name: str, request: "type[Request]") -> Callable[..., None]:
     ]
     command.__signature__ = Signature(parameters)  # type: ignore[attr-defined]
     command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
-    command.__doc__ = getdoc(request)
+    command.__doc__ = commands.split_docstring(request)[0]
     return command
 
 
@@ -178,13 +177,13 @@ def _run_request(name: str, asked: "Request", json: bool, quiet: bool) -> None:
 
 def _parameter(request: "type[Request]", field: str) -> Parameter:
     """Return the parameter of a field for typer: an argument, an option, a switch, or a repeatable option."""
-    from walkergen.request import field_flag, flag_name
+    from walkergen.request import field_flag, field_help, flag_name
 
     own, info = field_flag(request, field), request.model_fields[field]
     kind = str if "str" in own.takes else _shell_type(info.annotation)
     default, name = _shell_default(info.get_default()), flag_name(request, field)
     default = default if isinstance(default, kind) else None
-    shown: dict[str, Any] = {"metavar": own.metavar or None, "help": _help_with_limits(own.help, info.metadata)}
+    shown: dict[str, Any] = {"metavar": own.metavar or None, "help": field_help(request, field)}
     if own.templates:
         shown["autocompletion"] = name_completion(own.templates)
     if kind is bool:
@@ -198,16 +197,6 @@ def _parameter(request: "type[Request]", field: str) -> Parameter:
         kind = kind | None
     meeting = typer.Argument(**shown) if own.argument else typer.Option(name, **shown)
     return Parameter(field, Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, meeting])
-
-
-def _help_with_limits(text: str, metadata: Sequence[Any]) -> str:
-    """Return the help with the limits of a number, which the request itself checks."""
-    low, high = (
-        next((formatting.format_number(getattr(item, name), 6) for item in metadata if hasattr(item, name)), "")
-        for name in ("ge", "le")
-    )
-    limits = f"{low}..{high}" if high else f"at least {low}"
-    return f"{text.removesuffix('.')}; {limits}." if low else text
 
 
 def _shell_type(annotation: Any) -> Any:

@@ -73,6 +73,15 @@ class WalkergenError(Exception):
     """Base of every error that walkergen raises on purpose; its text is meant for the user.
 
     str() spells the fields of the text as the user writes them.
+
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> try:
+    ...     wg.predict(gamma=-1.0)
+    ... except wg.WalkergenError as error:
+    ...     print("refused")
+    refused
     """
 
     spelling: Spelling = staticmethod(spell)

@@ -383,7 +383,22 @@ DEPENDENT_KEYS: Mapping[str, tuple[str, ...]] = {
 
 
 class Scene(Section):
-    """Everything outside the walker: drive, contact, plate and the settings of simulations."""
+    """Everything outside the walker: drive, contact, plate and the settings of simulations.
+
+    Arguments are the tables and keys of a scene's file, as ``drive={"gamma": 2.0}``. Names state the units.
+
+    Raises
+    ------
+    pydantic.ValidationError
+        If a key is unknown or a value is outside its range.
+
+    Examples
+    --------
+    >>> from walkergen.core import Scene
+    >>> scene = Scene(drive={"frequency_hz": 90.0, "gamma": 2.0})
+    >>> round(scene.drive.peak_speed, 1)  # mm/s
+    34.7
+    """
 
     gone: ClassVar[Mapping[str, str]] = {"tether": "walkers run free; leave the table out"}
 
@@ -401,22 +416,66 @@ class Scene(Section):
     effects: Effects = Effects()
 
     def without_stale_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-        """Return data of this scene after values were set, without keys of the drive that they exclude."""
+        """Return data of this scene after values were set, without keys of the drive that they exclude.
+
+        Parameters
+        ----------
+        data : dict
+            Tables of the scene's file, which are changed in place.
+        values : mapping
+            Values that were set, by dotted keys.
+
+        Returns
+        -------
+        dict
+            The same data.
+        """
         keys = {key.removeprefix("drive."): values[key] for key in values if key.startswith("drive.")}
         if keys and isinstance(data.get("drive"), dict):
             data["drive"] = self.drive.drop_contradicted_keys(data["drive"], keys)
         return data
 
     def variant(self, **keys: Any) -> "Scene":
-        """Return the scene with other values of any dotted keys of its file: `variant(**{"drive.gamma": 2})`.
+        """Return the scene with other values of any keys of its file.
 
-        Everything is validated together, as the file's lines are, unlike by pydantic's
-        `model_copy`. Raises InputError, a line for every mistake.
+        Everything is validated together, as the file's lines are, unlike by pydantic's `model_copy`.
+
+        Parameters
+        ----------
+        **keys : Any
+            Values by dotted keys.
+
+        Returns
+        -------
+        Scene
+            The variant; this scene is unchanged.
+
+        Raises
+        ------
+        InputError
+            If a key is unknown or has an invalid value. The message has a line for each.
+
+        Examples
+        --------
+        >>> import walkergen as wg
+        >>> wg.load("lane-90hz").variant(**{"drive.gamma": 2.0}).value("drive.gamma")
+        2.0
         """
         return replace_values(self, keys, self.name)
 
     def value(self, key: str) -> Any:
-        """Return the value of a dotted key of its file."""
+        """Return the value of a key of its file.
+
+        Parameters
+        ----------
+        key : str
+            Table and key, as "drive.gamma".
+
+        Returns
+        -------
+        Any
+            The value; the default if the file does not have the key.
+        """
         table, _, own = key.partition(".")
         return getattr(getattr(self, table), own)
 

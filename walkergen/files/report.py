@@ -87,7 +87,19 @@ def key_columns(keys: Sequence[str], texts: Sequence[str] = ()) -> tuple[Column,
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of one kind: named tuples, or tuples by `keys`."""
+    """Rows of one kind: named tuples, or tuples by `keys`.
+
+    Iteration yields the rows as dictionaries. ``table["speed_mm_s"]`` is a column as an array.
+
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> table = wg.predict(tilt=[5, 10]).table
+    >>> table["tilt_deg"]
+    array([ 5., 10.])
+    >>> [row["legs"] for row in table]
+    ['flexible', 'flexible']
+    """
 
     name: str
     """Stem of its CSV file."""
@@ -122,11 +134,28 @@ class Table:
         return f"<{self.title or 'table'}: {len(self)} rows of {', '.join(self.keys)}>"
 
     def csv(self) -> str:
-        """Return the comma-separated values with every digit."""
+        """Return the comma-separated values with every digit.
+
+        Returns
+        -------
+        str
+            Text of a CSV file, whose first line has the keys.
+        """
         return tables.csv_text(self.keys, self.rows)
 
     def rich(self, markdown: bool = False) -> "RichTable":
-        """Return the table for the terminal, or for conversion to Markdown; without headings no header."""
+        """Return the table for the terminal, or for conversion to Markdown; without headings no header.
+
+        Parameters
+        ----------
+        markdown : bool, default: False
+            Whether the table is for Markdown. It then has the columns that are too wide for a terminal.
+
+        Returns
+        -------
+        rich.table.Table
+            Table to print with rich.
+        """
         from rich import box
         from rich.markup import escape as literally
         from rich.table import Table as RichTable
@@ -149,7 +178,18 @@ class Table:
         return made
 
     def footer_lines(self, markdown: bool = False) -> list[str]:
-        """Return the lines below the table: the meanings of its visible columns, and its notes."""
+        """Return the lines below the table: the meanings of its visible columns, and its notes.
+
+        Parameters
+        ----------
+        markdown : bool, default: False
+            Whether the lines are for Markdown.
+
+        Returns
+        -------
+        list of str
+            Lines of text.
+        """
         meanings = dict.fromkeys(column.meaning for column in self._visible_columns(markdown))
         legend = "; ".join(filter(None, meanings))
         return [line if markdown else spell(line) for line in filter(None, [legend, *self.notes])]
@@ -159,7 +199,13 @@ class Table:
         return [column for column in self.columns if markdown or not column.wide]
 
     def summary_lines(self) -> list[str]:
-        """Return lines of text: rows of names and values in full, of other tables their number of rows."""
+        """Return lines of text: rows of names and values in full, of other tables their number of rows.
+
+        Returns
+        -------
+        list of str
+            Lines of text.
+        """
         if not self.columns or any(column.heading for column in self.columns):
             return [f"{self.name}: {len(self)} rows"]
         return [spell(": ".join(column.cell(row) for column in self.columns)) for row in self._visible_rows()]
@@ -169,7 +215,18 @@ class Table:
         return self.rows if self.read is None else self.read
 
     def to_dataframe(self) -> Any:
-        """Return a pandas frame with the same columns. Raises InputError if pandas is missing."""
+        """Return a pandas frame with the same columns.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A column for each key, with units in the keys.
+
+        Raises
+        ------
+        InputError
+            If pandas is missing.
+        """
         try:
             import pandas
         except ModuleNotFoundError:
@@ -223,7 +280,17 @@ def to_array(values: Sequence[Any]) -> "npt.NDArray[Any]":
 
 @dataclass(frozen=True, kw_only=True)
 class Report:
-    """Results of a job, in every form. Jobs whose results other jobs use add fields."""
+    """Results of a job: tables, facts, lines and figures.
+
+    ``report["name"]`` is the table of this name. Jobs whose results other jobs use add fields.
+
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> report = wg.predict(tilt=10)
+    >>> round(report.facts["rows"][0]["speed_mm_s"])
+    50
+    """
 
     name: str
     """Stem of its page."""
@@ -261,11 +328,23 @@ class Report:
         raise KeyError(f"no table {name!r}; tables: {', '.join(one.name for one in self.tables)}")
 
     def visible_tables(self) -> Iterator[Table]:
-        """Return the tables that people read, except those whose rows are all shown in another form."""
+        """Return the tables that people read, except those whose rows are all shown in another form.
+
+        Returns
+        -------
+        iterator of Table
+            Tables in the order of the page.
+        """
         return (each for each in self.tables if each.columns and each.read != [])
 
     def markdown(self) -> str:
-        """Return the page of all tables that people read, and of all lines."""
+        """Return the page of all tables that people read, and of all lines.
+
+        Returns
+        -------
+        str
+            Text in Markdown.
+        """
         parts = [f"# {self.title}", f"{self.caption}." if self.caption else ""]
         for each in self.visible_tables():
             parts += [f"## {each.title}" if each.title else ""]
@@ -275,20 +354,40 @@ class Report:
         return spell_for_python("\n\n".join(part for part in parts if part) + "\n")
 
     def write(self, folder: "Folder", pictures: bool) -> None:
-        """Write a CSV file a table, the page, and the figures as PNG and PDF."""
+        """Write a CSV file a table, the page, and the figures as PNG and PDF.
+
+        Parameters
+        ----------
+        folder : Folder
+            Open folder to write to.
+        pictures : bool
+            Whether figures are written.
+        """
         self.write_tables(folder)
         folder.write(f"{self.name}.md", self.markdown().encode())
         if pictures:
             self.write_figures(folder)
 
     def write_tables(self, folder: "Folder") -> None:
-        """Write a CSV file for each table that has keys."""
+        """Write a CSV file for each table that has keys.
+
+        Parameters
+        ----------
+        folder : Folder
+            Open folder to write to.
+        """
         for each in self.tables:
             if each.keys:
                 folder.write(f"{each.name}.csv", each.csv().encode())
 
     def write_figures(self, folder: "Folder") -> None:
-        """Write the figures as PNG and PDF."""
+        """Write the figures as PNG and PDF.
+
+        Parameters
+        ----------
+        folder : Folder
+            Open folder to write to.
+        """
         for name, draw in self.figures.items():
             from walkergen.files import figures  # brings matplotlib
 
@@ -297,7 +396,23 @@ class Report:
             folder.write(f"{name}.pdf", figures.pdf(figure))
 
     def plot(self, name: str | None = None) -> "Figure":
-        """Draw one of the figures, the first by default. Raises InputError that names them."""
+        """Draw one of the figures.
+
+        Parameters
+        ----------
+        name : str, optional
+            Name of the figure, a key of `figures`; the first by default.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure, which a notebook shows.
+
+        Raises
+        ------
+        InputError
+            If there is no such figure. The message lists the names.
+        """
         from walkergen.files import figures
 
         chosen = next(iter(self.figures), "") if name is None else name
@@ -307,7 +422,18 @@ class Report:
         return figures.show_in_notebook(self.figures[chosen]())
 
     def to_dataframe(self) -> Any:
-        """Return a pandas frame of the first table. Raises InputError if pandas is missing."""
+        """Return a pandas frame of the first table.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A column for each key, with units in the keys.
+
+        Raises
+        ------
+        InputError
+            If pandas is missing.
+        """
         return self.table.to_dataframe()
 
     def __repr__(self) -> str:

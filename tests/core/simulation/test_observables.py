@@ -6,7 +6,6 @@ import math
 import numpy as np
 import pytest
 
-from walkergen.core.files.progress import silent
 from walkergen.core.scene import Scene
 from walkergen.core.simulation import batch, ensemble, observables, record
 from walkergen.core.simulation.plan import prepare

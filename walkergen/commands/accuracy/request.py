@@ -16,7 +16,18 @@ if TYPE_CHECKING:
 
 
 class AccuracyRequest(request.Request):
-    """Report the time that each accuracy of the mean speed takes; with --budget, measured for this walker."""
+    """Show what accuracy costs in time; with a budget, measure it: steps, statistics, shape.
+
+    Notes
+    -----
+    An error is the half-width of a 95 % interval, as a share of the speed. Bias and scatter are added in squares.
+
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> wg.accuracy(tilt=10)["accuracy"]
+    <table: 5 rows of error, setting, runs, seconds, expected_s, known, why, accepted>
+    """
 
     design: request.Walker = request.PAPER_WALKER
     scene: request.Home = None

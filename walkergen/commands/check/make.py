@@ -26,7 +26,7 @@ class Wall(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class CheckReport(Report):
-    """Walls of walkers, and the findings of the checks; `findings.check_printable` handles errors."""
+    """Wall thicknesses of walkers, and the findings of the checks."""
 
     findings: Sequence[Finding]
 

@@ -19,7 +19,17 @@ if TYPE_CHECKING:
 class CheckRequest(request.Request):
     """Check whether walkers will print as designed, or weigh any mesh, without writing any file.
 
-    With --weigh it reports the volume, mass, centre of mass, inertia tensor, principal moments and axes of a mesh file.
+    With --weigh the result has volume, mass, centre of mass, inertia tensor, principal moments and axes of a mesh
+    file.
+
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> checked = wg.check(tilt=[5, 10], printer="ender3")
+    >>> checked.table
+    <table: 4 rows of wall, thickness_mm, lines, plastic_percent>
+    >>> checked.warnings
+    ()
     """
 
     design: request.Walker = request.PAPER_WALKER

@@ -12,10 +12,18 @@ if TYPE_CHECKING:
 
 
 class ExplainRequest(request.Request):
-    """Report which effects a scene has, how large they are, and what they change and cost.
+    """List the effects that a scene requires, with their size, influence and cost.
 
-    With --measure each effect is turned off, or on at its usual size, for ten seconds: alone, and the two largest
-    together. The report has the changes of speed and CPU time, a picture, and the effects that can be left out.
+    With --measure each effect is turned off, or on at its usual size, for ten seconds. The two largest are also
+    changed together. The result has the change of the speed and of the CPU time, a picture, and the effects that can
+    be left out.
+
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> effects = wg.explain("koumakis2016", "plane-noisy", cost=False).table
+    >>> [row["effect"] for row in effects if row["on"]][:3]
+    ['flexible foot tensor', 'leg compliance', 'sticking in impacts']
     """
 
     design: request.Walker = request.PAPER_WALKER

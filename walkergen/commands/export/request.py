@@ -24,7 +24,14 @@ Format = Literal["stl", "3mf", "dxf", "svg", "mjcf"]
 
 
 class ExportRequest(request.Request):
-    """Write walkers as STL, 3MF, DXF or SVG files, one file per walker, or for MuJoCo."""
+    """Write walkers as STL, 3MF, DXF or SVG files, one file per walker, or for MuJoCo.
+
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> wg.export("koumakis2016", "walker.stl", tilt=10).files[0].name
+    'walker.stl'
+    """
 
     by_position: ClassVar = ("design", "out")
 

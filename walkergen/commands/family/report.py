@@ -23,12 +23,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class FamilyReport(Report):
-    """Family that was made, in its folder."""
+    """Members of a family, with their speeds and the folder of their files."""
 
     members: Sequence[Member]
 
     def markdown(self) -> str:
-        """Page of the tables and lines, and of the marks that distinguish parts."""
+        """Return the page of the tables and lines, and of the marks that distinguish parts.
+
+        Returns
+        -------
+        str
+            Text in Markdown.
+        """
         marks = names.legend([member.design for member in self.members])
         return super().markdown() + (f"\n## Marks\n\n{marks}" if marks else "")
 

@@ -15,6 +15,13 @@ class FamilyRequest(request.Request):
     """Make a family of walkers: STL files, plates, predicted speeds, pictures.
 
     With --page also one self-contained HTML page that opens offline.
+
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> made = wg.family("koumakis2016", "mine", tilt=[5, 10], legs="flexible", pictures=False)
+    >>> sorted(path.name for path in made.folder.iterdir())
+    ['family.csv', 'family.md', 'manifest.json', 'plates', 'stl', 'weights.csv']
     """
 
     by_position: ClassVar = ("design", "out")

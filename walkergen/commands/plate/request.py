@@ -16,7 +16,15 @@ if TYPE_CHECKING:
 class PlateRequest(request.Request):
     """Arrange copies of walkers on as many print-ready plates (3MF) as they need, with maps.
 
-    Their design, tilts and copies are given here, or those of several designs by an order list.
+    Design, tilts and copies are given here, or those of several designs by an order list.
+
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> wg.plate("koumakis2016", tilt=[5, 10], copies=2, out="plate", pictures=False)
+    Plates
+    plates: 2 rows
+    prusa-mk3s: 4 parts on 1 plate
     """
 
     design: Annotated[

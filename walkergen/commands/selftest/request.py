@@ -12,7 +12,18 @@ if TYPE_CHECKING:
 
 
 class SelftestRequest(request.Request):
-    """Run the hard cases, each with an exact outcome or an invariant; exit code 1 if any fails."""
+    """Run the hard cases, each with an exact outcome or an invariant; exit code 1 if any fails.
+
+    Notes
+    -----
+    Section 6 of docs/physics.md lists the cases.
+
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> wg.selftest("6.4").code
+    0
+    """
 
     by_position: ClassVar = ("only",)
 

@@ -92,11 +92,25 @@ class SimulationReport(Report):
         return _mean_speed(self.simulated)
 
     def trajectory(self, rate_hz: float = DEFAULT_RATE_HZ, progress: Progress | None = None) -> Table:
-        """States of all runs, `rate_hz` a second, as `simulate --trajectory` writes them.
+        """Simulate the runs again, and return their states as `walkergen simulate --trajectory` writes them.
 
-        The first columns are those of `analyse` and trackpy: frame, particle (the number of the run), x, y (mm)
-        and theta (rad) from above. Then follow t_s and the model's columns. The runs are simulated again. Raises
-        InputError for more samples than can be kept.
+        Parameters
+        ----------
+        rate_hz : float, default: 1000
+            States per second, from 0.001 to 1e7.
+        progress : Progress, optional
+            Function that is called with a step's name, the number done and the total.
+
+        Returns
+        -------
+        Table
+            The first columns are those of `analyse` and trackpy: frame, particle (the number of the run), x, y (mm)
+            and theta (rad) from above. Then follow t_s and the model's columns.
+
+        Raises
+        ------
+        InputError
+            If the rate is out of range, or there are more samples than can be kept.
         """
         if not 1e-3 <= rate_hz <= 1e7:
             raise InputError(f"rate_hz={rate_hz:g}: must be a number >= 0.001 and <= 1e7")

@@ -27,10 +27,22 @@ ERROR_CHOSEN_KEYS = ("scene.run.step_us", "scene.run.seconds", "scene.run.runs")
 class SimulateRequest(request.Request):
     """Bounce a walker on the plate and measure its speed; on a plane also how it turns.
 
-    Several tilts, or both kinds of legs, make a table. The first run compiles the simulator. With --error the number
-    of runs, their length and the step are chosen to meet an error of the mean speed at 95 % confidence. A percentage
-    refers to the speed, or to a fifth of the plate's peak speed if the walker is slower. With --effects the effects
-    that change the speed less are measured first and left out.
+    Several tilts, or both kinds of legs, make a table. The first run of a model compiles it. With --error of the mean
+    speed, at 95 % confidence, the number of runs and the time step are chosen to meet it, and not given. A share
+    counts of the speed, or of a fifth of the plate's peak speed if the walker is slower. Effects that this walker's
+    speed does not need to an error are measured and left out with --effects.
+
+    Notes
+    -----
+    The walker moves in space on elastic feet with the scene's restitution and friction (docs/physics.md section 7).
+    The bounds of a speed contain the scatter of the runs and the error of the time step.
+
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> runs = wg.simulate(tilt=10, seconds=0.1, runs=4)
+    >>> runs.speed.low_95 < runs.speed.value < runs.speed.high_95
+    True
     """
 
     design: request.Walker = request.PAPER_WALKER

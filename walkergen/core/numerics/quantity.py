@@ -43,7 +43,19 @@ class Verdict(StrEnum):
 
 
 class Quantity(NamedTuple):
-    """Number with its standard error, in a unit; value, error or both are None when refused."""
+    """Number with its standard error, in a unit; value, error or both are None when refused.
+
+    Notes
+    -----
+    Bounds follow Student's t (Student, Biometrika 6 (1908) 1), those of a variance follow chi^2.
+
+    Examples
+    --------
+    >>> from walkergen.core import Quantity
+    >>> low, high = Quantity("speed", "mm_s", 60.0, 1.0).interval(0.68)
+    >>> print(f"{low:.1f} to {high:.1f} mm/s")
+    59.0 to 61.0 mm/s
+    """
 
     key: str
     unit: str
@@ -86,14 +98,26 @@ class Quantity(NamedTuple):
 
     @property
     def number(self) -> float:
-        """Value of a quantity that has one. Raises ValueError for others."""
+        """Value of a quantity that has one.
+
+        Raises
+        ------
+        ValueError
+            If there is no value.
+        """
         if self.value is None:
             raise ValueError(f"{self.key}: {self.refused or 'no value'}")
         return self.value
 
     @property
     def pair(self) -> tuple[float, float]:
-        """Value and standard error of a quantity that has both. Raises ValueError for others."""
+        """Value and standard error of a quantity that has both.
+
+        Raises
+        ------
+        ValueError
+            If the value or the error is missing.
+        """
         if self.value is None or self.se is None:
             raise ValueError(f"{self.key}: {self.refused or 'no error'}")
         return self.value, self.se
@@ -104,10 +128,17 @@ class Quantity(NamedTuple):
         return f"{self.key}_{self.unit}" if self.unit else self.key
 
     def interval(self, confidence: float = CONFIDENCE) -> tuple[float, float] | None:
-        """Return the bounds that hold the truth with a `confidence` of 0 to 1; None unless both are finite.
+        """Return the bounds that contain the truth with a confidence; None unless both are finite.
 
-        A number has no bounds without an error, or with one of no degrees of freedom. A bias widens them in squares,
-        by half of it below CONFIDENCE: as one standard deviation. Those of draws are of 95 or 68 %.
+        Parameters
+        ----------
+        confidence : float, default: 0.95
+            Between 0 and 1. Bounds of draws are those of 95 or 68 %.
+
+        Returns
+        -------
+        tuple of float, or None
+            Lower and upper bound. A bias widens them in squares, below 0.95 by half of it.
         """
         if self.ends is not None and self.value is not None:
             return (self.ends[0], self.ends[3]) if confidence >= CONFIDENCE else self.ends[1:3]
@@ -141,7 +172,20 @@ class Quantity(NamedTuple):
         return value - half, value + half
 
     def row(self, *levels: int, stem: str | None = None) -> dict[str, float | None]:
-        """Return value, error and bounds of these levels (%) by their columns, which but for the first have a stem."""
+        """Return value, error and bounds by the names of their columns.
+
+        Parameters
+        ----------
+        *levels : int
+            Confidences of bounds, percent.
+        stem : str, optional
+            Beginning of all names but the first; the key and an underscore by default.
+
+        Returns
+        -------
+        dict of str to float or None
+            The value, its standard error (se) and a low and a high bound for each level.
+        """
         start, unit = f"{self.key}_" if stem is None else stem, f"_{self.unit}" if self.unit else ""
         found = {self.column: self.value, f"{start}se{unit}": self.se}
         for level in levels:
@@ -150,7 +194,18 @@ class Quantity(NamedTuple):
         return found
 
     def half_width(self, confidence: float = CONFIDENCE) -> float:
-        """Return half of the width of its bounds; infinite without bounds."""
+        """Return half of the width of the bounds.
+
+        Parameters
+        ----------
+        confidence : float, default: 0.95
+            Between 0 and 1.
+
+        Returns
+        -------
+        float
+            Half width in the unit of the quantity; infinite without bounds.
+        """
         ends = self.interval(confidence)
         return math.inf if ends is None else 0.5 * (ends[1] - ends[0])
 
@@ -174,9 +229,19 @@ class Quantity(NamedTuple):
         return low, high
 
     def compare_with_range(self, low: float, high: float, confidence: float = CONFIDENCE) -> Verdict:
-        """Compare the bounds with a range, whose ends may be infinite: agree inside, disagree outside.
+        """Compare the bounds with a range: they agree inside, and disagree outside.
 
-        Without an error it is undecided: noise that is not known makes no agreement, nor the contrary.
+        Parameters
+        ----------
+        low, high : float
+            Ends of the range, which may be infinite.
+        confidence : float, default: 0.95
+            Confidence of the bounds.
+
+        Returns
+        -------
+        Verdict
+            AGREE, DISAGREE, UNDECIDED (also without an error) or MISSING (without a value).
         """
         if self.value is None:
             return Verdict.MISSING
@@ -188,7 +253,22 @@ class Quantity(NamedTuple):
         return Verdict.AGREE if low <= ends[0] and ends[1] <= high else Verdict.UNDECIDED
 
     def minus(self, other: "Quantity") -> "Quantity":
-        """Return the difference of two independent quantities, with Satterthwaite's degrees of freedom (1946)."""
+        """Return the difference of two independent quantities.
+
+        Parameters
+        ----------
+        other : Quantity
+            Quantity of the same unit to subtract.
+
+        Returns
+        -------
+        Quantity
+            Difference, under the key of this quantity.
+
+        References
+        ----------
+        F. E. Satterthwaite, Biometrics Bulletin 2 (1946) 110: the degrees of freedom.
+        """
         if self.value is None or other.value is None:
             return self._replace(value=None, se=None, refused=self.refused or other.refused or "no value")
         gap = self.value - other.value

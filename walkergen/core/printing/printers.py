@@ -45,7 +45,23 @@ DEFAULT_WIDTH_RATIO = 1.125
 
 
 class Printer(Section):
-    """Filament printer. The ranges of its keys leave a usable bed for every margin."""
+    """Filament printer: its bed, its lines and the distances that it needs.
+
+    Arguments are the keys of a printer's file. The size of the bed and the height are required.
+
+    Raises
+    ------
+    pydantic.ValidationError
+        If a key is missing, unknown or outside its range.
+    InputError
+        If the nozzle cannot extrude lines of this width.
+
+    Examples
+    --------
+    >>> from walkergen.core import Printer
+    >>> Printer(bed_width_mm=200.0, bed_depth_mm=200.0, height_mm=180.0, nozzle_mm=0.6).line_width_mm
+    0.6
+    """
 
     name: Name = "printer"
     description: Annotated[str, Field(max_length=2000)] = ""
@@ -87,7 +103,18 @@ class Printer(Section):
 
     @classmethod
     def data_from_file(cls, path: Path) -> dict[str, Any] | None:
-        """Read the printer of a slicer's profile; None for a TOML file."""
+        """Read the printer of a slicer's profile.
+
+        Parameters
+        ----------
+        path : Path
+            File of a printer.
+
+        Returns
+        -------
+        dict or None
+            Keys of the printer; None for a TOML file.
+        """
         return read_profile(path) if path.suffix.lower() in PROFILE_SUFFIXES else None
 
     @model_validator(mode="before")
@@ -110,7 +137,20 @@ class Printer(Section):
         return self
 
     def without_stale_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-        """Return data with the lines' width scaled to a new nozzle, if only the nozzle was set."""
+        """Return data with the lines' width scaled to a new nozzle, if only the nozzle was set.
+
+        Parameters
+        ----------
+        data : dict
+            Keys of the printer.
+        values : mapping
+            Values that were set, by keys.
+
+        Returns
+        -------
+        dict
+            Keys of the changed printer.
+        """
         nozzle = data.get("nozzle_mm")
         if "nozzle_mm" in values and "line_width_mm" not in values and isinstance(nozzle, (int, float)):
             return {**data, "line_width_mm": round(self.line_width_mm / self.nozzle_mm * nozzle, 3)}

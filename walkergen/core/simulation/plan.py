@@ -47,7 +47,18 @@ class Plan(NamedTuple):
         return self.case.shaken
 
     def with_run_settings(self, **run: float) -> "Plan":
-        """Return the plan with other seconds, discard_seconds, runs or seed in the scene's [run]."""
+        """Return the plan with other values in the scene's [run].
+
+        Parameters
+        ----------
+        **run : float
+            seconds, discard_seconds (s), runs or seed.
+
+        Returns
+        -------
+        Plan
+            The changed plan.
+        """
         changed = self.scene.run.model_copy(update=run)
         scene = self.scene.model_copy(update={"run": changed})
         return self._replace(case=self.case._replace(scene=scene))
@@ -87,7 +98,35 @@ class Plan(NamedTuple):
 def prepare(scene: Scene, design: Design, mass: MassProperties) -> Plan:
     """Prepare the plan of a scene: resolve its effects and put the walker into its world.
 
-    Raises InputError where the scene's choices contradict each other or the design.
+    Parameters
+    ----------
+    scene : Scene
+        Drive, plate, contact and settings of the runs.
+    design : Design
+        Design of the walker.
+    mass : MassProperties
+        Its masses, from `mass_of`.
+
+    Returns
+    -------
+    Plan
+        Plan of all runs, for `simulate`.
+
+    Raises
+    ------
+    InputError
+        If choices of the scene contradict each other or the design.
+
+    References
+    ----------
+    docs/physics.md sections 5 and 7.
+
+    Examples
+    --------
+    >>> from walkergen.core import Design, Scene, mass_of, prepare
+    >>> design = Design()
+    >>> prepare(Scene(), design, mass_of(design)).scene.run.runs
+    16
     """
     case = Case(scene, design, mass)
     resolved = resolve(case)

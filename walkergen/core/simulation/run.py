@@ -126,7 +126,41 @@ def simulate(
 ) -> RunResult:
     """Simulate one run: a drop, the discarded start, then the measured time in blocks.
 
-    `stopped()` ends it. Samples hold the leading `sample_size` entries of a state, or all of them.
+    Parameters
+    ----------
+    plan : Plan
+        Plan of the walker and its scene.
+    number : int
+        Number of the run, from 0. With the scene's seed it determines the drop.
+    stopped : callable, optional
+        Function without arguments that is called after each block. The run ends when it returns True.
+    sample_interval : float, optional
+        Time between kept states, s; none are kept by default.
+    sample_size : int, optional
+        Number of leading entries of a state to keep; all by default.
+    event_room : int, default: 0
+        Number of impacts for which memory is reserved.
+
+    Returns
+    -------
+    RunResult
+        Outcome, mean speed (mm/s), speeds of the blocks, and everything recorded.
+
+    Notes
+    -----
+    The same plan and number give the same run.
+
+    References
+    ----------
+    docs/physics.md section 7.
+
+    Examples
+    --------
+    >>> from walkergen.core import Design, Scene, mass_of, prepare, simulate
+    >>> design = Design()
+    >>> plan = prepare(Scene(), design, mass_of(design)).with_run_settings(seconds=0.05)
+    >>> simulate(plan, 0).outcome
+    <Outcome.OK: 'ok'>
     """
     started = time.thread_time()
     run = plan.scene.run

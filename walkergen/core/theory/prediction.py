@@ -235,10 +235,46 @@ def sample_prediction_inputs(scene: Scene, design: Design) -> Drawn:
 
 
 def predict(design: Design, mass: MassProperties, scene: Scene, mode: Mode = "coulomb") -> Prediction:
-    """Predict the speed of one walker, with the speed of the theory (docs/physics.md section 4).
+    """Predict the speed of one walker with the surrogate or statics, and with the paper's theory.
 
-    `mode` is the theory's. Members of a family share their random numbers. Raises UnknownError for a walker that
-    is to be simulated, TheoryError for an unknown mode.
+    Parameters
+    ----------
+    design : Design
+        Design of the walker.
+    mass : MassProperties
+        Its masses, from `mass_of`.
+    scene : Scene
+        Drive, plate and contact.
+    mode : {"coulomb", "paper"}, default: "coulomb"
+        Theory: feet may stick, or always slip as in the paper's eq. 15.
+
+    Returns
+    -------
+    Prediction
+        Speeds with bounds, mm/s, masses, g, and the factors of the theory.
+
+    Raises
+    ------
+    UnknownError
+        If the surrogate's error is too large for this walker. Simulate it instead.
+    TheoryError
+        If the mode is unknown.
+
+    Notes
+    -----
+    The surrogate is used where its error is at most 10 % or 1 mm/s, inside the ranges of its training set. Members of
+    a family share their random numbers.
+
+    References
+    ----------
+    docs/physics.md section 4; N. Koumakis et al., New Journal of Physics 18 (2016) 113046, eq. 15.
+
+    Examples
+    --------
+    >>> from walkergen.core import Design, Scene, mass_of, predict
+    >>> design = Design()
+    >>> print(predict(design, mass_of(design), Scene()).speed)
+    50 ± 10 mm/s, with 95 % 32.8 to 72.4
     """
     try:
         return make_row(design, mass, scene, mode, compute_speed(design, mass, scene))

@@ -27,7 +27,31 @@ SHORT_KEYS = {"tilt": "tilt_deg", "text": "body.text", "mirror": "body.mirror"}
 
 
 class Design(WalkerSpec):
-    """Design of a walker. Construction raises GeometryError for parts that cannot be built."""
+    """Design of a walker: the keys of its file, its shape and its legs.
+
+    Arguments are the tables and keys of a walker's file, as ``legs={"tilt_deg": 12.0}``. Names state the units.
+
+    Raises
+    ------
+    pydantic.ValidationError
+        If a key is unknown or a value is outside its range.
+    GeometryError
+        If a part cannot be built.
+
+    Notes
+    -----
+    The body's middle is the origin of the x-y plane, with y up. Feet lie behind their anchors for a positive tilt.
+
+    References
+    ----------
+    docs/physics.md section 1.
+
+    Examples
+    --------
+    >>> from walkergen.core import Design
+    >>> Design(name="short", legs={"length_mm": 4.0})
+    <Design short: 2 flexible legs, tilt 10 deg, body 28 x 8 x 3 mm>
+    """
 
     @model_validator(mode="before")
     @classmethod
@@ -47,7 +71,15 @@ class Design(WalkerSpec):
 
     @property
     def shape(self) -> Shape:
-        """Shape of the body. Raises GeometryError, and InputError for files."""
+        """Shape of the body.
+
+        Raises
+        ------
+        GeometryError
+            If the body has no printable shape.
+        InputError
+            If a file of the body cannot be read.
+        """
         return resolve.shape_of(self.body)
 
     @property
@@ -59,7 +91,10 @@ class Design(WalkerSpec):
     def limbs(self) -> tuple[Limb, ...]:
         """Every leg with all its numbers, in the order of the file; of two equal: back, front.
 
-        Raises GeometryError for a leg that does not meet the body.
+        Raises
+        ------
+        GeometryError
+            If a leg does not meet the body.
         """
         return resolve.place_legs(self)
 
@@ -85,7 +120,13 @@ class Design(WalkerSpec):
         return (*notes, f"{self.name}: {resolve.describe_placement(self)}") if self.placed else tuple(notes)
 
     def with_numbered_legs(self) -> "Design":
-        """Return the design with the positions of automatic legs as numbers, which a user can change."""
+        """Return the design with the positions of automatic legs as numbers, which a user can change.
+
+        Returns
+        -------
+        Design
+            The same walker; the design itself if it has no automatic legs.
+        """
         if not isinstance(self.legs, Legs) or not self.placed:
             return self
         data, legs = self.model_dump(exclude_unset=True), self.legs.model_dump(exclude_unset=True)
@@ -130,12 +171,35 @@ class Design(WalkerSpec):
     def variant(self, *, tilt_deg: float | None = None, kind: Kind | None = None, **keys: Any) -> "Design":
         """Return the design with another tilt or kind of legs, or with other values of any keys.
 
-        Keys are the dotted keys of the file and the short keys of the commands: `tilt` is `tilt_deg`, `legs="braced"`
-        is `kind`, `text` and `mirror` are the body's. All keys are validated together, like the lines of a file. Legs
-        of a list keep their kinds. Those without a tilt of their own get the new one. Raises InputError or
-        GeometryError, a line for every mistake.
+        Everything is validated together, as the file's lines are, unlike by pydantic's `model_copy`.
 
-        Example: `wg.load("koumakis2016").variant(tilt=12, **{"legs.flexible_thickness_mm": 0.3})`
+        Parameters
+        ----------
+        tilt_deg : float, optional
+            Tilt of the legs, degrees. Legs of a list that have a tilt keep it.
+        kind : {"flexible", "braced"}, optional
+            Kind of two equal legs. Legs of a list keep their kinds.
+        **keys : Any
+            Values by dotted keys of the file, or by options of the commands: `tilt` is `tilt_deg`, `legs="braced"`
+            is `kind`, `text` and `mirror` belong to the body.
+
+        Returns
+        -------
+        Design
+            The variant; this design is unchanged.
+
+        Raises
+        ------
+        InputError
+            If a key is unknown, given twice or has an invalid value. The message has a line for each.
+        GeometryError
+            If a part of the variant cannot be built.
+
+        Examples
+        --------
+        >>> import walkergen as wg
+        >>> wg.load("koumakis2016").variant(tilt=12, **{"legs.flexible_thickness_mm": 0.3})
+        <Design koumakis2016: 2 flexible legs, tilt 12 deg, body 28 x 8 x 3 mm>
         """
         words = {SHORT_KEYS[key]: keys.pop(key) for key in [*keys] if key in SHORT_KEYS}
         if isinstance(keys.get("legs"), str):  # a table or a list are the file's
@@ -175,7 +239,22 @@ class Design(WalkerSpec):
     def members(self, tilts_deg: Iterable[float] | None = None, kinds: Iterable[Kind] | None = None) -> list["Design"]:
         """Return the variants of a family, kinds outermost; by default those of its [family] table.
 
-        Raises GeometryError if a member cannot be built, with the exceeded limit and its tilts.
+        Parameters
+        ----------
+        tilts_deg : iterable of float, optional
+            Tilts, degrees.
+        kinds : iterable of {"flexible", "braced"}, optional
+            Kinds of legs.
+
+        Returns
+        -------
+        list of Design
+            A design for each kind and tilt.
+
+        Raises
+        ------
+        GeometryError
+            If a member cannot be built. The message has the limit that was exceeded and the tilts.
         """
         tilts = [self.tilt_deg] if not self.follows else self.family.tilt_deg
         tilts = tilts if tilts_deg is None else list(tilts_deg)

@@ -71,10 +71,35 @@ def _concatenate_meshes(meshes: Sequence[Mesh]) -> Mesh:
 
 
 def build(design: Design, foot_segments: int = FOOT_SEGMENTS, united: bool = True) -> Solids:
-    """Build a walker's solids; unless `united`, a body of any shape may stay separate from its legs, for display.
+    """Build the solids of a walker: its printable union, its body, its legs and its cap.
 
-    Raises SolidError when the modeller's result is not sound, GeometryError for a leg that does not
-    meet the body, for pockets that do not go into it, and for a cap that it does not hold.
+    Parameters
+    ----------
+    design : Design
+        Design of the walker.
+    foot_segments : int, default: 64
+        Edges of a round foot's half circle.
+    united : bool, default: True
+        Whether body and legs are united. Otherwise a body of any shape may stay separate from its legs, for display.
+
+    Returns
+    -------
+    Solids
+        Meshes in mm, in the design's frame.
+
+    Raises
+    ------
+    SolidError
+        If the result of the modeller is not sound.
+    GeometryError
+        If a leg does not meet the body, or pockets or a cap do not fit it.
+
+    Examples
+    --------
+    >>> from walkergen.core import Design, build
+    >>> solids = build(Design())
+    >>> len(solids.legs), solids.walker.vertices.shape[1]
+    (2, 3)
     """
     solid = _build_plain_solids(design, foot_segments, united or bool(design.parts))
     solid = _add_pockets(design, solid, foot_segments) if design.parts else solid
@@ -273,7 +298,33 @@ def weigh(design: Design, solids: Solids) -> MassProperties:
 def mass_of(design: Design) -> MassProperties:
     """Compute the mass properties of a design's own solids, without their union if possible.
 
-    Raises SolidError, GeometryError for a walker that cannot stand.
+    Parameters
+    ----------
+    design : Design
+        Design of the walker.
+
+    Returns
+    -------
+    MassProperties
+        Masses, g, and moments of inertia, g mm^2, of body and legs.
+
+    Raises
+    ------
+    SolidError
+        If a solid cannot be built.
+    GeometryError
+        If the walker cannot stand.
+
+    Notes
+    -----
+    Every solid has the uniform density of the material. Masses from a balance in the design replace those of the
+    solids.
+
+    Examples
+    --------
+    >>> from walkergen.core import Design, mass_of
+    >>> round(float(mass_of(Design()).total), 2)  # g
+    0.89
     """
     if design.parts or not design.body.plain:
         return weigh(design, build(design, united=False))

@@ -15,8 +15,15 @@ if TYPE_CHECKING:
 class MovieRequest(request.Request):
     """Film a walker in slow motion, or several tilts from above (GIF and MP4).
 
-    A single walker in a lane is shown in perspective and in slow motion. A walker on a plane, and several walkers, are
-    shown from above in real time. --view above or --view perspective changes this.
+    A walker in a lane is seen in perspective, in slow motion. A walker on a plane, or several, are seen from above.
+    Change this with --view.
+
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> film = wg.movie("koumakis2016", tilt=10, periods=0.2, slow=100, fps=20, out="film.gif")
+    >>> film.files[0].name
+    'film.gif'
     """
 
     design: request.Walker = request.PAPER_WALKER

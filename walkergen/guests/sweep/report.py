@@ -46,7 +46,7 @@ class Points:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class SweepReport(Report):
-    """Points of a sweep, a row each: the keys that vary, then numbers with their bounds."""
+    """Points of a sweep, one row each: the keys that vary, then numbers with their bounds."""
 
     keys: tuple[str, ...]
     """Keys that vary."""

@@ -18,8 +18,14 @@ if TYPE_CHECKING:
 class SweepRequest(request.Request):
     """Map speeds over any keys of design and scene: a table and pictures, resumed when stopped.
 
-    All combinations of the values are evaluated, the last key fastest; every one of them has every sample. Keys that
-    begin with scene.crowd. map what crowds do. Points that were evaluated before are not evaluated again.
+    All combinations of the values are evaluated, the last key fastest. Each of them has every sample. Keys that begin
+    with scene.crowd. map what crowds do. Points that were evaluated before are not evaluated again.
+
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> wg.sweep(set={"legs.tilt_deg": [5, 10]}).table["speed_mm_s"].round()
+    array([30., 50.])
     """
 
     by_position: ClassVar = ("design", "scene", "set")

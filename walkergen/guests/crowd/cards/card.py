@@ -89,7 +89,7 @@ class Overdamped(Section):
 
 
 class Card(Section):
-    """Parameters of a walker for a crowd in a plane; None for what was not measured."""
+    """Properties of a walker for a crowd in a plane; None if not measured."""
 
     gone: ClassVar[Mapping[str, str]] = dict.fromkeys(
         ("wall_alignment", "wall_turning_rad_s", "wall_torque_g_mm2_s2"),

@@ -43,19 +43,26 @@ class CalibrateRequest(CalibrateFields):
     """Estimate Young's modulus, density, friction, damping and restitution from your readings.
 
     `calibrate plate` makes a plate to measure: strips of four thicknesses, a block and one walker, with a sheet and a
-    form. Fill in the form with readings from a ruler and a phone, and run `calibrate FORM.csv`. It estimates what the
-    form contains. Errors come from those of the readings and from their scatter. The results are written into
-    design.toml and scene.toml for `family` and `simulate`. Other values stay as design and scene have them. For
-    friction from the film of a slide, give the angle of the incline as filmed_deg, and the film's tracks.csv in a
-    column tracks. A drop test of the walker is simulated (a minute); the rest takes a second.
+    form. Enter readings of a ruler and a phone, and give the form to `calibrate FORM.csv`. Its results have errors
+    from those of the readings and from their scatter. They are written to design.toml and scene.toml, for `family` and
+    `simulate`. Values that the form lacks stay as design and scene have them. Films of slides are read too: the
+    quantity is filmed_deg, the angle of the incline, and a column tracks names the film's tracks.csv. The drop test of
+    the walker is simulated, which takes a minute. Everything else takes a second.
 
-    `calibrate --plate FILE.csv` takes a recording of a phone's accelerometer on the shaken plate (phyphox and others: a
-    column of times, three of accelerations). It reports frequency and amplitude of the drive, second harmonic, motion
-    along the plate and noise, each with its error, and writes them into scene.toml. Three columns of a gyroscope add
-    how the amplitude changes over the plate, and how it rocks.
+    `calibrate --plate FILE.csv` reads a recording of a phone's accelerometer on the shaken plate, from phyphox and
+    others: a column of times, three of accelerations. The results are frequency and amplitude of the drive, second
+    harmonic, motion along the plate and noise, each with its error, and a scene.toml with these values. Three columns
+    of a gyroscope also give the gradient of the amplitude over the plate, and its rocking.
 
-    `calibrate drop` estimates the restitution of the feet, at any tilt, from the rebound of a drop on a still plate
-    (--measured: root of height over height). It simulates drops with each restitution.
+    `calibrate drop` simulates drops of the walker on a still plate. From the rebound in --measured, root of height
+    over height, it computes the restitution of the feet.
+
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> made = wg.calibrate("plate", out="lab", pictures=False)
+    >>> [path.name for path in made.files if path.suffix == ".3mf"]
+    ['calibration_prusa-mk3s_1.3mf']
     """
 
     def run(self, progress: Progress) -> "Report":

@@ -31,11 +31,11 @@ SPEED_COLUMNS = ("tilt_deg", "legs", "plate_speed_mm_s", "speed_mm_s", "speed_se
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class FitReport(LabReport):
-    """Contact and other parameters from measured speeds, with the updated design and scene."""
+    """Contact fitted to measured speeds, and the design and scene with the fitted values."""
 
     @property
     def bands(self) -> Table:
-        """Speeds of one more print at every tilt, with bounds, mm/s; the theory has none."""
+        """Speeds of one more print at every tilt, with bounds, mm/s. The model theory has none."""
         return self["bands"]
 
 

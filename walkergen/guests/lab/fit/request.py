@@ -12,12 +12,31 @@ if TYPE_CHECKING:
 class FitRequest(FitFields):
     """Estimate the contact from measured speeds, and predict walkers that were not measured.
 
-    The CSV file has columns tilt_deg, speed_mm_s and, if known, speed_se_mm_s, legs (flexible or braced; otherwise the
-    design's) and plate_speed_mm_s (otherwise the scene's). A row is one print, its standard error that of its film. In
-    place of a speed, a column tracks may name the tracks.csv of a film: a row for each of its walkers, or for the one
-    in a column particle. By default the fit takes seconds and uses the model of `predict`. A simulated model is fitted
-    with emulators. Both give bands for one more print at every tilt. The theory, the paper's eq. 15, is fitted by least
-    squares. All write scene.toml and design.toml for `walkergen family`.
+    The CSV file has columns tilt_deg, speed_mm_s and optionally speed_se_mm_s, legs (flexible or braced; otherwise the
+    design's) and plate_speed_mm_s (otherwise the scene's). A row is one print, and its standard error is that of its
+    film. Instead of a speed, a column tracks may name the tracks.csv of a film: a row for each of its walkers, or for
+    the one in a column particle. By default the fit gives the contact that predictions use, in seconds. With the model
+    space it fits emulators of simulations, with bounds for one more print at every tilt. With the model theory it fits
+    the paper's eq. 15 by least squares. The results are written to scene.toml and design.toml, for `walkergen family`.
+
+    Notes
+    -----
+    The report names the parameters that the speeds hardly constrain.
+
+    References
+    ----------
+    N. Koumakis, A. Gnoli, C. Maggi, A. Puglisi and R. Di Leonardo, "Mechanism of self-propulsion in 3D-printed active
+    granular particles", New Journal of Physics 18 (2016) 113046, eq. 15 (the model theory).
+
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> with open("speeds.csv", "w") as file:
+    ...     for row in "tilt_deg,speed_mm_s", "5,60", "10,62", "20,25", "30,8":
+    ...         print(row, file=file)
+    >>> fitted = wg.fit("speeds.csv", model="theory", fix={"restitution": 0.8}, pictures=False)
+    >>> round(fitted.scene.contact.friction, 2)
+    0.17
     """
 
     def run(self, progress: Progress) -> "FitReport":

@@ -29,7 +29,7 @@ MIN_TURNED_SHARE = 0.05
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class AnalysisReport(Report):
-    """Motion from tracks, each number with its error or the reason for its absence."""
+    """Motion measured from tracks, each number with its error or the reason why it has none."""
 
     motion: Motion
     """Everything that was measured, with curves."""

@@ -24,14 +24,27 @@ UNNAMED_TRACKS = "tracks"
 class AnalyseRequest(request.Request):
     """Measure speed, persistence and spread from tracks, filmed or simulated.
 
-    A film is a table with columns frame or t_s, x, y and, if known, particle and theta (rad) or theta_deg, counted
-    from x toward y; or a file of TrackMate, DeepLabCut, SLEAP, movement, idtracker.ai, TRex, FastTrack, MTrackJ or
-    Tracker. Put units into the names (x_mm, "X (cm)"), or give --fps, --mm-per-px, --unit. A simulation is a
-    file that simulate --trajectory wrote. Tracks at several plate speeds need a column plate_speed_mm_s. Python may
-    give what track() or simulate().trajectory() returned, a frame of pandas, or columns by name.
+    A film is a table with columns frame or t_s, x, y and optionally particle and theta (rad) or theta_deg, counted
+    from x toward y. Files of TrackMate, DeepLabCut, SLEAP, movement, idtracker.ai, TRex, FastTrack, MTrackJ and
+    Tracker are read too. Units are in the names (x_mm, "X (cm)"), or are given with --fps, --mm-per-px and --unit. The
+    file of a simulation is that of its option --trajectory. Tracks at several plate speeds need a column
+    plate_speed_mm_s. Python also accepts the result of track() or simulate().trajectory(), a frame of pandas, or a
+    mapping of columns.
 
-    With --dish the walkers are a crowd: its packing, clusters, order and fluctuations are measured, with errors from
-    independent runs (--run), and no single walkers.
+    With --dish the walkers are a crowd. Its packing, clusters, order and fluctuations are measured, with errors from
+    independent runs (--run), and no single walker.
+
+    Notes
+    -----
+    The scale's own error is part of the errors only if it is given, as in mm_per_px="0.05±0.001".
+
+    Examples
+    --------
+    >>> import walkergen as wg
+    >>> tracks = wg.simulate(tilt=10, seconds=1, runs=4).trajectory(rate_hz=50)
+    >>> found = wg.analyse(tracks)
+    >>> 30 < found.speed.value < 90  # mm/s
+    True
     """
 
     by_position: ClassVar = ("tracks",)

@@ -32,7 +32,7 @@ TRACKS_FILE, PICTURE_FILE = "tracks.csv", "check.png"
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class TrackReport(Report):
-    """Walkers that were tracked in a film; look at `.picture` before you trust the numbers."""
+    """Walkers tracked in a film. Check `picture` before you use the numbers."""
 
     tracked: Tracked
     """Everything that was found, walker by walker."""

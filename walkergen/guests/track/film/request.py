@@ -12,9 +12,19 @@ if TYPE_CHECKING:
 class TrackRequest(TrackFields):
     """Track walkers in a film from above: tracks.csv for analyse, and a picture to check.
 
-    The walkers are of one size, on a ground of another brightness, seen straight from above. Give the scale by
-    --mm-per-px or --length. With --markers the markers on caps give number, position and heading, the scale and the
-    camera's tilt. --lens corrects lens distortion. Needs the extra film: pip install 'walkergen[film]'.
+    The walkers have one size, on a ground of another brightness, seen straight from above. Give the scale with
+    --mm-per-px or --length. With --markers they carry caps. Their markers give number, place and heading, scale and
+    tilt of the camera. With --lens the distortion of a lens is removed. Needs the extra film: pip install
+    'walkergen[film]'.
+
+    Examples
+    --------
+    The film shows three walkers of 28 mm.
+
+    >>> import walkergen as wg
+    >>> found = wg.track("film.mp4", length=28)
+    >>> len(set(found.table["particle"]))
+    3
     """
 
     def run(self, progress: Progress) -> "TrackReport":
