@@ -242,6 +242,10 @@ def sweep(
 ) -> SweepReport:
     """Map speeds over any keys of design and scene: a table and pictures, resumed when stopped.
 
+    Notes
+    -----
+    In Python no files are written without a folder in `out`.
+
     Examples
     --------
     >>> import walkergen as wg
@@ -330,7 +334,7 @@ def crowd(
     Notes
     -----
     Cards were tested against walkers in space, in a square without walls, up to a packing of 0.3 (docs/physics.md
-    section 9).
+    section 9). In Python no files are written without a folder in `out`.
 
     Examples
     --------
@@ -457,7 +461,8 @@ def analyse(
 
     Notes
     -----
-    The scale's own error is part of the errors only if it is given, as in mm_per_px="0.05±0.001".
+    The scale's own error is part of the errors only if it is given, as in mm_per_px="0.05±0.001". In Python no files
+    are written without a folder in `out`.
 
     Examples
     --------

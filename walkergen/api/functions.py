@@ -17,6 +17,7 @@ from walkergen.core.errors import spell_all, use_spelling
 
 if TYPE_CHECKING:
     from walkergen.request import Request
+
 FUNCTION_NAMES = tuple(name for name in COMMANDS if name in walkergen.__all__ and name != "templates")
 """Commands that are also Python functions."""
 
@@ -40,7 +41,7 @@ WalkergenError
 
 @cache
 def make_function(name: str) -> Callable[..., Any]:
-    """Return the function of a command. Unlike the command, it writes no folder unless one is given."""
+    """Return the function of a command, made from its request."""
     request, signature = load_request(name), make_signature(name)
 
     def call(*given: Any, **named: Any) -> Any:
@@ -70,7 +71,7 @@ def make_docstring(name: str) -> str:
         "Raises": [RAISED],
     }
     parts = [f"{title}\n{'-' * len(title)}\n" + "\n".join(lines) for title, lines in sections.items()]
-    return "\n\n".join([_name_arguments(request, text), *parts, notes])
+    return "\n\n".join(filter(None, [_name_arguments(request, text), *parts, notes]))
 
 
 def _describe_parameter(request: "type[Request]", parameter: Parameter) -> str:
@@ -113,8 +114,8 @@ def make_signature(name: str) -> Signature:
         kind = Parameter.POSITIONAL_OR_KEYWORD if field in first else Parameter.KEYWORD_ONLY
         default = Parameter.empty if own.is_required() else own.get_default()
         parameters.append(Parameter(field, kind, default=default, annotation=_field_type(request, field)))
-    told = Parameter("progress", Parameter.KEYWORD_ONLY, default=None, annotation="Progress | None")
-    return Signature([*parameters, told], return_annotation=request.run.__annotations__["return"])
+    progress = Parameter("progress", Parameter.KEYWORD_ONLY, default=None, annotation="Progress | None")
+    return Signature([*parameters, progress], return_annotation=request.run.__annotations__["return"])
 
 
 def _field_type(request: "type[Request]", field: str) -> str:

@@ -110,7 +110,7 @@ class Design(WalkerSpec):
 
     @property
     def rigid(self) -> bool:
-        """True when all legs are rigid, as braced ones are."""
+        """Whether all legs are rigid, as braced ones are."""
         return all(limb.rigid for limb in self.limbs)
 
     @property
@@ -145,7 +145,7 @@ class Design(WalkerSpec):
 
     @property
     def alike(self) -> bool:
-        """True for two equal legs at equal distances from the middle, as the paper's."""
+        """Whether there are two equal legs at equal distances from the middle, as in the paper."""
         if self.pair and not self.placed:
             return True
         if len(self.limbs) != 2:
@@ -157,7 +157,7 @@ class Design(WalkerSpec):
 
     @property
     def symmetric(self) -> bool:
-        """True when the legs are their own mirror image across the run, left and right."""
+        """Whether the legs are their own mirror image, left and right."""
         legs = sorted(self.limbs, key=lambda limb: (limb.along, limb.tilt, limb.across))
         image = [limb._replace(across=0.0 - limb.across) for limb in self.limbs]
         return legs == sorted(image, key=lambda limb: (limb.along, limb.tilt, limb.across))

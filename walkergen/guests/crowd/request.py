@@ -32,7 +32,7 @@ class CrowdRequest(request.Request):
     Notes
     -----
     Cards were tested against walkers in space, in a square without walls, up to a packing of 0.3 (docs/physics.md
-    section 9).
+    section 9). In Python no files are written without a folder in `out`.
 
     Examples
     --------

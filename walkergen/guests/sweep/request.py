@@ -21,6 +21,10 @@ class SweepRequest(request.Request):
     All combinations of the values are evaluated, the last key fastest. Each of them has every sample. Keys that begin
     with scene.crowd. map what crowds do. Points that were evaluated before are not evaluated again.
 
+    Notes
+    -----
+    In Python no files are written without a folder in `out`.
+
     Examples
     --------
     >>> import walkergen as wg

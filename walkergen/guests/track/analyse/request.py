@@ -26,8 +26,8 @@ class AnalyseRequest(request.Request):
 
     A film is a table with columns frame or t_s, x, y and optionally particle and theta (rad) or theta_deg, counted
     from x toward y. Files of TrackMate, DeepLabCut, SLEAP, movement, idtracker.ai, TRex, FastTrack, MTrackJ and
-    Tracker are read too. Units are in the names (x_mm, "X (cm)"), or are given with --fps, --mm-per-px and --unit. The
-    file of a simulation is that of its option --trajectory. Tracks at several plate speeds need a column
+    Tracker are read too. Units are in the names (x_mm, "X (cm)"), or are given with --fps, --mm-per-px and --unit. A
+    simulation writes its tracks with the option trajectory. Tracks at several plate speeds need a column
     plate_speed_mm_s. Python also accepts the result of track() or simulate().trajectory(), a frame of pandas, or a
     mapping of columns.
 
@@ -36,7 +36,8 @@ class AnalyseRequest(request.Request):
 
     Notes
     -----
-    The scale's own error is part of the errors only if it is given, as in mm_per_px="0.05±0.001".
+    The scale's own error is part of the errors only if it is given, as in mm_per_px="0.05±0.001". In Python no files
+    are written without a folder in `out`.
 
     Examples
     --------
