@@ -93,7 +93,7 @@ def _name_arguments(request: "type[Request]", text: str) -> str:
     from walkergen.request import flag_name
 
     arguments = {flag_name(request, field): f"`{field}`" for field in request.model_fields}
-    arguments |= {f"--no-{flag[2:]}": f"`{field[1:-1]}=False`" for flag, field in arguments.items()}
+    arguments |= {f"{flag[:2]}no-{flag[2:]}": f"`{field[1:-1]}=False`" for flag, field in arguments.items()}
     return re.sub(r"`[^`]*`|--[a-z][a-z-]*", lambda found: arguments.get(found[0], found[0]), text)
 
 
