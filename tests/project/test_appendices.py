@@ -37,7 +37,7 @@ def page(name):
         stored = report.read_rows(ROOT / "docs" / "validation.csv")
         return report.to_markdown(stored, "python -m evidence validate", "../validation.png")
     data = tomllib.loads((FOLDER / f"{name}.toml").read_text(encoding="utf-8"))
-    lines = held_out.verdict(held_out.read(), data["settings"]) if "settings" in data else []
+    lines = held_out.summarize(held_out.read_rows(), data["settings"]) if "settings" in data else []
     parts = f"# {data['title']}", MADE_FROM.format(name), data.get("text"), "\n".join(f"- {line}" for line in lines)
     return "\n\n".join([*filter(None, parts), *map(section, data["table"])]) + "\n"
 

@@ -299,7 +299,7 @@ def test_arrays_equal_one_by_one():
         ([rigid_foot(-4.0, -9.0)], "coulomb", r"\(-4, -9\) mm .* tips"),
         ([rigid_foot(3.0, -9.0), rigid_foot(5.0, -9.0)], "coulomb", r"\(3, -9\), \(5, -9\) mm .* tips"),
         ([rigid_foot(0.0, -9.0), rigid_foot(5.0, -9.0)], "coulomb", "tips"),
-        ([rigid_foot(-4.0, -9.0), rigid_foot(5.0, -9.0)], "paper", "mode paper"),
+        ([rigid_foot(-4.0, -9.0), rigid_foot(5.0, -9.0)], "paper", "mode = 'paper'"),
         ([rigid_foot(-4.0, -9.0, -0.1), rigid_foot(5.0, -9.0)], "coulomb", "friction"),
         ([rigid_foot(-4.0, -9.0, 0.1, 1.2), rigid_foot(5.0, -9.0)], "coulomb", "restitution"),
         ([rigid_foot(-4.0, -9.0), rigid_foot(5.0, -9.0)._replace(lever=(np.nan, 0.0))], "coulomb", "finite"),
