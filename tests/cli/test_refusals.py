@@ -61,7 +61,7 @@ USES = "".join(f'<g id="u{n}">' + f'<use href="#u{n - 1}"/>' * 10 + "</g>" for n
 LONG = [
     ("set", "body.length_mm=" + "9" * 20_000, "at most 10000"),
     ("set", "body.length_mm=" + "9" * 9_000, "must be a number"),
-    ("set", "body.length_mm=" + "[" * 9_000, "no list or table of TOML"),
+    ("set", "body.length_mm=" + "[" * 9_000, "is not a list or table of TOML"),
     ("set", "x" * 9_000 + "=1", "unknown key"),
     ("axes", "a." * 5000 + "a=1", "at most 10000"),
     ("design", "a = " + "[" * 20_000, "not valid TOML"),

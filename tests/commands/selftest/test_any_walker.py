@@ -8,6 +8,7 @@ from walkergen.commands.simulate import quantities
 from walkergen.core.errors import InputError
 from walkergen.core.scene import Scene
 from walkergen.core.simulation.effects.effect import Case
+from walkergen.core.simulation.effects.legs import judge_compliance
 from walkergen.core.simulation.plan import prepare
 from walkergen.core.simulation.space.model import initial_state
 from walkergen.core.simulation.space.points import MAX_HULL_POINTS
@@ -107,10 +108,10 @@ def test_a_point_of_a_drawing_is_named_by_what_the_drawing_holds(tmp_path):
 
 def test_explain_names_the_slowest_and_the_fastest_leg():
     unlike = [*TWO[:1], TWO[1] | {"thickness_mm": 0.6}]
-    for legs, told in ((TWO, False), (unlike, True)):
-        design = design_of(legs)
+    for each, told in ((TWO, False), (unlike, True)):
+        design = design_of(each)
         case = Case(scene_of(), design, solids.mass_of(design))
-        meaning = legs.judge_compliance(case).meaning
+        meaning = judge_compliance(case).meaning
         assert ("slowest back; fastest front, 1.5" in meaning) == told
 
 
