@@ -11,7 +11,7 @@ from pathlib import Path
 import griffe
 import pytest
 import rendered_films
-from answers import assert_every_form
+from command_checks import assert_every_form
 
 import walkergen as wg
 from walkergen.api import functions

@@ -86,7 +86,7 @@ def test_ranges_hold_the_templates_values_and_stand_in_their_comments(name):
             key = span.key.rpartition(".")[2]
             said = rf"^{key} = .*(assumed|stated|drawn).*{span.low:g} to {span.high:g}"
             assert re.search(said, text, re.MULTILINE), span.key
-    for key in (*asked.space.keys, *asked.constants):
+    for key in (*asked.space.keys, *sweep_file.read_sweep(source.sweep).constants):
         assert own_value(scene if key.startswith("scene.") else design, key.removeprefix("scene.")) is not None, key
 
 

@@ -281,6 +281,6 @@ def test_a_family_shows_the_outline_taken_from_a_picture(tmp_path):
 def test_a_shape_without_stable_legs_is_drawn_with_the_problem(tmp_path):
     path = tmp_path / "ball.stl"
     trimesh.creation.icosphere(subdivisions=2, radius=2.0).export(path)
-    with pytest.raises(GeometryError, match=r"base = true.*drawn in .*trouble\.png"):
+    with pytest.raises(GeometryError, match=r"base = true.*A picture is in .*trouble\.png"):
         wg.family(path, out=tmp_path / "out")
     assert [found.name for found in (tmp_path / "out").iterdir() if not found.name.startswith(".")] == ["trouble.png"]

@@ -480,6 +480,17 @@ class Scene(Section):
         return getattr(getattr(self, table), own)
 
     def is_zero(self, key: str) -> bool:
-        """Return whether the number, or all numbers, of a dotted key are zero or not given."""
+        """Return whether the number of a key, or all its numbers, are zero or not given.
+
+        Parameters
+        ----------
+        key : str
+            Table and key, as "plate.horizontal_ratio".
+
+        Returns
+        -------
+        bool
+            True without a number other than zero.
+        """
         value = self.value(key)
         return not (any(value) if isinstance(value, list) else value)

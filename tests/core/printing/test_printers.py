@@ -46,7 +46,7 @@ def test_a_slicers_profile_is_a_printer(tmp_path):
     path = tmp_path / "mini.ini"
     path.write_text(PROFILE)
     found = printer(path)
-    assert (found.name, found.description) == ("mini", "as mini.ini, a slicer's profile, says")
+    assert (found.name, found.description) == ("mini", "as mini.ini, a slicer's profile, states")
     assert (found.bed_width_mm, found.bed_depth_mm, found.height_mm, found.origin) == (180, 180, 180, "centre")
     assert (found.nozzle_mm, found.line_width_mm, found.layer_height_mm) == (0.6, 0.63, 0.15)
     assert (found.wall_generator, found.thin_walls, found.skirt_loops) == ("arachne", False, 2)

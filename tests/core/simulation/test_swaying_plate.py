@@ -224,7 +224,7 @@ def test_a_motor_and_a_crowd_refuse_a_swaying_plate():
     scene = templates.load("table-motor", "scenes", Scene).variant(**swayed)
     with pytest.raises(InputError, match=r"plate.horizontal_ratio = \[0, 0.1\]: the plate under a motor is still"):
         prepare(scene, coinbot, solids.mass_of(coinbot))
-    with pytest.raises(InputError, match=r"plate.horizontal_ratio = \[0, 0.1\]: a crowd's plate"):
+    with pytest.raises(InputError, match=r"plate.horizontal_ratio = \[0, 0.1\]: a crowd needs a plate"):
         crowds.plane_scene(PLANE.variant(**swayed))
 
 

@@ -109,7 +109,7 @@ def test_one_disc_is_anywhere_within_its_dish_with_equal_probability():
     [
         (1, "disc:20", ("arena_mm", "29.")),
         (1, "periodic:25", ("arena_mm", "29.")),
-        (1, "ring:60,50", ("room", "(arena)")),
+        (1, "ring:60,50", ("not fit", "(arena)")),
         (30, "disc:100", ("crowd.packing = 0.86", "at most", "packing)")),
         (100, "disc:100", ("crowd.packing = 2.85", "(count, packing)")),
     ],

@@ -283,7 +283,7 @@ def test_there_is_no_figure_where_nothing_can_be_compared(home, tilts):
     made = make.make_sweep(SHELL, points, home / "one", Store(home / "points"), None, silent)
     assert len(made.table) == len(tilts.split(","))
     assert not (home / "one" / "sweep.png").exists()
-    with pytest.raises(InputError, match="there is no figure"):
+    with pytest.raises(InputError, match="the report has no figure"):
         made.plot()
 
 

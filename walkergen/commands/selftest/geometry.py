@@ -157,7 +157,7 @@ def _check_flush_leg() -> Iterator[Check]:
         yield from _check_sound(_design({"length_mm": flush}, kind=kind, foot=foot, tilt_deg=0.0))
         short = {"length_mm": math.nextafter(flush, 0.0)}
         legs: dict[str, Any] = {"kind": kind, "foot": foot, "tilt_deg": 0.0}
-        yield _check_refused_design(f"{_name(design)}: an ulp beyond", "leaves the body", short, **legs)
+        yield _check_refused_design(f"{_name(design)}: an ulp beyond", "extends beyond the body", short, **legs)
 
 
 def _check_edge_anchor() -> Iterator[Check]:
@@ -169,23 +169,23 @@ def _check_edge_anchor() -> Iterator[Check]:
         edge = 2.0 * (max(abs(limb.anchor[0]) for limb in design.limbs) + half_width)
         yield from _check_sound(_design({"length_mm": edge}, **legs))
         short = {"length_mm": math.nextafter(edge, 0.0)}
-        yield _check_refused_design(f"{_name(design)}: an ulp beyond", "leaves the body", short, **legs)
+        yield _check_refused_design(f"{_name(design)}: an ulp beyond", "extends beyond the body", short, **legs)
         legs["tilt_deg"] = tilt + math.copysign(1e-9, tilt)
         what = f"{_name(design)}: 1e-9 deg beyond"
-        yield _check_refused_design(what, "leaves the body", {"length_mm": edge}, **legs)
+        yield _check_refused_design(what, "extends beyond the body", {"length_mm": edge}, **legs)
 
 
 def _check_refusals() -> Iterator[Check]:
     """Check refusals of parts that touch or vanish, also exactly at the limit, without volume."""
     yield _check_refused_design(
-        "feet as far apart as they are wide", "run into each other", tilt_deg=0.0, contact_spacing_mm=0.4
+        "feet as far apart as they are wide", "the legs overlap", tilt_deg=0.0, contact_spacing_mm=0.4
     )
     yield _check_refused_design(
-        "round feet on a leg of no side", "no side left", foot="round", tilt_deg=0.0, length_mm=0.2
+        "round feet on a leg of no side", "too short for its thickness", foot="round", tilt_deg=0.0, length_mm=0.2
     )
     yield _check_refused_design(
         "a brace wider than its foot",
-        "thicker than the foot",
+        "thicker than its foot",
         kind="braced",
         foot="round",
         tilt_deg=0.0,
@@ -198,7 +198,7 @@ def _check_refusals() -> Iterator[Check]:
         tilt_deg=30.0,
         contact_spacing_mm=4.5,
     )
-    yield _check_refused_design("legs flat on the body", "leaves the body", tilt_deg=85.0)
+    yield _check_refused_design("legs flat on the body", "extends beyond the body", tilt_deg=85.0)
 
 
 def _scale_design(design: Design, scale: float) -> Design:

@@ -173,7 +173,7 @@ def read_profile(path: Path) -> dict[str, Any]:
             "File > Export > Export Config",
             "printer",
         )
-    data: dict[str, Any] = {"description": f"as {safe_text.shorten_line(path.name)[:60]}, a slicer's profile, says"}
+    data: dict[str, Any] = {"description": f"as {safe_text.shorten_line(path.name)[:60]}, a slicer's profile, states"}
     data |= _parse_bed(path, values["bed_shape"])
     data |= {
         key: number for key, name in NUMBER_KEYS.items() if (number := _parse_number(values.get(name, ""))) is not None

@@ -107,7 +107,13 @@ class Prediction(NamedTuple):
     """Remark on the speed."""
 
     def columns(self) -> dict[str, Any]:
-        """Return all numbers by the columns of a table, with units in their names."""
+        """Return all numbers by the columns of a table, with units in their names.
+
+        Returns
+        -------
+        dict
+            Values by the columns of family.csv and of the JSON.
+        """
         found: dict[str, Any] = {}
         for name, value in self._asdict().items():
             found |= value.row(*BOUND_LEVELS[name]) if isinstance(value, Quantity) else {name: value}
