@@ -200,7 +200,10 @@ def _check_range(field: str, value: float) -> float:
 
 
 def _length_unit(path: Path, source: Source, units: Units, given: _Given) -> tuple[float, str]:
-    """Return the unit of positions, mm, and a note on it. Raises InputError if the unit is unknown."""
+    """Return the length in mm of one unit of the positions, and a note on its source.
+
+    Raises InputError if the unit is unknown.
+    """
     named, across = source.named["x"], source.named.get("y")
     if across is not None and {named.unit, across.unit} - {""} and named.unit != across.unit and not units.lane:
         raise InputError(f"{path}: {named.name} and {across.name} are of different units; give both one")

@@ -88,7 +88,7 @@ class PageFiles(NamedTuple):
     """Walker's file that the server was started with."""
 
     def walkers(self) -> list[str]:
-        """Names of the walkers that a page may start from, the server's own first."""
+        """Return the names of the walkers that a page may start from, the server's own first."""
         return ([self.own] if self.own else []) + templates.names("walkers")
 
 

@@ -83,8 +83,8 @@ def serve(asked: Document, anew: bool, folder: Path, host: str, port: int, brows
     print("Ctrl-C ends it" if not away else "for one device, once; Ctrl-C stops it", flush=True)
     if browser and not away:
         threading.Timer(0.3, webbrowser.open, [address]).start()
-    with contextlib.suppress(KeyboardInterrupt):  # the way to end it
-        from walkergen.app import server  # takes as long as a browser takes to start
+    with contextlib.suppress(KeyboardInterrupt):  # Ctrl-C ends the server
+        from walkergen.app import server  # this import takes as long as the browser takes to start
 
         config = uvicorn.Config(
             server.application(served),
@@ -113,7 +113,7 @@ def _bracket_ipv6(host: str) -> str:
 
 
 def _is_remote(host: str) -> bool:
-    """Return whether other machines can reach a host. Raises InputError for one that pages cannot open."""
+    """Return whether other machines can reach a host. Raises InputError for a host that pages cannot open."""
     if host in LOOPBACK:
         return False
     try:
@@ -131,8 +131,8 @@ def _is_remote(host: str) -> bool:
 def _open_socket(host: str, port: int) -> socket.socket:
     """Open a socket that listens at an address. Raises InputError."""
     listening = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET)
-    # Where others may take a port that is in use, Windows, it must be refused; elsewhere one that
-    # was in use a moment ago is free
+    # Windows lets two programs share a port, unless SO_EXCLUSIVEADDRUSE forbids it. Elsewhere SO_REUSEADDR allows a
+    # port whose last connections are still closing
     alone = getattr(socket, "SO_EXCLUSIVEADDRUSE", None)
     try:
         listening.setsockopt(socket.SOL_SOCKET, alone or socket.SO_REUSEADDR, 1)

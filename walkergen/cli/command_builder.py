@@ -166,7 +166,7 @@ def _run_request(name: str, asked: "Request", json: bool, quiet: bool) -> None:
     if not asked.reports:
         asked.run(silent)
         streams.exit_now(0)  # work for a page may take long, and the page is closed
-    with console.progress(name, wanted=not quiet, hear=asked.register_time_callback) as progress:
+    with console.progress(name, wanted=not quiet, on_expected=asked.register_time_callback) as progress:
         report = asked.run(progress)
     assert report is not None
     console.notes([] if quiet else asked.notes)

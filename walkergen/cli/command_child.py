@@ -44,10 +44,10 @@ def _make_lines(tell: Progress) -> Callable[[str], Any]:
     """Return the replacement for the lines of progress on a terminal: it reports to `tell`."""
 
     @contextmanager
-    def lines(title: str) -> Iterator[Progress]:
+    def forward_progress(title: str) -> Iterator[Progress]:
         yield tell
 
-    return lines
+    return forward_progress
 
 
 if __name__ == "__main__":

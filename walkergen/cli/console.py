@@ -126,11 +126,12 @@ class Clock:
 
 @contextmanager
 def progress(
-    title: str, wanted: bool, hear: "Callable[[Expect], None] | None" = None
+    title: str, wanted: bool, on_expected: "Callable[[Expect], None] | None" = None
 ) -> Iterator[Callable[[str, int, int], None]]:
     """Show the progress of a job on the error stream, if `wanted`: a bar on a terminal, or lines.
 
-    The expected time is printed as soon as the job reports it: `hear` registers the callback.
+    `on_expected` is called with the clock's callback that prints the expected time. The job calls that callback as
+    soon as it can estimate its duration.
     """
     if not wanted:
         from walkergen.core import caches
@@ -139,8 +140,8 @@ def progress(
             yield lambda what, done, total: None
     else:
         clock = Clock(title)
-        if hear is not None:
-            hear(clock.print_expected)
+        if on_expected is not None:
+            on_expected(clock.print_expected)
         with _bar_progress(clock) if sys.stderr.isatty() else line_progress(clock) as update:
             yield update
 
@@ -151,7 +152,7 @@ def line_progress(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
     ended = threading.Event()
     state: list[tuple[str, int, int]] = []
 
-    def tell() -> None:
+    def print_lines() -> None:
         pause = FIRST_LINE_S
         while not ended.wait(pause):
             if state:
@@ -171,7 +172,7 @@ def line_progress(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
         state[:] = [(what, done, total)]
         clock.record(done, total)
 
-    thread = threading.Thread(target=tell, daemon=True)
+    thread = threading.Thread(target=print_lines, daemon=True)
     thread.start()
     try:
         yield update
@@ -199,7 +200,7 @@ def _bar_progress(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
 
 
 def _start_bar(clock: Clock, stack: ExitStack) -> Callable[[str, int, int], None]:
-    """Draw a bar until a stack ends."""
+    """Draw a bar until a stack ends; return the function that updates it."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 

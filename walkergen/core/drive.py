@@ -139,7 +139,7 @@ class Drive(Section):
         return self
 
     def push_ratio(self, mass: float) -> float:
-        """Largest push of a motor over the weight of a walker of this mass, g."""
+        """Return the motor's largest push divided by the weight of a walker of this mass, g."""
         return self.eccentric * self.omega**2 / (mass * GRAVITY)
 
     @property

@@ -46,7 +46,10 @@ def columns(number_of: Callable[[Any], Quantity]) -> tuple[Column, Column, Colum
 
 
 def mark_reasons(numbers: Iterable[Quantity]) -> tuple[list[Quantity], dict[str, str]]:
-    """Replace reasons that several quantities share by marks; return the quantities, and the reasons by marks."""
+    """Replace each reason shared by several quantities with a mark, as (a).
+
+    Returns the quantities, and the reasons by mark.
+    """
     listed = list(numbers)
     shared = [reason for reason, count in Counter(number.refused for number in listed).items() if reason and count > 1]
     marks = {reason: f"({letter})" for reason, letter in zip(shared, "abcdefgh", strict=False)}

@@ -73,7 +73,7 @@ class Simplest(NamedTuple):
 
     @property
     def facts(self) -> dict[str, Any]:
-        """The same for JSON; empty if nothing was tried."""
+        """Effects that were left out and kept, under their keys in the JSON output; empty if nothing was tried."""
         if self.accepted is None:
             return {}
         listed = {

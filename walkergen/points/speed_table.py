@@ -79,7 +79,7 @@ def tables(name: str, design: str, walkers: Sequence[Member], why: bool = True) 
     return [speeds, Table("weighed", [members.row(member) for member in walkers], (), MASS_COLUMNS, "Weighed")]
 
 
-def lines(walkers: Sequence[Member], why: bool = True) -> list[str]:
+def note_lines(walkers: Sequence[Member], why: bool = True) -> list[str]:
     """Return the table's numbered notes if `why`, then lines on standing walkers and on weighed masses."""
     notes = [f"[{number}] {note}" for number, note in enumerate(_notes(walkers), start=1)] if why else []
     standing = _standing(walkers)

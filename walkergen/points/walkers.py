@@ -91,7 +91,7 @@ class ErrorResult(NamedTuple):
 
     @property
     def facts(self) -> dict[str, Any]:
-        """The same for JSON."""
+        """The chosen settings and the error obtained, under their keys in the JSON output."""
         return {
             "runs": self.results.summary.runs,
             "seconds": self.results.walker.scene.run.seconds,

@@ -87,7 +87,7 @@ def init_worker() -> None:
 
 @contextmanager
 def dask_pool(address: str) -> Iterator[WorkerPool]:
-    """Workers of an existing cluster of dask.distributed, by the address of its scheduler.
+    """Connect to an existing cluster of dask.distributed at the address of its scheduler, and yield its workers.
 
     Raises InputError when dask is not installed, the scheduler is not reached, there is no worker,
     or a worker has another version of walkergen, or none.

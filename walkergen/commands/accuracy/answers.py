@@ -1,4 +1,4 @@
-"""Advice on what to run to meet an error: immediate from the shipped cells, or measured within a time budget."""
+"""Advice on what to run to meet an error: immediate from stored measurements, or measured within a time budget."""
 
 import math
 import os
@@ -42,7 +42,7 @@ AnswerAndChoice = tuple[Answer, Choice | None]
 
 
 def answer_from_cells(estimate: Estimate, title: str, accepted: float | None) -> Answers:
-    """Return answers for all ERROR_LEVELS from the shipped cells. The answer within an `accepted` error is marked."""
+    """Return answers for all ERROR_LEVELS from the stored cells. The answer within an `accepted` error is marked."""
     candidates = estimate.candidates(machine_speed.cpu_per_s())
     found = [find_in_cells(estimate, candidates, wanted) for wanted in ERROR_LEVELS]
     rows, unmet = mark_accepted([answer for answer, _ in found], accepted)
@@ -54,7 +54,7 @@ def answer_from_cells(estimate: Estimate, title: str, accepted: float | None) ->
 
 
 def find_in_cells(estimate: Estimate, candidates: Sequence[Candidate], wanted: Tolerance) -> AnswerAndChoice:
-    """Return the answer for one error from the shipped cells."""
+    """Return the answer for one error from the stored cells."""
     choice = choose(candidates, wanted.value)
     if choice is None:
         least = formatting.format_number(100.0 * candidates[-1].bias / MAX_BIAS_SHARE, 2)
@@ -96,7 +96,7 @@ def describe(estimate: Estimate) -> list[str]:
 
 
 def answer_from_survey(survey: Survey, title: str, progress: Progress) -> Answers:
-    """Return the answers of a survey of all steps. Answers beyond the budget come from the shipped cells."""
+    """Return the answers of a survey of all steps. Answers beyond the budget come from the stored cells."""
     reference = survey.measure_reference(progress)
     measured = survey.measure(survey.steps, progress)
     candidates = [survey.to_candidate(one) for one in measured]

@@ -1,4 +1,6 @@
-"""Estimates of a walker's speed, scatter and cost from the shipped cells, before any simulation.
+"""Estimates of a walker's speed, scatter and cost from cells, before any simulation.
+
+A cell is a stored measurement of the paper's walker at one tilt and restitution, part of the package (`cells`).
 
 For the paper's walker on its plate at a measured tilt and restitution, the values are those of the cell. For any other
 walker they are scaled. The scaling interpolates between cells and uses the plate's speed and frequency, the walker's

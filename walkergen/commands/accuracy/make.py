@@ -24,7 +24,7 @@ LADDERS: Sequence[Callable[[Survey, Progress], Ladder]] = (step_ladder.measure_s
 def study(design: Design, scene: Scene, budget_s: float | None, folder: Path, progress: Progress) -> Report:
     """Recommend what to run for each error, and measure the ladders of steps within a budget, if any.
 
-    Without a budget the answers come from the shipped cells and this machine's speed, otherwise from the ladders.
+    Without a budget the answers come from the stored cells and this machine's speed, otherwise from the ladders.
     accuracy.csv and accuracy.md are updated after each ladder, so Ctrl-C keeps finished ladders.
     If the budget is too short, the smallest possible budget is used, and the report states it.
     Raises InputError if the scene contradicts itself or the walker, or if there is no mean speed to study.

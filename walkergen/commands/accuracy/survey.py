@@ -92,7 +92,7 @@ class Survey:
     """Measurements of steps for one walker in one scene, each made once and kept."""
 
     def __init__(self, scene: Scene, design: Design, mass: MassProperties, budget_s: float) -> None:
-        """Survey with nothing measured; `budget_s`: wall time of all simulations, s."""
+        """Start a survey with nothing measured; `budget_s` is the wall time of all simulations, s."""
         self.scene, self.design, self.mass = scene, design, mass
         self.budget_s, self.simulated_s = budget_s, 0.0
         self.too_short = False

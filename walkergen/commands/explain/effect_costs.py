@@ -110,7 +110,7 @@ def _measure_variants(
 
 
 def _budget_progress(progress: Progress) -> Progress:
-    """Progress in seconds of the budget, from the first runs on."""
+    """Return a function that reports progress in seconds of the budget, from the first runs on."""
     started: list[float] = []
 
     def tell(what: str, done: int, total: int) -> None:
@@ -171,7 +171,7 @@ def _format_advice(change: Change, level: float) -> str:
 
 
 def table(measured: EffectChanges) -> Table:
-    """Table of all changes, the largest first."""
+    """Return the table of all changes, the largest first."""
     title = f"Change by each effect: {measured.pairs} runs of each, compared with {format_change(measured.speed)} mm/s"
     note = "CPU time: over that of the scene; ± is one standard error"
     rows = [

@@ -85,7 +85,7 @@ def linear_springs(plan: Plan) -> Array:
 
 
 def _prepare_plan(design: Design, scene: Scene, mass: MassProperties) -> Plan:
-    """Plan of a walker in space without twist. Raises InputError."""
+    """Prepare the plan of a walker in space without leg twist. Raises InputError."""
     effects = scene.effects.force("leg_twist", False)
     plan = prepare(scene.model_copy(update={"effects": effects}), design, mass)
     resolved = plan.resolved
@@ -101,7 +101,7 @@ def _prepare_plan(design: Design, scene: Scene, mass: MassProperties) -> Plan:
 
 
 def _meshes(design: Design, mass: MassProperties, walker: Walker, built: solids.Solids) -> Iterator[tuple[str, Mesh]]:
-    """Meshes by name: the body's from C, those of free legs from their anchors, others from C."""
+    """Yield meshes by name: free legs with their anchor as origin, the body and other legs with C."""
     O, half = walker.centre, 0.5 * design.size.depth  # noqa: E741  (the paper's name)
     middle = np.array([*to_centre_frame(design.limbs, mass, np.zeros(2)), -half]) + O
     yield "body", _to_mujoco_frame(built._replace(walker=built.body).seen, middle)
@@ -117,7 +117,7 @@ def _to_mujoco_frame(mesh: Mesh, offset: Array) -> Mesh:
 
 
 def _format_model(name: str, plan: Plan) -> str:
-    """MJCF of a walker, let go an amplitude over the plate, which is at its highest."""
+    """Return the MJCF of a walker that starts one amplitude above the plate, with the plate at its highest."""
     scene, design, mass, walker = plan.scene, plan.case.design, plan.case.mass, plan.world.walker
     drive, called = scene.drive, names.leg_names(design)
     period = 2.0 * math.pi / drive.omega
@@ -180,12 +180,12 @@ def _leg_body(number: int, called: str, mass: MassProperties, walker: Walker, pl
 
 
 def _contact_offsets(walker: Walker) -> Array:
-    """Vectors from the anchors of contacts to the contacts, shape (k, 3), mm."""
+    """Return the vectors from the anchors of contacts to the contacts, shape (k, 3), mm."""
     return np.column_stack([walker.reach, walker.side])
 
 
 def _corner_geoms(walker: Walker, leg: int) -> str:
-    """Spheres of the points of contact on a leg, or on the body (-1)."""
+    """Return the spheres, as MJCF, of the points of contact on a leg, or on the body (-1)."""
     spheres = []
     for k in np.flatnonzero(walker.leg == leg):
         on_body = walker.root[k] if leg < 0 else 0.0
@@ -220,7 +220,10 @@ def _plate_body(drive: Drive, walker: Walker, height: float) -> str:
 
 
 def _contact_pairs(mass: MassProperties, walker: Walker, free: Sequence[int], springs: Array) -> str:
-    """Contacts of corners with the plate, and of the body's points with both walls, or with a lid, of these springs."""
+    """Return the contact pairs, as MJCF: corners with the plate, and the body's points with both walls or with a lid.
+
+    `springs` holds the stiffness of the contacts, shape (k,), g/s^2.
+    """
     H, inverse = mobility(walker), _inverse_masses(mass, walker, free)
     pairs = ""
     for k, friction in enumerate(walker.friction):

@@ -40,7 +40,7 @@ def drawing_outlines(design: Design) -> list[Polygon]:
 
 
 def side_profile(design: Design) -> list[Polygon]:
-    """Profile of body and legs, in the design's frame, mm: outer contour first, then windows.
+    """Return the profile of body and legs, in the design's frame, mm: outer contour first, then windows.
 
     Raises SolidError when it is not one piece.
     """

@@ -68,7 +68,7 @@ def make_report(
         caption=speed_table.caption(design, scene, mode),
         tables=tables,
         facts=facts,
-        lines=speed_table.lines(walkers),
+        lines=speed_table.note_lines(walkers),
         folder=folder,
         members=walkers,
         figures={} if shown is None else {"speed": _figure(design, scene, walkers, shown)},

@@ -88,7 +88,7 @@ def make_report(
         tables=tables,
         facts={"rows": rows},
         caption="\n".join(said),
-        lines=speed_table.lines(walkers, noted),
+        lines=speed_table.note_lines(walkers, noted),
         scene=scene,
         members=walkers,
     )

@@ -176,7 +176,7 @@ def _check_edge_anchor() -> Iterator[Check]:
 
 
 def _check_refusals() -> Iterator[Check]:
-    """Check refusals of parts that touch or vanish, also exactly at the limit, without volume."""
+    """Check that a design is refused if its parts cross, vanish, or only touch without a common volume."""
     yield _check_refused_design(
         "feet as far apart as they are wide", "the legs overlap", tilt_deg=0.0, contact_spacing_mm=0.4
     )

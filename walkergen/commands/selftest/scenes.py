@@ -74,7 +74,10 @@ def paper_plan(tilt_deg: float = 10.0, leg_mass: float | None = None, **tables: 
 
 
 def scaled_paper_plan(scale: float, run: Mapping[str, float] | None = None, **tables: Any) -> Plan:
-    """Plan of the paper's walker at 1.8 g, lengths x s, times x sqrt(s); Young's moduli x s keep springs similar."""
+    """Return the plan of the paper's walker at 1.8 g, with lengths x s and times x sqrt(s).
+
+    Young's moduli x s keep the springs similar; s is `scale`.
+    """
     one = paper_design(10.0)
     lengths = {
         name: {k: v * scale if k.endswith("_mm") else v for k, v in section.items()}

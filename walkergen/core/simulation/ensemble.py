@@ -56,7 +56,7 @@ class Summary(NamedTuple):
 
     @property
     def facts(self) -> dict[str, Any]:
-        """All of it by the keys of JSON."""
+        """The results, under their keys in the JSON output."""
         table, numbers = functools.partial(observables.table_values, self.numbers), self.numbers
         return {
             "runs": self.runs,

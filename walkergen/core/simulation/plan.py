@@ -38,12 +38,12 @@ class Plan(NamedTuple):
 
     @property
     def scene(self) -> Scene:
-        """The scene."""
+        """Scene of the runs: drive, plate, contact and settings."""
         return self.case.scene
 
     @property
     def shaken(self) -> PlateDrive:
-        """Drive of the plate, or of one that would move under the walker as its motor moves it."""
+        """Drive of the plate. For a walker with a motor: the drive of a plate that would move it in the same way."""
         return self.case.shaken
 
     def with_run_settings(self, **run: float) -> "Plan":

@@ -140,7 +140,7 @@ class Body(Section):
         return self.sourced and self.outline != "polygon" and self.legs_below_mm is None
 
     def with_keys(self, **keys: Any) -> "Body":
-        """Body with other values of keys; a wished length takes the place of a scale."""
+        """Return the body with other values of keys; a given length_mm replaces a scale."""
         table = self.model_dump(exclude_unset=True) | keys
         for key in {"scale_mm", "depth_mm"} if "length_mm" in keys else ():
             table.pop(key, None)

@@ -66,7 +66,7 @@ def draw_functions(statistics: CrowdStatistics, title: str) -> Mapping[str, Call
 
 
 def _is_drawable(curve: Curve) -> bool:
-    """Whether a curve has points above 0 enough to be drawn, on a logarithmic axis as well."""
+    """Return whether a curve has enough points above 0 to be drawn, also on a logarithmic axis."""
     return int((curve.value > 0).sum()) > 1
 
 

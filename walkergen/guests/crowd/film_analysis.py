@@ -85,7 +85,7 @@ def analyse(
 
 
 def _read_film(path: Path, units: Units, crowd: FilmedCrowd) -> CrowdFilm:
-    """Film of a file of tracks, about the middle of the dish."""
+    """Read a file of tracks as a film whose origin is the middle of the dish."""
     read = track_files.read_tracks(path, units)
     if read.lane:
         raise InputError(f"‹dish›: {path} has walkers in a lane. A crowd needs a plane.")

@@ -73,7 +73,7 @@ class InSpace(NamedTuple):
         return simulate_run
 
     def film(self, run: CrowdRun) -> CrowdFilm:
-        """Film of a run, seen from above."""
+        """Return the film of a run, seen from above."""
         return populations.make_film(self.population, run.times, run.poses)
 
     def quantities(self, records: Sequence[CrowdRun]) -> list[Quantity]:

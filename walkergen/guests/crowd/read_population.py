@@ -29,7 +29,7 @@ def read_population(request: CrowdRequest) -> Population:
 
 
 def _is_flat(request: CrowdRequest, sources: list[Any]) -> bool:
-    """Whether a crowd moves in a plane, from cards. Raises InputError for cards next to designs."""
+    """Return whether a crowd moves in a plane, from cards. Raises InputError if cards and designs are mixed."""
     cards = [is_card(source) for source in sources]
     if all(cards) and request.model != "space":
         return True
@@ -47,7 +47,7 @@ def _is_flat(request: CrowdRequest, sources: list[Any]) -> bool:
 
 
 def is_card(source: Any) -> bool:
-    """Whether a source is a card or the path of one (.json)."""
+    """Return whether a source is a card or the path of one (.json)."""
     return isinstance(source, card.Card) or (isinstance(source, (str, Path)) and str(source).lower().endswith(".json"))
 
 

@@ -70,7 +70,7 @@ def _draw_single(columns: Columns, scales: Sequence[Scale], ranked: Sequence[Sca
 
 
 def _has_lines(scales: Sequence[Scale]) -> bool:
-    """Whether one or two keys are drawn as lines: a map needs many values of both."""
+    """Return whether one or two keys are drawn as lines; a map needs many values of both keys."""
     return len(scales) == 1 or min(len(scale.values) for scale in scales) <= MAX_LINES
 
 

@@ -58,9 +58,9 @@ class SweepReport(Report):
 def make_report(
     sweep: SweepPoints, points: Points, warnings: Sequence[str] = (), wish: float | None = None
 ) -> SweepReport:
-    """Report of points; without kept rows its table is empty, and there is no figure.
+    """Make the report of points; without kept rows its table is empty, and there is no figure.
 
-    The warnings are those on an earlier table in the folder. With a desired speed the nearest points come first.
+    The warnings concern an earlier table in the folder. With a desired speed, `wish`, the nearest points come first.
     """
     keys, title = sweep.space.keys, sweep.title
     rows = Table("table", points.rows, (*keys, *points.names), title=title)
@@ -99,9 +99,9 @@ def _count_lines(points: Points) -> list[str]:
 def _draw_functions(
     rows: Table, keys: Sequence[str], pictures: Sequence[Picture]
 ) -> "Mapping[str, Callable[[], Figure]]":
-    """Return functions that draw each number over the keys: lines, a map or clouds.
+    """Return a function for each number of the points that draws it against the keys: lines, a map or clouds.
 
-    Empty if no key has two values, or no point has the number, because there is nothing to compare.
+    Empty if no key has two values, because there is nothing to compare. Numbers that no point has are left out.
     """
     columns = dict(zip(rows.keys, zip(*rows.rows, strict=True), strict=False))
     if not any(len(set(map(str, columns.get(key, ())))) > 1 for key in keys):
@@ -114,7 +114,7 @@ def _draw_functions(
 
 
 def _draw_picture(rows: Table, keys: Sequence[str], picture: Picture) -> "Figure":
-    """Draw a number over the keys."""
+    """Draw one number of the points, with its bounds if known, against the keys that vary."""
     from walkergen.guests.sweep import figures
     from walkergen.guests.sweep.panels import Columns
 

@@ -91,7 +91,7 @@ def find_changed_lines(path: Path) -> list[int]:
 
 
 def _is_sound(line: str) -> bool:
-    """Whether a line has the check sum of its cells, or was cut short where nothing else is."""
+    """Return whether a line ends with the checksum of its cells. A line without an end must be printable only."""
     text = line.removesuffix("\n")
     if text == line:
         return text.isprintable()

@@ -36,7 +36,7 @@ INVISIBLE = Paint(False, False)
 
 
 def from_style(style: Mapping[str, str], key: str, targets: Targets) -> Paint:
-    """Paint of the property fill or stroke of a shape, by its inherited style."""
+    """Return the paint of a shape's property, fill or stroke, from its inherited style."""
     text = style.get(key, BLACK if key == "fill" else "none").strip()
     if is_zero(style.get(f"{key}-opacity")):
         return INVISIBLE

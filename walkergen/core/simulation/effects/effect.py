@@ -20,7 +20,7 @@ class Case(NamedTuple):
 
     @property
     def shaken(self) -> Drive:
-        """Drive of the plate, or of one that would move under the walker as its motor moves it."""
+        """Drive of the plate. For a walker with a motor: the drive of a plate that would move it in the same way."""
         return self.scene.drive.equivalent_plate_drive(float(self.mass.total))
 
 

@@ -90,9 +90,9 @@ def _resist(near, i, h, held):
 
 @lean
 def _touch(near, i, h, share):
-    """Set the same for contact i, which touches within the step and is closed for its last `share`.
+    """Set stiffness and resistances of contact i, which touches within the step and is closed for its last `share`.
 
-    Its springs are relaxed at touch. Its force is the mean over the whole step.
+    The contact's springs are relaxed at touch. Its force is the mean over the whole step.
     """
     near[i].share, near[i].strain = share, 0.0
     _linearise(near, i, h, _depth_in_middle(near, i, h))
@@ -104,7 +104,7 @@ def _touch(near, i, h, share):
 def _closed_share(near, i, u, h):
     """Compute the share of a step of h seconds, up to its end, with contact i closed; 0 if it stays open.
 
-    It is open at its start and moves at the mean normal velocity u (mm/s) until it touches.
+    The contact is open at the step's start and moves at the mean normal velocity u (mm/s) until it touches.
     """
     gap = near[i].gap[0]
     end = gap + h * u
@@ -113,10 +113,10 @@ def _closed_share(near, i, u, h):
 
 @lean
 def guess(state, near, H, m, h, first):
-    """Set first guesses of the modes of m near contacts; returns how many are closed.
+    """Set first guesses of the modes of m near contacts in a step of h seconds; return how many are closed.
 
-    Their velocities in the middle of the step are those expected by the forces of the last one.
-    `first` is the state's first row.
+    The contacts' velocities in the middle of the step are those that the forces of the previous step would give. H is
+    the inverse mass at the contacts, 1/g, and `first` the index of the first contact's row in the state.
     """
     closed = 0
     for i in range(m):
@@ -130,7 +130,7 @@ def guess(state, near, H, m, h, first):
 
 @lean
 def _guess_mode(state, near, H, i, h, at):
-    """Guess the mode of contact i, whose row in the state is at `at`."""
+    """Guess the mode of contact i in a step of h seconds; the contact's row in the state starts at `at`."""
     gap = near[i].gap[0]
     if gap > 0.0:
         share = 0.0
@@ -158,10 +158,10 @@ def _guess_mode(state, near, H, i, h, at):
 
 @lean
 def aim(near, i, u_1, u_2, press, h):
-    """Point contact i along its stretch in the middle of its share of the step, and at its end.
+    """Set the sliding directions of contact i in the middle of its share of the step, and at the step's end.
 
-    It slips by (u_1, u_2), mm/s, under the normal force `press`. Returns how far the direction in
-    the middle has changed.
+    The contact slips by (u_1, u_2), mm/s, under the normal force `press`, g mm/s^2, in a step of h seconds. Returns
+    how far the direction in the middle has changed, rad.
     """
     share = near[i].share
     radius = near[i].friction * press / (share * near[i].k_t)
@@ -185,7 +185,7 @@ def _jams(near, H, i, h):
 
 @lean
 def _assemble(near, H, A, m, h):
-    """Fill the equations of the forces for the modes tried; returns their number."""
+    """Fill A with the equations of the forces of m near contacts in the modes tried; return their number."""
     count = 0
     for i in range(m):
         near[i].unknown = count

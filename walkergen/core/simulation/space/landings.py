@@ -43,7 +43,7 @@ def _begin_landing(state, at, t, u_n, u_a, u_c):
 
 @lean
 def end_landing(state, at, k, on_plate, tally):
-    """Count the landing of contact k that has ended; `at` is the place of its row in the state.
+    """Count the landing of contact k that has ended; `at` is the index of the contact's row in the state.
 
     Impulses are added up for landings `on_plate`, not for touches of walls or of a lid.
     """
@@ -60,9 +60,9 @@ def end_landing(state, at, k, on_plate, tally):
 
 @lean
 def settle(state, near, i, at, t, h, sums):
-    """Move the springs of near contact i over a step of h seconds that ends at t, and book it.
+    """Move the springs of near contact i over a step of h seconds that ends at t (s); return whether a landing ended.
 
-    Its row in the state starts at `at`. Returns True when a landing has ended.
+    The energy that its damper and its slider take is added to `sums`. The contact's row in the state starts at `at`.
     """
     gap, u_n = near[i].gap[0], near[i].middle[0]
     before, mode = int(state[at + MODE]), near[i].tried
@@ -97,7 +97,10 @@ def settle(state, near, i, at, t, h, sums):
 
 @lean
 def _rub(near, i, h):
-    """Move the tangential springs of a contact; returns the energy that slider and changes of stiffness take."""
+    """Move the tangential springs of near contact i over a step of h seconds.
+
+    Returns the energy that the slider and changes of stiffness take, g mm^2/s^2.
+    """
     share, k_t = near[i].share, near[i].k_t
     e_1, e_2 = near[i].gap[1], near[i].gap[2]
     u_1, u_2 = near[i].middle[1], near[i].middle[2]
@@ -113,7 +116,10 @@ def _rub(near, i, h):
 
 @lean
 def _press_at_end(near, i):
-    """Return the linearized normal force of a contact at the end of a step, g mm/s^2; its gap is that at the end."""
+    """Return the linearized normal force of contact i at the end of a step, g mm/s^2.
+
+    The contact's `gap` must already be that at the end of the step.
+    """
     u = 2.0 * near[i].middle[0] - near[i].speed[0]
     force = near[i].k_n * (-near[i].gap[0] - near[i].about) + near[i].push
     return max(force - near[i].c_n * u, 0.0)

@@ -59,7 +59,7 @@ MAX_MOTOR_TURN_RAD = 0.5
 
 @lean
 def _turn_stretches(walker, state, turned):
-    """Turn tangential stretches on the plate and the lid against the heading, which turned by so many rad."""
+    """Turn tangential stretches on the plate and the lid against the heading, which turned by `turned` rad."""
     c, s, row = math.cos(turned), math.sin(turned), first_row(walker)
     for k in range(len(walker.leg)):
         at = row + ROW_LENGTH * k
@@ -70,7 +70,7 @@ def _turn_stretches(walker, state, turned):
 
 @lean
 def _gather(walker, state, work, t):
-    """List contacts that are closed or may close within t seconds: their number."""
+    """List in `work.near` the contacts that are closed or may close within t seconds; return their number."""
     m, first = 0, first_row(walker)
     for k in range(len(walker.leg)):
         at = first + ROW_LENGTH * k
@@ -84,9 +84,13 @@ def _gather(walker, state, work, t):
 
 @lean
 def _swing_freely(state, near, J, work, swing, springs, dampers, m, h):
-    """Fill the legs' accelerations and the mid-step velocities of m contacts without contact, for a step of h seconds.
+    """Compute the motion of legs and of m near contacts without contact forces, for a step of h seconds.
 
-    Those with contact become the ones expected by the forces of the step before.
+    Fills the legs' accelerations, `work.pull`, and the contacts' velocities in the middle of the step, `free`. The
+    velocities with contact forces, `middle`, become those that the forces of the previous step would give.
+
+    Arguments: J, Jacobian of the near contacts, three rows each; `swing`, inverse inertia of the legs' coordinates in
+    a step, shape (n, n); `springs` and `dampers`, stiffness and damping of these coordinates, shape (n,).
     """
     n, pull, left = len(springs), work.pull, work.left
     for i in range(n):
@@ -108,7 +112,12 @@ def _swing_freely(state, near, J, work, swing, springs, dampers, m, h):
 
 @lean
 def _move_legs(state, near, ML, pull, dampers, m, h):
-    """Move the legs over a step by springs and contacts; returns the energy of their dampers."""
+    """Move the legs over a step of h seconds; return the energy that their dampers take, g mm^2/s^2.
+
+    Arguments: `near`, of which the first m contacts are in use; ML, response of the legs' coordinates to contact
+    forces, three rows a contact; `pull`, accelerations of the coordinates without contact forces, to which those from
+    the contacts are added, shape (n,); `dampers`, damping of the coordinates, shape (n,).
+    """
     n, damped = len(dampers), 0.0
     for i in range(m):
         if near[i].tried != OPEN:
@@ -126,7 +135,14 @@ def _move_legs(state, near, ML, pull, dampers, m, h):
 
 @lean
 def _move_contacts(state, near, m, first, upward, t, h, lifted, tally):
-    """Move springs and velocities of m near contacts over a step of h seconds that ends at t."""
+    """Advance springs, velocities and impulses of m near contacts over a step of h seconds that ends at t (s).
+
+    Arguments: `first`, index of the first contact's row in the state; `upward`, upward component of each contact's
+    directions (normal, along, across), shape (k, 3); `lifted`, upward velocity of the plate in the middle of the step,
+    mm/s; `tally`, to which the plate's work, energy losses and landings are added. A contact's `share` is the part of
+    the step, up to its end, with contact. Its `carried` is the time integral of its impulse since the frame began,
+    g mm. `settle` returns whether the contact's landing has ended.
+    """
     sums = tally.sums
     for i in range(m):
         k = near[i].number
@@ -145,9 +161,11 @@ def _move_contacts(state, near, m, first, upward, t, h, lifted, tally):
 
 @lean
 def _correct_late_touches(state, near, H, ML, n, m, h):
-    """Undo the motion by forces before their contact, for contacts that touched within a step.
+    """Undo the motion that forces caused before their contact began, for contacts that touched within the step.
 
-    Their force began later, and moved contacts and legs for a shorter time.
+    The step of h seconds has moved m near contacts and the n coordinates of the legs as if each force acted from its
+    start. The force of a late contact acted for a shorter time. H is the inverse mass at the contacts, 1/g, and ML
+    the response of the legs' coordinates to contact forces.
     """
     for i in range(m):
         late = 0.5 * h * h * (1.0 - near[i].share)
@@ -168,8 +186,9 @@ def _correct_late_touches(state, near, H, ML, n, m, h):
 def _closed_time(state, near, m, first, h):
     """Compute the time (s) within a step of h seconds with any of m near contacts closed.
 
-    A contact opens when its force, linear in time, vanishes. If it counted to the end of the last
-    step, that time may lie before this step's start.
+    A contact opens when its force, linear in time, vanishes. If the contact counted to the end of the previous
+    step, this moment may lie before the start of the present step. `first` is the index of the first contact's row in
+    the state.
     """
     begin, end = 1.0, -0.5
     for i in range(m):
@@ -191,7 +210,7 @@ def _closed_time(state, near, m, first, h):
 
 @lean
 def _take_steps(walker, state, work, m, h, count, begin, lifted, lifting, tally):
-    """Take `count` steps of h seconds from `begin` on.
+    """Take `count` steps of h seconds with m near contacts, from the time `begin` (s) on.
 
     The plate starts at the velocity `lifted` (mm/s) and accelerates by `lifting` (mm/s^2).
     """
@@ -214,7 +233,7 @@ def _take_steps(walker, state, work, m, h, count, begin, lifted, lifting, tally)
 
 @lean
 def _move_body(walker, motor, state, work, m, t, sums):
-    """Move the body over a frame of t seconds by what its contacts gave; legs have moved."""
+    """Move the body over a frame of t seconds by the impulses of its m near contacts; the legs have moved already."""
     near, MJ, R, acting, motion = work.near, work.MJ, work.R, work.acting, work.motion
     lock, n = walker.lock, len(walker.stiffness)
     for j in range(6):
@@ -239,7 +258,7 @@ def _move_body(walker, motor, state, work, m, t, sums):
 
 @lean
 def _advance_frame(world, state, work, begin, h, count, tally):
-    """Advance by a frame of `count` steps of h seconds that starts at `begin`."""
+    """Advance by a frame of `count` steps of h seconds that starts at the time `begin`, s."""
     walker, t = world.walker, count * h
     m = _gather(walker, state, work, t)
     for j in range(len(walker.stiffness)):
@@ -291,7 +310,7 @@ def _has_folded_leg(walker, state):
 
 @lean
 def advance_in(world, state, work, duration, tally):
-    """Advance as `advance` does, in a work space that is there: without allocating anything."""
+    """Advance as `advance` does, in the given work space `work`, without allocating memory."""
     walker, sums, step = world.walker, tally.sums, world.options.step
     begin, t = sums[record.ELAPSED], 0.0
     gentle = max_plate_acceleration(world) < gravity_into(world.acting)

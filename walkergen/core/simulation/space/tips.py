@@ -26,7 +26,10 @@ MAX_WAY_RADII = 20.0
 
 @lean
 def _root_of_tip_depth(spring, tip, depth):
-    """Return the root of the depth of the tip, mm^0.5, for a depth of the whole contact (mm)."""
+    """Return the square root of the tip's own depth, mm^0.5, for a depth of the whole contact (mm).
+
+    `spring` is the axial stiffness of the leg's corner, g/s^2, and `tip` the Hertz stiffness, g/(mm^0.5 s^2).
+    """
     ratio, x = tip / spring, math.sqrt(depth)
     x *= 2.0 / (2.0 + ratio * x)  # for a leg much stiffer than its tip
     while True:  # eq. 7.7, convex and increasing: after its first step Newton's method descends to the root
@@ -39,7 +42,10 @@ def _root_of_tip_depth(spring, tip, depth):
 
 @lean
 def response(spring, tip, depth):
-    """Return force (g mm/s^2), stiffness dF/dd and damping stiffness F^2 / (2 U) (g/s^2) at a depth > 0 (mm)."""
+    """Return force (g mm/s^2), stiffness dF/dd and damping stiffness F^2 / (2 U) (g/s^2) at a depth > 0 (mm).
+
+    `spring` is the axial stiffness of the leg's corner, g/s^2, and `tip` the Hertz stiffness, g/(mm^0.5 s^2).
+    """
     if tip == math.inf:
         return spring * depth, spring, spring
     x = _root_of_tip_depth(spring, tip, depth)
@@ -50,7 +56,10 @@ def response(spring, tip, depth):
 
 @lean
 def elastic_energy(spring, tip, depth):
-    """Compute the elastic energy of a contact at a depth, g mm^2/s^2; 0 for an open one."""
+    """Compute the elastic energy of a contact at a depth (mm), g mm^2/s^2; 0 for an open contact.
+
+    `spring` is the axial stiffness of the leg's corner, g/s^2, and `tip` the Hertz stiffness, g/(mm^0.5 s^2).
+    """
     if not depth > 0.0:
         return 0.0
     if tip == math.inf:
@@ -63,10 +72,12 @@ def elastic_energy(spring, tip, depth):
 
 @lean
 def stretch_directions(e_1, e_2, u_1, u_2, t, radius):
-    """Return the directions of the stretch (e_1, e_2), mm, after slip (u_1, u_2), mm/s, for t and 2 t seconds.
+    """Return the unit directions of a tangential spring's stretch after t and after 2 t seconds: four components.
 
-    A stretch inside the circle of `radius` (mm) first moves freely. Exact for constant slip and
-    radius; (0, 0) where neither slip nor stretch has a direction.
+    The stretch is (e_1, e_2), mm, at the start, and the slip (u_1, u_2), mm/s, both along the two tangents of the
+    surface. `radius` (mm) is that of the friction circle, mu f_n / k_t. Inside the circle the stretch follows the
+    slip. On the circle the slider drags the stretch along. The result is exact for constant slip and radius, and
+    (0, 0) if neither slip nor stretch has a direction.
     """
     speed = math.sqrt(u_1 * u_1 + u_2 * u_2)
     way = t * speed
@@ -97,9 +108,15 @@ def stretch_directions(e_1, e_2, u_1, u_2, t, radius):
 
 @lean
 def _direction_after_slip(a_1, a_2, side_1, side_2, along, exit, way, radius):
-    """Compute the direction of a stretch inside its circle after a slip of `way`, mm.
+    """Return the unit direction of a tangential spring's stretch after a slip that starts inside the friction circle.
 
-    `along` and `exit`: positions of the stretch and of its exit from the circle, along the slip's direction a.
+    The stretch (mm) follows the slip up to the edge of the friction circle. From there the slider drags the stretch
+    along the circle (eq. 7.10).
+
+    Arguments: (a_1, a_2), unit direction of the slip along the two tangents; (side_1, side_2), part of the initial
+    stretch across the slip, mm, which the slip does not change; `along`, part of the initial stretch along the slip,
+    mm; `exit`, value of `along` at which the stretch reaches the circle, mm; `way`, length of the slip, mm; `radius`
+    of the friction circle, mu f_n / k_t, mm.
     """
     if along + way < exit:
         x_1, x_2 = side_1 + (along + way) * a_1, side_2 + (along + way) * a_2
@@ -112,9 +129,11 @@ def _direction_after_slip(a_1, a_2, side_1, side_2, along, exit, way, radius):
 
 @lean
 def _direction_toward_slip(a_1, a_2, side_1, side_2, ahead, behind, shrunk):
-    """Return the direction of a stretch whose half angle with the slip's direction a has `shrunk`.
+    """Return the unit direction of a stretch that the slider has dragged along the friction circle (eq. 7.10).
 
-    `ahead` and `behind`: its size, and with that its part along a added or taken.
+    Arguments: (a_1, a_2), unit direction of the slip; (side_1, side_2), part of the initial stretch across the slip,
+    mm; `ahead` and `behind`, length of the initial stretch plus and minus its part along the slip, mm; `shrunk`,
+    factor by which the tangent of half the angle between stretch and slip has fallen.
     """
     behind *= shrunk * shrunk
     total = ahead + behind

@@ -112,7 +112,7 @@ def _missing_reasons(measured: Measured) -> dict[str, str]:
 
 
 def _notes(card: Card, measured: Measured) -> Iterator[str]:
-    """Whether a model without inertia is enough, how numbers were measured, and what is assumed."""
+    """Yield notes: whether a model without inertia is enough, how numbers were measured, and what is assumed."""
     if card.overdamped is not None:
         yield overdamped.format_verdict(card.overdamped)
         yield overdamped.SOURCES

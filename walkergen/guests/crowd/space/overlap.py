@@ -105,7 +105,7 @@ def _remove_walker(cells, bounds, i, x, y):
 
 @lean
 def _is_inside(outlines, kind, x, y):
-    """Whether a point lies inside a kind's outline."""
+    """Return whether the point (x, y), mm, lies inside the outline of a `kind` of walker."""
     odd = False
     for e in range(outlines.first[kind], outlines.first[kind + 1]):
         a_x, a_y = outlines.edges[e, 0], outlines.edges[e, 1]
@@ -117,7 +117,7 @@ def _is_inside(outlines, kind, x, y):
 
 @lean
 def _has_intersection(edge, p_x, p_y, q_x, q_y):
-    """Whether an edge and the segment from p to q have a point in common."""
+    """Return whether an edge and the segment from p to q have a point in common."""
     a_x, a_y, b_x, b_y = edge[0], edge[1], edge[2], edge[3]
     if max(a_x, b_x) < min(p_x, q_x) or max(p_x, q_x) < min(a_x, b_x):
         return False
@@ -163,7 +163,7 @@ def _has_overlap(outlines, own, other, d_x, d_y, turn, ratio):
 
 @lean
 def _has_pair_overlap(outlines, bounds, places, scales, i, j, x, y, heading, scale):
-    """Whether walker i, at this pose and scale, overlaps walker j or an image of it."""
+    """Return whether walker i, at this pose (mm, rad) and `scale`, overlaps walker j or an image of walker j."""
     own, other = outlines.kind[i], outlines.kind[j]
     far = scale * outlines.outer[own] + scales[j] * outlines.outer[other]
     near = scale * outlines.inner[own] + scales[j] * outlines.inner[other]
@@ -187,7 +187,7 @@ def _has_pair_overlap(outlines, bounds, places, scales, i, j, x, y, heading, sca
 
 @lean
 def _has_wall_overlap(outlines, bounds, kind, x, y, heading, scale):
-    """Whether an outline reaches into a wall."""
+    """Return whether the outline of a `kind`, at this pose (mm, rad) and `scale`, reaches into a wall."""
     if bounds.kind == PERIODIC:
         return False
     c, s = scale * math.cos(heading), scale * math.sin(heading)
@@ -215,7 +215,7 @@ def _has_wall_overlap(outlines, bounds, kind, x, y, heading, scale):
 
 @lean
 def is_free(outlines, bounds, cells, places, scales, i, x, y, heading, scale):
-    """Whether walker i at this pose and scale touches neither walls nor walkers of the cells."""
+    """Return whether walker i, at this pose (mm, rad) and `scale`, touches neither walls nor walkers of the cells."""
     if _has_wall_overlap(outlines, bounds, outlines.kind[i], x, y, heading, scale):
         return False
     column, row = _cell_index(cells, bounds, x, y)

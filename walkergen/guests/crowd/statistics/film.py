@@ -66,7 +66,7 @@ class CrowdFilm(NamedTuple):
 
 
 def from_places(times: Array, places: Array, kinds: Sequence[str], outlines: Outlines, dish: Dish) -> CrowdFilm:
-    """Film of `places` of shape (F, N, 3 or more): x, y (mm) and heading (rad) come first.
+    """Make a film of `places` of shape (F, N, 3 or more): x, y (mm) and heading (rad) come first.
 
     Each of `kinds` (N) has its contours in `outlines`, or there are no outlines at all.
     """
@@ -77,7 +77,7 @@ def from_places(times: Array, places: Array, kinds: Sequence[str], outlines: Out
 
 
 def from_tracks(tracks: Tracks, dish: Dish, contours: Sequence[Array] = ()) -> CrowdFilm:
-    """Film of tracks on a plane, of walkers of one outline if there are `contours`.
+    """Make a film of tracks on a plane, of walkers of one outline if there are `contours`.
 
     Headings are made continuous; where a track has a gap it may miss a full turn.
     """

@@ -11,7 +11,7 @@ from walkergen.core.numerics import Array, Whole
 from walkergen.guests.track.film.blob_tracking import Unmarked
 from walkergen.guests.track.film.blobs import Blobs
 from walkergen.guests.track.film.linking import Seen
-from walkergen.guests.track.film.quality import MAX_LOST_SHARE, Told
+from walkergen.guests.track.film.quality import MAX_LOST_SHARE, Remarks
 from walkergen.guests.track.film.result import Tracked
 
 CORRELATED_FRAMES = 10
@@ -25,7 +25,7 @@ MAX_SHAKE_PX, MAX_PULL_PX, MAX_SIZE_CHANGE, MAX_SIZE_SCATTER = 0.2, 0.3, 0.04, 0
 from frame to frame."""
 
 
-def collect_doubts(tracked: Tracked, found: Unmarked) -> Told:
+def collect_remarks(tracked: Tracked, found: Unmarked) -> Remarks:
     """Return all warnings and notes on a film."""
     look, linked, shake = found.look, found.linked, found.shake
     pull, (change, scatter) = shadow_pull(linked.walkers), size_change(found.straight)
@@ -48,7 +48,7 @@ def collect_doubts(tracked: Tracked, found: Unmarked) -> Told:
         "size_change_se_share": _finite_or_none(change.pair[1]),
         "size_scatter_share": scatter,
     }
-    return Told(
+    return Remarks(
         facts,
         list(_notes(tracked, found)),
         [*_link_warnings(tracked, found), *_image_warnings(tracked, found, pull, change, scatter)],

@@ -18,7 +18,7 @@ from walkergen.guests.track.film.blob_tracking import Unmarked
 from walkergen.guests.track.film.fields import TrackFields
 from walkergen.guests.track.film.films import Box, Film
 from walkergen.guests.track.film.marker_tracking import Marked
-from walkergen.guests.track.film.quality import Told
+from walkergen.guests.track.film.quality import Remarks
 from walkergen.guests.track.film.report import TrackReport
 from walkergen.guests.track.film.result import Tracked
 
@@ -44,7 +44,7 @@ def track(request: TrackFields, folder: Path, progress: Progress) -> TrackReport
     return tracks
 
 
-def find_walkers(request: TrackFields, progress: Progress) -> tuple[Tracked, Unmarked | Marked, Told]:
+def find_walkers(request: TrackFields, progress: Progress) -> tuple[Tracked, Unmarked | Marked, Remarks]:
     """Return a film's walkers, the findings behind them, and warnings. Raises InputError."""
     path = request.film
     own_lens = None if request.lens is None else lens.read_lens(request.lens)
@@ -58,11 +58,11 @@ def find_walkers(request: TrackFields, progress: Progress) -> tuple[Tracked, Unm
     try:
         if request.markers is None:
             tracked, seen = blob_tracking.track(film, part, request, own_lens, progress)
-            found, told = seen, blob_warnings.collect_doubts(tracked, seen)
+            found, remarks = seen, blob_warnings.collect_remarks(tracked, seen)
         else:
             tracked, read = marker_tracking.track(film, part, request, own_lens, progress)
-            found, told = read, marker_warnings.collect_doubts(tracked, read)
-        return tracked, found, told._replace(notes=[*_conversion_notes(film), *told.notes])
+            found, remarks = read, marker_warnings.collect_remarks(tracked, read)
+        return tracked, found, remarks._replace(notes=[*_conversion_notes(film), *remarks.notes])
     except InputError as error:
         raise error if str(path) in error.text else InputError(f"{path}: {error.text}") from None
 

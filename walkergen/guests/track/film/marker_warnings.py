@@ -10,7 +10,7 @@ from walkergen.core import Quantity
 from walkergen.core.files import formatting
 from walkergen.guests.track.film.marker_tracking import MARKER_MM, Marked
 from walkergen.guests.track.film.plane import CORRELATED_SIGHTINGS
-from walkergen.guests.track.film.quality import MAX_LOST_SHARE, Told
+from walkergen.guests.track.film.quality import MAX_LOST_SHARE, Remarks
 from walkergen.guests.track.film.result import Tracked, Walker
 
 MAX_CORNER_OFFSET_PX = 0.7
@@ -33,7 +33,7 @@ MAX_NAMES = 10
 """Most numbers that are named."""
 
 
-def collect_doubts(tracked: Tracked, found: Marked) -> Told:
+def collect_remarks(tracked: Tracked, found: Marked) -> Remarks:
     """Return all warnings and notes on a film."""
     flat, out = found.plane, found.left_out
     change, (side, _) = _scale_change(found), tracked.request.marker_mm or (MARKER_MM, None)
@@ -51,7 +51,7 @@ def collect_doubts(tracked: Tracked, found: Marked) -> Told:
         "sightings_left_out": sum(out.bent.values()),
         "mirrored": list(out.mirrored),
     }
-    return Told(
+    return Remarks(
         facts, list(_notes(tracked, found, change)), [*_left_out_warnings(tracked, found), *_lens_warnings(found)]
     )
 

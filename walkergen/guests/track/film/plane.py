@@ -28,8 +28,8 @@ RESIDUAL_FACTOR, MIN_RESIDUAL_PX = 5.0, 0.5
 """Residual of a marker over the median one, and in pixels, beyond which it is misread or bent."""
 
 PERSPECTIVE_PRIOR_PX = 0.1
-"""Distance of one corner that counts as much as perspective of 1, which is a scale that has no end
-at the picture's edge: it holds what one marker in one place leaves open."""
+"""Distance of one corner, pixels, that counts as much in the fit as a perspective term of 1. At 1 the scale has no
+limit at the picture's edge. The prior keeps the perspective near 0 if one marker in one place does not determine it."""
 
 CORRELATED_SIGHTINGS = 25.0
 """Number of sightings with equal errors: of one marker in neighbouring frames."""
@@ -66,7 +66,7 @@ class Plane(NamedTuple):
 
     @property
     def tilt_deg(self) -> float:
-        """Angle between the camera's axis and the plane's normal, by what it foreshortens there."""
+        """Angle between the camera's axis and the plane's normal, from the foreshortening in the picture's middle."""
         a, b, c = self.terms[:3]
         large, small = np.linalg.svd(np.array([(a, b), (0.0, c)]), compute_uv=False)
         return math.degrees(math.acos(min(1.0, float(small / large))))
@@ -137,7 +137,7 @@ def find_poses(plane: Plane, corners: Array, side: float) -> Pose:
 
 
 def is_square(off_px: Array) -> Mask:
-    """Return which markers are squares in the plane; others are misread, or lean."""
+    """Return which markers are squares in the plane, from their residuals, shape (n,); others are misread, or lean."""
     return np.asarray(off_px <= max(RESIDUAL_FACTOR * float(np.median(off_px)), MIN_RESIDUAL_PX))
 
 

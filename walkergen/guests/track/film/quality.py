@@ -19,8 +19,8 @@ MAX_LOST_SHARE = 0.05
 """Share of frames without a walker above which a warning is due."""
 
 
-class Told(NamedTuple):
-    """Warnings and notes on a film."""
+class Remarks(NamedTuple):
+    """Remarks on a tracked film: facts, notes and warnings."""
 
     facts: dict[str, Any]
     """For JSON and the manifest, with units in the names."""

@@ -10,7 +10,7 @@ from walkergen.core.files import formatting
 from walkergen.files import report
 from walkergen.files.report import Column, Report, Table
 from walkergen.guests.track.film import quality
-from walkergen.guests.track.film.quality import Told
+from walkergen.guests.track.film.quality import Remarks
 from walkergen.guests.track.film.result import Tracked
 
 if TYPE_CHECKING:
@@ -74,11 +74,11 @@ WALKER_COLUMNS = (
 )
 
 
-def make_report(tracked: Tracked, found: "Unmarked | Marked", told: Told, folder: Path) -> TrackReport:
+def make_report(tracked: Tracked, found: "Unmarked | Marked", remarks: Remarks, folder: Path) -> TrackReport:
     """Report a tracked film."""
     walkers, title = _walker_rows(tracked), tracked.film.path.name
-    warnings = [*quality.truncation_warnings(tracked.film, tracked.clock, tracked.request.frames), *told.warnings]
-    picture, lines = folder / PICTURE_FILE, [*told.notes]
+    warnings = [*quality.truncation_warnings(tracked.film, tracked.clock, tracked.request.frames), *remarks.warnings]
+    picture, lines = folder / PICTURE_FILE, [*remarks.notes]
     if not math.isnan(tracked.jitter_mm):
         lines.append(
             f"Positions jitter by {formatting.format_number(tracked.jitter_mm, 2)} mm between neighbouring frames. "
@@ -97,7 +97,7 @@ def make_report(tracked: Tracked, found: "Unmarked | Marked", told: Told, folder
             Table("tracks", track_rows(tracked), COLUMNS, title=title),
             report.table_from_rows("walkers", walkers, WALKER_COLUMNS, title),
         ],
-        facts=_facts(tracked, told) | {"tracks": [row._asdict() for row in walkers], "warnings": warnings},
+        facts=_facts(tracked, remarks) | {"tracks": [row._asdict() for row in walkers], "warnings": warnings},
         lines=[*lines, f"{picture}: look at it before you trust the numbers"],
         figures={"check": draw},
         folder=folder,
@@ -139,7 +139,7 @@ def _walker_rows(tracked: Tracked) -> list[Row]:
     ]
 
 
-def _facts(tracked: Tracked, told: Told) -> dict[str, Any]:
+def _facts(tracked: Tracked, remarks: Remarks) -> dict[str, Any]:
     """Return the facts for JSON and the manifest other than walkers and warnings, with units in the names."""
     request, jitter = tracked.request, tracked.jitter_mm
     return {
@@ -155,5 +155,5 @@ def _facts(tracked: Tracked, told: Told) -> dict[str, Any]:
         **tracked.mm_per_px.row(),
         "frames_looked_at": tracked.looked,
         "jitter_mm": None if math.isnan(jitter) else jitter,
-        **told.facts,
+        **remarks.facts,
     }
