@@ -189,7 +189,7 @@ def _format_error(request: type[Request], error: Any) -> str:
     """Format an error of pydantic: field, value, allowed values."""
     name, kind, value = str(error["loc"][0]), error["type"], error["input"]
     if kind == "value_error":
-        rule = error["msg"].removeprefix("Value error, ")
+        rule = error["msg"].removeprefix("Value error, ").removeprefix(f"{value!r} ")
     else:
         allowed = config.describe_allowed_values((name,), request)  # type: ignore[arg-type]  # only its fields are read
         rule = ((VALUE_RULES | config.TYPE_RULES).get(kind) or allowed or error["msg"]).replace("'", "")

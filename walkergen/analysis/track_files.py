@@ -123,7 +123,7 @@ def _read_walkergen(path: Path, source: Source, units: Units, given: _Given) -> 
     headed = "y" in source.table.values
     if units.y_down:
         y = "has y to the left of x" if headed else "is a lane's, without y across it"
-        raise InputError(f"‹y_down›: {path} {y}; leave it out")
+        raise InputError(f"‹y_down›: {path} {y}; leave out ‹y_down›")
     _check_no_units(path, source, units, given, "t_s and x_mm")
     tracks = sampling.from_times(path, source.table, "t_s")
     return tracks._replace(scale_se=_scale_se(path, source.table))
@@ -134,7 +134,7 @@ def _check_no_units(path: Path, source: Source, units: Units, given: _Given, own
     for field, value in (("fps", units.fps), ("mm_per_px", units.mm_per_px), ("unit", units.unit or None)):
         if value is not None:
             shown = value if isinstance(value, str) else f"{value:g}"
-            raise InputError(f"‹{field}=›{shown}: {path} has its own {own}; leave it out")
+            raise InputError(f"‹{field}=›{shown}: {path} has its own {own}; leave out ‹{field}›")
 
 
 def _check_same_units(path: Path, source: Source, given: _Given) -> None:
@@ -146,7 +146,7 @@ def _check_same_units(path: Path, source: Source, given: _Given) -> None:
     ):
         named = source.named.get(what)
         if named and unit in known and named.unit in known and unit != named.unit:
-            raise InputError(f"‹unit=›{unit}: {path} has its own {named.name} in {named.unit}; leave it out")
+            raise InputError(f"‹unit=›{unit}: {path} has its own {named.name} in {named.unit}; leave out ‹unit›")
 
 
 def _choose_clock(path: Path, source: Source, units: Units, given: _Given) -> tuple[float, bool, tuple[str, ...]]:
@@ -180,7 +180,7 @@ def _time_clock(
     path: Path, source: Source, units: Units, seconds: float, said: tuple[str, ...]
 ) -> tuple[float, bool, tuple[str, ...]]:
     if units.fps is not None:
-        raise InputError(f"‹fps=›{units.fps:g}: {path} has its own {source.named['time'].name}; leave it out")
+        raise InputError(f"‹fps=›{units.fps:g}: {path} has its own {source.named['time'].name}; leave out ‹fps›")
     return seconds, True, said
 
 
@@ -212,7 +212,7 @@ def _length_unit(path: Path, source: Source, units: Units, given: _Given) -> tup
     if unit in LENGTH_UNITS_MM:
         if units.mm_per_px is not None:
             raise InputError(
-                f"‹mm_per_px=›{units.mm_per_px:g}: {path} has its own {named.name} in {unit}; leave it out"
+                f"‹mm_per_px=›{units.mm_per_px:g}: {path} has its own {named.name} in {unit}; leave out ‹mm_per_px›"
             )
         told = "by ‹unit›" if given.length else f"as {named.name} says"
         return LENGTH_UNITS_MM[unit], f"places are in {unit}, {told}"

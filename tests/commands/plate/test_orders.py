@@ -133,7 +133,9 @@ def test_a_design_reads_its_own_form_back(run, lists, tmp_path):
     assert weighings.grams.value == pytest.approx(0.55)
     assert run(*words).exit_code == 0
     assert form.read_text() == filled  # what somebody weighed is kept
-    with pytest.raises(InputError, match=r"part 'duck_t10\.0_flexible_s0\.40-1': tilt and legs do not select it"):
+    with pytest.raises(
+        InputError, match=r"part 'duck_t10\.0_flexible_s0\.40-1': is not among the parts that tilt and legs select"
+    ):
         weighed_masses.read_masses(form, [PAPER])
 
 

@@ -290,7 +290,7 @@ def test_wrong_weights_of_the_payload_are_refused(tmp_path):
     with pytest.raises(InputError, match="motor: the weighed mass is 1200 g, that of the design 1 g"):
         weighed_masses.apply_carried_masses(design, weighed_masses.read_masses(path, [design]))
     path.write_text("part,grams\nmotor,1.2\n")
-    with pytest.raises(InputError, match="'motor': tilt and legs do not select it"):
+    with pytest.raises(InputError, match="'motor': is not among the parts that tilt and legs select"):
         weighed_masses.read_masses(path, [load_walker("koumakis2016")])
 
 

@@ -154,7 +154,7 @@ def _set_value(data: dict[str, Any], path: list[str], value: Any) -> None:
         inner = place.setdefault(name, {}) if number is None else _find_list(place, step)[number - 1]
         if not isinstance(inner, dict):
             listed = isinstance(inner, list)
-            reason = "is a list: number its entry, from 1" if listed else "is a value, not a table"
+            reason = f"is a list: number its entry, as in {step}[1]" if listed else "is a value, not a table"
             raise InputError(f"{step} {reason}")
         place = inner
     name, number = _split_index(last)
@@ -177,5 +177,5 @@ def _find_list(place: Mapping[str, Any], step: str) -> list[Any]:
     if not isinstance(entries, list):
         raise InputError(f"there is no {step}: {name} is no list")
     if number is None or not 1 <= number <= len(entries):
-        raise InputError(f"there is no {step}: {name} has {len(entries)} entries, from 1")
+        raise InputError(f"there is no {step}: {name} has {len(entries)} entries, numbered 1 to {len(entries)}")
     return entries

@@ -16,7 +16,7 @@ from pydantic import BaseModel, ConfigDict, Field, Tag, ValidationError, field_v
 from pydantic.fields import FieldInfo
 
 from walkergen.core.errors import InputError
-from walkergen.core.files import file_reading
+from walkergen.core.files import file_reading, formatting
 from walkergen.core.files import safe_text as plain
 
 MAX_BYTES, MAX_DEPTH, MAX_REPORTED_MISTAKES = 1_000_000, 32, 20
@@ -238,6 +238,9 @@ def _explain(mistake: Any, model: type[Section], source: str, text: str, prefix:
     rule = (
         TYPE_RULES.get(mistake["type"]) or describe_allowed_values(location, model, mistake["input"]) or mistake["msg"]
     )
+    seen_text = mistake["input"] if isinstance(mistake["input"], str) else ""
+    if rule.startswith("must be a number") and formatting.parse_number(seen_text) is not None:
+        rule += ". It is text: write the number without quotes."
     return f"{place}: {key}{seen}: {rule}"
 
 

@@ -12,7 +12,7 @@ import math
 import os
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -108,12 +108,13 @@ def read_masses(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
     """
     rows = _read_rows(path)
     parts, others = _names_to_parts(members), False
+    present = {_find_part(row["part"].strip(), parts) for _, row in rows}
     masses: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
     problems = []
     for line, row in rows:
         try:
             if values := _parse_masses(row):
-                part = _match_row(row["part"].strip(), values, parts, members)
+                part = _match_row(row["part"].strip(), values, parts, members, present)
                 if part is None:
                     others = True
                     continue
@@ -257,11 +258,18 @@ def _read_rows(path: Path) -> list[tuple[int, dict[str, str]]]:
 
 
 def _match_row(
-    name: str, values: Mapping[str, float], parts: Mapping[str, str], members: Sequence[Design]
+    name: str,
+    values: Mapping[str, float],
+    parts: Mapping[str, str],
+    members: Sequence[Design],
+    present: Set[str | None],
 ) -> str | None:
-    """Return the part of a row, or the carried part; None for another walker. Raises InputError."""
+    """Return the part of a row, or the carried part; None for another walker.
+
+    `present` holds the parts that the file names; none of them is suggested. Raises InputError.
+    """
     if not any(name in carried_rows(design) for design in members):
-        return _match_part(name, parts, members)
+        return _match_part(name, parts, members, present)
     if wrong := [quantity for quantity in values if quantity != "grams"]:
         raise InputError(f"{name}: {wrong[0]}: it has neither body nor legs. Write its mass as grams.")
     return name
@@ -290,16 +298,23 @@ def _names_to_parts(members: Sequence[Design]) -> dict[str, str]:
     }
 
 
-def _match_part(name: str, parts: Mapping[str, str], members: Sequence[Design]) -> str | None:
+def _find_part(name: str, parts: Mapping[str, str]) -> str | None:
+    """Return the part that a file calls by this name, as a copy (NAME-3) too; None if there is none."""
+    return parts.get(name) or parts.get(COPY_SUFFIX.sub("", name))
+
+
+def _match_part(name: str, parts: Mapping[str, str], members: Sequence[Design], present: Set[str | None]) -> str | None:
     """Return the part with a name; None for another walker of the members' designs. Raises InputError."""
-    if (part := parts.get(name) or parts.get(COPY_SUFFIX.sub("", name))) or _is_other_member(
-        COPY_SUFFIX.sub("", name), members
-    ):
+    if (part := _find_part(name, parts)) or _is_other_member(COPY_SUFFIX.sub("", name), members):
         return part
     listed = list(dict.fromkeys(parts.values()))
-    near = difflib.get_close_matches(name, listed, n=3, cutoff=0.6)
-    hint = f"Did you mean {', '.join(near)}?" if near else f"Parts are {', '.join(listed[:3])} ..."
-    raise InputError(f"part {name[:60]!r}: ‹tilt› and ‹legs› do not select it. {hint}")
+    close = difflib.get_close_matches(name, listed, n=3, cutoff=0.6)
+    near = [one for one in close if one not in present]
+    hint = f" Did you mean {', '.join(near)}?" if near else "" if close else f" Parts are {', '.join(listed[:3])} ..."
+    raise InputError(
+        f"part {name[:60]!r}: is not among the parts that ‹tilt› and ‹legs› select. "
+        f"Correct its name, or select it.{hint}"
+    )
 
 
 def _is_other_member(name: str, members: Sequence[Design]) -> bool:

@@ -2,6 +2,7 @@
 
 import copy
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from walkergen.core import Design, GeometryError, InputError, Printer, Scene, Tolerance, WalkergenError
@@ -32,6 +33,8 @@ class SweepPoints(NamedTuple):
     printer: Printer | None = None
     data: Mapping[str, Any] | None = None
     """Data of the design as in its file, if known: setting a key turns a design that stands as built again."""
+    file: Path | None = None
+    """File that names the keys; None for the command line. Messages begin with it."""
 
     @property
     def kind(self) -> Kind:
@@ -64,7 +67,7 @@ class SweepPoints(NamedTuple):
         for key in self.space.keys:
             check_key(key, f"‹set› {key}")
             if model_kinds.kind_of(self.model) == ALONE:
-                check_single_key(key, f"‹set› {key}")
+                check_single_key(key, f"‹set› {key}" if self.file is None else f"{self.file}: {key}")
         for axis in self.space.axes:
             for value in axis.values:
                 if isinstance(value, (str, bool, list, dict)):
@@ -80,8 +83,9 @@ class SweepPoints(NamedTuple):
 
     def _check_form(self, key: str, value: Any) -> None:
         """Refuse text, a list or a table that its key never takes; numbers out of range become rows with an error."""
+        source = "‹set›" if self.file is None else f"{self.file}: [grid]"
         try:
-            change_keys(self.design, self.scene, {key: value}, "‹set›", self.data)
+            change_keys(self.design, self.scene, {key: value}, source, self.data)
         except GeometryError:  # of parts that cannot be built: with other values of other keys they may
             return
         except InputError as error:

@@ -56,12 +56,14 @@ def make_points(
     keep: Sequence[str] | None,
     source: str,
     with_speed: bool = False,
+    file: Path | None = None,
 ) -> SweepPoints:
     """Return the checked points of a design, a scene and a printer, by name or as objects.
 
     The `constants` are keys that are set for all points. Paths are relative to the folder `near`. Simulated speeds meet
     DEFAULT_ERROR unless another error is given, or the runs are set. Points `with_speed` keep it, and predicted ones
-    its bounds too. Raises InputError, for constants with `source`.
+    its bounds too. Raises InputError, for constants with `source`, for other keys
+    with the name of the `file` that they are from.
     """
     model = choose_model(model, (*space.keys, *constants))
     design, scene, printer, data = _read_sources(sources, near, constants, model, source)
@@ -74,10 +76,10 @@ def make_points(
         scene = scene.variant(**{"run.runs": kind.RUNS})
     default = ("speed", "spread") if with_speed and model == PREDICTION else kind.KEPT
     kept = tuple(dict.fromkeys(keep or default))
-    points = SweepPoints(design, scene, space, model, kept, error, printer, data)
+    points = SweepPoints(design, scene, space, model, kept, error, printer, data, file)
     for key in constants:
         if model_kinds.kind_of(model) == ALONE:
-            check_single_key(key, f"‹set› {key}")
+            check_single_key(key, f"{source} {key}")
     points.check()
     if with_speed:
         nearest.check_speed(points.columns)
@@ -124,6 +126,7 @@ def from_file(path: Path, with_speed: bool = False) -> SweepPoints:
         file.keep,
         f"{path}: set",
         with_speed,
+        path,
     )
 
 
