@@ -288,14 +288,14 @@ def test_long_work_says_how_far_it_is_where_there_is_no_bar(monkeypatch, capsys)
                 break
     assert line == "simulate: runs, 3 of 4, about 0 s left\n"
     expects = []
-    with console.progress("accuracy", wanted=True, hear=expects.append) as update:
+    with console.progress("accuracy", wanted=True, on_expected=expects.append) as update:
         expects[0](lambda: Expected(60.0, "5 % would take 9 s"))
         assert capsys.readouterr().err == "accuracy: about 60 s; 5 % would take 9 s\n"  # also when piped
         expects[0](lambda: pytest.fail("asked for twice"))
         update("runs", 3, 4)
         time.sleep(0.05)
         assert capsys.readouterr().err.startswith("accuracy: runs, 3 of 4, about 60 s left\n")
-    with console.progress("simulate", wanted=False, hear=expects.append) as update:
+    with console.progress("simulate", wanted=False, on_expected=expects.append) as update:
         update("runs", 3, 4)
         time.sleep(0.05)
     assert len(expects) == 1

@@ -83,7 +83,7 @@ class SweepPoints(NamedTuple):
 
     def _check_form(self, key: str, value: Any) -> None:
         """Refuse text, a list or a table that its key never takes; numbers out of range become rows with an error."""
-        source = "‹set›" if self.file is None else f"{self.file}: [grid]"
+        source = "‹set›" if self.file is None else f"{self.file}: grid"
         try:
             change_keys(self.design, self.scene, {key: value}, source, self.data)
         except GeometryError:  # of parts that cannot be built: with other values of other keys they may
@@ -91,7 +91,9 @@ class SweepPoints(NamedTuple):
         except InputError as error:
             faults = [fault.removeprefix(key)[:1] for fault in error.keys if fault.startswith(key)]
             if model_kinds.kind_of_key(key) or {"", ".", "["} & {*faults}:
-                raise
+                if self.file is None:
+                    raise
+                raise InputError(error.text.replace(f"{source}: ", f"{source}."), *error.keys) from None
 
     def try_point(self, values: Mapping[str, Any]) -> PointOrRefusal:
         """Return the point at values of the keys, or the record of a refused one."""
