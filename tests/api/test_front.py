@@ -483,9 +483,9 @@ SCRIPT = """
 import walkergen as wg
 
 design = wg.load("koumakis2016", "walker").variant(tilt_deg=12.0)
-speed: float = wg.predict(design, "lane-90hz").speed.value
+speed: float = wg.predict(design, "lane-90hz").speed.number
 many = wg.predict(design, tilt=[5.0, 10.0]).table["speed_mm_s"]
-bar: float = wg.simulate(design, runs=4).speed.se
+bar: float | None = wg.simulate(design, runs=4).speed.se
 """
 
 

@@ -17,17 +17,17 @@ SLACK = 200
 """Number of lines that a folder may be below its limit."""
 
 LIMITS = {
-    "walkergen/analysis": 5210,
+    "walkergen/analysis": 5220,
     "walkergen/api": 300,
     "walkergen/app": 2640,
     "walkergen/cli": 860,
-    "walkergen/commands": 8050,
-    "walkergen/core": 17490,
+    "walkergen/commands": 8060,
+    "walkergen/core": 17560,
     "walkergen/files": 1510,
     "walkergen/guests/crowd": 7210,
     "walkergen/guests/lab": 4880,
     "walkergen/guests/movie": 1480,
-    "walkergen/guests/sweep": 2210,
+    "walkergen/guests/sweep": 2220,
     "walkergen/guests/track": 3600,
     "walkergen/points": 3030,
     "walkergen/readers": 5400,

@@ -79,7 +79,8 @@ def test_a_simulated_walker_has_a_card_with_errors(run, tmp_path):
         ("self_alignment_per_mm", -0.0056),
     ):
         known = getattr(card, key)
-        assert abs(known.value - expected) < 4.0 * known.se, (key, known)
+        # Student's t of 8 runs is beyond 6 in 0.05 %: chaos makes other runs of each kind of processor
+        assert abs(known.value - expected) < 6.0 * known.se, (key, known)
         assert cards.run_count(known) == 8
     assert card.overdamped.enough is not True  # it coasts over 0.121 of its length, of which 8 runs leave 0.01 open
     assert card.outline_mm[0][0] == pytest.approx([-14.0, -4.0], abs=0.1)
