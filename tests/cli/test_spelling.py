@@ -93,7 +93,7 @@ def test_spelling_leaves_data_as_they_are():
 
 
 CALLS = [
-    (lambda: wg.predict(tilt=95), r"^tilt=95: 95 is not a tilt in -85\.\.85 deg$"),
+    (lambda: wg.predict(tilt=95), r"^tilt=95: is not a tilt in -85\.\.85 deg$"),
     (lambda: wg.predict(mode="exact"), r"^mode='exact': must be one of"),
     (lambda: wg.simulate(runs=0), r"^runs=0: must be a number >= 1"),
     (lambda: wg.simulate(set={"scene.run.runs": 0}), r"^scene\.run\.runs = 0: must be a number >= 1"),
