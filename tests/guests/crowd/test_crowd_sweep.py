@@ -188,4 +188,4 @@ def test_a_file_asks_for_crowds_as_the_command_line_does(tmp_path):
         '[grid]\n"scene.crowd.packing" = [0.1, 0.2]\n'
     )
     line = points_of(PACKINGS, "scene.run.seconds=2", keep=["milling"])
-    assert sweep_setup.from_file(file) == line._replace(data=line.data)
+    assert sweep_setup.from_file(file) == line._replace(file=file)
