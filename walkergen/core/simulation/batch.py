@@ -19,35 +19,36 @@ Tell = Callable[[float], None]
 """Called by a run with the share of it that is done, 0 to 1."""
 
 OneRun = Callable[[int, Stopped, Tell], Made]
-"""Function that makes the run of a number."""
+"""Function that makes the run with a given number."""
 
 POLL_INTERVAL_S = 0.2
 """Time between two looks at the runs under way, s."""
 
 
 def run_parallel(
-    one: OneRun[Made], numbers: Iterable[int], progress: Progress = silent, threads: int | None = None
+    make_run: OneRun[Made], numbers: Iterable[int], progress: Progress = silent, threads: int | None = None
 ) -> dict[int, Made]:
-    """Make runs by their numbers, and return them in order, on `threads` threads (None: every core).
+    """Make the runs of the given numbers on `threads` threads (None: every core). Return them by number, in order.
 
-    Progress is in percent. Ctrl-C stops the runs under way and returns the finished ones. Without any it is raised
-    again, as is any other error of a run.
+    `make_run(number, stopped, tell)` makes one run: `stopped()` returns whether to stop, `tell(share)` reports
+    progress. `progress` gets percent. Ctrl-C stops the runs under way and returns the finished ones. It is raised again
+    if none has finished, as is any other error of a run.
     """
     stop: list[bool] = []
-    shares = dict.fromkeys(numbers, 0.0)
+    shares_done = dict.fromkeys(numbers, 0.0)
     finished: dict[int, Made] = {}
 
-    def run_one(number: int) -> Made:
-        return one(number, lambda: bool(stop), lambda share: shares.update({number: share}))
+    def make_stoppable_run(number: int) -> Made:
+        return make_run(number, lambda: bool(stop), lambda share: shares_done.update({number: share}))
 
     with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
-        pending: dict[Future[Made], int] = {pool.submit(run_one, number): number for number in shares}
+        pending: dict[Future[Made], int] = {pool.submit(make_stoppable_run, number): number for number in shares_done}
         try:
             while pending:
                 for future in wait(pending, timeout=POLL_INTERVAL_S, return_when=FIRST_COMPLETED).done:
                     number = pending.pop(future)
-                    finished[number], shares[number] = future.result(), 1.0
-                progress("runs", int(100.0 * sum(shares.values()) / len(shares)), 100)
+                    finished[number], shares_done[number] = future.result(), 1.0
+                progress("runs", int(100.0 * sum(shares_done.values()) / len(shares_done)), 100)
         except BaseException as error:
             stop.append(True)
             pool.shutdown(cancel_futures=True)
@@ -56,9 +57,9 @@ def run_parallel(
     return dict(sorted(finished.items()))
 
 
-def run_all(one: OneRun[Made], count: int, progress: Progress = silent, threads: int | None = None) -> list[Made]:
-    """Make all `count` runs with `run_parallel`. Raises KeyboardInterrupt instead of leaving some out."""
-    finished = run_parallel(one, range(count), progress, threads)
+def run_all(make_run: OneRun[Made], count: int, progress: Progress = silent, threads: int | None = None) -> list[Made]:
+    """Make the runs 0 to `count` - 1 with `run_parallel`. Raises KeyboardInterrupt instead of leaving some out."""
+    finished = run_parallel(make_run, range(count), progress, threads)
     if len(finished) < count:
         raise KeyboardInterrupt
     return list(finished.values())

@@ -56,7 +56,7 @@ class Summary(NamedTuple):
 
     @property
     def facts(self) -> dict[str, Any]:
-        """The results, under their keys in the JSON output."""
+        """Results by their keys in the JSON output."""
         table, numbers = functools.partial(observables.table_values, self.numbers), self.numbers
         return {
             "runs": self.runs,
@@ -78,10 +78,10 @@ class Summary(NamedTuple):
 
 
 def runner(plan: Plan, impacts: bool = False, sample_interval: float | None = None) -> OneRun[RunResult]:
-    """Return a function that simulates the run of a number.
+    """Return a function that simulates the run with a given number, which seeds the run.
 
-    With `impacts` each run keeps all its impacts. With a `sample_interval` (s) it also keeps samples of the entries of
-    its state that a trajectory shows, `space.state.TRAJECTORY_COLUMNS`.
+    If `impacts` is true, each run keeps a record of all its impacts. With a `sample_interval` (s) it also keeps samples
+    of the entries of its state that a trajectory shows, `space.state.TRAJECTORY_COLUMNS`.
     """
     simulate_one = simulate_with_impacts if impacts else simulate
     return lambda number, stopped, tell: simulate_one(plan, number, stopped, sample_interval, len(TRAJECTORY_COLUMNS))
@@ -93,16 +93,16 @@ def summarise(results: Sequence[RunResult], plate_speed: float, wall_s: float) -
     Runs that share a periodic orbit have no statistical errors.
     """
     outcomes = Counter(result.outcome.value for result in results)
-    good = [result for result in results if result.outcome in ENDED_WELL]
-    speeds = np.array([result.speed for result in good])
-    if 0 < len(good) < MIN_RUNS:
-        outcomes[Outcome.TOO_FEW.value] = len(good)
-    numbers = {observables.SPEED: mean_speed(good), **observables.observe(results)}
+    ended_well = [result for result in results if result.outcome in ENDED_WELL]
+    speeds = np.array([result.speed for result in ended_well])
+    if 0 < len(ended_well) < MIN_RUNS:
+        outcomes[Outcome.TOO_FEW.value] = len(ended_well)
+    numbers = {observables.SPEED: mean_speed(ended_well), **observables.observe(results)}
     if common_orbit(speeds, plate_speed) == ORBIT:
-        outcomes[Outcome.ORBIT.value] = len(good)
+        outcomes[Outcome.ORBIT.value] = len(ended_well)
         for name, number in numbers.items():
             numbers[name] = number._replace(se=None, freedom=0.0, refused=Outcome.ORBIT.value)
-    pitch = max((result.tally.sums[record.LARGEST_PITCH] for result in results), default=0.0)
+    max_pitch = max((result.tally.sums[record.LARGEST_PITCH] for result in results), default=0.0)
     energy_error = max((result.energy_error for result in results), default=0.0)
     simulated = sum(float(result.tally.sums[record.ELAPSED]) for result in results)
     return Summary(
@@ -111,19 +111,19 @@ def summarise(results: Sequence[RunResult], plate_speed: float, wall_s: float) -
         cpu_s=sum(result.cpu_s for result in results),
         wall_s=wall_s,
         numbers=numbers,
-        correlation_time_s=correlation_time(good),
-        max_pitch_deg=math.degrees(pitch),
+        correlation_time_s=correlation_time(ended_well),
+        max_pitch_deg=math.degrees(max_pitch),
         energy_error=energy_error,
         outcomes=dict(outcomes),
     )
 
 
 def common_orbit(speeds: Array, plate_speed: float) -> str:
-    """Return the name of the orbit that all runs end on, from their mean speeds, shape (n,), in mm/s as the plate's.
+    """Return the name of the orbit that all runs end on: ORBIT, REST (no motion), or "" if their speeds differ.
 
-    "" when they differ, or are fewer than MIN_RUNS. A walker driven by a periodic plate and let
-    go at random repeats its motion every whole number of drive periods, or never; only in the first
-    case can all runs have one speed. REST is the orbit that does not move.
+    Arguments: mean speeds of the runs, shape (n,), mm/s, and the peak speed of the plate, mm/s. Fewer than MIN_RUNS
+    runs give "". A walker that a periodic plate drives and that starts at random repeats its motion every whole number
+    of drive periods, or never. Only in the first case can all runs have one speed.
     """
     if len(speeds) < MIN_RUNS or float(np.ptp(speeds)) > MAX_SPEED_DIFFERENCE * plate_speed:
         return ""

@@ -46,39 +46,40 @@ MIN_RUNS = 4
 
 
 def observe(results: Sequence[RunResult]) -> dict[str, Quantity]:
-    """Return the observables over all time of the runs, by the names of OBSERVABLE_NAMES, without the speed.
+    """Return the observables of all runs together, by the names of OBSERVABLE_NAMES, without the speed.
 
-    Each is a quotient of sums: by time, by the number of impacts, or by their impulse. Shares of
-    runs without impacts are 0.
+    Each is a quotient of sums over the runs: of a total and the time, the number of impacts, or their impulse. Shares
+    of runs without impacts are 0.
     """
     counts = np.array([result.tally.counts for result in results], dtype=float).reshape(-1, 9)
     sums = np.array([result.tally.sums for result in results]).reshape(-1, 14)
     elapsed, impacts = sums[:, record.ELAPSED], counts[:, record.IMPACTS]
     impulses = sums[:, record.IMPULSES + 1 :]
-    per = {IMPACTS: (impacts, elapsed), CONTACT: (sums[:, record.CONTACT_TIME], elapsed)}
-    per |= {f"{POWERS}.{name}": (sums[:, row], elapsed) for name, row in POWER_ROWS.items()}
-    whole = impulses.sum(axis=1)
-    per |= {f"{BY_IMPULSE}.{name}": (impulses[:, place], whole) for place, name in enumerate(record.KINDS)}
-    per |= {f"{BY_NUMBER}.{name}": (counts[:, 1 + place], impacts) for place, name in enumerate(COUNT_NAMES)}
-    return {name: ratio_of_sums(name, above, below) for name, (above, below) in per.items()}
+    quotients = {IMPACTS: (impacts, elapsed), CONTACT: (sums[:, record.CONTACT_TIME], elapsed)}
+    quotients |= {f"{POWERS}.{name}": (sums[:, row], elapsed) for name, row in POWER_ROWS.items()}
+    impulse = impulses.sum(axis=1)
+    quotients |= {f"{BY_IMPULSE}.{name}": (impulses[:, column], impulse) for column, name in enumerate(record.KINDS)}
+    quotients |= {f"{BY_NUMBER}.{name}": (counts[:, 1 + column], impacts) for column, name in enumerate(COUNT_NAMES)}
+    return {name: ratio_of_sums(name, numerator, denominator) for name, (numerator, denominator) in quotients.items()}
 
 
-def ratio_of_sums(key: str, above: Array, below: Array) -> Quantity:
-    """Return the sum of `above` over the sum of `below`, shape (runs,), with the error of a ratio of means.
+def ratio_of_sums(key: str, numerators: Array, denominators: Array) -> Quantity:
+    """Return the sum of `numerators` over the sum of `denominators`, each of shape (runs,), with its standard error.
 
-    The error is that of the residuals above - value below between independent runs.
+    The error is that of a ratio of means: from the scatter of the residuals numerator - value denominator of
+    independent runs. `key` names the result.
     """
-    whole, runs = float(below.sum()), len(below)
-    value = float(above.sum()) / whole if whole else 0.0
+    total, runs = float(denominators.sum()), len(denominators)
+    value = float(numerators.sum()) / total if total else 0.0
     if runs < MIN_RUNS:
         return Quantity(key, "", value, None, runs - 1.0, f"fewer than {MIN_RUNS} runs give no error")
-    if not whole:
+    if not total:
         return Quantity(key, "", value, 0.0)
-    scatter = float(np.sum((above - value * below) ** 2)) * runs / (runs - 1)
-    return Quantity(key, "", value, math.sqrt(scatter) / abs(whole), runs - 1.0)
+    scatter = float(np.sum((numerators - value * denominators) ** 2)) * runs / (runs - 1)
+    return Quantity(key, "", value, math.sqrt(scatter) / abs(total), runs - 1.0)
 
 
 def table_values(observed: Mapping[str, Quantity], table: str) -> dict[str, float]:
-    """Return the values of the observables of one table (BY_IMPULSE, BY_NUMBER or POWERS) by their names."""
+    """Return the observables of one table (BY_IMPULSE, BY_NUMBER or POWERS), by names without the table's name."""
     start = f"{table}."
     return {name.removeprefix(start): observed[name].number for name in observed if name.startswith(start)}

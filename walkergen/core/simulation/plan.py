@@ -68,21 +68,21 @@ class Plan(NamedTuple):
         return self._replace(world=coarser(self.world, factor))
 
     def sample_print(self, rng: np.random.Generator) -> "Plan":
-        """Return the plan of one run; its print and plate are drawn if the scene requires it."""
+        """Return the plan of one run: with its own printed feet and plate, drawn at random if the scene requires it."""
         return self._replace(world=model.sample_world(self.case, self.resolved, self.world, rng))
 
     def initial_state(
         self, clearance: float, pitch: float, phase: float, roll: float = 0.0, heading: float = 0.0
     ) -> State:
-        """Create a state at rest, its lowest corner `clearance` (mm) over the plate; angles in rad."""
+        """Create a state at rest, its lowest corner `clearance` (mm) over the plate. All angles are in rad."""
         return model.initial_state(self.world, clearance, pitch, phase, roll, heading)
 
     def advance(self, state: State, seconds: float, tally: Tally) -> int:
-        """Advance a state in place by `seconds`; returns a status of `world`."""
+        """Advance a state in place by `seconds` and fill `tally`. Return a status of `world`, such as OK or TOPPLED."""
         return int(steps.advance(self.world, state, seconds, tally))
 
     def advancer(self, state: State, tally: Tally) -> Callable[[float], int]:
-        """Return a function that advances a state by seconds, as `advance`; its machine code is looked up once."""
+        """Return a function of seconds that does what `advance` does. Its machine code is looked up only once."""
         code = kernels.entry_point(steps.advance, self.world, state, 1.0, tally)
         return lambda seconds: int(code(self.world, state, seconds, tally))
 
@@ -91,7 +91,7 @@ class Plan(NamedTuple):
         return float(model.energy(self.world, state))
 
     def feet(self, state: State) -> Array:
-        """Return the places and velocities of the feet, shape (legs, 4), as in `space.model.feet`."""
+        """Return positions (x and height, mm) and velocities (mm/s) of the middles of the feet, shape (legs, 4)."""
         return model.feet(self.world, state)
 
 

@@ -36,7 +36,7 @@ class Samples(NamedTuple):
 
     @property
     def kept(self) -> bool:
-        """True for samples that are wanted."""
+        """Whether states are kept at all."""
         return len(self.rows) > 0
 
 
@@ -64,53 +64,57 @@ class Tally(NamedTuple):
 def new_tally(
     sample_size: int = 0, duration: float = 0.0, sample_interval: float | None = None, event_room: int = 0
 ) -> Tally:
-    """Return an empty record; `duration` (s) sizes the samples, which are kept if they have an interval (s).
+    """Return an empty record of a run of `duration` seconds.
 
-    Samples hold the leading `sample_size` entries of a state. Events are kept as far as their room.
+    With a `sample_interval` (s) there is space for samples, each of the leading `sample_size` entries of a state. There
+    is space for `event_room` impacts.
     """
-    room, interval = 0, math.inf
+    sample_count, interval = 0, math.inf
     if sample_interval is not None:
-        room, interval = int(duration / sample_interval + 1e-9) + 2, sample_interval
-    samples = Samples(np.zeros((room, 1 + sample_size)), np.zeros(1, np.int64), interval)
+        sample_count, interval = int(duration / sample_interval + 1e-9) + 2, sample_interval
+    samples = Samples(np.zeros((sample_count, 1 + sample_size)), np.zeros(1, np.int64), interval)
     events = Events(np.zeros((event_room, 7)), np.zeros(1, np.int64))
     return Tally(np.zeros(9, np.int64), np.zeros(14), samples, events)
 
 
-def energy_error(sums: Array, gained: float, before: float) -> float:
-    """Return the energy that a tally's `sums` do not account for, over the energy exchanged.
+def energy_error(sums: Array, energy_gain: float, initial_energy: float) -> float:
+    """Return the energy that a tally's `sums` do not account for, over the energy exchanged (a share, >= 0).
 
-    The motion began with the energy `before` and has gained the energy `gained` (g mm^2/s^2).
+    The motion began with `initial_energy` and gained `energy_gain` (g mm^2/s^2).
     """
     work = sums[PLATE_WORK]
     losses = sums[IMPACT_LOSS] + sums[FRICTION_LOSS] + sums[DAMPING_LOSS]
-    exchanged = max(abs(work), abs(losses), abs(before))
-    return float(abs(gained - (work - losses)) / exchanged) if exchanged else 0.0
+    exchanged = max(abs(work), abs(losses), abs(initial_energy))
+    return float(abs(energy_gain - (work - losses)) / exchanged) if exchanged else 0.0
 
 
 @kernel
-def row_of(kind: int) -> int:
-    """Return the row of `Tally.counts` for a type of impact (`impact.Kind`)."""
+def count_row(kind: int) -> int:
+    """Return the row of `Tally.counts` that counts impacts of a type (a value of `impact.Kind`)."""
     return kind if kind >= 0 else TYPE_IV - kind
 
 
 @kernel
 def tally_impact(counts, kind, sticks):
-    """Count one impact by its type, and whether its foot sticks."""
+    """Count one impact: in all impacts, in those of its type (`impact.Kind`), and in those whose foot sticks."""
     counts[IMPACTS] += 1
-    counts[row_of(kind)] += 1
+    counts[count_row(kind)] += 1
     if sticks:
         counts[STICKING] += 1
 
 
 @kernel
 def add_impulse(sums, kind, F_y):
-    """Add the normal impulse (g mm/s) of one landing of a foot to those of its type."""
-    sums[IMPULSES + row_of(kind)] += F_y
+    """Add F_y, the normal impulse (g mm/s) of a foot's landing, to the sum for its type of impact (`impact.Kind`)."""
+    sums[IMPULSES + count_row(kind)] += F_y
 
 
 @kernel
 def note_event(events, t, foot, F_x, F_y, v_x, v_y, kind):
-    """Append one impact to the events, if they have room."""
+    """Append one impact to the recorded events, unless they are full.
+
+    Arguments: time (s), number of the contact, impulse (g mm/s), velocity before (mm/s), type (`impact.Kind`).
+    """
     row = events.cursor[0]
     if row < events.rows.shape[0]:
         events.rows[row, 0] = t
@@ -133,7 +137,7 @@ def next_sample(samples):
 
 @kernel
 def take_sample(samples, t, state):
-    """Append the leading entries of a state at time t (s), the next of the samples."""
+    """Append the leading entries of a state at time t (s) as the next row of the samples."""
     row = samples.cursor[0]
     samples.rows[row, 0] = t
     for i in range(1, samples.rows.shape[1]):  # a slice would need memory, which space has not

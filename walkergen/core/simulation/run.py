@@ -79,7 +79,7 @@ class RunResult(NamedTuple):
 
 
 def compile_kernels(plan: Plan) -> float:
-    """Compile (or load from the disk cache) what the plan needs; returns the seconds it took."""
+    """Compile, or load from the disk cache, the kernels that the plan needs. Return the time that this took, s."""
     started = time.perf_counter()
     plan, state = drop_for_run(plan, 0)  # the noise and bumps that a run draws are types of its kernels
     plan.advance(state, 1e-9, record.new_tally())
@@ -88,10 +88,10 @@ def compile_kernels(plan: Plan) -> float:
 
 
 def drop_for_run(plan: Plan, number: int) -> tuple[Plan, Array]:
-    """Return the plan of one run, with its own print and plate, and its initial state.
+    """Return the plan of run `number`, with its own print and plate, and its initial state.
 
-    The walker drops from 0.5 to 1.5 amplitudes at a random phase, pitch and roll, with the scene's heading. A
-    `release` of the plan replaces these, at phase 0.
+    The walker drops from 0.5 to 1.5 amplitudes at a random phase, pitch and roll, with the scene's heading. If the plan
+    has a `release`, this gives height, pitch and roll instead, at phase 0.
     """
     run = plan.scene.run
     rng = np.random.default_rng([run.seed, number])
@@ -105,7 +105,10 @@ def drop_for_run(plan: Plan, number: int) -> tuple[Plan, Array]:
 def sample_drop(
     plan: Plan, rng: np.random.Generator, common_phase: float | None = None, heading: float = 0.0
 ) -> tuple[Plan, Array]:
-    """Draw plan and state as in `drop_for_run`; other walkers on one plate share their phase."""
+    """Draw the plan and initial state of one walker, as `drop_for_run` does.
+
+    `common_phase` (rad) of the drive replaces a random one, for walkers on one plate. `heading` is in rad.
+    """
     low, high = (0.5, -1.0, 0.0, -1.0), (1.5, 1.0, 2.0 * np.pi, 1.0)
     clearance, pitch, phase, roll = rng.uniform(low, high)
     plan = plan.sample_print(rng)
@@ -197,13 +200,16 @@ def simulate(
     return RunResult(number, outcome, done * block, speed, block, speeds, error, tally, cpu, places[: done + 1])
 
 
-def _block_distances(places: Array, on_plane: bool) -> Array:
-    """Return the distances per block, mm: along x, or along the mean heading of each block on a plane."""
-    moved = np.diff(places, axis=0)
+def _block_distances(poses: Array, on_plane: bool) -> Array:
+    """Return the distance run in each block, mm: along x, or along the block's mean heading if `on_plane`.
+
+    `poses`: x, y (mm) and heading (rad) at the ends of the blocks, shape (blocks + 1, 3).
+    """
+    displacements = np.diff(poses, axis=0)
     if not on_plane:
-        return moved[:, 0]
-    heading = 0.5 * (places[1:, 2] + places[:-1, 2])
-    return np.asarray(moved[:, 0] * np.cos(heading) + moved[:, 1] * np.sin(heading))
+        return displacements[:, 0]
+    heading = 0.5 * (poses[1:, 2] + poses[:-1, 2])
+    return np.asarray(displacements[:, 0] * np.cos(heading) + displacements[:, 1] * np.sin(heading))
 
 
 def simulate_with_impacts(
@@ -213,9 +219,12 @@ def simulate_with_impacts(
     sample_interval: float | None = None,
     sample_size: int | None = None,
 ) -> RunResult:
-    """Simulate one run with every impact kept: again, with more room, until all have room."""
-    wanted = FIRST_EVENT_ROOM * plan.scene.run.seconds / plan.world.drive.period
-    room = 256 + int(min(wanted, MAX_EVENT_ROOM))
+    """Simulate one run with a record of every impact. It is repeated with more memory until all impacts fit.
+
+    For the arguments see `simulate`.
+    """
+    expected_room = FIRST_EVENT_ROOM * plan.scene.run.seconds / plan.world.drive.period
+    room = 256 + int(min(expected_room, MAX_EVENT_ROOM))
     while True:
         result = simulate(plan, number, stopped, sample_interval, sample_size, room)
         impacts, tally = recorded_impacts(result), result.tally
@@ -225,23 +234,23 @@ def simulate_with_impacts(
 
 
 def recorded_impacts(result: RunResult) -> Array:
-    """Return the recorded impacts of a run: rows as in `record.Events`."""
+    """Return the recorded impacts of a run, shape (impacts, 7), with the columns of `record.Events`."""
     events = result.tally.events
     return np.asarray(events.rows[: events.cursor[0]])
 
 
 def _make_advancer(plan: Plan, state: Array, tally: record.Tally) -> Callable[[float], Outcome]:
-    """Return a function that advances a state by some seconds and returns its outcome."""
+    """Return a function that advances `state` in place by some seconds, fills `tally` and returns the outcome."""
     move = plan.advancer(state, tally)
     arena = plan.scene.arena
-    half = [math.inf if size is None else 0.5 * size for size in (arena.length_mm, arena.width_mm)]
+    half_sizes = [math.inf if size is None else 0.5 * size for size in (arena.length_mm, arena.width_mm)]
 
     def advance(seconds: float) -> Outcome:
         status = move(seconds)
         if status != OK:
             return STATUS_OUTCOMES[status]
         x, y, _ = pose(state)
-        left = abs(x) > half[0] or abs(y) > half[1]
-        return Outcome.LEFT if left else Outcome.OK
+        has_left = abs(x) > half_sizes[0] or abs(y) > half_sizes[1]
+        return Outcome.LEFT if has_left else Outcome.OK
 
     return advance

@@ -66,15 +66,15 @@ def height(drive: Drive, phase: float) -> float:
 @kernel
 def velocity(drive: Drive, phase: float) -> float:
     """Return the vertical velocity of the plate at a phase (rad), mm/s."""
-    both = math.cos(phase) + _velocity(drive.harmonic, phase)
-    return drive.amplitude * drive.omega * both
+    relative_velocity = math.cos(phase) + _velocity(drive.harmonic, phase)
+    return drive.amplitude * drive.omega * relative_velocity
 
 
 @kernel
 def acceleration(drive: Drive, phase: float) -> float:
     """Return the vertical acceleration of the plate at a phase (rad), mm/s^2."""
-    both = _acceleration(drive.harmonic, phase) - math.sin(phase)
-    return drive.amplitude * drive.omega * drive.omega * both
+    relative_acceleration = _acceleration(drive.harmonic, phase) - math.sin(phase)
+    return drive.amplitude * drive.omega * drive.omega * relative_acceleration
 
 
 @kernel

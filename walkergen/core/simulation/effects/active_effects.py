@@ -63,14 +63,14 @@ RARE_EFFECTS = (walls.NAME, walls.LID, noise.NAME, *sway.NAMES, motor.NAME, moto
 
 
 def applicable_rules(case: Case) -> tuple[Rule, ...]:
-    """Return the rules that are judged in a case."""
+    """Return the rules of the effects that a case may have: the common ones, and rare ones that its scene calls for."""
     scene, forced = case.scene, {*case.scene.effects.on}
     needed = [rules for is_met, rules in RARE_RULES if is_met(scene) or forced & {rule.switch for rule in rules}]
     return (*COMMON_RULES, *(rule for rules in needed for rule in rules))
 
 
 def all_rules() -> tuple[Rule, ...]:
-    """Return all rules, also of effects outside the scene."""
+    """Return the rules of all effects, also of those that few scenes have."""
     return (*COMMON_RULES, *(rule for _, rules in RARE_RULES for rule in rules))
 
 
@@ -96,7 +96,7 @@ class Acting(NamedTuple):
 
 
 def acting_parameters(case: Case, on: Mapping[str, bool]) -> Acting:
-    """Return the parameters of the effects of a case that are `on`, by their names."""
+    """Return the parameters of a case's effects. `on` states by name which are simulated, the others are neutral."""
     return Acting(
         slope.gravity_of(math.radians(case.scene.plate.slope_deg) if on[slope.NAME] else 0.0),
         air_drag.parameters(case) if on[air_drag.NAME] else air_drag.OFF,
@@ -107,17 +107,17 @@ def acting_parameters(case: Case, on: Mapping[str, bool]) -> Acting:
 
 @kernel
 def gravity_along(acting: Acting) -> float:
-    """Return the gravity along the plate, toward +x, mm/s^2."""
+    """Return the component of gravity along the plate, toward +x, mm/s^2."""
     return acting.gravity.along
 
 
 @kernel
 def gravity_into(acting: Acting) -> float:
-    """Return the gravity into the plate, mm/s^2, positive."""
+    """Return the component of gravity into the plate, mm/s^2, positive."""
     return acting.gravity.into
 
 
 @lean
 def force_in_space(acting, velocity):
-    """Return the force of effects on a body moving at `velocity` (body axes, mm/s), in the same axes."""
+    """Return the force (g mm/s^2) of air drag on a body moving at `velocity` (mm/s), both in body axes."""
     return _drag(acting.air, velocity)

@@ -50,13 +50,13 @@ def parameters(case: Case) -> Air:
 
 
 def judge(case: Case) -> Effect:
-    """Judge the effect: off unless forced. The number is drag over friction, for a fast walker."""
+    """Decide whether air drag is simulated: only if forced. Its number is drag over friction, for a fast walker."""
     scene, air = case.scene, parameters(case)
-    wanted, speed = scene.effects.forced_state(SWITCH), case.shaken.peak_speed
+    forced, speed = scene.effects.forced_state(SWITCH), case.shaken.peak_speed
     friction = max(scene.contact.friction, 1e-3) * float(case.mass.M) * GRAVITY
     number = math.hypot(air.ends * (FAST_SPEED_RATIO * speed) ** 2, air.sides * speed**2) / friction
     reason = "small" if number < SMALL_DRAG_RATIO else f"NOT small: force it with {forced_effect_line(SWITCH, True)}"
-    on, reason = apply_switch(wanted, False, reason)
+    on, reason = apply_switch(forced, False, reason)
     return Effect(NAME, on, number, "drag over friction, for a fast walker", reason, SWITCH)
 
 

@@ -10,7 +10,7 @@ RARE_CONTACT_GAMMA = 50.0
 
 
 def judge_sticking(case: Case) -> Effect:
-    """Judge sticking of a foot within an impact (docs/physics.md section 3)."""
+    """Return the effect "sticking in impacts" (docs/physics.md section 3): on if friction can hold a foot."""
     scenes = case.scene.contact.friction
     ratios = [
         (scenes if limb.friction is None else limb.friction) * float(H.xx) / abs(float(H.xy))
@@ -26,31 +26,34 @@ def judge_sticking(case: Case) -> Effect:
 
 
 def judge_sustained_contact(case: Case) -> Effect:
-    """Judge lasting contact: always on."""
+    """Return the effect "sustained contact", always on. Its number is the plate's peak acceleration over g."""
     gamma = case.shaken.peak_gamma
     reason = "bounces die out and feet rest on the plate" if gamma < RARE_CONTACT_GAMMA else "rare at this drive"
     return Effect("sustained contact", True, gamma, "peak acceleration over g", reason, "")
 
 
 def judge_pitch(case: Case) -> Effect:
-    """Judge turning in the plane: always on."""
+    """Return the effect "pitch" (turning in side view), always on. Its number is foot spacing over body length."""
     number = case.design.foot_span / case.design.size.length
     return Effect("pitch", True, number, "contact spacing over body length", _format_foot_count(case), "")
 
 
 def _format_foot_count(case: Case) -> str:
-    """Return the number of feet in words."""
+    """Return the number of feet in words, such as "two feet"."""
     count = len(case.design.limbs)
     return {1: "one foot", 2: "two feet"}.get(count, f"{count} feet")
 
 
 def judge_neighbours(case: Case) -> Effect:
-    """Judge other walkers: bodies of a crowd meet, legs never; the number judges this."""
-    size, beyond = case.design.size, 0.0
+    """Return the effect "neighbours", always off here. In a crowd bodies meet, but legs never do.
+
+    Its number is the distance by which feet stick out of the body's box, over the body's length.
+    """
+    size, overhang = case.design.size, 0.0
     for limb in case.design.limbs:
         ahead = abs(limb.anchor[0] - limb.length * math.sin(limb.tilt)) - 0.5 * size.length
         aside = abs(limb.across) + 0.5 * limb.width - 0.5 * size.depth
-        beyond = max(beyond, ahead, aside)
+        overhang = max(overhang, ahead, aside)
     meaning = "how far feet stick out of the body's box, over its length: legs would touch above 0"
     reason = "one walker alone; `walkergen crowd` lets bodies meet, not legs"
-    return Effect("neighbours", False, beyond / size.length, meaning, reason, "")
+    return Effect("neighbours", False, overhang / size.length, meaning, reason, "")

@@ -56,23 +56,23 @@ class Rule(NamedTuple):
 
     @property
     def off(self) -> Mapping[str, Any]:
-        """Values of keys that switch it off; empty for an effect that nothing switches."""
+        """Values of the scene's keys that switch the effect off. Empty for an effect that cannot be switched."""
         return self.without or ({f"effects.{self.switch}": False} if self.switch else {})
 
 
 def decide_from_key(case: Case, key: str, switch: str) -> tuple[bool, str]:
-    """Decide whether an effect that needs a number is on, from the scene's key, and give the reason.
+    """Decide whether an effect is on: if the scene's `key` is not zero, or as `switch` forces. Also return the reason.
 
-    Raises InputError where its switch forces an effect on that has no number.
+    `switch` is its name in effects.on and effects.off. Raises InputError if that forces it on while the number is zero.
     """
-    absent, reason = case.scene.is_zero(key), describe_number(case.scene, key)
-    if absent:
+    is_zero, reason = case.scene.is_zero(key), describe_number(case.scene, key)
+    if is_zero:
         absence_reason(case, switch, f"{reason}, so it would change nothing: set it")
-    return apply_switch(case.scene.effects.forced_state(switch), not absent, reason)
+    return apply_switch(case.scene.effects.forced_state(switch), not is_zero, reason)
 
 
 def describe_number(scene: Scene, key: str) -> str:
-    """Return a key with its number or numbers, as a file gives them."""
+    """Return a key of the scene with its value as text, such as "plate.slope_deg = 2"."""
     value = scene.value(key)
     if isinstance(value, list):
         return f"{key} = [{', '.join(f'{number:g}' for number in value)}]"
@@ -80,14 +80,14 @@ def describe_number(scene: Scene, key: str) -> str:
 
 
 def absence_reason(case: Case, switch: str, why: str) -> str:
-    """Return the reason why an effect is not part of a case. Raises InputError if its switch is forced on."""
+    """Return `why`, the reason why an effect is not part of a case. Raises InputError if the scene forces it on."""
     if case.scene.effects.forced_state(switch):
         raise InputError(f"{forced_effect_line(switch, True)}: {why}, or leave {switch} out of effects.on")
     return why
 
 
-def apply_switch(wanted: bool | None, decided: bool, reason: str) -> tuple[bool, str]:
-    """Return decision and reason after the scene's switch `wanted`, which overrules them unless None."""
-    if wanted is None:
-        return decided, reason
-    return wanted, f"forced {'on' if wanted else 'off'}; otherwise: {reason}"
+def apply_switch(forced: bool | None, default: bool, reason: str) -> tuple[bool, str]:
+    """Return whether an effect is on, and why. `forced` overrules the default unless it is None."""
+    if forced is None:
+        return default, reason
+    return forced, f"forced {'on' if forced else 'off'}; otherwise: {reason}"

@@ -46,15 +46,15 @@ class Foot(NamedTuple):
 
 
 def axial_stiffness(limb: Limb, modulus: float) -> float:
-    """Compute the normal stiffness of a corner of a foot, g/s^2: half of that of its leg, and brace if any.
+    """Compute the normal stiffness of one of a foot's two corners, g/s^2: half of that of its leg, with a brace if any.
 
-    `modulus`: Young's, Pa.
+    `modulus` is Young's, Pa.
     """
     return 0.5 * modulus * limb.width * section_of(limb).axial(limb)
 
 
 def restitution(damping_ratio: float) -> float:
-    """Return the restitution of a mass on a viscous foot that never pulls, for any damping ratio >= 0."""
+    """Return the restitution of a mass on a spring and damper that never pull, for any damping ratio >= 0."""
     z = damping_ratio
     if z < 1.0:
         fast = math.sqrt(1.0 - z * z)
@@ -67,22 +67,22 @@ def restitution(damping_ratio: float) -> float:
     return math.exp(-z * time)
 
 
-def damping_ratio(wanted: float) -> float:
-    """Find the damping ratio whose `restitution` is the wanted one, 0 < wanted <= 1, by bisection."""
+def damping_ratio(target: float) -> float:
+    """Find the damping ratio that gives the restitution `target`, 0 < target <= 1, by bisection."""
     low, high = 0.0, 1.0
-    while restitution(high) > wanted:
+    while restitution(high) > target:
         high *= 2.0
     for _ in range(80):
         middle = 0.5 * (low + high)
-        if restitution(middle) > wanted:
+        if restitution(middle) > target:
             low = middle
         else:
             high = middle
-    return 0.5 * (low + high) if wanted < 1.0 else 0.0
+    return 0.5 * (low + high) if target < 1.0 else 0.0
 
 
-def foot_of(scene: Scene, limb: Limb, material: Material) -> Foot:
-    """Return the elastic contact of a corner of a leg's foot. Raises InputError."""
+def corner_contact(scene: Scene, limb: Limb, material: Material) -> Foot:
+    """Return the elastic contact of one corner of a leg's foot. Raises InputError for too small a restitution."""
     e = scene.contact.restitution if limb.restitution is None else limb.restitution
     if e < MIN_RESTITUTION:
         raise InputError(
@@ -92,18 +92,24 @@ def foot_of(scene: Scene, limb: Limb, material: Material) -> Foot:
 
 
 def landing_stiffness(tip: float, mass: float, speed: float) -> float:
-    """Return the tangent stiffness (g/s^2) of a tip alone at the landing depth of a mass (g) at a speed (mm/s)."""
+    """Return a tip's tangent stiffness (g/s^2) at the depth to which a mass (g) at a speed (mm/s) presses it.
+
+    `tip` is its Hertz stiffness, g/(mm^0.5 s^2).
+    """
     return math.inf if math.isinf(tip) else 1.5 * tip * math.sqrt(landing_depth(tip, mass, speed, GRAVITY * mass))
 
 
 def judge(case: Case) -> Effect:
-    """Judge the effect: on unless tips are rigid. The number is a tip's softness relative to its leg, at a landing."""
+    """Decide whether tips are elastic: on unless the scene makes them rigid.
+
+    The number is the stiffness of a leg's corner over that of its tip, at a landing.
+    """
     meaning = "stiffness of a leg's corner over that of its tip, at a landing"
     rigid, material, ratio = case.scene.feet.rigid_tips, case.design.material, 0.0
     if not rigid:
         tip, mass = tip_stiffness(case.scene, material), float(case.mass.total) / (2 * len(case.design.limbs))
-        pressed = landing_stiffness(tip, mass, LANDING_SPEED_RATIO * case.shaken.peak_speed)
-        ratio = axial_stiffness(case.design.limbs[0], material.youngs_modulus) / pressed
+        pressed_stiffness = landing_stiffness(tip, mass, LANDING_SPEED_RATIO * case.shaken.peak_speed)
+        ratio = axial_stiffness(case.design.limbs[0], material.youngs_modulus) / pressed_stiffness
     return Effect(NAME, not rigid, ratio, meaning, f"{KEY} = {str(rigid).lower()}", KEY)
 
 
@@ -111,7 +117,7 @@ RULE = Rule(judge, without={KEY: True})
 
 
 def judge_unevenness(case: Case) -> Effect:
-    """Judge the effect: on when corners differ. The number is their standard deviation over the amplitude.
+    """Decide whether the feet's corners differ in height. The number is their standard deviation over the amplitude.
 
     Raises InputError for corners that differ as much as legs are long.
     """
@@ -133,6 +139,6 @@ UNEVENNESS_RULE = Rule(judge_unevenness, UNEVENNESS, usual={UNEVENNESS_KEY: 10.0
 
 
 def sample_heights(case: Case, corners: int, rng: np.random.Generator) -> Array:
-    """Draw the heights of the corners of one print, mm, with mean zero."""
+    """Draw the heights of the corners of one print, mm, with mean zero, shape (corners,)."""
     heights = 1e-3 * case.scene.feet.unevenness_um * rng.normal(size=corners)
     return np.asarray(heights - heights.mean())

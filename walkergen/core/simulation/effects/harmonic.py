@@ -27,7 +27,7 @@ OFF = Harmonic(0.0, 0.0)
 
 
 def judge(case: Case) -> Effect:
-    """Judge the effect: on when the scene's drive has a second harmonic."""
+    """Decide whether the drive has a second harmonic. The number is its amplitude over the fundamental's."""
     ratio = case.scene.drive.second_harmonic_ratio
     on, reason = decide_from_key(case, KEY, SWITCH)
     return Effect(NAME, on, ratio, "amplitude over the fundamental's", reason, SWITCH)
@@ -44,7 +44,7 @@ def parameters(case: Case) -> Harmonic:
 
 @kernel
 def height(harmonic, phase):
-    """Return the harmonic's part of the height over A, at a phase (rad) of the fundamental."""
+    """Return the second harmonic's part of the plate's height, over A, at a phase (rad) of the fundamental."""
     if harmonic.ratio == 0.0:
         return 0.0
     return harmonic.ratio * math.sin(2.0 * phase + harmonic.shift)
@@ -52,7 +52,7 @@ def height(harmonic, phase):
 
 @kernel
 def velocity(harmonic, phase):
-    """Return the harmonic's part of the velocity over A omega, at a phase (rad) of the fundamental."""
+    """Return the second harmonic's part of the plate's velocity, over A omega, at a phase (rad) of the fundamental."""
     if harmonic.ratio == 0.0:
         return 0.0
     return 2.0 * harmonic.ratio * math.cos(2.0 * phase + harmonic.shift)
@@ -60,7 +60,7 @@ def velocity(harmonic, phase):
 
 @kernel
 def acceleration(harmonic, phase):
-    """Return the harmonic's part of the acceleration over A omega^2, at a phase (rad) of the fundamental."""
+    """Return the second harmonic's part of the acceleration, over A omega^2, at a phase (rad) of the fundamental."""
     if harmonic.ratio == 0.0:
         return 0.0
     return -4.0 * harmonic.ratio * math.sin(2.0 * phase + harmonic.shift)
@@ -68,7 +68,7 @@ def acceleration(harmonic, phase):
 
 @kernel
 def bound(harmonic, order):
-    """Return the largest |d^order height / dt^order| of the harmonic over A omega^order."""
+    """Return an upper bound of the second harmonic's |d^order height / dt^order| over A omega^order."""
     if harmonic.ratio == 0.0:
         return 0.0
     return abs(harmonic.ratio) * 2.0**order

@@ -26,7 +26,7 @@ CANTILEVER_FACTOR = 3.0
 
 
 def judge_tensor(case: Case) -> Effect:
-    """Judge the foot tensor: flexible for flexible legs. The number is m/M."""
+    """Return the effect "flexible foot tensor": on for flexible legs. The number is a leg's mass over the body's."""
     if case.design.rigid:
         return Effect(TENSOR, False, 0.0, f"legs are {case.design.kind}", "the rigid tensor is exact", "")
     heaviest = max(float(leg.m) for leg in case.mass.legs)
@@ -35,7 +35,10 @@ def judge_tensor(case: Case) -> Effect:
 
 
 def judge_compliance(case: Case) -> Effect:
-    """Judge the swing: on for free legs. The number is the frequency of the slowest leg over the drive's."""
+    """Return the effect "leg compliance": on if legs swing.
+
+    The number is the frequency of the slowest leg over the drive's.
+    """
     scene, design = case.scene, case.design
     if design.rigid:
         return Effect(COMPLIANCE, False, 0.0, f"legs are {design.kind}", "no free leg", "")
@@ -50,7 +53,7 @@ def judge_compliance(case: Case) -> Effect:
 
 
 def judge_twist(case: Case) -> Effect:
-    """Judge the twist: on for flexible legs. The number is the least frequency of a leg's twist over the drive's."""
+    """Decide whether legs twist: on for flexible legs. The number is the lowest twist frequency over the drive's."""
     design = case.design
     if design.rigid:
         reason = absence_reason(case, TWIST_SWITCH, "no free leg")
@@ -69,7 +72,7 @@ TWIST_RULE = Rule(judge_twist, TWIST_SWITCH, usual={f"effects.{TWIST_SWITCH}": T
 
 
 def _describe_slowest(frequencies: Mapping[str, float]) -> str:
-    """Name the slowest and the fastest leg; "" if legs swing alike."""
+    """Describe the slowest and the fastest leg from `frequencies` (Hz) by leg. Return "" if all are equal."""
     if len(frequencies) < 2:
         return ""
     slow, fast = (pick(frequencies, key=frequencies.__getitem__) for pick in (min, max))

@@ -56,17 +56,17 @@ OFF = Rotor(0.0, 1.0, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0
 
 
 def judge(case: Case) -> Effect:
-    """Judge the scene's motor. The number is its push over the weight.
+    """Decide whether a motor drives the walker. The number is its push over the walker's weight.
 
-    Raises InputError for walkers that carry no motor, and moments beyond reason.
+    Raises InputError for a walker without a motor, and for an eccentric moment that is too large.
     """
     drive, meaning = case.scene.drive, "push of the motor over the weight"
     if drive.kind == "plate":
         return Effect(NAME, False, 0.0, meaning, "drive.kind = 'plate'", "")
     design, total = case.design, float(case.mass.total)
     design.driving_motor()
-    reach, length = drive.eccentric / total, design.size.length
-    if reach >= length:
+    swing_radius, length = drive.eccentric / total, design.size.length
+    if swing_radius >= length:
         raise InputError(
             f"drive.eccentric_g_mm = {drive.eccentric:.3g}: must lie below the walker's mass times "
             f"its length, {total * length:.3g}; coin motors have about 1"
@@ -81,14 +81,14 @@ def judge(case: Case) -> Effect:
 
 
 def judge_gyroscopic(case: Case) -> Effect:
-    """Judge the rotor's angular momentum. The number is its inertia over the walker's smallest."""
-    wanted, meaning = case.scene.effects.forced_state(SWITCH), "inertia of the rotor over the walker's"
+    """Decide whether the rotor's angular momentum counts. The number is its inertia over the walker's smallest."""
+    forced, meaning = case.scene.effects.forced_state(SWITCH), "inertia of the rotor over the walker's"
     if case.scene.drive.kind == "plate" or case.design.motor is None:
         why = absence_reason(case, SWITCH, "there is no motor: set drive.kind = 'motor' and give the design one")
         return Effect(GYROSCOPIC, False, 0.0, meaning, why.partition(":")[0], "")
     number = _rotor_inertia(case) / _least_inertia(case)
     reason = f"{'at least' if number >= MIN_SPIN_RATIO else 'below'} {MIN_SPIN_RATIO:g}"
-    on, reason = apply_switch(wanted, number >= MIN_SPIN_RATIO, reason)
+    on, reason = apply_switch(forced, number >= MIN_SPIN_RATIO, reason)
     return Effect(GYROSCOPIC, on, number, meaning, reason, SWITCH)
 
 
@@ -98,7 +98,7 @@ RULES = (Rule(judge), Rule(judge_gyroscopic, SWITCH, usual={f"effects.{SWITCH}":
 def _rotor_inertia(case: Case) -> float:
     """Return the effective inertia of the rotor about its axis, g mm^2.
 
-    A part of its unbalanced mass's turns the walker's centre about, not about the axis.
+    The part with which the unbalanced mass only moves the walker's centre of mass is subtracted.
     """
     motor = case.design.driving_motor()
     disc = ROTOR_MASS_SHARE * motor.mass_g * motor.diameter_mm**2 / 8.0
@@ -113,27 +113,27 @@ def _least_inertia(case: Case) -> float:
 
 
 def motor_position(case: Case) -> Vector:
-    """Return the middle of the motor from O at half depth, body axes, mm."""
+    """Return the middle of the motor in body axes, from O (the body's centre of mass) at half depth, mm."""
     motor = case.design.driving_motor()
     x, y = to_centre_frame(case.design.limbs, case.mass, np.array([motor.along_mm, motor.up_mm]))
     return float(x), float(y), motor.across_mm
 
 
-def parameters(case: Case, spins: bool, turns: bool) -> Rotor:
-    """Return the rotor of a case; `spins`: with its gyroscopic torque; `turns`: the walker is not held in its plane."""
+def parameters(case: Case, with_gyroscopic_torque: bool, can_turn: bool) -> Rotor:
+    """Return the rotor of a case. `can_turn` is False for a walker that is held in its plane."""
     drive, motor = case.scene.drive, case.design.driving_motor()
     along, across, up = drive.axis_vector(motor.axis)
     n = along, up, across
     first = _perpendicular(n)
     x, y, z = np.cross(n, first).tolist()
-    h = _rotor_inertia(case) * drive.omega if spins else 0.0
+    h = _rotor_inertia(case) * drive.omega if with_gyroscopic_torque else 0.0
     spin = (h * n[0], h * n[1], h * n[2])
     rotor = Rotor(drive.eccentric, drive.omega, first, (x, y, z), motor_position(case), spin)
-    return rotor if turns else _restrict_to_plane(rotor)
+    return rotor if can_turn else _restrict_to_plane(rotor)
 
 
 def _restrict_to_plane(rotor: Rotor) -> Rotor:
-    """Return the rotor of a walker held in its plane, without components across the plane."""
+    """Return the rotor without the components across the plane in which its walker is held."""
     (f_x, f_y, _), (s_x, s_y, _), (x, y, _) = rotor.first, rotor.second, rotor.place
     return rotor._replace(
         first=(f_x, f_y, 0.0), second=(s_x, s_y, 0.0), place=(x, y, 0.0), spin=(0.0, 0.0, rotor.spin[2])
@@ -141,7 +141,7 @@ def _restrict_to_plane(rotor: Rotor) -> Rotor:
 
 
 def _perpendicular(n: Vector) -> Vector:
-    """Return a unit vector across a unit vector: upright if possible, otherwise forward."""
+    """Return a unit vector perpendicular to the unit vector n: upright if possible, otherwise forward."""
     up = (-n[1] * n[0], 1.0 - n[1] * n[1], -n[1] * n[2])
     ahead = (1.0 - n[0] * n[0], -n[0] * n[1], -n[0] * n[2])
     chosen = up if 1.0 - n[1] * n[1] > 0.25 else ahead
@@ -157,7 +157,10 @@ def acts(rotor):
 
 @lean
 def swing(rotor, mass, phase, swung):
-    """Fill s (mm), its rate and its second derivative, body axes, as rows of `swung`."""
+    """Fill the rows of `swung`, shape (3, 3), with s (mm), its rate and its second derivative, in body axes.
+
+    `mass` is that of the whole walker, g, and `phase` that of the rotor, rad.
+    """
     c, s, radius, omega = math.cos(phase), math.sin(phase), rotor.moment / mass, rotor.omega
     # Eq. 8.1: s = (S/M) e
     for i in range(3):
@@ -169,7 +172,7 @@ def swing(rotor, mass, phase, swung):
 
 @lean
 def moment_of(rotor, centre, mass, x, y, z):
-    """Return the moment about C of a momentum (or force) `mass` (x, y, z) at the rotor's place."""
+    """Return the moment about C of a momentum, or a force, `mass` (x, y, z) at the rotor. `centre`: C -> O, mm."""
     p_x, p_y, p_z = (rotor.place[0] + centre[0], rotor.place[1] + centre[1], rotor.place[2] + centre[2])
     return (mass * (p_y * z - p_z * y), mass * (p_z * x - p_x * z), mass * (p_x * y - p_y * x))
 
@@ -178,7 +181,7 @@ def moment_of(rotor, centre, mass, x, y, z):
 def spin(rotor, centre, mass, swung):
     """Return the rotor's angular momentum about C relative to the body, body axes, g mm^2/s.
 
-    `centre`: C -> O, mm.
+    `centre` is C -> O, mm, `mass` the walker's, g, and `swung` what `swing` has filled.
     """
     # p x M s' + h n of eq. 8.2
     x, y, z = moment_of(rotor, centre, mass, swung[1, 0], swung[1, 1], swung[1, 2])
@@ -187,39 +190,40 @@ def spin(rotor, centre, mass, swung):
 
 @lean
 def torque(rotor, centre, mass, swung):
-    """Return the torque of the rotor on the body about C, body axes, g mm^2/s^2."""
+    """Return the torque of the rotor on the body about C, body axes, g mm^2/s^2. For the arguments see `spin`."""
     # p x S Omega^2 e of eq. 8.2, for s'' = -Omega^2 s
     return moment_of(rotor, centre, mass, -swung[2, 0], -swung[2, 1], -swung[2, 2])
 
 
 @lean
 def push(rotor, mass):
-    """Return the largest acceleration of C without the rotor's unbalanced mass, mm/s^2; 0 without a motor."""
+    """Return the largest acceleration (mm/s^2) that the rotor gives to a walker of a mass (g); 0 without a motor."""
     return rotor.moment * rotor.omega * rotor.omega / mass
 
 
 @lean
-def _push_acceleration(rotor, way, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z):
-    """Return the acceleration along d of a rigid body's point r, from C, caused by the rotor's push along `way`.
+def _push_acceleration(rotor, direction, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z):
+    """Return the acceleration along d of the body's point r that the rotor's push along `direction` causes.
 
-    Over that of C; `inverse` is the inverse inertia of the body.
+    It is relative to the acceleration of C. Arguments: C -> O (mm), mass (g) and inverse inertia of the body, then r
+    from C (mm) and the unit vector d, all in body axes.
     """
-    t_x, t_y, t_z = moment_of(rotor, centre, mass, way[0], way[1], way[2])
+    t_x, t_y, t_z = moment_of(rotor, centre, mass, direction[0], direction[1], direction[2])
     q_x = inverse[0, 0] * t_x + inverse[0, 1] * t_y + inverse[0, 2] * t_z
     q_y = inverse[1, 0] * t_x + inverse[1, 1] * t_y + inverse[1, 2] * t_z
     q_z = inverse[2, 0] * t_x + inverse[2, 1] * t_y + inverse[2, 2] * t_z
     return (
-        (way[0] + q_y * r_z - q_z * r_y) * d_x
-        + (way[1] + q_z * r_x - q_x * r_z) * d_y
-        + (way[2] + q_x * r_y - q_y * r_x) * d_z
+        (direction[0] + q_y * r_z - q_z * r_y) * d_x
+        + (direction[1] + q_z * r_x - q_x * r_z) * d_y
+        + (direction[2] + q_x * r_y - q_y * r_x) * d_z
     )
 
 
 @lean
-def strongest(rotor, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z):
-    """Compute the largest acceleration (mm/s^2) along unit vector d of point r of a body that its rotor shakes.
+def largest_acceleration(rotor, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z):
+    """Compute the largest acceleration (mm/s^2) along a unit vector d of the body's point r that the rotor causes.
 
-    Both are in body axes, from C, mm.
+    Arguments: C -> O (mm), mass (g) and inverse inertia of the body, then r from C (mm) and d, all in body axes.
     """
     c = _push_acceleration(rotor, rotor.first, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z)
     s = _push_acceleration(rotor, rotor.second, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z)

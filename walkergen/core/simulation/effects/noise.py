@@ -51,7 +51,7 @@ OFF = Noise(np.zeros(0), np.zeros(0), 0.0, 0.0, 0.0)
 
 
 def judge(case: Case) -> Effect:
-    """Judge the effect: on when the scene's plate is noisy."""
+    """Decide whether the plate is noisy. The number is the noise's rms velocity over the drive's peak speed."""
     ratio = case.scene.plate.noise_ratio
     on, reason = decide_from_key(case, KEY, SWITCH)
     if on:
@@ -63,7 +63,10 @@ RULE = Rule(judge, SWITCH, away={KEY: 0.0}, usual={KEY: 0.3})
 
 
 def _frequency_grid(case: Case) -> tuple[int, float, int, int]:
-    """Return the number of samples, their interval (s), and the first and last line of the band."""
+    """Return the number of samples, their interval (s), and the first and last frequency index of the noise's band.
+
+    Raises InputError for a band with too few frequencies.
+    """
     low, high = case.scene.plate.noise_band_hz
     interval = 1.0 / (SAMPLES_PER_PERIOD * high)
     count = int(min(PERIOD_S / interval, MAX_SAMPLES))
@@ -77,23 +80,23 @@ def _frequency_grid(case: Case) -> tuple[int, float, int, int]:
 
 
 def sample_noise(case: Case, rng: np.random.Generator) -> Noise:
-    """Draw the noise of a run of the scene. Raises InputError for a band too narrow."""
+    """Draw the plate noise of one run of the scene. Raises InputError for a band that is too narrow."""
     count, interval, first, last = _frequency_grid(case)
-    lines = np.zeros(count // 2 + 1, complex)
-    lines[first : last + 1] = rng.normal(size=(last + 1 - first, 2)) @ (1.0, 1.0j)
-    wanted = case.scene.plate.noise_ratio * case.shaken.peak_speed
-    velocity = np.fft.irfft(lines, count)
-    scale = wanted / math.sqrt(float(np.mean(velocity**2)))
+    spectrum = np.zeros(count // 2 + 1, complex)
+    spectrum[first : last + 1] = rng.normal(size=(last + 1 - first, 2)) @ (1.0, 1.0j)
+    rms_velocity = case.scene.plate.noise_ratio * case.shaken.peak_speed
+    velocity = np.fft.irfft(spectrum, count)
+    scale = rms_velocity / math.sqrt(float(np.mean(velocity**2)))
     omega = 2.0 * math.pi * np.fft.rfftfreq(count, interval)
-    heights = np.fft.irfft(np.divide(scale * lines, 1j * omega, where=omega > 0.0, out=lines * 0), count)
-    acceleration = np.fft.irfft(scale * lines * 1j * omega, count)
+    heights = np.fft.irfft(np.divide(scale * spectrum, 1j * omega, where=omega > 0.0, out=spectrum * 0), count)
+    acceleration = np.fft.irfft(scale * spectrum * 1j * omega, count)
     velocities = scale * velocity
     return Noise(heights, velocities, interval, float(np.abs(velocities).max()), float(np.abs(acceleration).max()))
 
 
 @lean
 def advance_time(noise, time, t):
-    """Return the time (s, within the noise's period) after t seconds."""
+    """Return the time (s, within the noise's period) that is t seconds after `time`."""
     if len(noise.heights) == 0:
         return time
     return (time + t) % (len(noise.heights) * noise.interval)
@@ -101,7 +104,7 @@ def advance_time(noise, time, t):
 
 @lean
 def _cubic(noise, time):
-    """Return the coefficients of the cubic about the sample before `time`, and the part of the interval."""
+    """Return the four coefficients of the cubic height at `time`, and the elapsed share of its sampling interval."""
     place = time / noise.interval
     i = int(place)
     s = place - i
@@ -124,7 +127,7 @@ def height(noise, time):
 
 @lean
 def velocity(noise, time):
-    """Return the velocity of the noise, mm/s."""
+    """Return the velocity of the noise, mm/s, at a time in its period, s."""
     if len(noise.heights) == 0:
         return 0.0
     _, u, c, d, s = _cubic(noise, time)
@@ -133,7 +136,7 @@ def velocity(noise, time):
 
 @lean
 def acceleration(noise, time):
-    """Return the acceleration of the noise, mm/s^2."""
+    """Return the acceleration of the noise, mm/s^2, at a time in its period, s."""
     if len(noise.heights) == 0:
         return 0.0
     _, _, c, d, s = _cubic(noise, time)

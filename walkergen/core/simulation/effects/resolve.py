@@ -34,12 +34,12 @@ class Resolved(NamedTuple):
 
 
 def _effect_states(effects: Sequence[Effect]) -> dict[str, bool]:
-    """Return whether each effect is on, by name; effects outside the scene are off."""
+    """Return by name whether each effect is on. Effects outside the scene are off."""
     return dict.fromkeys(RARE_EFFECTS, False) | {effect.name: effect.on for effect in effects}
 
 
 def resolve(case: Case) -> Resolved:
-    """Decide every effect of a case.
+    """Decide for every effect of a case whether it is simulated.
 
     Raises InputError where the scene's choices contradict each other or the design.
     """
@@ -87,11 +87,11 @@ def _check_arena_size(scene: Scene, design: Design) -> None:
             )
 
 
-def _check_headings(scene: Scene, turns: bool) -> None:
-    """Raise InputError for headings at the start of a walker that does not turn."""
-    wanted = scene.run.heading_deg
-    words = wanted if wanted == "uniform" else list(wanted)
-    if (wanted == "uniform" or any(wanted)) and not turns:
+def _check_headings(scene: Scene, can_turn: bool) -> None:
+    """Raise InputError if the scene gives initial headings to a walker that is held in its plane."""
+    headings = scene.run.heading_deg
+    words = headings if headings == "uniform" else list(headings)
+    if (headings == "uniform" or any(headings)) and not can_turn:
         raise InputError(
             f"run.heading_deg = {words}: {forced_effect_line(turning.SWITCH, False)} holds the walker in its "
             "plane along x; leave one of them out"
@@ -99,18 +99,17 @@ def _check_headings(scene: Scene, turns: bool) -> None:
 
 
 def describe_idle_keys(case: Case, on: Mapping[str, bool]) -> str:
-    """Return a line on a scene's non-default keys that a case does not use; "" without any.
+    """Return a line on the scene's changed keys that a case does not use, given which effects are `on`, or "".
 
-    Keys of an effect switched off are not reported. Keys of other jobs, and standard
-    deviations, do not concern a single simulation.
+    Keys of an effect that is switched off are not reported. Neither are keys of other jobs, and standard deviations.
     """
-    given: dict[str, list[str]] = {}
-    for key, why in _find_idle_keys(case, on):
+    keys_by_reason: dict[str, list[str]] = {}
+    for key, reason in _find_idle_keys(case, on):
         table, _, own = key.partition(".")
         section = getattr(case.scene, table)
         if own in section.model_fields_set and getattr(section, own) != type(section).model_fields[own].default:
-            given.setdefault(why, []).append(key)
-    listed = "; ".join(f"{', '.join(keys)} ({why})" for why, keys in given.items())
+            keys_by_reason.setdefault(reason, []).append(key)
+    listed = "; ".join(f"{', '.join(keys)} ({reason})" for reason, keys in keys_by_reason.items())
     return f"not used here: {listed}" if listed else ""
 
 

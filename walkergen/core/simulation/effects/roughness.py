@@ -36,7 +36,7 @@ OFF = Roughness(np.zeros((0, 4)))
 
 
 def judge(case: Case) -> Effect:
-    """Judge the effect: on when the scene's plate is rough."""
+    """Decide whether the plate is rough. The number is the rms slope of its bumps."""
     plate = case.scene.plate
     slope = math.sqrt(2.0) * math.pi * 1e-3 * plate.roughness_um / plate.roughness_length_mm
     on, reason = decide_from_key(case, KEY, SWITCH)
@@ -52,7 +52,7 @@ RULE = Rule(judge, SWITCH, usual={KEY: 5.0})
 
 
 def sample_surface(case: Case, rng: np.random.Generator) -> Roughness:
-    """Draw the surface of a run of the scene."""
+    """Draw the plate's surface for one run of the scene."""
     plate = case.scene.plate
     direction, phase = rng.uniform(0.0, 2.0 * math.pi, (2, WAVE_COUNT))
     k = 2.0 * math.pi / plate.roughness_length_mm
@@ -62,7 +62,7 @@ def sample_surface(case: Case, rng: np.random.Generator) -> Roughness:
 
 @lean
 def surface(roughness, x, z):
-    """Return height (mm) of the surface at (x, z) in mm, and its slopes along both."""
+    """Return the height (mm) of the surface at (x, z), mm, and its slopes along x and z."""
     h, h_x, h_z = 0.0, 0.0, 0.0
     for i in range(len(roughness.waves)):
         k_x, k_z = roughness.waves[i, 0], roughness.waves[i, 1]
@@ -76,7 +76,7 @@ def surface(roughness, x, z):
 
 
 @lean
-def steepest(roughness):
+def slope_bound(roughness):
     """Return an upper bound of the surface's slope."""
     total = 0.0
     for i in range(len(roughness.waves)):

@@ -24,7 +24,7 @@ class Gravity(NamedTuple):
 
 
 def judge(case: Case) -> Effect:
-    """Judge the effect: on when the scene's plate is not level."""
+    """Decide whether the plate slopes. The number is its slope over the friction coefficient."""
     slope = math.radians(case.scene.plate.slope_deg)
     friction = case.scene.contact.friction
     number = math.tan(slope) / friction if friction > 0 else math.tan(slope)
@@ -36,5 +36,5 @@ RULE = Rule(judge, SWITCH, away={KEY: 0.0}, usual={KEY: 2.0})
 
 
 def gravity_of(slope: float, size: float = GRAVITY) -> Gravity:
-    """Return the gravity in the frame of a plate that descends toward +x by `slope` (rad)."""
+    """Return the gravity in the frame of a plate that descends toward +x by `slope` (rad). `size` is g, mm/s^2."""
     return Gravity(size, size * math.cos(slope), size * math.sin(slope))

@@ -52,7 +52,7 @@ OFF = Sway(False, (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
 
 
 def judge_along(case: Case) -> Effect:
-    """Judge the effect: on if the plate moves horizontally. The number shows when a resting body slides."""
+    """Decide whether the plate moves horizontally. A resting body slides if the number is above 1."""
     on, reason = _decide_from_key(case, ALONG_KEY, "plate_along")
     shaken = math.hypot(*case.scene.plate.horizontal_ratio) * case.shaken.peak_gamma
     meaning = "peak acceleration along the plate over what friction holds"
@@ -60,22 +60,26 @@ def judge_along(case: Case) -> Effect:
 
 
 def judge_gradient(case: Case) -> Effect:
-    """Judge the effect: on if the amplitude differs from place to place."""
+    """Decide whether the drive's amplitude differs from place to place."""
     return _judge_linear(case, GRADIENT, GRADIENT_KEY, "plate_gradient", "change of the amplitude between the feet")
 
 
 def judge_rocking(case: Case) -> Effect:
-    """Judge the effect: on if the plate rocks."""
+    """Decide whether the plate rocks."""
     return _judge_linear(case, ROCKING, ROCKING_KEY, "plate_rocking", "rocking between the feet over the amplitude")
 
 
 def _judge_linear(case: Case, name: str, key: str, switch: str, meaning: str) -> Effect:
+    """Decide on an effect that grows linearly from the start of a run. Raises InputError if it grows too large.
+
+    `key` is its key in the scene, `switch` its name in effects.on and effects.off, `meaning` that of its number.
+    """
     on, reason = _decide_from_key(case, key, switch)
-    per_mm, way = 0.01 * math.hypot(*case.scene.value(key)), _max_distance(case)
-    if on and per_mm * way > MAX_AMPLITUDE_CHANGE:
+    per_mm, path = 0.01 * math.hypot(*case.scene.value(key)), _max_distance(case)
+    if on and per_mm * path > MAX_AMPLITUDE_CHANGE:
         raise InputError(
-            f"{describe_number(case.scene, key)}: a walker may get {way:.3g} mm far, where the amplitude would change "
-            f"by {100.0 * per_mm * way:.3g} %. At most {100.0 * MAX_AMPLITUDE_CHANGE:g} % are allowed. Limit the "
+            f"{describe_number(case.scene, key)}: a walker may get {path:.3g} mm far, where the amplitude would change "
+            f"by {100.0 * per_mm * path:.3g} %. At most {100.0 * MAX_AMPLITUDE_CHANGE:g} % are allowed. Limit the "
             "ground (arena.length_mm, on a plane arena.width_mm too), or lower run.seconds."
         )
     return Effect(name, on, per_mm * case.design.foot_span, meaning, reason, switch)
@@ -84,13 +88,13 @@ def _judge_linear(case: Case, name: str, key: str, switch: str, meaning: str) ->
 def _max_distance(case: Case) -> float:
     """Return the largest distance (mm) that walkers may reach from the start: the ground's ends, or the fastest run."""
     arena, run = case.scene.arena, case.scene.run
-    way = MAX_SPEED_RATIO * case.shaken.peak_speed * (run.seconds + run.discard_seconds)
+    distance = MAX_SPEED_RATIO * case.shaken.peak_speed * (run.seconds + run.discard_seconds)
     ends = [math.inf if size is None else 0.5 * size for size in (arena.length_mm, arena.width_mm)]
-    return min(way, ends[0] if arena.kind == "lane" else math.hypot(*ends))
+    return min(distance, ends[0] if arena.kind == "lane" else math.hypot(*ends))
 
 
 def _decide_from_key(case: Case, key: str, switch: str) -> tuple[bool, str]:
-    """Decide as `decide_from_key` does. Raises InputError for still plates."""
+    """Decide as `effect.decide_from_key` does. Raises InputError if the walker has a motor, whose plate is still."""
     on, reason = decide_from_key(case, key, switch)
     if on and case.scene.drive.kind == "motor":
         raise InputError(
@@ -107,15 +111,15 @@ RULES = (
 )
 
 
-def check_still_plate(scene: Scene, whom: str) -> None:
-    """Raise InputError where a scene's plate sways, which `whom` does not know."""
+def check_still_plate(scene: Scene, reason: str) -> None:
+    """Raise InputError, with a `reason`, if the scene's plate sways."""
     for key in KEYS:
         if not scene.is_zero(key):
-            raise InputError(f"{describe_number(scene, key)}: {whom}; leave the key out, or simulate one walker")
+            raise InputError(f"{describe_number(scene, key)}: {reason}; leave the key out, or simulate one walker")
 
 
 def parameters(case: Case, on: Mapping[str, bool]) -> Sway:
-    """Return the sway of a case's plate by those of its effects that are `on`."""
+    """Return the sway of a case's plate. `on` states by name which effects are simulated."""
     if not any(on[name] for name in NAMES):
         return OFF
     plate, size = case.scene.plate, case.scene.drive.amplitude
@@ -133,20 +137,23 @@ def parameters(case: Case, on: Mapping[str, bool]) -> Sway:
 
 
 def _slopes(size: float, percent: Sequence[float]) -> tuple[float, float]:
-    """Return the slopes along x and z of a plate whose amplitude `size` grows along x and to the left."""
+    """Return the slopes along x and z of a plate whose amplitude, `size` (mm), grows by `percent` per mm.
+
+    `percent` has two numbers: along x and to the left.
+    """
     along, left = percent
     return size * 0.01 * along, -(size * 0.01 * left)
 
 
 @lean
 def moves(sway):
-    """Return whether points of the plate do more than move up and down together."""
+    """Return whether the plate moves horizontally, or its points move by different heights."""
     return sway.moves
 
 
 @lean
 def displacements_and_slopes(sway, phase):
-    """Return the displacements (mm) and slopes along x and z at a phase (rad) of the drive."""
+    """Return the plate's displacements (mm) along x and z, then its slopes along both, at a drive's phase (rad)."""
     p, q, s, c = sway.with_sine, sway.with_cosine, math.sin(phase), math.cos(phase)
     return s * p[0] + c * q[0], s * p[1] + c * q[1], s * p[2] + c * q[2], s * p[3] + c * q[3]
 
@@ -155,7 +162,7 @@ def displacements_and_slopes(sway, phase):
 def motion(sway, omega, phase, x, z):
     """Compute velocity (mm/s), then acceleration (mm/s^2), along x, y, z of the plate's point (x, z), mm.
 
-    Both are relative to the vertical motion of the plate's middle.
+    Both are relative to the vertical motion of the plate's middle. `omega` (rad/s) and `phase` (rad) are the drive's.
     """
     p, q, s, c = sway.with_sine, sway.with_cosine, math.sin(phase), math.cos(phase)
     v_x, v_z, t_x, t_z = c * p[0] - s * q[0], c * p[1] - s * q[1], c * p[2] - s * q[2], c * p[3] - s * q[3]
@@ -173,7 +180,7 @@ def motion(sway, omega, phase, x, z):
 
 @lean
 def bounds(sway):
-    """Return the largest displacement (mm) and slope."""
+    """Return the largest horizontal displacement (mm) and the largest slope of the plate."""
     p, q = sway.with_sine, sway.with_cosine
     return (
         math.sqrt(p[0] * p[0] + p[1] * p[1] + q[0] * q[0] + q[1] * q[1]),

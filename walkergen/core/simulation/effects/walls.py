@@ -29,7 +29,7 @@ DROP_AMPLITUDES, TILT_ALLOWANCE_RAD = 1.5, 2e-3
 
 
 def gap(case: Case) -> float:
-    """Return the distance of the walls, mm. Raises InputError if the walker does not fit."""
+    """Return the distance between the lane's walls, mm. Raises InputError if the walker does not fit."""
     size, legs = case.design.size, case.design.limbs
     depth, wanted = size.depth, case.scene.arena.gap_mm
     if wanted is None:
@@ -59,7 +59,7 @@ def _check_headings(case: Case) -> None:
 
 
 def judge(case: Case) -> Effect:
-    """Judge the effect: on in a lane that the walker may turn in. The number is the turn it allows, rad."""
+    """Decide whether the lane's walls act: if the walker may turn. The number is the turn that the lane allows, rad."""
     arena, size = case.scene.arena, case.design.size
     meaning = "turn (rad) at which both walls are touched"
     if arena.kind != "lane":
@@ -78,7 +78,7 @@ RULE = Rule(judge, SWITCH, away={"arena": Arena(kind="plane")}, usual={"arena.ki
 
 
 def judge_lid(case: Case) -> Effect:
-    """Judge the effect: on under a lid. The number is the height of a throw at the plate's peak speed over the room.
+    """Decide whether a lid acts. The number is the height of a throw at the plate's peak speed over the space above.
 
     Raises InputError where the walker does not fit.
     """

@@ -44,9 +44,9 @@ FOOT_ACCELERATION_FACTOR = 1.75
 """Largest acceleration of a foot over that of a body which leaves its leg behind, a uniform rod."""
 
 _sways, _sway_motion, _sway_bounds = sways.moves, sways.motion, sways.bounds
-_noise_advance_time, _noise_bounds, _steepest = noises.advance_time, noises.bounds, rough.steepest
+_noise_advance_time, _noise_bounds, _roughness_slope_bound = noises.advance_time, noises.bounds, rough.slope_bound
 _motor_acts, _motor_push, _motor_swing = motors.acts, motors.push, motors.swing
-_motor_strongest = motors.strongest
+_motor_strongest = motors.largest_acceleration
 _motor_spin, _moment_of = motors.spin, motors.moment_of
 
 
@@ -148,7 +148,7 @@ def clear_time(world, state, work, longest):
     walker, R, points, now = world.walker, work.R, work.points, work.now
     shift, fast, f = walker.shift, walker.fast, walker.freedoms
     leg, place, first, time = walker.leg, walker.place, first_row(walker), longest
-    lifted, steep = plate_velocity(world, state), _steepest(world.acting.roughness)
+    lifted, steep = plate_velocity(world, state), _roughness_slope_bound(world.acting.roughness)
     fall = gravity_into(world.acting) + max_plate_acceleration(world)
     motor, motor_acts = world.acting.motor, _motor_acts(world.acting.motor)
     push = _motor_push(motor, walker.mass)

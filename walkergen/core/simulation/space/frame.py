@@ -12,7 +12,7 @@ from walkergen.core.simulation.effects import noise as noises
 from walkergen.core.simulation.effects import sway as sways
 from walkergen.core.simulation.effects.active_effects import force_in_space, gravity_along, gravity_into
 from walkergen.core.simulation.space.flight import lag_torque, pass_time
-from walkergen.core.simulation.space.pose import locate, normal_of, place, plate_sway, turn
+from walkergen.core.simulation.space.pose import locate, surface_normal, place, plate_sway, turn
 from walkergen.core.simulation.space.state import C_X, C_Z, LEGS, NOISE, PHASE, V_X, W_X
 from walkergen.core.simulation.world import acceleration
 
@@ -164,7 +164,7 @@ def _directions(world, state, work, near, lifted, t, m):
     h_x, h_z = R[0, 0] / size, R[2, 0] / size
     for i in range(m):
         k = near[i].number
-        n_x, n_y, n_z = normal_of(roughness, tilted, place[k], state, R, points, k)
+        n_x, n_y, n_z = surface_normal(roughness, tilted, place[k], state, R, points, k)
         a_x, a_y, a_z = _rate_acceleration(state, work.now, points, walker.side[k], leg[k], f, J.shape[1] - 6, k)
         if moved:
             a_x, a_y, a_z = a_x + b_x, a_y + b_y, a_z + b_z

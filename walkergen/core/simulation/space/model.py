@@ -83,7 +83,7 @@ def initial_state(
 
 
 def turn_to(state: State, heading: float) -> None:
-    """Turn a walker at heading 0 to another, rad to the left."""
+    """Turn a walker's state from heading 0 to `heading`, rad to the left."""
     c, s = math.cos(0.5 * heading), math.sin(0.5 * heading)
     q, i, j, k = state[Q_0 : Q_0 + 4]
     state[Q_0 : Q_0 + 4] = c * q - s * j, c * i + s * k, c * j + s * q, c * k - s * i
@@ -91,7 +91,7 @@ def turn_to(state: State, heading: float) -> None:
 
 
 def _set_motor_rates(world: World, state: State, work: Work) -> None:
-    """Let the body turn to and fro as its motor turns it, without turning on."""
+    """Set the turning rate at which the body sways to and fro with its motor, without lasting rotation."""
     walker, rotor = world.walker, world.acting.motor
     if motors.acts(rotor):
         still = rotor._replace(spin=(0.0, 0.0, 0.0))
@@ -102,7 +102,7 @@ def _set_motor_rates(world: World, state: State, work: Work) -> None:
 
 @kernel
 def energy(world, state):
-    """Return the kinetic, gravitational and elastic energy, contacts included, g mm^2/s^2 (1e-9 J)."""
+    """Return the energy of a state, g mm^2/s^2 (1e-9 J): kinetic, gravitational and elastic, contacts included."""
     walker = world.walker
     copy = state.copy()
     work = work_for(walker, state)
@@ -146,8 +146,7 @@ def feet(world: World, state: State) -> Array:
 def mirror_state(walker: Walker, state: State) -> State:
     """Return the state of a walker's mirror image (x -> -x), whose legs are listed in reverse.
 
-    `walker` is the one that the state belongs to. Points of the body are listed from back to
-    front, as in both.
+    `walker` is that of the given state. Points of the body are listed from back to front, as in both.
     """
     image, n = state.copy(), len(walker.stiffness)
     image[[SHOWN_X, HEADING, PITCH, C_X, V_X, W_Y, W_Z, Q_Y, Q_Z]] *= -1.0
@@ -161,12 +160,12 @@ def mirror_state(walker: Walker, state: State) -> State:
 
 
 def pose(state: State) -> tuple[float, float, float]:
-    """Return the place of O in the plate's plane (along x, and to the left of it, mm) and heading (rad)."""
+    """Return the position of O in the plate's plane (along x, and to the left of it, mm) and the heading (rad)."""
     return float(state[SHOWN_X]), float(state[SHOWN_Y]), float(state[HEADING])
 
 
 def sample_world(case: Case, resolved: Resolved, world: World, rng: np.random.Generator) -> World:
-    """Return the world of one run, with its own print and plate if the scene requires them."""
+    """Return the world of one run: with its own printed feet and plate, drawn if the scene requires it."""
     walker, acting = world.walker, world.acting
     if resolved.is_on(UNEVENNESS):
         corners = walker.place == 0.0

@@ -39,10 +39,11 @@ def leg_axis(limb: Limb) -> Array:
 
 
 def contact_points(case: Case, free: Sequence[int], centre: Array, walled: bool, lidded: bool) -> dict[str, Any]:
-    """Return points of contact: both corners of every foot, and body points between walls or under a lid.
+    """Return the arrays of contact points that `Walker` needs, by their names there, and `foot`.
 
-    `foot` is the number of the leg whose foot a point is, -1 for a point of the body; those come
-    last, those of each kind from back to front. `centre`: C from O, mm; `free`: numbers of the legs that swing.
+    Points are both corners of every foot, then those of the body if there are walls (`walled`) or a lid (`lidded`),
+    each from back to front. `foot` is the number of the leg whose foot a point is, -1 for the body. `centre`: C from O,
+    mm. `free`: numbers of the legs that swing.
     """
     design, mass = case.design, case.mass
     rows: list[Any] = []
@@ -71,35 +72,35 @@ def contact_points(case: Case, free: Sequence[int], centre: Array, walled: bool,
 
 
 def mirror_order(walker: Walker) -> Any:
-    """Return the numbers of a walker's points of contact in the order of its mirror image's, shape (k,)."""
+    """Return the numbers of a walker's contact points in the order of its mirror image's points, shape (k,)."""
     feet = np.flatnonzero(walker.place == 0.0).reshape(-1, 2)[::-1].ravel()
     others = [np.flatnonzero(kind) for kind in (walker.place > 0.0, walker.place < 0.0)]
     return np.concatenate([feet, *(kind[_order_from_back(walker.root[kind] * (-1.0, 1.0, 1.0))] for kind in others)])
 
 
 def _order_from_back(points: Array) -> Any:
-    """Return the numbers of points, shape (n, 3), in order from back to front, then across."""
+    """Return the indices that sort points, shape (n, 3), from back to front, then across."""
     return np.lexsort((points[:, 2], points[:, 0].round(6)))
 
 
 def body_hull(design: Design, mass: MassProperties, centre: Array) -> Array:
-    """Return points of the body's convex hull from C, shape (n, 3), mm: corners or outermost points."""
+    """Return points of the body's convex hull, shape (n, 3), mm, from C. `centre` is C from O, mm."""
     corners = _box_corners(design) if design.body.plain else _hull_points(design)
     corners[:, :2] = to_centre_frame(design.limbs, mass, corners[:, :2])
     return np.asarray(corners - centre)
 
 
 def _box_corners(design: Design) -> Array:
-    """Return the corners of a rectangular body, shape (8, 3), from its middle."""
+    """Return the corners of a rectangular body, shape (8, 3), from its middle, mm."""
     size = design.size
     signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
     return signs * (0.5 * np.array([size.length, size.thickness, size.depth]))
 
 
 def _hull_points(design: Design) -> Array:
-    """Return points of the hull of a body, shape (n, 3) with n <= MAX_HULL_POINTS, from its middle.
+    """Return points of the hull of a body, shape (n, 3) with n <= MAX_HULL_POINTS, from its middle, mm.
 
-    Of larger hulls the outermost points in `MAX_HULL_POINTS` directions, even over the sphere.
+    If the hull has more corners, the outermost points in `MAX_HULL_POINTS` evenly spread directions represent it.
     """
     from scipy.spatial import ConvexHull
 
@@ -115,10 +116,10 @@ def _hull_points(design: Design) -> Array:
 
 
 def _wall_points(design: Design) -> Array:
-    """Return the points of the body that touch walls, shape (n, 3), from its middle: from back to front.
+    """Return the points of the body that touch walls, shape (n, 3), mm from its middle, listed from back to front.
 
-    Of bodies in side view their upright edges, at the middle of their height; of others the
-    outermost points of the outline.
+    A body drawn in side view has its upright edges, at half height. Other bodies have the outermost points of the
+    outline.
     """
     size, shape = design.size, design.shape
     if shape.side is not None:
@@ -132,19 +133,18 @@ def _wall_points(design: Design) -> Array:
 
 
 def _lid_points(design: Design) -> Array:
-    """Return corners that may touch a lid as the body tilts, shape (n, 3), from its middle: from back to front."""
+    """Return corners that may touch a lid as the body tilts, shape (n, 3), mm from its middle, from back to front."""
     body, size = design.body, design.size
     hull = _box_corners(design) if body.plain else design.shape.solid().vertices - (0.0, 0.0, 0.5 * size.depth)
     reach = _directions(*LID_SLOPES) @ hull.T
-    outermost = (reach > reach.max(axis=1, keepdims=True) - EQUAL_REACH_MM).any(
-        axis=0
-    )  # of equal ones all, as in the mirror
+    # all points that reach equally far, so that mirror images have the same ones
+    outermost = (reach > reach.max(axis=1, keepdims=True) - EQUAL_REACH_MM).any(axis=0)
     corners = np.unique(hull[outermost].round(9), axis=0)
     return np.asarray(corners[_order_from_back(corners)])
 
 
 def _directions(*slopes: float) -> Array:
-    """Return `DIRECTION_COUNT` directions of each of some slopes, shape (n, 3)."""
+    """Return vectors in `DIRECTION_COUNT` horizontal directions, for each upward slope, shape (n, 3)."""
     turn = (np.arange(DIRECTION_COUNT) + 0.5) * 2.0 * math.pi / DIRECTION_COUNT
     flat = np.column_stack([np.cos(turn), 0.0 * turn, np.sin(turn)])
     return np.concatenate([np.array([0.0, slope, 0.0]) + flat for slope in slopes])

@@ -1,4 +1,7 @@
-"""Pose of a walker in space: rotation, points of contact, their gaps, and what moves them."""
+"""Pose of a walker in space: rotation, points of contact, their gaps, and what moves them.
+
+`world` is what stays the same in a run, `state` the array of what changes, and `work` the memory for results (state.py).
+"""
 
 import math
 
@@ -54,7 +57,7 @@ def plate_velocity(world, state):
 
 @lean
 def plate_sway(world, state):
-    """Return the displacements of a swaying plate along x and z, mm, and its slopes along both."""
+    """Return the displacements of a swaying plate along x and z, mm, then its slopes along both."""
     if not _sways(world.acting.sway):
         return 0.0, 0.0, 0.0, 0.0
     return _sway_displacements(world.acting.sway, state[PHASE])
@@ -76,7 +79,7 @@ def rotation_coefficients(square):
 
 @lean
 def turn(state, x, y, z):
-    """Turn the body by a rotation vector in body axes, rad."""
+    """Turn the body in `state` by the rotation vector (x, y, z) in body axes, rad."""
     square = 0.25 * (x * x + y * y + z * z)
     s, c = rotation_coefficients(square)
     c, x, y, z = 1.0 - c * square, 0.5 * s * x, 0.5 * s * y, 0.5 * s * z
@@ -91,7 +94,7 @@ def turn(state, x, y, z):
 
 @lean
 def rotation(state, R):
-    """Fill R with the matrix body axes -> world."""
+    """Fill R, shape (3, 3), with the rotation matrix from body axes to the world."""
     q, i, j, k = state[Q_0], state[Q_X], state[Q_Y], state[Q_Z]
     R[0, 0], R[0, 1], R[0, 2] = 1 - 2 * (j * j + k * k), 2 * (i * j - q * k), 2 * (i * k + q * j)
     R[1, 0], R[1, 1], R[1, 2] = 2 * (i * j + q * k), 1 - 2 * (i * i + k * k), 2 * (j * k - q * i)
@@ -100,7 +103,10 @@ def rotation(state, R):
 
 @lean
 def place(world, state, work):
-    """Fill the pose in `work`, and what the state shows of it; returns the turn of the heading."""
+    """Compute the pose from the state: fill R and velocities in `work`, and what a trajectory shows in `state`.
+
+    Returns the change of the heading, rad.
+    """
     walker, R, now, motion = world.walker, work.R, work.now, work.motion
     n, lock, shift = len(walker.stiffness), walker.lock, walker.shift
     rotation(state, R)
@@ -136,7 +142,7 @@ def place(world, state, work):
 
 @lean
 def locate(world, state, work):
-    """Fill points of contact, their derivatives and gaps at the pose in `work`."""
+    """Fill `work.points` at the pose in `work`: places of the contacts, their derivatives and gaps."""
     walker, R = world.walker, work.R
     n, f = len(walker.stiffness), walker.freedoms
     o_x, o_y, o_z = 0.0, 0.0, 0.0
@@ -183,10 +189,11 @@ def locate(world, state, work):
 
 
 @lean
-def normal_of(roughness, swayed, place, state, R, points, k):
-    """Return the normal of the surface at contact k, in the world; vertical part 1 on a rough or tilted plate.
+def surface_normal(roughness, swayed, place, state, R, points, k):
+    """Return the normal of the surface at contact k, in the world. On the plate its vertical part is 1.
 
-    `place` is that of its walls (0: none), as in `Walker`; `swayed` is what the function of this name returns.
+    `place` is the contact's entry of `Walker.place`: distance of walls, 0 for the plate, negative for the lid. `swayed`
+    is the result of `plate_sway`, `R` the rotation from body axes to the world.
     """
     s_x, s_z, t_x, t_z = swayed
     if place < 0.0:
@@ -202,9 +209,10 @@ def normal_of(roughness, swayed, place, state, R, points, k):
 
 @lean
 def point_velocity(state, now, points, shift, leg, f, k):
-    """Return the velocity of contact point k, body axes, mm/s: of leg `leg` (-1: none), f coordinates each.
+    """Return the velocity of contact point k, body axes, mm/s.
 
-    `now`, `points`: of `Work`; `shift`: of `Walker`.
+    `leg` is the number of its leg (-1: none), `f` the number of coordinates of each leg. `now` and `points` are those
+    of `Work`, `shift` that of `Walker`.
     """
     n = shift.shape[1]
     p_x, p_y, p_z = points[k].at[0], points[k].at[1], points[k].at[2]
@@ -228,7 +236,7 @@ def point_velocity(state, now, points, shift, leg, f, k):
 
 @lean
 def lowest_corner(world, state, work):
-    """Return the height of the body's lowest corner over the plate, mm; toppled when it reaches zero."""
+    """Return the height of the body's lowest corner over the plate, mm. At zero the walker has toppled."""
     R, corners, lowest = work.R, world.walker.corners, math.inf
     for i in range(len(corners)):
         y = R[1, 0] * corners[i, 0] + R[1, 1] * corners[i, 1] + R[1, 2] * corners[i, 2]

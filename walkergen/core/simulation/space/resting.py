@@ -1,4 +1,7 @@
-"""Rest: a walker that stands on stuck feet on a plate that cannot throw it rides along without steps."""
+"""Rest: a walker that stands on stuck feet on a plate that cannot throw it rides along without steps.
+
+`world` is what stays the same in a run, `state` the array of what changes, and `sums` the sums of the run's record.
+"""
 
 from walkergen.core.numerics.kernels import lean
 from walkergen.core.simulation import record
@@ -35,24 +38,30 @@ def _energy_over_plate(world, state):
 
 
 @lean
-def doze(world, state, t, period):
-    """Count time (t seconds more) at rest: stuck to a plate that cannot throw the walker."""
-    walker, stuck = world.walker, 0
+def count_rest_time(world, state, t, period):
+    """Count the time at rest in `state`: add t seconds if the walker is calm on stuck feet, else start from 0.
+
+    `period` is that of the plate, s. The plate must be too slow to throw the walker.
+    """
+    walker, stuck_corners = world.walker, 0
     first = first_row(walker)
     for k in range(len(walker.leg)):
         mode = state[first + ROW_LENGTH * k + MODE]
         if mode == STICK:
-            stuck += 1
+            stuck_corners += 1
         elif mode != OPEN:
-            stuck = -len(walker.leg)
-    resting = REST_SPEED_RATIO * gravity_into(world.acting) * period
-    calm = stuck >= MIN_STUCK_CORNERS and _energy_over_plate(world, state) < 0.5 * walker.mass * resting * resting
-    state[QUIET] = state[QUIET] + t if calm else 0.0
+            stuck_corners = -len(walker.leg)
+    rest_speed = REST_SPEED_RATIO * gravity_into(world.acting) * period
+    is_calm = (
+        stuck_corners >= MIN_STUCK_CORNERS
+        and _energy_over_plate(world, state) < 0.5 * walker.mass * rest_speed * rest_speed
+    )
+    state[QUIET] = state[QUIET] + t if is_calm else 0.0
 
 
 @lean
-def _halt(world, state, sums):
-    """Take a walker's rates over the plate away: its dampers have the energy."""
+def _stop_motion(world, state, sums):
+    """Set a walker's velocities relative to the plate to zero. Their energy counts as lost to dampers."""
     n, v = len(world.walker.stiffness), plate_velocity(world, state)
     sums[record.DAMPING_LOSS] += _energy_over_plate(world, state)
     sums[record.PLATE_WORK] += world.walker.mass * v * (v - state[V_X + 1])
@@ -62,9 +71,9 @@ def _halt(world, state, sums):
 
 
 @lean
-def ride(world, state, t, sums):
-    """Ride on the plate for t seconds, at rest."""
-    _halt(world, state, sums)
+def ride_on_plate(world, state, t, sums):
+    """Move a walker at rest with the plate for t seconds."""
+    _stop_motion(world, state, sums)
     mass, height, velocity = world.walker.mass, state[C_X + 1], state[V_X + 1]
     before = plate_height(world, state)
     pass_time(world, state, t)

@@ -254,7 +254,7 @@ def work_for(walker, state):
 
 @kernel
 def first_row(walker):
-    """Return the place of the first contact's row in a state."""
+    """Return the index in a state at which the row of the first contact begins."""
     return LEGS + 2 * len(walker.stiffness)
 
 

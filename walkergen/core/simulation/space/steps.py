@@ -27,7 +27,7 @@ from walkergen.core.simulation.space.frame import (
 )
 from walkergen.core.simulation.space.landings import end_landing, settle
 from walkergen.core.simulation.space.pose import locate, lowest_corner, place, plate_velocity, turn
-from walkergen.core.simulation.space.resting import DOZE_PERIODS, doze, ride
+from walkergen.core.simulation.space.resting import DOZE_PERIODS, count_rest_time, ride_on_plate
 from walkergen.core.simulation.space.state import (
     ACROSS,
     ALONG,
@@ -341,7 +341,7 @@ def advance_in(world, state, work, duration, tally):
         level = _flight_level(world, state, clear)
         if state[QUIET] > patience:
             passed = longest
-            ride(world, state, passed, sums)
+            ride_on_plate(world, state, passed, sums)
         elif level >= -HALVINGS:
             state[QUIET] = 0.0
             passed = step * 2.0**level
@@ -351,7 +351,7 @@ def advance_in(world, state, work, duration, tally):
             count = max(math.ceil(passed / step - 1e-9), 1)
             _advance_frame(world, state, work, begin + t, passed / count, count, tally)
             if gentle:
-                doze(world, state, passed, period)
+                count_rest_time(world, state, passed, period)
         t = duration if duration - t - passed < instant else t + passed
 
 

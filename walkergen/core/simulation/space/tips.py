@@ -128,17 +128,17 @@ def _direction_after_slip(a_1, a_2, side_1, side_2, along, exit, way, radius):
 
 
 @lean
-def _direction_toward_slip(a_1, a_2, side_1, side_2, ahead, behind, shrunk):
+def _direction_toward_slip(a_1, a_2, side_1, side_2, ahead, behind, tangent_ratio):
     """Return the unit direction of a stretch that the slider has dragged along the friction circle (eq. 7.10).
 
     Arguments: (a_1, a_2), unit direction of the slip; (side_1, side_2), part of the initial stretch across the slip,
-    mm; `ahead` and `behind`, length of the initial stretch plus and minus its part along the slip, mm; `shrunk`,
+    mm; `ahead` and `behind`, length of the initial stretch plus and minus its part along the slip, mm; `tangent_ratio`,
     factor by which the tangent of half the angle between stretch and slip has fallen.
     """
-    behind *= shrunk * shrunk
+    behind *= tangent_ratio * tangent_ratio
     total = ahead + behind
     if not total > 0.0:
         return -a_1, -a_2
     inverse = 1.0 / total
-    across, forward = 2.0 * shrunk * inverse, (ahead - behind) * inverse
+    across, forward = 2.0 * tangent_ratio * inverse, (ahead - behind) * inverse
     return forward * a_1 + across * side_1, forward * a_2 + across * side_2

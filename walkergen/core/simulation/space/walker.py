@@ -186,7 +186,7 @@ def _point_friction(scene: Scene, design: Design, foot: int) -> float:
 def _add_feet(walker: Walker, case: Case, feet_of_points: Array) -> tuple[Walker, Options]:
     """Return the walker with its elastic contacts and tabulated flights, and the steps that resolve them."""
     scene, material = case.scene, case.design.material
-    of_legs = [feet.foot_of(scene, limb, material) for limb in case.design.limbs]
+    of_legs = [feet.corner_contact(scene, limb, material) for limb in case.design.limbs]
     H, wall = mobility(walker), walker.place != 0.0
     # Walls and lid are as stiff as the first leg's corners
     of_points = [of_legs[max(number, 0)] for number in feet_of_points]
