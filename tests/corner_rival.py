@@ -11,8 +11,8 @@ from scipy.integrate import solve_ivp
 
 from walkergen.core.numerics.kernels import kernel
 from walkergen.core.simulation import record
-from walkergen.core.simulation.space.forces import guess, solve
-from walkergen.core.simulation.space.landings import settle
+from walkergen.core.simulation.space.forces import guess_modes, solve
+from walkergen.core.simulation.space.landings import advance_contact
 from walkergen.core.simulation.space.state import NEAR_DTYPE, OPEN, ROW_LENGTH
 
 
@@ -49,12 +49,12 @@ def _land(state, near, H, A, h, sums, path):
         for p in range(3):
             contact.middle[p] += contact.speed[p] - contact.free[p]
             contact.free[p] = contact.speed[p]
-        if guess(state, near, H, 1, h, 0) > 0:
+        if guess_modes(state, near, H, 1, h, 0) > 0:
             solve(near, H, A, 1, h)
         else:
             for p in range(3):
                 contact.force[p], contact.middle[p] = 0.0, contact.free[p]
-        left = settle(state, near, 0, 0, (step + 1) * h, h, sums)
+        left = advance_contact(state, near, 0, 0, (step + 1) * h, h, sums)
         for p in range(3):
             contact.speed[p] = 2.0 * contact.middle[p] - contact.speed[p]
             contact.impulse[p] += h * contact.force[p]

@@ -12,7 +12,7 @@ from space_rival import UP, Walker, land, plan_of, weightless
 
 from walkergen.core.simulation import record
 from walkergen.core.simulation.effects import feet
-from walkergen.core.simulation.space.frame import fill_frame, stiffen
+from walkergen.core.simulation.space.frame import fill_frame, fill_leg_mobility
 from walkergen.core.simulation.space.pose import locate, place, point_velocity
 from walkergen.core.simulation.space.state import (
     C_X,
@@ -250,7 +250,7 @@ def fill_frozen_frame(world, state, work):
     """
     work.near["number"] = np.arange(4)
     work.midway[:] = state
-    stiffen(world.walker, work, 1e-12)
+    fill_leg_mobility(world.walker, work, 1e-12)
     fill_frame(world, work, 0.0, 1e-12, 4)
     forward = np.array([work.R[0, 0], 0.0, work.R[2, 0]])
     forward = forward / math.sqrt(forward @ forward)

@@ -3,6 +3,8 @@
 The legs' coordinates follow tabulated exponentials for times h 2^i, without the torques of the
 body's turn. The top keeps its angular momentum exactly and turns by the implicit midpoint rule,
 solved to rounding.
+
+`world` holds what stays the same in a run, `state` (an array) what changes, and `work` memory for results (state.py).
 """
 
 import math
@@ -52,7 +54,7 @@ _motor_spin, _moment_of = motors.spin, motors.moment_of
 
 @lean
 def pass_time(world, state, t):
-    """Move the drive on by t seconds."""
+    """Advance the drive's phase and the noise's time by t seconds."""
     state[PHASE] = advance_phase(world.drive, state[PHASE], t)
     state[NOISE] = _noise_advance_time(world.acting.noise, state[NOISE], t)
 
@@ -61,7 +63,8 @@ def pass_time(world, state, t):
 def _swing_speed(state, R, points, shift, fast, leg, f, k, side):
     """Bound how much faster (mm/s) the legs' swing may bring contact k to its surface than it moves now.
 
-    The surface is the plate (`side` 1), or the lid (-1).
+    The surface is the plate (`side` 1), or the lid (-1). `leg` is the number of the contact's leg (-1: none), `f` the
+    number of coordinates of each leg. `R` and `points` are those of `Work`, `shift` and `fast` those of `Walker`.
     """
     n, speed = shift.shape[1], 0.0
     for j in range(n):
@@ -76,7 +79,7 @@ def _swing_speed(state, R, points, shift, fast, leg, f, k, side):
 
 @lean
 def max_plate_acceleration(world):
-    """Return an upper bound of the plate's acceleration, mm/s^2."""
+    """Return an upper bound of the plate's vertical acceleration, mm/s^2, with noise."""
     _, strongest = _noise_bounds(world.acting.noise)
     return derivative_bound(world.drive, 2) + strongest
 
@@ -89,7 +92,10 @@ def longest_flight(world):
 
 @lean
 def _motor_acceleration(walker, motor, points, k, d_x, d_y, d_z):
-    """Return the largest acceleration (mm/s^2) from a motor along d, body axes, of contact k, legs rigid."""
+    """Return the largest acceleration (mm/s^2) of contact k that a motor causes along d if legs are rigid.
+
+    d is a unit vector in body axes.
+    """
     p = points[k].at
     return _motor_strongest(motor, walker.centre, walker.mass, walker.inverse_inertia, p[0], p[1], p[2], d_x, d_y, d_z)
 
@@ -98,7 +104,7 @@ def _motor_acceleration(walker, motor, points, k, d_x, d_y, d_z):
 def lag_torque(walker, j, x, y, z, t_x, t_y, t_z):
     """Compute the torque on leg coordinate j from the leg's inertia, as the body is accelerated and turned.
 
-    The acceleration is (x, y, z), mm/s^2, the torque on the body t; momenta may replace both.
+    The acceleration of the body is (x, y, z), mm/s^2, and the torque on it t. Momenta may replace both.
     """
     shift, lock = walker.shift, walker.lock
     moved = shift[0, j] * x + shift[1, j] * y + shift[2, j] * z
@@ -107,7 +113,7 @@ def lag_torque(walker, j, x, y, z, t_x, t_y, t_z):
 
 @lean
 def _add_forced_swing(walker, omega, state, phase, sign):
-    """Add what a motor at this phase (rad) makes of the legs in lasting flight, times `sign`."""
+    """Add what a motor at `phase` (rad) forces on the legs in lasting flight, times `sign`, to angles and rates."""
     n, c, s = len(walker.stiffness), math.cos(phase), math.sin(phase)
     for j in range(n):
         a, b = walker.forced[0, j], walker.forced[1, j]
@@ -117,7 +123,7 @@ def _add_forced_swing(walker, omega, state, phase, sign):
 
 @lean
 def _turning_energy(walker, state):
-    """Return the energy of the body's turning rate W, g mm^2/s^2."""
+    """Return the kinetic energy of the body's turning rate W, g mm^2/s^2."""
     total = 0.0
     for i in range(3):
         for j in range(3):
@@ -129,33 +135,34 @@ def _turning_energy(walker, state):
 def _sway_closing_rates(world, state, work, k, side, speed):
     """Bound what a swaying plate adds to the velocity (mm/s) and acceleration (mm/s^2) at which contact k closes.
 
-    It closes on the surface on its `side`, moves at `speed`, and the bounds hold for the longest flight.
+    The contact moves at `speed` (mm/s). Its surface is the plate (`side` 1) or the lid (-1). Both bounds, which are
+    returned, hold for the longest flight.
     """
     R, at, omega, sway = work.R, work.points[k].at, world.drive.omega, world.acting.sway
-    far, slope = _sway_bounds(sway)
+    amplitude, slope = _sway_bounds(sway)
     x = state[C_X] + R[0, 0] * at[0] + R[0, 1] * at[1] + R[0, 2] * at[2]
     z = state[C_Z] + R[2, 0] * at[0] + R[2, 1] * at[1] + R[2, 2] * at[2]
-    _, lifted, _, _, _, _ = _sway_motion(sway, omega, state[PHASE], x, z)
-    along = speed + omega * far
-    reach = math.sqrt(x * x + z * z) + along * longest_flight(world)
-    faster = side * lifted + slope * (along + omega * far)
-    return faster, omega * slope * (omega * (reach + far) + 2.0 * along)
+    _, surface_speed, _, _, _, _ = _sway_motion(sway, omega, state[PHASE], x, z)
+    horizontal_speed = speed + omega * amplitude
+    distance = math.sqrt(x * x + z * z) + horizontal_speed * longest_flight(world)
+    extra_speed = side * surface_speed + slope * (horizontal_speed + omega * amplitude)
+    return extra_speed, omega * slope * (omega * (distance + amplitude) + 2.0 * horizontal_speed)
 
 
 @lean
 def clear_time(world, state, work, longest):
-    """Compute a time (s), at most `longest`, without any contact closing; fill that of each contact."""
+    """Compute a time (s), at most `longest`, in which no contact can close. Set `clear` of each contact to its own."""
     walker, R, points, now = world.walker, work.R, work.points, work.now
     shift, fast, f = walker.shift, walker.fast, walker.freedoms
     leg, place, first, time = walker.leg, walker.place, first_row(walker), longest
-    lifted, steep = plate_velocity(world, state), _roughness_slope_bound(world.acting.roughness)
-    fall = gravity_into(world.acting) + max_plate_acceleration(world)
+    plate_speed, surface_slope = plate_velocity(world, state), _roughness_slope_bound(world.acting.roughness)
+    plate_fall = gravity_into(world.acting) + max_plate_acceleration(world)
     motor, motor_acts = world.acting.motor, _motor_acts(world.acting.motor)
     push = _motor_push(motor, walker.mass)
-    swaying, far, fastest = _sways(world.acting.sway), 0.0, 0.0
+    swaying, sway_amplitude, sway_speed = _sways(world.acting.sway), 0.0, 0.0
     if swaying:
-        far, _ = _sway_bounds(world.acting.sway)
-        fastest = world.drive.omega * far
+        sway_amplitude, _ = _sway_bounds(world.acting.sway)
+        sway_speed = world.drive.omega * sway_amplitude
     for k in range(len(leg)):
         gap, points[k].clear = points[k].gap, 0.0
         if state[first + ROW_LENGTH * k + MODE] != OPEN or gap <= 0.0:
@@ -163,29 +170,29 @@ def clear_time(world, state, work, longest):
             continue
         v_x, v_y, v_z = point_velocity(state, now, points, shift, leg[k], f, k)
         if place[k] > 0.0:
-            clear = gap / (math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z + 1e-300) + fastest)
+            clear = gap / (math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z + 1e-300) + sway_speed)
             if motor_acts:
-                drawn = FOOT_ACCELERATION_FACTOR * _motor_acceleration(
+                max_acceleration = FOOT_ACCELERATION_FACTOR * _motor_acceleration(
                     walker, motor, points, k, R[2, 0], R[2, 1], R[2, 2]
                 )
-                root = math.sqrt(1.0 + 2.0 * drawn * clear * clear / gap)
+                root = math.sqrt(1.0 + 2.0 * max_acceleration * clear * clear / gap)
                 clear *= 2.0 / (1.0 + root)
         else:
             side = 1.0 if place[k] == 0.0 else -1.0
-            closing = side * (lifted - (R[1, 0] * v_x + R[1, 1] * v_y + R[1, 2] * v_z))
+            closing = side * (plate_speed - (R[1, 0] * v_x + R[1, 1] * v_y + R[1, 2] * v_z))
             closing += _swing_speed(state, R, points, shift, fast, leg[k], f, k, side)
-            if steep > 0.0:
-                closing += steep * (math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z) + fastest)
-            drawn = fall
+            if surface_slope > 0.0:
+                closing += surface_slope * (math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z) + sway_speed)
+            max_acceleration = plate_fall
             if swaying:
-                faster, stronger = _sway_closing_rates(
+                extra_speed, extra_acceleration = _sway_closing_rates(
                     world, state, work, k, side, math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z)
                 )
-                closing, drawn = closing + faster, drawn + stronger
+                closing, max_acceleration = closing + extra_speed, max_acceleration + extra_acceleration
             if motor_acts:
                 thrown = _motor_acceleration(walker, motor, points, k, R[1, 0], R[1, 1], R[1, 2])
-                drawn += FOOT_ACCELERATION_FACTOR * (thrown + steep * push)
-            root = closing + math.sqrt(closing * closing + 2.0 * drawn * gap)
+                max_acceleration += FOOT_ACCELERATION_FACTOR * (thrown + surface_slope * push)
+            root = closing + math.sqrt(closing * closing + 2.0 * max_acceleration * gap)
             clear = 2.0 * gap / max(root, 1e-300)
         points[k].clear = clear
         time = min(time, clear)
@@ -194,7 +201,7 @@ def clear_time(world, state, work, longest):
 
 @lean
 def _swing(walker, work, state, level):
-    """Swing the legs by the propagator `level`; returns the energy that their dampers take."""
+    """Swing the legs for a flight of Options.step 2^level seconds. Return the energy that their dampers take."""
     n = len(walker.stiffness)
     before = legs_energy(walker, state)
     P = walker.flights[level + HALVINGS]
@@ -211,7 +218,7 @@ def _swing(walker, work, state, level):
 
 @lean
 def legs_energy(walker, state):
-    """Return the kinetic energy of the legs' coordinates, with C and W given, and energy of their springs."""
+    """Return the energy of the legs, g mm^2/s^2: kinetic, with C and W given, and that of their springs."""
     n, total = len(walker.stiffness), 0.0
     for i in range(n):
         total += walker.stiffness[i] * state[LEGS + i] * state[LEGS + i]
@@ -231,7 +238,7 @@ def _multiply_vector(M, x, y, z):
 
 @lean
 def _rotate_back(x, y, z, t_x, t_y, t_z):
-    """Return the vector (x, y, z) in axes turned by a rotation vector t."""
+    """Return the components of the vector (x, y, z) in axes that are turned by the rotation vector t, rad."""
     s, c = rotation_coefficients(t_x * t_x + t_y * t_y + t_z * t_z)
     a_x, a_y, a_z = t_y * z - t_z * y, t_z * x - t_x * z, t_x * y - t_y * x
     b_x, b_y, b_z = t_y * a_z - t_z * a_y, t_z * a_x - t_x * a_z, t_x * a_y - t_y * a_x
@@ -240,7 +247,7 @@ def _rotate_back(x, y, z, t_x, t_y, t_z):
 
 @lean
 def _fall(world, state, work, t, sums):
-    """Let C fall for t seconds, with the drag of its start."""
+    """Let C fall for t seconds, with constant air drag. The drag's energy is added to `sums`."""
     walker, now = world.walker, work.now
     g_x, g_y = gravity_along(world.acting), -gravity_into(world.acting)
     f_x, f_y, f_z = force_in_space(world.acting, now)
@@ -259,9 +266,9 @@ def _fall(world, state, work, t, sums):
 
 @lean
 def _swing_shaken(world, state, work, t, level):
-    """Swing the legs as `_swing` does, about what the motor makes of them in lasting flight.
+    """Swing the legs as `_swing` does for t seconds, about the oscillation that the motor forces on them.
 
-    The energy of their dampers leaves out what that costs them.
+    The returned energy of their dampers leaves out that of the forced oscillation.
     """
     walker, omega, phase = world.walker, world.acting.motor.omega, state[PHASE]
     _add_forced_swing(walker, omega, state, phase, -1.0)
@@ -277,8 +284,7 @@ def _swing_shaken(world, state, work, t, level):
 def _turn_free(world, state, work, t):
     """Turn the body, a free top, for t seconds while its legs have swung from `work.before`.
 
-    With a motor the conserved angular momentum includes the rotor's, and its unbalanced mass turns
-    the body to and fro.
+    With a motor the conserved angular momentum includes the rotor's, and its unbalanced mass turns the body to and fro.
     """
     walker, motor = world.walker, _motor_acts(world.acting.motor)
     n, d_x, d_y, d_z = len(walker.stiffness), 0.0, 0.0, 0.0
@@ -317,7 +323,7 @@ def _turn_free(world, state, work, t):
 
 @lean
 def fly(world, state, work, t, level, sums):
-    """Fly for t = Options.step 2^level seconds."""
+    """Fly for t = Options.step 2^level seconds. Energies of dampers, drag and motor are added to `sums`."""
     walker, motor = world.walker, _motor_acts(world.acting.motor)
     _fall(world, state, work, t, sums)
     if motor:

@@ -9,6 +9,8 @@ slip. No order of contacts, no iteration between them, no limit on the step from
 
 A contact that is open when a step begins, and touches in it, acts for its last share s: the mean of
 its force over the step is s times that of spring and damper at the middle of the share.
+
+`near` lists the contacts near a surface (`NEAR_DTYPE` of state.py), of which the first m are in use.
 """
 
 import math
@@ -71,25 +73,25 @@ def _push_at_start(near, i):
 
 
 @lean
-def _resist(near, i, h, held):
+def _set_closed_springs(near, i, h, old_stiffness):
     """Set stiffness and resistances of near contact i, closed in the whole step of h seconds.
 
-    Its tangential spring, so far of stiffness `held`, follows the normal one (Mindlin): pressed on it keeps its
-    force, relieved it keeps its stretch, so that it never gains energy.
+    Its tangential spring, so far of stiffness `old_stiffness` (g/s^2), follows the normal one (Mindlin). Pressed on it
+    keeps its force, relieved it keeps its stretch, so that it never gains energy.
     """
     near[i].share = 1.0
     _linearise(near, i, h, _depth_in_middle(near, i, h))
     near[i].k_t = near[i].shear * near[i].k_n
     near[i].b_t = 0.5 * h * near[i].k_t
     e_1, e_2 = near[i].gap[1], near[i].gap[2]
-    near[i].strain = 0.5 * held * (e_1 * e_1 + e_2 * e_2)
+    near[i].strain = 0.5 * old_stiffness * (e_1 * e_1 + e_2 * e_2)
     # After eq. 7.9: a stiffer spring keeps its force, a softer one its stretch
-    if near[i].k_t > held:
-        near[i].gap[1], near[i].gap[2] = e_1 * held / near[i].k_t, e_2 * held / near[i].k_t
+    if near[i].k_t > old_stiffness:
+        near[i].gap[1], near[i].gap[2] = e_1 * old_stiffness / near[i].k_t, e_2 * old_stiffness / near[i].k_t
 
 
 @lean
-def _touch(near, i, h, share):
+def _set_touch_springs(near, i, h, share):
     """Set stiffness and resistances of contact i, which touches within the step and is closed for its last `share`.
 
     The contact's springs are relaxed at touch. Its force is the mean over the whole step.
@@ -112,7 +114,7 @@ def _closed_share(near, i, u, h):
 
 
 @lean
-def guess(state, near, H, m, h, first):
+def guess_modes(state, near, H, m, h, first):
     """Set first guesses of the modes of m near contacts in a step of h seconds; return how many are closed.
 
     The contacts' velocities in the middle of the step are those that the forces of the previous step would give. H is
@@ -138,11 +140,11 @@ def _guess_mode(state, near, H, i, h, at):
             share = _closed_share(near, i, near[i].middle[0], h)
         if share == 0.0:
             return OPEN
-        _touch(near, i, h, share)
+        _set_touch_springs(near, i, h, share)
     else:
         if gap + 0.5 * h * near[i].speed[0] >= 0.0:
             return OPEN
-        _resist(near, i, h, state[at + SHEAR])
+        _set_closed_springs(near, i, h, state[at + SHEAR])
     press = max(_push_at_start(near, i) - near[i].b_n * near[i].middle[0], 0.0)
     mode = int(state[at + MODE])
     if mode == OPEN:
@@ -152,12 +154,12 @@ def _guess_mode(state, near, H, i, h, at):
         mode = SLIDE if t_1 * t_1 + t_2 * t_2 > limit * limit else STICK
     if mode == STICK:
         return STICK
-    aim(near, i, near[i].middle[1], near[i].middle[2], press, h)
+    set_sliding_directions(near, i, near[i].middle[1], near[i].middle[2], press, h)
     return STICK if _jams(near, H, i, h) else SLIDE
 
 
 @lean
-def aim(near, i, u_1, u_2, press, h):
+def set_sliding_directions(near, i, u_1, u_2, press, h):
     """Set the sliding directions of contact i in the middle of its share of the step, and at the step's end.
 
     The contact slips by (u_1, u_2), mm/s, under the normal force `press`, g mm/s^2, in a step of h seconds. Returns
@@ -177,7 +179,10 @@ def aim(near, i, u_1, u_2, press, h):
 
 @lean
 def _jams(near, H, i, h):
-    """Return whether the friction of a sliding contact would press it on faster than a step can follow."""
+    """Return whether the friction of sliding contact i would press it on faster than a step of h seconds can follow.
+
+    H is the inverse mass at the contacts, 1/g.
+    """
     b = 3 * i
     turned = near[i].toward[0] * H[b, b + 1] + near[i].toward[1] * H[b, b + 2]
     return 1.0 + 0.5 * h * near[i].b_n * (H[b, b] - near[i].friction * turned) < JAM_RATIO
@@ -185,7 +190,10 @@ def _jams(near, H, i, h):
 
 @lean
 def _assemble(near, H, A, m, h):
-    """Fill A with the equations of the forces of m near contacts in the modes tried; return their number."""
+    """Fill A with the equations of the forces of m near contacts in the modes `tried`; return the number of equations.
+
+    H is the inverse mass at the contacts, 1/g, and h the length of the step, s.
+    """
     count = 0
     for i in range(m):
         near[i].unknown = count
@@ -217,7 +225,7 @@ def _assemble(near, H, A, m, h):
 
 @lean
 def _eliminate(A, count):
-    """Solve the equations in place by Gauss' elimination; the last column holds the unknowns."""
+    """Solve `count` equations in place by Gauss' elimination. The last column of A then holds the unknowns."""
     for i in range(count):
         inverse = A[i, i] = 1.0 / A[i, i]
         for j in range(i + 1, count):
@@ -234,7 +242,7 @@ def _eliminate(A, count):
 
 @lean
 def _set_forces(near, A, m, count):
-    """Set the forces from the unknowns; contacts that would pull are opened: their number."""
+    """Set the forces of m contacts from the `count` unknowns in A. Open contacts that would pull; return how many."""
     pulling = 0
     for i in range(m):
         near[i].force[0] = near[i].force[1] = near[i].force[2] = 0.0
@@ -256,8 +264,11 @@ def _set_forces(near, A, m, count):
 
 
 @lean
-def _move(near, H, m, h):
-    """Set the velocities in the middle of the step, from the forces."""
+def _set_velocities(near, H, m, h):
+    """Set the velocities (`middle`) of m contacts in the middle of the step of h seconds, from their forces.
+
+    H is the inverse mass at the contacts, 1/g.
+    """
     for j in range(m):
         for p in range(3):
             total, r = 0.0, 3 * j + p
@@ -272,7 +283,10 @@ def _move(near, H, m, h):
 
 @lean
 def _correct(near, H, m, h):
-    """Change modes and directions that the forces contradict; returns how many."""
+    """Change the modes, directions and linearised springs of m contacts that the forces contradict; return how many.
+
+    H is the inverse mass at the contacts, 1/g, and h the length of the step, s.
+    """
     changed = 0
     for i in range(m):
         if near[i].gap[0] > 0.0 and _landing_changes(near, H, i, h):
@@ -280,8 +294,8 @@ def _correct(near, H, m, h):
             continue
         if near[i].tried != OPEN and near[i].tip != math.inf:
             depth = _depth_in_middle(near, i, h)
-            off = depth - near[i].about
-            if near[i].k_n * off * off > TANGENT_TOLERANCE * near[i].about * near[i].force[0]:
+            depth_error = depth - near[i].about
+            if near[i].k_n * depth_error * depth_error > TANGENT_TOLERANCE * near[i].about * near[i].force[0]:
                 _linearise(near, i, h, depth)
                 changed += 1
         press = near[i].force[0]
@@ -289,7 +303,7 @@ def _correct(near, H, m, h):
         if near[i].tried == STICK:
             size = math.sqrt(near[i].force[1] ** 2 + near[i].force[2] ** 2)
             if size > limit:
-                aim(near, i, near[i].middle[1], near[i].middle[2], press, h)
+                set_sliding_directions(near, i, near[i].middle[1], near[i].middle[2], press, h)
                 if not _jams(near, H, i, h):
                     near[i].tried = SLIDE
                     changed += 1
@@ -305,7 +319,7 @@ def _correct(near, H, m, h):
             elif (
                 abs(u_1 - near[i].slip[0]) + abs(u_2 - near[i].slip[1])
                 > DIRECTION_TOLERANCE_RAD * (abs(u_1) + abs(u_2))
-                and aim(near, i, u_1, u_2, press, h) > DIRECTION_TOLERANCE_RAD
+                and set_sliding_directions(near, i, u_1, u_2, press, h) > DIRECTION_TOLERANCE_RAD
             ):
                 changed += 1
     return changed
@@ -313,13 +327,13 @@ def _correct(near, H, m, h):
 
 @lean
 def _landing_changes(near, H, i, h):
-    """Locate the touch of contact i, open when the step began, again; return True if that changes it."""
+    """Compute again when contact i, open as the step began, touches. Return whether its mode or share changes."""
     r, u = 3 * i, near[i].middle[0]
     if near[i].tried == OPEN:
         share = _closed_share(near, i, u, h)
         if share < MIN_CLOSED_SHARE:
             return False
-        _touch(near, i, h, share)
+        _set_touch_springs(near, i, h, share)
         near[i].tried = STICK
         return True
     # the velocity until it touches: without its own force
@@ -331,13 +345,16 @@ def _landing_changes(near, H, i, h):
         return True
     if abs(share - near[i].share) < TOUCH_TOLERANCE:
         return False
-    _touch(near, i, h, share)
+    _set_touch_springs(near, i, h, share)
     return True
 
 
 @lean
 def _limit_to_cone(near, m, h):
-    """Cut forces to the friction cone, where modes found no agreement or a foot jams."""
+    """Cut the forces of sticking contacts to the friction cone. Return whether any was cut.
+
+    This is needed where modes found no agreement or a foot jams.
+    """
     cut = False
     for i in range(m):
         limit = near[i].friction * near[i].force[0]
@@ -347,7 +364,7 @@ def _limit_to_cone(near, m, h):
                 cut = True
                 near[i].tried = SLIDE
                 u_1, u_2 = near[i].middle[1], near[i].middle[2]
-                aim(near, i, u_1, u_2, near[i].force[0], h)
+                set_sliding_directions(near, i, u_1, u_2, near[i].force[0], h)
                 near[i].force[1] *= limit / size
                 near[i].force[2] *= limit / size
     return cut
@@ -355,14 +372,17 @@ def _limit_to_cone(near, m, h):
 
 @lean
 def solve(near, H, A, m, h):
-    """Set forces and mid-step velocities of m near contacts for a step of h seconds."""
+    """Set the forces and mid-step velocities of m near contacts for a step of h seconds.
+
+    H is the inverse mass at the contacts, 1/g, and A memory for the equations.
+    """
     for _ in range(MAX_CORRECTIONS):
         count = _assemble(near, H, A, m, h)
         _eliminate(A, count)
         if _set_forces(near, A, m, count) > 0:
             continue
-        _move(near, H, m, h)
+        _set_velocities(near, H, m, h)
         if _correct(near, H, m, h) == 0:
             break
     if _limit_to_cone(near, m, h):
-        _move(near, H, m, h)
+        _set_velocities(near, H, m, h)

@@ -2,6 +2,8 @@
 
 Legs enter with the inertia of the implicit midpoint rule, which their springs and dampers raise by
 h c / 2 + h^2 k / 4: no step is too long for a stiff leg.
+
+`world` holds what stays the same in a run, `state` (an array) what changes, and `work` memory for results (state.py).
 """
 
 import math
@@ -12,7 +14,7 @@ from walkergen.core.simulation.effects import noise as noises
 from walkergen.core.simulation.effects import sway as sways
 from walkergen.core.simulation.effects.active_effects import force_in_space, gravity_along, gravity_into
 from walkergen.core.simulation.space.flight import lag_torque, pass_time
-from walkergen.core.simulation.space.pose import locate, surface_normal, place, plate_sway, turn
+from walkergen.core.simulation.space.pose import locate, place, plate_sway, surface_normal, turn
 from walkergen.core.simulation.space.state import C_X, C_Z, LEGS, NOISE, PHASE, V_X, W_X
 from walkergen.core.simulation.world import acceleration
 
@@ -22,8 +24,8 @@ _motor_acts, _motor_spin, _motor_torque = motors.acts, motors.spin, motors.torqu
 
 
 @lean
-def stiffen(walker, work, h):
-    """Fill the legs' inverse inertia for steps of h seconds, by Gauss and Jordan."""
+def fill_leg_mobility(walker, work, h):
+    """Fill `work.swing`, the inverse inertia of the legs' coordinates in steps of h seconds, by Gauss and Jordan."""
     n, swing, A = len(walker.stiffness), work.swing, work.A
     if work.swung[0] == h:
         return
@@ -49,7 +51,11 @@ def stiffen(walker, work, h):
 
 @lean
 def _fill_row(J, points, shift, lock, leg, f, k, m, d_x, d_y, d_z):
-    """Fill row m of the Jacobian: contact k of a leg along a direction in body axes."""
+    """Fill row m of the Jacobian J: how fast contact k moves along the direction d (body axes) by each velocity.
+
+    `leg` is the number of its leg (-1: none), `f` the number of coordinates of each leg. `points` are those of `Work`,
+    `shift` and `lock` those of `Walker`.
+    """
     n = J.shape[1] - 6
     p_x, p_y, p_z = points[k].at[0], points[k].at[1], points[k].at[2]
     t_x, t_y, t_z = p_y * d_z - p_z * d_y, p_z * d_x - p_x * d_z, p_x * d_y - p_y * d_x
@@ -76,8 +82,8 @@ def _fill_row(J, points, shift, lock, leg, f, k, m, d_x, d_y, d_z):
 def _rate_acceleration(state, now, points, side, leg, f, n, k):
     """Return the acceleration of contact k from the rates alone (centripetal, Coriolis), body axes, mm/s^2.
 
-    It is what changes velocities while Jacobians are frozen; `side` is the point's place across
-    its leg.
+    It changes velocities while Jacobians are frozen. `side` is the point's place across its leg, `leg` the leg's number
+    (-1: none), `f` the number of coordinates of each leg, n that of all legs.
     """
     w_x, w_y, w_z = now[3], now[4], now[5]
     p_x, p_y, p_z = points[k].at[0], points[k].at[1], points[k].at[2]
@@ -101,7 +107,10 @@ def _rate_acceleration(state, now, points, side, leg, f, n, k):
 
 @lean
 def _apply_inverse_mass(J, MJ, ML, swing, mass, inverse, rows):
-    """Fill M^-1 J^T, by rows: mass and inertia of the whole, then the legs' own block."""
+    """Fill the first `rows` rows of (M^-1 J^T)^T: MJ for mass and inertia of the whole, ML for the legs' coordinates.
+
+    Arguments: Jacobian, the two results, then the inverse of the legs' inertia, mass and inertia.
+    """
     # Eq. 7.3: kinetic energy has no cross terms, so that M^-1 is three blocks
     n = J.shape[1] - 6
     for r in range(rows):
@@ -117,8 +126,8 @@ def _apply_inverse_mass(J, MJ, ML, swing, mass, inverse, rows):
 
 
 @lean
-def halfway(world, state, work, t):
-    """Fill the pose in the middle of a frame of t seconds, by the rates at its start.
+def fill_midpoint_pose(world, state, work, t):
+    """Fill `work` with the pose in the middle of a frame of t seconds, from the rates at its start.
 
     Jacobians of that pose make the frame of second order, which those of its start do not.
     """
@@ -138,7 +147,10 @@ def halfway(world, state, work, t):
 
 @lean
 def _motor_point_acceleration(now, thrown):
-    """Return the acceleration (mm/s^2, body axes) of the body's points from a motor, including Coriolis."""
+    """Return the acceleration (mm/s^2, body axes) of the body's points from a motor, including Coriolis.
+
+    `now` and `thrown` are those of `Work`.
+    """
     x, y, z = thrown[1, 0], thrown[1, 1], thrown[1, 2]
     return (
         -thrown[2, 0] - 2.0 * (now[4] * z - now[5] * y),
@@ -148,16 +160,17 @@ def _motor_point_acceleration(now, thrown):
 
 
 @lean
-def _directions(world, state, work, near, lifted, t, m):
-    """Fill Jacobians and spring constants of the m near contacts.
+def _fill_directions(world, state, work, near, plate_speed, t, m):
+    """Fill Jacobians and spring constants of the m contacts in `near`, for a frame of t seconds.
 
-    Fill also what the surfaces and the rates alone give to their velocities and accelerations.
+    Fill also what the plate, which starts at `plate_speed` (mm/s), and the rates alone give to their velocities and
+    accelerations.
     """
     walker, R, J, points = world.walker, work.R, work.J, work.points
-    lifting = plate_acceleration(world, state)
+    upward_acceleration = plate_acceleration(world, state)
     friction, place = walker.friction, walker.place
     shift, lock, leg, f, upward = (walker.shift, walker.lock, walker.leg, walker.freedoms, walker.upward)
-    roughness, moved = world.acting.roughness, _motor_acts(world.acting.motor)
+    roughness, has_motor = world.acting.roughness, _motor_acts(world.acting.motor)
     sway, tilted = _sways(world.acting.sway), plate_sway(world, state)
     b_x, b_y, b_z = _motor_point_acceleration(work.now, work.thrown)
     size = math.sqrt(R[0, 0] * R[0, 0] + R[2, 0] * R[2, 0]) + 1e-300
@@ -166,7 +179,7 @@ def _directions(world, state, work, near, lifted, t, m):
         k = near[i].number
         n_x, n_y, n_z = surface_normal(roughness, tilted, place[k], state, R, points, k)
         a_x, a_y, a_z = _rate_acceleration(state, work.now, points, walker.side[k], leg[k], f, J.shape[1] - 6, k)
-        if moved:
+        if has_motor:
             a_x, a_y, a_z = a_x + b_x, a_y + b_y, a_z + b_z
         for p in range(3):
             if p == 0:
@@ -189,9 +202,9 @@ def _directions(world, state, work, near, lifted, t, m):
                 R[0, 2] * d_x + R[1, 2] * d_y + R[2, 2] * d_z,
             )
             upright, r = upward[k, p], 3 * i + p
-            bent = J[r, 0] * a_x + J[r, 1] * a_y + J[r, 2] * a_z
-            near[i].speed[p] = -upright * lifted - 0.5 * t * bent
-            near[i].drift[p] = bent - upright * lifting
+            rate_acceleration = J[r, 0] * a_x + J[r, 1] * a_y + J[r, 2] * a_z
+            near[i].speed[p] = -upright * plate_speed - 0.5 * t * rate_acceleration
+            near[i].drift[p] = rate_acceleration - upright * upward_acceleration
             if sway:
                 _subtract_sway(world, state, work, tilted, i, p, t, d_x, d_y, d_z)
         near[i].friction = friction[k]
@@ -202,9 +215,9 @@ def _directions(world, state, work, near, lifted, t, m):
 
 @lean
 def _subtract_sway(world, state, work, tilted, i, p, t, d_x, d_y, d_z):
-    """Subtract the plate's motion relative to its middle from contact i, along direction d (world).
+    """Subtract the plate's motion relative to its middle from near contact i, along its direction p, d in the world.
 
-    The frame has t seconds.
+    The frame has t seconds, and `tilted` is the result of `plate_sway`.
     """
     near, R, at = work.near, work.R, work.points[work.near[i].number].at
     x = state[C_X] + R[0, 0] * at[0] + R[0, 1] * at[1] + R[0, 2] * at[2] - tilted[0]
@@ -219,7 +232,7 @@ def _subtract_sway(world, state, work, tilted, i, p, t, d_x, d_y, d_z):
 
 @lean
 def sway_work(near, m, t):
-    """Compute a plate's work (g mm^2/s^2) on m contacts in t seconds, from its motion relative to its middle."""
+    """Compute the work (g mm^2/s^2) of a plate's motion relative to its middle on m contacts in t seconds."""
     total = 0.0
     for i in range(m):
         for p in range(3):
@@ -229,15 +242,15 @@ def sway_work(near, m, t):
 
 
 @lean
-def fill_frame(world, work, lifted, t, m):
-    """Fill Jacobians, velocities and inverse mass of the m near contacts of a frame.
+def fill_frame(world, work, plate_speed, t, m):
+    """Fill Jacobians, velocities and inverse mass of the m near contacts of a frame of t seconds.
 
-    It lasts t seconds, and starts with the plate at the velocity `lifted` (mm/s).
+    It starts with the plate at `plate_speed` (mm/s, upward).
     """
     state = work.midway
     near, J = work.near, work.J
     n = J.shape[1] - 6
-    _directions(world, state, work, near, lifted, t, m)
+    _fill_directions(world, state, work, near, plate_speed, t, m)
     for i in range(m):
         for p in range(3):
             r = 3 * i + p
@@ -258,7 +271,7 @@ def fill_frame(world, work, lifted, t, m):
 
 @lean
 def _fill_mobility(J, MJ, ML, H, rows):
-    """Fill J M^-1 J^T."""
+    """Fill the first `rows` rows of H with the inverse mass at the contacts, J M^-1 J^T, from J and M^-1 J^T."""
     n = J.shape[1] - 6
     for r in range(rows):
         for c in range(r + 1):
@@ -279,7 +292,7 @@ def plate_acceleration(world, state):
 
 @lean
 def accelerate(world, state, work):
-    """Fill the accelerations of C and W without contact: gravity, effects, rotation."""
+    """Fill `work.acting`, the accelerations of C and W without contact: gravity, air drag, rotation, motor."""
     walker, R, now, acting = world.walker, work.R, work.now, work.acting
     g_x, g_y = gravity_along(world.acting), -gravity_into(world.acting)
     f_x, f_y, f_z = force_in_space(world.acting, now)
@@ -306,7 +319,7 @@ def accelerate(world, state, work):
 
 @lean
 def _add_motor_acceleration(world, work):
-    """Add what a motor turns: the body, and the legs that its push leaves behind."""
+    """Add a motor's turning of the body to `work.acting`. Fill `work.left`, the torques on legs that lag behind."""
     walker, inverse, thrown = world.walker, world.walker.inverse_inertia, work.thrown
     p_x, p_y, p_z = _motor_torque(world.acting.motor, walker.centre, walker.mass, thrown)
     for row in range(3):
@@ -318,7 +331,7 @@ def _add_motor_acceleration(world, work):
 
 @lean
 def motor_work(walker, motor, state, work, m, t):
-    """Compute a motor's work (g mm^2/s^2) in a frame of t seconds: on m contacts, body and legs."""
+    """Compute a motor's work (g mm^2/s^2) in a frame of t seconds: on m contacts, the body and the legs."""
     near, J, thrown, total = work.near, work.J, work.thrown, 0.0
     for i in range(m):
         for p in range(3):

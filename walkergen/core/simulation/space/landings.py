@@ -36,6 +36,10 @@ TYPES_BACKWARD = (TYPE_IV, II_MIRRORED, III_MIRRORED)
 
 @lean
 def _begin_landing(state, at, t, u_n, u_a, u_c):
+    """Start the record of a landing at time t (s) with the velocity u (normal, along, across), mm/s.
+
+    `at` is the index of the contact's row in the state.
+    """
     state[at + LANDED], state[at + STOP] = t, SLIDING
     state[at + U_N], state[at + U_A], state[at + U_C] = u_n, u_a, u_c
     state[at + J_N] = state[at + J_A] = state[at + J_C] = 0.0
@@ -59,10 +63,11 @@ def end_landing(state, at, k, on_plate, tally):
 
 
 @lean
-def settle(state, near, i, at, t, h, sums):
-    """Move the springs of near contact i over a step of h seconds that ends at t (s); return whether a landing ended.
+def advance_contact(state, near, i, at, t, h, sums):
+    """Advance the springs of near contact i over a step of h seconds. Return whether a landing has ended.
 
-    The energy that its damper and its slider take is added to `sums`. The contact's row in the state starts at `at`.
+    The step ends at t (s). The energy that the contact's damper and slider take is added to `sums`. Its row in the
+    state starts at `at`.
     """
     gap, u_n = near[i].gap[0], near[i].middle[0]
     before, mode = int(state[at + MODE]), near[i].tried
@@ -89,15 +94,15 @@ def settle(state, near, i, at, t, h, sums):
     if state[at + STOP] == SLIDING and near[i].middle[1] * state[at + U_A] <= 0.0:
         state[at + STOP] = IN_COMPRESSION if u_n < 0.0 else IN_RESTITUTION
     sums[record.IMPACT_LOSS] += share * h * near[i].c_n * u_n * u_n
-    sums[record.FRICTION_LOSS] += _rub(near, i, h)
+    sums[record.FRICTION_LOSS] += _advance_tangential_springs(near, i, h)
     state[at + ALONG], state[at + ACROSS] = near[i].gap[1], near[i].gap[2]
     state[at + MODE], state[at + SHEAR] = mode, near[i].k_t
     return False
 
 
 @lean
-def _rub(near, i, h):
-    """Move the tangential springs of near contact i over a step of h seconds.
+def _advance_tangential_springs(near, i, h):
+    """Advance the tangential springs of near contact i over a step of h seconds.
 
     Returns the energy that the slider and changes of stiffness take, g mm^2/s^2.
     """

@@ -1,6 +1,6 @@
 """Pose of a walker in space: rotation, points of contact, their gaps, and what moves them.
 
-`world` is what stays the same in a run, `state` the array of what changes, and `work` the memory for results (state.py).
+`world` holds what stays the same in a run, `state` (an array) what changes, and `work` memory for results (state.py).
 """
 
 import math

@@ -1,6 +1,6 @@
 """Rest: a walker that stands on stuck feet on a plate that cannot throw it rides along without steps.
 
-`world` is what stays the same in a run, `state` the array of what changes, and `sums` the sums of the run's record.
+`world` holds what stays the same in a run, `state` (an array) what changes, and `sums` the sums of its record.
 """
 
 from walkergen.core.numerics.kernels import lean
@@ -51,11 +51,8 @@ def count_rest_time(world, state, t, period):
             stuck_corners += 1
         elif mode != OPEN:
             stuck_corners = -len(walker.leg)
-    rest_speed = REST_SPEED_RATIO * gravity_into(world.acting) * period
-    is_calm = (
-        stuck_corners >= MIN_STUCK_CORNERS
-        and _energy_over_plate(world, state) < 0.5 * walker.mass * rest_speed * rest_speed
-    )
+    slow = REST_SPEED_RATIO * gravity_into(world.acting) * period
+    is_calm = stuck_corners >= MIN_STUCK_CORNERS and _energy_over_plate(world, state) < 0.5 * walker.mass * slow * slow
     state[QUIET] = state[QUIET] + t if is_calm else 0.0
 
 

@@ -4,6 +4,8 @@ Within a frame the pose's directions and Jacobians are held, so that corner velo
 equations with Coulomb's cones; exact gaps are computed again in every frame. A contact that touches
 within a step acts for the rest of it (forces.py): landings, sliding and flight all err by second
 order. While no contact can close, the walker flies (flight.py).
+
+`world` holds what stays the same in a run, `state` (an array) what changes, and `work` memory for results (state.py).
 """
 
 import math
@@ -15,17 +17,17 @@ from walkergen.core.simulation.effects import sway as sways
 from walkergen.core.simulation.effects.active_effects import gravity_into
 from walkergen.core.simulation.record import next_sample, take_sample
 from walkergen.core.simulation.space.flight import MAX_TURN_RAD, clear_time, fly, max_plate_acceleration, pass_time
-from walkergen.core.simulation.space.forces import guess, solve
+from walkergen.core.simulation.space.forces import guess_modes, solve
 from walkergen.core.simulation.space.frame import (
     accelerate,
     fill_frame,
-    halfway,
+    fill_leg_mobility,
+    fill_midpoint_pose,
     motor_work,
     plate_acceleration,
-    stiffen,
     sway_work,
 )
-from walkergen.core.simulation.space.landings import end_landing, settle
+from walkergen.core.simulation.space.landings import advance_contact, end_landing
 from walkergen.core.simulation.space.pose import locate, lowest_corner, place, plate_velocity, turn
 from walkergen.core.simulation.space.resting import DOZE_PERIODS, count_rest_time, ride_on_plate
 from walkergen.core.simulation.space.state import (
@@ -59,7 +61,7 @@ MAX_MOTOR_TURN_RAD = 0.5
 
 @lean
 def _turn_stretches(walker, state, turned):
-    """Turn tangential stretches on the plate and the lid against the heading, which turned by `turned` rad."""
+    """Turn tangential stretches on plate and lid against the heading, which has turned by `turned` rad."""
     c, s, row = math.cos(turned), math.sin(turned), first_row(walker)
     for k in range(len(walker.leg)):
         at = row + ROW_LENGTH * k
@@ -69,7 +71,7 @@ def _turn_stretches(walker, state, turned):
 
 
 @lean
-def _gather(walker, state, work, t):
+def _list_near_contacts(walker, state, work, t):
     """List in `work.near` the contacts that are closed or may close within t seconds; return their number."""
     m, first = 0, first_row(walker)
     for k in range(len(walker.leg)):
@@ -134,23 +136,23 @@ def _move_legs(state, near, ML, pull, dampers, m, h):
 
 
 @lean
-def _move_contacts(state, near, m, first, upward, t, h, lifted, tally):
+def _move_contacts(state, near, m, first, upward, t, h, plate_speed, tally):
     """Advance springs, velocities and impulses of m near contacts over a step of h seconds that ends at t (s).
 
     Arguments: `first`, index of the first contact's row in the state; `upward`, upward component of each contact's
-    directions (normal, along, across), shape (k, 3); `lifted`, upward velocity of the plate in the middle of the step,
+    directions (normal, along, across), shape (k, 3); `plate_speed`, upward, in the middle of the step,
     mm/s; `tally`, to which the plate's work, energy losses and landings are added. A contact's `share` is the part of
     the step, up to its end, with contact. Its `carried` is the time integral of its impulse since the frame began,
-    g mm. `settle` returns whether the contact's landing has ended.
+    g mm. `advance_contact` returns whether the contact's landing has ended.
     """
     sums = tally.sums
     for i in range(m):
         k = near[i].number
         at = first + ROW_LENGTH * k
-        if settle(state, near, i, at, t, h, sums):
+        if advance_contact(state, near, i, at, t, h, sums):
             end_landing(state, at, k, upward[k, 0] > 0.0, tally)
         for p in range(3):
-            sums[record.PLATE_WORK] += h * lifted * upward[k, p] * near[i].force[p]
+            sums[record.PLATE_WORK] += h * plate_speed * upward[k, p] * near[i].force[p]
         span = 0.5 * h * near[i].share
         for p in range(3):
             near[i].speed[p] = 2.0 * near[i].middle[p] - near[i].speed[p]
@@ -209,16 +211,16 @@ def _closed_time(state, near, m, first, h):
 
 
 @lean
-def _take_steps(walker, state, work, m, h, count, begin, lifted, lifting, tally):
+def _take_steps(walker, state, work, m, h, count, begin, plate_speed, upward_acceleration, tally):
     """Take `count` steps of h seconds with m near contacts, from the time `begin` (s) on.
 
-    The plate starts at the velocity `lifted` (mm/s) and accelerates by `lifting` (mm/s^2).
+    The plate starts at `plate_speed` (mm/s) and has `upward_acceleration` (mm/s^2).
     """
     near, J, A, springs, dampers = work.near, work.J, work.A, walker.stiffness, walker.damping
     H, ML, sums, first = work.H, work.ML, tally.sums, first_row(walker)
     for done in range(count):
         _swing_freely(state, near, J, work, work.swing, springs, dampers, m, h)
-        if guess(state, near, H, m, h, first) > 0:
+        if guess_modes(state, near, H, m, h, first) > 0:
             solve(near, H, A, m, h)
         else:
             for i in range(m):
@@ -226,7 +228,7 @@ def _take_steps(walker, state, work, m, h, count, begin, lifted, lifting, tally)
                     near[i].force[p], near[i].middle[p] = 0.0, near[i].free[p]
         sums[record.CONTACT_TIME] += _closed_time(state, near, m, first, h)
         sums[record.DAMPING_LOSS] += _move_legs(state, near, ML, work.pull, dampers, m, h)
-        t, speed = begin + (done + 1) * h, lifted + (done + 0.5) * h * lifting
+        t, speed = begin + (done + 1) * h, plate_speed + (done + 0.5) * h * upward_acceleration
         _move_contacts(state, near, m, first, walker.upward, t, h, speed, tally)
         _correct_late_touches(state, near, H, ML, len(springs), m, h)
 
@@ -260,16 +262,16 @@ def _move_body(walker, motor, state, work, m, t, sums):
 def _advance_frame(world, state, work, begin, h, count, tally):
     """Advance by a frame of `count` steps of h seconds that starts at the time `begin`, s."""
     walker, t = world.walker, count * h
-    m = _gather(walker, state, work, t)
+    m = _list_near_contacts(walker, state, work, t)
     for j in range(len(walker.stiffness)):
         work.before[j] = state[LEGS + j]
-    lifted = plate_velocity(world, state)
-    halfway(world, state, work, t)
-    stiffen(walker, work, h)
+    plate_speed = plate_velocity(world, state)
+    fill_midpoint_pose(world, state, work, t)
+    fill_leg_mobility(walker, work, h)
     accelerate(world, work.midway, work)
-    fill_frame(world, work, lifted, t, m)
-    lifting = plate_acceleration(world, work.midway)
-    _take_steps(walker, state, work, m, h, count, begin, lifted, lifting, tally)
+    fill_frame(world, work, plate_speed, t, m)
+    upward_acceleration = plate_acceleration(world, work.midway)
+    _take_steps(walker, state, work, m, h, count, begin, plate_speed, upward_acceleration, tally)
     if _sways(world.acting.sway):
         tally.sums[record.PLATE_WORK] += sway_work(work.near, m, t)
     _move_body(walker, world.acting.motor, state, work, m, t, tally.sums)
@@ -284,9 +286,10 @@ def _turning_rate(state):
 
 @lean
 def _flight_level(world, state, clear):
-    """Return the level of the longest tabulated flight within `clear` seconds; below -HALVINGS without one.
+    """Return the level i of the longest tabulated flight, Options.step 2^i, within `clear` seconds.
 
-    Flights shorter than a step are for a body that spins fast: close to a surface a frame of steps costs less.
+    It is below -HALVINGS if there is none. Flights shorter than a step are for a body that spins fast: close to a
+    surface a frame of steps costs less.
     """
     step, longest = world.options.step, min(clear, MAX_TURN_RAD / _turning_rate(state))
     if _motor_acts(world.acting.motor):
@@ -310,12 +313,15 @@ def _has_folded_leg(walker, state):
 
 @lean
 def advance_in(world, state, work, duration, tally):
-    """Advance as `advance` does, in the given work space `work`, without allocating memory."""
+    """Advance `state` in place by `duration` seconds, as `advance` does, but without allocating memory.
+
+    Fills `tally` and returns a status of `world`, such as OK.
+    """
     walker, sums, step = world.walker, tally.sums, world.options.step
     begin, t = sums[record.ELAPSED], 0.0
-    gentle = max_plate_acceleration(world) < gravity_into(world.acting)
-    gentle = gentle and not _motor_acts(world.acting.motor)
-    gentle = gentle and not _sways(world.acting.sway)
+    can_rest = max_plate_acceleration(world) < gravity_into(world.acting)
+    can_rest = can_rest and not _motor_acts(world.acting.motor)
+    can_rest = can_rest and not _sways(world.acting.sway)
     period = TWO_PI / world.drive.omega
     instant, patience = MIN_TIME_PERIODS * period, DOZE_PERIODS * period
     if begin == 0.0:  # landings under way count from the record's beginning
@@ -350,12 +356,12 @@ def advance_in(world, state, work, duration, tally):
             passed = min(longest, world.options.frame * step, max(MAX_TURN_RAD / _turning_rate(state), instant))
             count = max(math.ceil(passed / step - 1e-9), 1)
             _advance_frame(world, state, work, begin + t, passed / count, count, tally)
-            if gentle:
+            if can_rest:
                 count_rest_time(world, state, passed, period)
         t = duration if duration - t - passed < instant else t + passed
 
 
 @kernel
 def advance(world, state, duration, tally):
-    """Advance `state` in place by `duration` seconds, fill `tally`, return a status of `world`."""
+    """Advance `state` in place by `duration` seconds and fill `tally`. Return a status of `world`, such as OK."""
     return advance_in(world, state, work_for(world.walker, state), duration, tally)

@@ -61,36 +61,36 @@ class _Limbs(NamedTuple):
 
 
 def make_walker(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
-    """Return walker and steps of a case. Raises InputError for masses without a third dimension."""
+    """Return the integrator's data on a case's walker, and its steps. Raises InputError without inertia tensors."""
     design, mass, scene = case.design, case.mass, case.scene
     if mass.spatial is None or any(leg.tensor is None for leg in mass.legs):
         raise InputError(f"{design.name}: motion in space needs inertia tensors, as of a mesh")
     free = [place for place, leg in enumerate(mass.legs) if leg.m > 0.0]
     freedoms = 0 if not free else 2 if resolved.is_on(legs.TWIST) else 1
-    loose, n = resolved.is_on(turning.NAME), len(free) * freedoms
+    can_turn, n = resolved.is_on(turning.NAME), len(free) * freedoms
     total, centre, inertia = _total_mass_properties(mass, mass.spatial)
     inverse_inertia = np.asarray(np.linalg.inv(inertia), float)
-    if not loose:
+    if not can_turn:
         inverse_inertia = np.diag([0.0, 0.0, 1.0 / inertia[2, 2]])
     limbs = _leg_momenta([(design.limbs[k], mass.legs[k]) for k in free], centre, freedoms)
     lock = inverse_inertia @ limbs.spin  # Lambda = I_C^-1 L of eq. 7.2
     # G of eq. 7.3: the legs' inertia without what the whole takes over
-    own = limbs.inertia - limbs.momentum.T @ limbs.momentum / total - limbs.spin.T @ lock
+    leg_inertia = limbs.inertia - limbs.momentum.T @ limbs.momentum / total - limbs.spin.T @ lock
     springs, dampers = _hinge_constants(case, free, freedoms)
     points = contact_points(case, free, centre, resolved.is_on(walls.NAME), resolved.is_on(walls.LID))
     feet = points.pop("foot")
     walker = Walker(
         mass=total,
-        inverse_mass=np.array([1.0, 1.0, float(loose)]) / total,
+        inverse_mass=np.array([1.0, 1.0, float(can_turn)]) / total,
         inertia=inertia,
         inverse_inertia=inverse_inertia,
         centre=-centre,
         freedoms=freedoms,
-        hinge_inertia=own,
-        hinge_mobility=np.asarray(np.linalg.inv(own), float),
+        hinge_inertia=leg_inertia,
+        hinge_mobility=np.asarray(np.linalg.inv(leg_inertia), float),
         stiffness=springs,
         damping=dampers,
-        fast=springs * np.diag(np.linalg.inv(own)),
+        fast=springs * np.diag(np.linalg.inv(leg_inertia)),
         shift=limbs.momentum / total,
         lock=lock,
         **points,
@@ -119,7 +119,10 @@ def _total_mass_properties(mass: MassProperties, spatial: Spatial) -> tuple[floa
 
 
 def _leg_momenta(legs: Sequence[tuple[Limb, LegMass]], centre: Array, freedoms: int) -> _Limbs:
-    """Return the momenta of the legs' coordinates; the twist is linear along a leg, zero at its anchor."""
+    """Return the momenta of the legs' coordinates. `centre` is C from O, mm.
+
+    With `freedoms` 1 a leg has a hinge, with 2 also a twist, linear along it and zero at its anchor.
+    """
     n = len(legs) * freedoms
     limbs = _Limbs(np.zeros((3, n)), np.zeros((3, n)), np.zeros((n, n)))
     for number, (limb, leg) in enumerate(legs):
@@ -138,7 +141,7 @@ def _leg_momenta(legs: Sequence[tuple[Limb, LegMass]], centre: Array, freedoms: 
 
 
 def _hinge_constants(case: Case, free: Sequence[int], freedoms: int) -> tuple[Array, Array]:
-    """Return the stiffness and damping of the free legs' coordinates, shape (n,) each."""
+    """Return stiffness and damping of the coordinates of the legs with numbers `free`, shape (n,) each."""
     design, legs = case.design, case.scene.legs
     springs: list[float] = []
     dampers: list[float] = []
@@ -157,26 +160,32 @@ def _hinge_constants(case: Case, free: Sequence[int], freedoms: int) -> tuple[Ar
 
 
 def _forced_swing(walker: Walker, rotor: motors.Rotor) -> Array:
-    """Return the coordinates of the legs in lasting flight, by the phase's cosine and sine, shape (2, n)."""
+    """Return the legs' coordinates (rad) that a rotor forces in lasting flight, shape (2, n).
+
+    They are the amplitudes with the cosine and with the sine of its phase.
+    """
     omega, push = rotor.omega, rotor.moment * rotor.omega**2
     pushes = push * np.array([rotor.first, rotor.second])
     torques = np.cross(rotor.place + walker.centre, pushes)
-    left = -(pushes @ walker.shift + torques @ walker.lock)
+    lag_torques = -(pushes @ walker.shift + torques @ walker.lock)
     stiff = np.diag(walker.stiffness) - omega**2 * walker.hinge_inertia
     turned = omega * np.diag(walker.damping)
     both = np.block([[stiff, turned], [-turned, stiff]])
-    return np.asarray(np.linalg.solve(both, left.ravel()).reshape(2, -1))
+    return np.asarray(np.linalg.solve(both, lag_torques.ravel()).reshape(2, -1))
 
 
 def _upward_components(place: Array) -> Array:
-    """Return the upward components of the directions of contacts with walls, the plate and a lid, shape (k, 3)."""
+    """Return the upward components of contact directions (normal, along, across), shape (k, 3).
+
+    `place`, shape (k,), is positive for walls, zero for the plate and negative for a lid.
+    """
     upward = np.zeros((len(place), 3))
     upward[place == 0.0, 0], upward[place < 0.0, 0], upward[place > 0.0, 2] = 1.0, -1.0, 1.0
     return upward
 
 
 def _point_friction(scene: Scene, design: Design, foot: int) -> float:
-    """Return the friction of a point: a foot's own or the scene's, or that of walls and lid (foot -1)."""
+    """Return the friction of a contact point of leg `foot`, or that of walls and lid if `foot` is -1."""
     if foot < 0:
         return scene.arena.wall_friction
     own = design.limbs[foot].friction
@@ -184,7 +193,10 @@ def _point_friction(scene: Scene, design: Design, foot: int) -> float:
 
 
 def _add_feet(walker: Walker, case: Case, feet_of_points: Array) -> tuple[Walker, Options]:
-    """Return the walker with its elastic contacts and tabulated flights, and the steps that resolve them."""
+    """Return the walker with its elastic contacts and tabulated flights, and the steps that resolve them.
+
+    `feet_of_points` has the number of the leg of each contact point, -1 for the body.
+    """
     scene, material = case.scene, case.design.material
     of_legs = [feet.corner_contact(scene, limb, material) for limb in case.design.limbs]
     H, wall = mobility(walker), walker.place != 0.0
@@ -230,32 +242,32 @@ def _resolving_step(walker: Walker, H: Array, speed: float, longest: float) -> f
 
 
 def _round_step(step: float, unit: float) -> float:
-    """Round a step to six digits of a unit, so that roots that round leave a scaled walker the same step to the bit."""
+    """Round a step to six digits of a unit, s. A scaled walker then has the same step to the bit."""
     return unit * float(f"{step / unit:.6g}")
 
 
 def _largest_eigenvalue(block: Array, factors: Array) -> float:
-    """Return the largest eigenvalue of a mobility (1/g) times springs (g/s^2) or dampers (g/s)."""
+    """Return the largest eigenvalue of a mobility, shape (m, m), 1/g, times `factors`, shape (m,), g/s^2 or g/s."""
     if np.all(factors == factors[0]):
         return float(factors[0]) * float(np.linalg.eigvalsh(block)[-1])
-    roots = np.sqrt(factors)
-    return float(np.linalg.eigvalsh(roots[:, None] * block * roots)[-1])
+    square_roots = np.sqrt(factors)
+    return float(np.linalg.eigvalsh(square_roots[:, None] * block * square_roots)[-1])
 
 
-def _choose_step(given_us: float | None, own: float) -> float:
-    """Choose the step, s: the feet's own, or a given one. Raises InputError for one longer than whole contacts."""
+def _choose_step(given_us: float | None, resolving_step: float) -> float:
+    """Choose the step, s: `resolving_step`, or the scene's, us. Raises InputError if that is longer than contacts."""
     if given_us is None:
-        return own
-    if 1e-6 * given_us > MAX_STEP_RATIO * own:
+        return resolving_step
+    if 1e-6 * given_us > MAX_STEP_RATIO * resolving_step:
         raise InputError(
             f"run.step_us = {given_us:g}: steps over the contacts of these feet. Give at most "
-            f"{1e6 * MAX_STEP_RATIO * own:.3g}, or leave the key out ({1e6 * own:.3g})."
+            f"{1e6 * MAX_STEP_RATIO * resolving_step:.3g}, or leave the key out ({1e6 * resolving_step:.3g})."
         )
     return 1e-6 * given_us
 
 
 def coarser(world: World, factor: float) -> World:
-    """Return the world with steps `factor` times longer, and flights tabulated for them."""
+    """Return the world with steps `factor` times longer, and flights tabulated for these."""
     walker, step = world.walker, factor * world.options.step
     flights = _flight_propagators(walker, step, len(walker.stiffness), world.drive.period)
     return world._replace(walker=walker._replace(flights=flights), options=world.options._replace(step=step))
@@ -287,9 +299,10 @@ def mobility(walker: Walker) -> Array:
 
 
 def _flight_propagators(walker: Walker, step: float, n: int, period: float) -> Array:
-    """Return propagators of flying legs for step 2^i s, i from -HALVINGS, shape (HALVINGS + FLIGHT_LEVELS, 2 n, 2 n).
+    """Return propagators of n coordinates of legs in flights of step 2^i s, shape (HALVINGS + FLIGHT_LEVELS, 2 n, 2 n).
 
-    The unit of time is a power of two, so that a scaled walker has the same bits, near a radian of legs' swing.
+    i begins at -HALVINGS. The unit of time is a power of two near the time in which legs swing by a radian, so that a
+    scaled walker has the same bits. `period` is the plate's, s.
     """
     if n == 0:
         return np.zeros((HALVINGS + FLIGHT_LEVELS, 0, 0))
