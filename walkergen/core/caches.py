@@ -44,15 +44,15 @@ def home() -> Path:
 def folder(name: str) -> Path:
     """Return a writable folder of this name in the user's cache, private to the user.
 
-    Without a home, or with one that cannot be written or is another's: a folder that is new, and
-    goes when the process ends.
+    If there is no home, or it cannot be written or belongs to another user, the folder is temporary: it is removed when
+    the process ends.
     """
     try:
         found = home() / name
         found.parent.parent.mkdir(parents=True, exist_ok=True)
-        for one in (found.parent, found):
-            one.mkdir(mode=0o700, exist_ok=True)
-            _check_private(one)
+        for path in (found.parent, found):
+            path.mkdir(mode=0o700, exist_ok=True)
+            _check_private(path)
         with tempfile.TemporaryFile(dir=found):
             return found
     except OSError:
@@ -62,7 +62,7 @@ def folder(name: str) -> Path:
 
 
 def _check_private(path: Path) -> None:
-    """Raise OSError for a folder that is another's, or that others may write to."""
+    """Raise OSError for a folder that belongs to another user, or that others may write to."""
     if not hasattr(os, "getuid"):
         return  # Windows: a profile's folders are its user's
     found = path.stat()
@@ -106,31 +106,37 @@ def announce_compilation(place: Path) -> None:
     )
 
 
-def add_checksums(plain: Any) -> Any:
-    """Return a class of numba's cache files, made from its own `plain`, that end in a checksum of their content.
+def add_checksums(base: Any) -> Any:
+    """Return a class of numba's cache files, made from its own class `base`, that end in a checksum of their content.
 
-    An entry that is unreadable, or does not match its checksum, counts as absent. It is compiled again and
-    replaced. An entry without a checksum is older than the checksums. A failed write of an entry is ignored.
+    An entry that is unreadable, or does not match its checksum, counts as absent. It is compiled again and replaced. An
+    entry without a checksum is older than the checksums. A failed write of an entry is ignored.
     """
 
-    class Checked(plain):  # type: ignore[misc]
+    class Checked(base):  # type: ignore[misc]
+        """Cached entries of one compiled function."""
+
         def load(self, key: Any) -> Any:
+            """Load an entry. Announce its compilation if there is none."""
             entry = super().load(key)
             if entry is None:
                 announce_compilation(Path(self._cache_path))
             return entry
 
         def save(self, key: Any, data: Any) -> None:
+            """Save an entry, if its file can be written."""
             with contextlib.suppress(OSError):
                 super().save(key, data)
 
         def _load_index(self) -> Any:
+            """Load the index of the entries; empty if its file is damaged."""
             try:
                 return super()._load_index() if _is_intact(Path(self._index_path)) else {}
             except Exception:  # what is no pickle raises anything
                 return {}
 
         def _load_data(self, name: str) -> Any:
+            """Load the code of an entry. Raises FileNotFoundError if its file is damaged."""
             if _is_intact(Path(self._data_path(name))):
                 try:
                     return super()._load_data(name)
@@ -140,31 +146,32 @@ def add_checksums(plain: Any) -> Any:
 
         @contextlib.contextmanager
         def _open_for_write(self, filepath: str) -> Iterator[io.BytesIO]:
-            text = io.BytesIO()
-            yield text
+            """Collect what is written in the block, then save it with its checksum."""
+            buffer = io.BytesIO()
+            yield buffer
             if Path(filepath).is_dir():
                 shutil.rmtree(filepath)
             with super()._open_for_write(filepath) as stream:
-                data = text.getvalue()
+                data = buffer.getvalue()
                 stream.write(data + CHECKSUM_MARK + hashlib.sha256(data).digest())
 
     return Checked
 
 
 def _is_intact(path: Path) -> bool:
-    """Return whether a path is a regular file that matches the checksum at its end, or has none."""
+    """Return whether a path is a regular file whose content matches the checksum at its end, if it has one."""
     try:
         if not stat.S_ISREG(path.stat().st_mode):
             return False
         data = path.read_bytes()
     except OSError:
         return False
-    text, mark, digest = data[:-TRAILER_BYTES], data[-TRAILER_BYTES:-CHECKSUM_BYTES], data[-CHECKSUM_BYTES:]
-    return mark != CHECKSUM_MARK or hashlib.sha256(text).digest() == digest
+    content, mark, digest = data[:-TRAILER_BYTES], data[-TRAILER_BYTES:-CHECKSUM_BYTES], data[-CHECKSUM_BYTES:]
+    return mark != CHECKSUM_MARK or hashlib.sha256(content).digest() == digest
 
 
 def _configure_numba_cache(place: Path) -> None:
-    """Import numba with its cache at `place`, where it reads whole entries only."""
+    """Import numba with its cache in the folder `place`, where it reads intact entries only."""
     os.environ["NUMBA_CACHE_DIR"] = str(place)
     from numba.core import caching
 
@@ -172,7 +179,7 @@ def _configure_numba_cache(place: Path) -> None:
 
 
 def prepare_version_folder(name: str, version: str) -> Path:
-    """Return a writable folder for one version of the cached data, and remove folders long unused."""
+    """Return a writable folder for one version of cached data. Remove folders of other versions long unused."""
     found = folder(f"{name}-{version}")
     try:
         os.utime(found)  # in use

@@ -43,7 +43,7 @@ class Dish(NamedTuple):
 
     @property
     def box(self) -> tuple[float, float]:
-        """Length and width of the smallest rectangle around it."""
+        """Length and width of the smallest rectangle around the dish, mm."""
         return self.sizes[0], self.sizes[1] if self.kind == "rectangle" else self.sizes[0]
 
     @property

@@ -84,6 +84,7 @@ class Drive(Section):
 
     @model_validator(mode="after")
     def _check_keys(self) -> "Drive":
+        """Raise ValueError for a key of the other kind of drive, and for numbers that do not fit together."""
         others = MOTOR_KEYS if self.kind == "plate" else PLATE_KEYS
         for key in others:
             value = getattr(self, key)
@@ -99,6 +100,7 @@ class Drive(Section):
         return self._check_plate() if self.kind == "plate" else self._check_motor()
 
     def _check_motor(self) -> "Drive":
+        """Raise ValueError for a motor whose frequency, eccentric moment or axis is missing or wrong."""
         low, high = MOTOR_FREQUENCY_RANGE_HZ
         words = "none" if self.frequency_hz is None else f"{self.frequency_hz:g}"
         if self.frequency_hz is None or not low <= self.frequency_hz <= high:
@@ -114,6 +116,7 @@ class Drive(Section):
         return self
 
     def _check_plate(self) -> "Drive":
+        """Raise ValueError unless two or more numbers of the vibration are given and agree."""
         numbers = self.model_dump(include=set(VIBRATION_KEYS), exclude_none=True)
         if len(numbers) < 2:
             raise ValueError(
@@ -190,12 +193,12 @@ class Drive(Section):
         """Eccentric moment of a motor's rotor, g mm; 0 of a plate."""
         return self.eccentric_g_mm or 0.0
 
-    def axis_vector(self, own: str) -> tuple[float, float, float]:
+    def axis_vector(self, default_axis: str) -> tuple[float, float, float]:
         """Return the unit vector (along, across to the right, up) of a rotor's axis, by the right-hand rule.
 
-        `own` is the axis of the motor that the design carries.
+        `default_axis` is that of the motor in the design, for a drive without an axis.
         """
-        axis = self.axis or own
+        axis = self.axis or default_axis
         x, y, z = AXES[axis] if isinstance(axis, str) else axis
         size = math.hypot(x, y, z)
         return x / size, y / size, z / size
@@ -218,10 +221,10 @@ class Drive(Section):
         return f"motor, {self.frequency:g} Hz, {self.eccentric:.3g} g mm{axis}"
 
     def drop_contradicted_keys(self, data: dict[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
-        """Return this drive's data after some keys were set, without those that contradict them.
+        """Return this drive's data after some keys were set, without the older keys that contradict these.
 
-        Setting one of a plate's four numbers keeps the frequency. Setting the frequency keeps the peak acceleration. A
-        motor keeps its moment at another frequency.
+        `data` has values by key, the set ones included, `keys` the set ones alone. Setting one of a plate's four
+        numbers keeps the frequency. Setting the frequency keeps the peak acceleration, or a motor's moment.
         """
         if data.get("kind", "plate") == "motor":
             return self._drop_plate_keys(data, keys)
@@ -237,6 +240,7 @@ class Drive(Section):
         return data
 
     def _drop_plate_keys(self, data: dict[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the data of a drive that has become a motor, without keys of a plate unless they were set."""
         if self.kind == "plate":
             data = {k: v for k, v in data.items() if k not in PLATE_KEYS or k in keys}
             return {"frequency_hz": self.frequency} | data

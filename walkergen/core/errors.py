@@ -27,7 +27,7 @@ COMMAND_LINE_SOURCE = "‹command line›"
 
 
 def spell_for_python(text: str) -> str:
-    """Return a text whose fields are Python's arguments."""
+    """Return a text with its marked fields as Python's arguments: ‹mm_per_px› becomes mm_per_px."""
     return FIELD_PATTERN.sub(r"\1\2", text.replace(f"{COMMAND_LINE_SOURCE}: ", ""))
 
 
@@ -36,12 +36,12 @@ SPELLINGS: list[Spelling] = [spell_for_python]
 
 
 def spell(text: str) -> str:
-    """Return a text with its fields as the user of this process writes them: in Python, unless a command runs."""
+    """Return a text with its marked fields (‹field›) as the user writes them: in Python, unless a command runs."""
     return SPELLINGS[-1](text) if "‹" in text else text
 
 
 def spell_all(data: Any) -> Any:
-    """Return data, such as that of a JSON file, with all its texts spelled."""
+    """Return data, such as those of a JSON file, with all their texts spelled by `spell`."""
     if isinstance(data, str):
         return spell(data)
     if isinstance(data, Mapping):
@@ -98,7 +98,7 @@ class WalkergenError(Exception):
 
 @contextmanager
 def use_spelling(spelling: Spelling) -> Iterator[None]:
-    """Spell fields in another way while a block runs, in all threads, and in errors that leave it."""
+    """Spell fields by the function `spelling` while a block runs, in all threads, and in errors that leave it."""
     SPELLINGS.append(spelling)
     try:
         yield
@@ -127,18 +127,18 @@ class InputError(WalkergenError):
         return tuple(self.helps())
 
     def resolve_remedies(self) -> Self:
-        """Find the remedies now, and return the error in a form that another process can receive."""
+        """Find the remedies now. Return the error in a form that can be sent to another process."""
         self.helps = partial(tuple, self.remedies)
         return self
 
     @property
     def fault(self) -> str:
-        """Text without what would help."""
+        """Text of the error without the remedies."""
         return str(self.args[0])
 
     @property
     def text(self) -> str:
-        """Text, and what would help."""
+        """Text of the error with the remedies, whose fields are not spelled yet."""
         return f"{self.fault}; what helps: {', or '.join(map(str, self.remedies))}" if self.remedies else self.fault
 
 

@@ -35,13 +35,13 @@ class Experiment(Protocol):
     """An experiment: its runs are independent, and each is reproducible to the bit."""
 
     def prepare(self) -> OneRun[Any]:
-        """Return a function that makes the run of a number, which seeds it, and returns its record.
+        """Return a function that makes the run with a given number, its seed, and returns the record of the run.
 
         Work that all runs share is done first, on this thread: kernels are compiled, invalid input is refused.
         """
 
     def quantities(self, records: Sequence[Any]) -> list[Quantity]:
-        """Compute the quantities that one or more records give, each with its error."""
+        """Compute quantities, each with its error, from the records of one or more runs."""
 
     def finer(self) -> Self | None:
         """Return the experiment with smaller biases; None if it has none, or no smaller ones."""
@@ -73,7 +73,7 @@ class Measured(NamedTuple, Generic[AnExperiment]):
         return {quantity.column: quantity for quantity in self.experiment.quantities(self.records)}
 
     def with_runs(self, runs: int) -> "Measured[AnExperiment]":
-        """Return the measurement with a request for `runs` in all."""
+        """Return the measurement with a request for `runs` runs in all."""
         return self._replace(runs=runs)
 
 
@@ -85,7 +85,7 @@ class Until(Protocol):
         """Number of runs to begin with."""
 
     def further(self, measured: Measured[Any]) -> Measured[Any] | None:
-        """Return the measurement with more runs, or a finer experiment; None if it is good enough."""
+        """Return the measurement with more runs requested, or with a finer experiment; None if it is good enough."""
 
 
 class Runs(NamedTuple):
@@ -105,7 +105,7 @@ class Budget(NamedTuple):
     first: int = FIRST_RUNS
 
     def further(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
-        """Return the measurement with up to double the runs, as time allows; None if it does not."""
+        """Return the measurement with up to twice the runs requested, as time allows; None if no more fit."""
         affordable = int(self.seconds * measured.runs / max(measured.wall_s, 1e-9))
         return None if affordable <= measured.runs else measured.with_runs(min(2 * measured.runs, affordable))
 
@@ -122,12 +122,15 @@ class Error(NamedTuple):
     most: int = MAX_RUNS
 
     def max_error(self, value: float | None) -> float:
-        """Return the largest error that the quantity may have, in its unit."""
-        wanted, relative = self.tolerance
-        return wanted * max(abs(value or 0.0), self.floor) if relative else wanted
+        """Return the largest allowed error of the quantity in its unit. `value` is that of the quantity."""
+        tolerated, relative = self.tolerance
+        return tolerated * max(abs(value or 0.0), self.floor) if relative else tolerated
 
     def further(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
-        """Return the measurement with more runs, or a finer experiment if more runs could not offset the bias."""
+        """Return the measurement with more runs requested; None if the error is met or cannot be improved.
+
+        If more runs could not offset the bias, a finer experiment without runs is returned.
+        """
         quantity = measured.quantities[self.of]
         error, allowed, bias = quantity.half_width(), self.max_error(quantity.value), quantity.bias
         if error <= allowed or quantity.value is None or quantity.freedom == 0.0 or math.isinf(bias):
@@ -137,9 +140,9 @@ class Error(NamedTuple):
             return None if finer is measured.experiment else Measured(finer, [], self.first, 0.0)
         if measured.runs >= self.most:
             return None
-        short = (error**2 - bias**2) / (allowed**2 - bias**2)
-        more = math.ceil(measured.runs * min(max(short, MIN_RUN_FACTOR), MAX_RUN_FACTOR))
-        return measured.with_runs(min(self.most, more))
+        shortfall = (error**2 - bias**2) / (allowed**2 - bias**2)
+        runs = math.ceil(measured.runs * min(max(shortfall, MIN_RUN_FACTOR), MAX_RUN_FACTOR))
+        return measured.with_runs(min(self.most, runs))
 
     def select_resolution(self, measured: Measured[AnExperiment]) -> AnExperiment:
         """Return the experiment whose bias leaves room for the scatter of the runs so far; otherwise the finest."""
@@ -160,27 +163,27 @@ def core_count() -> int:
 def measure(
     experiment: AnExperiment, until: Until, progress: Progress = silent, threads: int | None = None
 ) -> Measured[AnExperiment]:
-    """Run an experiment on `threads` threads (None: every core), until enough runs are made.
+    """Run an experiment on `threads` threads (None: every core), until the rule `until` has enough runs.
 
-    Any number of threads gives equal bits, and the first n of more runs are n runs. Ctrl-C gives the
-    runs that are done; without any it is raised again.
+    Any number of threads gives equal bits, and the first n of more runs are n runs. Ctrl-C returns the finished runs.
+    It is raised again if there are none.
     """
-    step: Measured[AnExperiment] | None = Measured(experiment, [], until.first, 0.0)
-    while step is not None:
-        measured = step
+    request: Measured[AnExperiment] | None = Measured(experiment, [], until.first, 0.0)
+    while request is not None:
+        measured = request
         if not measured.records:
             progress("kernels", 0, 100)
-            one = measured.experiment.prepare()
+            make_run = measured.experiment.prepare()
         started = time.perf_counter()
         try:
-            done = len(measured.records)
-            tell = range_progress(progress, done / measured.runs, 1.0)
-            fresh = batch.run_parallel(one, range(done, measured.runs), tell, threads)
+            finished = len(measured.records)
+            report = range_progress(progress, finished / measured.runs, 1.0)
+            new_records = batch.run_parallel(make_run, range(finished, measured.runs), report, threads)
         except KeyboardInterrupt:
             if not measured.records:
                 raise
             return measured
-        records = [*measured.records, *fresh.values()]
+        records = [*measured.records, *new_records.values()]
         measured = measured._replace(records=records, wall_s=measured.wall_s + time.perf_counter() - started)
-        step = None if measured.partial else until.further(measured)
+        request = None if measured.partial else until.further(measured)
     return measured

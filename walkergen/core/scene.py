@@ -65,7 +65,7 @@ class Contact(Section):
 
     @model_validator(mode="after")
     def _fill_from_prior(self) -> "Contact":
-        """Fill in the prior's numbers, which count as not given: another prior replaces them."""
+        """Fill in the prior's numbers. They count as not given, so that another prior replaces them."""
         numbers = PRIORS[self.prior]._asdict()
         del numbers["words"], numbers["tip_radius_sd_factor"]
         if self.friction == 0.0 and "friction" in self.model_fields_set:
@@ -153,13 +153,13 @@ class Plate(Section):
 
     @property
     def elastic(self) -> Elastic:
-        """Elastic constants of the material, with the modulus that is given."""
+        """Elastic constants of the plate: those of its material, with Young's modulus if that is given."""
         own = PLATE_MATERIALS[self.material]
         return own if self.youngs_modulus_gpa is None else own._replace(youngs_modulus_gpa=self.youngs_modulus_gpa)
 
     @property
     def sways(self) -> bool:
-        """Whether its points move along the plate, or not all by the same height."""
+        """Whether the plate moves horizontally, or its points move by different heights."""
         return any((*self.horizontal_ratio, *self.gradient_percent_per_mm, *self.rocking_percent_per_mm))
 
 
@@ -223,7 +223,7 @@ class Crowd(Section):
 
     @property
     def dish(self) -> "Dish":
-        """The ground, parsed."""
+        """Dish of the crowd, parsed from its text."""
         from walkergen.core import dish
 
         return dish.parse_dish(self.arena_mm, "crowd.arena_mm")
@@ -268,12 +268,12 @@ class Feet(Section):
 
 
 def _parse_headings(value: Any) -> Any:
-    """Return headings as a tuple, also a single one, or "uniform". Raises ValueError for anything else."""
+    """Return one or several headings as a tuple, or "uniform". Raises ValueError for anything else."""
     listed = value if isinstance(value, (list, tuple)) else (value,)
-    fine = all(
+    are_valid = all(
         isinstance(entry, (int, float)) and not isinstance(entry, bool) and abs(entry) <= 360 for entry in listed
     )
-    if value != "uniform" and not (fine and listed):
+    if value != "uniform" and not (are_valid and listed):
         raise ValueError(
             f'{str(value)[:40]!r} is no heading: give numbers in -360..360 deg, as [0, 90, 180, 270], or "uniform"'
         )
@@ -353,11 +353,11 @@ class Effects(Section):
         """Return True for an effect that is forced on, False for one forced off, else None."""
         return True if name in self.on else False if name in self.off else None
 
-    def force(self, name: str, wanted: bool | None) -> "Effects":
-        """Return a copy with an effect forced on (True), off (False) or left to the scene (None)."""
-        on, off = ([each for each in names if each != name] for names in (self.on, self.off))
-        if wanted is not None:
-            (on if wanted else off).append(cast(EffectName, name))
+    def force(self, name: str, state: bool | None) -> "Effects":
+        """Return a copy in which an effect is forced on (`state` True), off (False) or left to the scene (None)."""
+        on, off = ([other for other in names if other != name] for names in (self.on, self.off))
+        if state is not None:
+            (on if state else off).append(cast(EffectName, name))
         return self.model_copy(update={"on": on, "off": off})
 
 

@@ -21,9 +21,9 @@ MAX_ITERATIONS = 100
 
 
 def student_quantile(freedom: float, probability: float) -> float:
-    """Return a quantile of Student's t at a probability between 0 and 1.
+    """Return a quantile of Student's t with `freedom` degrees of freedom at a probability between 0 and 1.
 
-    Infinite where its square is no double, as of 97.5 % and 0.005 degrees of freedom.
+    Infinite where its square overflows, as for 97.5 % and 0.005 degrees of freedom.
     """
     if not freedom > 0.0:
         return math.nan
@@ -38,12 +38,12 @@ def student_quantile(freedom: float, probability: float) -> float:
     for _ in range(MAX_ITERATIONS):
         if t > MAX_QUANTILE:
             return math.copysign(math.inf, z)
-        whole = freedom + t * t
-        x, y = freedom / whole, t * t / whole
-        beyond = 0.5 * _incomplete_beta(a, 0.5, x, y)
-        low, high = (t, high) if beyond > tail else (low, t)
+        total = freedom + t * t
+        x, y = freedom / total, t * t / total
+        tail_beyond_t = 0.5 * _incomplete_beta(a, 0.5, x, y)
+        low, high = (t, high) if tail_beyond_t > tail else (low, t)
         step = (
-            beyond * math.log(beyond / tail) * t / _beta_prefactor(a, 0.5, x, y)
+            tail_beyond_t * math.log(tail_beyond_t / tail) * t / _beta_prefactor(a, 0.5, x, y)
         )  # Newton's, for the tail's logarithm
         t += step
         if abs(step) < 1e-15 * t:
@@ -53,18 +53,21 @@ def student_quantile(freedom: float, probability: float) -> float:
     return math.copysign(t, z)
 
 
-def fisher_tail(few: float, many: float, ratio: float) -> float:
-    """Return the probability that F of (few, many) degrees of freedom is larger than `ratio`."""
-    if not (few > 0.0 and many > 0.0) or math.isnan(ratio):
+def fisher_tail(freedom_1: float, freedom_2: float, ratio: float) -> float:
+    """Return the probability that Fisher's F is larger than `ratio`.
+
+    The numerator of F has `freedom_1` degrees of freedom, the denominator `freedom_2`.
+    """
+    if not (freedom_1 > 0.0 and freedom_2 > 0.0) or math.isnan(ratio):
         return math.nan
     if ratio <= 0.0 or math.isinf(ratio):
         return float(ratio <= 0.0)
-    whole = many + few * ratio
-    return _incomplete_beta(0.5 * many, 0.5 * few, many / whole, few * ratio / whole)
+    total = freedom_2 + freedom_1 * ratio
+    return _incomplete_beta(0.5 * freedom_2, 0.5 * freedom_1, freedom_2 / total, freedom_1 * ratio / total)
 
 
 def _incomplete_beta(a: float, b: float, x: float, y: float) -> float:
-    """Compute the regularized incomplete beta function I_x(a, b); y = 1 - x, each with all its digits."""
+    """Compute the regularized incomplete beta function I_x(a, b). y = 1 - x is given too, so that it has all digits."""
     if x > (a + 1.0) / (a + b + 2.0):
         return 1.0 - _incomplete_beta(b, a, y, x)
     return _beta_prefactor(a, b, x, y) * _continued_fraction(a, b, x) / a if x > 0.0 else 0.0
@@ -84,21 +87,21 @@ def _continued_fraction(a: float, b: float, x: float) -> float:
 
 
 def _beta_prefactor(a: float, b: float, x: float, y: float) -> float:
-    """Compute x^a y^b / B(a, b), with B the beta function, to full precision.
+    """Compute x^a y^b / B(a, b), with B the beta function and y = 1 - x, to full precision.
 
     Deviations from its largest value lose no digits (Loader 2000, "Fast and accurate computation of binomial
     probabilities").
     """
-    whole, log = a + b, 0.0
-    for part, share, off in ((a, x, b * x - a * y), (b, y, a * y - b * x)):
-        off /= part  # share over its likeliest, part / whole, less 1
-        log += part * (math.log1p(off) if abs(off) < 0.5 else math.log(share * whole / part))
-    log += _stirling_remainder(whole) - _stirling_remainder(a) - _stirling_remainder(b)
-    return math.sqrt(a * b / (2.0 * math.pi * whole)) * math.exp(log)
+    total, log = a + b, 0.0
+    for part, share, deviation in ((a, x, b * x - a * y), (b, y, a * y - b * x)):
+        deviation /= part  # share over its likeliest, part / whole, less 1
+        log += part * (math.log1p(deviation) if abs(deviation) < 0.5 else math.log(share * total / part))
+    log += _stirling_remainder(total) - _stirling_remainder(a) - _stirling_remainder(b)
+    return math.sqrt(a * b / (2.0 * math.pi * total)) * math.exp(log)
 
 
 def _stirling_remainder(z: float) -> float:
-    """Compute what Stirling's formula leaves of the logarithm of the gamma function."""
+    """Compute the logarithm of the gamma function at z minus Stirling's formula."""
     if z < MIN_STIRLING_ARGUMENT:
         return math.lgamma(z) - (z - 0.5) * math.log(z) + z - 0.5 * math.log(2.0 * math.pi)
     w = 1.0 / (z * z)

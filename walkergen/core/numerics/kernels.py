@@ -58,7 +58,7 @@ if _sums:
 
 
 def _register_without_blas() -> None:
-    """Let numba load its mathematics without SciPy, which no kernel needs; it saves a fifth of a simulation's start."""
+    """Import numba's mathematics without SciPy, which no kernel needs. It saves a fifth of a simulation's start."""
     sys.modules["scipy.linalg"] = None  # type: ignore[assignment]
     try:
         import numba.np.arraymath  # noqa: F401
@@ -74,10 +74,10 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 class Kernel:
-    """Compiled function: for kernels without, for Python with the wrapper that unpacks arguments.
+    """Compiled function, in two forms: for calls from kernels, and with a wrapper for calls from Python.
 
-    Of nested tuples that wrapper is larger than most functions; only what Python calls has one.
-    Most kernels are only called by others, so that either is made on its first use.
+    The wrapper unpacks arguments. For nested tuples it is larger than most functions, so only functions that Python
+    calls get one. Each form is compiled on its first use.
     """
 
     __wrapped__: Callable[..., Any]
@@ -88,13 +88,13 @@ class Kernel:
 
     @functools.cached_property
     def inner(self) -> Any:
-        """For kernels; not cached, since what calls it has its code."""
+        """Compiled function for calls from kernels. It is not cached, since the calling kernel contains its code."""
         bare = self.options | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
         return numba.njit(**bare)(self.__wrapped__)
 
     @functools.cached_property
     def outer(self) -> Any:
-        """For Python."""
+        """Compiled function for calls from Python, cached on disk."""
         return numba.njit(cache=True, **self.options)(self.__wrapped__)
 
     def __call__(self, *arguments: Any) -> Any:
@@ -122,19 +122,20 @@ def kernel(function: F) -> F:
 
 
 def lean(function: F) -> F:
-    """Compile `function` into the code of those that call it, without counting references: it must allocate nothing.
+    """Compile `function` into the code of its callers, without counting references. It must allocate nothing.
 
     A call copies each number of the tuples that it takes, 1 ns each. One that passes many arrays otherwise counts a
-    reference of each: 0.3 us for those of a walker in space, as much as one of its steps, and threads that share
-    arrays wait for each other. Inlined, such calls take a quarter less of a step, and no longer to compile.
+    reference of each. That takes 0.3 us for the arrays of a walker in space, as much as one of its steps, and threads
+    that share arrays wait for each other. Inlined, such calls take a quarter less of a step, and no longer to compile.
     """
     return _compile(function, _nrt=False, forceinline=True)
 
 
 def kernel_without_refcount(function: F) -> F:
-    """Compile `function` as `kernel` does, without counting references: it must allocate nothing.
+    """Compile `function` as `kernel` does, without counting references. It must allocate nothing.
 
-    For what is as large as a step, and called from several places. All that it inlines is `lean`.
+    It is meant for functions as large as a step that are called from several places. Functions that it inlines are
+    `lean`.
     """
     return _compile(function, _nrt=False)
 
@@ -151,22 +152,23 @@ def entry_point(function: F, *arguments: Any) -> F:
 
 
 def typed_list(items: Iterable[Any]) -> Any:
-    """Return a list of tuples of one type for kernels; a plain list if the compiler is off.
+    """Return a list of tuples of one type for kernels, or a plain list if the compiler is off.
 
-    Kernels of this package fill it, because numba compiles those of its list again in every process:
-    7 s of CPU for tuples as large as a walker. Its items are read with `borrow_item`.
+    Kernels of this package fill it, because numba's own are compiled again in every process: 7 s of CPU for tuples as
+    large as a walker. Its items are read with `borrow_item`.
     """
     if numba.config.DISABLE_JIT:
         return list(items)
     first, *others = items
-    made = _new_typed_list(first)
+    filled = _new_typed_list(first)
     for item in others:
-        _append(made, item)
-    return made
+        _append(filled, item)
+    return filled
 
 
 @kernel
 def _new_typed_list(item: Any) -> Any:
+    """Create a typed list with one item."""
     items = numba.typed.List()
     items.append(item)
     return items
@@ -179,6 +181,7 @@ def _append(items: Any, item: Any) -> None:
 
 @intrinsic  # type: ignore[untyped-decorator]
 def _borrow_item(typing: Any, items: Any, i: Any) -> Any:
+    """Return item i of a typed list without counting a reference to it, as a numba intrinsic."""
     from numba.typed.listobject import _list_getitem_borrowed
 
     getter, load = _list_getitem_borrowed._defn(typing, items, i)

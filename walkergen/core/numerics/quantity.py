@@ -93,7 +93,7 @@ class Quantity(NamedTuple):
 
     @property
     def known(self) -> bool:
-        """Whether there are both a value and its error."""
+        """Whether there are both a value and a standard error."""
         return self.value is not None and self.se is not None
 
     @property
@@ -124,7 +124,7 @@ class Quantity(NamedTuple):
 
     @property
     def column(self) -> str:
-        """Name of its column, with the unit."""
+        """Name of the column of the value: the key, with the unit if there is one."""
         return f"{self.key}_{self.unit}" if self.unit else self.key
 
     def interval(self, confidence: float = CONFIDENCE) -> tuple[float, float] | None:
@@ -158,7 +158,7 @@ class Quantity(NamedTuple):
         return (self.interval() or (None, None))[1]
 
     def _bounds(self, value: float, se: float, confidence: float) -> tuple[float, float]:
-        """Return the bounds of a number with an error; they may be infinite or NaN."""
+        """Return the bounds of a value with a standard error. They may be infinite or NaN."""
         if self.bias:
             half = self._replace(bias=0.0).half_width(confidence)
             wider = math.hypot(half, self.bias if confidence >= CONFIDENCE else 0.5 * self.bias)
@@ -210,7 +210,7 @@ class Quantity(NamedTuple):
         return math.inf if ends is None else 0.5 * (ends[1] - ends[0])
 
     def _variance_bounds(self, value: float, noise: float, confidence: float) -> tuple[float, float]:
-        """Return the bounds of a variance with added noise, or of a power of it."""
+        """Return the bounds of a variance to which `noise` was added, or of a power of it."""
         from scipy import special
 
         free, tail = self.freedom, 0.5 - 0.5 * confidence
@@ -218,9 +218,8 @@ class Quantity(NamedTuple):
         scales = [total / special.chdtri(free, tail), total / special.chdtri(free, 1.0 - tail)]
         if not np.isfinite(scales).all():  # hardly any freedom
             return math.nan, math.nan
-        for _ in range(
-            BOUND_ITERATIONS if self.least else 0
-        ):  # so that a larger one, given that it is reported, has this chance
+        # so that a larger one, given that it is reported, has this chance
+        for _ in range(BOUND_ITERATIONS if self.least else 0):
             if scales[0] > noise:
                 chance = special.chdtrc(free, self.least * free / scales[0])
                 scales[0] = total / special.chdtri(free, tail * chance)
@@ -281,7 +280,10 @@ class Quantity(NamedTuple):
 
 
 def column_values(row: Any, *levels: int) -> dict[str, Any]:
-    """Return values of a named tuple by their fields, but those of its quantities by `Quantity.row`."""
+    """Return the fields of a named tuple by name. A quantity gives several columns, from `Quantity.row`.
+
+    `levels` are the confidences of its bounds, percent.
+    """
     found: dict[str, Any] = {}
     for name, value in row._asdict().items():
         found |= value.row(*levels) if isinstance(value, Quantity) else {name: value}

@@ -37,7 +37,7 @@ class Kind(NamedTuple):
 
 
 def machine_kind(sources: str) -> Kind:
-    """Return the kind of this program on this machine."""
+    """Return what compiled kernels of these `sources` (a digest) depend on: this program and machine."""
     from importlib.metadata import version
 
     return Kind(
@@ -64,17 +64,17 @@ def read_manifest(folder: Path = KERNEL_FOLDER) -> dict[str, Any] | None:
         return None
 
 
-def mismatch_reason(made: dict[str, Any], own: Kind, folder: Path = KERNEL_FOLDER) -> str:
-    """Return the reason why a manifest's kernels do not fit this machine; "" if they fit."""
+def mismatch_reason(manifest: dict[str, Any], own: Kind, folder: Path = KERNEL_FOLDER) -> str:
+    """Return the reason why a manifest's kernels do not fit this machine, whose kind is `own`; "" if they fit."""
     if not _is_trusted_folder(folder):
         return f"{folder} can be written by others"
-    wished = os.environ.get("NUMBA_CPU_NAME", own.cpu), os.environ.get("NUMBA_CPU_FEATURES", "")
-    if wished != (own.cpu, "") or not own.cpu:
+    requested = os.environ.get("NUMBA_CPU_NAME", own.cpu), os.environ.get("NUMBA_CPU_FEATURES", "")
+    if requested != (own.cpu, "") or not own.cpu:
         return "they are for a CPU of another kind"
     for name, value in own._asdict().items():
-        if made.get(name) != value:
-            what = "edited sources" if name == "sources" else f"{name} {made.get(name)}"
-            return f"they are of {what}" + ("" if name == "sources" else f", this is {value}")
+        if manifest.get(name) != value:
+            description = "edited sources" if name == "sources" else f"{name} {manifest.get(name)}"
+            return f"they are of {description}" + ("" if name == "sources" else f", this is {value}")
     return ""
 
 
@@ -93,62 +93,72 @@ def _is_trusted_folder(folder: Path) -> bool:
 
 
 def find_fitting_kernels(sources: str) -> tuple[dict[str, str], str]:
-    """Find files of fitting kernels by their sums; without any, return the reason why the shipped ones do not fit.
+    """Return checksums of shipped kernels by file, and ""; without fitting ones {} and the reason.
 
-    With some numba, which is not yet imported, will compile for the same kind of CPU.
+    `sources` is the digest of the kernels' sources. If they fit, numba, which is not yet imported, will compile for the
+    same kind of CPU.
     """
-    made = read_manifest()
-    if made is None:
+    manifest = read_manifest()
+    if manifest is None:
         return {}, ""
     own = machine_kind(sources)
-    reason = mismatch_reason(made, own)
+    reason = mismatch_reason(manifest, own)
     if reason:
         return {}, reason
     os.environ["NUMBA_CPU_NAME"], os.environ["NUMBA_CPU_FEATURES"] = own.cpu, ""
-    return dict(made["files"]), ""
+    return dict(manifest["files"]), ""
 
 
 def install_in_cache(sums: dict[str, str]) -> None:
-    """Make numba's cache, which is imported, look among the shipped files first."""
+    """Make numba's cache, which is imported, look first among the shipped files. `sums`: their checksums by file."""
     from numba.core import caching
 
     caching.IndexDataCacheFile = add_shipped_files(caching.IndexDataCacheFile, sums)
 
 
-def add_shipped_files(plain: Any, sums: dict[str, str], folder: Path = KERNEL_FOLDER) -> Any:
-    """Return a class of numba's cache files, made from its own `plain`, that reads shipped entries first."""
-    rooms = {cache_subpath(PACKAGE_FOLDER / room): room for room in {str(Path(name).parent) for name in sums}}
+def add_shipped_files(base: Any, sums: dict[str, str], folder: Path = KERNEL_FOLDER) -> Any:
+    """Return a class of numba's cache files, made from its own class `base`, that reads shipped entries first.
 
-    class Read(plain):  # type: ignore[misc]
+    `sums` has the checksums of the shipped files by their paths in `folder`.
+    """
+    subfolders = {
+        cache_subpath(PACKAGE_FOLDER / subfolder): subfolder for subfolder in {str(Path(name).parent) for name in sums}
+    }
+
+    class ShippedFile(base):  # type: ignore[misc]
         """Shipped entries of one function, whose sums are those of the manifest."""
 
         def _load_index(self) -> Any:
-            return super()._load_index() if self._whole(self._index_name) else {}
+            """Load the index of the function's entries; empty if the file is not intact."""
+            return super()._load_index() if self._is_intact(self._index_name) else {}
 
         def _load_data(self, name: str) -> Any:
-            if not self._whole(name):
+            """Load the code of one entry. Raises FileNotFoundError if the file is not intact."""
+            if not self._is_intact(name):
                 raise FileNotFoundError(name)
             return super()._load_data(name)
 
-        def _whole(self, name: str) -> bool:
+        def _is_intact(self, name: str) -> bool:
+            """Return whether a file matches its checksum."""
             path = Path(self._cache_path) / name
             expected = sums.get(path.relative_to(folder).as_posix())
             return expected is not None and file_checksum(path) == expected
 
-    class Both(plain):  # type: ignore[misc]
+    class CombinedFile(base):  # type: ignore[misc]
         """Entries of one function: shipped, or compiled here."""
 
         def __init__(self, cache_path: str, filename_base: str, source_stamp: Any) -> None:
             super().__init__(cache_path, filename_base, source_stamp)
-            room = rooms.get(Path(cache_path).name)
-            place = None if room is None else str(folder / room)
-            self._shipped = None if place is None else Read(place, filename_base, source_stamp)
+            subfolder = subfolders.get(Path(cache_path).name)
+            shipped_folder = None if subfolder is None else str(folder / subfolder)
+            self._shipped = None if shipped_folder is None else ShippedFile(shipped_folder, filename_base, source_stamp)
 
         def load(self, key: Any) -> Any:
+            """Load an entry: shipped, if there is one, or compiled here."""
             entry = None if self._shipped is None else self._shipped.load(key)
             return super().load(key) if entry is None else entry
 
-    return Both
+    return CombinedFile
 
 
 def file_checksum(path: Path) -> str:

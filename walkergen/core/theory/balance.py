@@ -60,13 +60,13 @@ class Balance(NamedTuple):
 def solve_balance(feet: Sequence[Foot], mode: Mode = "coulomb") -> Balance:
     """Find speed and shares of impacts at which a walker gains neither momentum nor spin on average.
 
-    With F_i(v) the impulse at foot i and loads N_i = s_i F_y,i / sum, the force ratios rho_i =
-    F_x,i / F_y,i obey sum N_i rho_i = 0 and sum N_i (x_i - y_i rho_i) = 0. Each rho_i falls with v
-    and is 0 at the foot's own stationary speed, so v lies between the feet's and is unique for
-    feet at one height. More than two feet bear loads as on equal springs, which hold the body up
-    but cannot pull: those nearest to equal ones that balance it. Arrays broadcast (1024 draws of
-    two feet: 7 ms). Raises TheoryError when feet do not stand on both sides of the centre of mass,
-    for mode `paper`, which has no impact law behind it, and for numbers out of range.
+    F_i(v) is the impulse at foot i, the loads are N_i = s_i F_y,i / sum, and the force ratios rho_i = F_x,i / F_y,i.
+    They obey sum N_i rho_i = 0 and sum N_i (x_i - y_i rho_i) = 0. Each rho_i falls with v and is 0 at the foot's own
+    stationary speed. So v lies between the feet's, and is unique for feet at one height.
+
+    More than two feet bear loads as on equal springs, which hold the body up but cannot pull: those nearest to equal
+    ones that balance it. Arrays broadcast (1024 draws of two feet: 7 ms). Raises TheoryError for feet that are not on
+    both sides of the centre of mass, for mode `paper`, which has no impact law, and for numbers out of range.
     """
     if mode == "paper":
         raise TheoryError(
@@ -75,21 +75,21 @@ def solve_balance(feet: Sequence[Foot], mode: Mode = "coulomb") -> Balance:
         )
     if not feet:
         raise TheoryError("balance: a walker without feet has no speed. Give it two or more.")
-    own = [factor(foot.H, foot.restitution, foot.friction, mode) for foot in feet]
-    every = np.broadcast_arrays(
-        *own,
+    foot_factors = [factor(foot.H, foot.restitution, foot.friction, mode) for foot in feet]
+    broadcast = np.broadcast_arrays(
+        *foot_factors,
         *(
             np.asarray(value, dtype=float)
             for foot in feet
             for value in (*foot.H, *foot.lever, foot.restitution, foot.friction)
         ),
     )
-    shape, count = every[0].shape, len(feet)
-    stationary = np.reshape(every[:count], (count, -1))
-    numbers = np.reshape(every[count:], (count, 7, -1))
+    shape, count = broadcast[0].shape, len(feet)
+    stationary = np.reshape(broadcast[:count], (count, -1))
+    numbers = np.reshape(broadcast[count:], (count, 7, -1))
     _check_numbers(numbers)
     numbers[:, FRICTION] = np.maximum(numbers[:, FRICTION], MIN_FRICTION)
-    speeds, loads, impulses = _solve(
+    speeds, loads, impulses = _bisect_speeds(
         np.ascontiguousarray(numbers.transpose(2, 0, 1)), stationary.min(axis=0), stationary.max(axis=0)
     )
     if np.isnan(speeds).any():
@@ -108,7 +108,10 @@ def solve_balance(feet: Sequence[Foot], mode: Mode = "coulomb") -> Balance:
 
 
 def _check_numbers(numbers: Array) -> None:
-    """Raise TheoryError unless tensors are positive definite and O lies between the feet."""
+    """Raise TheoryError unless tensors are positive definite and the centre of mass lies between the feet.
+
+    `numbers` has shape (feet, 7, draws), with the columns of XX to FRICTION.
+    """
     xx, xy, yy, x = (numbers[:, column] for column in (XX, XY, YY, LEVER_X))
     if not np.isfinite(numbers).all():
         raise TheoryError("balance: tensors and levers of the feet must be finite numbers.")
@@ -122,17 +125,17 @@ def _check_numbers(numbers: Array) -> None:
 
 
 def _format_levers(numbers: Array) -> str:
-    """Describe the levers of the feet in the first draw."""
+    """Describe the levers of the feet in the first draw, from numbers of shape (feet, 7, draws)."""
     return ", ".join(f"({x:.4g}, {y:.4g})" for x, y in numbers[:, (LEVER_X, LEVER_Y), 0])
 
 
 @kernel
-def _solve(feet: Array, low: Array, high: Array) -> tuple[Array, Array, Array]:
-    """Bisect each draw's net force between two speeds (draws,); feet of shape (draws, feet, 7).
+def _bisect_speeds(feet: Array, low: Array, high: Array) -> tuple[Array, Array, Array]:
+    """Bisect each draw's net force between the speeds `low` and `high`, shape (draws,). `feet`: (draws, feet, 7).
 
-    Speeds are resolved to a rounding of the larger of the two, also where they nearly cancel.
-    Returns speeds (draws,), loads and normal impulses (draws, feet), all for w = 1; the speed is
-    NaN where feet of different height cannot balance. Mirror images give mirrored numbers exactly.
+    Speeds are resolved to a rounding of the larger of the two, also where they nearly cancel. Returns speeds (draws,),
+    loads and normal impulses (draws, feet), all for w = 1. The speed is NaN where feet of different height cannot
+    balance. Mirror images give mirrored numbers exactly.
     """
     draws, count = feet.shape[0], feet.shape[1]
     speeds, ratios, levers = np.empty(draws), np.empty(count), np.empty(count)
@@ -163,7 +166,7 @@ def _solve(feet: Array, low: Array, high: Array) -> tuple[Array, Array, Array]:
 
 @kernel
 def _fill_impulses(feet: Array, speed: float, ratios: Array, impulses: Array) -> None:
-    """Fill force ratios F_x / F_y and normal impulses of feet that slide at a speed, for w = 1."""
+    """Fill force ratios F_x / F_y and normal impulses of feet, shape (feet, 7), that slide at a speed, for w = 1."""
     for i, foot in enumerate(feet):
         hit = impact(foot[XX], foot[XY], foot[YY], speed, -1.0, foot[RESTITUTION], foot[FRICTION])
         impulses[i] = hit.F_y

@@ -13,8 +13,8 @@ from walkergen.core.walker.spec import Material
 def contact_modulus(scene: Scene, material: Material) -> float:
     """Return the effective modulus E* of foot and plate, Pa = g/(mm s^2)."""
     plate = scene.plate.elastic
-    foot_gives = (1.0 - material.poisson_ratio**2) / material.youngs_modulus
-    return 1.0 / (foot_gives + (1.0 - plate.poisson_ratio**2) / (1e9 * plate.youngs_modulus_gpa))
+    foot_compliance = (1.0 - material.poisson_ratio**2) / material.youngs_modulus
+    return 1.0 / (foot_compliance + (1.0 - plate.poisson_ratio**2) / (1e9 * plate.youngs_modulus_gpa))
 
 
 def tip_stiffness(scene: Scene, material: Material) -> float:
@@ -27,6 +27,6 @@ def tip_stiffness(scene: Scene, material: Material) -> float:
 def landing_depth(tip: float, mass: float, speed: float, load: float) -> float:
     """Compute the depth (mm) of a single tip under a landing mass or a load at rest, whichever is larger.
 
-    The mass (g) lands at a speed (mm/s); the load is in g mm/s^2.
+    `tip` is its Hertz stiffness K. The mass (g) lands at a speed (mm/s), and the load is in g mm/s^2.
     """
     return float(max((1.25 * mass * speed * speed / tip) ** 0.4, (load / tip) ** (2.0 / 3.0)))

@@ -90,26 +90,26 @@ def determinant(H_xx: float, H_xy: float, H_yy: float) -> float:
 def impact(
     H_xx: float, H_xy: float, H_yy: float, v_x: float, v_y: float, restitution: float, friction: float
 ) -> Impact:
-    """Compute impulse and outcome of one impact; the kernel of everything that collides.
+    """Compute the impulse and outcome of one impact of a foot. Every simulated collision uses this kernel.
 
-    H (1/g) must be positive definite, velocity in mm/s, 0 <= restitution <= 1, friction >= 0:
-    not checked here (`resolve` does). Homogeneous of degree 1 in the velocity.
-    For v_y >= 0 there is no impulse and the type is `Kind.NONE`.
+    H (1/g) must be positive definite, velocity in mm/s, 0 <= restitution <= 1, friction >= 0. `resolve` checks this,
+    the kernel does not. The result is homogeneous of degree 1 in the velocity. For v_y >= 0 there is no impulse and the
+    type is `Kind.NONE`.
     """
     if v_y >= 0.0:
         return Impact(0.0, 0.0, v_x, v_y, NONE, False)
     size = max(abs(v_x), -v_y)
     if MIN_SAFE_SPEED < size < 1.0 / MIN_SAFE_SPEED:
-        return _follow(H_xx, H_xy, H_yy, v_x, v_y, restitution, friction)
+        return _compute_impact(H_xx, H_xy, H_yy, v_x, v_y, restitution, friction)
     _, n = math.frexp(size)  # a power of two: scaling by it loses no digit
     v_x, v_y = math.ldexp(v_x, -n), math.ldexp(v_y, -n)
-    hit = _follow(H_xx, H_xy, H_yy, v_x, v_y, restitution, friction)
+    hit = _compute_impact(H_xx, H_xy, H_yy, v_x, v_y, restitution, friction)
     F_x, F_y = math.ldexp(hit.F_x, n), math.ldexp(hit.F_y, n)
     return Impact(F_x, F_y, math.ldexp(hit.v_x, n), math.ldexp(hit.v_y, n), hit.kind, hit.sticks)
 
 
 @kernel
-def _follow(
+def _compute_impact(
     H_xx: float, H_xy: float, H_yy: float, v_x: float, v_y: float, restitution: float, friction: float
 ) -> Impact:
     """Compute the impact of a foot whose squared approach speed neither under- nor overflows."""
@@ -193,7 +193,7 @@ def resolve(
 def energy_change(velocity: tuple[float, float], outcome: Impact) -> float:
     """Compute the kinetic energy gained in an impact, F . (v_before + v_after) / 2, in g mm^2/s^2 (1e-9 J).
 
-    Negative when energy is lost.
+    `velocity` is that before the impact. The result is negative if energy is lost.
     """
     # Eq. 3.4
     return 0.5 * (outcome.F_x * (velocity[0] + outcome.v_x) + outcome.F_y * (velocity[1] + outcome.v_y))

@@ -68,7 +68,7 @@ class PredictedSpeed(NamedTuple):
 
 
 def make_speed(key: str, value: float, sd: float, ends: Bounds) -> Quantity:
-    """Return a speed (mm/s) whose bounds are not those of its standard deviation alone."""
+    """Return a speed (mm/s) with a standard deviation, and with the `ends` of its bounds of 95, 68, 68 and 95 %."""
     return Quantity(key, "mm_s", value, sd, ends=ends)
 
 
@@ -184,34 +184,38 @@ def prediction_inputs(scene: Scene, design: Design) -> tuple[Input, ...]:
 
 
 def sample_speeds(known: Known, drawn: Drawn) -> Array:
-    """Return the surrogate's speeds of a walker at values of `prediction_inputs`, mm/s, shape (n,)."""
-    share = print_speeds(known, known.sample_speeds(drawn), drawn)
-    return np.asarray(share + known.sign * model_error_sd(share, known.scene) * drawn.columns[MODEL_INPUT.name])
+    """Return speeds of one walker, mm/s, shape (n,), at draws of `prediction_inputs`. `known`: its surrogate."""
+    speeds = print_speeds(known, known.sample_speeds(drawn), drawn)
+    return np.asarray(speeds + known.sign * model_error_sd(speeds, known.scene) * drawn.columns[MODEL_INPUT.name])
 
 
 def print_speeds(known: Known, speeds: Speeds, drawn: Drawn, shift: Array | float = 0.0) -> Array:
-    """Return speeds of prints without the model's error, mm/s, shape (n,); a mirror image has mirrored errors.
+    """Return the speeds of drawn prints without the model's error, mm/s, shape (n,).
 
-    `speeds` are those of the networks at the drawn inputs; `shift` moves all of them on the networks' scale.
+    `speeds` are those of the surrogate's networks at the drawn inputs, and `shift` moves all of them on the networks'
+    scale. A mirror image has mirrored errors.
     """
     columns = drawn.columns
-    off = speeds.between_prints * columns[PRINT_INPUT.name] + speeds.error * columns[SURROGATE_INPUT.name]
-    return known.peak_speed * speeds.speed_ratios(shift + known.sign * off)
+    deviation = speeds.between_prints * columns[PRINT_INPUT.name] + speeds.error * columns[SURROGATE_INPUT.name]
+    return known.peak_speed * speeds.speed_ratios(shift + known.sign * deviation)
 
 
 def model_error_sd(speed: Array | float, scene: Scene) -> Array:
-    """Return the structural error of the model in space at speeds, one standard deviation, mm/s."""
+    """Return the standard deviation of the model's structural error at some speeds, mm/s, of the same shape."""
     return np.asarray(scene.prediction.model_sd * np.abs(speed))
 
 
 def compute_speed(design: Design, mass: MassProperties, scene: Scene, drawn: Drawn | None = None) -> PredictedSpeed:
-    """Compute a walker's speed by statics or the surrogate. Raises UnknownError if neither applies."""
-    if stands := standing_reason(scene, design, mass):
+    """Compute a walker's speed by statics or the surrogate. Raises UnknownError if neither applies.
+
+    `drawn` are draws of `prediction_inputs`, made here if None.
+    """
+    if reason := standing_reason(scene, design, mass):
         rest = make_speed("nominal", 0.0, 0.0, (0.0, 0.0, 0.0, 0.0))
-        return PredictedSpeed(rest, rest._replace(key="speed"), "statics", stands)
-    known = surrogate.case_in_domain(scene, design, mass)
-    speed, se = known.nominal
-    draws = sample_speeds(known, drawn or sample_prediction_inputs(scene, design))
+        return PredictedSpeed(rest, rest._replace(key="speed"), "statics", reason)
+    case = surrogate.case_in_domain(scene, design, mass)
+    speed, se = case.nominal
+    draws = sample_speeds(case, drawn or sample_prediction_inputs(scene, design))
     low2, low1, high1, high2 = np.quantile(draws, QUANTILES).tolist()
     nominal = make_speed("nominal", speed, se, (speed - NORMAL_95 * se, speed - se, speed + se, speed + NORMAL_95 * se))
     prints = make_speed("speed", float(np.median(draws)), float(np.std(draws)), (low2, low1, high1, high2))
@@ -235,7 +239,7 @@ def variance_shares(design: Design, mass: MassProperties, scene: Scene) -> tuple
 
 
 def sample_prediction_inputs(scene: Scene, design: Design) -> Drawn:
-    """Return the draws of `prediction_inputs` behind a speed and its bounds."""
+    """Draw the `prediction_inputs` that a speed and its bounds are computed from."""
     inputs = prediction_inputs(scene, design)
     return uncertain_inputs.label_columns(inputs, uncertain_inputs.sample_inputs(inputs, DRAW_COUNT, SEED))
 
@@ -297,20 +301,23 @@ def make_row(
     note: str = "",
     falls: float = 0.0,
 ) -> Prediction:
-    """Make the row of a walker with these speeds, or none, and the results of the theory."""
+    """Return the prediction of a walker from its speed (None: no speed) and the results of the theory.
+
+    `falls` is the share of runs that end with the walker fallen over, `note` a remark on the speed.
+    """
     contact = scene.contact
     by_foot = stationary(design, mass, contact.restitution, contact.friction, mode)
-    free = next((leg for leg in mass.legs if leg.m > 0.0), None)
-    none = Quantity("nominal", "mm_s", None)
-    nominal, prints = (none, none._replace(key="speed")) if speed is None else (speed.nominal, speed.speed)
+    free_leg = next((leg for leg in mass.legs if leg.m > 0.0), None)
+    missing = Quantity("nominal", "mm_s", None)
+    nominal, prints = (missing, missing._replace(key="speed")) if speed is None else (speed.nominal, speed.speed)
     return Prediction(
         tilt_deg=design.tilt_deg,
         legs=design.kind,
         total_g=float(mass.total),
         M_g=float(mass.M),
         J_g_mm2=float(mass.J),
-        m_g=None if free is None else float(free.m),
-        j_g_mm2=None if free is None else float(free.j),
+        m_g=None if free_leg is None else float(free_leg.m),
+        j_g_mm2=None if free_leg is None else float(free_leg.j),
         nominal=nominal,
         speed=prints,
         speed_by="theory" if speed is None else speed.by,
@@ -333,11 +340,12 @@ def _theory_note(design: Design, mass: MassProperties, scene: Scene, mode: Mode,
     if all(by_foot.reverses):
         return ""
     other = stationary(design, mass, contact.restitution, contact.friction, "coulomb" if mode == "paper" else "paper")
-    own, others = float(by_foot.factor), float(other.factor)
-    if abs(own - others) <= REPORTED_DIFFERENCE * abs(own):
+    own_factor, other_factor = float(by_foot.factor), float(other.factor)
+    if abs(own_factor - other_factor) <= REPORTED_DIFFERENCE * abs(own_factor):
         return ""
     which = "sticking feet (mode coulomb) give" if mode == "paper" else "eq. 15 with its sliding feet gives"
-    return f"friction can hold the feet: {which} {formatting.format_fixed(others * impact_speed(scene, mass), 1)} mm/s"
+    other_speed = formatting.format_fixed(other_factor * impact_speed(scene, mass), 1)
+    return f"friction can hold the feet: {which} {other_speed} mm/s"
 
 
 CURVE_POINTS = 91
@@ -386,13 +394,13 @@ def predict_curve(
 
 
 def curve_from_rows(walkers: Sequence[tuple[Design, MassProperties, Prediction]], scene: Scene, mode: Mode) -> Curve:
-    """Return the curve through walkers of similar tilts, from their own rows, in the order of their tilts."""
+    """Return the curve through walkers of different tilts, from their own predictions, in the order of tilts."""
     speeds, sticks, contact = [], [], scene.contact
     for design, mass, row in sorted(walkers, key=lambda walker: walker[2].tilt_deg):
         by_foot = stationary(design, mass, contact.restitution, contact.friction, mode)
-        known = row.speed_by in ("statics", "surrogate")
-        own = (row.nominal.number, row.speed.number, *(row.speed.ends or ())) if known else (math.nan,) * 6
-        speeds.append((row.tilt_deg, row.theory_mm_s, *own))
+        has_speed = row.speed_by in ("statics", "surrogate")
+        own_speeds = (row.nominal.number, row.speed.number, *(row.speed.ends or ())) if has_speed else (math.nan,) * 6
+        speeds.append((row.tilt_deg, row.theory_mm_s, *own_speeds))
         sticks.append(not all(by_foot.reverses))
     tilts, theory, nominal, middle, *bounds = np.array(speeds, dtype=float).T
     return Curve(tilts, middle, np.array(bounds), nominal, theory, np.array(sticks))

@@ -29,7 +29,7 @@ class Factors(NamedTuple):
 
     @property
     def mean(self) -> Array:
-        """Mean factor of the feet: that of a walker whose feet have as many impacts."""
+        """Mean factor of the feet, which is that of a walker whose feet have equally many impacts."""
         return np.asarray(sum(self.feet) / len(self.feet))
 
 
@@ -41,7 +41,7 @@ def factor(H: InverseMass, restitution: float | Array, friction: float | Array, 
     out of range.
     """
     e, mu = np.asarray(restitution, dtype=float), np.asarray(friction, dtype=float)
-    _check(e, mu, mode)
+    _check_numbers(e, mu, mode)
     magnitude = np.abs(H.xy)
     # Ratio |F_x|/F_y after the stop: as much as holds the foot, or all that friction gives.
     needed = magnitude / H.xx
@@ -56,7 +56,8 @@ def factor(H: InverseMass, restitution: float | Array, friction: float | Array, 
     return result
 
 
-def _check(e: Array, mu: Array, mode: str) -> None:
+def _check_numbers(e: Array, mu: Array, mode: str) -> None:
+    """Raise TheoryError unless restitution e, friction mu and mode are in their ranges."""
     if not (np.all(e >= 0) and np.all(e <= 1)):
         raise TheoryError(f"restitution = {e.min()}..{e.max()}: it must lie in 0..1.")
     if not (np.all(mu >= 0) and np.all(np.isfinite(mu))):

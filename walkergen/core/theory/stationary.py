@@ -47,12 +47,11 @@ def stationary(
     mode: Mode = "coulomb",
     nominal: tuple[float, float] | None = None,
 ) -> Stationary:
-    """Return the stationary speed of a walker from its mass properties, which may carry batch axes.
+    """Return the stationary speed of a walker over its impact speed. Mass properties may carry batch axes.
 
-    Restitution and friction are the scene's, or draws of them about the `nominal` ones: feet of
-    another material keep theirs, changed in the proportion of draw to nominal. Raises TheoryError
-    for numbers out of range, for a walker whose centre of mass is not between its feet, and for
-    mode `paper` of unlike feet.
+    Restitution and friction are the scene's, or draws of them about the `nominal` (restitution, friction). Feet of
+    another material keep their own values, scaled by draw over nominal. Raises TheoryError for numbers out of range,
+    for a centre of mass that is not between the feet, and for mode `paper` of unlike feet.
     """
     if design.pair:
         return _average_equal_feet(factors(mass, restitution, friction, mode))
@@ -69,9 +68,9 @@ def stationary(
         lever = leg.foot - centre
         by_foot.append(Foot(H, (lever[..., 0], lever[..., 1]), e, mu))
     balance = solve_balance(by_foot, mode)
-    own = tuple(factor(foot.H, foot.restitution, foot.friction, mode) for foot in by_foot)
+    foot_factors = tuple(factor(foot.H, foot.restitution, foot.friction, mode) for foot in by_foot)
     reverses = tuple(np.asarray(foot.friction * foot.H.xx < np.abs(foot.H.xy)) for foot in by_foot)
-    return Stationary(balance.factor, own, reverses, _format_note(design, balance.note, balance.shares))
+    return Stationary(balance.factor, foot_factors, reverses, _format_note(design, balance.note, balance.shares))
 
 
 def _average_equal_feet(feet: Factors) -> Stationary:
@@ -80,15 +79,16 @@ def _average_equal_feet(feet: Factors) -> Stationary:
 
 
 def _foot_value(
-    written: float | None, scenes: float | Array, nominal: float | None, most: float = math.inf
+    own_value: float | None, scene_value: float | Array, nominal: float | None, upper_limit: float = math.inf
 ) -> float | Array:
-    """Return a foot's friction or restitution: its own in the scene's proportion, or the scene's."""
-    if written is None:
-        return scenes
-    return written if nominal is None else scale_proportionally(written, scenes, nominal, most)
+    """Return a foot's friction or restitution: the scene's, or its own one, scaled by scene_value / nominal."""
+    if own_value is None:
+        return scene_value
+    return own_value if nominal is None else scale_proportionally(own_value, scene_value, nominal, upper_limit)
 
 
 def _format_note(design: Design, note: str, shares: Array) -> str:
+    """Return the note of a balance with the feet's shares of impacts, shape (feet,), and a remark on turning."""
     if shares.ndim == 1:
         percent = " : ".join(f"{100 * share:.0f}" for share in shares)
         note += f" (impacts from back to front {percent} %)"
@@ -118,6 +118,7 @@ def project_to_plane(design: Design, mass: MassProperties) -> Planar:
 
 
 def _merge_legs(group: list[tuple[Limb, LegMass]]) -> tuple[Limb, LegMass]:
+    """Merge legs side by side into one leg of the plane."""
     (limb, leg), legs = group[0], [leg for _, leg in group]
     return (
         limb._replace(width=sum(limb.width for limb, _ in group)),
@@ -128,8 +129,8 @@ def _merge_legs(group: list[tuple[Limb, LegMass]]) -> tuple[Limb, LegMass]:
 def standing_reason(scene: Scene, design: Design, mass: MassProperties) -> str:
     """Return the reason why a walker rests; "" if it may run.
 
-    Source: statics; the amplification is that of an undamped mass on a spring. Its rival are the runs of
-    tests/core/theory/test_standing.py.
+    This is statics, with the amplification of an undamped mass on a spring. tests/core/theory/test_standing.py compares
+    it with runs.
     """
     drive, plate, contact = scene.drive, scene.plate, scene.contact
     if plate.sways:
@@ -142,14 +143,14 @@ def standing_reason(scene: Scene, design: Design, mass: MassProperties) -> str:
     slope = math.radians(abs(plate.slope_deg))
     if math.tan(slope) >= min(frictions):
         return ""
-    thrown = _largest_acceleration(scene) * _amplification(scene, design, mass)
-    if thrown >= GRAVITY * math.cos(slope):
+    peak_acceleration = _largest_acceleration(scene) * _amplification(scene, design, mass)
+    if peak_acceleration >= GRAVITY * math.cos(slope):
         return ""
     return f"the peak acceleration of the plate, {drive.peak_gamma:.3g} g, is too small: the walker stands"
 
 
 def _largest_acceleration(scene: Scene) -> float:
-    """Return a bound of the plate's acceleration, mm/s^2, with that of the second harmonic added."""
+    """Return an upper bound of the plate's acceleration, mm/s^2, with its second harmonic."""
     return scene.drive.peak_gamma * GRAVITY * (1.0 + 4.0 * scene.drive.second_harmonic_ratio)
 
 
@@ -158,16 +159,19 @@ def _amplification(scene: Scene, design: Design, mass: MassProperties) -> float:
     modulus = 1e9 * design.material.youngs_modulus_gpa
     load = float(mass.total) * GRAVITY / (2 * len(design.limbs))
     tip = tip_stiffness(scene, design.material)
-    softer = 0.5 / (1.5 * tip ** (2.0 / 3.0) * load ** (1.0 / 3.0))  # of both tips of a foot at rest
-    stiffness = sum(1.0 / (_vertical_compliance(limb, modulus) + softer) for limb in design.limbs)
-    fastest = scene.drive.omega * (2.0 if scene.drive.second_harmonic_ratio else 1.0)
-    ratio = fastest**2 * float(mass.total) / stiffness
+    tips_compliance = 0.5 / (1.5 * tip ** (2.0 / 3.0) * load ** (1.0 / 3.0))  # of both tips of a foot at rest
+    stiffness = sum(1.0 / (_vertical_compliance(limb, modulus) + tips_compliance) for limb in design.limbs)
+    max_omega = scene.drive.omega * (2.0 if scene.drive.second_harmonic_ratio else 1.0)
+    ratio = max_omega**2 * float(mass.total) / stiffness
     return 1.0 / (1.0 - ratio) if ratio < 1.0 else math.inf
 
 
 def _vertical_compliance(limb: Limb, modulus: float) -> float:
-    """Return the vertical compliance of a leg with a sliding foot, s^2/g: it bends as a cantilever and is pressed."""
-    softness = math.cos(limb.tilt) ** 2 / (modulus * limb.width * section_of(limb).axial(limb))
+    """Return the vertical compliance of a leg with a sliding foot, s^2/g: bent as a cantilever, and compressed.
+
+    `modulus` is Young's modulus, Pa.
+    """
+    compliance = math.cos(limb.tilt) ** 2 / (modulus * limb.width * section_of(limb).axial(limb))
     if not limb.rigid:
-        softness += math.sin(limb.tilt) ** 2 * limb.length**3 / (3.0 * modulus * section_of(limb).second_moment(limb))
-    return softness
+        compliance += math.sin(limb.tilt) ** 2 * limb.length**3 / (3.0 * modulus * section_of(limb).second_moment(limb))
+    return compliance

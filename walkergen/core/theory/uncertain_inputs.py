@@ -58,7 +58,7 @@ def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
     """Return the inputs with a standard deviation that `reader`, PREDICTION_READER or SPACE_READER, uses."""
     contact, feet = scene.contact, scene.feet
     mass_sd = 0.01 * design.weighed.mass_sd_percent
-    known = (
+    candidates = (
         Input("contact.restitution", contact.restitution, contact.restitution_sd, MIN_RESTITUTION, 1.0),
         Input("contact.friction", contact.friction, contact.friction_sd),
         Input(
@@ -81,18 +81,18 @@ def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
         _tip_radius(scene),
         *_motor_inputs(scene.drive),
     )
-    off = {"legs.damping_ratio"} if reader == PREDICTION_READER else set()
+    excluded = {"legs.damping_ratio"} if reader == PREDICTION_READER else set()
     if design.rigid:
-        off.add("leg mass")
+        excluded.add("leg mass")
     if scene.feet.rigid_tips:
-        off.add("feet.tip_radius_um")
+        excluded.add("feet.tip_radius_um")
     if "unevenness" in scene.effects.off:
-        off.add("feet.unevenness_um")
-    return tuple(one for one in known if one.sd > 0 and one.name not in off)
+        excluded.add("feet.unevenness_um")
+    return tuple(candidate for candidate in candidates if candidate.sd > 0 and candidate.name not in excluded)
 
 
 def _tip_radius(scene: Scene) -> Input:
-    """Return the effective radius of the tips, um, cut off at three standard deviations."""
+    """Return the effective radius of the tips, um, as an input that is cut off at three standard deviations."""
     radius, factor = scene.feet.tip_radius_um, scene.feet.tip_radius_sd_factor
     factor = PRIORS[scene.contact.prior].tip_radius_sd_factor if factor is None else factor
     ends = radius / factor**3, radius * factor**3
@@ -130,22 +130,23 @@ class Drawn(NamedTuple):
 
 def label_columns(quantities: Sequence[Input], values: Array) -> Drawn:
     """Return the values of inputs, shape (count, inputs), by their names."""
-    columns = {quantity.name: values[:, place] for place, quantity in enumerate(quantities)}
+    columns = {quantity.name: values[:, column] for column, quantity in enumerate(quantities)}
     return Drawn(columns, len(values))
 
 
 def sample_inputs(quantities: Sequence[Input], count: int, seed: int) -> Array:
-    """Draw the inputs, shape (count, inputs), evenly spread (see `lattice_points`); not writable.
+    """Draw the inputs, shape (count, inputs), evenly spread (see `lattice_points`). The array is not writable.
 
-    They are kept, since members of a family share them.
+    It is cached, since members of a family share it.
     """
     return _sample_inputs(tuple(quantities), count, seed)
 
 
 @lru_cache(maxsize=8)
 def _sample_inputs(quantities: tuple[Input, ...], count: int, seed: int) -> Array:
-    cube = lattice_points(len(quantities), count, seed)
-    columns = [input_quantiles(quantity, cube[:, place]) for place, quantity in enumerate(quantities)]
+    """Draw inputs for `sample_inputs`, or return the cached draws."""
+    points = lattice_points(len(quantities), count, seed)
+    columns = [input_quantiles(quantity, points[:, column]) for column, quantity in enumerate(quantities)]
     drawn = np.column_stack(columns) if columns else np.empty((count, 0))
     drawn.flags.writeable = False
     return drawn
@@ -189,19 +190,19 @@ LATTICE_VECTOR = (
 (R. Cools, F. Y. Kuo and D. Nuyens, SIAM J. Sci. Comput. 28, 2162, 2006)."""
 
 
-def lattice_points(wide: int, count: int, seed: int) -> Array:
-    """Return the points of a lattice with a random shift in the unit cube, shape (count, wide), wide <= 32.
+def lattice_points(dimension: int, count: int, seed: int) -> Array:
+    """Return points of a lattice with a random shift in the unit cube, shape (count, dimension), dimension <= 32.
 
-    Its first 2^m points are evenly spread. Errors of bounds over 512 of them are 0.4 to 0.8 of those with random
+    The first 2^m points are evenly spread. Errors of bounds over 512 of them are 0.4 to 0.8 of those with random
     numbers. They are up to a third larger than with Sobol points (tested on a sum with a ridge), but the import of
-    those takes a third of a second.
+    Sobol points takes a third of a second.
     """
     bits = max(math.ceil(math.log2(max(count, 1))), 1)
-    numbers, turned = np.arange(2**bits), np.zeros(2**bits, np.int64)
+    indices, reversed_bits = np.arange(2**bits), np.zeros(2**bits, np.int64)
     for bit in range(bits):
-        turned |= (numbers >> bit & 1) << (bits - 1 - bit)
-    places = turned[:count, None] * np.array(LATTICE_VECTOR[:wide]) % 2**bits / 2**bits
-    return np.asarray((places + np.random.default_rng(seed).random(wide)) % 1.0)
+        reversed_bits |= (indices >> bit & 1) << (bits - 1 - bit)
+    points = reversed_bits[:count, None] * np.array(LATTICE_VECTOR[:dimension]) % 2**bits / 2**bits
+    return np.asarray((points + np.random.default_rng(seed).random(dimension)) % 1.0)
 
 
 STANDARD_NORMAL = NormalDist()
@@ -209,7 +210,7 @@ _normal_quantiles = np.vectorize(STANDARD_NORMAL.inv_cdf, otypes=[float])
 
 
 def input_quantiles(law: Input, shares: Array) -> Array:
-    """Return the quantiles of an input's distribution; shares in (0, 1), any shape."""
+    """Return the quantiles of the distribution `law` of an input at probabilities `shares` in (0, 1), any shape."""
     if law.factor:
         normal = Input(law.name, math.log(law.mean), law.sd, math.log(law.low), math.log(law.high))
         return np.asarray(np.exp(input_quantiles(normal, shares)))
@@ -223,11 +224,10 @@ def input_quantiles(law: Input, shares: Array) -> Array:
 
 
 def apply_inputs(scene: Scene, design: Design, values: Mapping[str, float]) -> tuple[Scene, Design, MassProperties]:
-    """Return scene, design and masses with the inputs set to `values`; others keep their means.
+    """Return scene, design and masses with the inputs set to `values`, by name. Other inputs keep their means.
 
-    Feet of another material change in proportion to the scene's contact.
-
-    Raises GeometryError for legs that cannot be built so thick.
+    Feet of another material change in proportion to the scene's contact. Raises GeometryError for legs that cannot be
+    built so thick.
     """
     changes: dict[str, dict[str, Any]] = {}
     for name, value in values.items():
@@ -235,37 +235,39 @@ def apply_inputs(scene: Scene, design: Design, values: Mapping[str, float]) -> t
         if key:
             changes.setdefault(table, {})[key] = float(value)
     legs = changes.pop("legs", {})
-    thick = legs.pop("thickness_mm", None)
+    thickness = legs.pop("thickness_mm", None)
     material = changes.pop("material", {})
     if legs:
         changes["legs"] = legs
     drawn = scene.model_copy(
         update={name: getattr(scene, name).model_copy(update=new) for name, new in changes.items()}
     )
-    design = _scale_foot_contacts(_with_leg_thickness(design, thick, material), scene, drawn)
+    design = _scale_foot_contacts(_with_leg_thickness(design, thickness, material), scene, drawn)
     body, leg = values.get("body mass", 1.0), values.get("leg mass", 1.0)
     return drawn, design, scale_masses(solids.mass_of(design), float(body), float(leg))
 
 
-def scale_proportionally(own: float, drawn: Any, nominal: float, most: float = math.inf) -> Any:
-    """Return another material's friction or restitution, scaled by a draw of the scene's value.
+def scale_proportionally(own: float, drawn: Any, nominal: float, upper_limit: float = math.inf) -> Any:
+    """Return `own`, another material's friction or restitution, times drawn / nominal, up to `upper_limit`.
 
-    It changes in the same proportion, up to `most`; where the scene's `nominal` value is 0 it
-    stays. A float or an array, as `drawn` is.
+    `nominal` is the scene's value and `drawn` a draw of it, a float or an array. If `nominal` is 0, `own` is returned.
     """
-    return own + 0.0 * drawn if nominal == 0.0 else np.minimum(own * (drawn / nominal), most)
+    return own + 0.0 * drawn if nominal == 0.0 else np.minimum(own * (drawn / nominal), upper_limit)
 
 
 def _scale_foot_contacts(design: Design, scene: Scene, drawn: Scene) -> Design:
-    """Return the design with feet of another material scaled as the scene's contact; validated."""
+    """Return the design with feet of another material scaled as the contact changes from `scene` to `drawn`.
+
+    The result is validated.
+    """
     if all(limb.friction is None and limb.restitution is None for limb in design.limbs):
         return design
     data = design.model_dump(exclude_unset=True)
     for leg in data["legs"]:
-        for key, most in (("friction", math.inf), ("restitution", 1.0)):
+        for key, upper_limit in (("friction", math.inf), ("restitution", 1.0)):
             if leg.get(key) is not None:
-                now, nominal = (getattr(one.contact, key) for one in (drawn, scene))
-                leg[key] = float(scale_proportionally(leg[key], now, nominal, most))
+                drawn_value, nominal = (getattr(source.contact, key) for source in (drawn, scene))
+                leg[key] = float(scale_proportionally(leg[key], drawn_value, nominal, upper_limit))
     return Design.model_validate(data)
 
 
@@ -275,7 +277,10 @@ def _clip_thickness(thickness: float) -> float:
 
 
 def _with_leg_thickness(design: Design, thickness: float | None, material: dict[str, Any]) -> Design:
-    """Return the design with another thickness of its first leg, and of others in proportion; validated."""
+    """Return the design with another thickness (mm) of its first leg, others in proportion, and other material values.
+
+    The result is validated.
+    """
     if thickness is not None:
         data = design.model_dump(exclude_unset=True)
         if design.pair:
@@ -308,12 +313,15 @@ def variance_shares(quantities: Sequence[Input], function: Callable[[Array], Arr
     errors come from `SHARE_SETS` independent sets of points.
     """
     generators = np.random.default_rng(seed).spawn(SHARE_SETS)
-    repeats = np.array([sobol_indices(quantities, function, generator) for generator in generators])
-    return sort_shares(quantities, repeats.mean(axis=0), repeats.std(axis=0, ddof=1) / math.sqrt(SHARE_SETS))
+    indices = np.array([sobol_indices(quantities, function, generator) for generator in generators])
+    return sort_shares(quantities, indices.mean(axis=0), indices.std(axis=0, ddof=1) / math.sqrt(SHARE_SETS))
 
 
 def sobol_indices(quantities: Sequence[Input], function: Callable[[Array], Array], rng: np.random.Generator) -> Array:
-    """Return first-order (row 0) and total (row 1) shares of a function's variance, shape (2, inputs)."""
+    """Return first-order (row 0) and total (row 1) shares of a function's variance, shape (2, inputs).
+
+    The function takes values of the inputs, shape (n, inputs), and returns shape (n,).
+    """
     from scipy.stats import sobol_indices
 
     if not quantities:
@@ -324,14 +332,15 @@ def sobol_indices(quantities: Sequence[Input], function: Callable[[Array], Array
 
 
 def sort_shares(quantities: Sequence[Input], values: Array, errors: Array) -> tuple[Share, ...]:
-    """Return the shares by name, largest total first; values and standard errors of shape (2, inputs)."""
+    """Return shares by name, largest total first, from values and standard errors, each of shape (2, inputs)."""
     from walkergen.core.numerics.quantity import Quantity
 
     rows = [
         Share(
-            one.name, *(Quantity(("first", "total")[i], "", float(values[i, k]), float(errors[i, k])) for i in (0, 1))
+            uncertain.name,
+            *(Quantity(("first", "total")[i], "", float(values[i, k]), float(errors[i, k])) for i in (0, 1)),
         )
-        for k, one in enumerate(quantities)
+        for k, uncertain in enumerate(quantities)
     ]
     return tuple(sorted(rows, key=lambda share: -share.total.number))
 
@@ -342,5 +351,5 @@ class _Law(NamedTuple):
     one: Input
 
     def ppf(self, shares: Array) -> Array:
-        """Return quantiles."""
+        """Return quantiles at `shares`, probabilities in (0, 1)."""
         return input_quantiles(self.one, shares)

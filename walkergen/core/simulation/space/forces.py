@@ -242,7 +242,7 @@ def _eliminate(A, count):
 
 @lean
 def _set_forces(near, A, m, count):
-    """Set the forces of m contacts from the `count` unknowns in A. Open contacts that would pull; return how many."""
+    """Set the forces of m contacts from the `count` unknowns in A. Open those that would pull and return how many."""
     pulling = 0
     for i in range(m):
         near[i].force[0] = near[i].force[1] = near[i].force[2] = 0.0
