@@ -1,7 +1,6 @@
 """Folders in the user's cache, for files that can be made again at any time.
 
-Kernels lie there as code that is run when it is read: a folder that anybody else can write to, or
-owns, is not used.
+Kernels lie there as code that is run when it is read: a folder that anybody else can write to, or owns, is not used.
 """
 
 import atexit

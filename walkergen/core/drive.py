@@ -48,10 +48,9 @@ Component = Annotated[float, Field(ge=-1e3, le=1e3)]
 class Drive(Section):
     """Vertical sinusoidal vibration of the plate, from any two of its four numbers, or a motor.
 
-    A second harmonic may be added, given by its amplitude over that of the fundamental and by its
-    phase; the four numbers remain those of the fundamental. A motor has a frequency and the moment
-    of its rotor. The peak acceleration a on a mass m at a frequency f, as data sheets state it, is
-    the moment m a/(2 pi f)^2.
+    A second harmonic may be added, given by its amplitude over that of the fundamental and by its phase; the four
+    numbers remain those of the fundamental. A motor has a frequency and the moment of its rotor. The peak acceleration
+    a on a mass m at a frequency f, as data sheets state it, is the moment m a/(2 pi f)^2.
     """
 
     gone: ClassVar[Mapping[str, str]] = {

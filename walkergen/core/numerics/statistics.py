@@ -12,10 +12,9 @@ MIN_SERIES_LENGTH = 32
 """Length of a series below which its correlation time cannot be estimated."""
 
 MIN_SAMPLES = 30
-"""Number of independent samples (pairs of correlation times) below which the error of a mean is
-refused. Near it the correlation time, and the error with it, come out too small in those series
-that pass: by 30 % at 25 samples (4 of 10 series pass), 20 % at 30, 5 % at 50 and 2 % at 100,
-measured with Ornstein-Uhlenbeck processes."""
+"""Number of independent samples (pairs of correlation times) below which the error of a mean is refused. Near it the
+correlation time, and the error with it, come out too small in those series that pass: by 30 % at 25 samples (4 of 10
+series pass), 20 % at 30, 5 % at 50 and 2 % at 100, measured with Ornstein-Uhlenbeck processes."""
 
 MIN_VALUES_FOR_95 = 39
 """Number of values whose least and largest are the ends of bounds that hold another with 95 %."""
@@ -27,10 +26,9 @@ WINDOW_CORRELATION_TIMES = 5.0
 def weighted_mean(values: Array, weights: Array | None = None) -> tuple[float, float, float]:
     """Return the mean of n >= 2 values, shape (n,), weighted by `weights` (all 1 if None); its error and freedom.
 
-    Weights are the times measured: with w_i their shares, the squared error is the sum of
-    w_i^2 (x_i - mean)^2 over 1 - sum w_i^2, and the degrees of freedom are 1/(sum w_i^2) - 1
-    (Satterthwaite 1946, Biometrics Bull. 2, 110, for variances that fall as 1/w). With equal
-    weights this is the spread over the root of n, with n - 1.
+    Weights are the times measured: with w_i their shares, the squared error is the sum of w_i^2 (x_i - mean)^2 over 1 -
+    sum w_i^2, and the degrees of freedom are 1/(sum w_i^2) - 1 (Satterthwaite 1946, Biometrics Bull. 2, 110, for
+    variances that fall as 1/w). With equal weights this is the spread over the root of n, with n - 1.
     """
     share = np.full(len(values), 1.0 / len(values)) if weights is None else weights / weights.sum()
     value = float(share @ values)
@@ -42,13 +40,12 @@ def weighted_mean(values: Array, weights: Array | None = None) -> tuple[float, f
 def prediction_quantiles(values: Array, shares: Sequence[float]) -> Array:
     """Return the values that a further one of n >= 2 independent values falls below with these probabilities.
 
-    Between the least and the largest value by Weibull's plotting positions i / (n + 1), which hold
-    for any continuous distribution. Ends rarer than 1 / (n + 1) lie beyond them: further from the
-    median than the outermost value in the ratio of Student's t, of n - 1 degrees of freedom, at
-    both probabilities. So bounds of 95 % from 16 to 38 values hold 94 to 97 % of normal, skewed
-    (log-normal, exponential) and triangular distributions, 92.5 to 95 % of Student's t of three
-    degrees, and 95 to 98.5 % of uniform ones and of those with two modes; from 8 values 91 to 98 %
-    and from 4 values 88 to 94 %. The outermost values themselves hold (n - 1) / (n + 1).
+    Between the least and the largest value by Weibull's plotting positions i / (n + 1), which hold for any continuous
+    distribution. Ends rarer than 1 / (n + 1) lie beyond them: further from the median than the outermost value in the
+    ratio of Student's t, of n - 1 degrees of freedom, at both probabilities. So bounds of 95 % from 16 to 38 values
+    hold 94 to 97 % of normal, skewed (log-normal, exponential) and triangular distributions, 92.5 to 95 % of Student's
+    t of three degrees, and 95 to 98.5 % of uniform ones and of those with two modes; from 8 values 91 to 98 % and from
+    4 values 88 to 94 %. The outermost values themselves hold (n - 1) / (n + 1).
     """
     count, wanted = len(values), np.asarray(shares, dtype=float)
     rarest = 1.0 / (count + 1)
@@ -64,11 +61,10 @@ def prediction_quantiles(values: Array, shares: Sequence[float]) -> Array:
 def correlation_time(series: Sequence[Array], interval: float) -> float | None:
     """Return the integrated autocorrelation time (s) of series sampled every `interval` seconds.
 
-    Products are about the mean of all series: about each one's own, changes slower than a series
-    would vanish. Summed in Sokal's self-consistent window (A. Sokal, in Functional Integration,
-    1997, section 3), with the correction for the mean's own error (U. Wolff, Comput. Phys. Commun.
-    156, 143, 2004, section 3.2). At least half an interval; None when no series has MIN_SERIES_LENGTH
-    values, and when the window does not close within half of the longest series.
+    Products are about the mean of all series: about each one's own, changes slower than a series would vanish. Summed
+    in Sokal's self-consistent window (A. Sokal, in Functional Integration, 1997, section 3), with the correction for
+    the mean's own error (U. Wolff, Comput. Phys. Commun. 156, 143, 2004, section 3.2). At least half an interval; None
+    when no series has MIN_SERIES_LENGTH values, and when the window does not close within half of the longest series.
     """
     longest = max((len(values) for values in series), default=0)
     if longest < MIN_SERIES_LENGTH:

@@ -25,9 +25,8 @@ MIN_RUNS = 4
 chance."""
 
 MAX_SPEED_DIFFERENCE = 1e-4
-"""Largest difference of two runs' speeds on one orbit, over the plate's peak speed. Runs that start
-at random fall into an orbit within some hundred periods to rounding; those that do not repeat
-differ by 1e-2 and more after a minute."""
+"""Largest difference of two runs' speeds on one orbit, over the plate's peak speed. Runs that start at random fall into
+an orbit within some hundred periods to rounding; those that do not repeat differ by 1e-2 and more after a minute."""
 
 ORBIT, REST = "one periodic orbit", "at rest"
 """Names of orbits that runs end on."""
@@ -141,12 +140,11 @@ def correlation_time(results: Sequence[RunResult]) -> float | None:
 def mean_speed(results: Sequence[RunResult]) -> Quantity:
     """Return the mean speed of runs of any lengths; without an error for fewer than MIN_RUNS.
 
-    Runs are the samples: other drops, prints and noise make them independent however slowly a
-    walker changes its direction, and no piece of a run is (C. Alexopoulos and D. Goldsman, ACM
-    Trans. Model. Comput. Simul. 14, 76, 2004, weigh the two). Limit: walkers that all keep the
-    direction they started in show no spread. With two directions alike, n runs of T seconds that
-    turn every t seconds all agree with a probability of 2^(1-n) exp(-n T/t), 12.5 % of 4 runs that
-    never turn: hence MIN_RUNS, and 8 runs or more where directions may last longer than a run.
+    Runs are the samples: other drops, prints and noise make them independent however slowly a walker changes its
+    direction, and no piece of a run is (C. Alexopoulos and D. Goldsman, ACM Trans. Model. Comput. Simul. 14, 76, 2004,
+    weigh the two). Limit: walkers that all keep the direction they started in show no spread. With two directions
+    alike, n runs of T seconds that turn every t seconds all agree with a probability of 2^(1-n) exp(-n T/t), 12.5 % of
+    4 runs that never turn: hence MIN_RUNS, and 8 runs or more where directions may last longer than a run.
     """
     if not results:
         return Quantity("speed", "mm_s", None, refused="no run ended well")

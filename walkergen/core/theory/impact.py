@@ -1,10 +1,9 @@
 """One planar impact with Coulomb friction (Routh's construction; docs/physics.md section 3).
 
-The foot touches the plate with velocity (v_x, v_y < 0) and inverse-mass tensor H. Velocities are
-piecewise linear in the normal impulse p = F_y. In the first segment the foot slides with the sign
-of v_x. Once v_x has reached zero, it sticks or slides on in a second segment. Compression ends
-when v_y = 0. Poisson's law of restitution ends the impact: F_y = (1 + e) times that of
-compression, as in the paper.
+The foot touches the plate with velocity (v_x, v_y < 0) and inverse-mass tensor H. Velocities are piecewise linear in
+the normal impulse p = F_y. In the first segment the foot slides with the sign of v_x. Once v_x has reached zero, it
+sticks or slides on in a second segment. Compression ends when v_y = 0. Poisson's law of restitution ends the impact:
+F_y = (1 + e) times that of compression, as in the paper.
 """
 
 import math

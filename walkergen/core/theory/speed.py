@@ -1,8 +1,7 @@
 """Stationary speed of a foot: the sliding speed at which an impact gives no horizontal impulse.
 
-The foot arrives with normal speed w and slides at v_x0; the ratio v_x0 / w is called the factor
-(docs/physics.md section 4; paper eq. 15). Everything broadcasts over arrays; one call serves a
-million draws when made in chunks.
+The foot arrives with normal speed w and slides at v_x0; the ratio v_x0 / w is called the factor (docs/physics.md
+section 4; paper eq. 15). Everything broadcasts over arrays; one call serves a million draws when made in chunks.
 """
 
 from typing import Literal, NamedTuple, get_args

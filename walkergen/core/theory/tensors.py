@@ -41,13 +41,12 @@ def rigid_tensor(M: Values, J: Values, d: Array) -> InverseMass:
 def flexible_tensor(M: Values, J: Values, m: Values, j: Values, a: Array, c_A: Array, c_T: Array) -> InverseMass:
     """Return the tensor at the tip of a leg whose joint carries force but no torque, in 1/g (paper eqs 8-12).
 
-    The body has M, J and anchor a; the leg has m, j (about its own centre), c_A = anchor -> centre
-    and c_T = centre -> tip. Masses (g, g mm^2) shape (...), vectors (mm) (..., 2); all masses > 0.
+    The body has M, J and anchor a; the leg has m, j (about its own centre), c_A = anchor -> centre and c_T = centre ->
+    tip. Masses (g, g mm^2) shape (...), vectors (mm) (..., 2); all masses > 0.
 
-    The published form I/m + P(c_T)/j - R^T K^-1 R subtracts numbers of order 1/m to leave 1/M: it
-    loses the digits of M/m for a light leg. Woodbury's identity makes it a sum of positive terms,
-    accurate for every m/M: with I_A = j + m |c_A|^2 (leg about its anchor), c = c_A + c_T and
-    G = I - (m/I_A) perp(c_A) perp(c)^T,
+    The published form I/m + P(c_T)/j - R^T K^-1 R subtracts numbers of order 1/m to leave 1/M: it loses the digits of
+    M/m for a light leg. Woodbury's identity makes it a sum of positive terms, accurate for every m/M: with I_A = j + m
+    |c_A|^2 (leg about its anchor), c = c_A + c_T and G = I - (m/I_A) perp(c_A) perp(c)^T,
 
         H = perp(c) perp(c)^T / I_A  +  G^T (mass of body at A + mass of leg at A)^-1 G.
     """

@@ -47,8 +47,7 @@ class Rule(NamedTuple):
     switch: str = ""
     """Name in effects.on and effects.off, or key of the scene, that forces it."""
     away: Mapping[str, Any] = MappingProxyType({})
-    """Values of the scene's keys that exclude it from a still plate, such as a bench's; empty if
-    it remains."""
+    """Values of the scene's keys that exclude it from a still plate, such as a bench's; empty if it remains."""
     usual: Mapping[str, Any] = MappingProxyType({})
     """Values of keys that give an effect that is off its usual size; empty if it has none."""
     without: Mapping[str, Any] = MappingProxyType({})

@@ -1,8 +1,7 @@
 """Flight in space: C falls, the body is a free top, legs swing, each exactly or nearly so.
 
-The legs' coordinates follow tabulated exponentials for times h 2^i, without the torques of the
-body's turn. The top keeps its angular momentum exactly and turns by the implicit midpoint rule,
-solved to rounding.
+The legs' coordinates follow tabulated exponentials for times h 2^i, without the torques of the body's turn. The top
+keeps its angular momentum exactly and turns by the implicit midpoint rule, solved to rounding.
 
 `world` holds what stays the same in a run, `state` (an array) what changes, and `work` memory for results (state.py).
 """

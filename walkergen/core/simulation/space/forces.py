@@ -1,14 +1,13 @@
 """Forces of elastic contacts in one implicit midpoint step (docs/physics.md section 7).
 
-Each contact has a normal spring with a damper, never adhesive, and a tangential spring whose force
-a Coulomb slider cuts at friction times the normal force (tips.py). In the middle of the
-step f = -k (x + h u / 2) - c u with u = u_free + h H f / 2, so that forces obey
-f + b h H f / 2 = -k x - b u_free, b = c + h k / 2: one linear system for given modes and
-directions of sliding, which are corrected until each contact's force agrees with its mode and
-slip. No order of contacts, no iteration between them, no limit on the step from any spring.
+Each contact has a normal spring with a damper, never adhesive, and a tangential spring whose force a Coulomb slider
+cuts at friction times the normal force (tips.py). In the middle of the step f = -k (x + h u / 2) - c u with u = u_free
++ h H f / 2, so that forces obey f + b h H f / 2 = -k x - b u_free, b = c + h k / 2: one linear system for given modes
+and directions of sliding, which are corrected until each contact's force agrees with its mode and slip. No order of
+contacts, no iteration between them, no limit on the step from any spring.
 
-A contact that is open when a step begins, and touches in it, acts for its last share s: the mean of
-its force over the step is s times that of spring and damper at the middle of the share.
+A contact that is open when a step begins, and touches in it, acts for its last share s: the mean of its force over the
+step is s times that of spring and damper at the middle of the share.
 
 `near` lists the contacts near a surface (`NEAR_DTYPE` of state.py), of which the first m are in use.
 """
@@ -29,8 +28,7 @@ MIN_DEPTH_RATIO = 1e-3
 """Least depth about which a tip's spring is linearised, of the depths that a contact passes in a step."""
 
 NEAR_STEPS = 4.0
-"""Steps at its speed within which a contact is tried as landing; others that land are seen by
-where they end."""
+"""Steps at its speed within which a contact is tried as landing; others that land are seen by where they end."""
 
 TOUCH_TOLERANCE, MIN_CLOSED_SHARE = 0.01, 1e-6
 """Error of a touch's time as a share of a step, and the share below which the touch is left out."""

@@ -1,8 +1,7 @@
 """Bookkeeping of contacts in a step: springs, energies, and landings with their types.
 
-A landing lasts from the first force to the last. Its type is that of an impact (docs/physics.md
-section 3): whether the slip along the heading goes on (I, IV), or stops in compression (III) or in
-restitution (II).
+A landing lasts from the first force to the last. Its type is that of an impact (docs/physics.md section 3): whether the
+slip along the heading goes on (I, IV), or stops in compression (III) or in restitution (II).
 """
 
 from walkergen.core.numerics.kernels import lean
