@@ -54,10 +54,7 @@ def student_quantile(freedom: float, probability: float) -> float:
 
 
 def fisher_tail(freedom_1: float, freedom_2: float, ratio: float) -> float:
-    """Return the probability that Fisher's F is larger than `ratio`.
-
-    The numerator of F has `freedom_1` degrees of freedom, the denominator `freedom_2`.
-    """
+    """Return the probability that Fisher's F with (`freedom_1`, `freedom_2`) degrees of freedom exceeds `ratio`."""
     if not (freedom_1 > 0.0 and freedom_2 > 0.0) or math.isnan(ratio):
         return math.nan
     if ratio <= 0.0 or math.isinf(ratio):

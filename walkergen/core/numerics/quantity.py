@@ -280,10 +280,7 @@ class Quantity(NamedTuple):
 
 
 def column_values(row: Any, *levels: int) -> dict[str, Any]:
-    """Return the fields of a named tuple by name. A quantity gives several columns, from `Quantity.row`.
-
-    `levels` are the confidences of its bounds, percent.
-    """
+    """Return a named tuple's fields by name. Quantities give their columns, with bounds of `levels` percent."""
     found: dict[str, Any] = {}
     for name, value in row._asdict().items():
         found |= value.row(*levels) if isinstance(value, Quantity) else {name: value}

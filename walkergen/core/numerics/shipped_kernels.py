@@ -117,10 +117,7 @@ def install_in_cache(sums: dict[str, str]) -> None:
 
 
 def add_shipped_files(base: Any, sums: dict[str, str], folder: Path = KERNEL_FOLDER) -> Any:
-    """Return a class of numba's cache files, made from its own class `base`, that reads shipped entries first.
-
-    `sums` has the checksums of the shipped files by their paths in `folder`.
-    """
+    """Return a subclass of `base`, numba's cache files, that first reads shipped ones (`sums`: checksums by path)."""
     subfolders = {
         cache_subpath(PACKAGE_FOLDER / subfolder): subfolder for subfolder in {str(Path(name).parent) for name in sums}
     }

@@ -111,10 +111,7 @@ def add_impulse(sums, kind, F_y):
 
 @kernel
 def note_event(events, t, foot, F_x, F_y, v_x, v_y, kind):
-    """Append one impact to the recorded events, unless they are full.
-
-    Arguments: time (s), number of the contact, impulse (g mm/s), velocity before (mm/s), type (`impact.Kind`).
-    """
+    """Append an impact unless full: time (s), contact, impulse (g mm/s), velocity before it (mm/s), type."""
     row = events.cursor[0]
     if row < events.rows.shape[0]:
         events.rows[row, 0] = t

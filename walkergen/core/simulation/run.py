@@ -201,10 +201,7 @@ def simulate(
 
 
 def _block_distances(poses: Array, on_plane: bool) -> Array:
-    """Return the distance run in each block, mm: along x, or along the block's mean heading if `on_plane`.
-
-    `poses`: x, y (mm) and heading (rad) at the ends of the blocks, shape (blocks + 1, 3).
-    """
+    """Return distances per block, mm: along x, or the mean heading on a plane. `poses`: rows (x, y, heading)."""
     displacements = np.diff(poses, axis=0)
     if not on_plane:
         return displacements[:, 0]
@@ -219,10 +216,7 @@ def simulate_with_impacts(
     sample_interval: float | None = None,
     sample_size: int | None = None,
 ) -> RunResult:
-    """Simulate one run with a record of every impact. It is repeated with more memory until all impacts fit.
-
-    For the arguments see `simulate`.
-    """
+    """Simulate one run as `simulate` does, with all impacts kept. It is repeated with more memory until all fit."""
     expected_room = FIRST_EVENT_ROOM * plan.scene.run.seconds / plan.world.drive.period
     room = 256 + int(min(expected_room, MAX_EVENT_ROOM))
     while True:

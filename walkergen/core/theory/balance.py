@@ -108,10 +108,7 @@ def solve_balance(feet: Sequence[Foot], mode: Mode = "coulomb") -> Balance:
 
 
 def _check_numbers(numbers: Array) -> None:
-    """Raise TheoryError unless tensors are positive definite and the centre of mass lies between the feet.
-
-    `numbers` has shape (feet, 7, draws), with the columns of XX to FRICTION.
-    """
+    """Raise TheoryError for bad numbers, shape (feet, 7, draws), or a centre of mass not between the feet."""
     xx, xy, yy, x = (numbers[:, column] for column in (XX, XY, YY, LEVER_X))
     if not np.isfinite(numbers).all():
         raise TheoryError("balance: tensors and levers of the feet must be finite numbers.")

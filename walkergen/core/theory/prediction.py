@@ -206,10 +206,7 @@ def model_error_sd(speed: Array | float, scene: Scene) -> Array:
 
 
 def compute_speed(design: Design, mass: MassProperties, scene: Scene, drawn: Drawn | None = None) -> PredictedSpeed:
-    """Compute a walker's speed by statics or the surrogate. Raises UnknownError if neither applies.
-
-    `drawn` are draws of `prediction_inputs`, made here if None.
-    """
+    """Compute a walker's speed by statics or the surrogate (`drawn` inputs). Raises UnknownError if neither applies."""
     if reason := standing_reason(scene, design, mass):
         rest = make_speed("nominal", 0.0, 0.0, (0.0, 0.0, 0.0, 0.0))
         return PredictedSpeed(rest, rest._replace(key="speed"), "statics", reason)
@@ -301,10 +298,7 @@ def make_row(
     note: str = "",
     falls: float = 0.0,
 ) -> Prediction:
-    """Return the prediction of a walker from its speed (None: no speed) and the results of the theory.
-
-    `falls` is the share of runs that end with the walker fallen over, `note` a remark on the speed.
-    """
+    """Return a walker's prediction from its speed (or None), a remark on it, and the share of runs that fall over."""
     contact = scene.contact
     by_foot = stationary(design, mass, contact.restitution, contact.friction, mode)
     free_leg = next((leg for leg in mass.legs if leg.m > 0.0), None)

@@ -167,10 +167,7 @@ def _amplification(scene: Scene, design: Design, mass: MassProperties) -> float:
 
 
 def _vertical_compliance(limb: Limb, modulus: float) -> float:
-    """Return the vertical compliance of a leg with a sliding foot, s^2/g: bent as a cantilever, and compressed.
-
-    `modulus` is Young's modulus, Pa.
-    """
+    """Return the vertical compliance of a bent and pressed leg with a sliding foot, s^2/g. `modulus`: Young's, Pa."""
     compliance = math.cos(limb.tilt) ** 2 / (modulus * limb.width * section_of(limb).axial(limb))
     if not limb.rigid:
         compliance += math.sin(limb.tilt) ** 2 * limb.length**3 / (3.0 * modulus * section_of(limb).second_moment(limb))

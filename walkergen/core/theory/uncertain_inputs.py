@@ -153,38 +153,9 @@ def _sample_inputs(quantities: tuple[Input, ...], count: int, seed: int) -> Arra
 
 
 LATTICE_VECTOR = (
-    1,
-    182667,
-    469891,
-    498753,
-    110745,
-    446247,
-    250185,
-    118627,
-    245333,
-    283199,
-    408519,
-    391023,
-    246327,
-    126539,
-    399185,
-    461527,
-    300343,
-    69681,
-    516695,
-    436179,
-    106383,
-    238523,
-    413283,
-    70841,
-    47719,
-    300129,
-    113029,
-    123925,
-    410745,
-    211325,
-    17489,
-    511893,
+    *(1, 182667, 469891, 498753, 110745, 446247, 250185, 118627, 245333, 283199, 408519, 391023, 246327),
+    *(126539, 399185, 461527, 300343, 69681, 516695, 436179, 106383, 238523, 413283, 70841, 47719, 300129),
+    *(113029, 123925, 410745, 211325, 17489, 511893),
 )
 """Generating vector of a lattice whose first 2^m points, m up to 20, are each a good lattice
 (R. Cools, F. Y. Kuo and D. Nuyens, SIAM J. Sci. Comput. 28, 2162, 2006)."""
@@ -256,10 +227,7 @@ def scale_proportionally(own: float, drawn: Any, nominal: float, upper_limit: fl
 
 
 def _scale_foot_contacts(design: Design, scene: Scene, drawn: Scene) -> Design:
-    """Return the design with feet of another material scaled as the contact changes from `scene` to `drawn`.
-
-    The result is validated.
-    """
+    """Return the design with feet of another material scaled as the contact changes from `scene` to `drawn`."""
     if all(limb.friction is None and limb.restitution is None for limb in design.limbs):
         return design
     data = design.model_dump(exclude_unset=True)
@@ -277,10 +245,7 @@ def _clip_thickness(thickness: float) -> float:
 
 
 def _with_leg_thickness(design: Design, thickness: float | None, material: dict[str, Any]) -> Design:
-    """Return the design with another thickness (mm) of its first leg, others in proportion, and other material values.
-
-    The result is validated.
-    """
+    """Return the design with its first leg of another thickness (mm), others in proportion, and material values."""
     if thickness is not None:
         data = design.model_dump(exclude_unset=True)
         if design.pair:
@@ -318,10 +283,7 @@ def variance_shares(quantities: Sequence[Input], function: Callable[[Array], Arr
 
 
 def sobol_indices(quantities: Sequence[Input], function: Callable[[Array], Array], rng: np.random.Generator) -> Array:
-    """Return first-order (row 0) and total (row 1) shares of a function's variance, shape (2, inputs).
-
-    The function takes values of the inputs, shape (n, inputs), and returns shape (n,).
-    """
+    """Return shares of a function's variance, shape (2, inputs): first order, total. It takes values (n, inputs)."""
     from scipy.stats import sobol_indices
 
     if not quantities:

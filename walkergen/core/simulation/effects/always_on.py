@@ -45,10 +45,7 @@ def _format_foot_count(case: Case) -> str:
 
 
 def judge_neighbours(case: Case) -> Effect:
-    """Return the effect "neighbours", always off here. In a crowd bodies meet, but legs never do.
-
-    Its number is the distance by which feet stick out of the body's box, over the body's length.
-    """
+    """Return the effect "neighbours", always off here. Number: how far feet stick out of the body, over its length."""
     size, overhang = case.design.size, 0.0
     for limb in case.design.limbs:
         ahead = abs(limb.anchor[0] - limb.length * math.sin(limb.tilt)) - 0.5 * size.length

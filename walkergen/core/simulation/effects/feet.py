@@ -92,18 +92,12 @@ def corner_contact(scene: Scene, limb: Limb, material: Material) -> Foot:
 
 
 def landing_stiffness(tip: float, mass: float, speed: float) -> float:
-    """Return a tip's tangent stiffness (g/s^2) at the depth to which a mass (g) at a speed (mm/s) presses it.
-
-    `tip` is its Hertz stiffness, g/(mm^0.5 s^2).
-    """
+    """Return a tip's tangent stiffness (g/s^2) under a mass (g) that lands at a speed (mm/s). `tip`: Hertz's K."""
     return math.inf if math.isinf(tip) else 1.5 * tip * math.sqrt(landing_depth(tip, mass, speed, GRAVITY * mass))
 
 
 def judge(case: Case) -> Effect:
-    """Decide whether tips are elastic: on unless the scene makes them rigid.
-
-    The number is the stiffness of a leg's corner over that of its tip, at a landing.
-    """
+    """Decide whether tips are elastic. The number is a leg corner's stiffness over its tip's, at a landing."""
     meaning = "stiffness of a leg's corner over that of its tip, at a landing"
     rigid, material, ratio = case.scene.feet.rigid_tips, case.design.material, 0.0
     if not rigid:

@@ -35,10 +35,7 @@ def judge_tensor(case: Case) -> Effect:
 
 
 def judge_compliance(case: Case) -> Effect:
-    """Return the effect "leg compliance": on if legs swing.
-
-    The number is the frequency of the slowest leg over the drive's.
-    """
+    """Return the effect "leg compliance": on if legs swing. Number: slowest leg's frequency over the drive's."""
     scene, design = case.scene, case.design
     if design.rigid:
         return Effect(COMPLIANCE, False, 0.0, f"legs are {design.kind}", "no free leg", "")

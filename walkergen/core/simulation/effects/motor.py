@@ -157,10 +157,7 @@ def acts(rotor):
 
 @lean
 def swing(rotor, mass, phase, swung):
-    """Fill the rows of `swung`, shape (3, 3), with s (mm), its rate and its second derivative, in body axes.
-
-    `mass` is that of the whole walker, g, and `phase` that of the rotor, rad.
-    """
+    """Fill rows of `swung`, shape (3, 3): s (mm), its rate and second derivative, body axes. `mass`: walker's, g."""
     c, s, radius, omega = math.cos(phase), math.sin(phase), rotor.moment / mass, rotor.omega
     # Eq. 8.1: s = (S/M) e
     for i in range(3):

@@ -137,10 +137,7 @@ def parameters(case: Case, on: Mapping[str, bool]) -> Sway:
 
 
 def _slopes(size: float, percent: Sequence[float]) -> tuple[float, float]:
-    """Return the slopes along x and z of a plate whose amplitude, `size` (mm), grows by `percent` per mm.
-
-    `percent` has two numbers: along x and to the left.
-    """
+    """Return the slopes along x and z of a plate whose amplitude `size` grows, in percent per mm, along x and left."""
     along, left = percent
     return size * 0.01 * along, -(size * 0.01 * left)
 

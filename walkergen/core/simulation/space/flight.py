@@ -91,10 +91,7 @@ def longest_flight(world):
 
 @lean
 def _motor_acceleration(walker, motor, points, k, d_x, d_y, d_z):
-    """Return the largest acceleration (mm/s^2) of contact k that a motor causes along d if legs are rigid.
-
-    d is a unit vector in body axes.
-    """
+    """Return the largest acceleration (mm/s^2) that a motor gives contact k along d (body axes), legs rigid."""
     p = points[k].at
     return _motor_strongest(motor, walker.centre, walker.mass, walker.inverse_inertia, p[0], p[1], p[2], d_x, d_y, d_z)
 

@@ -9,7 +9,8 @@ contacts, no iteration between them, no limit on the step from any spring.
 A contact that is open when a step begins, and touches in it, acts for its last share s: the mean of its force over the
 step is s times that of spring and damper at the middle of the share.
 
-`near` lists the contacts near a surface (`NEAR_DTYPE` of state.py), of which the first m are in use.
+`near` lists the contacts near a surface (`NEAR_DTYPE` of state.py), of which the first m are in use. H is the inverse
+mass at these contacts (1/g), A memory for the equations, h the length of a step (s).
 """
 
 import math
@@ -177,10 +178,7 @@ def set_sliding_directions(near, i, u_1, u_2, press, h):
 
 @lean
 def _jams(near, H, i, h):
-    """Return whether the friction of sliding contact i would press it on faster than a step of h seconds can follow.
-
-    H is the inverse mass at the contacts, 1/g.
-    """
+    """Return whether the friction of sliding contact i would press it on faster than a step can follow."""
     b = 3 * i
     turned = near[i].toward[0] * H[b, b + 1] + near[i].toward[1] * H[b, b + 2]
     return 1.0 + 0.5 * h * near[i].b_n * (H[b, b] - near[i].friction * turned) < JAM_RATIO
@@ -188,10 +186,7 @@ def _jams(near, H, i, h):
 
 @lean
 def _assemble(near, H, A, m, h):
-    """Fill A with the equations of the forces of m near contacts in the modes `tried`; return the number of equations.
-
-    H is the inverse mass at the contacts, 1/g, and h the length of the step, s.
-    """
+    """Fill A with the equations of the forces of m contacts in their modes `tried`. Return the number of equations."""
     count = 0
     for i in range(m):
         near[i].unknown = count
@@ -263,10 +258,7 @@ def _set_forces(near, A, m, count):
 
 @lean
 def _set_velocities(near, H, m, h):
-    """Set the velocities (`middle`) of m contacts in the middle of the step of h seconds, from their forces.
-
-    H is the inverse mass at the contacts, 1/g.
-    """
+    """Set the velocities (`middle`) of m contacts in the middle of the step, from their forces."""
     for j in range(m):
         for p in range(3):
             total, r = 0.0, 3 * j + p
@@ -281,10 +273,7 @@ def _set_velocities(near, H, m, h):
 
 @lean
 def _correct(near, H, m, h):
-    """Change the modes, directions and linearised springs of m contacts that the forces contradict; return how many.
-
-    H is the inverse mass at the contacts, 1/g, and h the length of the step, s.
-    """
+    """Change modes, directions and linearised springs of m contacts that the forces contradict. Return how many."""
     changed = 0
     for i in range(m):
         if near[i].gap[0] > 0.0 and _landing_changes(near, H, i, h):
@@ -349,10 +338,7 @@ def _landing_changes(near, H, i, h):
 
 @lean
 def _limit_to_cone(near, m, h):
-    """Cut the forces of sticking contacts to the friction cone. Return whether any was cut.
-
-    This is needed where modes found no agreement or a foot jams.
-    """
+    """Cut forces to the friction cone where modes found no agreement or a foot jams. Return whether any was cut."""
     cut = False
     for i in range(m):
         limit = near[i].friction * near[i].force[0]
@@ -370,10 +356,7 @@ def _limit_to_cone(near, m, h):
 
 @lean
 def solve(near, H, A, m, h):
-    """Set the forces and mid-step velocities of m near contacts for a step of h seconds.
-
-    H is the inverse mass at the contacts, 1/g, and A memory for the equations.
-    """
+    """Set the forces and mid-step velocities of m near contacts for a step of h seconds."""
     for _ in range(MAX_CORRECTIONS):
         count = _assemble(near, H, A, m, h)
         _eliminate(A, count)

@@ -107,10 +107,7 @@ def _rate_acceleration(state, now, points, side, leg, f, n, k):
 
 @lean
 def _apply_inverse_mass(J, MJ, ML, swing, mass, inverse, rows):
-    """Fill the first `rows` rows of (M^-1 J^T)^T: MJ for mass and inertia of the whole, ML for the legs' coordinates.
-
-    Arguments: Jacobian, the two results, then the inverse of the legs' inertia, mass and inertia.
-    """
+    """Fill `rows` rows of J M^-1: MJ for the walker as a whole, ML for its legs. `swing`: their inverse inertia."""
     # Eq. 7.3: kinetic energy has no cross terms, so that M^-1 is three blocks
     n = J.shape[1] - 6
     for r in range(rows):
@@ -147,10 +144,7 @@ def fill_midpoint_pose(world, state, work, t):
 
 @lean
 def _motor_point_acceleration(now, thrown):
-    """Return the acceleration (mm/s^2, body axes) of the body's points from a motor, including Coriolis.
-
-    `now` and `thrown` are those of `Work`.
-    """
+    """Return the acceleration (mm/s^2, body axes) of the body's points from a motor. Arguments: fields of `Work`."""
     x, y, z = thrown[1, 0], thrown[1, 1], thrown[1, 2]
     return (
         -thrown[2, 0] - 2.0 * (now[4] * z - now[5] * y),

@@ -35,10 +35,7 @@ TYPES_BACKWARD = (TYPE_IV, II_MIRRORED, III_MIRRORED)
 
 @lean
 def _begin_landing(state, at, t, u_n, u_a, u_c):
-    """Start the record of a landing at time t (s) with the velocity u (normal, along, across), mm/s.
-
-    `at` is the index of the contact's row in the state.
-    """
+    """Record a landing at time t (s) with velocity u (mm/s) in the contact's row, which starts at `at`."""
     state[at + LANDED], state[at + STOP] = t, SLIDING
     state[at + U_N], state[at + U_A], state[at + U_C] = u_n, u_a, u_c
     state[at + J_N] = state[at + J_A] = state[at + J_C] = 0.0

@@ -103,10 +103,7 @@ def rotation(state, R):
 
 @lean
 def place(world, state, work):
-    """Compute the pose from the state: fill R and velocities in `work`, and what a trajectory shows in `state`.
-
-    Returns the change of the heading, rad.
-    """
+    """Fill the pose in `work`, and what a trajectory shows in `state`. Return the change of the heading, rad."""
     walker, R, now, motion = world.walker, work.R, work.now, work.motion
     n, lock, shift = len(walker.stiffness), walker.lock, walker.shift
     rotation(state, R)

@@ -313,10 +313,7 @@ def _has_folded_leg(walker, state):
 
 @lean
 def advance_in(world, state, work, duration, tally):
-    """Advance `state` in place by `duration` seconds, as `advance` does, but without allocating memory.
-
-    Fills `tally` and returns a status of `world`, such as OK.
-    """
+    """Advance `state` in place by `duration` seconds and fill `tally`, in given memory. Return a status of `world`."""
     walker, sums, step = world.walker, tally.sums, world.options.step
     begin, t = sums[record.ELAPSED], 0.0
     can_rest = max_plate_acceleration(world) < gravity_into(world.acting)

@@ -160,10 +160,7 @@ def _hinge_constants(case: Case, free: Sequence[int], freedoms: int) -> tuple[Ar
 
 
 def _forced_swing(walker: Walker, rotor: motors.Rotor) -> Array:
-    """Return the legs' coordinates (rad) that a rotor forces in lasting flight, shape (2, n).
-
-    They are the amplitudes with the cosine and with the sine of its phase.
-    """
+    """Return the legs' angles that a rotor forces in lasting flight, by cosine and sine of its phase, shape (2, n)."""
     omega, push = rotor.omega, rotor.moment * rotor.omega**2
     pushes = push * np.array([rotor.first, rotor.second])
     torques = np.cross(rotor.place + walker.centre, pushes)
@@ -175,10 +172,7 @@ def _forced_swing(walker: Walker, rotor: motors.Rotor) -> Array:
 
 
 def _upward_components(place: Array) -> Array:
-    """Return the upward components of contact directions (normal, along, across), shape (k, 3).
-
-    `place`, shape (k,), is positive for walls, zero for the plate and negative for a lid.
-    """
+    """Return the upward parts of contact directions, shape (k, 3). `place`: > 0 walls, 0 plate, < 0 lid."""
     upward = np.zeros((len(place), 3))
     upward[place == 0.0, 0], upward[place < 0.0, 0], upward[place > 0.0, 2] = 1.0, -1.0, 1.0
     return upward
@@ -193,10 +187,7 @@ def _point_friction(scene: Scene, design: Design, foot: int) -> float:
 
 
 def _add_feet(walker: Walker, case: Case, feet_of_points: Array) -> tuple[Walker, Options]:
-    """Return the walker with its elastic contacts and tabulated flights, and the steps that resolve them.
-
-    `feet_of_points` has the number of the leg of each contact point, -1 for the body.
-    """
+    """Return the walker with elastic contacts and flights, and its steps. `feet_of_points`: leg of a point, or -1."""
     scene, material = case.scene, case.design.material
     of_legs = [feet.corner_contact(scene, limb, material) for limb in case.design.limbs]
     H, wall = mobility(walker), walker.place != 0.0
