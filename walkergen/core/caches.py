@@ -88,9 +88,9 @@ def suppress_compile_notice() -> Iterator[None]:
 
 
 def announce_compilation(place: Path) -> None:
-    """Announce once that kernels are being compiled, if their entries would be in a folder of numba's cache.
+    """Announce once that the kernels of numba's cache folder `place` are being compiled, if that takes long.
 
-    Processes of a pool leave it to the one that made them.
+    Processes of a pool leave it to the process that made them.
     """
     from multiprocessing import parent_process
 

@@ -25,7 +25,6 @@ MAX_DERIVED_NUMBER = 1e12
 
 Positive = Annotated[float, Field(ge=1e-6, le=1e9)]
 
-
 MOTOR_FREQUENCY_RANGE_HZ = (1.0, 1000.0)
 """Frequencies (Hz) of motors: small ones turn at 50 to 300 Hz; steps in space resolve 1000."""
 
@@ -247,8 +246,7 @@ class Drive(Section):
 
 
 REST_GAMMA = 1e-30
-"""Peak acceleration over g of a plate at rest: its amplitude vanishes in the rounding of heights.
-"""
+"""Peak acceleration over g of a plate at rest: its amplitude vanishes in the rounding of heights."""
 
 
 def still_plate_drive(frequency_hz: float) -> Drive:

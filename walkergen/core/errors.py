@@ -118,6 +118,7 @@ class InputError(WalkergenError):
     """Function that finds the remedies. It may be slow, so it is called only when the error is shown."""
 
     def __init__(self, text: str = "", *keys: str, helps: Callable[[], Sequence[Remedy]] = tuple) -> None:
+        """Create the error. `keys`: key at fault of each line of the text. `helps`: function that finds remedies."""
         super().__init__(text)
         self.keys, self.helps = keys, helps
 

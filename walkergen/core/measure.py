@@ -127,7 +127,7 @@ class Error(NamedTuple):
         return tolerated * max(abs(value or 0.0), self.floor) if relative else tolerated
 
     def further(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
-        """Return the measurement with more runs, or a finer experiment, to do; None if met or not to be improved."""
+        """Return the measurement with more runs requested or a finer experiment. None if met, or if neither helps."""
         quantity = measured.quantities[self.of]
         error, allowed, bias = quantity.half_width(), self.max_error(quantity.value), quantity.bias
         if error <= allowed or quantity.value is None or quantity.freedom == 0.0 or math.isinf(bias):

@@ -75,7 +75,7 @@ class Contact(Section):
 
     @property
     def origin(self) -> str:
-        """Source of the numbers, in words."""
+        """Description of where the numbers come from."""
         prior = PRIORS[self.prior].words
         named = [name for name in ("restitution", "friction") if {name, f"{name}_sd"} & self.model_fields_set]
         if not named:

@@ -42,9 +42,8 @@ def student_quantile(freedom: float, probability: float) -> float:
         x, y = freedom / total, t * t / total
         tail_beyond_t = 0.5 * _incomplete_beta(a, 0.5, x, y)
         low, high = (t, high) if tail_beyond_t > tail else (low, t)
-        step = (
-            tail_beyond_t * math.log(tail_beyond_t / tail) * t / _beta_prefactor(a, 0.5, x, y)
-        )  # Newton's, for the tail's logarithm
+        # Newton's step, for the tail's logarithm
+        step = tail_beyond_t * math.log(tail_beyond_t / tail) * t / _beta_prefactor(a, 0.5, x, y)
         t += step
         if abs(step) < 1e-15 * t:
             break

@@ -18,7 +18,6 @@ from walkergen.core.numerics.distributions import student_quantile
 CONFIDENCE = 0.95
 """Confidence of the bounds that compare two quantities."""
 
-
 UNIT_SYMBOLS = {
     **{"mm_s": "mm/s", "mm2_s": "mm²/s", "per_s": "1/s", "per_mm": "1/mm", "rad_s": "rad/s", "rad2_s": "rad²/s"},
     "percent": "%",

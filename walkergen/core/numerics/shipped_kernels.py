@@ -166,8 +166,8 @@ def file_checksum(path: Path) -> str:
         return ""
 
 
-def cache_subpath(room: Path) -> str:
+def cache_subpath(source_folder: Path) -> str:
     """Return the name of the folder where numba caches the functions of a source folder."""
     from numba.core.caching import _CacheLocator
 
-    return str(_CacheLocator.get_suitable_cache_subpath(str(room / "x.py")))
+    return str(_CacheLocator.get_suitable_cache_subpath(str(source_folder / "x.py")))

@@ -24,11 +24,11 @@ WINDOW_CORRELATION_TIMES = 5.0
 
 
 def weighted_mean(values: Array, weights: Array | None = None) -> tuple[float, float, float]:
-    """Return the mean of n >= 2 values, shape (n,), weighted by `weights` (all 1 if None); its error and freedom.
+    """Return mean, standard error and degrees of freedom of n >= 2 values, shape (n,), with `weights` (None: equal).
 
-    Weights are the times measured: with w_i their shares, the squared error is the sum of w_i^2 (x_i - mean)^2 over 1 -
-    sum w_i^2, and the degrees of freedom are 1/(sum w_i^2) - 1 (Satterthwaite 1946, Biometrics Bull. 2, 110, for
-    variances that fall as 1/w). With equal weights this is the spread over the root of n, with n - 1.
+    Weights are the times measured. With w_i their shares, the squared error is sum w_i^2 (x_i - mean)^2 / (1 - sum
+    w_i^2), and the degrees of freedom are 1/(sum w_i^2) - 1 (Satterthwaite 1946, Biometrics Bull. 2, 110, for variances
+    that fall as 1/w). With equal weights this is the spread over the root of n, with n - 1.
     """
     share = np.full(len(values), 1.0 / len(values)) if weights is None else weights / weights.sum()
     value = float(share @ values)
@@ -38,14 +38,14 @@ def weighted_mean(values: Array, weights: Array | None = None) -> tuple[float, f
 
 
 def prediction_quantiles(values: Array, shares: Sequence[float]) -> Array:
-    """Return the values that a further one of n >= 2 independent values falls below with these probabilities.
+    """Return quantiles of one further value, given n >= 2 independent `values`, at the probabilities `shares`.
 
-    Between the least and the largest value by Weibull's plotting positions i / (n + 1), which hold for any continuous
-    distribution. Ends rarer than 1 / (n + 1) lie beyond them: further from the median than the outermost value in the
-    ratio of Student's t, of n - 1 degrees of freedom, at both probabilities. So bounds of 95 % from 16 to 38 values
-    hold 94 to 97 % of normal, skewed (log-normal, exponential) and triangular distributions, 92.5 to 95 % of Student's
-    t of three degrees, and 95 to 98.5 % of uniform ones and of those with two modes; from 8 values 91 to 98 % and from
-    4 values 88 to 94 %. The outermost values themselves hold (n - 1) / (n + 1).
+    Between the least and the largest value they follow Weibull's plotting positions i / (n + 1), which hold for any
+    continuous distribution. Ends rarer than 1 / (n + 1) lie beyond them: further from the median than the outermost
+    value in the ratio of Student's t, of n - 1 degrees of freedom, at both probabilities. So bounds of 95 % from 16 to
+    38 values hold 94 to 97 % of normal, skewed (log-normal, exponential) and triangular distributions, 92.5 to 95 % of
+    Student's t of three degrees, and 95 to 98.5 % of uniform ones and of those with two modes. From 8 values they hold
+    91 to 98 % and from 4 values 88 to 94 %. The outermost values themselves hold (n - 1) / (n + 1).
     """
     count, wanted = len(values), np.asarray(shares, dtype=float)
     rarest = 1.0 / (count + 1)
@@ -88,8 +88,8 @@ def correlation_time(series: Sequence[Array], interval: float) -> float | None:
 def error_of_mean(series: Sequence[Array], interval: float, correlation: float) -> float | None:
     """Estimate the standard error of the mean over all series, sampled every `interval` seconds.
 
-    Two correlation times (s) make one independent sample; None with fewer than MIN_SAMPLES. Meant for series that
-    are too few to give their spread. Changes rarer than the series are long are missed.
+    Two correlation times (`correlation`, s) make one independent sample. Returns None with fewer than MIN_SAMPLES. It
+    is meant for series that are too few to give their spread. Changes rarer than the series are long are missed.
     """
     values = np.concatenate(list(series))
     independent = len(values) * interval / (2.0 * correlation)

@@ -35,20 +35,20 @@ def run_parallel(
     if none has finished, as is any other error of a run.
     """
     stop: list[bool] = []
-    shares_done = dict.fromkeys(numbers, 0.0)
+    done_shares = dict.fromkeys(numbers, 0.0)
     finished: dict[int, Made] = {}
 
     def make_stoppable_run(number: int) -> Made:
-        return make_run(number, lambda: bool(stop), lambda share: shares_done.update({number: share}))
+        return make_run(number, lambda: bool(stop), lambda share: done_shares.update({number: share}))
 
     with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
-        pending: dict[Future[Made], int] = {pool.submit(make_stoppable_run, number): number for number in shares_done}
+        pending: dict[Future[Made], int] = {pool.submit(make_stoppable_run, number): number for number in done_shares}
         try:
             while pending:
                 for future in wait(pending, timeout=POLL_INTERVAL_S, return_when=FIRST_COMPLETED).done:
                     number = pending.pop(future)
-                    finished[number], shares_done[number] = future.result(), 1.0
-                progress("runs", int(100.0 * sum(shares_done.values()) / len(shares_done)), 100)
+                    finished[number], done_shares[number] = future.result(), 1.0
+                progress("runs", int(100.0 * sum(done_shares.values()) / len(done_shares)), 100)
         except BaseException as error:
             stop.append(True)
             pool.shutdown(cancel_futures=True)

@@ -82,7 +82,7 @@ class Plan(NamedTuple):
         return int(steps.advance(self.world, state, seconds, tally))
 
     def advancer(self, state: State, tally: Tally) -> Callable[[float], int]:
-        """Return a function of seconds that does what `advance` does. Its machine code is looked up only once."""
+        """Return a function that advances `state` by some seconds, as `advance` does. It looks up machine code once."""
         code = kernels.entry_point(steps.advance, self.world, state, 1.0, tally)
         return lambda seconds: int(code(self.world, state, seconds, tally))
 

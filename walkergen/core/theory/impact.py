@@ -111,7 +111,7 @@ def impact(
 def _compute_impact(
     H_xx: float, H_xy: float, H_yy: float, v_x: float, v_y: float, restitution: float, friction: float
 ) -> Impact:
-    """Compute the impact of a foot whose squared approach speed neither under- nor overflows."""
+    """Compute an impact as `impact` does, for a speed whose square neither under- nor overflows."""
     # After a stop: stick if friction can hold the foot, else slide on along H_xy. Ratio = F_x/F_y.
     sticks = abs(H_xy) <= friction * H_xx
     if sticks:

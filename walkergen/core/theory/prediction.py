@@ -47,10 +47,8 @@ By = Literal["surrogate", "corrected", "runs", "statics", "theory"]
 """Source of a speed: the surrogate of the model in space, the surrogate corrected by a few runs, or runs of the walker
 and its prints; statics if it rests; "theory" if only theory was requested, and there is no speed."""
 
-
 Bounds = tuple[float, float, float, float]
 """Ends of the bounds that hold a speed with 95, 68, 68 and 95 %, mm/s, as `QUANTILES` orders them."""
-
 
 BOUND_LEVELS = {"nominal": (95,), "speed": (68, 95)}
 """Bounds of each speed that tables show, %."""
@@ -184,7 +182,7 @@ def prediction_inputs(scene: Scene, design: Design) -> tuple[Input, ...]:
 
 
 def sample_speeds(known: Known, drawn: Drawn) -> Array:
-    """Return speeds of one walker, mm/s, shape (n,), at draws of `prediction_inputs`. `known`: its surrogate."""
+    """Return predicted speeds, mm/s, shape (n,), at draws of `prediction_inputs`. `known`: the walker's surrogate."""
     speeds = print_speeds(known, known.sample_speeds(drawn), drawn)
     return np.asarray(speeds + known.sign * model_error_sd(speeds, known.scene) * drawn.columns[MODEL_INPUT.name])
 
@@ -206,7 +204,7 @@ def model_error_sd(speed: Array | float, scene: Scene) -> Array:
 
 
 def compute_speed(design: Design, mass: MassProperties, scene: Scene, drawn: Drawn | None = None) -> PredictedSpeed:
-    """Compute a walker's speed by statics or the surrogate (`drawn` inputs). Raises UnknownError if neither applies."""
+    """Compute a speed by statics, or the surrogate at `drawn` inputs. Raises UnknownError if neither applies."""
     if reason := standing_reason(scene, design, mass):
         rest = make_speed("nominal", 0.0, 0.0, (0.0, 0.0, 0.0, 0.0))
         return PredictedSpeed(rest, rest._replace(key="speed"), "statics", reason)

@@ -81,7 +81,7 @@ def _average_equal_feet(feet: Factors) -> Stationary:
 def _foot_value(
     own_value: float | None, scene_value: float | Array, nominal: float | None, upper_limit: float = math.inf
 ) -> float | Array:
-    """Return a foot's friction or restitution: the scene's, or its own one, scaled by scene_value / nominal."""
+    """Return a foot's friction or restitution: the scene's, or its own scaled by scene_value / nominal, if given."""
     if own_value is None:
         return scene_value
     return own_value if nominal is None else scale_proportionally(own_value, scene_value, nominal, upper_limit)
@@ -106,7 +106,7 @@ class Planar(NamedTuple):
 
 
 def project_to_plane(design: Design, mass: MassProperties) -> Planar:
-    """Project a walker to its side view; two equal legs stay unchanged."""
+    """Project a walker to its side view: legs side by side become one. Two equal legs stay unchanged."""
     if design.pair:
         return Planar(mass, design.limbs)
     groups: dict[tuple[object, ...], list[tuple[Limb, LegMass]]] = {}

@@ -55,7 +55,7 @@ class Input(NamedTuple):
 
 
 def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
-    """Return the inputs with a standard deviation that `reader`, PREDICTION_READER or SPACE_READER, uses."""
+    """Return the inputs with a standard deviation above 0 that `reader` uses: PREDICTION_READER or SPACE_READER."""
     contact, feet = scene.contact, scene.feet
     mass_sd = 0.01 * design.weighed.mass_sd_percent
     candidates = (
@@ -135,10 +135,7 @@ def label_columns(quantities: Sequence[Input], values: Array) -> Drawn:
 
 
 def sample_inputs(quantities: Sequence[Input], count: int, seed: int) -> Array:
-    """Draw the inputs, shape (count, inputs), evenly spread (see `lattice_points`). The array is not writable.
-
-    It is cached, since members of a family share it.
-    """
+    """Draw the inputs, shape (count, inputs), evenly spread by `lattice_points`. The array is cached and read-only."""
     return _sample_inputs(tuple(quantities), count, seed)
 
 
@@ -283,7 +280,7 @@ def variance_shares(quantities: Sequence[Input], function: Callable[[Array], Arr
 
 
 def sobol_indices(quantities: Sequence[Input], function: Callable[[Array], Array], rng: np.random.Generator) -> Array:
-    """Return shares of a function's variance, shape (2, inputs): first order, total. It takes values (n, inputs)."""
+    """Return first-order and total shares of a function's variance, shape (2, inputs). See `variance_shares`."""
     from scipy.stats import sobol_indices
 
     if not quantities:

@@ -7,7 +7,8 @@ the body swings by -s about C, as if pushed by m_e r Omega^2 s/|s| at the rotor'
 the rotor has the angular momentum p x M s' + h n (docs/physics.md section 8).
 
 What is left out is of the order of 2 m_e r |p|/J: the change of the inertia within a turn.
-Limits: without a moment there is no motor; a free walker draws a circle of radius m_e r/M.
+Limits: without a moment there is no motor; a free walker draws a circle of radius m_e r/M. O is the
+body's centre of mass, at half depth.
 """
 
 import math
@@ -113,7 +114,7 @@ def _least_inertia(case: Case) -> float:
 
 
 def motor_position(case: Case) -> Vector:
-    """Return the middle of the motor in body axes, from O (the body's centre of mass) at half depth, mm."""
+    """Return the middle of the motor in body axes, from O, mm."""
     motor = case.design.driving_motor()
     x, y = to_centre_frame(case.design.limbs, case.mass, np.array([motor.along_mm, motor.up_mm]))
     return float(x), float(y), motor.across_mm
@@ -176,10 +177,7 @@ def moment_of(rotor, centre, mass, x, y, z):
 
 @lean
 def spin(rotor, centre, mass, swung):
-    """Return the rotor's angular momentum about C relative to the body, body axes, g mm^2/s.
-
-    `centre` is C -> O, mm, `mass` the walker's, g, and `swung` what `swing` has filled.
-    """
+    """Return the rotor's angular momentum about C relative to the body, body axes, g mm^2/s. `centre`: C -> O, mm."""
     # p x M s' + h n of eq. 8.2
     x, y, z = moment_of(rotor, centre, mass, swung[1, 0], swung[1, 1], swung[1, 2])
     return x + rotor.spin[0], y + rotor.spin[1], z + rotor.spin[2]

@@ -32,7 +32,6 @@ MAX_AMPLITUDE_CHANGE = 1.0
 MAX_SPEED_RATIO = 2.0
 """Largest speed of walkers over the plate's peak speed that their reach is computed with; few are faster."""
 
-
 Four = tuple[float, float, float, float]
 
 
@@ -70,7 +69,7 @@ def judge_rocking(case: Case) -> Effect:
 
 
 def _judge_linear(case: Case, name: str, key: str, switch: str, meaning: str) -> Effect:
-    """Decide on an effect that grows linearly from the start of a run. Raises InputError if it grows too large.
+    """Decide on an effect of the plate that grows with distance from the start. Raises InputError if it is too large.
 
     `key` is its key in the scene, `switch` its name in effects.on and effects.off, `meaning` that of its number.
     """
@@ -112,7 +111,7 @@ RULES = (
 
 
 def check_still_plate(scene: Scene, reason: str) -> None:
-    """Raise InputError, with a `reason`, if the scene's plate sways."""
+    """Raise InputError, which states the `reason`, if the scene's plate sways."""
     for key in KEYS:
         if not scene.is_zero(key):
             raise InputError(f"{describe_number(scene, key)}: {reason}; leave the key out, or simulate one walker")

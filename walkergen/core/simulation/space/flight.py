@@ -109,7 +109,7 @@ def lag_torque(walker, j, x, y, z, t_x, t_y, t_z):
 
 @lean
 def _add_forced_swing(walker, omega, state, phase, sign):
-    """Add what a motor at `phase` (rad) forces on the legs in lasting flight, times `sign`, to angles and rates."""
+    """Add the steady swing of the legs that a motor at `phase` (rad) forces in flight, times `sign`, to their state."""
     n, c, s = len(walker.stiffness), math.cos(phase), math.sin(phase)
     for j in range(n):
         a, b = walker.forced[0, j], walker.forced[1, j]
@@ -147,7 +147,7 @@ def _sway_closing_rates(world, state, work, k, side, speed):
 
 @lean
 def clear_time(world, state, work, longest):
-    """Compute a time (s), at most `longest`, in which no contact can close. Set `clear` of each contact to its own."""
+    """Compute a time (s), at most `longest`, in which no contact can close. Also set `clear`, each contact's own."""
     walker, R, points, now = world.walker, work.R, work.points, work.now
     shift, fast, f = walker.shift, walker.fast, walker.freedoms
     leg, place, first, time = walker.leg, walker.place, first_row(walker), longest

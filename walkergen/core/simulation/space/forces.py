@@ -114,10 +114,10 @@ def _closed_share(near, i, u, h):
 
 @lean
 def guess_modes(state, near, H, m, h, first):
-    """Set first guesses of the modes of m near contacts in a step of h seconds; return how many are closed.
+    """Set first guesses of the modes of m near contacts in a step of h seconds. Return how many are closed.
 
-    The contacts' velocities in the middle of the step are those that the forces of the previous step would give. H is
-    the inverse mass at the contacts, 1/g, and `first` the index of the first contact's row in the state.
+    The contacts' velocities in the middle of the step are those that the forces of the previous step would give.
+    `first` is the index of the first contact's row in the state.
     """
     closed = 0
     for i in range(m):

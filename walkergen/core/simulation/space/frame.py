@@ -106,15 +106,15 @@ def _rate_acceleration(state, now, points, side, leg, f, n, k):
 
 
 @lean
-def _apply_inverse_mass(J, MJ, ML, swing, mass, inverse, rows):
+def _apply_inverse_mass(J, MJ, ML, swing, inverse_mass, inverse_inertia, rows):
     """Fill `rows` rows of J M^-1: MJ for the walker as a whole, ML for its legs. `swing`: their inverse inertia."""
     # Eq. 7.3: kinetic energy has no cross terms, so that M^-1 is three blocks
     n = J.shape[1] - 6
     for r in range(rows):
         t_x, t_y, t_z = J[r, 3], J[r, 4], J[r, 5]
         for i in range(3):
-            MJ[r, i] = mass[i] * J[r, i]
-            MJ[r, 3 + i] = inverse[i, 0] * t_x + inverse[i, 1] * t_y + inverse[i, 2] * t_z
+            MJ[r, i] = inverse_mass[i] * J[r, i]
+            MJ[r, 3 + i] = inverse_inertia[i, 0] * t_x + inverse_inertia[i, 1] * t_y + inverse_inertia[i, 2] * t_z
         for i in range(n):
             total = 0.0
             for j in range(n):

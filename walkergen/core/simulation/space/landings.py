@@ -35,7 +35,7 @@ TYPES_BACKWARD = (TYPE_IV, II_MIRRORED, III_MIRRORED)
 
 @lean
 def _begin_landing(state, at, t, u_n, u_a, u_c):
-    """Record a landing at time t (s) with velocity u (mm/s) in the contact's row, which starts at `at`."""
+    """Record a landing at time t (s), velocity u (normal, along, across; mm/s), in the contact's row from `at` on."""
     state[at + LANDED], state[at + STOP] = t, SLIDING
     state[at + U_N], state[at + U_A], state[at + U_C] = u_n, u_a, u_c
     state[at + J_N] = state[at + J_A] = state[at + J_C] = 0.0

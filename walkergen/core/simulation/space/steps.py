@@ -61,7 +61,7 @@ MAX_MOTOR_TURN_RAD = 0.5
 
 @lean
 def _turn_stretches(walker, state, turned):
-    """Turn tangential stretches on plate and lid against the heading, which has turned by `turned` rad."""
+    """Turn the tangential springs' stretches on plate and lid against the heading, which has turned by `turned` rad."""
     c, s, row = math.cos(turned), math.sin(turned), first_row(walker)
     for k in range(len(walker.leg)):
         at = row + ROW_LENGTH * k

@@ -1,7 +1,8 @@
 """Contact of a foot's tip: a Hertzian tip in series with the corner of its leg (docs/physics.md section 7).
 
 At the depth d of the whole contact the tip is pressed by delta, and F = K delta^(3/2) = k (d - delta). With
-x = sqrt(delta): x^2 (1 + K x / k) = d. A rigid tip (K infinite) leaves the leg's spring alone, F = k d.
+x = sqrt(delta): x^2 (1 + K x / k) = d. A rigid tip (K infinite) leaves the leg's spring alone, F = k d. In the code
+`spring` is k, the axial stiffness of the leg's corner (g/s^2), and `tip` is K (g/(mm^0.5 s^2)).
 
 The damper is c = 2 zeta F sqrt(m / (2 U)), U the elastic energy. For any spring the impact of a mass m is then that
 of a linear oscillator of damping ratio zeta: with q = sqrt(2 U) and p = sqrt(m) u, d tau = F / (q sqrt(m)) dt turns
@@ -26,10 +27,7 @@ MAX_WAY_RADII = 20.0
 
 @lean
 def _root_of_tip_depth(spring, tip, depth):
-    """Return the square root of the tip's own depth, mm^0.5, for a depth of the whole contact (mm).
-
-    `spring` is the axial stiffness of the leg's corner, g/s^2, and `tip` the Hertz stiffness, g/(mm^0.5 s^2).
-    """
+    """Return the square root of the tip's own depth, mm^0.5, for a depth of the whole contact (mm)."""
     ratio, x = tip / spring, math.sqrt(depth)
     x *= 2.0 / (2.0 + ratio * x)  # for a leg much stiffer than its tip
     while True:  # eq. 7.7, convex and increasing: after its first step Newton's method descends to the root
@@ -42,10 +40,7 @@ def _root_of_tip_depth(spring, tip, depth):
 
 @lean
 def response(spring, tip, depth):
-    """Return force (g mm/s^2), stiffness dF/dd and damping stiffness F^2 / (2 U) (g/s^2) at a depth > 0 (mm).
-
-    `spring` is the axial stiffness of the leg's corner, g/s^2, and `tip` the Hertz stiffness, g/(mm^0.5 s^2).
-    """
+    """Return force (g mm/s^2), stiffness dF/dd and damping stiffness F^2 / (2 U) (g/s^2) at a depth > 0 (mm)."""
     if tip == math.inf:
         return spring * depth, spring, spring
     x = _root_of_tip_depth(spring, tip, depth)
@@ -56,10 +51,7 @@ def response(spring, tip, depth):
 
 @lean
 def elastic_energy(spring, tip, depth):
-    """Compute the elastic energy of a contact at a depth (mm), g mm^2/s^2; 0 for an open contact.
-
-    `spring` is the axial stiffness of the leg's corner, g/s^2, and `tip` the Hertz stiffness, g/(mm^0.5 s^2).
-    """
+    """Compute the elastic energy of a contact at a depth (mm), g mm^2/s^2; 0 for an open contact."""
     if not depth > 0.0:
         return 0.0
     if tip == math.inf:

@@ -207,9 +207,8 @@ def _add_feet(walker: Walker, case: Case, feet_of_points: Array) -> tuple[Walker
     own_step = _resolving_step(walker, H, feet.LANDING_SPEED_RATIO * case.shaken.peak_speed, MAX_STEP_PERIODS * period)
     step = _choose_step(scene.run.step_us, own_step)
     frame = min(FRAME_STEPS, max(round(MAX_FRAME_PERIODS * period / own_step), 1))
-    return walker._replace(flights=_flight_propagators(walker, step, len(walker.stiffness), period)), Options(
-        step, frame
-    )
+    flights = _flight_propagators(walker, step, len(walker.stiffness), period)
+    return walker._replace(flights=flights), Options(step, frame)
 
 
 def _resolving_step(walker: Walker, H: Array, speed: float, longest: float) -> float:
