@@ -110,8 +110,8 @@ def test_landings_kept_are_those_counted():
     impulses = sum(result.tally.sums[record.IMPULSES :] for result in found.point.results)
     for kind in record.KINDS.values():
         own = rows[rows[:, 6] == kind]
-        assert len(own) == counts[record.row_of(kind)]
-        assert impulses[record.row_of(kind)] == pytest.approx(own[:, 3].sum(), rel=1e-9)
+        assert len(own) == counts[record.count_row(kind)]
+        assert impulses[record.count_row(kind)] == pytest.approx(own[:, 3].sum(), rel=1e-9)
     assert sum(one.alone + one.edges.sum() for one in found.landings) > 0
     # All landings together carry the walker's weight, but for the change of its momentum.
     weight = 9806.65 * prepare(*asked_of()[:3]).world.walker.mass
