@@ -74,6 +74,7 @@ class Body(Section):
 
     @model_validator(mode="after")
     def _check_one_source(self) -> "Body":
+        """Check that the keys of the body do not contradict each other."""
         sources = [key for key in SOURCE_KEYS if getattr(self, key) is not None]
         if len(sources) > 1:
             raise ValueError(f"{' and '.join(sources)} each give the body a shape: keep one of them")
@@ -91,7 +92,7 @@ class Body(Section):
             raise ValueError("base and mirror apply only to a text, an outline or a mesh")
         if self.sourced and self.base and self.legs_below_mm is not None:
             raise ValueError("base and legs_below_mm: a finished walker has no base plate. Remove one of them.")
-        if self.scale_mm is not None and self.wished_mm is not None:
+        if self.scale_mm is not None and self.given_length_mm is not None:
             raise ValueError("scale_mm and length_mm each give the size: keep one of them")
         if self.text is not None and {"length_mm", "depth_mm"} <= self.model_fields_set:
             raise ValueError("length_mm and depth_mm each give the letters' size: keep one of them")
@@ -103,7 +104,7 @@ class Body(Section):
         return self
 
     def _derived_keys(self, source: str) -> set[str]:
-        """Return the sizes that follow from a source of the shape."""
+        """Return the size keys that follow from a source key, such as "outline", so that users must not set them."""
         flat: dict[str, set[str]] = {"ellipse": set(), "polygon": {"length_mm", "depth_mm"}}
         return {
             "profile_mm": {"length_mm", "thickness_mm"},
@@ -116,10 +117,10 @@ class Body(Section):
     def replace_source(
         cls, table: Mapping[str, Any], source: str, former: "Body", values: Mapping[str, Any]
     ) -> dict[str, Any]:
-        """Return the table of a body with a new source of its shape, without keys that followed from the old one.
+        """Return the keys of a body after a change of its shape, without keys that described the old shape.
 
-        If the old source was of another kind, its sizes and details are dropped too. Keys in `values`, by dotted keys
-        of the design, are kept.
+        `table` are the keys of the body after the change, and `source` is the new source key, such as "outline".
+        `former` is the body before it. Keys in `values`, which users set as "body.length_mm", are kept.
         """
         gone = set(SOURCE_KEYS) - {source}
         if getattr(former, source) is None:
@@ -131,30 +132,30 @@ class Body(Section):
 
     @property
     def sourced(self) -> bool:
-        """True for a body from a text, an outline or a mesh."""
+        """Whether the shape comes from a text, an outline or a mesh."""
         return self.flat or self.mesh is not None
 
     @property
-    def wishful(self) -> bool:
-        """True where length_mm scales all of it."""
+    def scales_with_length(self) -> bool:
+        """Whether length_mm scales the whole shape."""
         return self.sourced and self.outline != "polygon" and self.legs_below_mm is None
 
     def with_keys(self, **keys: Any) -> "Body":
-        """Return the body with other values of keys; a given length_mm replaces a scale."""
+        """Return the body with other values of the given keys. A given length_mm replaces scale_mm and depth_mm."""
         table = self.model_dump(exclude_unset=True) | keys
         for key in {"scale_mm", "depth_mm"} if "length_mm" in keys else ():
             table.pop(key, None)
         return Body.model_validate(table)
 
     @property
-    def wished_mm(self) -> float | None:
-        """Length of the scaled drawing, text or mesh, mm; None without scaling."""
+    def given_length_mm(self) -> float | None:
+        """Length that the user set for a drawing, text or mesh, mm; None if it is not set or does not apply."""
         scaled = self.text is not None or self.mesh is not None or self._drawing
         return self.length_mm if scaled and "length_mm" in self.model_fields_set else None
 
     @property
     def idle(self) -> set[str]:
-        """Keys without effect on a body of this shape, other sources of a shape included."""
+        """Names of the keys that have no effect on a body of this shape."""
         keys = {key for key in SOURCE_KEYS if getattr(self, key) is None}
         for key in set(SOURCE_KEYS) - keys:
             keys |= self._derived_keys(key)
@@ -169,6 +170,7 @@ class Body(Section):
 
     @property
     def _drawing(self) -> bool:
+        """Whether the outline is a file, not one of the built-in outlines."""
         return self.outline is not None and self.outline not in BUILTIN_OUTLINES
 
     @property
@@ -184,7 +186,7 @@ class Body(Section):
 
     @property
     def key(self) -> str:
-        """JSON of the keys that are set, the key for caching a shape."""
+        """JSON text of the keys that are set. It identifies the shape in caches."""
         return self.model_dump_json(exclude_unset=True)
 
 
@@ -237,7 +239,7 @@ class Shape(NamedTuple):
 
 
 def lay_down(plan: Mesh, size: Size) -> Mesh:
-    """Turn an extruded plan view into the design's frame: up on the page is -z, the viewer is at +y."""
+    """Turn an extruded plan view into the design's frame: x stays, up on the page becomes -z, the extrusion y."""
     x, v, w = plan.vertices.T
     return Mesh(np.column_stack([x, w - 0.5 * size.thickness, 0.5 * size.depth - v]), plan.triangles)
 

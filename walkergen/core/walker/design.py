@@ -56,6 +56,7 @@ class Design(WalkerSpec):
     @model_validator(mode="before")
     @classmethod
     def _level_stance(cls, data: Any) -> Any:
+        """Turn a walker with `stance = "as built"` until its feet are level, before its keys are validated."""
         if not isinstance(data, Mapping):
             return data
         data = merge_walker_table(data)
@@ -89,7 +90,7 @@ class Design(WalkerSpec):
 
     @cached_property
     def limbs(self) -> tuple[Limb, ...]:
-        """Every leg with all its numbers, in the order of the file; of two equal: back, front.
+        """Legs with all their numbers, in the order of the file; two equal legs are listed back, front.
 
         Raises
         ------
@@ -105,7 +106,7 @@ class Design(WalkerSpec):
 
     @property
     def tilt_deg(self) -> float:
-        """Tilt that identifies a member of a family, deg: of all legs that follow it, or of the first leg."""
+        """Tilt that identifies a member of a family, degrees: the tilt that legs share, or that of the first leg."""
         return resolve.family_tilt_deg(self)
 
     @property
@@ -115,12 +116,12 @@ class Design(WalkerSpec):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Lines on the conversion of the body's file, and on the legs found for it."""
+        """Messages on changes to the body's file and on the positions of automatic legs."""
         notes = [f"{self.name}: {'; '.join(changes)}"] if (changes := self.shape.changes) else []
         return (*notes, f"{self.name}: {resolve.describe_placement(self)}") if self.placed else tuple(notes)
 
     def with_numbered_legs(self) -> "Design":
-        """Return the design with the positions of automatic legs as numbers, which a user can change.
+        """Return the design with the automatic positions of its legs written as numbers, which a user can edit.
 
         Returns
         -------
@@ -152,19 +153,19 @@ class Design(WalkerSpec):
             return False
         first, second = self.limbs
         image = second._replace(along=0.0 - second.along)
-        own = first.friction is not None or first.restitution is not None
-        return first == image and first.across == 0.0 and not own
+        has_own_contact = first.friction is not None or first.restitution is not None
+        return first == image and first.across == 0.0 and not has_own_contact
 
     @property
     def symmetric(self) -> bool:
-        """Whether the legs are their own mirror image, left and right."""
+        """Whether a mirror that swaps left and right leaves the set of legs unchanged."""
         legs = sorted(self.limbs, key=lambda limb: (limb.along, limb.tilt, limb.across))
         image = [limb._replace(across=0.0 - limb.across) for limb in self.limbs]
         return legs == sorted(image, key=lambda limb: (limb.along, limb.tilt, limb.across))
 
     @property
     def foot_span(self) -> float:
-        """Distance along the run from the last foot to the first, mm."""
+        """Distance along the run from the rearmost foot to the foremost, mm."""
         places = [limb.along for limb in self.limbs]
         return max(places) - min(places)
 
@@ -201,16 +202,16 @@ class Design(WalkerSpec):
         >>> wg.load("koumakis2016").variant(tilt=12, **{"legs.flexible_thickness_mm": 0.3})
         <Design koumakis2016: 2 flexible legs, tilt 12 deg, body 28 x 8 x 3 mm>
         """
-        words = {SHORT_KEYS[key]: keys.pop(key) for key in [*keys] if key in SHORT_KEYS}
+        options = {SHORT_KEYS[key]: keys.pop(key) for key in [*keys] if key in SHORT_KEYS}
         if isinstance(keys.get("legs"), str):  # a table or a list are the file's
-            words["kind"] = keys.pop("legs")
+            options["kind"] = keys.pop("legs")
         for key, value in (("tilt_deg", tilt_deg), ("kind", kind)):
-            if value is not None and words.setdefault(key, value) is not value:
+            if value is not None and options.setdefault(key, value) is not value:
                 raise InputError(f"{self.name}: {key}: given twice, by its short name too")
-        own = self._tilt_and_kind_keys(words.pop("tilt_deg", None), words.pop("kind", None)) | words
-        for key in own.keys() & keys.keys():
+        values = self._tilt_and_kind_keys(options.pop("tilt_deg", None), options.pop("kind", None)) | options
+        for key in values.keys() & keys.keys():
             raise InputError(f"{self.name}: {key}: given twice, by its short name too")
-        return replace_values(self, own | keys, self.name)
+        return replace_values(self, values | keys, self.name)
 
     def __repr__(self) -> str:
         length, thickness, depth = self.size
@@ -220,13 +221,13 @@ class Design(WalkerSpec):
     __str__ = __repr__
 
     def _tilt_and_kind_keys(self, tilt_deg: float | None, kind: Kind | None) -> dict[str, Any]:
-        """Return the keys for a tilt and a kind of legs. Raises GeometryError if there are none.
+        """Return the values, by dotted keys, that give the legs a tilt (degrees) and a kind. None changes nothing.
 
-        None leaves the design's own.
+        Raises GeometryError if these legs cannot have that tilt or kind.
         """
         if self.pair:
-            own = {"legs.tilt_deg": tilt_deg, "legs.kind": kind}
-            return {key: value for key, value in own.items() if value is not None}
+            values = {"legs.tilt_deg": tilt_deg, "legs.kind": kind}
+            return {key: value for key, value in values.items() if value is not None}
         if kind not in (None, self.kind):
             raise GeometryError(f"{self.name}: its legs cannot be made {kind}. Change their kind in [[legs]].")
         if tilt_deg not in (None, self.tilt_deg) and not self.follows:
@@ -237,7 +238,7 @@ class Design(WalkerSpec):
         return {"leg_tilt_deg": tilt_deg} if tilt_deg is not None and self.follows else {}
 
     def members(self, tilts_deg: Iterable[float] | None = None, kinds: Iterable[Kind] | None = None) -> list["Design"]:
-        """Return the variants of a family, kinds outermost; by default those of its [family] table.
+        """Return the variants of a family, ordered by kind, then by tilt. The default is the [family] table.
 
         Parameters
         ----------
@@ -279,9 +280,9 @@ class Design(WalkerSpec):
             raise GeometryError(
                 "\n".join(
                     line
-                    if len(where) == len(chosen) * len(tilts) or "tilt_deg = " in line
-                    else f"at tilt {', '.join(dict.fromkeys(where))} deg: {line}"
-                    for line, where in problems.items()
+                    if len(tilts_of_problem) == len(chosen) * len(tilts) or "tilt_deg = " in line
+                    else f"at tilt {', '.join(dict.fromkeys(tilts_of_problem))} deg: {line}"
+                    for line, tilts_of_problem in problems.items()
                 )
             )
         return variants

@@ -46,7 +46,7 @@ class Marks(Section):
 
     @property
     def letters(self) -> str:
-        """Text in letters, with the serial number if there is one; "" without both."""
+        """Letters to engrave: the text and the serial number, if they are given; "" without both."""
         parts = (self.text or "", "" if self.serial is None else str(self.serial))
         return " ".join(part for part in parts if part)
 
@@ -102,12 +102,12 @@ class Cap(Section):
 
     @property
     def cell(self) -> float:
-        """Side of a cell, mm."""
+        """Side of one square cell of the marker, mm."""
         return self.marker_mm / MARKER_CELLS
 
     @property
     def side(self) -> float:
-        """Side of the tile, mm."""
+        """Side of the square tile, mm."""
         return TILE_CELLS * self.cell
 
     @property
@@ -182,10 +182,11 @@ class Part(Section):
 
     @property
     def cylinder(self) -> Cylinder:
-        """Cylinder that the part is."""
+        """Cylinder that the part fills."""
         raise NotImplementedError
 
-    def _cylinder(self, diameter: float, height: float, mass: float, axis: Direction) -> Cylinder:
+    def _make_cylinder(self, diameter: float, height: float, mass: float, axis: Direction) -> Cylinder:
+        """Return a cylinder of this size (mm), mass (g) and axis at the part's position."""
         centre = (self.along_mm, self.up_mm, self.across_mm)
         return Cylinder(0.5 * diameter, height, mass, centre, ("along", "up", "across").index(axis))
 
@@ -205,8 +206,8 @@ class Motor(Part):
 
     @property
     def cylinder(self) -> Cylinder:
-        """Cylinder that the motor is."""
-        return self._cylinder(self.diameter_mm, self.height_mm, self.mass_g, self.axis)
+        """Cylinder that the motor fills."""
+        return self._make_cylinder(self.diameter_mm, self.height_mm, self.mass_g, self.axis)
 
 
 class Battery(Part):
@@ -222,10 +223,10 @@ class Battery(Part):
 
     @model_validator(mode="after")
     def _check_size(self) -> "Battery":
-        own = [key for key in ("diameter_mm", "height_mm") if getattr(self, key) is not None]
-        if self.shape is not None and own:
-            raise ValueError(f"{own[0]} follows from shape = {self.shape!r}: keep one of them")
-        if self.shape is None and (len(own) < 2 or self.mass_g is None):
+        given = [key for key in ("diameter_mm", "height_mm") if getattr(self, key) is not None]
+        if self.shape is not None and given:
+            raise ValueError(f"{given[0]} follows from shape = {self.shape!r}: keep one of them")
+        if self.shape is None and (len(given) < 2 or self.mass_g is None):
             raise ValueError(
                 f"a battery needs shape, one of {', '.join(COIN_CELLS)}, or diameter_mm, height_mm and mass_g"
             )
@@ -233,9 +234,9 @@ class Battery(Part):
 
     @property
     def cylinder(self) -> Cylinder:
-        """Cylinder that the battery is."""
+        """Cylinder that the battery fills."""
         standard = COIN_CELLS.get(self.shape or "", Cell(0.0, 0.0, 0.0))
-        return self._cylinder(
+        return self._make_cylinder(
             self.diameter_mm or standard.diameter_mm,
             self.height_mm or standard.height_mm,
             self.mass_g or standard.mass_g,
@@ -256,44 +257,47 @@ class Pockets(Section):
     """Mass of the glue, shared by motor and battery and distributed like them."""
 
 
-def place_problems(parts: Mapping[str, Part], pockets: Pockets, size: Size, foot: float) -> list[str]:
-    """Return the problems of parts, by the names of their tables, that do not fit into a body's box.
+def place_problems(parts: Mapping[str, Part], pockets: Pockets, size: Size, foot_height: float) -> list[str]:
+    """Return a message for each size or position with which a part does not fit into the body's box.
 
-    `foot` is the height of the feet from the middle of the body, mm. For bodies of other shapes `pockets.cut_pockets`
-    checks that there is plastic around a pocket.
+    `parts` are by the names of their tables, such as "motor". `foot_height` is that of the feet from the middle of the
+    body, mm. For bodies of other shapes `pockets.cut_pockets` checks that there is plastic around a pocket.
     """
     return [
         f"{name}.{problem}"
         for name, part in parts.items()
-        for problem in _part_problems(name, part, pockets.clearance_mm, size, foot)
+        for problem in _part_problems(name, part, pockets.clearance_mm, size, foot_height)
     ]
 
 
-def _part_problems(name: str, part: Part, clearance: float, size: Size, foot: float) -> Iterator[str]:
-    """Yield the problems of one part; each text begins with the key."""
+def _part_problems(name: str, part: Part, clearance: float, size: Size, foot_height: float) -> Iterator[str]:
+    """Yield the problems of one part as texts that begin with its key. Lengths in mm.
+
+    `clearance` is the gap around the part, and `foot_height` is measured from the middle of the body.
+    """
     cylinder = part.cylinder
-    for i, key in enumerate(PLACE_KEYS):
-        value, half = cylinder.centre[i], cylinder.half[i] + clearance
-        low, high = _place_limits(part.opens, i, half, size[i])
+    for axis, key in enumerate(PLACE_KEYS):
+        value, half = cylinder.centre[axis], cylinder.half[axis] + clearance
+        low, high = _place_limits(part.opens, axis, half, size[axis])
         if low > high:
-            wide = "height_mm" if i == cylinder.axis else "diameter_mm"
+            size_key = "height_mm" if axis == cylinder.axis else "diameter_mm"
             needed = 2.0 * (half + MIN_FLOOR_MM)
             yield (
-                f"{wide} = {2.0 * (half - clearance):g}: its pocket needs a body of "
-                f"{needed:.4g} mm {key.removesuffix('_mm')}, but this one has {size[i]:.4g} mm. Make "
+                f"{size_key} = {2.0 * (half - clearance):g}: its pocket needs a body of "
+                f"{needed:.4g} mm {key.removesuffix('_mm')}, but this one has {size[axis]:.4g} mm. Make "
                 "the body larger, or turn the part (axis)."
             )
         elif not low <= value <= high:
-            deep = value > high if part.opens == "down" else value < low
-            sunk = i == 1 or (i == 2 and part.opens == "side")
+            is_too_deep = value > high if part.opens == "down" else value < low
+            opens_along_axis = axis == 1 or (axis == 2 and part.opens == "side")
             what = f"the {name} leaves the body"
-            if deep and sunk:
+            if is_too_deep and opens_along_axis:
                 what = "its pocket is deeper than the body"
             yield (
                 f"{key} = {value:g}: {what}. It must lie in {low:.4g}..{high:.4g} mm, so that "
                 f"floor and walls keep {MIN_FLOOR_MM:g} mm. Move it, or make the body larger."
             )
-    gap = cylinder.centre[1] - cylinder.half[1] - foot
+    gap = cylinder.centre[1] - cylinder.half[1] - foot_height
     low, _ = _place_limits(part.opens, 1, cylinder.half[1] + clearance, size.thickness)
     if gap < MIN_PLATE_DISTANCE_MM and cylinder.centre[1] >= low:
         yield (
@@ -302,14 +306,18 @@ def _part_problems(name: str, part: Part, clearance: float, size: Size, foot: fl
         )
 
 
-def _place_limits(opens: Opening, i: int, half: float, size: float) -> tuple[float, float]:
-    """Return the range of positions along axis i of a pocket that reaches `half` to either side, mm."""
-    room = 0.5 * size - MIN_FLOOR_MM - half
-    low, high = -room, room
-    if i == 1 and opens == "down":
-        low = MIN_FLOOR_MM - 0.5 * size - half
-    elif i == 1:
-        high = 0.5 * size + half - MIN_FLOOR_MM
-    elif i == 2 and opens == "side":
-        high = 0.5 * size - half
+def _place_limits(opens: Opening, axis: int, half_width: float, body_size: float) -> tuple[float, float]:
+    """Return the lowest and highest position of the middle of a pocket along an axis of the body, mm.
+
+    `axis` is 0 for x, 1 for y or 2 for z. `half_width` is half the size of the pocket along it, and `body_size` the
+    size of the body, mm.
+    """
+    limit = 0.5 * body_size - MIN_FLOOR_MM - half_width
+    low, high = -limit, limit
+    if axis == 1 and opens == "down":
+        low = MIN_FLOOR_MM - 0.5 * body_size - half_width
+    elif axis == 1:
+        high = 0.5 * body_size + half_width - MIN_FLOOR_MM
+    elif axis == 2 and opens == "side":
+        high = 0.5 * body_size - half_width
     return low, high

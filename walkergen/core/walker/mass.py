@@ -157,20 +157,23 @@ def to_rigid(mass: MassProperties) -> MassProperties:
 
 
 def freeze_joints(mass: MassProperties, rigid: Sequence[bool]) -> MassProperties:
-    """Return mass properties with the joints of the legs in `rigid` frozen: these legs belong to the body."""
-    chosen = [leg for leg, is_rigid in zip(mass.legs, rigid, strict=True) if is_rigid]
-    if not chosen:
+    """Return mass properties with the joints of some legs frozen: these legs then belong to the body.
+
+    `rigid` has a boolean for each leg, True for a leg whose joint is frozen.
+    """
+    frozen = [leg for leg, is_rigid in zip(mass.legs, rigid, strict=True) if is_rigid]
+    if not frozen:
         return mass
-    masses = np.array([mass.M, *(leg.m for leg in chosen)])
-    centres = np.array([(0.0, 0.0), *(leg.anchor + leg.c_A for leg in chosen)])
+    masses = np.array([mass.M, *(leg.m for leg in frozen)])
+    centres = np.array([(0.0, 0.0), *(leg.anchor + leg.c_A for leg in frozen)])
     M = float(masses.sum())
     O = masses @ centres / M  # noqa: E741  (the paper's name)
-    J = mass.J + sum(leg.j for leg in chosen)
+    J = mass.J + sum(leg.j for leg in frozen)
     J = J + float(masses @ np.sum((centres - O) ** 2, axis=1))
-    whole = None
+    spatial = None
     if mass.spatial is not None:
-        middle, tensor = centre_and_inertia(mass.spatial, chosen, masses, centres)
-        whole = Spatial(float(middle[2]), tensor)
+        middle, tensor = centre_and_inertia(mass.spatial, frozen, masses, centres)
+        spatial = Spatial(float(middle[2]), tensor)
     legs = [
         leg._replace(
             m=0.0 if is_rigid else leg.m,
@@ -180,27 +183,31 @@ def freeze_joints(mass: MassProperties, rigid: Sequence[bool]) -> MassProperties
         )
         for leg, is_rigid in zip(mass.legs, rigid, strict=True)
     ]
-    return MassProperties(M, J, tuple(legs), all(rigid), whole)
+    return MassProperties(M, J, tuple(legs), all(rigid), spatial)
 
 
-def scale_masses(mass: MassProperties, body: Values, leg: Values) -> MassProperties:
-    """Return mass properties with the masses and inertias of body and legs times ratios, any shape."""
-    whole, sides = mass.spatial, (..., None, None)
-    body, leg = np.asarray(body), np.asarray(leg)
-    if whole is not None:
-        whole = whole._replace(body=whole.body * body[sides])
+def scale_masses(mass: MassProperties, body_ratio: Values, leg_ratio: Values) -> MassProperties:
+    """Return mass properties with all masses and inertias multiplied by a ratio, or by an array of ratios."""
+    spatial, matrix_axes = mass.spatial, (..., None, None)
+    body_ratio, leg_ratio = np.asarray(body_ratio), np.asarray(leg_ratio)
+    if spatial is not None:
+        spatial = spatial._replace(body=spatial.body * body_ratio[matrix_axes])
     legs = tuple(
-        own._replace(m=own.m * leg, j=own.j * leg, tensor=None if own.tensor is None else own.tensor * leg[sides])
-        for own in mass.legs
+        one._replace(
+            m=one.m * leg_ratio,
+            j=one.j * leg_ratio,
+            tensor=None if one.tensor is None else one.tensor * leg_ratio[matrix_axes],
+        )
+        for one in mass.legs
     )
-    return mass._replace(M=mass.M * body, J=mass.J * body, legs=legs, spatial=whole)
+    return mass._replace(M=mass.M * body_ratio, J=mass.J * body_ratio, legs=legs, spatial=spatial)
 
 
 def centre_and_inertia(body: Spatial, legs: Sequence[LegMass], masses: Array, centres: Array) -> tuple[Array, Array]:
-    """Return the centre of mass (mm, from O at half depth) and inertia tensor about it (g mm^2) of the whole.
+    """Return the centre of mass, shape (3,), and the inertia tensor about it, shape (3, 3), of a body with legs.
 
-    Masses of the body and these legs, shape (1 + legs,), g; their centres from O, shape
-    (1 + legs, 2), mm.
+    The centre is relative to O at half depth, mm; the tensor is in g mm^2. `masses` are those of the body and of each
+    leg, shape (1 + legs,), g. `centres` are their centres of mass from O in the x-y plane, shape (1 + legs, 2), mm.
     """
     places = np.column_stack([centres, (body.z, *(leg.across for leg in legs))])
     middle = masses @ places / masses.sum()
@@ -233,8 +240,8 @@ def check_support(limbs: Sequence[Limb], mass: MassProperties) -> None:
             for side in (-1.0, 1.0)
         ]
     )
-    around = np.sort(np.arctan2(*(corners - centre).T[::-1]))
-    gaps = np.diff(np.append(around, around[0] + 2.0 * math.pi))
+    directions = np.sort(np.arctan2(*(corners - centre).T[::-1]))
+    gaps = np.diff(np.append(directions, directions[0] + 2.0 * math.pi))
     if gaps.max() < math.pi - SUPPORT_TOLERANCE_RAD:
         return
     x, z = centre - (mass.legs[0].foot[0] - limbs[0].along, 0.0)
@@ -248,7 +255,7 @@ def check_support(limbs: Sequence[Limb], mass: MassProperties) -> None:
 
 
 def _centre_in_plan(mass: MassProperties) -> Array:
-    """Return the centre of mass of the whole, (along, across), from O and from half the depth, mm."""
+    """Return the walker's centre of mass along and across the run, shape (2,), mm, from O and half the depth."""
     z = mass.spatial.z if mass.spatial is not None else 0.0
     across = mass.M * z + sum(leg.m * leg.across for leg in mass.legs)
     return np.array([mass.centre[0], across / mass.total])

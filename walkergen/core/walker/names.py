@@ -15,7 +15,7 @@ DEFAULT_STEM = "walker"
 
 def part_name(design: Design, stem: str = DEFAULT_STEM) -> str:
     """Return the name of a walker, such as walker_t05.0_flexible_s0.40; unique within a family."""
-    return f"{stem}_{tilt_name(design)}_{design.kind}_s{_decimal(design.limbs[0].thickness, 2)}"
+    return f"{stem}_{tilt_name(design)}_{design.kind}_s{_format_decimal(design.limbs[0].thickness, 2)}"
 
 
 def is_part_name(name: str) -> bool:
@@ -24,13 +24,13 @@ def is_part_name(name: str) -> bool:
 
 
 def tilt_name(design: Design) -> str:
-    """Format a walker's tilt for names of files, such as t05.0: as wide as others, so that they sort."""
-    whole, point, digits = _decimal(design.tilt_deg, 1).partition(".")
+    """Format a walker's tilt for file names, such as t05.0, with leading zeros so that names sort."""
+    whole, point, digits = _format_decimal(design.tilt_deg, 1).partition(".")
     return f"t{whole.zfill(3 if whole.startswith('-') else 2)}{point}{digits}"
 
 
 def race_name(members: Sequence[Design]) -> str:
-    """Name of several walkers of a design together, such as race_t05.0-t10.0_flexible."""
+    """Return the name for several walkers of one design together, such as race_t05.0-t10.0_flexible."""
     tilts = dict.fromkeys(tilt_name(design) for design in members)
     kinds = dict.fromkeys(design.kind for design in members)
     return f"race_{'-'.join(tilts)}_{'-'.join(kinds)}"
@@ -54,7 +54,7 @@ def part_names(members: Sequence[Design]) -> list[str]:
 
 
 def group_by_design(members: Sequence[Design]) -> dict[str, list[Design]]:
-    """Return the walkers by the names of their designs, in their order."""
+    """Return lists of the walkers, by the names of their designs and in their order."""
     groups: dict[str, list[Design]] = {}
     for design in members:
         groups.setdefault(design.name, []).append(design)
@@ -62,20 +62,20 @@ def group_by_design(members: Sequence[Design]) -> dict[str, list[Design]]:
 
 
 def design_letters(members: Sequence[Design]) -> dict[str, str]:
-    """Return letters that replace the names of several designs in pictures: A, ... Z, AA; or none."""
+    """Return a letter for the name of each design, as pictures show it: A to Z, then AA; empty for one design."""
     designs = list(group_by_design(members))
-    return {} if len(designs) == 1 else {name: _letter(at) for at, name in enumerate(designs)}
+    return {} if len(designs) == 1 else {name: _column_letters(at) for at, name in enumerate(designs)}
 
 
 def legend(members: Sequence[Design]) -> str:
     """Return Markdown that identifies printed parts: letters of several designs, marks of each tilt."""
-    short = design_letters(members)
-    if not short:
+    letters = design_letters(members)
+    if not letters:
         return _mark_legend(members)
-    lines = [f"| {letter} | {name} |" for name, letter in short.items()]
+    lines = [f"| {letter} | {name} |" for name, letter in letters.items()]
     sections = ["| on the map | design |\n|---|---|\n" + "\n".join(lines) + "\n"]
-    for name, own in group_by_design(members).items():
-        if marks := _mark_legend(own):
+    for name, design_members in group_by_design(members).items():
+        if marks := _mark_legend(design_members):
             sections.append(f"Marks of {name}. {marks}")
     return "\n".join(sections)
 
@@ -91,14 +91,14 @@ def _mark_legend(members: Sequence[Design]) -> str:
         return ""
     lines = []
     for tilt, kinds in sorted(marks.items()):
-        spans = dict.fromkeys(mark_range(own, "`") for own in kinds.values())
+        spans = dict.fromkeys(mark_range(marks_of_kind, "`") for marks_of_kind in kinds.values())
         lines.append(f"| {tilt:g} | {', '.join(spans)} |")
     head = "| tilt (deg) | mark |\n|-----------:|:-----|"
     return f"{reading_instructions(members[0].marks)}\n\n{head}\n" + "\n".join(lines) + "\n"
 
 
 def mark_range(marks: Sequence[str], quote: str = "") -> str:
-    """Format the marks of copies: one, or the first to the last of serial numbers."""
+    """Format the marks of copies of a part: as one mark, or as "first to last" if they differ, each between quotes."""
     ends = dict.fromkeys((marks[0], marks[-1]))
     return " to ".join(f"{quote}{mark}{quote}" for mark in ends)
 
@@ -120,12 +120,12 @@ def reading_instructions(marks: Marks) -> str:
     )
 
 
-def _letter(index: int) -> str:
-    """Return the letters of a number from 0, as for columns of a spreadsheet: A, ... Z, AA, AB, ..."""
+def _column_letters(index: int) -> str:
+    """Return the letters of an index from 0, as spreadsheets name columns: A, ... Z, AA, AB, ..."""
     before, last = divmod(index, len(ascii_uppercase))
-    return (_letter(before - 1) if before else "") + ascii_uppercase[last]
+    return (_column_letters(before - 1) if before else "") + ascii_uppercase[last]
 
 
-def _decimal(value: float, digits: int) -> str:
+def _format_decimal(value: float, digits: int) -> str:
     """Format a number with all its digits, at least `digits` after the point, never an exponent."""
     return np.format_float_positional(value + 0.0, unique=True, min_digits=digits)

@@ -29,21 +29,21 @@ OPENING_DIRECTIONS = {"up": (0.0, 1.0, 0.0), "down": (0.0, -1.0, 0.0), "side": (
 
 
 def cut_pockets(design: Design, walker: Mesh, body: Mesh, roots: Sequence[Mesh]) -> tuple[Mesh, Mesh]:
-    """Cut the pockets of a design's parts into the walker and the body, and return both.
+    """Cut the pockets of a design's parts into the meshes of walker and body, and return both.
 
     `roots` are the legs with their ends inside the body. Raises GeometryError, beginning
     with the key, for parts that overlap each other or a leg, or have no floor.
     """
     solid, legs = modeller.to_solid(body), [modeller.to_solid(root) for root in roots]
-    tools = _pocket_solids(design)
+    pocket_solids = _pocket_solids(design)
     if design.motor and design.battery:
         _check_overlap(design)
-    for name, tool in tools.items():
-        _check_leg_clear(name, tool, legs, design)
+    for name, pocket in pocket_solids.items():
+        _check_leg_clear(name, pocket, legs, design)
     for name, part in design.parts.items():
-        others = [tool for other, tool in tools.items() if other not in (name, "channel")]
-        _check_floor(name, part, solid - _union(others), design)
-    cavity = _cavity(design)
+        others = [pocket for other, pocket in pocket_solids.items() if other not in (name, "channel")]
+        _check_floor(name, part, solid - _unite(others), design)
+    cavity = _pocket_union(design)
     rest = [modeller.check_solid(modeller.to_solid(mesh) - cavity) for mesh in (walker, body)]
     if any(len(modeller.split_bodies(piece)) != 1 for piece in rest):
         raise GeometryError(
@@ -57,10 +57,10 @@ def cut_pockets(design: Design, walker: Mesh, body: Mesh, roots: Sequence[Mesh])
 def check_marks_intact(design: Design, marked: Mesh, plain: Mesh) -> None:
     """Raise GeometryError if the pockets of a body remove a part of its marks.
 
-    `marked` is the body without pockets, `plain` without marks too.
+    `marked` is the body with marks and `plain` the body without them, both without pockets.
     """
     strokes = modeller.to_solid(plain) - modeller.to_solid(marked)
-    lost = modeller.check_solid(strokes ^ _cavity(design)).volume() / strokes.volume()
+    lost = modeller.check_solid(strokes ^ _pocket_union(design)).volume() / strokes.volume()
     if lost > ROUNDING_SHARE:
         key = "kind" if design.marks.kind != "none" else "serial"
         raise GeometryError(
@@ -79,13 +79,13 @@ def without_pockets(design: Design) -> Design:
 def part_meshes(design: Design) -> dict[str, Mesh]:
     """Return the meshes of a design's parts, without clearance, in the design's frame."""
     return {
-        name: modeller.to_mesh(_hull(_cylinder_points(part.cylinder, design, 0.0)))
+        name: modeller.to_mesh(_convex_hull(_cylinder_points(part.cylinder, design, 0.0)))
         for name, part in design.parts.items()
     }
 
 
 def weigh_contents(design: Design) -> list[SolidMass]:
-    """Compute the mass properties of a body's parts, each with its share of the glue, and of the wires.
+    """Compute the mass properties of motor and battery, each with its share of the glue, and of the wires.
 
     The wires are a thin rod between the middles of both parts, or within the only one. Centres are in the design's
     frame.
@@ -94,19 +94,19 @@ def weigh_contents(design: Design) -> list[SolidMass]:
     extra = design.fit.glue_g / len(cylinders)
     if len(cylinders) == 1:
         extra += design.fit.wires_g
-    parts = [_cylinder_mass(own, own.mass + extra, depth) for own in cylinders]
+    parts = [_cylinder_mass(cylinder, cylinder.mass + extra, depth) for cylinder in cylinders]
     if len(parts) > 1 and design.fit.wires_g > 0.0:
         first, second = (part.centre for part in parts)
-        way, wires = second - first, design.fit.wires_g
-        tensor = wires / 12.0 * (way @ way * np.eye(3) - np.outer(way, way))
+        rod, wires = second - first, design.fit.wires_g
+        tensor = wires / 12.0 * (rod @ rod * np.eye(3) - np.outer(rod, rod))
         parts.append(SolidMass(wires, 0.5 * (first + second), tensor, 0.0))
     return parts
 
 
 def _cylinder_mass(cylinder: Cylinder, mass: float, depth: float) -> SolidMass:
-    """Return the mass properties of a solid cylinder of that mass, g, in a body of that depth, mm."""
-    aside = mass * (3.0 * cylinder.radius**2 + cylinder.height**2) / 12.0
-    tensor = aside * np.eye(3)
+    """Return the mass properties of a solid cylinder of this mass, g, in a body of this depth, mm."""
+    transverse_inertia = mass * (3.0 * cylinder.radius**2 + cylinder.height**2) / 12.0
+    tensor = transverse_inertia * np.eye(3)
     tensor[cylinder.axis, cylinder.axis] = 0.5 * mass * cylinder.radius**2
     volume = np.pi * cylinder.radius**2 * cylinder.height
     return SolidMass(mass, np.array(cylinder.centre_in_design(depth)), tensor, volume)
@@ -115,7 +115,7 @@ def _cylinder_mass(cylinder: Cylinder, mass: float, depth: float) -> SolidMass:
 def wall_between(design: Design, most: float) -> float:
     """Return the thinnest wall between the pockets of motor and battery within the body's box, mm.
 
-    0 if one opens into the other; `most` if the wall is thicker, or if there is one pocket.
+    It is 0 if one opens into the other, and `most` (mm) if the wall is thicker or there is one pocket.
     The channel of the wires, which is meant to join them, does not count.
     """
     if len(design.parts) < 2:
@@ -123,34 +123,36 @@ def wall_between(design: Design, most: float) -> float:
     size = design.size
     box = manifold3d.Manifold.cube((size.length, size.thickness, size.depth))
     box = box.translate((-0.5 * size.length, -0.5 * size.thickness, 0.0))
-    rooms = [_swept_volume(part, design) ^ box for part in design.parts.values()]
-    if not modeller.check_solid(rooms[0] ^ rooms[1]).is_empty():
+    pocket_solids = [_swept_volume(part, design) ^ box for part in design.parts.values()]
+    if not modeller.check_solid(pocket_solids[0] ^ pocket_solids[1]).is_empty():
         return 0.0
-    return float(rooms[0].min_gap(rooms[1], most))
+    return float(pocket_solids[0].min_gap(pocket_solids[1], most))
 
 
 def _pocket_solids(design: Design) -> dict[str, manifold3d.Manifold]:
-    """Return the spaces of pockets and channel, by the names of their tables and "channel"."""
-    tools = {name: _swept_volume(part, design) for name, part in design.parts.items()}
-    if len(tools) > 1 and design.fit.channel_mm > 0.0:
-        tools["channel"] = _channel(design)
-    return tools
+    """Return the solids to cut away: each pocket by the name of its part, and the wires' "channel"."""
+    cuts = {name: _swept_volume(part, design) for name, part in design.parts.items()}
+    if len(cuts) > 1 and design.fit.channel_mm > 0.0:
+        cuts["channel"] = _channel_solid(design)
+    return cuts
 
 
-def _cavity(design: Design) -> manifold3d.Manifold:
-    return _union(list(_pocket_solids(design).values()))
+def _pocket_union(design: Design) -> manifold3d.Manifold:
+    """Return the union of all pockets and of the wires' channel."""
+    return _unite(list(_pocket_solids(design).values()))
 
 
-def _union(tools: Sequence[manifold3d.Manifold]) -> manifold3d.Manifold:
-    return manifold3d.Manifold.batch_boolean(list(tools), manifold3d.OpType.Add)
+def _unite(solids: Sequence[manifold3d.Manifold]) -> manifold3d.Manifold:
+    return manifold3d.Manifold.batch_boolean(list(solids), manifold3d.OpType.Add)
 
 
-def _hull(points: Array) -> manifold3d.Manifold:
+def _convex_hull(points: Array) -> manifold3d.Manifold:
+    """Return the convex hull of points, shape (n, 3), mm."""
     return modeller.check_solid(manifold3d.Manifold.hull_points(points))
 
 
 def _cylinder_points(cylinder: Cylinder, design: Design, clearance: float) -> Array:
-    """Return the corners of a cylinder with clearance on every side, shape (2 CIRCLE_SEGMENTS, 3), mm."""
+    """Return points on the rims of a cylinder with clearance (mm) on every side, shape (2 CIRCLE_SEGMENTS, 3), mm."""
     angles = 2.0 * np.pi * np.arange(CIRCLE_SEGMENTS) / CIRCLE_SEGMENTS
     radius, half = cylinder.radius + clearance, 0.5 * cylinder.height + clearance
     ring = np.zeros((CIRCLE_SEGMENTS, 3))
@@ -163,20 +165,20 @@ def _cylinder_points(cylinder: Cylinder, design: Design, clearance: float) -> Ar
 
 
 def _swept_volume(part: Part, design: Design) -> manifold3d.Manifold:
-    """Return the space that a part occupies and sweeps on its way in."""
+    """Return the space that a part and its clearance fill, and sweep while the part is inserted."""
     points = _cylinder_points(part.cylinder, design, design.fit.clearance_mm)
-    return _hull(
+    return _convex_hull(
         np.concatenate([points, points + _exit_distance(points, design) * np.array(OPENING_DIRECTIONS[part.opens])])
     )
 
 
 def _exit_distance(points: Array, design: Design) -> float:
-    """Return the length of a way that leads out of the body from any of the points, mm."""
+    """Return a distance, mm, by which points of shape (n, 3) leave the body in any direction."""
     return float(2.0 * sum(design.size) + np.ptp(points, axis=0).sum())
 
 
-def _channel(design: Design) -> manifold3d.Manifold:
-    """Return the channel between the floors of the two pockets; open to their common side."""
+def _channel_solid(design: Design) -> manifold3d.Manifold:
+    """Return the wires' channel from pocket floor to pocket floor, open to the side where both pockets open."""
     parts = list(design.parts.values())
     half = 0.5 * design.fit.channel_mm
     corners = half * np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
@@ -184,23 +186,23 @@ def _channel(design: Design) -> manifold3d.Manifold:
     if parts[0].opens == parts[1].opens:
         out = _exit_distance(points, design) * np.array(OPENING_DIRECTIONS[parts[0].opens])
         points = np.concatenate([points, points + out])
-    return _hull(points)
+    return _convex_hull(points)
 
 
 def _channel_end(part: Part, design: Design) -> Array:
-    """Return the middle of the end of the channel in a part's pocket: on its floor, within the body."""
-    half, out = 0.5 * design.fit.channel_mm, np.array(OPENING_DIRECTIONS[part.opens])
+    """Return the middle of the channel's end in a part's pocket, on its floor and within the body, shape (3,), mm."""
+    half, opening = 0.5 * design.fit.channel_mm, np.array(OPENING_DIRECTIONS[part.opens])
     cylinder = part.cylinder
-    place = np.array(cylinder.centre_in_design(design.size.depth))
-    place -= out * (np.array(cylinder.half) + design.fit.clearance_mm - half)
-    room = max(0.5 * design.size.thickness - MIN_FLOOR_MM - half, 0.0)
-    place[1] = min(max(place[1], -room), room)
-    return place
+    middle = np.array(cylinder.centre_in_design(design.size.depth))
+    middle -= opening * (np.array(cylinder.half) + design.fit.clearance_mm - half)
+    limit = max(0.5 * design.size.thickness - MIN_FLOOR_MM - half, 0.0)
+    middle[1] = min(max(middle[1], -limit), limit)
+    return middle
 
 
 def _check_overlap(design: Design) -> None:
-    """Raise GeometryError where motor and battery take the same place."""
-    motor, battery = (_hull(_cylinder_points(part.cylinder, design, 0.0)) for part in design.parts.values())
+    """Raise GeometryError if motor and battery overlap."""
+    motor, battery = (_convex_hull(_cylinder_points(part.cylinder, design, 0.0)) for part in design.parts.values())
     shared = modeller.check_solid(motor ^ battery).volume()
     if shared > ROUNDING_SHARE * motor.volume():
         raise GeometryError(
@@ -210,10 +212,12 @@ def _check_overlap(design: Design) -> None:
         )
 
 
-def _check_leg_clear(name: str, tool: manifold3d.Manifold, legs: Sequence[manifold3d.Manifold], design: Design) -> None:
-    """Raise GeometryError where a pocket cuts a leg, or its root in the body."""
+def _check_leg_clear(
+    name: str, pocket: manifold3d.Manifold, legs: Sequence[manifold3d.Manifold], design: Design
+) -> None:
+    """Raise GeometryError if a pocket, or the "channel", cuts a leg or the end of a leg inside the body."""
     for number, leg in enumerate(legs, start=1):
-        lost = modeller.check_solid(leg ^ tool).volume()
+        lost = modeller.check_solid(leg ^ pocket).volume()
         if lost > ROUNDING_SHARE * leg.volume():
             what, remedy = f"the pocket of the {name}", "Move it, or the leg."
             if name == "channel":
@@ -226,12 +230,14 @@ def _check_leg_clear(name: str, tool: manifold3d.Manifold, legs: Sequence[manifo
 
 
 def _check_floor(name: str, part: Part, body: manifold3d.Manifold, design: Design) -> None:
-    """Raise GeometryError unless a layer of the body lies below a part, or above one put in from below."""
+    """Raise GeometryError unless solid plastic closes the pocket of a part on the side opposite its opening."""
     points = _cylinder_points(part.cylinder, design, design.fit.clearance_mm)
-    below = np.array(OPENING_DIRECTIONS["up" if part.opens == "down" else "down"])
-    layer = _hull(points + MIN_FLOOR_MM * below) - _hull(points)
+    away_from_opening = np.array(OPENING_DIRECTIONS["up" if part.opens == "down" else "down"])
+    layer = _convex_hull(points + MIN_FLOOR_MM * away_from_opening) - _convex_hull(points)
     # The floor counts only below the lowest points of a round part
-    floor = modeller.check_solid(layer.trim_by_plane(below.tolist(), float((points @ below).max()) - MIN_FLOOR_MM))
+    floor = modeller.check_solid(
+        layer.trim_by_plane(away_from_opening.tolist(), float((points @ away_from_opening).max()) - MIN_FLOOR_MM)
+    )
     solid = modeller.check_solid(floor ^ body).volume() / floor.volume()
     if solid < 1.0 - ROUNDING_SHARE:
         raise GeometryError(
@@ -243,11 +249,11 @@ def _check_floor(name: str, part: Part, body: manifold3d.Manifold, design: Desig
 
 
 def _format_place(name: str, design: Design) -> str:
-    """Format the key of a part's place, or of the channel's width, with its value."""
+    """Format the key and value of a part's place, or of the width of the "channel"."""
     value = design.fit.channel_mm if name == "channel" else design.parts[name].along_mm
     return f"{_place_key(name)} = {value:g}"
 
 
 def _place_key(name: str) -> str:
-    """Return the key of a part's place, or of the channel's width."""
+    """Return the key of a part's place, or of the width of the "channel"."""
     return "pockets.channel_mm" if name == "channel" else f"{name}.along_mm"

@@ -67,7 +67,7 @@ def shape_of(body: Body) -> Shape:
 
 
 def place_legs(spec: WalkerSpec) -> tuple[Limb, ...]:
-    """Return every leg with all its numbers, in the order of the file; of two equal: back, front.
+    """Return the legs with all their numbers, in the order of the file; two equal legs are listed back, front.
 
     Raises GeometryError for a leg that does not meet the body.
     """
@@ -97,7 +97,7 @@ def describe_placement(spec: WalkerSpec) -> str:
 
 
 def family_tilt_deg(spec: WalkerSpec) -> float:
-    """Return the tilt that distinguishes members of a family, deg: of a cut mesh that of its first leg."""
+    """Return the tilt that distinguishes members of a family, degrees; of a finished walker, its first leg's tilt."""
     if spec.whole:
         return round(math.degrees(place_legs(spec)[0].tilt), 2) + 0.0
     return spec.written_tilt_deg
@@ -112,18 +112,18 @@ def check_buildable(spec: WalkerSpec) -> None:
         faults = _list_faults(place_legs(spec), shape.size)
     if not faults and spec.body.flat:
         faults = _outline_faults(place_legs(spec), shape)
-    helps = partial(_suggest_placement, spec) if faults else tuple
+    find_remedies = partial(_suggest_placement, spec) if faults else tuple
     if not spec.marks.blank:
         faults += _mark_faults(spec, shape.size)
     if not faults and spec.parts:
-        foot = min(limb.foot_height for limb in place_legs(spec))
-        faults = place_problems(spec.parts, spec.fit, shape.size, foot)
+        foot_height = min(limb.foot_height for limb in place_legs(spec))
+        faults = place_problems(spec.parts, spec.fit, shape.size, foot_height)
     if spec.pockets is not None and not spec.parts:
         faults.append(
             "pockets = ...: there is no motor or battery. Add a table [motor] or [battery], or remove [pockets]."
         )
     if faults:
-        raise GeometryError("\n".join(faults), helps=helps)
+        raise GeometryError("\n".join(faults), helps=find_remedies)
 
 
 def _suggest_placement(spec: WalkerSpec) -> Sequence[Remedy]:
@@ -138,12 +138,14 @@ def _mark_faults(spec: WalkerSpec, size: Size) -> list[str]:
     marks, (length, thickness, depth) = spec.marks, size
     if spec.letters and spec.body.flat:  # letters on a body in plan view go into its upper side
         marks, thickness, depth = marks.model_copy(update={"kind": "text"}), depth, thickness
-    unfit = load_readers().mark_problems(marks, spec.family.tilt_deg, family_tilt_deg(spec), (length, thickness, depth))
+    size_faults = load_readers().mark_problems(
+        marks, spec.family.tilt_deg, family_tilt_deg(spec), (length, thickness, depth)
+    )
     if spec.body.plain or (spec.letters and spec.body.flat):
-        return unfit
+        return size_faults
     key = f"marks.serial = {marks.serial}" if marks.kind == "none" else f"marks.kind = {marks.kind!r}"
     rule = "only a rectangular body in side view can have marks, and a body in plan view text. Remove them."
-    return [f"{key}: {rule}", *unfit]
+    return [f"{key}: {rule}", *size_faults]
 
 
 def _pair_faults(legs: Legs, size: Size) -> list[str]:
@@ -171,7 +173,11 @@ def _pair_faults_at(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
     length, thickness, depth = size
     trial = legs.model_copy(update={"tilt_deg": tilt_deg})
     back, front = resolve_pair(trial, depth, -0.5 * thickness)
-    problems = [*_length_faults(back), *_end_faults(_farther_leg(back, front), length), *_side_faults(back, depth)]
+    problems = [
+        *_length_faults(back),
+        *_end_faults(_leg_farther_from_middle(back, front), length),
+        *_side_faults(back, depth),
+    ]
     spacing = legs.contact_spacing_mm
     if 2.0 * back.half_width >= spacing:
         problems.append(
@@ -188,13 +194,14 @@ def _pair_faults_at(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
     return problems + _strut_faults((back, front), length)
 
 
-def _farther_leg(back: Limb, front: Limb) -> Limb:
+def _leg_farther_from_middle(back: Limb, front: Limb) -> Limb:
     return max(back, front, key=lambda limb: abs(limb.anchor[0]))
 
 
 def _length_faults(limb: Limb) -> list[str]:
-    end = {"flat": 0.0, "square": 0.0, "round": 0.5 * limb.thickness}[limb.foot]
-    shortest_side = limb.length - end
+    """Return a message if the leg is too short for its thickness, otherwise an empty list."""
+    foot_radius = {"flat": 0.0, "square": 0.0, "round": 0.5 * limb.thickness}[limb.foot]
+    shortest_side = limb.length - foot_radius
     if limb.foot != "flat":
         shortest_side -= 0.5 * limb.thickness * math.tan(abs(limb.tilt))
     if shortest_side > 0:
@@ -205,8 +212,9 @@ def _length_faults(limb: Limb) -> list[str]:
     ]
 
 
-def _end_faults(limb: Limb, length: float) -> list[str]:
-    half_body, reach = 0.5 * length, abs(limb.anchor[0]) + limb.half_width
+def _end_faults(limb: Limb, body_length: float) -> list[str]:
+    """Return a message if the leg extends beyond either end of a body of this length, mm; otherwise an empty list."""
+    half_body, reach = 0.5 * body_length, abs(limb.anchor[0]) + limb.half_width
     if reach <= half_body:
         return []
     return [
@@ -215,18 +223,20 @@ def _end_faults(limb: Limb, length: float) -> list[str]:
     ]
 
 
-def _side_faults(limb: Limb, depth: float) -> list[str]:
+def _side_faults(limb: Limb, body_depth: float) -> list[str]:
+    """Return a message if the leg extends beyond a side of a body of this depth, mm; otherwise an empty list."""
     reach = abs(limb.across) + 0.5 * limb.width
-    if reach <= 0.5 * depth + ROUNDING_MM:
+    if reach <= 0.5 * body_depth + ROUNDING_MM:
         return []
     return [
         f"the leg, {limb.width:g} mm wide (width_mm) at {limb.across:g} (across_mm), extends beyond the "
-        f"body: it reaches z = {reach:.3f} mm, but the body ends at {0.5 * depth:.3f} mm"
+        f"body: it reaches z = {reach:.3f} mm, but the body ends at {0.5 * body_depth:.3f} mm"
     ]
 
 
-def _strut_faults(limbs: Sequence[Limb], length: float) -> list[str]:
-    half_body = 0.5 * length
+def _strut_faults(limbs: Sequence[Limb], body_length: float) -> list[str]:
+    """Return a message if a brace extends beyond either end of a body of this length, mm; otherwise an empty list."""
+    half_body = 0.5 * body_length
     struts = [(limb.anchor[0], strut) for limb in limbs for strut in section_of(limb).struts(limb)]
     reach = max((abs(x + strut.offset) + 0.5 * strut.thickness for x, strut in struts), default=0.0)
     if reach <= half_body:
@@ -270,23 +280,23 @@ def _crossing_faults(limbs: Sequence[Limb]) -> list[str]:
 
 
 def _height_faults(limbs: Sequence[Limb]) -> list[str]:
-    """Return the problems of feet that do not reach the plate while the body is level."""
+    """Return the problems of feet that do not reach the plate if the body is level."""
     lowest = min(limb.foot_height for limb in limbs)
     problems = []
     for number, limb in enumerate(limbs, start=1):
-        short = limb.foot_height - lowest
-        if short > MAX_HEIGHT_DIFFERENCE_MM:
-            longer = limb.length + short / math.cos(limb.tilt)
+        missing_height = limb.foot_height - lowest
+        if missing_height > MAX_HEIGHT_DIFFERENCE_MM:
+            needed_length = limb.length + missing_height / math.cos(limb.tilt)
             problems.append(
-                f"legs[{number}].length_mm = {limb.length:g}: the foot ends {short:.3f} mm above "
-                f"the lowest foot, so the walker is not level. {longer:.4f} mm would reach "
+                f"legs[{number}].length_mm = {limb.length:g}: the foot ends {missing_height:.3f} mm above "
+                f"the lowest foot, so the walker is not level. {needed_length:.4f} mm would reach "
                 "the plate."
             )
     return problems
 
 
 def _stability_faults(limbs: Sequence[Limb]) -> list[str]:
-    """Return the problem of feet that are all on one line across, so that the walker falls over."""
+    """Return a message if all feet are at one position along the run, otherwise an empty list."""
     places = [limb.along for limb in limbs]
     if max(places) - min(places) > max(limb.thickness for limb in limbs):
         return []
@@ -301,7 +311,7 @@ def _outline_faults(limbs: Sequence[Limb], shape: Shape) -> list[str]:
     import shapely
 
     outer, *holes = shape.plan
-    ground = shapely.Polygon(outer, holes)
+    plan_area = shapely.Polygon(outer, holes)
     problems = []
     for number, limb in enumerate(limbs, start=1):
         x, half = limb.anchor[0], limb.half_width
@@ -310,7 +320,7 @@ def _outline_faults(limbs: Sequence[Limb], shape: Shape) -> list[str]:
             left = min(left, x + strut.offset - 0.5 * strut.thickness)
             right = max(right, x + strut.offset + 0.5 * strut.thickness)
         top = shapely.box(left, -limb.across - 0.5 * limb.width, right, -limb.across + 0.5 * limb.width)
-        outside = top.difference(ground.buffer(ROUNDING_MM)).area
+        outside = top.difference(plan_area.buffer(ROUNDING_MM)).area
         if outside > 0.0:
             percent = max(1.0, 100 * outside / top.area)
             problems.append(

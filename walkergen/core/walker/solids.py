@@ -133,7 +133,7 @@ def _add_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
 
 
 def _build_plain_solids(design: Design, foot_segments: int, united: bool) -> Solids:
-    """Build the solids of a walker without pockets and cap."""
+    """Build the solids of a walker without pockets and cap; `united` means that body and legs are one mesh."""
     if design.shape.whole is not None:
         return _finished_solids(design.shape.whole, design)
     if not design.body.plain:
@@ -157,40 +157,44 @@ def _build_plain_solids(design: Design, foot_segments: int, united: bool) -> Sol
 
 
 def _finished_solids(finished: FinishedWalker, design: Design) -> Solids:
-    """Cut a finished walker into the solids of body and legs."""
+    """Return the solids of a mesh that was a finished walker, each leg shifted so that its anchor is the origin."""
     depth = design.size.depth
     legs = [leg.shift(-_anchor_corner(limb, depth)) for limb, leg in zip(design.limbs, finished.legs, strict=True)]
     return Solids(finished.whole, finished.body, tuple(legs))
 
 
 def _build_any_body(design: Design, foot_segments: int, united: bool) -> Solids:
-    """Build the solids of a walker whose body is no rectangle in side view."""
+    """Build the solids of a walker whose body is no rectangle in side view; `united`: as for `build`."""
     from walkergen.core.shapes import joining
 
     readers = load_readers()
-    ground, limbs, depth = readers.prepare_body(design.body.key), design.limbs, design.size.depth
+    joined_body, limbs, depth = readers.prepare_body(design.body.key), design.limbs, design.size.depth
     weighed = None if design.letters else readers.body_mass(design.body.key)
     if design.letters:
-        ground = joining.prepare_body(readers.cut_letters(ground.mesh, design))
+        joined_body = joining.prepare_body(readers.cut_letters(joined_body.mesh, design))
     sections = _leg_profiles(limbs, foot_segments)
     bars = _build_bars(limbs, sections, depth)
-    legs = _build_legs(limbs, sections) if design.body.flat else _build_flush_legs(limbs, bars, ground, depth)
+    legs = _build_legs(limbs, sections) if design.body.flat else _build_flush_legs(limbs, bars, joined_body, depth)
     if united:
-        return Solids(joining.unite_with_legs(ground, bars), ground.mesh, legs, weighed=weighed)
+        return Solids(joining.unite_with_legs(joined_body, bars), joined_body.mesh, legs, weighed=weighed)
     placed = [leg.shift(_anchor_corner(limb, depth)) for limb, leg in zip(limbs, legs, strict=True)]
-    return Solids(_concatenate_meshes([ground.mesh, *placed]), ground.mesh, legs, weighed=weighed)
+    return Solids(_concatenate_meshes([joined_body.mesh, *placed]), joined_body.mesh, legs, weighed=weighed)
 
 
 def _build_flush_legs(
-    limbs: Sequence[Limb], bars: Sequence[Mesh], ground: "joining.Body", depth: float
+    limbs: Sequence[Limb], bars: Sequence[Mesh], body: "joining.Body", depth: float
 ) -> tuple[Mesh, ...]:
-    """Build legs outside a body whose underside is not flat, anchors at the origin. Raises GeometryError."""
+    """Cut legs where they enter a body whose underside is not flat, and return the parts outside it.
+
+    `bars` are the legs that reach into the body, `depth` mm deep. Each result has its anchor at the origin. Raises
+    GeometryError.
+    """
     from walkergen.core.shapes import joining
 
     legs = []
     for number, (limb, bar) in enumerate(zip(limbs, bars, strict=True), start=1):
         key = f"legs[{number}].along_mm = {limb.along:g}"
-        outside = joining.cut_flush(bar, ground, key)
+        outside = joining.cut_flush(bar, body, key)
         if outside.vertices[:, 1].max() > bar.vertices[:, 1].max() - ROUNDING_MM:
             raise GeometryError(f"{key}: a part of the leg is not under the body. Move it.", f"legs[{number}].along_mm")
         legs.append(outside.shift(-_anchor_corner(limb, depth)))
@@ -207,7 +211,7 @@ class _Section(NamedTuple):
 
 
 def _leg_profiles(limbs: Sequence[Limb], foot_segments: int) -> list[_Section]:
-    """Return the profiles of legs; legs of one shape share the same object."""
+    """Return the profiles of legs, round feet with `foot_segments` edges; legs of one shape share the same object."""
     by_shape: dict[Limb, _Section] = {}
     sections = []
     for limb in limbs:
@@ -221,14 +225,14 @@ def _leg_profiles(limbs: Sequence[Limb], foot_segments: int) -> list[_Section]:
 
 
 def _extend_into_body(profile: Polygon, embedding: float) -> Polygon:
-    """Extend a profile by `embedding` mm upward, into the body."""
+    """Extend a profile, shape (n, 2), mm, by `embedding` mm upward, into the body."""
     left, right = profile[0], profile[-1]
     up = np.array([0.0, embedding])
     return np.concatenate([profile, [right + up, left + up]])
 
 
 def _build_bars(limbs: Sequence[Limb], sections: Sequence[_Section], depth: float) -> list[Mesh]:
-    """Build the legs, which reach into the body, at their places in the design's frame."""
+    """Build meshes of legs that reach into a body of this depth (mm), at their positions in the design's frame."""
     bars = []
     for limb, section in zip(limbs, sections, strict=True):
         mesh = extrude([part + np.array(limb.anchor) for part in section.raised], limb.width)
@@ -246,12 +250,12 @@ def _build_legs(limbs: Sequence[Limb], sections: Sequence[_Section]) -> tuple[Me
 
 
 def _anchor_corner(limb: Limb, depth: float) -> Array:
-    """Return the position of a leg's anchor and flat side, shape (3,), mm."""
+    """Return the position of a leg's anchor, at the leg's side of least z, shape (3,), mm."""
     return np.array([*limb.anchor, _left_side(limb, depth)])
 
 
 def _left_side(limb: Limb, depth: float) -> float:
-    """Return the place z of a leg's flat side, mm; the body begins at z = 0."""
+    """Return the least z of a leg, mm, on a body that extends from z = 0 to `depth` mm."""
     return 0.5 * depth + limb.across - 0.5 * limb.width
 
 
@@ -281,9 +285,9 @@ def orient_for_print(design: Design, mesh: Mesh) -> Mesh:
 
 
 def outline(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Outline:
-    """Return polygons whose union, with each limb at its anchor, is the side view of the walker.
+    """Return polygons whose union, with each leg at its anchor, is the side view of the walker.
 
-    Of a body that is no prism in side view the polygon is its box.
+    For a body that is no prism in side view the polygon is its box.
     """
     sections = _leg_profiles(design.limbs, foot_segments)
     return Outline(_body_profile(design), tuple(section.raised for section in sections))
@@ -335,6 +339,7 @@ def mass_of(design: Design) -> MassProperties:
 
 
 def _assemble_and_check(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | None) -> MassProperties:
+    """Combine the parts as `assemble` does. Raises GeometryError if the walker falls over."""
     whole = assemble(design, body, legs, cap)
     if not design.pair:
         mass.check_support(design.limbs, whole)
@@ -344,16 +349,15 @@ def _assemble_and_check(design: Design, body: SolidMass, legs: Sequence[Mesh], c
 def assemble(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | None = None) -> MassProperties:
     """Combine the body, weighed at 1 g/mm^3, and the meshes of legs outside it to the mass properties of a walker.
 
-    The body lies in the design's frame, a leg's mesh has its anchor at the origin; a braced
-    leg's mesh includes its brace. A cap belongs to the body. Weighed masses in the design override
-    the meshes', the body's with its cap, and rescale the inertias with them: the shape is trusted,
-    the density is not.
+    The body lies in the design's frame. A leg's mesh has its anchor at the origin, and includes its brace. A cap
+    belongs to the body. Weighed masses in the design replace those of the meshes, and the inertias change in
+    proportion: the shape is trusted, the density is not.
     """
     density, limbs = 1e-3 * design.material.density_g_cm3, design.limbs
     whole = body.scale_density(density)
     if cap is not None and design.cap is not None:
-        of_cap = mass.weigh(cap, 1e-3 * design.cap.density(design.material.density_g_cm3))
-        whole = mass.combine_solids([whole, of_cap])
+        cap_mass = mass.weigh(cap, 1e-3 * design.cap.density(design.material.density_g_cm3))
+        whole = mass.combine_solids([whole, cap_mass])
     top = mass.rescale(whole, design.weighed.body_mass_g)
     if design.parts:
         from walkergen.core.walker import pockets
@@ -367,24 +371,24 @@ def assemble(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | 
     prisms = design.body.plain or design.body.flat
     for limb, part in zip(limbs, meshed, strict=True):
         weighed = design.weighed.leg_mass_g
-        own = mass.rescale(part, None if weighed is None else weighed * (part.mass / mean))
-        c_A = own.centre[:2]
+        leg_mass = mass.rescale(part, None if weighed is None else weighed * (part.mass / mean))
+        c_A = leg_mass.centre[:2]
         # A prism's centre lies at its middle; that of a leg cut flush with a slope across need not
-        aside = 0.0 if prisms else float(own.centre[2]) - 0.5 * limb.width
+        offset_across = 0.0 if prisms else float(leg_mass.centre[2]) - 0.5 * limb.width
         placed.append(
             LegMass(
-                own.mass,
-                own.inertia,
+                leg_mass.mass,
+                leg_mass.inertia,
                 np.array(limb.anchor) - O,
                 c_A,
                 np.array(limb.anchor_to_foot) - c_A,
-                limb.across + aside,
-                own.tensor,
+                limb.across + offset_across,
+                leg_mass.tensor,
             )
         )
     across = float(top.centre[2]) - 0.5 * design.size.depth
-    loose = MassProperties(top.mass, top.inertia, tuple(placed), False, Spatial(across, top.tensor))
-    return mass.freeze_joints(loose, [limb.rigid for limb in limbs])
+    jointed = MassProperties(top.mass, top.inertia, tuple(placed), False, Spatial(across, top.tensor))
+    return mass.freeze_joints(jointed, [limb.rigid for limb in limbs])
 
 
 def has_window(limb: Limb) -> bool:

@@ -55,7 +55,7 @@ class Weighed(Section):
 
     @property
     def states(self) -> bool:
-        """Whether a mass is given that replaces the mesh's."""
+        """Whether a mass is given that replaces that of the mesh."""
         return self.body_mass_g is not None or self.leg_mass_g is not None
 
 
@@ -123,6 +123,7 @@ class WalkerSpec(Section):
     @field_validator("leg_tilt_deg")
     @classmethod
     def _check_leg_tilt(cls, value: float | None, info: ValidationInfo) -> float | None:
+        """Reject a tilt for a list of legs if there are two equal legs."""
         if value is not None and isinstance(info.data.get("legs"), Legs):
             raise ValueError("it applies to a list [[legs]]; two equal legs have legs.tilt_deg")
         return value
@@ -130,11 +131,15 @@ class WalkerSpec(Section):
     @model_validator(mode="before")
     @classmethod
     def _merge_walker(cls, data: Any) -> Any:
+        """Replace the table [walker] of a finished walker, before the keys are validated."""
         return merge_walker_table(data) if isinstance(data, Mapping) else data
 
     @classmethod
     def data_from_file(cls, path: Path) -> dict[str, Any] | None:
-        """Return data of a walker from a drawing, picture or mesh; None for others. Raises InputError for CAD files."""
+        """Return the data of a walker whose body is this drawing, picture or mesh; None for another file.
+
+        Raises InputError for CAD files.
+        """
         ending, endings = path.suffix.lower(), {"outline": OUTLINE_SUFFIXES, "mesh": MESH_SUFFIXES}
         if ending in CAD_SUFFIXES:
             raise InputError(f"{path}: it is a CAD file. Export it as STL or 3MF, in mm, from its program.")
@@ -150,7 +155,7 @@ class WalkerSpec(Section):
 
     @classmethod
     def with_paths_below(cls, data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-        """Return the data of a file, with paths of other files relative to its folder resolved."""
+        """Return the data of a walker's file, with relative paths of the body's files joined to `folder`."""
         tables = {name: dict(data[name]) for name in ("body", "walker") if isinstance(data.get(name), Mapping)}
         for table in tables.values():
             files = [key for key in FILE_KEYS if isinstance(table.get(key), str)]
@@ -160,9 +165,9 @@ class WalkerSpec(Section):
     def without_stale_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
         """Return the data without keys that followed from the old shape of the body, if `values` set a new one.
 
-        The positions of two equal legs are dropped, since they are then found for the new shape. Masses and marks of
-        the old shape are dropped too, and the family, since automatic legs do not fit every tilt. Keys in `values` are
-        kept.
+        `values` are by dotted keys, and are kept. For a new shape, positions of two equal legs are found automatically,
+        so old ones are dropped. Masses and marks of the old shape are dropped too, and the family, since automatic legs
+        do not fit every tilt.
         """
         body = data.get("body")
         former = {key: getattr(self.body, key) for key in SOURCE_KEYS}
@@ -187,32 +192,32 @@ class WalkerSpec(Section):
                 data.pop(table, None)
         return data
 
-    def _without_places(self, legs: Any, drawn: bool, values: Mapping[str, Any]) -> Any:
-        """Return the legs for a new shape of the body, without positions; a list becomes two equal legs.
+    def _without_places(self, legs: Any, keep_list: bool, values: Mapping[str, Any]) -> Any:
+        """Return the legs' data for a new shape of the body, without positions except those in `values`.
 
-        With `drawn`, an outline that needs no file, a list is kept.
+        A list becomes two equal legs, unless `keep_list`.
         """
         if isinstance(legs, Mapping):
             return {key: value for key, value in legs.items() if key not in PLACEMENT_KEYS or f"legs.{key}" in values}
         first = self.legs if isinstance(self.legs, Legs) else self.legs[0]
-        own = {
+        pair = {
             "kind": self.kind,
             "tilt_deg": self.written_tilt_deg,
             "length_mm": legs[0].get("length_mm", 7.5),
             "foot": first.foot,
         }
         thickness = first.thickness_mm or Legs(kind=first.kind).thickness_mm
-        return legs if drawn else own | {f"{self.kind}_thickness_mm": thickness}
+        return legs if keep_list else pair | {f"{self.kind}_thickness_mm": thickness}
 
     def with_paths_relative_to(self, folder: Path) -> Self:
         """Return the walker with paths of the body's files relative to a folder."""
         files = {key: getattr(self.body, key) for key in FILE_KEYS}
-        ways = {
+        paths = {
             key: Path(os.path.relpath(name, folder)).as_posix()
             for key, name in files.items()
             if name is not None and name not in BUILTIN_OUTLINES
         }
-        return self.model_copy(update={"body": self.body.model_copy(update=ways)})
+        return self.model_copy(update={"body": self.body.model_copy(update=paths)})
 
     @property
     def parts(self) -> dict[str, Part]:
@@ -231,7 +236,7 @@ class WalkerSpec(Section):
 
     @property
     def fit(self) -> Pockets:
-        """Pockets that hold its parts, with clearance, wires and glue."""
+        """Settings of the pockets that hold the walker's parts: clearance, channel, wires and glue."""
         return self.pockets or Pockets()
 
     @property
@@ -242,7 +247,7 @@ class WalkerSpec(Section):
 
     @property
     def written_tilt_deg(self) -> float:
-        """Tilt in the file, deg: of all legs with the family's tilt, or of the first leg."""
+        """Tilt in the file, degrees: of the legs that have the family's tilt, otherwise of the first leg."""
         if isinstance(self.legs, Legs):
             return self.legs.tilt_deg
         first = self.legs[0]
@@ -257,7 +262,7 @@ class WalkerSpec(Section):
 
     @property
     def follows(self) -> bool:
-        """Whether a leg has the family's tilt."""
+        """Whether at least one leg has the family's tilt."""
         if isinstance(self.legs, Legs):
             return not self.whole
         return any(leg.tilt_deg is None for leg in self.legs)
@@ -296,11 +301,14 @@ def name_from_text(text: str) -> str:
 
 
 def merge_walker_table(data: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Replace the table of a finished walker, [walker], by a body that is cut. Raises GeometryError."""
+    """Return a walker's data with the table [walker] of a finished walker replaced by [body] and [legs].
+
+    Raises GeometryError.
+    """
     if "walker" not in data:
         return data
-    whole, table = dict(data), data["walker"]
-    del whole["walker"]
+    merged, table = dict(data), data["walker"]
+    del merged["walker"]
     if not isinstance(table, Mapping) or not {"mesh", "legs_below_mm"} <= set(table):
         raise GeometryError(
             "walker = ...: a finished walker needs a table [walker] with mesh and legs_below_mm. Parts below this "
@@ -308,7 +316,7 @@ def merge_walker_table(data: Mapping[str, Any]) -> Mapping[str, Any]:
         )
     if "body" in data or "legs" in data:
         raise GeometryError("walker = ...: a finished walker already has a body and legs. Remove [body] and [legs].")
-    whole["body"] = {key: value for key, value in table.items() if key != "legs"}
+    merged["body"] = {key: value for key, value in table.items() if key != "legs"}
     if "legs" in table:
-        whole["legs"] = {"kind": table["legs"]}
-    return whole
+        merged["legs"] = {"kind": table["legs"]}
+    return merged

@@ -63,7 +63,7 @@ def to_dict(mean: Quantity) -> dict[str, float | None]:
 
 
 def form_name(members: Sequence[Design], name: str) -> str:
-    """Return the name of the form for the masses of a design's walkers.
+    """Return the file name of the form in which a user enters the masses of walkers of the design `name`.
 
     It is FILE_NAME for a single design. Several designs have a form each, since `read_masses` reads those of one.
     """
@@ -71,7 +71,7 @@ def form_name(members: Sequence[Design], name: str) -> str:
 
 
 def carried_rows(design: Design) -> tuple[str, ...]:
-    """Return rows of the motor and battery of a design's walkers; empty if it has neither."""
+    """Return the rows of a form for motor, battery, wires and glue; empty for a walker without motor and battery."""
     return tuple(name for name in CARRIED_ROWS if design.parts and name in (*design.parts, *CARRIED_ROWS[2:]))
 
 
@@ -99,7 +99,7 @@ def _read_blank_form(path: Path) -> list[str] | None:
 
 
 def read_masses(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
-    """Read mean masses by the names of members, copies (NAME-3) taken together, and of their parts.
+    """Read the mean mass of every walker, and of its motor and battery, by name. Copies (NAME-3) are averaged.
 
     Names may begin with the design's name, as on plates of several designs. Walkers of the same
     designs that are not members are left out, and `unused_parts` names them: a form is of a whole family.
@@ -107,16 +107,16 @@ def read_masses(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
     every unknown part with its near matches.
     """
     rows = _read_rows(path)
-    parts, others = _names_to_parts(members), False
-    present = {_find_part(row["part"].strip(), parts) for _, row in rows}
+    parts, has_other_walkers = _names_to_parts(members), False
+    parts_in_file = {_find_part(row["part"].strip(), parts) for _, row in rows}
     masses: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
     problems = []
     for line, row in rows:
         try:
             if values := _parse_masses(row):
-                part = _match_row(row["part"].strip(), values, parts, members, present)
+                part = _match_row(row["part"].strip(), values, parts, members, parts_in_file)
                 if part is None:
-                    others = True
+                    has_other_walkers = True
                     continue
                 for quantity, value in values.items():
                     masses[part][quantity].append(value)
@@ -124,7 +124,7 @@ def read_masses(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
             problems.append(f"{path}:{line}: {error.text}")
     if problems:
         raise InputError("\n".join(problems))
-    if others and not masses:
+    if has_other_walkers and not masses:
         raise InputError(f"{path}: there are no masses of the walkers that ‹tilt› and ‹legs› select, only of others.")
     if not masses:
         raise InputError(f"{path}: there are no masses. Fill in {', '.join(QUANTITIES)} of a part.")
@@ -139,18 +139,18 @@ def unused_parts(path: Path, members: Sequence[Design]) -> list[str]:
 
     Raises InputError as `read_masses` does.
     """
-    own = _names_to_parts(members)
+    part_names = _names_to_parts(members)
     masses = (row["part"].strip() for _, row in _read_rows(path) if _parse_masses(row))
-    known = {*own, *CARRIED_ROWS}
+    used = {*part_names, *CARRIED_ROWS}
     return list(
-        dict.fromkeys(COPY_SUFFIX.sub("", name) for name in masses if not known & {name, COPY_SUFFIX.sub("", name)})
+        dict.fromkeys(COPY_SUFFIX.sub("", name) for name in masses if not used & {name, COPY_SUFFIX.sub("", name)})
     )
 
 
 def apply_masses(design: Design, parts: Solids, weighed: Weighings, name: str) -> Design:
-    """Return the design with weighed masses instead of the mesh's.
+    """Return the design with the masses of `weighed` instead of those of its solids, `parts`.
 
-    Raises InputError when the masses contradict each other or are far from the mesh's.
+    Raises InputError, beginning with `name`, when the masses contradict each other or are far from the mesh's.
     """
     count, (body, leg) = len(parts.legs), _mesh_masses(design, parts)
     grams, body_g, leg_g = (None if weighing is None else weighing.number for weighing in weighed)
@@ -171,8 +171,8 @@ def apply_masses(design: Design, parts: Solids, weighed: Weighings, name: str) -
                 f"They differ by more than a factor of {MAX_MASS_RATIO:g}. Check the unit and the part."
             )
     masses = {"body_mass_g": body_g, "leg_mass_g": leg_g}
-    own = {key: value for key, value in masses.items() if value is not None}
-    return design.model_copy(update={"weighed": design.weighed.model_copy(update=own)})
+    given_masses = {key: value for key, value in masses.items() if value is not None}
+    return design.model_copy(update={"weighed": design.weighed.model_copy(update=given_masses)})
 
 
 def check_stated_masses(design: Design) -> None:
@@ -192,7 +192,7 @@ def check_stated_masses(design: Design) -> None:
 
 
 def _mesh_masses(design: Design, parts: Solids) -> tuple[float, float]:
-    """Return the drawn masses, g, of the body with its cap, and of a leg (the mean for unlike legs)."""
+    """Return the masses of the meshes, g: of the body with its cap, and of a leg (the mean of unlike legs)."""
     density = 1e-3 * design.material.density_g_cm3
     body = mass.weigh(parts.body, density).mass
     if parts.cap is not None and design.cap is not None:
@@ -200,13 +200,13 @@ def _mesh_masses(design: Design, parts: Solids) -> tuple[float, float]:
     return body, sum(mass.weigh(mesh, density).mass for mesh in parts.legs) / len(parts.legs)
 
 
-def _is_implausible(weighed: float, drawn: float) -> bool:
-    """Return whether masses differ by more than MAX_MASS_RATIO, either way."""
-    return not drawn / MAX_MASS_RATIO <= weighed <= drawn * MAX_MASS_RATIO
+def _is_implausible(weighed: float, meshed: float) -> bool:
+    """Return whether a weighed mass and that of the mesh, both g, differ by more than MAX_MASS_RATIO, either way."""
+    return not meshed / MAX_MASS_RATIO <= weighed <= meshed * MAX_MASS_RATIO
 
 
 def apply_carried_masses(design: Design, weighed: Mapping[str, Weighings]) -> Design:
-    """Return the design with the weighed masses, by their rows, of its parts.
+    """Return the design with the weighed masses of motor, battery, wires and glue, which `weighed` has by these names.
 
     Raises InputError when they are far from the design's.
     """
@@ -224,11 +224,11 @@ def apply_carried_masses(design: Design, weighed: Mapping[str, Weighings]) -> De
             tables[name]["mass_g"] = grams.number
         else:
             tables["pockets"][f"{name}_g"] = grams.number
-    own = {
+    changed_tables = {
         key: (design.fit if key == "pockets" else design.parts[key]).model_copy(update=table)
         for key, table in tables.items()
     }
-    return design.model_copy(update=own)
+    return design.model_copy(update=changed_tables)
 
 
 def without_weighed_masses(design: Design) -> Design:
@@ -238,7 +238,7 @@ def without_weighed_masses(design: Design) -> Design:
 
 
 def total(grams: float, weighed: Weighings, legs: int) -> Quantity:
-    """Return the mass of a whole walker with this number of legs, g, with its standard error if it is known."""
+    """Return the mass of a walker with this number of legs, `grams`, with its standard error if it is known."""
     whole, body, leg = (mean and mean.se for mean in weighed)
     if weighed.grams is None and body is not None and leg is not None:
         whole = math.hypot(body, legs * leg)
@@ -246,7 +246,7 @@ def total(grams: float, weighed: Weighings, legs: int) -> Quantity:
 
 
 def _read_rows(path: Path) -> list[tuple[int, dict[str, str]]]:
-    """Read the rows of a weights.csv by their lines, cells by column. Raises InputError."""
+    """Read the rows of a weights.csv: the line number of each, and its cells by column. Raises InputError."""
     table = columns.parse_records(file_reading.read_lines(path, columns.FORMAT_NAME, MAX_BYTES), str(path))
     wrong = [name for name in table.names if name not in ("part", *QUANTITIES)]
     if wrong or "part" not in table.names or len(table.names) < 2:
@@ -264,9 +264,10 @@ def _match_row(
     members: Sequence[Design],
     present: Set[str | None],
 ) -> str | None:
-    """Return the part of a row, or the carried part; None for another walker.
+    """Return the part that a row of the file names; None for a walker that is not a member.
 
-    `present` holds the parts that the file names; none of them is suggested. Raises InputError.
+    `values` are the row's masses, g, by column. `parts` are part names by the names that files may use. `present` holds
+    the parts that the file names: none of them is suggested. Raises InputError.
     """
     if not any(name in carried_rows(design) for design in members):
         return _match_part(name, parts, members, present)
@@ -290,7 +291,7 @@ def _parse_masses(row: Mapping[str, str]) -> dict[str, float]:
 
 
 def _names_to_parts(members: Sequence[Design]) -> dict[str, str]:
-    """Return names of members by the names that files may use for them."""
+    """Return the part name of each member, by every name that a file may use for it."""
     return {
         names.part_name(design, stem): names.part_name(design)
         for design in members
@@ -299,17 +300,20 @@ def _names_to_parts(members: Sequence[Design]) -> dict[str, str]:
 
 
 def _find_part(name: str, parts: Mapping[str, str]) -> str | None:
-    """Return the part that a file calls by this name, as a copy (NAME-3) too; None if there is none."""
+    """Return the part that a file calls `name`, which may be that of a copy (NAME-3); None if there is none."""
     return parts.get(name) or parts.get(COPY_SUFFIX.sub("", name))
 
 
 def _match_part(name: str, parts: Mapping[str, str], members: Sequence[Design], present: Set[str | None]) -> str | None:
-    """Return the part with a name; None for another walker of the members' designs. Raises InputError."""
+    """Return the part that a file calls `name`; None for a walker of the same designs that is not a member.
+
+    Arguments are those of `_match_row`. Raises InputError.
+    """
     if (part := _find_part(name, parts)) or _is_other_member(COPY_SUFFIX.sub("", name), members):
         return part
     listed = list(dict.fromkeys(parts.values()))
     close = difflib.get_close_matches(name, listed, n=3, cutoff=0.6)
-    near = [one for one in close if one not in present]
+    near = [suggestion for suggestion in close if suggestion not in present]
     hint = f" Did you mean {', '.join(near)}?" if near else "" if close else f" Parts are {', '.join(listed[:3])} ..."
     raise InputError(
         f"part {name[:60]!r}: is not among the parts that ‹tilt› and ‹legs› select. "

@@ -77,7 +77,7 @@ def _mesh_shape(body: Body) -> Shape:
     """Return the shape of a mesh from a file."""
     assert body.mesh is not None
     wishes = body_mesh.ReadOptions(
-        body.scale_mm, body.wished_mm, body.up, body.forward, body.repair, body.base, body.mirror
+        body.scale_mm, body.given_length_mm, body.up, body.forward, body.repair, body.base, body.mirror
     )
     own = body_mesh.read_body(Path(body.mesh), wishes)
     if body.legs_below_mm is not None:
@@ -111,8 +111,8 @@ def _text_plan(body: Body) -> Plan:
     assert body.text is not None
     font = None if body.font is None else Path(body.font)
     height = body.depth_mm
-    if body.wished_mm is not None:
-        height = body.wished_mm / float(np.ptp(np.vstack(text_outline(body.text, 1.0, False, font=font))[:, 0]))
+    if body.given_length_mm is not None:
+        height = body.given_length_mm / float(np.ptp(np.vstack(text_outline(body.text, 1.0, False, font=font))[:, 0]))
     drawn = text_outline(body.text, height, connected=body.base is False, rails=body.rails_mm, font=font)
     return Plan(drawn, (), len(overlaps.pieces(drawn)))
 
@@ -128,12 +128,12 @@ def _read_plan(body: Body, path: Path) -> Plan:
         )
     read = partial(outlines.from_file, path, mend=body.repair, connected=not body.repair and body.base is None)
     try:
-        drawn = read(scale_mm=body.scale_mm, length_mm=body.wished_mm)
+        drawn = read(scale_mm=body.scale_mm, length_mm=body.given_length_mm)
     except NoUnitError:
         drawn = read(length_mm=size_check.DEFAULT_LENGTH_MM)
         said = f"made it {size_check.DEFAULT_LENGTH_MM:g} mm long, for it states no size: body.length_mm sets another"
         drawn = drawn._replace(notes=(*drawn.notes, said))
-    if body.wished_mm is None:
+    if body.given_length_mm is None:
         size = float(np.ptp(np.vstack(drawn.polygons), axis=0).max())
         size_check.check_size(size, f"body.outline = {path.name!r}", body.scale_mm or 1.0)
     pieces = overlaps.pieces(drawn.polygons)

@@ -160,7 +160,7 @@ def _find_remedies(body_key: str, legs_key: str) -> list[Remedy]:
     """Try what would make legs stand under a body; return the first of each kind that does, two at most."""
     body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
     length = shape_of(body).size.length
-    sizes = [float(math.ceil(larger * length)) for larger in LENGTH_FACTORS] if body.wishful else []
+    sizes = [float(math.ceil(larger * length)) for larger in LENGTH_FACTORS] if body.scales_with_length else []
     wishes: list[list[tuple[str, dict[str, Any]]]] = [
         [("read it in inches", {"scale_mm": INCH_MM})] if _is_tiny(body) else [],
         [("lay it down", axes) for axes in _other_orientations(body)],
@@ -199,7 +199,7 @@ def _other_orientations(body: Body) -> list[dict[str, Any]]:
 
 def _is_tiny(body: Body) -> bool:
     """Return whether a mesh states no unit and is too small for one in mm."""
-    unsaid = body.mesh is not None and body.scale_mm is None and body.wished_mm is None
+    unsaid = body.mesh is not None and body.scale_mm is None and body.given_length_mm is None
     return unsaid and body.legs_below_mm is None and max(shape_of(body).size) < MAX_INCH_SIZE_MM
 
 

@@ -19,10 +19,13 @@ class CrossSection(Protocol):
     """Relative uncertainty of the plastic of a whole leg that prints on its side."""
 
     def profile(self, limb: Limb, segments: int) -> list[Polygon]:
-        """Return the polygons below the underside, counter-clockwise, the leg's first; anchor at the origin."""
+        """Return polygons in side view below the underside, counter-clockwise, each of shape (n, 2), mm.
+
+        The first is the leg's, with its anchor at the origin. `segments` is the number of edges of a round foot.
+        """
 
     def struts(self, limb: Limb) -> tuple[Strut, ...]:
-        """Return the supports next to the leg."""
+        """Return the upright supports next to the leg."""
 
     def second_moment(self, limb: Limb) -> float:
         """Return the second moment of area about the axis across the run, mm^4."""
@@ -31,7 +34,7 @@ class CrossSection(Protocol):
         """Return the torsion constant about the leg's long axis, mm^4."""
 
     def axial(self, limb: Limb) -> float:
-        """Return the stiffness along the leg, over Young's modulus times the width."""
+        """Return the stiffness along the leg over Young's modulus times the width, dimensionless."""
 
     def problems(self, limb: Limb) -> list[str]:
         """Return the reasons why the leg cannot be built on any body."""
@@ -48,26 +51,29 @@ def section_of(limb: Limb) -> CrossSection:
 def window_width(limb: Limb) -> float:
     """Return the width of the gap between a leg and its strut along the body's bottom face, mm.
 
-    There it is widest; it is negative where leg and strut overlap, and 0 for legs without struts.
+    The gap is widest there. It is negative where leg and strut overlap, and 0 for legs without struts.
     """
     struts = section_of(limb).struts(limb)
     return min((abs(strut.offset) - (limb.half_width + 0.5 * strut.thickness) for strut in struts), default=0.0)
 
 
 def leg_clearance(limbs: Sequence[Limb]) -> float:
-    """Return the smallest distance along the run between two legs (or their braces) in line, mm."""
-    apart = [math.inf]
+    """Return the smallest gap along the run between two legs (or their braces) that overlap across it, mm.
+
+    It is infinite if no legs overlap across the run.
+    """
+    gaps = [math.inf]
     for first, second in itertools.combinations(limbs, 2):
         back, front = sorted((first, second), key=lambda limb: limb.along)
         if abs(first.across - second.across) >= 0.5 * (first.width + second.width):
             continue
         spacing = front.along - back.along
         if back.tilt == front.tilt:
-            apart.append(spacing - (back.half_width + front.half_width))
+            gaps.append(spacing - (back.half_width + front.half_width))
         else:
-            apart.append(min(spacing, front.anchor[0] - back.anchor[0]) - (back.half_width + front.half_width))
+            gaps.append(min(spacing, front.anchor[0] - back.anchor[0]) - (back.half_width + front.half_width))
         for limb in (back, front):
             for strut in section_of(limb).struts(limb):
-                crossing = abs(strut.offset) + limb.half_width + 0.5 * strut.thickness
-                apart.append(spacing - crossing)
-    return min(apart)
+                brace_reach = abs(strut.offset) + limb.half_width + 0.5 * strut.thickness
+                gaps.append(spacing - brace_reach)
+    return min(gaps)

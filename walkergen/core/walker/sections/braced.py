@@ -14,41 +14,44 @@ PLASTIC_TOLERANCE = 0.08
 
 
 def profile(limb: Limb, segments: int) -> list[Polygon]:
-    """Return the profiles of the leg and of its brace, as `flexible` has them."""
+    """Return the side views of the leg and of its brace, shape (n, 2) each, mm; `segments`: edges of a round foot."""
     return [*flexible.profile(limb, segments), _brace_profile(limb)]
 
 
 def struts(limb: Limb) -> tuple[Strut, ...]:
-    """Return its brace, whose middle is on the foot."""
-    reach = limb.length - (0.5 * limb.thickness if limb.foot == "round" else 0.0)
-    return (Strut(-reach * math.sin(limb.tilt), limb.brace),)
+    """Return the leg's only brace, whose middle is above the foot."""
+    length = limb.length - (0.5 * limb.thickness if limb.foot == "round" else 0.0)
+    return (Strut(-length * math.sin(limb.tilt), limb.brace),)
 
 
 def axial(limb: Limb) -> float:
-    """Return the stiffness of leg and brace together, over Young's modulus times the width."""
+    """Return the stiffness of leg and brace together over Young's modulus times the width, dimensionless."""
     return 1.0 / _compliance(limb)
 
 
 def _compliance(limb: Limb) -> float:
     """Return the axial compliance of a leg and its upright brace, times modulus and width, dimensionless.
 
-    Cuts in series, each as wide as the leg's and the brace's parts that do not overlap: at the
-    foot the brace lies in the leg, which leaves it by tan(tilt) a height. An upright leg hides its
-    brace wholly.
+    Horizontal cuts act as springs in series. Each is as thick as leg and brace without their overlap: at the foot the
+    brace lies in the leg, and higher up it leaves it by tan(tilt) a height. An upright leg hides its brace wholly.
     """
     height, slope = limb.length * math.cos(limb.tilt), math.tan(abs(limb.tilt))
-    leg, hidden = limb.thickness * math.cos(limb.tilt), min(limb.brace, 2.0 * limb.half_width)
-    least = leg + limb.brace - hidden
-    inside = 0.5 * abs(2.0 * limb.half_width - limb.brace)
-    if slope * height <= inside:
-        return height / least
-    parting = min(slope * height - inside, hidden)
-    beside = height - (inside + parting) / slope
-    return inside / slope / least + math.log1p(parting / least) / slope + beside / (leg + limb.brace)
+    leg_width, overlap = limb.thickness * math.cos(limb.tilt), min(limb.brace, 2.0 * limb.half_width)
+    total_width_at_foot = leg_width + limb.brace - overlap
+    shift_until_edge = 0.5 * abs(2.0 * limb.half_width - limb.brace)
+    if slope * height <= shift_until_edge:
+        return height / total_width_at_foot
+    shift_while_parting = min(slope * height - shift_until_edge, overlap)
+    separate_height = height - (shift_until_edge + shift_while_parting) / slope
+    return (
+        shift_until_edge / slope / total_width_at_foot
+        + math.log1p(shift_while_parting / total_width_at_foot) / slope
+        + separate_height / (leg_width + limb.brace)
+    )
 
 
 def problems(limb: Limb) -> list[str]:
-    """Return the problem of a brace wider than its foot supports."""
+    """Return a message if the brace is thicker than its foot, otherwise an empty list."""
     foot_width = (
         limb.thickness * {"flat": 1.0 / math.cos(limb.tilt), "square": math.cos(limb.tilt), "round": 1.0}[limb.foot]
     )
@@ -58,10 +61,10 @@ def problems(limb: Limb) -> list[str]:
 
 
 def _brace_profile(limb: Limb) -> Polygon:
-    """Return the profile of the brace, from the foot to the underside."""
+    """Return the brace's side view from the underside to the foot, shape (4, 2), mm; the leg's anchor is the origin."""
     x, half = struts(limb)[0].offset, 0.5 * limb.brace
-    reach = limb.length - (0.5 * limb.thickness if limb.foot == "round" else 0.0)
-    y = -reach * math.cos(limb.tilt)
+    length = limb.length - (0.5 * limb.thickness if limb.foot == "round" else 0.0)
+    y = -length * math.cos(limb.tilt)
     slope = math.tan(limb.tilt) if limb.foot == "square" else 0.0
     left, right = (x - half, y + slope * half), (x + half, y - slope * half)
     return np.array([(x - half, 0.0), left, right, (x + half, 0.0)])

@@ -14,7 +14,7 @@ PLASTIC_TOLERANCE = 0.05
 
 
 def profile(limb: Limb, segments: int) -> list[Polygon]:
-    """Return the profile below the underside, counter-clockwise, with the anchor at the origin, y <= 0.
+    """Return the leg's side view below the underside, counter-clockwise, shape (n, 2), mm; its anchor is the origin.
 
     `segments`: edges of a round foot's half circle.
     """
@@ -33,7 +33,10 @@ def profile(limb: Limb, segments: int) -> list[Polygon]:
 
 
 def _half_circle(tilt: float, segments: int) -> Polygon:
-    """Return the unit half circle below a leg, counter-clockwise, with a vertex exactly at its lowest point."""
+    """Return the unit half circle that ends a leg of this tilt (rad), counter-clockwise, shape (n, 2).
+
+    One vertex is exactly its lowest point. `segments` is the number of its edges.
+    """
     start, lowest, end = math.pi - tilt, 1.5 * math.pi, 2.0 * math.pi - tilt
     before = max(1, round(segments * (lowest - start) / math.pi))
     after = max(1, segments - before)
@@ -44,7 +47,7 @@ def _half_circle(tilt: float, segments: int) -> Polygon:
 
 
 def struts(limb: Limb) -> tuple[Strut, ...]:
-    """Return no supports."""
+    """Return no supports: a flexible leg has none."""
     return ()
 
 
@@ -59,10 +62,10 @@ def torsion_constant(limb: Limb) -> float:
 
 
 def axial(limb: Limb) -> float:
-    """Return the stiffness along the leg, over Young's modulus times the width."""
+    """Return the stiffness along the leg over Young's modulus times the width, dimensionless."""
     return limb.thickness / limb.length
 
 
 def problems(limb: Limb) -> list[str]:
-    """Return no problems."""
+    """Return no problems: every flexible leg can be built."""
     return []
