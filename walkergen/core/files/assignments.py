@@ -20,7 +20,7 @@ MAX_CHARACTERS = 10_000
 
 
 def split_key_value(text: str) -> tuple[str, str]:
-    """Split KEY_PATTERN=VALUE into key and value, as written. Raises InputError."""
+    """Split "KEY=VALUE" into key and value, as written. Raises InputError."""
     key, sign, value = (part.strip() for part in text.partition("="))
     if len(text) > MAX_CHARACTERS:
         raise InputError(
@@ -36,7 +36,7 @@ def split_key_value(text: str) -> tuple[str, str]:
 
 
 def parse_value(text: str) -> Any:
-    """Return the TOML value of a text, or the text itself if it is not TOML (braced).
+    """Return the TOML value of a text, or the text itself if it is no TOML, such as the bare word braced.
 
     Raises InputError for an invalid list or table: a shell removes quotes.
     """
@@ -53,7 +53,7 @@ def parse_value(text: str) -> Any:
 
 
 def check_key(key: str, model: type[Section], source: str, prefix: str = "") -> None:
-    """Raise InputError, beginning with `source`, for a key that a file does not have.
+    """Raise InputError, beginning with `source`, for a dotted key that a file of this model cannot have.
 
     The message lists known keys after `prefix`.
     """
@@ -77,7 +77,7 @@ def read_with_values(
 def read_with_data(
     path: Path, model: type[Model], values: Mapping[str, Any], source: str = "‹set›", prefix: str = ""
 ) -> tuple[Model, dict[str, Any]]:
-    """Read as `read_with_values` does, and return the data before validation, for `assign_values`."""
+    """Return the contents as `read_with_values` does, and the data before validation, for `assign_values`."""
     data, text = read_data(path, model)
     try:
         settings = validate(data, model, str(path), text)
@@ -97,9 +97,11 @@ def _repair_with_values(
     """
     try:
         return assign_values(model.model_construct(), data, values, source, prefix)
-    except InputError as other:
-        of_file, of_both = ([line.partition(": ")[2] for line in each.text.splitlines()] for each in (error, other))
-        raise (error if of_file == of_both else other) from None
+    except InputError as error_with_values:
+        lines_of_file, lines_of_both = (
+            [line.partition(": ")[2] for line in each.text.splitlines()] for each in (error, error_with_values)
+        )
+        raise (error if lines_of_file == lines_of_both else error_with_values) from None
 
 
 def replace_values(section: Model, values: Mapping[str, Any], source: str = "‹set›", prefix: str = "") -> Model:
@@ -116,7 +118,7 @@ def replace_values(section: Model, values: Mapping[str, Any], source: str = "‹
 def assign_values(
     section: Model, data: dict[str, Any], values: Mapping[str, Any], source: str, prefix: str = ""
 ) -> Model:
-    """Set keys of data to values, in place, and validate the result; `section` is the previous content.
+    """Set dotted keys of `data` to values, in place, and validate the result; `section` is the content before.
 
     Raises as `replace_values` does.
     """
@@ -129,11 +131,11 @@ def assign_values(
     return validate(section.without_stale_keys(data, values), type(section), source, prefix=prefix)
 
 
-def _check_form(key: str, before: str) -> None:
+def _check_form(key: str, message_start: str) -> None:
     """Raise InputError for text that does not have the form of a key."""
     if not KEY_PATTERN.fullmatch(key):
         reason = "must be a key of the TOML file, as legs.tilt_deg or legs[2].friction"
-        raise InputError(f"{before}{key[:60]!r}: {reason}")
+        raise InputError(f"{message_start}{key[:60]!r}: {reason}")
 
 
 def _to_toml_value(value: Any) -> Any:
@@ -144,36 +146,39 @@ def _to_toml_value(value: Any) -> Any:
 
 
 def _set_value(data: dict[str, Any], path: list[str], value: Any) -> None:
-    """Set the value at the end of a path of keys. Raises InputError for entries that are not there.
+    """Set the value at the end of a path of keys, in place; missing tables on the way are made.
 
-    Below a key that holds no table nothing is set that validation would not name.
+    Raises InputError if a key on the way holds no table, or if a list has no such entry.
     """
-    place, last = data, path[-1]
+    table, last = data, path[-1]
     for step in path[:-1]:
         name, number = _split_index(step)
-        inner = place.setdefault(name, {}) if number is None else _find_list(place, step)[number - 1]
+        inner = table.setdefault(name, {}) if number is None else _find_list(table, step)[number - 1]
         if not isinstance(inner, dict):
             listed = isinstance(inner, list)
             reason = f"is a list: number its entry, as in {step}[1]" if listed else "is a value, not a table"
             raise InputError(f"{step} {reason}")
-        place = inner
+        table = inner
     name, number = _split_index(last)
     if number is None:
-        place[name] = value
+        table[name] = value
     else:
-        _find_list(place, last)[number - 1] = value
+        _find_list(table, last)[number - 1] = value
 
 
 def _split_index(step: str) -> tuple[str, int | None]:
-    """Return the name of a step of a path, and the number of its entry: 2 of legs[2]; None without."""
+    """Split a step of a path into its name and the number of its entry: 2 for legs[2], None without a number."""
     name, _, number = step.rstrip("]").partition("[")
     return name, int(number) if number else None
 
 
-def _find_list(place: Mapping[str, Any], step: str) -> list[Any]:
-    """Return the list that a numbered step refers to. Raises InputError if it has no such entry."""
+def _find_list(table: Mapping[str, Any], step: str) -> list[Any]:
+    """Return the list in `table` that a numbered step, such as legs[2], refers to.
+
+    Raises InputError if there is no such list or entry.
+    """
     name, number = _split_index(step)
-    entries = place.get(name)
+    entries = table.get(name)
     if not isinstance(entries, list):
         raise InputError(f"there is no {step}: {name} is no list")
     if number is None or not 1 <= number <= len(entries):

@@ -53,7 +53,7 @@ class Columns(NamedTuple):
     """Reason why each other row was left out, by its line in the file."""
 
     def reject_rows(self, wrong: Mask, reason: str) -> "Columns":
-        """Return the columns without the rows in `wrong` (shape (rows,)), which are added to the bad rows."""
+        """Return the columns without the rows in `wrong`, shape (rows,), which become bad rows with this reason."""
         bad = self.bad | {int(line): reason for line in self.lines[wrong]}
         kept = {name: values[~wrong] for name, values in self.values.items()}
         return Columns(kept, self.lines[~wrong], bad)
@@ -74,18 +74,24 @@ def read_header(path: Path) -> list[str]:
 
 
 def first_two_rows(lines: Iterable[str], source: str) -> tuple[list[str], list[str]]:
-    """Return the names in the first line of a CSV file, and the cells of the first row, empty without one."""
+    """Return the names in the first line of a CSV file, and the cells of the first row, empty without one.
+
+    Errors begin with `source`.
+    """
     names, stream = _read_names(iter(lines), source)
     rows = (split_cells(line, source, at) for at, line in enumerate(stream, 2) if line.strip())
     return names, next(rows, [])
 
 
 def distinct_texts(lines: Iterable[str], source: str, name: str) -> list[str]:
-    """Return the distinct texts of a column in the order of the file; blank cells do not count."""
+    """Return the distinct texts of the column `name`, in the order of the file and without blanks.
+
+    Errors begin with `source`.
+    """
     names, stream = _read_names(iter(lines), source)
-    place = names.index(name)
+    column = names.index(name)
     rows = (split_cells(line, source, at) for at, line in enumerate(stream, 2))
-    found = dict.fromkeys(row[place].strip() for row in rows if place < len(row))
+    found = dict.fromkeys(row[column].strip() for row in rows if column < len(row))
     return [text for text in found if text]
 
 
@@ -108,7 +114,7 @@ def parse_records(lines: Iterable[str], source: str) -> Records:
 
 
 def check_names(seen: Sequence[str], path: Path, required: Sequence[str], optional: Sequence[str], note: str) -> None:
-    """Raise InputError for a column that is missing or unknown; `note` follows the required names in the message."""
+    """Raise InputError for a missing or unknown column; `seen` are the file's columns, and `note` ends the message."""
     missing = [name for name in required if name not in seen]
     unknown = [name for name in seen if name not in (*required, *optional)]
     if missing or unknown:
@@ -125,12 +131,11 @@ def read_numbers(
 ) -> Columns:
     """Read columns of numbers by name, leaving out rows without finite numbers in the required columns.
 
-    `lines` are those of a file that another program lays out in its own way, as a CSV file has them.
+    `lines` replace the lines of the file, for a file that another program writes in a format of its own.
 
-    Optional columns may have blank cells; those of `words` hold one of a few words, read as its
-    place among them. Other columns are not looked at (trackpy's `mass` is a brightness, not a
-    mass). Raises InputError when the file cannot be read, when a required column is missing, and
-    when no row is usable.
+    Optional columns may have blank cells. `words` has the texts that a column may hold, which are read as their index
+    in the list. Other columns are not looked at (trackpy's `mass` is a brightness, not a mass). Raises InputError when
+    the file cannot be read, when a required column is missing, and when no row is usable.
     """
     names, stream = _read_names(iter(file_reading.read_lines(path, FORMAT_NAME) if lines is None else lines), str(path))
     missing = [name for name in required if name not in names]
@@ -138,20 +143,20 @@ def read_numbers(
         seen = safe_text.shorten_line(", ".join(name for name in names if name))
         raise InputError(f"{path}: no column {missing[0]!r}; columns seen: {seen}")
     wanted = (*required, *optional, *words)
-    places = {name: names.index(name) for name in wanted if name in names}
+    columns = {name: names.index(name) for name in wanted if name in names}
     chunks: list[list[Array]] = []
     kept: list[Whole] = []
     bad: dict[int, str] = {}
-    crowded: dict[int, str] = {}
+    long_rows: dict[int, str] = {}
     first = 2
     while chunk := list(islice(stream, CHUNK_LINES)):
         if first + len(chunk) > MAX_ROWS:
             raise InputError(f"{path}: more than {MAX_ROWS} rows; split the file")
         numbers = np.arange(first, first + len(chunk))
-        values, wrong = _parse_chunk(chunk, numbers, str(path), places, len(required), words)
-        over = _find_long_rows(chunk, first, str(path), len(names))
-        crowded |= over
-        wrong |= over
+        values, wrong = _parse_chunk(chunk, numbers, str(path), columns, len(required), words)
+        long_rows_of_chunk = _find_long_rows(chunk, first, str(path), len(names))
+        long_rows |= long_rows_of_chunk
+        wrong |= long_rows_of_chunk
         usable = np.array([bool(line.strip()) for line in chunk])
         usable[[line - first for line in wrong]] = False
         chunks.append([column[usable] for column in values])
@@ -160,14 +165,14 @@ def read_numbers(
         if len(bad) > MAX_BAD_ROWS:
             raise InputError(f"{path}: more than {describe_bad_rows(bad)}: is it the right file?")
         first += len(chunk)
-    if len(crowded) > sum(map(len, kept)):
-        line = min(crowded)
-        raise InputError(f"{path}:{line}: {crowded[line]}: {SEPARATOR_HINT}")
+    if len(long_rows) > sum(map(len, kept)):
+        line = min(long_rows)
+        raise InputError(f"{path}:{line}: {long_rows[line]}: {SEPARATOR_HINT}")
     if not any(map(len, kept)):
         reason = describe_bad_rows(bad, MAX_NAMED_IF_ALL_BAD) or "no rows after the header"
         raise InputError(f"{path}: nothing to read: {reason}")
     joined = map(np.concatenate, zip(*chunks, strict=True))
-    return Columns(dict(zip(places, joined, strict=True)), np.concatenate(kept), bad)
+    return Columns(dict(zip(columns, joined, strict=True)), np.concatenate(kept), bad)
 
 
 def parse_count(text: str, most: int) -> int | None:
@@ -186,9 +191,9 @@ def describe_bad_rows(bad: dict[int, str], most: int = MAX_NAMED_ROWS) -> str:
 
 
 def _read_names(stream: Iterator[str], source: str) -> tuple[list[str], Iterator[str]]:
-    """Read the names in the first line of a stream, and return them with the lines after it. Raises InputError.
+    """Read the names in the first line of a stream, and return them with all lines after it. Raises InputError.
 
-    R's write.table gives its row names no name: the first column then has "".
+    R's write.table gives no name to the column of row names: it is the first, and its name is then "".
     """
     names = [name.strip() for name in split_cells(next(stream, ""), source, 1)]
     if not any(names):
@@ -214,18 +219,21 @@ def _read_names(stream: Iterator[str], source: str) -> tuple[list[str], Iterator
 
 
 def _find_long_rows(chunk: Sequence[str], first: int, source: str, count: int) -> dict[int, str]:
-    """Find lines with more cells than the header's `count`, such as commas within numbers cause, by line number."""
-    over = {}
+    """Return the problem of each line with more cells than the header's `count`, by line number.
+
+    `first` is the number of the chunk's first line. Commas within numbers cause such lines.
+    """
+    problems = {}
     for at, line in enumerate(chunk, first):
         if line.count(",") >= count:
             row = split_cells(line, source, at)
             if any(cell.strip() for cell in row[count:]):
-                over[at] = f"{len(row)} cells, the header has {count}"
-    return over
+                problems[at] = f"{len(row)} cells, the header has {count}"
+    return problems
 
 
 def split_cells(line: str, source: str, at: int) -> list[str]:
-    """Return the cells of a line; an empty line has none. Raises InputError."""
+    """Return the cells of a line; an empty line has none. Raises InputError with `source` and the line number `at`."""
     if MATCH_PLAIN_LINE(line):  # as below, in a third of the time
         return line.removesuffix("\n").split(",")
     try:
@@ -238,33 +246,34 @@ def _parse_chunk(
     chunk: list[str],
     numbers: Whole,
     source: str,
-    places: Mapping[str, int],
-    required: int,
+    columns: Mapping[str, int],
+    required_count: int,
     words: Mapping[str, Sequence[str]],
 ) -> tuple[list[Array], dict[int, str]]:
-    """Parse a chunk of numbered lines into columns, and return the reasons for bad lines by number.
+    """Parse lines into columns, each of shape (lines,), and return them with the reason for each bad line.
 
-    Numbers in the first `required` columns are finite in every line that is not bad.
+    `numbers` are the lines' numbers in the file, and `columns` the indices of the cells by name. In the first
+    `required_count` columns every line that is not bad has a finite number. `words`: see `read_numbers`.
     """
     rows: list[list[str]] = []
     try:  # nearly every chunk is sound, and this is ten times faster than cell by cell
         if words or not all(map(str.strip, chunk)):
             raise ValueError("words, or blank lines, which loadtxt would drop")
-        table = np.loadtxt(chunk, delimiter=",", usecols=[*places.values()], comments=None, quotechar='"', ndmin=2)
+        table = np.loadtxt(chunk, delimiter=",", usecols=[*columns.values()], comments=None, quotechar='"', ndmin=2)
         if len(table) != len(chunk):
             raise ValueError("an open quote, which joined lines")
         values = list(table.T)
     except ValueError:
         rows = [split_cells(line, source, at) for line, at in zip(chunk, numbers, strict=True)]
         values = [
-            np.array([_parse_cell(row, place, n >= required, words.get(name, ())) for row in rows])
-            for n, (name, place) in enumerate(places.items())
+            np.array([_parse_cell(row, place, n >= required_count, words.get(name, ())) for row in rows])
+            for n, (name, place) in enumerate(columns.items())
         ]
     wrong: dict[int, str] = {}
-    for n, ((name, place), column) in enumerate(zip(places.items(), values, strict=True)):
+    for n, ((name, place), column) in enumerate(zip(columns.items(), values, strict=True)):
         column[np.abs(column) < MIN_MAGNITUDE] = 0.0
         unusable = np.abs(column) > MAX_MAGNITUDE
-        if n < required:
+        if n < required_count:
             unusable |= np.isnan(column)
         for index in np.flatnonzero(unusable):
             row = rows[index] if rows else split_cells(chunk[index], source, numbers[index])
@@ -281,9 +290,12 @@ _UNREADABLE = -math.inf
 """Value of a cell that holds neither a number nor, where it may, nothing."""
 
 
-def _parse_cell(row: list[str], place: int, optional: bool, words: Sequence[str]) -> float:
-    """Return the value of a cell: its number or its index among known words; NaN when blank and optional."""
-    text = row[place].strip() if place < len(row) else ""
+def _parse_cell(row: list[str], column: int, optional: bool, words: Sequence[str]) -> float:
+    """Return the number in a cell of a row, or the index of its text in `words`; NaN if it is blank and optional.
+
+    Any other cell is _UNREADABLE.
+    """
+    text = row[column].strip() if column < len(row) else ""
     if words and text:
         return float(words.index(text)) if text in words else _UNREADABLE
     value = words_of.parse_number(text)

@@ -74,16 +74,16 @@ class Section(BaseModel):
 
     @classmethod
     def data_from_file(cls, path: Path) -> dict[str, Any] | None:
-        """Return data that replace a file of another kind than TOML, such as a drawing; None for any other."""
+        """Return the data of a file that is no TOML, such as a drawing; None for TOML. Subclasses may override it."""
         return None
 
     @classmethod
     def with_paths_below(cls, data: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
-        """Return a file's data with the paths of other files that its tables name given from `folder`."""
+        """Return a file's data with relative paths in it joined to `folder`. Subclasses override it."""
         return data
 
     def without_stale_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-        """Return this table's data after `values`, by dotted keys, were set; subclasses drop what contradicts them."""
+        """Return a file's data without what contradicts the new `values`, by dotted keys. Subclasses override it."""
         return data
 
 
@@ -100,7 +100,7 @@ def read_section(path: Path, model: type[Model]) -> Model:
 
 
 def read_data(path: Path, model: type[Section]) -> tuple[dict[str, Any], str]:
-    """Read the data of a TOML file, not validated yet, and its text. Raises InputError."""
+    """Read the data of a file, before validation, and its text, "" for a file that is no TOML. Raises InputError."""
     own = model.data_from_file(path)
     data, text = read_toml(path) if own is None else (own, "")
     if not data:
@@ -138,7 +138,7 @@ def parse_toml(text: str) -> dict[str, Any]:
 
 
 def _check_integer_size(value: Any) -> None:
-    """Raise ValueError for a whole number in hexadecimals of more digits than Python writes."""
+    """Raise ValueError for a whole number of more than MAX_INTEGER_BITS bits, also within lists and tables."""
     if isinstance(value, (dict, list)):
         for inner in value.values() if isinstance(value, dict) else value:
             _check_integer_size(inner)
@@ -147,7 +147,7 @@ def _check_integer_size(value: Any) -> None:
 
 
 def nesting_depth(value: Any) -> int:
-    """Return the levels of lists and tables in a value, counted up to one beyond MAX_DEPTH."""
+    """Return the number of levels of lists and tables in a value, counted up to one beyond MAX_DEPTH."""
     layer, levels = [value], 0
     while layer and levels <= MAX_DEPTH:
         holders = [holder for holder in layer if isinstance(holder, (dict, list))]
@@ -157,10 +157,9 @@ def nesting_depth(value: Any) -> int:
 
 
 def normalize_number(value: Any) -> Any:
-    """Return the value of a key without the sign of a zero. Raises ValueError for invalid numbers.
+    """Return the value of a key, or each entry of a list, with 0 for -0. Raises ValueError for invalid numbers.
 
-    These are as small or as large as only a slip of the pen is, and would overflow where they are
-    squared or divided by.
+    They are so small or large that they can only be typing errors, and would overflow in squares or divisions.
     """
     if isinstance(value, list):
         return [normalize_number(entry) for entry in value]
@@ -174,13 +173,13 @@ def normalize_number(value: Any) -> Any:
 
 
 def format_location(location: tuple[str, ...], source: str, text: str) -> str:
-    """Return the source of a text, with the line of a key if found: "my.toml:12"."""
+    """Return the source of a TOML text, with the line of the key at `location` if it is found: "my.toml:12"."""
     line = _find_line(location, text)
     return f"{source}:{line}" if line else source
 
 
 def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str = "", prefix: str = "") -> Model:
-    """Validate plain data; `source` (a file, a flag) and the file's text locate the mistakes.
+    """Validate data without a model. `source` (a file or flag) and the file's text give the place of each mistake.
 
     Messages list keys after `prefix`. Raises InputError, or GeometryError for parts that cannot be
     built, with a line for every mistake.
@@ -209,7 +208,7 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
 
 
 def refusal(mistakes: Sequence[str], source: object) -> InputError:
-    """Return an error with a line for each mistake; of too many only the first."""
+    """Return an error with a line for each of the first mistakes, and their source in the line that counts others."""
     more = len(mistakes) - MAX_REPORTED_MISTAKES
     tail = [f"{source}: and {more} more mistakes"] if more > 0 else []
     return InputError("\n".join([*mistakes[:MAX_REPORTED_MISTAKES], *tail]))
@@ -222,29 +221,30 @@ def _leading_key(problem: str, model: type[Section]) -> str:
 
 
 def _explain(mistake: Any, model: type[Section], source: str, text: str, prefix: str) -> str:
-    """Explain a mistake found by pydantic in one line: place, key, value seen, what is allowed."""
+    """Explain in one line an error of pydantic's list: its place, the key, the value seen, what is allowed."""
     location = _key_path(mistake["loc"], model)
-    place = format_location(location, source, text)
+    position = format_location(location, source, text)
     key = plain.shorten_line(prefix + ".".join(location) or "file")
     if mistake["type"] == "extra_forbidden":
-        return f"{place}: {_shorten(key)}: {_suggest_known_keys(location, model, prefix)}"
+        return f"{position}: {_shorten(key)}: {_suggest_known_keys(location, model, prefix)}"
     if mistake["type"] == "value_error":  # raised by a table's own check, in full words
-        return f"{place}: {key}: {mistake['msg'].removeprefix('Value error, ')}"
+        return f"{position}: {key}: {mistake['msg'].removeprefix('Value error, ')}"
     if mistake["type"] in ("too_short", "too_long"):
         words, limit = {"too_short": ("at least", "min_length"), "too_long": ("at most", "max_length")}[mistake["type"]]
         count = len(mistake["input"])
-        return f"{place}: {key}: {count} entries: must be {words} {mistake['ctx'][limit]}"
-    seen = " is missing" if mistake["type"] == "missing" else f" = {_format_value(mistake['input'])}"
+        return f"{position}: {key}: {count} entries: must be {words} {mistake['ctx'][limit]}"
+    seen_value = " is missing" if mistake["type"] == "missing" else f" = {_format_value(mistake['input'])}"
     rule = (
         TYPE_RULES.get(mistake["type"]) or describe_allowed_values(location, model, mistake["input"]) or mistake["msg"]
     )
     seen_text = mistake["input"] if isinstance(mistake["input"], str) else ""
     if rule.startswith("must be a number") and formatting.parse_number(seen_text) is not None:
         rule += ". It is text: write the number without quotes."
-    return f"{place}: {key}{seen}: {rule}"
+    return f"{position}: {key}{seen_value}: {rule}"
 
 
 def _format_value(value: Any) -> str:
+    """Format a wrong value for a message, shortened."""
     if isinstance(value, dict):
         return "a table"
     if isinstance(value, int) and abs(value) > MAX_INTEGER:
@@ -256,22 +256,22 @@ def _shorten(shown: str) -> str:
     return shown if len(shown) <= 60 else shown[:57] + "..."
 
 
-def _key_path(places: Sequence[str | int], model: type[Section]) -> tuple[str, ...]:
-    """Return the keys that lead to a mistake found by pydantic: legs[2] is the second of a list of tables.
+def _key_path(pydantic_location: Sequence[str | int], model: type[Section]) -> tuple[str, ...]:
+    """Return the keys that lead to a mistake from pydantic's location of it; legs[2] is the second entry of a list.
 
     The result omits pydantic's tag that distinguishes a table from a list of tables.
     """
     path: list[str] = []
-    for before, place in zip(("", *places), places, strict=False):
-        if isinstance(place, int):
-            path[-1] += f"[{place + 1}]"
-        elif not (path and before == path[-1] and place in _tags(tuple(path), model)):
-            path.append(place)
+    for before, step in zip(("", *pydantic_location), pydantic_location, strict=False):
+        if isinstance(step, int):
+            path[-1] += f"[{step + 1}]"
+        elif not (path and before == path[-1] and step in _union_tags(tuple(path), model)):
+            path.append(step)
     return tuple(path)
 
 
-def _tags(location: tuple[str, ...], model: type[Section]) -> set[str]:
-    """Return the tags of the forms that a key may have."""
+def _union_tags(location: tuple[str, ...], model: type[Section]) -> set[str]:
+    """Return pydantic's tags of the alternative types that a key may have."""
     field = _field_at(location, model)
     forms = get_args(field.annotation) if field else ()
     metadata = [item for form in forms for item in getattr(form, "__metadata__", ())]
@@ -279,13 +279,15 @@ def _tags(location: tuple[str, ...], model: type[Section]) -> set[str]:
 
 
 def _find_line(location: tuple[str, ...], text: str) -> int | None:
-    """Return the line of a key in TOML text: tables by header, dotted keys joined.
+    """Return the line of a key in TOML text, otherwise that of its table, otherwise None.
 
-    Of a key that is not written, the line of its table; None when that is not found either.
+    Headers of tables and dotted keys both count.
     """
     table: tuple[str, ...] = ()
     tables: Counter[tuple[str, ...]] = Counter()
-    plain, own = (tuple(map(_without_index, part)) for part in (location, location[:-1]))
+    location_without_index, table_without_index = (
+        tuple(map(_without_index, part)) for part in (location, location[:-1])
+    )
     fallback = None
     for number, line in enumerate(text.splitlines(), start=1):
         if header := re.match(r"\s*(\[+)\s*([\w.\s\"'-]+?)\s*\]+", line):
@@ -301,7 +303,7 @@ def _find_line(location: tuple[str, ...], text: str) -> int | None:
                 fallback = fallback or number
         elif pair := re.match(r"\s*([\w.\s\"'\[\]-]+?)\s*=", line):
             key = table + _split_key(pair[1])
-            if key in (location, plain, location[:-1], own):
+            if key in (location, location_without_index, location[:-1], table_without_index):
                 return number
     return fallback
 
@@ -352,7 +354,10 @@ def key_paths(model: type[Section], prefix: tuple[str, ...] = ()) -> list[tuple[
 
 
 def _section_type(annotation: Any, listed: bool = False) -> type[Section] | None:
-    """Return the table type that a key of this annotation holds, alone or in a list; None without one."""
+    """Return the model of the table that a field of this type holds; None if it holds no table.
+
+    With `listed` it is the model of the entries of a list of tables.
+    """
     if isinstance(annotation, type) and issubclass(annotation, Section):
         return None if listed else annotation
     if get_origin(annotation) is list:
@@ -368,7 +373,7 @@ def _field_at(location: tuple[str, ...], model: type[Section]) -> FieldInfo | No
 
 
 def _model_at(location: tuple[str, ...], model: type[Section]) -> type[Section] | None:
-    """Return the table at the end of a path of keys; None if the path leads to no table."""
+    """Return the model of the table at the end of a path of keys; None if the path leads to no table."""
     if not location:
         return model
     field = _field_at(location, model)
@@ -378,7 +383,7 @@ def _model_at(location: tuple[str, ...], model: type[Section]) -> type[Section] 
 def describe_allowed_values(location: tuple[str, ...], model: type[Section], seen: object = None) -> str:
     """Describe the values that a key may hold, from the model's constraints; '' without constraints.
 
-    Of many words it names those nearest to what was `seen`.
+    Of many words it names those most like the wrong value, `seen`.
     """
     field = _field_at(location, model)
     if field is None:
@@ -390,9 +395,9 @@ def describe_allowed_values(location: tuple[str, ...], model: type[Section], see
         annotation = types.pop()
         if get_origin(annotation) is Literal:
             choices = get_args(annotation)
-            every = seen is None or len(choices) <= MAX_LISTED_CHOICES
-            shown = choices if every else difflib.get_close_matches(str(seen), choices, 3, 0.0)
-            return "must be one of " + ", ".join(map(repr, shown)) + ("" if every else ", ...")
+            lists_all = seen is None or len(choices) <= MAX_LISTED_CHOICES
+            shown = choices if lists_all else difflib.get_close_matches(str(seen), choices, 3, 0.0)
+            return "must be one of " + ", ".join(map(repr, shown)) + ("" if lists_all else ", ...")
         metadata += getattr(annotation, "__metadata__", ())
         types += get_args(annotation)
     if any(getattr(item, "pattern", None) == NAME_PATTERN for item in metadata):
@@ -404,7 +409,7 @@ def describe_allowed_values(location: tuple[str, ...], model: type[Section], see
 
 
 def _describe_tables(key: str, annotation: Any) -> str:
-    """Describe the tables that a key may hold; '' if it holds none."""
+    """Describe the tables that a field of this type may hold under `key`; '' if it holds none."""
     forms = [
         f"{start}{key}{end}"
         for start, end, listed in (("a table [", "] of keys", False), ("tables [[", "]]", True))

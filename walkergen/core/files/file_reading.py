@@ -39,7 +39,7 @@ CONTROL_CHARACTERS = re.compile("[\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\u
 
 
 def read_start(path: Path, count: int, format: str) -> bytes:
-    """Read the first bytes of a file, which identify its format. Raises InputError when it cannot be read."""
+    """Read the first `count` bytes of a file, which identify its format. Raises InputError when it cannot be read."""
     with _open_regular_file(path, format, None) as stream:
         return stream.read(count) or b""
 
@@ -73,7 +73,7 @@ def read_json(path: Path, most_bytes: int = MAX_BYTES) -> Any:
 
 
 def check_readable(path: Path, format: str) -> None:
-    """Raise InputError unless a file can be read and is not empty; for formats that others read."""
+    """Raise InputError unless a file can be read and is not empty, before a library reads it."""
     with _open_regular_file(path, format, None) as stream:
         if not stream.read(1):
             raise InputError(f"{path}: is empty; give {format}")
@@ -101,10 +101,10 @@ def translate_library_errors(source: str, kind: str) -> Iterator[None]:
 
 
 def describe_error(error: Exception) -> str:
-    """Describe a library's error on a file in a few words, without what concerns the library's insides."""
-    inside = isinstance(error, (AttributeError, LookupError, NameError, TypeError)) or "unpack" in str(error)
+    """Describe a library's error on a file in a few words, in general ones if it only concerns the library's code."""
+    is_internal = isinstance(error, (AttributeError, LookupError, NameError, TypeError)) or "unpack" in str(error)
     text = " ".join(str(error).split())[:100]
-    return "its parts do not fit together, or it breaks off" if inside or not text else text
+    return "its parts do not fit together, or it breaks off" if is_internal or not text else text
 
 
 def read_lines(path: Path, format: str, most_bytes: int = MAX_BYTES, newline: str | None = None) -> Iterator[str]:
@@ -131,13 +131,13 @@ def read_lines(path: Path, format: str, most_bytes: int = MAX_BYTES, newline: st
 
 
 def has_safe_name(path: Path) -> bool:
-    """Return whether a path can be written in text files: it has no control characters or halves of letters."""
+    """Return whether a path can be written in text files: it has no control characters and no lone surrogates."""
     return not CONTROL_CHARACTERS.search(str(path))
 
 
 @contextmanager
 def _open_regular_file(path: Path, format: str, most_bytes: int | None) -> Iterator[BinaryIO]:
-    """Open a regular file as a stream. Raises a readable InputError for every failure to read it."""
+    """Open a regular file of at most `most_bytes` (None: any size). Raises InputError for every failure to read it."""
     if not has_safe_name(path):
         raise InputError(
             f"{str(path)[-80:]!r}: its name holds control characters, or bytes that are not UTF-8: rename it"
@@ -168,5 +168,5 @@ def _check_regular_file(path: Path, status: os.stat_result, format: str, most_by
         raise _size_error(path, status.st_size, most_bytes)
 
 
-def _size_error(path: Path, seen: int, most_bytes: int) -> InputError:
-    return InputError(f"{path}: {seen} bytes, more than {most_bytes}: is it the right file?")
+def _size_error(path: Path, size: int, most_bytes: int) -> InputError:
+    return InputError(f"{path}: {size} bytes, more than {most_bytes}: is it the right file?")

@@ -22,7 +22,7 @@ def is_number(value: object) -> bool:
 
 
 def format_number(value: float, digits: int = 3) -> str:
-    """Format a number with significant digits: 260, not 2.6e+02; an exponent only far from 1."""
+    """Format a number with `digits` significant digits: 260, not 2.6e+02; only far from 1 it has an exponent."""
     if abs(value) < ZERO_BELOW:
         return "0"
     text = f"{value:.{digits}g}"
@@ -33,12 +33,12 @@ def format_number(value: float, digits: int = 3) -> str:
 
 
 def format_fixed(value: float, digits: int) -> str:
-    """Format a number with so many decimals, without a minus on zero."""
+    """Format a number with `digits` decimals, without a minus on zero."""
     return f"{round(value, digits) + 0.0:.{digits}f}"
 
 
 def format_count(number: int, one: str, many: str) -> str:
-    """Format a number of things with their name, in the singular for one."""
+    """Format a count with its noun: `one` is the singular and `many` the plural."""
     return f"{number} {one if number == 1 else many}"
 
 
@@ -52,12 +52,12 @@ def parse_number(text: str) -> float | None:
 
 
 def format_with_error(value: float, se: float) -> str:
-    """Format a value with its standard error, to two digits of the error; without one of 0."""
+    """Format a value with its standard error, both to two digits of the error; an error of 0 is left out."""
     return " ± ".join(format_to_error(se, (value, se) if se > 0 else (value,)))
 
 
 def format_to_error(error: float, values: Sequence[float]) -> list[str]:
-    """Format values to two digits of an error; to four of their own without one."""
+    """Format values to the decimals of the first two digits of `error`; without an error, to four digits each."""
     if not error > 0:
         return [format_number(value, 4) for value in values]
     digits = max(1 - math.floor(math.log10(error)), 0)
@@ -67,7 +67,7 @@ def format_to_error(error: float, values: Sequence[float]) -> list[str]:
 
 
 def format_range(low: float | None, high: float | None, digits: int = 4) -> str:
-    """Format an interval; None is an end that is not known."""
+    """Format an interval with significant digits; an end of None is not known."""
     if low is None and high is None:
         return "any value"
     if low is None or high is None:
@@ -78,7 +78,7 @@ def format_range(low: float | None, high: float | None, digits: int = 4) -> str:
 
 
 def format_duration(seconds: float, digits: int = 2) -> str:
-    """Format a time in a unit that suits it, from us to years."""
+    """Format a time in a suitable unit, from us to years, with significant digits."""
     units = ((3.15576e7, "years"), (86_400.0, "days"), (3600.0, "h"), (60.0, "min"))
     for size, unit in units:
         if seconds >= 2.0 * size:
@@ -90,8 +90,8 @@ def format_duration(seconds: float, digits: int = 2) -> str:
 
 
 def format_budget(seconds: float) -> str:
-    """Format a time as --budget reads it, rounded up: 45s, 12min, 3h."""
-    for most, size, unit in ((120.0, 1.0, "s"), (7200.0, 60.0, "min")):
-        if seconds <= most:
+    """Format a time as the option --budget takes it, rounded up: 45s, 12min, 3h."""
+    for limit, size, unit in ((120.0, 1.0, "s"), (7200.0, 60.0, "min")):
+        if seconds <= limit:
             return f"{math.ceil(seconds / size)}{unit}"
     return f"{math.ceil(seconds / 3600.0)}h"

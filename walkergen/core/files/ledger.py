@@ -45,19 +45,19 @@ Digests = dict[str, set[str]]
 
 
 class Ledger:
-    """Names and hashes in a file that grows; with `alone` no other process may have it open.
+    """File of names and hashes, to which lines are appended; if `exclusive`, no other process may have it open.
 
     Raises OSError where the file cannot be made or read, InputError where another process has it.
     """
 
-    def __init__(self, path: Path, alone: bool) -> None:
-        self.path, self.digests, self._alone = path, Digests(), alone
-        self._file = _open_locked(path) if alone else _open_ledger(path, new=False)
+    def __init__(self, path: Path, exclusive: bool) -> None:
+        self.path, self.digests, self._exclusive = path, Digests(), exclusive
+        self._file = _open_locked(path) if exclusive else _open_ledger(path, create=False)
         if self._file is not None:
             self._read_lines(self._file)
 
     def _read_lines(self, file: int) -> None:
-        """Take in the lines; those that a kill cut short are left out."""
+        """Add the hashes in an open file to `digests`, without lines that a killed process cut short."""
         if os.fstat(file).st_size > MAX_BYTES:
             return  # not written by us: nothing is known of any file
         data = b""
@@ -72,11 +72,11 @@ class Ledger:
                 self.digests.setdefault(name, set()).add(digest)
 
     def append_hash(self, name: str, digest: str) -> None:
-        """Append that a file of this name and hash is about to be ours. Raises OSError."""
+        """Append the name and hash of a file that is about to be written. Raises OSError."""
         if digest in self.digests.get(name, ()):
             return
         if self._file is None:
-            self._file = _open_ledger(self.path, new=True)
+            self._file = _open_ledger(self.path, create=True)
             assert self._file is not None
         line = f"\n{json.dumps([name, digest])}\n".encode()  # after a line that was cut short
         if os.write(self._file, line) != len(line):
@@ -84,11 +84,11 @@ class Ledger:
         self.digests.setdefault(name, set()).add(digest)
 
     def close(self, remove: bool = False) -> None:
-        """Let others in; with `remove`, or where one alone noted nothing, the file goes."""
+        """Close and unlock the file. Delete it with `remove`, or if it was opened exclusively and is empty."""
         if self._file is None:
             return
         try:
-            if remove or (self._alone and not os.fstat(self._file).st_size):
+            if remove or (self._exclusive and not os.fstat(self._file).st_size):
                 self.path.unlink(missing_ok=True)
         finally:
             os.close(self._file)
@@ -98,7 +98,7 @@ class Ledger:
 def _open_locked(path: Path) -> int:
     """Open and lock a ledger, and return its descriptor. Raises OSError, and InputError if it is locked already."""
     while True:
-        file = _open_ledger(path, new=True)
+        file = _open_ledger(path, create=True)
         assert file is not None
         try:
             if not try_lock(file):
@@ -115,12 +115,12 @@ def _open_locked(path: Path) -> int:
         os.close(file)
 
 
-def _open_ledger(path: Path, new: bool) -> int | None:
-    """Open a ledger and return its descriptor; None if there is no file, unless it may be `new`. Raises OSError."""
+def _open_ledger(path: Path, create: bool) -> int | None:
+    """Open a ledger and return its descriptor. A missing file is made with `create`, else None. Raises OSError."""
     try:
-        file = os.open(path, open_flags(os.O_RDWR | os.O_APPEND | (os.O_CREAT if new else 0)), 0o666)
+        file = os.open(path, open_flags(os.O_RDWR | os.O_APPEND | (os.O_CREAT if create else 0)), 0o666)
     except FileNotFoundError:
-        if new:
+        if create:
             raise
         return None
     if stat.S_ISREG(os.fstat(file).st_mode):
@@ -130,14 +130,14 @@ def _open_ledger(path: Path, new: bool) -> int | None:
 
 
 def open_flags(mode: int) -> int:
-    """Return flags to open a file without following links or waiting, and with bytes unchanged."""
+    """Return the flags of os.open for a mode such as os.O_RDONLY, so that it follows no links and never waits."""
     for name in ("O_NOFOLLOW", "O_NONBLOCK", "O_CLOEXEC", "O_BINARY"):
         mode |= getattr(os, name, 0)  # each system has some of them
     return mode
 
 
 def try_lock(file: int) -> bool:
-    """Lock an open file until it is closed or the process ends; return False if it is locked already."""
+    """Lock a file, by its descriptor, until it is closed or the process ends; return False if it is locked already."""
     try:
         if sys.platform == "win32":
             import msvcrt
@@ -157,7 +157,7 @@ def try_lock(file: int) -> bool:
 
 
 def hash_file(path: Path) -> str | None:
-    """Return the hash of a plain file that is no link; None for anything else, which walkergen never writes.
+    """Return the SHA-256 of a plain file that is no link; None for anything else, which walkergen never writes.
 
     Raises OSError for a file that cannot be read to its end.
     """
@@ -180,7 +180,7 @@ def hash_file(path: Path) -> str | None:
 
 
 def add_seal(data: bytes) -> bytes:
-    """Put the data's own hash into their last value, or comment, which is BLANK_SEAL, so that any change shows."""
+    """Return the data with their own hash in place of BLANK_SEAL, in the last value or comment."""
     match = SEAL_PATTERN.search(data)
     assert match is not None
     assert match[0] == BLANK_SEAL

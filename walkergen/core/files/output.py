@@ -62,9 +62,9 @@ def write(path: Path, data: bytes, lasting: bool = True) -> None:
 
 
 def _create(path: Path, data: bytes, lasting: bool) -> None:
-    """Write a file that is not there yet; fails where anything of this name is.
+    """Write all data to a new file, which is locked meanwhile. Raises OSError if anything of this name exists.
 
-    It stays locked meanwhile. A full disk may say so only when it is synchronized or closed.
+    With `lasting`, wait until the data are on the disk: a full disk may be noticed only then, or on closing.
     """
     file = os.open(path, open_flags(os.O_WRONLY | os.O_CREAT | os.O_EXCL), 0o666)
     try:
@@ -79,7 +79,7 @@ def _create(path: Path, data: bytes, lasting: bool) -> None:
 
 
 def _remove_leftovers(folder: Path) -> None:
-    """Remove what a killed run left half-written: temporary files that no process has locked."""
+    """Remove temporary files that a killed process left in a folder: those that no process has locked."""
     try:
         names = [entry.name for entry in os.scandir(folder) if TEMPORARY_NAME.fullmatch(entry.name)]
     except OSError:
@@ -104,7 +104,7 @@ def rewrite_sealed(path: Path, data: bytes) -> None:
 
 
 def check_overwritable(path: Path) -> None:
-    """Raise OutputError where a file is that is neither empty nor sealed as we wrote it."""
+    """Raise OutputError if there is a file that is neither empty nor sealed as walkergen wrote it."""
     try:
         status = path.lstat()
     except (OSError, ValueError):  # the write reports the failure
@@ -163,7 +163,7 @@ class Folder:
             self._report_left_files()
 
     def claim(self) -> None:
-        """Keep others out from now on, as any writing does. What was half-written is removed."""
+        """Make the folder, lock it against other processes and read its manifest, as every write does first."""
         if self._ledger is not None:
             return
         hidden = f".{self.manifest}.walkergen" if self.manifest else LEDGER
@@ -171,7 +171,7 @@ class Folder:
         try:
             place.mkdir(parents=True, exist_ok=True)
             place = self.path / hidden
-            opened = Ledger(place, alone=bool(self.manifest))
+            opened = Ledger(place, exclusive=bool(self.manifest))
         except (OSError, ValueError) as error:
             raise write_error(place, error) from None
         try:
@@ -182,7 +182,7 @@ class Folder:
         self._ledger = opened
 
     def write(self, name: str, data: bytes) -> bool:
-        """Write one file by its name relative to the folder; False for one that is not ours."""
+        """Write one file by its name relative to the folder; return False, without writing, if it is not ours."""
         self.claim()
         assert self._ledger is not None
         path, digest = self.path / name, hashlib.sha256(data).hexdigest()
@@ -201,7 +201,7 @@ class Folder:
         return True
 
     def start_growing_file(self, name: str) -> None:
-        """Record that other code is about to write a file of ours, for example row by row."""
+        """Record that other code is about to write a file of ours bit by bit, such as row by row."""
         self.claim()
         assert self._ledger is not None
         try:
@@ -210,7 +210,7 @@ class Folder:
             raise write_error(self.path / name, error) from None
 
     def add_grown_file(self, name: str) -> None:
-        """Take in a file that has grown."""
+        """Record the hash of a file, since other code has finished writing it."""
         digest = self._hash(name)
         if digest is None:
             raise OutputError(f"{str(self.path / name)!r}: was removed while it was written")
@@ -275,7 +275,7 @@ class Folder:
         return growing or self._listed.get(name) == self._hash(name)
 
     def _is_ours(self, name: str) -> bool:
-        """Return whether this program wrote a file in the folder, unchanged since."""
+        """Return whether walkergen wrote a file in the folder and it is unchanged since."""
         assert self._ledger is not None
         digests = {*self._ledger.digests.get(name, ()), self._listed.get(name)} - {None}
         return bool(digests) and _is_inside(self.path, name) and self._hash(name) in digests
@@ -336,9 +336,9 @@ def versions() -> dict[str, str]:
 
 
 def result_folder(path: Path, out: Path | None, what: str) -> Path:
-    """Return the folder for the results of a file: below `out`, or below out/ and the file's own name.
+    """Return the folder `what` for the results of a file: in `out`, or in out/ and the file's own name.
 
-    A folder of its own within, so that what other commands wrote there stays.
+    Each command has its own `what`, so that results of other commands stay.
     """
     return (out or Path("out") / safe_folder_name(path)) / what
 

@@ -29,7 +29,7 @@ def silent(what: str, done: int, total: int) -> None:
 
 
 def part_progress(progress: Progress, number: int, count: int, title: str = "") -> Progress:
-    """Return the progress of the `number`-th (from 0) of `count` equal parts, as a share of the whole.
+    """Return a callback for the `number`-th (from 0) of `count` equal parts of a job, which reports to `progress`.
 
     A title replaces the part's own description.
     """
@@ -37,5 +37,5 @@ def part_progress(progress: Progress, number: int, count: int, title: str = "") 
 
 
 def range_progress(progress: Progress, begin: float, end: float) -> Progress:
-    """Return the progress of a stretch of a job, from one share of the whole to another, in percent."""
+    """Return a callback for a part of a job that reports to `progress`, from `begin` to `end` percent of the whole."""
     return lambda what, done, total: progress(what, int(100.0 * (begin + (end - begin) * done / max(total, 1))), 100)

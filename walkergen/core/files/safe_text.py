@@ -26,7 +26,7 @@ def escape_hidden(text: str) -> str:
 def shorten_line(text: str, widest: int = MAX_LINE_LENGTH) -> str:
     """Shorten plain text to one line of at most `widest` letters, leaving out the middle.
 
-    Its end stays, because there stands what to do.
+    Its end stays, because it says what to do.
     """
     shown = escape_hidden(text.replace("\n", "\\n"))
     if len(shown) <= widest:
@@ -57,12 +57,13 @@ class Plain:
 
 
 def guard_output() -> None:
-    """Make plain what this process prints from now on: each line that a person must read, short."""
+    """Escape hidden letters in all later output of this process; lines of sys.stderr are also shortened."""
     sys.stdout = cast("TextIO", Plain(sys.stdout))
     sys.stderr = cast("TextIO", Plain(sys.stderr, MAX_LINE_LENGTH))
 
 
 def _escape(match: re.Match[str]) -> str:
+    r"""Return the JSON escape of a matched letter, such as \u001b."""
     code = ord(match[0])
     if code <= 0xFFFF:
         return f"\\u{code:04x}"
