@@ -39,7 +39,10 @@ the paper's walker (about 90 mm2, 8 mm high on legs of 0.4 mm) was printed witho
 def check_batch(
     designs: Sequence[Design], meshes: Sequence[Mesh], parts: Sequence[Part], plates: Sequence[Plate], printer: Printer
 ) -> list[Finding]:
-    """Return the findings on a whole print; designs, meshes (as they lie on the bed) and parts are in one order."""
+    """Return the findings on a whole print: its printer, materials, parts and plates.
+
+    `designs`, `meshes` (as they lie on the bed) and `parts` are in the same order.
+    """
     return [
         *check_printer(printer),
         *_check_materials(designs, parts),
@@ -83,15 +86,15 @@ def check_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[
 
 
 def check_piece(name: str, upright: Sequence[Wall], mesh: Mesh, printer: Printer) -> list[Finding]:
-    """Return the findings on a part that is no walker, as it lies on the bed: its walls, size and mesh.
+    """Return the findings on a part that is no walker, as its mesh lies on the bed; `upright` are its walls.
 
     Its mass is not predicted, so that walls count only if they fail or print otherwise than drawn.
     """
-    of_walls = [check_wall(wall, printer, MAX_DEVIATION) for wall in upright]
+    wall_findings = [check_wall(wall, printer, MAX_DEVIATION) for wall in upright]
     findings = [*_check_size(Part.from_mesh(name, mesh), printer), *_check_mesh(mesh)]
     if printer.brim_width_mm == 0.0:
         findings += _check_slenderness(upright)
-    return with_place(name, [*filter(None, of_walls), *findings])
+    return with_place(name, [*filter(None, wall_findings), *findings])
 
 
 def check_printer(printer: Printer) -> list[Finding]:
@@ -118,6 +121,7 @@ def check_plate(name: str, plate: Plate, parts: Sequence[Part], printer: Printer
 
 
 def _check_walls(design: Design, printer: Printer) -> Iterator[Finding]:
+    """Yield the findings on upright walls of a walker that fail, or print with another mass than predicted."""
     mass_sd = 0.01 * design.weighed.mass_sd_percent
     yield from filter(None, (check_wall(wall, printer, mass_sd) for wall in walls.upright_walls(design)))
 
@@ -132,27 +136,28 @@ def check_wall(wall: Wall, printer: Printer, mass_sd: float) -> Finding | None:
     better = _nearest_good_thickness(wall.thickness, printer, slant)
     change, name = f"{better:g} mm would do", walls.with_article(wall.name)
 
-    def finding(level: Level, what: str, seen: float, limit: float, unit: str, change: str) -> Finding:
+    def wall_finding(level: Level, what: str, seen: float, limit: float, unit: str, change: str) -> Finding:
+        """Return a finding on this wall, with the better thickness as its setting if `change` proposes that."""
         setting = Setting(wall.key, better) if wall.key and "would do" in change else None
         return make_finding(wall.part, level, what, seen, limit, unit, change, setting)
 
     if lines < ONE_LINE_RANGE[0]:
         what = f"{name} is thinner than {ONE_LINE_RANGE[0]:g} printed lines"
-        return finding("error", what, wall.thickness, ONE_LINE_RANGE[0] * width * slant, "mm", change)
+        return wall_finding("error", what, wall.thickness, ONE_LINE_RANGE[0] * width * slant, "mm", change)
     if section <= walls.vanishing_thickness(printer):
         what = f"{name} gets no plastic, thin walls not being detected"
         least = walls.vanishing_thickness(printer) * slant
-        return finding("error", what, wall.thickness, least, "mm", f"set thin_walls = true; or {change}")
+        return wall_finding("error", what, wall.thickness, least, "mm", f"set thin_walls = true; or {change}")
     drawn = f"{name} ({wall.thickness:g} mm,"
     if ONE_LINE_RANGE[1] < lines < TWO_LINES_RANGE[0]:
         what = f"{drawn} plastic {expected:+.0%}) is more than one line and less than two"
-        return finding("warning", what, lines, ONE_LINE_RANGE[1], "lines", change)
+        return wall_finding("warning", what, lines, ONE_LINE_RANGE[1], "lines", change)
     what = f"plastic in {drawn} {lines:.2f} lines) differs from the mesh's"
     weigh = f"weigh it after the print{_classic_walls_hint(lines, printer)}"
     if abs(expected) > MAX_DEVIATION:
-        return finding("warning", what, 100 * expected, 100 * MAX_DEVIATION, "%", f"{change}, or {weigh}")
+        return wall_finding("warning", what, 100 * expected, 100 * MAX_DEVIATION, "%", f"{change}, or {weigh}")
     if abs(expected) > mass_sd:
-        return finding("advice", what, 100 * expected, 100 * mass_sd, "%", weigh)
+        return wall_finding("advice", what, 100 * expected, 100 * mass_sd, "%", weigh)
     return None
 
 
@@ -168,7 +173,10 @@ def _is_good_thickness(thickness: float, printer: Printer) -> bool:
 
 
 def _nearest_good_thickness(thickness: float, printer: Printer, slant: float) -> float:
-    """Return the closest good thickness in hundredths of a millimetre; all large thicknesses are good."""
+    """Return the closest good thickness in hundredths of a millimetre; all large thicknesses are good.
+
+    `slant` is the cosine of the wall's angle from the vertical.
+    """
     start, steps = round(100 * thickness), itertools.count()
     candidates = (max(0, start + sign * step) / 100 for step in steps for sign in (1, -1))
     return next(
@@ -177,12 +185,14 @@ def _nearest_good_thickness(thickness: float, printer: Printer, slant: float) ->
 
 
 def _classic_walls_hint(lines: float, printer: Printer) -> str:
+    """Return advice for a wall of this many lines that the classic wall generator would print as drawn, or ""."""
     if printer.wall_generator == "classic" or lines > ONE_LINE_RANGE[1]:
         return ""
     return '; wall_generator = "classic" with thin_walls = true prints it as drawn'
 
 
 def _check_gaps(design: Design, printer: Printer) -> Iterator[Finding]:
+    """Yield warnings for gaps between legs, or between leg and brace, that are narrower than a line."""
     width = printer.line_width_mm
     for window, name in walls.group_legs(design, sections.window_width):
         if 0.0 < window < width:
@@ -197,6 +207,7 @@ def _check_gaps(design: Design, printer: Printer) -> Iterator[Finding]:
 
 
 def _check_marks(design: Design, printer: Printer) -> Iterator[Finding]:
+    """Yield advice if the strokes of the marks are narrower than a line."""
     marks, width = design.marks, printer.line_width_mm
     if not marks.blank and marks.line_mm < width - ROUNDING_MM:
         kind = "serial number" if marks.kind == "none" else marks.kind
@@ -220,7 +231,7 @@ def _check_layers(design: Design, printer: Printer) -> Iterator[Finding]:
 
 
 def _check_whole_layers(part: About, what: str, length: float, height: float, key: str) -> Iterator[Finding]:
-    """Yield the findings on a length, mm, that prints as layers of `height`, mm."""
+    """Yield the findings on a length, mm, printed as layers of `height`, mm. `what` and `key` are its name and key."""
     layers = length / height
     # PrusaSlicer prints a layer if its middle is in the part.
     whole = math.floor(layers + 0.5 + ROUNDING_MM)
@@ -249,10 +260,11 @@ def _check_materials(designs: Sequence[Design], parts: Sequence[Part]) -> Iterat
 
 
 def _check_size(part: Part, printer: Printer) -> Iterator[Finding]:
-    around = 2.0 * border_width(printer)
+    """Yield errors for a part that is larger than the bed inside its border, or higher than the printer."""
+    borders = 2.0 * border_width(printer)
     for what, seen, limit in (
-        ("width", part.width, printer.bed_width_mm - around),
-        ("depth", part.depth, printer.bed_depth_mm - around),
+        ("width", part.width, printer.bed_width_mm - borders),
+        ("depth", part.depth, printer.bed_depth_mm - borders),
         ("height", part.height, printer.height_mm),
     ):
         if seen > limit + ROUNDING_MM:
@@ -263,6 +275,7 @@ def _check_size(part: Part, printer: Printer) -> Iterator[Finding]:
 
 
 def _check_mesh(mesh: Mesh) -> Iterator[Finding]:
+    """Yield an error unless the mesh is one closed body."""
     bodies = modeller.count_bodies(mesh)
     if bodies != 1:
         change = "enlarge details below about 1e-5 mm, which files do not hold"
@@ -270,6 +283,7 @@ def _check_mesh(mesh: Mesh) -> Iterator[Finding]:
 
 
 def _check_repairs(design: Design) -> Iterator[Finding]:
+    """Yield a warning if the shape of the body differs from its file."""
     if changes := design.shape.changes:
         what = f"the body's file was not taken as it is ({'; '.join(changes)})"
         yield make_finding(
@@ -278,6 +292,7 @@ def _check_repairs(design: Design) -> Iterator[Finding]:
 
 
 def _check_adhesion(design: Design, mesh: Mesh, printer: Printer) -> Iterator[Finding]:
+    """Yield advice to print a brim, for a small area on the bed and for high, thin walls."""
     area = section_area(mesh, 0.5 * printer.layer_height_mm)
     if area < MIN_CONTACT_MM2:
         what = "little of it holds on to the bed"
@@ -303,7 +318,10 @@ def section_area(mesh: Mesh, height: float) -> float:
 
 
 def _check_bed_limits(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:
-    """Yield errors for parts, brims and the skirt beyond the bed: the first of each kind by name."""
+    """Yield errors for parts, brims and the skirt beyond the bed: the first of each kind by name.
+
+    `boxes`, shape (parts, 4), mm, has the left, front, right and back of each part.
+    """
     bed = np.array([printer.bed_width_mm, printer.bed_depth_mm])
     brim = printer.brim_width_mm
     skirt = printer.skirt_distance_mm + (printer.skirt_loops + 0.5) * printer.line_width_mm
@@ -319,6 +337,7 @@ def _check_bed_limits(labels: Sequence[str], boxes: Array, printer: Printer) -> 
 
 
 def _check_spacing(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:
+    """Yield a finding for each two parts that are too close or overlap; `boxes` as in `_check_bed_limits`."""
     brims, wanted = 2.0 * printer.brim_width_mm, spacing(printer)
     for first, box in enumerate(boxes):
         later = boxes[first + 1 :]

@@ -116,6 +116,7 @@ def declare_prusaslicer(data: bytes) -> bytes:
 
 
 def _unzip_files(data: bytes) -> dict[str, bytes]:
+    """Return the contents of the files in a ZIP archive, by name."""
     archive = zipfile.ZipFile(io.BytesIO(data))
     return {name: archive.read(name) for name in archive.namelist()}
 
@@ -143,7 +144,7 @@ class _Named(NamedTuple):
 
 
 def _model_settings(named: Sequence[_Named], title: str) -> bytes:
-    """Return names of copies, and the plate that holds them, as Bambu Studio and OrcaSlicer read them."""
+    """Return the file from which Bambu Studio and OrcaSlicer read the names of copies and of their plate, `title`."""
     lines = ['<?xml version="1.0" encoding="UTF-8"?>', "<config>"]
     for item in named:
         lines += [
@@ -179,7 +180,10 @@ def _lib3mf_wrapper() -> Any:
 
 
 def _add_solid(model: Any, solid: Solid, title: str, number: int) -> Any:
-    """Add a solid to a model, its corner moved to the origin, and return the object. Raises SolidError."""
+    """Add a solid to a lib3mf model, its corner moved to the origin, and return the object. Raises SolidError.
+
+    `title` and `number` make its UUID.
+    """
     name = _xml_safe(solid.name)
     added = model.AddMeshObject()
     added.SetName(name)
@@ -196,7 +200,10 @@ def _add_solid(model: Any, solid: Solid, title: str, number: int) -> Any:
 
 
 def _add_copy(model: Any, mesh: Any, name: str, title: str, number: int) -> Any:
-    """Add an object to a model that shows another object's mesh under its own name, and return it."""
+    """Add an object to a lib3mf model that shows another object, `mesh`, under its own name, and return it.
+
+    `title` and `number` make its UUID.
+    """
     added = model.AddComponentsObject()
     added.SetName(name)
     added.SetUUID(_make_uuid(title, "copy", number, name))

@@ -80,17 +80,17 @@ def make_finding(
     change: str,
     setting: Setting | None = None,
 ) -> Finding:
-    """Create a finding whose place is not set yet."""
+    """Create a finding whose place is not set yet: problem `what`, its size `seen` with a limit, remedy `change`."""
     return Finding(level, "", what, float(seen), float(limit), unit, change, part, setting)
 
 
 def with_place(where: str, findings: Iterable[Finding]) -> list[Finding]:
-    """Return findings with their place set."""
+    """Return findings with their place, the name of a part, plate or printer, set to `where`."""
     return [finding._replace(where=where) for finding in findings]
 
 
 def combine_printers(named: Sequence[tuple[str, Sequence[Finding]]]) -> list[Finding]:
-    """Join the findings of printers, by their names, in one list; those of several name their printer."""
+    """Join the findings of printers, given by name, in one list; if there are several, places begin with the name."""
     return [
         finding._replace(where=f"{printer}: {finding.where}") if len(named) > 1 else finding
         for printer, findings in named

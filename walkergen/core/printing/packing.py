@@ -40,13 +40,13 @@ class Part(NamedTuple):
 
     @classmethod
     def from_mesh(cls, name: str, mesh: Mesh, copies: int = 1, serial: int | None = None) -> "Part":
-        """Return a mesh's bounding box as a part."""
+        """Return the bounding box of a mesh as a part."""
         width, depth, height = (mesh.vertices.max(axis=0) - mesh.vertices.min(axis=0)).tolist()
         return cls(name, width, depth, height, copies, serial)
 
     @property
     def solid_name(self) -> str:
-        """Name of its solid in a 3MF file, which of a numbered copy is its own."""
+        """Name of the part's solid in a 3MF file, with its serial number if it has one."""
         return self.name if self.serial is None else f"{self.name}_no{self.serial}"
 
 
@@ -85,14 +85,14 @@ def capacity(part: Part, printer: Printer) -> int:
     """Count the copies of a part that fit on one plate in a plain grid; 0 when it is too large."""
     if _round_up_micrometres(part.height) > _round_up_micrometres(printer.height_mm):
         return 0
-    (bed_width, bed_depth), (width, depth) = _bed_micrometres(printer), _cell(part, printer)
+    (bed_width, bed_depth), (width, depth) = _bed_micrometres(printer), _cell_size(part, printer)
     return max(0, bed_width // width) * max(0, bed_depth // depth)
 
 
 def pack(
     parts: Sequence[Part], printer: Printer, max_plates: int | None = None, max_parts: int = MAX_PARTS
 ) -> list[Plate]:
-    """Place all copies in rows in the order of the parts, at most `max_parts` on a plate.
+    """Arrange all copies in rows in the order of the parts, at most `max_parts` on a plate.
 
     The rows of a plate together lie in the middle of the bed.
     Raises PlateError when a part is larger than the usable bed or taller than the printer, when
@@ -189,7 +189,7 @@ def _pack_rows(parts: Sequence[Part], printer: Printer, max_parts: int) -> list[
     placed: list[tuple[int, int, int, int]] = []
     x = y = right = row_depth = 0
     for index, part in enumerate(parts):
-        width, depth = _cell(part, printer)
+        width, depth = _cell_size(part, printer)
         first = part.serial or 1
         for copy in range(first, first + part.copies):
             if x + width > bed_width:
@@ -204,9 +204,9 @@ def _pack_rows(parts: Sequence[Part], printer: Printer, max_parts: int) -> list[
 
 
 def _center_on_bed(placed: Sequence[tuple[int, int, int, int]], used: tuple[int, int], printer: Printer) -> Plate:
-    """Return the plate of copies (part, copy, x, y) moved to the middle of the free bed by whole micrometres.
+    """Return a plate of copies, (part, copy, x, y) each, moved to the middle of the free bed.
 
-    `used` is the width and depth of all their cells, micrometres.
+    `x`, `y` and `used`, the width and depth of all cells, are in whole micrometres.
     """
     edge, (bed_width, bed_depth) = border_width(printer), _bed_micrometres(printer)
     right, back = (bed_width - used[0]) // 2, (bed_depth - used[1]) // 2
@@ -227,7 +227,8 @@ def _bed_micrometres(printer: Printer) -> tuple[int, int]:
     return width + gap, depth + gap
 
 
-def _cell(part: Part, printer: Printer) -> tuple[int, int]:
+def _cell_size(part: Part, printer: Printer) -> tuple[int, int]:
+    """Return the width and depth of a part with the gap to its neighbours, micrometres."""
     gap = _round_up_micrometres(spacing(printer))
     return _round_up_micrometres(part.width) + gap, _round_up_micrometres(part.depth) + gap
 
@@ -238,6 +239,7 @@ def _round_up_micrometres(length: float) -> int:
 
 
 def _check_sizes(parts: Sequence[Part], printer: Printer) -> None:
+    """Raise PlateError for parts that do not fit on an empty plate."""
     too_large = [part for part in parts if capacity(part, printer) == 0]
     if not too_large:
         return

@@ -65,7 +65,10 @@ def arrange(
     max_plates: int | None = None,
     max_parts: int = packing.MAX_PARTS,
 ) -> Layout:
-    """Arrange the wanted copies of each member. Raises PlateError when they do not fit."""
+    """Arrange copies of each member on plates; `built` and `copies` are its solids and their number, in order.
+
+    Raises PlateError when they do not fit.
+    """
     empty = layout_without_plates(members, built, copies, printer)
     return add_findings(empty._replace(plates=packing.pack(empty.parts, printer, max_plates, max_parts)))
 
@@ -73,7 +76,7 @@ def arrange(
 def layout_without_plates(
     members: Sequence[Design], built: Sequence[Solids], copies: Sequence[int], printer: Printer
 ) -> Layout:
-    """Return the parts in printing orientation, before packing and checks."""
+    """Return the layout of members, their solids (`built`) and numbers of copies before packing and checks."""
     meshes = orient_for_print(members, built)
     parts = [
         packing.Part.from_mesh(name, mesh, count, design.marks.serial if count == 1 else None)
@@ -91,7 +94,7 @@ def orient_for_print(members: Sequence[Design], built: Sequence[Solids]) -> list
 
 
 def add_findings(layout: Layout) -> Layout:
-    """Run the printability checks on an arrangement; returns it with their findings."""
+    """Run the printability checks on an arrangement, and return it with their findings."""
     findings = checks.check_batch(layout.members, layout.meshes, layout.parts, layout.plates, layout.printer)
     return layout._replace(findings=findings)
 
@@ -147,6 +150,7 @@ def layout_files(
 
 
 def _print_sheet(layout: Layout, stem: str) -> str:
+    """Return the Markdown of the layout's print sheet; names of its files begin with `stem`."""
     weighed = [
         print_sheet.weigh(part.name, design, built_solids, layout.printer)
         for part, design, built_solids in zip(layout.parts, layout.members, layout.built, strict=True)

@@ -64,14 +64,14 @@ class Estimate(NamedTuple):
 
 
 def side_area(mesh: Mesh) -> float:
-    """Compute the area of a mesh on the bed, seen from all sides: that of its faces' upright parts."""
+    """Compute the area of a mesh's faces projected on upright planes, mm^2: its layers' outlines times their height."""
     first, second, third = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)
     normals = 0.5 * np.cross(second - first, third - first)
     return float(np.hypot(normals[:, 0], normals[:, 1]).sum())
 
 
 def plate_totals(plate: Plate, parts: Sequence[Part], loads: Sequence[Load], printer: Printer) -> Estimate:
-    """Estimate plastic and time of a plate; `loads` are those of one copy of each of the parts, in their order."""
+    """Estimate plastic and time of a plate; `loads` are the plastic of one copy of each part, in their order."""
     placed = [placement.part for placement in plate.placements]
     copies, height = [loads[part] for part in placed], printer.layer_height_mm
     volume = sum(1e3 * load.grams / load.density for load in copies)
@@ -111,14 +111,14 @@ class Weight(NamedTuple):
 
 
 def weigh(name: str, design: Design, built: Solids, printer: Printer) -> Weight:
-    """Weigh a walker by its meshes and the density of its material."""
-    density, side = 1e-3 * design.material.density_g_cm3, solids.is_printed_on_side(design)
+    """Compute the expected masses of a walker from its solids, `built`, and from the plastic that the slicer lays."""
+    density, is_on_side = 1e-3 * design.material.density_g_cm3, solids.is_printed_on_side(design)
     distinct = {id(mesh): mesh for mesh in built.legs}  # equal legs share theirs
     grams = {key: round(mass.weigh(mesh, density).mass, 7) for key, mesh in distinct.items()}
     leg_weights = {}
     for limb, mesh in zip(design.limbs, built.legs, strict=True):
-        tolerance = section_of(limb).PLASTIC_TOLERANCE if side else walls.UPRIGHT_TOLERANCE
-        leg_weights[limb] = LegWeight(grams[id(mesh)], walls.leg_plastic(limb, printer, side), tolerance)
+        tolerance = section_of(limb).PLASTIC_TOLERANCE if is_on_side else walls.UPRIGHT_TOLERANCE
+        leg_weights[limb] = LegWeight(grams[id(mesh)], walls.leg_plastic(limb, printer, is_on_side), tolerance)
     whole = mass.weigh(built.walker, density).mass
     sliced = whole + sum(leg_weights[limb].mesh_g * (leg_weights[limb].plastic - 1.0) for limb in design.limbs)
     lying = solids.orient_for_print(design, built.walker)
@@ -139,7 +139,7 @@ class Batch(NamedTuple):
 
 
 def to_markdown(batch: Batch, weights: Sequence[Weight], findings: Sequence[Finding], legend: str) -> str:
-    """Format the sheet as Markdown; `legend` identifies printed parts, and may be empty."""
+    """Format the sheet as Markdown; `weights` are in the order of the parts, and `legend` identifies printed parts."""
     printing = format_print_section(batch, [weight.load for weight in weights], findings, legend)
     paired = all(len(design.limbs) == 2 for design in batch.members)
     share = "half of that is a leg" if paired else "that over their number is leg_g, the mean leg"
@@ -148,7 +148,7 @@ def to_markdown(batch: Batch, weights: Sequence[Weight], findings: Sequence[Find
 
 
 def format_print_section(batch: Batch, loads: Sequence[Load], findings: Sequence[Finding], legend: str) -> str:
-    """Format the sheet up to the end of the print, with texts from assets; `loads` are those of the parts."""
+    """Format the sheet up to the end of the print, with texts from assets; `loads` are the plastic of each part."""
     printer, stem, ending, material = batch.printer, batch.stem, packing.plate_suffix(), batch.members[0].material
     settings = slicer.sheet_settings(printer, orientation_settings(batch.members))
     lines = [f"- **{finding.level}** {finding.line}" for finding in group_findings(findings)]
@@ -187,7 +187,7 @@ def manifest_facts(printer: Printer, findings: Sequence[Finding]) -> dict[str, A
 
 
 def _insertion_step(batch: Batch) -> str:
-    """Return the step that inserts what walkers carry; "" if they carry nothing."""
+    """Return the step that inserts motor and battery into pockets; "" if no walker has them."""
     carried = dict.fromkeys(name for design in batch.members for name in design.parts)
     if not carried:
         return ""
@@ -204,21 +204,24 @@ def body_facts(design: Design) -> dict[str, Any]:
 
 
 def orientation_settings(members: Sequence[Design]) -> list[slicer.Setting]:
-    """Return a print sheet's lines on the orientation of its walkers; if they differ, each names its designs."""
-    ways: dict[str, list[str]] = {}
-    for name, own in names.group_by_design(members).items():
-        ways.setdefault(describe_orientation(own[0]), []).append(name)
+    """Return the print sheet's lines on how walkers lie; if designs differ, each line names its designs."""
+    designs_by_orientation: dict[str, list[str]] = {}
+    for name, design_members in names.group_by_design(members).items():
+        designs_by_orientation.setdefault(describe_orientation(design_members[0]), []).append(name)
     return [
         slicer.Setting(
-            "orientation" if len(ways) == 1 else f"orientation of {', '.join(designs)}",
-            f"as in the file: {way}",
-            "layers run across the leg's width" if way == ON_SIDE_TEXT else "layers lie across the leg: weaker, softer",
+            "orientation" if len(designs_by_orientation) == 1 else f"orientation of {', '.join(designs)}",
+            f"as in the file: {orientation}",
+            "layers run across the leg's width"
+            if orientation == ON_SIDE_TEXT
+            else "layers lie across the leg: weaker, softer",
         )
-        for way, designs in ways.items()
+        for orientation, designs in designs_by_orientation.items()
     ]
 
 
 def _contents_table(batch: Batch) -> str:
+    """Return a Markdown table of the parts and copies in the file of each plate."""
     rows = []
     for number, plate in enumerate(batch.plates, start=1):
         # Copies with serial numbers are parts of their own, under one name
@@ -229,6 +232,7 @@ def _contents_table(batch: Batch) -> str:
 
 
 def _plastic_table(batch: Batch, loads: Sequence[Load]) -> str:
+    """Return a Markdown table of the plastic, filament, layers and time of each plate."""
     rows = []
     for number, plate in enumerate(batch.plates, start=1):
         amounts = plate_totals(plate, batch.parts, loads, batch.printer)
@@ -255,6 +259,7 @@ def _plastic_table(batch: Batch, loads: Sequence[Load]) -> str:
 
 
 def _weights_table(weights: Sequence[Weight]) -> str:
+    """Return a Markdown table of the expected masses of walkers and legs, with a column to fill in."""
     rows = [
         (
             f"`{weight.name}`",
@@ -270,6 +275,6 @@ def _weights_table(weights: Sequence[Weight]) -> str:
 
 
 def markdown_table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Format a table as Markdown."""
+    """Format headings and rows of cells as a Markdown table."""
     lines = [headings, ["---"] * len(headings), *rows]
     return "\n".join("| " + " | ".join(cells) + " |" for cells in lines)

@@ -120,6 +120,7 @@ class Printer(Section):
     @model_validator(mode="before")
     @classmethod
     def _default_line_width(cls, data: Any) -> Any:
+        """Make lines as wide as the nozzle if only the nozzle is given, before the keys are validated."""
         if isinstance(data, dict) and "line_width_mm" not in data and isinstance(data.get("nozzle_mm"), (int, float)):
             return {**data, "line_width_mm": float(data["nozzle_mm"])}
         return data
@@ -190,22 +191,22 @@ def read_profile(path: Path) -> dict[str, Any]:
 
 
 def _parse_bed(path: Path, shape: str) -> dict[str, Any]:
-    """Return size and origin of a bed from its corners, as 0x0,250x0,250x210,0x210."""
+    """Return the keys for size and origin of a bed from its corners, such as 0x0,250x0,250x210,0x210."""
     corners = [re.split("x", corner) for corner in shape.split(",")]
     numbers = [(_parse_number(corner[0]), _parse_number(corner[-1])) for corner in corners]
-    places = [(x, y) for x, y in numbers if x is not None and y is not None]
-    if len(places) < 3 or len(places) < len(numbers):
+    points = [(x, y) for x, y in numbers if x is not None and y is not None]
+    if len(points) < 3 or len(points) < len(numbers):
         raise InputError(
             f"{path}: bed_shape = {safe_text.shorten_line(shape)[:60]}: must be corners as 0x0,250x0,250x210,0x210",
             "printer",
         )
-    (left, right), (front, back) = ((min(values), max(values)) for values in zip(*places, strict=True))
+    (left, right), (front, back) = ((min(values), max(values)) for values in zip(*points, strict=True))
     origin = "centre" if left < 0 else "corner"
     return {"bed_width_mm": right - left, "bed_depth_mm": back - front, "origin": origin}
 
 
 def _line_width(values: dict[str, str], nozzle: float) -> float:
-    """Return the width of a line, mm."""
+    """Return the width of a printed line, mm, from a profile's values; a multiple of the nozzle (mm) without one."""
     for name in WIDTH_KEYS:
         text = values.get(name, "")
         number = _parse_number(text.removesuffix("%"))
@@ -215,5 +216,5 @@ def _line_width(values: dict[str, str], nozzle: float) -> float:
 
 
 def _parse_number(text: str) -> float | None:
-    """Return the first number of a value with one per extruder; None if it is not a number."""
+    """Parse a profile's value, or its first number if it has one for each extruder; None if it is no number."""
     return formatting.parse_number(text.split(",")[0])

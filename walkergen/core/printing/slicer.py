@@ -137,9 +137,9 @@ def owner_settings(printer: Printer, material: Material) -> dict[str, str]:
 def prusaslicer_bundle(printer: Printer, material: Material) -> bytes:
     """Return a config bundle of PrusaSlicer, which --load reads as well.
 
-    A bundle's import takes the section, as a preset of its own: it inherits nothing, for a preset
-    whose parent a user lacks would be in vain. Printer and filament of the window stay. --load
-    takes the lines above and no section; nothing else need be loaded.
+    The import of a bundle adds its section as a print preset. It inherits nothing, since presets whose parent a user
+    lacks are dropped. The selected printer and filament stay. --load reads only the lines above the section, and needs
+    no other file.
     """
     name, settings = preset_name(printer), prusaslicer_settings(printer)
     lines = [
@@ -147,21 +147,21 @@ def prusaslicer_bundle(printer: Printer, material: Material) -> bytes:
         "# File > Import > Import Config Bundle (not Import Config, which changes the printer).",
         "# --load reads these first lines, and then needs no other file: bed and nozzle are those",
         "# of the printer, temperatures and density those of the design's material.",
-        *_format_lines(owner_settings(printer, material)),
-        *_format_lines(settings),
+        *_ini_lines(owner_settings(printer, material)),
+        *_ini_lines(settings),
         "",
         f"[print:{name}]",
-        *_format_lines(settings),
+        *_ini_lines(settings),
     ]
     return ("\n".join(lines) + "\n").encode()
 
 
 def prusaslicer_print(printer: Printer) -> bytes:
-    """Return print settings alone, which --load adds to a printer and filament that it read before."""
+    """Return the file of print settings alone, which --load adds to a printer and filament that it read before."""
     lines = [
         f"# Print settings {preset_name(printer)}, for PrusaSlicer 2.5 and later.",
         "# With --load after your own printer and filament, which they leave alone.",
-        *_format_lines(prusaslicer_settings(printer)),
+        *_ini_lines(prusaslicer_settings(printer)),
     ]
     return ("\n".join(lines) + "\n").encode()
 
@@ -169,7 +169,7 @@ def prusaslicer_print(printer: Printer) -> bytes:
 def orca_settings(printer: Printer) -> dict[str, str]:
     """Return print settings by the keys of OrcaSlicer and Bambu Studio; others keep their defaults.
 
-    Each passes over keys that are the other's: OrcaSlicer's `only_one_wall_top` is Bambu Studio's
+    Each program ignores keys of the other: OrcaSlicer's `only_one_wall_top` is Bambu Studio's
     `top_one_wall_type`, and `top_bottom_infill_wall_overlap` is OrcaSlicer's alone. "zig-zag" is
     Bambu Studio's rectilinear, and OrcaSlicer translates it.
     """
@@ -225,5 +225,5 @@ def orca_json(printer: Printer) -> bytes:
     return (json.dumps(preset, indent=4) + "\n").encode()
 
 
-def _format_lines(settings: Mapping[str, str]) -> list[str]:
+def _ini_lines(settings: Mapping[str, str]) -> list[str]:
     return [f"{key} = {value}" for key, value in settings.items()]

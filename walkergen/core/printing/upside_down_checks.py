@@ -46,22 +46,26 @@ def overhang_area(design: Design, mesh: Mesh) -> float:
     letters, whose strokes are bridged; pockets have a check of their own (pocket_checks).
     """
     if design.parts:
-        bare = pockets.without_pockets(design)
-        return overhang_area(bare, solids.orient_for_print(bare, solids.build(bare).walker))
+        design_without_pockets = pockets.without_pockets(design)
+        return overhang_area(
+            design_without_pockets,
+            solids.orient_for_print(design_without_pockets, solids.build(design_without_pockets).walker),
+        )
     corners = mesh.vertices[mesh.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     areas = 0.5 * np.linalg.norm(normals, axis=1)
-    down: Array = -0.5 * normals[:, 2]
+    downward_areas: Array = -0.5 * normals[:, 2]
     # A picometre aside, so that faces of exactly that angle are as rounding has them
-    steep = down > (math.sin(math.radians(MAX_OVERHANG_DEG)) + 1e-9) * areas
+    is_steep = downward_areas > (math.sin(math.radians(MAX_OVERHANG_DEG)) + 1e-9) * areas
     heights = corners[:, :, 2]
     pocket = design.marks.depth_mm if design.letters else 0.0
-    in_air = heights.max(axis=1) > mesh.vertices[:, 2].min() + pocket + ROUNDING_MM
-    of_body = heights.min(axis=1) < design.size.thickness - ROUNDING_MM
-    return float(areas[steep & in_air & of_body].sum())
+    is_in_air = heights.max(axis=1) > mesh.vertices[:, 2].min() + pocket + ROUNDING_MM
+    is_body = heights.min(axis=1) < design.size.thickness - ROUNDING_MM
+    return float(areas[is_steep & is_in_air & is_body].sum())
 
 
 def _check_tilt(design: Design) -> Iterator[Finding]:
+    """Yield a warning for each kind of leg that tilts too far to print without supports."""
     for tilt, name in walls.group_legs(design, lambda limb: round(abs(math.degrees(limb.tilt)), 9)):
         if tilt > MAX_OVERHANG_DEG:
             what, change = (
@@ -72,6 +76,7 @@ def _check_tilt(design: Design) -> Iterator[Finding]:
 
 
 def _check_layer_steps(design: Design, printer: Printer) -> Iterator[Finding]:
+    """Yield a warning for each kind of leg whose layers step aside by too much of its thickness."""
     for (slope, thickness), name in walls.group_legs(design, lambda limb: (math.tan(abs(limb.tilt)), limb.thickness)):
         step, limit = printer.layer_height_mm * slope, MAX_STEP_RATIO * thickness
         if step > limit + ROUNDING_MM:
@@ -83,6 +88,7 @@ def _check_layer_steps(design: Design, printer: Printer) -> Iterator[Finding]:
 
 
 def _check_modulus_spread(design: Design) -> Iterator[Finding]:
+    """Yield advice to assume more uncertainty of Young's modulus, since legs bend across their layers."""
     material = design.material
     spread = 100.0 * material.youngs_modulus_sd_gpa / material.youngs_modulus_gpa
     if not design.rigid and spread < MIN_MODULUS_SD_PERCENT:
@@ -94,6 +100,7 @@ def _check_modulus_spread(design: Design) -> Iterator[Finding]:
 
 
 def _check_overhang(design: Design, mesh: Mesh) -> Iterator[Finding]:
+    """Yield a warning if too large an area of the body prints over air."""
     area = overhang_area(design, mesh)
     if area > MIN_OVERHANG_MM2:
         turn = ", or turn the mesh by body.up" if design.body.mesh is not None else ""

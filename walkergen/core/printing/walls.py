@@ -82,24 +82,26 @@ class Wall(NamedTuple):
 
 def upright_walls(design: Design) -> list[Wall]:
     """Return the upright walls of a design: of each distinct leg and brace, and of a body that prints on its side."""
-    side = solids.is_printed_on_side(design)
+    is_on_side = solids.is_printed_on_side(design)
     key = f"legs.{design.kind}_thickness_mm" if design.pair else ""
-    legs = [Wall(name, *sizes, key=key) for sizes, name in group_legs(design, lambda limb: _leg_sizes(limb, side))]
+    legs = [
+        Wall(name, *sizes, key=key) for sizes, name in group_legs(design, lambda limb: _leg_sizes(limb, is_on_side))
+    ]
     braces = [
         Wall(name.replace("leg", "brace", 1) if name == "leg" else f"brace of {name}", *sizes)
-        for sizes, name in group_legs(design, lambda limb: _brace_sizes(limb, side))
+        for sizes, name in group_legs(design, lambda limb: _brace_sizes(limb, is_on_side))
         if sizes is not None
     ]
-    if not side:
+    if not is_on_side:
         return legs + braces
     size = design.size
     return [*legs, *braces, Wall("body", min(size.thickness, size.length), 1.0, size.depth, About.BODY)]
 
 
 def group_legs(design: Design, key: Callable[[Limb], Key]) -> list[tuple[Key, str]]:
-    """Return the keys of a design's legs, each once, with the name of the legs that share it.
+    """Group a design's legs by a key, and return each distinct key with the name of its legs.
 
-    It is "leg" where all do, else their numbers from 1, as in "legs[1], legs[3]".
+    The name is "leg" if all legs share the key, otherwise it lists numbers from 1, as "legs[1], legs[3]".
     """
     sharing: dict[Key, list[str]] = {}
     for number, limb in enumerate(design.limbs, start=1):
@@ -112,9 +114,9 @@ def with_article(name: str) -> str:
     return name if name.startswith("legs[") else f"the {name}"
 
 
-def _leg_sizes(limb: Limb, side: bool) -> tuple[float, float, float]:
-    """Return the thickness, slant and height of a leg as a wall."""
-    if side:
+def _leg_sizes(limb: Limb, is_on_side: bool) -> tuple[float, float, float]:
+    """Return the thickness (mm), slant (cosine from the vertical) and printing height (mm) of a leg as a wall."""
+    if is_on_side:
         return limb.thickness, 1.0, limb.width
     slant, height = math.cos(limb.tilt), -limb.anchor_to_foot[1]
     if limb.width < limb.thickness / slant:
@@ -122,10 +124,10 @@ def _leg_sizes(limb: Limb, side: bool) -> tuple[float, float, float]:
     return limb.thickness, slant, height
 
 
-def _brace_sizes(limb: Limb, side: bool) -> tuple[float, float, float] | None:
-    """Return thickness, slant and height of a leg's brace as a wall; None without a brace."""
+def _brace_sizes(limb: Limb, is_on_side: bool) -> tuple[float, float, float] | None:
+    """Return thickness (mm), slant (1) and printing height (mm) of a leg's brace as a wall; None without a brace."""
     for strut in section_of(limb).struts(limb):
-        if side:
+        if is_on_side:
             return strut.thickness, 1.0, limb.width
         return min(strut.thickness, limb.width), 1.0, -limb.anchor_to_foot[1]
     return None
@@ -153,7 +155,7 @@ def deviation(thickness: float, printer: Printer) -> float:
 
 
 def leg_plastic(limb: Limb, printer: Printer, side: bool = True) -> float:
-    """Compute the expected plastic in a leg, with its brace if any, over its mesh; see UPRIGHT_TOLERANCE.
+    """Compute the expected plastic in a leg and its brace, divided by that of their mesh; see UPRIGHT_TOLERANCE.
 
     `side` is True for a leg that prints on its side, False for one that prints upright.
     """
@@ -179,7 +181,7 @@ def line_rounding(printer: Printer) -> float:
 
 
 def _classic_thickness(thickness: float, printer: Printer) -> float:
-    """Return the plastic of lines of one width, in pairs from outside; a gap in the middle is filled."""
+    """Return the plastic of a classic wall as a thickness, mm: pairs of equal lines from outside, and a filled gap."""
     if thickness <= vanishing_thickness(printer):
         return 0.0
     width, rounding = printer.line_width_mm, line_rounding(printer)

@@ -26,7 +26,7 @@ class Body(NamedTuple):
 
 
 def prepare_body(mesh: Mesh) -> Body:
-    """Prepare the body of a sound mesh for the functions below. Raises SolidError when it is refused."""
+    """Convert a sound mesh to a body for `cut_flush` and `unite_with_legs`. Raises SolidError when it is refused."""
     return Body(mesh, modeller.to_solid(mesh))
 
 
@@ -41,7 +41,10 @@ def plan_projection(solid: manifold3d.Manifold) -> "BaseGeometry":
 
 
 def leg_prism(foot: Array, direction: Array, thickness: float, width: float, length: float) -> Mesh:
-    """Build a straight leg of rectangular section, square at both ends, from its foot upward."""
+    """Build a straight leg of rectangular section, square at both ends, from the middle of its foot upward.
+
+    `foot` and the unit vector `direction`, shape (3,), lie in one x-y plane. `width` is along z. Lengths in mm.
+    """
     side = 0.5 * thickness * np.array([direction[1], -direction[0], 0.0])
     across, along = np.array([0.0, 0.0, 0.5 * width]), length * direction
     ring = np.array([-side - across, side - across, side + across, -side + across])

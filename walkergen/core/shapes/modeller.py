@@ -49,7 +49,7 @@ def check_solid(manifold: manifold3d.Manifold) -> manifold3d.Manifold:
 
 
 def to_mesh(manifold: manifold3d.Manifold) -> Mesh:
-    """Return the closed mesh of a solid, vertices as float64."""
+    """Return the closed mesh of a solid."""
     raw = manifold.to_mesh64()
     vertices = np.asarray(raw.vert_properties, dtype=np.float64)[:, :3]
     return Mesh(vertices, np.asarray(raw.tri_verts, dtype=np.int64))
@@ -82,15 +82,15 @@ def extrude(
     engraving: Engraving = NO_ENGRAVING,
     pieces: bool = False,
 ) -> Mesh:
-    """Extrude the union of profiles to z = 0..depth; `windows` is the expected genus, if known.
+    """Extrude the union of profiles, shape (n, 2) each, to z = 0..depth; `windows` is its number of holes, if known.
 
     manifold3d's 2D booleans snap to a grid of 1e-8 units. A power of two brings the profile to a
     size of about 2^30 units first and back afterwards, both exact, which leaves 17 digits. Raises
     SolidError when the result is not one sound body with so many windows, unless `pieces` may be
     several, as of letters.
     """
-    reach = max(float(np.abs(profile).max()) for profile in profiles)
-    scale = 2.0 ** (30 - math.frexp(max(reach, depth))[1])
+    largest_coordinate = max(float(np.abs(profile).max()) for profile in profiles)
+    scale = 2.0 ** (30 - math.frexp(max(largest_coordinate, depth))[1])
     section = manifold3d.CrossSection([scale * profile for profile in profiles], manifold3d.FillRule.Positive)
     if windows == 0:
         section = _without_slivers(section)
@@ -112,10 +112,10 @@ def _without_slivers(section: manifold3d.CrossSection) -> manifold3d.CrossSectio
 
     Raises SolidError when a hole is larger than that.
     """
-    least = MIN_WINDOW_RATIO * section.area()
-    outlines = [polygon for polygon in section.to_polygons() if _signed_area(polygon) > least]
+    min_area = MIN_WINDOW_RATIO * section.area()
+    outlines = [polygon for polygon in section.to_polygons() if _signed_area(polygon) > min_area]
     filled = manifold3d.CrossSection(outlines)
-    if filled.area() - section.area() > least:
+    if filled.area() - section.area() > min_area:
         raise SolidError("the solid has a window that the design has not")
     return filled
 
@@ -127,10 +127,13 @@ def _signed_area(polygon: Polygon) -> float:
 
 
 def _engrave(solid: manifold3d.Manifold, engraving: Engraving, depth: float, scale: float) -> manifold3d.Manifold:
-    """Cut pockets into a scaled solid's upper side; they overshoot it, so that no sides touch."""
+    """Cut the pockets of an engraving into the upper side of a solid that is `scale` times as large as drawn.
+
+    The cutter overshoots the side, so that no faces touch.
+    """
     section = manifold3d.CrossSection([scale * profile for profile in engraving.profiles], manifold3d.FillRule.Positive)
-    tool = manifold3d.Manifold.extrude(section, scale * 2.0 * engraving.depth)
-    cut = solid - tool.translate((0.0, 0.0, scale * (depth - engraving.depth)))
+    cutter = manifold3d.Manifold.extrude(section, scale * 2.0 * engraving.depth)
+    cut = solid - cutter.translate((0.0, 0.0, scale * (depth - engraving.depth)))
     # A pocket, with or without islands, leaves one body and opens no window.
     if cut.status() != manifold3d.Error.NoError or cut.genus() != solid.genus():
         raise SolidError(

@@ -167,23 +167,24 @@ class _Package:
         self._counts: dict[Place, tuple[int, int]] = {}
 
     def read_archive(self, archive: zipfile.ZipFile) -> None:
-        """Take in the model that the archive names, and those that this one refers to."""
+        """Read the main model of an archive, the models that it refers to, and the notes of slicers."""
         names = {name.lstrip("/").lower(): name for name in archive.namelist()}
         targets = ["3d/3dmodel.model"]
 
-        def relate(tag: str, attributes: Attributes) -> None:
+        def read_relationship(tag: str, attributes: Attributes) -> None:
+            """Set the path of the main model if the element names it."""
             if tag.endswith("Relationship") and attributes.get("Type", "").endswith("/3dmodel"):
                 targets[0] = attributes.get("Target", "").lstrip("/").lower()
 
         if "_rels/.rels" in names:
-            self._parse_xml(archive, names["_rels/.rels"], relate)
+            self._parse_xml(archive, names["_rels/.rels"], read_relationship)
         root = targets[0]
         for path in targets:  # grows while it is read
             if path not in names:
                 raise InputError(f"refers to {path[:60]!r}, which it does not hold; export the file again")
             self._parse_xml(archive, names[path], *self._model_handlers(path, path == root))
-            own = [place for place, made in self.objects.items() if place[0] == path]
-            placed = [part for place in own for part in self.objects[place].components]
+            objects_of_model = [place for place, made in self.objects.items() if place[0] == path]
+            placed = [part for place in objects_of_model for part in self.objects[place].components]
             others = {part.object[0] for part in [*placed, *(self.items if path == root else [])]}
             targets += sorted(others - {*targets})
         for path in SLICER_NOTE_FILES:
@@ -200,35 +201,40 @@ class _Package:
         begin: Callable[[str, Attributes], None],
         text: Callable[[str], None] | None = None,
     ) -> None:
-        """Give the elements of a file to a function, and its text to another.
+        """Parse a file, calling `begin` with the tag and attributes of each element, and `text` with each text.
 
         Raises ExpatError, and InputError for too many elements.
         """
         most = MAX_ELEMENTS_PER_TRIANGLE * self.most_triangles + MAX_PARTS
 
-        def count(tag: str, attributes: Attributes) -> None:
+        def begin_counted(tag: str, attributes: Attributes) -> None:
+            """Count an element and pass it on. Raises InputError for too many."""
             self._elements += 1
             if self._elements > most:
                 raise InputError(f"has more than {most} elements; simplify the mesh")
             begin(tag, attributes)
 
-        def refuse(*_: object) -> None:
+        def refuse_document_type(*_: object) -> None:
             raise InputError("has a document type, which no 3MF may have; export the file again")
 
         parser = expat.ParserCreate(namespace_separator=" ")
-        parser.StartElementHandler = count
-        parser.StartDoctypeDeclHandler = refuse
+        parser.StartElementHandler = begin_counted
+        parser.StartDoctypeDeclHandler = refuse_document_type
         parser.StartNamespaceDeclHandler = self._prefixes.__setitem__
         parser.CharacterDataHandler = text
         with archive.open(name) as stream:
             parser.ParseFile(stream)
 
     def _model_handlers(self, path: str, root: bool) -> tuple[Callable[[str, Attributes], None], Callable[[str], None]]:
-        """Return functions that receive the elements of a model and their text."""
+        """Return functions that receive the elements of the model at `path` and their text.
+
+        `root` is True for the main model, whose items are printed.
+        """
         vertex, triangle = CORE_NAMESPACE + "vertex", CORE_NAMESPACE + "triangle"
         own, setting, place = _new_object({}), "", (path, 0)
 
         def begin(tag: str, attributes: Attributes) -> None:
+            """Store a vertex, triangle, object, component or item. Raises InputError for what cannot be read."""
             nonlocal own, setting, place
             setting = ""
             if tag == triangle:
@@ -258,6 +264,7 @@ class _Package:
                 raise InputError("holds a lattice of beams, which is no mesh; export it as triangles")
 
         def text(words: str) -> None:
+            """Mark the current object as not printed if the text switches on a setting of UNPRINTED_SETTINGS."""
             if setting in UNPRINTED_SETTINGS and words.strip().lower() == "true" and place in self.objects:
                 self.objects[place] = self.objects[place]._replace(printed=False)
 
@@ -276,10 +283,11 @@ class _Package:
                 raise InputError(f"requires {space[:90]!r}, which walkergen does not read; export plain meshes")
 
     def _note_handler(self) -> Callable[[str, Attributes], None]:
-        """Return a function that reads the elements of a slicer's notes."""
+        """Return a function that reads the roles of triangles from the elements of a slicer's notes."""
         number = 0
 
         def begin(tag: str, attributes: Attributes) -> None:
+            """Store the role of the triangles that an element describes."""
             nonlocal number
             volumes = self.volumes.setdefault(number, [])
             if tag == "object":
@@ -309,18 +317,22 @@ class _Package:
             raise InputError(f"places {triangles} triangles, at most {self.most_triangles}; simplify the mesh")
 
     def _count_meshes(self, place: Place, depth: int) -> tuple[int, int]:
-        """Count the meshes and triangles of an object. Raises InputError if it is nested too deeply, or has none."""
+        """Count the meshes and triangles of an object and its components, `depth` levels below an item.
+
+        `place` is the path of the model and the number of the object. Raises InputError if it is nested too deeply, or
+        has none.
+        """
         if depth > MAX_DEPTH:
             raise InputError(f"components lie more than {MAX_DEPTH} deep; join them")
         if place not in self.objects:
             raise InputError(f"places an object {place[1]} that it does not hold; export the file again")
         if place not in self._counts:
-            own = self.objects[place]
-            inner = [self._count_meshes(part.object, depth + 1) for part in own.components]
-            if not (inner or len(own.triangles)):
-                raise InputError(f"object {place[1]} {own.name[:40]!r} is no mesh; give triangles")
+            counted = self.objects[place]
+            inner = [self._count_meshes(part.object, depth + 1) for part in counted.components]
+            if not (inner or len(counted.triangles)):
+                raise InputError(f"object {place[1]} {counted.name[:40]!r} is no mesh; give triangles")
             parts = sum(parts for parts, _ in inner) or 1
-            self._counts[place] = parts, sum(count for _, count in inner) + len(own.triangles) // 3
+            self._counts[place] = parts, sum(count for _, count in inner) + len(counted.triangles) // 3
         return self._counts[place]
 
     def parts(self) -> Iterator[Part]:
@@ -336,29 +348,36 @@ class _Package:
                 )
                 yield from _split_by_role(placed, volumes) if role == "model" else [placed]
 
-    def _place_meshes(self, place: Place, chain: list[Array]) -> Iterator[tuple[Part, list[tuple[int, int, Role]]]]:
-        """Yield the meshes of an object, or of its components, moved by all transforms on the path to it."""
-        own = self.objects[place]
-        for part in own.components:
-            yield from self._place_meshes(part.object, [*chain, part.transform])
-        if not len(own.triangles):
+    def _place_meshes(
+        self, place: Place, transforms: list[Array]
+    ) -> Iterator[tuple[Part, list[tuple[int, int, Role]]]]:
+        """Yield the meshes of an object, or of its components, moved by all transforms on the path to it.
+
+        `place` is the path of the model and the number of the object. `transforms` has shape (4, 3) for each, the
+        item's first. Each mesh comes with the roles of its triangles.
+        """
+        placed = self.objects[place]
+        for part in placed.components:
+            yield from self._place_meshes(part.object, [*transforms, part.transform])
+        if not len(placed.triangles):
             return
-        vertices = np.array(own.corners).reshape(-1, 3)
-        triangles = np.array(own.triangles, np.int64).reshape(-1, 3)
-        for transform in reversed(chain):
+        vertices = np.array(placed.corners).reshape(-1, 3)
+        triangles = np.array(placed.triangles, np.int64).reshape(-1, 3)
+        for transform in reversed(transforms):
             vertices = vertices @ transform[:3] + transform[3]
             if np.linalg.det(transform[:3]) < 0.0:  # a mirror image is turned inside out
                 triangles = triangles[:, ::-1]
-        yield Part("", vertices, triangles, "model" if own.printed else "other"), self.volumes.get(place[1], [])
+        yield Part("", vertices, triangles, "model" if placed.printed else "other"), self.volumes.get(place[1], [])
 
 
 def _new_object(attributes: Attributes) -> _Object:
+    """Return an empty object with the name and type in an element's attributes."""
     printed = attributes.get("type", "model") == "model"
     return _Object(attributes.get("name", ""), printed, array("d"), array("q"), [])
 
 
 def _parse_placement(attributes: Attributes, path: str) -> _Placed:
-    """Read the object that an item or a component places, from this model or from another model's path."""
+    """Return the object that an item or a component places, from the model at `path` or at a path of its own."""
     paths = [value for name, value in attributes.items() if name.endswith(" path")]
     place = (paths[0].lstrip("/").lower() if paths else path), int(attributes["objectid"])
     numbers = [float(word) for word in attributes.get("transform", "1 0 0 0 1 0 0 0 1 0 0 0").split()]
@@ -369,7 +388,8 @@ def _parse_placement(attributes: Attributes, path: str) -> _Placed:
 def _split_by_role(whole: Part, volumes: list[tuple[int, int, Role]]) -> Iterator[Part]:
     """Split a part by the roles of its triangles; triangles outside all volumes belong to the model.
 
-    Raises InputError for volumes that share triangles.
+    `volumes` has the first and last triangle of each volume, and its role. Raises InputError for volumes that share
+    triangles.
     """
     spans = [(slice(first, last + 1 if last >= 0 else None), role) for first, last, role in volumes]
     count = len(whole.triangles)
