@@ -7,7 +7,7 @@ corner to them. Only slivers in overlapping directions can meet. Two triangles c
 an edge of one passes through the other, and each has corners farther than the tolerance on both sides
 of the other's plane; or when they lie in one plane, face the same way and overlap by more than the
 tolerance. Neighbours along an edge are not compared: where neighbours are turned alike, one can at most
-lie folded upon the other.
+lie folded upon the other. In the kernels, `shapes` is an `OrderedTriangles`, and a triangle is a place in its order.
 """
 
 from typing import NamedTuple
@@ -101,14 +101,16 @@ def find(vertices: Array, triangles: Whole, tolerance: float) -> Crossings:
     first, second, third = corners.transpose(1, 0, 2)
     low = np.minimum(np.minimum(first, second), third)
     high = np.maximum(np.maximum(first, second), third)
-    inside = 0.5 * tolerance * (high - low > 2.0 * tolerance)
-    shapes = OrderedTriangles(ordered, corners, normals, low + inside, high - inside, apexes[order], vertices)
+    half_tolerance = 0.5 * tolerance * (high - low > 2.0 * tolerance)
+    shapes = OrderedTriangles(
+        ordered, corners, normals, low + half_tolerance, high - half_tolerance, apexes[order], vertices
+    )
     scratch = Scratch(np.empty(STACK_SIZE, np.int64), np.empty((3, 3)), np.empty(3), np.empty(3))
     count, one, other = _count_crossings(
         shapes, Tree(leaves, *_build_tree(shapes, leaves, scratch)), scratch, tolerance
     )
-    found = (-1, -1) if count == 0 else (int(order[one]), int(order[other]))
-    return Crossings(int(count), found)
+    pair = (-1, -1) if count == 0 else (int(order[one]), int(order[other]))
+    return Crossings(int(count), pair)
 
 
 def _crowded_corners(triangles: Whole) -> Whole:
@@ -134,7 +136,10 @@ def _morton_codes(vertices: Array, triangles: Whole) -> Whole:
 
 @kernel
 def _build_tree(shapes, leaves, scratch):
-    """Return the bounds and apexes of the nodes of a `Tree`."""
+    """Return the bounds (lows and highs) and the apexes of the nodes of a `Tree` with this number of leaves.
+
+    `scratch` is overwritten.
+    """
     lows = np.full((2 * leaves, 6), np.inf)
     highs = np.full((2 * leaves, 6), -np.inf)
     apexes = np.full(2 * leaves, -2)  # -2: empty
@@ -160,17 +165,20 @@ def _build_tree(shapes, leaves, scratch):
 
 @lean
 def _count_crossings(shapes, tree, scratch, tolerance):
-    """Count the crossing pairs, and return the first of them in the order of the tree."""
+    """Return the number of crossing pairs, and the two triangles of the first pair in the order of the tree.
+
+    `scratch` is overwritten.
+    """
     total, leaves, stack = len(shapes.triangles), tree.leaves, scratch.stack
     count, one, other = 0, -1, -1
-    for own in range(leaves, leaves + (total + LEAF_SIZE - 1) // LEAF_SIZE):
-        begin, end, apex = LEAF_SIZE * (own - leaves), min(LEAF_SIZE * (own - leaves) + LEAF_SIZE, total), -1
+    for leaf in range(leaves, leaves + (total + LEAF_SIZE - 1) // LEAF_SIZE):
+        begin, end, apex = LEAF_SIZE * (leaf - leaves), min(LEAF_SIZE * (leaf - leaves) + LEAF_SIZE, total), -1
         stack[0] = 1
         height = 1
         while height > 0:
             height -= 1
             node = stack[height]
-            if _is_disjoint(tree.low, tree.high, own, tree.low, tree.high, node):
+            if _is_disjoint(tree.low, tree.high, leaf, tree.low, tree.high, node):
                 continue
             if tree.apexes[node] >= 0:
                 if tree.apexes[node] != apex:
@@ -183,7 +191,7 @@ def _count_crossings(shapes, tree, scratch, tolerance):
                 stack[height] = 2 * node
                 stack[height + 1] = 2 * node + 1
                 height += 2
-            elif node >= own:  # each pair once
+            elif node >= leaf:  # each pair once
                 start = LEAF_SIZE * (node - leaves)
                 for first in range(begin, end):
                     for second in range(max(start, first + 1), min(start + LEAF_SIZE, total)):
@@ -197,36 +205,41 @@ def _count_crossings(shapes, tree, scratch, tolerance):
 
 
 @lean
-def _bound_directions(shapes, triangle, apex, scratch, anew):
-    """Set the bounds of the directions (unit vectors) from a vertex to a triangle, or widen the present bounds.
+def _bound_directions(shapes, triangle, apex, scratch, reset):
+    """Set the bounds in `scratch` of the directions (unit vectors) from the vertex `apex` to a triangle.
 
-    A direction is that of a point w of the flat triangle of the corners' directions, itself w / |w|: no
-    farther from w than 1 - |w|, and |w|^2 is at least the least product of two corners' directions.
+    Unless `reset`, the present bounds are widened. A direction is that of a point w of the flat triangle between the
+    directions of the corners. It is w / |w|, which is no farther from w than 1 - |w|. |w|^2 is at least the least
+    scalar product of two of these directions.
     """
-    seen, count, whole = scratch.seen, 0, False
+    directions, count, touches_apex = scratch.seen, 0, False
     for corner in range(3):
         if shapes.triangles[triangle, corner] == apex:
             continue
         square = 0.0
         for axis in range(3):
-            seen[count, axis] = shapes.corners[triangle, corner, axis] - shapes.vertices[apex, axis]
-            square += seen[count, axis] * seen[count, axis]
-        whole = whole or square == 0.0
+            directions[count, axis] = shapes.corners[triangle, corner, axis] - shapes.vertices[apex, axis]
+            square += directions[count, axis] * directions[count, axis]
+        touches_apex = touches_apex or square == 0.0
         for axis in range(3):
-            seen[count, axis] /= np.sqrt(square) if square > 0.0 else 1.0
+            directions[count, axis] /= np.sqrt(square) if square > 0.0 else 1.0
         count += 1
-    least = 1.0
+    least_product = 1.0
     for i in range(count):
         for j in range(i):
-            product = seen[i, 0] * seen[j, 0] + seen[i, 1] * seen[j, 1] + seen[i, 2] * seen[j, 2]
-            least = min(least, product)
-    margin = 2.0 if whole or least <= 0.0 else 1.0 - np.sqrt(least) + 1e-14
+            product = (
+                directions[i, 0] * directions[j, 0]
+                + directions[i, 1] * directions[j, 1]
+                + directions[i, 2] * directions[j, 2]
+            )
+            least_product = min(least_product, product)
+    margin = 2.0 if touches_apex or least_product <= 0.0 else 1.0 - np.sqrt(least_product) + 1e-14
     for axis in range(3):
-        if anew:
+        if reset:
             scratch.low[axis], scratch.high[axis] = np.inf, -np.inf
         for i in range(count):
-            scratch.low[axis] = min(scratch.low[axis], seen[i, axis] - margin)
-            scratch.high[axis] = max(scratch.high[axis], seen[i, axis] + margin)
+            scratch.low[axis] = min(scratch.low[axis], directions[i, axis] - margin)
+            scratch.high[axis] = max(scratch.high[axis], directions[i, axis] + margin)
 
 
 @lean
@@ -240,7 +253,10 @@ def _has_disjoint_directions(scratch, tree, node):
 
 @lean
 def _is_disjoint(low, high, one, lows, highs, other):
-    """Return whether box `one` of the first list and box `other` of the second do not meet."""
+    """Return whether box `one` of the first list and box `other` of the second do not meet.
+
+    `low`, `high` and `lows`, `highs` are the least and greatest coordinates of the boxes in each list, one box a row.
+    """
     return (
         low[one, 0] > highs[other, 0]
         or high[one, 0] < lows[other, 0]
@@ -260,17 +276,17 @@ def _is_crossing(shapes, one, other, tolerance):
             shared += shapes.triangles[one, i] == shapes.triangles[other, j]
     if shared > 1:
         return False
-    parted, level = False, False
+    is_on_one_side, is_coplanar = False, False
     for first, second in ((one, other), (other, one)):
         least, most = np.inf, -np.inf
         for corner in range(3):
             height = _height_above_plane(shapes, first, second, corner)
             least, most = min(least, height), max(most, height)
-        parted = parted or -least <= tolerance or most <= tolerance
-        level = level or max(-least, most) <= tolerance
-    if level:
+        is_on_one_side = is_on_one_side or -least <= tolerance or most <= tolerance
+        is_coplanar = is_coplanar or max(-least, most) <= tolerance
+    if is_coplanar:
         return _is_overlapping(shapes, one, other, tolerance)
-    if parted:
+    if is_on_one_side:
         return False
     for number in range(6):
         first, second = (one, other) if number < 3 else (other, one)
@@ -281,7 +297,7 @@ def _is_crossing(shapes, one, other, tolerance):
 
 @lean
 def _height_above_plane(shapes, triangle, other, corner):
-    """Return the height of a corner of another triangle above a triangle's plane."""
+    """Return the height of corner 0, 1 or 2 of the triangle `other` above the plane of `triangle`."""
     height = 0.0
     for axis in range(3):
         rise = shapes.corners[other, corner, axis] - shapes.corners[triangle, 0, axis]
@@ -291,9 +307,9 @@ def _height_above_plane(shapes, triangle, other, corner):
 
 @lean
 def _pierces(shapes, one, edge, other):
-    """Return whether an edge of a triangle passes through another that has neither of its ends.
+    """Return whether edge 0, 1 or 2 of triangle `one` passes through the triangle `other`; False if they share an end.
 
-    An edge that meets an edge of the other passes: nothing slips between two neighbours.
+    An edge that meets an edge of the other triangle passes: nothing slips between two neighbours.
     """
     following = (edge + 1) % 3
     for corner in range(3):
@@ -314,9 +330,9 @@ def _pierces(shapes, one, edge, other):
 
 @lean
 def _signed_edge_distance(shapes, triangle, edge, other, corner):
-    """Return the distance of another triangle's corner from the line along an edge, positive inside.
+    """Return the distance of a corner of the triangle `other` from the line along an edge of `triangle`.
 
-    It is measured in the plane of the triangle that has the edge.
+    It is positive inside, and measured in the plane of `triangle`. Edges and corners are 0, 1 or 2.
     """
     following = (edge + 1) % 3
     length, across = 0.0, 0.0
@@ -333,7 +349,7 @@ def _signed_edge_distance(shapes, triangle, edge, other, corner):
 
 @lean
 def _is_overlapping(shapes, one, other, tolerance):
-    """Return whether two triangles of one plane, facing the same way, overlap: no edge divides them."""
+    """Return whether two triangles in one plane that face the same way overlap: no edge of one separates them."""
     facing = 0.0
     for axis in range(3):
         facing += shapes.normals[one, axis] * shapes.normals[other, axis]

@@ -140,11 +140,11 @@ def _fixed_metadata() -> Iterator[None]:
 def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
     """Read the closed contours of a DXF file's model space, in mm, as one shape whose holes alternate.
 
-    Lines and curves that meet within GAP are joined, and shorter ones draw nothing. Left out are layers that are hidden
-    or do not plot, ANNOTATIONS and, with a note, lines drawn twice and the frame of a sheet. `scale_mm` (mm per unit of
-    the drawing) takes precedence over the unit that the file states, $INSUNITS. Raises InputError, which begins with
-    `source`, for a file that is no DXF, states no unit while `scale_mm` is None, or holds open or branching lines, or
-    anything else than plane curves.
+    Lines and curves that meet within MAX_END_GAP are joined, and shorter ones left out. Left out are also layers that
+    are hidden or do not plot, ANNOTATIONS and, with a note, lines drawn twice and the frame of a sheet. `scale_mm` (mm
+    per unit of the drawing) takes precedence over the unit that the file states, $INSUNITS. Raises InputError, which
+    begins with `source`, for a file that is no DXF, states no unit while `scale_mm` is None, or holds open or branching
+    lines, or anything else than plane curves.
     """
     data = file_reading.read_bytes(path, MAX_BYTES)
     with file_reading.translate_library_errors(source, "DXF"):
@@ -175,7 +175,7 @@ def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
 
 
 def _check_ellipse_ratios(data: bytes, source: str) -> None:
-    """Raise InputError for an ellipse whose second axis is the longer, which ezdxf would make a circle of."""
+    """Raise InputError for an ellipse whose second axis is the longer one: ezdxf would turn it into a circle."""
     lines = [] if data.startswith(BINARY_SIGNATURE) else data.splitlines()
     kind = b""
     for code, value in zip(lines[::2], lines[1::2], strict=False):
@@ -186,50 +186,52 @@ def _check_ellipse_ratios(data: bytes, source: str) -> None:
 
 
 def _polyline_width(entity: Any) -> float:
-    """Return the width of a polyline, in units of the drawing."""
+    """Return the constant width of a polyline in units of the drawing; 0 for other entities."""
     return float(entity.dxf.get("const_width", 0.0)) if entity.dxftype() == "LWPOLYLINE" else 0.0
 
 
 def _remove_duplicates(curves: Sequence[Array], gap: float) -> tuple[list[Array], int]:
-    """Drop curves that lie on an earlier one, drawn either way, and return their number too."""
+    """Return the curves that do not repeat an earlier one in either direction, and the number of those that do."""
     kept: dict[tuple[tuple[float, ...], ...], Array] = {}
     for curve in curves:
-        loop = is_within_gap(curve[0], curve[-1], gap)
-        places = [curve.min(axis=0), curve.max(axis=0)] if loop else sorted([curve[0], curve[-1]], key=tuple)
-        middle = curve[:-1].mean(axis=0) if loop else curve.mean(axis=0)
-        key = tuple(tuple(np.round(place / (10.0 * gap)).tolist()) for place in (*places, middle))
+        is_closed = is_within_gap(curve[0], curve[-1], gap)
+        ends = [curve.min(axis=0), curve.max(axis=0)] if is_closed else sorted([curve[0], curve[-1]], key=tuple)
+        middle = curve[:-1].mean(axis=0) if is_closed else curve.mean(axis=0)
+        key = tuple(tuple(np.round(place / (10.0 * gap)).tolist()) for place in (*ends, middle))
         kept.setdefault(key, curve)
     return list(kept.values()), len(curves) - len(kept)
 
 
 def _remove_frames(contours: list[Array]) -> tuple[list[Array], list[str]]:
-    """Drop the frame of a sheet of paper that holds all contours, and the border in it."""
+    """Drop the frame of a sheet of paper around all contours, and the border in it; return the others and notes."""
     notes: list[str] = []
     sheet = np.full(2, np.inf)
-    while (found := _find_frame(contours)) is not None:
-        size = np.ptp(contours[found], axis=0)
-        paper = any(np.abs(np.sort(size) - sides).sum() < PAPER_TOLERANCE_MM for sides in PAPER_SIZES_MM)
-        border = bool((size >= MIN_BORDER_SHARE * sheet).all())
-        if not (paper or border):
+    while (index := _find_frame(contours)) is not None:
+        size = np.ptp(contours[index], axis=0)
+        is_paper = any(np.abs(np.sort(size) - sides).sum() < PAPER_TOLERANCE_MM for sides in PAPER_SIZES_MM)
+        is_border = bool((size >= MIN_BORDER_SHARE * sheet).all())
+        if not (is_paper or is_border):
             if size.max() > FRAME_WARNING_MM:
                 notes.append(
                     f"took the rectangle of {size[0]:.4g} x {size[1]:.4g} mm for the body, and what lies in it for "
                     "holes; leave it out if it is a frame"
                 )
             break
-        notes.append(f"left out a frame of {size[0]:.4g} x {size[1]:.4g} mm, {'a' if paper else 'in a'} sheet of paper")
-        contours, sheet = [*contours[:found], *contours[found + 1 :]], size
+        notes.append(
+            f"left out a frame of {size[0]:.4g} x {size[1]:.4g} mm, {'a' if is_paper else 'in a'} sheet of paper"
+        )
+        contours, sheet = [*contours[:index], *contours[index + 1 :]], size
     return contours, notes
 
 
 def _find_frame(contours: Sequence[Array]) -> int | None:
-    """Find the contour that is a rectangle around all others; None without one."""
+    """Return the index of the contour that is a rectangle around all others; None if there is none."""
     lows, highs = (np.array([end(contour, axis=0) for contour in contours]) for end in (np.min, np.max))
-    found = int(np.argmax((highs - lows).prod(axis=1)))
-    low, high, others = lows[found], highs[found], np.arange(len(contours)) != found
-    corners = len(contours[found]) == 4 and np.isin(contours[found], [low, high]).all()
+    largest = int(np.argmax((highs - lows).prod(axis=1)))
+    low, high, others = lows[largest], highs[largest], np.arange(len(contours)) != largest
+    corners = len(contours[largest]) == 4 and np.isin(contours[largest], [low, high]).all()
     inside = (low < lows[others]).all() and (highs[others] < high).all()
-    return found if others.any() and corners and inside else None
+    return largest if others.any() and corners and inside else None
 
 
 def _parse_document(data: bytes) -> "documents.Drawing":
@@ -269,9 +271,10 @@ def _mm_per_unit(document: "documents.Drawing", data: bytes, source: str) -> flo
 
 
 def _collect_entities(document: "documents.Drawing", source: str) -> tuple[list[Any], list[str]]:
-    """Return visible lines and curves of the model space, with blocks and polylines split, and what was left out.
+    """Return visible lines and curves of the model space, with blocks and polylines split, and notes on others.
 
-    In a block the layer 0 is that of the block's place; a place on a layer that is off still shows what lies on others.
+    In a block, layer 0 means the layer on which the block is inserted. If that layer is off, entities of the block on
+    other layers still show.
     """
     frozen = {layer.dxf.name.lower() for layer in document.layers if layer.is_frozen()}
     unplotted = {layer.dxf.name.lower() for layer in document.layers if not layer.dxf.get("plot", 1)} | {
@@ -280,22 +283,22 @@ def _collect_entities(document: "documents.Drawing", source: str) -> tuple[list[
     hidden = frozen | unplotted | {layer.dxf.name.lower() for layer in document.layers if layer.is_off()}
     waiting = deque((entity, 0, "0") for entity in document.modelspace())
     found: list[Any] = []
-    left: Counter[str] = Counter()
+    omissions: Counter[str] = Counter()
     seen = 0
     while waiting:
-        entity, depth, around = waiting.popleft()
+        entity, depth, outer_layer = waiting.popleft()
         kind, seen = entity.dxftype(), seen + 1
         if seen + len(waiting) > MAX_ENTITIES or depth > MAX_BLOCK_DEPTH:
             raise InputError(
                 f"{source}: draws more than {MAX_ENTITIES} entities, or blocks more than {MAX_BLOCK_DEPTH} "
                 "deep; simplify it"
             )
-        layer = around if entity.dxf.layer == "0" else entity.dxf.layer.lower()
+        layer = outer_layer if entity.dxf.layer == "0" else entity.dxf.layer.lower()
         if entity.dxf.get("invisible", 0) or layer in (frozen if kind == "INSERT" else hidden):
-            left["hidden or not plotted"] += layer != UNPLOTTED_LAYER
+            omissions["hidden or not plotted"] += layer != UNPLOTTED_LAYER
         elif kind == "INSERT":
             block = entity.block()
-            left["of another drawing"] += block is not None and bool(block.block.dxf.flags & XREF_FLAG)
+            omissions["of another drawing"] += block is not None and bool(block.block.dxf.flags & XREF_FLAG)
             copies = itertools.islice(entity.multi_insert(), MAX_ENTITIES + 1) if entity.mcount > 1 else [entity]
             waiting += [(part, depth + 1, layer) for copy in copies for part in copy.virtual_entities()]
         elif kind in COMPOSITE_ENTITIES and not (entity.dxftype() == "LWPOLYLINE" and not entity.has_arc):
@@ -305,13 +308,13 @@ def _collect_entities(document: "documents.Drawing", source: str) -> tuple[list[
         elif kind not in ANNOTATIONS:
             found.append(_normalize_ellipse(entity) if kind == "ELLIPSE" else entity)
         elif kind in NOTED_ANNOTATIONS:
-            left[kind] += 1
-    counts = [f"{count} {what}" for what, count in sorted(left.items()) if count]
+            omissions[kind] += 1
+    counts = [f"{count} {what}" for what, count in sorted(omissions.items()) if count]
     return found, [f"left out {', '.join(counts)}"] if counts else []
 
 
 def _normalize_ellipse(ellipse: Any) -> Any:
-    """Return the ellipse from 0 on if it is complete; programs write it from any start."""
+    """Let a complete ellipse begin at parameter 0, since programs write it from any start, and return it."""
     turns = (ellipse.dxf.end_param - ellipse.dxf.start_param) / (2.0 * np.pi)
     if abs(turns - round(turns)) < FULL_TURN_TOLERANCE:
         ellipse.dxf.start_param, ellipse.dxf.end_param = 0.0, 2.0 * np.pi
@@ -319,7 +322,7 @@ def _normalize_ellipse(ellipse: Any) -> Any:
 
 
 def _drop_control_points(polyline: Any) -> None:
-    """Leave out of a smoothed polyline the corners that its curve was made of, which no program shows."""
+    """Remove the control points of a smoothed polyline, which no program shows, in place."""
     from ezdxf.lldxf.const import VTX_SPLINE_FRAME_CONTROL_POINT as FRAME
 
     polyline.vertices[:] = [vertex for vertex in polyline.vertices if not vertex.dxf.get("flags", 0) & FRAME]
@@ -338,39 +341,42 @@ def _drawing_size(entities: Sequence[Any], source: str) -> float:
 
 
 def _close_contours(curves: Sequence[Array], size: float, source: str) -> tuple[list[Array], list[str]]:
-    """Join open curves end to end; return these and closed curves as contours, with notes on closed gaps."""
-    gap, contours, lines = MAX_END_GAP * size, [], []
+    """Join open curves end to end; return these and closed curves as contours, with notes on closed gaps.
+
+    `size` is the longer side of the drawing.
+    """
+    gap, contours, open_curves = MAX_END_GAP * size, [], []
     for curve in curves:
         if not np.isfinite(curve).all():
             raise InputError(f"{source}: a coordinate is not finite. Draw the outline again.")
         if is_within_gap(curve[0], curve[-1], gap):
             contours.append(curve[:-1])
         else:
-            lines.append(curve)
-    chains, _ = _join_ends(lines, gap, source)
+            open_curves.append(curve)
+    chains, _ = _join_ends(open_curves, gap, source)
     if all(is_within_gap(chain[0], chain[-1], gap) for chain in chains):
         return [*contours, *(chain[:-1] for chain in chains)], []
-    nearly = [chain for chain in chains if is_within_gap(chain[0], chain[-1], MAX_MENDED_GAP * size)]
-    others = [chain for chain in chains if not is_within_gap(chain[0], chain[-1], MAX_MENDED_GAP * size)]
-    others, gaps = _join_ends(others, MAX_MENDED_GAP * size, source)
-    chains = [*nearly, *others]
+    nearly_closed = [chain for chain in chains if is_within_gap(chain[0], chain[-1], MAX_MENDED_GAP * size)]
+    open_chains = [chain for chain in chains if not is_within_gap(chain[0], chain[-1], MAX_MENDED_GAP * size)]
+    open_chains, gaps = _join_ends(open_chains, MAX_MENDED_GAP * size, source)
+    chains = [*nearly_closed, *open_chains]
     for chain in chains:
-        wide = math.dist(chain[0], chain[-1])
-        if wide > MAX_MENDED_GAP * size:
+        width = math.dist(chain[0], chain[-1])
+        if width > MAX_MENDED_GAP * size:
             raise InputError(
                 f"{source}: a line is open: it begins at {_format_point(chain[0])} and ends at "
                 f"{_format_point(chain[-1])}, "
-                f"{wide:.3g} apart. Close it."
+                f"{width:.3g} apart. Close it."
             )
-        gaps.append((chain[-1], wide))
+        gaps.append((chain[-1], width))
     notes = [
-        f"closed a gap of {wide:.2g} at {_format_point(place)} of the drawing" for place, wide in gaps if wide > gap
+        f"closed a gap of {width:.2g} at {_format_point(place)} of the drawing" for place, width in gaps if width > gap
     ]
     return [*contours, *(chain[:-1] for chain in chains)], notes
 
 
 def _join_ends(curves: Sequence[Array], gap: float, source: str) -> tuple[list[Array], list[tuple[Array, float]]]:
-    """Open curves joined end to end where ends lie within a gap; where they were joined, and how wide apart."""
+    """Join open curves whose ends lie within a gap; return the chains, and the place and width of each joint."""
     from ezdxf import edgeminer
 
     if not curves:

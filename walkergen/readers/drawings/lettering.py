@@ -38,39 +38,39 @@ def text_outline(
 ) -> list[Polygon]:
     """Return the outline of a line of text; `height` is that of a capital without overshoot, H, in mm.
 
-    With `rails` two bars so wide (mm), about the feet and the tops of capitals, join the letters. `font` is a file
-    of one, by default DejaVu Sans.
-    Where `connected`, it must be one piece, as for a body. Raises GeometryError, which begins with
-    `source` = the text, for none or more than MAX_CHARACTERS, for characters that the font lacks
-    or that draw nothing but blanks, for a text of several pieces, and for what `sound` refuses.
+    With `rails`, two bars of this width (mm) join the letters along the feet and the tops of capitals. `font` is a
+    font's file, by default DejaVu Sans. If `connected`, the outline must be one piece, as for a body. Raises
+    GeometryError, which begins with `source` and the text: for no characters or more than MAX_CHARACTERS, for
+    characters that the font lacks or that draw only blanks, for a text of several pieces, and for what `from_shapes`
+    refuses.
     """
     where = f"{source} = {text if len(text) <= MAX_CHARACTERS else text[:20] + '...'!r}"
     if not 1 <= len(text) <= MAX_CHARACTERS:
         raise GeometryError(f"{where}: has {len(text)} characters, allowed are 1 to {MAX_CHARACTERS}. Shorten it.")
-    own = _font_path(font, where)
-    _check_characters(text, where, own)
+    font_path = _font_path(font, where)
+    _check_characters(text, where, font_path)
     if not text.strip():
         raise GeometryError(f"{where}: draws nothing. Write a letter or digit.")
-    capital = _text_contours("H", own) or _text_contours(text, own)
+    capital = _text_contours("H", font_path) or _text_contours(text, font_path)
     scale = height / float(np.ptp(np.vstack(capital)[:, 1]))
     if connected:
-        _check_connected(text, where, rails, own)
-    drawn = [scale * contour for contour in _text_contours(text, own)]
+        _check_connected(text, where, rails, font_path)
+    contours = [scale * contour for contour in _text_contours(text, font_path)]
     if rails is not None:
-        drawn = _add_rails(drawn, height, rails)
-    return from_shapes([Shape(drawn, nonzero=False)], where, connected)
+        contours = _add_rails(contours, height, rails)
+    return from_shapes([Shape(contours, nonzero=False)], where, connected)
 
 
 def _check_characters(text: str, where: str, font: str) -> None:
-    """Raise GeometryError, by name, for a character that the font lacks or that controls."""
+    """Raise GeometryError, which begins with `where`, for a control character or one that the font file lacks."""
     from matplotlib.ft2font import FT2Font
 
-    known = FT2Font(font)
+    loaded_font = FT2Font(font)
     for character in text:
         if unicodedata.category(character)[0] in "CZ" and character != " ":
             problem = "is not a letter. Remove it, or draw it."
-        elif not known.get_char_index(ord(character)):
-            problem = f"is not in the font {known.family_name}; {_suggest_font(character)}"
+        elif not loaded_font.get_char_index(ord(character)):
+            problem = f"is not in the font {loaded_font.family_name}; {_suggest_font(character)}"
         else:
             continue
         name = unicodedata.name(character, "a control character")
@@ -78,7 +78,7 @@ def _check_characters(text: str, where: str, font: str) -> None:
 
 
 def _suggest_font(character: str) -> str:
-    """Suggest what to do if a font lacks a character: a font of this machine that has it, if there is any."""
+    """Suggest what to do if a font lacks a character: name a font of this machine that has it, if there is one."""
     from matplotlib.font_manager import findSystemFonts
     from matplotlib.ft2font import FT2Font
 
@@ -91,20 +91,20 @@ def _suggest_font(character: str) -> str:
     return "name a font's file that has it by body.font, as one of Noto's, or leave it out"
 
 
-def _add_rails(drawn: list[Polygon], height: float, width: float) -> list[Polygon]:
-    """Add two bars along a text. The edges of the text lie in the middle of the bars."""
-    x = np.concatenate(drawn)[:, 0]
+def _add_rails(contours: list[Polygon], height: float, width: float) -> list[Polygon]:
+    """Unite the contours of a text with two bars of this width, mm, about its feet and about its tops at `height`."""
+    x = np.concatenate(contours)[:, 0]
     left, right = float(x.min()), float(x.max())
     bars = [
         np.array([(left, y - 0.5 * width), (right, y - 0.5 * width), (right, y + 0.5 * width), (left, y + 0.5 * width)])
         for y in (0.0, height)
     ]
-    return _unite_rings([*drawn, *bars])
+    return _unite_rings([*contours, *bars])
 
 
 def _check_connected(text: str, where: str, rails: float | None, font: str) -> None:
-    """Raise GeometryError when letters, or parts of one, do not touch; it names them."""
-    if rails is not None or _count_pieces(text, font) == 1:  # `sound` reports what rails leave apart
+    """Raise GeometryError, which begins with `where`, if letters, or parts of one, do not touch; it names them."""
+    if rails is not None or _count_pieces(text, font) == 1:  # `from_shapes` reports what rails leave apart
         return
     broken = [letter for letter in dict.fromkeys(text) if letter != " " and _count_pieces(letter, font) > 1]
     if broken:
@@ -120,11 +120,12 @@ def _check_connected(text: str, where: str, rails: float | None, font: str) -> N
 
 
 def _count_pieces(text: str, font: str) -> int:
+    """Return the number of separate pieces that a text is drawn in."""
     return sum(area(contour) > 0.0 for contour in _text_contours(text, font))
 
 
 def _text_contours(text: str, font: str) -> list[Polygon]:
-    """Return the contours of a text in the font's units, outer ones counter-clockwise, overlaps united."""
+    """Return the contours of a text in units of the font file, outer ones counter-clockwise, overlaps united."""
     from matplotlib.font_manager import FontProperties
     from matplotlib.path import Path as Curves
     from matplotlib.textpath import text_to_path
@@ -148,21 +149,21 @@ def _text_contours(text: str, font: str) -> list[Polygon]:
 
 
 def _unite_rings(rings: list[Polygon]) -> list[Polygon]:
-    """Return the contours of the area within rings."""
+    """Return the contours of the union of rings, shape (n, 2) each."""
     united = manifold3d.CrossSection([MANIFOLD_SCALE * ring for ring in rings], manifold3d.FillRule.NonZero)
     return [np.asarray(ring, dtype=np.float64) / MANIFOLD_SCALE for ring in united.to_polygons()]
 
 
-def _font_path(own: Path | None, where: str) -> str:
-    """Return the path of a font. Raises InputError for any other file."""
+def _font_path(font: Path | None, where: str) -> str:
+    """Return the path of a font's file, by default that of DejaVu Sans. Raises InputError for any other file."""
     import matplotlib
     from matplotlib.ft2font import FT2Font
 
-    if own is None:
+    if font is None:
         return str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
     try:
-        file_reading.read_bytes(own)
-        FT2Font(str(own))
+        file_reading.read_bytes(font)
+        FT2Font(str(font))
     except (RuntimeError, TypeError):
-        raise InputError(f"{where}: {own.name!r} is not a font. Use a .ttf, .otf or .ttc.") from None
-    return str(own)
+        raise InputError(f"{where}: {font.name!r} is not a font. Use a .ttf, .otf or .ttc.") from None
+    return str(font)

@@ -107,11 +107,11 @@ def from_file(
 ) -> Outline:
     """Return the outline of a drawing's closed paths, or of a picture's shape, as people see it (SVG has y down).
 
-    Units are those that the file states, unless `scale_mm` gives the mm per unit of the drawing, or `length_mm`
-    the length of the whole. Paths inside others are holes, and so on alternately, colours aside; in one SVG path,
-    its fill rule decides. Paths that cross or touch are united where `mend`. Raises InputError for a file that
-    cannot be read as such (shapes/svg.py, dxf.py, silhouette.py), NoUnitError for one that states no unit,
-    GeometryError for a shape that `from_shapes` refuses; all begin with `source` = the name.
+    Units are those that the file states, unless `scale_mm` gives the mm per unit of the drawing, or `length_mm` the
+    length of the whole. Paths inside others are holes, and so on alternately, whatever their colours. In one SVG path,
+    its fill rule decides. With `mend`, paths that cross or touch are united. If `connected`, there must be one piece.
+    Raises InputError for a file that cannot be read as such (shapes/svg.py, dxf.py, silhouette.py), NoUnitError for one
+    that states no unit, GeometryError for a shape that `from_shapes` refuses. All begin with `source` = the name.
     """
     where = f"{source} = {path.name!r}"
     if scale_mm is not None and not (np.isfinite(scale_mm) and scale_mm > 0.0):
@@ -145,7 +145,7 @@ def from_shapes(shapes: Sequence[Shape], source: str, connected: bool = True) ->
     """Return the outline of shapes: their contours checked, sorted and centred.
 
     Raises GeometryError, which begins with `source`, for an outline without contours or area, with
-    a number that is not finite, beyond MOST_POINTS, MAX_CONTOURS or the sizes allowed, with
+    a number that is not finite, beyond MAX_POINTS, MAX_CONTOURS or the sizes allowed, with
     contours that cross or touch, or, where `connected`, of several pieces.
     """
     contours = [_drop_repeated_points(contour) for shape in shapes for contour in shape.contours]
@@ -161,13 +161,13 @@ def from_shapes(shapes: Sequence[Shape], source: str, connected: bool = True) ->
             raise GeometryError(f"is in {len(pieces)} pieces, as about {places}. Join them, or keep one.")
     except GeometryError as error:
         raise type(error)(f"{source}: {error.text}") from None
-    every = np.vstack(pieces)
-    middle = 0.5 * (every.min(axis=0) + every.max(axis=0))
+    points = np.vstack(pieces)
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     return [
         _orient_contour(contour - middle, counter_clockwise=level == 0)
-        for wanted in (0, 1)
+        for wanted_level in (0, 1)
         for contour, level in zip(contours, levels, strict=True)
-        if level == wanted
+        if level == wanted_level
     ]
 
 
@@ -184,7 +184,7 @@ def _drop_repeated_points(contour: Polygon) -> Polygon:
 
 
 def _check_extent(contours: Sequence[Polygon]) -> None:
-    """Raise GeometryError unless points are finite, their number and the whole size as allowed."""
+    """Raise GeometryError unless points are finite, and their number and the outline's size are allowed."""
     if not contours:
         raise GeometryError("draws no closed path")
     number = sum(map(len, contours))
@@ -192,14 +192,14 @@ def _check_extent(contours: Sequence[Polygon]) -> None:
         raise GeometryError(
             f"has {number} points in {len(contours)} contours, more than {MAX_POINTS} in {MAX_CONTOURS}. Simplify it."
         )
-    every = np.vstack(contours)
-    within = (np.abs(every) <= MAX_COORDINATE_MM).all(axis=1)
+    points = np.vstack(contours)
+    within = (np.abs(points) <= MAX_COORDINATE_MM).all(axis=1)
     if not within.all():
         wrong = int(np.flatnonzero(~within)[0]) + 1
         raise GeometryError(
-            f"point {wrong} is {_format_point(every[wrong - 1])}; give finite numbers up to {MAX_COORDINATE_MM:g}"
+            f"point {wrong} is {_format_point(points[wrong - 1])}; give finite numbers up to {MAX_COORDINATE_MM:g}"
         )
-    size = float(np.ptp(every, axis=0).max()) if len(every) else 0.0
+    size = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
     if not MIN_LENGTH_MM <= size <= MAX_LENGTH_MM:
         hint = "micrometres" if size > MAX_LENGTH_MM else "metres or inches"
         raise GeometryError(
@@ -239,29 +239,35 @@ def _check_apart(contours: Sequence[Polygon]) -> None:
 
 
 def _nesting_levels(shapes: Sequence[Shape], contours: Sequence[Polygon]) -> list[int | None]:
-    """Return 0 for an outer contour, 1 for a hole, None for a line inside what its fill rule fills."""
+    """Return 0 for an outer contour, 1 for a hole, None for a line inside the area that its shape's fill rule fills.
+
+    `contours` are those of all shapes, in their order.
+    """
     from shapely import STRtree, points, polygons
 
     owners = [number for number, shape in enumerate(shapes) for _ in shape.contours]
-    turns = [1 if area(contour) > 0.0 else -1 for contour in contours]
-    around: list[list[int]] = [[] for _ in contours]  # contours do not cross: a point will do
+    directions = [1 if area(contour) > 0.0 else -1 for contour in contours]
+    enclosing: list[list[int]] = [[] for _ in contours]  # contours do not cross: a point will do
     tree = STRtree([polygons(contour) for contour in contours])
     starts = points(np.array([contour[0] for contour in contours]))
     for inner, outer in tree.query(starts, predicate="within").T:
-        around[inner].append(int(outer))
+        enclosing[inner].append(int(outer))
 
     def is_boundary(number: int) -> bool:
-        own = owners[number]
-        outside = sum(turns[outer] for outer in around[number] if owners[outer] == own)
-        return not shapes[own].nonzero or (outside == 0) != (outside + turns[number] == 0)
+        """Return whether a contour separates filled from unfilled area, by the fill rule of its shape."""
+        owner = owners[number]
+        outside = sum(directions[outer] for outer in enclosing[number] if owners[outer] == owner)
+        return not shapes[owner].nonzero or (outside == 0) != (outside + directions[number] == 0)
 
-    seen = [is_boundary(number) for number in range(len(contours))]
+    boundaries = [is_boundary(number) for number in range(len(contours))]
     return [
-        sum(seen[outer] for outer in around[number]) % 2 if seen[number] else None for number in range(len(contours))
+        sum(boundaries[outer] for outer in enclosing[number]) % 2 if boundaries[number] else None
+        for number in range(len(contours))
     ]
 
 
 def _orient_contour(contour: Polygon, counter_clockwise: bool) -> Polygon:
+    """Return the contour with its points counter-clockwise, or else clockwise."""
     turned = contour if (area(contour) > 0.0) == counter_clockwise else contour[::-1]
     return np.ascontiguousarray(turned)
 

@@ -28,8 +28,8 @@ MANIFOLD_SIZE = 2.0**20
 def unite_shapes(shapes: Sequence[Shape]) -> Shape:
     """Unite shapes that may overlap into one whose contours neither cross nor touch.
 
-    Each is filled by its own rule. Of two, the smaller is a hole where it lies within the larger, as in
-    `outlines.from_shapes`, and is united with it where they cross. What meets in a point alone is joined.
+    Each is filled by its own rule. A shape that lies within a larger one is a hole in it, as in `outlines.from_shapes`;
+    one that crosses it is united with it. Parts that meet only in a point are joined.
     """
     import shapely
 
@@ -47,19 +47,19 @@ def unite_shapes(shapes: Sequence[Shape]) -> Shape:
         [whole, *(point.buffer(JOINT_RADIUS * size) for point in _touching_points(whole, GRID_SIZE * size))]
     )
     polygons = [polygon for polygon in shapely.get_parts(whole) if polygon.area > 0.0]
-    least = MIN_AREA_SHARE * max((polygon.area for polygon in polygons), default=0.0)
+    min_area = MIN_AREA_SHARE * max((polygon.area for polygon in polygons), default=0.0)
     rings = [
         np.asarray(ring.coords)[:-1]
         for polygon in polygons
-        if polygon.area > least
+        if polygon.area > min_area
         for ring in (polygon.exterior, *polygon.interiors)
-        if shapely.Polygon(ring).area > least
+        if shapely.Polygon(ring).area > min_area
     ]
     return Shape(rings, nonzero=False)
 
 
 def _filled_region(shape: Shape) -> "BaseGeometry":
-    """Return the region that a shape fills by its rule."""
+    """Return the region that a shape fills by its fill rule."""
     import shapely
 
     contours = [contour for contour in shape.contours if len(contour) > 2]
@@ -85,7 +85,7 @@ def _fill_holes(region: "BaseGeometry") -> "BaseGeometry":
 
 
 def _touching_points(region: "BaseGeometry", gap: float) -> "list[BaseGeometry]":
-    """Return the points where contours of a region meet, within a gap."""
+    """Return the points where contours of a region come within a gap of each other."""
     import shapely
 
     rings = [ring for part in shapely.get_parts(region) for ring in (part.exterior, *part.interiors)]

@@ -43,7 +43,7 @@ class Silhouette(NamedTuple):
 
 
 def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
-    """Return the contours of a picture's shape, in mm, y up; `scale_mm` is the length of one of MAX_SIDE_PIXELS pixels.
+    """Return the contours of a picture's shape, in mm, y up; `scale_mm` is the size of a pixel, MAX_SIDE_PIXELS a side.
 
     Raises InputError, which begins with `source`, for what is no picture or shows no shape, and NoUnitError without a
     scale.
@@ -51,31 +51,35 @@ def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
     if scale_mm is None:
         raise NoUnitError(f"{source}: a picture has no size in mm. Set body.length_mm.")
     found = trace(path, source)
-    turned = np.array([scale_mm, -scale_mm])
-    return Drawing([Shape([ring * turned for ring in found.contours], nonzero=False)], found.notes)
+    scale = np.array([scale_mm, -scale_mm])
+    return Drawing([Shape([ring * scale for ring in found.contours], nonzero=False)], found.notes)
 
 
 def trace(path: Path, source: str) -> Silhouette:
     """Return the shape in a picture. Raises InputError, which begins with `source`."""
     data = file_reading.read_bytes(path, MAX_BYTES)
     with file_reading.translate_library_errors(source, "picture"):
-        image, by = _brightness(data, source)
+        image, quantity = _brightness(data, source)
     threshold = _otsu_threshold(image)
-    rim = np.concatenate([image[0], image[-1], image[:, 0], image[:, -1]])
-    light = float(np.mean(rim > threshold)) < 0.5  # the shape is lighter than its background
-    inside = (image > threshold) == light
+    border = np.concatenate([image[0], image[-1], image[:, 0], image[:, -1]])
+    lighter = float(np.mean(border > threshold)) < 0.5  # the shape is lighter than its background
+    inside = (image > threshold) == lighter
     if not inside.any() or inside.all() or abs(image[inside].mean() - image[~inside].mean()) < MIN_CONTRAST:
         raise InputError(f"{source}: no shape differs from the background. Use a picture with more contrast.")
-    rings, specks = _trace_contours(image if light else 1.0 - image, threshold if light else 1.0 - threshold)
-    what = "what is opaque" if by == "opacity" else f"what is {'lighter' if light else 'darker'} than its background"
-    notes = [f"traced {path.name}: {what}, divided at {100 * threshold:.0f} % of full {by}"]
+    rings, specks = _trace_contours(image if lighter else 1.0 - image, threshold if lighter else 1.0 - threshold)
+    what = (
+        "what is opaque"
+        if quantity == "opacity"
+        else f"what is {'lighter' if lighter else 'darker'} than its background"
+    )
+    notes = [f"traced {path.name}: {what}, divided at {100 * threshold:.0f} % of full {quantity}"]
     if specks:
         notes.append(f"left out {formatting.format_count(specks, 'speck', 'specks')}")
     return Silhouette(image, rings, tuple(notes))
 
 
 def _brightness(data: bytes, source: str) -> tuple[Array, str]:
-    """Return a picture as numbers of 0 to 1, and their meaning: brightness or opacity."""
+    """Return a picture as an array of 0 to 1 in rows from above, and what it means: "brightness" or "opacity"."""
     from PIL import Image, ImageOps
 
     picture: Image.Image = Image.open(io.BytesIO(data))
@@ -104,7 +108,7 @@ def _otsu_threshold(image: Array) -> float:
 
 
 def _trace_contours(image: Array, threshold: float) -> tuple[list[Array], int]:
-    """Return the contours of areas brighter than a threshold, and the number of specks among pieces and holes."""
+    """Return the contours of areas brighter than a threshold, in pixels, and the number of specks that are left out."""
     import shapely
     from contourpy import contour_generator
     from scipy.ndimage import gaussian_filter

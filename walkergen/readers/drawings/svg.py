@@ -121,8 +121,10 @@ def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
         )
     if (line := max((one.line for one in drawn), default=0.0)) > LINE_WIDTH_WARNING * size:
         notes.append(f"took lines without their width, up to {line * scale[0]:.3g} mm: their middle is the outline")
-    turned = np.array([scale[0], -scale[1]])  # people see y down; the shape has it up
-    return Drawing([Shape([own * turned for own in shape.contours], shape.nonzero) for shape in shapes], tuple(notes))
+    to_mm = np.array([scale[0], -scale[1]])  # people see y down; the shape has it up
+    return Drawing(
+        [Shape([contour * to_mm for contour in shape.contours], shape.nonzero) for shape in shapes], tuple(notes)
+    )
 
 
 def _omission_notes(tree: "Tree") -> list[str]:
@@ -138,19 +140,22 @@ def _omission_notes(tree: "Tree") -> list[str]:
 def _drop_page(
     drawn: "Sequence[VisibleShape]", shapes: list[Shape], page: Sequence[float]
 ) -> tuple[list[Shape], list[str]]:
-    """Return the shapes without the paper, and notes on it."""
-    whole = [_is_page_rectangle(shape, page) for shape in shapes]
-    paper = [covers and one.white for covers, one in zip(whole, drawn, strict=True)]
-    if any(paper) and not all(paper):
-        left = [shape for shape, white in zip(shapes, paper, strict=True) if not white]
+    """Return the shapes without a white rectangle of the page's size, and notes; `page`: left, top, width, height.
+
+    `drawn` are the visible elements of the shapes.
+    """
+    covers_page = [_is_page_rectangle(shape, page) for shape in shapes]
+    is_paper = [covers and one.white for covers, one in zip(covers_page, drawn, strict=True)]
+    if any(is_paper) and not all(is_paper):
+        left = [shape for shape, white in zip(shapes, is_paper, strict=True) if not white]
         return left, ["left out a white rectangle as large as the page"]
-    if any(whole) and not all(whole):
+    if any(covers_page) and not all(covers_page):
         return shapes, ["took a rectangle as large as the page for a body, and what lies in it for holes"]
     return shapes, []
 
 
 def _is_beyond_page(shape: Shape, page: Sequence[float]) -> bool:
-    """Return whether a shape reaches beyond the page, if the page has a size."""
+    """Return whether a shape reaches beyond the page (left, top, width, height), if the page has a size."""
     points = np.vstack([np.zeros((0, 2)), *shape.contours])
     low, size = np.array(page[:2]), np.array(page[2:])
     over = MAX_OVERHANG_SHARE * size if np.isfinite(size).all() else np.full(2, np.inf)
@@ -158,21 +163,24 @@ def _is_beyond_page(shape: Shape, page: Sequence[float]) -> bool:
 
 
 def _parse_xml(data: bytes, source: str) -> ET.Element:
-    """Return the root of the XML. Refuse entities from elsewhere, or that could grow, before they act."""
+    """Return the root of the XML. Raises InputError for entities from other files, or that could grow, unexpanded."""
 
     def refuse(what: str) -> NoReturn:
+        """Raise InputError for content that is not accepted."""
         raise InputError(f"{source}: it contains {what}. Save it as a plain SVG.")
 
-    def entity(name: str, parameter: int, value: str | None, *elsewhere: Any) -> None:
+    def check_entity(name: str, parameter: int, value: str | None, *elsewhere: Any) -> None:
+        """Refuse an entity that is more than a few plain letters."""
         if parameter or value is None or "&" in value or len(value) > MAX_ENTITY_LENGTH:
             refuse(f"an entity ({name[:40]}) that is more than a few plain letters")
 
-    def instruction(target: str, _: str) -> None:
+    def check_instruction(target: str, _: str) -> None:
+        """Refuse the instruction that loads a style sheet."""
         if target == "xml-stylesheet":
             refuse("a style sheet from elsewhere")
 
     parser = expat.ParserCreate()
-    parser.EntityDeclHandler, parser.ProcessingInstructionHandler = entity, instruction
+    parser.EntityDeclHandler, parser.ProcessingInstructionHandler = check_entity, check_instruction
     try:
         parser.Parse(data, True)
         root = ET.fromstring(data)
@@ -204,11 +212,11 @@ def _mm_per_unit(root: ET.Element, source: str) -> tuple[float, float]:
     from walkergen.readers.drawings.svg_matrices import fit_matrix, parse_view_box
 
     page = [_length_mm(root.attrib.get("width", "")), _length_mm(root.attrib.get("height", ""))]
-    for own, (key, length) in enumerate(zip(("height", "width"), page, strict=True)):
-        follows = page[1 - own] is None and root.attrib.get(key, "auto") == "auto" and "viewBox" in root.attrib
-        if length is not None and follows:  # of a page with one side the other is by its viewBox
+    for index, (key, length) in enumerate(zip(("height", "width"), page, strict=True)):
+        has_ratio = page[1 - index] is None and root.attrib.get(key, "auto") == "auto" and "viewBox" in root.attrib
+        if length is not None and has_ratio:  # of a page with one side the other is by its viewBox
             box = parse_view_box(root.attrib["viewBox"], source)
-            page[1 - own] = length * box[3 - own] / box[2 + own]
+            page[1 - index] = length * box[3 - index] / box[2 + index]
     if page[0] is None or page[1] is None:
         seen = " and ".join(
             f"{key} = {root.attrib[key][:20]!r}" if key in root.attrib else f"no {key}" for key in ("width", "height")
@@ -227,7 +235,7 @@ def _mm_per_unit(root: ET.Element, source: str) -> tuple[float, float]:
 
 
 def _length_mm(text: str) -> float | None:
-    """Return the length with a physical unit, in mm; None for any other."""
+    """Return a length with a physical unit, such as "3 cm", in mm; None for any other text."""
     match = re.fullmatch(r"\s*([0-9.eE+-]+)\s*([a-zA-Z]+)\s*", text)
     try:
         return float(match[1]) * MM_PER_UNIT[match[2].lower()] if match else None
@@ -239,16 +247,16 @@ def _bounding_box(drawn: "Sequence[VisibleShape]") -> Array:
     """Return the lower and upper corner of the drawing's contents, in its units, shape (2, 2)."""
     corners = [np.zeros((0, 2))]
     for one in drawn:
-        if (own := one.path.bbox()) is not None:
-            x0, y0, x1, y1 = own
-            around = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)], dtype=float)
-            corners.append(around @ one.matrix[:, :2].T + one.matrix[:, 2])
-    every = np.vstack(corners)
-    return np.array([every.min(axis=0), every.max(axis=0)]) if len(every) else np.zeros((2, 2))
+        if (bounds := one.path.bbox()) is not None:
+            x0, y0, x1, y1 = bounds
+            box_corners = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)], dtype=float)
+            corners.append(box_corners @ one.matrix[:, :2].T + one.matrix[:, 2])
+    points = np.vstack(corners)
+    return np.array([points.min(axis=0), points.max(axis=0)]) if len(points) else np.zeros((2, 2))
 
 
 def _clipped_shape(drawn: "VisibleShape", size: float, source: str) -> Shape:
-    """Return the contours of a shape in the drawing's units, cut by its clips; chords are for its `size`."""
+    """Return the contours of a shape in the drawing's units, cut by its clips; `size` is the drawing's longer side."""
     contours = list(_unclipped_contours(drawn, size, source))
     for clip in drawn.clips:
         if contours:
@@ -258,20 +266,23 @@ def _clipped_shape(drawn: "VisibleShape", size: float, source: str) -> Shape:
 
 
 def _unclipped_contours(drawn: "VisibleShape", size: float, source: str) -> "Sequence[Array]":
-    """Return the contours of an unclipped shape. Raises InputError for an open path."""
+    """Return the contours of a shape in the drawing's units, without its clips. Raises InputError for an open path.
+
+    `size` is the drawing's longer side.
+    """
     linear, offset = drawn.matrix[:, :2], drawn.matrix[:, 2]
     stretch, contours = float(np.linalg.norm(linear, 2)), []
     for subpath in drawn.path.as_subpaths():
-        own = _subpath_points(subpath, FLATNESS * size / max(stretch, 1e-300))
-        if len(own) < 2:
+        local = _subpath_points(subpath, FLATNESS * size / max(stretch, 1e-300))
+        if len(local) < 2:
             continue  # a pen that is moved and draws nothing
-        points = own @ linear.T + offset
+        points = local @ linear.T + offset
         if is_within_gap(points[0], points[-1], MAX_END_GAP * size):
             points = points[:-1]
         elif type(list(subpath)[-1]).__name__ != "Close":
             raise InputError(
-                f"{source}: a path is open: it begins at {_format_point(own[0])} and ends at "
-                f"{_format_point(own[-1])} of the drawing; close it (Z), leave it out, or make a path of its stroke"
+                f"{source}: a path is open: it begins at {_format_point(local[0])} and ends at "
+                f"{_format_point(local[-1])} of the drawing; close it (Z), leave it out, or make a path of its stroke"
             )
         contours.append(points)
     return contours
@@ -280,7 +291,10 @@ def _unclipped_contours(drawn: "VisibleShape", size: float, source: str) -> "Seq
 def _clip_contours(
     contours: Sequence[Array], nonzero: bool, clip: "Clip", size: float, source: str
 ) -> tuple[list[Array], bool]:
-    """Clip contours to a window; return them and their fill rule, unchanged if nothing is cut."""
+    """Clip contours to the shapes of a clip; return them and their fill rule, unchanged if nothing is cut.
+
+    `nonzero` is True for the fill rule nonzero, False for even-odd. `size` is the drawing's longer side.
+    """
     from shapely import union_all
 
     window = union_all([_filled_area(*_clipped_shape(one, size, source)) for one in clip.shapes])
@@ -294,7 +308,7 @@ def _clip_contours(
 
 
 def _filled_area(contours: Sequence[Array], nonzero: bool) -> "BaseGeometry":
-    """Return the area that contours fill by a rule."""
+    """Return the area that contours fill by the rule nonzero, or else even-odd."""
     from shapely import Polygon, union_all
 
     rings = [Polygon(contour).buffer(0.0) for contour in contours if len(contour) > 2]
@@ -307,14 +321,17 @@ def _filled_area(contours: Sequence[Array], nonzero: bool) -> "BaseGeometry":
 
 
 def _is_page_rectangle(shape: Shape, page: Sequence[float]) -> bool:
-    """Return whether a shape is a rectangle of the page's size and place, its corners round or not."""
+    """Return whether a shape is a rectangle as large as the page and in its place, its corners round or not.
+
+    `page` is left, top, width and height.
+    """
     if len(shape.contours) != 1 or not all(map(math.isfinite, page)):
         return False
     x, y = shape.contours[0].T
     low, high = shape.contours[0].min(axis=0), shape.contours[0].max(axis=0)
-    full = 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) >= MIN_RECTANGLE_FILL * math.prod(high - low)
-    inside = np.minimum(high, np.add(page[:2], page[2:])) - np.maximum(low, page[:2])
-    return bool(full and (inside >= MIN_PAGE_SHARE * np.array(page[2:])).all())
+    fills_box = 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) >= MIN_RECTANGLE_FILL * math.prod(high - low)
+    overlap = np.minimum(high, np.add(page[:2], page[2:])) - np.maximum(low, page[:2])
+    return bool(fills_box and (overlap >= MIN_PAGE_SHARE * np.array(page[2:])).all())
 
 
 def _subpath_points(subpath: Any, tolerance: float) -> Array:
@@ -332,10 +349,12 @@ def _subpath_points(subpath: Any, tolerance: float) -> Array:
 
 
 def _evaluate_segment(segment: Any, at: Array) -> Array:
+    """Return points of a segment of svgelements at parameters `at` (0 to 1), shape (n, 2)."""
     return _to_array(segment.npoint(at))
 
 
 def _to_array(points: Any) -> Array:
+    """Convert points of svgelements to an array, shape (n, 2)."""
     return np.array([(point[0], point[1]) for point in points], dtype=np.float64)
 
 

@@ -97,35 +97,35 @@ class Tree:
         """Return the visible shapes in their order; `view` is the page in the drawing's units."""
         if self.root.attrib.get("transform", "none").strip() not in ("", "none"):
             raise self._input_error("the page has a transform. Apply it to the paths.")
-        place = self._inner_place(self.root, Context(np.eye(2, 3), {}, view))
-        self.rem = float(place.style["font-size"])
-        return [shape for child in self.root for shape in self._walk(child, place)]
+        context = self._inner_context(self.root, Context(np.eye(2, 3), {}, view))
+        self.rem = float(context.style["font-size"])
+        return [shape for child in self.root for shape in self._element_shapes(child, context)]
 
     def _input_error(self, what: str) -> InputError:
         return InputError(f"{self.source}: {what}")
 
-    def _inner_place(self, element: ET.Element, place: Context) -> Context:
-        """Return the context of an element's contents."""
-        own = {
+    def _inner_context(self, element: ET.Element, context: Context) -> Context:
+        """Return the context of the contents of an element that is itself in `context`."""
+        own_style = {
             key: element.attrib[key]
             for key in svg_styles.INHERITED_PROPERTIES
             if element.attrib.get(key, "inherit") != "inherit"
         }
-        style = {**place.style, **own}
-        style["font-size"] = repr(parse_font_size(element.attrib.get("font-size"), font_size(place.style), self.rem))
-        return place._replace(style=style, depth=place.depth + 1)
+        style = {**context.style, **own_style}
+        style["font-size"] = repr(parse_font_size(element.attrib.get("font-size"), font_size(context.style), self.rem))
+        return context._replace(style=style, depth=context.depth + 1)
 
-    def _walk(self, element: ET.Element, place: Context) -> Iterator[VisibleShape]:
-        """Yield the shapes that an element draws."""
+    def _element_shapes(self, element: ET.Element, context: Context) -> Iterator[VisibleShape]:
+        """Yield the visible shapes of an element and of its contents."""
         name = element_name(element)
         self.count += 1
         if self.count > MAX_ELEMENTS:
             raise self._input_error(f"it draws more than {MAX_ELEMENTS} elements. Simplify it.")
-        if place.depth > MAX_DEPTH:
+        if context.depth > MAX_DEPTH:
             raise self._input_error("elements are nested too deeply")
         if name not in (*SHAPE_TAGS, *GROUP_TAGS, *UNREADABLE_TAGS):
             return
-        inner = self._inner_place(element, place)
+        inner = self._inner_context(element, context)
         if self._is_hidden(element, inner):
             self.unseen += name in SHAPE_TAGS
             return
@@ -145,36 +145,36 @@ class Tree:
             if name == "switch":  # the first without special requirements
                 children = [child for child in children if is_switch_choice(child)][:1]
             for child in children:
-                yield from self._walk(child, inner)
+                yield from self._element_shapes(child, inner)
 
-    def _is_hidden(self, element: ET.Element, place: Context) -> bool:
+    def _is_hidden(self, element: ET.Element, context: Context) -> bool:
         """Return whether an element and all that it holds are hidden, even if its parts are visible."""
         filtered, name = element.attrib.get("filter", "none").strip(), element_name(element)
         if element.attrib.get("display") == "none":
             return True
-        if name in UNREADABLE_TAGS and place.style.get("visibility", "visible") != "visible":
+        if name in UNREADABLE_TAGS and context.style.get("visibility", "visible") != "visible":
             return True
-        if name == "text" and not ("".join(element.itertext()).strip() and any(self._visible_paints(place))):
+        if name == "text" and not ("".join(element.itertext()).strip() and any(self._visible_paints(context))):
             return True
-        if place.cutting:
+        if context.cutting:
             return False
         self.filtered += filtered != "none"
         return svg_paints.is_zero(element.attrib.get("opacity")) or svg_paints.is_hidden_by_filter(
             filtered, self.targets
         )
 
-    def _visible_paints(self, place: Context) -> tuple[svg_paints.Paint | None, svg_paints.Paint | None]:
-        """Fill and line of a shape; None for what does not show."""
-        fill, line = (svg_paints.from_style(place.style, key, self.targets) for key in ("fill", "stroke"))
-        lined = line.shows and not svg_paints.is_zero(place.style.get("stroke-width"))
+    def _visible_paints(self, context: Context) -> tuple[svg_paints.Paint | None, svg_paints.Paint | None]:
+        """Return the paints of a shape's fill and of its line; None for a paint that does not show."""
+        fill, line = (svg_paints.from_style(context.style, key, self.targets) for key in ("fill", "stroke"))
+        lined = line.shows and not svg_paints.is_zero(context.style.get("stroke-width"))
         return fill if fill.shows else None, line if lined else None
 
-    def _visible_shape(self, element: ET.Element, place: Context) -> Iterator[VisibleShape]:
+    def _visible_shape(self, element: ET.Element, context: Context) -> Iterator[VisibleShape]:
         """Yield the shape of an element, if it is visible."""
-        style, (filled, lined) = place.style, self._visible_paints(place)
+        style, (filled, lined) = context.style, self._visible_paints(context)
         if element_name(element) == "line":
             filled = None
-        if place.cutting:
+        if context.cutting:
             filled, lined = svg_paints.Paint(True, False), None
         paints = [paint for paint in (filled, lined) if paint]
         if style.get("visibility", "visible") != "visible" or not paints:
@@ -182,14 +182,14 @@ class Tree:
             return
         if any(element.attrib.get(f"marker-{end}", "none") != "none" for end in ("start", "mid", "end")):
             raise self._input_error("it contains a marker on a line. Remove it.")
-        path = self._build_path(element, place)
-        wide = LENGTH_PATTERN.fullmatch(style.get("stroke-width", "1")) if lined else None
+        path = self._build_path(element, context)
+        width = LENGTH_PATTERN.fullmatch(style.get("stroke-width", "1")) if lined else None
         units = units_at(font_size(style), self.rem)
-        line = float(wide[1]) * units.get(wide[2].lower(), 1.0) * mean_stretch(place.matrix) if wide else 0.0
+        line = float(width[1]) * units.get(width[2].lower(), 1.0) * mean_stretch(context.matrix) if width else 0.0
         nonzero, white = style.get("fill-rule", "nonzero") != "evenodd", all(paint.white for paint in paints)
-        yield VisibleShape(path, place.matrix, nonzero, white, line, place.clips)
+        yield VisibleShape(path, context.matrix, nonzero, white, line, context.clips)
 
-    def _build_path(self, element: ET.Element, place: Context) -> "svgelements.Path":
+    def _build_path(self, element: ET.Element, context: Context) -> "svgelements.Path":
         """Return the geometry of a shape in its own units."""
         import svgelements as svg
 
@@ -200,12 +200,13 @@ class Tree:
         if name in ("polygon", "polyline"):
             kind = svg.Polygon if name == "polygon" else svg.Polyline
             return svg.Path(self._parse_path(element, "points", text("points", ""), POINTS_PATTERN, kind))
-        wide, high = place.view
+        wide, high = context.view
         across = float(np.hypot(wide, high) / np.sqrt(2.0))
         spans = {"x": wide, "cx": wide, "width": wide, "rx": wide, "x1": wide, "x2": wide, "r": across}
 
         def length(key: str) -> float:
-            return self._parse_length(element, key, place, spans.get(key, high))
+            """Return the length in an attribute, in the drawing's units."""
+            return self._parse_length(element, key, context, spans.get(key, high))
 
         if name == "line":
             return svg.Path(f"M {length('x1')!r},{length('y1')!r} L {length('x2')!r},{length('y2')!r}")
@@ -226,7 +227,7 @@ class Tree:
         pattern: re.Pattern[str],
         kind: "Callable[[str], svgelements.Path]",
     ) -> "svgelements.Path":
-        """Parse an attribute with svgelements, to its end. Raises InputError."""
+        """Parse an attribute's text, which must match the pattern, to a path of this kind. Raises InputError."""
         try:
             if pattern.fullmatch(text):
                 return kind(text)
@@ -235,81 +236,90 @@ class Tree:
         raise self._input_error(f"<{element_name(element)}> has {key} = {text[:40]!r}; give numbers")
 
     def _parse_length(
-        self, element: ET.Element, key: str, place: Context, whole: float, otherwise: float = 0.0
+        self, element: ET.Element, key: str, context: Context, whole: float, otherwise: float = 0.0
     ) -> float:
-        """Return the length of an attribute in the drawing's units; percents are of `whole`."""
+        """Return the length in the attribute `key`, in the drawing's units; percents are of `whole`.
+
+        Without the attribute it is `otherwise`.
+        """
         text = element.attrib.get(key)
         if text is None or text.strip() == "auto":
             return otherwise
-        value = parse_length(text, font_size(place.style), self.rem, whole)
+        value = parse_length(text, font_size(context.style), self.rem, whole)
         if math.isnan(value):
             raise self._input_error(f"<{element_name(element)}> has {key} = {text[:40]!r}; give numbers")
         return value
 
-    def _element_matrix(self, element: ET.Element, place: Context) -> Array:
-        """Return the matrix of an element, its transform about its origin."""
+    def _element_matrix(self, element: ET.Element, context: Context) -> Array:
+        """Return the matrix from an element's units to the drawing's, shape (2, 3), its own transform included."""
         text = element.attrib.get("transform", "none").strip()
         if text in ("", "none"):
-            return place.matrix
-        own = parse_transform(text)
-        if own is None:
+            return context.matrix
+        transform = parse_transform(text)
+        if transform is None:
             found = f"<{element_name(element)}> has transform = {text[:40]!r}"
             raise self._input_error(f"{found}. Use matrix, translate, scale, rotate, skewX or skewY with numbers.")
-        origin = np.array(self._transform_origin(element, place))
-        own[:, 2] += origin - own[:, :2] @ origin
-        return compose(place.matrix, own)
+        origin = np.array(self._transform_origin(element, context))
+        transform[:, 2] += origin - transform[:, :2] @ origin
+        return compose(context.matrix, transform)
 
-    def _transform_origin(self, element: ET.Element, place: Context) -> tuple[float, float]:
-        """Return the point about which an element is transformed."""
+    def _transform_origin(self, element: ET.Element, context: Context) -> tuple[float, float]:
+        """Return the point, x and y in its own units, about which an element is transformed."""
         text = element.attrib.get("transform-origin")
         if text is None:
             return 0.0, 0.0
-        low, size = (0.0, 0.0), place.view
+        low, size = (0.0, 0.0), context.view
         if element.attrib.get("transform-box", "view-box") in ("fill-box", "content-box", "border-box"):
             if element_name(element) not in SHAPE_TAGS:
                 raise self._input_error("it has a transform-box of a group. Apply its transform to the paths.")
-            x0, y0, x1, y1 = self._build_path(element, place).bbox() or (0.0, 0.0, 0.0, 0.0)
+            x0, y0, x1, y1 = self._build_path(element, context).bbox() or (0.0, 0.0, 0.0, 0.0)
             low, size = (x0, y0), (x1 - x0, y1 - y0)
         words = {"left": "0%", "right": "100%", "top": "0%", "bottom": "100%", "center": "50%"}
         parts = text.split()
         if parts[0] in ("top", "bottom") or parts[1:2] in (["left"], ["right"]):
             parts[:2] = [*parts[1:2], "center"][:1] + parts[:1]
-        along = [words.get(part, part) for part in (*parts[:2], "center")][:2]
-        held = ET.Element("origin", {"x": along[0], "y": along[1] if along[1] != "center" else "50%"})
-        x, y = (self._parse_length(held, key, place, whole) for key, whole in (("x", size[0]), ("y", size[1])))
+        axes = [words.get(part, part) for part in (*parts[:2], "center")][:2]
+        origin = ET.Element("origin", {"x": axes[0], "y": axes[1] if axes[1] != "center" else "50%"})
+        x, y = (self._parse_length(origin, key, context, whole) for key, whole in (("x", size[0]), ("y", size[1])))
         return low[0] + x, low[1] + y
 
-    def _use_shapes(self, element: ET.Element, place: Context) -> Iterator[VisibleShape]:
+    def _use_shapes(self, element: ET.Element, context: Context) -> Iterator[VisibleShape]:
         """Yield the shapes of the element that a <use> repeats."""
         link = element.attrib.get("href", element.attrib.get(XLINK_HREF, ""))
         target = self.targets.get(link[1:]) if link[:1] == "#" else None
         if target is None:
             raise self._input_error(f"<use> refers to {link[:60]!r}, which the file does not contain.")
-        if target in place.inside:
+        if target in context.inside:
             raise self._input_error("a <use> repeats itself without end")
-        shift = [self._parse_length(element, key, place, whole) for key, whole in zip("xy", place.view, strict=True)]
-        place = place._replace(
-            matrix=compose(place.matrix, np.column_stack([np.eye(2), shift])), inside=(*place.inside, target)
+        shift = [
+            self._parse_length(element, key, context, whole) for key, whole in zip("xy", context.view, strict=True)
+        ]
+        context = context._replace(
+            matrix=compose(context.matrix, np.column_stack([np.eye(2), shift])), inside=(*context.inside, target)
         )
         if element_name(target) in ("symbol", "svg"):
             sizes: dict[str, str] = {key: element.attrib[key] for key in ("width", "height") if key in element.attrib}
-            yield from self._window_shapes(target, self._inner_place(target, place), {**target.attrib, **sizes})
+            yield from self._window_shapes(target, self._inner_context(target, context), {**target.attrib, **sizes})
         else:
-            yield from self._walk(target, place)
+            yield from self._element_shapes(target, context)
 
     def _window_shapes(
-        self, element: ET.Element, place: Context, attributes: Mapping[str, str]
+        self, element: ET.Element, context: Context, attributes: Mapping[str, str]
     ) -> Iterator[VisibleShape]:
-        """Yield the shapes of a nested <svg> or a <symbol>: in its own units, cut at its edges."""
-        held = ET.Element(element_name(element), dict(attributes))
-        wide, high = place.view
+        """Yield the shapes of a nested <svg> or a <symbol>: in its own units, cut at its edges.
+
+        `attributes` are its own, with sizes that a <use> replaces.
+        """
+        window = ET.Element(element_name(element), dict(attributes))
+        wide, high = context.view
         nested = element_name(element) == "svg"
         x, y = (
-            self._parse_length(held, key, place, whole) if nested else 0.0 for key, whole in (("x", wide), ("y", high))
+            self._parse_length(window, key, context, whole) if nested else 0.0
+            for key, whole in (("x", wide), ("y", high))
         )
         width, height = (
-            self._parse_length(held, "width", place, wide, wide),
-            self._parse_length(held, "height", place, high, high),
+            self._parse_length(window, "width", context, wide, wide),
+            self._parse_length(window, "height", context, high, high),
         )
         inner = np.array([[1.0, 0.0, x], [0.0, 1.0, y]])
         view = width, height
@@ -319,7 +329,7 @@ class Tree:
                 compose(inner, fit_matrix(box, width, height, attributes.get("preserveAspectRatio", ""))),
                 box[2:],
             )
-        clips = place.clips
+        clips = context.clips
         if attributes.get("overflow", "hidden") in ("hidden", "scroll"):
             import svgelements
 
@@ -328,14 +338,14 @@ class Tree:
                 if width > 0 and height > 0
                 else svgelements.Path()
             )
-            clips = (*clips, Clip((VisibleShape(edge, place.matrix, True, False, 0.0, ()),)))
-        place = place._replace(matrix=compose(place.matrix, inner), view=view, clips=clips)
+            clips = (*clips, Clip((VisibleShape(edge, context.matrix, True, False, 0.0, ()),)))
+        context = context._replace(matrix=compose(context.matrix, inner), view=view, clips=clips)
         for child in element:
             if isinstance(child.tag, str):
-                yield from self._walk(child, place)
+                yield from self._element_shapes(child, context)
 
-    def _clips(self, element: ET.Element, place: Context) -> Iterator[Clip]:
-        """Clip path and mask of an element; a mask cuts like one where all of it is white."""
+    def _clips(self, element: ET.Element, context: Context) -> Iterator[Clip]:
+        """Yield the clip path and the mask of an element; a mask that is all white cuts as a clip path does."""
         for key in ("clip-path", "mask"):
             text = element.attrib.get(key, "none").strip()
             if text == "none":
@@ -344,28 +354,28 @@ class Tree:
             target = self.targets.get(match[1]) if match else None
             if target is None or element_name(target) not in ("clipPath", "mask"):
                 raise self._input_error(f"is cut by {text[:60]!r}, which the file lacks. Apply it to the paths.")
-            if target in place.inside:
+            if target in context.inside:
                 raise self._input_error(f"a <{element_name(target)}> cuts itself without end")
-            yield self._build_clip(element, target, place)
+            yield self._build_clip(element, target, context)
 
-    def _build_clip(self, element: ET.Element, target: ET.Element, place: Context) -> Clip:
-        """Return the window that a clip path or a mask opens."""
-        matrix = place.matrix
+    def _build_clip(self, element: ET.Element, target: ET.Element, context: Context) -> Clip:
+        """Return the clip of an element that a clip path or a mask, `target`, defines."""
+        matrix = context.matrix
         if target.attrib.get("clipPathUnits", target.attrib.get("maskContentUnits")) == "objectBoundingBox":
             if element_name(element) not in SHAPE_TAGS:
                 raise self._input_error("a group is clipped in units of its box. Apply the clip to the paths.")
-            x0, y0, x1, y1 = self._build_path(element, place).bbox() or (0.0, 0.0, 0.0, 0.0)
+            x0, y0, x1, y1 = self._build_path(element, context).bbox() or (0.0, 0.0, 0.0, 0.0)
             matrix = compose(matrix, np.array([[x1 - x0, 0.0, x0], [0.0, y1 - y0, y0]]))
-        rule = element_name(target) == "clipPath"
-        fresh = Context(matrix, {}, place.view, (), place.depth + 1, (*place.inside, target), rule)
-        fresh = fresh._replace(matrix=self._element_matrix(target, fresh))
-        inner, counts = self._inner_place(target, fresh), (self.unseen, self.filtered)
+        is_clip_path = element_name(target) == "clipPath"
+        window = Context(matrix, {}, context.view, (), context.depth + 1, (*context.inside, target), is_clip_path)
+        window = window._replace(matrix=self._element_matrix(target, window))
+        inner, counts = self._inner_context(target, window), (self.unseen, self.filtered)
         inner = inner._replace(clips=tuple(self._clips(target, inner)))
-        shapes = tuple(shape for child in target for shape in self._walk(child, inner))
+        shapes = tuple(shape for child in target for shape in self._element_shapes(child, inner))
         self.unseen, self.filtered = counts
-        if not rule and not (shapes and all(shape.white for shape in shapes)):
+        if not is_clip_path and not (shapes and all(shape.white for shape in shapes)):
             raise self._input_error("it contains a mask that is not white. Apply it to the paths.")
         nonzero = [child.attrib.get("clip-rule", inner.style.get("clip-rule")) != "evenodd" for child in target]
-        if rule and len(nonzero) == len(shapes):
-            shapes = tuple(shape._replace(nonzero=own) for shape, own in zip(shapes, nonzero, strict=True))
+        if is_clip_path and len(nonzero) == len(shapes):
+            shapes = tuple(shape._replace(nonzero=rule) for shape, rule in zip(shapes, nonzero, strict=True))
         return Clip(shapes)

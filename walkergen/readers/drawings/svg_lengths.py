@@ -37,25 +37,28 @@ FONT_SIZES = {
 
 
 def font_size(style: Mapping[str, Any]) -> float:
-    """Return the size of the font of a style."""
+    """Return the font size of a style, in the drawing's units."""
     return float(style.get("font-size", DEFAULT_FONT_SIZE))
 
 
-def parse_font_size(text: str | None, around: float, root: float) -> float:
-    """Parse the size of a font inside one of size `around`; `root` is that of the page. NaN for other text."""
+def parse_font_size(text: str | None, parent: float, root: float) -> float:
+    """Parse a font size; `parent` is that of the element around it and `root` the page's. NaN for other text."""
     word = (text or "1em").strip().lower()
-    if size := {**FONT_SIZES, "larger": 1.2 * around, "smaller": around / 1.2, "inherit": around}.get(word):
+    if size := {**FONT_SIZES, "larger": 1.2 * parent, "smaller": parent / 1.2, "inherit": parent}.get(word):
         return size
-    match, units = LENGTH_PATTERN.fullmatch(word), {**units_at(around, root), "%": 0.01 * around}
+    match, units = LENGTH_PATTERN.fullmatch(word), {**units_at(parent, root), "%": 0.01 * parent}
     return float(match[1]) * units.get(match[2], math.nan) if match else math.nan
 
 
 def parse_length(text: str, font: float, root: float, whole: float) -> float:
-    """Parse a length; percents are of `whole`. NaN for other text."""
+    """Parse a length: percents are of `whole`, em of the font size `font`, rem of that of the page, `root`.
+
+    NaN for other text.
+    """
     match, units = LENGTH_PATTERN.fullmatch(text), {**units_at(font, root), "%": 0.01 * whole}
     return float(match[1]) * units.get(match[2].lower(), math.nan) if match else math.nan
 
 
 def units_at(font: float, root: float) -> dict[str, float]:
-    """Return all units of length at a size of the font, and at that of the page."""
+    """Return the size of each unit of length, for the font sizes of the element and of the page, `root`."""
     return {**PIXELS_PER_UNIT, "em": font, "ex": 0.5 * font, "ch": 0.5 * font, "rem": root}

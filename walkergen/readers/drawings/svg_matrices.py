@@ -19,7 +19,7 @@ ALIGNMENT_SHARES = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
 
 
 def parse_transform(text: str) -> Array | None:
-    """Parse a list of transforms; None for one that leaves the plane, or depends on more than its numbers."""
+    """Parse a list of transforms to a matrix, shape (2, 3); None if it leaves the plane, or needs more than numbers."""
     if not TRANSFORMS_PATTERN.fullmatch(text):
         return None
     import svgelements
@@ -37,7 +37,7 @@ def mean_stretch(matrix: Array) -> float:
 
 
 def compose(first: Array, second: Array) -> Array:
-    """Return the matrix that moves by the second, then by the first, shape (2, 3)."""
+    """Return the matrix that transforms by the second, then by the first, shape (2, 3)."""
     return np.column_stack([first[:, :2] @ second[:, :2], first[:, :2] @ second[:, 2] + first[:, 2]])
 
 
@@ -53,7 +53,10 @@ def parse_view_box(text: str, source: str) -> tuple[float, float, float, float]:
 
 
 def fit_matrix(box: Sequence[float], width: float, height: float, fit: str) -> Array:
-    """Return the matrix that fits a box into a window of this size by preserveAspectRatio, shape (2, 3)."""
+    """Return the matrix that fits a box into a window of this size, shape (2, 3).
+
+    `box` is left, top, width and height, `fit` the value of preserveAspectRatio.
+    """
     scale = np.array([width / box[2], height / box[3]])
     if "none" not in fit:
         scale[:] = scale.max() if "slice" in fit else scale.min()

@@ -44,10 +44,11 @@ def from_style(style: Mapping[str, str], key: str, targets: Targets) -> Paint:
         if link[1] in targets:
             return Paint(_is_server_visible(targets[link[1]], targets), False)
         text = text[link.end() :] or "none"  # what the file does not hold gives way to the colour after it
-    return _from_colour(text, style.get("color", BLACK))
+    return _parse_colour(text, style.get("color", BLACK))
 
 
-def _from_colour(text: str, current: str) -> Paint:
+def _parse_colour(text: str, current: str) -> Paint:
+    """Return the paint of a colour's text; "currentColor" means the colour `current`."""
     if text.lower() == "none":
         return INVISIBLE
     colour = tinycss2.color4.parse_color(current if text.lower() == "currentcolor" else text)
@@ -58,7 +59,7 @@ def _from_colour(text: str, current: str) -> Paint:
 
 
 def _is_server_visible(server: ET.Element, targets: Targets) -> bool:
-    """Return whether a gradient has a visible stop, or a pattern has any contents."""
+    """Return whether the element of a gradient has a visible stop, or that of a pattern any contents."""
     for _ in range(MAX_LINKS):
         gradient = local_name(server).endswith("Gradient")
         if parts := [part for part in server if not gradient or local_name(part) == "stop"]:
@@ -71,19 +72,20 @@ def _is_server_visible(server: ET.Element, targets: Targets) -> bool:
 
 
 def _is_stop_visible(stop: ET.Element) -> bool:
-    colour = _from_colour(stop.attrib.get("stop-color", BLACK).strip(), BLACK)
+    """Return whether a stop of a gradient has a visible colour."""
+    colour = _parse_colour(stop.attrib.get("stop-color", BLACK).strip(), BLACK)
     return colour.shows and not is_zero(stop.attrib.get("stop-opacity"))
 
 
 def is_hidden_by_filter(text: str, targets: Targets) -> bool:
-    """Return whether a filter hides everything: an empty one, or one without opacity."""
+    """Return whether a value of the property filter hides everything: an empty filter, or opacity 0."""
     if link := URL_PATTERN.match(text):
         return link[1] in targets and local_name(targets[link[1]]) == "filter" and len(targets[link[1]]) == 0
     return any(is_zero(share) for share in re.findall(r"opacity\(([^)]*)\)", text))
 
 
 def is_zero(text: str | None) -> bool:
-    """Return whether a number hides: 0, or below it, which browsers take for 0."""
+    """Return whether a text is a number of 0 or below, such as an opacity that hides."""
     match = SHARE_PATTERN.fullmatch(text or "")
     return match is not None and float(match[1]) <= 0.0
 

@@ -97,14 +97,14 @@ def apply_styles(root: ET.Element, source: str) -> None:
     for node in cssselect2.ElementWrapper.from_xml_root(root).iter_subtree():
         element = node.etree_element
         matches = sorted(matcher.match(node), key=lambda match: match[:2])
-        wanted = [pair for *_, pairs in matches for pair in pairs]
-        wanted += _parse_declarations(
+        declarations = [pair for *_, pairs in matches for pair in pairs]
+        declarations += _parse_declarations(
             tinycss2.parse_declaration_list(element.attrib.get("style", ""), True, True), source
         )
         # what is important comes last, and so holds
-        values = {key: value for key, value, _ in sorted(wanted, key=lambda each: each[2])}
-        own = {key: values.pop(key) for key in [*values] if key.startswith("--")}
-        custom[element] = {**custom[node.parent.etree_element if node.parent else None], **own}
+        values = {key: value for key, value, _ in sorted(declarations, key=lambda each: each[2])}
+        custom_values = {key: values.pop(key) for key in [*values] if key.startswith("--")}
+        custom[element] = {**custom[node.parent.etree_element if node.parent else None], **custom_values}
         element.attrib.update(values)
         for key in SUPPORTED_PROPERTIES & element.attrib.keys():
             _resolve_value(element.attrib, key, custom[element])
@@ -138,7 +138,7 @@ def _substitute_variables(text: str, custom: Mapping[str, str], depth: int = 0) 
 
 
 def _add_rules(matcher: Any, rules: Sequence[Any], spaces: dict[str | None, str], source: str) -> None:
-    """Take in the rules of a sheet that count on a screen; `spaces` are namespaces by their prefixes."""
+    """Add the rules of a style sheet that apply on a screen to a matcher; `spaces` are namespaces by prefix."""
     for rule in rules:
         if rule.type == "at-rule":
             _add_at_rule(matcher, rule, spaces, source)
@@ -158,7 +158,10 @@ def _add_rules(matcher: Any, rules: Sequence[Any], spaces: dict[str | None, str]
 
 
 def _add_at_rule(matcher: Any, rule: Any, spaces: dict[str | None, str], source: str) -> None:
-    """Take in a rule that begins with @."""
+    """Process a rule that begins with @: add the rules in it, or its namespace. Raises InputError.
+
+    Arguments are those of `_add_rules`.
+    """
     word = rule.lower_at_keyword
     if word == "import":
         raise InputError(f"{source}: its <style> imports another file. Save it as a plain SVG.")
@@ -173,7 +176,7 @@ def _add_at_rule(matcher: Any, rule: Any, spaces: dict[str | None, str], source:
 
 
 def _is_screen_media(media: str, source: str) -> bool:
-    """Return whether rules for these media count. Raises InputError if it depends on the viewer."""
+    """Return whether rules for these media apply on a screen. Raises InputError if that depends on the viewer."""
     each = [medium.strip() for medium in media.split(",")]
     if any(SCREEN_MEDIA.fullmatch(medium) for medium in each):
         return True
