@@ -367,9 +367,9 @@ class Tree:
             x0, y0, x1, y1 = self._build_path(element, context).bbox() or (0.0, 0.0, 0.0, 0.0)
             matrix = compose(matrix, np.array([[x1 - x0, 0.0, x0], [0.0, y1 - y0, y0]]))
         is_clip_path = element_name(target) == "clipPath"
-        window = Context(matrix, {}, context.view, (), context.depth + 1, (*context.inside, target), is_clip_path)
-        window = window._replace(matrix=self._element_matrix(target, window))
-        inner, counts = self._inner_context(target, window), (self.unseen, self.filtered)
+        clip_context = Context(matrix, {}, context.view, (), context.depth + 1, (*context.inside, target), is_clip_path)
+        clip_context = clip_context._replace(matrix=self._element_matrix(target, clip_context))
+        inner, counts = self._inner_context(target, clip_context), (self.unseen, self.filtered)
         inner = inner._replace(clips=tuple(self._clips(target, inner)))
         shapes = tuple(shape for child in target for shape in self._element_shapes(child, inner))
         self.unseen, self.filtered = counts

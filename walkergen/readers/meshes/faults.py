@@ -49,7 +49,7 @@ class Shells(NamedTuple):
 def check_solid(mesh: Mesh, source: str, repairs: Sequence[Remedy] = ()) -> None:
     """Raise InputError, one line that begins with `source`, when a mesh is not a sound solid.
 
-    It carries `repairs` for faults that a repair may mend.
+    The error has `repairs` for faults that a repair may mend.
     """
     fault = _triangle_fault(mesh) or _edge_fault(mesh) or _shell_fault(mesh, shells(mesh))
     if fault:
@@ -66,7 +66,7 @@ def crossing_tolerance(mesh: Mesh) -> float:
 
 
 def faulty_edges(triangles: Whole) -> Edges:
-    """Sort the faulty edges of triangles by the kind of their fault."""
+    """Find the faulty edges of triangles, shape (k, 3), and sort them by the kind of their fault."""
     starts, ends = triangles.reshape(-1), triangles[:, [1, 2, 0]].reshape(-1)
     size = np.int64(triangles.max()) + 1
     keys = _edge_keys(starts, ends, size)
@@ -79,7 +79,7 @@ def faulty_edges(triangles: Whole) -> Edges:
 
 
 def _edge_keys(starts: Whole, ends: Whole, size: np.int64) -> Whole:
-    """Return a number for each edge, the same in either direction."""
+    """Return a number for each edge, the same in either direction; `size` exceeds all indices of vertices."""
     keys: Whole = np.minimum(starts, ends) * size + np.maximum(starts, ends)
     return keys
 
@@ -103,12 +103,13 @@ def shells(mesh: Mesh) -> Shells:
 
 
 def format_place(points: Array) -> str:
-    """Describe the middle of some points, as a person finds it in a viewer."""
+    """Format the mean of points, shape (..., 3), as coordinates for a message."""
     x, y, z = points.reshape(-1, 3).mean(axis=0) + 0.0
     return f"({x:.4g}, {y:.4g}, {z:.4g})"
 
 
 def _triangle_fault(mesh: Mesh) -> str:
+    """Describe missing or flat triangles, or vertices that are not finite; "" for a mesh without these faults."""
     if len(mesh.triangles) == 0:
         return "holds no triangles"
     bad = int((~np.isfinite(mesh.vertices).all(axis=1)).sum())
@@ -122,6 +123,7 @@ def _triangle_fault(mesh: Mesh) -> str:
 
 
 def _edge_fault(mesh: Mesh) -> str:
+    """Describe open, crowded or disagreeing edges; "" for a mesh without these faults."""
     wrong = faulty_edges(mesh.triangles)
     for pairs, words in (
         (wrong.open, "is open: {} edges belong to one triangle only"),
@@ -135,6 +137,7 @@ def _edge_fault(mesh: Mesh) -> str:
 
 
 def _shell_fault(mesh: Mesh, shells: Shells) -> str:
+    """Describe a surface that encloses nothing, is inside out or has several bodies; "" without these faults."""
     size = float((mesh.vertices.max(axis=0) - mesh.vertices.min(axis=0)).max())
     volume = float(shells.volumes.sum())
     if abs(volume) <= MIN_VOLUME_RATIO * size**3:
@@ -156,6 +159,7 @@ def _shell_fault(mesh: Mesh, shells: Shells) -> str:
 
 
 def _crossing_fault(mesh: Mesh) -> str:
+    """Describe triangles that cross each other; "" if there are none."""
     limit = crossing_tolerance(mesh)
     pairs = crossings.find(mesh.vertices, mesh.triangles, limit)
     if not pairs.number:

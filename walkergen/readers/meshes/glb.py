@@ -21,7 +21,7 @@ PARSE_ERRORS = (LookupError, TypeError, ValueError, AttributeError, RecursionErr
 
 
 def check(data: bytes, source: str) -> None:
-    """Raise InputError, which begins with `source`, for a file whose meshes are not those that it shows."""
+    """Raise InputError, which begins with `source`, for meshes that are packed, posed by a skeleton, or morphed."""
     try:
         tree = _parse_json(data)
         packed = [
@@ -29,14 +29,14 @@ def check(data: bytes, source: str) -> None:
             for name in PACKING_EXTENSIONS
             if name in [*tree.get("extensionsUsed", ()), *tree.get("extensionsRequired", ())]
         ]
-        posed = any("skin" in node for node in tree.get("nodes", ()))
-        bent = any(any(one.get("weights", ())) for one in [*tree.get("nodes", ()), *tree.get("meshes", ())])
+        has_skeleton = any("skin" in node for node in tree.get("nodes", ()))
+        has_weights = any(any(one.get("weights", ())) for one in [*tree.get("nodes", ()), *tree.get("meshes", ())])
     except PARSE_ERRORS:
         return  # its reader reports the error
     for found, what in (
         (packed, f"is packed by {', '.join(packed)}"),
-        (posed, "has a skeleton"),
-        (bent, "is morphed by weights"),
+        (has_skeleton, "has a skeleton"),
+        (has_weights, "is morphed by weights"),
     ):
         if found:
             raise InputError(f"{source}: {what}, which walkergen cannot read. Export the plain mesh.")
@@ -48,14 +48,15 @@ def triangle_count(data: bytes) -> int:
     Arrays that nothing uses count too: one without contents is as many zeros, made by a few bytes.
     """
 
-    def triangles(face: dict[str, Any]) -> int:
-        count: int = counts[face["indices"] if "indices" in face else face["attributes"]["POSITION"]]
-        return count if face.get("mode") == TRIANGLE_STRIP_MODE else count // 3
+    def count_triangles(primitive: dict[str, Any]) -> int:
+        """Return the number of triangles of a primitive, from the count of its corners."""
+        count: int = counts[primitive["indices"] if "indices" in primitive else primitive["attributes"]["POSITION"]]
+        return count if primitive.get("mode") == TRIANGLE_STRIP_MODE else count // 3
 
     try:
         tree = _parse_json(data)
         counts = [int(accessor["count"]) for accessor in tree["accessors"]]
-        meshes = [sum(map(triangles, mesh["primitives"])) for mesh in tree["meshes"]]
+        meshes = [sum(map(count_triangles, mesh["primitives"])) for mesh in tree["meshes"]]
         placed = sum(meshes[node["mesh"]] for node in tree["nodes"] if "mesh" in node)
     except PARSE_ERRORS:
         return 0

@@ -122,21 +122,21 @@ def _read_parts(data: bytes, kind: str, source: str) -> tuple[list[Part], list[s
 
 
 def _printable_parts(parts: list[Part], source: str) -> list[Part]:
-    """Return the printed parts, without what is cut away from those of their item."""
+    """Return the printed parts, with the negative volumes of each item subtracted from its parts."""
     printed = [part for part in parts if part.role == "model"]
     for number in {part.item for part in parts if part.role == "negative"}:
-        own = [part for part in printed if part.item == number]
-        away = [part for part in parts if part.role == "negative" and part.item == number]
-        for part in own:
+        item_parts = [part for part in printed if part.item == number]
+        negative_parts = [part for part in parts if part.role == "negative" and part.item == number]
+        for part in item_parts:
             faults.check_solid(Mesh(part.vertices, part.triangles), f"{source}: {part.name}")
-        if not own:
+        if not item_parts:
             continue
-        whole = modeller.to_solid(Mesh(*join_parts(tuple(own))[1:3]))
-        for part in away:
+        whole = modeller.to_solid(Mesh(*join_parts(tuple(item_parts))[1:3]))
+        for part in negative_parts:
             whole = modeller.check_solid(whole - modeller.to_solid(Mesh(part.vertices, part.triangles)))
         mesh = modeller.to_mesh(whole)
-        left = own[0]._replace(vertices=mesh.vertices, triangles=mesh.triangles)
-        printed = [part for part in printed if part.item != number] + [left]
+        remaining = item_parts[0]._replace(vertices=mesh.vertices, triangles=mesh.triangles)
+        printed = [part for part in printed if part.item != number] + [remaining]
     return sorted(printed, key=lambda part: part.item)
 
 
@@ -204,7 +204,7 @@ def _clean_part(source: str, part: Part) -> Part:
 
 
 def _read_with_trimesh(data: bytes, kind: str, source: str) -> list[Part]:
-    """Return the names, vertices and triangles of all objects of a file, in their places."""
+    """Return all objects of a file as parts, with vertices in their places."""
     import trimesh
 
     try:
@@ -222,7 +222,7 @@ def _read_with_trimesh(data: bytes, kind: str, source: str) -> list[Part]:
         triangles = np.asarray(mesh.faces, np.int64).reshape(-1, 3)
         if np.linalg.det(turn) < 0.0:  # a mirror image is turned inside out
             triangles = triangles[:, ::-1]
-        with np.errstate(invalid="ignore"):  # _part refuses values that are not finite
+        with np.errstate(invalid="ignore"):  # _clean_part refuses values that are not finite
             vertices = np.asarray(mesh.vertices, np.float64) @ turn.T + shift
         parts.append(Part(str(name), vertices, triangles))
     return parts

@@ -14,7 +14,7 @@ the next line."""
 
 
 def triangulate_faces(data: bytes, source: str) -> bytes:
-    """Return the file with corners and triangles alone; manifold3d cuts faces that are not convex.
+    """Return an OBJ file with vertices and triangles alone; faces of more corners are cut by manifold3d.
 
     Raises InputError, which begins with `source`, for a face whose corners are not in the file.
     """
@@ -44,6 +44,7 @@ def triangulate_faces(data: bytes, source: str) -> bytes:
 
 
 def _parse_number(word: str) -> float:
+    """Return the number in a word; NaN if it is none."""
     try:
         return float(word)
     except ValueError:
@@ -51,7 +52,7 @@ def _parse_number(word: str) -> float:
 
 
 def _triangulate_polygon(corners: Array) -> Sequence[Sequence[int]]:
-    """Triangulate a plane polygon in three dimensions, shape (n, 3), and keep its sense of rotation."""
+    """Return corner indices of triangles that fill a plane polygon, shape (n, 3), in its sense of rotation."""
     following = np.roll(corners, -1, axis=0)
     normal = np.cross(corners, following).sum(axis=0)  # Newell's, twice the area
     turns = np.cross(following - corners, np.roll(corners, -2, axis=0) - following) @ normal

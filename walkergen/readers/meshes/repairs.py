@@ -1,4 +1,4 @@
-"""Repair of a surface that is not yet a solid: each step does one thing and reports what it did.
+"""Repair of a surface that is not yet a solid: each step returns the mesh and what it changed, or "".
 
 Vertices along open edges are merged, triangles without area and doubled ones dropped, the turning of
 triangles made one, small holes filled, bodies that overlap united by manifold3d, and crumbs
@@ -51,6 +51,7 @@ def repair(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
 
 
 def _format_volume(mesh: Mesh) -> str:
+    """Format the volume of a mesh, mm^3; "(open)" if it is not closed."""
     if len(faults.faulty_edges(mesh.triangles).open):
         return "(open)"
     return f"{faults.shells(mesh).volumes.sum():.6g}"
@@ -63,15 +64,15 @@ def _merge_vertices(mesh: Mesh) -> tuple[Mesh, str]:
     return closer, f"merged {count} vertices with others less than {within:.2g} mm away" if count else ""
 
 
-def merge_rim_vertices(mesh: Mesh, within: float) -> tuple[Mesh, int]:
-    """Merge near vertices along open edges of a mesh, and return how many were merged."""
+def merge_rim_vertices(mesh: Mesh, max_distance: float) -> tuple[Mesh, int]:
+    """Merge vertices along open edges that are within a distance, and return how many were merged too."""
     from scipy.sparse import coo_matrix, csgraph
     from scipy.spatial import KDTree
 
     rim = np.unique(faults.faulty_edges(mesh.triangles).open)
     if not len(rim):
         return mesh, 0
-    pairs = KDTree(mesh.vertices[rim]).query_pairs(within, output_type="ndarray")
+    pairs = KDTree(mesh.vertices[rim]).query_pairs(max_distance, output_type="ndarray")
     links = np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])
     groups = coo_matrix(links, (len(rim), len(rim)))
     number, label = csgraph.connected_components(groups, directed=False)
@@ -103,19 +104,19 @@ def _drop_duplicates(mesh: Mesh) -> tuple[Mesh, str]:
 
 
 def _fill_holes(mesh: Mesh) -> tuple[Mesh, str]:
-    """Close small holes by fans of triangles, of whose edges none is there already."""
+    """Close small holes by fans of triangles, whose new edges are not in the mesh already."""
     rim = faults.faulty_edges(mesh.triangles).open
     if not 0 < len(rim) <= MAX_HOLE_EDGES:
         return mesh, ""
-    near = mesh.triangles[np.isin(mesh.triangles, rim).any(axis=1)]
-    there = {(a, b) for row in near.tolist() for a, b in zip(row, (*row[1:], row[0]), strict=True)}
+    triangles_at_rim = mesh.triangles[np.isin(mesh.triangles, rim).any(axis=1)]
+    edges_at_rim = {(a, b) for row in triangles_at_rim.tolist() for a, b in zip(row, (*row[1:], row[0]), strict=True)}
     fans: list[tuple[int, int, int]] = []
     vertices = mesh.vertices
     pairs = set(map(tuple, rim.tolist()))
-    for hole in _trace_holes(mesh.vertices, [edge for edge in sorted(there) if (min(edge), max(edge)) in pairs]):
+    for hole in _trace_holes(mesh.vertices, [edge for edge in sorted(edges_at_rim) if (min(edge), max(edge)) in pairs]):
         for start in range(len(hole)):
             first, *others = hole[start:] + hole[:start]
-            if not any((first, other) in there or (other, first) in there for other in others[1:-1]):
+            if not any((first, other) in edges_at_rim or (other, first) in edges_at_rim for other in others[1:-1]):
                 fans += [(first, ahead, behind) for behind, ahead in pairwise(others)]
                 break
         else:  # about a new vertex in its middle
@@ -131,9 +132,9 @@ def _fill_holes(mesh: Mesh) -> tuple[Mesh, str]:
 
 
 def _trace_holes(vertices: Array, edges: Sequence[tuple[int, int]]) -> list[list[int]]:
-    """Return the vertices about each hole, of open edges in the direction of their triangles.
+    """Return the vertices around each hole; `edges` are open, (start, end) each in the direction of their triangle.
 
-    Where holes touch in a vertex the way goes on along the edge that is nearest in direction.
+    Where holes touch in a vertex, the boundary goes on along the edge that is nearest in direction.
     """
     ahead: dict[int, list[int]] = {}
     for start, end in edges:
@@ -176,15 +177,15 @@ def _fix_orientation(mesh: Mesh) -> tuple[Mesh, str]:
 
 
 def _orient_outward(mesh: Mesh) -> Whole:
-    """Turn every closed piece of negative volume, unless it is a cavity."""
+    """Return the triangles with every closed piece of negative volume turned, unless it is a cavity."""
     pieces = faults.shells(mesh)
     triangles = mesh.triangles.copy()
     for number in np.flatnonzero(pieces.volumes < 0.0):
-        mine = pieces.label == number
-        rest = Mesh(mesh.vertices, mesh.triangles[~mine])
-        within = faults.winding_number(rest, mesh.vertices[triangles[mine][0, 0]])
+        is_piece = pieces.label == number
+        rest = Mesh(mesh.vertices, mesh.triangles[~is_piece])
+        within = faults.winding_number(rest, mesh.vertices[triangles[is_piece][0, 0]])
         if round(within) % 2 == 0:
-            triangles[mine] = triangles[mine][:, ::-1]
+            triangles[is_piece] = triangles[is_piece][:, ::-1]
     return triangles
 
 

@@ -28,7 +28,11 @@ for legs whose feet are as far apart as `placing` requires."""
 
 
 def add_to_outline(outline: Sequence[Array], thickness: float) -> tuple[list[Array], Mesh]:
-    """Return the contour of the plate under an outline, centred at the origin, and both extruded upward from 0, mm."""
+    """Return the contour of a plate under an outline, and the mesh of the plate with the extruded outline on it.
+
+    `thickness` (mm) is that of the extruded outline. The contour's box is centred at the origin, and the mesh begins at
+    z = 0.
+    """
     import shapely
 
     (contour,) = overlaps.contours(_plate_region(shapely.union_all(overlaps.pieces(outline)), thickness))
@@ -39,7 +43,7 @@ def add_to_outline(outline: Sequence[Array], thickness: float) -> tuple[list[Arr
 
 
 def add_to_mesh(mesh: Mesh) -> Mesh:
-    """Add a plate at the lowest level of a mesh, y up. Raises GeometryError for parts that float."""
+    """Return a mesh (y up) with a plate at its lowest level. Raises GeometryError for parts that float."""
     import shapely
 
     low, high = mesh.vertices[:, 1].min(), mesh.vertices[:, 1].max()

@@ -38,7 +38,7 @@ class ReadOptions(NamedTuple):
     """True to turn what points forward backward."""
 
 
-DEFAULT_WISHES = ReadOptions()
+DEFAULT_OPTIONS = ReadOptions()
 """Options of a file that is not changed."""
 
 
@@ -56,50 +56,50 @@ class OwnMesh(NamedTuple):
     """Notes on what was left out of the file or mended; empty if nothing was changed."""
 
 
-def read_body(path: Path, wishes: ReadOptions = DEFAULT_WISHES, key: str = "body.mesh") -> OwnMesh:
+def read_body(path: Path, options: ReadOptions = DEFAULT_OPTIONS, key: str = "body.mesh") -> OwnMesh:
     """Read a mesh (STL, OBJ, PLY, OFF, 3MF, GLB) as one closed body.
 
     Raises InputError, one line that begins with `key`, when the file is no mesh, the mesh is unsound and stays so,
     or its size is not a walker's.
     """
     source = f"{key} = {str(path)[-80:]!r}"
-    turn = rotation(wishes.up, wishes.forward, key)
+    turn = rotation(options.up, options.forward, key)
     loaded = meshes.read_mesh(path, source)
     part = meshes.join_parts(loaded.parts)
     vertices, triangles = part.vertices @ turn.T, part.triangles
-    scale = wishes.scale_mm or 1.0
-    if wishes.length_mm is not None:
-        scale = wishes.length_mm / max(float(np.ptp(vertices[:, 0])), 1e-12)
+    scale = options.scale_mm or 1.0
+    if options.length_mm is not None:
+        scale = options.length_mm / max(float(np.ptp(vertices[:, 0])), 1e-12)
     mesh = Mesh(vertices * scale, triangles)
-    if wishes.mirror:
+    if options.mirror:
         mesh = Mesh(mesh.vertices * (-1.0, 1.0, 1.0), triangles[:, ::-1])
-    if wishes.length_mm is None:
+    if options.length_mm is None:
         size_check.check_size(float(np.ptp(mesh.vertices, axis=0).max()), source, scale)
-    mesh, changes = _make_sound(mesh, wishes, source, loaded.notes)
+    mesh, changes = _make_sound(mesh, options, source, loaded.notes)
     return OwnMesh(Mesh(_centre_vertices(mesh.vertices), mesh.triangles), loaded.sha256, changes)
 
 
-def _make_sound(mesh: Mesh, wishes: ReadOptions, source: str, notes: tuple[str, ...]) -> tuple[Mesh, tuple[str, ...]]:
-    """Return one sound body as a mesh, and what was left out or mended. Raises InputError."""
-    if not wishes.repair and not wishes.base:
+def _make_sound(mesh: Mesh, options: ReadOptions, source: str, notes: tuple[str, ...]) -> tuple[Mesh, tuple[str, ...]]:
+    """Return one sound body as a mesh, and notes on what was left out or mended. Raises InputError."""
+    if not options.repair and not options.base:
         faults.check_solid(mesh, f"{source} ({'; '.join(notes)})" if notes else source, [REPAIR_REMEDY])
         return mesh, notes
     try:
         faults.check_solid(mesh, source)
     except InputError:
-        mesh, changes = repairs.repair(mesh) if wishes.repair else (mesh, ())
+        mesh, changes = repairs.repair(mesh) if options.repair else (mesh, ())
         notes += changes
         if len(mesh.triangles) == 0:
             raise InputError(f"{source}: repair leaves nothing: {'; '.join(notes)}") from None
-        mesh, joined = _make_single_body(mesh, wishes.base)
+        mesh, joined = _make_single_body(mesh, options.base)
         notes += joined
         faults.check_solid(mesh, f"{source} ({'; '.join(notes)})" if notes else source)
         return mesh, notes
-    return (base.add_to_mesh(mesh) if wishes.base else mesh), notes
+    return (base.add_to_mesh(mesh) if options.base else mesh), notes
 
 
 def _make_single_body(mesh: Mesh, plate: bool | None) -> tuple[Mesh, tuple[str, ...]]:
-    """Return one body of closed ones, on a plate or, without a plate, the largest; and what was done."""
+    """Return closed bodies on a plate (None: only if there are several), or else the largest one; and notes."""
     if any(map(len, faults.faulty_edges(mesh.triangles))):
         return mesh, ()
     bodies = modeller.split_bodies(modeller.to_solid(mesh))
@@ -113,7 +113,7 @@ def _make_single_body(mesh: Mesh, plate: bool | None) -> tuple[Mesh, tuple[str, 
 
 
 def rotation(up: Axis, forward: Axis, key: str) -> Array:
-    """Return the rotation from a file's axes to walkergen's, shape (3, 3). Raises InputError for one axis."""
+    """Return the rotation from a file's axes to walkergen's, shape (3, 3). Raises InputError if both are one axis."""
     for name, axis in (("up", up), ("forward", forward)):
         if axis not in get_args(Axis):
             raise InputError(f"{key}: {name} = {axis!r}: must be one of {', '.join(get_args(Axis))}")
@@ -124,13 +124,14 @@ def rotation(up: Axis, forward: Axis, key: str) -> Array:
 
 
 def _unit_vector(axis: str) -> Array:
+    """Return the unit vector of an axis, such as "-x", shape (3,)."""
     unit = np.zeros(3)
     unit["xyz".index(axis[-1])] = -1.0 if axis.startswith("-") else 1.0
     return unit
 
 
 def _centre_vertices(vertices: Array) -> Array:
-    """Centre the vertices: the middle of their box at the origin in x and y, and z from 0."""
+    """Return the vertices moved so that the middle of their box is at x = y = 0, and z begins at 0."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     middle: Array = 0.5 * (low + high)
     middle[2] = low[2]

@@ -52,48 +52,50 @@ def shape_by_key(keys: str) -> Shape:
     if body.mirror:
         plan = plan._replace(contours=[(ring * (-1.0, 1.0))[::-1] for ring in plan.contours])
     contours, mesh, notes = plan.contours, None, plan.notes
-    loose = plan.pieces > 1 or (body.text is not None and body.rails_mm is None)
-    if body.base or (body.base is None and loose):
+    has_separate_pieces = plan.pieces > 1 or (body.text is not None and body.rails_mm is None)
+    if body.base or (body.base is None and has_separate_pieces):
         contours, raised = base.add_to_outline(contours, body.thickness_mm)
         if plan.pieces > 1:
             notes += (f"joined {plan.pieces} pieces by a base plate",)
         mesh = lay_down(raised, _plan_size(contours, body.thickness_mm))
     size = _plan_size(contours, body.thickness_mm)
-    named = body.outline if body.text is None else body.font
+    file_name = body.outline if body.text is None else body.font
     sha256 = (
         ""
-        if named is None or named in BUILTIN_OUTLINES
-        else hashlib.sha256(file_reading.read_bytes(Path(named))).hexdigest()
+        if file_name is None or file_name in BUILTIN_OUTLINES
+        else hashlib.sha256(file_reading.read_bytes(Path(file_name))).hexdigest()
     )
     return Shape(size, None, tuple(contours), mesh, sha256, notes)
 
 
 def _plan_size(contours: Sequence[Array], thickness: float) -> Size:
+    """Return the size of a body of this thickness, mm, whose plan view has these contours."""
     length, depth = np.ptp(np.vstack(contours), axis=0)
     return Size(float(length), thickness, float(depth))
 
 
 def _mesh_shape(body: Body) -> Shape:
-    """Return the shape of a mesh from a file."""
+    """Return the shape of a body, or of a finished walker, from its mesh file."""
     assert body.mesh is not None
-    wishes = body_mesh.ReadOptions(
+    options = body_mesh.ReadOptions(
         body.scale_mm, body.given_length_mm, body.up, body.forward, body.repair, body.base, body.mirror
     )
-    own = body_mesh.read_body(Path(body.mesh), wishes)
+    body_file = body_mesh.read_body(Path(body.mesh), options)
     if body.legs_below_mm is not None:
-        cut = leg_cutting.centre_on_body(leg_cutting.cut_legs(own.mesh, body.legs_below_mm))
+        cut = leg_cutting.centre_on_body(leg_cutting.cut_legs(body_file.mesh, body.legs_below_mm))
         finished = FinishedWalker(cut.whole, cut.body, tuple(leg.mesh for leg in cut.legs), cut.limbs)
-        return Shape(_mesh_size(cut.body), None, (), cut.body, own.sha256, own.changes, finished)
-    return Shape(_mesh_size(own.mesh), None, (), own.mesh, own.sha256, own.changes)
+        return Shape(_mesh_size(cut.body), None, (), cut.body, body_file.sha256, body_file.changes, finished)
+    return Shape(_mesh_size(body_file.mesh), None, (), body_file.mesh, body_file.sha256, body_file.changes)
 
 
 def _mesh_size(mesh: Mesh) -> Size:
+    """Return the size of a mesh in the design's frame, mm."""
     length, thickness, depth = np.ptp(mesh.vertices, axis=0)
     return Size(float(length), float(thickness), float(depth))
 
 
 def _plan_view(body: Body) -> Plan:
-    """Return the outline in plan view, and what was left out of its file."""
+    """Return the outline in plan view, and notes on what was left out of its file."""
     if body.text is not None:
         return _text_plan(body)
     if body.outline == "disc":
@@ -107,7 +109,7 @@ def _plan_view(body: Body) -> Plan:
 
 
 def _text_plan(body: Body) -> Plan:
-    """Return the letters. Without a plate they must be one piece."""
+    """Return the outline of the body's text; without a base plate its letters must be one piece."""
     assert body.text is not None
     font = None if body.font is None else Path(body.font)
     height = body.depth_mm
@@ -118,7 +120,7 @@ def _text_plan(body: Body) -> Plan:
 
 
 def _read_plan(body: Body, path: Path) -> Plan:
-    """Return the outline of a drawing or a picture."""
+    """Return the outline of a drawing or a picture at `path`."""
     import shapely
 
     if path.suffix.lower() not in outlines.READERS:
@@ -131,8 +133,8 @@ def _read_plan(body: Body, path: Path) -> Plan:
         drawn = read(scale_mm=body.scale_mm, length_mm=body.given_length_mm)
     except NoUnitError:
         drawn = read(length_mm=size_check.DEFAULT_LENGTH_MM)
-        said = f"made it {size_check.DEFAULT_LENGTH_MM:g} mm long, for it states no size: body.length_mm sets another"
-        drawn = drawn._replace(notes=(*drawn.notes, said))
+        note = f"made it {size_check.DEFAULT_LENGTH_MM:g} mm long, for it states no size: body.length_mm sets another"
+        drawn = drawn._replace(notes=(*drawn.notes, note))
     if body.given_length_mm is None:
         size = float(np.ptp(np.vstack(drawn.polygons), axis=0).max())
         size_check.check_size(size, f"body.outline = {path.name!r}", body.scale_mm or 1.0)
@@ -147,6 +149,6 @@ def _read_plan(body: Body, path: Path) -> Plan:
     if len(kept) == len(pieces):
         return Plan(drawn.polygons, notes, len(pieces))
     contours = overlaps.contours(shapely.union_all(kept))
-    every = np.vstack(contours)
-    middle = 0.5 * (every.min(axis=0) + every.max(axis=0))
+    points = np.vstack(contours)
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     return Plan([ring - middle for ring in contours], notes, len(kept))

@@ -14,7 +14,10 @@ from walkergen.readers.walkers import marks
 
 
 def add_notches(design: Design, corners: Polygon) -> Polygon:
-    """Return the profile of a rectangular body, by its corners from the lower left, with notches in its upper edge."""
+    """Return the profile of a rectangular body, shape (n, 2), with notches in its upper edge.
+
+    `corners` begin at the lower left and go counter-clockwise.
+    """
     length, thickness = design.size.length, design.size.thickness
     y = 0.5 * thickness
     edge = [
@@ -33,17 +36,17 @@ def engraved_profiles(design: Design) -> list[Polygon]:
     return [np.array([(s.left, s.bottom), (s.right, s.bottom), (s.right, s.top), (s.left, s.top)]) for s in strokes]
 
 
-def cut_letters(ground: Mesh, design: Design) -> Mesh:
-    """Return a body in plan view with its text cut into the upper side. Raises GeometryError."""
+def cut_letters(body: Mesh, design: Design) -> Mesh:
+    """Return the mesh of a body in plan view with the marks' text cut into its upper side. Raises GeometryError."""
     text = _text_polygons(design, design.size.length, design.size.depth)
     depth, size = design.marks.depth_mm, design.size
-    tool = lay_down(extrude(text, 2.0 * depth, pieces=True), size)
-    raised = tool.vertices + np.array([0.0, size.thickness - depth, 0.0])
-    solid, drawn = modeller.to_solid(ground), modeller.to_solid(Mesh(raised, tool.triangles))
-    cut = modeller.check_solid(solid - drawn)
+    cutter = lay_down(extrude(text, 2.0 * depth, pieces=True), size)
+    raised = cutter.vertices + np.array([0.0, size.thickness - depth, 0.0])
+    solid, letters = modeller.to_solid(body), modeller.to_solid(Mesh(raised, cutter.triangles))
+    cut = modeller.check_solid(solid - letters)
     # Half of the tool is above the body, the other half makes the pockets
     lost = 2.0 * (solid.volume() - cut.volume())
-    if lost < drawn.volume() * (1.0 - 1e-6) or len(modeller.split_bodies(cut)) != 1:
+    if lost < letters.volume() * (1.0 - 1e-6) or len(modeller.split_bodies(cut)) != 1:
         raise GeometryError(
             f"{_format_mark(design)}: the letters leave the outline. Make text_height_mm smaller.", _mark_key(design)
         )
@@ -51,7 +54,7 @@ def cut_letters(ground: Mesh, design: Design) -> Mesh:
 
 
 def _text_polygons(design: Design, length: float, height: float) -> list[Polygon]:
-    """Return the text of the marks, which fits into a face of length and height, mm. Raises GeometryError."""
+    """Return the outlines of the marks' text, which fits a face of this length and height, mm. Raises GeometryError."""
     mark, source = design.marks, _mark_key(design)
     polygons = text_outline(design.letters, mark.text_height_mm or 0.5 * height, False, source)
     low = np.min([polygon.min(axis=0) for polygon in polygons], axis=0)
@@ -72,4 +75,5 @@ def _format_mark(design: Design) -> str:
 
 
 def _mark_key(design: Design) -> str:
+    """Return the key that defines the engraved letters."""
     return "marks.text" if design.marks.kind == "text" else "marks.serial"

@@ -45,9 +45,9 @@ def find_footing(
     if distance is None:
         raise GeometryError(f"{place} misses the body; move it under the body")
     anchor = foot + distance * direction
-    over = _height_bounds((body.mesh.vertices[near] - foot) @ axes.T, half)
-    if over is not None:
-        return Footing(anchor, *over)
+    bounds = _height_bounds((body.mesh.vertices[near] - foot) @ axes.T, half)
+    if bounds is not None:
+        return Footing(anchor, *bounds)
     corners = np.array(body.solid.bounding_box()).reshape(2, 3)
     far = float(np.linalg.norm(np.abs(corners - foot).max(axis=0))) + thickness + width
     leg = joining.leg_prism(foot, direction, thickness, width, far)
@@ -72,15 +72,15 @@ def find_footing(
 
 
 def _height_bounds(corners: Array, half: Array) -> tuple[float, float] | None:
-    """Return the highest point of a lower side over a section, and the lowest of the upper side.
+    """Return the highest point of the lower side of a body over a section, and the lowest of its upper side, mm.
 
-    Corners of triangles, shape (k, 3, 3), are in the section's frame, third axis up. Returns None unless exactly these
-    two sides cover the section. Only the modeller resolves other cases.
+    Corners of triangles, shape (k, 3, 3), are in the section's frame, third axis up; `half` is half its size along the
+    first two. Returns None unless exactly these two sides cover the section. Only the modeller resolves other cases.
     """
     if corners[:, :, 2].min() <= 0.0:
         return None
-    for axis, far in enumerate(half.tolist()):
-        corners = _clip_polygons(_clip_polygons(corners, axis, far), axis, far, -1.0)
+    for axis, limit in enumerate(half.tolist()):
+        corners = _clip_polygons(_clip_polygons(corners, axis, limit), axis, limit, -1.0)
     x, y, heights = corners.transpose(2, 0, 1)
     areas = 0.5 * (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1)
     lower, upper, whole = areas < 0.0, areas > 0.0, 4.0 * half.prod()
@@ -91,16 +91,16 @@ def _height_bounds(corners: Array, half: Array) -> tuple[float, float] | None:
 
 
 def _clip_polygons(polygons: Array, axis: int, far: float, side: float = 1.0) -> Array:
-    """Clip convex polygons, shape (k, n, 3), beyond `far` along an axis; their first point is repeated at the end.
+    """Cut off the parts of convex polygons, shape (k, n, 3), where `side` times a coordinate exceeds `far`.
 
-    Source: Sutherland and Hodgman (1974).
+    `side` is 1 or -1. The first point of a polygon is repeated to fill its row. Source: Sutherland and Hodgman (1974).
     """
-    left = far - side * polygons[:, :, axis]
-    inside, ahead = left >= 0.0, np.roll(left, -1, axis=1)
+    distance = far - side * polygons[:, :, axis]
+    inside, following_distance = distance >= 0.0, np.roll(distance, -1, axis=1)
     crossing = inside != np.roll(inside, -1, axis=1)
-    share = np.divide(left, left - ahead, out=np.zeros_like(left), where=crossing)[:, :, None]
-    met = polygons + share * (np.roll(polygons, -1, axis=1) - polygons)
-    points = np.stack([polygons, met], axis=2).reshape(len(polygons), -1, 3)
+    share = np.divide(distance, distance - following_distance, out=np.zeros_like(distance), where=crossing)[:, :, None]
+    intersections = polygons + share * (np.roll(polygons, -1, axis=1) - polygons)
+    points = np.stack([polygons, intersections], axis=2).reshape(len(polygons), -1, 3)
     kept = np.stack([inside, crossing], axis=2).reshape(len(polygons), -1)
     points, kept = points[kept.any(axis=1)], kept[kept.any(axis=1)]
     order = np.argsort(~kept, axis=1, kind="stable")[:, : kept.sum(axis=1).max(initial=0)]
@@ -122,9 +122,9 @@ def first_hit(corners: Array, start: Array, direction: Array) -> float | None:
     with np.errstate(divide="ignore", invalid="ignore"):
         from_a = start - a
         u = np.einsum("ki,ki->k", from_a, normal) / determinant
-        turned = np.cross(from_a, first)
-        v = turned @ direction / determinant
-        distance = np.einsum("ki,ki->k", second, turned) / determinant
+        cross_product = np.cross(from_a, first)
+        v = cross_product @ direction / determinant
+        distance = np.einsum("ki,ki->k", second, cross_product) / determinant
         # Of a triangle's side, so that a ray cannot slip through between two neighbours
         slack = 1e-9
         hit = steep & (u >= -slack) & (v >= -slack) & (u + v <= 1.0 + slack) & (distance >= 0.0)
@@ -132,11 +132,14 @@ def first_hit(corners: Array, start: Array, direction: Array) -> float | None:
 
 
 def _is_near_line(mesh: Mesh, start: Array, sides: Array, half: Array) -> Mask:
-    """Return which triangles have a box that comes as near to a line as `half`, shape (k,), in k directions."""
+    """Return a mask of the triangles whose boxes come near a line, shape (triangles,).
+
+    They are near if they come within `half`, shape (k,), mm, of `start` along the k directions in `sides`.
+    """
     slack = 1e-6 * float(np.ptp(mesh.vertices, axis=0).max())
-    met = np.ones(len(mesh.triangles), bool)
+    is_near = np.ones(len(mesh.triangles), bool)
     for side, far in zip(sides, half + slack, strict=True):
         first, second, third = ((mesh.vertices - start) @ side)[mesh.triangles.T]
-        met &= np.minimum(np.minimum(first, second), third) <= far
-        met &= np.maximum(np.maximum(first, second), third) >= -far
-    return met
+        is_near &= np.minimum(np.minimum(first, second), third) <= far
+        is_near &= np.maximum(np.maximum(first, second), third) >= -far
+    return is_near

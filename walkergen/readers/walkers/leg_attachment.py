@@ -28,9 +28,9 @@ UP = np.array([0.0, 1.0, 0.0])
 
 @lru_cache(maxsize=1024)
 def extend_legs(body: str, limbs: tuple[Limb, ...]) -> tuple[Limb, ...]:
-    """Return legs that go on up to a body, given by its JSON. Raises GeometryError for those that miss it."""
-    ground = prepare_body(body)
-    return tuple(_extend_leg(ground, limb, number) for number, limb in enumerate(limbs, start=1))
+    """Return legs that go up to the underside of a body, given as JSON. Raises GeometryError for legs that miss it."""
+    prepared = prepare_body(body)
+    return tuple(_extend_leg(prepared, limb, number) for number, limb in enumerate(limbs, start=1))
 
 
 @lru_cache(maxsize=16)
@@ -44,31 +44,33 @@ atexit.register(prepare_body.cache_clear)  # otherwise the modeller reports leak
 
 @lru_cache(maxsize=16)
 def body_mass(body: str) -> SolidMass:
-    """Return the mass of a body, given as JSON, at 1 g/mm^3."""
+    """Return the mass properties of a body, given as JSON, at 1 g/mm^3."""
     return weigh(prepare_body(body).mesh, 1.0)
 
 
-def _extend_leg(ground: joining.Body, limb: Limb, number: int) -> Limb:
-    """Return a leg that goes on to the underside of a body."""
-    depth = float(np.ptp(ground.mesh.vertices[:, 2]))
+def _extend_leg(body: joining.Body, limb: Limb, number: int) -> Limb:
+    """Return a leg that goes up to the underside of a body; `number`, from 1, is for messages."""
+    depth = float(np.ptp(body.mesh.vertices[:, 2]))
     sin, cos = math.sin(limb.tilt), math.cos(limb.tilt)
     anchor = np.array([*limb.anchor, 0.5 * depth + limb.across])
     direction = np.array([sin, cos, 0.0])
     end = anchor - limb.length * direction
     key = f"legs[{number}].along_mm"
-    footing = find_footing(ground, end, direction, limb.thickness, limb.width, key)
+    footing = find_footing(body, end, direction, limb.thickness, limb.width, key)
     length = float(np.linalg.norm(footing.anchor - end))
-    over = max(footing.reach - length, 0.0) * cos + 0.5 * limb.thickness * abs(sin)
-    met = limb._replace(length=length, bottom=float(footing.anchor[1]))
+    depth_inside = max(footing.reach - length, 0.0) * cos + 0.5 * limb.thickness * abs(sin)
+    extended = limb._replace(length=length, bottom=float(footing.anchor[1]))
     # Beyond its anchor a leg goes straight up, as its struts do
-    upright = [(0.0, 2.0 * met.half_width)] if sin else []
-    upright += [(strut.offset, strut.thickness) for strut in section_of(met).struts(met)]
-    above = math.inf if sin else footing.above - length
+    upright = [(0.0, 2.0 * extended.half_width)] if sin else []
+    upright += [(strut.offset, strut.thickness) for strut in section_of(extended).struts(extended)]
+    thickness_above = math.inf if sin else footing.above - length
     for offset, thickness in upright:
-        foot = np.array([met.anchor[0] + offset, end[1], anchor[2]])
-        straight = find_footing(ground, foot, UP, thickness, limb.width, key)
-        over = max(over, float(foot[1]) + straight.reach - met.bottom)
-        above = min(above, float(foot[1]) + straight.above - met.bottom)
-    if over + EMBEDDING_MM > above:
-        raise GeometryError(f"{key}: the leg comes out of the body again, {above:.3g} mm above where it meets it")
-    return met._replace(embedding=over + EMBEDDING_MM)
+        foot = np.array([extended.anchor[0] + offset, end[1], anchor[2]])
+        straight = find_footing(body, foot, UP, thickness, limb.width, key)
+        depth_inside = max(depth_inside, float(foot[1]) + straight.reach - extended.bottom)
+        thickness_above = min(thickness_above, float(foot[1]) + straight.above - extended.bottom)
+    if depth_inside + EMBEDDING_MM > thickness_above:
+        raise GeometryError(
+            f"{key}: the leg comes out of the body again, {thickness_above:.3g} mm above where it meets it"
+        )
+    return extended._replace(embedding=depth_inside + EMBEDDING_MM)

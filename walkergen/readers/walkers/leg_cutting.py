@@ -60,7 +60,7 @@ class CutWalker(NamedTuple):
     """Walker before the cut."""
 
     def limbs(self, kind: Kind, depth: float) -> tuple[Limb, ...]:
-        """Return its legs with all their numbers. Raises GeometryError for flexible ones with a brace."""
+        """Return its legs with all their numbers. Raises GeometryError for legs with a brace that are declared flexible."""
         return tuple(_to_limb(leg, kind, number, depth) for number, leg in enumerate(self.legs, start=1))
 
 
@@ -136,7 +136,7 @@ def _to_limb(leg: CutLeg, kind: Kind, number: int, depth: float) -> Limb:
 
 
 def _measure_leg(piece: manifold3d.Manifold, height: float, source: str) -> CutLeg:
-    """Measure the leg of a piece below the cut. Raises GeometryError if it is not a leg that reaches up."""
+    """Measure the leg that is a piece below the cut at `height`, mm. Raises GeometryError if it ends below the cut."""
     mesh = modeller.to_mesh(piece)
     struts = _find_struts(mesh, height)
     if not struts:
@@ -160,7 +160,7 @@ def _measure_leg(piece: manifold3d.Manifold, height: float, source: str) -> CutL
 
 
 def _find_foot(mesh: Mesh) -> Array:
-    """Return the middle of the lowest points in x and z, and y of the lowest point."""
+    """Return the foot of a leg, shape (3,), mm: the middle of its lowest points in x and z, and their least y."""
     lowest = float(mesh.vertices[:, 1].min())
     touching = mesh.vertices[mesh.vertices[:, 1] <= lowest + FOOT_TOLERANCE_MM]
     foot: Array = 0.5 * (touching.min(axis=0) + touching.max(axis=0))
@@ -185,10 +185,10 @@ def _find_struts(mesh: Mesh, height: float) -> list[tuple[Array, Array]]:
     areas = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 1]
     struts = []
     for strut in np.unique(label[lids[:, 0]]):
-        mine = label[lids[:, 0]] == strut
-        area = float(areas[mine].sum())
+        is_strut = label[lids[:, 0]] == strut
+        area = float(areas[is_strut].sum())
         if area > 0.0:
-            centroid = areas[mine] @ corners[mine].mean(axis=1) / area
-            struts.append((area, corners[mine].reshape(-1, 3), centroid))
+            centroid = areas[is_strut] @ corners[is_strut].mean(axis=1) / area
+            struts.append((area, corners[is_strut].reshape(-1, 3), centroid))
     struts.sort(key=lambda strut: -strut[0])
     return [(points, middle) for area, points, middle in struts if area > MIN_STRUT_SHARE * struts[0][0]]

@@ -97,10 +97,7 @@ class Placement(NamedTuple):
 
 @lru_cache(maxsize=4096)
 def find_placement(body_key: str, legs_key: str) -> Placement:
-    """Find the places of legs for a body; both as JSON. Tilt and length stay as written.
-
-    Raises UnplacedError where none stand, with what would help.
-    """
+    """Find legs for a body; both as JSON. Tilt and length stay as written. Raises UnplacedError if none stand."""
     body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
     try:
         return _place_legs(body, legs)
@@ -113,7 +110,7 @@ def find_placement(body_key: str, legs_key: str) -> Placement:
 
 
 def _place_legs(body: Body, legs: Legs) -> Placement:
-    """Place legs for a body. Raises GeometryError."""
+    """Find the positions and widths of legs under a body. Raises GeometryError if no legs stand."""
     import shapely
 
     size = shape_of(body).size
@@ -123,12 +120,12 @@ def _place_legs(body: Body, legs: Legs) -> Placement:
     if body.flat:
         return _from_rows(leg, find_rows(ground, centre, height, reach), centre, height)
     for inset in INSET_SHARES:
-        drawn_in = shapely.buffer(ground, -inset * size.depth)
-        if drawn_in.is_empty:
+        inset_ground = shapely.buffer(ground, -inset * size.depth)
+        if inset_ground.is_empty:
             break
-        found = _from_rows(leg, find_rows(drawn_in, centre, height, reach), centre, height)
+        placement = _from_rows(leg, find_rows(inset_ground, centre, height, reach), centre, height)
         try:
-            return found._replace(limbs=leg_attachment.extend_legs(body.key, found.limbs))
+            return placement._replace(limbs=leg_attachment.extend_legs(body.key, placement.limbs))
         except GeometryError:  # a leg misses the mesh: farther in there is more of it
             continue
     raise GeometryError("its underside is too narrow or too steep for legs")
@@ -157,18 +154,18 @@ def available_space(body: Body, legs: Legs) -> LegSpace:
 
 @lru_cache(maxsize=64)
 def _find_remedies(body_key: str, legs_key: str) -> list[Remedy]:
-    """Try what would make legs stand under a body; return the first of each kind that does, two at most."""
+    """Return the first change of each kind with which legs stand under a body, two at most; both as JSON."""
     body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
     length = shape_of(body).size.length
-    sizes = [float(math.ceil(larger * length)) for larger in LENGTH_FACTORS] if body.scales_with_length else []
-    wishes: list[list[tuple[str, dict[str, Any]]]] = [
+    sizes = [float(math.ceil(factor * length)) for factor in LENGTH_FACTORS] if body.scales_with_length else []
+    kinds_of_changes: list[list[tuple[str, dict[str, Any]]]] = [
         [("read it in inches", {"scale_mm": INCH_MM})] if _is_tiny(body) else [],
         [("lay it down", axes) for axes in _other_orientations(body)],
         [("put a plate under it", {"base": True})] if body.sourced and not body.base else [],
         [(f"make it {size:g} mm long", {"length_mm": size}) for size in sizes if size < MAX_LENGTH_MM],
     ]
     remedies = []
-    for tries in wishes:
+    for tries in kinds_of_changes:
         helpful = ((words, keys) for words, keys in tries if _can_stand(body.with_keys(**keys), legs))
         remedies += [Remedy(words, {f"body.{key}": keys[key] for key in keys}) for words, keys in islice(helpful, 1)]
     lengths = (float(f"{share * legs.length_mm:.3g}") for share in LEG_LENGTH_FACTORS)
@@ -178,7 +175,7 @@ def _find_remedies(body_key: str, legs_key: str) -> list[Remedy]:
 
 
 def _drop_other_size(remedy: Remedy) -> Remedy:
-    """Return the remedy that leaves out the other key for a body's size."""
+    """Return a remedy that also removes scale_mm if it sets length_mm, and the reverse."""
     other = {"body.length_mm": "body.scale_mm", "body.scale_mm": "body.length_mm"}
     return remedy._replace(values={**{other[key]: None for key in remedy.values if key in other}, **remedy.values})
 
@@ -198,13 +195,13 @@ def _other_orientations(body: Body) -> list[dict[str, Any]]:
 
 
 def _is_tiny(body: Body) -> bool:
-    """Return whether a mesh states no unit and is too small for one in mm."""
-    unsaid = body.mesh is not None and body.scale_mm is None and body.given_length_mm is None
-    return unsaid and body.legs_below_mm is None and max(shape_of(body).size) < MAX_INCH_SIZE_MM
+    """Return whether a mesh states no unit and is so small that it may be in inches."""
+    has_no_unit = body.mesh is not None and body.scale_mm is None and body.given_length_mm is None
+    return has_no_unit and body.legs_below_mm is None and max(shape_of(body).size) < MAX_INCH_SIZE_MM
 
 
 def _can_stand(body: Body, legs: Legs) -> bool:
-    """Return whether legs stand under a body, also when as steep as in a family."""
+    """Return whether legs stand under a body, with their tilt and with that of the steepest member of a family."""
     try:
         for tilt in {legs.tilt_deg, max(legs.tilt_deg, FAMILY_MAX_TILT_DEG)}:
             _place_legs(body, legs.model_copy(update={"tilt_deg": tilt}))
@@ -215,7 +212,7 @@ def _can_stand(body: Body, legs: Legs) -> bool:
 
 @lru_cache(maxsize=16)
 def _footprint_and_centre(body_key: str) -> "tuple[BaseGeometry, tuple[float, float, float]]":
-    """Return what a body covers, (along, across), and its centre of mass (along, up, across), from its middle."""
+    """Return a body's area from above, (along, across), and its centre of mass, (along, up, across), from its middle."""
     import shapely
 
     shape = shape_of(Body.model_validate_json(body_key))
@@ -224,16 +221,16 @@ def _footprint_and_centre(body_key: str) -> "tuple[BaseGeometry, tuple[float, fl
         ground = shapely.Polygon(outer, holes)
         if shape.mesh is None:
             return ground, (ground.centroid.x, 0.0, ground.centroid.y)
-    ready = leg_attachment.prepare_body(body_key)
+    prepared = leg_attachment.prepare_body(body_key)
     along, up, across = leg_attachment.body_mass(body_key).centre.tolist()
     middle = 0.5 * shape.size.depth
     if not shape.plan:
-        ground = shapely.affinity.translate(joining.plan_projection(ready.solid), 0.0, -middle)
+        ground = shapely.affinity.translate(joining.plan_projection(prepared.solid), 0.0, -middle)
     return ground, (along, up, across - middle)
 
 
 def _leg_reach(leg: Limb) -> Reach:
-    """Return what a leg takes up along the run, from its foot."""
+    """Return the space along the run of the top of a leg and its brace, from its foot."""
     anchor = -leg.anchor_to_foot[0]
     ends = [anchor - leg.half_width, anchor + leg.half_width]
     for strut in section_of(leg).struts(leg):
@@ -241,11 +238,11 @@ def _leg_reach(leg: Limb) -> Reach:
     return Reach(min(ends), max(ends))
 
 
-def _from_rows(leg: Limb, placed: Sequence[Row], centre: tuple[float, float], height: float) -> Placement:
-    """Return the legs of rows, each like `leg`."""
-    found = tuple(
+def _from_rows(leg: Limb, rows: Sequence[Row], centre: tuple[float, float], height: float) -> Placement:
+    """Return the placement of legs like `leg` in rows; centre of mass: (along, across) and height, mm."""
+    limbs = tuple(
         leg._replace(along=round(row.along, DECIMALS), across=round(across, DECIMALS), width=round(width, DECIMALS))
-        for row in placed
+        for row in rows
         for across, width in row.legs
     )
-    return Placement(found, math.degrees(math.atan2(stability_margin(placed, centre), height)))
+    return Placement(limbs, math.degrees(math.atan2(stability_margin(rows, centre), height)))

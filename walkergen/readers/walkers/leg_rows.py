@@ -69,36 +69,36 @@ class Row(NamedTuple):
 
     @property
     def width(self) -> float:
-        """Width of all of them, mm."""
+        """Sum of the widths of its legs, mm."""
         return sum(width for _, width in self.legs)
 
     @property
     def high(self) -> float:
-        """Outer edge of the last, mm."""
+        """Coordinate across of the outer edge of its last leg, mm."""
         return self.legs[-1][0] + 0.5 * self.legs[-1][1]
 
 
 def find_rows(ground: "BaseGeometry", centre: tuple[float, float], height: float, reach: Reach) -> tuple[Row, ...]:
-    """Return the rows behind and before the centre of mass, (along, across), under a ground seen from above, mm.
+    """Return the rows of legs behind and before the centre of mass, (along, across), below an area seen from above, mm.
 
-    `height` is that of the centre of mass above the plate. Feet stand as far behind it as before it
-    wherever such rows exist, else nearly so. Raises GeometryError where none do.
+    `height` is that of the centre of mass above the plate. Feet are as far behind it as before it, or nearly so if no
+    such rows exist. Raises GeometryError if no rows stand.
     """
     import shapely
 
     inner = ground.buffer(-MIN_EDGE_MM).simplify(SIMPLIFY_MM)
     left, _, right, _ = ground.bounds
-    least, most = MIN_SPAN_PER_HEIGHT * height, right - left
-    wished = max(SPAN_PER_LENGTH * (right - left), PREFERRED_SPAN_PER_HEIGHT * height)
-    spans = np.linspace(least, max(most, least), SPAN_STEPS)
+    min_span, max_span = MIN_SPAN_PER_HEIGHT * height, right - left
+    preferred_span = max(SPAN_PER_LENGTH * (right - left), PREFERRED_SPAN_PER_HEIGHT * height)
+    spans = np.linspace(min_span, max(max_span, min_span), SPAN_STEPS)
     for share in MIDDLE_SHIFTS:
         middles = centre[0] + share * spans
         backs, fronts = (_widest_rows(inner, middles + side * spans, centre[1], reach) for side in (-0.5, 0.5))
         costs = {}
         for number, (back, front) in enumerate(zip(backs, fronts, strict=True)):
             if back is not None and front is not None:
-                narrow = 1.0 - min(back.width, front.width) / (ground.bounds[3] - ground.bounds[1])
-                costs[abs(math.log(spans[number] / wished)) + narrow] = _match_widths(back, front)
+                narrowness = 1.0 - min(back.width, front.width) / (ground.bounds[3] - ground.bounds[1])
+                costs[abs(math.log(spans[number] / preferred_span)) + narrowness] = _match_widths(back, front)
         for cost in sorted(costs):
             if stability_margin(costs[cost], centre) >= 0.5 * MIN_SPAN_PER_HEIGHT * height * (1.0 - MARGIN_TOLERANCE):
                 return _add_middle_rows(costs[cost], inner, centre[1], reach)
@@ -109,7 +109,7 @@ def find_rows(ground: "BaseGeometry", centre: tuple[float, float], height: float
 
 
 def _add_middle_rows(outer: tuple[Row, Row], inner: "BaseGeometry", across: float, reach: Reach) -> tuple[Row, ...]:
-    """Add rows between those that are far apart, if there is room."""
+    """Return two outer rows, with rows between them if they are far apart and the area `inner` allows it."""
     back, front = outer
     number = math.ceil((front.along - back.along) / MAX_ROW_DISTANCE_MM - MARGIN_TOLERANCE)
     places = np.linspace(back.along, front.along, number + 1)[1:-1]
@@ -118,47 +118,47 @@ def _add_middle_rows(outer: tuple[Row, Row], inner: "BaseGeometry", across: floa
 
 
 def _widest_rows(inner: "BaseGeometry", places: Array, across: float, reach: Reach) -> list[Row | None]:
-    """Return the legs with feet at each place along the run, as wide as the ground allows; None without room.
+    """Return the row of legs with feet at each of `places` along the run, as wide as the area `inner` allows, or None.
 
-    They are their own mirror image about the centre of mass, where such pieces are wide enough.
+    Rows are symmetric about the centre of mass, at `across` (mm), if their legs are wide enough.
     """
-    found: list[Row | None] = []
+    rows: list[Row | None] = []
     for along, pieces in zip(
         places.tolist(), covered_intervals(inner, places + reach.back, places + reach.front), strict=True
     ):
         mirrored = [(2.0 * across - high, 2.0 * across - low) for low, high in pieces]
-        both = [(max(a, c), min(b, d)) for a, b in pieces for c, d in mirrored]
-        found.append(_build_row(along, across, both) or _build_row(along, across, pieces))
-    return found
+        symmetric = [(max(a, c), min(b, d)) for a, b in pieces for c, d in mirrored]
+        rows.append(_build_row(along, across, symmetric) or _build_row(along, across, pieces))
+    return rows
 
 
 def _build_row(along: float, across: float, pieces: Sequence[tuple[float, float]]) -> Row | None:
-    """Return the legs in sufficiently wide pieces, if the centre of mass lies between the outer ones."""
-    wide = sorted((low, high) for low, high in pieces if high - low >= MIN_LEG_WIDTH_MM)
-    if not wide or not wide[0][0] <= across <= wide[-1][1]:
+    """Return a row of legs in the wide pieces, (low, high) across, or None if the centre `across` is not between them."""
+    wide_pieces = sorted((low, high) for low, high in pieces if high - low >= MIN_LEG_WIDTH_MM)
+    if not wide_pieces or not wide_pieces[0][0] <= across <= wide_pieces[-1][1]:
         return None
-    return Row(along, tuple((0.5 * (low + high), high - low) for low, high in wide))
+    return Row(along, tuple((0.5 * (low + high), high - low) for low, high in wide_pieces))
 
 
 def covered_intervals(inner: "BaseGeometry", backs: Array, fronts: Array) -> list[list[tuple[float, float]]]:
-    """Return the intervals across the run over which each strip along it is wholly under a ground."""
+    """Return, for each strip from `backs` to `fronts` along the run, the intervals across that lie inside an area."""
     import shapely
 
     if inner.is_empty:
         return [[] for _ in backs]
     _, low, _, high = inner.bounds
-    free = shapely.difference(shapely.box(backs, low, fronts, high), inner)
-    parts, owners = shapely.get_parts(free, return_index=True)
+    outside = shapely.difference(shapely.box(backs, low, fronts, high), inner)
+    parts, owners = shapely.get_parts(outside, return_index=True)
     shadows: list[list[tuple[float, float]]] = [[] for _ in backs]
     bounds = shapely.bounds(parts).tolist()
     for owner, (_, begin, _, end), area in zip(owners, bounds, shapely.area(parts), strict=True):
         if area > 0.0:
             shadows[owner].append((begin, end))
-    return [list(_free_intervals(sorted(own), low, high)) for own in shadows]
+    return [list(_free_intervals(sorted(strip_shadows), low, high)) for strip_shadows in shadows]
 
 
 def _free_intervals(shadows: Sequence[tuple[float, float]], low: float, high: float) -> Iterator[tuple[float, float]]:
-    """Yield the intervals of a range that no shadow covers; shadows are in order."""
+    """Yield the intervals from `low` to `high` that no shadow, (begin, end), covers; shadows are in order."""
     for begin, end in shadows:
         if begin > low:
             yield low, begin
@@ -168,18 +168,18 @@ def _free_intervals(shadows: Sequence[tuple[float, float]], low: float, high: fl
 
 
 def _match_widths(back: Row, front: Row) -> tuple[Row, Row]:
-    """Return the rows of one leg each at one place across: both as wide as the narrower, so that they are equal."""
+    """Make two rows of one leg each, at one place across, as wide as the narrower; return other rows unchanged."""
     if len(back.legs) != 1 or len(front.legs) != 1 or abs(back.legs[0][0] - front.legs[0][0]) > MIN_EDGE_MM:
         return back, front
     leg = front.legs[0][0], min(back.width, front.width)
     return back._replace(legs=(leg,)), front._replace(legs=(leg,))
 
 
-def stability_margin(placed: Sequence[Row], centre: tuple[float, float]) -> float:
-    """Return the distance, mm, of the centre of mass from the edge of the support of the feet; 0 outside."""
+def stability_margin(rows: Sequence[Row], centre: tuple[float, float]) -> float:
+    """Return the distance, mm, of the centre of mass (along, across) from the edge of the feet's hull; 0 outside it."""
     import shapely
 
-    corners = [(row.along, edge) for row in placed for edge in (row.legs[0][0] - 0.5 * row.legs[0][1], row.high)]
-    ground = shapely.MultiPoint(corners).convex_hull
+    corners = [(row.along, edge) for row in rows for edge in (row.legs[0][0] - 0.5 * row.legs[0][1], row.high)]
+    hull = shapely.MultiPoint(corners).convex_hull
     point = shapely.Point(centre)
-    return float(ground.boundary.distance(point)) if ground.contains(point) else 0.0
+    return float(hull.boundary.distance(point)) if hull.contains(point) else 0.0

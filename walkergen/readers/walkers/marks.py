@@ -95,29 +95,29 @@ def notches(
 
 
 def digit_strokes(marks: Marks, tilt_deg: float, thickness: float) -> list[Rectangle]:
-    """Return the strokes of tilt and serial number about the middle of the body, overlapping where they meet.
+    """Return the strokes of tilt and serial number around the middle of the body, overlapping where they meet.
 
     Strokes are a line wide; digits leave a line free above and below, and are 0.6 as wide as high.
-    Below notches they stand lower by half of those.
+    Under notches they are lower by half the depth of the notches.
     """
     line, text = marks.line_mm, _engraved_digits(marks, tilt_deg)
     if not text:
         return []
-    room = thickness - _notch_depth(marks)
-    height = room - 2.0 * line
+    free_height = thickness - _notch_depth(marks)
+    height = free_height - 2.0 * line
     width = 0.6 * height
     left = -0.5 * _text_length(text, height, line)
     bars = []
     for glyph in text:
-        drawn = _glyph_segments(left, height, width, line)
-        bars += [drawn[segment] for segment in LIT_SEGMENTS[glyph]]
-        left += _advance(glyph, height, line)
+        segments = _glyph_segments(left, height, width, line)
+        bars += [segments[segment] for segment in LIT_SEGMENTS[glyph]]
+        left += _glyph_advance(glyph, height, line)
     down = 0.5 * _notch_depth(marks)
     return [bar._replace(bottom=bar.bottom - down, top=bar.top - down) for bar in bars]
 
 
 def _notch_depth(marks: Marks) -> float:
-    """Return the depth of the edge that notches take from digits, mm."""
+    """Return the depth of the edge, mm, in which there can be no digits because of notches."""
     return marks.depth_mm if marks.kind == "notches" else 0.0
 
 
@@ -139,6 +139,7 @@ def mark_problems(
 def _notch_problems(
     marks: Marks, tilts_deg: Sequence[float], tilt_deg: float, length: float, thickness: float
 ) -> list[str]:
+    """Return the reasons why notches do not fit the edge of a body of this length and thickness, mm."""
     if tilt_deg not in tilts_deg:
         return [
             f"marks.kind = 'notches': they count the tilts in family.tilt_deg, which lack "
@@ -146,12 +147,12 @@ def _notch_problems(
         ]
     reasons = []
     widths = [START_NOTCH] + [WIDE_NOTCH] * _bit_count(tilts_deg)
-    room = 2.0 * marks.line_mm * (sum(widths) + len(widths) + 1)
-    if room > length:
+    needed = 2.0 * marks.line_mm * (sum(widths) + len(widths) + 1)
+    if needed > length:
         reasons.append(
             f"marks.line_mm = {marks.line_mm:g}: notches for {len(tilts_deg)} tilts need "
-            f"{room:.2f} mm, the body is {length:g} mm long: make the line at most "
-            f"{marks.line_mm * length / room:.3f} mm, the family smaller, or use kind = 'digits'"
+            f"{needed:.2f} mm, the body is {length:g} mm long: make the line at most "
+            f"{marks.line_mm * length / needed:.3f} mm, the family smaller, or use kind = 'digits'"
         )
     if marks.depth_mm > thickness / 3.0:
         reasons.append(
@@ -165,24 +166,24 @@ def _digit_problems(marks: Marks, text: str, length: float, thickness: float, de
     """Return the reasons why digits do not fit onto a face of length and thickness, mm."""
     reasons = []
     serial = marks.serial is not None
-    shallower = "" if marks.kind != "notches" else ", below the notches"
-    instead = "leave out the serial numbers" if serial else "use kind = 'notches'"
+    below_notches = "" if marks.kind != "notches" else ", below the notches"
+    alternative = "leave out the serial numbers" if serial else "use kind = 'notches'"
     line, height = marks.line_mm, thickness - 2.0 * marks.line_mm
     if height < MIN_DIGIT_LINES * line:
         reasons.append(
             f"marks.line_mm = {line:g}: digits are at least {MIN_DIGIT_LINES:g} lines high with "
             f"one free above and below, {(MIN_DIGIT_LINES + 2) * line:.2f} mm; the body is "
-            f"{thickness:g} mm thick{shallower}: make the line at most "
-            f"{thickness / (MIN_DIGIT_LINES + 2):.3f} mm or {instead}"
+            f"{thickness:g} mm thick{below_notches}: make the line at most "
+            f"{thickness / (MIN_DIGIT_LINES + 2):.3f} mm or {alternative}"
         )
     else:
-        room = _text_length(text, height, line) + 2.0 * line
-        if room > length:
+        needed = _text_length(text, height, line) + 2.0 * line
+        if needed > length:
             key = f"marks.serial = {marks.serial}" if serial else "marks.kind = 'digits'"
-            rest = f"or {instead}" if serial else "or use 'notches'"
+            last_remedy = f"or {alternative}" if serial else "or use 'notches'"
             reasons.append(
-                f"{key}: {text[:40]!r} needs {room:.2f} mm, the body is "
-                f"{length:g} mm long: round the tilt, lengthen the body, {rest}"
+                f"{key}: {text[:40]!r} needs {needed:.2f} mm, the body is "
+                f"{length:g} mm long: round the tilt, lengthen the body, {last_remedy}"
             )
     if marks.depth_mm > depth / 2.0:
         reasons.append(
@@ -203,17 +204,18 @@ def _notch_widths(tilts_deg: Sequence[float], tilt_deg: float) -> list[int]:
     return [START_NOTCH] + [WIDE_NOTCH if bit == "1" else NARROW_NOTCH for bit in f"{number:0{_bit_count(tilts_deg)}b}"]
 
 
-def _advance(glyph: str, height: float, line: float) -> float:
+def _glyph_advance(glyph: str, height: float, line: float) -> float:
     """Return the distance between the left ends of a glyph and of the next, two lines after it, mm."""
     return (line if glyph == "." else 0.6 * height) + 2.0 * line
 
 
 def _text_length(text: str, height: float, line: float) -> float:
-    return sum(_advance(glyph, height, line) for glyph in text) - 2.0 * line
+    """Return the length of engraved digits of this height, in strokes of width `line`, mm."""
+    return sum(_glyph_advance(glyph, height, line) for glyph in text) - 2.0 * line
 
 
 def _glyph_segments(left: float, height: float, width: float, line: float) -> dict[str, Rectangle]:
-    """Return the segments of a glyph by letter; neighbours share the square where they meet."""
+    """Return all segments of a glyph by their letters; neighbours share the square where they meet."""
     right, low, high, half = left + width, -0.5 * height, 0.5 * height, 0.5 * line
     return {
         "a": Rectangle(left, high - line, right, high),

@@ -30,11 +30,11 @@ class _Parts(Section):
     legs: list[Leg]
 
 
-def level_feet(data: Mapping[str, Any], follow_deg: float) -> dict[str, Any]:
+def level_feet(data: Mapping[str, Any], default_tilt_deg: float) -> dict[str, Any]:
     """Turn a design that stands as built until it stands on two feet, and return its data.
 
-    Its body becomes a profile and its legs keep their shapes; braces are upright as it stands. Raises GeometryError if
-    it does not stand so, and pydantic's errors for wrong keys.
+    `default_tilt_deg` is for legs without a tilt. The body becomes a profile and its legs keep their shapes; braces are
+    upright as it stands. Raises GeometryError if it does not stand so, and pydantic's errors for wrong keys.
     """
     for name in ("motor", "battery"):
         if data.get(name) is not None:
@@ -49,9 +49,9 @@ def level_feet(data: Mapping[str, Any], follow_deg: float) -> dict[str, Any]:
         raise GeometryError(
             "stance = 'as built': a flat foot is cut for a level stance. Use foot = 'square' or 'round'"
         )
-    built = [resolve_leg(leg, follow_deg, shape.size.depth, -0.5 * shape.size.thickness) for leg in legs]
-    back = min(built, key=lambda limb: limb.along)
-    front = max(built, key=lambda limb: limb.along)
+    limbs = [resolve_leg(leg, default_tilt_deg, shape.size.depth, -0.5 * shape.size.thickness) for leg in legs]
+    back = min(limbs, key=lambda limb: limb.along)
+    front = max(limbs, key=lambda limb: limb.along)
     lean = _find_lean(back, front)
     side = _rotate(np.asarray(shape.side), lean)
     low, high = side.min(axis=0), side.max(axis=0)
@@ -60,14 +60,15 @@ def level_feet(data: Mapping[str, Any], follow_deg: float) -> dict[str, Any]:
     for key in ("length_mm", "thickness_mm", "profile_mm"):
         table.pop(key, None)
     table["profile_mm"] = side.tolist()
-    stood = [
+    standing_legs = [
         _standing_leg(leg, limb, lean, middle, -0.5 * float(high[1] - low[1]))
-        for leg, limb in zip(_leg_list(data), built, strict=True)
+        for leg, limb in zip(_leg_list(data), limbs, strict=True)
     ]
-    return {**data, "stance": "level", "body": table, "legs": stood}
+    return {**data, "stance": "level", "body": table, "legs": standing_legs}
 
 
 def _leg_list(data: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Return the list of legs in a design's data. Raises GeometryError for fewer than two."""
     legs = data.get("legs")
     if not isinstance(legs, list) or len(legs) < 2:
         raise GeometryError("stance = 'as built': needs a list [[legs]] of two legs or more")
@@ -79,6 +80,7 @@ def _find_lean(back: Limb, front: Limb) -> float:
     from scipy.optimize import brentq
 
     def height_difference(lean: float) -> float:
+        """Return the height of the front foot above the back one, mm, on a body that leans."""
         return float(_foot_position(front, lean)[1] - _foot_position(back, lean)[1])
 
     if height_difference(-MAX_LEAN_RAD) * height_difference(MAX_LEAN_RAD) > 0.0:
@@ -90,18 +92,19 @@ def _find_lean(back: Limb, front: Limb) -> float:
 
 
 def _rotate(points: Array, lean: float) -> Array:
+    """Rotate points, shape (n, 2) or (2,), counter-clockwise by an angle, rad."""
     sin, cos = math.sin(lean), math.cos(lean)
     return np.asarray(points @ np.array([[cos, sin], [-sin, cos]]))
 
 
 def _foot_position(limb: Limb, lean: float) -> Array:
-    """Place at which a leg of a turned walker touches, shape (2,), mm."""
+    """Return the place at which a leg of a leaning walker touches the plate, shape (2,), mm."""
     turned = limb._replace(tilt=limb.tilt - lean)
     return _rotate(np.array(limb.anchor), lean) + turned.anchor_to_foot
 
 
 def _standing_leg(leg: Mapping[str, Any], limb: Limb, lean: float, middle: Array, bottom: float) -> dict[str, Any]:
-    """Return the keys of a leg of the finished walker; lengths count from its lowest level, `bottom`."""
+    """Return the keys of a leg after the turn; `middle` is that of the turned body and `bottom` its underside, mm."""
     tilt = limb.tilt - lean
     anchor, foot = _rotate(np.array(limb.anchor), lean) - middle, _foot_position(limb, lean) - middle
     end = anchor[1] - limb.length * math.cos(tilt)

@@ -38,14 +38,14 @@ def body_contours(design: Design) -> tuple[Array, ...]:
 def outline_of(design: Design, mass: MassProperties | None = None) -> list[Array]:
     """Return the outer contours of the body from O, the point of a trajectory, counter-clockwise, mm.
 
-    Shape (n, 2) each, the last point not repeated; no point moves farther than `MAX_DEVIATION_MM`. A mass that
-    is known saves its making. Raises GeometryError for a body that cannot be made.
+    Shape (n, 2) each, the last point not repeated; no point moves farther than `MAX_DEVIATION_MM`. `mass` is computed
+    unless it is given. Raises GeometryError for a body that cannot be made.
     """
     mass = solids.mass_of(design) if mass is None else mass
     shift = to_centre_frame(design.limbs, mass, np.zeros((1, 2)))[0, 0], 0.0
-    round_one = design.body.outline in ("disc", "ellipse")
-    thinned = _thin_evenly if round_one else _simplify_ring
-    return [np.add(thinned(ring), shift) for ring in body_contours(design) if area(ring) > 0.0]
+    is_round = design.body.outline in ("disc", "ellipse")
+    simplify = _thin_evenly if is_round else _simplify_ring
+    return [np.add(simplify(ring), shift) for ring in body_contours(design) if area(ring) > 0.0]
 
 
 def area_of(outline: Sequence[Array]) -> float:
@@ -54,7 +54,7 @@ def area_of(outline: Sequence[Array]) -> float:
 
 
 def _simplify_ring(ring: Array) -> Array:
-    """Drop the points that a contour does not need."""
+    """Drop points of a contour that change it by less than MAX_DEVIATION_MM."""
     import shapely
 
     exterior = shapely.polygons(ring).simplify(MAX_DEVIATION_MM, preserve_topology=True).exterior
@@ -72,7 +72,7 @@ def _thin_evenly(ring: Array) -> Array:
 
 
 def _thinning_error(ring: Array, step: int) -> float:
-    """Return the distance of a contour from that of every `step`-th of its points, mm."""
+    """Return the largest distance of a contour's points from the contour of every `step`-th point, mm."""
     import shapely
 
     kept = shapely.linearrings(ring[::step])
