@@ -97,11 +97,9 @@ def _repair_with_values(
     """
     try:
         return assign_values(model.model_construct(), data, values, source, prefix)
-    except InputError as error_with_values:
-        lines_of_file, lines_of_both = (
-            [line.partition(": ")[2] for line in each.text.splitlines()] for each in (error, error_with_values)
-        )
-        raise (error if lines_of_file == lines_of_both else error_with_values) from None
+    except InputError as new_error:
+        old, new = ([line.partition(": ")[2] for line in each.text.splitlines()] for each in (error, new_error))
+        raise (error if old == new else new_error) from None
 
 
 def replace_values(section: Model, values: Mapping[str, Any], source: str = "‹set›", prefix: str = "") -> Model:
@@ -173,10 +171,7 @@ def _split_index(step: str) -> tuple[str, int | None]:
 
 
 def _find_list(table: Mapping[str, Any], step: str) -> list[Any]:
-    """Return the list in `table` that a numbered step, such as legs[2], refers to.
-
-    Raises InputError if there is no such list or entry.
-    """
+    """Return the list in `table` that a step such as legs[2] refers to. Raises InputError without such an entry."""
     name, number = _split_index(step)
     entries = table.get(name)
     if not isinstance(entries, list):

@@ -74,20 +74,14 @@ def read_header(path: Path) -> list[str]:
 
 
 def first_two_rows(lines: Iterable[str], source: str) -> tuple[list[str], list[str]]:
-    """Return the names in the first line of a CSV file, and the cells of the first row, empty without one.
-
-    Errors begin with `source`.
-    """
+    """Return the names in a CSV file's first line, and the cells of its first row, empty without one."""
     names, stream = _read_names(iter(lines), source)
     rows = (split_cells(line, source, at) for at, line in enumerate(stream, 2) if line.strip())
     return names, next(rows, [])
 
 
 def distinct_texts(lines: Iterable[str], source: str, name: str) -> list[str]:
-    """Return the distinct texts of the column `name`, in the order of the file and without blanks.
-
-    Errors begin with `source`.
-    """
+    """Return the distinct texts of the column `name`, in file order, without blanks. Errors begin with `source`."""
     names, stream = _read_names(iter(lines), source)
     column = names.index(name)
     rows = (split_cells(line, source, at) for at, line in enumerate(stream, 2))
@@ -219,10 +213,7 @@ def _read_names(stream: Iterator[str], source: str) -> tuple[list[str], Iterator
 
 
 def _find_long_rows(chunk: Sequence[str], first: int, source: str, count: int) -> dict[int, str]:
-    """Return the problem of each line with more cells than the header's `count`, by line number.
-
-    `first` is the number of the chunk's first line. Commas within numbers cause such lines.
-    """
+    """Return the problem of each line with more than `count` cells, by line number; the chunk begins at line `first`."""
     problems = {}
     for at, line in enumerate(chunk, first):
         if line.count(",") >= count:
@@ -291,10 +282,7 @@ _UNREADABLE = -math.inf
 
 
 def _parse_cell(row: list[str], column: int, optional: bool, words: Sequence[str]) -> float:
-    """Return the number in a cell of a row, or the index of its text in `words`; NaN if it is blank and optional.
-
-    Any other cell is _UNREADABLE.
-    """
+    """Return a cell's number, or the index of its text in `words`; NaN if blank and optional, else _UNREADABLE."""
     text = row[column].strip() if column < len(row) else ""
     if words and text:
         return float(words.index(text)) if text in words else _UNREADABLE

@@ -285,9 +285,7 @@ def _find_line(location: tuple[str, ...], text: str) -> int | None:
     """
     table: tuple[str, ...] = ()
     tables: Counter[tuple[str, ...]] = Counter()
-    location_without_index, table_without_index = (
-        tuple(map(_without_index, part)) for part in (location, location[:-1])
-    )
+    plain_key, plain_table = (tuple(map(_without_index, part)) for part in (location, location[:-1]))
     fallback = None
     for number, line in enumerate(text.splitlines(), start=1):
         if header := re.match(r"\s*(\[+)\s*([\w.\s\"'-]+?)\s*\]+", line):
@@ -303,7 +301,7 @@ def _find_line(location: tuple[str, ...], text: str) -> int | None:
                 fallback = fallback or number
         elif pair := re.match(r"\s*([\w.\s\"'\[\]-]+?)\s*=", line):
             key = table + _split_key(pair[1])
-            if key in (location, location_without_index, location[:-1], table_without_index):
+            if key in (location, plain_key, location[:-1], plain_table):
                 return number
     return fallback
 
@@ -354,10 +352,7 @@ def key_paths(model: type[Section], prefix: tuple[str, ...] = ()) -> list[tuple[
 
 
 def _section_type(annotation: Any, listed: bool = False) -> type[Section] | None:
-    """Return the model of the table that a field of this type holds; None if it holds no table.
-
-    With `listed` it is the model of the entries of a list of tables.
-    """
+    """Return the model of the table (or, if `listed`, of the list of tables) in a field's type; None without one."""
     if isinstance(annotation, type) and issubclass(annotation, Section):
         return None if listed else annotation
     if get_origin(annotation) is list:

@@ -39,10 +39,7 @@ the paper's walker (about 90 mm2, 8 mm high on legs of 0.4 mm) was printed witho
 def check_batch(
     designs: Sequence[Design], meshes: Sequence[Mesh], parts: Sequence[Part], plates: Sequence[Plate], printer: Printer
 ) -> list[Finding]:
-    """Return the findings on a whole print: its printer, materials, parts and plates.
-
-    `designs`, `meshes` (as they lie on the bed) and `parts` are in the same order.
-    """
+    """Return the findings on a whole print; `designs`, `meshes` (as they lie on the bed) and `parts` match in order."""
     return [
         *check_printer(printer),
         *_check_materials(designs, parts),
@@ -173,10 +170,7 @@ def _is_good_thickness(thickness: float, printer: Printer) -> bool:
 
 
 def _nearest_good_thickness(thickness: float, printer: Printer, slant: float) -> float:
-    """Return the closest good thickness in hundredths of a millimetre; all large thicknesses are good.
-
-    `slant` is the cosine of the wall's angle from the vertical.
-    """
+    """Return the closest good thickness, mm, in hundredths; `slant` is the cosine of the wall's tilt from the vertical."""
     start, steps = round(100 * thickness), itertools.count()
     candidates = (max(0, start + sign * step) / 100 for step in steps for sign in (1, -1))
     return next(
@@ -318,10 +312,7 @@ def section_area(mesh: Mesh, height: float) -> float:
 
 
 def _check_bed_limits(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:
-    """Yield errors for parts, brims and the skirt beyond the bed: the first of each kind by name.
-
-    `boxes`, shape (parts, 4), mm, has the left, front, right and back of each part.
-    """
+    """Yield errors for parts, brims and skirt beyond the bed; `boxes`, shape (n, 4), mm: left, front, right, back."""
     bed = np.array([printer.bed_width_mm, printer.bed_depth_mm])
     brim = printer.brim_width_mm
     skirt = printer.skirt_distance_mm + (printer.skirt_loops + 0.5) * printer.line_width_mm

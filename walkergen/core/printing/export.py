@@ -180,10 +180,7 @@ def _lib3mf_wrapper() -> Any:
 
 
 def _add_solid(model: Any, solid: Solid, title: str, number: int) -> Any:
-    """Add a solid to a lib3mf model, its corner moved to the origin, and return the object. Raises SolidError.
-
-    `title` and `number` make its UUID.
-    """
+    """Add a solid to a lib3mf model, its corner at the origin, and return the object. Raises SolidError."""
     name = _xml_safe(solid.name)
     added = model.AddMeshObject()
     added.SetName(name)
@@ -200,10 +197,7 @@ def _add_solid(model: Any, solid: Solid, title: str, number: int) -> Any:
 
 
 def _add_copy(model: Any, mesh: Any, name: str, title: str, number: int) -> Any:
-    """Add an object to a lib3mf model that shows another object, `mesh`, under its own name, and return it.
-
-    `title` and `number` make its UUID.
-    """
+    """Add an object to a lib3mf model that shows another object, `mesh`, under its own name, and return it."""
     added = model.AddComponentsObject()
     added.SetName(name)
     added.SetUUID(_make_uuid(title, "copy", number, name))

@@ -65,10 +65,7 @@ def arrange(
     max_plates: int | None = None,
     max_parts: int = packing.MAX_PARTS,
 ) -> Layout:
-    """Arrange copies of each member on plates; `built` and `copies` are its solids and their number, in order.
-
-    Raises PlateError when they do not fit.
-    """
+    """Arrange copies of each member on plates; `built` has their solids. Raises PlateError when they do not fit."""
     empty = layout_without_plates(members, built, copies, printer)
     return add_findings(empty._replace(plates=packing.pack(empty.parts, printer, max_plates, max_parts)))
 

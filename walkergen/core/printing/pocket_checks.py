@@ -130,8 +130,7 @@ def _combine_contours(contours: list[np.ndarray]) -> "shapely.Geometry":
 def _wall_thickness(pocket: "shapely.Geometry", body: "shapely.Geometry") -> float:
     """Return the smallest distance of a pocket from the edge of the body in one slice, y up, mm.
 
-    Where the pocket leaves the body above, the edge beside the opening is no wall. If it leaves the body elsewhere, the
-    result is 0.
+    If the pocket leaves the body above, edges beside the opening are no walls. If it leaves it elsewhere, return 0.
     """
     import shapely
 

@@ -205,18 +205,18 @@ def body_facts(design: Design) -> dict[str, Any]:
 
 def orientation_settings(members: Sequence[Design]) -> list[slicer.Setting]:
     """Return the print sheet's lines on how walkers lie; if designs differ, each line names its designs."""
-    designs_by_orientation: dict[str, list[str]] = {}
+    groups: dict[str, list[str]] = {}
     for name, design_members in names.group_by_design(members).items():
-        designs_by_orientation.setdefault(describe_orientation(design_members[0]), []).append(name)
+        groups.setdefault(describe_orientation(design_members[0]), []).append(name)
     return [
         slicer.Setting(
-            "orientation" if len(designs_by_orientation) == 1 else f"orientation of {', '.join(designs)}",
-            f"as in the file: {orientation}",
+            "orientation" if len(groups) == 1 else f"orientation of {', '.join(designs)}",
+            f"as in the file: {text}",
             "layers run across the leg's width"
-            if orientation == ON_SIDE_TEXT
+            if text == ON_SIDE_TEXT
             else "layers lie across the leg: weaker, softer",
         )
-        for orientation, designs in designs_by_orientation.items()
+        for text, designs in groups.items()
     ]
 
 

@@ -46,11 +46,8 @@ def overhang_area(design: Design, mesh: Mesh) -> float:
     letters, whose strokes are bridged; pockets have a check of their own (pocket_checks).
     """
     if design.parts:
-        design_without_pockets = pockets.without_pockets(design)
-        return overhang_area(
-            design_without_pockets,
-            solids.orient_for_print(design_without_pockets, solids.build(design_without_pockets).walker),
-        )
+        plain_design = pockets.without_pockets(design)
+        return overhang_area(plain_design, solids.orient_for_print(plain_design, solids.build(plain_design).walker))
     corners = mesh.vertices[mesh.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     areas = 0.5 * np.linalg.norm(normals, axis=1)

@@ -82,17 +82,15 @@ class Wall(NamedTuple):
 
 def upright_walls(design: Design) -> list[Wall]:
     """Return the upright walls of a design: of each distinct leg and brace, and of a body that prints on its side."""
-    is_on_side = solids.is_printed_on_side(design)
+    on_side = solids.is_printed_on_side(design)
     key = f"legs.{design.kind}_thickness_mm" if design.pair else ""
-    legs = [
-        Wall(name, *sizes, key=key) for sizes, name in group_legs(design, lambda limb: _leg_sizes(limb, is_on_side))
-    ]
+    legs = [Wall(name, *sizes, key=key) for sizes, name in group_legs(design, lambda limb: _leg_sizes(limb, on_side))]
     braces = [
         Wall(name.replace("leg", "brace", 1) if name == "leg" else f"brace of {name}", *sizes)
-        for sizes, name in group_legs(design, lambda limb: _brace_sizes(limb, is_on_side))
+        for sizes, name in group_legs(design, lambda limb: _brace_sizes(limb, on_side))
         if sizes is not None
     ]
-    if not is_on_side:
+    if not on_side:
         return legs + braces
     size = design.size
     return [*legs, *braces, Wall("body", min(size.thickness, size.length), 1.0, size.depth, About.BODY)]
@@ -114,9 +112,9 @@ def with_article(name: str) -> str:
     return name if name.startswith("legs[") else f"the {name}"
 
 
-def _leg_sizes(limb: Limb, is_on_side: bool) -> tuple[float, float, float]:
+def _leg_sizes(limb: Limb, on_side: bool) -> tuple[float, float, float]:
     """Return the thickness (mm), slant (cosine from the vertical) and printing height (mm) of a leg as a wall."""
-    if is_on_side:
+    if on_side:
         return limb.thickness, 1.0, limb.width
     slant, height = math.cos(limb.tilt), -limb.anchor_to_foot[1]
     if limb.width < limb.thickness / slant:
@@ -124,10 +122,10 @@ def _leg_sizes(limb: Limb, is_on_side: bool) -> tuple[float, float, float]:
     return limb.thickness, slant, height
 
 
-def _brace_sizes(limb: Limb, is_on_side: bool) -> tuple[float, float, float] | None:
+def _brace_sizes(limb: Limb, on_side: bool) -> tuple[float, float, float] | None:
     """Return thickness (mm), slant (1) and printing height (mm) of a leg's brace as a wall; None without a brace."""
     for strut in section_of(limb).struts(limb):
-        if is_on_side:
+        if on_side:
             return strut.thickness, 1.0, limb.width
         return min(strut.thickness, limb.width), 1.0, -limb.anchor_to_foot[1]
     return None

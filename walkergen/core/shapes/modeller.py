@@ -127,10 +127,7 @@ def _signed_area(polygon: Polygon) -> float:
 
 
 def _engrave(solid: manifold3d.Manifold, engraving: Engraving, depth: float, scale: float) -> manifold3d.Manifold:
-    """Cut the pockets of an engraving into the upper side of a solid that is `scale` times as large as drawn.
-
-    The cutter overshoots the side, so that no faces touch.
-    """
+    """Cut an engraving's pockets into a solid `scale` times as large as drawn. They overshoot it, so that no sides touch."""
     section = manifold3d.CrossSection([scale * profile for profile in engraving.profiles], manifold3d.FillRule.Positive)
     cutter = manifold3d.Manifold.extrude(section, scale * 2.0 * engraving.depth)
     cut = solid - cutter.translate((0.0, 0.0, scale * (depth - engraving.depth)))

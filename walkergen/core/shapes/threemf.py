@@ -226,10 +226,7 @@ class _Package:
             parser.ParseFile(stream)
 
     def _model_handlers(self, path: str, root: bool) -> tuple[Callable[[str, Attributes], None], Callable[[str], None]]:
-        """Return functions that receive the elements of the model at `path` and their text.
-
-        `root` is True for the main model, whose items are printed.
-        """
+        """Return functions that receive the elements of a model and their text; `root` is True for the main model."""
         vertex, triangle = CORE_NAMESPACE + "vertex", CORE_NAMESPACE + "triangle"
         own, setting, place = _new_object({}), "", (path, 0)
 
@@ -317,11 +314,7 @@ class _Package:
             raise InputError(f"places {triangles} triangles, at most {self.most_triangles}; simplify the mesh")
 
     def _count_meshes(self, place: Place, depth: int) -> tuple[int, int]:
-        """Count the meshes and triangles of an object and its components, `depth` levels below an item.
-
-        `place` is the path of the model and the number of the object. Raises InputError if it is nested too deeply, or
-        has none.
-        """
+        """Count the meshes and triangles of an object (path, number), nested `depth` deep. Raises InputError for none."""
         if depth > MAX_DEPTH:
             raise InputError(f"components lie more than {MAX_DEPTH} deep; join them")
         if place not in self.objects:
@@ -351,11 +344,7 @@ class _Package:
     def _place_meshes(
         self, place: Place, transforms: list[Array]
     ) -> Iterator[tuple[Part, list[tuple[int, int, Role]]]]:
-        """Yield the meshes of an object, or of its components, moved by all transforms on the path to it.
-
-        `place` is the path of the model and the number of the object. `transforms` has shape (4, 3) for each, the
-        item's first. Each mesh comes with the roles of its triangles.
-        """
+        """Yield an object's meshes, moved by all transforms, shape (4, 3) each, and the roles of their triangles."""
         placed = self.objects[place]
         for part in placed.components:
             yield from self._place_meshes(part.object, [*transforms, part.transform])
@@ -388,8 +377,7 @@ def _parse_placement(attributes: Attributes, path: str) -> _Placed:
 def _split_by_role(whole: Part, volumes: list[tuple[int, int, Role]]) -> Iterator[Part]:
     """Split a part by the roles of its triangles; triangles outside all volumes belong to the model.
 
-    `volumes` has the first and last triangle of each volume, and its role. Raises InputError for volumes that share
-    triangles.
+    `volumes` has the first and last triangle and the role of each. Raises InputError if they share triangles.
     """
     spans = [(slice(first, last + 1 if last >= 0 else None), role) for first, last, role in volumes]
     count = len(whole.triangles)

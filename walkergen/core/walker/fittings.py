@@ -271,10 +271,7 @@ def place_problems(parts: Mapping[str, Part], pockets: Pockets, size: Size, foot
 
 
 def _part_problems(name: str, part: Part, clearance: float, size: Size, foot_height: float) -> Iterator[str]:
-    """Yield the problems of one part as texts that begin with its key. Lengths in mm.
-
-    `clearance` is the gap around the part, and `foot_height` is measured from the middle of the body.
-    """
+    """Yield the problems of one part as texts that begin with its key; feet are at `foot_height` from the body's middle."""
     cylinder = part.cylinder
     for axis, key in enumerate(PLACE_KEYS):
         value, half = cylinder.centre[axis], cylinder.half[axis] + clearance
@@ -307,11 +304,7 @@ def _part_problems(name: str, part: Part, clearance: float, size: Size, foot_hei
 
 
 def _place_limits(opens: Opening, axis: int, half_width: float, body_size: float) -> tuple[float, float]:
-    """Return the lowest and highest position of the middle of a pocket along an axis of the body, mm.
-
-    `axis` is 0 for x, 1 for y or 2 for z. `half_width` is half the size of the pocket along it, and `body_size` the
-    size of the body, mm.
-    """
+    """Return the range of a pocket's middle along axis 0, 1 or 2 (x, y, z), mm; `half_width` is half the pocket's size."""
     limit = 0.5 * body_size - MIN_FLOOR_MM - half_width
     low, high = -limit, limit
     if axis == 1 and opens == "down":

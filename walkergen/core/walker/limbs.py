@@ -168,18 +168,12 @@ def embedding_height(bottom: float) -> float:
 
 def resolve_pair(legs: Legs, depth: float, bottom: float) -> tuple[Limb, ...]:
     """Return two equal legs, back and front, on a body `depth` mm deep with its underside at height `bottom`, mm."""
-    half_spacing = 0.5 * legs.contact_spacing_mm
-    return tuple(
-        _make_limb(legs, legs.tilt_deg, legs.thickness_mm, along, depth, bottom)
-        for along in (-half_spacing, half_spacing)
-    )
+    half = 0.5 * legs.contact_spacing_mm
+    return tuple(_make_limb(legs, legs.tilt_deg, legs.thickness_mm, along, depth, bottom) for along in (-half, half))
 
 
 def resolve_leg(leg: Leg, default_tilt_deg: float, depth: float, bottom: float) -> Limb:
-    """Return one leg of a list with all its numbers. A leg without a tilt has `default_tilt_deg`.
-
-    The body is `depth` mm deep and has its underside at height `bottom`, mm.
-    """
+    """Return a leg of a list on a body `depth` mm deep with its underside at height `bottom`, mm."""
     tilt = default_tilt_deg if leg.tilt_deg is None else leg.tilt_deg
     thickness = leg.thickness_mm or Legs(kind=leg.kind).thickness_mm
     limb = _make_limb(leg, 0.0 - tilt if leg.mirrored else tilt, thickness, leg.along_mm, depth, bottom)
@@ -187,10 +181,7 @@ def resolve_leg(leg: Leg, default_tilt_deg: float, depth: float, bottom: float) 
 
 
 def _make_limb(keys: Legs | Leg, tilt_deg: float, thickness: float, along: float, depth: float, bottom: float) -> Limb:
-    """Return a leg whose foot is at `along` (mm), in the middle of the body's depth. It has the scene's contact.
-
-    The body is `depth` mm deep and has its underside at height `bottom`, mm.
-    """
+    """Return a leg with its foot at `along`, in the middle of a body `depth` deep, with its anchor at height `bottom`, mm."""
     return Limb(
         kind=keys.kind,
         tilt=math.radians(tilt_deg),

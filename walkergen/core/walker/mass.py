@@ -157,10 +157,7 @@ def to_rigid(mass: MassProperties) -> MassProperties:
 
 
 def freeze_joints(mass: MassProperties, rigid: Sequence[bool]) -> MassProperties:
-    """Return mass properties with the joints of some legs frozen: these legs then belong to the body.
-
-    `rigid` has a boolean for each leg, True for a leg whose joint is frozen.
-    """
+    """Return mass properties with those legs frozen that `rigid` has True for: they then belong to the body."""
     frozen = [leg for leg, is_rigid in zip(mass.legs, rigid, strict=True) if is_rigid]
     if not frozen:
         return mass

@@ -212,12 +212,10 @@ def _check_overlap(design: Design) -> None:
         )
 
 
-def _check_leg_clear(
-    name: str, pocket: manifold3d.Manifold, legs: Sequence[manifold3d.Manifold], design: Design
-) -> None:
+def _check_leg_clear(name: str, cut: manifold3d.Manifold, legs: Sequence[manifold3d.Manifold], design: Design) -> None:
     """Raise GeometryError if a pocket, or the "channel", cuts a leg or the end of a leg inside the body."""
     for number, leg in enumerate(legs, start=1):
-        lost = modeller.check_solid(leg ^ pocket).volume()
+        lost = modeller.check_solid(leg ^ cut).volume()
         if lost > ROUNDING_SHARE * leg.volume():
             what, remedy = f"the pocket of the {name}", "Move it, or the leg."
             if name == "channel":
@@ -232,12 +230,10 @@ def _check_leg_clear(
 def _check_floor(name: str, part: Part, body: manifold3d.Manifold, design: Design) -> None:
     """Raise GeometryError unless solid plastic closes the pocket of a part on the side opposite its opening."""
     points = _cylinder_points(part.cylinder, design, design.fit.clearance_mm)
-    away_from_opening = np.array(OPENING_DIRECTIONS["up" if part.opens == "down" else "down"])
-    layer = _convex_hull(points + MIN_FLOOR_MM * away_from_opening) - _convex_hull(points)
+    inward = np.array(OPENING_DIRECTIONS["up" if part.opens == "down" else "down"])
+    layer = _convex_hull(points + MIN_FLOOR_MM * inward) - _convex_hull(points)
     # The floor counts only below the lowest points of a round part
-    floor = modeller.check_solid(
-        layer.trim_by_plane(away_from_opening.tolist(), float((points @ away_from_opening).max()) - MIN_FLOOR_MM)
-    )
+    floor = modeller.check_solid(layer.trim_by_plane(inward.tolist(), float((points @ inward).max()) - MIN_FLOOR_MM))
     solid = modeller.check_solid(floor ^ body).volume() / floor.volume()
     if solid < 1.0 - ROUNDING_SHARE:
         raise GeometryError(

@@ -138,14 +138,14 @@ def _mark_faults(spec: WalkerSpec, size: Size) -> list[str]:
     marks, (length, thickness, depth) = spec.marks, size
     if spec.letters and spec.body.flat:  # letters on a body in plan view go into its upper side
         marks, thickness, depth = marks.model_copy(update={"kind": "text"}), depth, thickness
-    size_faults = load_readers().mark_problems(
+    faults = load_readers().mark_problems(
         marks, spec.family.tilt_deg, family_tilt_deg(spec), (length, thickness, depth)
     )
     if spec.body.plain or (spec.letters and spec.body.flat):
-        return size_faults
+        return faults
     key = f"marks.serial = {marks.serial}" if marks.kind == "none" else f"marks.kind = {marks.kind!r}"
     rule = "only a rectangular body in side view can have marks, and a body in plan view text. Remove them."
-    return [f"{key}: {rule}", *size_faults]
+    return [f"{key}: {rule}", *faults]
 
 
 def _pair_faults(legs: Legs, size: Size) -> list[str]:
@@ -173,11 +173,7 @@ def _pair_faults_at(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
     length, thickness, depth = size
     trial = legs.model_copy(update={"tilt_deg": tilt_deg})
     back, front = resolve_pair(trial, depth, -0.5 * thickness)
-    problems = [
-        *_length_faults(back),
-        *_end_faults(_leg_farther_from_middle(back, front), length),
-        *_side_faults(back, depth),
-    ]
+    problems = [*_length_faults(back), *_end_faults(_outer_leg(back, front), length), *_side_faults(back, depth)]
     spacing = legs.contact_spacing_mm
     if 2.0 * back.half_width >= spacing:
         problems.append(
@@ -194,7 +190,7 @@ def _pair_faults_at(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
     return problems + _strut_faults((back, front), length)
 
 
-def _leg_farther_from_middle(back: Limb, front: Limb) -> Limb:
+def _outer_leg(back: Limb, front: Limb) -> Limb:
     return max(back, front, key=lambda limb: abs(limb.anchor[0]))
 
 

@@ -186,8 +186,7 @@ def _build_flush_legs(
 ) -> tuple[Mesh, ...]:
     """Cut legs where they enter a body whose underside is not flat, and return the parts outside it.
 
-    `bars` are the legs that reach into the body, `depth` mm deep. Each result has its anchor at the origin. Raises
-    GeometryError.
+    `bars` are the legs that reach into the body. Each result has its anchor at the origin. Raises GeometryError.
     """
     from walkergen.core.shapes import joining
 

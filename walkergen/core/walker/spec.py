@@ -136,10 +136,7 @@ class WalkerSpec(Section):
 
     @classmethod
     def data_from_file(cls, path: Path) -> dict[str, Any] | None:
-        """Return the data of a walker whose body is this drawing, picture or mesh; None for another file.
-
-        Raises InputError for CAD files.
-        """
+        """Return a walker's data from a drawing, picture or mesh; None for other files. Raises InputError for CAD files."""
         ending, endings = path.suffix.lower(), {"outline": OUTLINE_SUFFIXES, "mesh": MESH_SUFFIXES}
         if ending in CAD_SUFFIXES:
             raise InputError(f"{path}: it is a CAD file. Export it as STL or 3MF, in mm, from its program.")
@@ -301,10 +298,7 @@ def name_from_text(text: str) -> str:
 
 
 def merge_walker_table(data: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return a walker's data with the table [walker] of a finished walker replaced by [body] and [legs].
-
-    Raises GeometryError.
-    """
+    """Return a walker's data with [body] and [legs] in place of the table [walker]. Raises GeometryError."""
     if "walker" not in data:
         return data
     merged, table = dict(data), data["walker"]

@@ -266,8 +266,8 @@ def _match_row(
 ) -> str | None:
     """Return the part that a row of the file names; None for a walker that is not a member.
 
-    `values` are the row's masses, g, by column. `parts` are part names by the names that files may use. `present` holds
-    the parts that the file names: none of them is suggested. Raises InputError.
+    `values` has masses, g, by column; `parts` has part names by the names in files. Parts in `present` are not
+    suggested. Raises InputError.
     """
     if not any(name in carried_rows(design) for design in members):
         return _match_part(name, parts, members, present)
@@ -305,9 +305,9 @@ def _find_part(name: str, parts: Mapping[str, str]) -> str | None:
 
 
 def _match_part(name: str, parts: Mapping[str, str], members: Sequence[Design], present: Set[str | None]) -> str | None:
-    """Return the part that a file calls `name`; None for a walker of the same designs that is not a member.
+    """Return the part that a file calls `name`; None for another walker of the members' designs.
 
-    Arguments are those of `_match_row`. Raises InputError.
+    `parts` has part names by the names in files. Raises InputError, and suggests no part in `present`.
     """
     if (part := _find_part(name, parts)) or _is_other_member(COPY_SUFFIX.sub("", name), members):
         return part

@@ -101,10 +101,8 @@ def find(vertices: Array, triangles: Whole, tolerance: float) -> Crossings:
     first, second, third = corners.transpose(1, 0, 2)
     low = np.minimum(np.minimum(first, second), third)
     high = np.maximum(np.maximum(first, second), third)
-    half_tolerance = 0.5 * tolerance * (high - low > 2.0 * tolerance)
-    shapes = OrderedTriangles(
-        ordered, corners, normals, low + half_tolerance, high - half_tolerance, apexes[order], vertices
-    )
+    margin = 0.5 * tolerance * (high - low > 2.0 * tolerance)
+    shapes = OrderedTriangles(ordered, corners, normals, low + margin, high - margin, apexes[order], vertices)
     scratch = Scratch(np.empty(STACK_SIZE, np.int64), np.empty((3, 3)), np.empty(3), np.empty(3))
     count, one, other = _count_crossings(
         shapes, Tree(leaves, *_build_tree(shapes, leaves, scratch)), scratch, tolerance
@@ -136,10 +134,7 @@ def _morton_codes(vertices: Array, triangles: Whole) -> Whole:
 
 @kernel
 def _build_tree(shapes, leaves, scratch):
-    """Return the bounds (lows and highs) and the apexes of the nodes of a `Tree` with this number of leaves.
-
-    `scratch` is overwritten.
-    """
+    """Return the bounds (lows, highs) and apexes of the nodes of a `Tree` with `leaves` leaves; overwrites `scratch`."""
     lows = np.full((2 * leaves, 6), np.inf)
     highs = np.full((2 * leaves, 6), -np.inf)
     apexes = np.full(2 * leaves, -2)  # -2: empty
@@ -165,10 +160,7 @@ def _build_tree(shapes, leaves, scratch):
 
 @lean
 def _count_crossings(shapes, tree, scratch, tolerance):
-    """Return the number of crossing pairs, and the two triangles of the first pair in the order of the tree.
-
-    `scratch` is overwritten.
-    """
+    """Return the number of crossing pairs and the first pair of triangles in the tree's order; overwrites `scratch`."""
     total, leaves, stack = len(shapes.triangles), tree.leaves, scratch.stack
     count, one, other = 0, -1, -1
     for leaf in range(leaves, leaves + (total + LEAF_SIZE - 1) // LEAF_SIZE):
@@ -206,40 +198,35 @@ def _count_crossings(shapes, tree, scratch, tolerance):
 
 @lean
 def _bound_directions(shapes, triangle, apex, scratch, reset):
-    """Set the bounds in `scratch` of the directions (unit vectors) from the vertex `apex` to a triangle.
+    """Set the bounds in `scratch` of directions (unit vectors) from vertex `apex` to a triangle; widen them unless `reset`.
 
-    Unless `reset`, the present bounds are widened. A direction is that of a point w of the flat triangle between the
-    directions of the corners. It is w / |w|, which is no farther from w than 1 - |w|. |w|^2 is at least the least
-    scalar product of two of these directions.
+    A direction is w / |w| for a point w of the flat triangle between the corners' directions. It is no farther from w
+    than 1 - |w|, and |w|^2 is at least the least scalar product of two corners' directions.
     """
-    directions, count, touches_apex = scratch.seen, 0, False
+    rays, count, touches_apex = scratch.seen, 0, False
     for corner in range(3):
         if shapes.triangles[triangle, corner] == apex:
             continue
         square = 0.0
         for axis in range(3):
-            directions[count, axis] = shapes.corners[triangle, corner, axis] - shapes.vertices[apex, axis]
-            square += directions[count, axis] * directions[count, axis]
+            rays[count, axis] = shapes.corners[triangle, corner, axis] - shapes.vertices[apex, axis]
+            square += rays[count, axis] * rays[count, axis]
         touches_apex = touches_apex or square == 0.0
         for axis in range(3):
-            directions[count, axis] /= np.sqrt(square) if square > 0.0 else 1.0
+            rays[count, axis] /= np.sqrt(square) if square > 0.0 else 1.0
         count += 1
     least_product = 1.0
     for i in range(count):
         for j in range(i):
-            product = (
-                directions[i, 0] * directions[j, 0]
-                + directions[i, 1] * directions[j, 1]
-                + directions[i, 2] * directions[j, 2]
-            )
+            product = rays[i, 0] * rays[j, 0] + rays[i, 1] * rays[j, 1] + rays[i, 2] * rays[j, 2]
             least_product = min(least_product, product)
     margin = 2.0 if touches_apex or least_product <= 0.0 else 1.0 - np.sqrt(least_product) + 1e-14
     for axis in range(3):
         if reset:
             scratch.low[axis], scratch.high[axis] = np.inf, -np.inf
         for i in range(count):
-            scratch.low[axis] = min(scratch.low[axis], directions[i, axis] - margin)
-            scratch.high[axis] = max(scratch.high[axis], directions[i, axis] + margin)
+            scratch.low[axis] = min(scratch.low[axis], rays[i, axis] - margin)
+            scratch.high[axis] = max(scratch.high[axis], rays[i, axis] + margin)
 
 
 @lean
@@ -253,10 +240,7 @@ def _has_disjoint_directions(scratch, tree, node):
 
 @lean
 def _is_disjoint(low, high, one, lows, highs, other):
-    """Return whether box `one` of the first list and box `other` of the second do not meet.
-
-    `low`, `high` and `lows`, `highs` are the least and greatest coordinates of the boxes in each list, one box a row.
-    """
+    """Return whether box `one` of (low, high) and box `other` of (lows, highs), one box a row, do not meet."""
     return (
         low[one, 0] > highs[other, 0]
         or high[one, 0] < lows[other, 0]

@@ -273,8 +273,7 @@ def _mm_per_unit(document: "documents.Drawing", data: bytes, source: str) -> flo
 def _collect_entities(document: "documents.Drawing", source: str) -> tuple[list[Any], list[str]]:
     """Return visible lines and curves of the model space, with blocks and polylines split, and notes on others.
 
-    In a block, layer 0 means the layer on which the block is inserted. If that layer is off, entities of the block on
-    other layers still show.
+    In a block, layer 0 is the layer of its insertion. If that layer is off, entities on other layers still show.
     """
     frozen = {layer.dxf.name.lower() for layer in document.layers if layer.is_frozen()}
     unplotted = {layer.dxf.name.lower() for layer in document.layers if not layer.dxf.get("plot", 1)} | {
@@ -341,10 +340,7 @@ def _drawing_size(entities: Sequence[Any], source: str) -> float:
 
 
 def _close_contours(curves: Sequence[Array], size: float, source: str) -> tuple[list[Array], list[str]]:
-    """Join open curves end to end; return these and closed curves as contours, with notes on closed gaps.
-
-    `size` is the longer side of the drawing.
-    """
+    """Join open curves to contours; return them with the closed ones, and notes. `size`: the drawing's longer side."""
     gap, contours, open_curves = MAX_END_GAP * size, [], []
     for curve in curves:
         if not np.isfinite(curve).all():

@@ -239,10 +239,7 @@ def _check_apart(contours: Sequence[Polygon]) -> None:
 
 
 def _nesting_levels(shapes: Sequence[Shape], contours: Sequence[Polygon]) -> list[int | None]:
-    """Return 0 for an outer contour, 1 for a hole, None for a line inside the area that its shape's fill rule fills.
-
-    `contours` are those of all shapes, in their order.
-    """
+    """Return 0 for an outer contour, 1 for a hole, None for a line inside the area that its shape's fill rule fills."""
     from shapely import STRtree, points, polygons
 
     owners = [number for number, shape in enumerate(shapes) for _ in shape.contours]

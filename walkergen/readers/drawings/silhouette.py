@@ -62,15 +62,13 @@ def trace(path: Path, source: str) -> Silhouette:
         image, quantity = _brightness(data, source)
     threshold = _otsu_threshold(image)
     border = np.concatenate([image[0], image[-1], image[:, 0], image[:, -1]])
-    lighter = float(np.mean(border > threshold)) < 0.5  # the shape is lighter than its background
-    inside = (image > threshold) == lighter
+    light = float(np.mean(border > threshold)) < 0.5  # the shape is lighter than its background
+    inside = (image > threshold) == light
     if not inside.any() or inside.all() or abs(image[inside].mean() - image[~inside].mean()) < MIN_CONTRAST:
         raise InputError(f"{source}: no shape differs from the background. Use a picture with more contrast.")
-    rings, specks = _trace_contours(image if lighter else 1.0 - image, threshold if lighter else 1.0 - threshold)
+    rings, specks = _trace_contours(image if light else 1.0 - image, threshold if light else 1.0 - threshold)
     what = (
-        "what is opaque"
-        if quantity == "opacity"
-        else f"what is {'lighter' if lighter else 'darker'} than its background"
+        "what is opaque" if quantity == "opacity" else f"what is {'lighter' if light else 'darker'} than its background"
     )
     notes = [f"traced {path.name}: {what}, divided at {100 * threshold:.0f} % of full {quantity}"]
     if specks:

@@ -122,9 +122,7 @@ def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
     if (line := max((one.line for one in drawn), default=0.0)) > LINE_WIDTH_WARNING * size:
         notes.append(f"took lines without their width, up to {line * scale[0]:.3g} mm: their middle is the outline")
     to_mm = np.array([scale[0], -scale[1]])  # people see y down; the shape has it up
-    return Drawing(
-        [Shape([contour * to_mm for contour in shape.contours], shape.nonzero) for shape in shapes], tuple(notes)
-    )
+    return Drawing([Shape([ring * to_mm for ring in shape.contours], shape.nonzero) for shape in shapes], tuple(notes))
 
 
 def _omission_notes(tree: "Tree") -> list[str]:
@@ -140,10 +138,7 @@ def _omission_notes(tree: "Tree") -> list[str]:
 def _drop_page(
     drawn: "Sequence[VisibleShape]", shapes: list[Shape], page: Sequence[float]
 ) -> tuple[list[Shape], list[str]]:
-    """Return the shapes without a white rectangle of the page's size, and notes; `page`: left, top, width, height.
-
-    `drawn` are the visible elements of the shapes.
-    """
+    """Return the shapes of `drawn` without white ones as large as the page (left, top, width, height), and notes."""
     covers_page = [_is_page_rectangle(shape, page) for shape in shapes]
     is_paper = [covers and one.white for covers, one in zip(covers_page, drawn, strict=True)]
     if any(is_paper) and not all(is_paper):
@@ -266,10 +261,7 @@ def _clipped_shape(drawn: "VisibleShape", size: float, source: str) -> Shape:
 
 
 def _unclipped_contours(drawn: "VisibleShape", size: float, source: str) -> "Sequence[Array]":
-    """Return the contours of a shape in the drawing's units, without its clips. Raises InputError for an open path.
-
-    `size` is the drawing's longer side.
-    """
+    """Return a shape's contours before clipping; `size` is the drawing's longer side. Raises InputError if one is open."""
     linear, offset = drawn.matrix[:, :2], drawn.matrix[:, 2]
     stretch, contours = float(np.linalg.norm(linear, 2)), []
     for subpath in drawn.path.as_subpaths():
@@ -291,10 +283,7 @@ def _unclipped_contours(drawn: "VisibleShape", size: float, source: str) -> "Seq
 def _clip_contours(
     contours: Sequence[Array], nonzero: bool, clip: "Clip", size: float, source: str
 ) -> tuple[list[Array], bool]:
-    """Clip contours to the shapes of a clip; return them and their fill rule, unchanged if nothing is cut.
-
-    `nonzero` is True for the fill rule nonzero, False for even-odd. `size` is the drawing's longer side.
-    """
+    """Clip contours to a clip's shapes; return them and whether their fill rule is nonzero, unchanged if nothing is cut."""
     from shapely import union_all
 
     window = union_all([_filled_area(*_clipped_shape(one, size, source)) for one in clip.shapes])
@@ -321,10 +310,7 @@ def _filled_area(contours: Sequence[Array], nonzero: bool) -> "BaseGeometry":
 
 
 def _is_page_rectangle(shape: Shape, page: Sequence[float]) -> bool:
-    """Return whether a shape is a rectangle as large as the page and in its place, its corners round or not.
-
-    `page` is left, top, width and height.
-    """
+    """Return whether a shape is a rectangle, perhaps with round corners, like the page (left, top, width, height)."""
     if len(shape.contours) != 1 or not all(map(math.isfinite, page)):
         return False
     x, y = shape.contours[0].T

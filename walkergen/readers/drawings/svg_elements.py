@@ -238,10 +238,7 @@ class Tree:
     def _parse_length(
         self, element: ET.Element, key: str, context: Context, whole: float, otherwise: float = 0.0
     ) -> float:
-        """Return the length in the attribute `key`, in the drawing's units; percents are of `whole`.
-
-        Without the attribute it is `otherwise`.
-        """
+        """Return the length in an attribute, in the drawing's units, or `otherwise` without it; percents are of `whole`."""
         text = element.attrib.get(key)
         if text is None or text.strip() == "auto":
             return otherwise
@@ -306,10 +303,7 @@ class Tree:
     def _window_shapes(
         self, element: ET.Element, context: Context, attributes: Mapping[str, str]
     ) -> Iterator[VisibleShape]:
-        """Yield the shapes of a nested <svg> or a <symbol>: in its own units, cut at its edges.
-
-        `attributes` are its own, with sizes that a <use> replaces.
-        """
+        """Yield the shapes of a nested <svg> or a <symbol> with these attributes: in its own units, cut at its edges."""
         window = ET.Element(element_name(element), dict(attributes))
         wide, high = context.view
         nested = element_name(element) == "svg"

@@ -51,10 +51,7 @@ def parse_font_size(text: str | None, parent: float, root: float) -> float:
 
 
 def parse_length(text: str, font: float, root: float, whole: float) -> float:
-    """Parse a length: percents are of `whole`, em of the font size `font`, rem of that of the page, `root`.
-
-    NaN for other text.
-    """
+    """Parse a length; percents are of `whole`, `font` and `root` are font sizes, for em and rem. NaN for other text."""
     match, units = LENGTH_PATTERN.fullmatch(text), {**units_at(font, root), "%": 0.01 * whole}
     return float(match[1]) * units.get(match[2].lower(), math.nan) if match else math.nan
 

@@ -158,10 +158,7 @@ def _add_rules(matcher: Any, rules: Sequence[Any], spaces: dict[str | None, str]
 
 
 def _add_at_rule(matcher: Any, rule: Any, spaces: dict[str | None, str], source: str) -> None:
-    """Process a rule that begins with @: add the rules in it, or its namespace. Raises InputError.
-
-    Arguments are those of `_add_rules`.
-    """
+    """Add the rules in an @media rule, or the namespace of an @namespace rule. Raises InputError for other rules."""
     word = rule.lower_at_keyword
     if word == "import":
         raise InputError(f"{source}: its <style> imports another file. Save it as a plain SVG.")

@@ -28,11 +28,7 @@ for legs whose feet are as far apart as `placing` requires."""
 
 
 def add_to_outline(outline: Sequence[Array], thickness: float) -> tuple[list[Array], Mesh]:
-    """Return the contour of a plate under an outline, and the mesh of the plate with the extruded outline on it.
-
-    `thickness` (mm) is that of the extruded outline. The contour's box is centred at the origin, and the mesh begins at
-    z = 0.
-    """
+    """Return the contour of a plate under an outline, and a mesh, from z = 0, of the plate and the extruded outline."""
     import shapely
 
     (contour,) = overlaps.contours(_plate_region(shapely.union_all(overlaps.pieces(outline)), thickness))

@@ -60,7 +60,7 @@ class CutWalker(NamedTuple):
     """Walker before the cut."""
 
     def limbs(self, kind: Kind, depth: float) -> tuple[Limb, ...]:
-        """Return its legs with all their numbers. Raises GeometryError for legs with a brace that are declared flexible."""
+        """Return its legs with all their numbers. Raises GeometryError for flexible legs with a brace."""
         return tuple(_to_limb(leg, kind, number, depth) for number, leg in enumerate(self.legs, start=1))
 
 

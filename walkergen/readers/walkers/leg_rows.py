@@ -133,7 +133,7 @@ def _widest_rows(inner: "BaseGeometry", places: Array, across: float, reach: Rea
 
 
 def _build_row(along: float, across: float, pieces: Sequence[tuple[float, float]]) -> Row | None:
-    """Return a row of legs in the wide pieces, (low, high) across, or None if the centre `across` is not between them."""
+    """Return a row of legs in the wide pieces, (low, high) across; None if the centre `across` is not between them."""
     wide_pieces = sorted((low, high) for low, high in pieces if high - low >= MIN_LEG_WIDTH_MM)
     if not wide_pieces or not wide_pieces[0][0] <= across <= wide_pieces[-1][1]:
         return None

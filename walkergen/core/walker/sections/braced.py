@@ -36,18 +36,14 @@ def _compliance(limb: Limb) -> float:
     brace lies in the leg, and higher up it leaves it by tan(tilt) a height. An upright leg hides its brace wholly.
     """
     height, slope = limb.length * math.cos(limb.tilt), math.tan(abs(limb.tilt))
-    leg_width, overlap = limb.thickness * math.cos(limb.tilt), min(limb.brace, 2.0 * limb.half_width)
-    total_width_at_foot = leg_width + limb.brace - overlap
-    shift_until_edge = 0.5 * abs(2.0 * limb.half_width - limb.brace)
-    if slope * height <= shift_until_edge:
-        return height / total_width_at_foot
-    shift_while_parting = min(slope * height - shift_until_edge, overlap)
-    separate_height = height - (shift_until_edge + shift_while_parting) / slope
-    return (
-        shift_until_edge / slope / total_width_at_foot
-        + math.log1p(shift_while_parting / total_width_at_foot) / slope
-        + separate_height / (leg_width + limb.brace)
-    )
+    leg, overlap = limb.thickness * math.cos(limb.tilt), min(limb.brace, 2.0 * limb.half_width)
+    least = leg + limb.brace - overlap
+    inside = 0.5 * abs(2.0 * limb.half_width - limb.brace)
+    if slope * height <= inside:
+        return height / least
+    parting = min(slope * height - inside, overlap)
+    apart_height = height - (inside + parting) / slope
+    return inside / slope / least + math.log1p(parting / least) / slope + apart_height / (leg + limb.brace)
 
 
 def problems(limb: Limb) -> list[str]:

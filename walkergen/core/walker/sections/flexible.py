@@ -33,10 +33,7 @@ def profile(limb: Limb, segments: int) -> list[Polygon]:
 
 
 def _half_circle(tilt: float, segments: int) -> Polygon:
-    """Return the unit half circle that ends a leg of this tilt (rad), counter-clockwise, shape (n, 2).
-
-    One vertex is exactly its lowest point. `segments` is the number of its edges.
-    """
+    """Return the unit half circle below a leg of this tilt, rad, shape (n, 2), with a vertex exactly at its lowest point."""
     start, lowest, end = math.pi - tilt, 1.5 * math.pi, 2.0 * math.pi - tilt
     before = max(1, round(segments * (lowest - start) / math.pi))
     after = max(1, segments - before)
