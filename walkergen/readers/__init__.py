@@ -19,7 +19,7 @@ _FUNCTIONS = {
 
 
 def __getattr__(name: str) -> Any:
-    """Return a function of the readers by name; load its module when it is first used."""
+    """Return a function of the readers by name. Load its module when it is first used."""
     for module, functions in _FUNCTIONS.items():
         if name in functions:
             return getattr(import_module(f"{__name__}.walkers.{module}"), name)

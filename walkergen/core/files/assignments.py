@@ -116,7 +116,7 @@ def replace_values(section: Model, values: Mapping[str, Any], source: str = "‹
 def assign_values(
     section: Model, data: dict[str, Any], values: Mapping[str, Any], source: str, prefix: str = ""
 ) -> Model:
-    """Set dotted keys of `data` to values, in place, and validate the result; `section` is the content before.
+    """Set dotted keys of `data` to values, in place, and validate the result. `section` is the content before.
 
     Raises as `replace_values` does.
     """
@@ -137,14 +137,14 @@ def _check_form(key: str, message_start: str) -> None:
 
 
 def _to_toml_value(value: Any) -> Any:
-    """Return a value as a TOML file would give it; converts NumPy numbers and paths."""
+    """Return a value as a TOML file would give it. Converts NumPy numbers and paths."""
     if isinstance(value, (np.generic, np.ndarray)):
         return value.tolist()
     return str(value) if isinstance(value, Path) else copy.deepcopy(value)
 
 
 def _set_value(data: dict[str, Any], path: list[str], value: Any) -> None:
-    """Set the value at the end of a path of keys, in place; missing tables on the way are made.
+    """Set the value at the end of a path of keys, in place. Missing tables on the way are made.
 
     Raises InputError if a key on the way holds no table, or if a list has no such entry.
     """

@@ -90,7 +90,7 @@ def distinct_texts(lines: Iterable[str], source: str, name: str) -> list[str]:
 
 
 def parse_records(lines: Iterable[str], source: str) -> Records:
-    """Parse the lines of a CSV file into rows; the first line names the columns, and blank rows are left out.
+    """Parse the lines of a CSV file into rows. The first line names the columns, and blank rows are left out.
 
     Raises InputError, which begins with `source` and the line, when a name is missing or occurs
     twice, when a row has not as many cells as the header, and when a line is not valid CSV.
@@ -108,7 +108,7 @@ def parse_records(lines: Iterable[str], source: str) -> Records:
 
 
 def check_names(seen: Sequence[str], path: Path, required: Sequence[str], optional: Sequence[str], note: str) -> None:
-    """Raise InputError for a missing or unknown column; `seen` are the file's columns, and `note` ends the message."""
+    """Raise InputError for a missing or unknown column. `seen` are the file's columns, and `note` ends the message."""
     missing = [name for name in required if name not in seen]
     unknown = [name for name in seen if name not in (*required, *optional)]
     if missing or unknown:
@@ -176,7 +176,7 @@ def parse_count(text: str, most: int) -> int | None:
 
 
 def describe_bad_rows(bad: dict[int, str], most: int = MAX_NAMED_ROWS) -> str:
-    """Describe how many rows were left out, with the reasons for the first few; '' without any."""
+    """Describe how many rows were left out, with the reasons for the first few, or return '' without any."""
     if not bad:
         return ""
     named = "; ".join(f"line {line}: {bad[line]}" for line in sorted(bad)[:most])
@@ -213,7 +213,7 @@ def _read_names(stream: Iterator[str], source: str) -> tuple[list[str], Iterator
 
 
 def _find_long_rows(chunk: Sequence[str], first: int, source: str, count: int) -> dict[int, str]:
-    """Return the problem of each line with more than `count` cells, by line number; the chunk begins at line `first`."""
+    """Return the problem of each line with more than `count` cells, by line number from `first` on."""
     problems = {}
     for at, line in enumerate(chunk, first):
         if line.count(",") >= count:
@@ -224,7 +224,7 @@ def _find_long_rows(chunk: Sequence[str], first: int, source: str, count: int) -
 
 
 def split_cells(line: str, source: str, at: int) -> list[str]:
-    """Return the cells of a line; an empty line has none. Raises InputError with `source` and the line number `at`."""
+    """Return the cells of a line. An empty line has none. Raises InputError with `source` and the line number `at`."""
     if MATCH_PLAIN_LINE(line):  # as below, in a third of the time
         return line.removesuffix("\n").split(",")
     try:
@@ -282,7 +282,7 @@ _UNREADABLE = -math.inf
 
 
 def _parse_cell(row: list[str], column: int, optional: bool, words: Sequence[str]) -> float:
-    """Return a cell's number, or the index of its text in `words`; NaN if blank and optional, else _UNREADABLE."""
+    """Return a cell's number, or the index of its text in `words`, or NaN if blank and optional, else _UNREADABLE."""
     text = row[column].strip() if column < len(row) else ""
     if words and text:
         return float(words.index(text)) if text in words else _UNREADABLE

@@ -74,7 +74,7 @@ class Section(BaseModel):
 
     @classmethod
     def data_from_file(cls, path: Path) -> dict[str, Any] | None:
-        """Return the data of a file that is no TOML, such as a drawing; None for TOML. Subclasses may override it."""
+        """Return the data of a file that is no TOML, such as a drawing, else None. Subclasses may override it."""
         return None
 
     @classmethod
@@ -91,7 +91,7 @@ Model = TypeVar("Model", bound=Section)
 
 
 def read_section(path: Path, model: type[Model]) -> Model:
-    """Read and validate a TOML file; its stem is the default of `name`.
+    """Read and validate a TOML file. Its stem is the default of `name`.
 
     Raises InputError when the file cannot be read, or with every mistake in it and its line.
     """
@@ -215,7 +215,7 @@ def refusal(mistakes: Sequence[str], source: object) -> InputError:
 
 
 def _leading_key(problem: str, model: type[Section]) -> str:
-    """Return the key at the start of a mistake's line; "" if the line starts with another word."""
+    """Return the key at the start of a mistake's line, or "" if the line starts with another word."""
     word = problem.split(" ", 1)[0].rstrip(":")
     return word if _field_at(_split_key(word), model) is not None else ""
 
@@ -257,7 +257,7 @@ def _shorten(shown: str) -> str:
 
 
 def _key_path(pydantic_location: Sequence[str | int], model: type[Section]) -> tuple[str, ...]:
-    """Return the keys that lead to a mistake from pydantic's location of it; legs[2] is the second entry of a list.
+    """Return the keys that lead to a mistake from pydantic's location of it, such as legs[2].tilt_deg.
 
     The result omits pydantic's tag that distinguishes a table from a list of tables.
     """
@@ -316,7 +316,7 @@ def _split_key(dotted: str) -> tuple[str, ...]:
 
 
 def describe_unknown_key(location: tuple[str, ...], model: type[Section], prefix: str = "") -> str:
-    """Describe a key that a file does not have, with the known key most like it; "" for a known key.
+    """Describe a key that a file does not have, with the known key most like it, or return "" for a known key.
 
     The text lists known keys after `prefix`.
     """
@@ -352,7 +352,7 @@ def key_paths(model: type[Section], prefix: tuple[str, ...] = ()) -> list[tuple[
 
 
 def _section_type(annotation: Any, listed: bool = False) -> type[Section] | None:
-    """Return the model of the table (or, if `listed`, of the list of tables) in a field's type; None without one."""
+    """Return the model of the table (or, if `listed`, of the list of tables) in a field's type, or None without one."""
     if isinstance(annotation, type) and issubclass(annotation, Section):
         return None if listed else annotation
     if get_origin(annotation) is list:
@@ -362,13 +362,13 @@ def _section_type(annotation: Any, listed: bool = False) -> type[Section] | None
 
 
 def _field_at(location: tuple[str, ...], model: type[Section]) -> FieldInfo | None:
-    """Return the field at the end of a path of keys; None if the path leads to no field."""
+    """Return the field at the end of a path of keys, or None if the path leads to no field."""
     table = _model_at(location[:-1], model) if location else None
     return table.model_fields.get(_without_index(location[-1])) if table else None
 
 
 def _model_at(location: tuple[str, ...], model: type[Section]) -> type[Section] | None:
-    """Return the model of the table at the end of a path of keys; None if the path leads to no table."""
+    """Return the model of the table at the end of a path of keys, or None if the path leads to no table."""
     if not location:
         return model
     field = _field_at(location, model)
@@ -376,7 +376,7 @@ def _model_at(location: tuple[str, ...], model: type[Section]) -> type[Section] 
 
 
 def describe_allowed_values(location: tuple[str, ...], model: type[Section], seen: object = None) -> str:
-    """Describe the values that a key may hold, from the model's constraints; '' without constraints.
+    """Describe the values that a key may hold, from the model's constraints, or return '' without constraints.
 
     Of many words it names those most like the wrong value, `seen`.
     """
@@ -404,7 +404,7 @@ def describe_allowed_values(location: tuple[str, ...], model: type[Section], see
 
 
 def _describe_tables(key: str, annotation: Any) -> str:
-    """Describe the tables that a field of this type may hold under `key`; '' if it holds none."""
+    """Describe the tables that a field of this type may hold under `key`, or return '' if it holds none."""
     forms = [
         f"{start}{key}{end}"
         for start, end, listed in (("a table [", "] of keys", False), ("tables [[", "]]", True))
@@ -414,7 +414,7 @@ def _describe_tables(key: str, annotation: Any) -> str:
 
 
 def _describe_bounds(metadata: list[Any]) -> str:
-    """Describe the limits of a number, from the constraints of its field; '' without limits."""
+    """Describe the limits of a number, from the constraints of its field, or return '' without limits."""
     parts = [part for item in metadata for part in getattr(item, "metadata", None) or [item]]
     limits = [(sign, getattr(part, key, None)) for part in parts for key, sign in LIMIT_SIGNS.items()]
     return " and ".join(f"{sign} {limit:g}" for sign, limit in limits if limit is not None)

@@ -22,7 +22,7 @@ def is_number(value: object) -> bool:
 
 
 def format_number(value: float, digits: int = 3) -> str:
-    """Format a number with `digits` significant digits: 260, not 2.6e+02; only far from 1 it has an exponent."""
+    """Format a number with `digits` significant digits: 260, not 2.6e+02. Only far from 1 it has an exponent."""
     if abs(value) < ZERO_BELOW:
         return "0"
     text = f"{value:.{digits}g}"
@@ -43,7 +43,7 @@ def format_count(number: int, one: str, many: str) -> str:
 
 
 def parse_number(text: str) -> float | None:
-    """Return the finite number that a text in plain digits contains, zero without a sign; None otherwise.
+    """Return the finite number that a text in plain digits contains, zero without a sign, or None otherwise.
 
     Python accepts more: 1_0, digits of other scripts, nan, surrounding line ends.
     """
@@ -52,12 +52,12 @@ def parse_number(text: str) -> float | None:
 
 
 def format_with_error(value: float, se: float) -> str:
-    """Format a value with its standard error, both to two digits of the error; an error of 0 is left out."""
+    """Format a value with its standard error, both to two digits of the error. An error of 0 is left out."""
     return " ± ".join(format_to_error(se, (value, se) if se > 0 else (value,)))
 
 
 def format_to_error(error: float, values: Sequence[float]) -> list[str]:
-    """Format values to the decimals of the first two digits of `error`; without an error, to four digits each."""
+    """Format values to the decimals of the first two digits of `error`. Without an error, to four digits each."""
     if not error > 0:
         return [format_number(value, 4) for value in values]
     digits = max(1 - math.floor(math.log10(error)), 0)
@@ -67,7 +67,7 @@ def format_to_error(error: float, values: Sequence[float]) -> list[str]:
 
 
 def format_range(low: float | None, high: float | None, digits: int = 4) -> str:
-    """Format an interval with significant digits; an end of None is not known."""
+    """Format an interval with significant digits. An end of None is not known."""
     if low is None and high is None:
         return "any value"
     if low is None or high is None:

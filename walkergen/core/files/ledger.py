@@ -137,7 +137,7 @@ def open_flags(mode: int) -> int:
 
 
 def try_lock(file: int) -> bool:
-    """Lock a file, by its descriptor, until it is closed or the process ends; return False if it is locked already."""
+    """Lock a file, by its descriptor, until it is closed or the process ends. Return False if it is locked already."""
     try:
         if sys.platform == "win32":
             import msvcrt
@@ -157,7 +157,7 @@ def try_lock(file: int) -> bool:
 
 
 def hash_file(path: Path) -> str | None:
-    """Return the SHA-256 of a plain file that is no link; None for anything else, which walkergen never writes.
+    """Return the SHA-256 of a plain file that is no link, or None for anything else, which walkergen never writes.
 
     Raises OSError for a file that cannot be read to its end.
     """
@@ -204,7 +204,7 @@ def encode_manifest(facts: dict[str, Any]) -> bytes:
 
 
 def decode_manifest(data: bytes) -> dict[str, Any] | None:
-    """Return the facts of a manifest that is unchanged since it was sealed; None otherwise."""
+    """Return the facts of a manifest that is unchanged since it was sealed, or None otherwise."""
     if not is_sealed(data):
         return None
     try:

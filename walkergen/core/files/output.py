@@ -43,7 +43,7 @@ def write(path: Path, data: bytes, lasting: bool = True) -> None:
     later, which saves a wait of milliseconds each.
 
     The temporary file is new and has an unpredictable name, so that no prepared link can redirect
-    it. Parent folders are made. Raises OutputError; on any exception the temporary file is
+    it. Parent folders are made. Raises OutputError. On any exception the temporary file is
     removed.
     """
     try:
@@ -182,7 +182,7 @@ class Folder:
         self._ledger = opened
 
     def write(self, name: str, data: bytes) -> bool:
-        """Write one file by its name relative to the folder; return False, without writing, if it is not ours."""
+        """Write one file by its name relative to the folder. Return False, without writing, if it is not ours."""
         self.claim()
         assert self._ledger is not None
         path, digest = self.path / name, hashlib.sha256(data).hexdigest()
@@ -240,7 +240,7 @@ class Folder:
         self._report_left_files()
 
     def earlier_manifest(self) -> dict[str, Any]:
-        """Read the manifest of an earlier run; empty if there is none.
+        """Read the manifest of an earlier run, empty if there is none.
 
         Raises OutputError for one that is not as we wrote it: nothing in its folder is touched.
         """
@@ -263,7 +263,7 @@ class Folder:
         return facts
 
     def is_unchanged(self) -> bool:
-        """Return whether every file of an earlier run is unchanged; False without any."""
+        """Return whether every file of an earlier run is unchanged, or False without any."""
         listed = _listed_hashes(self.earlier_manifest())
         return bool(listed) and all(self._hash(name) == digest for name, digest in listed.items())
 
@@ -290,7 +290,7 @@ class Folder:
         return _is_empty(status) or self._hash(name) == digest or self._is_ours(name)
 
     def _hash(self, name: str) -> str | None:
-        """Return the hash of a plain file in the folder; None for anything else."""
+        """Return the hash of a plain file in the folder, or None for anything else."""
         try:
             return hash_file(self.path / name)
         except OSError as error:

@@ -19,7 +19,7 @@ HIDDEN_CHARACTERS = re.compile(
 
 
 def escape_hidden(text: str) -> str:
-    r"""Return the text with hidden letters as JSON escapes them: \u001b; ends of lines and tabs stay."""
+    r"""Return the text with hidden letters as JSON escapes them: \u001b. Ends of lines and tabs stay."""
     return HIDDEN_CHARACTERS.sub(_escape, text)
 
 
@@ -49,7 +49,7 @@ class Plain:
         return getattr(self.rich_proxied_file, name)
 
     def write(self, text: str) -> int:
-        """Write text, made plain; return the number of its letters."""
+        """Write text, made plain. Return the number of its letters."""
         if self.widest is not None:
             text = "\n".join(shorten_line(row, self.widest) for row in text.split("\n"))
         self.rich_proxied_file.write(escape_hidden(text))
@@ -57,7 +57,7 @@ class Plain:
 
 
 def guard_output() -> None:
-    """Escape hidden letters in all later output of this process; lines of sys.stderr are also shortened."""
+    """Escape hidden letters in all later output of this process. Lines of sys.stderr are also shortened."""
     sys.stdout = cast("TextIO", Plain(sys.stdout))
     sys.stderr = cast("TextIO", Plain(sys.stderr, MAX_LINE_LENGTH))
 

@@ -39,7 +39,7 @@ the paper's walker (about 90 mm2, 8 mm high on legs of 0.4 mm) was printed witho
 def check_batch(
     designs: Sequence[Design], meshes: Sequence[Mesh], parts: Sequence[Part], plates: Sequence[Plate], printer: Printer
 ) -> list[Finding]:
-    """Return the findings on a whole print; `designs`, `meshes` (as they lie on the bed) and `parts` match in order."""
+    """Return the findings on a whole print. `designs`, `meshes` (as they lie on the bed) and `parts` match in order."""
     return [
         *check_printer(printer),
         *_check_materials(designs, parts),
@@ -83,7 +83,7 @@ def check_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[
 
 
 def check_piece(name: str, upright: Sequence[Wall], mesh: Mesh, printer: Printer) -> list[Finding]:
-    """Return the findings on a part that is no walker, as its mesh lies on the bed; `upright` are its walls.
+    """Return the findings on a part that is no walker, as its mesh lies on the bed. `upright` are its walls.
 
     Its mass is not predicted, so that walls count only if they fail or print otherwise than drawn.
     """
@@ -124,7 +124,7 @@ def _check_walls(design: Design, printer: Printer) -> Iterator[Finding]:
 
 
 def check_wall(wall: Wall, printer: Printer, mass_sd: float) -> Finding | None:
-    """Return the finding on a wall; None if it is good.
+    """Return the finding on a wall, or None if it is good.
 
     `mass_sd` is the relative deviation of masses that the prediction allows for.
     """
@@ -170,7 +170,7 @@ def _is_good_thickness(thickness: float, printer: Printer) -> bool:
 
 
 def _nearest_good_thickness(thickness: float, printer: Printer, slant: float) -> float:
-    """Return the closest good thickness, mm, in hundredths; `slant` is the cosine of the wall's tilt from the vertical."""
+    """Return the closest good thickness, mm, in hundredths. `slant` is the cosine of the wall's tilt."""
     start, steps = round(100 * thickness), itertools.count()
     candidates = (max(0, start + sign * step) / 100 for step in steps for sign in (1, -1))
     return next(
@@ -312,7 +312,7 @@ def section_area(mesh: Mesh, height: float) -> float:
 
 
 def _check_bed_limits(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:
-    """Yield errors for parts, brims and skirt beyond the bed; `boxes`, shape (n, 4), mm: left, front, right, back."""
+    """Yield errors for parts, brims and skirt beyond the bed. `boxes`, shape (n, 4), mm: left, front, right, back."""
     bed = np.array([printer.bed_width_mm, printer.bed_depth_mm])
     brim = printer.brim_width_mm
     skirt = printer.skirt_distance_mm + (printer.skirt_loops + 0.5) * printer.line_width_mm
@@ -328,7 +328,7 @@ def _check_bed_limits(labels: Sequence[str], boxes: Array, printer: Printer) -> 
 
 
 def _check_spacing(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:
-    """Yield a finding for each two parts that are too close or overlap; `boxes` as in `_check_bed_limits`."""
+    """Yield a finding for each two parts that are too close or overlap. `boxes` as in `_check_bed_limits`."""
     brims, wanted = 2.0 * printer.brim_width_mm, spacing(printer)
     for first, box in enumerate(boxes):
         later = boxes[first + 1 :]

@@ -106,7 +106,7 @@ def declare_prusaslicer(data: bytes) -> bytes:
     """Return the 3MF file declared to be PrusaSlicer's own, with the same content, so that copies stay copies.
 
     PrusaSlicer then lists each solid once with its copies, numbered from 0 in the order of the
-    items, and slices it once; of other files it makes an object of every item. It looks for its
+    items, and slices it once. Of other files it makes an object of every item. It looks for its
     namespace by the prefix, which lib3mf does not let us choose. Measured with PrusaSlicer 2.5.
     """
     files = _unzip_files(data)

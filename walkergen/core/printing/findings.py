@@ -90,7 +90,7 @@ def with_place(where: str, findings: Iterable[Finding]) -> list[Finding]:
 
 
 def combine_printers(named: Sequence[tuple[str, Sequence[Finding]]]) -> list[Finding]:
-    """Join the findings of printers, given by name, in one list; if there are several, places begin with the name."""
+    """Join the findings of printers, given by name, in one list. If there are several, places begin with the name."""
     return [
         finding._replace(where=f"{printer}: {finding.where}") if len(named) > 1 else finding
         for printer, findings in named

@@ -82,7 +82,7 @@ def spacing(printer: Printer) -> float:
 
 
 def capacity(part: Part, printer: Printer) -> int:
-    """Count the copies of a part that fit on one plate in a plain grid; 0 when it is too large."""
+    """Count the copies of a part that fit on one plate in a plain grid, or return 0 when it is too large."""
     if _round_up_micrometres(part.height) > _round_up_micrometres(printer.height_mm):
         return 0
     (bed_width, bed_depth), (width, depth) = _bed_micrometres(printer), _cell_size(part, printer)
@@ -151,7 +151,7 @@ def plate_file(
 ) -> tuple[str, bytes]:
     """Return suffix and bytes of one plate's file: 3MF, or STL if lib3mf is not installed.
 
-    `prusaslicer`: see `export.declare_prusaslicer`; raises InputError without lib3mf.
+    `prusaslicer`: see `export.declare_prusaslicer`. Raises InputError without lib3mf.
     """
     if prusaslicer or threemf.is_available():
         data = plate_3mf(plate, parts, meshes, printer, title, thumbnail)
@@ -234,7 +234,7 @@ def _cell_size(part: Part, printer: Printer) -> tuple[int, int]:
 
 
 def _round_up_micrometres(length: float) -> int:
-    """Round up to micrometres; an excess below a picometre is rounding noise and ignored."""
+    """Round up to micrometres. An excess below a picometre is rounding noise and ignored."""
     return math.ceil(round(1e3 * length, 6))
 
 

@@ -65,7 +65,7 @@ def arrange(
     max_plates: int | None = None,
     max_parts: int = packing.MAX_PARTS,
 ) -> Layout:
-    """Arrange copies of each member on plates; `built` has their solids. Raises PlateError when they do not fit."""
+    """Arrange copies of each member on plates. `built` has their solids. Raises PlateError when they do not fit."""
     empty = layout_without_plates(members, built, copies, printer)
     return add_findings(empty._replace(plates=packing.pack(empty.parts, printer, max_plates, max_parts)))
 
@@ -125,7 +125,7 @@ def layout_files(
     """Yield names and bytes of a layout's files: first COMMON_FILE_COUNT with descriptions, then plate by plate.
 
     STEM_PRINTER.csv is the map and STEM_PRINTER.md the print sheet. STEM_PRINTER.ini holds the
-    settings for PrusaSlicer, with printer and filament to load it alone; STEM_PRINTER_print.ini
+    settings for PrusaSlicer, with printer and filament to load it alone. STEM_PRINTER_print.ini
     omits these. STEM_PRINTER_orca.json holds the settings for OrcaSlicer and Bambu Studio.
     STEM_PRINTER_NUMBER.3mf (.stl without lib3mf) is a plate. `draw` adds STEM_PRINTER_NUMBER.png
     and a view of the plate from above as each 3MF file's thumbnail. `prusaslicer`: see
@@ -147,7 +147,7 @@ def layout_files(
 
 
 def _print_sheet(layout: Layout, stem: str) -> str:
-    """Return the Markdown of the layout's print sheet; names of its files begin with `stem`."""
+    """Return the Markdown of the layout's print sheet. Names of its files begin with `stem`."""
     weighed = [
         print_sheet.weigh(part.name, design, built_solids, layout.printer)
         for part, design, built_solids in zip(layout.parts, layout.members, layout.built, strict=True)
@@ -159,5 +159,5 @@ def _print_sheet(layout: Layout, stem: str) -> str:
 
 
 def to_csv(rows: Sequence[Place]) -> str:
-    """Format the map as CSV; lengths are exact to a nanometre."""
+    """Format the map as CSV. Lengths are exact to a nanometre."""
     return csv_text(Place._fields, rows)

@@ -58,7 +58,7 @@ def check_part(design: Design, printer: Printer) -> Iterator[Finding]:
 
 
 def ceiling_span(part: Part, design: Design) -> float:
-    """Return the span, mm, of the bridge that closes a pocket at the top as it prints; 0 for a pocket open there.
+    """Return the span, mm, of the bridge that closes a pocket at the top as it prints, or 0 for a pocket open there.
 
     The bridge takes the shorter way between two walls: along the body, or across to it in the level plane unless the
     pocket is open there.
@@ -120,7 +120,7 @@ def _side_wall(part: Part, design: Design) -> float:
 
 
 def _combine_contours(contours: list[np.ndarray]) -> "shapely.Geometry":
-    """Return the area inside contours, each of shape (n, 2); contours inside others are holes."""
+    """Return the area inside contours, each of shape (n, 2). Contours inside others are holes."""
     import shapely
 
     areas = [shapely.Polygon(contour) for contour in contours]

@@ -71,7 +71,7 @@ def side_area(mesh: Mesh) -> float:
 
 
 def plate_totals(plate: Plate, parts: Sequence[Part], loads: Sequence[Load], printer: Printer) -> Estimate:
-    """Estimate plastic and time of a plate; `loads` are the plastic of one copy of each part, in their order."""
+    """Estimate plastic and time of a plate. `loads` are the plastic of one copy of each part, in their order."""
     placed = [placement.part for placement in plate.placements]
     copies, height = [loads[part] for part in placed], printer.layer_height_mm
     volume = sum(1e3 * load.grams / load.density for load in copies)
@@ -139,7 +139,7 @@ class Batch(NamedTuple):
 
 
 def to_markdown(batch: Batch, weights: Sequence[Weight], findings: Sequence[Finding], legend: str) -> str:
-    """Format the sheet as Markdown; `weights` are in the order of the parts, and `legend` identifies printed parts."""
+    """Format the sheet as Markdown. `weights` are in the order of the parts, and `legend` identifies printed parts."""
     printing = format_print_section(batch, [weight.load for weight in weights], findings, legend)
     paired = all(len(design.limbs) == 2 for design in batch.members)
     share = "half of that is a leg" if paired else "that over their number is leg_g, the mean leg"
@@ -148,7 +148,7 @@ def to_markdown(batch: Batch, weights: Sequence[Weight], findings: Sequence[Find
 
 
 def format_print_section(batch: Batch, loads: Sequence[Load], findings: Sequence[Finding], legend: str) -> str:
-    """Format the sheet up to the end of the print, with texts from assets; `loads` are the plastic of each part."""
+    """Format the sheet up to the end of the print, with texts from assets. `loads` are the plastic of each part."""
     printer, stem, ending, material = batch.printer, batch.stem, packing.plate_suffix(), batch.members[0].material
     settings = slicer.sheet_settings(printer, orientation_settings(batch.members))
     lines = [f"- **{finding.level}** {finding.line}" for finding in group_findings(findings)]
@@ -187,7 +187,7 @@ def manifest_facts(printer: Printer, findings: Sequence[Finding]) -> dict[str, A
 
 
 def _insertion_step(batch: Batch) -> str:
-    """Return the step that inserts motor and battery into pockets; "" if no walker has them."""
+    """Return the step that inserts motor and battery into pockets, or "" if no walker has them."""
     carried = dict.fromkeys(name for design in batch.members for name in design.parts)
     if not carried:
         return ""
@@ -204,7 +204,7 @@ def body_facts(design: Design) -> dict[str, Any]:
 
 
 def orientation_settings(members: Sequence[Design]) -> list[slicer.Setting]:
-    """Return the print sheet's lines on how walkers lie; if designs differ, each line names its designs."""
+    """Return the print sheet's lines on how walkers lie. If designs differ, each line names its designs."""
     groups: dict[str, list[str]] = {}
     for name, design_members in names.group_by_design(members).items():
         groups.setdefault(describe_orientation(design_members[0]), []).append(name)

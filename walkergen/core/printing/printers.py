@@ -113,7 +113,7 @@ class Printer(Section):
         Returns
         -------
         dict or None
-            Keys of the printer; None for a TOML file.
+            Keys of the printer, or None for a TOML file.
         """
         return read_profile(path) if path.suffix.lower() in PROFILE_SUFFIXES else None
 
@@ -206,7 +206,7 @@ def _parse_bed(path: Path, shape: str) -> dict[str, Any]:
 
 
 def _line_width(values: dict[str, str], nozzle: float) -> float:
-    """Return the width of a printed line, mm, from a profile's values; a multiple of the nozzle (mm) without one."""
+    """Return the width of a printed line, mm, from a profile's values, or else a multiple of the nozzle, mm."""
     for name in WIDTH_KEYS:
         text = values.get(name, "")
         number = _parse_number(text.removesuffix("%"))
@@ -216,5 +216,5 @@ def _line_width(values: dict[str, str], nozzle: float) -> float:
 
 
 def _parse_number(text: str) -> float | None:
-    """Parse a profile's value, or its first number if it has one for each extruder; None if it is no number."""
+    """Parse a profile's value, or the first of its values for several extruders. Return None if it is no number."""
     return formatting.parse_number(text.split(",")[0])

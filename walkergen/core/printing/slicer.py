@@ -82,7 +82,7 @@ def preset_name(printer: Printer) -> str:
 
 
 def prusaslicer_settings(printer: Printer) -> dict[str, str]:
-    """Return print settings by PrusaSlicer's keys; its other print settings keep their defaults."""
+    """Return print settings by PrusaSlicer's keys. Its other print settings keep their defaults."""
     return {
         "layer_height": f"{printer.layer_height_mm:g}",
         "first_layer_height": f"{printer.layer_height_mm:g}",
@@ -114,7 +114,7 @@ def prusaslicer_settings(printer: Printer) -> dict[str, str]:
 def owner_settings(printer: Printer, material: Material) -> dict[str, str]:
     """Return settings of printer and filament by PrusaSlicer's keys, for users without a profile.
 
-    PrusaSlicer's defaults are a bed of 200 x 200 mm at 0 deg C and a filament of 0 g/cm3; its end code leaves the bed
+    PrusaSlicer's defaults are a bed of 200 x 200 mm at 0 deg C and a filament of 0 g/cm3. Its end code leaves the bed
     hot. Start code, speeds and retraction keep its defaults.
     """
     (left, front), width, depth = printer.bed_corner, printer.bed_width_mm, printer.bed_depth_mm
@@ -167,7 +167,7 @@ def prusaslicer_print(printer: Printer) -> bytes:
 
 
 def orca_settings(printer: Printer) -> dict[str, str]:
-    """Return print settings by the keys of OrcaSlicer and Bambu Studio; others keep their defaults.
+    """Return print settings by the keys of OrcaSlicer and Bambu Studio. Others keep their defaults.
 
     Each program ignores keys of the other: OrcaSlicer's `only_one_wall_top` is Bambu Studio's
     `top_one_wall_type`, and `top_bottom_infill_wall_overlap` is OrcaSlicer's alone. "zig-zag" is

@@ -43,7 +43,7 @@ def overhang_area(design: Design, mesh: Mesh) -> float:
     """Return the area of the body's faces over air that look down by more than MAX_OVERHANG_DEG, mm^2.
 
     The mesh lies upside down on z = 0. Legs, above the body, are not counted, nor are engraved
-    letters, whose strokes are bridged; pockets have a check of their own (pocket_checks).
+    letters, whose strokes are bridged. Pockets have a check of their own (pocket_checks).
     """
     if design.parts:
         plain_design = pockets.without_pockets(design)

@@ -123,7 +123,7 @@ def _leg_sizes(limb: Limb, on_side: bool) -> tuple[float, float, float]:
 
 
 def _brace_sizes(limb: Limb, on_side: bool) -> tuple[float, float, float] | None:
-    """Return thickness (mm), slant (1) and printing height (mm) of a leg's brace as a wall; None without a brace."""
+    """Return thickness (mm), slant (1) and printing height (mm) of a leg's brace as a wall, or None without a brace."""
     for strut in section_of(limb).struts(limb):
         if on_side:
             return strut.thickness, 1.0, limb.width
@@ -132,7 +132,7 @@ def _brace_sizes(limb: Limb, on_side: bool) -> tuple[float, float, float] | None
 
 
 def printed_thickness(thickness: float, printer: Printer) -> float:
-    """Return the plastic in a wall as the thickness of a solid wall, mm; 0 for a wall without plastic.
+    """Return the plastic in a wall as the thickness of a solid wall, mm, or 0 for a wall without plastic.
 
     Within 1 % of the measured G-code up to four lines, except near the thicknesses that add a line;
     thicker walls are filled by infill and assumed to be as drawn, which holds within 3.5 %.
@@ -153,7 +153,7 @@ def deviation(thickness: float, printer: Printer) -> float:
 
 
 def leg_plastic(limb: Limb, printer: Printer, side: bool = True) -> float:
-    """Compute the expected plastic in a leg and its brace, divided by that of their mesh; see UPRIGHT_TOLERANCE.
+    """Compute the expected plastic in a leg and its brace, divided by that of their mesh (see UPRIGHT_TOLERANCE).
 
     `side` is True for a leg that prints on its side, False for one that prints upright.
     """

@@ -56,13 +56,13 @@ def to_mesh(manifold: manifold3d.Manifold) -> Mesh:
 
 
 def split_bodies(manifold: manifold3d.Manifold) -> list[manifold3d.Manifold]:
-    """Split a solid into its bodies, largest first; closed cavities do not count as bodies."""
+    """Split a solid into its bodies, largest first. Closed cavities do not count as bodies."""
     outward = [piece for piece in manifold.decompose() if piece.volume() > 0.0]
     return sorted(outward, key=lambda piece: -piece.volume())
 
 
 def count_bodies(mesh: Mesh) -> int:
-    """Count the closed bodies of a mesh with coordinates as 32-bit floats, as in a file; cavities are none.
+    """Count the closed bodies of a mesh with coordinates as 32-bit floats, as in a file. Cavities are no bodies.
 
     Zero if it is not closed and oriented, or encloses nothing. Vertices that coincide are merged.
     """
@@ -82,7 +82,7 @@ def extrude(
     engraving: Engraving = NO_ENGRAVING,
     pieces: bool = False,
 ) -> Mesh:
-    """Extrude the union of profiles, shape (n, 2) each, to z = 0..depth; `windows` is its number of holes, if known.
+    """Extrude the union of profiles, shape (n, 2) each, to z = 0..depth. `windows` is its number of holes, if known.
 
     manifold3d's 2D booleans snap to a grid of 1e-8 units. A power of two brings the profile to a
     size of about 2^30 units first and back afterwards, both exact, which leaves 17 digits. Raises
@@ -121,15 +121,15 @@ def _without_slivers(section: manifold3d.CrossSection) -> manifold3d.CrossSectio
 
 
 def _signed_area(polygon: Polygon) -> float:
-    """Return the area enclosed by a polygon; negative for a hole."""
+    """Return the area enclosed by a polygon, negative for a hole."""
     following = np.roll(polygon, -1, axis=0)
     return 0.5 * float((polygon[:, 0] * following[:, 1] - polygon[:, 1] * following[:, 0]).sum())
 
 
 def _engrave(solid: manifold3d.Manifold, engraving: Engraving, depth: float, scale: float) -> manifold3d.Manifold:
-    """Cut an engraving's pockets into a solid `scale` times as large as drawn. They overshoot it, so that no sides touch."""
+    """Cut the pockets of an engraving into a solid that is `scale` times as large as drawn."""
     section = manifold3d.CrossSection([scale * profile for profile in engraving.profiles], manifold3d.FillRule.Positive)
-    cutter = manifold3d.Manifold.extrude(section, scale * 2.0 * engraving.depth)
+    cutter = manifold3d.Manifold.extrude(section, scale * 2.0 * engraving.depth)  # overshoots, so that no sides touch
     cut = solid - cutter.translate((0.0, 0.0, scale * (depth - engraving.depth)))
     # A pocket, with or without islands, leaves one body and opens no window.
     if cut.status() != manifold3d.Error.NoError or cut.genus() != solid.genus():

@@ -14,7 +14,7 @@ TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribu
 
 
 def pack(corners: Array, header: str) -> bytes:
-    """Pack corners (triangles, 3, 3) in mm as binary STL; a triangle without area has a zero normal.
+    """Pack corners (triangles, 3, 3) in mm as binary STL. A triangle without area has a zero normal.
 
     The header begins with "binary STL", because readers take "solid" for the text format. Its
     characters beyond ASCII or beyond its 80 bytes are lost.
@@ -52,7 +52,7 @@ def unpack(data: bytes, source: str) -> tuple[Corners, str]:
 
 
 def _unit_normals(corners: Array) -> Array:
-    """Compute normals of length 1, shape (triangles, 3); zero for a triangle without area."""
+    """Compute normals of length 1, shape (triangles, 3), or zero for a triangle without area."""
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     units: Array = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0.0)

@@ -98,7 +98,7 @@ class Part(NamedTuple):
 
 @cache
 def is_available() -> bool:
-    """Return whether lib3mf is installed; it does not exist for Linux or Windows on ARM."""
+    """Return whether lib3mf is installed. It does not exist for Linux or Windows on ARM."""
     return importlib.util.find_spec("lib3mf") is not None
 
 
@@ -115,7 +115,7 @@ def load_library() -> Any:
 
 
 def read_parts(data: bytes, source: str, most_triangles: int = MAX_TRIANGLES) -> list[Part]:
-    """Read the meshes of all items, in the file's order; an item has a part for each role of its volumes.
+    """Read the meshes of all items, in the file's order. An item has a part for each role of its volumes.
 
     Raises InputError, beginning with `source`, for what is no 3MF, and before it is placed for a file
     that places more than MAX_PARTS meshes or `most_triangles` triangles, counted as often as placed.
@@ -226,7 +226,7 @@ class _Package:
             parser.ParseFile(stream)
 
     def _model_handlers(self, path: str, root: bool) -> tuple[Callable[[str, Attributes], None], Callable[[str], None]]:
-        """Return functions that receive the elements of a model and their text; `root` is True for the main model."""
+        """Return functions that receive the elements of a model and their text. `root` is True for the main model."""
         vertex, triangle = CORE_NAMESPACE + "vertex", CORE_NAMESPACE + "triangle"
         own, setting, place = _new_object({}), "", (path, 0)
 
@@ -314,7 +314,7 @@ class _Package:
             raise InputError(f"places {triangles} triangles, at most {self.most_triangles}; simplify the mesh")
 
     def _count_meshes(self, place: Place, depth: int) -> tuple[int, int]:
-        """Count the meshes and triangles of an object (path, number), nested `depth` deep. Raises InputError for none."""
+        """Count the meshes and triangles of an object (path, number), nested `depth` deep. Raises InputError."""
         if depth > MAX_DEPTH:
             raise InputError(f"components lie more than {MAX_DEPTH} deep; join them")
         if place not in self.objects:
@@ -375,7 +375,7 @@ def _parse_placement(attributes: Attributes, path: str) -> _Placed:
 
 
 def _split_by_role(whole: Part, volumes: list[tuple[int, int, Role]]) -> Iterator[Part]:
-    """Split a part by the roles of its triangles; triangles outside all volumes belong to the model.
+    """Split a part by the roles of its triangles. Triangles outside all volumes belong to the model.
 
     `volumes` has the first and last triangle and the role of each. Raises InputError if they share triangles.
     """

@@ -149,7 +149,7 @@ class Body(Section):
 
     @property
     def given_length_mm(self) -> float | None:
-        """Length that the user set for a drawing, text or mesh, mm; None if it is not set or does not apply."""
+        """Length that the user set for a drawing, text or mesh, mm, or None if it is not set or does not apply."""
         scaled = self.text is not None or self.mesh is not None or self._drawing
         return self.length_mm if scaled and "length_mm" in self.model_fields_set else None
 

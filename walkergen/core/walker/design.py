@@ -90,7 +90,7 @@ class Design(WalkerSpec):
 
     @cached_property
     def limbs(self) -> tuple[Limb, ...]:
-        """Legs with all their numbers, in the order of the file; two equal legs are listed back, front.
+        """Legs with all their numbers, in the order of the file. Two equal legs are listed back, front.
 
         Raises
         ------
@@ -126,7 +126,7 @@ class Design(WalkerSpec):
         Returns
         -------
         Design
-            The same walker; the design itself if it has no automatic legs.
+            The same walker, or the design itself if it has no automatic legs.
         """
         if not isinstance(self.legs, Legs) or not self.placed:
             return self
@@ -187,7 +187,7 @@ class Design(WalkerSpec):
         Returns
         -------
         Design
-            The variant; this design is unchanged.
+            The variant. This design is unchanged.
 
         Raises
         ------

@@ -46,7 +46,7 @@ class Marks(Section):
 
     @property
     def letters(self) -> str:
-        """Letters to engrave: the text and the serial number, if they are given; "" without both."""
+        """Letters to engrave: the text and the serial number, if they are given, or "" without both."""
         parts = (self.text or "", "" if self.serial is None else str(self.serial))
         return " ".join(part for part in parts if part)
 
@@ -271,7 +271,7 @@ def place_problems(parts: Mapping[str, Part], pockets: Pockets, size: Size, foot
 
 
 def _part_problems(name: str, part: Part, clearance: float, size: Size, foot_height: float) -> Iterator[str]:
-    """Yield the problems of one part as texts that begin with its key; feet are at `foot_height` from the body's middle."""
+    """Yield the problems of one part as texts that begin with its key. `foot_height` is from the body's middle."""
     cylinder = part.cylinder
     for axis, key in enumerate(PLACE_KEYS):
         value, half = cylinder.centre[axis], cylinder.half[axis] + clearance
@@ -304,7 +304,7 @@ def _part_problems(name: str, part: Part, clearance: float, size: Size, foot_hei
 
 
 def _place_limits(opens: Opening, axis: int, half_width: float, body_size: float) -> tuple[float, float]:
-    """Return the range of a pocket's middle along axis 0, 1 or 2 (x, y, z), mm; `half_width` is half the pocket's size."""
+    """Return the range of a pocket's middle along axis 0, 1 or 2 (x, y, z), mm. `half_width` is half its size."""
     limit = 0.5 * body_size - MIN_FLOOR_MM - half_width
     low, high = -limit, limit
     if axis == 1 and opens == "down":

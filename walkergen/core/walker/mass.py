@@ -82,7 +82,7 @@ class LegMass(NamedTuple):
 
     @property
     def inertia(self) -> Values:
-        """Moment of inertia about the anchor, g mm^2; without batch axes only."""
+        """Moment of inertia about the anchor, g mm^2. Without batch axes only."""
         return self.j + self.m * self.c_A @ self.c_A
 
 
@@ -203,7 +203,7 @@ def scale_masses(mass: MassProperties, body_ratio: Values, leg_ratio: Values) ->
 def centre_and_inertia(body: Spatial, legs: Sequence[LegMass], masses: Array, centres: Array) -> tuple[Array, Array]:
     """Return the centre of mass, shape (3,), and the inertia tensor about it, shape (3, 3), of a body with legs.
 
-    The centre is relative to O at half depth, mm; the tensor is in g mm^2. `masses` are those of the body and of each
+    The centre is relative to O at half depth, mm. The tensor is in g mm^2. `masses` are those of the body and of each
     leg, shape (1 + legs,), g. `centres` are their centres of mass from O in the x-y plane, shape (1 + legs, 2), mm.
     """
     places = np.column_stack([centres, (body.z, *(leg.across for leg in legs))])
@@ -215,13 +215,13 @@ def centre_and_inertia(body: Spatial, legs: Sequence[LegMass], masses: Array, ce
 
 
 def to_centre_frame(limbs: Sequence[Limb], mass: MassProperties, points: Array) -> Array:
-    """Return points of the design's frame, shape (n, 2), relative to O, mm; `limbs` are the legs in that frame."""
+    """Return points of the design's frame, shape (n, 2), relative to O, mm. `limbs` are the legs in that frame."""
     O = np.array(limbs[0].anchor) - mass.legs[0].anchor  # noqa: E741  (the paper's name)
     return np.asarray(points) - O
 
 
 def rescale(part: SolidMass, weighed_mass: float | None) -> SolidMass:
-    """Return the mass properties of the same shape with a weighed mass, g; None leaves them unchanged."""
+    """Return the mass properties of the same shape with a weighed mass, g. None leaves them unchanged."""
     if weighed_mass is None:
         return part
     return part._replace(mass=weighed_mass, tensor=part.tensor * weighed_mass / part.mass)

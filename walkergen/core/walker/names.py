@@ -14,7 +14,7 @@ DEFAULT_STEM = "walker"
 
 
 def part_name(design: Design, stem: str = DEFAULT_STEM) -> str:
-    """Return the name of a walker, such as walker_t05.0_flexible_s0.40; unique within a family."""
+    """Return the name of a walker, such as walker_t05.0_flexible_s0.40, unique within a family."""
     return f"{stem}_{tilt_name(design)}_{design.kind}_s{_format_decimal(design.limbs[0].thickness, 2)}"
 
 
@@ -48,7 +48,7 @@ def leg_names(design: Design) -> tuple[str, ...]:
 
 
 def part_names(members: Sequence[Design]) -> list[str]:
-    """Return names of walkers that are printed together; with several designs they begin with the design's name."""
+    """Return names of walkers that are printed together. With several designs they begin with the design's name."""
     several = len(group_by_design(members)) > 1
     return [part_name(design, design.name if several else DEFAULT_STEM) for design in members]
 
@@ -62,7 +62,7 @@ def group_by_design(members: Sequence[Design]) -> dict[str, list[Design]]:
 
 
 def design_letters(members: Sequence[Design]) -> dict[str, str]:
-    """Return a letter for the name of each design, as pictures show it: A to Z, then AA; empty for one design."""
+    """Return a letter for the name of each design, as pictures show it: A to Z, then AA, empty for one design."""
     designs = list(group_by_design(members))
     return {} if len(designs) == 1 else {name: _column_letters(at) for at, name in enumerate(designs)}
 
@@ -81,7 +81,7 @@ def legend(members: Sequence[Design]) -> str:
 
 
 def _mark_legend(members: Sequence[Design]) -> str:
-    """Return a Markdown table of the mark for each tilt of one design; "" without marks."""
+    """Return a Markdown table of the mark for each tilt of one design, or "" without marks."""
     marks: dict[float, dict[str, list[str]]] = {}
     for design in members:
         if design.mark:  # numbers count on from kind to kind
@@ -104,7 +104,7 @@ def mark_range(marks: Sequence[str], quote: str = "") -> str:
 
 
 def reading_instructions(marks: Marks) -> str:
-    """Return the instructions for reading the marks of a printed part; "" without marks."""
+    """Return the instructions for reading the marks of a printed part, or "" without marks."""
     number = "" if marks.serial is None else " The last number is the copy's own."
     if marks.kind == "none":
         return f"Digits engraved into the body.{number}" if number else ""

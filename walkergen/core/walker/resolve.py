@@ -67,7 +67,7 @@ def shape_of(body: Body) -> Shape:
 
 
 def place_legs(spec: WalkerSpec) -> tuple[Limb, ...]:
-    """Return the legs with all their numbers, in the order of the file; two equal legs are listed back, front.
+    """Return the legs with all their numbers, in the order of the file. Two equal legs are listed back, front.
 
     Raises GeometryError for a leg that does not meet the body.
     """
@@ -97,7 +97,7 @@ def describe_placement(spec: WalkerSpec) -> str:
 
 
 def family_tilt_deg(spec: WalkerSpec) -> float:
-    """Return the tilt that distinguishes members of a family, degrees; of a finished walker, its first leg's tilt."""
+    """Return the tilt that distinguishes members of a family, degrees, for a finished walker that of its first leg."""
     if spec.whole:
         return round(math.degrees(place_legs(spec)[0].tilt), 2) + 0.0
     return spec.written_tilt_deg
@@ -209,7 +209,7 @@ def _length_faults(limb: Limb) -> list[str]:
 
 
 def _end_faults(limb: Limb, body_length: float) -> list[str]:
-    """Return a message if the leg extends beyond either end of a body of this length, mm; otherwise an empty list."""
+    """Return a message if the leg extends beyond either end of a body of this length, mm, otherwise an empty list."""
     half_body, reach = 0.5 * body_length, abs(limb.anchor[0]) + limb.half_width
     if reach <= half_body:
         return []
@@ -220,7 +220,7 @@ def _end_faults(limb: Limb, body_length: float) -> list[str]:
 
 
 def _side_faults(limb: Limb, body_depth: float) -> list[str]:
-    """Return a message if the leg extends beyond a side of a body of this depth, mm; otherwise an empty list."""
+    """Return a message if the leg extends beyond a side of a body of this depth, mm, otherwise an empty list."""
     reach = abs(limb.across) + 0.5 * limb.width
     if reach <= 0.5 * body_depth + ROUNDING_MM:
         return []
@@ -231,7 +231,7 @@ def _side_faults(limb: Limb, body_depth: float) -> list[str]:
 
 
 def _strut_faults(limbs: Sequence[Limb], body_length: float) -> list[str]:
-    """Return a message if a brace extends beyond either end of a body of this length, mm; otherwise an empty list."""
+    """Return a message if a brace extends beyond either end of a body of this length, mm, otherwise an empty list."""
     half_body = 0.5 * body_length
     struts = [(limb.anchor[0], strut) for limb in limbs for strut in section_of(limb).struts(limb)]
     reach = max((abs(x + strut.offset) + 0.5 * strut.thickness for x, strut in struts), default=0.0)
@@ -241,7 +241,7 @@ def _strut_faults(limbs: Sequence[Limb], body_length: float) -> list[str]:
 
 
 def _largest_tilt(legs: Legs, size: Size) -> float | None:
-    """Find the largest tilt (deg, same sign) without any problem, by bisection; None if tilt 0 has one."""
+    """Find the largest tilt (deg, same sign) without any problem, by bisection, or return None if tilt 0 has one."""
     if _pair_faults_at(legs, size, 0.0):
         return None
     good, bad = 0.0, legs.tilt_deg

@@ -50,7 +50,7 @@ class Solids(NamedTuple):
 
     @property
     def seen(self) -> Mesh:
-        """Walker with its cap, as it runs; not one closed body."""
+        """Walker with its cap, as it runs, not one closed body."""
         return self.walker if self.cap is None else _concatenate_meshes([self.walker, self.cap])
 
 
@@ -107,7 +107,7 @@ def build(design: Design, foot_segments: int = FOOT_SEGMENTS, united: bool = Tru
 
 
 def _build_cap(design: Design, body: Mesh) -> Mesh | None:
-    """Build the cap of a body; None without a cap. Raises GeometryError."""
+    """Build the cap of a body, or return None without a cap. Raises GeometryError."""
     if design.cap is None:
         return None
     return load_readers().place_on_body(design.cap, body, design.size.depth)
@@ -133,7 +133,7 @@ def _add_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
 
 
 def _build_plain_solids(design: Design, foot_segments: int, united: bool) -> Solids:
-    """Build the solids of a walker without pockets and cap; `united` means that body and legs are one mesh."""
+    """Build the solids of a walker without pockets and cap. `united` means that body and legs are one mesh."""
     if design.shape.whole is not None:
         return _finished_solids(design.shape.whole, design)
     if not design.body.plain:
@@ -164,7 +164,7 @@ def _finished_solids(finished: FinishedWalker, design: Design) -> Solids:
 
 
 def _build_any_body(design: Design, foot_segments: int, united: bool) -> Solids:
-    """Build the solids of a walker whose body is no rectangle in side view; `united`: as for `build`."""
+    """Build the solids of a walker whose body is no rectangle in side view. `united` as for `build`."""
     from walkergen.core.shapes import joining
 
     readers = load_readers()
@@ -210,7 +210,7 @@ class _Section(NamedTuple):
 
 
 def _leg_profiles(limbs: Sequence[Limb], foot_segments: int) -> list[_Section]:
-    """Return the profiles of legs, round feet with `foot_segments` edges; legs of one shape share the same object."""
+    """Return the profiles of legs, round feet with `foot_segments` edges. Legs of one shape share the same object."""
     by_shape: dict[Limb, _Section] = {}
     sections = []
     for limb in limbs:
@@ -240,7 +240,7 @@ def _build_bars(limbs: Sequence[Limb], sections: Sequence[_Section], depth: floa
 
 
 def _build_legs(limbs: Sequence[Limb], sections: Sequence[_Section]) -> tuple[Mesh, ...]:
-    """Build meshes of the legs outside the body, anchors at the origin; equal legs share theirs."""
+    """Build meshes of the legs outside the body, anchors at the origin. Equal legs share theirs."""
     meshes: dict[int, Mesh] = {}
     for limb, section in zip(limbs, sections, strict=True):
         if id(section) not in meshes:

@@ -136,7 +136,7 @@ class WalkerSpec(Section):
 
     @classmethod
     def data_from_file(cls, path: Path) -> dict[str, Any] | None:
-        """Return a walker's data from a drawing, picture or mesh; None for other files. Raises InputError for CAD files."""
+        """Return a walker's data from a drawing, picture or mesh, else None. Raises InputError for CAD files."""
         ending, endings = path.suffix.lower(), {"outline": OUTLINE_SUFFIXES, "mesh": MESH_SUFFIXES}
         if ending in CAD_SUFFIXES:
             raise InputError(f"{path}: it is a CAD file. Export it as STL or 3MF, in mm, from its program.")
@@ -285,7 +285,7 @@ class WalkerSpec(Section):
 
     @property
     def letters(self) -> str:
-        """Engraved letters, with the number of a copy on a body in plan view; "" without any."""
+        """Engraved letters, with the number of a copy on a body in plan view, or "" without any."""
         number = self.marks.kind == "none" and self.body.flat
         return self.marks.letters if number or self.marks.kind == "text" else ""
 

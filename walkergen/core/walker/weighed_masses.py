@@ -71,7 +71,7 @@ def form_name(members: Sequence[Design], name: str) -> str:
 
 
 def carried_rows(design: Design) -> tuple[str, ...]:
-    """Return the rows of a form for motor, battery, wires and glue; empty for a walker without motor and battery."""
+    """Return the rows of a form for motor, battery, wires and glue, empty for a walker without motor and battery."""
     return tuple(name for name in CARRIED_ROWS if design.parts and name in (*design.parts, *CARRIED_ROWS[2:]))
 
 
@@ -87,7 +87,7 @@ def is_filled_in(path: Path) -> bool:
 
 
 def _read_blank_form(path: Path) -> list[str] | None:
-    """Read the parts of an unfilled form as `write_template` writes it; empty without a file, None for other content.
+    """Read the parts of an unfilled form as `write_template` writes it, empty without a file, None for other content.
 
     Raises InputError.
     """
@@ -264,9 +264,9 @@ def _match_row(
     members: Sequence[Design],
     present: Set[str | None],
 ) -> str | None:
-    """Return the part that a row of the file names; None for a walker that is not a member.
+    """Return the part that a row of the file names, or None for a walker that is not a member.
 
-    `values` has masses, g, by column; `parts` has part names by the names in files. Parts in `present` are not
+    `values` has masses, g, by column. `parts` has part names by the names in files. Parts in `present` are not
     suggested. Raises InputError.
     """
     if not any(name in carried_rows(design) for design in members):
@@ -300,12 +300,12 @@ def _names_to_parts(members: Sequence[Design]) -> dict[str, str]:
 
 
 def _find_part(name: str, parts: Mapping[str, str]) -> str | None:
-    """Return the part that a file calls `name`, which may be that of a copy (NAME-3); None if there is none."""
+    """Return the part that a file calls `name`, which may be that of a copy (NAME-3), or None if there is none."""
     return parts.get(name) or parts.get(COPY_SUFFIX.sub("", name))
 
 
 def _match_part(name: str, parts: Mapping[str, str], members: Sequence[Design], present: Set[str | None]) -> str | None:
-    """Return the part that a file calls `name`; None for another walker of the members' designs.
+    """Return the part that a file calls `name`, or None for another walker of the members' designs.
 
     `parts` has part names by the names in files. Raises InputError, and suggests no part in `present`.
     """
@@ -346,7 +346,7 @@ def _mean_mass(values: Sequence[float]) -> Quantity:
 
 
 def write_template(folder: Path, parts: Iterable[str], name: str = FILE_NAME) -> Path | None:
-    """Write the form folder/NAME, and return its path; None if a user has changed the form.
+    """Write the form folder/NAME, and return its path, or None if a user has changed the form.
 
     A form of the same parts in another order stays unchanged: a user may have sorted it. Raises InputError and
     OutputError.

@@ -83,7 +83,7 @@ class Scratch(NamedTuple):
 def find(vertices: Array, triangles: Whole, tolerance: float) -> Crossings:
     """Find the pairs of triangles that cross by more than a tolerance, in the vertices' unit.
 
-    Vertices of shape (n, 3), finite; triangles of shape (k, 3), neighbours sharing their vertices.
+    Vertices of shape (n, 3), finite. Triangles of shape (k, 3), neighbours sharing their vertices.
     Touching within the tolerance is no crossing.
     """
     if len(triangles) == 0:
@@ -112,7 +112,7 @@ def find(vertices: Array, triangles: Whole, tolerance: float) -> Crossings:
 
 
 def _crowded_corners(triangles: Whole) -> Whole:
-    """Return each triangle's corner with the most triangles if that corner is crowded, else -1; shape (k,)."""
+    """Return each triangle's corner with the most triangles if that corner is crowded, else -1, shape (k,)."""
     valences = np.bincount(triangles.ravel())[triangles]
     most = valences.argmax(axis=1)
     rows = np.arange(len(triangles))
@@ -134,7 +134,7 @@ def _morton_codes(vertices: Array, triangles: Whole) -> Whole:
 
 @kernel
 def _build_tree(shapes, leaves, scratch):
-    """Return the bounds (lows, highs) and apexes of the nodes of a `Tree` with `leaves` leaves; overwrites `scratch`."""
+    """Return the bounds (lows, highs) and apexes of the nodes of a `Tree` with this number of leaves."""
     lows = np.full((2 * leaves, 6), np.inf)
     highs = np.full((2 * leaves, 6), -np.inf)
     apexes = np.full(2 * leaves, -2)  # -2: empty
@@ -160,7 +160,7 @@ def _build_tree(shapes, leaves, scratch):
 
 @lean
 def _count_crossings(shapes, tree, scratch, tolerance):
-    """Return the number of crossing pairs and the first pair of triangles in the tree's order; overwrites `scratch`."""
+    """Return the number of crossing pairs and the first pair of triangles in the tree's order."""
     total, leaves, stack = len(shapes.triangles), tree.leaves, scratch.stack
     count, one, other = 0, -1, -1
     for leaf in range(leaves, leaves + (total + LEAF_SIZE - 1) // LEAF_SIZE):
@@ -198,10 +198,11 @@ def _count_crossings(shapes, tree, scratch, tolerance):
 
 @lean
 def _bound_directions(shapes, triangle, apex, scratch, reset):
-    """Set the bounds in `scratch` of directions (unit vectors) from vertex `apex` to a triangle; widen them unless `reset`.
+    """Set the bounds in `scratch` of directions (unit vectors) from vertex `apex` to a triangle, or widen them.
 
-    A direction is w / |w| for a point w of the flat triangle between the corners' directions. It is no farther from w
-    than 1 - |w|, and |w|^2 is at least the least scalar product of two corners' directions.
+    They are widened unless `reset`. A direction is w / |w| for a point w of the flat triangle between the corners'
+    directions. It is no farther from w than 1 - |w|, and |w|^2 is at least the least scalar product of two corners'
+    directions.
     """
     rays, count, touches_apex = scratch.seen, 0, False
     for corner in range(3):
@@ -291,7 +292,7 @@ def _height_above_plane(shapes, triangle, other, corner):
 
 @lean
 def _pierces(shapes, one, edge, other):
-    """Return whether edge 0, 1 or 2 of triangle `one` passes through the triangle `other`; False if they share an end.
+    """Return whether edge 0, 1 or 2 of triangle `one` passes through the triangle `other` without a common end.
 
     An edge that meets an edge of the other triangle passes: nothing slips between two neighbours.
     """

@@ -152,7 +152,7 @@ def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
 
 
 def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
-    """Read the shape in the bytes of a file; its library may raise any exception."""
+    """Read the shape in the bytes of a file. Its library may raise any exception."""
     _check_ellipse_ratios(data, source)
     document = _parse_document(data)
     scale = _mm_per_unit(document, data, source) if scale_mm is None else scale_mm
@@ -186,7 +186,7 @@ def _check_ellipse_ratios(data: bytes, source: str) -> None:
 
 
 def _polyline_width(entity: Any) -> float:
-    """Return the constant width of a polyline in units of the drawing; 0 for other entities."""
+    """Return the constant width of a polyline in units of the drawing, or 0 for other entities."""
     return float(entity.dxf.get("const_width", 0.0)) if entity.dxftype() == "LWPOLYLINE" else 0.0
 
 
@@ -203,7 +203,7 @@ def _remove_duplicates(curves: Sequence[Array], gap: float) -> tuple[list[Array]
 
 
 def _remove_frames(contours: list[Array]) -> tuple[list[Array], list[str]]:
-    """Drop the frame of a sheet of paper around all contours, and the border in it; return the others and notes."""
+    """Drop the frame of a sheet of paper around all contours, and the border in it. Return the others and notes."""
     notes: list[str] = []
     sheet = np.full(2, np.inf)
     while (index := _find_frame(contours)) is not None:
@@ -225,7 +225,7 @@ def _remove_frames(contours: list[Array]) -> tuple[list[Array], list[str]]:
 
 
 def _find_frame(contours: Sequence[Array]) -> int | None:
-    """Return the index of the contour that is a rectangle around all others; None if there is none."""
+    """Return the index of the contour that is a rectangle around all others, or None if there is none."""
     lows, highs = (np.array([end(contour, axis=0) for contour in contours]) for end in (np.min, np.max))
     largest = int(np.argmax((highs - lows).prod(axis=1)))
     low, high, others = lows[largest], highs[largest], np.arange(len(contours)) != largest
@@ -340,7 +340,7 @@ def _drawing_size(entities: Sequence[Any], source: str) -> float:
 
 
 def _close_contours(curves: Sequence[Array], size: float, source: str) -> tuple[list[Array], list[str]]:
-    """Join open curves to contours; return them with the closed ones, and notes. `size`: the drawing's longer side."""
+    """Join open curves to contours. Return them with the closed ones, and notes. `size`: the drawing's longer side."""
     gap, contours, open_curves = MAX_END_GAP * size, [], []
     for curve in curves:
         if not np.isfinite(curve).all():
@@ -372,7 +372,7 @@ def _close_contours(curves: Sequence[Array], size: float, source: str) -> tuple[
 
 
 def _join_ends(curves: Sequence[Array], gap: float, source: str) -> tuple[list[Array], list[tuple[Array, float]]]:
-    """Join open curves whose ends lie within a gap; return the chains, and the place and width of each joint."""
+    """Join open curves whose ends lie within a gap. Return the chains, and the place and width of each joint."""
     from ezdxf import edgeminer
 
     if not curves:

@@ -15,7 +15,7 @@ from walkergen.readers.drawings.contours import flatten
 
 
 def entity_points(entity: Any, tolerance: float, source: str) -> Array:
-    """Return the points of a line or curve of ezdxf, in units of the drawing, shape (n, 2); a loop's ends meet.
+    """Return the points of a line or curve of ezdxf, in units of the drawing, shape (n, 2). A loop's ends meet.
 
     Raises InputError, which begins with `source`, for what is no curve, draws nothing, or leaves the plane.
     """
@@ -70,7 +70,7 @@ def _is_unclamped(spline: Any) -> bool:
 
 
 def _sample_curve(curve: Any, knots: Array, tolerance: float) -> list[Any]:
-    """Return points of a curve, a function of its parameter, over its knots; a fourth coordinate is a weight."""
+    """Return points of a curve, a function of its parameter, over its knots. A fourth coordinate is a weight."""
     spans = [flatten(partial(_evaluate_span, curve, low, high), tolerance) for low, high in itertools.pairwise(knots)]
     return [*(point for span in spans for point in span[:-1]), spans[-1][-1]]
 

@@ -36,7 +36,7 @@ def text_outline(
     rails: float | None = None,
     font: Path | None = None,
 ) -> list[Polygon]:
-    """Return the outline of a line of text; `height` is that of a capital without overshoot, H, in mm.
+    """Return the outline of a line of text. `height` is that of a capital without overshoot, H, in mm.
 
     With `rails`, two bars of this width (mm) join the letters along the feet and the tops of capitals. `font` is a
     font's file, by default DejaVu Sans. If `connected`, the outline must be one piece, as for a body. Raises
@@ -103,7 +103,7 @@ def _add_rails(contours: list[Polygon], height: float, width: float) -> list[Pol
 
 
 def _check_connected(text: str, where: str, rails: float | None, font: str) -> None:
-    """Raise GeometryError, which begins with `where`, if letters, or parts of one, do not touch; it names them."""
+    """Raise GeometryError, which begins with `where`, if letters, or parts of one, do not touch, and name them."""
     if rails is not None or _count_pieces(text, font) == 1:  # `from_shapes` reports what rails leave apart
         return
     broken = [letter for letter in dict.fromkeys(text) if letter != " " and _count_pieces(letter, font) > 1]

@@ -53,7 +53,7 @@ def disc(diameter: float, source: str = "body.diameter_mm") -> list[Polygon]:
 def ellipse(length: float, depth: float, source: str = "body.length_mm") -> list[Polygon]:
     """Return the outline of an ellipse with these axes along x and y, mm, by ELLIPSE_SEGMENTS edges.
 
-    The polygon is inscribed, its vertices on the ellipse and its bounding box exact; mirrored in
+    The polygon is inscribed, its vertices on the ellipse and its bounding box exact. Mirrored in
     either axis it is the same, bit for bit. Its area is sin(t) / t of the ellipse's, t = 2 pi /
     ELLIPSE_SEGMENTS. Raises GeometryError, which begins with `source`.
     """
@@ -67,7 +67,7 @@ def ellipse(length: float, depth: float, source: str = "body.length_mm") -> list
 
 
 def polygon(points: Sequence[Sequence[float]] | Polygon, source: str = "body.points_mm") -> list[Polygon]:
-    """Return the outline through a person's points, mm, in either sense; the last is joined to the first.
+    """Return the outline through a person's points, mm, in either sense. The last is joined to the first.
 
     Raises GeometryError, which begins with `source`, for fewer than three points, a repeated
     point, or an outline that `from_shapes` refuses.
@@ -172,7 +172,7 @@ def from_shapes(shapes: Sequence[Shape], source: str, connected: bool = True) ->
 
 
 def area(polygon: Polygon) -> float:
-    """Return the area enclosed by a polygon, mm^2; negative when its points go clockwise."""
+    """Return the area enclosed by a polygon, mm^2, negative when its points go clockwise."""
     x, y = (polygon - polygon[:1]).T
     return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 

@@ -15,7 +15,7 @@ DEFAULT_LENGTH_MM = 28.0
 
 
 def check_size(size: float, source: str, scale_mm: float = 1.0) -> None:
-    """Raise InputError, which begins with `source`, for a body that is too small or large; it suggests other units.
+    """Raise InputError, which begins with `source`, for a body that is too small or large, and suggest other units.
 
     `size`, mm, is that of the longest side, `scale_mm` the millimetres of the file's unit that it was read with.
     """

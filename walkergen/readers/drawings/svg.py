@@ -60,7 +60,7 @@ CLIP_TOLERANCE = 1e-6
 def pack(polygons: Sequence[Array]) -> bytes:
     """Create an SVG file of polygons in mm, y up: one path, its size in mm, for laser cutters.
 
-    The page is the polygons' bounding box; nothing is filled, and lines are a hundredth of a
+    The page is the polygons' bounding box. Nothing is filled, and lines are a hundredth of a
     millimetre wide, which cutters take for a cut. Equal polygons give equal bytes.
     """
     points = np.vstack(polygons)
@@ -91,7 +91,7 @@ def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
 
 
 def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
-    """Read the shapes in the bytes of a file; its libraries may raise any exception."""
+    """Read the shapes in the bytes of a file. Its libraries may raise any exception."""
     from walkergen.readers.drawings import svg_elements, svg_styles, svg_tags
 
     root = _parse_xml(data, source)
@@ -188,7 +188,7 @@ def _parse_xml(data: bytes, source: str) -> ET.Element:
 
 
 def _page_box(root: ET.Element, source: str) -> tuple[float, float, float, float]:
-    """Return left, top, width and height of the page in the drawing's units; infinite without a page."""
+    """Return left, top, width and height of the page in the drawing's units, infinite without a page."""
     from walkergen.readers.drawings.svg_lengths import PIXELS_PER_UNIT
     from walkergen.readers.drawings.svg_matrices import parse_view_box
 
@@ -230,7 +230,7 @@ def _mm_per_unit(root: ET.Element, source: str) -> tuple[float, float]:
 
 
 def _length_mm(text: str) -> float | None:
-    """Return a length with a physical unit, such as "3 cm", in mm; None for any other text."""
+    """Return a length with a physical unit, such as "3 cm", in mm, or None for any other text."""
     match = re.fullmatch(r"\s*([0-9.eE+-]+)\s*([a-zA-Z]+)\s*", text)
     try:
         return float(match[1]) * MM_PER_UNIT[match[2].lower()] if match else None
@@ -251,7 +251,7 @@ def _bounding_box(drawn: "Sequence[VisibleShape]") -> Array:
 
 
 def _clipped_shape(drawn: "VisibleShape", size: float, source: str) -> Shape:
-    """Return the contours of a shape in the drawing's units, cut by its clips; `size` is the drawing's longer side."""
+    """Return the contours of a shape in the drawing's units, cut by its clips. `size` is the drawing's longer side."""
     contours = list(_unclipped_contours(drawn, size, source))
     for clip in drawn.clips:
         if contours:
@@ -261,7 +261,7 @@ def _clipped_shape(drawn: "VisibleShape", size: float, source: str) -> Shape:
 
 
 def _unclipped_contours(drawn: "VisibleShape", size: float, source: str) -> "Sequence[Array]":
-    """Return a shape's contours before clipping; `size` is the drawing's longer side. Raises InputError if one is open."""
+    """Return a shape's contours before clipping, for a drawing of this size. Raises InputError for an open path."""
     linear, offset = drawn.matrix[:, :2], drawn.matrix[:, 2]
     stretch, contours = float(np.linalg.norm(linear, 2)), []
     for subpath in drawn.path.as_subpaths():
@@ -283,7 +283,7 @@ def _unclipped_contours(drawn: "VisibleShape", size: float, source: str) -> "Seq
 def _clip_contours(
     contours: Sequence[Array], nonzero: bool, clip: "Clip", size: float, source: str
 ) -> tuple[list[Array], bool]:
-    """Clip contours to a clip's shapes; return them and whether their fill rule is nonzero, unchanged if nothing is cut."""
+    """Clip contours to a clip's shapes, and return them and whether their fill rule is nonzero."""
     from shapely import union_all
 
     window = union_all([_filled_area(*_clipped_shape(one, size, source)) for one in clip.shapes])

@@ -94,7 +94,7 @@ class Tree:
         self.rem = DEFAULT_FONT_SIZE
 
     def visible_shapes(self, view: tuple[float, float]) -> list[VisibleShape]:
-        """Return the visible shapes in their order; `view` is the page in the drawing's units."""
+        """Return the visible shapes in their order. `view` is the page in the drawing's units."""
         if self.root.attrib.get("transform", "none").strip() not in ("", "none"):
             raise self._input_error("the page has a transform. Apply it to the paths.")
         context = self._inner_context(self.root, Context(np.eye(2, 3), {}, view))
@@ -164,7 +164,7 @@ class Tree:
         )
 
     def _visible_paints(self, context: Context) -> tuple[svg_paints.Paint | None, svg_paints.Paint | None]:
-        """Return the paints of a shape's fill and of its line; None for a paint that does not show."""
+        """Return the paints of a shape's fill and of its line, or None for a paint that does not show."""
         fill, line = (svg_paints.from_style(context.style, key, self.targets) for key in ("fill", "stroke"))
         lined = line.shows and not svg_paints.is_zero(context.style.get("stroke-width"))
         return fill if fill.shows else None, line if lined else None
@@ -238,7 +238,7 @@ class Tree:
     def _parse_length(
         self, element: ET.Element, key: str, context: Context, whole: float, otherwise: float = 0.0
     ) -> float:
-        """Return the length in an attribute, in the drawing's units, or `otherwise` without it; percents are of `whole`."""
+        """Return the length in an attribute, in the drawing's units, or else `otherwise`. Percents are of `whole`."""
         text = element.attrib.get(key)
         if text is None or text.strip() == "auto":
             return otherwise
@@ -303,7 +303,7 @@ class Tree:
     def _window_shapes(
         self, element: ET.Element, context: Context, attributes: Mapping[str, str]
     ) -> Iterator[VisibleShape]:
-        """Yield the shapes of a nested <svg> or a <symbol> with these attributes: in its own units, cut at its edges."""
+        """Yield the shapes of a nested <svg> or a <symbol> with these attributes, cut at the edges of its window."""
         window = ET.Element(element_name(element), dict(attributes))
         wide, high = context.view
         nested = element_name(element) == "svg"
@@ -339,7 +339,7 @@ class Tree:
                 yield from self._element_shapes(child, context)
 
     def _clips(self, element: ET.Element, context: Context) -> Iterator[Clip]:
-        """Yield the clip path and the mask of an element; a mask that is all white cuts as a clip path does."""
+        """Yield the clip path and the mask of an element. A mask that is all white cuts as a clip path does."""
         for key in ("clip-path", "mask"):
             text = element.attrib.get(key, "none").strip()
             if text == "none":

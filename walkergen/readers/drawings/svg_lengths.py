@@ -42,7 +42,7 @@ def font_size(style: Mapping[str, Any]) -> float:
 
 
 def parse_font_size(text: str | None, parent: float, root: float) -> float:
-    """Parse a font size; `parent` is that of the element around it and `root` the page's. NaN for other text."""
+    """Parse a font size. `parent` is that of the element around it and `root` the page's. NaN for other text."""
     word = (text or "1em").strip().lower()
     if size := {**FONT_SIZES, "larger": 1.2 * parent, "smaller": parent / 1.2, "inherit": parent}.get(word):
         return size
@@ -51,7 +51,7 @@ def parse_font_size(text: str | None, parent: float, root: float) -> float:
 
 
 def parse_length(text: str, font: float, root: float, whole: float) -> float:
-    """Parse a length; percents are of `whole`, `font` and `root` are font sizes, for em and rem. NaN for other text."""
+    """Parse a length. Percents are of `whole`, `font` and `root` are font sizes, for em and rem. NaN for other text."""
     match, units = LENGTH_PATTERN.fullmatch(text), {**units_at(font, root), "%": 0.01 * whole}
     return float(match[1]) * units.get(match[2].lower(), math.nan) if match else math.nan
 

@@ -19,7 +19,7 @@ ALIGNMENT_SHARES = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
 
 
 def parse_transform(text: str) -> Array | None:
-    """Parse a list of transforms to a matrix, shape (2, 3); None if it leaves the plane, or needs more than numbers."""
+    """Parse a list of transforms to a matrix, shape (2, 3). Return None if it leaves the plane or needs other data."""
     if not TRANSFORMS_PATTERN.fullmatch(text):
         return None
     import svgelements
@@ -53,7 +53,7 @@ def parse_view_box(text: str, source: str) -> tuple[float, float, float, float]:
 
 
 def fit_matrix(box: Sequence[float], width: float, height: float, fit: str) -> Array:
-    """Return the matrix, shape (2, 3), that fits a box (left, top, width, height) into a window by preserveAspectRatio."""
+    """Return the matrix, shape (2, 3), that fits a box (left, top, width, height) into a window. `fit` is the rule."""
     scale = np.array([width / box[2], height / box[3]])
     if "none" not in fit:
         scale[:] = scale.max() if "slice" in fit else scale.min()

@@ -48,7 +48,7 @@ def from_style(style: Mapping[str, str], key: str, targets: Targets) -> Paint:
 
 
 def _parse_colour(text: str, current: str) -> Paint:
-    """Return the paint of a colour's text; "currentColor" means the colour `current`."""
+    """Return the paint of a colour's text. "currentColor" means the colour `current`."""
     if text.lower() == "none":
         return INVISIBLE
     colour = tinycss2.color4.parse_color(current if text.lower() == "currentcolor" else text)

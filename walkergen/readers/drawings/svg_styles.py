@@ -123,7 +123,7 @@ def _resolve_value(attributes: dict[str, str], key: str, custom: Mapping[str, st
 
 
 def _substitute_variables(text: str, custom: Mapping[str, str], depth: int = 0) -> str:
-    """Replace var(--name, other) by the values of custom properties; "unset" without a value."""
+    """Replace var(--name, other) by the values of custom properties, or "unset" without a value."""
     parts = []
     for token in tinycss2.parse_component_value_list(text):
         if token.type == "function" and token.lower_name == "var":
@@ -138,7 +138,7 @@ def _substitute_variables(text: str, custom: Mapping[str, str], depth: int = 0) 
 
 
 def _add_rules(matcher: Any, rules: Sequence[Any], spaces: dict[str | None, str], source: str) -> None:
-    """Add the rules of a style sheet that apply on a screen to a matcher; `spaces` are namespaces by prefix."""
+    """Add the rules of a style sheet that apply on a screen to a matcher. `spaces` are namespaces by prefix."""
     for rule in rules:
         if rule.type == "at-rule":
             _add_at_rule(matcher, rule, spaces, source)

@@ -20,7 +20,7 @@ ACTIVE_TAGS = {
 
 
 def element_name(element: ET.Element) -> str:
-    """Return the name of an SVG element without its namespace; "" for other elements."""
+    """Return the name of an SVG element without its namespace, or "" for other elements."""
     tag = str(element.tag)
     return tag.removeprefix(SVG_NAMESPACE) if tag.startswith(SVG_NAMESPACE) or "}" not in tag else ""
 

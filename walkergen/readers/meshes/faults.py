@@ -79,7 +79,7 @@ def faulty_edges(triangles: Whole) -> Edges:
 
 
 def _edge_keys(starts: Whole, ends: Whole, size: np.int64) -> Whole:
-    """Return a number for each edge, the same in either direction; `size` exceeds all indices of vertices."""
+    """Return a number for each edge, the same in either direction. `size` exceeds all indices of vertices."""
     keys: Whole = np.minimum(starts, ends) * size + np.maximum(starts, ends)
     return keys
 
@@ -109,7 +109,7 @@ def format_place(points: Array) -> str:
 
 
 def _triangle_fault(mesh: Mesh) -> str:
-    """Describe missing or flat triangles, or vertices that are not finite; "" for a mesh without these faults."""
+    """Describe missing or flat triangles, or vertices that are not finite. Return "" without such faults."""
     if len(mesh.triangles) == 0:
         return "holds no triangles"
     bad = int((~np.isfinite(mesh.vertices).all(axis=1)).sum())
@@ -123,7 +123,7 @@ def _triangle_fault(mesh: Mesh) -> str:
 
 
 def _edge_fault(mesh: Mesh) -> str:
-    """Describe open, crowded or disagreeing edges; "" for a mesh without these faults."""
+    """Describe open, crowded or disagreeing edges. Return "" if there are none."""
     wrong = faulty_edges(mesh.triangles)
     for pairs, words in (
         (wrong.open, "is open: {} edges belong to one triangle only"),
@@ -137,7 +137,7 @@ def _edge_fault(mesh: Mesh) -> str:
 
 
 def _shell_fault(mesh: Mesh, shells: Shells) -> str:
-    """Describe a surface that encloses nothing, is inside out or has several bodies; "" without these faults."""
+    """Describe a surface that encloses nothing, is inside out or has several bodies. Return "" without such faults."""
     size = float((mesh.vertices.max(axis=0) - mesh.vertices.min(axis=0)).max())
     volume = float(shells.volumes.sum())
     if abs(volume) <= MIN_VOLUME_RATIO * size**3:
@@ -159,7 +159,7 @@ def _shell_fault(mesh: Mesh, shells: Shells) -> str:
 
 
 def _crossing_fault(mesh: Mesh) -> str:
-    """Describe triangles that cross each other; "" if there are none."""
+    """Describe triangles that cross each other. Return "" if there are none."""
     limit = crossing_tolerance(mesh)
     pairs = crossings.find(mesh.vertices, mesh.triangles, limit)
     if not pairs.number:

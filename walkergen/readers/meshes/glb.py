@@ -43,7 +43,7 @@ def check(data: bytes, source: str) -> None:
 
 
 def triangle_count(data: bytes) -> int:
-    """Count the triangles of all nodes of a GLB by the counts of its arrays; 0 if only a full reader can count them.
+    """Count the triangles of all nodes of a GLB by the counts of its arrays, or return 0 if they are not readable.
 
     Arrays that nothing uses count too: one without contents is as many zeros, made by a few bytes.
     """

@@ -83,7 +83,7 @@ def _too_many_error(count: int, source: str) -> InputError:
 
 
 def _estimate_triangles(data: bytes, kind: str) -> int:
-    """Estimate the number of triangles of a file from its bytes; 0 if only a full reader can count them."""
+    """Estimate the number of triangles of a file from its bytes, or return 0 if only a full reader can count them."""
     if kind == "stl":
         text = not _is_binary_stl(data) and max(data.count(word) for word in (b"endfacet", b"ENDFACET"))
         return text or (len(data) - stl.HEADER_BYTES) // stl.TRIANGLE.itemsize
@@ -101,7 +101,7 @@ def _estimate_triangles(data: bytes, kind: str) -> int:
 
 
 def _read_parts(data: bytes, kind: str, source: str) -> tuple[list[Part], list[str]]:
-    """Read the placed parts of a file, and notes; the libraries that read it may raise any exception."""
+    """Read the placed parts of a file, and notes. The libraries that read it may raise any exception."""
     if kind == "3mf":
         _check_unpacked_size(data, source)
         return threemf.read_parts(data, source), []
@@ -159,7 +159,7 @@ def _weld_edges(part: Part) -> tuple[Part, int]:
 
 
 def join_parts(parts: tuple[Part, ...]) -> Part:
-    """Join all parts to one surface; vertices that coincide to the last bit become one."""
+    """Join all parts to one surface. Vertices that coincide to the last bit become one."""
     if len(parts) == 1:
         return parts[0]
     starts = np.cumsum([0] + [len(part.vertices) for part in parts])

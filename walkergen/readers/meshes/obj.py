@@ -14,7 +14,7 @@ the next line."""
 
 
 def triangulate_faces(data: bytes, source: str) -> bytes:
-    """Return an OBJ file with vertices and triangles alone; faces of more corners are cut by manifold3d.
+    """Return an OBJ file with vertices and triangles alone. Faces of more corners are cut by manifold3d.
 
     Raises InputError, which begins with `source`, for a face whose corners are not in the file.
     """
@@ -44,7 +44,7 @@ def triangulate_faces(data: bytes, source: str) -> bytes:
 
 
 def _parse_number(word: str) -> float:
-    """Return the number in a word; NaN if it is none."""
+    """Return the number in a word, or NaN if it is none."""
     try:
         return float(word)
     except ValueError:

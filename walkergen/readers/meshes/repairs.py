@@ -29,7 +29,7 @@ MAX_CRUMB_SHARE = 0.01
 
 
 def repair(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
-    """Repair a mesh, and return what each effective step changed, as text; (mesh, ()) without changes."""
+    """Repair a mesh, and return what each effective step changed, as text, or return (mesh, ()) without changes."""
     steps: tuple[Callable[[Mesh], tuple[Mesh, str]], ...] = (
         _merge_vertices,
         _drop_duplicates,
@@ -51,7 +51,7 @@ def repair(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
 
 
 def _format_volume(mesh: Mesh) -> str:
-    """Format the volume of a mesh, mm^3; "(open)" if it is not closed."""
+    """Format the volume of a mesh, mm^3, or return "(open)" if it is not closed."""
     if len(faults.faulty_edges(mesh.triangles).open):
         return "(open)"
     return f"{faults.shells(mesh).volumes.sum():.6g}"
@@ -84,7 +84,7 @@ def merge_rim_vertices(mesh: Mesh, max_distance: float) -> tuple[Mesh, int]:
 
 
 def _drop_duplicates(mesh: Mesh) -> tuple[Mesh, str]:
-    """Drop triangles without area; of equal ones keep one, of two back to back none."""
+    """Drop triangles without area. Keep one of equal triangles, and none of two back to back."""
     triangles = mesh.triangles
     real = ~(triangles == np.roll(triangles, 1, axis=1)).any(axis=1)
     triangles = triangles[real]
@@ -132,7 +132,7 @@ def _fill_holes(mesh: Mesh) -> tuple[Mesh, str]:
 
 
 def _trace_holes(vertices: Array, edges: Sequence[tuple[int, int]]) -> list[list[int]]:
-    """Return the vertices around each hole; `edges` are open, (start, end) each in the direction of their triangle.
+    """Return the vertices around each hole. `edges` are open, (start, end) each in the direction of their triangle.
 
     Where holes touch in a vertex, the boundary goes on along the edge that is nearest in direction.
     """
@@ -190,7 +190,7 @@ def _orient_outward(mesh: Mesh) -> Whole:
 
 
 def _unite_bodies(mesh: Mesh) -> tuple[Mesh, str]:
-    """Unite bodies that overlap; keep the largest if the others are crumbs."""
+    """Unite bodies that overlap. Keep the largest if the others are crumbs."""
     edges = faults.faulty_edges(mesh.triangles)
     if any(len(pairs) for pairs in edges):
         return mesh, ""

@@ -99,7 +99,7 @@ def _make_sound(mesh: Mesh, options: ReadOptions, source: str, notes: tuple[str,
 
 
 def _make_single_body(mesh: Mesh, plate: bool | None) -> tuple[Mesh, tuple[str, ...]]:
-    """Return closed bodies on a plate (None: only if there are several), or else the largest one; and notes."""
+    """Return closed bodies on a plate (None: only if there are several), or else the largest one, and notes."""
     if any(map(len, faults.faulty_edges(mesh.triangles))):
         return mesh, ()
     bodies = modeller.split_bodies(modeller.to_solid(mesh))

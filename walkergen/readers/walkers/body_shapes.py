@@ -40,7 +40,7 @@ def shape_of(body: Body) -> Shape:
 
 @lru_cache(maxsize=64)
 def shape_by_key(keys: str) -> Shape:
-    """Return the shape of a body that is no rectangle; `keys` is its JSON. Raises as `shape_of` does."""
+    """Return the shape of a body that is no rectangle. `keys` is its JSON. Raises as `shape_of` does."""
     body = Body.model_validate_json(keys)
     if body.mesh is not None:
         return _mesh_shape(body)
@@ -109,7 +109,7 @@ def _plan_view(body: Body) -> Plan:
 
 
 def _text_plan(body: Body) -> Plan:
-    """Return the outline of the body's text; without a base plate its letters must be one piece."""
+    """Return the outline of the body's text. Without a base plate its letters must be one piece."""
     assert body.text is not None
     font = None if body.font is None else Path(body.font)
     height = body.depth_mm

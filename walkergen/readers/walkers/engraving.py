@@ -14,7 +14,7 @@ from walkergen.readers.walkers import marks
 
 
 def add_notches(design: Design, corners: Polygon) -> Polygon:
-    """Return a rectangle's profile, shape (n, 2), with notches in its upper edge; `corners` begin at the lower left."""
+    """Return a rectangle's profile, shape (n, 2), with notches in its upper edge. `corners` begin at the lower left."""
     length, thickness = design.size.length, design.size.thickness
     y = 0.5 * thickness
     edge = [

@@ -32,8 +32,8 @@ def find_footing(
 ) -> Footing:
     """Find where a leg of rectangular section meets the body.
 
-    The foot, shape (3,), mm, is the middle of the leg's lower end; the unit direction, shape (3,),
-    leads from the foot up, in the x-y plane; thickness is measured across the leg in that plane
+    The foot, shape (3,), mm, is the middle of the leg's lower end. The unit direction, shape (3,),
+    leads from the foot up, in the x-y plane. Thickness is measured across the leg in that plane
     and width along z, mm. Raises GeometryError, beginning with `key`, when the leg misses the
     body, lies partly outside it or under a hole, or has its foot within the body.
     """
@@ -74,7 +74,7 @@ def find_footing(
 def _height_bounds(corners: Array, half: Array) -> tuple[float, float] | None:
     """Return the highest point of the lower side of a body over a section, and the lowest of its upper side, mm.
 
-    Corners of triangles, shape (k, 3, 3), are in the section's frame, third axis up; `half` is half its size along the
+    Corners of triangles, shape (k, 3, 3), are in the section's frame, third axis up. `half` is half its size along the
     first two. Returns None unless exactly these two sides cover the section. Only the modeller resolves other cases.
     """
     if corners[:, :, 2].min() <= 0.0:
@@ -109,7 +109,7 @@ def _clip_polygons(polygons: Array, axis: int, far: float, side: float = 1.0) ->
 
 
 def first_hit(corners: Array, start: Array, direction: Array) -> float | None:
-    """Return the distance from a point along a unit direction to the first of some triangles, mm; None without a hit.
+    """Return the distance from a point along a unit direction to the first of some triangles, mm, or None.
 
     `corners`: shape (k, 3, 3). A ray through an edge or a vertex hits. Source: Moeller and Trumbore (1997).
     """

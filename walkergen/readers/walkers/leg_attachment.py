@@ -49,7 +49,7 @@ def body_mass(body: str) -> SolidMass:
 
 
 def _extend_leg(body: joining.Body, limb: Limb, number: int) -> Limb:
-    """Return a leg that goes up to the underside of a body; `number`, from 1, is for messages."""
+    """Return a leg that goes up to the underside of a body. `number`, from 1, is for messages."""
     depth = float(np.ptp(body.mesh.vertices[:, 2]))
     sin, cos = math.sin(limb.tilt), math.cos(limb.tilt)
     anchor = np.array([*limb.anchor, 0.5 * depth + limb.across])

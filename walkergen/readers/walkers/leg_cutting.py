@@ -107,7 +107,7 @@ def centre_on_body(cut: CutWalker) -> CutWalker:
 
 
 def _to_limb(leg: CutLeg, kind: Kind, number: int, depth: float) -> Limb:
-    """Return a leg of a finished walker with all its numbers; its foot counts as flat.
+    """Return a leg of a finished walker with all its numbers. Its foot counts as flat.
 
     Raises GeometryError for a leg with a brace that is declared flexible.
     """

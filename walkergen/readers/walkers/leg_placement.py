@@ -97,7 +97,7 @@ class Placement(NamedTuple):
 
 @lru_cache(maxsize=4096)
 def find_placement(body_key: str, legs_key: str) -> Placement:
-    """Find legs for a body; both as JSON. Tilt and length stay as written. Raises UnplacedError if none stand."""
+    """Find legs for a body, both as JSON. Tilt and length stay as written. Raises UnplacedError if none stand."""
     body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
     try:
         return _place_legs(body, legs)
@@ -154,7 +154,7 @@ def available_space(body: Body, legs: Legs) -> LegSpace:
 
 @lru_cache(maxsize=64)
 def _find_remedies(body_key: str, legs_key: str) -> list[Remedy]:
-    """Return the first change of each kind with which legs stand under a body, two at most; both as JSON."""
+    """Return the first change of each kind with which legs stand under a body, two at most, both as JSON."""
     body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
     length = shape_of(body).size.length
     sizes = [float(math.ceil(factor * length)) for factor in LENGTH_FACTORS] if body.scales_with_length else []
@@ -239,7 +239,7 @@ def _leg_reach(leg: Limb) -> Reach:
 
 
 def _from_rows(leg: Limb, rows: Sequence[Row], centre: tuple[float, float], height: float) -> Placement:
-    """Return the placement of legs like `leg` in rows; centre of mass: (along, across) and height, mm."""
+    """Return the placement of legs like `leg` in rows. `centre`: centre of mass (along, across), mm."""
     limbs = tuple(
         leg._replace(along=round(row.along, DECIMALS), across=round(across, DECIMALS), width=round(width, DECIMALS))
         for row in rows

@@ -133,7 +133,7 @@ def _widest_rows(inner: "BaseGeometry", places: Array, across: float, reach: Rea
 
 
 def _build_row(along: float, across: float, pieces: Sequence[tuple[float, float]]) -> Row | None:
-    """Return a row of legs in the wide pieces, (low, high) across; None if the centre `across` is not between them."""
+    """Return a row of legs in wide pieces, (low, high) across, or None if they do not enclose the centre `across`."""
     wide_pieces = sorted((low, high) for low, high in pieces if high - low >= MIN_LEG_WIDTH_MM)
     if not wide_pieces or not wide_pieces[0][0] <= across <= wide_pieces[-1][1]:
         return None
@@ -158,7 +158,7 @@ def covered_intervals(inner: "BaseGeometry", backs: Array, fronts: Array) -> lis
 
 
 def _free_intervals(shadows: Sequence[tuple[float, float]], low: float, high: float) -> Iterator[tuple[float, float]]:
-    """Yield the intervals from `low` to `high` that no shadow, (begin, end), covers; shadows are in order."""
+    """Yield the intervals from `low` to `high` that no shadow, (begin, end), covers. Shadows are in order."""
     for begin, end in shadows:
         if begin > low:
             yield low, begin
@@ -168,7 +168,7 @@ def _free_intervals(shadows: Sequence[tuple[float, float]], low: float, high: fl
 
 
 def _match_widths(back: Row, front: Row) -> tuple[Row, Row]:
-    """Make two rows of one leg each, at one place across, as wide as the narrower; return other rows unchanged."""
+    """Make two rows of one leg each, at one place across, as wide as the narrower. Return other rows unchanged."""
     if len(back.legs) != 1 or len(front.legs) != 1 or abs(back.legs[0][0] - front.legs[0][0]) > MIN_EDGE_MM:
         return back, front
     leg = front.legs[0][0], min(back.width, front.width)
@@ -176,7 +176,7 @@ def _match_widths(back: Row, front: Row) -> tuple[Row, Row]:
 
 
 def stability_margin(rows: Sequence[Row], centre: tuple[float, float]) -> float:
-    """Return the distance, mm, of the centre of mass (along, across) from the edge of the feet's hull; 0 outside it."""
+    """Return the distance, mm, of the centre of mass (along, across) from the edge of the feet's hull, or 0 outside."""
     import shapely
 
     corners = [(row.along, edge) for row in rows for edge in (row.legs[0][0] - 0.5 * row.legs[0][1], row.high)]

@@ -65,7 +65,7 @@ def format_mark(marks: Marks, tilts_deg: Sequence[float], tilt_deg: float) -> st
 
 
 def _engraved_digits(marks: Marks, tilt_deg: float) -> str:
-    """Return the engraved digits: the tilt's, the serial number, or both as in 10-7; "" without any."""
+    """Return the engraved digits: the tilt's, the serial number, or both as in 10-7, or "" without any."""
     numbers = [format_tilt(tilt_deg)] if marks.kind == "digits" else []
     if marks.serial is not None and marks.kind != "text":
         numbers.append(str(marks.serial))
@@ -80,7 +80,7 @@ def format_tilt(tilt_deg: float) -> str:
 def notches(
     marks: Marks, tilts_deg: Sequence[float], tilt_deg: float, length: float, thickness: float
 ) -> list[Rectangle]:
-    """Return the grooves in the upper edge of a body, from front to back; none unless the marks are notches.
+    """Return the grooves in the upper edge of a body, from front to back, none unless the marks are notches.
 
     The start lies one unit from the front end. Valid if `mark_problems` returns none.
     """
@@ -97,7 +97,7 @@ def notches(
 def digit_strokes(marks: Marks, tilt_deg: float, thickness: float) -> list[Rectangle]:
     """Return the strokes of tilt and serial number around the middle of the body, overlapping where they meet.
 
-    Strokes are a line wide; digits leave a line free above and below, and are 0.6 as wide as high.
+    Strokes are a line wide. Digits leave a line free above and below, and are 0.6 as wide as high.
     Under notches they are lower by half the depth of the notches.
     """
     line, text = marks.line_mm, _engraved_digits(marks, tilt_deg)
@@ -215,7 +215,7 @@ def _text_length(text: str, height: float, line: float) -> float:
 
 
 def _glyph_segments(left: float, height: float, width: float, line: float) -> dict[str, Rectangle]:
-    """Return all segments of a glyph by their letters; neighbours share the square where they meet."""
+    """Return all segments of a glyph by their letters. Neighbours share the square where they meet."""
     right, low, high, half = left + width, -0.5 * height, 0.5 * height, 0.5 * line
     return {
         "a": Rectangle(left, high - line, right, high),

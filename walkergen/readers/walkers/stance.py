@@ -33,7 +33,7 @@ class _Parts(Section):
 def level_feet(data: Mapping[str, Any], default_tilt_deg: float) -> dict[str, Any]:
     """Turn a design that stands as built until it stands on two feet, and return its data.
 
-    `default_tilt_deg` is for legs without a tilt. The body becomes a profile and its legs keep their shapes; braces are
+    `default_tilt_deg` is for legs without a tilt. The body becomes a profile and its legs keep their shapes. Braces are
     upright as it stands. Raises GeometryError if it does not stand so, and pydantic's errors for wrong keys.
     """
     for name in ("motor", "battery"):
@@ -104,7 +104,7 @@ def _foot_position(limb: Limb, lean: float) -> Array:
 
 
 def _standing_leg(leg: Mapping[str, Any], limb: Limb, lean: float, middle: Array, bottom: float) -> dict[str, Any]:
-    """Return the keys of a leg after the turn; `middle` is that of the turned body and `bottom` its underside, mm."""
+    """Return the keys of a leg after the turn. `middle` is that of the turned body and `bottom` its underside, mm."""
     tilt = limb.tilt - lean
     anchor, foot = _rotate(np.array(limb.anchor), lean) - middle, _foot_position(limb, lean) - middle
     end = anchor[1] - limb.length * math.cos(tilt)

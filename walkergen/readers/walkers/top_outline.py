@@ -38,7 +38,7 @@ def body_contours(design: Design) -> tuple[Array, ...]:
 def outline_of(design: Design, mass: MassProperties | None = None) -> list[Array]:
     """Return the outer contours of the body from O, the point of a trajectory, counter-clockwise, mm.
 
-    Shape (n, 2) each, the last point not repeated; no point moves farther than `MAX_DEVIATION_MM`. `mass` is computed
+    Shape (n, 2) each, the last point not repeated. No point moves farther than `MAX_DEVIATION_MM`. `mass` is computed
     unless it is given. Raises GeometryError for a body that cannot be made.
     """
     mass = solids.mass_of(design) if mass is None else mass

@@ -14,7 +14,7 @@ PLASTIC_TOLERANCE = 0.08
 
 
 def profile(limb: Limb, segments: int) -> list[Polygon]:
-    """Return the side views of the leg and of its brace, shape (n, 2) each, mm; `segments`: edges of a round foot."""
+    """Return the side views of the leg and of its brace, shape (n, 2) each, mm. `segments`: edges of a round foot."""
     return [*flexible.profile(limb, segments), _brace_profile(limb)]
 
 
@@ -57,7 +57,7 @@ def problems(limb: Limb) -> list[str]:
 
 
 def _brace_profile(limb: Limb) -> Polygon:
-    """Return the brace's side view from the underside to the foot, shape (4, 2), mm; the leg's anchor is the origin."""
+    """Return the brace's side view from the underside to the foot, shape (4, 2), mm. The leg's anchor is the origin."""
     x, half = struts(limb)[0].offset, 0.5 * limb.brace
     length = limb.length - (0.5 * limb.thickness if limb.foot == "round" else 0.0)
     y = -length * math.cos(limb.tilt)

@@ -14,7 +14,7 @@ PLASTIC_TOLERANCE = 0.05
 
 
 def profile(limb: Limb, segments: int) -> list[Polygon]:
-    """Return the leg's side view below the underside, counter-clockwise, shape (n, 2), mm; its anchor is the origin.
+    """Return the leg's side view below the underside, counter-clockwise, shape (n, 2), mm. Its anchor is the origin.
 
     `segments`: edges of a round foot's half circle.
     """
@@ -33,7 +33,7 @@ def profile(limb: Limb, segments: int) -> list[Polygon]:
 
 
 def _half_circle(tilt: float, segments: int) -> Polygon:
-    """Return the unit half circle below a leg of this tilt, rad, shape (n, 2), with a vertex exactly at its lowest point."""
+    """Return the unit half circle below a leg of this tilt (rad), shape (n, 2), with a vertex at its lowest point."""
     start, lowest, end = math.pi - tilt, 1.5 * math.pi, 2.0 * math.pi - tilt
     before = max(1, round(segments * (lowest - start) / math.pi))
     after = max(1, segments - before)
