@@ -56,7 +56,7 @@ class Inputs(NamedTuple):
             design = assignments.replace_values(Design.from_text(source), own, COMMAND_LINE_SOURCE)
         else:
             design = self._load_input(source, "walkers", Design, "design")
-        if design.weighed.states:
+        if design.weighed.has_masses:
             from walkergen.core.walker import weighed_masses
 
             weighed_masses.check_stated_masses(design)

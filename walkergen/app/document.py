@@ -104,7 +104,7 @@ class Document(NamedTuple):
     def load_design(self) -> Design:
         """Return the walker of the page. Raises InputError, a line for every mistake."""
         design = self._load_section(self.walker, "walkers", Design, "")
-        if design.weighed.states:
+        if design.weighed.has_masses:
             from walkergen.core.walker import weighed_masses
 
             weighed_masses.check_stated_masses(design)

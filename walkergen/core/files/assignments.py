@@ -77,7 +77,7 @@ def read_with_values(
 def read_with_data(
     path: Path, model: type[Model], values: Mapping[str, Any], source: str = "‹set›", prefix: str = ""
 ) -> tuple[Model, dict[str, Any]]:
-    """Return the contents as `read_with_values` does, and the data before validation, for `assign_values`."""
+    """Return the validated contents of a TOML file with these keys replaced, and its data before validation."""
     data, text = read_data(path, model)
     try:
         settings = validate(data, model, str(path), text)
@@ -118,7 +118,7 @@ def assign_values(
 ) -> Model:
     """Set dotted keys of `data` to values, in place, and validate the result. `section` is the content before.
 
-    Raises as `replace_values` does.
+    Raises InputError, or GeometryError, with lines that begin with `source` and name keys after `prefix`.
     """
     for key, value in values.items():
         _check_form(key, f"{source}: {prefix}")

@@ -244,7 +244,8 @@ def _parse_chunk(
     """Parse lines into columns, each of shape (lines,), and return them with the reason for each bad line.
 
     `numbers` are the lines' numbers in the file, and `columns` the indices of the cells by name. In the first
-    `required_count` columns every line that is not bad has a finite number. `words`: see `read_numbers`.
+    `required_count` columns every line that is not bad has a finite number. `words` has the texts that other columns
+    may hold.
     """
     rows: list[list[str]] = []
     try:  # nearly every chunk is sound, and this is ten times faster than cell by cell

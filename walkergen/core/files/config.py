@@ -159,7 +159,7 @@ def nesting_depth(value: Any) -> int:
 def normalize_number(value: Any) -> Any:
     """Return the value of a key, or each entry of a list, with 0 for -0. Raises ValueError for invalid numbers.
 
-    They are so small or large that they can only be typing errors, and would overflow in squares or divisions.
+    Invalid ones are so small or large that they can only be typing errors, and would overflow in squares or divisions.
     """
     if isinstance(value, list):
         return [normalize_number(entry) for entry in value]
@@ -179,7 +179,7 @@ def format_location(location: tuple[str, ...], source: str, text: str) -> str:
 
 
 def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str = "", prefix: str = "") -> Model:
-    """Validate data without a model. `source` (a file or flag) and the file's text give the place of each mistake.
+    """Validate data by a model. `source` (a file or flag) and the file's text give the place of each mistake.
 
     Messages list keys after `prefix`. Raises InputError, or GeometryError for parts that cannot be
     built, with a line for every mistake.
@@ -208,7 +208,7 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
 
 
 def refusal(mistakes: Sequence[str], source: object) -> InputError:
-    """Return an error with a line for each of the first mistakes, and their source in the line that counts others."""
+    """Return an error that lists the first mistakes, one a line, and counts the others after `source`."""
     more = len(mistakes) - MAX_REPORTED_MISTAKES
     tail = [f"{source}: and {more} more mistakes"] if more > 0 else []
     return InputError("\n".join([*mistakes[:MAX_REPORTED_MISTAKES], *tail]))

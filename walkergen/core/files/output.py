@@ -325,7 +325,7 @@ def _is_inside(folder: Path, name: str) -> bool:
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of walkergen, Python and the libraries that shape the files."""
+    """Return the versions of walkergen, Python and the libraries that affect the files."""
     by_library = {"walkergen": __version__, "python": platform.python_version()}
     for library in LIBRARIES:
         try:

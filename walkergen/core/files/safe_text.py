@@ -49,7 +49,7 @@ class Plain:
         return getattr(self.rich_proxied_file, name)
 
     def write(self, text: str) -> int:
-        """Write text, made plain. Return the number of its letters."""
+        """Write text with its hidden letters escaped. Return the number of its letters."""
         if self.widest is not None:
             text = "\n".join(shorten_line(row, self.widest) for row in text.split("\n"))
         self.rich_proxied_file.write(escape_hidden(text))

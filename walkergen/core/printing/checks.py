@@ -328,7 +328,7 @@ def _check_bed_limits(labels: Sequence[str], boxes: Array, printer: Printer) -> 
 
 
 def _check_spacing(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:
-    """Yield a finding for each two parts that are too close or overlap. `boxes` as in `_check_bed_limits`."""
+    """Yield a finding for each two parts, with boxes (left, front, right, back), mm, that are too close or overlap."""
     brims, wanted = 2.0 * printer.brim_width_mm, spacing(printer)
     for first, box in enumerate(boxes):
         later = boxes[first + 1 :]

@@ -151,7 +151,7 @@ def plate_file(
 ) -> tuple[str, bytes]:
     """Return suffix and bytes of one plate's file: 3MF, or STL if lib3mf is not installed.
 
-    `prusaslicer`: see `export.declare_prusaslicer`. Raises InputError without lib3mf.
+    `prusaslicer` declares a 3MF file to be PrusaSlicer's own, and raises InputError without lib3mf.
     """
     if prusaslicer or threemf.is_available():
         data = plate_3mf(plate, parts, meshes, printer, title, thumbnail)

@@ -128,8 +128,8 @@ def layout_files(
     settings for PrusaSlicer, with printer and filament to load it alone. STEM_PRINTER_print.ini
     omits these. STEM_PRINTER_orca.json holds the settings for OrcaSlicer and Bambu Studio.
     STEM_PRINTER_NUMBER.3mf (.stl without lib3mf) is a plate. `draw` adds STEM_PRINTER_NUMBER.png
-    and a view of the plate from above as each 3MF file's thumbnail. `prusaslicer`: see
-    export.declare_prusaslicer.
+    and a view of the plate from above as each 3MF file's thumbnail. `prusaslicer` declares
+    3MF files to be PrusaSlicer's own.
     """
     start = f"{stem}_{layout.printer.name}"
     meshes = layout.meshes

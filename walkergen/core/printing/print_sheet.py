@@ -139,7 +139,7 @@ class Batch(NamedTuple):
 
 
 def to_markdown(batch: Batch, weights: Sequence[Weight], findings: Sequence[Finding], legend: str) -> str:
-    """Format the sheet as Markdown. `weights` are in the order of the parts, and `legend` identifies printed parts."""
+    """Format the print sheet as Markdown. `weights` are in the order of parts. `legend` identifies printed parts."""
     printing = format_print_section(batch, [weight.load for weight in weights], findings, legend)
     paired = all(len(design.limbs) == 2 for design in batch.members)
     share = "half of that is a leg" if paired else "that over their number is leg_g, the mean leg"
@@ -148,7 +148,7 @@ def to_markdown(batch: Batch, weights: Sequence[Weight], findings: Sequence[Find
 
 
 def format_print_section(batch: Batch, loads: Sequence[Load], findings: Sequence[Finding], legend: str) -> str:
-    """Format the sheet up to the end of the print, with texts from assets. `loads` are the plastic of each part."""
+    """Format the print sheet up to the end of the print. `loads` are the plastic of each part."""
     printer, stem, ending, material = batch.printer, batch.stem, packing.plate_suffix(), batch.members[0].material
     settings = slicer.sheet_settings(printer, orientation_settings(batch.members))
     lines = [f"- **{finding.level}** {finding.line}" for finding in group_findings(findings)]

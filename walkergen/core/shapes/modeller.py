@@ -42,7 +42,7 @@ def to_solid(mesh: Mesh) -> manifold3d.Manifold:
 
 
 def check_solid(manifold: manifold3d.Manifold) -> manifold3d.Manifold:
-    """Carry out the operations of a solid and return it. Raises SolidError if one of them failed."""
+    """Evaluate the pending operations of a solid and return it. Raises SolidError if one of them failed."""
     if manifold.status() != manifold3d.Error.NoError:
         raise SolidError(f"the solid modeller gave no body: {manifold.status().name}")
     return manifold

@@ -314,7 +314,7 @@ class _Package:
             raise InputError(f"places {triangles} triangles, at most {self.most_triangles}; simplify the mesh")
 
     def _count_meshes(self, place: Place, depth: int) -> tuple[int, int]:
-        """Count the meshes and triangles of an object (path, number), nested `depth` deep. Raises InputError."""
+        """Return the numbers of meshes and triangles of an object (path, number) that is `depth` levels deep."""
         if depth > MAX_DEPTH:
             raise InputError(f"components lie more than {MAX_DEPTH} deep; join them")
         if place not in self.objects:

@@ -175,13 +175,13 @@ class Body(Section):
 
     @property
     def plain(self) -> bool:
-        """True for a rectangle in side view."""
+        """Whether the body is a rectangle in side view."""
         shaped = self.profile_mm is not None or self.mesh is not None
         return not (shaped or self.flat)
 
     @property
     def flat(self) -> bool:
-        """True for a body in plan view, which prints flat, upside down with its legs up."""
+        """Whether the body is given in plan view. It then prints flat, upside down with its legs up."""
         return self.outline is not None or self.text is not None
 
     @property
@@ -246,7 +246,7 @@ def lay_down(plan: Mesh, size: Size) -> Mesh:
 
 @lru_cache(maxsize=64)
 def rectangle_shape(length: float, thickness: float, depth: float) -> Shape:
-    """Return the shape of a rectangle in side view."""
+    """Return the shape of a body that is a rectangle in side view. Lengths in mm."""
     x, y = 0.5 * length, 0.5 * thickness
     side = np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
     side.flags.writeable = False  # all designs of that size share it

@@ -41,7 +41,7 @@ class Marks(Section):
 
     @property
     def blank(self) -> bool:
-        """True without any mark."""
+        """Whether there is no mark."""
         return self.kind == "none" and self.serial is None
 
     @property

@@ -157,7 +157,7 @@ def to_rigid(mass: MassProperties) -> MassProperties:
 
 
 def freeze_joints(mass: MassProperties, rigid: Sequence[bool]) -> MassProperties:
-    """Return mass properties with those legs frozen that `rigid` has True for: they then belong to the body."""
+    """Return mass properties in which the legs marked True in `rigid` are fixed to the body and belong to it."""
     frozen = [leg for leg, is_rigid in zip(mass.legs, rigid, strict=True) if is_rigid]
     if not frozen:
         return mass
@@ -228,7 +228,7 @@ def rescale(part: SolidMass, weighed_mass: float | None) -> SolidMass:
 
 
 def check_support(limbs: Sequence[Limb], mass: MassProperties) -> None:
-    """Raise GeometryError unless the centre of mass is above the feet."""
+    """Raise GeometryError unless the centre of mass lies above the area between the feet."""
     centre = _centre_in_plan(mass)
     corners = np.array(
         [

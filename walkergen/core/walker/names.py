@@ -19,7 +19,7 @@ def part_name(design: Design, stem: str = DEFAULT_STEM) -> str:
 
 
 def is_part_name(name: str) -> bool:
-    """Return whether a name may be that of `part_name`, of any design, or of one of its copies (NAME-3)."""
+    """Return whether a name has the form of those of `part_name`, or of one of their copies (NAME-3)."""
     return bool(re.fullmatch(r".+_t-?\d+\.\d+_[a-z-]+_s\d+\.\d+(-[1-9]\d*)?", name))
 
 

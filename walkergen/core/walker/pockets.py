@@ -173,7 +173,7 @@ def _swept_volume(part: Part, design: Design) -> manifold3d.Manifold:
 
 
 def _exit_distance(points: Array, design: Design) -> float:
-    """Return a distance, mm, by which points of shape (n, 3) leave the body in any direction."""
+    """Return a distance, mm, that moves points, shape (n, 3), out of the body in any direction."""
     return float(2.0 * sum(design.size) + np.ptp(points, axis=0).sum())
 
 

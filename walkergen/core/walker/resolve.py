@@ -97,7 +97,7 @@ def describe_placement(spec: WalkerSpec) -> str:
 
 
 def family_tilt_deg(spec: WalkerSpec) -> float:
-    """Return the tilt that distinguishes members of a family, degrees, for a finished walker that of its first leg."""
+    """Return the tilt that distinguishes members of a family, degrees. A finished walker has that of its first leg."""
     if spec.whole:
         return round(math.degrees(place_legs(spec)[0].tilt), 2) + 0.0
     return spec.written_tilt_deg

@@ -50,7 +50,7 @@ class Solids(NamedTuple):
 
     @property
     def seen(self) -> Mesh:
-        """Walker with its cap, as it runs, not one closed body."""
+        """Mesh of the walker with its cap, which is not one closed body."""
         return self.walker if self.cap is None else _concatenate_meshes([self.walker, self.cap])
 
 
@@ -133,7 +133,7 @@ def _add_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
 
 
 def _build_plain_solids(design: Design, foot_segments: int, united: bool) -> Solids:
-    """Build the solids of a walker without pockets and cap. `united` means that body and legs are one mesh."""
+    """Build the solids of a walker without pockets and cap. Body and legs are one mesh if `united`."""
     if design.shape.whole is not None:
         return _finished_solids(design.shape.whole, design)
     if not design.body.plain:
@@ -164,7 +164,7 @@ def _finished_solids(finished: FinishedWalker, design: Design) -> Solids:
 
 
 def _build_any_body(design: Design, foot_segments: int, united: bool) -> Solids:
-    """Build the solids of a walker whose body is no rectangle in side view. `united` as for `build`."""
+    """Build the solids of a walker whose body is no rectangle in side view. Body and legs are one mesh if `united`."""
     from walkergen.core.shapes import joining
 
     readers = load_readers()
@@ -338,7 +338,7 @@ def mass_of(design: Design) -> MassProperties:
 
 
 def _assemble_and_check(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | None) -> MassProperties:
-    """Combine the parts as `assemble` does. Raises GeometryError if the walker falls over."""
+    """Return the mass properties of body, legs and cap together. Raises GeometryError if the walker falls over."""
     whole = assemble(design, body, legs, cap)
     if not design.pair:
         mass.check_support(design.limbs, whole)

@@ -54,7 +54,7 @@ class Weighed(Section):
     mass_sd_percent: Annotated[float, Field(ge=0, le=50)] = 2.0
 
     @property
-    def states(self) -> bool:
+    def has_masses(self) -> bool:
         """Whether a mass is given that replaces that of the mesh."""
         return self.body_mass_g is not None or self.leg_mass_g is not None
 

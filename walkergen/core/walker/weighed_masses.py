@@ -87,7 +87,7 @@ def is_filled_in(path: Path) -> bool:
 
 
 def _read_blank_form(path: Path) -> list[str] | None:
-    """Read the parts of an unfilled form as `write_template` writes it, empty without a file, None for other content.
+    """Return the parts of an unfilled form, [] without a file, or None if the file is no unfilled form.
 
     Raises InputError.
     """
@@ -137,7 +137,7 @@ def read_masses(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
 def unused_parts(path: Path, members: Sequence[Design]) -> list[str]:
     """Return parts with masses in a file that `read_masses` leaves out: other walkers of the same designs.
 
-    Raises InputError as `read_masses` does.
+    Raises InputError for a file that is no table of masses.
     """
     part_names = _names_to_parts(members)
     masses = (row["part"].strip() for _, row in _read_rows(path) if _parse_masses(row))
@@ -177,7 +177,7 @@ def apply_masses(design: Design, parts: Solids, weighed: Weighings, name: str) -
 
 def check_stated_masses(design: Design) -> None:
     """Raise InputError for masses in the design that are far from those of its mesh."""
-    if not design.weighed.states:
+    if not design.weighed.has_masses:
         return
     stated = {"body_mass_g": design.weighed.body_mass_g, "leg_mass_g": design.weighed.leg_mass_g}
     meshed = _mesh_masses(design, solids.build(design, united=False))
@@ -238,7 +238,7 @@ def without_weighed_masses(design: Design) -> Design:
 
 
 def total(grams: float, weighed: Weighings, legs: int) -> Quantity:
-    """Return the mass of a walker with this number of legs, `grams`, with its standard error if it is known."""
+    """Return `grams` as the mass of a walker with this number of legs, with its standard error if that is known."""
     whole, body, leg = (mean and mean.se for mean in weighed)
     if weighed.grams is None and body is not None and leg is not None:
         whole = math.hypot(body, legs * leg)

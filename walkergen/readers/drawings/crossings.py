@@ -232,7 +232,7 @@ def _bound_directions(shapes, triangle, apex, scratch, reset):
 
 @lean
 def _has_disjoint_directions(scratch, tree, node):
-    """Return whether the directions in `scratch` and those of a node do not meet."""
+    """Return whether the bounds of directions in `scratch` and those of a node do not overlap."""
     for axis in range(3):
         if scratch.low[axis] > tree.high[node, 3 + axis] or scratch.high[axis] < tree.low[node, 3 + axis]:
             return True
@@ -254,7 +254,7 @@ def _is_disjoint(low, high, one, lows, highs, other):
 
 @lean
 def _is_crossing(shapes, one, other, tolerance):
-    """Return whether two triangles cross each other."""
+    """Return whether two triangles cross each other by more than a tolerance."""
     shared = 0
     for i in range(3):
         for j in range(3):

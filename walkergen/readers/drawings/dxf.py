@@ -152,7 +152,7 @@ def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
 
 
 def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
-    """Read the shape in the bytes of a file. Its library may raise any exception."""
+    """Return the shape in the bytes of a DXF file, and notes. The library may raise any exception."""
     _check_ellipse_ratios(data, source)
     document = _parse_document(data)
     scale = _mm_per_unit(document, data, source) if scale_mm is None else scale_mm

@@ -251,7 +251,7 @@ def _nesting_levels(shapes: Sequence[Shape], contours: Sequence[Polygon]) -> lis
         enclosing[inner].append(int(outer))
 
     def is_boundary(number: int) -> bool:
-        """Return whether a contour separates filled from unfilled area, by the fill rule of its shape."""
+        """Return whether a contour, by its index, separates filled from unfilled area of its shape."""
         owner = owners[number]
         outside = sum(directions[outer] for outer in enclosing[number] if owners[outer] == owner)
         return not shapes[owner].nonzero or (outside == 0) != (outside + directions[number] == 0)

@@ -43,7 +43,7 @@ class Silhouette(NamedTuple):
 
 
 def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
-    """Return the contours of a picture's shape, in mm, y up. `scale_mm` is the size of a pixel, MAX_SIDE_PIXELS a side.
+    """Return the contours of a picture's shape, in mm, y up. `scale_mm` is mm a pixel, at most MAX_SIDE_PIXELS a side.
 
     Raises InputError, which begins with `source`, for what is no picture or shows no shape, and NoUnitError without a
     scale.

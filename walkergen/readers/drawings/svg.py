@@ -91,7 +91,7 @@ def read_drawing(path: Path, scale_mm: float | None, source: str) -> Drawing:
 
 
 def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
-    """Read the shapes in the bytes of a file. Its libraries may raise any exception."""
+    """Return the shapes in the bytes of an SVG file, and notes. The libraries may raise any exception."""
     from walkergen.readers.drawings import svg_elements, svg_styles, svg_tags
 
     root = _parse_xml(data, source)

@@ -57,5 +57,5 @@ def parse_length(text: str, font: float, root: float, whole: float) -> float:
 
 
 def units_at(font: float, root: float) -> dict[str, float]:
-    """Return the size of each unit of length, for the font sizes of the element and of the page, `root`."""
+    """Return the size of each unit of length. `font` and `root` are the font sizes of the element and of the page."""
     return {**PIXELS_PER_UNIT, "em": font, "ex": 0.5 * font, "ch": 0.5 * font, "rem": root}

@@ -150,7 +150,7 @@ def _omission_notes(parts: list[Part]) -> list[str]:
 
 
 def _weld_edges(part: Part) -> tuple[Part, int]:
-    """Merge corners along open edges of a part within WELD_TOLERANCE, and return the number of merged ones."""
+    """Merge corners along open edges of a part within WELD_TOLERANCE. Return the part and the number of merged ones."""
     if not len(part.triangles) or not len(faults.faulty_edges(part.triangles).open):
         return part, 0
     mesh = Mesh(part.vertices, part.triangles)

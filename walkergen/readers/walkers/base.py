@@ -50,7 +50,7 @@ def add_to_mesh(mesh: Mesh) -> Mesh:
 
 
 def _plate_region(shadow: "BaseGeometry", height: float) -> "BaseGeometry":
-    """Return the plate under a `shadow`, the view from above, of parts of this height, mm: its hull with a rim.
+    """Return the area of a plate for parts of this height (mm) and this `shadow` from above: its hull with a rim.
 
     About the shadow's centroid it has at least the size that legs need.
     """

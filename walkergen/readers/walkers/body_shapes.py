@@ -40,7 +40,7 @@ def shape_of(body: Body) -> Shape:
 
 @lru_cache(maxsize=64)
 def shape_by_key(keys: str) -> Shape:
-    """Return the shape of a body that is no rectangle. `keys` is its JSON. Raises as `shape_of` does."""
+    """Return the shape of a body that is no rectangle. `keys` is its JSON. Raises GeometryError or InputError."""
     body = Body.model_validate_json(keys)
     if body.mesh is not None:
         return _mesh_shape(body)

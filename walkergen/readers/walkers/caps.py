@@ -64,7 +64,7 @@ def symmetric_numbers() -> set[int]:
 def black_rectangles(cap: Cap, overlap: float = 0.0) -> list[Array]:
     """Return the rectangles, corners of shape (4, 2), whose union is the black of a cap, mm.
 
-    Cells of the code are larger by a part of a cell on all sides, `overlap`.
+    Cells of the code are larger on all sides by `overlap`, a share of a cell.
     """
     half, inner = 0.5 * MARKER_CELLS, 0.5 * CODE_CELLS
     frame = [
@@ -122,7 +122,7 @@ def place_on_body(cap: Cap, body: Mesh, depth: float) -> Mesh:
 
 
 def _supported_share(cap: Cap, body: Mesh, top: float, depth: float) -> float:
-    """Return the share of a tile that is supported by the flat top of a body."""
+    """Return the share of a tile that lies on the flat top of a body, at height `top` and `depth` across, mm."""
     import shapely
 
     corners = body.vertices[body.triangles]

@@ -132,7 +132,7 @@ def first_hit(corners: Array, start: Array, direction: Array) -> float | None:
 
 
 def _is_near_line(mesh: Mesh, start: Array, sides: Array, half: Array) -> Mask:
-    """Return a mask of triangles with a box within `half`, shape (k,), mm, of a point along k directions, `sides`."""
+    """Return a mask of triangles with a box within `half`, shape (k,), mm, of `start` along k directions, `sides`."""
     slack = 1e-6 * float(np.ptp(mesh.vertices, axis=0).max())
     is_near = np.ones(len(mesh.triangles), bool)
     for side, far in zip(sides, half + slack, strict=True):

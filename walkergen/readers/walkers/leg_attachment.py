@@ -35,7 +35,7 @@ def extend_legs(body: str, limbs: tuple[Limb, ...]) -> tuple[Limb, ...]:
 
 @lru_cache(maxsize=16)
 def prepare_body(body: str) -> joining.Body:
-    """Prepare a body, given as JSON, for the modeller."""
+    """Convert a body, given as JSON, to a solid that legs can be joined to."""
     return joining.prepare_body(shape_of(Body.model_validate_json(body)).solid())
 
 

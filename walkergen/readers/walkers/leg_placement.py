@@ -85,7 +85,7 @@ class Placement(NamedTuple):
 
     @property
     def words(self) -> str:
-        """Description of the choice, in a line."""
+        """One line that describes the rows, widths and stability of the legs."""
         places = sorted({limb.along for limb in self.limbs})
         widths = [sum(limb.width for limb in self.limbs if limb.along == place) for place in places]
         wide = f"{min(widths):.3g}" + (f" to {max(widths):.3g}" if max(widths) - min(widths) > 0.05 else "")
@@ -97,7 +97,7 @@ class Placement(NamedTuple):
 
 @lru_cache(maxsize=4096)
 def find_placement(body_key: str, legs_key: str) -> Placement:
-    """Find legs for a body, both as JSON. Tilt and length stay as written. Raises UnplacedError if none stand."""
+    """Find legs for a body, both given as JSON. Tilt and length stay. Raises UnplacedError if none stand."""
     body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
     try:
         return _place_legs(body, legs)
@@ -132,7 +132,7 @@ def _place_legs(body: Body, legs: Legs) -> Placement:
 
 
 def available_space(body: Body, legs: Legs) -> LegSpace:
-    """Return the room for legs under a body. Raises GeometryError for a body without a shape."""
+    """Return the space for legs under a body. Raises GeometryError for a body without a shape."""
     import shapely
 
     size = shape_of(body).size
@@ -154,7 +154,7 @@ def available_space(body: Body, legs: Legs) -> LegSpace:
 
 @lru_cache(maxsize=64)
 def _find_remedies(body_key: str, legs_key: str) -> list[Remedy]:
-    """Return the first change of each kind with which legs stand under a body, two at most, both as JSON."""
+    """Return up to two remedies with which legs stand under a body. Body and legs are given as JSON."""
     body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
     length = shape_of(body).size.length
     sizes = [float(math.ceil(factor * length)) for factor in LENGTH_FACTORS] if body.scales_with_length else []
@@ -187,7 +187,7 @@ def auto_remedies(body: Body, legs: Legs) -> list[Remedy]:
 
 
 def _other_orientations(body: Body) -> list[dict[str, Any]]:
-    """Return other positions of a mesh: turned about the forward axis, or onto its former front."""
+    """Return the keys of other positions of a mesh: turned about the forward axis, or onto its former front."""
     if body.mesh is None or body.legs_below_mm is not None:
         return []
     (across,) = set("xyz") - {body.up[-1], body.forward[-1]}
@@ -239,7 +239,7 @@ def _leg_reach(leg: Limb) -> Reach:
 
 
 def _from_rows(leg: Limb, rows: Sequence[Row], centre: tuple[float, float], height: float) -> Placement:
-    """Return the placement of legs like `leg` in rows. `centre`: centre of mass (along, across), mm."""
+    """Return the placement of legs like `leg` in rows. `centre` and `height` are those of the centre of mass, mm."""
     limbs = tuple(
         leg._replace(along=round(row.along, DECIMALS), across=round(across, DECIMALS), width=round(width, DECIMALS))
         for row in rows

@@ -79,10 +79,10 @@ class Row(NamedTuple):
 
 
 def find_rows(ground: "BaseGeometry", centre: tuple[float, float], height: float, reach: Reach) -> tuple[Row, ...]:
-    """Return the rows of legs behind and before the centre of mass, (along, across), below an area seen from above, mm.
+    """Return rows of legs behind and before the centre of mass (along, across), under the area `ground` from above.
 
-    `height` is that of the centre of mass above the plate. Feet are as far behind it as before it, or nearly so if no
-    such rows exist. Raises GeometryError if no rows stand.
+    `height` is that of the centre of mass above the plate, mm. Feet are as far behind it as before it, or nearly so if
+    no such rows exist. Raises GeometryError if no rows stand.
     """
     import shapely
 

@@ -215,7 +215,7 @@ def _text_length(text: str, height: float, line: float) -> float:
 
 
 def _glyph_segments(left: float, height: float, width: float, line: float) -> dict[str, Rectangle]:
-    """Return all segments of a glyph by their letters. Neighbours share the square where they meet."""
+    """Return the rectangles of all seven strokes of a glyph, and of its point, by their letters."""
     right, low, high, half = left + width, -0.5 * height, 0.5 * height, 0.5 * line
     return {
         "a": Rectangle(left, high - line, right, high),
