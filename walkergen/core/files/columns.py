@@ -136,8 +136,8 @@ def read_numbers(
     if missing:
         seen = safe_text.shorten_line(", ".join(name for name in names if name))
         raise InputError(f"{path}: no column {missing[0]!r}; columns seen: {seen}")
-    wanted = (*required, *optional, *words)
-    columns = {name: names.index(name) for name in wanted if name in names}
+    all_names = (*required, *optional, *words)
+    columns = {name: names.index(name) for name in all_names if name in names}
     chunks: list[list[Array]] = []
     kept: list[Whole] = []
     bad: dict[int, str] = {}
@@ -258,11 +258,11 @@ def _parse_chunk(
     except ValueError:
         rows = [split_cells(line, source, at) for line, at in zip(chunk, numbers, strict=True)]
         values = [
-            np.array([_parse_cell(row, place, n >= required_count, words.get(name, ())) for row in rows])
-            for n, (name, place) in enumerate(columns.items())
+            np.array([_parse_cell(row, column, n >= required_count, words.get(name, ())) for row in rows])
+            for n, (name, column) in enumerate(columns.items())
         ]
     wrong: dict[int, str] = {}
-    for n, ((name, place), column) in enumerate(zip(columns.items(), values, strict=True)):
+    for n, ((name, position), column) in enumerate(zip(columns.items(), values, strict=True)):
         column[np.abs(column) < MIN_MAGNITUDE] = 0.0
         unusable = np.abs(column) > MAX_MAGNITUDE
         if n < required_count:
@@ -270,7 +270,7 @@ def _parse_chunk(
         for index in np.flatnonzero(unusable):
             row = rows[index] if rows else split_cells(chunk[index], source, numbers[index])
             if row:
-                seen = f"{row[place].strip()[:30]!r}" if place < len(row) else "missing"
+                seen = f"{row[position].strip()[:30]!r}" if position < len(row) else "missing"
                 within = f" within ±{MAX_MAGNITUDE:g}" if abs(column[index]) < math.inf else ""
                 expected = f"one of {', '.join(words[name])}" if name in words else "a number"
                 expected += within

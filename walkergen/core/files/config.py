@@ -101,8 +101,8 @@ def read_section(path: Path, model: type[Model]) -> Model:
 
 def read_data(path: Path, model: type[Section]) -> tuple[dict[str, Any], str]:
     """Read the data of a file, before validation, and its text, "" for a file that is no TOML. Raises InputError."""
-    own = model.data_from_file(path)
-    data, text = read_toml(path) if own is None else (own, "")
+    data_of_file = model.data_from_file(path)
+    data, text = read_toml(path) if data_of_file is None else (data_of_file, "")
     if not data:
         raise InputError(f"{path}: the file sets nothing; start from a template: walkergen templates copy NAME")
     if "name" in model.model_fields:

@@ -143,13 +143,13 @@ def check_wall(wall: Wall, printer: Printer, mass_sd: float) -> Finding | None:
         return wall_finding("error", what, wall.thickness, ONE_LINE_RANGE[0] * width * slant, "mm", change)
     if section <= walls.vanishing_thickness(printer):
         what = f"{name} gets no plastic, thin walls not being detected"
-        least = walls.vanishing_thickness(printer) * slant
-        return wall_finding("error", what, wall.thickness, least, "mm", f"set thin_walls = true; or {change}")
-    drawn = f"{name} ({wall.thickness:g} mm,"
+        min_thickness = walls.vanishing_thickness(printer) * slant
+        return wall_finding("error", what, wall.thickness, min_thickness, "mm", f"set thin_walls = true; or {change}")
+    label = f"{name} ({wall.thickness:g} mm,"
     if ONE_LINE_RANGE[1] < lines < TWO_LINES_RANGE[0]:
-        what = f"{drawn} plastic {expected:+.0%}) is more than one line and less than two"
+        what = f"{label} plastic {expected:+.0%}) is more than one line and less than two"
         return wall_finding("warning", what, lines, ONE_LINE_RANGE[1], "lines", change)
-    what = f"plastic in {drawn} {lines:.2f} lines) differs from the mesh's"
+    what = f"plastic in {label} {lines:.2f} lines) differs from the mesh's"
     weigh = f"weigh it after the print{_classic_walls_hint(lines, printer)}"
     if abs(expected) > MAX_DEVIATION:
         return wall_finding("warning", what, 100 * expected, 100 * MAX_DEVIATION, "%", f"{change}, or {weigh}")
@@ -319,24 +319,24 @@ def _check_bed_limits(labels: Sequence[str], boxes: Array, printer: Printer) -> 
     rings = {"the part": 0.0} | ({"its brim": brim} if brim else {})
     if printer.skirt_loops:  # half a line more: measured on PrusaSlicer's skirts
         rings["the skirt around it"] = brim + skirt
-    for what, reach in rings.items():
-        over = np.maximum(reach - boxes[:, :2], boxes[:, 2:] + reach - bed).max(axis=1)
-        for index in np.flatnonzero(over > ROUNDING_MM)[:1]:
+    for what, ring_width in rings.items():
+        excess = np.maximum(ring_width - boxes[:, :2], boxes[:, 2:] + ring_width - bed).max(axis=1)
+        for index in np.flatnonzero(excess > ROUNDING_MM)[:1]:
             change = "raise margin_mm, or make brim or skirt smaller"
-            leaves = make_finding(About.PLATE, "error", f"{what} leaves the bed", over[index], 0.0, "mm", change)
+            leaves = make_finding(About.PLATE, "error", f"{what} leaves the bed", excess[index], 0.0, "mm", change)
             yield from with_place(labels[index], [leaves])
 
 
 def _check_spacing(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:
     """Yield a finding for each two parts, with boxes (left, front, right, back), mm, that are too close or overlap."""
-    brims, wanted = 2.0 * printer.brim_width_mm, spacing(printer)
+    brims, min_gap = 2.0 * printer.brim_width_mm, spacing(printer)
     for first, box in enumerate(boxes):
         later = boxes[first + 1 :]
         gaps = np.maximum(later[:, :2] - box[2:], box[:2] - later[:, 2:]).max(axis=1)
-        for second in np.flatnonzero(gaps < wanted - ROUNDING_MM):
+        for second in np.flatnonzero(gaps < min_gap - ROUNDING_MM):
             other = labels[first + 1 + int(second)].split(": ")[-1]
             overlap = gaps[second] < brims - ROUNDING_MM
             level: Level = "error" if overlap else "warning"
             what = "with its brim, if any, overlaps" if overlap else "is closer than the gap to"
-            close = make_finding(About.PLATE, level, f"{what} {other}", gaps[second], wanted, "mm", "move them apart")
+            close = make_finding(About.PLATE, level, f"{what} {other}", gaps[second], min_gap, "mm", "move them apart")
             yield from with_place(labels[first], [close])

@@ -89,8 +89,8 @@ def threemf_bytes(solids: Sequence[Solid], items: Sequence[Item], title: str, th
             mesh, built_of = built_of, _add_copy(model, built_of, name, title, number)
             ids = built_of.GetModelResourceID(), mesh.GetModelResourceID()
             named.append(_Named(name, solid_name, *ids))
-        place = wrapper.GetTranslationTransform(item.x, item.y, 0.0)
-        built = model.AddBuildItem(built_of, place)
+        transform = wrapper.GetTranslationTransform(item.x, item.y, 0.0)
+        built = model.AddBuildItem(built_of, transform)
         built.SetPartNumber(name)
         built.SetUUID(_make_uuid(title, "item", number))
     if thumbnail is not None:

@@ -33,10 +33,10 @@ def check_part(design: Design, printer: Printer) -> Iterator[Finding]:
         return make_finding(About.POCKETS, "warning", what, seen, limit, "mm", change)
 
     line, parts = printer.line_width_mm, design.parts
-    clearance, wanted = design.fit.clearance_mm, printer.pocket_clearance_mm
-    if parts and clearance < wanted - ROUNDING_MM:
+    clearance, needed = design.fit.clearance_mm, printer.pocket_clearance_mm
+    if parts and clearance < needed - ROUNDING_MM:
         what = f"{' and '.join(parts)} may not go into the pocket as this printer prints it"
-        yield warning(what, clearance, wanted, f"set pockets.clearance_mm = {wanted:g}")
+        yield warning(what, clearance, needed, f"set pockets.clearance_mm = {needed:g}")
     channel = design.fit.channel_mm
     if len(parts) > 1 and 0.0 < channel < 2.0 * line:
         change = "raise pockets.channel_mm, or make it 0 and lead the wires outside"
@@ -89,8 +89,8 @@ def thinnest_wall(part: Part, design: Design) -> float:
     if cylinder.axis == 1:
         hole = shapely.Point(x, -z).buffer(cylinder.radius + clearance, quad_segs=32)
     else:
-        wide, deep = cylinder.half[0] + clearance, cylinder.half[2] + clearance
-        hole = shapely.box(x - wide, -z - deep, x + wide, -z + deep)
+        half_length, half_depth = cylinder.half[0] + clearance, cylinder.half[2] + clearance
+        hole = shapely.box(x - half_length, -z - half_depth, x + half_length, -z + half_depth)
     plan_area = shapely.box(*(0.5 * np.array([-size.length, -size.depth, size.length, size.depth])))
     if design.body.flat:
         outer, *holes = design.shape.plan
@@ -110,8 +110,8 @@ def _side_wall(part: Part, design: Design) -> float:
     if cylinder.axis == 2:
         pocket = shapely.Point(x, y).buffer(cylinder.radius + clearance, quad_segs=32)
     else:
-        wide, high = half[0] + clearance, half[1] + clearance
-        pocket = shapely.box(x - wide, y - high, x + wide, y + high)
+        half_length, half_height = half[0] + clearance, half[1] + clearance
+        pocket = shapely.box(x - half_length, y - half_height, x + half_length, y + half_height)
     body = modeller.to_solid(solids.build(pockets.without_pockets(design)).body)
     # A part that lies across narrows behind its middle, its pocket does not before it
     ends = z - (half[2] if cylinder.axis == 2 else 0.0), min(z + half[2], design.size.depth)
@@ -139,14 +139,14 @@ def _wall_thickness(pocket: "shapely.Geometry", body: "shapely.Geometry") -> flo
     if body.contains(pocket):
         return float(pocket.distance(body.boundary))
     left, bottom, right, top = pocket.bounds
-    far = 2.0 * sum(map(abs, (*pocket.bounds, *body.bounds)))
-    above = shapely.box(left, bottom, right, top + far)
+    margin = 2.0 * sum(map(abs, (*pocket.bounds, *body.bounds)))
+    above = shapely.box(left, bottom, right, top + margin)
     lip = body.boundary.intersection(above)
     if lip.is_empty:
         return 0.0
     height = lip.bounds[1] - ROUNDING_MM
-    below = shapely.box(left - far, bottom - far, right + far, height)
+    below = shapely.box(left - margin, bottom - margin, right + margin, height)
     inside = pocket.intersection(below)
-    filled = body.union(shapely.box(left, height, right, top + far))
+    filled = body.union(shapely.box(left, height, right, top + margin))
     edge = body.boundary.intersection(below)
     return float(inside.distance(edge)) if filled.contains(inside) else 0.0

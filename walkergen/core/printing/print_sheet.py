@@ -119,11 +119,11 @@ def weigh(name: str, design: Design, built: Solids, printer: Printer) -> Weight:
     for limb, mesh in zip(design.limbs, built.legs, strict=True):
         tolerance = section_of(limb).PLASTIC_TOLERANCE if is_on_side else walls.UPRIGHT_TOLERANCE
         leg_weights[limb] = LegWeight(grams[id(mesh)], walls.leg_plastic(limb, printer, is_on_side), tolerance)
-    whole = mass.weigh(built.walker, density).mass
-    sliced = whole + sum(leg_weights[limb].mesh_g * (leg_weights[limb].plastic - 1.0) for limb in design.limbs)
+    whole_g = mass.weigh(built.walker, density).mass
+    sliced = whole_g + sum(leg_weights[limb].mesh_g * (leg_weights[limb].plastic - 1.0) for limb in design.limbs)
     lying = solids.orient_for_print(design, built.walker)
     load = Load(float(sliced), design.material.density_g_cm3, side_area(lying))
-    return Weight(name, whole, walls.group_legs(design, leg_weights.__getitem__), load)
+    return Weight(name, whole_g, walls.group_legs(design, leg_weights.__getitem__), load)
 
 
 class Batch(NamedTuple):

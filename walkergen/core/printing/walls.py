@@ -160,8 +160,8 @@ def leg_plastic(limb: Limb, printer: Printer, side: bool = True) -> float:
     slant = 1.0 if side else math.cos(limb.tilt)
     pieces = [(limb.thickness / slant, limb.length * slant)]
     pieces += [(strut.thickness, limb.length * math.cos(limb.tilt)) for strut in section_of(limb).struts(limb)]
-    drawn = sum(thickness * length for thickness, length in pieces)
-    return sum(printed_thickness(thickness, printer) * length for thickness, length in pieces) / drawn
+    drawn_area = sum(thickness * length for thickness, length in pieces)
+    return sum(printed_thickness(thickness, printer) * length for thickness, length in pieces) / drawn_area
 
 
 def vanishing_thickness(printer: Printer) -> float:

@@ -60,16 +60,16 @@ def cut_flush(leg: Mesh, body: Body, key: str = "legs") -> Mesh:
     Raises GeometryError, beginning with `key`, when the leg lies within the body, or comes out of
     it again.
     """
-    whole = modeller.to_solid(leg)
-    left = modeller.check_solid(whole - body.solid).decompose()
-    pieces = [piece for piece in left if piece.volume() > ROUNDING_SHARE * whole.volume()]
+    leg_solid = modeller.to_solid(leg)
+    remainder = modeller.check_solid(leg_solid - body.solid).decompose()
+    pieces = [piece for piece in remainder if piece.volume() > ROUNDING_SHARE * leg_solid.volume()]
     if not pieces:
         raise GeometryError(f"{key}: a leg lies wholly within the body; make it longer")
     # (x, y, z) of the low corner come first in a bounding box
     lowest = min(pieces, key=lambda piece: piece.bounding_box()[1])
     if len(pieces) > 1:
-        loose = sum(piece.volume() for piece in pieces) - lowest.volume()
-        raise GeometryError(f"{key}: a leg comes out of the body again by {loose:.3g} mm^3: end it within the body")
+        excess = sum(piece.volume() for piece in pieces) - lowest.volume()
+        raise GeometryError(f"{key}: a leg comes out of the body again by {excess:.3g} mm^3: end it within the body")
     return modeller.to_mesh(lowest)
 
 
@@ -80,13 +80,13 @@ def unite_with_legs(body: Body, legs: Sequence[Mesh], key: str = "legs") -> Mesh
     modeller loses or doubles something.
     """
     parts = [body.solid, *(modeller.to_solid(leg) for leg in legs)]
-    whole = modeller.check_solid(manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add))
-    pieces = modeller.split_bodies(whole)
+    union = modeller.check_solid(manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add))
+    pieces = modeller.split_bodies(union)
     if len(pieces) != 1:
         raise GeometryError(
             f"{key}: body and {len(legs)} legs are {len(pieces)} pieces, must be one; let every leg reach into the body"
         )
     volumes = [part.volume() for part in parts]
-    if not max(volumes) * (1.0 - ROUNDING_SHARE) <= whole.volume() <= sum(volumes) * (1.0 + ROUNDING_SHARE):
-        raise SolidError(f"the union of {max(volumes):.6g} mm^3 and its legs has {whole.volume():.6g} mm^3")
-    return modeller.to_mesh(whole)
+    if not max(volumes) * (1.0 - ROUNDING_SHARE) <= union.volume() <= sum(volumes) * (1.0 + ROUNDING_SHARE):
+        raise SolidError(f"the union of {max(volumes):.6g} mm^3 and its legs has {union.volume():.6g} mm^3")
+    return modeller.to_mesh(union)

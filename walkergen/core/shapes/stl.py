@@ -37,13 +37,13 @@ def unpack(data: bytes, source: str) -> tuple[Corners, str]:
     """
     start = HEADER_BYTES + COUNT_BYTES
     count = int.from_bytes(data[HEADER_BYTES:start], "little")
-    held, rest = divmod(max(len(data) - start, 0), TRIANGLE.itemsize)
+    count_by_length, rest = divmod(max(len(data) - start, 0), TRIANGLE.itemsize)
     note = ""
-    if held and not rest and count in (0, 2**32 - 1):
-        count, note = held, f"its count of triangles is not filled in: {held} by its length"
-    elif 0 < count <= held and len(data) > start + count * TRIANGLE.itemsize:
+    if count_by_length and not rest and count in (0, 2**32 - 1):
+        count, note = count_by_length, f"its count of triangles is not filled in: {count_by_length} by its length"
+    elif 0 < count <= count_by_length and len(data) > start + count * TRIANGLE.itemsize:
         note = f"left out {len(data) - start - count * TRIANGLE.itemsize} bytes after its triangles"
-    if count > held or count == 0:
+    if count > count_by_length or count == 0:
         raise InputError(f"{source}: {len(data)} bytes is no binary STL file of {count} triangles; save it again")
     corners: Corners = np.frombuffer(data, TRIANGLE, offset=start, count=count)["corners"]
     if not np.isfinite(corners).all():

@@ -183,8 +183,8 @@ class _Package:
             if path not in names:
                 raise InputError(f"refers to {path[:60]!r}, which it does not hold; export the file again")
             self._parse_xml(archive, names[path], *self._model_handlers(path, path == root))
-            objects_of_model = [place for place, made in self.objects.items() if place[0] == path]
-            placed = [part for place in objects_of_model for part in self.objects[place].components]
+            objects_of_model = [key for key, made in self.objects.items() if key[0] == path]
+            placed = [part for key in objects_of_model for part in self.objects[key].components]
             others = {part.object[0] for part in [*placed, *(self.items if path == root else [])]}
             targets += sorted(others - {*targets})
         for path in SLICER_NOTE_FILES:
@@ -228,29 +228,29 @@ class _Package:
     def _model_handlers(self, path: str, root: bool) -> tuple[Callable[[str, Attributes], None], Callable[[str], None]]:
         """Return functions that receive the elements of a model and their text. `root` is True for the main model."""
         vertex, triangle = CORE_NAMESPACE + "vertex", CORE_NAMESPACE + "triangle"
-        own, setting, place = _new_object({}), "", (path, 0)
+        current, setting, place = _new_object({}), "", (path, 0)
 
         def begin(tag: str, attributes: Attributes) -> None:
             """Store a vertex, triangle, object, component or item. Raises InputError for what cannot be read."""
-            nonlocal own, setting, place
+            nonlocal current, setting, place
             setting = ""
             if tag == triangle:
-                own.triangles.extend([int(attributes[key]) for key in ("v1", "v2", "v3")])
-                if len(own.triangles) > 3 * self.most_triangles:
+                current.triangles.extend([int(attributes[key]) for key in ("v1", "v2", "v3")])
+                if len(current.triangles) > 3 * self.most_triangles:
                     raise InputError(f"holds more than {self.most_triangles} triangles; simplify the mesh")
             elif tag == vertex:
-                own.corners.extend([float(attributes[key]) for key in "xyz"])
+                current.corners.extend([float(attributes[key]) for key in "xyz"])
             elif tag == CORE_NAMESPACE + "object":
-                own, place = _new_object(attributes), (path, int(attributes["id"]))
+                current, place = _new_object(attributes), (path, int(attributes["id"]))
                 if place in self.objects or len(self.objects) >= MAX_PARTS:
                     raise InputError(
                         f"holds two objects {place[1]}; export the file again"
                         if place in self.objects
                         else f"holds more than {MAX_PARTS} objects; join them into fewer"
                     )
-                self.objects[place] = own
+                self.objects[place] = current
             elif tag == CORE_NAMESPACE + "component":
-                own.components.append(_parse_placement(attributes, path))
+                current.components.append(_parse_placement(attributes, path))
             elif tag == CORE_NAMESPACE + "item" and root:
                 self.items.append(_parse_placement(attributes, path))
             elif tag == CORE_NAMESPACE + "model":
@@ -276,7 +276,7 @@ class _Package:
             raise InputError(f"{path[:60]!r} is in {unit[:20]}, the model that places it in {self.unit[:20]}")
         for prefix in attributes.get("requiredextensions", "").split():
             space = self._prefixes.get(prefix, prefix)
-            if not any(known in space for known in HARMLESS_EXTENSIONS):
+            if not any(extension in space for extension in HARMLESS_EXTENSIONS):
                 raise InputError(f"requires {space[:90]!r}, which walkergen does not read; export plain meshes")
 
     def _note_handler(self) -> Callable[[str, Attributes], None]:
@@ -374,24 +374,24 @@ def _parse_placement(attributes: Attributes, path: str) -> _Placed:
     return _Placed(place, attributes.get("partnumber", ""), np.array(numbers).reshape(4, 3), printed)
 
 
-def _split_by_role(whole: Part, volumes: list[tuple[int, int, Role]]) -> Iterator[Part]:
+def _split_by_role(part: Part, volumes: list[tuple[int, int, Role]]) -> Iterator[Part]:
     """Split a part by the roles of its triangles. Triangles outside all volumes belong to the model.
 
     `volumes` has the first and last triangle and the role of each. Raises InputError if they share triangles.
     """
     spans = [(slice(first, last + 1 if last >= 0 else None), role) for first, last, role in volumes]
-    count = len(whole.triangles)
+    count = len(part.triangles)
     if sum(len(range(count)[span]) for span, _ in spans) > count:
-        raise InputError(f"{whole.name[:40]!r}: its volumes share triangles; export the file again")
+        raise InputError(f"{part.name[:40]!r}: its volumes share triangles; export the file again")
     roles = np.full(count, "model", dtype="<U8")
     for span, role in spans:
         roles[span] = role
     if (roles == "model").all():
-        yield whole
+        yield part
         return
     for span, role in spans:
-        if role == "negative" and len(whole.triangles[span]):
-            yield whole._replace(triangles=whole.triangles[span], role=role)
+        if role == "negative" and len(part.triangles[span]):
+            yield part._replace(triangles=part.triangles[span], role=role)
     for role in ("model", "other"):
         if (roles == role).any():
-            yield whole._replace(triangles=whole.triangles[roles == role], role=role)
+            yield part._replace(triangles=part.triangles[roles == role], role=role)

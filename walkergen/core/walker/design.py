@@ -133,12 +133,12 @@ class Design(WalkerSpec):
         data, legs = self.model_dump(exclude_unset=True), self.legs.model_dump(exclude_unset=True)
         first, size = self.limbs[0], self.size
         if self.alike:
-            own = {"place": "given", "contact_spacing_mm": self.foot_span, "width_mm": first.width}
-            return validate(data | {"legs": legs | own}, Design, self.name)
-        own = {key: legs[key] for key in ("kind", "length_mm", "brace_thickness_mm", "foot") if key in legs}
-        own |= {"thickness_mm": self.legs.thickness_mm, "thickness_sd_mm": self.legs.thickness_sd_mm}
+            keys = {"place": "given", "contact_spacing_mm": self.foot_span, "width_mm": first.width}
+            return validate(data | {"legs": legs | keys}, Design, self.name)
+        keys = {key: legs[key] for key in ("kind", "length_mm", "brace_thickness_mm", "foot") if key in legs}
+        keys |= {"thickness_mm": self.legs.thickness_mm, "thickness_sd_mm": self.legs.thickness_sd_mm}
         listed = [
-            own | {"along_mm": limb.along, "across_mm": limb.across, "width_mm": min(limb.width, size.depth)}
+            keys | {"along_mm": limb.along, "across_mm": limb.across, "width_mm": min(limb.width, size.depth)}
             for limb in self.limbs
         ]
         family = {"family": data.get("family", {}) | {"legs": [self.kind]}}
@@ -166,8 +166,8 @@ class Design(WalkerSpec):
     @property
     def foot_span(self) -> float:
         """Distance along the run from the rearmost foot to the foremost, mm."""
-        places = [limb.along for limb in self.limbs]
-        return max(places) - min(places)
+        positions = [limb.along for limb in self.limbs]
+        return max(positions) - min(positions)
 
     def variant(self, *, tilt_deg: float | None = None, kind: Kind | None = None, **keys: Any) -> "Design":
         """Return the design with another tilt or kind of legs, or with other values of any keys.
@@ -259,17 +259,17 @@ class Design(WalkerSpec):
         """
         tilts = [self.tilt_deg] if not self.follows else self.family.tilt_deg
         tilts = tilts if tilts_deg is None else list(tilts_deg)
-        chosen: list[Kind | None] = [None]
+        kinds_or_none: list[Kind | None] = [None]
         if kinds is not None or self.pair:
-            chosen = list(self.family.legs if kinds is None else kinds)
-        if self.weighed.leg_mass_g is not None and chosen not in ([self.kind], [None]):
+            kinds_or_none = list(self.family.legs if kinds is None else kinds)
+        if self.weighed.leg_mass_g is not None and kinds_or_none not in ([self.kind], [None]):
             raise GeometryError(
                 f"{self.name}: weighed.leg_mass_g is the mass of a {self.kind} leg. "
                 f"Make one kind only (‹legs=›{self.kind}), or remove the key."
             )
         variants: list[Design] = []
         problems: dict[str, list[str]] = {}
-        for kind in chosen:
+        for kind in kinds_or_none:
             for tilt in tilts:
                 try:
                     variants.append(self.variant(tilt_deg=tilt, kind=kind))
@@ -280,7 +280,7 @@ class Design(WalkerSpec):
             raise GeometryError(
                 "\n".join(
                     line
-                    if len(tilts_of_problem) == len(chosen) * len(tilts) or "tilt_deg = " in line
+                    if len(tilts_of_problem) == len(kinds_or_none) * len(tilts) or "tilt_deg = " in line
                     else f"at tilt {', '.join(dict.fromkeys(tilts_of_problem))} deg: {line}"
                     for line, tilts_of_problem in problems.items()
                 )

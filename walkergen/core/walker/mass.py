@@ -206,11 +206,11 @@ def centre_and_inertia(body: Spatial, legs: Sequence[LegMass], masses: Array, ce
     The centre is relative to O at half depth, mm. The tensor is in g mm^2. `masses` are those of the body and of each
     leg, shape (1 + legs,), g. `centres` are their centres of mass from O in the x-y plane, shape (1 + legs, 2), mm.
     """
-    places = np.column_stack([centres, (body.z, *(leg.across for leg in legs))])
-    middle = masses @ places / masses.sum()
+    positions = np.column_stack([centres, (body.z, *(leg.across for leg in legs))])
+    middle = masses @ positions / masses.sum()
     tensor = body.body + sum(leg.tensor for leg in legs if leg.tensor is not None)
-    for mass, place in zip(masses, places - middle, strict=True):
-        tensor = tensor + mass * (place @ place * np.eye(3) - np.outer(place, place))
+    for mass, position in zip(masses, positions - middle, strict=True):
+        tensor = tensor + mass * (position @ position * np.eye(3) - np.outer(position, position))
     return middle, tensor
 
 
@@ -242,10 +242,10 @@ def check_support(limbs: Sequence[Limb], mass: MassProperties) -> None:
     if gaps.max() < math.pi - SUPPORT_TOLERANCE_RAD:
         return
     x, z = centre - (mass.legs[0].foot[0] - limbs[0].along, 0.0)
-    places = ", ".join(f"{limb.along:g}" for limb in limbs[:6])
+    positions = ", ".join(f"{limb.along:g}" for limb in limbs[:6])
     raise GeometryError(
         f"legs[1].along_mm = {limbs[0].along:g}: the walker falls over. Its centre of mass is at "
-        f"{x:.3f} mm along and {z:.3f} mm across the body, not above its feet (at {places} mm "
+        f"{x:.3f} mm along and {z:.3f} mm across the body, not above its feet (at {positions} mm "
         "along). Move legs to either side of it.",
         "legs[1].along_mm",
     )

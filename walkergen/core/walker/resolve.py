@@ -293,11 +293,11 @@ def _height_faults(limbs: Sequence[Limb]) -> list[str]:
 
 def _stability_faults(limbs: Sequence[Limb]) -> list[str]:
     """Return a message if all feet are at one position along the run, otherwise an empty list."""
-    places = [limb.along for limb in limbs]
-    if max(places) - min(places) > max(limb.thickness for limb in limbs):
+    positions = [limb.along for limb in limbs]
+    if max(positions) - min(positions) > max(limb.thickness for limb in limbs):
         return []
     return [
-        f"legs[1].along_mm = {places[0]:g}: all feet are at one position along the run, so the "
+        f"legs[1].along_mm = {positions[0]:g}: all feet are at one position along the run, so the "
         "walker falls over. Put some in front of the others."
     ]
 

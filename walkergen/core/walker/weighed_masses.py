@@ -181,10 +181,10 @@ def check_stated_masses(design: Design) -> None:
         return
     stated = {"body_mass_g": design.weighed.body_mass_g, "leg_mass_g": design.weighed.leg_mass_g}
     meshed = _mesh_masses(design, solids.build(design, united=False))
-    for (key, value), drawn in zip(stated.items(), meshed, strict=True):
-        if value is not None and _is_implausible(value, drawn):
+    for (key, value), mesh_g in zip(stated.items(), meshed, strict=True):
+        if value is not None and _is_implausible(value, mesh_g):
             raise InputError(
-                f"{design.name}: weighed.{key} = {value:.4g}: the mesh has {drawn:.4g} g. They differ by more than a "
+                f"{design.name}: weighed.{key} = {value:.4g}: the mesh has {mesh_g:.4g} g. They differ by more than a "
                 f"factor of {MAX_MASS_RATIO:g}. "
                 "Check the unit. For another plastic set material.density_g_cm3.",
                 f"weighed.{key}",
@@ -313,7 +313,7 @@ def _match_part(name: str, parts: Mapping[str, str], members: Sequence[Design], 
         return part
     listed = list(dict.fromkeys(parts.values()))
     close = difflib.get_close_matches(name, listed, n=3, cutoff=0.6)
-    near = [suggestion for suggestion in close if suggestion not in present]
+    near = [one for one in close if one not in present]
     hint = f" Did you mean {', '.join(near)}?" if near else "" if close else f" Parts are {', '.join(listed[:3])} ..."
     raise InputError(
         f"part {name[:60]!r}: is not among the parts that ‹tilt› and ‹legs› select. "
@@ -326,10 +326,10 @@ def _is_other_member(name: str, members: Sequence[Design]) -> bool:
     match = PART_NAME_PATTERN.fullmatch(name)
     if match is None:
         return False
-    for own in names.group_by_design(members).values():
+    for design_members in names.group_by_design(members).values():
         kind: Any = match["kind"]
         try:
-            variant = own[0].variant(tilt_deg=float(match["tilt"]), kind=kind)
+            variant = design_members[0].variant(tilt_deg=float(match["tilt"]), kind=kind)
         except (InputError, GeometryError, ValueError):  # the design has no such walker
             continue
         stem = match["stem"]

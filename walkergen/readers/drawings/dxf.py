@@ -160,17 +160,17 @@ def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
     if not entities:
         return Drawing([], tuple(notes))
     size = _drawing_size(entities, source)
-    drawn = (dxf_curves.entity_points(entity, FLATNESS * size, source) for entity in entities)
+    sampled = (dxf_curves.entity_points(entity, FLATNESS * size, source) for entity in entities)
     visible = [
-        curve for curve in drawn if not np.ptp(curve, axis=0).max() <= MAX_END_GAP * size
+        curve for curve in sampled if not np.ptp(curve, axis=0).max() <= MAX_END_GAP * size
     ]  # NaN is reported below
     curves, doubles = _remove_duplicates(visible, MAX_END_GAP * size)
     contours, closed = _close_contours(curves, size, source)
     contours, frames = _remove_frames([scale * contour for contour in contours])
     if doubles:
         notes.append(f"left out {formatting.format_count(doubles, 'line that is', 'lines that are')} drawn twice")
-    if (wide := max(map(_polyline_width, entities))) > LINE_WIDTH_WARNING * size:
-        notes.append(f"took lines without their width, up to {wide * scale:.3g} mm: their middle is the outline")
+    if (width := max(map(_polyline_width, entities))) > LINE_WIDTH_WARNING * size:
+        notes.append(f"took lines without their width, up to {width * scale:.3g} mm: their middle is the outline")
     return Drawing([Shape(contours, nonzero=False)], (*notes, *closed, *frames))
 
 
@@ -281,7 +281,7 @@ def _collect_entities(document: "documents.Drawing", source: str) -> tuple[list[
     }
     hidden = frozen | unplotted | {layer.dxf.name.lower() for layer in document.layers if layer.is_off()}
     waiting = deque((entity, 0, "0") for entity in document.modelspace())
-    found: list[Any] = []
+    lines: list[Any] = []
     omissions: Counter[str] = Counter()
     seen = 0
     while waiting:
@@ -305,11 +305,11 @@ def _collect_entities(document: "documents.Drawing", source: str) -> tuple[list[
                 _drop_control_points(entity)
             waiting += [(part, depth + 1, layer) for part in entity.virtual_entities()]
         elif kind not in ANNOTATIONS:
-            found.append(_normalize_ellipse(entity) if kind == "ELLIPSE" else entity)
+            lines.append(_normalize_ellipse(entity) if kind == "ELLIPSE" else entity)
         elif kind in NOTED_ANNOTATIONS:
             omissions[kind] += 1
     counts = [f"{count} {what}" for what, count in sorted(omissions.items()) if count]
-    return found, [f"left out {', '.join(counts)}"] if counts else []
+    return lines, [f"left out {', '.join(counts)}"] if counts else []
 
 
 def _normalize_ellipse(ellipse: Any) -> Any:

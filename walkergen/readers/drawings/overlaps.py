@@ -34,19 +34,19 @@ def unite_shapes(shapes: Sequence[Shape]) -> Shape:
     import shapely
 
     regions = sorted(filter(None, map(_filled_region, shapes)), key=lambda region: -_fill_holes(region).area)
-    whole: BaseGeometry = shapely.Polygon()
+    union: BaseGeometry = shapely.Polygon()
     for region in regions:
-        within = whole.contains(region)
-        whole = whole.difference(region) if within else whole.union(region)
-    if whole.is_empty:
+        within = union.contains(region)
+        union = union.difference(region) if within else union.union(region)
+    if union.is_empty:
         return Shape([], nonzero=False)
-    left, low, right, high = whole.bounds
+    left, low, right, high = union.bounds
     size = max(right - left, high - low)
-    whole = shapely.set_precision(whole, GRID_SIZE * size)
-    whole = shapely.union_all(
-        [whole, *(point.buffer(JOINT_RADIUS * size) for point in _touching_points(whole, GRID_SIZE * size))]
+    union = shapely.set_precision(union, GRID_SIZE * size)
+    union = shapely.union_all(
+        [union, *(point.buffer(JOINT_RADIUS * size) for point in _touching_points(union, GRID_SIZE * size))]
     )
-    polygons = [polygon for polygon in shapely.get_parts(whole) if polygon.area > 0.0]
+    polygons = [polygon for polygon in shapely.get_parts(union) if polygon.area > 0.0]
     min_area = MIN_AREA_SHARE * max((polygon.area for polygon in polygons), default=0.0)
     rings = [
         np.asarray(ring.coords)[:-1]
@@ -65,16 +65,16 @@ def _filled_region(shape: Shape) -> "BaseGeometry":
     contours = [contour for contour in shape.contours if len(contour) > 2]
     if not contours:
         return shapely.Polygon()
-    every = np.vstack(contours)
-    middle, size = every.mean(axis=0), float(np.ptp(every, axis=0).max()) or 1.0
+    points = np.vstack(contours)
+    middle, size = points.mean(axis=0), float(np.ptp(points, axis=0).max()) or 1.0
     rule = manifold3d.FillRule.NonZero if shape.nonzero else manifold3d.FillRule.EvenOdd
     section = manifold3d.CrossSection([(MANIFOLD_SIZE / size) * (contour - middle) for contour in contours], rule)
-    whole: BaseGeometry = shapely.Polygon()
+    union: BaseGeometry = shapely.Polygon()
     for ring in section.to_polygons():
-        whole = whole.symmetric_difference(
+        union = union.symmetric_difference(
             shapely.Polygon(np.asarray(ring) * (size / MANIFOLD_SIZE) + middle).buffer(0.0)
         )
-    return whole
+    return union
 
 
 def _fill_holes(region: "BaseGeometry") -> "BaseGeometry":
@@ -98,10 +98,10 @@ def pieces(plan: Sequence[Array]) -> "list[BaseGeometry]":
     """Return the pieces of an outline, its outer contours with the holes in each, the largest first."""
     import shapely
 
-    whole: BaseGeometry = shapely.Polygon()
+    region: BaseGeometry = shapely.Polygon()
     for contour in plan:
-        whole = whole.symmetric_difference(shapely.Polygon(contour))
-    return sorted(shapely.get_parts(whole), key=lambda piece: -piece.area)
+        region = region.symmetric_difference(shapely.Polygon(contour))
+    return sorted(shapely.get_parts(region), key=lambda piece: -piece.area)
 
 
 def contours(region: "BaseGeometry") -> list[Array]:

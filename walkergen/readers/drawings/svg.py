@@ -103,23 +103,23 @@ def _parse_drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
         root.attrib.update(stated)  # styles of the page are of a window, as 100 %
         scale = _mm_per_unit(root, source) if scale_mm is None else (scale_mm, scale_mm)
         page = _page_box(root, source)
-        drawn = tree.visible_shapes(page[2:])
-        box = _bounding_box(drawn)
+        visible = tree.visible_shapes(page[2:])
+        box = _bounding_box(visible)
         if not np.isfinite(box).all():
             raise InputError(f"{source}: a coordinate is not finite. Use numbers up to 1e300.")
-        size = float((box[1] - box[0]).max()) if drawn else 0.0
-        shapes = [_clipped_shape(one, size, source) for one in drawn]
+        size = float((box[1] - box[0]).max()) if visible else 0.0
+        shapes = [_clipped_shape(one, size, source) for one in visible]
     except RecursionError:
         raise InputError(f"{source}: elements are nested too deeply") from None
     except (ValueError, TypeError, IndexError, AttributeError, ZeroDivisionError) as error:
         raise InputError(f"{source}: a path cannot be read ({error!r:.80})") from error
-    shapes, notes = _drop_page(drawn, shapes, page)
+    shapes, notes = _drop_page(visible, shapes, page)
     notes = [*_omission_notes(tree), *notes]
     if beyond := sum(_is_beyond_page(shape, page) for shape in shapes):
         notes.append(
             f"took {formatting.format_count(beyond, 'shape', 'shapes')} whole that the page's edge cuts in a browser"
         )
-    if (line := max((one.line for one in drawn), default=0.0)) > LINE_WIDTH_WARNING * size:
+    if (line := max((one.line for one in visible), default=0.0)) > LINE_WIDTH_WARNING * size:
         notes.append(f"took lines without their width, up to {line * scale[0]:.3g} mm: their middle is the outline")
     to_mm = np.array([scale[0], -scale[1]])  # people see y down; the shape has it up
     return Drawing([Shape([ring * to_mm for ring in shape.contours], shape.nonzero) for shape in shapes], tuple(notes))
@@ -136,11 +136,11 @@ def _omission_notes(tree: "Tree") -> list[str]:
 
 
 def _drop_page(
-    drawn: "Sequence[VisibleShape]", shapes: list[Shape], page: Sequence[float]
+    visible: "Sequence[VisibleShape]", shapes: list[Shape], page: Sequence[float]
 ) -> tuple[list[Shape], list[str]]:
-    """Return the shapes of `drawn` without white ones as large as the page (left, top, width, height), and notes."""
+    """Return the shapes of `visible` without white ones as large as the page (left, top, width, height), and notes."""
     covers_page = [_is_page_rectangle(shape, page) for shape in shapes]
-    is_paper = [covers and one.white for covers, one in zip(covers_page, drawn, strict=True)]
+    is_paper = [covers and one.white for covers, one in zip(covers_page, visible, strict=True)]
     if any(is_paper) and not all(is_paper):
         left = [shape for shape, white in zip(shapes, is_paper, strict=True) if not white]
         return left, ["left out a white rectangle as large as the page"]
@@ -153,8 +153,8 @@ def _is_beyond_page(shape: Shape, page: Sequence[float]) -> bool:
     """Return whether a shape reaches beyond the page (left, top, width, height), if the page has a size."""
     points = np.vstack([np.zeros((0, 2)), *shape.contours])
     low, size = np.array(page[:2]), np.array(page[2:])
-    over = MAX_OVERHANG_SHARE * size if np.isfinite(size).all() else np.full(2, np.inf)
-    return bool(((points < low - over) | (points > low + size + over)).any())
+    margin = MAX_OVERHANG_SHARE * size if np.isfinite(size).all() else np.full(2, np.inf)
+    return bool(((points < low - margin) | (points > low + size + margin)).any())
 
 
 def _parse_xml(data: bytes, source: str) -> ET.Element:
@@ -238,10 +238,10 @@ def _length_mm(text: str) -> float | None:
         return None
 
 
-def _bounding_box(drawn: "Sequence[VisibleShape]") -> Array:
+def _bounding_box(visible: "Sequence[VisibleShape]") -> Array:
     """Return the lower and upper corner of the drawing's contents, in its units, shape (2, 2)."""
     corners = [np.zeros((0, 2))]
-    for one in drawn:
+    for one in visible:
         if (bounds := one.path.bbox()) is not None:
             x0, y0, x1, y1 = bounds
             box_corners = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)], dtype=float)
@@ -250,21 +250,21 @@ def _bounding_box(drawn: "Sequence[VisibleShape]") -> Array:
     return np.array([points.min(axis=0), points.max(axis=0)]) if len(points) else np.zeros((2, 2))
 
 
-def _clipped_shape(drawn: "VisibleShape", size: float, source: str) -> Shape:
+def _clipped_shape(shape: "VisibleShape", size: float, source: str) -> Shape:
     """Return the contours of a shape in the drawing's units, cut by its clips. `size` is the drawing's longer side."""
-    contours = list(_unclipped_contours(drawn, size, source))
-    for clip in drawn.clips:
+    contours = list(_unclipped_contours(shape, size, source))
+    for clip in shape.clips:
         if contours:
-            contours, nonzero = _clip_contours(contours, drawn.nonzero, clip, size, source)
-            drawn = drawn._replace(nonzero=nonzero)
-    return Shape(contours, drawn.nonzero)
+            contours, nonzero = _clip_contours(contours, shape.nonzero, clip, size, source)
+            shape = shape._replace(nonzero=nonzero)
+    return Shape(contours, shape.nonzero)
 
 
-def _unclipped_contours(drawn: "VisibleShape", size: float, source: str) -> "Sequence[Array]":
+def _unclipped_contours(shape: "VisibleShape", size: float, source: str) -> "Sequence[Array]":
     """Return a shape's contours before clipping, for a drawing of this size. Raises InputError for an open path."""
-    linear, offset = drawn.matrix[:, :2], drawn.matrix[:, 2]
+    linear, offset = shape.matrix[:, :2], shape.matrix[:, 2]
     stretch, contours = float(np.linalg.norm(linear, 2)), []
-    for subpath in drawn.path.as_subpaths():
+    for subpath in shape.path.as_subpaths():
         local = _subpath_points(subpath, FLATNESS * size / max(stretch, 1e-300))
         if len(local) < 2:
             continue  # a pen that is moved and draws nothing
@@ -286,7 +286,7 @@ def _clip_contours(
     """Clip contours to a clip's shapes, and return them and whether their fill rule is nonzero."""
     from shapely import union_all
 
-    window = union_all([_filled_area(*_clipped_shape(one, size, source)) for one in clip.shapes])
+    window = union_all([_filled_area(*_clipped_shape(shape, size, source)) for shape in clip.shapes])
     area = _filled_area(contours, nonzero)
     left = area.intersection(window)
     if left.area >= (1.0 - CLIP_TOLERANCE) * area.area:
@@ -303,10 +303,10 @@ def _filled_area(contours: Sequence[Array], nonzero: bool) -> "BaseGeometry":
     rings = [Polygon(contour).buffer(0.0) for contour in contours if len(contour) > 2]
     if nonzero:
         return union_all(rings)
-    whole: BaseGeometry = Polygon()
+    area: BaseGeometry = Polygon()
     for ring in rings:
-        whole = whole.symmetric_difference(ring)
-    return whole
+        area = area.symmetric_difference(ring)
+    return area
 
 
 def _is_page_rectangle(shape: Shape, page: Sequence[float]) -> bool:

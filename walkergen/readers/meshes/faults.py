@@ -61,8 +61,8 @@ def check_solid(mesh: Mesh, source: str, repairs: Sequence[Remedy] = ()) -> None
 def crossing_tolerance(mesh: Mesh) -> float:
     """Return the depth of a crossing that is ignored, mm."""
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-    far = max(float(np.abs(mesh.vertices).max()), float((high - low).max()))
-    return RELATIVE_TOLERANCE * far
+    size = max(float(np.abs(mesh.vertices).max()), float((high - low).max()))
+    return RELATIVE_TOLERANCE * size
 
 
 def faulty_edges(triangles: Whole) -> Edges:

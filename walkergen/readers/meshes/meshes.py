@@ -131,10 +131,10 @@ def _printable_parts(parts: list[Part], source: str) -> list[Part]:
             faults.check_solid(Mesh(part.vertices, part.triangles), f"{source}: {part.name}")
         if not item_parts:
             continue
-        whole = modeller.to_solid(Mesh(*join_parts(tuple(item_parts))[1:3]))
+        solid = modeller.to_solid(Mesh(*join_parts(tuple(item_parts))[1:3]))
         for part in negative_parts:
-            whole = modeller.check_solid(whole - modeller.to_solid(Mesh(part.vertices, part.triangles)))
-        mesh = modeller.to_mesh(whole)
+            solid = modeller.check_solid(solid - modeller.to_solid(Mesh(part.vertices, part.triangles)))
+        mesh = modeller.to_mesh(solid)
         remaining = item_parts[0]._replace(vertices=mesh.vertices, triangles=mesh.triangles)
         printed = [part for part in printed if part.item != number] + [remaining]
     return sorted(printed, key=lambda part: part.item)
@@ -173,20 +173,20 @@ def merge_vertices(vertices: Array, triangles: Whole) -> tuple[Array, Whole]:
     vertices = vertices + 0.0  # minus zero is zero
     order = np.lexsort(vertices.T)
     ordered = vertices[order]
-    fresh = np.ones(len(ordered), bool)
-    fresh[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    is_first = np.ones(len(ordered), bool)
+    is_first[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
     index = np.empty(len(ordered), np.int64)
-    index[order] = np.cumsum(fresh) - 1
-    return ordered[fresh], index[triangles]
+    index[order] = np.cumsum(is_first) - 1
+    return ordered[is_first], index[triangles]
 
 
 def _is_binary_stl(data: bytes) -> bool:
     """Return whether an STL file has the length of its count of triangles, or lacks words of the text format."""
     start = stl.HEADER_BYTES + stl.COUNT_BYTES
     count = int.from_bytes(data[stl.HEADER_BYTES : start], "little")
-    whole = len(data) == start + count * stl.TRIANGLE.itemsize
+    fits = len(data) == start + count * stl.TRIANGLE.itemsize
     words = data[:2000].lstrip().lower()
-    return whole or b"\0" in words or not (words.startswith(b"solid") and (b"facet" in words or b"endsolid" in words))
+    return fits or b"\0" in words or not (words.startswith(b"solid") and (b"facet" in words or b"endsolid" in words))
 
 
 def _clean_part(source: str, part: Part) -> Part:
@@ -197,8 +197,8 @@ def _clean_part(source: str, part: Part) -> Part:
     bad = int((~np.isfinite(vertices).all(axis=1)).sum())
     if bad:
         raise InputError(f"{source}: {bad} of {len(vertices)} vertices are not finite numbers. Export the file again.")
-    if len(vertices) and (far := float(np.abs(vertices).max())) > MAX_COORDINATE:
-        raise InputError(f"{source}: a coordinate of {far:.3g}, at most {MAX_COORDINATE:g}: export in mm")
+    if len(vertices) and (largest := float(np.abs(vertices).max())) > MAX_COORDINATE:
+        raise InputError(f"{source}: a coordinate of {largest:.3g}, at most {MAX_COORDINATE:g}: export in mm")
     vertices, triangles = merge_vertices(vertices, triangles)
     return part._replace(vertices=vertices, triangles=triangles)
 

@@ -32,14 +32,14 @@ def triangulate_faces(data: bytes, source: str) -> bytes:
             cut.append("" if words[:1] in (["vt"], ["vn"], ["vp"]) else " ".join(words))
         else:
             # a number from the end counts from the corners so far, as from the start it counts from all
-            places = [int(word.partition("/")[0]) for word in words[1:]]
-            places = [place - 1 if place > 0 else len(corners) + place for place in places]
-            if not all(0 <= place < len(corners) for place in places):
+            indices = [int(word.partition("/")[0]) for word in words[1:]]
+            indices = [index - 1 if index > 0 else len(corners) + index for index in indices]
+            if not all(0 <= index < len(corners) for index in indices):
                 raise InputError(f"{source}: a face has a corner that does not exist. Export the file again.")
             triangles = (
-                [(0, 1, 2)] if len(places) == 3 else _triangulate_polygon(np.array([corners[at] for at in places]))
+                [(0, 1, 2)] if len(indices) == 3 else _triangulate_polygon(np.array([corners[at] for at in indices]))
             )
-            cut += ["f " + " ".join(str(places[at] + 1) for at in triangle) for triangle in triangles]
+            cut += ["f " + " ".join(str(indices[at] + 1) for at in triangle) for triangle in triangles]
     return "\n".join(cut).encode()
 
 

@@ -96,8 +96,8 @@ def _drop_duplicates(mesh: Mesh) -> tuple[Mesh, str]:
     index = index.reshape(-1)
     net = np.bincount(index, weights=turned, minlength=len(first)).astype(np.int64)
     # The first of each group that is turned as most of the group are
-    wanted = np.flatnonzero(turned * np.sign(net)[index] > 0)
-    keep = np.sort(wanted[np.unique(index[wanted], return_index=True)[1]])
+    candidates = np.flatnonzero(turned * np.sign(net)[index] > 0)
+    keep = np.sort(candidates[np.unique(index[candidates], return_index=True)[1]])
     flat, doubled = int((~real).sum()), len(triangles) - len(keep)
     drops = [f"{flat} triangles without area"] * (flat > 0) + [f"{doubled} doubled"] * (doubled > 0)
     return Mesh(mesh.vertices, triangles[keep]), f"dropped {' and '.join(drops)}" if drops else ""
@@ -136,19 +136,19 @@ def _trace_holes(vertices: Array, edges: Sequence[tuple[int, int]]) -> list[list
 
     Where holes touch in a vertex, the boundary goes on along the edge that is nearest in direction.
     """
-    ahead: dict[int, list[int]] = {}
+    successors: dict[int, list[int]] = {}
     for start, end in edges:
-        ahead.setdefault(start, []).append(end)
+        successors.setdefault(start, []).append(end)
     holes = []
-    while ahead:
-        hole = [next(iter(ahead))]
-        while (here := hole[-1]) in ahead:
-            ways = vertices[ahead[here]] - vertices[here]
-            back = vertices[hole[-2]] - vertices[here] if len(hole) > 1 else ways[0]
-            nearest = int(np.argmax(ways @ back / np.linalg.norm(ways, axis=1)))
-            end = ahead[here].pop(nearest)
-            if not ahead[here]:
-                del ahead[here]
+    while successors:
+        hole = [next(iter(successors))]
+        while (here := hole[-1]) in successors:
+            directions = vertices[successors[here]] - vertices[here]
+            back = vertices[hole[-2]] - vertices[here] if len(hole) > 1 else directions[0]
+            nearest = int(np.argmax(directions @ back / np.linalg.norm(directions, axis=1)))
+            end = successors[here].pop(nearest)
+            if not successors[here]:
+                del successors[here]
             if end in hole:  # the hole is closed; what led to it goes on
                 holes.append(hole[hole.index(end) :])
                 hole = hole[: hole.index(end) + 1]
@@ -169,8 +169,8 @@ def _fix_orientation(mesh: Mesh) -> tuple[Mesh, str]:
         triangles = np.asarray(agreeing.faces, np.int64)
     if not len(edges.open):
         triangles = _orient_outward(Mesh(mesh.vertices, triangles))
-    ahead = [np.roll(triangles, shift, axis=1) for shift in range(3)]
-    same = np.any([(mesh.triangles == shifted).all(axis=1) for shifted in ahead], axis=0)
+    rotated = [np.roll(triangles, shift, axis=1) for shift in range(3)]
+    same = np.any([(mesh.triangles == shifted).all(axis=1) for shifted in rotated], axis=0)
     number = int((~same).sum())
     turned = Mesh(mesh.vertices, np.ascontiguousarray(triangles))
     return turned, f"turned {number} of {len(same)} triangles" if number else ""
@@ -199,11 +199,11 @@ def _unite_bodies(mesh: Mesh) -> tuple[Mesh, str]:
     if len(outward) < 2 or len(outward) < pieces.number:
         return mesh, ""
     solids = [modeller.to_solid(Mesh(mesh.vertices, mesh.triangles[pieces.label == number])) for number in outward]
-    whole = modeller.check_solid(manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add))
-    bodies = sorted(whole.decompose(), key=lambda body: -body.volume())
+    union = modeller.check_solid(manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add))
+    bodies = sorted(union.decompose(), key=lambda body: -body.volume())
     rest = sum(abs(body.volume()) for body in bodies[1:])
     change = f"united {len(solids)} bodies to {len(bodies)}" if len(bodies) < len(solids) else ""
     if len(bodies) > 1 and rest <= MAX_CRUMB_SHARE * bodies[0].volume():
         dropped = f"dropped {formatting.format_count(len(bodies) - 1, 'body', 'bodies')} of {rest:.3g} mm^3 together"
         return modeller.to_mesh(bodies[0]), "; ".join(filter(None, (change, dropped)))
-    return (modeller.to_mesh(whole), change) if change else (mesh, "")
+    return (modeller.to_mesh(union), change) if change else (mesh, "")

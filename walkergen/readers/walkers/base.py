@@ -33,9 +33,9 @@ def add_to_outline(outline: Sequence[Array], thickness: float) -> tuple[list[Arr
 
     (contour,) = overlaps.contours(_plate_region(shapely.union_all(overlaps.pieces(outline)), thickness))
     middle = 0.5 * (contour.min(axis=0) + contour.max(axis=0))
-    stood = extrude([ring - middle for ring in outline], thickness, pieces=True)
+    raised = extrude([ring - middle for ring in outline], thickness, pieces=True)
     plate = extrude([contour - middle], min(MAX_THICKNESS_MM, 0.5 * thickness))
-    return [contour - middle], _unite_parts([stood, plate])
+    return [contour - middle], _unite_parts([raised, plate])
 
 
 def add_to_mesh(mesh: Mesh) -> Mesh:
@@ -65,7 +65,7 @@ def _plate_region(shadow: "BaseGeometry", height: float) -> "BaseGeometry":
 def _unite_parts(parts: Sequence[Mesh]) -> Mesh:
     """Unite a plate and the parts on it to one closed mesh. Raises GeometryError."""
     solids = [modeller.to_solid(part) for part in parts]
-    whole = modeller.check_solid(manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add))
-    if apart := len(modeller.split_bodies(whole)) - 1:
+    union = modeller.check_solid(manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add))
+    if apart := len(modeller.split_bodies(union)) - 1:
         raise GeometryError(f"body.base = true: {apart} pieces float above the plate. Lower them onto the others.")
-    return modeller.to_mesh(whole)
+    return modeller.to_mesh(union)

@@ -115,8 +115,8 @@ def _text_plan(body: Body) -> Plan:
     height = body.depth_mm
     if body.given_length_mm is not None:
         height = body.given_length_mm / float(np.ptp(np.vstack(text_outline(body.text, 1.0, False, font=font))[:, 0]))
-    drawn = text_outline(body.text, height, connected=body.base is False, rails=body.rails_mm, font=font)
-    return Plan(drawn, (), len(overlaps.pieces(drawn)))
+    outline = text_outline(body.text, height, connected=body.base is False, rails=body.rails_mm, font=font)
+    return Plan(outline, (), len(overlaps.pieces(outline)))
 
 
 def _read_plan(body: Body, path: Path) -> Plan:
@@ -130,24 +130,24 @@ def _read_plan(body: Body, path: Path) -> Plan:
         )
     read = partial(outlines.from_file, path, mend=body.repair, connected=not body.repair and body.base is None)
     try:
-        drawn = read(scale_mm=body.scale_mm, length_mm=body.given_length_mm)
+        outline = read(scale_mm=body.scale_mm, length_mm=body.given_length_mm)
     except NoUnitError:
-        drawn = read(length_mm=size_check.DEFAULT_LENGTH_MM)
+        outline = read(length_mm=size_check.DEFAULT_LENGTH_MM)
         note = f"made it {size_check.DEFAULT_LENGTH_MM:g} mm long, for it states no size: body.length_mm sets another"
-        drawn = drawn._replace(notes=(*drawn.notes, note))
+        outline = outline._replace(notes=(*outline.notes, note))
     if body.given_length_mm is None:
-        size = float(np.ptp(np.vstack(drawn.polygons), axis=0).max())
+        size = float(np.ptp(np.vstack(outline.polygons), axis=0).max())
         size_check.check_size(size, f"body.outline = {path.name!r}", body.scale_mm or 1.0)
-    pieces = overlaps.pieces(drawn.polygons)
+    pieces = overlaps.pieces(outline.polygons)
     kept = [piece for piece in pieces if piece.area > MAX_SPECK_SHARE * pieces[0].area]
-    notes = drawn.notes
+    notes = outline.notes
     if specks := len(pieces) - len(kept):
         notes += (f"left out {formatting.format_count(specks, 'speck', 'specks')}",)
     if len(kept) > 1 and body.base is False:
         notes += (f"left out {formatting.format_count(len(kept) - 1, 'piece', 'pieces')} other than the largest",)
         kept = kept[:1]
     if len(kept) == len(pieces):
-        return Plan(drawn.polygons, notes, len(pieces))
+        return Plan(outline.polygons, notes, len(pieces))
     contours = overlaps.contours(shapely.union_all(kept))
     points = np.vstack(contours)
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))

@@ -109,9 +109,9 @@ def place_on_body(cap: Cap, body: Mesh, depth: float) -> Mesh:
     Raises GeometryError for a body whose upper side does not hold it.
     """
     top = float(body.vertices[:, 1].max())
-    if (held := _supported_share(cap, body, top, depth)) < MIN_SUPPORTED_SHARE:
+    if (supported := _supported_share(cap, body, top, depth)) < MIN_SUPPORTED_SHARE:
         raise GeometryError(
-            f"cap.marker_mm = {cap.marker_mm:g}: {100 * held:.0f} % of the cap's {cap.side:.4g} mm "
+            f"cap.marker_mm = {cap.marker_mm:g}: {100 * supported:.0f} % of the cap's {cap.side:.4g} mm "
             f"square lie on the middle of the body's upper side, at least {100 * MIN_SUPPORTED_SHARE:g} % hold "
             "it: make it smaller, or the body wider or flat on top",
             "cap.marker_mm",

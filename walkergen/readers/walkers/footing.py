@@ -37,35 +37,36 @@ def find_footing(
     and width along z, mm. Raises GeometryError, beginning with `key`, when the leg misses the
     body, lies partly outside it or under a hole, or has its foot within the body.
     """
-    place = f"{key}: the leg with its foot at x = {foot[0]:.4g}, z = {foot[2]:.4g} mm"
+    subject = f"{key}: the leg with its foot at x = {foot[0]:.4g}, z = {foot[2]:.4g} mm"
     axes = np.array([[0.0, 0.0, 1.0], [direction[1], -direction[0], 0.0], direction])
     half = 0.5 * np.array([width, thickness])
-    near = body.mesh.triangles[_is_near_line(body.mesh, foot, axes[:2], half)]
-    distance = first_hit(body.mesh.vertices[near], foot, direction)
+    near_triangles = body.mesh.triangles[_is_near_line(body.mesh, foot, axes[:2], half)]
+    distance = first_hit(body.mesh.vertices[near_triangles], foot, direction)
     if distance is None:
-        raise GeometryError(f"{place} misses the body; move it under the body")
+        raise GeometryError(f"{subject} misses the body; move it under the body")
     anchor = foot + distance * direction
-    bounds = _height_bounds((body.mesh.vertices[near] - foot) @ axes.T, half)
+    bounds = _height_bounds((body.mesh.vertices[near_triangles] - foot) @ axes.T, half)
     if bounds is not None:
         return Footing(anchor, *bounds)
     corners = np.array(body.solid.bounding_box()).reshape(2, 3)
-    far = float(np.linalg.norm(np.abs(corners - foot).max(axis=0))) + thickness + width
-    leg = joining.leg_prism(foot, direction, thickness, width, far)
+    leg_length = float(np.linalg.norm(np.abs(corners - foot).max(axis=0))) + thickness + width
+    leg = joining.leg_prism(foot, direction, thickness, width, leg_length)
     outside = [
         modeller.to_mesh(piece).vertices
         for piece in modeller.check_solid(modeller.to_solid(leg) - body.solid).decompose()
     ]
     heights = [(points - foot) @ direction for points in outside]
-    lower = [height for height in heights if height.min() < joining.ROUNDING_SHARE * far]
+    lower = [height for height in heights if height.min() < joining.ROUNDING_SHARE * leg_length]
     if len(lower) != 1:
-        raise GeometryError(f"{place} begins within the body; make the leg longer")
+        raise GeometryError(f"{subject} begins within the body; make the leg longer")
     reach = float(lower[0].max())
     above = min(
-        (float(height.min()) for height in heights if height.min() >= joining.ROUNDING_SHARE * far), default=math.inf
+        (float(height.min()) for height in heights if height.min() >= joining.ROUNDING_SHARE * leg_length),
+        default=math.inf,
     )
-    if reach > far * (1.0 - joining.ROUNDING_SHARE):
+    if reach > leg_length * (1.0 - joining.ROUNDING_SHARE):
         raise GeometryError(
-            f"{place}, {thickness:g} mm thick and {width:g} mm wide, is not wholly under the body: "
+            f"{subject}, {thickness:g} mm thick and {width:g} mm wide, is not wholly under the body: "
             "it lies under a hole or beyond an edge; move it or make it smaller"
         )
     return Footing(anchor, reach, above)
@@ -83,19 +84,19 @@ def _height_bounds(corners: Array, half: Array) -> tuple[float, float] | None:
         corners = _clip_polygons(_clip_polygons(corners, axis, limit), axis, limit, -1.0)
     x, y, heights = corners.transpose(2, 0, 1)
     areas = 0.5 * (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1)
-    lower, upper, whole = areas < 0.0, areas > 0.0, 4.0 * half.prod()
-    if any(abs(np.abs(areas[side]).sum() - whole) > joining.ROUNDING_SHARE * whole for side in (lower, upper)):
+    lower, upper, total = areas < 0.0, areas > 0.0, 4.0 * half.prod()
+    if any(abs(np.abs(areas[side]).sum() - total) > joining.ROUNDING_SHARE * total for side in (lower, upper)):
         return None
     reach, above = float(heights[lower].max()), float(heights[upper].min())
     return (reach, above) if reach < above else None
 
 
-def _clip_polygons(polygons: Array, axis: int, far: float, side: float = 1.0) -> Array:
-    """Cut off the parts of convex polygons, shape (k, n, 3), where `side` times a coordinate exceeds `far`.
+def _clip_polygons(polygons: Array, axis: int, limit: float, side: float = 1.0) -> Array:
+    """Cut off the parts of convex polygons, shape (k, n, 3), where `side` times a coordinate exceeds `limit`.
 
     `side` is 1 or -1. The first point of a polygon is repeated to fill its row. Source: Sutherland and Hodgman (1974).
     """
-    distance = far - side * polygons[:, :, axis]
+    distance = limit - side * polygons[:, :, axis]
     inside, following_distance = distance >= 0.0, np.roll(distance, -1, axis=1)
     crossing = inside != np.roll(inside, -1, axis=1)
     share = np.divide(distance, distance - following_distance, out=np.zeros_like(distance), where=crossing)[:, :, None]
@@ -131,12 +132,12 @@ def first_hit(corners: Array, start: Array, direction: Array) -> float | None:
     return float(distance[hit].min()) if hit.any() else None
 
 
-def _is_near_line(mesh: Mesh, start: Array, sides: Array, half: Array) -> Mask:
-    """Return a mask of triangles with a box within `half`, shape (k,), mm, of `start` along k directions, `sides`."""
+def _is_near_line(mesh: Mesh, start: Array, directions: Array, half: Array) -> Mask:
+    """Return a mask of triangles with a box within `half`, shape (k,), mm, of `start` along k `directions`."""
     slack = 1e-6 * float(np.ptp(mesh.vertices, axis=0).max())
     is_near = np.ones(len(mesh.triangles), bool)
-    for side, far in zip(sides, half + slack, strict=True):
+    for side, limit in zip(directions, half + slack, strict=True):
         first, second, third = ((mesh.vertices - start) @ side)[mesh.triangles.T]
-        is_near &= np.minimum(np.minimum(first, second), third) <= far
-        is_near &= np.maximum(np.maximum(first, second), third) >= -far
+        is_near &= np.minimum(np.minimum(first, second), third) <= limit
+        is_near &= np.maximum(np.maximum(first, second), third) >= -limit
     return is_near

@@ -86,11 +86,11 @@ class Placement(NamedTuple):
     @property
     def words(self) -> str:
         """One line that describes the rows, widths and stability of the legs."""
-        places = sorted({limb.along for limb in self.limbs})
-        widths = [sum(limb.width for limb in self.limbs if limb.along == place) for place in places]
-        wide = f"{min(widths):.3g}" + (f" to {max(widths):.3g}" if max(widths) - min(widths) > 0.05 else "")
+        feet = sorted({limb.along for limb in self.limbs})
+        widths = [sum(limb.width for limb in self.limbs if limb.along == along) for along in feet]
+        width = f"{min(widths):.3g}" + (f" to {max(widths):.3g}" if max(widths) - min(widths) > 0.05 else "")
         return (
-            f"legs found for the body: {len(places)} rows, {wide} mm wide, feet {places[-1] - places[0]:.3g} mm apart; "
+            f"legs found for the body: {len(feet)} rows, {width} mm wide, feet {feet[-1] - feet[0]:.3g} mm apart; "
             f"tips over beyond {self.lean_deg:.0f} deg"
         )
 
@@ -140,11 +140,11 @@ def available_space(body: Body, legs: Legs) -> LegSpace:
     ground, (along, up, across) = _footprint_and_centre(body.key)
     reach = _leg_reach(leg)
     left, _, right, _ = ground.bounds
-    places = np.linspace(left - reach.front, right - reach.back, 4 * SPAN_STEPS)
-    covered = covered_intervals(ground.buffer(-MIN_EDGE_MM), places + reach.back, places + reach.front)
+    positions = np.linspace(left - reach.front, right - reach.back, 4 * SPAN_STEPS)
+    covered = covered_intervals(ground.buffer(-MIN_EDGE_MM), positions + reach.back, positions + reach.front)
     tops = [
-        shapely.box(place + reach.back, low, place + reach.front, high)
-        for place, pieces in zip(places.tolist(), covered, strict=True)
+        shapely.box(position + reach.back, low, position + reach.front, high)
+        for position, pieces in zip(positions.tolist(), covered, strict=True)
         for low, high in pieces
         if high - low >= MIN_LEG_WIDTH_MM
     ]
@@ -182,8 +182,8 @@ def _drop_other_size(remedy: Remedy) -> Remedy:
 
 def auto_remedies(body: Body, legs: Legs) -> list[Remedy]:
     """Suggest automatic placement of the legs, if it works."""
-    own = legs.model_copy(update={"place": "auto"})
-    return [Remedy("place the legs automatically", {"legs.place": "auto"})] if _can_stand(body, own) else []
+    auto_legs = legs.model_copy(update={"place": "auto"})
+    return [Remedy("place the legs automatically", {"legs.place": "auto"})] if _can_stand(body, auto_legs) else []
 
 
 def _other_orientations(body: Body) -> list[dict[str, Any]]:

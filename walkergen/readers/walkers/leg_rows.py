@@ -102,9 +102,9 @@ def find_rows(ground: "BaseGeometry", centre: tuple[float, float], height: float
         for cost in sorted(costs):
             if stability_margin(costs[cost], centre) >= 0.5 * MIN_SPAN_PER_HEIGHT * height * (1.0 - MARGIN_TOLERANCE):
                 return _add_middle_rows(costs[cost], inner, centre[1], reach)
-    wide = 2.0 * shapely.maximum_inscribed_circle(ground).length
+    width = 2.0 * shapely.maximum_inscribed_circle(ground).length
     raise GeometryError(
-        f"{right - left:.3g} mm long, {wide:.2g} wide, centre of mass {height:.3g} mm up, it tips from any legs"
+        f"{right - left:.3g} mm long, {width:.2g} wide, centre of mass {height:.3g} mm up, it tips from any legs"
     )
 
 
@@ -112,19 +112,19 @@ def _add_middle_rows(outer: tuple[Row, Row], inner: "BaseGeometry", across: floa
     """Return two outer rows, with rows between them if they are far apart and the area `inner` allows it."""
     back, front = outer
     number = math.ceil((front.along - back.along) / MAX_ROW_DISTANCE_MM - MARGIN_TOLERANCE)
-    places = np.linspace(back.along, front.along, number + 1)[1:-1]
-    middle = _widest_rows(inner, places, across, reach) if len(places) else []
+    positions = np.linspace(back.along, front.along, number + 1)[1:-1]
+    middle = _widest_rows(inner, positions, across, reach) if len(positions) else []
     return back, *(row for row in middle if row is not None), front
 
 
-def _widest_rows(inner: "BaseGeometry", places: Array, across: float, reach: Reach) -> list[Row | None]:
-    """Return the row of legs with feet at each of `places` along the run, as wide as the area `inner` allows, or None.
+def _widest_rows(inner: "BaseGeometry", positions: Array, across: float, reach: Reach) -> list[Row | None]:
+    """Return the row of legs with feet at each of the positions along the run, as wide as `inner` allows, or None.
 
     Rows are symmetric about the centre of mass, at `across` (mm), if their legs are wide enough.
     """
     rows: list[Row | None] = []
     for along, pieces in zip(
-        places.tolist(), covered_intervals(inner, places + reach.back, places + reach.front), strict=True
+        positions.tolist(), covered_intervals(inner, positions + reach.back, positions + reach.front), strict=True
     ):
         mirrored = [(2.0 * across - high, 2.0 * across - low) for low, high in pieces]
         symmetric = [(max(a, c), min(b, d)) for a, b in pieces for c, d in mirrored]

@@ -60,8 +60,8 @@ def format_mark(marks: Marks, tilts_deg: Sequence[float], tilt_deg: float) -> st
         return marks.letters
     if marks.kind != "notches":
         return _engraved_digits(marks, tilt_deg)
-    drawn = " ".join("#" * width for width in _notch_widths(tilts_deg, tilt_deg))
-    return drawn if marks.serial is None else f"{drawn} {marks.serial}"
+    notches_drawn = " ".join("#" * width for width in _notch_widths(tilts_deg, tilt_deg))
+    return notches_drawn if marks.serial is None else f"{notches_drawn} {marks.serial}"
 
 
 def _engraved_digits(marks: Marks, tilt_deg: float) -> str:
