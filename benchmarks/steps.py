@@ -127,7 +127,7 @@ def measure_setting(one: Setting, code: str, options: argparse.Namespace) -> Row
     fine = {"run.seed": 2, "run.step_us": 1e6 * plan.world.options.step / options.finer}
     pair = [Walker(own, design, mass), Walker(own.variant(**fine), design, mass)]
     coarse, finer = (one.summary for one in walkers.simulate_parallel(pair).values())
-    stated = step_errors.step_bias(step_errors.judge(plan, coarse.numbers)[observables.SPEED])
+    stated = step_errors.step_bias(step_errors.add_step_bias(plan, coarse.numbers)[observables.SPEED])
     speeds = (coarse.speed.value, coarse.speed.se, finer.speed.value, finer.speed.se)
     known = [math.nan if value is None else value for value in (*speeds, stated)]
     return Row(code, name(one), *known)

@@ -20,18 +20,18 @@ MAX_PAIRS = 64
 
 
 class UntilDecided(NamedTuple):
-    """Pairs of runs until it is decided whether the change of the one variant is within an error."""
+    """Rule that adds pairs of runs (scene, variant) until the change is clearly within the tolerance or not."""
 
     tolerance: Tolerance
     first: int = FIRST_RUNS
 
     def verdict(self, measured: Measured[Pairs]) -> Verdict:
-        """Describe how the change compares with the error that the scene's speed allows."""
+        """Compare the variant's change of speed with the allowed error of the scene's speed (95 % confidence)."""
         pairs, records = measured.experiment, measured.records
         return variants.verdict(pairs.walker, pairs.mean_speed(records), pairs.changes(records)[0], self.tolerance)
 
     def further(self, measured: Measured[Pairs]) -> Measured[Pairs] | None:
-        """Return a measurement with twice the pairs; None if finished."""
+        """Return the measurement with twice as many pairs; None if the verdict is clear or MAX_PAIRS is reached."""
         change = measured.experiment.changes(measured.records)[0].speed
         decided = self.verdict(measured) is not Verdict.UNDECIDED or change.se is None
         return None if decided or measured.runs >= MAX_PAIRS else measured.with_runs(2 * measured.runs)
@@ -51,7 +51,7 @@ class Simplest(NamedTuple):
 
     @property
     def error_mm_s(self) -> float:
-        """Largest error of the speed (95 %) by the dropped effects, mm/s."""
+        """Upper limit (95 %) of the change of speed, mm/s, by all effects left out together."""
         if not self.left_out:
             return 0.0
         change = self.left_out[-1].speed  # with all before it left out as well
@@ -59,7 +59,7 @@ class Simplest(NamedTuple):
 
     @property
     def lines(self) -> list[tuple[str, str]]:
-        """Effects that were left out and that were kept: names and values as text."""
+        """Report lines (name, text): the effects left out, and those kept."""
         if self.accepted is None:
             return []
         share = f"{100.0 * self.accepted:g} %"
@@ -87,7 +87,7 @@ class Simplest(NamedTuple):
 
 
 def _format_change(change: Change) -> str:
-    """Format an effect with the change of speed without it."""
+    """Format an effect's name with the change of speed (mm/s) when it is left out."""
     speed, named = change.speed, change.effect
     if speed.value is None:
         return f"{named} ({speed.refused})"
@@ -96,7 +96,7 @@ def _format_change(change: Change) -> str:
 
 
 def check_no_accepted_error(scene: Scene, why: str) -> None:
-    """Refuse an accepted error if nothing is left out. Raises InputError with the reason `why`."""
+    """Raise InputError if the scene sets `run.accepted_error`. `why`: reason in the message."""
     accepted = scene.run.accepted_error
     if accepted is not None:
         key = "scene.run.accepted_error"
@@ -104,9 +104,10 @@ def check_no_accepted_error(scene: Scene, why: str) -> None:
 
 
 def find_simplest(walker: Walker, progress: Progress = silent, threads: int | None = None) -> Simplest:
-    """Leave out what changes the speed by less than the scene's `run.accepted_error`, with 95 % confidence.
+    """Return the walker in the simplest scene whose speed stays within the scene's `run.accepted_error` (95 %).
 
-    Effects that no switch forces are tried. Each is compared with the whole scene, without the effects dropped before.
+    Leaves out one effect after the other, except those listed in `effects.on`. Each time, the speed without all effects
+    left out so far is compared with the speed of the complete scene.
     """
     accepted = walker.scene.run.accepted_error
     if accepted is None:
@@ -115,7 +116,7 @@ def find_simplest(walker: Walker, progress: Progress = silent, threads: int | No
     found = Simplest(whole, accepted)
 
     def try_variant(variant: Variant | None) -> Simplest:
-        """Return the result after a variant was tried as well."""
+        """Measure a variant. Return `found` with its change in `left_out` or `kept`, unchanged for None."""
         if variant is None:
             return found
         measured = measure(Pairs(whole, (variant,)), until, progress, threads)

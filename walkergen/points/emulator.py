@@ -32,9 +32,9 @@ class Emulator(NamedTuple):
     """Inverse of the Cholesky factor of the values' covariance, shape (n, n)."""
 
     def __call__(self, x: Array) -> tuple[Array, Array]:
-        """Return the mean and standard deviation of the function, noise left out; x of shape (k, d).
+        """Return mean and standard deviation of the function at `x` (k, d), each of shape (k,), without noise.
 
-        As `process.predict` gives them, whose checks take five times the time of its work.
+        The same numbers as `process.predict`, whose checks take five times the time of its work.
         """
         from scipy.spatial.distance import cdist
 
@@ -42,9 +42,9 @@ class Emulator(NamedTuple):
         variance, lengths = process.kernel_.k1.constant_value, process.kernel_.k2.length_scale
         scaled = (x - self.centre) / self.scale
         distance = math.sqrt(5.0) * cdist(scaled / lengths, process.X_train_ / lengths)
-        alike = variance * (1.0 + distance + distance**2 / 3.0) * np.exp(-distance)
-        mean = process._y_train_mean + process._y_train_std * (alike @ process.alpha_)
-        explained = np.sum((alike @ self.factor.T) ** 2, axis=1)
+        covariance = variance * (1.0 + distance + distance**2 / 3.0) * np.exp(-distance)
+        mean = process._y_train_mean + process._y_train_std * (covariance @ process.alpha_)
+        explained = np.sum((covariance @ self.factor.T) ** 2, axis=1)
         sd = process._y_train_std * np.sqrt(np.maximum(variance - explained, 0.0))
         return np.ravel(mean), sd
 
@@ -61,10 +61,10 @@ def single_thread() -> Any:
 
 
 def fit(x: Array, y: Array, noise: Array | None = None, seed: int = 1, like: Emulator | None = None) -> Emulator:
-    """Fit an emulator to values y (n,) at x (n, d) with known standard errors, or one to be found.
+    """Fit an emulator to values y (n,) at inputs x (n, d) by maximum likelihood.
 
-    Lengths and, without `noise`, the noise maximise the likelihood; the lengths are those of
-    `like`, if given. Raises ValueError for fewer than MIN_VALUES values.
+    `noise`: standard errors of the values (n,); None to fit one for all. `like`: emulator whose kernel and scales are
+    used unchanged. Raises ValueError for fewer than MIN_VALUES values.
     """
     from sklearn.exceptions import ConvergenceWarning
     from sklearn.gaussian_process import GaussianProcessRegressor

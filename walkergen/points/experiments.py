@@ -58,24 +58,24 @@ class Walker(NamedTuple):
         return prepare(self.scene, self.design, self.mass)
 
     def prepare(self) -> OneRun[RunResult]:
-        """Return a function that simulates the run of a number, with its kernels compiled."""
+        """Compile the kernels and return a function that simulates the run with a given number."""
         plan = self.plan()
         compile_kernels(plan)
         return ensemble.runner(plan, self.impacts, self.sample_interval)
 
     def quantities(self, records: Sequence[RunResult]) -> list[Quantity]:
-        """Return the observables of runs, with the step's error of each as a bias."""
+        """Return the observables averaged over runs, each with its error from the time step as `bias`."""
         plan = self.plan()
         summary = ensemble.summarise(records, plan.shaken.peak_speed, 0.0)
-        return list(step_errors.judge(plan, summary.numbers).values())
+        return list(step_errors.add_step_bias(plan, summary.numbers).values())
 
     def finer(self) -> "Walker | None":
-        """Return the walker with half the step; None for the finest."""
+        """Return the walker with half the time step; None if that is below MIN_STEP_US."""
         step = _step_us(self.plan())
         return None if step < 2.0 * MIN_STEP_US else self.with_run(step_us=0.5 * step)
 
     def with_run(self, **run: float) -> "Walker":
-        """Return the walker with other values in its scene's [run]."""
+        """Return the walker with these settings, by name, changed in the table [run] of its scene."""
         return self._replace(scene=self.scene.model_copy(update={"run": self.scene.run.model_copy(update=run)}))
 
 
@@ -95,14 +95,14 @@ class Results(NamedTuple):
 
     @property
     def partial(self) -> bool:
-        """Whether Ctrl-C left runs out."""
+        """Whether runs are missing after Ctrl-C."""
         return self.summary.runs < self.walker.scene.run.runs
 
 
 def key_facts(scene: Scene, design: Design) -> list[Any]:
-    """Return the inputs of a simulation for keys, without names and what only theory or printer use.
+    """Return all inputs that a simulation's results depend on, as JSON values to be hashed to a key.
 
-    For bodies from files, and for letters, they include what the files hold.
+    Names, and values that only theory or printer use, are left out. Bodies from files, and letters, add their shape.
     """
     shape = design.shape
     drawn = [shape.sha256, [contour.tolist() for contour in shape.plan]]
@@ -119,12 +119,12 @@ def key_facts(scene: Scene, design: Design) -> list[Any]:
 
 
 def from_records(walker: Walker, records: Sequence[RunResult], runs: int, wall_s: float) -> Results:
-    """Summarize a walker's finished runs, which took `wall_s` seconds; `runs` were requested."""
+    """Summarize the finished runs `records` of a walker. `runs`: requested number. `wall_s`: time they took, s."""
     plan = walker.plan()
     summary = ensemble.summarise(records, plan.shaken.peak_speed, wall_s)
     return Results(
         walker.with_run(runs=runs),
-        summary._replace(numbers=step_errors.judge(plan, summary.numbers)),
+        summary._replace(numbers=step_errors.add_step_bias(plan, summary.numbers)),
         records,
         [plan.resolved.idle] if plan.resolved.idle else [],
         _step_us(plan),
@@ -132,12 +132,12 @@ def from_records(walker: Walker, records: Sequence[RunResult], runs: int, wall_s
 
 
 def _step_us(plan: Plan) -> float:
-    """Return the step of a plan."""
+    """Return the time step of a plan, µs."""
     return 1e6 * plan.world.options.step
 
 
 def _to_json(value: Any) -> Any:
-    """Convert named tuples, tuples of them and arrays to values of JSON."""
+    """Convert named tuples (to dicts), tuples, arrays and numbers to values of JSON, recursively."""
     if hasattr(value, "_asdict"):
         return {name: _to_json(item) for name, item in value._asdict().items()}
     if isinstance(value, tuple):

@@ -68,10 +68,11 @@ def predict_members(
     model: Model = "best",
     progress: Progress = silent,
 ) -> Iterator[Member]:
-    """Weigh and predict walkers, with the same random numbers for all; a few of them are simulated (`speeds`).
+    """Yield each design's mesh, masses and predicted speed, with the same random numbers for all.
 
-    With masses from a balance every member also has its mesh's mass and speed. Raises InputError,
-    before the first member, when the masses are impossible.
+    `built`: solids of each design. `weighed`: masses from a balance by part name; members then also have the mass and
+    speed of their mesh. With `model` "best", up to MAX_SIMULATED walkers outside the surrogate are simulated. Raises
+    InputError, before the first member, for impossible masses.
     """
     named = [names.part_name(design) for design in designs]
     final = [
@@ -93,12 +94,12 @@ def predict_members(
             )
         member = Member(design, name, parts.walker, mass, row)
         if weighed:
-            member = member._replace(weighing=_weighing(member, parts, scene, mode, weighed, model))
+            member = member._replace(weighing=_compare_weighing(member, parts, scene, mode, weighed, model))
         yield member
 
 
 def _apply_weighings(design: Design, parts: Solids, weighed: "Mapping[str, Weighings]", name: str) -> Design:
-    """Give a design its masses from the balance, if it or what it carries was weighed."""
+    """Return the design with its weighed masses; unchanged if neither the part `name` nor its load was weighed."""
     if not weighed:
         return design
     from walkergen.core.walker import weighed_masses
@@ -109,10 +110,10 @@ def _apply_weighings(design: Design, parts: Solids, weighed: "Mapping[str, Weigh
     return weighed_masses.apply_masses(design, parts, weighed[name], name)
 
 
-def _weighing(
+def _compare_weighing(
     member: Member, parts: Solids, scene: Scene, mode: Mode, weighed: "Mapping[str, Weighings]", model: Model
 ) -> Weighing:
-    """Return the mass of a member, and its mesh's mass with the speed for it."""
+    """Return a member's weighed mass, with the mass and the predicted speed that its mesh alone gives."""
     from walkergen.core.walker import weighed_masses
 
     plain = weighed_masses.without_weighed_masses(member.design)
@@ -127,7 +128,7 @@ def _weighing(
 
 
 def columns(member: Member) -> dict[str, Any]:
-    """Return all numbers of a walker by the columns of a table: prediction, runs, weighed mass."""
+    """Return all numbers of a walker by column names: prediction and, if present, runs and weighed mass."""
     found, runs = member.row.columns(), member.simulated
     if runs is not None:
         speed = runs.speed._replace(key="sim_speed").row(95, stem="sim_")
@@ -140,7 +141,7 @@ def columns(member: Member) -> dict[str, Any]:
 
 
 def row(member: Member) -> SimpleNamespace:
-    """Return all numbers of a walker as attributes. Those with an error are quantities."""
+    """Return all numbers of a walker as attributes of one object. Numbers with an error are of class Quantity."""
     found, runs, weighing = member.row._asdict(), member.simulated, member.weighing
     if runs is not None:
         found |= {"sim_speed": runs.speed, "sim_outcomes": runs.outcomes, "verdict": runs.verdict}

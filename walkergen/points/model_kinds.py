@@ -53,33 +53,33 @@ class Kind(Protocol):
     """Whether runs may be added until an error is met, or a time is spent."""
 
     def check(self, keep: Sequence[str], model: str, printer: Printer | None) -> None:
-        """Refuse groups that do not go with a model. Raises InputError."""
+        """Raise InputError if a group of numbers in `keep` is not available for the model or without a printer."""
 
     def title(self, model: str) -> str:
-        """Describe the source of the numbers."""
+        """Return words for a title that say how the model's numbers were obtained."""
 
     def columns(self, model: str, keep: Sequence[str]) -> tuple[str, ...]:
-        """Return the columns of records that keep these groups, without the status."""
+        """Return the columns of records with the groups in `keep`, without the status."""
 
     def pictures(self, keep: Sequence[str]) -> tuple[Picture, ...]:
-        """Return the pictures of a table."""
+        """Return the numbers that pictures show of a table with the groups in `keep`."""
 
     def cost(self, point: Point) -> float:
-        """Estimate the CPU seconds of a point in less time. Raises WalkergenError for one that cannot be built."""
+        """Estimate the CPU seconds to evaluate a point, in less time. Raises WalkergenError for an invalid point."""
 
     def evaluate(self, point: Point) -> Record:
-        """Compute the numbers of a point. Raises WalkergenError for one that cannot be built, or simulated."""
+        """Compute the numbers of a point. Raises WalkergenError if it cannot be built or simulated."""
 
 
 def kind_of(model: str) -> str:
-    """Return the kind of the points of a model. Raises InputError for an unknown model."""
+    """Return the kind of experiment, a key of KIND_MODULES, for a model. Raises InputError for an unknown model."""
     if model not in ALL_MODELS:
         raise InputError(f"‹model=›{model[:30]!r}: must be one of {', '.join(ALL_MODELS)}")
     return ALONE if model in MODELS else model
 
 
 def kind_of_key(key: str) -> str:
-    """Return the only kind that a key applies to; "" for a key of all kinds."""
+    """Return the kind of experiment to which a scene's or design's key is restricted; "" if it applies to all."""
     return next((kind for kind, start in KIND_KEY_PREFIXES.items() if key.startswith(start)), "")
 
 
@@ -92,7 +92,7 @@ def load_kind(kind: str) -> Kind:
 
 
 def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
-    """Refuse groups and models that are unknown, or do not go together. Raises InputError."""
+    """Raise InputError for an unknown model or group of numbers, or a group in `keep` that the model does not have."""
     kind = load_kind(kind_of(model))
     for name in keep:
         if name not in kind.GROUPS:
@@ -101,7 +101,7 @@ def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
 
 
 def evaluate(point: Point) -> Record:
-    """Compute the numbers of a point; the status reports one that cannot be built or simulated."""
+    """Compute the numbers of a point. If it cannot be built or simulated, the record's status says so."""
     try:
         return load_kind(point.kind).evaluate(point)
     except WalkergenError as error:

@@ -64,23 +64,23 @@ class Point(NamedTuple):
 
     @property
     def predicted(self) -> bool:
-        """Whether its numbers hold a predicted speed."""
+        """Whether the point's numbers include a predicted speed."""
         return bool(self.keep) or not self.simulated
 
 
-def status_record(how: PointStatus, words: str = "") -> Record:
-    """Return the beginning of a record: the outcome of a point, and its text."""
-    return {WENT_KEY: how, STATUS_KEY: words or how.value}
+def status_record(status: PointStatus, text: str = "") -> Record:
+    """Return the entries of a record for a point's status and its text for the table, by default the status itself."""
+    return {WENT_KEY: status, STATUS_KEY: text or status.value}
 
 
 def refused_record(error: WalkergenError) -> Record:
-    """Return the record of a point that cannot be built or simulated."""
+    """Return the record, status and reason only, of a point that cannot be built or simulated."""
     reason = " ".join(error.text.split())[:300]
     return status_record(PointStatus.REFUSED, f"{PointStatus.REFUSED}: {reason}") | {REASON_KEY: reason}
 
 
 def point_key(point: Point) -> str:
-    """Hash of all that a point's numbers depend on, the program's sources too, 32 digits."""
+    """Return a hash of all that a point's numbers depend on, program sources included: 32 hexadecimal digits."""
     printer = point.printer.model_dump(exclude={"name", "description"}) if point.printer else None
     table = [point.scene.prediction.model_dump(), networks.digest()]
     facts = [
@@ -98,9 +98,9 @@ def point_key(point: Point) -> str:
 
 @functools.cache
 def digest() -> str:
-    """Hash of the program's sources that numbers come from, 16 hexadecimal digits.
+    """Return a hash of the program's sources that compute points: 16 hexadecimal digits.
 
-    Pictures, commands and jobs do not count: they change no number of a point.
+    Sources of pictures and commands are left out: they change no number of a point.
     """
     package, hasher = Path(__file__).parent.parent, hashlib.sha256()
     counted = ("*.py", "analysis/*.py", "core/**/*.py", "guests/crowd/**/*.py", "points/*.py", "readers/**/*.py")

@@ -66,7 +66,7 @@ class Poses(NamedTuple):
 
     @property
     def rotations(self) -> Array:
-        """Matrices, body axes to world, shape (n, 3, 3)."""
+        """Rotation matrices from body axes to world axes, shape (n, 3, 3)."""
         q, i, j, k = self.turns.T
         rows = [
             [1 - 2 * (j * j + k * k), 2 * (i * j - q * k), 2 * (i * k + q * j)],
@@ -77,7 +77,7 @@ class Poses(NamedTuple):
 
 
 def sample(plan: Plan, interval: float, number: int = 0) -> Poses:
-    """Simulate one run of a plan in space; its poses every `interval` seconds, every landing."""
+    """Simulate run `number` of a plan. Return its poses every `interval` seconds, and all landings of feet."""
     result = run.simulate_with_impacts(plan, number, sample_interval=interval)
     world = run.drop_for_run(plan, number)[0].world
     samples = result.tally.samples
@@ -111,7 +111,10 @@ def sample(plan: Plan, interval: float, number: int = 0) -> Poses:
 
 @kernel
 def _fill_points(world, states, points, plate):
-    """Fill the points of contact of every state (x, y, z, gap, mm) and the plate's heights."""
+    """Compute points of contact and plate heights of n states into `points` and `plate`, mm.
+
+    `points`: shape (n, contacts, 4) for x, y, z and the gap to the plate. `plate`: shape (n,).
+    """
     for i in range(len(states)):
         state = states[i].copy()
         work = work_for(world.walker, state)

@@ -60,10 +60,9 @@ class PrintScatter(NamedTuple):
 
 
 def measure(scene: Scene, design: Design, draws: int, progress: Progress) -> PrintScatter:
-    """Simulate `draws` prints, the scene's seconds each, and find the sources of their scatter.
+    """Simulate `draws` random prints, one run each, and attribute the scatter of their speeds to the uncertain inputs.
 
-    Raises InputError for a number of draws out of range, when nothing is uncertain, and when too
-    few runs end well.
+    Raises InputError if `draws` is out of range, nothing is uncertain, or too few runs end well.
     """
     if not MIN_DRAWS <= draws <= MAX_DRAWS:
         raise InputError(f"‹draws=›{draws}: must lie in {MIN_DRAWS}..{MAX_DRAWS}")
@@ -88,9 +87,9 @@ class PrintRuns(NamedTuple):
 
 
 def simulate_prints(scene: Scene, design: Design, draws: int, progress: Progress) -> PrintRuns:
-    """Simulate `draws` prints, the scene's seconds each.
+    """Simulate `draws` prints with random values of the uncertain inputs, one run each.
 
-    Raises InputError when nothing is uncertain, and when fewer than MIN_DRAWS runs end well.
+    Raises InputError if nothing is uncertain, or fewer than MIN_DRAWS runs end well.
     """
     plan = prepare(scene, design, solids.mass_of(design))
     inputs = uncertain_inputs.inputs(scene, design, uncertain_inputs.SPACE_READER)
@@ -111,18 +110,21 @@ def simulate_prints(scene: Scene, design: Design, draws: int, progress: Progress
     halves = np.array([_half_speeds(point) for point, well in zip(points, good, strict=True) if well])
     outcomes = dict(Counter(point.results[0].outcome.value for point in points))
     mean = Quantity("speed", "mm_s", float(halves.mean()))
-    step = step_errors.step_bias(step_errors.judge(plan, {observables.SPEED: mean})[observables.SPEED])
+    step = step_errors.step_bias(step_errors.add_step_bias(plan, {observables.SPEED: mean})[observables.SPEED])
     return PrintRuns(inputs, values[good], halves, outcomes, step)
 
 
 def add_step_error(ends: Bounds, mean: float, error: float | None) -> Bounds:
-    """Add the step's error (95 %; None: unknown) in squares to the bounds about a mean (mm/s)."""
+    """Widen the bounds `ends` (95 % low, 68 % low, 68 % high, 95 % high) of a mean by the time step's error, mm/s.
+
+    The error (95 %; None if unknown) is added in quadrature.
+    """
     by_step = error or 0.0
     return add_error(ends, mean, (by_step, 0.5 * by_step, 0.5 * by_step, by_step))
 
 
 def add_error(ends: Bounds, mean: float, parts: Bounds) -> Bounds:
-    """Add a further error in squares to each end of the bounds about a mean (mm/s)."""
+    """Move each bound in `ends` away from the mean by its error in `parts`, added in quadrature, mm/s."""
     low2, low1, high1, high2 = (
         mean + math.copysign(math.hypot(end - mean, part), end - mean) for end, part in zip(ends, parts, strict=True)
     )
@@ -130,26 +132,26 @@ def add_error(ends: Bounds, mean: float, parts: Bounds) -> Bounds:
 
 
 def _build_draw(scene: Scene, design: Design, inputs: Sequence[Input], row: Array, number: int) -> Walker:
-    """Return the results of one draw: a single run with its own drop and corner heights."""
+    """Return the walker of one draw: inputs set to the values `row`, and one run, seeded by the draw's number."""
     names = [quantity.name for quantity in inputs]
     changed, printed, mass = uncertain_inputs.apply_inputs(scene, design, dict(zip(names, row, strict=True)))
     run = changed.run.model_copy(update={"runs": 1, "seed": (scene.run.seed + number) % 2**63})
     return Walker(changed.model_copy(update={"run": run}), printed, mass)
 
 
-def _simulate_draws(wanted: Sequence[Walker], progress: Progress) -> list[Results]:
-    """Simulate the points of all draws; the first one alone, since it compiles for all."""
-    progress("kernels", 0, len(wanted))
-    first = walkers.simulate(wanted[0])
-    others = walkers.simulate_parallel(wanted[1:], part_progress(progress, 0, 1, f"{len(wanted)} prints"))
-    if first.partial or len(others) < len(wanted) - 1:
+def _simulate_draws(draws: Sequence[Walker], progress: Progress) -> list[Results]:
+    """Simulate the walkers of all draws in parallel, after the first, which compiles the kernels for all."""
+    progress("kernels", 0, len(draws))
+    first = walkers.simulate(draws[0])
+    others = walkers.simulate_parallel(draws[1:], part_progress(progress, 0, 1, f"{len(draws)} prints"))
+    if first.partial or len(others) < len(draws) - 1:
         raise KeyboardInterrupt
     return [first, *others.values()]
 
 
-def _half_speeds(point: Results) -> tuple[float, float]:
-    """Return the mean speeds of the two halves of a run, mm/s."""
-    blocks = point.results[0].block_speeds
+def _half_speeds(results: Results) -> tuple[float, float]:
+    """Return the mean speeds of the first and second half of a single run, mm/s."""
+    blocks = results.results[0].block_speeds
     middle = len(blocks) // 2
     return float(blocks[:middle].mean()), float(blocks[middle:].mean())
 
@@ -157,11 +159,10 @@ def _half_speeds(point: Results) -> tuple[float, float]:
 def analyse(
     inputs: tuple[Input, ...], values: Array, halves: Array, outcomes: dict[str, int], seed: int
 ) -> PrintScatter:
-    """Separate the contributions of prints and of short runs to the scatter of speeds.
+    """Separate the scatter of speeds between prints from the statistical error of short runs.
 
-    Values of the inputs, shape (n, inputs); mean speeds of the halves of each run, shape (n, 2),
-    mm/s: their differences give the statistical error, which holds for correlations shorter than
-    half a run.
+    `values`: inputs of n draws, shape (n, inputs). `halves`: mean speeds of the two halves of each run, shape (n, 2),
+    mm/s. The difference of the halves gives the statistical error, if correlations are shorter than half a run.
     """
     speeds, statistical = halves.mean(axis=1), statistical_error(halves)
     mean, total = float(speeds.mean()), float(speeds.std(ddof=1))
@@ -194,13 +195,13 @@ def statistical_error(halves: Array) -> float:
 def speed_bounds(speeds: Array, statistical: float) -> Bounds:
     """Return the speeds below which 2.5, 16, 84 and 97.5 % of prints run, from draws of shape (n,), mm/s.
 
-    Draws are drawn together until they scatter as prints alone do, so that the error of short runs
-    is not in the bounds; but no more than MAX_VARIANCE_SHARE of their variance is taken out.
+    The statistical error of short runs is taken out: deviations from the mean are scaled down accordingly. At most
+    MAX_VARIANCE_SHARE of the variance is taken out.
     """
     mean, variance = speeds.mean(), float(speeds.var(ddof=1))
     share = min(statistical**2 / variance, MAX_VARIANCE_SHARE) if variance else 0.0
-    drawn = mean + (speeds - mean) * math.sqrt(1.0 - share)
-    ends = statistics.prediction_quantiles(drawn, uncertain_inputs.QUANTILES)
+    scaled = mean + (speeds - mean) * math.sqrt(1.0 - share)
+    ends = statistics.prediction_quantiles(scaled, uncertain_inputs.QUANTILES)
     low2, low1, high1, high2 = ends.tolist()
     return low2, low1, high1, high2
 
@@ -208,26 +209,27 @@ def speed_bounds(speeds: Array, statistical: float) -> Bounds:
 def _variance_shares(
     inputs: Sequence[Input], values: Array, speeds: Array, between: float, seed: int
 ) -> tuple[Array, Array]:
-    """Return the first-order and total shares of the variance between prints, and the share that inputs explain.
+    """Return the shares of the variance between prints by input, and their jackknife errors, both of shape (3, inputs).
 
-    Shape (3, inputs), the last row equal throughout, and standard errors of the same shape by a
-    jackknife over groups of draws.
+    Rows: first-order share, total share, and the share of all inputs together, which repeats. `between`: standard
+    deviation between prints, mm/s.
     """
     fit_of_all = emulator.fit(values, speeds, seed=seed % 2**32)
 
-    def shares(kept: Mask) -> Array:
+    def shares_from(kept: Mask) -> Array:
+        """Return the shares, shape (3, inputs), from the draws for which `kept` is True."""
         fitted = emulator.fit(values[kept], speeds[kept], fit_of_all.noise[kept], like=fit_of_all)
 
-        def mean(x: Array) -> Array:
+        def mean_speed(x: Array) -> Array:
             return fitted(x)[0]
 
-        parts = uncertain_inputs.sobol_indices(inputs, mean, np.random.default_rng(seed))
+        parts = uncertain_inputs.sobol_indices(inputs, mean_speed, np.random.default_rng(seed))
         sample = uncertain_inputs.sample_inputs(inputs, uncertain_inputs.SHARE_POINTS, seed)
-        explained = float(mean(sample).var())
+        explained = float(mean_speed(sample).var())
         part = min(explained / between**2, 1.0)
         return np.vstack([part * parts, np.full(len(inputs), part)])
 
     group = np.arange(len(speeds)) % JACKKNIFE_GROUPS
-    replicates = np.array([shares(group != left_out).ravel() for left_out in range(JACKKNIFE_GROUPS)])
-    whole = shares(group >= 0)
+    replicates = np.array([shares_from(group != left_out).ravel() for left_out in range(JACKKNIFE_GROUPS)])
+    whole = shares_from(group >= 0)
     return whole, statistics.jackknife_error(replicates).reshape(whole.shape)

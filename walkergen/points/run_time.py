@@ -43,18 +43,18 @@ def stop_after_moment() -> Stopped:
 
 
 def rate_from_steps(plan: Plan) -> float:
-    """Bound the CPU seconds of a simulated second of a walker.
+    """Return an upper limit of the CPU seconds per simulated second.
 
-    The bound is from the steps of a walker whose feet never leave the plate, or from the plate's periods.
+    It is STEP_CPU_S times the number of time steps, or of plate periods, in a second.
     """
     step = getattr(plan.world.options, "step", None)  # none of models that go from event to event
     return STEP_CPU_S * max(0.0 if step is None else 1.0 / step, plan.shaken.frequency)
 
 
 def measure_rate(plan: Plan) -> float:
-    """Estimate the CPU seconds of a simulated second of a walker, from a moment of its first run.
+    """Estimate the CPU seconds per simulated second by simulating the first run for MOMENT_S of CPU time.
 
-    Steps are counted instead if they are so many that even the start of a moment takes long.
+    Return `rate_from_steps` instead if even the start of that run would take longer than MAX_START_S.
     """
     by_steps = rate_from_steps(plan)
     if SETTLING_S * by_steps > MAX_START_S:
@@ -70,13 +70,13 @@ def run_cpu_s(walker: Walker) -> float:
     return measure_rate(walker.plan()) * (run.discard_seconds + run.seconds)
 
 
-def wall_time(each_s: float, pieces: int, hands: int | None = None) -> float:
-    """Return the clock time (s) of pieces of work of these CPU seconds, in turns of `hands`, or of every core."""
-    return each_s * math.ceil(pieces / (hands or core_count()))
+def wall_time(task_cpu_s: float, tasks: int, workers: int | None = None) -> float:
+    """Return the clock time (s) of equal tasks that run in parallel on `workers` cores; None: all cores."""
+    return task_cpu_s * math.ceil(tasks / (workers or core_count()))
 
 
 def total_time(walkers: Sequence[Walker]) -> Expected | None:
-    """Return the time of all runs of walkers' scenes, one walker after the other; None if it is short."""
+    """Estimate the clock time of all runs of walkers, one walker after the other; None if it is short."""
     runs = [walker.scene.run for walker in walkers]
     if sum(run.runs * (run.discard_seconds + run.seconds) for run in runs) < MIN_RUNS_S:
         return None
@@ -95,7 +95,10 @@ class ErrorWithEstimate(NamedTuple):
         return self.until.first
 
     def further(self, measured: Measured[Walker]) -> Measured[Walker] | None:
-        """Return more runs, or a finer experiment, as the error needs."""
+        """Return the measurement with more runs, or a finer experiment, until the error is met; None then.
+
+        After the first runs, pass a function that estimates the remaining time to `expect`.
+        """
         more = self.until.further(measured)
         if more is not None and measured.runs == self.until.first:
             self.expect(lambda: time_to_error(self.until, measured))
@@ -103,20 +106,23 @@ class ErrorWithEstimate(NamedTuple):
 
 
 def time_to_error(until: Error, measured: Measured[Walker]) -> Expected:
-    """Estimate the time to an error after the first runs; and in all, compared with the next cheaper error."""
+    """Estimate the remaining clock time until the error is met, from the first runs `measured`.
+
+    A note compares the total time with that for the next larger error.
+    """
     cheaper = until._replace(tolerance=next_cheaper(until.tolerance))
-    hands, left = core_count(), cost_of_error(until, measured)
+    cores, left = core_count(), cost_of_error(until, measured)
     whole, other = (
-        formatting.format_duration((total_cpu_s(measured) + cost) / hands)
+        formatting.format_duration((total_cpu_s(measured) + cost) / cores)
         for cost in (left, cost_of_error(cheaper, measured))
     )
     return Expected(
-        left / hands, "" if whole == other else f"{until.tolerance} {whole} in all, {cheaper.tolerance} {other}"
+        left / cores, "" if whole == other else f"{until.tolerance} {whole} in all, {cheaper.tolerance} {other}"
     )
 
 
 def cost_of_error(until: Error, measured: Measured[Walker]) -> float:
-    """Return the CPU seconds to an error after the first runs; 0 if these suffice."""
+    """Estimate the remaining CPU seconds until the error is met, from the first runs `measured`; 0 if it is met."""
     if until.further(measured) is None:
         return 0.0
     finer = until.select_resolution(measured)
@@ -127,12 +133,15 @@ def cost_of_error(until: Error, measured: Measured[Walker]) -> float:
 
 
 def total_cpu_s(measured: Measured[Any]) -> float:
-    """Return the CPU seconds that runs took."""
+    """Return the CPU seconds that the finished runs took."""
     return float(sum(record.cpu_s for record in measured.records))
 
 
 def _runs_needed(until: Error, measured: Measured[Walker], finer: Walker) -> int:
-    """Return the fewest runs of an experiment that will meet an error, by the scatter of the finished ones."""
+    """Return the number of runs of the walker `finer` that will meet an error, from the scatter of the finished runs.
+
+    `finer`: the measured walker, or the same with a smaller time step.
+    """
     quantity = measured._replace(experiment=finer).quantities[until.of]
     scatter = _run_scatter(measured, until.of, quantity.se or 0.0)
     for runs in range(until.first, until.most):
@@ -144,9 +153,9 @@ def _runs_needed(until: Error, measured: Measured[Walker], finer: Walker) -> int
 
 
 def _run_scatter(measured: Measured[Walker], of: str, se: float) -> float:
-    """Return the standard deviation of one run.
+    """Return the standard deviation of the quantity `of` from run to run. `se`: standard error of its mean over runs.
 
-    Of the speed it is from blocks of all runs, which is more precise than from few runs.
+    For the speed, a more precise `se` is computed from blocks of all runs.
     """
     good = [record for record in measured.records if record.outcome in ENDED_WELL]
     if of == SPEED and good:

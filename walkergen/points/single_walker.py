@@ -58,7 +58,7 @@ GROUP_COLUMNS = {
 
 
 def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
-    """Refuse groups that do not go with a model. Raises InputError."""
+    """Raise InputError if a group of numbers in `keep` needs a simulation or a printer that is missing."""
     for name in ("persistence", "alignment", "impacts"):
         if name in keep and model == PREDICTION:
             raise InputError(f"‹keep=›{name}: needs a simulation: ‹model=›space")
@@ -67,23 +67,23 @@ def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
 
 
 def title(model: str) -> str:
-    """Describe the source of the numbers."""
+    """Return words for a title that say how the numbers were obtained."""
     return "predicted" if model == PREDICTION else f"model {model}"
 
 
 def columns(model: str, keep: Sequence[str]) -> tuple[str, ...]:
-    """Return the columns of records that keep these groups, without the status."""
+    """Return the columns of records with the groups of numbers in `keep`, without the status."""
     more = [name for group in GROUP_COLUMNS if group in keep for name in GROUP_COLUMNS[group]]
     return (*(PREDICTED_COLUMNS if model == PREDICTION else SIMULATED_COLUMNS), *more)
 
 
 def pictures(keep: Sequence[str]) -> tuple[Picture, ...]:
-    """Return the pictures of a table: the speed."""
+    """Return the one number of a table that pictures show: the speed, for any `keep`."""
     return (Picture("sweep", "speed_mm_s", "low_95_mm_s", "high_95_mm_s", "speed (mm/s)"),)
 
 
 def cost(point: Point) -> float:
-    """Estimate the CPU seconds of a point from a moment of its runs, or the first one; a prediction is made twice."""
+    """Estimate the CPU seconds of a point from short runs. If it is only predicted, measure an evaluation instead."""
     if point.simulated:
         found = find_simplest(Walker(point.scene, point.design, solids.mass_of(point.design)), threads=1)
         walker, wanted = found.walker, point.wanted
@@ -97,7 +97,7 @@ def cost(point: Point) -> float:
 
 
 def evaluate(point: Point) -> Record:
-    """Compute the numbers of a point. Raises WalkergenError for one that cannot be built, or simulated."""
+    """Compute the numbers of a point by column. Raises WalkergenError if it cannot be built or simulated."""
     design, scene, keep = point.design, point.scene, point.keep
     weighed_masses.check_stated_masses(design)
     mass = solids.mass_of(design)
@@ -136,7 +136,7 @@ def evaluate(point: Point) -> Record:
 
 
 def _simulate_point(point: Point, mass: MassProperties) -> Record:
-    """Return the numbers of the runs of a point, with more runs until its error is met."""
+    """Simulate a point, until its requested error is met if it has one. Return the numbers by column."""
     walker, met = find_simplest(Walker(point.scene, point.design, mass), threads=1).walker, None
     if point.wanted is None:
         results = walkers.simulate(walker, threads=1)
@@ -162,7 +162,7 @@ def _simulate_point(point: Point, mass: MassProperties) -> Record:
 
 
 def _motion_record(results: Results, names: Sequence[str]) -> Record:
-    """Return the estimates of the motion of runs; None if unknown."""
+    """Return the named estimates from the tracks of runs, and their errors, by column; None if unknown."""
     good = [result for result in results.results if result.outcome in ENDED_WELL]
     moved = None
     if good:
@@ -176,7 +176,7 @@ def _motion_record(results: Results, names: Sequence[str]) -> Record:
 
 
 def _status_record(summary: Summary, met: ErrorResult | None) -> Record:
-    """Describe the outcome of the runs of a point."""
+    """Return status and text for the runs of a point. `met`: result for a requested error, None without one."""
     fine = [outcome.value for outcome in (*ENDED_WELL, Outcome.TOO_FEW, Outcome.ORBIT)]
     bad = {name: count for name, count in summary.outcomes.items() if name not in fine}
     if summary.speed.value is None:

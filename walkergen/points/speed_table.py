@@ -16,7 +16,7 @@ from walkergen.points.members import Member
 
 
 def caption(design: Design, scene: Scene, mode: str) -> str:
-    """Describe the basis of the speeds of a table of one design."""
+    """Return the caption of a table of speeds: how they were computed, and the assumed contact."""
     contact, assumed = scene.contact, scene.prediction
     what = "mean factor v/w" if design.alike else "balanced factor v/w"
     origin = contact.origin[0].upper() + contact.origin[1:]
@@ -62,9 +62,12 @@ MIN_FOLDED_WALKERS = 3
 
 
 def tables(name: str, design: str, walkers: Sequence[Member], why: bool = True) -> list[Table]:
-    """Build the table of a design's walkers, with notes if `why`, and of their masses and the meshes' if weighed."""
+    """Return the table of a design's speeds and, if walkers were weighed, one that compares weighed and mesh masses.
+
+    `why`: True to number the speeds that have a note.
+    """
     rows = [members.columns(member) for member in walkers]
-    standing = {member.row for member in _standing(walkers)}
+    standing = {member.row for member in _folded_walkers(walkers)}
     moving = [members.row(member) for member in walkers if member.row not in standing]
     speeds = Table(
         name,
@@ -80,9 +83,9 @@ def tables(name: str, design: str, walkers: Sequence[Member], why: bool = True) 
 
 
 def note_lines(walkers: Sequence[Member], why: bool = True) -> list[str]:
-    """Return the table's numbered notes if `why`, then lines on standing walkers and on weighed masses."""
+    """Return the lines below the table: numbered notes (if `why`), walkers that stand, and weighed masses."""
     notes = [f"[{number}] {note}" for number, note in enumerate(_notes(walkers), start=1)] if why else []
-    standing = _standing(walkers)
+    standing = _folded_walkers(walkers)
     if standing:
         tilts = [member.design.tilt_deg for member in standing]
         grams = [member.row.total_g for member in standing]
@@ -95,21 +98,22 @@ def note_lines(walkers: Sequence[Member], why: bool = True) -> list[str]:
 
 
 def columns(walkers: Sequence[Member], why: bool = True) -> tuple[Column, ...]:
-    """Return the columns of the table; a speed with a note carries its number, if `why`.
+    """Return the columns of the table of speeds. `why`: True to add the number of its note to a speed.
 
-    Where only the theory was requested they are what it takes and gives, without empty ones.
+    If only the theory was requested, the columns are its inputs and results.
     """
     simulated, notes = any(member.simulated for member in walkers), _notes(walkers)
     by_theory = any(member.row.speed_by == "theory" for member in walkers)
 
-    def mark(note: str) -> str:
+    def note_mark(note: str) -> str:
+        """Return the number of a note in brackets; "" if it is not listed."""
         return f" [{notes.index(note) + 1}]" if note in notes and why else ""
 
     def format_designed(row: Any) -> str:
-        return (_format_outcome(row) or formatting.format_fixed(row.nominal.number, 1)) + mark(row.note)
+        return (_format_outcome(row) or formatting.format_fixed(row.nominal.number, 1)) + note_mark(row.note)
 
-    def theory(row: Any) -> str:
-        return formatting.format_fixed(row.theory_mm_s, 1) + mark(row.theory_note)
+    def format_theory(row: Any) -> str:
+        return formatting.format_fixed(row.theory_mm_s, 1) + note_mark(row.theory_note)
 
     def format_speed(row: Any) -> str:
         speed = row.speed.value
@@ -128,7 +132,7 @@ def columns(walkers: Sequence[Member], why: bool = True) -> tuple[Column, ...]:
         _factor_column("front\n(v/w)", "factor_front", wide=not alone),
         _factor_column("mean\n(v/w)", "factor_mean", wide=True),
     )
-    eq_15 = _with_meaning(Column("eq. 15\n(mm/s)", theory, right=True, wide=not by_theory), "theory_mm_s")
+    eq_15 = _with_meaning(Column("eq. 15\n(mm/s)", format_theory, right=True, wide=not by_theory), "theory_mm_s")
     if alone:
         return (*given, *masses, *factors, eq_15)
     return (
@@ -146,7 +150,7 @@ def columns(walkers: Sequence[Member], why: bool = True) -> tuple[Column, ...]:
 
 
 def _format_outcome(row: Any) -> str:
-    """Return the outcome of a walker without a speed worth a number; "" of others."""
+    """Return the text shown instead of a speed: "stands", "falls over" or "-" if unknown; "" for a walker that runs."""
     if prediction.is_standing(row):
         return "stands"
     if row.nominal.value is None:
@@ -155,14 +159,17 @@ def _format_outcome(row: Any) -> str:
 
 
 def _mass_column(heading: str, key: str, wide: bool = False) -> Column:
+    """Return the column of a mass or moment of inertia. `wide`: shown only in wide tables."""
     return _with_meaning(report.number_column(heading, key, wide=wide), key)
 
 
 def _factor_column(heading: str, key: str, wide: bool) -> Column:
+    """Return the column of a factor v/w of the theory. `wide`: shown only in wide tables."""
     return _with_meaning(report.fixed_column(heading, key, 3, wide=wide), key)
 
 
 def _with_meaning(column: Column, key: str) -> Column:
+    """Return the column with the explanation of its short heading from MEANINGS."""
     return column._replace(meaning=MEANINGS[key])
 
 
@@ -170,8 +177,8 @@ def _has_weighings(walkers: Sequence[Member]) -> bool:
     return any(member.weighing is not None for member in walkers)
 
 
-def _standing(walkers: Sequence[Member]) -> list[Member]:
-    """Return the standing walkers on braced legs, if there are several, none simulated."""
+def _folded_walkers(walkers: Sequence[Member]) -> list[Member]:
+    """Return the walkers on braced legs that stand and were not simulated; none if fewer than MIN_FOLDED_WALKERS."""
     standing = [
         member
         for member in walkers
@@ -181,29 +188,30 @@ def _standing(walkers: Sequence[Member]) -> list[Member]:
 
 
 def _notes(walkers: Sequence[Member]) -> list[str]:
-    """Return the distinct notes of the walkers that the table shows, in order."""
-    standing = {id(member) for member in _standing(walkers)}  # equality compares designs and meshes
+    """Return the distinct notes on walkers with a row in the table, in its order."""
+    standing = {id(member) for member in _folded_walkers(walkers)}  # equality compares designs and meshes
     shown = [member.row for member in walkers if id(member) not in standing]
     alone = _has_theory_alone(walkers)
     return list(dict.fromkeys(filter(None, (row.theory_note if alone else row.note for row in shown))))
 
 
 def _has_theory_alone(walkers: Sequence[Member]) -> bool:
-    """Return whether only the theory's speeds were requested."""
+    """Return whether only the theory's speeds were requested for all walkers."""
     return all(member.row.has_theory_alone for member in walkers)
 
 
 def _bounds_column(heading: str, confidence: float, wide: bool = False) -> Column:
-    """Return the column of the bounds that hold a speed with this confidence."""
+    """Return the column of the bounds of the speed at a confidence from 0 to 1."""
     return Column(heading, lambda row: _format_bounds(row.speed, confidence), True, wide)
 
 
 def _format_bounds(speed: Quantity, confidence: float = CONFIDENCE) -> str:
-    """Format the bounds in whole numbers; "" without any."""
+    """Format the bounds of a speed at this confidence as "low to high" in whole mm/s; "" without bounds."""
     return " to ".join(formatting.format_fixed(end, 0) for end in speed.interval(confidence) or ())
 
 
 def _format_runs(row: Any) -> str:
+    """Format the simulated speed of a walker with its 95 % bounds; "-" without a speed."""
     if row.sim_speed.value is None:
         return "-"
     return f"{formatting.format_fixed(row.sim_speed.number, 1)}, {_format_bounds(row.sim_speed)}"
@@ -218,18 +226,20 @@ RUN_COLUMNS = (
 
 
 def _format_mass(row: Any) -> str:
+    """Format the weighed mass of a walker with its standard error, g."""
     error = "" if row.mass.se is None else f" ± {formatting.format_number(row.mass.se, 2)}"
     return f"{formatting.format_number(row.mass.number, 4)}{error}"
 
 
 def _format_mesh_speed(speed: float | None) -> str:
-    """Format a speed that a mesh's mass may change, mm/s; "" for None."""
+    """Format a speed in the table of weighed masses, mm/s, with two decimals; "" for None."""
     return "" if speed is None else formatting.format_fixed(speed, 2)
 
 
 def _format_change(row: Any) -> str:
-    speed, of_mesh = row.speed.value, row.speed_mesh_mm_s
-    return _format_mesh_speed(None if speed is None or of_mesh is None else speed - of_mesh)
+    """Format the predicted speed from weighed masses less that from the mesh's masses, mm/s."""
+    speed, mesh_speed = row.speed.value, row.speed_mesh_mm_s
+    return _format_mesh_speed(None if speed is None or mesh_speed is None else speed - mesh_speed)
 
 
 MASS_COLUMNS = (
@@ -246,13 +256,13 @@ MASS_COLUMNS = (
 
 
 def _percent_column(heading: str, key: str) -> Column:
-    """Return the column of a share of a variance with its error, percent."""
+    """Return the column of the share of a variance in attribute `key` of its rows, with its error, percent."""
 
-    def cell(row: Any) -> str:
+    def format_share(row: Any) -> str:
         value, error = getattr(row, key).pair
         return f"{100 * value:.0f} ± {100 * error:.0f}"
 
-    return Column(f"{heading}, %", cell, right=True)
+    return Column(f"{heading}, %", format_share, right=True)
 
 
 SHARE_COLUMNS = (
@@ -264,7 +274,7 @@ SHARE_COLUMNS = (
 
 
 def shares_table(name: str, listed: Sequence[Share], title: str) -> Table:
-    """Return the table of inputs with their shares of a variance."""
+    """Return the table of uncertain inputs with their shares of the variance of the speed."""
     from walkergen.core.numerics.quantity import column_values
 
     rows = [tuple(column_values(share).values()) for share in listed]

@@ -53,11 +53,11 @@ TURNING_REASON = (
 COARSE_STEP_REASON = "not resolved by this step: ‹step=›{step_us:.2g} or less resolves it"
 
 
-def judge(plan: Plan, numbers: Mapping[str, Quantity]) -> dict[str, Quantity]:
-    """Return the numbers of runs by `observables.OBSERVABLE_NAMES`, each with the step's error as its bias.
+def add_step_bias(plan: Plan, numbers: Mapping[str, Quantity]) -> dict[str, Quantity]:
+    """Return the numbers of runs by name, each with the largest error by the time step (95 %) as its `bias`.
 
-    A reason explains an unknown error. Also landings of corners and of groups of corners per second, as shares of a
-    rate, and motion.
+    An unknown error is infinite, with the reason in `refused`. LANDING_RATE and GROUP_RATE are added with relative
+    errors, and MOTION.
     """
     named = {
         **numbers,
@@ -76,7 +76,7 @@ def judge(plan: Plan, numbers: Mapping[str, Quantity]) -> dict[str, Quantity]:
 
 
 def _bias(plan: Plan, part: float, name: str, value: float) -> float:
-    """Return the error by a step that is `part` (at most 1) of the walker's own."""
+    """Return the largest error (95 %) of the number `name`. `part`: step over `resolving_step`, at most 1."""
     if name == observables.SPEED:
         return part**2 * (SPEED_ERROR_SHARE * abs(value) + SPEED_ERROR_FLOOR * plan.shaken.peak_speed)
     if name in MAX_STEP_ERRORS:
@@ -90,14 +90,14 @@ def step_bias(number: Quantity) -> float | None:
 
 
 def reason(number: Quantity) -> str:
-    """Return why the error by the step is unknown, and what would resolve the number; "" if it is known."""
+    """Return the text why a number's error by the time step is unknown; "" if it is known."""
     return number.refused if math.isinf(number.bias) else ""
 
 
 def total_error(number: Quantity) -> float | None:
-    """Return the standard error of the runs' scatter and the step together; None if either is unknown.
+    """Return the standard error from the scatter of runs and the time step together; None if either is unknown.
 
-    Half of a largest error of 95 % counts as one standard deviation.
+    Half of the step's largest error (95 %) counts as one standard deviation.
     """
     if number.se is None or math.isinf(number.bias):
         return None
@@ -105,7 +105,7 @@ def total_error(number: Quantity) -> float | None:
 
 
 def resolving_step(plan: Plan) -> float:
-    """Return the step (s) that resolves the walker's feet, for any step of the scene."""
+    """Return the default time step (s), which resolves the contact of the walker's feet. The scene's own is ignored."""
     run = plan.scene.run.model_copy(update={"step_us": None})
     scene = plan.scene.model_copy(update={"run": run})
     return float(prepare(scene, plan.case.design, plan.case.mass).world.options.step)

@@ -34,7 +34,7 @@ class Store:
             raise self._failure(error) from None
 
     def get(self, keys: Sequence[str]) -> dict[str, Record]:
-        """Return the records of those keys that are stored."""
+        """Return the stored records by key. Missing keys are left out."""
         marks = ",".join("?" * len(keys))
         try:
             rows = self._base.execute(f"SELECT key, record FROM points WHERE key IN ({marks})", keys).fetchall()
@@ -44,7 +44,7 @@ class Store:
         return {key: record for key, record in records if record is not None}
 
     def save(self, rows: Iterable[tuple[str, Record]]) -> None:
-        """Save records, all of them or none; on the disk when this returns."""
+        """Save pairs of key and record in one transaction: all of them or none."""
         texts = [(key, json.dumps(record, allow_nan=False)) for key, record in rows]
         if not texts:
             return
@@ -65,6 +65,7 @@ class Store:
         self._base.close()
 
     def _failure(self, error: Exception) -> OutputError:
+        """Return the error to raise, with advice, for an error of SQLite."""
         return OutputError(
             f"{self.path}: the store of points cannot be used: {error}; make room, or delete the "
             "file; its points are then computed again"
@@ -72,7 +73,7 @@ class Store:
 
 
 def _parse_record(text: Any) -> Record | None:
-    """Parse a record from its JSON; None for one that this program would not write. It is computed again."""
+    """Parse a record from JSON text; None if the text is damaged or not a record."""
     try:
         record = json.loads(text)
     except (ValueError, TypeError, RecursionError):

@@ -63,7 +63,7 @@ def draw_tracks(tracks: Tracks, title: str) -> Figure:
 
 
 def _draw_headings(axes: Axes, track: Track, size: float, colour: str) -> None:
-    """Draw arrows along a track that point where the walker's front did."""
+    """Draw arrows for the walker's heading along a track. `size`: width of all tracks, mm."""
     assert track.heading is not None
     complete = np.isfinite(track.position).all(axis=1) & np.isfinite(track.heading)
     at = np.flatnonzero(complete)

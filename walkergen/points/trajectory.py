@@ -25,7 +25,7 @@ class Trajectory(NamedTuple):
 
 
 def check_sample_count(scene: Scene, interval: float, runs: int) -> None:
-    """Raise InputError when trajectories of so many runs would have too many samples to keep."""
+    """Raise InputError if samples every `interval` seconds of all runs would be more than MAX_SAMPLES."""
     wanted = runs * scene.run.seconds / interval
     if wanted > MAX_SAMPLES:
         what = "a trajectory" if runs == 1 else f"tracks of {runs} runs"
@@ -34,9 +34,9 @@ def check_sample_count(scene: Scene, interval: float, runs: int) -> None:
 
 
 def from_runs(results: Sequence[RunResult]) -> Trajectory:
-    """Build tracks of runs that kept samples of a trajectory; `particle` is the number of the run.
+    """Return one trajectory of all runs, in the given order. The column `particle` is the number of the run.
 
-    Runs come by their numbers, each with its own time from the end of its discarded start.
+    The runs must have kept samples. Time counts from the end of each run's discarded start.
     """
     parts = [np.insert(sample_rows(result), 1, result.number, axis=1) for result in results]
     rows = np.concatenate(parts) if parts else np.zeros((0, 2 + len(TRAJECTORY_COLUMNS)))
@@ -44,13 +44,13 @@ def from_runs(results: Sequence[RunResult]) -> Trajectory:
 
 
 def sample_rows(result: RunResult) -> Array:
-    """Return the rows (t in s, then the state's columns) of the samples that a run kept."""
+    """Return the samples that a run kept: rows of time (s) and TRAJECTORY_COLUMNS."""
     samples = result.tally.samples
     return np.asarray(samples.rows[: samples.cursor[0]])
 
 
 def to_csv(trajectory: Trajectory) -> bytes:
-    """Format a CSV with a header line, every digit kept."""
+    """Return a trajectory as CSV with a header line and all digits."""
     text = io.StringIO()
     text.write(",".join(trajectory.columns) + "\n")
     np.savetxt(text, trajectory.rows, fmt="%.17g", delimiter=",")
@@ -58,7 +58,7 @@ def to_csv(trajectory: Trajectory) -> bytes:
 
 
 def to_npz(trajectory: Trajectory) -> bytes:
-    """Create an NPZ archive with one array per column."""
+    """Return a trajectory as an NPZ archive with one array per column."""
     data = io.BytesIO()
     columns = dict(zip(trajectory.columns, trajectory.rows.T, strict=True))
     np.savez(data, allow_pickle=False, **columns)

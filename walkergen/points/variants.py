@@ -26,8 +26,8 @@ from walkergen.points.walkers import speed_error
 MAX_RUN_S, MAX_DISCARD_S = 2.0, 0.5
 """Maximum measured time of a run, and of its start that is not measured, s: more runs give more than longer ones."""
 
-Beside = tuple[RunResult, ...]
-"""Runs of one number: the scene's, then each variant's."""
+RunSet = tuple[RunResult, ...]
+"""Runs of one number: the run of the scene, then that of each variant."""
 
 
 class Variant(NamedTuple):
@@ -63,39 +63,39 @@ class Pairs(NamedTuple):
     walker: Walker
     variants: tuple[Variant, ...]
 
-    def prepare(self) -> OneRun[Beside]:
-        """Return a function that simulates the runs of a number, with all kernels compiled."""
+    def prepare(self) -> OneRun[RunSet]:
+        """Compile all kernels and return a function that simulates run `number` of the scene and of each variant."""
         plans = [
             _with_short_runs(walker).plan() for walker in (self.walker, *(variant.walker for variant in self.variants))
         ]
         for plan in plans:
             compile_kernels(plan)
 
-        def one(number: int, stopped: Any, tell: Any) -> Beside:
+        def simulate_all(number: int, stopped: Any, tell: Any) -> RunSet:
             results = []
-            for place, plan in enumerate(plans, start=1):
+            for done, plan in enumerate(plans, start=1):
                 results.append(simulate(plan, number, stopped))
-                tell(place / len(plans))
+                tell(done / len(plans))
             return tuple(results)
 
-        return one
+        return simulate_all
 
-    def quantities(self, records: Sequence[Beside]) -> list[Quantity]:
-        """Return the mean speed of the scene, and what each variant changes."""
+    def quantities(self, records: Sequence[RunSet]) -> list[Quantity]:
+        """Return the mean speed of the scene, then the change of speed by each variant."""
         return [self.mean_speed(records), *(change.speed for change in self.changes(records))]
 
     def finer(self) -> None:
-        """Return None: the step's error is left out."""
+        """Return None: runs are never refined, as errors by the time step are left out."""
 
-    def mean_speed(self, records: Sequence[Beside]) -> Quantity:
+    def mean_speed(self, records: Sequence[RunSet]) -> Quantity:
         """Return the mean speed of the scene, mm/s."""
         return quantity.mean("speed", "mm_s", [runs[0].speed for runs in records if runs[0].outcome in ENDED_WELL])
 
-    def changes(self, records: Sequence[Beside]) -> list[Change]:
-        """Compute what each variant changes."""
+    def changes(self, records: Sequence[RunSet]) -> list[Change]:
+        """Compute the change of speed and of CPU time by each variant."""
         changes = []
-        for place, variant in enumerate(self.variants, start=1):
-            pairs = [(runs[0], runs[place]) for runs in records]
+        for index, variant in enumerate(self.variants, start=1):
+            pairs = [(runs[0], runs[index]) for runs in records]
             cpu = quantity.mean("cpu_ratio", "", [other.cpu_s / max(own.cpu_s, 1e-9) for own, other in pairs])
             speed = _speed_difference(pairs, self.walker.shaken.peak_speed)
             changes.append(Change(variant.effect, variant.change, speed, cpu))
@@ -103,13 +103,16 @@ class Pairs(NamedTuple):
 
 
 def verdict(walker: Walker, speed: Quantity, change: Change, tolerance: Tolerance) -> Verdict:
-    """Describe how a change compares with the allowed error of a walker's speed, with 95 % confidence."""
+    """Return whether a change of speed is within the tolerance of the walker's `speed`, with 95 % confidence."""
     error = speed_error(tolerance, walker.shaken).max_error(speed.value)
     return change.speed.compare_with_range(-error, error)
 
 
 def _speed_difference(pairs: Sequence[tuple[RunResult, RunResult]], plate_speed: float) -> Quantity:
-    """Return the mean difference of speeds of pairs of runs, without an error if all runs share an orbit."""
+    """Return the mean speed difference, mm/s, of pairs (scene, variant) of runs.
+
+    It has no standard error if the runs share an orbit, and no value if one ended badly. `plate_speed`: peak, mm/s.
+    """
     ended = [result for pair in pairs for result in pair if result.outcome not in ENDED_WELL]
     if ended:
         return Quantity(
@@ -123,23 +126,23 @@ def _speed_difference(pairs: Sequence[tuple[RunResult, RunResult]], plate_speed:
 
 
 def _with_short_runs(walker: Walker) -> Walker:
-    """Return the walker with short runs."""
+    """Return the walker with runs of at most MAX_RUN_S after a start of at most MAX_DISCARD_S."""
     run = walker.scene.run
     return walker.with_run(seconds=min(run.seconds, MAX_RUN_S), discard_seconds=min(run.discard_seconds, MAX_DISCARD_S))
 
 
 def rule_effects(plan: Plan) -> list[tuple[Rule, Effect]]:
-    """Return every rule with the effect of a plan, even if its scene does not need it."""
+    """Return every rule with the effect that it finds for a plan, on or off."""
     return [(rule, rule.judge(plan.case)) for rule in active_effects.all_rules()]
 
 
 def without_effect(walker: Walker, rule: Rule) -> Variant | None:
-    """Return the variant without the effect of a rule; None if it cannot be made."""
+    """Return the variant of a scene without the effect of a rule; None if it cannot be simulated."""
     return _build_variant(walker, "", "off", rule.off)
 
 
 def effect_variants(walker: Walker, also_on: bool) -> Iterator[Variant]:
-    """Yield the variants without each effect that is on; `also_on`: with each that is off at its usual size, too."""
+    """Yield a variant without each effect that is on. `also_on`: also a variant with each effect that is off."""
     by_motor = walker.scene.drive.kind == "motor"
     for rule, effect in rule_effects(walker.plan()):
         variant = None
@@ -152,19 +155,20 @@ def effect_variants(walker: Walker, also_on: bool) -> Iterator[Variant]:
 
 
 def _format_usual(rule: Rule) -> str:
-    """Format the usual size of an effect."""
+    """Describe the change when an effect is switched on at its usual size."""
     sizes = {key.rpartition(".")[2]: value for key, value in rule.usual.items()}
     words = ", ".join(f"{name} = {value}" for name, value in sizes.items() if value is not True)
     return f"on, {words}" if words else "on"
 
 
 def combine(walker: Walker, first: Variant, second: Variant) -> Variant | None:
-    """Return the variant with the changes of two; None if it cannot be made."""
+    """Return the variant with the changes of two variants; None if it cannot be simulated."""
     words = first.change if first.change == second.change else "both"
     return _build_variant(walker, f"{first.effect} and {second.effect}", words, {**first.values, **second.values})
 
 
 def _build_variant(walker: Walker, effect: str, change: str, values: Mapping[str, Any]) -> Variant | None:
+    """Return the variant with these values, by key, of the scene; None if it cannot be simulated."""
     return _valid_variant(
         Variant(effect, change, walker._replace(scene=replace_without_validation(walker.scene, values)), values)
     )

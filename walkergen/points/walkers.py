@@ -32,7 +32,7 @@ MIN_SPEED_RATIO = 0.2
 
 
 def simulate(walker: Walker, progress: Progress = silent, threads: int | None = None) -> Results:
-    """Simulate the runs of a walker's scene, as `measure` does. Raises InputError if it contradicts itself."""
+    """Simulate all runs that the walker's scene requests. Raises InputError if the scene contradicts itself."""
     return _to_results(measure(walker, Runs(walker.scene.run.runs), progress, threads))
 
 
@@ -49,9 +49,9 @@ def simulate_each(walkers: Sequence[Walker], titles: Sequence[str], progress: Pr
 
 
 def simulate_parallel(walkers: Sequence[Walker], progress: Progress = silent) -> dict[int, Results]:
-    """Simulate walkers, each on its own thread, and return results by place: best for walkers of a single run.
+    """Simulate walkers in parallel, one thread each, and return results by index: best for walkers of a single run.
 
-    Ctrl-C leaves those out that are not done.
+    After Ctrl-C, unfinished walkers are missing.
     """
     return batch.run_parallel(
         lambda number, stopped, tell: simulate(walkers[number], silent, 1), range(len(walkers)), progress
@@ -69,7 +69,7 @@ class ErrorResult(NamedTuple):
 
     @property
     def error(self) -> float:
-        """Half-width of the bounds of 95 % by runs and step, in the same unit; infinite if unknown."""
+        """Half-width of the 95 % bounds from runs and time step, in the observable's unit; infinite if unknown."""
         return self.results.summary.numbers[self.of].half_width()
 
     @property
@@ -111,9 +111,9 @@ def simulate_to_error(
     threads: int | None = None,
     expect: Expect = ignore_estimate,
 ) -> ErrorResult:
-    """Simulate short runs of a walker, and more of them until an observable has an error.
+    """Simulate short runs of a walker until the observable `of` has the wanted error, or no more runs could help.
 
-    The step is halved if it takes up more of the error than runs could make good. `expect` receives the remaining
+    The time step is halved if it takes up more of the error than runs could make good. `expect` receives the remaining
     time after the first runs. After Ctrl-C the finished runs are returned. Raises InputError if the scene
     contradicts itself or the design, and for an observable that no run gives, or that the step does not resolve.
     """
@@ -130,27 +130,28 @@ def simulate_to_error(
 
 
 def simulate_with_limit(walker: Walker, wanted: Tolerance, most: int, progress: Progress = silent) -> Results:
-    """Run a walker until its speed has the wanted error, or `most` runs are made, even if they fail."""
+    """Simulate short runs of a walker until its speed has the wanted error or `most` runs are made."""
     return _simulate_short_runs(walker, speed_error(wanted, walker.shaken)._replace(most=most), progress, None)
 
 
 def cost_to_error(walker: Walker, wanted: Tolerance) -> float:
-    """Estimate the CPU seconds to an error of the speed from the first runs, which are made."""
+    """Estimate the CPU seconds, first runs included, until the speed has the wanted error. Makes the first runs."""
     first = measure(_with_first_runs(walker), Runs(FIRST_RUNS))
     return run_time.total_cpu_s(first) + run_time.cost_of_error(speed_error(wanted, walker.shaken), first)
 
 
 def _simulate_short_runs(walker: Walker, until: Until, progress: Progress, threads: int | None) -> Results:
+    """Simulate runs of at most MAX_RUN_S until the rule `until` has enough of them."""
     return _to_results(measure(_with_first_runs(walker), until, progress, threads))
 
 
 def _with_first_runs(walker: Walker) -> Walker:
-    """Return the walker with the first runs for an error."""
+    """Return the walker with FIRST_RUNS runs of at most MAX_RUN_S."""
     return walker.with_run(runs=FIRST_RUNS, seconds=min(walker.scene.run.seconds, MAX_RUN_S))
 
 
 def speed_error(wanted: Tolerance, shaken: Drive) -> Error:
-    """Return the error of the speed of a walker on a plate with this drive."""
+    """Return the rule to add runs until the speed has the wanted error. `shaken`: drive of the plate."""
     return Error(wanted, SPEED, MIN_SPEED_RATIO * shaken.peak_speed)
 
 
@@ -159,9 +160,9 @@ def _to_results(measured: Measured[Walker]) -> Results:
 
 
 def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) -> Tracks:
-    """Return the tracks of runs, seen from above: their samples `interval` s apart, or the ends of blocks.
+    """Return the tracks of runs, seen from above: samples every `interval` s, or the ends of blocks for None.
 
-    In a lane only the way along it counts, as in a film of one.
+    `lane`: True if only the position along a lane counts.
     """
     if interval is None:
         return from_places([result.places for result in results], results[0].block_s, lane)
@@ -169,7 +170,10 @@ def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) 
 
 
 def motion_of(results: Sequence[RunResult], scene: Scene, interval: float | None = None) -> tuple[Motion | None, str]:
-    """Return the motion of at least one run in space; None for runs that are too short, with the reason."""
+    """Return the motion estimated from tracks of runs, and ""; for runs that are too short None and the reason.
+
+    `interval`: time between samples of the tracks, s; None for the ends of blocks.
+    """
     slope = 0.0 if "plate_slope" in scene.effects.off else scene.plate.slope_deg
     descent = None if not slope else 0.0 if slope > 0.0 else math.pi
     tracks = tracks_of(results, scene.arena.kind == "lane", interval)

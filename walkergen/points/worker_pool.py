@@ -73,16 +73,16 @@ def _ignore_ctrl_c() -> Iterator[None]:
 
 
 def init_worker() -> None:
-    """Leave Ctrl-C to the parent, and end with it, even when it is killed."""
+    """Prepare a worker process: ignore Ctrl-C, and end when the parent process ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     assert parent is not None
 
-    def watch() -> None:
+    def exit_with_parent() -> None:
         wait([parent.sentinel])
         os._exit(1)
 
-    threading.Thread(target=watch, daemon=True).start()
+    threading.Thread(target=exit_with_parent, daemon=True).start()
 
 
 @contextmanager
@@ -122,7 +122,7 @@ def _parse_address(address: str) -> tuple[str, int]:
 
 
 def _check_greeting(host: str, port: int) -> None:
-    """Raise OSError unless the server at a port speaks first, and greets as schedulers do.
+    """Raise OSError unless the server at a port first sends the greeting of a dask scheduler.
 
     The client of dask waits for ever for a server that accepts a connection and sends nothing, and takes the first
     eight bytes of any other server for the length of a message.
@@ -131,6 +131,7 @@ def _check_greeting(host: str, port: int) -> None:
     with socket.create_connection((host.strip("[]"), port), ANSWER_TIMEOUT_S) as connection:
 
         def receive(size: int) -> bytes:
+            """Return the next `size` bytes. Raises OSError after the time limit or at the end."""
             data = b""
             while len(data) < size:
                 connection.settimeout(max(until - time.monotonic(), 1e-3))
@@ -145,7 +146,7 @@ def _check_greeting(host: str, port: int) -> None:
 
 
 def _worker_digests(client: Any) -> dict[str, str]:
-    """Return the digest of the sources of each worker, or the reason for a missing one."""
+    """Return each worker's digest of walkergen's sources, or the text of its error, by worker name."""
     answers = client.run(digest, on_error="return")
     return {
         name: answer if isinstance(answer, str) else f"{type(answer).__name__}: {answer}"
@@ -154,7 +155,7 @@ def _worker_digests(client: Any) -> dict[str, str]:
 
 
 def check_digests(digests: dict[str, str]) -> None:
-    """Raise InputError for the first worker whose walkergen is not this one."""
+    """Raise InputError for the first worker whose digest of walkergen's sources differs from that of this machine."""
     for worker, reply in digests.items():
         if reply != digest():
             what = "another version of walkergen" if len(reply) == 16 else reply[:120]

@@ -28,7 +28,7 @@ def measure_numbers(plan):
     """Numbers of a plan with their errors and biases, by name."""
     results = batch.run_all(ensemble.runner(plan), plan.scene.run.runs)
     found = ensemble.summarise(results, plan.shaken.peak_speed, 0.0)
-    return step_errors.judge(plan, found.numbers)
+    return step_errors.add_step_bias(plan, found.numbers)
 
 
 def test_error_of_a_quotient_is_the_scatter_of_its_replicates():
@@ -110,11 +110,11 @@ def test_finer_steps_have_smaller_errors_and_coarser_none():
     found = ensemble.summarise(results, whole.shaken.peak_speed, 0.0)
     errors = []
     for part in (1.0, 0.9, 0.5, 0.499, 0.1):
-        judged = step_errors.judge(plan_of(step_us=1e6 * part * own), found.numbers)
+        judged = step_errors.add_step_bias(plan_of(step_us=1e6 * part * own), found.numbers)
         errors.append(judged[observables.IMPACTS].bias)
     assert errors == sorted(errors, reverse=True)
     assert errors[2] == pytest.approx(errors[3], rel=0.01)
-    coarser = step_errors.judge(plan_of(step_us=1.2e6 * own), found.numbers)
+    coarser = step_errors.add_step_bias(plan_of(step_us=1.2e6 * own), found.numbers)
     assert all(step_errors.step_bias(one) is None for one in coarser.values())
 
 
